@@ -1,0 +1,94 @@
+//! Geometry and moduli of straight-sided cells: barycentric gradients and
+//! volume, constant on a cell.
+
+use crate::mesh::Mesh;
+
+/// Per cell: gradients of the barycentric coordinates and the volume.
+#[derive(Clone, Debug)]
+pub struct CellGeometry {
+    /// Vertices per cell.
+    pub vertices: usize,
+    /// [cells * vertices], each [3]; the third component is zero in 2D.
+    pub gradients: Vec<[f64; 3]>,
+    /// Volume (area in 2D) [cells].
+    pub volumes: Vec<f64>,
+}
+
+/// Per cell: the moduli that enter the operators, non-dimensional.
+#[derive(Clone, Debug, Default)]
+pub struct CellModuli {
+    /// mu [cells].
+    pub shear: Vec<f64>,
+    /// lambda of the displacement form, zero where a pressure unknown serves [cells].
+    pub lame: Vec<f64>,
+    /// 1 / lambda of the mixed form [cells].
+    pub inverse_lame: Vec<f64>,
+}
+
+impl CellGeometry {
+    /// Geometry of `mesh` with coordinates multiplied by `scale`.
+    pub fn new(mesh: &Mesh, scale: f64) -> Self {
+        let vertices = mesh.cell_kind().vertices();
+        let cells = mesh.cells().chunks_exact(vertices);
+        let mut geometry = Self {
+            vertices,
+            gradients: Vec::with_capacity(mesh.cells().len()),
+            volumes: Vec::with_capacity(cells.len()),
+        };
+        for cell in cells {
+            let mut points = [[0.0; 3]; 4];
+            for (point, &vertex) in points.iter_mut().zip(cell) {
+                *point = mesh.coordinates()[vertex as usize].map(|x| x * scale);
+            }
+            let volume = match vertices {
+                3 => triangle(&points, &mut geometry.gradients),
+                _ => tetrahedron(&points, &mut geometry.gradients),
+            };
+            geometry.volumes.push(volume);
+        }
+        geometry
+    }
+
+    /// Number of cells.
+    pub fn cells(&self) -> usize {
+        self.volumes.len()
+    }
+
+    /// Gradients of one cell [vertices].
+    pub fn gradients_of(&self, cell: usize) -> &[[f64; 3]] {
+        &self.gradients[cell * self.vertices..(cell + 1) * self.vertices]
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        (24 * self.gradients.len() + 8 * self.volumes.len()) as u64
+    }
+}
+
+fn triangle(p: &[[f64; 3]; 4], gradients: &mut Vec<[f64; 3]>) -> f64 {
+    let double = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
+    for i in 0..3 {
+        let (a, b) = (p[(i + 1) % 3], p[(i + 2) % 3]);
+        gradients.push([(a[1] - b[1]) / double, (b[0] - a[0]) / double, 0.0]);
+    }
+    0.5 * double
+}
+
+fn tetrahedron(p: &[[f64; 3]; 4], gradients: &mut Vec<[f64; 3]>) -> f64 {
+    let edge = |i: usize| [p[i][0] - p[0][0], p[i][1] - p[0][1], p[i][2] - p[0][2]];
+    let (a, b, c) = (edge(1), edge(2), edge(3));
+    let cross = |u: [f64; 3], v: [f64; 3]| {
+        [
+            u[1] * v[2] - u[2] * v[1],
+            u[2] * v[0] - u[0] * v[2],
+            u[0] * v[1] - u[1] * v[0],
+        ]
+    };
+    let (bc, ca, ab) = (cross(b, c), cross(c, a), cross(a, b));
+    let six = a[0] * bc[0] + a[1] * bc[1] + a[2] * bc[2];
+    let rows = [bc, ca, ab].map(|row| row.map(|x| x / six));
+    let first = [0, 1, 2].map(|i| -(rows[0][i] + rows[1][i] + rows[2][i]));
+    gradients.push(first);
+    gradients.extend(rows);
+    six / 6.0
+}

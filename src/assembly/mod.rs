@@ -1,0 +1,16 @@
+//! Integrates a material over a space: the matrix-free P2 operator and the
+//! divergence, the assembled P1 block, node blocks, masses and loads.
+
+pub mod cells;
+pub mod grid;
+pub mod kernel;
+pub mod lanes;
+pub mod load;
+pub mod mass;
+pub mod operator;
+pub mod p1_stiffness;
+pub mod partition;
+
+pub use cells::{CellGeometry, CellModuli};
+pub use grid::Grid;
+pub use operator::{Divergence, Stiffness};

@@ -1,0 +1,170 @@
+//! The assembled P1 block A11 = P^T A P and the node blocks of the P2
+//! stiffness in the Lagrange basis.
+//!
+//! For barycentric gradients g_a: int 2 mu eps:eps + lambda div div couples
+//! vertices a and b by mu (g_a.g_b I + g_b g_a^T) + lambda g_a g_b^T, times the
+//! volume. Held components have identity rows and columns.
+
+use super::cells::{CellGeometry, CellModuli};
+use crate::linalg::cholesky::LowerColumns;
+use crate::mesh::Mesh;
+use crate::space::TaylorHood;
+
+type Block = [[f64; 3]; 3];
+
+/// Coupling of gradients `a` and `b` for unit volume.
+fn coupling(shear: f64, lame: f64, a: &[f64; 3], b: &[f64; 3]) -> Block {
+    let product = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    let mut block = [[0.0; 3]; 3];
+    for i in 0..3 {
+        for j in 0..3 {
+            block[i][j] = shear * a[j] * b[i] + lame * a[i] * b[j];
+        }
+        block[i][i] += shear * product;
+    }
+    block
+}
+
+fn add(target: &mut Block, factor: f64, block: &Block) {
+    for i in 0..3 {
+        for j in 0..3 {
+            target[i][j] += factor * block[i][j];
+        }
+    }
+}
+
+/// A11, lower triangle, unknowns vertex by vertex. `shift` adds a multiple of
+/// the lumped mass, for bodies whose supports leave rigid modes.
+pub fn p1_stiffness(
+    mesh: &Mesh,
+    space: &TaylorHood,
+    geometry: &CellGeometry,
+    moduli: &CellModuli,
+    held: &[u32],
+    shift: f64,
+) -> LowerColumns {
+    let mut diagonal = vec![[[0.0; 3]; 3]; space.vertices];
+    let mut off = vec![[[0.0; 3]; 3]; space.edges.len()];
+    let vertices = geometry.vertices;
+    let pairs = mesh.cell_kind().edges();
+    for cell in 0..geometry.cells() {
+        let g = geometry.gradients_of(cell);
+        let volume = geometry.volumes[cell];
+        let (shear, lame) = (moduli.shear[cell], moduli.lame[cell]);
+        let corners = &mesh.cells()[cell * vertices..(cell + 1) * vertices];
+        for (a, &vertex) in corners.iter().enumerate() {
+            let block = &mut diagonal[vertex as usize];
+            add(block, volume, &coupling(shear, lame, &g[a], &g[a]));
+            for (i, row) in block.iter_mut().enumerate() {
+                row[i] += shift * shear * volume / vertices as f64;
+            }
+        }
+        for (local, &(a, b)) in pairs.iter().enumerate() {
+            let edge = mesh.cell_edges()[cell * pairs.len() + local] as usize;
+            let (low, high) = if corners[a] < corners[b] { (a, b) } else { (b, a) };
+            add(&mut off[edge], volume, &coupling(shear, lame, &g[low], &g[high]));
+        }
+    }
+    lower_columns(space, &diagonal, &off, held)
+}
+
+fn lower_columns(space: &TaylorHood, diagonal: &[Block], off: &[Block], held: &[u32]) -> LowerColumns {
+    let c = space.components;
+    let mut is_held = vec![false; space.vertices * c];
+    for &index in held {
+        if let Some(flag) = is_held.get_mut(index as usize) {
+            *flag = true;
+        }
+    }
+    let mut matrix = LowerColumns {
+        offsets: vec![0],
+        ..LowerColumns::default()
+    };
+    let mut edge = 0;
+    for vertex in 0..space.vertices {
+        let first = edge;
+        while edge < space.edges.len() && space.edges[edge][0] as usize == vertex {
+            edge += 1;
+        }
+        for j in 0..c {
+            let column = vertex * c + j;
+            let mut push = |row: usize, value: f64| {
+                let identity = is_held[row] || is_held[column];
+                matrix.rows.push(row as u32);
+                matrix.values.push(match (identity, row == column) {
+                    (false, _) => value,
+                    (true, true) => 1.0,
+                    (true, false) => 0.0,
+                });
+            };
+            for i in j..c {
+                push(vertex * c + i, diagonal[vertex][i][j]);
+            }
+            for (ends, block) in space.edges[first..edge].iter().zip(&off[first..edge]) {
+                for i in 0..c {
+                    push(ends[1] as usize * c + i, block[j][i]);
+                }
+            }
+            matrix.offsets.push(matrix.rows.len() as u32);
+        }
+    }
+    matrix
+}
+
+/// Diagonal blocks of the P2 stiffness on Lagrange nodes
+/// [nodes, components, components], identity for held components.
+pub fn node_blocks(
+    mesh: &Mesh,
+    space: &TaylorHood,
+    geometry: &CellGeometry,
+    moduli: &CellModuli,
+    held: &[u32],
+) -> Vec<f64> {
+    let vertices = geometry.vertices;
+    let pairs = mesh.cell_kind().edges();
+    let d = (vertices - 1) as f64;
+    // Means over the cell of (4 l - 1)^2, l_a^2 and l_a l_b.
+    let square = 2.0 / ((d + 1.0) * (d + 2.0));
+    let mixed = 0.5 * square;
+    let corner = 16.0 * square - 8.0 / (d + 1.0) + 1.0;
+    let mut blocks = vec![[[0.0; 3]; 3]; space.nodes()];
+    for cell in 0..geometry.cells() {
+        let g = geometry.gradients_of(cell);
+        let volume = geometry.volumes[cell];
+        let (shear, lame) = (moduli.shear[cell], moduli.lame[cell]);
+        let couple = |a: usize, b: usize| coupling(shear, lame, &g[a], &g[b]);
+        for a in 0..vertices {
+            let vertex = mesh.cells()[cell * vertices + a] as usize;
+            add(&mut blocks[vertex], volume * corner, &couple(a, a));
+        }
+        for (local, &(a, b)) in pairs.iter().enumerate() {
+            let edge = mesh.cell_edges()[cell * pairs.len() + local] as usize;
+            let block = &mut blocks[space.vertices + edge];
+            add(block, 16.0 * volume * square, &couple(a, a));
+            add(block, 16.0 * volume * square, &couple(b, b));
+            add(block, 16.0 * volume * mixed, &couple(a, b));
+            add(block, 16.0 * volume * mixed, &couple(b, a));
+        }
+    }
+    flatten(&blocks, space.components, held)
+}
+
+fn flatten(blocks: &[Block], components: usize, held: &[u32]) -> Vec<f64> {
+    let size = components * components;
+    let mut flat = Vec::with_capacity(blocks.len() * size);
+    for block in blocks {
+        for row in &block[..components] {
+            flat.extend_from_slice(&row[..components]);
+        }
+    }
+    for &index in held {
+        let (node, i) = (index as usize / components, index as usize % components);
+        let block = &mut flat[node * size..(node + 1) * size];
+        for j in 0..components {
+            block[i * components + j] = 0.0;
+            block[j * components + i] = 0.0;
+        }
+        block[i * components + i] = 1.0;
+    }
+    flat
+}

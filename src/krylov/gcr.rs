@@ -1,0 +1,186 @@
+//! Flexible generalised conjugate residuals, truncated to the last directions.
+//!
+//! Minimises the weighted norm of the residual over the kept directions;
+//! Eisenstat, Elman and Schultz, SIAM J. Numer. Anal. 20, 1983. The
+//! preconditioner may change from call to call. Per iteration: one product,
+//! one preconditioner application, at most `kept + 2` reductions. A step that
+//! changes nothing is detected: from some residuals a block-triangular
+//! preconditioner produces a direction orthogonal to the residual.
+
+use super::{Monitor, Outcome, Verdict};
+use crate::linalg::vector::{add_scaled, dot, scale};
+use crate::linalg::{LinearOperator, Preconditioner, Workspace};
+
+/// Directions kept for orthogonalisation.
+const KEPT: usize = 10;
+/// A relative reduction below this counts as none.
+const LEAST_REDUCTION: f64 = 1e-13;
+/// Successive iterations without reduction before giving up.
+const PATIENCE: usize = 4;
+
+/// Directions and their products, kept between calls that continue the same
+/// system.
+#[derive(Debug, Default)]
+pub struct Directions {
+    pairs: std::collections::VecDeque<(Vec<f64>, Vec<f64>)>,
+}
+
+impl Directions {
+    /// Forgets all directions, for a new system.
+    pub fn clear(&mut self, work: &mut Workspace) {
+        for (direction, product) in self.pairs.drain(..) {
+            work.give(direction);
+            work.give(product);
+        }
+    }
+
+    fn push(&mut self, direction: Vec<f64>, product: Vec<f64>, work: &mut Workspace) {
+        if self.pairs.len() == KEPT
+            && let Some((oldest, its_product)) = self.pairs.pop_front()
+        {
+            work.give(oldest);
+            work.give(its_product);
+        }
+        self.pairs.push_back((direction, product));
+    }
+}
+
+/// Improves `x` until the monitor stops; `r = b - A x` on entry and exit.
+#[allow(clippy::too_many_arguments)]
+pub fn solve(
+    operator: &dyn LinearOperator,
+    preconditioner: &dyn Preconditioner,
+    x: &mut [f64],
+    r: &mut [f64],
+    iterations: usize,
+    directions: &mut Directions,
+    monitor: &mut dyn Monitor,
+    work: &mut Workspace,
+) -> Outcome {
+    let mut idle = 0;
+    let mut square = dot(r, r);
+    for _ in 0..iterations {
+        let mut direction = work.scratch(r.len());
+        preconditioner.apply(r, &mut direction, work);
+        let mut product = work.scratch(r.len());
+        operator.apply(&direction, &mut product, work);
+        let length = orthogonalise(directions, &mut direction, &mut product);
+        if !length.is_finite() || !square.is_finite() {
+            return Outcome::NotFinite;
+        }
+        if length == 0.0 {
+            return Outcome::Stagnation;
+        }
+        let step = dot(r, &product);
+        add_scaled(x, step, &direction);
+        add_scaled(r, -step, &product);
+        directions.push(direction, product, work);
+        if monitor.judge(r) == Verdict::Stop {
+            return Outcome::Stopped;
+        }
+        let next = dot(r, r);
+        idle = if next < square * (1.0 - LEAST_REDUCTION) { 0 } else { idle + 1 };
+        if idle == PATIENCE {
+            return Outcome::Stagnation;
+        }
+        square = next;
+    }
+    Outcome::IterationLimit
+}
+
+/// Makes `product` orthogonal to the kept products and of unit length; returns
+/// its length before scaling.
+fn orthogonalise(directions: &Directions, direction: &mut [f64], product: &mut [f64]) -> f64 {
+    for (kept, its_product) in &directions.pairs {
+        let overlap = dot(product, its_product);
+        add_scaled(direction, -overlap, kept);
+        add_scaled(product, -overlap, its_product);
+    }
+    let length = dot(product, product).sqrt();
+    if length > 0.0 {
+        scale(direction, 1.0 / length);
+        scale(product, 1.0 / length);
+    }
+    length
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Saddle;
+    impl LinearOperator for Saddle {
+        fn rows(&self) -> usize {
+            3
+        }
+        fn columns(&self) -> usize {
+            3
+        }
+        fn apply(&self, x: &[f64], y: &mut [f64], _work: &mut Workspace) {
+            y.copy_from_slice(&[2.0 * x[0] + x[2], 3.0 * x[1] + x[2], x[0] + x[1]]);
+        }
+        fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
+            self.apply(y, x, work);
+        }
+    }
+    struct Plain;
+    impl Preconditioner for Plain {
+        fn apply(&self, r: &[f64], z: &mut [f64], _work: &mut Workspace) {
+            z.copy_from_slice(r);
+        }
+    }
+    struct Below(f64);
+    impl Monitor for Below {
+        fn judge(&mut self, residual: &[f64]) -> Verdict {
+            match dot(residual, residual).sqrt() < self.0 {
+                true => Verdict::Stop,
+                false => Verdict::Continue,
+            }
+        }
+    }
+
+    #[test]
+    fn an_indefinite_system_of_three_takes_three_directions() {
+        let mut work = Workspace::new();
+        let (mut x, mut r) = (vec![0.0; 3], vec![1.0, 2.0, 3.0]);
+        let outcome = solve(
+            &Saddle,
+            &Plain,
+            &mut x,
+            &mut r,
+            4,
+            &mut Directions::default(),
+            &mut Below(1e-12),
+            &mut work,
+        );
+        assert_eq!(outcome, Outcome::Stopped);
+        let mut product = vec![0.0; 3];
+        Saddle.apply(&x, &mut product, &mut work);
+        for (value, exact) in product.iter().zip([1.0, 2.0, 3.0]) {
+            assert!((value - exact).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_direction_that_changes_nothing_ends_as_stagnation() {
+        struct Orthogonal;
+        impl Preconditioner for Orthogonal {
+            fn apply(&self, _r: &[f64], z: &mut [f64], _work: &mut Workspace) {
+                // Its image (1, -3/2 + ..) is orthogonal to the residual below.
+                z.copy_from_slice(&[0.0, 0.0, 1.0]);
+            }
+        }
+        let (mut x, mut r) = (vec![0.0; 3], vec![0.0, 0.0, 1.0]);
+        let outcome = solve(
+            &Saddle,
+            &Orthogonal,
+            &mut x,
+            &mut r,
+            50,
+            &mut Directions::default(),
+            &mut Below(1e-12),
+            &mut Workspace::new(),
+        );
+        assert_eq!(outcome, Outcome::Stagnation);
+    }
+}

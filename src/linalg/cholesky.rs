@@ -1,0 +1,257 @@
+//! Sparse Cholesky factor P A P^T = L L^T of a symmetric positive definite
+//! matrix, supernodal, through faer.
+//!
+//! Sequential on purpose: the bits of a factor must not depend on the number
+//! of threads. The caller gives the ordering.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::perm::PermRef;
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky, supernodal::SupernodalLltRef,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, MatMut, Par, Side};
+
+use super::DenseMatrix;
+
+/// Why a factorisation failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum FactoriseError {
+    /// A pivot is zero, negative or not a number.
+    #[error("the matrix is not positive definite")]
+    NotPositiveDefinite,
+    /// The factor does not fit into memory or its indices overflow.
+    #[error("the factor does not fit into memory")]
+    OutOfMemory,
+}
+
+/// The lower triangle of a symmetric matrix, column by column, rows ascending.
+#[derive(Clone, Debug, Default)]
+pub struct LowerColumns {
+    /// Start of each column [size + 1].
+    pub offsets: Vec<u32>,
+    /// Row of each entry.
+    pub rows: Vec<u32>,
+    /// Entries.
+    pub values: Vec<f64>,
+}
+
+impl LowerColumns {
+    /// Number of columns.
+    pub fn size(&self) -> usize {
+        self.offsets.len().saturating_sub(1)
+    }
+}
+
+/// A factor that solves.
+#[derive(Debug)]
+pub struct SparseCholesky {
+    symbolic: SymbolicCholesky<u32>,
+    values: Vec<f64>,
+    size: usize,
+}
+
+impl SparseCholesky {
+    /// Factorises `matrix` in the order `new_to_old` [size].
+    ///
+    /// # Errors
+    /// [`FactoriseError`] when a pivot is not positive or memory is short.
+    pub fn new(matrix: &LowerColumns, new_to_old: &[u32]) -> Result<Self, FactoriseError> {
+        let size = matrix.size();
+        let mut old_to_new = vec![0_u32; size];
+        for (new, &old) in new_to_old.iter().enumerate() {
+            old_to_new[old as usize] = new as u32;
+        }
+        let pattern = SymbolicSparseColMatRef::new_checked(
+            size,
+            size,
+            &matrix.offsets,
+            None,
+            &matrix.rows,
+        );
+        let symbolic = factorize_symbolic_cholesky(
+            pattern,
+            Side::Lower,
+            SymmetricOrdering::Custom(PermRef::new_checked(new_to_old, &old_to_new, size)),
+            CholeskySymbolicParams {
+                supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+                ..Default::default()
+            },
+        )
+        .map_err(|_| FactoriseError::OutOfMemory)?;
+        let mut values = Vec::new();
+        values
+            .try_reserve_exact(symbolic.len_val())
+            .map_err(|_| FactoriseError::OutOfMemory)?;
+        values.resize(symbolic.len_val(), 0.0);
+        let mut factor = Self {
+            symbolic,
+            values,
+            size,
+        };
+        factor.refill(pattern, &matrix.values)?;
+        Ok(factor)
+    }
+
+    fn refill(
+        &mut self,
+        pattern: SymbolicSparseColMatRef<'_, u32>,
+        entries: &[f64],
+    ) -> Result<(), FactoriseError> {
+        let scratch = self
+            .symbolic
+            .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let mut memory =
+            MemBuffer::try_new(scratch).map_err(|_| FactoriseError::OutOfMemory)?;
+        self.symbolic
+            .factorize_numeric_llt(
+                &mut self.values,
+                SparseColMatRef::new(pattern, entries),
+                Side::Lower,
+                LltRegularization::default(),
+                Par::Seq,
+                MemStack::new(&mut memory),
+                Default::default(),
+            )
+            .map_err(|_| FactoriseError::NotPositiveDefinite)?;
+        Ok(())
+    }
+
+    /// Solves `A X = B` in place for `count` right-hand sides, column by column.
+    pub fn solve(&self, right_hand_sides: &mut [f64], count: usize) {
+        let scratch = self
+            .symbolic
+            .solve_in_place_scratch::<f64>(count, Par::Seq);
+        let mut memory = MemBuffer::new(scratch);
+        LltRef::<u32, f64>::new(&self.symbolic, &self.values).solve_in_place_with_conj(
+            Conj::No,
+            MatMut::from_column_major_slice_mut(right_hand_sides, self.size, count),
+            Par::Seq,
+            MemStack::new(&mut memory),
+        );
+    }
+
+    /// The lower triangular trailing block of L: its last `count` rows and
+    /// columns, in the factor's order.
+    pub fn trailing_block(&self, count: usize) -> DenseMatrix {
+        let first = self.size - count;
+        let mut block = DenseMatrix::zeros(count, count);
+        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else {
+            return block;
+        };
+        let factor = SupernodalLltRef::<u32, f64>::new(symbolic, &self.values);
+        for index in 0..symbolic.n_supernodes() {
+            let supernode = factor.supernode(index);
+            let start = supernode.start();
+            let width = supernode.val().ncols();
+            for column in first.saturating_sub(start).min(width)..width {
+                let values = supernode.val().col(column);
+                let rows = (start..start + width)
+                    .chain(supernode.pattern().iter().map(|&row| row as usize));
+                for (position, row) in rows.enumerate() {
+                    if row >= start + column {
+                        *block.at_mut(row - first, start + column - first) = values[position];
+                    }
+                }
+            }
+        }
+        block
+    }
+
+    /// Entries of L, zeros inside supernodes included.
+    pub fn entries(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Bytes held by the values and about half as much again by indices.
+    pub fn bytes(&self) -> u64 {
+        8 * self.values.len() as u64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Five-point Laplacian on an n by n grid.
+    fn laplacian(n: usize) -> LowerColumns {
+        let mut matrix = LowerColumns {
+            offsets: vec![0],
+            ..LowerColumns::default()
+        };
+        for column in 0..n * n {
+            let mut push = |row: usize, value: f64| {
+                matrix.rows.push(row as u32);
+                matrix.values.push(value);
+            };
+            push(column, 4.0);
+            if column % n + 1 < n {
+                push(column + 1, -1.0);
+            }
+            if column + n < n * n {
+                push(column + n, -1.0);
+            }
+            matrix.offsets.push(matrix.rows.len() as u32);
+        }
+        matrix
+    }
+
+    fn product(matrix: &LowerColumns, x: &[f64]) -> Vec<f64> {
+        let mut y = vec![0.0; x.len()];
+        for column in 0..matrix.size() {
+            for k in matrix.offsets[column] as usize..matrix.offsets[column + 1] as usize {
+                let row = matrix.rows[k] as usize;
+                y[row] += matrix.values[k] * x[column];
+                if row != column {
+                    y[column] += matrix.values[k] * x[row];
+                }
+            }
+        }
+        y
+    }
+
+    #[test]
+    fn a_factor_solves_several_right_hand_sides() {
+        let matrix = laplacian(9);
+        let order: Vec<u32> = (0..81).rev().collect();
+        let factor = SparseCholesky::new(&matrix, &order).expect("positive definite");
+        let x = super::super::vector::reproducible_noise(162);
+        let mut b = product(&matrix, &x[..81]);
+        b.extend(product(&matrix, &x[81..]));
+        factor.solve(&mut b, 2);
+        for (value, exact) in b.iter().zip(&x) {
+            assert!((value - exact).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_trailing_block_gives_the_inverse_on_the_last_unknowns() {
+        let matrix = laplacian(7);
+        let last = [3_u32, 4, 24, 40];
+        let order: Vec<u32> = (0..49).filter(|i| !last.contains(i)).chain(last).collect();
+        let factor = SparseCholesky::new(&matrix, &order).expect("positive definite");
+        let inverse = factor.trailing_block(4).inverse_of_product();
+        for (j, &column) in last.iter().enumerate() {
+            let mut unit = vec![0.0; 49];
+            unit[column as usize] = 1.0;
+            factor.solve(&mut unit, 1);
+            for (i, &row) in last.iter().enumerate() {
+                assert!((inverse.at(i, j) - unit[row as usize]).abs() < 1e-13);
+            }
+        }
+    }
+
+    #[test]
+    fn an_indefinite_matrix_is_refused() {
+        let mut matrix = laplacian(3);
+        matrix.values[0] = -4.0;
+        let order: Vec<u32> = (0..9).collect();
+        assert!(matches!(
+            SparseCholesky::new(&matrix, &order),
+            Err(FactoriseError::NotPositiveDefinite)
+        ));
+    }
+}

@@ -1,0 +1,195 @@
+//! Small dense matrices, column by column, and their Cholesky factors.
+
+use faer::linalg::solvers::{Llt, Solve};
+use faer::{Mat, MatMut, MatRef, Side};
+
+use super::FactoriseError;
+
+/// A dense matrix, column-major.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DenseMatrix {
+    rows: usize,
+    columns: usize,
+    values: Vec<f64>,
+}
+
+impl DenseMatrix {
+    /// A zero matrix.
+    pub fn zeros(rows: usize, columns: usize) -> Self {
+        Self {
+            rows,
+            columns,
+            values: vec![0.0; rows * columns],
+        }
+    }
+
+    /// Number of rows.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// One column [rows].
+    pub fn column(&self, column: usize) -> &[f64] {
+        &self.values[column * self.rows..(column + 1) * self.rows]
+    }
+
+    /// One column [rows].
+    pub fn column_mut(&mut self, column: usize) -> &mut [f64] {
+        &mut self.values[column * self.rows..(column + 1) * self.rows]
+    }
+
+    /// One entry.
+    pub fn at(&self, row: usize, column: usize) -> f64 {
+        self.values[column * self.rows + row]
+    }
+
+    /// One entry.
+    pub fn at_mut(&mut self, row: usize, column: usize) -> &mut f64 {
+        &mut self.values[column * self.rows + row]
+    }
+
+    /// `y = A x`.
+    pub fn multiply(&self, x: &[f64], y: &mut [f64]) {
+        y.fill(0.0);
+        for (column, &factor) in x.iter().enumerate() {
+            if factor != 0.0 {
+                for (sum, value) in y.iter_mut().zip(self.column(column)) {
+                    *sum += factor * value;
+                }
+            }
+        }
+    }
+
+    /// Rows and columns `selected` as a matrix of their own.
+    pub fn principal(&self, selected: &[usize]) -> Self {
+        let mut part = Self::zeros(selected.len(), selected.len());
+        for (j, &column) in selected.iter().enumerate() {
+            for (i, &row) in selected.iter().enumerate() {
+                *part.at_mut(i, j) = self.at(row, column);
+            }
+        }
+        part
+    }
+
+    /// `A^-1` of a lower triangular factor product: `(L L^T)^-1`, for `self = L`.
+    pub fn inverse_of_product(&self) -> Self {
+        let size = self.rows;
+        let factor = self.view();
+        let mut inverse = Mat::<f64>::identity(size, size);
+        faer::linalg::triangular_solve::solve_lower_triangular_in_place(
+            factor,
+            inverse.as_mut(),
+            faer::Par::Seq,
+        );
+        let mut product = Self::zeros(size, size);
+        faer::linalg::matmul::matmul(
+            MatMut::from_column_major_slice_mut(&mut product.values, size, size),
+            faer::Accum::Replace,
+            inverse.transpose(),
+            inverse.as_ref(),
+            1.0,
+            faer::Par::Seq,
+        );
+        product
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        8 * self.values.len() as u64
+    }
+
+    fn view(&self) -> MatRef<'_, f64> {
+        MatRef::from_column_major_slice(&self.values, self.rows, self.columns)
+    }
+}
+
+/// Cholesky factor of a small symmetric positive definite matrix.
+#[derive(Clone, Debug)]
+pub struct DenseCholesky {
+    size: usize,
+    factor: Option<Llt<f64>>,
+}
+
+impl DenseCholesky {
+    /// Factorises; reads the lower triangle.
+    ///
+    /// # Errors
+    /// When the matrix is not positive definite.
+    pub fn new(matrix: &DenseMatrix) -> Result<Self, FactoriseError> {
+        let factor = match matrix.rows {
+            0 => None,
+            _ => Some(
+                Llt::new(matrix.view(), Side::Lower)
+                    .map_err(|_| FactoriseError::NotPositiveDefinite)?,
+            ),
+        };
+        Ok(Self {
+            size: matrix.rows,
+            factor,
+        })
+    }
+
+    /// Solves in place.
+    pub fn solve(&self, right_hand_side: &mut [f64]) {
+        if let Some(factor) = &self.factor {
+            factor.solve_in_place(MatMut::from_column_major_slice_mut(
+                right_hand_side,
+                self.size,
+                1,
+            ));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> DenseMatrix {
+        let mut matrix = DenseMatrix::zeros(3, 3);
+        let rows = [[4.0, 1.0, 0.5], [1.0, 3.0, 0.2], [0.5, 0.2, 2.0]];
+        for (i, row) in rows.iter().enumerate() {
+            for (j, value) in row.iter().enumerate() {
+                *matrix.at_mut(i, j) = *value;
+            }
+        }
+        matrix
+    }
+
+    #[test]
+    fn a_factor_solves_its_own_product() {
+        let matrix = example();
+        let factor = DenseCholesky::new(&matrix).expect("positive definite");
+        let mut y = [0.0; 3];
+        matrix.multiply(&[1.0, -2.0, 3.0], &mut y);
+        factor.solve(&mut y);
+        for (value, exact) in y.iter().zip([1.0, -2.0, 3.0]) {
+            assert!((value - exact).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn an_indefinite_matrix_is_refused() {
+        let mut matrix = example();
+        *matrix.at_mut(2, 2) = -1.0;
+        assert!(DenseCholesky::new(&matrix).is_err());
+    }
+
+    #[test]
+    fn the_inverse_of_a_factor_product_inverts_it() {
+        let mut lower = DenseMatrix::zeros(2, 2);
+        *lower.at_mut(0, 0) = 2.0;
+        *lower.at_mut(1, 0) = 1.0;
+        *lower.at_mut(1, 1) = 3.0;
+        // L L^T = [4 2; 2 10], inverse = [10 -2; -2 4] / 36.
+        let inverse = lower.inverse_of_product();
+        assert!((inverse.at(0, 0) - 10.0 / 36.0).abs() < 1e-15);
+        assert!((inverse.at(0, 1) + 2.0 / 36.0).abs() < 1e-15);
+        assert!((inverse.at(1, 1) - 4.0 / 36.0).abs() < 1e-15);
+    }
+}

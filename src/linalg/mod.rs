@@ -1,0 +1,36 @@
+//! Linear algebra on plain slices, and the only door to faer: vector kernels,
+//! sparse rows, sparse and dense Cholesky factors, orderings, scratch space.
+//!
+//! Vectors are `&[f64]`. Every reduction runs over fixed blocks, so that its
+//! bits do not depend on the number of threads.
+
+pub mod cholesky;
+pub mod dense;
+pub mod ordering;
+pub mod sparse;
+pub mod vector;
+pub mod workspace;
+
+pub use cholesky::{FactoriseError, SparseCholesky};
+pub use dense::{DenseCholesky, DenseMatrix};
+pub use sparse::{SparseRows, SparseRowsBuilder};
+pub use workspace::Workspace;
+
+/// A linear map that is applied, not stored.
+pub trait LinearOperator: Send + Sync {
+    /// Length of the result.
+    fn rows(&self) -> usize;
+    /// Length of the argument.
+    fn columns(&self) -> usize;
+    /// `y = A x`.
+    fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace);
+    /// `x = A^T y`.
+    fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace);
+}
+
+/// An approximate inverse. Scratch is passed in, so that one preconditioner
+/// serves many sessions at once.
+pub trait Preconditioner: Send + Sync {
+    /// `z ~ A^-1 r`.
+    fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace);
+}

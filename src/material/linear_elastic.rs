@@ -1,0 +1,96 @@
+//! Linear elasticity for every Poisson ratio up to one half:
+//! sigma = 2 mu eps(u) - p I with -div u - p / lambda = 0.
+//!
+//! mu, lambda: stress. lambda = 2 mu nu / (1 - 2 nu), infinite at nu = 1/2.
+//! Tensors are 3 by 3 in two dimensions too (plane strain).
+
+/// Moduli of one material.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LinearElastic {
+    /// mu, above zero.
+    pub shear_modulus: f64,
+    /// 1 / lambda, zero for an incompressible material; may be negative for
+    /// Poisson ratios below zero and infinite at zero.
+    pub inverse_lame: f64,
+}
+
+impl LinearElastic {
+    /// From the shear modulus and Poisson's ratio, at most one half.
+    pub fn from_shear_modulus(shear_modulus: f64, poisson_ratio: f64) -> Self {
+        Self {
+            shear_modulus,
+            inverse_lame: (1.0 - 2.0 * poisson_ratio) / (2.0 * shear_modulus * poisson_ratio),
+        }
+    }
+
+    /// From Young's modulus and Poisson's ratio, at most one half.
+    pub fn from_young_modulus(young_modulus: f64, poisson_ratio: f64) -> Self {
+        Self::from_shear_modulus(0.5 * young_modulus / (1.0 + poisson_ratio), poisson_ratio)
+    }
+
+    /// lambda; zero at a Poisson ratio of zero, infinite at one half.
+    pub fn lame(&self) -> f64 {
+        1.0 / self.inverse_lame
+    }
+
+    /// Stress at `gradient` = du_i/dx_j and pressure.
+    pub fn stress(&self, gradient: &[[f64; 3]; 3], pressure: f64) -> [[f64; 3]; 3] {
+        let mut stress = [[0.0; 3]; 3];
+        for i in 0..3 {
+            for j in 0..3 {
+                stress[i][j] = self.shear_modulus * (gradient[i][j] + gradient[j][i]);
+            }
+            stress[i][i] -= pressure;
+        }
+        stress
+    }
+
+    /// The pressure that belongs to a volume strain, for displacement forms.
+    pub fn pressure(&self, volume_strain: f64) -> f64 {
+        -volume_strain * self.lame()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_parametrisations_give_the_same_moduli() {
+        let a = LinearElastic::from_young_modulus(2.6, 0.3);
+        let b = LinearElastic::from_shear_modulus(1.0, 0.3);
+        assert!((a.shear_modulus - 1.0).abs() < 1e-15);
+        assert!((a.lame() - 1.5).abs() < 1e-14 && (b.lame() - 1.5).abs() < 1e-14);
+    }
+
+    #[test]
+    fn the_limits_of_poisson_ratio_are_finite_numbers() {
+        assert_eq!(LinearElastic::from_shear_modulus(1.0, 0.5).inverse_lame, 0.0);
+        assert_eq!(LinearElastic::from_shear_modulus(1.0, 0.0).lame(), 0.0);
+    }
+
+    #[test]
+    fn the_stress_is_the_derivative_of_the_energy() {
+        let law = LinearElastic::from_shear_modulus(1.3, 0.4);
+        let energy = |g: &[[f64; 3]; 3]| {
+            let mut sum = 0.0;
+            for i in 0..3 {
+                for j in 0..3 {
+                    sum += law.shear_modulus * (0.5 * (g[i][j] + g[j][i])).powi(2);
+                }
+            }
+            sum + 0.5 * law.lame() * (g[0][0] + g[1][1] + g[2][2]).powi(2)
+        };
+        let g = [[0.1, -0.2, 0.3], [0.05, 0.2, -0.1], [0.4, 0.0, -0.15]];
+        let stress = law.stress(&g, law.pressure(g[0][0] + g[1][1] + g[2][2]));
+        for i in 0..3 {
+            for j in 0..3 {
+                let (mut up, mut down) = (g, g);
+                up[i][j] += 1e-6;
+                down[i][j] -= 1e-6;
+                let slope = (energy(&up) - energy(&down)) / 2e-6;
+                assert!((slope - stress[i][j]).abs() < 1e-9);
+            }
+        }
+    }
+}

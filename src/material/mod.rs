@@ -1,0 +1,5 @@
+//! Constitutive laws, one file each.
+
+mod linear_elastic;
+
+pub use linear_elastic::LinearElastic;

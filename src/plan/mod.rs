@@ -1,0 +1,192 @@
+//! Decisions: what a scene needs, by which method, at what predicted cost, and
+//! what is left out. Cheap to make, printable, made before any expensive work.
+
+mod estimate;
+mod prepared;
+mod report;
+mod units;
+
+use std::collections::BTreeMap;
+
+use sha2::{Digest, Sha256};
+
+use crate::mesh::{Mesh, MeshId};
+use crate::report::Unknowns;
+use crate::scene::validate::{Resolved, resolve};
+use crate::scene::{Scene, SceneError, Step};
+use crate::space::TaylorHood;
+
+pub use prepared::{PrepareError, Prepared};
+pub use report::{LeftOut, PlanEntry, PlanReport};
+pub use units::Units;
+
+/// Names everything that [`Prepared`] depends on; equal keys share it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct PreparedKey(pub [u8; 32]);
+
+/// A validated scene with its decisions.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    pub(crate) scene: Scene,
+    pub(crate) resolved: Resolved,
+    pub(crate) units: Units,
+    pub(crate) mesh_id: MeshId,
+    pub(crate) unknowns: Unknowns,
+    pub(crate) edges: usize,
+    pub(crate) cells: usize,
+    /// Held unknown and the support that holds it, ascending by unknown.
+    pub(crate) held: Vec<(u32, u16)>,
+    /// Mesh vertices of all candidate faces, ascending.
+    pub(crate) contact_vertices: Vec<u32>,
+    pub(crate) smoother_degree: usize,
+    pub(crate) warnings: Vec<String>,
+}
+
+impl Plan {
+    /// Validates `scene` and `steps` against `mesh` and decides.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the path of every faulty key, or of the first one
+    /// that this version does not support.
+    pub fn new(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Self, SceneError> {
+        let resolved = resolve(scene, steps, mesh)?;
+        let space = TaylorHood::new(mesh);
+        let contact_vertices = vertices_of(mesh, resolved.obstacle_facets.iter());
+        let multipliers: usize = resolved
+            .obstacle_facets
+            .iter()
+            .map(|facets| vertices_of(mesh, std::iter::once(facets)).len())
+            .sum();
+        let unknowns = Unknowns {
+            displacement: space.displacement_unknowns() as u64,
+            pressure: if resolved.mixed { space.vertices as u64 } else { 0 },
+            contact: multipliers as u64,
+        };
+        let held = held_unknowns(scene, &resolved, mesh, &space);
+        let smoother_degree = smoother_degree(&resolved, mesh);
+        Ok(Self {
+            units: Units::new(scene, &resolved, mesh),
+            mesh_id: mesh.id(),
+            unknowns,
+            edges: space.edges.len(),
+            cells: mesh.cell_count(),
+            held,
+            contact_vertices,
+            smoother_degree,
+            warnings: mesh.warnings().to_vec(),
+            scene: scene.clone(),
+            resolved,
+        })
+    }
+
+    /// Unknowns by kind.
+    pub fn unknowns(&self) -> Unknowns {
+        self.unknowns
+    }
+
+    /// Whether a pressure unknown carries the volume constraint.
+    pub fn is_mixed(&self) -> bool {
+        self.resolved.mixed
+    }
+
+    /// The scene this plan is for.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The mesh this plan is for.
+    pub fn mesh_id(&self) -> MeshId {
+        self.mesh_id
+    }
+
+    /// Key of the prepared data: mesh, held unknowns, non-dimensional
+    /// materials, formulation, candidate surface. Loads, obstacles, prescribed
+    /// values and units are not part of it.
+    pub fn key(&self) -> PreparedKey {
+        let mut hash = Sha256::new();
+        hash.update(self.mesh_id.as_bytes());
+        hash.update([u8::from(self.resolved.mixed), self.smoother_degree as u8]);
+        hash.update([u8::from(self.is_floating())]);
+        for (unknown, _) in &self.held {
+            hash.update(unknown.to_le_bytes());
+        }
+        hash.update(u64::MAX.to_le_bytes());
+        for material in &self.resolved.materials {
+            let shear = material.law.shear_modulus / self.units.stress;
+            let inverse = material.law.inverse_lame * self.units.stress;
+            hash.update(shear.to_le_bytes());
+            hash.update(inverse.to_le_bytes());
+        }
+        for material in &self.resolved.cell_material {
+            hash.update(material.to_le_bytes());
+        }
+        for vertex in &self.contact_vertices {
+            hash.update(vertex.to_le_bytes());
+        }
+        PreparedKey(hash.finalize().into())
+    }
+
+    /// Whether supports leave rigid modes that only contact can hold.
+    pub(crate) fn is_floating(&self) -> bool {
+        !self.resolved.free_modes.is_empty()
+    }
+}
+
+fn vertices_of<'a>(mesh: &Mesh, facets: impl Iterator<Item = &'a Vec<u32>>) -> Vec<u32> {
+    let mut vertices: Vec<u32> = facets
+        .flatten()
+        .flat_map(|&facet| mesh.facet(facet as usize).iter().copied())
+        .collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
+}
+
+/// Held unknowns; where supports overlap, the first one named holds.
+fn held_unknowns(
+    scene: &Scene,
+    resolved: &Resolved,
+    mesh: &Mesh,
+    space: &TaylorHood,
+) -> Vec<(u32, u16)> {
+    let mut held = BTreeMap::new();
+    for (index, (support, facets)) in scene
+        .supports
+        .iter()
+        .zip(&resolved.support_facets)
+        .enumerate()
+    {
+        for &facet in facets {
+            for node in space.facet_nodes(mesh.facet(facet as usize)) {
+                for i in 0..space.components {
+                    if support.displacement[i].is_some() {
+                        let unknown = node * space.components as u32 + i as u32;
+                        held.entry(unknown).or_insert(index as u16);
+                    }
+                }
+            }
+        }
+    }
+    held.into_iter().collect()
+}
+
+/// Chebyshev steps of the smoother: more where the P1 correction is weak, that
+/// is for displacement forms near the volume constraint and for poor cells.
+fn smoother_degree(resolved: &Resolved, mesh: &Mesh) -> usize {
+    let stiffest = resolved
+        .materials
+        .iter()
+        .map(|material| material.law.lame() / material.law.shear_modulus)
+        .fold(0.0, f64::max);
+    let by_volume = match resolved.mixed {
+        false if stiffest > 4.0 => 4,
+        false if stiffest > 2.0 => 3,
+        _ => 2,
+    };
+    let by_shape = match mesh.quality().mean {
+        mean if mean < 0.2 => 8,
+        mean if mean < 0.45 => 4,
+        _ => 2,
+    };
+    by_volume.max(by_shape)
+}

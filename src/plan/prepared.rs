@@ -1,0 +1,238 @@
+//! Everything that depends on mesh, supports, material and candidate surface
+//! only: immutable, shared by all sessions with the same [`super::PreparedKey`].
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use super::Plan;
+use crate::assembly::grid::Basis;
+use crate::assembly::mass::weighted_mass;
+use crate::assembly::p1_stiffness::{node_blocks, p1_stiffness};
+use crate::assembly::{CellGeometry, CellModuli, Divergence, Grid, Stiffness};
+use crate::linalg::{DenseMatrix, FactoriseError, SparseRows, Workspace};
+use crate::mesh::Mesh;
+use crate::precond::p1::{DirectP1, vertex_order};
+use crate::precond::schur::ChebyshevMass;
+use crate::precond::{NodeBlocks, PMultigrid, Transfer};
+use crate::report::{CancelToken, Seconds, Termination};
+use crate::space::TaylorHood;
+
+/// Chebyshev steps that invert the pressure mass.
+const MASS_STEPS: usize = 6;
+/// Shift of the P1 factor for floating bodies, in mu / L^2.
+const SHIFT: f64 = 1e-2;
+
+/// Why preparation failed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PrepareError {
+    /// The caller cancelled or its time is up.
+    #[error("stopped while preparing: {}", .0.name())]
+    Stopped(Termination),
+    /// A11 cannot be factorised.
+    #[error("the P1 stiffness cannot be factorised: {0}")]
+    Factorise(#[from] FactoriseError),
+}
+
+/// The pressure block.
+#[derive(Debug)]
+pub(crate) struct PressureBlock {
+    pub(crate) coupling: Divergence,
+    /// C = M / lambda; none when every material is incompressible.
+    pub(crate) stabilisation: Option<SparseRows>,
+    pub(crate) metric: ChebyshevMass,
+}
+
+/// Prepared data.
+pub struct Prepared {
+    pub(crate) space: TaylorHood,
+    pub(crate) geometry: CellGeometry,
+    pub(crate) grid: Arc<Grid>,
+    pub(crate) held: Arc<[u32]>,
+    pub(crate) is_held: Vec<bool>,
+    pub(crate) stiffness: Stiffness,
+    pub(crate) displacement: PMultigrid,
+    pub(crate) node_blocks: NodeBlocks,
+    pub(crate) pressure: Option<PressureBlock>,
+    /// A11^-1 on the contact vertices; empty without contact.
+    pub(crate) compliance: DenseMatrix,
+    factor_bytes: u64,
+    seconds: Seconds,
+}
+
+impl std::fmt::Debug for Prepared {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        out.debug_struct("Prepared")
+            .field("unknowns", &self.space.displacement_unknowns())
+            .field("bytes", &self.bytes())
+            .finish_non_exhaustive()
+    }
+}
+
+impl Prepared {
+    /// Builds the data of `plan`.
+    ///
+    /// # Errors
+    /// [`PrepareError`]; the token is polled between phases.
+    pub fn build(plan: &Plan, mesh: &Arc<Mesh>, cancel: &CancelToken) -> Result<Self, PrepareError> {
+        let start = Instant::now();
+        let poll = || cancel.stopped().map_or(Ok(()), |t| Err(PrepareError::Stopped(t)));
+        let space = TaylorHood::new(mesh);
+        let geometry = CellGeometry::new(mesh, plan.units.coordinate_scale);
+        let moduli = moduli(plan);
+        let held: Arc<[u32]> = plan.held.iter().map(|&(unknown, _)| unknown).collect();
+        poll()?;
+        let (factorised, (grid, blocks)) = rayon::join(
+            || factorise(plan, mesh, &space, &geometry, &moduli, &held),
+            || {
+                let grid = Arc::new(Grid::new(mesh, &space, &geometry, &moduli, &held));
+                let blocks = node_blocks(mesh, &space, &geometry, &moduli, &held);
+                (grid, NodeBlocks::invert(space.components, blocks))
+            },
+        );
+        let (factor, compliance, assemble, factorise) = factorised?;
+        poll()?;
+        let stiffness = |basis| Stiffness {
+            grid: grid.clone(),
+            basis,
+            size: space.displacement_unknowns(),
+            held: held.clone(),
+        };
+        let factor_bytes = factor.bytes();
+        let transfer = Transfer {
+            vertices: space.vertices,
+            components: space.components,
+            edges: space.edges.clone(),
+            held: held.clone(),
+        };
+        let displacement = PMultigrid::new(
+            Arc::new(stiffness(Basis::Lagrange)),
+            blocks.clone(),
+            Arc::new(factor),
+            transfer,
+            plan.smoother_degree,
+            &mut Workspace::new(),
+        );
+        poll()?;
+        let pressure = plan
+            .is_mixed()
+            .then(|| pressure_block(mesh, &space, &geometry, &moduli, &grid));
+        let mut is_held = vec![false; space.displacement_unknowns()];
+        held.iter().for_each(|&index| is_held[index as usize] = true);
+        let total = start.elapsed().as_secs_f64();
+        Ok(Self {
+            stiffness: stiffness(Basis::Hierarchical),
+            space,
+            geometry,
+            grid,
+            held,
+            is_held,
+            displacement,
+            node_blocks: blocks,
+            pressure,
+            compliance,
+            factor_bytes,
+            seconds: Seconds {
+                prepare: (total - assemble - factorise).max(0.0),
+                assemble,
+                factorise,
+                total,
+                ..Seconds::default()
+            },
+        })
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        let pressure = self.pressure.as_ref().map_or(0, |block| {
+            block.metric.bytes() + block.stabilisation.as_ref().map_or(0, SparseRows::bytes)
+        });
+        self.geometry.bytes()
+            + self.grid.bytes()
+            + self.factor_bytes
+            + self.displacement.bytes()
+            + self.node_blocks.bytes()
+            + self.compliance.bytes()
+            + pressure
+            + (8 * self.space.edges.len() + 4 * self.held.len() + self.is_held.len()) as u64
+    }
+
+    /// Wall seconds that building took; `prepare` is what is not named apart.
+    pub fn seconds(&self) -> Seconds {
+        self.seconds
+    }
+
+    /// Names of the parts, for reports of reuse.
+    pub(crate) fn parts(&self) -> Vec<String> {
+        let mut parts = vec!["numbering", "geometry", "operator", "p1_factor", "smoother"];
+        if self.pressure.is_some() {
+            parts.push("pressure_metric");
+        }
+        if self.compliance.rows() > 0 {
+            parts.push("contact_compliance");
+        }
+        parts.into_iter().map(str::to_owned).collect()
+    }
+}
+
+/// Non-dimensional moduli of each cell.
+fn moduli(plan: &Plan) -> CellModuli {
+    let mut moduli = CellModuli::default();
+    for &index in &plan.resolved.cell_material {
+        let law = plan.resolved.materials[usize::from(index)].law;
+        let (lame, inverse) = match plan.is_mixed() {
+            true => (0.0, law.inverse_lame * plan.units.stress),
+            false => (law.lame() / plan.units.stress, 0.0),
+        };
+        moduli.shear.push(law.shear_modulus / plan.units.stress);
+        moduli.lame.push(lame);
+        moduli.inverse_lame.push(inverse);
+    }
+    moduli
+}
+
+type Factorised = (DirectP1, DenseMatrix, f64, f64);
+
+/// Factor, contact compliance, and the seconds of assembly and factorisation.
+fn factorise(
+    plan: &Plan,
+    mesh: &Mesh,
+    space: &TaylorHood,
+    geometry: &CellGeometry,
+    moduli: &CellModuli,
+    held: &[u32],
+) -> Result<Factorised, FactoriseError> {
+    let start = Instant::now();
+    let shift = if plan.is_floating() { SHIFT } else { 0.0 };
+    let matrix = p1_stiffness(mesh, space, geometry, moduli, held, shift);
+    let assembled = start.elapsed().as_secs_f64();
+    let order = vertex_order(mesh.coordinates(), &space.edges, &plan.contact_vertices);
+    let factor = DirectP1::new(&matrix, &order, space.components)?;
+    let compliance = factor.compliance_of_last(plan.contact_vertices.len() * space.components);
+    Ok((
+        factor,
+        compliance,
+        assembled,
+        start.elapsed().as_secs_f64() - assembled,
+    ))
+}
+
+fn pressure_block(
+    mesh: &Mesh,
+    space: &TaylorHood,
+    geometry: &CellGeometry,
+    moduli: &CellModuli,
+    grid: &Arc<Grid>,
+) -> PressureBlock {
+    let schur = |cell: usize| 0.5 / moduli.shear[cell] + moduli.inverse_lame[cell];
+    let compressible = moduli.inverse_lame.iter().any(|&inverse| inverse != 0.0);
+    PressureBlock {
+        coupling: Divergence {
+            grid: grid.clone(),
+            vertices: space.vertices,
+            size: space.displacement_unknowns(),
+        },
+        stabilisation: compressible
+            .then(|| weighted_mass(mesh, geometry, |cell| moduli.inverse_lame[cell])),
+        metric: ChebyshevMass::new(weighted_mass(mesh, geometry, schur), space.components, MASS_STEPS),
+    }
+}

@@ -1,0 +1,57 @@
+//! Reference length and stress. Everything inside the solver is divided by
+//! them, so that results do not depend on the caller's units: exactly for
+//! powers of two, to rounding otherwise.
+
+use crate::mesh::Mesh;
+use crate::scene::Scene;
+use crate::scene::validate::Resolved;
+
+/// Reference quantities in the caller's units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Units {
+    /// Longest side of the scaled body.
+    pub length: f64,
+    /// Largest shear modulus.
+    pub stress: f64,
+    /// Multiplies uploaded coordinates to make them non-dimensional.
+    pub coordinate_scale: f64,
+    /// 2 or 3; forces in two dimensions are per unit thickness.
+    pub dimension: usize,
+}
+
+impl Units {
+    pub(crate) fn new(scene: &Scene, resolved: &Resolved, mesh: &Mesh) -> Self {
+        let shear = resolved.materials.iter().map(|m| m.law.shear_modulus);
+        Self {
+            length: mesh.extent() * scene.mesh_scale.unwrap_or(1.0),
+            stress: shear.fold(0.0, f64::max),
+            coordinate_scale: 1.0 / mesh.extent(),
+            dimension: mesh.cell_kind().dimension(),
+        }
+    }
+
+    /// Area, or length in two dimensions.
+    pub fn area(&self) -> f64 {
+        self.length.powi(self.dimension as i32 - 1)
+    }
+
+    /// Volume, or area in two dimensions.
+    pub fn volume(&self) -> f64 {
+        self.length.powi(self.dimension as i32)
+    }
+
+    /// Force, or force per thickness.
+    pub fn force(&self) -> f64 {
+        self.stress * self.area()
+    }
+
+    /// Moment and energy, or per thickness.
+    pub fn energy(&self) -> f64 {
+        self.stress * self.volume()
+    }
+
+    /// Force per volume.
+    pub fn body_force(&self) -> f64 {
+        self.stress / self.length
+    }
+}

@@ -1,0 +1,176 @@
+//! Block Jacobi with one block per node (2 by 2 or 3 by 3), and the Chebyshev
+//! update built on it.
+//!
+//! Blocks of held components must carry the identity there, as the operator
+//! does; otherwise the largest eigenvalue grows several times.
+
+use rayon::prelude::*;
+
+use crate::linalg::Preconditioner;
+use crate::linalg::Workspace;
+
+/// Nodes per parallel piece.
+const PIECE: usize = 2048;
+
+/// Inverted symmetric node blocks.
+#[derive(Clone, Debug)]
+pub struct NodeBlocks {
+    components: usize,
+    /// Row-major blocks [nodes, components, components].
+    inverse: Vec<f64>,
+}
+
+impl NodeBlocks {
+    /// Inverts `blocks` [nodes, components, components]. A block that cannot
+    /// be inverted becomes the inverse of its diagonal.
+    pub fn invert(components: usize, mut blocks: Vec<f64>) -> Self {
+        blocks
+            .par_chunks_exact_mut(components * components)
+            .for_each(|block| match components {
+                2 => invert_2(block),
+                _ => invert_3(block),
+            });
+        Self {
+            components,
+            inverse: blocks,
+        }
+    }
+
+    /// Components per node.
+    pub fn components(&self) -> usize {
+        self.components
+    }
+
+    /// The inverse block of one node, row-major.
+    pub fn block(&self, node: usize) -> &[f64] {
+        let size = self.components * self.components;
+        &self.inverse[node * size..(node + 1) * size]
+    }
+
+    /// One step of the Chebyshev recurrence:
+    /// `d = keep d + gain D^-1 r`, `x += d`.
+    pub fn chebyshev_update(&self, keep: f64, gain: f64, r: &[f64], d: &mut [f64], x: &mut [f64]) {
+        match self.components {
+            2 => self.update::<2>(keep, gain, r, d, x),
+            _ => self.update::<3>(keep, gain, r, d, x),
+        }
+    }
+
+    fn update<const C: usize>(
+        &self,
+        keep: f64,
+        gain: f64,
+        r: &[f64],
+        d: &mut [f64],
+        x: &mut [f64],
+    ) {
+        let piece = PIECE * C;
+        d.par_chunks_mut(piece)
+            .zip(x.par_chunks_mut(piece))
+            .zip(r.par_chunks(piece))
+            .zip(self.inverse.par_chunks(piece * C))
+            .for_each(|(((d, x), r), inverse)| {
+                let nodes = d
+                    .as_chunks_mut::<C>()
+                    .0
+                    .iter_mut()
+                    .zip(x.as_chunks_mut::<C>().0);
+                let data = r.as_chunks::<C>().0.iter().zip(inverse.chunks_exact(C * C));
+                for ((d, x), (r, block)) in nodes.zip(data) {
+                    for i in 0..C {
+                        let mut sum = 0.0;
+                        for j in 0..C {
+                            sum += block[i * C + j] * r[j];
+                        }
+                        d[i] = keep * d[i] + gain * sum;
+                        x[i] += d[i];
+                    }
+                }
+            });
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        8 * self.inverse.len() as u64
+    }
+}
+
+impl Preconditioner for NodeBlocks {
+    fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace) {
+        z.fill(0.0);
+        let mut d = work.zeros(r.len());
+        self.chebyshev_update(0.0, 1.0, r, &mut d, z);
+        work.give(d);
+    }
+}
+
+fn invert_2(b: &mut [f64]) {
+    let determinant = b[0] * b[3] - b[1] * b[2];
+    if determinant > 0.0 && determinant.is_finite() {
+        let inverse = [b[3], -b[1], -b[2], b[0]].map(|value| value / determinant);
+        b.copy_from_slice(&inverse);
+    } else {
+        invert_diagonal(b, 2);
+    }
+}
+
+fn invert_3(b: &mut [f64]) {
+    let minor = |i: usize, j: usize, k: usize, l: usize| b[i] * b[l] - b[j] * b[k];
+    let cofactors = [
+        minor(4, 5, 7, 8),
+        -minor(1, 2, 7, 8),
+        minor(1, 2, 4, 5),
+        -minor(3, 5, 6, 8),
+        minor(0, 2, 6, 8),
+        -minor(0, 2, 3, 5),
+        minor(3, 4, 6, 7),
+        -minor(0, 1, 6, 7),
+        minor(0, 1, 3, 4),
+    ];
+    let determinant = b[0] * cofactors[0] + b[1] * cofactors[3] + b[2] * cofactors[6];
+    if determinant > 0.0 && determinant.is_finite() {
+        b.copy_from_slice(&cofactors.map(|value| value / determinant));
+    } else {
+        invert_diagonal(b, 3);
+    }
+}
+
+fn invert_diagonal(b: &mut [f64], size: usize) {
+    for i in 0..size {
+        for j in 0..size {
+            let entry = b[i * size + j];
+            b[i * size + j] = match i == j {
+                true if entry > 0.0 => 1.0 / entry,
+                true => 1.0,
+                false => 0.0,
+            };
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_times_their_inverse_are_the_identity() {
+        let three = vec![4.0, 1.0, 0.5, 1.0, 3.0, 0.2, 0.5, 0.2, 2.0];
+        let inverse = NodeBlocks::invert(3, three.clone());
+        for i in 0..3 {
+            for j in 0..3 {
+                let sum: f64 = (0..3).map(|k| three[3 * i + k] * inverse.block(0)[3 * k + j]).sum();
+                assert!((sum - f64::from(u8::from(i == j))).abs() < 1e-15);
+            }
+        }
+        let two = NodeBlocks::invert(2, vec![2.0, 1.0, 1.0, 3.0]);
+        for (value, exact) in two.block(0).iter().zip([0.6, -0.2, -0.2, 0.4]) {
+            assert!((value - exact).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn a_singular_block_falls_back_to_its_diagonal() {
+        let blocks = NodeBlocks::invert(2, vec![2.0, 2.0, 2.0, 2.0]);
+        assert_eq!(blocks.block(0), [0.5, 0.0, 0.0, 0.5]);
+    }
+}

@@ -1,0 +1,64 @@
+//! Sparse Cholesky factor of A11, contact vertices eliminated last.
+//!
+//! With L_cc the trailing block of the factor on the contact unknowns,
+//! (A11^-1)_cc = L_cc^-T L_cc^-1: one factorisation gives both the solver and
+//! the compliance of the contact surface.
+
+use crate::linalg::cholesky::LowerColumns;
+use crate::linalg::ordering::{Graph, nested_dissection};
+use crate::linalg::{DenseMatrix, FactoriseError, Preconditioner, SparseCholesky, Workspace};
+
+/// A factor of A11.
+#[derive(Debug)]
+pub struct DirectP1 {
+    factor: SparseCholesky,
+}
+
+/// Elimination order of the vertices (new to old): nested dissection, with
+/// `last` behind all others.
+pub fn vertex_order(coordinates: &[[f64; 3]], edges: &[[u32; 2]], last: &[u32]) -> Vec<u32> {
+    let graph = Graph::from_edges(coordinates.len(), edges);
+    nested_dissection(coordinates, &graph, last)
+}
+
+impl DirectP1 {
+    /// Factorises `matrix` [vertices * components] in the given vertex order.
+    ///
+    /// # Errors
+    /// When the matrix is not positive definite or the factor does not fit.
+    pub fn new(
+        matrix: &LowerColumns,
+        vertex_order: &[u32],
+        components: usize,
+    ) -> Result<Self, FactoriseError> {
+        let order: Vec<u32> = vertex_order
+            .iter()
+            .flat_map(|&vertex| (0..components as u32).map(move |c| vertex * components as u32 + c))
+            .collect();
+        Ok(Self {
+            factor: SparseCholesky::new(matrix, &order)?,
+        })
+    }
+
+    /// The block of A11^-1 on the `count` unknowns that are eliminated last.
+    pub fn compliance_of_last(&self, count: usize) -> DenseMatrix {
+        self.factor.trailing_block(count).inverse_of_product()
+    }
+
+    /// Entries of the factor.
+    pub fn entries(&self) -> usize {
+        self.factor.entries()
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        self.factor.bytes()
+    }
+}
+
+impl Preconditioner for DirectP1 {
+    fn apply(&self, r: &[f64], z: &mut [f64], _work: &mut Workspace) {
+        z.copy_from_slice(r);
+        self.factor.solve(z, 1);
+    }
+}

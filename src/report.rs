@@ -1,0 +1,389 @@
+//! The words in which every room reports: iteration records, step reports,
+//! terminations with typed causes, the observer and the cancel token.
+//!
+//! Plain data in the caller's units; residuals are non-dimensional. Nothing
+//! here computes, so every module may depend on it.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+
+/// How a step, an increment or an inner solve ended. Not converging is a
+/// result: the best iterate is kept and a [`Cause`] says why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Termination {
+    /// All four criteria are at or below the tolerance.
+    Converged,
+    /// The method stopped without reaching the tolerance.
+    NotConverged,
+    /// The caller cancelled; the last good state is kept.
+    Cancelled,
+    /// `max_wall_time` or the caller's deadline passed.
+    DeadlineExceeded,
+    /// A defect of the solver; the session cannot go on.
+    InternalError,
+}
+
+impl Termination {
+    /// The name used on the wire and in result lines.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::NotConverged => "not_converged",
+            Self::Cancelled => "cancelled",
+            Self::DeadlineExceeded => "deadline_exceeded",
+            Self::InternalError => "internal_error",
+        }
+    }
+}
+
+/// Why a step did not converge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Cause {
+    /// The Krylov method no longer reduces the residual.
+    Stagnation,
+    /// The Krylov method used up its iterations.
+    IterationLimit,
+    /// The active set returned to an earlier one.
+    ActiveSetCycle,
+    /// Cut-backs made the increment smaller than its floor.
+    StepTooSmall,
+    /// The line search found no acceptable step.
+    LineSearch,
+    /// Loads or free rigid modes admit no equilibrium.
+    NoEquilibrium,
+    /// Prescribed motion changes the volume of an enclosed incompressible body.
+    EnclosedVolume,
+    /// A residual or field became infinite or not a number.
+    NotFinite,
+    /// A factorisation met a pivot that is not positive.
+    IndefiniteTangent,
+}
+
+impl Cause {
+    /// The name used on the wire and in result lines.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stagnation => "stagnation",
+            Self::IterationLimit => "iteration_limit",
+            Self::ActiveSetCycle => "active_set_cycle",
+            Self::StepTooSmall => "step_too_small",
+            Self::LineSearch => "line_search",
+            Self::NoEquilibrium => "no_equilibrium",
+            Self::EnclosedVolume => "enclosed_volume",
+            Self::NotFinite => "not_finite",
+            Self::IndefiniteTangent => "indefinite_tangent",
+        }
+    }
+}
+
+/// The four convergence criteria, each relative to its load or first
+/// residual. A block the scene does not have reports zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Residuals {
+    /// Force balance of the displacement equations.
+    pub equilibrium: f64,
+    /// Volume constraint.
+    pub incompressibility: f64,
+    /// Contact pressure times gap.
+    pub complementarity: f64,
+    /// Weighted gap: negative anywhere, or non-zero under contact pressure.
+    pub gap: f64,
+}
+
+impl Residuals {
+    /// The largest of the four.
+    pub fn largest(&self) -> f64 {
+        self.equilibrium
+            .max(self.incompressibility)
+            .max(self.complementarity)
+            .max(self.gap)
+    }
+}
+
+/// One line per Krylov iteration.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct IterationRecord {
+    /// Step, from 1.
+    pub step: u32,
+    /// Increment within the step, from 1.
+    pub increment: u32,
+    /// Cut-backs so far in this increment.
+    pub attempt: u32,
+    /// Load factor of the increment being solved.
+    pub load: f64,
+    /// SQP iteration, from 1.
+    pub sqp_iteration: u32,
+    /// Krylov iterations so far in this increment.
+    pub krylov_iterations: u32,
+    /// Applications of the displacement preconditioner so far.
+    pub preconditioner_applications: u32,
+    /// Residuals of the current iterate.
+    pub residuals: Residuals,
+    /// Vertices in contact.
+    pub active_vertices: u32,
+    /// Revisions of the active set so far.
+    pub active_set_changes: u32,
+    /// Accepted step length of the line search.
+    pub step_length: f64,
+    /// Seconds since the step was accepted.
+    pub seconds: f64,
+}
+
+/// Wall seconds by phase.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Seconds {
+    /// Numbering, geometry, patterns, eigenvalue estimates.
+    pub prepare: f64,
+    /// Integrating A11, masses, loads.
+    pub assemble: f64,
+    /// Ordering and factorising the P1 block.
+    pub factorise: f64,
+    /// Krylov iterations.
+    pub krylov: f64,
+    /// Gap integrals, compliance, small dense problems.
+    pub contact: f64,
+    /// From the accepted update to the finished increment.
+    pub total: f64,
+}
+
+/// What one obstacle does to the body.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ObstacleResult {
+    /// Force that the obstacle exerts on the body [3].
+    pub force: [f64; 3],
+    /// Its moment about the obstacle's current reference point [3].
+    pub moment: [f64; 3],
+    /// Undeformed area carried by vertices in contact.
+    pub contact_area: f64,
+    /// Largest vertex value of the contact pressure.
+    pub max_pressure: f64,
+    /// Pressure-weighted mean position in the deformed body [3]; zero without contact.
+    pub centre_of_pressure: [f64; 3],
+    /// Vertices that stick (zero without friction).
+    pub stick_vertices: u32,
+    /// Vertices that slip (zero without friction).
+    pub slip_vertices: u32,
+}
+
+/// Reaction of one support.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SupportResult {
+    /// Force that the support exerts on the body [3].
+    pub force: [f64; 3],
+}
+
+/// Values at one probe.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ProbeResult {
+    /// Displacement [3].
+    pub displacement: [f64; 3],
+    /// Internal pressure; none when the scene has no pressure unknown.
+    pub pressure: Option<f64>,
+}
+
+/// Error norms against a manufactured field.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ManufacturedErrors {
+    /// ‖u_h − u‖ in L2.
+    pub displacement_l2: f64,
+    /// ‖∇(u_h − u)‖ in L2.
+    pub displacement_h1: f64,
+    /// ‖p_h − p‖ in L2; none without a pressure unknown.
+    pub pressure_l2: Option<f64>,
+}
+
+/// Unknowns by kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Unknowns {
+    /// Displacement components (P2), held ones included.
+    pub displacement: u64,
+    /// Internal pressure (P1).
+    pub pressure: u64,
+    /// Contact multipliers (P1 on the contact surface).
+    pub contact: u64,
+}
+
+/// The result of one increment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StepReport {
+    /// Step, from 1.
+    pub step: u32,
+    /// Increment within the step, from 1.
+    pub increment: u32,
+    /// step − 1 + fraction of the step reached.
+    pub time: f64,
+    /// Load factor reached.
+    pub load: f64,
+    /// How it ended.
+    pub termination: Termination,
+    /// Why it did not converge; none when it did.
+    pub cause: Option<Cause>,
+    /// SQP iterations.
+    pub sqp_iterations: u32,
+    /// Krylov iterations.
+    pub krylov_iterations: u32,
+    /// Applications of the displacement preconditioner inside Krylov methods.
+    pub preconditioner_applications: u32,
+    /// Operator applications spent on eigenvalue estimates.
+    pub eigenvalue_applications: u32,
+    /// Compliance columns computed.
+    pub compliance_columns: u32,
+    /// Revisions of the active set.
+    pub active_set_changes: u32,
+    /// Cut-backs inside this increment.
+    pub cut_backs: u32,
+    /// Factorisations of the P1 block.
+    pub factorisations: u32,
+    /// Vertices in contact.
+    pub active_vertices: u32,
+    /// Stored energy.
+    pub strain_energy: f64,
+    /// Deformed over undeformed volume.
+    pub volume_ratio: f64,
+    /// Smallest det F; none for linear kinematics.
+    pub min_jacobian: Option<f64>,
+    /// Deepest penetration at a quadrature point of the contact surface.
+    pub max_penetration: f64,
+    /// The four criteria at the end.
+    pub residuals: Residuals,
+    /// By obstacle name.
+    pub obstacles: BTreeMap<String, ObstacleResult>,
+    /// By support name.
+    pub supports: BTreeMap<String, SupportResult>,
+    /// By probe name.
+    pub probes: BTreeMap<String, ProbeResult>,
+    /// Estimate of the discretisation error, when there is one.
+    pub error_estimate: Option<f64>,
+    /// Errors against the manufactured field, when the scene has one.
+    pub errors: Option<ManufacturedErrors>,
+    /// Wall seconds by phase.
+    pub seconds: Seconds,
+    /// Unknowns by kind.
+    pub unknowns: Unknowns,
+    /// Bytes held by the prepared data and the session state.
+    pub memory_bytes: u64,
+    /// Parts taken over from the cache instead of being built.
+    pub reused: Vec<String>,
+    /// The kernels that ran: `portable`, later `avx2`, `avx512`.
+    pub instruction_set: String,
+    /// Residuals recomputed by the independent assembled path, when asked for.
+    pub verification: Option<Residuals>,
+}
+
+/// A field that a caller can ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum FieldName {
+    /// [nodes, 3]: vertices of the uploaded mesh, then edge midpoints.
+    Displacement,
+    /// [vertices, 1]: internal pressure; absent without a pressure unknown.
+    Pressure,
+    /// [vertices, 1]: contact pressure, zero off the contact surface.
+    ContactPressure,
+    /// [vertices, 1]: weighted gap over nodal weight, zero off the contact surface.
+    Gap,
+    /// [vertices, 1]: −1 not a candidate, 0 open, 1 in contact.
+    ContactState,
+    /// [cells, 6]: xx yy zz xy yz zx, mean over the cell.
+    Stress,
+    /// [cells, 1]: volume change of the cell, 1 + div u for linear kinematics.
+    Jacobian,
+}
+
+impl FieldName {
+    /// Every field, in the order of the documentation.
+    pub const ALL: [Self; 7] = [
+        Self::Displacement,
+        Self::Pressure,
+        Self::ContactPressure,
+        Self::Gap,
+        Self::ContactState,
+        Self::Stress,
+        Self::Jacobian,
+    ];
+
+    /// The name used in scenes, on the wire and in VTU files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Displacement => "displacement",
+            Self::Pressure => "pressure",
+            Self::ContactPressure => "contact_pressure",
+            Self::Gap => "gap",
+            Self::ContactState => "contact_state",
+            Self::Stress => "stress",
+            Self::Jacobian => "jacobian",
+        }
+    }
+
+    /// The field of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|field| field.name() == name)
+    }
+}
+
+/// One field of the current state, row-major `[rows, components]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldData {
+    /// Which field.
+    pub name: FieldName,
+    /// Values per row.
+    pub components: usize,
+    /// `rows * components` values in the caller's units.
+    pub values: Vec<f64>,
+}
+
+/// Receives reports while a step runs. Must be quick and must not block.
+pub trait Observer {
+    /// Called once per Krylov iteration.
+    fn iteration(&mut self, _record: &IterationRecord) {}
+}
+
+/// An observer that listens to nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Silent;
+
+impl Observer for Silent {}
+
+const RUNNING: u8 = 0;
+const CANCELLED: u8 = 1;
+const DEADLINE: u8 = 2;
+
+/// Tells a running solve to stop; clones share one flag. Solvers poll it every
+/// Krylov iteration.
+#[derive(Clone, Debug, Default)]
+pub struct CancelToken(Arc<AtomicU8>);
+
+impl CancelToken {
+    /// A token that nobody has cancelled.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Asks the solve to stop; the first reason given stays.
+    pub fn cancel(&self) {
+        self.stop(CANCELLED);
+    }
+
+    /// Asks the solve to stop because its time is up.
+    pub fn expire(&self) {
+        self.stop(DEADLINE);
+    }
+
+    fn stop(&self, reason: u8) {
+        // Losing the race means that another reason already stands.
+        let _first = self
+            .0
+            .compare_exchange(RUNNING, reason, Ordering::SeqCst, Ordering::SeqCst);
+    }
+
+    /// Whether the solve has to stop, and how it then reports.
+    pub fn stopped(&self) -> Option<Termination> {
+        match self.0.load(Ordering::SeqCst) {
+            RUNNING => None,
+            CANCELLED => Some(Termination::Cancelled),
+            _ => Some(Termination::DeadlineExceeded),
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! The displacement problem with multiplier blocks:
+//!
+//! ```text
+//! [ A   B1^T  B2^T ] [u ]   [f ]
+//! [ B1  -C1        ] [x1] = [g1]
+//! [ B2        -C2  ] [x2]   [g2]
+//! ```
+//!
+//! Internal pressure and contact pressure are blocks of the same kind; what a
+//! scene does not need is a shorter list. Vectors are the concatenation of
+//! displacement and blocks. The preconditioner is the upper block triangle:
+//! multipliers first, by their metrics, then one application of the
+//! displacement preconditioner.
+
+use crate::linalg::vector::add_scaled;
+use crate::linalg::{LinearOperator, Preconditioner, Workspace};
+
+/// One multiplier block.
+#[derive(Clone, Copy)]
+pub struct MultiplierBlock<'a> {
+    /// B [block, displacement].
+    pub coupling: &'a dyn LinearOperator,
+    /// C [block, block], positive semi-definite; none for an exact constraint.
+    pub stabilisation: Option<&'a dyn LinearOperator>,
+    /// Approximate inverse of B A^-1 B^T + C, positive.
+    pub metric: &'a dyn Preconditioner,
+}
+
+/// The block operator.
+pub struct SaddleOperator<'a> {
+    /// A [displacement, displacement].
+    pub stiffness: &'a dyn LinearOperator,
+    /// In the order of the unknowns.
+    pub blocks: &'a [MultiplierBlock<'a>],
+}
+
+impl LinearOperator for SaddleOperator<'_> {
+    fn rows(&self) -> usize {
+        let multipliers: usize = self.blocks.iter().map(|b| b.coupling.rows()).sum();
+        self.stiffness.rows() + multipliers
+    }
+
+    fn columns(&self) -> usize {
+        self.rows()
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
+        let (u, mut multipliers) = x.split_at(self.stiffness.rows());
+        let (force, mut constraints) = y.split_at_mut(self.stiffness.rows());
+        self.stiffness.apply(u, force, work);
+        let mut transposed = work.scratch(u.len());
+        for block in self.blocks {
+            let (x_block, x_rest) = multipliers.split_at(block.coupling.rows());
+            let (y_block, y_rest) = constraints.split_at_mut(block.coupling.rows());
+            block.coupling.apply(u, y_block, work);
+            block
+                .coupling
+                .apply_transposed(x_block, &mut transposed, work);
+            add_scaled(force, 1.0, &transposed);
+            if let Some(stabilisation) = block.stabilisation {
+                let mut product = work.scratch(x_block.len());
+                stabilisation.apply(x_block, &mut product, work);
+                add_scaled(y_block, -1.0, &product);
+                work.give(product);
+            }
+            (multipliers, constraints) = (x_rest, y_rest);
+        }
+        work.give(transposed);
+    }
+
+    fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
+        self.apply(y, x, work);
+    }
+}
+
+/// Upper block-triangular preconditioner:
+/// `dx_i = -M_i^-1 r_i`, `du = A^ (r_u - sum B_i^T dx_i)`.
+pub struct BlockTriangular<'a> {
+    /// Approximate inverse of A.
+    pub displacement: &'a dyn Preconditioner,
+    /// As in the operator.
+    pub blocks: &'a [MultiplierBlock<'a>],
+}
+
+impl Preconditioner for BlockTriangular<'_> {
+    fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace) {
+        let multipliers: usize = self.blocks.iter().map(|b| b.coupling.rows()).sum();
+        let (r_u, mut r_rest) = r.split_at(r.len() - multipliers);
+        let (z_u, mut z_rest) = z.split_at_mut(r_u.len());
+        let mut force = work.copy(r_u);
+        let mut transposed = work.scratch(r_u.len());
+        for block in self.blocks {
+            let (r_block, r_next) = r_rest.split_at(block.coupling.rows());
+            let (z_block, z_next) = z_rest.split_at_mut(block.coupling.rows());
+            block.metric.apply(r_block, z_block, work);
+            z_block.iter_mut().for_each(|value| *value = -*value);
+            block
+                .coupling
+                .apply_transposed(z_block, &mut transposed, work);
+            add_scaled(&mut force, -1.0, &transposed);
+            (r_rest, z_rest) = (r_next, z_next);
+        }
+        self.displacement.apply(&force, z_u, work);
+        work.give(force);
+        work.give(transposed);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::vector::dot;
+    use crate::linalg::{SparseRows, SparseRowsBuilder};
+
+    fn rows(columns: usize, rows: &[&[f64]]) -> SparseRows {
+        let mut builder = SparseRowsBuilder::new(columns);
+        for row in rows {
+            let mut entries: Vec<(u32, f64)> =
+                row.iter().enumerate().map(|(j, &v)| (j as u32, v)).collect();
+            builder.push_row(&mut entries);
+        }
+        builder.finish()
+    }
+
+    struct Scaled(f64);
+    impl Preconditioner for Scaled {
+        fn apply(&self, r: &[f64], z: &mut [f64], _work: &mut Workspace) {
+            z.iter_mut().zip(r).for_each(|(z, r)| *z = self.0 * r);
+        }
+    }
+
+    #[test]
+    fn the_operator_is_symmetric_and_matches_its_blocks() {
+        let stiffness = rows(2, &[&[2.0, -1.0], &[-1.0, 2.0]]);
+        let coupling = rows(2, &[&[1.0, 3.0]]);
+        let stabilisation = rows(1, &[&[0.5]]);
+        let blocks = [MultiplierBlock {
+            coupling: &coupling,
+            stabilisation: Some(&stabilisation),
+            metric: &Scaled(1.0),
+        }];
+        let saddle = SaddleOperator {
+            stiffness: &stiffness,
+            blocks: &blocks,
+        };
+        let mut work = Workspace::new();
+        let (x, y) = ([1.0, 2.0, 3.0], [-0.5, 0.25, 4.0]);
+        let (mut kx, mut ky) = ([0.0; 3], [0.0; 3]);
+        saddle.apply(&x, &mut kx, &mut work);
+        saddle.apply(&y, &mut ky, &mut work);
+        assert_eq!(kx, [3.0, 12.0, 5.5]);
+        assert!((dot(&kx, &y) - dot(&ky, &x)).abs() < 1e-14);
+    }
+
+    #[test]
+    fn the_preconditioner_solves_its_own_triangle() {
+        let coupling = rows(2, &[&[1.0, 3.0]]);
+        let blocks = [MultiplierBlock {
+            coupling: &coupling,
+            stabilisation: None,
+            metric: &Scaled(0.5),
+        }];
+        let triangular = BlockTriangular {
+            displacement: &Scaled(0.25),
+            blocks: &blocks,
+        };
+        let mut z = [0.0; 3];
+        triangular.apply(&[1.0, 2.0, 4.0], &mut z, &mut Workspace::new());
+        assert_eq!(z, [0.25 * (1.0 + 2.0), 0.25 * (2.0 + 6.0), -2.0]);
+    }
+}

@@ -1,0 +1,253 @@
+//! The problem as data: what a caller writes in a scene file or sends over the
+//! wire, in the caller's own consistent units.
+//!
+//! Nothing here is checked; [`crate::plan::Plan::new`] validates a scene
+//! against its mesh and names the offending key of every fault. Vectors have
+//! three components in two dimensions too, the third being zero.
+
+mod error;
+pub(crate) mod validate;
+
+pub use error::{SceneError, Violation};
+
+/// Geometry of the problem.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SceneKind {
+    /// Tetrahedra.
+    Solid,
+    /// Triangles in the plane z = 0, per unit thickness.
+    PlaneStrain,
+}
+
+impl SceneKind {
+    /// The name used in scenes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Solid => "solid",
+            Self::PlaneStrain => "plane-strain",
+        }
+    }
+}
+
+/// Stiffness of a linear elastic material: one modulus and Poisson's ratio.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Modulus {
+    /// Shear modulus, stress.
+    Shear(f64),
+    /// Young's modulus, stress.
+    Young(f64),
+}
+
+/// Which unknowns carry the volume constraint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Formulation {
+    /// `Mixed` for Poisson's ratio of at least 0.45, else `Displacement`.
+    #[default]
+    Auto,
+    /// Displacement and pressure.
+    Mixed,
+    /// Displacement only.
+    Displacement,
+}
+
+/// Constitutive law of one group of cells.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MaterialModel {
+    /// σ = 2μ ε(u) − p I, −div u − p/λ = 0.
+    LinearElastic {
+        /// Stiffness.
+        modulus: Modulus,
+        /// At most ½; ½ is incompressible.
+        poisson_ratio: f64,
+        /// Unknowns.
+        formulation: Formulation,
+    },
+}
+
+/// A material and the cell group it fills.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Physical group of cells.
+    pub group: String,
+    /// Law.
+    pub model: MaterialModel,
+}
+
+/// Held displacement components on surface groups.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Support {
+    /// Unique among supports.
+    pub name: String,
+    /// Surface groups.
+    pub on: Vec<String>,
+    /// Held components with their values, length; `None` is free.
+    pub displacement: [Option<f64>; 3],
+}
+
+/// Dead load per undeformed area on surface groups.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Traction {
+    /// Surface groups.
+    pub on: Vec<String>,
+    /// Stress [3].
+    pub value: [f64; 3],
+}
+
+/// Shape of a rigid obstacle in its initial pose.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// All points behind a plane.
+    HalfSpace {
+        /// A point of the plane, and the reference point.
+        point: [f64; 3],
+        /// Towards the free side; any length above zero.
+        normal: [f64; 3],
+    },
+    /// A ball.
+    Sphere {
+        /// Centre, and the reference point.
+        centre: [f64; 3],
+        /// Above zero.
+        radius: f64,
+    },
+    /// An infinite circular cylinder.
+    Cylinder {
+        /// A point of the axis, and the reference point.
+        point: [f64; 3],
+        /// Any length above zero.
+        axis: [f64; 3],
+        /// Above zero.
+        radius: f64,
+    },
+}
+
+/// A rigid body that the surface groups may touch.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Obstacle {
+    /// Unique among obstacles.
+    pub name: String,
+    /// Surface groups of the body that may touch it.
+    pub on: Vec<String>,
+    /// Geometry.
+    pub shape: Shape,
+}
+
+/// A named point whose values each step reports.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Probe {
+    /// Unique among probes.
+    pub name: String,
+    /// In the undeformed body [3].
+    pub point: [f64; 3],
+}
+
+/// Numerical settings; every one has a default.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SolverOptions {
+    /// Bound on all four residuals.
+    pub tolerance: f64,
+    /// Degree of the volume rule for loads and norms; `None` chooses.
+    pub quadrature_degree: Option<u32>,
+    /// Seconds after which a step ends with its last good state.
+    pub max_wall_time: Option<f64>,
+    /// `auto`, `p-multigrid`.
+    pub displacement_preconditioner: String,
+    /// `auto`, `cholesky`.
+    pub p1_solver: String,
+    /// `auto`, `gcr` (mixed), `cg` (displacement form).
+    pub saddle: String,
+    /// `auto`, `one-level`.
+    pub contact: String,
+    /// `auto`, `compliance`.
+    pub contact_metric: String,
+    /// Recompute the residuals by the independent path after each increment.
+    pub verify: bool,
+}
+
+impl Default for SolverOptions {
+    fn default() -> Self {
+        let auto = || "auto".to_owned();
+        Self {
+            tolerance: 1e-8,
+            quadrature_degree: None,
+            max_wall_time: None,
+            displacement_preconditioner: auto(),
+            p1_solver: auto(),
+            saddle: auto(),
+            contact: auto(),
+            contact_metric: auto(),
+            verify: false,
+        }
+    }
+}
+
+/// A whole problem, without its mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// For people.
+    pub name: String,
+    /// Multiplies the mesh coordinates; above zero.
+    pub mesh_scale: Option<f64>,
+    /// `None`: solid for tetrahedra, plane strain for triangles.
+    pub kind: Option<SceneKind>,
+    /// One per cell group.
+    pub materials: Vec<Material>,
+    /// Held components.
+    pub supports: Vec<Support>,
+    /// Dead loads.
+    pub tractions: Vec<Traction>,
+    /// Force per undeformed volume [3].
+    pub body_force: [f64; 3],
+    /// Rigid bodies.
+    pub obstacles: Vec<Obstacle>,
+    /// Name of an analytic field whose loads replace the others.
+    pub manufactured: Option<String>,
+    /// Points to report.
+    pub probes: Vec<Probe>,
+    /// Numerical settings.
+    pub solver: SolverOptions,
+}
+
+/// Where one obstacle shall be at the end of a step; `None` keeps its pose.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ObstacleTarget {
+    /// Obstacle name.
+    pub name: String,
+    /// From the initial pose [3], length.
+    pub translation: Option<[f64; 3]>,
+    /// Rotation vector about the reference point [3], radians.
+    pub rotation: Option<[f64; 3]>,
+}
+
+/// What one support shall prescribe at the end of a step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SupportTarget {
+    /// Support name.
+    pub name: String,
+    /// New values of held components; `None` keeps the value.
+    pub displacement: [Option<f64>; 3],
+}
+
+/// One load step: everything ramps linearly from the end of the previous step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// Equal parts, each reported; at least 1.
+    pub increments: u32,
+    /// Factor of all loads at the end; `None`: keeps its value (1 in the first step).
+    pub load: Option<f64>,
+    /// Obstacle motion.
+    pub obstacles: Vec<ObstacleTarget>,
+    /// Support motion.
+    pub supports: Vec<SupportTarget>,
+}
+
+impl Default for Step {
+    fn default() -> Self {
+        Self {
+            increments: 1,
+            load: None,
+            obstacles: Vec::new(),
+            supports: Vec::new(),
+        }
+    }
+}

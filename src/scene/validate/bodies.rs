@@ -1,0 +1,60 @@
+//! Body force, manufactured field, probes.
+
+use super::{Faults, in_plane, names};
+use crate::element::manufactured::Manufactured;
+use crate::mesh::Mesh;
+use crate::mesh::locate::{Located, Locator};
+use crate::scene::{MaterialModel, Scene};
+
+/// Checks the body force.
+pub(crate) fn body_force(scene: &Scene, mesh: &Mesh, faults: &mut Faults) {
+    faults.finite("body_force.value", &scene.body_force);
+    in_plane(faults, mesh, "body_force.value", scene.body_force);
+}
+
+/// The analytic field; its loads take the place of all others.
+pub(crate) fn manufactured(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Option<Manufactured> {
+    let name = scene.manufactured.as_deref()?;
+    let path = "manufactured.field";
+    let others = !scene.tractions.is_empty()
+        || !scene.obstacles.is_empty()
+        || scene.body_force.iter().any(|&x| x != 0.0);
+    if others {
+        faults.add(path, "brings its own loads: leave out traction, body_force and obstacle");
+    }
+    let incompressible = scene.materials.iter().all(|material| match material.model {
+        MaterialModel::LinearElastic { poisson_ratio, .. } => poisson_ratio == 0.5,
+    });
+    if !incompressible {
+        faults.add(path, "the fields are incompressible: set poisson_ratio = 0.5");
+    }
+    let dimension = mesh.cell_kind().dimension();
+    let field = Manufactured::from_name(name, dimension);
+    if field.is_none() {
+        let hint = names::hint(name, Manufactured::names().iter().copied());
+        faults.add(path, format!("no field `{name}` in {dimension} dimensions{hint}"));
+    }
+    field
+}
+
+/// Finds the probes in the body.
+pub(crate) fn probes(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<Located> {
+    names::check_unique(faults, "probe", scene.probes.iter().map(|probe| probe.name.as_str()));
+    if scene.probes.is_empty() {
+        return Vec::new();
+    }
+    let locator = Locator::new(mesh);
+    let scale = scene.mesh_scale.unwrap_or(1.0);
+    let mut found = Vec::new();
+    for probe in &scene.probes {
+        let path = format!("probe.{}.point", probe.name);
+        if !faults.finite(&path, &probe.point) {
+            continue;
+        }
+        match locator.find(mesh, probe.point.map(|x| x / scale)) {
+            Some(located) => found.push(located),
+            None => faults.add(path, format!("{:?} lies outside the body", probe.point)),
+        }
+    }
+    found
+}

@@ -1,0 +1,122 @@
+//! Materials: parameters, one per cell, and the formulation that follows.
+
+use super::{Faults, names};
+use crate::material::LinearElastic;
+use crate::mesh::{GroupKind, Mesh};
+use crate::scene::{Formulation, MaterialModel, Modulus, Scene};
+
+/// From this Poisson ratio on, a pressure unknown carries the volume constraint.
+const MIXED_FROM: f64 = 0.45;
+/// Below, the volume compliance of a mixed cell is no longer well scaled.
+const LEAST_MIXED: f64 = 0.01;
+const NO_MATERIAL: u16 = u16::MAX;
+
+/// A material with its law.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ResolvedMaterial {
+    pub(crate) law: LinearElastic,
+    pub(crate) poisson_ratio: f64,
+}
+
+/// Laws, and the law of each cell.
+pub(crate) fn resolve(
+    scene: &Scene,
+    mesh: &Mesh,
+    faults: &mut Faults,
+) -> (Vec<ResolvedMaterial>, Vec<u16>) {
+    let mut of_cell = vec![NO_MATERIAL; mesh.cell_count()];
+    let mut materials = Vec::new();
+    if scene.materials.is_empty() {
+        faults.add("material", "the scene has no material; every cell needs one");
+    }
+    if scene.materials.len() >= usize::from(NO_MATERIAL) {
+        faults.add("material", "too many materials");
+        return (materials, of_cell);
+    }
+    for (index, material) in scene.materials.iter().enumerate() {
+        let path = format!("material.{}", material.group);
+        materials.push(law(&material.model, &path, faults));
+        match mesh.group(&material.group, GroupKind::Cells) {
+            None => faults.add(&path, names::missing(mesh, GroupKind::Cells, &material.group)),
+            Some(group) => assign(index as u16, &group.members, &mut of_cell, &path, faults),
+        }
+    }
+    let bare = of_cell.iter().filter(|&&m| m == NO_MATERIAL).count();
+    if bare > 0 && !scene.materials.is_empty() {
+        let first = of_cell.iter().position(|&m| m == NO_MATERIAL).unwrap_or(0);
+        faults.add("material", format!("{bare} cells have no material, the first is cell {first}"));
+    }
+    (materials, of_cell)
+}
+
+fn assign(index: u16, members: &[u32], of_cell: &mut [u16], path: &str, faults: &mut Faults) {
+    let mut taken = None;
+    for &cell in members {
+        let slot = &mut of_cell[cell as usize];
+        if *slot != NO_MATERIAL && *slot != index {
+            taken.get_or_insert(cell);
+        }
+        *slot = index;
+    }
+    if let Some(cell) = taken {
+        faults.add(path, format!("cell {cell} has another material already"));
+    }
+}
+
+fn law(model: &MaterialModel, path: &str, faults: &mut Faults) -> ResolvedMaterial {
+    let MaterialModel::LinearElastic {
+        modulus,
+        poisson_ratio,
+        formulation,
+    } = model;
+    let (key, value) = match modulus {
+        Modulus::Shear(value) => ("shear_modulus", *value),
+        Modulus::Young(value) => ("young_modulus", *value),
+    };
+    if !(value > 0.0 && value.is_finite()) {
+        faults.add(format!("{path}.{key}"), format!("must be above zero and finite, not {value}"));
+    }
+    if !(*poisson_ratio > -1.0 && *poisson_ratio <= 0.5) {
+        let message = format!("must lie above -1 and at most 0.5, not {poisson_ratio}");
+        faults.add(format!("{path}.poisson_ratio"), message);
+    }
+    if *formulation == Formulation::Displacement && *poisson_ratio == 0.5 {
+        let message = "an incompressible material needs the mixed formulation";
+        faults.add(format!("{path}.formulation"), message);
+    }
+    let law = match modulus {
+        Modulus::Shear(value) => LinearElastic::from_shear_modulus(*value, *poisson_ratio),
+        Modulus::Young(value) => LinearElastic::from_young_modulus(*value, *poisson_ratio),
+    };
+    ResolvedMaterial {
+        law,
+        poisson_ratio: *poisson_ratio,
+    }
+}
+
+/// Whether the scene carries a pressure unknown: one formulation for all cells.
+pub(crate) fn mixed(scene: &Scene, materials: &[ResolvedMaterial], faults: &mut Faults) -> bool {
+    let asked = |material: &crate::scene::Material| match material.model {
+        MaterialModel::LinearElastic { formulation, .. } => formulation,
+    };
+    let mixed = scene.materials.iter().zip(materials).any(|(material, resolved)| {
+        match asked(material) {
+            Formulation::Mixed => true,
+            Formulation::Displacement => false,
+            Formulation::Auto => resolved.poisson_ratio >= MIXED_FROM,
+        }
+    });
+    for (material, resolved) in scene.materials.iter().zip(materials) {
+        let path = format!("material.{}", material.group);
+        if mixed && asked(material) == Formulation::Displacement {
+            let message = "all materials of a scene share one formulation, and another one is mixed";
+            faults.unsupported(format!("{path}.formulation"), message);
+        }
+        if mixed && resolved.poisson_ratio < LEAST_MIXED {
+            let message =
+                format!("below {LEAST_MIXED} a material cannot share a scene with a mixed one");
+            faults.unsupported(format!("{path}.poisson_ratio"), message);
+        }
+    }
+    mixed
+}

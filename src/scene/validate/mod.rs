@@ -1,0 +1,145 @@
+//! Checks a scene against its mesh and resolves names to cells and facets.
+//!
+//! All faults are collected, each with the path of its key; combinations that
+//! this version cannot solve are [`SceneError::Unsupported`].
+
+mod bodies;
+mod materials;
+mod names;
+mod obstacles;
+mod rigid_modes;
+mod solver;
+mod steps;
+mod surfaces;
+
+use super::{Scene, SceneError, SceneKind, Step, Violation};
+use crate::element::manufactured::Manufactured;
+use crate::mesh::locate::Located;
+use crate::mesh::{CellKind, Mesh};
+
+pub(crate) use materials::ResolvedMaterial;
+pub(crate) use obstacles::shape;
+pub(crate) use steps::check_step;
+
+/// Collects faults.
+#[derive(Debug, Default)]
+pub(crate) struct Faults {
+    violations: Vec<Violation>,
+    unsupported: Option<Violation>,
+}
+
+impl Faults {
+    pub(crate) fn add(&mut self, path: impl Into<String>, message: impl Into<String>) {
+        self.violations.push(Violation {
+            path: path.into(),
+            message: message.into(),
+        });
+    }
+
+    pub(crate) fn unsupported(&mut self, path: impl Into<String>, message: impl Into<String>) {
+        self.unsupported.get_or_insert(Violation {
+            path: path.into(),
+            message: message.into(),
+        });
+    }
+
+    pub(crate) fn finite(&mut self, path: &str, values: &[f64]) -> bool {
+        let finite = values.iter().all(|value| value.is_finite());
+        if !finite {
+            self.add(path, format!("must be finite, not {values:?}"));
+        }
+        finite
+    }
+
+    pub(crate) fn result(self) -> Result<(), SceneError> {
+        match (self.violations.is_empty(), self.unsupported) {
+            (false, _) => Err(SceneError::Invalid(self.violations)),
+            (true, Some(violation)) => Err(SceneError::Unsupported(violation)),
+            (true, None) => Ok(()),
+        }
+    }
+}
+
+/// The scene's names as indices.
+#[derive(Clone, Debug)]
+pub(crate) struct Resolved {
+    pub(crate) kind: SceneKind,
+    /// Material of each cell.
+    pub(crate) cell_material: Vec<u16>,
+    pub(crate) materials: Vec<ResolvedMaterial>,
+    pub(crate) mixed: bool,
+    /// Facets of each support.
+    pub(crate) support_facets: Vec<Vec<u32>>,
+    /// Facets of each traction.
+    pub(crate) traction_facets: Vec<Vec<u32>>,
+    /// Facets of each obstacle.
+    pub(crate) obstacle_facets: Vec<Vec<u32>>,
+    /// Cell and barycentric coordinates of each probe.
+    pub(crate) probes: Vec<Located>,
+    pub(crate) manufactured: Option<Manufactured>,
+    /// Rigid modes that no support holds.
+    pub(crate) free_modes: Vec<String>,
+}
+
+/// Checks everything and resolves names.
+pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Resolved, SceneError> {
+    let mut faults = Faults::default();
+    let kind = kind(scene, mesh, &mut faults);
+    if let Some(scale) = scene.mesh_scale
+        && !(scale > 0.0 && scale.is_finite())
+    {
+        faults.add("mesh_scale", format!("must be above zero and finite, not {scale}"));
+    }
+    let (materials, cell_material) = materials::resolve(scene, mesh, &mut faults);
+    let mixed = materials::mixed(scene, &materials, &mut faults);
+    let support_facets = surfaces::supports(scene, mesh, &mut faults);
+    let traction_facets = surfaces::tractions(scene, mesh, &mut faults);
+    let obstacle_facets = obstacles::resolve(scene, mesh, &mut faults);
+    obstacles::refuse_held_faces(scene, mesh, &support_facets, &obstacle_facets, &mut faults);
+    let manufactured = bodies::manufactured(scene, mesh, &mut faults);
+    bodies::body_force(scene, mesh, &mut faults);
+    let probes = bodies::probes(scene, mesh, &mut faults);
+    solver::check(scene, mixed, &mut faults);
+    let free_modes = rigid_modes::check(scene, mesh, &support_facets, &mut faults);
+    for (index, step) in steps.iter().enumerate() {
+        steps::check(scene, step, &format!("step[{index}]"), mesh, &mut faults);
+    }
+    faults.result()?;
+    Ok(Resolved {
+        kind,
+        cell_material,
+        materials,
+        mixed,
+        support_facets,
+        traction_facets,
+        obstacle_facets,
+        probes,
+        manufactured,
+        free_modes,
+    })
+}
+
+fn kind(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> SceneKind {
+    let natural = match mesh.cell_kind() {
+        CellKind::Triangle => SceneKind::PlaneStrain,
+        CellKind::Tetrahedron => SceneKind::Solid,
+    };
+    if let Some(asked) = scene.kind
+        && asked != natural
+    {
+        let message = format!(
+            "`{}` does not fit the mesh, whose cells ask for `{}`",
+            asked.name(),
+            natural.name()
+        );
+        faults.add("kind", message);
+    }
+    natural
+}
+
+/// Faults of a vector that must lie in the plane z = 0 of a plane scene.
+pub(crate) fn in_plane(faults: &mut Faults, mesh: &Mesh, path: &str, vector: [f64; 3]) {
+    if mesh.cell_kind() == CellKind::Triangle && vector[2] != 0.0 {
+        faults.add(path, "the z component must be zero in a plane scene");
+    }
+}

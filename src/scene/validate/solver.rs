@@ -1,0 +1,68 @@
+//! Numerical settings: ranges and names of methods.
+
+use super::{Faults, names};
+use crate::element::quadrature::MAXIMUM_DEGREE;
+use crate::scene::Scene;
+
+/// Names that later capabilities bring.
+const LATER: [&str; 15] = [
+    "amg",
+    "ic-cg",
+    "hierarchical-ssor",
+    "hierarchical-additive",
+    "hierarchical-multiplicative",
+    "arrow-hurwicz",
+    "uzawa-cg",
+    "minres",
+    "mprgp",
+    "conjugate-projected-gradient",
+    "projected-arrow-hurwicz",
+    "active-set",
+    "nested",
+    "mass",
+    "fractional",
+];
+
+/// Checks `[solver]`.
+pub(crate) fn check(scene: &Scene, mixed: bool, faults: &mut Faults) {
+    let solver = &scene.solver;
+    if !(solver.tolerance >= 1e-14 && solver.tolerance <= 0.1) {
+        let message = format!("must lie between 1e-14 and 0.1, not {}", solver.tolerance);
+        faults.add("solver.tolerance", message);
+    }
+    if let Some(degree) = solver.quadrature_degree
+        && !(1..=MAXIMUM_DEGREE).contains(&degree)
+    {
+        let message = format!("must lie between 1 and {MAXIMUM_DEGREE}, not {degree}");
+        faults.add("solver.quadrature_degree", message);
+    }
+    if let Some(seconds) = solver.max_wall_time
+        && !(seconds > 0.0 && seconds.is_finite())
+    {
+        let message = format!("must be above zero and finite, not {seconds}");
+        faults.add("solver.max_wall_time", message);
+    }
+    let saddle = if mixed { "gcr" } else { "cg" };
+    let methods = [
+        ("displacement_preconditioner", &solver.displacement_preconditioner, "p-multigrid"),
+        ("p1_solver", &solver.p1_solver, "cholesky"),
+        ("saddle", &solver.saddle, saddle),
+        ("contact", &solver.contact, "one-level"),
+        ("contact_metric", &solver.contact_metric, "compliance"),
+    ];
+    for (key, asked, available) in methods {
+        let path = format!("solver.{key}");
+        match asked.as_str() {
+            "auto" => (),
+            name if name == available => (),
+            name if LATER.contains(&name) || name == "cg" || name == "gcr" => {
+                faults.unsupported(path, format!("`{name}` here; `{available}` is there"));
+            }
+            name => {
+                let known = ["auto", available].into_iter().chain(LATER);
+                let hint = names::hint(name, known);
+                faults.add(path, format!("unknown method `{name}`{hint}"));
+            }
+        }
+    }
+}

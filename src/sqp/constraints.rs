@@ -1,0 +1,133 @@
+//! The body's constraints: candidate surfaces with their obstacles, and
+//! prescribed displacements.
+
+use std::sync::Arc;
+
+use super::drive::Drive;
+use crate::contact::ContactSurface;
+use crate::element::quadrature::{Rule, Simplex, rule};
+use crate::mesh::Mesh;
+use crate::obstacle::{Moving, Obstacle};
+use crate::plan::{Plan, Prepared};
+use crate::scene::Shape;
+use crate::scene::validate::shape;
+
+/// Degree of the rule on contact faces: the distance to a curved obstacle
+/// along a quadratic face is integrated to far below the tolerance.
+const CONTACT_DEGREE: u32 = 8;
+
+/// One obstacle and the surface that may touch it.
+#[derive(Debug)]
+pub(crate) struct Interface {
+    pub(crate) name: String,
+    pub(crate) surface: ContactSurface,
+    shape: Arc<dyn Obstacle>,
+    is_flat: bool,
+    /// First multiplier.
+    pub(crate) offset: usize,
+}
+
+impl Interface {
+    /// Its multipliers among all.
+    pub(crate) fn range(&self) -> std::ops::Range<usize> {
+        self.offset..self.offset + self.surface.multipliers()
+    }
+}
+
+/// All interfaces of a scene.
+#[derive(Debug)]
+pub(crate) struct Interfaces {
+    pub(crate) list: Vec<Interface>,
+    pub(crate) rule: Rule,
+}
+
+impl Interfaces {
+    pub(crate) fn new(plan: &Plan, mesh: &Mesh, prepared: &Prepared) -> Self {
+        let mut list = Vec::new();
+        let mut offset = 0;
+        for (obstacle, facets) in plan.scene.obstacles.iter().zip(&plan.resolved.obstacle_facets) {
+            // The plan has checked the parameters.
+            let Ok(shape) = shape(&obstacle.shape, plan.units.length) else {
+                continue;
+            };
+            let facets: Vec<Vec<u32>> =
+                facets.iter().map(|&f| mesh.facet(f as usize).to_vec()).collect();
+            let surface =
+                ContactSurface::new(mesh, &prepared.space, plan.units.coordinate_scale, &facets);
+            let multipliers = surface.multipliers();
+            list.push(Interface {
+                name: obstacle.name.clone(),
+                surface,
+                shape,
+                is_flat: matches!(obstacle.shape, Shape::HalfSpace { .. }),
+                offset,
+            });
+            offset += multipliers;
+        }
+        let simplex = match plan.units.dimension {
+            2 => Simplex::Segment,
+            _ => Simplex::Triangle,
+        };
+        Self {
+            list,
+            rule: rule(simplex, CONTACT_DEGREE),
+        }
+    }
+
+    /// Whether every gap is linear in the displacement.
+    pub(crate) fn are_flat(&self) -> bool {
+        self.list.iter().all(|interface| interface.is_flat)
+    }
+
+    /// The obstacles in the poses of `drive`, non-dimensional.
+    pub(crate) fn obstacles(&self, drive: &Drive, length: f64) -> Vec<Moving> {
+        self.list
+            .iter()
+            .zip(&drive.poses)
+            .map(|(interface, pose)| {
+                let translation = pose.translation.map(|x| x / length);
+                Moving::new(interface.shape.clone(), translation, pose.rotation)
+            })
+            .collect()
+    }
+}
+
+/// Sets the held components of `displacement` to the values of `drive`.
+pub(crate) fn prescribe(
+    plan: &Plan,
+    mesh: &Mesh,
+    prepared: &Prepared,
+    drive: &Drive,
+    displacement: &mut [f64],
+) {
+    let c = prepared.space.components;
+    let field = plan.resolved.manufactured.as_ref();
+    for &(unknown, support) in &plan.held {
+        let (node, i) = (unknown as usize / c, unknown as usize % c);
+        let value = match field {
+            Some(field) => drive.load * field.displacement(node_position(plan, mesh, prepared, node))[i],
+            None => drive.supports[usize::from(support)][i],
+        } / plan.units.length;
+        displacement[unknown as usize] = match node.checked_sub(prepared.space.vertices) {
+            None => value,
+            // Both ends are held too and, being vertices, already set.
+            Some(edge) => {
+                let [a, b] = prepared.space.edges[edge].map(|v| displacement[v as usize * c + i]);
+                value - 0.5 * (a + b)
+            }
+        };
+    }
+}
+
+/// Position of a node in the caller's units.
+fn node_position(plan: &Plan, mesh: &Mesh, prepared: &Prepared, node: usize) -> [f64; 3] {
+    let scale = plan.units.coordinate_scale * plan.units.length;
+    let at = |vertex: usize| mesh.coordinates()[vertex];
+    match node.checked_sub(prepared.space.vertices) {
+        None => at(node).map(|x| x * scale),
+        Some(edge) => {
+            let [a, b] = prepared.space.edges[edge].map(|v| at(v as usize));
+            std::array::from_fn(|i| 0.5 * scale * (a[i] + b[i]))
+        }
+    }
+}

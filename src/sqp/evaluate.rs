@@ -1,0 +1,175 @@
+//! Residuals of the nonlinear problem at a state, and the four criteria.
+
+use super::constraints::Interfaces;
+use super::drive::Drive;
+use super::state::State;
+use crate::assembly::grid::{Basis, Rows};
+use crate::contact::gap::{Deformed, linearise};
+use crate::inequality::QpScales;
+use crate::linalg::vector::{add_scaled, dot, norm};
+use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, Workspace};
+use crate::mesh::Mesh;
+use crate::plan::{Plan, Prepared};
+use crate::report::Residuals;
+
+/// What a session reads while it solves.
+#[derive(Clone, Copy)]
+pub(crate) struct Context<'a> {
+    pub(crate) plan: &'a Plan,
+    pub(crate) mesh: &'a Mesh,
+    pub(crate) prepared: &'a Prepared,
+    pub(crate) interfaces: &'a Interfaces,
+    /// Load at factor one.
+    pub(crate) load: &'a [f64],
+}
+
+impl<'a> Context<'a> {
+    /// The deformed body, for contact integrals.
+    pub(crate) fn deformed(&self, displacement: &'a [f64]) -> Deformed<'a> {
+        Deformed {
+            mesh: self.mesh,
+            scale: self.plan.units.coordinate_scale,
+            space: &self.prepared.space,
+            displacement,
+            rule: &self.interfaces.rule,
+        }
+    }
+}
+
+/// Residuals at a state.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Evaluation {
+    /// Free rows of f - A u - B^T p - C^T l.
+    pub(crate) force: Vec<f64>,
+    /// -(B u - S p).
+    pub(crate) constraint: Vec<f64>,
+    /// Weighted gap.
+    pub(crate) gap: Vec<f64>,
+    /// C = -dg/du on free columns.
+    pub(crate) coupling: SparseRows,
+    /// Norm of the external load on free rows.
+    pub(crate) load_norm: f64,
+    /// Norm of the contact load on free rows.
+    pub(crate) contact_norm: f64,
+    /// Deepest penetration at a point of the rule.
+    pub(crate) max_penetration: f64,
+}
+
+/// Zeroes held entries.
+pub(crate) fn mask(held: &[u32], x: &mut [f64]) {
+    for &index in held {
+        x[index as usize] = 0.0;
+    }
+}
+
+/// Residuals of `state` under `drive`.
+pub(crate) fn evaluate(
+    context: &Context<'_>,
+    state: &State,
+    drive: &Drive,
+    work: &mut Workspace,
+) -> Evaluation {
+    let mut out = Evaluation::default();
+    add_contact(context, state, drive, &mut out);
+    let prepared = context.prepared;
+    let mut force = context.load.to_vec();
+    force.iter_mut().for_each(|value| *value *= drive.load);
+    mask(&prepared.held, &mut force);
+    out.load_norm = norm(&force);
+    add_scaled(&mut force, -1.0, &internal_force(context, state, work));
+    if !state.multiplier.is_empty() {
+        let mut contact = work.scratch(force.len());
+        out.coupling
+            .apply_transposed(&state.multiplier, &mut contact, work);
+        out.contact_norm = norm(&contact);
+        add_scaled(&mut force, -1.0, &contact);
+        work.give(contact);
+    }
+    mask(&prepared.held, &mut force);
+    out.force = force;
+    out.constraint = constraint(context, state, work);
+    out
+}
+
+/// A u + B^T p, all rows.
+pub(crate) fn internal_force(
+    context: &Context<'_>,
+    state: &State,
+    work: &mut Workspace,
+) -> Vec<f64> {
+    let grid = &context.prepared.grid;
+    let mut force = vec![0.0; state.displacement.len()];
+    grid.stiffness(Basis::Hierarchical, Rows::All, &state.displacement, &mut force, work);
+    if !state.pressure.is_empty() {
+        let mut part = work.scratch(force.len());
+        grid.divergence_transposed(Rows::All, &state.pressure, &mut part, work);
+        add_scaled(&mut force, 1.0, &part);
+        work.give(part);
+    }
+    force
+}
+
+/// -(B u - S p).
+fn constraint(context: &Context<'_>, state: &State, work: &mut Workspace) -> Vec<f64> {
+    let Some(block) = &context.prepared.pressure else {
+        return Vec::new();
+    };
+    let mut residual = vec![0.0; state.pressure.len()];
+    let grid = &context.prepared.grid;
+    grid.divergence(Rows::All, &state.displacement, &mut residual, work);
+    residual.iter_mut().for_each(|value| *value = -*value);
+    if let Some(stabilisation) = &block.stabilisation {
+        let mut product = work.scratch(residual.len());
+        stabilisation.apply(&state.pressure, &mut product, work);
+        add_scaled(&mut residual, 1.0, &product);
+        work.give(product);
+    }
+    residual
+}
+
+fn add_contact(context: &Context<'_>, state: &State, drive: &Drive, out: &mut Evaluation) {
+    let body = context.deformed(&state.displacement);
+    let obstacles = context.interfaces.obstacles(drive, context.plan.units.length);
+    let mut builder = SparseRowsBuilder::new(state.displacement.len());
+    for (interface, obstacle) in context.interfaces.list.iter().zip(&obstacles) {
+        let held = &context.prepared.is_held;
+        let mut part = linearise(&body, &interface.surface, obstacle, held);
+        out.gap.append(&mut part.gap);
+        out.max_penetration = out.max_penetration.max(part.max_penetration);
+        part.rows.iter_mut().for_each(|row| builder.push_row(row));
+    }
+    out.coupling = builder.finish();
+}
+
+impl Evaluation {
+    /// Norm of what is wrong with the gaps: negative, or open under pressure.
+    pub(crate) fn gap_norm(&self, active: &[bool]) -> f64 {
+        let wrong = |(gap, &active): (&f64, &bool)| if active { *gap } else { gap.min(0.0) };
+        let square: f64 = self.gap.iter().zip(active).map(wrong).map(|g| g * g).sum();
+        square.sqrt()
+    }
+
+    /// Scale of the force residual: the largest load at hand.
+    pub(crate) fn force_scale(&self, first: f64) -> f64 {
+        self.load_norm.max(self.contact_norm).max(first)
+    }
+
+    /// The four criteria.
+    pub(crate) fn residuals(&self, state: &State, first_force: f64, scales: &QpScales) -> Residuals {
+        let pressure_norm = norm(&state.multiplier);
+        let products = self.gap.iter().zip(&state.multiplier).map(|(g, l)| (g * l).abs());
+        let negative = state.multiplier.iter().map(|l| l.min(0.0)).collect::<Vec<_>>();
+        Residuals {
+            equilibrium: ratio(norm(&self.force), self.force_scale(first_force)),
+            incompressibility: ratio(norm(&self.constraint), scales.constraint),
+            complementarity: ratio(products.sum(), pressure_norm * scales.gap)
+                + ratio(dot(&negative, &negative).sqrt(), pressure_norm),
+            gap: ratio(self.gap_norm(&state.active), scales.gap),
+        }
+    }
+}
+
+/// value / scale, zero when there is nothing to scale.
+pub(crate) fn ratio(value: f64, scale: f64) -> f64 {
+    if value == 0.0 { 0.0 } else { value / scale.max(f64::MIN_POSITIVE) }
+}

@@ -1,0 +1,25 @@
+//! The outer loop: load steps in increments with cut-back; in each increment
+//! the gap is linearised, the inequality problem solved inexactly, the step
+//! accepted by a filter, until all four criteria hold.
+//!
+//! ```text
+//! f - A u - B^T p - C(u)^T l = 0,   B u - S p = 0,   g(u) >= 0, l >= 0, l g(u) = 0
+//! ```
+//!
+//! Everything is non-dimensional inside; [`Session`] speaks the caller's units.
+
+mod constraints;
+mod counters;
+mod drive;
+mod errors;
+mod evaluate;
+mod fields;
+mod increment;
+mod loads;
+mod results;
+mod session;
+mod state;
+mod verification;
+
+pub use drive::ObstaclePose;
+pub use session::{Reuse, Session, StepRun};

@@ -1,0 +1,244 @@
+//! From a state to the report of an increment, in the caller's units.
+
+use std::collections::BTreeMap;
+
+use super::counters::Counters;
+use super::errors::manufactured_errors;
+use super::evaluate::{Context, internal_force};
+use super::increment::Ending;
+use super::state::State;
+use crate::assembly::grid::Rows;
+use crate::contact::gap::linearise;
+use crate::contact::resultant::resultant;
+use crate::linalg::vector::{add_scaled, dot};
+use crate::linalg::{LinearOperator, SparseRowsBuilder, Workspace};
+use crate::obstacle::Obstacle;
+use crate::report::{ObstacleResult, ProbeResult, StepReport, SupportResult};
+
+/// The report, without what only the session knows.
+pub(crate) fn report(
+    context: &Context<'_>,
+    state: &State,
+    ending: &Ending,
+    counters: &Counters,
+    work: &mut Workspace,
+) -> StepReport {
+    let units = &context.plan.units;
+    let internal = internal_force(context, state, work);
+    StepReport {
+        step: 0,
+        increment: 0,
+        time: 0.0,
+        load: state.drive.load,
+        termination: ending.termination,
+        cause: ending.cause,
+        sqp_iterations: counters.sqp_iterations,
+        krylov_iterations: counters.krylov_iterations,
+        preconditioner_applications: counters.krylov_iterations,
+        eigenvalue_applications: 0,
+        compliance_columns: 0,
+        active_set_changes: counters.set_changes,
+        cut_backs: counters.cut_backs,
+        factorisations: 0,
+        active_vertices: state.active.iter().filter(|&&a| a).count() as u32,
+        strain_energy: strain_energy(context, state, &internal, work) * units.energy(),
+        volume_ratio: volume_ratio(context, state, work),
+        min_jacobian: None,
+        max_penetration: ending.max_penetration * units.length,
+        residuals: ending.residuals,
+        obstacles: obstacles(context, state),
+        supports: supports(context, state, internal),
+        probes: probes(context, state),
+        error_estimate: None,
+        errors: context
+            .plan
+            .resolved
+            .manufactured
+            .as_ref()
+            .map(|field| manufactured_errors(context, state, field)),
+        seconds: counters.seconds,
+        unknowns: context.plan.unknowns(),
+        memory_bytes: 0,
+        reused: Vec::new(),
+        instruction_set: "portable".to_owned(),
+        verification: None,
+    }
+}
+
+/// 1/2 int sigma : eps = 1/2 u.(A u) + 1/2 p.(S p).
+fn strain_energy(
+    context: &Context<'_>,
+    state: &State,
+    internal: &[f64],
+    work: &mut Workspace,
+) -> f64 {
+    let mut energy = 0.5 * dot(&state.displacement, internal);
+    if let Some(block) = &context.prepared.pressure {
+        // u.(B^T p) is taken off again: it vanishes at equilibrium only up to S.
+        let mut product = work.scratch(state.pressure.len());
+        let grid = &context.prepared.grid;
+        grid.divergence(Rows::All, &state.displacement, &mut product, work);
+        energy -= 0.5 * dot(&product, &state.pressure);
+        if let Some(stabilisation) = &block.stabilisation {
+            stabilisation.apply(&state.pressure, &mut product, work);
+            energy += 0.5 * dot(&product, &state.pressure);
+        }
+        work.give(product);
+    }
+    energy
+}
+
+/// 1 + int div u / V; the hats sum to one, so the rows of B sum to -int div u.
+fn volume_ratio(context: &Context<'_>, state: &State, work: &mut Workspace) -> f64 {
+    let mut rows = work.scratch(context.prepared.space.vertices);
+    let grid = &context.prepared.grid;
+    grid.divergence(Rows::All, &state.displacement, &mut rows, work);
+    let change: f64 = rows.iter().sum();
+    work.give(rows);
+    let volume: f64 = context.prepared.geometry.volumes.iter().sum();
+    1.0 - change / volume
+}
+
+fn obstacles(context: &Context<'_>, state: &State) -> BTreeMap<String, ObstacleResult> {
+    let units = &context.plan.units;
+    let body = context.deformed(&state.displacement);
+    let obstacles = context.interfaces.obstacles(&state.drive, units.length);
+    let list = context.interfaces.list.iter().zip(&obstacles);
+    list.map(|(interface, obstacle)| {
+        let pressure = &state.multiplier[interface.range()];
+        let active = &state.active[interface.range()];
+        let reference = obstacle.reference_point();
+        let found = resultant(&body, &interface.surface, obstacle, reference, pressure, active);
+        let result = ObstacleResult {
+            force: found.force.map(|x| x * units.force()),
+            moment: found.moment.map(|x| x * units.energy()),
+            contact_area: found.area * units.area(),
+            max_pressure: found.max_pressure * units.stress,
+            centre_of_pressure: found.centre.map(|x| x * units.length),
+            stick_vertices: 0,
+            slip_vertices: 0,
+        };
+        (interface.name.clone(), result)
+    })
+    .collect()
+}
+
+/// Reactions: internal force plus contact minus load at held unknowns, given
+/// to the support that holds them.
+fn supports(
+    context: &Context<'_>,
+    state: &State,
+    mut reaction: Vec<f64>,
+) -> BTreeMap<String, SupportResult> {
+    add_scaled(&mut reaction, -state.drive.load, context.load);
+    add_contact_force(context, state, &mut reaction);
+    let space = &context.prepared.space;
+    let nodal = space.node_forces(&reaction);
+    let mut forces = vec![[0.0; 3]; context.plan.scene.supports.len()];
+    for &(unknown, support) in &context.plan.held {
+        forces[usize::from(support)][unknown as usize % space.components] += nodal[unknown as usize];
+    }
+    let unit = context.plan.units.force();
+    let names = context.plan.scene.supports.iter();
+    names
+        .zip(forces)
+        .map(|(support, force)| {
+            let force = force.map(|x| x * unit);
+            (support.name.clone(), SupportResult { force })
+        })
+        .collect()
+}
+
+/// Adds C^T l with held columns kept.
+fn add_contact_force(context: &Context<'_>, state: &State, force: &mut [f64]) {
+    let body = context.deformed(&state.displacement);
+    let obstacles = context.interfaces.obstacles(&state.drive, context.plan.units.length);
+    let free = vec![false; force.len()];
+    let mut builder = SparseRowsBuilder::new(force.len());
+    for (interface, obstacle) in context.interfaces.list.iter().zip(&obstacles) {
+        let mut part = linearise(&body, &interface.surface, obstacle, &free);
+        part.rows.iter_mut().for_each(|row| builder.push_row(row));
+    }
+    let mut contact = vec![0.0; force.len()];
+    let coupling = builder.finish();
+    coupling.apply_transposed(&state.multiplier, &mut contact, &mut Workspace::new());
+    add_scaled(force, 1.0, &contact);
+}
+
+fn probes(context: &Context<'_>, state: &State) -> BTreeMap<String, ProbeResult> {
+    let units = &context.plan.units;
+    let names = context.plan.scene.probes.iter();
+    names
+        .zip(&context.plan.resolved.probes)
+        .map(|(probe, located)| {
+            let cell = located.cell as usize;
+            let displacement = displacement_at(context, state, cell, &located.barycentric);
+            let pressure = (!state.pressure.is_empty()).then(|| {
+                let corners = context.mesh.cell(cell).iter().zip(&located.barycentric);
+                let value: f64 = corners.map(|(&v, l)| l * state.pressure[v as usize]).sum();
+                value * units.stress
+            });
+            let result = ProbeResult {
+                displacement: displacement.map(|x| x * units.length),
+                pressure,
+            };
+            (probe.name.clone(), result)
+        })
+        .collect()
+}
+
+/// Displacement at barycentric coordinates of a cell, non-dimensional.
+pub(super) fn displacement_at(
+    context: &Context<'_>,
+    state: &State,
+    cell: usize,
+    barycentric: &[f64; 4],
+) -> [f64; 3] {
+    let space = &context.prepared.space;
+    let c = space.components;
+    let mut value = [0.0; 3];
+    let mut add = |node: usize, shape: f64| {
+        for i in 0..c {
+            value[i] += shape * state.displacement[node * c + i];
+        }
+    };
+    for (&vertex, &l) in context.mesh.cell(cell).iter().zip(barycentric) {
+        add(vertex as usize, l);
+    }
+    let pairs = context.mesh.cell_kind().edges();
+    let edges = &context.mesh.cell_edges()[cell * pairs.len()..(cell + 1) * pairs.len()];
+    for (&edge, &(a, b)) in edges.iter().zip(pairs) {
+        add(space.vertices + edge as usize, 4.0 * barycentric[a] * barycentric[b]);
+    }
+    value
+}
+
+/// Displacement gradient du_i/dx_j at barycentric coordinates of a cell.
+pub(super) fn gradient_at(
+    context: &Context<'_>,
+    state: &State,
+    cell: usize,
+    barycentric: &[f64; 4],
+) -> [[f64; 3]; 3] {
+    let space = &context.prepared.space;
+    let c = space.components;
+    let g = context.prepared.geometry.gradients_of(cell);
+    let mut gradient = [[0.0; 3]; 3];
+    let mut add = |node: usize, slope: [f64; 3]| {
+        for i in 0..c {
+            for j in 0..3 {
+                gradient[i][j] += state.displacement[node * c + i] * slope[j];
+            }
+        }
+    };
+    for (&vertex, slope) in context.mesh.cell(cell).iter().zip(g) {
+        add(vertex as usize, *slope);
+    }
+    let pairs = context.mesh.cell_kind().edges();
+    let edges = &context.mesh.cell_edges()[cell * pairs.len()..(cell + 1) * pairs.len()];
+    for (&edge, &(a, b)) in edges.iter().zip(pairs) {
+        let slope = std::array::from_fn(|j| 4.0 * (barycentric[a] * g[b][j] + barycentric[b] * g[a][j]));
+        add(space.vertices + edge as usize, slope);
+    }
+    gradient
+}

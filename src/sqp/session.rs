@@ -1,0 +1,280 @@
+//! A session: one state on shared prepared data, moved by load steps.
+
+use std::sync::Arc;
+
+use super::constraints::Interfaces;
+use super::counters::Counters;
+use super::drive::{Drive, ObstaclePose};
+use super::evaluate::Context;
+use super::increment::{self, Ending, Watch};
+use super::loads::reference_load;
+use super::state::State;
+use super::{fields, results, verification};
+use crate::linalg::Workspace;
+use crate::mesh::Mesh;
+use crate::plan::{Plan, Prepared};
+use crate::report::{
+    CancelToken, Cause, FieldData, FieldName, IterationRecord, Observer, Seconds, StepReport,
+    Termination,
+};
+use crate::scene::validate::check_step;
+use crate::scene::{SceneError, Step};
+
+/// Smallest part of an increment that cut-backs try.
+const LEAST_FRACTION: f64 = 1.0 / 64.0;
+/// Growth of the part after success.
+const GROWTH: f64 = 1.5;
+
+/// Where the prepared data came from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reuse {
+    /// Built for this session: its seconds count in the first step.
+    Built,
+    /// Taken from a cache.
+    Reused,
+}
+
+/// A state that load steps move.
+#[derive(Debug)]
+pub struct Session {
+    plan: Arc<Plan>,
+    mesh: Arc<Mesh>,
+    prepared: Arc<Prepared>,
+    interfaces: Interfaces,
+    load: Vec<f64>,
+    state: State,
+    /// What the last step led to, reached or not.
+    target: Drive,
+    steps: u32,
+    /// Seconds and parts that the next report still has to name.
+    preparation: Seconds,
+    reused: Vec<String>,
+    pending_factorisations: u32,
+    work: Workspace,
+}
+
+/// A step under way.
+#[derive(Clone, Debug)]
+pub struct StepRun {
+    start: Drive,
+    end: Drive,
+    increments: u32,
+    done: u32,
+    finished: bool,
+}
+
+impl StepRun {
+    /// Increments finished so far.
+    pub fn done(&self) -> u32 {
+        self.done
+    }
+
+    /// Increments in all.
+    pub fn increments(&self) -> u32 {
+        self.increments
+    }
+}
+
+impl Session {
+    /// A session in the undeformed state.
+    pub fn new(plan: Arc<Plan>, mesh: Arc<Mesh>, prepared: Arc<Prepared>, reuse: Reuse) -> Self {
+        let start = std::time::Instant::now();
+        let interfaces = Interfaces::new(&plan, &mesh, &prepared);
+        let load = reference_load(&plan, &mesh, &prepared);
+        let own = start.elapsed().as_secs_f64();
+        let (mut preparation, reused) = match reuse {
+            Reuse::Built => (prepared.seconds(), Vec::new()),
+            Reuse::Reused => (Seconds::default(), prepared.parts()),
+        };
+        preparation.assemble += own;
+        preparation.total += own;
+        Self {
+            state: State::undeformed(&plan),
+            target: Drive::first_target(plan.scene()),
+            pending_factorisations: u32::from(reuse == Reuse::Built),
+            plan,
+            mesh,
+            prepared,
+            interfaces,
+            load,
+            steps: 0,
+            preparation,
+            reused,
+            work: Workspace::new(),
+        }
+    }
+
+    /// The plan this session follows.
+    pub fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    /// Checks a step without taking it.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the path of every faulty key.
+    pub fn check_step(&self, step: &Step) -> Result<(), SceneError> {
+        check_step(self.plan.scene(), step, &self.mesh)
+    }
+
+    /// Starts a step; [`Session::advance`] then does its increments.
+    ///
+    /// # Errors
+    /// [`SceneError`]; the session is then as before.
+    pub fn begin_step(&mut self, step: &Step) -> Result<StepRun, SceneError> {
+        self.check_step(step)?;
+        let end = self.target.after(self.plan.scene(), step);
+        self.steps += 1;
+        self.target = end.clone();
+        Ok(StepRun {
+            start: self.state.drive.clone(),
+            end,
+            increments: step.increments,
+            done: 0,
+            finished: false,
+        })
+    }
+
+    /// Does the next increment; none when the step is finished. A result that
+    /// did not converge finishes the step, with the last good state kept.
+    pub fn advance(
+        &mut self,
+        run: &mut StepRun,
+        observer: &mut dyn Observer,
+        cancel: &CancelToken,
+    ) -> Option<StepReport> {
+        if run.finished || run.done == run.increments {
+            return None;
+        }
+        let increment = run.done + 1;
+        let fraction = f64::from(increment) / f64::from(run.increments);
+        let goal = run.start.towards(&run.end, fraction);
+        let mut counters = Counters::new();
+        let mut work = std::mem::take(&mut self.work);
+        let mut watch = Watch {
+            observer,
+            cancel,
+            max_wall_time: self.plan.scene.solver.max_wall_time,
+            record: IterationRecord {
+                step: self.steps,
+                increment,
+                load: goal.load,
+                ..IterationRecord::default()
+            },
+        };
+        let mut state = self.state.clone();
+        let (ending, part) = self.approach(&mut state, &goal, &mut watch, &mut counters, &mut work);
+        self.state = state;
+        run.done = increment;
+        run.finished = ending.termination != Termination::Converged;
+        let before = f64::from(increment - 1) / f64::from(run.increments);
+        let reached = before + part * (fraction - before);
+        let report = self.report(increment, reached, &ending, &mut counters, &mut work);
+        self.work = work;
+        Some(report)
+    }
+
+    /// Moves `state` to `goal`, in parts where the whole fails; returns how it
+    /// ended and the part reached.
+    fn approach(
+        &self,
+        state: &mut State,
+        goal: &Drive,
+        watch: &mut Watch<'_>,
+        counters: &mut Counters,
+        work: &mut Workspace,
+    ) -> (Ending, f64) {
+        let context = self.context();
+        let start = state.drive.clone();
+        let (mut reached, mut part) = (0.0, 1.0);
+        loop {
+            let next = if reached + part >= 1.0 - 1e-12 { 1.0 } else { reached + part };
+            let good = state.clone();
+            let drive = start.towards(goal, next);
+            let mut ending = increment::solve(&context, state, &drive, watch, counters, work);
+            match ending.termination {
+                Termination::Converged if next == 1.0 => return (ending, 1.0),
+                Termination::Converged => {
+                    reached = next;
+                    part *= GROWTH;
+                }
+                Termination::NotConverged if self.cut_backs_help(&ending) => {
+                    *state = good;
+                    part = 0.5 * (next - reached);
+                    counters.cut_backs += 1;
+                    if part < LEAST_FRACTION {
+                        ending.cause = ending.cause.or(Some(Cause::StepTooSmall));
+                        return (ending, reached);
+                    }
+                }
+                Termination::NotConverged => return (ending, next),
+                _ => {
+                    *state = good;
+                    return (ending, reached);
+                }
+            }
+        }
+    }
+
+    /// A linear problem that fails as a whole fails in parts too.
+    fn cut_backs_help(&self, ending: &Ending) -> bool {
+        let is_linear = self.interfaces.are_flat();
+        !is_linear || ending.cause == Some(Cause::ActiveSetCycle)
+    }
+
+    fn context(&self) -> Context<'_> {
+        Context {
+            plan: &self.plan,
+            mesh: &self.mesh,
+            prepared: &self.prepared,
+            interfaces: &self.interfaces,
+            load: &self.load,
+        }
+    }
+
+    fn report(
+        &mut self,
+        increment: u32,
+        reached: f64,
+        ending: &Ending,
+        counters: &mut Counters,
+        work: &mut Workspace,
+    ) -> StepReport {
+        let context = self.context();
+        let mut report = results::report(&context, &self.state, ending, counters, work);
+        report.step = self.steps;
+        report.increment = increment;
+        report.time = f64::from(self.steps - 1) + reached;
+        report.memory_bytes = self.prepared.bytes() + self.state.bytes() + work.bytes();
+        if self.plan.scene.solver.verify {
+            report.verification = Some(verification::verify(&context, &self.state, ending));
+        }
+        let preparation = std::mem::take(&mut self.preparation);
+        report.reused = std::mem::take(&mut self.reused);
+        report.factorisations = std::mem::take(&mut self.pending_factorisations);
+        if report.factorisations > 0 {
+            report.eigenvalue_applications = crate::precond::PMultigrid::estimate_applications();
+            report.compliance_columns = self.prepared.compliance.columns() as u32;
+        }
+        report.seconds.prepare += preparation.prepare;
+        report.seconds.assemble += preparation.assemble;
+        report.seconds.factorise += preparation.factorise;
+        report.seconds.total = preparation.total + counters.start.elapsed().as_secs_f64();
+        report
+    }
+
+    /// A field of the current state; none if the scene has no such field.
+    pub fn field(&self, name: FieldName) -> Option<FieldData> {
+        fields::field(&self.context(), &self.state, name)
+    }
+
+    /// Bytes held by this session alone.
+    pub fn bytes(&self) -> u64 {
+        self.state.bytes() + self.work.bytes() + 8 * self.load.len() as u64
+    }
+
+    /// Current poses of all obstacles.
+    pub fn obstacle_poses(&self) -> Vec<ObstaclePose> {
+        self.state.drive.poses.clone()
+    }
+}

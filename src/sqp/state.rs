@@ -1,0 +1,42 @@
+//! What a session owns and changes: fields, multipliers, what drives them, and
+//! the scales of its residuals.
+
+use super::drive::Drive;
+use crate::inequality::QpScales;
+use crate::plan::Plan;
+
+/// Non-dimensional state.
+#[derive(Clone, Debug)]
+pub(crate) struct State {
+    /// Hierarchical displacement [nodes * components].
+    pub(crate) displacement: Vec<f64>,
+    /// Pressure [vertices]; empty for displacement forms.
+    pub(crate) pressure: Vec<f64>,
+    /// Contact pressure of all obstacles, one after the other.
+    pub(crate) multiplier: Vec<f64>,
+    /// Multipliers in contact.
+    pub(crate) active: Vec<bool>,
+    /// Reached so far.
+    pub(crate) drive: Drive,
+    /// Of the residual blocks without a load of their own.
+    pub(crate) scales: QpScales,
+}
+
+impl State {
+    pub(crate) fn undeformed(plan: &Plan) -> Self {
+        let unknowns = plan.unknowns();
+        Self {
+            displacement: vec![0.0; unknowns.displacement as usize],
+            pressure: vec![0.0; unknowns.pressure as usize],
+            multiplier: vec![0.0; unknowns.contact as usize],
+            active: vec![false; unknowns.contact as usize],
+            drive: Drive::undeformed(plan.scene()),
+            scales: QpScales::default(),
+        }
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        let numbers = self.displacement.len() + self.pressure.len() + self.multiplier.len();
+        (8 * numbers + self.active.len()) as u64
+    }
+}
