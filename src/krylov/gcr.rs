@@ -8,7 +8,7 @@
 //! preconditioner produces a direction orthogonal to the residual.
 
 use super::{Monitor, Outcome, Verdict};
-use crate::linalg::vector::{add_scaled, dot, scale};
+use crate::linalg::vector::{add_scaled, dot, norm, scale};
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
 /// Directions kept for orthogonalisation.
@@ -17,6 +17,8 @@ const KEPT: usize = 10;
 const LEAST_REDUCTION: f64 = 1e-13;
 /// Successive iterations without reduction before giving up.
 const PATIENCE: usize = 4;
+/// A product this much shorter after orthogonalisation is dependent.
+const DEPENDENT: f64 = 1e-8;
 
 /// Directions and their products, kept between calls that continue the same
 /// system.
@@ -34,6 +36,37 @@ impl Directions {
         }
     }
 
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        self.pairs.iter().map(|(direction, _)| 16 * direction.len() as u64).sum()
+    }
+
+    /// Lets `change` adapt every direction and its product to another
+    /// operator, then makes the products orthonormal again. Directions that
+    /// become dependent are dropped.
+    pub fn adapt(&mut self, work: &mut Workspace, mut change: impl FnMut(&mut [f64], &mut [f64])) {
+        for (mut direction, mut product) in std::mem::take(&mut self.pairs) {
+            change(&mut direction, &mut product);
+            let before = norm(&product);
+            let length = orthogonalise(self, &mut direction, &mut product);
+            if length > DEPENDENT * before {
+                self.pairs.push_back((direction, product));
+            } else {
+                work.give(direction);
+                work.give(product);
+            }
+        }
+    }
+
+    /// Takes off `r`, and adds to `x`, what the kept directions can.
+    fn project(&self, x: &mut [f64], r: &mut [f64]) {
+        for (direction, product) in &self.pairs {
+            let step = dot(r, product);
+            add_scaled(x, step, direction);
+            add_scaled(r, -step, product);
+        }
+    }
+
     fn push(&mut self, direction: Vec<f64>, product: Vec<f64>, work: &mut Workspace) {
         if self.pairs.len() == KEPT
             && let Some((oldest, its_product)) = self.pairs.pop_front()
@@ -45,7 +78,8 @@ impl Directions {
     }
 }
 
-/// Improves `x` until the monitor stops; `r = b - A x` on entry and exit.
+/// Improves `x` until the monitor stops; `r = b - A x` on entry and exit. Starts
+/// with the best combination of the directions kept from earlier calls.
 #[allow(clippy::too_many_arguments)]
 pub fn solve(
     operator: &dyn LinearOperator,
@@ -57,6 +91,7 @@ pub fn solve(
     monitor: &mut dyn Monitor,
     work: &mut Workspace,
 ) -> Outcome {
+    directions.project(x, r);
     let mut idle = 0;
     let mut square = dot(r, r);
     for _ in 0..iterations {

@@ -16,7 +16,7 @@ use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
 /// Ratio of the interval [largest / RATIO, largest] that the smoother damps.
-const RATIO: f64 = 10.0;
+const RATIO: f64 = 6.0;
 /// Lanczos steps for the largest eigenvalue.
 const LANCZOS_STEPS: usize = 12;
 /// The Lanczos process approaches the largest eigenvalue from below.

@@ -162,7 +162,7 @@ impl Session {
                 ..IterationRecord::default()
             },
         };
-        let mut state = self.state.clone();
+        let mut state = std::mem::replace(&mut self.state, State::undeformed(&self.plan));
         let (ending, part) = self.approach(&mut state, &goal, &mut watch, &mut counters, &mut work);
         self.state = state;
         run.done = increment;
@@ -189,7 +189,7 @@ impl Session {
         let (mut reached, mut part) = (0.0, 1.0);
         loop {
             let next = if reached + part >= 1.0 - 1e-12 { 1.0 } else { reached + part };
-            let good = state.clone();
+            let good = state.snapshot();
             let drive = start.towards(goal, next);
             let mut ending = increment::solve(&context, state, &drive, watch, counters, work);
             match ending.termination {
@@ -199,7 +199,7 @@ impl Session {
                     part *= GROWTH;
                 }
                 Termination::NotConverged if self.cut_backs_help(&ending) => {
-                    *state = good;
+                    state.restore(&good);
                     part = 0.5 * (next - reached);
                     counters.cut_backs += 1;
                     if part < LEAST_FRACTION {
@@ -209,7 +209,7 @@ impl Session {
                 }
                 Termination::NotConverged => return (ending, next),
                 _ => {
-                    *state = good;
+                    state.restore(&good);
                     return (ending, reached);
                 }
             }

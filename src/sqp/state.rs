@@ -3,10 +3,21 @@
 
 use super::drive::Drive;
 use crate::inequality::QpScales;
+use crate::krylov::gcr::Directions;
 use crate::plan::Plan;
 
-/// Non-dimensional state.
+/// Fields, multipliers and what drove them there, to return to.
 #[derive(Clone, Debug)]
+pub(crate) struct Snapshot {
+    displacement: Vec<f64>,
+    pressure: Vec<f64>,
+    multiplier: Vec<f64>,
+    active: Vec<bool>,
+    drive: Drive,
+}
+
+/// Non-dimensional state.
+#[derive(Debug)]
 pub(crate) struct State {
     /// Hierarchical displacement [nodes * components].
     pub(crate) displacement: Vec<f64>,
@@ -20,6 +31,8 @@ pub(crate) struct State {
     pub(crate) drive: Drive,
     /// Of the residual blocks without a load of their own.
     pub(crate) scales: QpScales,
+    /// Krylov directions of earlier programs; products without contact.
+    pub(crate) directions: Directions,
 }
 
 impl State {
@@ -32,11 +45,30 @@ impl State {
             active: vec![false; unknowns.contact as usize],
             drive: Drive::undeformed(plan.scene()),
             scales: QpScales::default(),
+            directions: Directions::default(),
         }
+    }
+
+    pub(crate) fn snapshot(&self) -> Snapshot {
+        Snapshot {
+            displacement: self.displacement.clone(),
+            pressure: self.pressure.clone(),
+            multiplier: self.multiplier.clone(),
+            active: self.active.clone(),
+            drive: self.drive.clone(),
+        }
+    }
+
+    pub(crate) fn restore(&mut self, snapshot: &Snapshot) {
+        self.displacement.copy_from_slice(&snapshot.displacement);
+        self.pressure.copy_from_slice(&snapshot.pressure);
+        self.multiplier.copy_from_slice(&snapshot.multiplier);
+        self.active.copy_from_slice(&snapshot.active);
+        self.drive = snapshot.drive.clone();
     }
 
     pub(crate) fn bytes(&self) -> u64 {
         let numbers = self.displacement.len() + self.pressure.len() + self.multiplier.len();
-        (8 * numbers + self.active.len()) as u64
+        (8 * numbers + self.active.len()) as u64 + self.directions.bytes()
     }
 }
