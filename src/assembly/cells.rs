@@ -66,7 +66,8 @@ impl CellGeometry {
 }
 
 fn triangle(p: &[[f64; 3]; 4], gradients: &mut Vec<[f64; 3]>) -> f64 {
-    let double = (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
+    let double =
+        (p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[1][1] - p[0][1]) * (p[2][0] - p[0][0]);
     for i in 0..3 {
         let (a, b) = (p[(i + 1) % 3], p[(i + 2) % 3]);
         gradients.push([(a[1] - b[1]) / double, (b[0] - a[0]) / double, 0.0]);

@@ -8,9 +8,10 @@
 use rayon::prelude::*;
 
 use super::cells::{CellGeometry, CellModuli};
-use super::kernel::{self, Batch};
+use super::kernel::Batch;
 use super::lanes::{Lanes, WIDTH};
 use super::partition::blocks_of_cells;
+use super::simd::{self, InstructionSet};
 use crate::linalg::Workspace;
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
@@ -59,6 +60,7 @@ pub struct CellGrid<const V: usize, const D: usize, const E: usize> {
     blocks: Vec<Block<V, D, E>>,
     copies: Copies,
     local_nodes: usize,
+    instructions: InstructionSet,
 }
 
 /// The blocks of a mesh, by cell kind.
@@ -86,7 +88,14 @@ impl Grid {
     }
 
     /// `y = A x` on all nodes.
-    pub fn stiffness(&self, basis: Basis, rows: Rows, x: &[f64], y: &mut [f64], work: &mut Workspace) {
+    pub fn stiffness(
+        &self,
+        basis: Basis,
+        rows: Rows,
+        x: &[f64],
+        y: &mut [f64],
+        work: &mut Workspace,
+    ) {
         match self {
             Self::Triangles(grid) => grid.stiffness(basis, rows, x, y, work),
             Self::Tetrahedra(grid) => grid.stiffness(basis, rows, x, y, work),
@@ -102,11 +111,35 @@ impl Grid {
     }
 
     /// `y = B^T p`, hierarchical.
-    pub fn divergence_transposed(&self, rows: Rows, p: &[f64], y: &mut [f64], work: &mut Workspace) {
+    pub fn divergence_transposed(
+        &self,
+        rows: Rows,
+        p: &[f64],
+        y: &mut [f64],
+        work: &mut Workspace,
+    ) {
         match self {
             Self::Triangles(grid) => grid.divergence_transposed(rows, p, y, work),
             Self::Tetrahedra(grid) => grid.divergence_transposed(rows, p, y, work),
         }
+    }
+
+    /// The kernels that run here.
+    pub fn instruction_set(&self) -> InstructionSet {
+        match self {
+            Self::Triangles(grid) => grid.instructions,
+            Self::Tetrahedra(grid) => grid.instructions,
+        }
+    }
+
+    /// The same cells with other kernels, to compare them.
+    #[must_use]
+    pub fn with_instruction_set(mut self, instructions: InstructionSet) -> Self {
+        match &mut self {
+            Self::Triangles(grid) => grid.instructions = instructions,
+            Self::Tetrahedra(grid) => grid.instructions = instructions,
+        }
+        self
     }
 
     /// Bytes held.
@@ -136,6 +169,7 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
             blocks,
             copies,
             local_nodes,
+            instructions: InstructionSet::of_this_machine(),
         }
     }
 
@@ -152,9 +186,7 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
     fn stiffness(&self, basis: Basis, rows: Rows, x: &[f64], y: &mut [f64], work: &mut Workspace) {
         self.pass::<D, D>(x, y, work, |block, x, y| {
             block.prepare_argument(basis, rows, x);
-            for batch in &block.batches {
-                kernel::stiffness(batch, x, y);
-            }
+            simd::stiffness(self.instructions, &block.batches, x, y);
             block.finish_result(basis, rows, y);
         });
     }
@@ -162,17 +194,13 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
     fn divergence(&self, rows: Rows, x: &[f64], r: &mut [f64], work: &mut Workspace) {
         self.pass::<D, 1>(x, r, work, |block, x, r| {
             block.prepare_argument(Basis::Hierarchical, rows, x);
-            for batch in &block.batches {
-                kernel::divergence(batch, x, r);
-            }
+            simd::divergence(self.instructions, &block.batches, x, r);
         });
     }
 
     fn divergence_transposed(&self, rows: Rows, p: &[f64], y: &mut [f64], work: &mut Workspace) {
         self.pass::<1, D>(p, y, work, |block, p, y| {
-            for batch in &block.batches {
-                kernel::divergence_transposed(batch, p, y);
-            }
+            simd::divergence_transposed(self.instructions, &block.batches, p, y);
             block.finish_result(Basis::Hierarchical, rows, y);
         });
     }

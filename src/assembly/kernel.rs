@@ -7,7 +7,9 @@
 //! one edge coefficient per (vertex, point) replace the dense tabulation. The
 //! rule is exact for straight-sided linear elasticity.
 
-use super::lanes::{Lanes, WIDTH};
+use pulp::Simd;
+
+use super::lanes::{Lanes, Pack, WIDTH};
 
 /// One batch of elements.
 #[derive(Clone, Debug)]
@@ -39,21 +41,27 @@ pub const fn edge_pairs<const E: usize>() -> [(usize, usize); E] {
     let mut pairs = [(0, 0); E];
     let mut edge = 0;
     while edge < E {
-        pairs[edge] = if E == 3 { triangle[edge] } else { tetrahedron[edge] };
+        pairs[edge] = if E == 3 {
+            triangle[edge]
+        } else {
+            tetrahedron[edge]
+        };
         edge += 1;
     }
     pairs
 }
 
-type Vectors<const N: usize, const D: usize> = [[Lanes; D]; N];
-type Tensor<const D: usize> = [[Lanes; D]; D];
+type Vectors<S, const N: usize, const D: usize> = [[Pack<S>; D]; N];
+type Tensor<S, const D: usize> = [[Pack<S>; D]; D];
+/// Nodal vectors of a batch in memory.
+type NodeLanes<const N: usize, const D: usize> = [[Lanes; D]; N];
 
 #[inline(always)]
 fn gather<const D: usize>(nodes: &[u32; WIDTH], x: &[f64]) -> [Lanes; D] {
     let mut out = [Lanes::ZERO; D];
+    let (rows, _) = x.as_chunks::<D>();
     for lane in 0..WIDTH {
-        let start = nodes[lane] as usize * D;
-        let values = &x[start..start + D];
+        let values = &rows[nodes[lane] as usize];
         for i in 0..D {
             out[i].0[lane] = values[i];
         }
@@ -63,80 +71,106 @@ fn gather<const D: usize>(nodes: &[u32; WIDTH], x: &[f64]) -> [Lanes; D] {
 
 #[inline(always)]
 fn scatter<const D: usize>(nodes: &[u32; WIDTH], values: &[Lanes; D], y: &mut [f64]) {
+    let (rows, _) = y.as_chunks_mut::<D>();
     for lane in 0..WIDTH {
-        let start = nodes[lane] as usize * D;
-        let target = &mut y[start..start + D];
+        let target = &mut rows[nodes[lane] as usize];
         for i in 0..D {
             target[i] += values[i].0[lane];
         }
     }
 }
 
-/// Nodal data of a batch: the constant part of H per vertex, edge corrections.
-struct Local<const V: usize, const D: usize, const E: usize> {
-    base: Vectors<V, D>,
-    edges: Vectors<E, D>,
-}
-
+/// Vertex values and edge corrections of a batch.
 #[inline(always)]
-fn load<const V: usize, const D: usize, const E: usize>(
+fn gather_nodes<const V: usize, const D: usize, const E: usize>(
     batch: &Batch<V, D, E>,
     x: &[f64],
-) -> Local<V, D, E> {
-    let (_, beta) = rule(V);
-    let pairs = edge_pairs::<E>();
-    let mut base = [[Lanes::ZERO; D]; V];
-    let mut edges = [[Lanes::ZERO; D]; E];
+) -> (NodeLanes<V, D>, NodeLanes<E, D>) {
+    let (mut vertices, mut edges) = ([[Lanes::ZERO; D]; V], [[Lanes::ZERO; D]; E]);
     for a in 0..V {
-        base[a] = gather::<D>(&batch.nodes[a], x);
+        vertices[a] = gather(&batch.nodes[a], x);
     }
     for e in 0..E {
-        edges[e] = gather::<D>(&batch.nodes[V + e], x);
-        let (a, b) = pairs[e];
-        for i in 0..D {
-            let part = edges[e][i] * (4.0 * beta);
-            base[a][i] += part;
-            base[b][i] += part;
-        }
+        edges[e] = gather(&batch.nodes[V + e], x);
     }
-    Local { base, edges }
+    (vertices, edges)
 }
 
-/// Gradient of barycentric coordinate `a`.
 #[inline(always)]
-fn gradient<const V: usize, const D: usize, const E: usize>(
+fn scatter_nodes<const V: usize, const D: usize, const E: usize>(
     batch: &Batch<V, D, E>,
-) -> Vectors<V, D> {
-    let mut out = [[Lanes::ZERO; D]; V];
+    vertices: &NodeLanes<V, D>,
+    edges: &NodeLanes<E, D>,
+    y: &mut [f64],
+) {
+    for a in 0..V {
+        scatter(&batch.nodes[a], &vertices[a], y);
+    }
+    for e in 0..E {
+        scatter(&batch.nodes[V + e], &edges[e], y);
+    }
+}
+
+#[inline(always)]
+fn zeros<S: Simd, const N: usize, const D: usize>(simd: S) -> Vectors<S, N, D> {
+    [[Pack::splat(simd, 0.0); D]; N]
+}
+
+/// Gradients of all barycentric coordinates in one part of a batch.
+#[inline(always)]
+fn gradients<S: Simd, const V: usize, const D: usize, const E: usize>(
+    simd: S,
+    batch: &Batch<V, D, E>,
+    part: usize,
+) -> Vectors<S, V, D> {
+    let mut out = zeros::<S, V, D>(simd);
     for j in 0..D {
         for a in 0..D {
-            out[a + 1][j] = batch.gradients[a][j];
-            out[0][j] = out[0][j] - batch.gradients[a][j];
+            let slope = Pack::load(simd, &batch.gradients[a][j], part);
+            out[a + 1][j] = slope;
+            out[0][j] = out[0][j] - slope;
         }
     }
     out
 }
 
-/// Displacement gradient at each point.
+/// Displacement gradient at each point, in one part of a batch.
 #[inline(always)]
-fn gradients_at_points<const V: usize, const D: usize, const E: usize>(
-    local: &Local<V, D, E>,
-    g: &Vectors<V, D>,
-) -> [Tensor<D>; V] {
+fn gradients_at_points<S: Simd, const V: usize, const D: usize, const E: usize>(
+    simd: S,
+    vertices: &NodeLanes<V, D>,
+    edges: &NodeLanes<E, D>,
+    g: &Vectors<S, V, D>,
+    part: usize,
+) -> [Tensor<S, D>; V] {
     let (alpha, beta) = rule(V);
     let gamma = 4.0 * (alpha - beta);
-    let mut constant = [[Lanes::ZERO; D]; D];
+    let pairs = edge_pairs::<E>();
+    let mut base = zeros::<S, V, D>(simd);
+    for a in 0..V {
+        for i in 0..D {
+            base[a][i] = Pack::load(simd, &vertices[a][i], part);
+        }
+    }
+    for (e, &(a, b)) in pairs.iter().enumerate() {
+        for i in 0..D {
+            let shared = Pack::load(simd, &edges[e][i], part) * (4.0 * beta);
+            base[a][i] += shared;
+            base[b][i] += shared;
+        }
+    }
+    let mut constant = zeros::<S, D, D>(simd);
     for a in 0..V {
         for i in 0..D {
             for j in 0..D {
-                constant[i][j] = constant[i][j].plus_product(local.base[a][i], g[a][j]);
+                constant[i][j] = constant[i][j].plus_product(base[a][i], g[a][j]);
             }
         }
     }
     let mut out = [constant; V];
-    for (e, (a, b)) in edge_pairs::<E>().into_iter().enumerate() {
+    for (e, &(a, b)) in pairs.iter().enumerate() {
         for i in 0..D {
-            let c = local.edges[e][i] * gamma;
+            let c = Pack::load(simd, &edges[e][i], part) * gamma;
             for j in 0..D {
                 out[b][i][j] = out[b][i][j].plus_product(c, g[a][j]);
                 out[a][i][j] = out[a][i][j].plus_product(c, g[b][j]);
@@ -146,17 +180,19 @@ fn gradients_at_points<const V: usize, const D: usize, const E: usize>(
     out
 }
 
-/// Adds the nodal forces of weighted stresses at the points.
+/// Nodal forces of weighted stresses at the points, in one part of a batch.
 #[inline(always)]
-fn scatter_stress<const V: usize, const D: usize, const E: usize>(
-    batch: &Batch<V, D, E>,
-    stress: &[Tensor<D>; V],
-    g: &Vectors<V, D>,
-    y: &mut [f64],
+fn forces<S: Simd, const V: usize, const D: usize, const E: usize>(
+    simd: S,
+    stress: &[Tensor<S, D>; V],
+    g: &Vectors<S, V, D>,
+    part: usize,
+    vertices: &mut NodeLanes<V, D>,
+    edges: &mut NodeLanes<E, D>,
 ) {
     let (alpha, beta) = rule(V);
     let gamma = 4.0 * (alpha - beta);
-    let mut sum = [[Lanes::ZERO; D]; D];
+    let mut sum = zeros::<S, D, D>(simd);
     for point in stress {
         for i in 0..D {
             for j in 0..D {
@@ -164,25 +200,30 @@ fn scatter_stress<const V: usize, const D: usize, const E: usize>(
             }
         }
     }
-    let mut total = [[Lanes::ZERO; D]; V];
+    let mut total = zeros::<S, V, D>(simd);
     for a in 0..V {
-        total[a] = traction(&sum, &g[a]);
-        scatter(&batch.nodes[a], &total[a], y);
+        total[a] = traction(simd, &sum, &g[a]);
+        for i in 0..D {
+            total[a][i].store(&mut vertices[a][i], part);
+        }
     }
     for (e, (a, b)) in edge_pairs::<E>().into_iter().enumerate() {
-        let at_b = traction(&stress[b], &g[a]);
-        let at_a = traction(&stress[a], &g[b]);
-        let mut force = [Lanes::ZERO; D];
+        let at_b = traction(simd, &stress[b], &g[a]);
+        let at_a = traction(simd, &stress[a], &g[b]);
         for i in 0..D {
-            force[i] = (total[a][i] + total[b][i]) * (4.0 * beta) + (at_a[i] + at_b[i]) * gamma;
+            let force = (total[a][i] + total[b][i]) * (4.0 * beta) + (at_a[i] + at_b[i]) * gamma;
+            force.store(&mut edges[e][i], part);
         }
-        scatter(&batch.nodes[V + e], &force, y);
     }
 }
 
 #[inline(always)]
-fn traction<const D: usize>(stress: &Tensor<D>, direction: &[Lanes; D]) -> [Lanes; D] {
-    let mut out = [Lanes::ZERO; D];
+fn traction<S: Simd, const D: usize>(
+    simd: S,
+    stress: &Tensor<S, D>,
+    direction: &[Pack<S>; D],
+) -> [Pack<S>; D] {
+    let mut out = [Pack::splat(simd, 0.0); D];
     for i in 0..D {
         for j in 0..D {
             out[i] = out[i].plus_product(stress[i][j], direction[j]);
@@ -192,76 +233,102 @@ fn traction<const D: usize>(stress: &Tensor<D>, direction: &[Lanes; D]) -> [Lane
 }
 
 /// `y += A x` on one batch: A = int 2 mu eps : eps + lambda div div.
-#[inline(never)]
-pub fn stiffness<const V: usize, const D: usize, const E: usize>(
+#[inline(always)]
+pub fn stiffness<S: Simd, const V: usize, const D: usize, const E: usize>(
+    simd: S,
     batch: &Batch<V, D, E>,
     x: &[f64],
     y: &mut [f64],
 ) {
-    let g = gradient(batch);
-    let mut points = gradients_at_points(&load(batch, x), &g);
-    for point in &mut points {
-        let mut trace = Lanes::ZERO;
-        for i in 0..D {
-            trace += point[i][i];
-        }
-        let volumetric = trace * batch.lame;
-        let h = *point;
-        for i in 0..D {
-            for j in 0..D {
-                point[i][j] = (h[i][j] + h[j][i]) * batch.shear;
+    let (mut vertices, mut edges) = gather_nodes(batch, x);
+    for part in 0..Pack::<S>::PARTS {
+        let g = gradients(simd, batch, part);
+        let mut points = gradients_at_points(simd, &vertices, &edges, &g, part);
+        let shear = Pack::load(simd, &batch.shear, part);
+        let lame = Pack::load(simd, &batch.lame, part);
+        for point in &mut points {
+            let h = *point;
+            let mut trace = h[0][0];
+            for i in 1..D {
+                trace += h[i][i];
             }
-            point[i][i] += volumetric;
+            let volumetric = trace * lame;
+            for i in 0..D {
+                for j in 0..D {
+                    point[i][j] = (h[i][j] + h[j][i]) * shear;
+                }
+                point[i][i] += volumetric;
+            }
         }
+        forces(simd, &points, &g, part, &mut vertices, &mut edges);
     }
-    scatter_stress(batch, &points, &g, y);
+    scatter_nodes(batch, &vertices, &edges, y);
 }
 
 /// `r_i += -int lambda_i div u` on one batch; `r` has one entry per node.
-#[inline(never)]
-pub fn divergence<const V: usize, const D: usize, const E: usize>(
+#[inline(always)]
+pub fn divergence<S: Simd, const V: usize, const D: usize, const E: usize>(
+    simd: S,
     batch: &Batch<V, D, E>,
     x: &[f64],
     r: &mut [f64],
 ) {
     let (alpha, beta) = rule(V);
-    let g = gradient(batch);
-    let points = gradients_at_points(&load(batch, x), &g);
-    let mut traces = [Lanes::ZERO; V];
-    let mut sum = Lanes::ZERO;
-    for (trace, point) in traces.iter_mut().zip(&points) {
-        for i in 0..D {
-            *trace += point[i][i];
+    let (vertices, edges) = gather_nodes(batch, x);
+    let mut out = [[Lanes::ZERO; 1]; V];
+    for part in 0..Pack::<S>::PARTS {
+        let g = gradients(simd, batch, part);
+        let points = gradients_at_points(simd, &vertices, &edges, &g, part);
+        let weight = -Pack::load(simd, &batch.weight, part);
+        let mut traces = [Pack::splat(simd, 0.0); V];
+        let mut sum = Pack::splat(simd, 0.0);
+        for (trace, point) in traces.iter_mut().zip(&points) {
+            for i in 0..D {
+                *trace += point[i][i];
+            }
+            sum += *trace;
         }
-        sum += *trace;
+        for a in 0..V {
+            let value = (sum * beta + traces[a] * (alpha - beta)) * weight;
+            value.store(&mut out[a][0], part);
+        }
     }
     for a in 0..V {
-        let value = -((sum * beta + traces[a] * (alpha - beta)) * batch.weight);
-        scatter(&batch.nodes[a], &[value], r);
+        scatter(&batch.nodes[a], &out[a], r);
     }
 }
 
 /// `y += B^T p` on one batch; `p` has one entry per node.
-#[inline(never)]
-pub fn divergence_transposed<const V: usize, const D: usize, const E: usize>(
+#[inline(always)]
+pub fn divergence_transposed<S: Simd, const V: usize, const D: usize, const E: usize>(
+    simd: S,
     batch: &Batch<V, D, E>,
     p: &[f64],
     y: &mut [f64],
 ) {
     let (alpha, beta) = rule(V);
-    let g = gradient(batch);
-    let mut values = [Lanes::ZERO; V];
-    let mut sum = Lanes::ZERO;
+    let mut pressures = [[Lanes::ZERO; 1]; V];
     for a in 0..V {
-        values[a] = gather::<1>(&batch.nodes[a], p)[0];
-        sum += values[a];
+        pressures[a] = gather(&batch.nodes[a], p);
     }
-    let mut points = [[[Lanes::ZERO; D]; D]; V];
-    for (q, point) in points.iter_mut().enumerate() {
-        let pressure = -((sum * beta + values[q] * (alpha - beta)) * batch.weight);
-        for i in 0..D {
-            point[i][i] = pressure;
+    let (mut vertices, mut edges) = ([[Lanes::ZERO; D]; V], [[Lanes::ZERO; D]; E]);
+    for part in 0..Pack::<S>::PARTS {
+        let g = gradients(simd, batch, part);
+        let weight = -Pack::load(simd, &batch.weight, part);
+        let mut values = [Pack::splat(simd, 0.0); V];
+        let mut sum = Pack::splat(simd, 0.0);
+        for a in 0..V {
+            values[a] = Pack::load(simd, &pressures[a][0], part);
+            sum += values[a];
         }
+        let mut points = [zeros::<S, D, D>(simd); V];
+        for (q, point) in points.iter_mut().enumerate() {
+            let pressure = (sum * beta + values[q] * (alpha - beta)) * weight;
+            for i in 0..D {
+                point[i][i] = pressure;
+            }
+        }
+        forces(simd, &points, &g, part, &mut vertices, &mut edges);
     }
-    scatter_stress(batch, &points, &g, y);
+    scatter_nodes(batch, &vertices, &edges, y);
 }

@@ -1,12 +1,14 @@
-//! Eight numbers that move together: one per element of a batch. The compiler
-//! turns the loops into vector instructions of the target.
+//! Numbers that move together, one per element of a batch, in the vector
+//! registers of whatever instruction set runs (pulp's `Simd`).
 
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
-/// Elements per batch.
+use pulp::Simd;
+
+/// Elements per batch; a multiple of every register width.
 pub const WIDTH: usize = 8;
 
-/// Eight numbers.
+/// Eight numbers in memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
 pub struct Lanes(pub [f64; WIDTH]);
@@ -14,81 +16,107 @@ pub struct Lanes(pub [f64; WIDTH]);
 impl Lanes {
     /// All zero.
     pub const ZERO: Self = Self([0.0; WIDTH]);
+}
 
-    /// The same number eight times.
+/// One register of numbers.
+#[derive(Clone, Copy)]
+pub struct Pack<S: Simd> {
+    simd: S,
+    value: S::f64s,
+}
+
+impl<S: Simd> Pack<S> {
+    /// Registers per batch.
+    pub const PARTS: usize = WIDTH / S::F64_LANES;
+
+    /// Part `part` of eight numbers.
     #[inline(always)]
-    pub fn splat(value: f64) -> Self {
-        Self([value; WIDTH])
+    pub fn load(simd: S, lanes: &Lanes, part: usize) -> Self {
+        Self {
+            simd,
+            value: S::as_simd_f64s(&lanes.0).0[part],
+        }
     }
 
-    /// `self + a * b`, rounded twice.
+    /// Writes part `part` of eight numbers.
+    #[inline(always)]
+    pub fn store(self, lanes: &mut Lanes, part: usize) {
+        S::as_mut_simd_f64s(&mut lanes.0).0[part] = self.value;
+    }
+
+    /// The same number everywhere.
+    #[inline(always)]
+    pub fn splat(simd: S, value: f64) -> Self {
+        Self {
+            simd,
+            value: simd.splat_f64s(value),
+        }
+    }
+
+    /// `self + a * b`.
     #[inline(always)]
     #[must_use]
     pub fn plus_product(self, a: Self, b: Self) -> Self {
-        let mut out = self;
-        for lane in 0..WIDTH {
-            out.0[lane] += a.0[lane] * b.0[lane];
+        Self {
+            value: self.simd.mul_add_e_f64s(a.value, b.value, self.value),
+            ..self
         }
-        out
     }
 }
 
-impl Add for Lanes {
+impl<S: Simd> Add for Pack<S> {
     type Output = Self;
     #[inline(always)]
-    fn add(mut self, other: Self) -> Self {
-        for lane in 0..WIDTH {
-            self.0[lane] += other.0[lane];
+    fn add(self, other: Self) -> Self {
+        Self {
+            value: self.simd.add_f64s(self.value, other.value),
+            ..self
         }
-        self
     }
 }
 
-impl Sub for Lanes {
+impl<S: Simd> Sub for Pack<S> {
     type Output = Self;
     #[inline(always)]
-    fn sub(mut self, other: Self) -> Self {
-        for lane in 0..WIDTH {
-            self.0[lane] -= other.0[lane];
+    fn sub(self, other: Self) -> Self {
+        Self {
+            value: self.simd.sub_f64s(self.value, other.value),
+            ..self
         }
-        self
     }
 }
 
-impl Mul for Lanes {
+impl<S: Simd> Mul for Pack<S> {
     type Output = Self;
     #[inline(always)]
-    fn mul(mut self, other: Self) -> Self {
-        for lane in 0..WIDTH {
-            self.0[lane] *= other.0[lane];
+    fn mul(self, other: Self) -> Self {
+        Self {
+            value: self.simd.mul_f64s(self.value, other.value),
+            ..self
         }
-        self
     }
 }
 
-impl Mul<f64> for Lanes {
+impl<S: Simd> Mul<f64> for Pack<S> {
     type Output = Self;
     #[inline(always)]
-    fn mul(mut self, factor: f64) -> Self {
-        for lane in 0..WIDTH {
-            self.0[lane] *= factor;
-        }
-        self
+    fn mul(self, factor: f64) -> Self {
+        self * Self::splat(self.simd, factor)
     }
 }
 
-impl Neg for Lanes {
+impl<S: Simd> Neg for Pack<S> {
     type Output = Self;
     #[inline(always)]
-    fn neg(mut self) -> Self {
-        for lane in 0..WIDTH {
-            self.0[lane] = -self.0[lane];
+    fn neg(self) -> Self {
+        Self {
+            value: self.simd.neg_f64s(self.value),
+            ..self
         }
-        self
     }
 }
 
-impl AddAssign for Lanes {
+impl<S: Simd> AddAssign for Pack<S> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;

@@ -10,6 +10,7 @@ pub mod mass;
 pub mod operator;
 pub mod p1_stiffness;
 pub mod partition;
+pub mod simd;
 
 pub use cells::{CellGeometry, CellModuli};
 pub use grid::Grid;

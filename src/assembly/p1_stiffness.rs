@@ -61,14 +61,27 @@ pub fn p1_stiffness(
         }
         for (local, &(a, b)) in pairs.iter().enumerate() {
             let edge = mesh.cell_edges()[cell * pairs.len() + local] as usize;
-            let (low, high) = if corners[a] < corners[b] { (a, b) } else { (b, a) };
-            add(&mut off[edge], volume, &coupling(shear, lame, &g[low], &g[high]));
+            let (low, high) = if corners[a] < corners[b] {
+                (a, b)
+            } else {
+                (b, a)
+            };
+            add(
+                &mut off[edge],
+                volume,
+                &coupling(shear, lame, &g[low], &g[high]),
+            );
         }
     }
     lower_columns(space, &diagonal, &off, held)
 }
 
-fn lower_columns(space: &TaylorHood, diagonal: &[Block], off: &[Block], held: &[u32]) -> LowerColumns {
+fn lower_columns(
+    space: &TaylorHood,
+    diagonal: &[Block],
+    off: &[Block],
+    held: &[u32],
+) -> LowerColumns {
     let c = space.components;
     let mut is_held = vec![false; space.vertices * c];
     for &index in held {

@@ -41,23 +41,27 @@ pub struct SurfacePoint {
 impl Deformed<'_> {
     /// The rule's points on `face`.
     pub fn points<'b>(&'b self, face: &'b ContactFace) -> impl Iterator<Item = SurfacePoint> + 'b {
-        self.rule.points.iter().zip(&self.rule.weights).map(move |(point, weight)| {
-            let hats = point[..face.corners.len()].to_vec();
-            let shapes = shape_values(&hats);
-            let mut deformed = position(self.mesh, self.scale, &face.corners, &hats);
-            let c = self.space.components;
-            for (&node, shape) in face.nodes.iter().zip(&shapes) {
-                for i in 0..c {
-                    deformed[i] += shape * self.displacement[node as usize * c + i];
+        self.rule
+            .points
+            .iter()
+            .zip(&self.rule.weights)
+            .map(move |(point, weight)| {
+                let hats = point[..face.corners.len()].to_vec();
+                let shapes = shape_values(&hats);
+                let mut deformed = position(self.mesh, self.scale, &face.corners, &hats);
+                let c = self.space.components;
+                for (&node, shape) in face.nodes.iter().zip(&shapes) {
+                    for i in 0..c {
+                        deformed[i] += shape * self.displacement[node as usize * c + i];
+                    }
                 }
-            }
-            SurfacePoint {
-                weight: weight * face.area,
-                hats,
-                shapes,
-                deformed,
-            }
-        })
+                SurfacePoint {
+                    weight: weight * face.area,
+                    hats,
+                    shapes,
+                    deformed,
+                }
+            })
     }
 }
 
@@ -148,7 +152,10 @@ pub fn curvature(
     let mut rows: std::collections::BTreeMap<u32, Vec<(u32, f64)>> = Default::default();
     for &(surface, obstacle, pressure) in surfaces {
         for face in &surface.faces {
-            let under_pressure = face.multipliers.iter().any(|&m| pressure[m as usize] != 0.0);
+            let under_pressure = face
+                .multipliers
+                .iter()
+                .any(|&m| pressure[m as usize] != 0.0);
             if under_pressure {
                 add_face_curvature(body, face, obstacle, pressure, held, &mut rows);
             }

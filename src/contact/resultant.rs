@@ -32,7 +32,11 @@ pub fn resultant(
     let mut out = Resultant::default();
     let mut total = 0.0;
     for face in &surface.faces {
-        if face.multipliers.iter().all(|&m| pressure[m as usize] == 0.0) {
+        if face
+            .multipliers
+            .iter()
+            .all(|&m| pressure[m as usize] == 0.0)
+        {
             continue;
         }
         for point in body.points(face) {

@@ -162,11 +162,10 @@ impl OneLevel<'_> {
             iterations: 0,
             set_changes: 0,
         };
-        let Some(first) = self.next_set(iterate) else {
+        if !self.choose_first_set(iterate, work) {
             outcome.status = QpStatus::IndefiniteMetric;
             return outcome;
-        };
-        self.change_set(iterate, first, work);
+        }
         let mut visited = HashSet::from([iterate.active.clone()]);
         self.attach(directions, &iterate.active, work);
         let mut review = match iterate.gap.is_empty() {
@@ -200,7 +199,9 @@ impl OneLevel<'_> {
                 outcome.status = QpStatus::IndefiniteMetric;
                 break;
             };
-            if next == iterate.active || (face.reached && self.acceptable(iterate, targets.level * scales.gap)) {
+            if next == iterate.active
+                || (face.reached && self.acceptable(iterate, targets.level * scales.gap))
+            {
                 if face.reached {
                     outcome.status = QpStatus::Solved;
                     break;
@@ -258,7 +259,8 @@ impl OneLevel<'_> {
             self.coupling.apply(u, closing, &mut inner);
             scale(closing, GAP_WEIGHT);
             restrict(multiplier, closing);
-            self.coupling.apply_transposed(multiplier, &mut part, &mut inner);
+            self.coupling
+                .apply_transposed(multiplier, &mut part, &mut inner);
             add_scaled(force, sign * GAP_WEIGHT, &part);
             if let Some(curvature) = self.curvature {
                 curvature.apply(u, &mut part, &mut inner);
@@ -266,6 +268,33 @@ impl OneLevel<'_> {
             }
         });
         work.give(part);
+    }
+
+    /// Moves to the set that the gaps ask for or, where they ask for none, that
+    /// the load does: a body that only contact holds has no solution without.
+    /// Returns whether the metric is positive definite.
+    fn choose_first_set(&self, iterate: &mut QpIterate, work: &mut Workspace) -> bool {
+        let Some(first) = self.next_set(iterate) else {
+            return false;
+        };
+        self.change_set(iterate, first, work);
+        if iterate.gap.is_empty() || iterate.active.contains(&true) {
+            return true;
+        }
+        let mut move_by_load = work.zeros(iterate.force.len());
+        let mut closing = work.zeros(iterate.gap.len());
+        self.displacement
+            .apply(&iterate.force, &mut move_by_load, work);
+        self.coupling.apply(&move_by_load, &mut closing, work);
+        let mut linear = iterate.gap.clone();
+        add_scaled(&mut linear, -1.0, &closing);
+        work.give(move_by_load);
+        work.give(closing);
+        let Ok(solution) = dense_qp::solve(self.compliance, &linear, &iterate.active) else {
+            return false;
+        };
+        self.change_set(iterate, solution.free, work);
+        true
     }
 
     /// The active set of the dense problem around the current iterate.
@@ -386,7 +415,10 @@ impl OneLevel<'_> {
             failed = match outcome {
                 _ if monitor.interrupted => Some(QpStatus::Interrupted),
                 Outcome::Stopped => None,
-                other => Some(QpStatus::Krylov(other)),
+                Outcome::IterationLimit
+                | Outcome::Stagnation
+                | Outcome::NotFinite
+                | Outcome::Indefinite => Some(QpStatus::Krylov(outcome)),
             };
         }
         let face = Face {
@@ -400,7 +432,12 @@ impl OneLevel<'_> {
         face
     }
 
-    fn pack(&self, iterate: &QpIterate, active: &[bool], work: &mut Workspace) -> (Vec<f64>, Vec<f64>) {
+    fn pack(
+        &self,
+        iterate: &QpIterate,
+        active: &[bool],
+        work: &mut Workspace,
+    ) -> (Vec<f64>, Vec<f64>) {
         let length = iterate.force.len() + iterate.constraint.len() + active.len();
         let x = work.zeros(length);
         let mut r = work.zeros(length);

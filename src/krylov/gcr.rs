@@ -4,8 +4,10 @@
 //! Eisenstat, Elman and Schultz, SIAM J. Numer. Anal. 20, 1983. The
 //! preconditioner may change from call to call. Per iteration: one product,
 //! one preconditioner application, at most `kept + 2` reductions. A step that
-//! changes nothing is detected: from some residuals a block-triangular
-//! preconditioner produces a direction orthogonal to the residual.
+//! changes next to nothing is detected: from some residuals a block-triangular
+//! preconditioner produces a direction orthogonal to the residual. The residual
+//! then stays, and so would the direction; the next one is made from the last
+//! product instead (Orthodir; D. Young and K. Jea, Linear Algebra Appl. 34, 1980).
 
 use super::{Monitor, Outcome, Verdict};
 use crate::linalg::vector::{add_scaled, dot, norm, scale};
@@ -15,6 +17,9 @@ use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 const KEPT: usize = 10;
 /// A relative reduction below this counts as none.
 const LEAST_REDUCTION: f64 = 1e-13;
+/// A reduction of the squared residual below this asks for the last product as
+/// the source of the next direction.
+const STALL: f64 = 2e-1;
 /// Successive iterations without reduction before giving up.
 const PATIENCE: usize = 4;
 /// A product this much shorter after orthogonalisation is dependent.
@@ -38,7 +43,10 @@ impl Directions {
 
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
-        self.pairs.iter().map(|(direction, _)| 16 * direction.len() as u64).sum()
+        self.pairs
+            .iter()
+            .map(|(direction, _)| 16 * direction.len() as u64)
+            .sum()
     }
 
     /// Lets `change` adapt every direction and its product to another
@@ -93,10 +101,14 @@ pub fn solve(
 ) -> Outcome {
     directions.project(x, r);
     let mut idle = 0;
+    let mut stalled = false;
     let mut square = dot(r, r);
     for _ in 0..iterations {
         let mut direction = work.scratch(r.len());
-        preconditioner.apply(r, &mut direction, work);
+        match directions.pairs.back() {
+            Some((_, product)) if stalled => preconditioner.apply(product, &mut direction, work),
+            _ => preconditioner.apply(r, &mut direction, work),
+        }
         let mut product = work.scratch(r.len());
         operator.apply(&direction, &mut product, work);
         let length = orthogonalise(directions, &mut direction, &mut product);
@@ -114,7 +126,12 @@ pub fn solve(
             return Outcome::Stopped;
         }
         let next = dot(r, r);
-        idle = if next < square * (1.0 - LEAST_REDUCTION) { 0 } else { idle + 1 };
+        stalled = !stalled && next > square * (1.0 - STALL);
+        idle = if next < square * (1.0 - LEAST_REDUCTION) {
+            0
+        } else {
+            idle + 1
+        };
         if idle == PATIENCE {
             return Outcome::Stagnation;
         }

@@ -65,13 +65,8 @@ impl SparseCholesky {
         for (new, &old) in new_to_old.iter().enumerate() {
             old_to_new[old as usize] = new as u32;
         }
-        let pattern = SymbolicSparseColMatRef::new_checked(
-            size,
-            size,
-            &matrix.offsets,
-            None,
-            &matrix.rows,
-        );
+        let pattern =
+            SymbolicSparseColMatRef::new_checked(size, size, &matrix.offsets, None, &matrix.rows);
         let symbolic = factorize_symbolic_cholesky(
             pattern,
             Side::Lower,
@@ -104,8 +99,7 @@ impl SparseCholesky {
         let scratch = self
             .symbolic
             .factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
-        let mut memory =
-            MemBuffer::try_new(scratch).map_err(|_| FactoriseError::OutOfMemory)?;
+        let mut memory = MemBuffer::try_new(scratch).map_err(|_| FactoriseError::OutOfMemory)?;
         self.symbolic
             .factorize_numeric_llt(
                 &mut self.values,
@@ -122,9 +116,7 @@ impl SparseCholesky {
 
     /// Solves `A X = B` in place for `count` right-hand sides, column by column.
     pub fn solve(&self, right_hand_sides: &mut [f64], count: usize) {
-        let scratch = self
-            .symbolic
-            .solve_in_place_scratch::<f64>(count, Par::Seq);
+        let scratch = self.symbolic.solve_in_place_scratch::<f64>(count, Par::Seq);
         let mut memory = MemBuffer::new(scratch);
         LltRef::<u32, f64>::new(&self.symbolic, &self.values).solve_in_place_with_conj(
             Conj::No,

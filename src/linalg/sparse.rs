@@ -182,9 +182,14 @@ mod tests {
 
     #[test]
     fn assembly_sums_the_shared_entries() {
-        let matrix = SparseRows::assemble(3, &[0, 1, 1, 2], 2, |_, i, j| {
-            if i == j { 2.0 } else { -1.0 }
-        });
+        let matrix = SparseRows::assemble(
+            3,
+            &[0, 1, 1, 2],
+            2,
+            |_, i, j| {
+                if i == j { 2.0 } else { -1.0 }
+            },
+        );
         assert_eq!(matrix.diagonal(), [2.0, 4.0, 2.0]);
         assert_eq!(matrix.row(1), (&[0, 1, 2][..], &[-1.0, 4.0, -1.0][..]));
     }

@@ -65,7 +65,10 @@ mod tests {
 
     #[test]
     fn the_limits_of_poisson_ratio_are_finite_numbers() {
-        assert_eq!(LinearElastic::from_shear_modulus(1.0, 0.5).inverse_lame, 0.0);
+        assert_eq!(
+            LinearElastic::from_shear_modulus(1.0, 0.5).inverse_lame,
+            0.0
+        );
         assert_eq!(LinearElastic::from_shear_modulus(1.0, 0.0).lame(), 0.0);
     }
 

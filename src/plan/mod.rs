@@ -59,7 +59,11 @@ impl Plan {
             .sum();
         let unknowns = Unknowns {
             displacement: space.displacement_unknowns() as u64,
-            pressure: if resolved.mixed { space.vertices as u64 } else { 0 },
+            pressure: if resolved.mixed {
+                space.vertices as u64
+            } else {
+                0
+            },
             contact: multipliers as u64,
         };
         let held = held_unknowns(scene, &resolved, mesh, &space);
@@ -124,6 +128,10 @@ impl Plan {
             hash.update(vertex.to_le_bytes());
         }
         PreparedKey(hash.finalize().into())
+    }
+
+    pub(crate) fn has_body_force(&self) -> bool {
+        self.scene.body_force.iter().any(|&force| force != 0.0)
     }
 
     /// Whether supports leave rigid modes that only contact can hold.

@@ -73,9 +73,17 @@ impl Prepared {
     ///
     /// # Errors
     /// [`PrepareError`]; the token is polled between phases.
-    pub fn build(plan: &Plan, mesh: &Arc<Mesh>, cancel: &CancelToken) -> Result<Self, PrepareError> {
+    pub fn build(
+        plan: &Plan,
+        mesh: &Arc<Mesh>,
+        cancel: &CancelToken,
+    ) -> Result<Self, PrepareError> {
         let start = Instant::now();
-        let poll = || cancel.stopped().map_or(Ok(()), |t| Err(PrepareError::Stopped(t)));
+        let poll = || {
+            cancel
+                .stopped()
+                .map_or(Ok(()), |t| Err(PrepareError::Stopped(t)))
+        };
         let space = TaylorHood::new(mesh);
         let geometry = CellGeometry::new(mesh, plan.units.coordinate_scale);
         let moduli = moduli(plan);
@@ -117,7 +125,8 @@ impl Prepared {
             .is_mixed()
             .then(|| pressure_block(mesh, &space, &geometry, &moduli, &grid));
         let mut is_held = vec![false; space.displacement_unknowns()];
-        held.iter().for_each(|&index| is_held[index as usize] = true);
+        held.iter()
+            .for_each(|&index| is_held[index as usize] = true);
         let total = start.elapsed().as_secs_f64();
         Ok(Self {
             stiffness: stiffness(Basis::Hierarchical),
@@ -233,6 +242,10 @@ fn pressure_block(
         },
         stabilisation: compressible
             .then(|| weighted_mass(mesh, geometry, |cell| moduli.inverse_lame[cell])),
-        metric: ChebyshevMass::new(weighted_mass(mesh, geometry, schur), space.components, MASS_STEPS),
+        metric: ChebyshevMass::new(
+            weighted_mass(mesh, geometry, schur),
+            space.components,
+            MASS_STEPS,
+        ),
     }
 }

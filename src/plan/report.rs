@@ -56,7 +56,12 @@ impl Plan {
             name: self.scene.name.clone(),
             kind: self.resolved.kind.name(),
             unknowns: self.unknowns,
-            formulation: if self.resolved.mixed { "mixed" } else { "displacement" }.to_owned(),
+            formulation: if self.resolved.mixed {
+                "mixed"
+            } else {
+                "displacement"
+            }
+            .to_owned(),
             decisions: self.decisions(),
             left_out: self.left_out(),
             predicted_bytes: estimate::bytes(self, vertices),
@@ -81,7 +86,11 @@ impl Plan {
         };
         if self.resolved.mixed {
             let reason = "a material has a Poisson ratio of at least 0.45";
-            push("formulation", "Taylor-Hood: P2 displacement, P1 pressure".into(), reason);
+            push(
+                "formulation",
+                "Taylor-Hood: P2 displacement, P1 pressure".into(),
+                reason,
+            );
         } else {
             let reason = "every Poisson ratio is below 0.45";
             push("formulation", "P2 displacement".into(), reason);
@@ -91,7 +100,11 @@ impl Plan {
             2 => "well-shaped cells",
             _ => "stretched cells or a stiff volume response",
         };
-        push("displacement_preconditioner", format!("p-multigrid, Chebyshev degree {degree}"), reason);
+        push(
+            "displacement_preconditioner",
+            format!("p-multigrid, Chebyshev degree {degree}"),
+            reason,
+        );
         let order = match self.contact_vertices.is_empty() {
             true => "nested dissection",
             false => "the factor also gives the contact compliance",
@@ -101,10 +114,18 @@ impl Plan {
             (false, 0) => "conjugate gradients",
             _ => "flexible GCR(10), upper block-triangular",
         };
-        push("saddle", krylov.into(), "one preconditioner application per iteration");
+        push(
+            "saddle",
+            krylov.into(),
+            "one preconditioner application per iteration",
+        );
         if self.unknowns.contact > 0 {
             let reason = "pressure and contact pressure are solved together";
-            push("contact", "one level, dense compliance metric".into(), reason);
+            push(
+                "contact",
+                "one level, dense compliance metric".into(),
+                reason,
+            );
         }
         if self.is_floating() {
             let reason = format!("supports leave {}", self.resolved.free_modes.join(", "));
@@ -122,16 +143,27 @@ impl Plan {
             });
         };
         if !self.resolved.mixed {
-            push("pressure unknowns, divergence, pressure metric", "compressible");
-        } else if self.resolved.materials.iter().all(|m| m.poisson_ratio == 0.5) {
+            push(
+                "pressure unknowns, divergence, pressure metric",
+                "compressible",
+            );
+        } else if self
+            .resolved
+            .materials
+            .iter()
+            .all(|m| m.is_incompressible())
+        {
             push("volume compliance", "exactly incompressible");
         }
         if self.unknowns.contact == 0 {
             push("contact multipliers, compliance, SQP loop", "no obstacle");
         }
         push("friction multipliers", "no friction");
-        push("reassembly and refactorisation", "small strain, linear material");
-        if self.scene.body_force == [0.0; 3] && self.scene.manufactured.is_none() {
+        push(
+            "reassembly and refactorisation",
+            "small strain, linear material",
+        );
+        if !self.has_body_force() && self.scene.manufactured.is_none() {
             push("body force", "none given");
         }
         if !self.is_floating() {

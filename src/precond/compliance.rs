@@ -44,7 +44,9 @@ pub fn compliance(parts: &ComplianceParts<'_>, coupling: &SparseRows) -> DenseMa
                 }
             }
             let product = |row: &Vec<(u32, f64)>| -> f64 {
-                row.iter().map(|&(k, value)| value * flexibility[k as usize]).sum()
+                row.iter()
+                    .map(|&(k, value)| value * flexibility[k as usize])
+                    .sum()
             };
             vertex_rows.iter().map(product).collect()
         })

@@ -158,7 +158,9 @@ mod tests {
         let inverse = NodeBlocks::invert(3, three.clone());
         for i in 0..3 {
             for j in 0..3 {
-                let sum: f64 = (0..3).map(|k| three[3 * i + k] * inverse.block(0)[3 * k + j]).sum();
+                let sum: f64 = (0..3)
+                    .map(|k| three[3 * i + k] * inverse.block(0)[3 * k + j])
+                    .sum();
                 assert!((sum - f64::from(u8::from(i == j))).abs() < 1e-15);
             }
         }

@@ -122,7 +122,8 @@ mod tests {
         // Second differences with Dirichlet ends: eigenvalues 2 - 2 cos(k pi / 21).
         let n = 20;
         let cells: Vec<u32> = (0..n as u32 - 1).flat_map(|i| [i, i + 1]).collect();
-        let mut matrix = SparseRows::assemble(n, &cells, 2, |_, i, j| if i == j { 1.0 } else { -1.0 });
+        let mut matrix =
+            SparseRows::assemble(n, &cells, 2, |_, i, j| if i == j { 1.0 } else { -1.0 });
         for row in [0, n - 1] {
             let mut entries: Vec<(u32, f64)> = Vec::new();
             let (columns, values) = matrix.row(row);
@@ -131,9 +132,16 @@ mod tests {
             let mut builder = crate::linalg::SparseRowsBuilder::new(n);
             for other in 0..n {
                 let (columns, values) = matrix.row(other);
-                let mut kept: Vec<(u32, f64)> =
-                    columns.iter().copied().zip(values.iter().copied()).collect();
-                builder.push_row(if other == row { &mut entries } else { &mut kept });
+                let mut kept: Vec<(u32, f64)> = columns
+                    .iter()
+                    .copied()
+                    .zip(values.iter().copied())
+                    .collect();
+                builder.push_row(if other == row {
+                    &mut entries
+                } else {
+                    &mut kept
+                });
             }
             matrix = builder.finish();
         }

@@ -115,8 +115,11 @@ mod tests {
     fn rows(columns: usize, rows: &[&[f64]]) -> SparseRows {
         let mut builder = SparseRowsBuilder::new(columns);
         for row in rows {
-            let mut entries: Vec<(u32, f64)> =
-                row.iter().enumerate().map(|(j, &v)| (j as u32, v)).collect();
+            let mut entries: Vec<(u32, f64)> = row
+                .iter()
+                .enumerate()
+                .map(|(j, &v)| (j as u32, v))
+                .collect();
             builder.push_row(&mut entries);
         }
         builder.finish()

@@ -45,13 +45,20 @@ impl Interfaces {
     pub(crate) fn new(plan: &Plan, mesh: &Mesh, prepared: &Prepared) -> Self {
         let mut list = Vec::new();
         let mut offset = 0;
-        for (obstacle, facets) in plan.scene.obstacles.iter().zip(&plan.resolved.obstacle_facets) {
+        for (obstacle, facets) in plan
+            .scene
+            .obstacles
+            .iter()
+            .zip(&plan.resolved.obstacle_facets)
+        {
             // The plan has checked the parameters.
             let Ok(shape) = shape(&obstacle.shape, plan.units.length) else {
                 continue;
             };
-            let facets: Vec<Vec<u32>> =
-                facets.iter().map(|&f| mesh.facet(f as usize).to_vec()).collect();
+            let facets: Vec<Vec<u32>> = facets
+                .iter()
+                .map(|&f| mesh.facet(f as usize).to_vec())
+                .collect();
             let surface =
                 ContactSurface::new(mesh, &prepared.space, plan.units.coordinate_scale, &facets);
             let multipliers = surface.multipliers();
@@ -105,7 +112,9 @@ pub(crate) fn prescribe(
     for &(unknown, support) in &plan.held {
         let (node, i) = (unknown as usize / c, unknown as usize % c);
         let value = match field {
-            Some(field) => drive.load * field.displacement(node_position(plan, mesh, prepared, node))[i],
+            Some(field) => {
+                drive.load * field.displacement(node_position(plan, mesh, prepared, node))[i]
+            }
             None => drive.supports[usize::from(support)][i],
         } / plan.units.length;
         displacement[unknown as usize] = match node.checked_sub(prepared.space.vertices) {

@@ -24,7 +24,12 @@ fn cell_squares(
     let mut squares = [0.0; 3];
     for (point, weight) in rule.points.iter().zip(&rule.weights) {
         let l = &point[..corners.len()];
-        let x = position(context.mesh, units.coordinate_scale * units.length, corners, l);
+        let x = position(
+            context.mesh,
+            units.coordinate_scale * units.length,
+            corners,
+            l,
+        );
         let weight = weight * context.prepared.geometry.volumes[cell] * units.volume();
         let u = displacement_at(context, state, cell, point).map(|v| v * units.length);
         let (exact, load) = (field.displacement(x), state.drive.load);
@@ -37,7 +42,11 @@ fn cell_squares(
             }
         }
         if !state.pressure.is_empty() {
-            let p: f64 = corners.iter().zip(l).map(|(&v, l)| l * state.pressure[v as usize]).sum();
+            let p: f64 = corners
+                .iter()
+                .zip(l)
+                .map(|(&v, l)| l * state.pressure[v as usize])
+                .sum();
             squares[2] += weight * (p * units.stress - load * field.pressure(x)).powi(2);
         }
     }

@@ -99,7 +99,13 @@ pub(crate) fn internal_force(
 ) -> Vec<f64> {
     let grid = &context.prepared.grid;
     let mut force = vec![0.0; state.displacement.len()];
-    grid.stiffness(Basis::Hierarchical, Rows::All, &state.displacement, &mut force, work);
+    grid.stiffness(
+        Basis::Hierarchical,
+        Rows::All,
+        &state.displacement,
+        &mut force,
+        work,
+    );
     if !state.pressure.is_empty() {
         let mut part = work.scratch(force.len());
         grid.divergence_transposed(Rows::All, &state.pressure, &mut part, work);
@@ -129,7 +135,9 @@ fn constraint(context: &Context<'_>, state: &State, work: &mut Workspace) -> Vec
 
 fn add_contact(context: &Context<'_>, state: &State, drive: &Drive, out: &mut Evaluation) {
     let body = context.deformed(&state.displacement);
-    let obstacles = context.interfaces.obstacles(drive, context.plan.units.length);
+    let obstacles = context
+        .interfaces
+        .obstacles(drive, context.plan.units.length);
     let mut builder = SparseRowsBuilder::new(state.displacement.len());
     for (interface, obstacle) in context.interfaces.list.iter().zip(&obstacles) {
         let held = &context.prepared.is_held;
@@ -155,10 +163,23 @@ impl Evaluation {
     }
 
     /// The four criteria.
-    pub(crate) fn residuals(&self, state: &State, first_force: f64, scales: &QpScales) -> Residuals {
+    pub(crate) fn residuals(
+        &self,
+        state: &State,
+        first_force: f64,
+        scales: &QpScales,
+    ) -> Residuals {
         let pressure_norm = norm(&state.multiplier);
-        let products = self.gap.iter().zip(&state.multiplier).map(|(g, l)| (g * l).abs());
-        let negative = state.multiplier.iter().map(|l| l.min(0.0)).collect::<Vec<_>>();
+        let products = self
+            .gap
+            .iter()
+            .zip(&state.multiplier)
+            .map(|(g, l)| (g * l).abs());
+        let negative = state
+            .multiplier
+            .iter()
+            .map(|l| l.min(0.0))
+            .collect::<Vec<_>>();
         Residuals {
             equilibrium: ratio(norm(&self.force), self.force_scale(first_force)),
             incompressibility: ratio(norm(&self.constraint), scales.constraint),
@@ -171,5 +192,9 @@ impl Evaluation {
 
 /// value / scale, zero when there is nothing to scale.
 pub(crate) fn ratio(value: f64, scale: f64) -> f64 {
-    if value == 0.0 { 0.0 } else { value / scale.max(f64::MIN_POSITIVE) }
+    if value == 0.0 {
+        0.0
+    } else {
+        value / scale.max(f64::MIN_POSITIVE)
+    }
 }

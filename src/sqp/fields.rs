@@ -29,11 +29,21 @@ pub(crate) fn field(context: &Context<'_>, state: &State, name: FieldName) -> Op
         }
         FieldName::Gap => (1, gap(context, state)),
         FieldName::ContactState => {
-            let flags: Vec<f64> = state.active.iter().map(|&a| f64::from(u8::from(a))).collect();
+            let flags: Vec<f64> = state
+                .active
+                .iter()
+                .map(|&a| f64::from(u8::from(a)))
+                .collect();
             (1, on_surface(context, &flags, NOT_A_CANDIDATE, f64::max))
         }
-        FieldName::Stress => (6, per_cell(context, |cell| stress(context, state, cell).to_vec())),
-        FieldName::Jacobian => (1, per_cell(context, |cell| vec![jacobian(context, state, cell)])),
+        FieldName::Stress => (
+            6,
+            per_cell(context, |cell| stress(context, state, cell).to_vec()),
+        ),
+        FieldName::Jacobian => (
+            1,
+            per_cell(context, |cell| vec![jacobian(context, state, cell)]),
+        ),
     };
     Some(FieldData {
         name,
@@ -79,19 +89,28 @@ fn on_surface(
 ) -> Vec<f64> {
     let mut out = vec![None; context.mesh.vertex_count()];
     for interface in &context.interfaces.list {
-        for (&vertex, &value) in interface.surface.vertices.iter().zip(&values[interface.range()]) {
+        for (&vertex, &value) in interface
+            .surface
+            .vertices
+            .iter()
+            .zip(&values[interface.range()])
+        {
             let slot: &mut Option<f64> =
                 &mut out[context.mesh.used_vertices()[vertex as usize] as usize];
             *slot = Some(slot.map_or(value, |old| merge(old, value)));
         }
     }
-    out.into_iter().map(|value| value.unwrap_or(elsewhere)).collect()
+    out.into_iter()
+        .map(|value| value.unwrap_or(elsewhere))
+        .collect()
 }
 
 /// Weighted gap over nodal weight: a length.
 fn gap(context: &Context<'_>, state: &State) -> Vec<f64> {
     let body = context.deformed(&state.displacement);
-    let obstacles = context.interfaces.obstacles(&state.drive, context.plan.units.length);
+    let obstacles = context
+        .interfaces
+        .obstacles(&state.drive, context.plan.units.length);
     let mut gaps = Vec::with_capacity(state.multiplier.len());
     for (interface, obstacle) in context.interfaces.list.iter().zip(&obstacles) {
         let (weighted, _) = evaluate_gaps(&body, &interface.surface, obstacle);
@@ -108,7 +127,13 @@ fn gap(context: &Context<'_>, state: &State) -> Vec<f64> {
 
 fn centre(context: &Context<'_>) -> [f64; 4] {
     let corners = context.prepared.geometry.vertices;
-    std::array::from_fn(|i| if i < corners { 1.0 / corners as f64 } else { 0.0 })
+    std::array::from_fn(|i| {
+        if i < corners {
+            1.0 / corners as f64
+        } else {
+            0.0
+        }
+    })
 }
 
 fn jacobian(context: &Context<'_>, state: &State, cell: usize) -> f64 {
@@ -119,9 +144,8 @@ fn jacobian(context: &Context<'_>, state: &State, cell: usize) -> f64 {
 /// Mean stress of a cell: xx yy zz xy yz zx.
 fn stress(context: &Context<'_>, state: &State, cell: usize) -> [f64; 6] {
     let gradient = gradient_at(context, state, cell, &centre(context));
-    let law = context.plan.resolved.materials
-        [usize::from(context.plan.resolved.cell_material[cell])]
-    .law;
+    let law =
+        context.plan.resolved.materials[usize::from(context.plan.resolved.cell_material[cell])].law;
     let pressure = match state.pressure.is_empty() {
         true => law.pressure(gradient[0][0] + gradient[1][1] + gradient[2][2]),
         false => {

@@ -64,9 +64,17 @@ pub(crate) fn solve(
     work: &mut Workspace,
 ) -> Ending {
     let displacement = &mut state.displacement;
-    prescribe(context.plan, context.mesh, context.prepared, drive, displacement);
+    prescribe(
+        context.plan,
+        context.mesh,
+        context.prepared,
+        drive,
+        displacement,
+    );
     state.drive = drive.clone();
-    let mut now = timed(&mut counters.seconds.contact, || evaluate(context, state, drive, work));
+    let mut now = timed(&mut counters.seconds.contact, || {
+        evaluate(context, state, drive, work)
+    });
     let first_force = norm(&now.force);
     let mut reduction = FIRST_REDUCTION;
     for _ in 0..MOST_PROGRAMS {
@@ -93,7 +101,16 @@ pub(crate) fn solve(
             }
             return ending(state, &now, first_force, ended.0, ended.1);
         }
-        let found = search(context, state, drive, &step, &now, first_force, counters, work);
+        let found = search(
+            context,
+            state,
+            drive,
+            &step,
+            &now,
+            first_force,
+            counters,
+            work,
+        );
         let Some(next) = found else {
             let cause = Some(Cause::LineSearch);
             return ending(state, &now, first_force, Termination::NotConverged, cause);
@@ -118,7 +135,9 @@ fn verdict(
     if worst <= context.plan.scene.solver.tolerance {
         return Some((Termination::Converged, None));
     }
-    watch.stopped(counters).map(|termination| (termination, None))
+    watch
+        .stopped(counters)
+        .map(|termination| (termination, None))
 }
 
 fn ending(
@@ -239,13 +258,17 @@ fn search(
     let mut length = 1.0;
     for _ in 0..=MOST_HALVINGS {
         step.apply(state, length);
-        let trial = timed(&mut counters.seconds.contact, || evaluate(context, state, drive, work));
+        let trial = timed(&mut counters.seconds.contact, || {
+            evaluate(context, state, drive, work)
+        });
         let end = measures(state, &trial, first_force);
         let better = end
             .iter()
             .zip(&start)
             .any(|(after, before)| *after <= (1.0 - LEAST_PROGRESS) * before);
-        let tolerable = end.iter().all(|&m| m <= context.plan.scene.solver.tolerance);
+        let tolerable = end
+            .iter()
+            .all(|&m| m <= context.plan.scene.solver.tolerance);
         if context.interfaces.are_flat() || better || tolerable {
             counters.step_length = length;
             return Some(trial);
@@ -260,7 +283,10 @@ fn search(
 fn measures(state: &State, now: &Evaluation, first_force: f64) -> [f64; 2] {
     let violation = ratio(now.gap_norm(&state.active), state.scales.gap)
         + ratio(norm(&now.constraint), state.scales.constraint);
-    [violation, ratio(norm(&now.force), now.force_scale(first_force))]
+    [
+        violation,
+        ratio(norm(&now.force), now.force_scale(first_force)),
+    ]
 }
 
 /// One quadratic program.
@@ -366,7 +392,15 @@ impl<'a> Program<'a> {
                 let most = MOST_ITERATIONS;
                 let directions = &mut state.directions;
                 let scales = &mut scales;
-                problem.solve(&mut iterate, &targets, scales, most, directions, &mut progress, work)
+                problem.solve(
+                    &mut iterate,
+                    &targets,
+                    scales,
+                    most,
+                    directions,
+                    &mut progress,
+                    work,
+                )
             }
         };
         counters.seconds.krylov += krylov.elapsed().as_secs_f64();
@@ -382,7 +416,10 @@ impl<'a> Program<'a> {
         work: &mut Workspace,
     ) -> bool {
         let mut product = work.scratch(step.len());
-        self.context.prepared.stiffness.apply(step, &mut product, work);
+        self.context
+            .prepared
+            .stiffness
+            .apply(step, &mut product, work);
         let stiff = dot(step, &product);
         curvature.apply(step, &mut product, work);
         let released = dot(step, &product);
@@ -395,7 +432,10 @@ impl<'a> Program<'a> {
         pressure
             .map(|block| MultiplierBlock {
                 coupling: &block.coupling,
-                stabilisation: block.stabilisation.as_ref().map(|s| s as &dyn LinearOperator),
+                stabilisation: block
+                    .stabilisation
+                    .as_ref()
+                    .map(|s| s as &dyn LinearOperator),
                 metric: &block.metric,
             })
             .collect()
@@ -427,7 +467,10 @@ impl<'a> Program<'a> {
         let status = match outcome {
             Outcome::Stopped if monitor.reached => QpStatus::Solved,
             Outcome::Stopped => QpStatus::Interrupted,
-            other => QpStatus::Krylov(other),
+            Outcome::IterationLimit
+            | Outcome::Stagnation
+            | Outcome::NotFinite
+            | Outcome::Indefinite => QpStatus::Krylov(outcome),
         };
         QpOutcome {
             status,
@@ -455,7 +498,7 @@ impl Monitor for PlainMonitor<'_> {
         self.reached = norms.relative(self.targets.force_scale, &scales) <= self.targets.level;
         match (self.progress)(&norms, &scales, 0) {
             Verdict::Continue if !self.reached => Verdict::Continue,
-            _ => Verdict::Stop,
+            Verdict::Continue | Verdict::Stop => Verdict::Stop,
         }
     }
 }
@@ -489,7 +532,9 @@ fn curvature_of(context: &Context<'_>, state: &State, drive: &Drive) -> Option<S
     if context.interfaces.are_flat() || !under_pressure {
         return None;
     }
-    let obstacles = context.interfaces.obstacles(drive, context.plan.units.length);
+    let obstacles = context
+        .interfaces
+        .obstacles(drive, context.plan.units.length);
     let list = context.interfaces.list.iter();
     let surfaces: Vec<_> = list
         .zip(&obstacles)
@@ -512,11 +557,15 @@ fn expected_contact_norm(
 ) -> f64 {
     let mut linear = vec![0.0; now.gap.len()];
     compliance.multiply(&state.multiplier, &mut linear);
-    linear.iter_mut().zip(&now.gap).for_each(|(q, gap)| *q = gap - *q);
+    linear
+        .iter_mut()
+        .zip(&now.gap)
+        .for_each(|(q, gap)| *q = gap - *q);
     let Ok(solution) = dense_qp::solve(compliance, &linear, &state.active) else {
         return 0.0;
     };
     let mut load = vec![0.0; state.displacement.len()];
-    now.coupling.apply_transposed(&solution.values, &mut load, work);
+    now.coupling
+        .apply_transposed(&solution.values, &mut load, work);
     norm(&load)
 }

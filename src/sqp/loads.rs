@@ -33,20 +33,42 @@ fn add_constant(plan: &Plan, mesh: &Mesh, prepared: &Prepared, load: &mut [f64])
     let (cell, facet) = simplices(plan.units.dimension);
     let scale = plan.units.coordinate_scale;
     let surface_rule = rule(facet, CONSTANT_DEGREE);
-    for (traction, facets) in plan.scene.tractions.iter().zip(&plan.resolved.traction_facets) {
+    for (traction, facets) in plan
+        .scene
+        .tractions
+        .iter()
+        .zip(&plan.resolved.traction_facets)
+    {
         let value = traction.value.map(|t| t / plan.units.stress);
         for &index in facets {
             let vertices = mesh.facet(index as usize);
             let (area, _) = facet_measure(mesh, vertices, scale);
             let space = &prepared.space;
-            add_traction(mesh, space, vertices, area, scale, &surface_rule, &|_| value, load);
+            add_traction(
+                mesh,
+                space,
+                vertices,
+                area,
+                scale,
+                &surface_rule,
+                &|_| value,
+                load,
+            );
         }
     }
-    if plan.scene.body_force != [0.0; 3] {
+    if plan.has_body_force() {
         let value = plan.scene.body_force.map(|f| f / plan.units.body_force());
         let volumes = &prepared.geometry.volumes;
         let volume_rule = rule(cell, CONSTANT_DEGREE);
-        add_body_force(mesh, &prepared.space, volumes, scale, &volume_rule, &|_, _| value, load);
+        add_body_force(
+            mesh,
+            &prepared.space,
+            volumes,
+            scale,
+            &volume_rule,
+            &|_, _| value,
+            load,
+        );
     }
 }
 
@@ -58,7 +80,11 @@ fn add_manufactured(
     load: &mut [f64],
 ) {
     let (cell, facet) = simplices(plan.units.dimension);
-    let degree = plan.scene.solver.quadrature_degree.unwrap_or(MANUFACTURED_DEGREE);
+    let degree = plan
+        .scene
+        .solver
+        .quadrature_degree
+        .unwrap_or(MANUFACTURED_DEGREE);
     let scale = plan.units.coordinate_scale;
     let units = plan.units;
     let shear = |cell: usize| {
@@ -71,18 +97,39 @@ fn add_manufactured(
             .map(|f| f / units.body_force())
     };
     let volumes = &prepared.geometry.volumes;
-    add_body_force(mesh, &prepared.space, volumes, scale, &rule(cell, degree), &force, load);
+    add_body_force(
+        mesh,
+        &prepared.space,
+        volumes,
+        scale,
+        &rule(cell, degree),
+        &force,
+        load,
+    );
     let surface_rule = rule(facet, degree);
     for boundary in mesh.boundary_facets() {
         let vertices = &boundary.vertices[..units.dimension];
         let (area, normal) = facet_measure(mesh, vertices, scale);
         let traction = |x: [f64; 3]| {
             field
-                .traction(x.map(|x| x * units.length), normal, shear(boundary.cell as usize))
+                .traction(
+                    x.map(|x| x * units.length),
+                    normal,
+                    shear(boundary.cell as usize),
+                )
                 .map(|t| t / units.stress)
         };
         // Held entries of the load belong to reactions and are never read.
         let space = &prepared.space;
-        add_traction(mesh, space, vertices, area, scale, &surface_rule, &traction, load);
+        add_traction(
+            mesh,
+            space,
+            vertices,
+            area,
+            scale,
+            &surface_rule,
+            &traction,
+            load,
+        );
     }
 }

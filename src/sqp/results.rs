@@ -60,7 +60,7 @@ pub(crate) fn report(
         unknowns: context.plan.unknowns(),
         memory_bytes: 0,
         reused: Vec::new(),
-        instruction_set: "portable".to_owned(),
+        instruction_set: context.prepared.grid.instruction_set().name().to_owned(),
         verification: None,
     }
 }
@@ -108,7 +108,14 @@ fn obstacles(context: &Context<'_>, state: &State) -> BTreeMap<String, ObstacleR
         let pressure = &state.multiplier[interface.range()];
         let active = &state.active[interface.range()];
         let reference = obstacle.reference_point();
-        let found = resultant(&body, &interface.surface, obstacle, reference, pressure, active);
+        let found = resultant(
+            &body,
+            &interface.surface,
+            obstacle,
+            reference,
+            pressure,
+            active,
+        );
         let result = ObstacleResult {
             force: found.force.map(|x| x * units.force()),
             moment: found.moment.map(|x| x * units.energy()),
@@ -136,7 +143,8 @@ fn supports(
     let nodal = space.node_forces(&reaction);
     let mut forces = vec![[0.0; 3]; context.plan.scene.supports.len()];
     for &(unknown, support) in &context.plan.held {
-        forces[usize::from(support)][unknown as usize % space.components] += nodal[unknown as usize];
+        forces[usize::from(support)][unknown as usize % space.components] +=
+            nodal[unknown as usize];
     }
     let unit = context.plan.units.force();
     let names = context.plan.scene.supports.iter();
@@ -152,7 +160,9 @@ fn supports(
 /// Adds C^T l with held columns kept.
 fn add_contact_force(context: &Context<'_>, state: &State, force: &mut [f64]) {
     let body = context.deformed(&state.displacement);
-    let obstacles = context.interfaces.obstacles(&state.drive, context.plan.units.length);
+    let obstacles = context
+        .interfaces
+        .obstacles(&state.drive, context.plan.units.length);
     let free = vec![false; force.len()];
     let mut builder = SparseRowsBuilder::new(force.len());
     for (interface, obstacle) in context.interfaces.list.iter().zip(&obstacles) {
@@ -208,7 +218,10 @@ pub(super) fn displacement_at(
     let pairs = context.mesh.cell_kind().edges();
     let edges = &context.mesh.cell_edges()[cell * pairs.len()..(cell + 1) * pairs.len()];
     for (&edge, &(a, b)) in edges.iter().zip(pairs) {
-        add(space.vertices + edge as usize, 4.0 * barycentric[a] * barycentric[b]);
+        add(
+            space.vertices + edge as usize,
+            4.0 * barycentric[a] * barycentric[b],
+        );
     }
     value
 }
@@ -237,7 +250,8 @@ pub(super) fn gradient_at(
     let pairs = context.mesh.cell_kind().edges();
     let edges = &context.mesh.cell_edges()[cell * pairs.len()..(cell + 1) * pairs.len()];
     for (&edge, &(a, b)) in edges.iter().zip(pairs) {
-        let slope = std::array::from_fn(|j| 4.0 * (barycentric[a] * g[b][j] + barycentric[b] * g[a][j]));
+        let slope =
+            std::array::from_fn(|j| 4.0 * (barycentric[a] * g[b][j] + barycentric[b] * g[a][j]));
         add(space.vertices + edge as usize, slope);
     }
     gradient

@@ -169,7 +169,7 @@ impl Session {
         run.finished = ending.termination != Termination::Converged;
         let before = f64::from(increment - 1) / f64::from(run.increments);
         let reached = before + part * (fraction - before);
-        let report = self.report(increment, reached, &ending, &mut counters, &mut work);
+        let report = self.report(increment, reached, &ending, &counters, &mut work);
         self.work = work;
         Some(report)
     }
@@ -188,12 +188,16 @@ impl Session {
         let start = state.drive.clone();
         let (mut reached, mut part) = (0.0, 1.0);
         loop {
-            let next = if reached + part >= 1.0 - 1e-12 { 1.0 } else { reached + part };
+            let next = if reached + part >= 1.0 - 1e-12 {
+                1.0
+            } else {
+                reached + part
+            };
             let good = state.snapshot();
             let drive = start.towards(goal, next);
             let mut ending = increment::solve(&context, state, &drive, watch, counters, work);
             match ending.termination {
-                Termination::Converged if next == 1.0 => return (ending, 1.0),
+                Termination::Converged if next >= 1.0 => return (ending, 1.0),
                 Termination::Converged => {
                     reached = next;
                     part *= GROWTH;
@@ -208,7 +212,9 @@ impl Session {
                     }
                 }
                 Termination::NotConverged => return (ending, next),
-                _ => {
+                Termination::Cancelled
+                | Termination::DeadlineExceeded
+                | Termination::InternalError => {
                     state.restore(&good);
                     return (ending, reached);
                 }
@@ -237,7 +243,7 @@ impl Session {
         increment: u32,
         reached: f64,
         ending: &Ending,
-        counters: &mut Counters,
+        counters: &Counters,
         work: &mut Workspace,
     ) -> StepReport {
         let context = self.context();

@@ -28,12 +28,19 @@ pub(crate) fn verify(context: &Context<'_>, state: &State, ending: &Ending) -> R
     let (gap, scaled_pressure) = contact_residuals(context, state, &nodal, &mut force);
     let force = free_hierarchical(context, &force);
     let gap_unit = units.area() * units.length;
-    let wrong = gap.iter().zip(&state.active).map(|(&g, &active)| match active {
-        true => g,
-        false => g.min(0.0),
-    });
+    let wrong = gap
+        .iter()
+        .zip(&state.active)
+        .map(|(&g, &active)| match active {
+            true => g,
+            false => g.min(0.0),
+        });
     let wrong: Vec<f64> = wrong.collect();
-    let products: f64 = gap.iter().zip(&scaled_pressure).map(|(g, l)| (g * l).abs()).sum();
+    let products: f64 = gap
+        .iter()
+        .zip(&scaled_pressure)
+        .map(|(g, l)| (g * l).abs())
+        .sum();
     let negative: Vec<f64> = scaled_pressure.iter().map(|l| l.min(0.0)).collect();
     let pressure_norm = norm(&scaled_pressure);
     let gap_scale = state.scales.gap * gap_unit;
@@ -53,7 +60,11 @@ fn nodal_displacement(context: &Context<'_>, state: &State) -> Vec<[f64; 3]> {
         return Vec::new();
     };
     let (rows, _) = field.values.as_chunks::<3>();
-    let vertices = context.mesh.used_vertices().iter().map(|&v| rows[v as usize]);
+    let vertices = context
+        .mesh
+        .used_vertices()
+        .iter()
+        .map(|&v| rows[v as usize]);
     vertices.chain(rows[uploaded..].iter().copied()).collect()
 }
 
@@ -91,7 +102,15 @@ fn volume_residuals(
     let mut force = external_load(context, state);
     let mut constraint = vec![0.0; state.pressure.len()];
     for cell in 0..context.mesh.cell_count() {
-        add_cell(context, state, nodal, &rule, cell, &mut force, &mut constraint);
+        add_cell(
+            context,
+            state,
+            nodal,
+            &rule,
+            cell,
+            &mut force,
+            &mut constraint,
+        );
     }
     (force, constraint)
 }
@@ -104,7 +123,9 @@ fn external_load(context: &Context<'_>, state: &State) -> Vec<[f64; 3]> {
     let rows = nodal.chunks_exact(space.components);
     rows.map(|row| {
         let mut out = [0.0; 3];
-        out.iter_mut().zip(row).for_each(|(out, value)| *out = value * unit);
+        out.iter_mut()
+            .zip(row)
+            .for_each(|(out, value)| *out = value * unit);
         out
     })
     .collect()
@@ -129,8 +150,14 @@ fn add_cell(
     let vertices = context.mesh.cell(cell);
     let pairs = kind.edges();
     let edges = &context.mesh.cell_edges()[cell * pairs.len()..(cell + 1) * pairs.len()];
-    let edge_nodes = edges.iter().map(|&e| context.prepared.space.vertices + e as usize);
-    let nodes: Vec<usize> = vertices.iter().map(|&v| v as usize).chain(edge_nodes).collect();
+    let edge_nodes = edges
+        .iter()
+        .map(|&e| context.prepared.space.vertices + e as usize);
+    let nodes: Vec<usize> = vertices
+        .iter()
+        .map(|&v| v as usize)
+        .chain(edge_nodes)
+        .collect();
     let material = usize::from(context.plan.resolved.cell_material[cell]);
     let law = context.plan.resolved.materials[material].law;
     for (point, weight) in rule.points.iter().zip(&rule.weights) {
@@ -149,7 +176,9 @@ fn add_cell(
             true => law.pressure(dilation),
             false => {
                 let at = vertices.iter().zip(point);
-                at.map(|(&v, l)| l * state.pressure[v as usize]).sum::<f64>() * units.stress
+                at.map(|(&v, l)| l * state.pressure[v as usize])
+                    .sum::<f64>()
+                    * units.stress
             }
         };
         if !state.pressure.is_empty() {
@@ -179,9 +208,17 @@ fn contact_residuals(
 ) -> (Vec<f64>, Vec<f64>) {
     let units = &context.plan.units;
     let dimension = units.dimension;
-    let simplex = if dimension == 2 { Simplex::Segment } else { Simplex::Triangle };
+    let simplex = if dimension == 2 {
+        Simplex::Segment
+    } else {
+        Simplex::Triangle
+    };
     let rule = rule(simplex, FACE_DEGREE);
-    let pairs: &[(usize, usize)] = if dimension == 2 { &[(0, 1)] } else { &[(0, 1), (0, 2), (1, 2)] };
+    let pairs: &[(usize, usize)] = if dimension == 2 {
+        &[(0, 1)]
+    } else {
+        &[(0, 1), (0, 2), (1, 2)]
+    };
     let obstacles = context.interfaces.obstacles(&state.drive, units.length);
     let pressure: Vec<f64> = state.multiplier.iter().map(|l| l * units.stress).collect();
     let mut gap = vec![0.0; pressure.len()];
@@ -212,7 +249,8 @@ fn contact_residuals(
                 }
                 for (&node, shape) in face.nodes.iter().zip(&values) {
                     for i in 0..3 {
-                        force[node as usize][i] += weight * area * shape * local * contact.normal[i];
+                        force[node as usize][i] +=
+                            weight * area * shape * local * contact.normal[i];
                     }
                 }
             }

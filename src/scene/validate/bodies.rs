@@ -13,33 +13,50 @@ pub(crate) fn body_force(scene: &Scene, mesh: &Mesh, faults: &mut Faults) {
 }
 
 /// The analytic field; its loads take the place of all others.
-pub(crate) fn manufactured(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Option<Manufactured> {
+pub(crate) fn manufactured(
+    scene: &Scene,
+    mesh: &Mesh,
+    faults: &mut Faults,
+) -> Option<Manufactured> {
     let name = scene.manufactured.as_deref()?;
     let path = "manufactured.field";
     let others = !scene.tractions.is_empty()
         || !scene.obstacles.is_empty()
         || scene.body_force.iter().any(|&x| x != 0.0);
     if others {
-        faults.add(path, "brings its own loads: leave out traction, body_force and obstacle");
+        faults.add(
+            path,
+            "brings its own loads: leave out traction, body_force and obstacle",
+        );
     }
     let incompressible = scene.materials.iter().all(|material| match material.model {
-        MaterialModel::LinearElastic { poisson_ratio, .. } => poisson_ratio == 0.5,
+        MaterialModel::LinearElastic { poisson_ratio, .. } => poisson_ratio >= 0.5,
     });
     if !incompressible {
-        faults.add(path, "the fields are incompressible: set poisson_ratio = 0.5");
+        faults.add(
+            path,
+            "the fields are incompressible: set poisson_ratio = 0.5",
+        );
     }
     let dimension = mesh.cell_kind().dimension();
     let field = Manufactured::from_name(name, dimension);
     if field.is_none() {
         let hint = names::hint(name, Manufactured::names().iter().copied());
-        faults.add(path, format!("no field `{name}` in {dimension} dimensions{hint}"));
+        faults.add(
+            path,
+            format!("no field `{name}` in {dimension} dimensions{hint}"),
+        );
     }
     field
 }
 
 /// Finds the probes in the body.
 pub(crate) fn probes(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<Located> {
-    names::check_unique(faults, "probe", scene.probes.iter().map(|probe| probe.name.as_str()));
+    names::check_unique(
+        faults,
+        "probe",
+        scene.probes.iter().map(|probe| probe.name.as_str()),
+    );
     if scene.probes.is_empty() {
         return Vec::new();
     }

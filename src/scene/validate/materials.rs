@@ -18,6 +18,13 @@ pub(crate) struct ResolvedMaterial {
     pub(crate) poisson_ratio: f64,
 }
 
+impl ResolvedMaterial {
+    /// Whether the volume cannot change at all.
+    pub(crate) fn is_incompressible(&self) -> bool {
+        self.poisson_ratio >= 0.5
+    }
+}
+
 /// Laws, and the law of each cell.
 pub(crate) fn resolve(
     scene: &Scene,
@@ -27,7 +34,10 @@ pub(crate) fn resolve(
     let mut of_cell = vec![NO_MATERIAL; mesh.cell_count()];
     let mut materials = Vec::new();
     if scene.materials.is_empty() {
-        faults.add("material", "the scene has no material; every cell needs one");
+        faults.add(
+            "material",
+            "the scene has no material; every cell needs one",
+        );
     }
     if scene.materials.len() >= usize::from(NO_MATERIAL) {
         faults.add("material", "too many materials");
@@ -37,14 +47,20 @@ pub(crate) fn resolve(
         let path = format!("material.{}", material.group);
         materials.push(law(&material.model, &path, faults));
         match mesh.group(&material.group, GroupKind::Cells) {
-            None => faults.add(&path, names::missing(mesh, GroupKind::Cells, &material.group)),
+            None => faults.add(
+                &path,
+                names::missing(mesh, GroupKind::Cells, &material.group),
+            ),
             Some(group) => assign(index as u16, &group.members, &mut of_cell, &path, faults),
         }
     }
     let bare = of_cell.iter().filter(|&&m| m == NO_MATERIAL).count();
     if bare > 0 && !scene.materials.is_empty() {
         let first = of_cell.iter().position(|&m| m == NO_MATERIAL).unwrap_or(0);
-        faults.add("material", format!("{bare} cells have no material, the first is cell {first}"));
+        faults.add(
+            "material",
+            format!("{bare} cells have no material, the first is cell {first}"),
+        );
     }
     (materials, of_cell)
 }
@@ -74,13 +90,16 @@ fn law(model: &MaterialModel, path: &str, faults: &mut Faults) -> ResolvedMateri
         Modulus::Young(value) => ("young_modulus", *value),
     };
     if !(value > 0.0 && value.is_finite()) {
-        faults.add(format!("{path}.{key}"), format!("must be above zero and finite, not {value}"));
+        faults.add(
+            format!("{path}.{key}"),
+            format!("must be above zero and finite, not {value}"),
+        );
     }
     if !(*poisson_ratio > -1.0 && *poisson_ratio <= 0.5) {
         let message = format!("must lie above -1 and at most 0.5, not {poisson_ratio}");
         faults.add(format!("{path}.poisson_ratio"), message);
     }
-    if *formulation == Formulation::Displacement && *poisson_ratio == 0.5 {
+    if *formulation == Formulation::Displacement && *poisson_ratio >= 0.5 {
         let message = "an incompressible material needs the mixed formulation";
         faults.add(format!("{path}.formulation"), message);
     }
@@ -99,17 +118,20 @@ pub(crate) fn mixed(scene: &Scene, materials: &[ResolvedMaterial], faults: &mut 
     let asked = |material: &crate::scene::Material| match material.model {
         MaterialModel::LinearElastic { formulation, .. } => formulation,
     };
-    let mixed = scene.materials.iter().zip(materials).any(|(material, resolved)| {
-        match asked(material) {
+    let mixed = scene
+        .materials
+        .iter()
+        .zip(materials)
+        .any(|(material, resolved)| match asked(material) {
             Formulation::Mixed => true,
             Formulation::Displacement => false,
             Formulation::Auto => resolved.poisson_ratio >= MIXED_FROM,
-        }
-    });
+        });
     for (material, resolved) in scene.materials.iter().zip(materials) {
         let path = format!("material.{}", material.group);
         if mixed && asked(material) == Formulation::Displacement {
-            let message = "all materials of a scene share one formulation, and another one is mixed";
+            let message =
+                "all materials of a scene share one formulation, and another one is mixed";
             faults.unsupported(format!("{path}.formulation"), message);
         }
         if mixed && resolved.poisson_ratio < LEAST_MIXED {

@@ -88,7 +88,10 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
     if let Some(scale) = scene.mesh_scale
         && !(scale > 0.0 && scale.is_finite())
     {
-        faults.add("mesh_scale", format!("must be above zero and finite, not {scale}"));
+        faults.add(
+            "mesh_scale",
+            format!("must be above zero and finite, not {scale}"),
+        );
     }
     let (materials, cell_material) = materials::resolve(scene, mesh, &mut faults);
     let mixed = materials::mixed(scene, &materials, &mut faults);

@@ -45,7 +45,10 @@ pub(crate) fn check_unique<'a>(
         if name.is_empty() {
             faults.add(format!("{kind}[{index}].name"), "must not be empty");
         } else if !seen.insert(name) {
-            faults.add(format!("{kind}[{index}].name"), format!("`{name}` is used twice"));
+            faults.add(
+                format!("{kind}[{index}].name"),
+                format!("`{name}` is used twice"),
+            );
         }
     }
 }
@@ -91,7 +94,13 @@ mod tests {
     #[test]
     fn a_misspelt_name_gets_the_nearest_one() {
         let known = ["contact", "top", "body"];
-        assert_eq!(hint("contct", known.into_iter()), "; did you mean `contact`?");
-        assert_eq!(hint("zzz", known.into_iter()), "; known: contact, top, body");
+        assert_eq!(
+            hint("contct", known.into_iter()),
+            "; did you mean `contact`?"
+        );
+        assert_eq!(
+            hint("zzz", known.into_iter()),
+            "; known: contact, top, body"
+        );
     }
 }

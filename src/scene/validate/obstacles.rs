@@ -24,7 +24,10 @@ pub(crate) fn shape(shape: &Shape, length: f64) -> Result<Arc<dyn Obstacle>, Obs
 
 /// Facets of each obstacle.
 pub(crate) fn resolve(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<Vec<u32>> {
-    let all = scene.obstacles.iter().map(|obstacle| obstacle.name.as_str());
+    let all = scene
+        .obstacles
+        .iter()
+        .map(|obstacle| obstacle.name.as_str());
     names::check_unique(faults, "obstacle", all);
     scene
         .obstacles
@@ -32,13 +35,22 @@ pub(crate) fn resolve(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<Ve
         .map(|obstacle| {
             let path = format!("obstacle.{}", obstacle.name);
             if let Err(error) = shape(&obstacle.shape, 1.0) {
-                faults.add(format!("{path}.shape.{}", error.parameter()), error.to_string());
+                faults.add(
+                    format!("{path}.shape.{}", error.parameter()),
+                    error.to_string(),
+                );
             }
             check_plane(&obstacle.shape, mesh, &path, faults);
             let on = format!("{path}.on");
             let facets = names::members(mesh, GroupKind::Facets, &on, &obstacle.on, faults);
-            if let Some(inner) = facets.iter().find(|&&f| !mesh.facet_is_boundary(f as usize)) {
-                faults.add(on, format!("facet {inner} lies inside the body, not on its surface"));
+            if let Some(inner) = facets
+                .iter()
+                .find(|&&f| !mesh.facet_is_boundary(f as usize))
+            {
+                faults.add(
+                    on,
+                    format!("facet {inner} lies inside the body, not on its surface"),
+                );
             }
             facets
         })
@@ -87,8 +99,9 @@ pub(crate) fn refuse_held_faces(
             held.iter().all(|set| set.contains(key.as_slice()))
         };
         if let Some(facet) = facets.iter().find(stuck) {
-            let message =
-                format!("facet {facet} may touch the obstacle, but supports hold all its components");
+            let message = format!(
+                "facet {facet} may touch the obstacle, but supports hold all its components"
+            );
             faults.add(format!("obstacle.{}.on", obstacle.name), message);
         }
     }

@@ -15,7 +15,11 @@ const NAMES_3: [&str; 6] = [
     "rotation about y",
     "rotation about z",
 ];
-const NAMES_2: [&str; 3] = ["translation along x", "translation along y", "rotation about z"];
+const NAMES_2: [&str; 3] = [
+    "translation along x",
+    "translation along y",
+    "rotation about z",
+];
 /// Squared cosine under which a mode counts as free.
 const ZERO: f64 = 1e-16;
 
@@ -43,7 +47,10 @@ pub(crate) fn check(
     }
     if !free.is_empty() && !scene.obstacles.is_empty() && count > 1 {
         let list = free.join(", ");
-        faults.unsupported("support", format!("several bodies of which some are free ({list})"));
+        faults.unsupported(
+            "support",
+            format!("several bodies of which some are free ({list})"),
+        );
     }
     free
 }

@@ -44,7 +44,11 @@ pub(crate) fn check(scene: &Scene, mixed: bool, faults: &mut Faults) {
     }
     let saddle = if mixed { "gcr" } else { "cg" };
     let methods = [
-        ("displacement_preconditioner", &solver.displacement_preconditioner, "p-multigrid"),
+        (
+            "displacement_preconditioner",
+            &solver.displacement_preconditioner,
+            "p-multigrid",
+        ),
         ("p1_solver", &solver.p1_solver, "cholesky"),
         ("saddle", &solver.saddle, saddle),
         ("contact", &solver.contact, "one-level"),

@@ -28,10 +28,20 @@ pub(crate) fn check(scene: &Scene, step: &Step, path: &str, mesh: &Mesh, faults:
     }
     for target in &step.obstacles {
         let path = format!("{path}.obstacle.{}", target.name);
-        if !scene.obstacles.iter().any(|obstacle| obstacle.name == target.name) {
-            let known = scene.obstacles.iter().map(|obstacle| obstacle.name.as_str());
+        if !scene
+            .obstacles
+            .iter()
+            .any(|obstacle| obstacle.name == target.name)
+        {
+            let known = scene
+                .obstacles
+                .iter()
+                .map(|obstacle| obstacle.name.as_str());
             let hint = names::hint(&target.name, known);
-            faults.add(&path, format!("the scene has no obstacle `{}`{hint}", target.name));
+            faults.add(
+                &path,
+                format!("the scene has no obstacle `{}`{hint}", target.name),
+            );
         }
         if let Some(translation) = target.translation {
             faults.finite(&format!("{path}.translation"), &translation);
@@ -41,7 +51,10 @@ pub(crate) fn check(scene: &Scene, step: &Step, path: &str, mesh: &Mesh, faults:
             faults.finite(&format!("{path}.rotation"), &rotation);
             let about_z = rotation[0] == 0.0 && rotation[1] == 0.0;
             if mesh.cell_kind().dimension() == 2 && !about_z {
-                faults.add(format!("{path}.rotation"), "must be about z in a plane scene");
+                faults.add(
+                    format!("{path}.rotation"),
+                    "must be about z in a plane scene",
+                );
             }
         }
     }
@@ -50,10 +63,18 @@ pub(crate) fn check(scene: &Scene, step: &Step, path: &str, mesh: &Mesh, faults:
         let Some(support) = scene.supports.iter().find(|s| s.name == target.name) else {
             let known = scene.supports.iter().map(|support| support.name.as_str());
             let hint = names::hint(&target.name, known);
-            faults.add(&path, format!("the scene has no support `{}`{hint}", target.name));
+            faults.add(
+                &path,
+                format!("the scene has no support `{}`{hint}", target.name),
+            );
             continue;
         };
-        for (axis, (value, held)) in target.displacement.iter().zip(support.displacement).enumerate() {
+        for (axis, (value, held)) in target
+            .displacement
+            .iter()
+            .zip(support.displacement)
+            .enumerate()
+        {
             let key = format!("{path}.displacement.{}", ["x", "y", "z"][axis]);
             match (value, held) {
                 (Some(value), Some(_)) => {

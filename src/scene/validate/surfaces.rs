@@ -19,7 +19,13 @@ pub(crate) fn supports(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<V
             let values = support.displacement.map(|value| value.unwrap_or(0.0));
             faults.finite(&format!("{path}.displacement"), &values);
             in_plane(faults, mesh, &format!("{path}.displacement.z"), values);
-            names::members(mesh, GroupKind::Facets, &format!("{path}.on"), &support.on, faults)
+            names::members(
+                mesh,
+                GroupKind::Facets,
+                &format!("{path}.on"),
+                &support.on,
+                faults,
+            )
         })
         .collect()
 }
@@ -34,7 +40,13 @@ pub(crate) fn tractions(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<
             let path = format!("traction[{index}]");
             faults.finite(&format!("{path}.value"), &traction.value);
             in_plane(faults, mesh, &format!("{path}.value"), traction.value);
-            names::members(mesh, GroupKind::Facets, &format!("{path}.on"), &traction.on, faults)
+            names::members(
+                mesh,
+                GroupKind::Facets,
+                &format!("{path}.on"),
+                &traction.on,
+                faults,
+            )
         })
         .collect()
 }
