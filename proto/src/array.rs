@@ -1,0 +1,356 @@
+//! The one codec between bulk arrays and bytes on the wire.
+//!
+//! Values are little-endian and row-major. Whole arrays come as [`Array`];
+//! larger ones as slices with an offset in elements, which an [`Assembler`] puts
+//! together again. Every length and shape is checked before anything is
+//! allocated, and an assembler grows with the bytes that arrive, never with the
+//! size that a peer announces. Cost: one pass and one copy.
+
+use bytes::Bytes;
+
+use crate::CHUNK_BYTES;
+use crate::v1::{Array, ElementType};
+
+/// Largest number of extents in a shape.
+pub const MAXIMUM_RANK: usize = 4;
+
+/// A malformed array or slice.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ArrayError {
+    /// The bytes are no whole number of elements.
+    #[error("{bytes} bytes are no whole number of elements of {element_bytes} bytes")]
+    PartialElement {
+        /// Bytes received.
+        bytes: usize,
+        /// Bytes of one element.
+        element_bytes: usize,
+    },
+    /// The element type is not the one that the receiver expects.
+    #[error("element type {found} where {expected} is expected")]
+    WrongType {
+        /// Number of the type received.
+        found: i32,
+        /// Number of the type expected.
+        expected: i32,
+    },
+    /// An extent is negative, there are too many, or their product overflows.
+    #[error("shape {0:?} is not valid")]
+    BadShape(Vec<i64>),
+    /// The data do not fill the shape.
+    #[error("{found} elements where the shape asks for {expected}")]
+    WrongLength {
+        /// Elements received.
+        found: usize,
+        /// Elements announced.
+        expected: usize,
+    },
+    /// A slice leaves a gap or repeats elements.
+    #[error("slice starts at element {found} where {expected} is next")]
+    WrongOffset {
+        /// Offset received.
+        found: i64,
+        /// Elements received so far.
+        expected: usize,
+    },
+    /// A slice carries more than [`CHUNK_BYTES`].
+    #[error("{0} bytes in one message; at most {CHUNK_BYTES} are allowed")]
+    ChunkTooLarge(usize),
+}
+
+/// A number that can travel in an array.
+pub trait Element: Copy + Sized {
+    /// Its name on the wire.
+    const TYPE: ElementType;
+    /// Bytes on the wire.
+    const SIZE: usize;
+    /// Appends its bytes.
+    fn put(self, out: &mut Vec<u8>);
+    /// Reads exactly [`Element::SIZE`] bytes; `None` for any other number.
+    fn get(bytes: &[u8]) -> Option<Self>;
+}
+
+macro_rules! element {
+    ($number:ty, $wire:ident) => {
+        impl Element for $number {
+            const TYPE: ElementType = ElementType::$wire;
+            const SIZE: usize = size_of::<$number>();
+
+            fn put(self, out: &mut Vec<u8>) {
+                out.extend_from_slice(&self.to_le_bytes());
+            }
+
+            fn get(bytes: &[u8]) -> Option<Self> {
+                bytes.try_into().ok().map(<$number>::from_le_bytes)
+            }
+        }
+    };
+}
+
+element!(f64, F64);
+element!(f32, F32);
+element!(i32, I32);
+element!(i64, I64);
+
+/// The bytes of `values`.
+pub fn encode<E: Element>(values: &[E]) -> Bytes {
+    let mut out = Vec::with_capacity(values.len() * E::SIZE);
+    for value in values {
+        value.put(&mut out);
+    }
+    out.into()
+}
+
+/// The values of whole elements.
+///
+/// # Errors
+/// [`ArrayError::PartialElement`].
+pub fn decode<E: Element>(bytes: &[u8]) -> Result<Vec<E>, ArrayError> {
+    let mut values = Vec::with_capacity(bytes.len() / E::SIZE);
+    decode_append(bytes, &mut values)?;
+    Ok(values)
+}
+
+/// A whole array in one message.
+///
+/// # Errors
+/// [`ArrayError::BadShape`], [`ArrayError::WrongLength`], [`ArrayError::ChunkTooLarge`].
+pub fn to_array<E: Element>(values: &[E], shape: &[i64]) -> Result<Array, ArrayError> {
+    expect_length(values.len(), element_count(shape)?)?;
+    check_chunk(values.len() * E::SIZE)?;
+    Ok(Array {
+        element_type: E::TYPE.into(),
+        shape: shape.to_vec(),
+        data: encode(values),
+    })
+}
+
+/// The values of a whole array.
+///
+/// # Errors
+/// Any [`ArrayError`] but `WrongOffset`.
+pub fn from_array<E: Element>(array: &Array) -> Result<Vec<E>, ArrayError> {
+    if array.element_type != i32::from(E::TYPE) {
+        return Err(ArrayError::WrongType {
+            found: array.element_type,
+            expected: E::TYPE.into(),
+        });
+    }
+    check_chunk(array.data.len())?;
+    let values = decode(&array.data)?;
+    expect_length(values.len(), element_count(&array.shape)?)?;
+    Ok(values)
+}
+
+/// Number of elements of a shape; the empty shape is one element.
+///
+/// # Errors
+/// [`ArrayError::BadShape`].
+pub fn element_count(shape: &[i64]) -> Result<usize, ArrayError> {
+    let product = |count: usize, extent: &i64| count.checked_mul(usize::try_from(*extent).ok()?);
+    let count = shape.iter().try_fold(1, product);
+    match count {
+        Some(count) if shape.len() <= MAXIMUM_RANK => Ok(count),
+        _ => Err(ArrayError::BadShape(shape.to_vec())),
+    }
+}
+
+/// One slice of encoded values.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Chunk {
+    /// Elements before this slice.
+    pub offset_elements: i64,
+    /// Whole elements, at most [`CHUNK_BYTES`]; shares the encoded buffer.
+    pub data: Bytes,
+    /// Whether it is the last.
+    pub last: bool,
+}
+
+/// Cuts encoded values of `element_bytes` each into slices; no values give one
+/// empty slice. Copies nothing.
+pub fn chunks(data: Bytes, element_bytes: usize) -> impl Iterator<Item = Chunk> {
+    let size = element_bytes.max(1);
+    let step = (CHUNK_BYTES / size).max(1) * size;
+    let total = data.len();
+    (0..total.max(1)).step_by(step).map(move |start| {
+        let end = total.min(start + step);
+        Chunk {
+            offset_elements: (start / size) as i64,
+            data: data.slice(start..end),
+            last: end == total,
+        }
+    })
+}
+
+/// Puts slices of one array together.
+#[derive(Clone, Debug)]
+pub struct Assembler<E> {
+    expected: usize,
+    values: Vec<E>,
+}
+
+impl<E: Element> Assembler<E> {
+    /// An empty array that shall get `expected` elements.
+    pub fn new(expected: usize) -> Self {
+        Self {
+            expected,
+            values: Vec::new(),
+        }
+    }
+
+    /// Appends a slice.
+    ///
+    /// # Errors
+    /// `WrongOffset`, `WrongLength` beyond the announced end, `PartialElement`,
+    /// `ChunkTooLarge`; the array then stays as it was.
+    pub fn push(&mut self, offset_elements: i64, data: &[u8]) -> Result<(), ArrayError> {
+        if usize::try_from(offset_elements) != Ok(self.values.len()) {
+            return Err(ArrayError::WrongOffset {
+                found: offset_elements,
+                expected: self.values.len(),
+            });
+        }
+        check_chunk(data.len())?;
+        let found = self.values.len() + data.len() / E::SIZE;
+        if found > self.expected {
+            let expected = self.expected;
+            return Err(ArrayError::WrongLength { found, expected });
+        }
+        decode_append(data, &mut self.values)
+    }
+
+    /// Whether every announced element has arrived.
+    pub fn is_complete(&self) -> bool {
+        self.values.len() == self.expected
+    }
+
+    /// The whole array.
+    ///
+    /// # Errors
+    /// [`ArrayError::WrongLength`] when elements are missing.
+    pub fn finish(self) -> Result<Vec<E>, ArrayError> {
+        expect_length(self.values.len(), self.expected)?;
+        Ok(self.values)
+    }
+}
+
+fn decode_append<E: Element>(bytes: &[u8], values: &mut Vec<E>) -> Result<(), ArrayError> {
+    let parts = bytes.chunks_exact(E::SIZE);
+    if !parts.remainder().is_empty() {
+        return Err(ArrayError::PartialElement {
+            bytes: bytes.len(),
+            element_bytes: E::SIZE,
+        });
+    }
+    values.extend(parts.filter_map(E::get));
+    Ok(())
+}
+
+fn expect_length(found: usize, expected: usize) -> Result<(), ArrayError> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(ArrayError::WrongLength { found, expected })
+}
+
+fn check_chunk(bytes: usize) -> Result<(), ArrayError> {
+    if bytes <= CHUNK_BYTES {
+        return Ok(());
+    }
+    Err(ArrayError::ChunkTooLarge(bytes))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn reassemble(values: &[f64]) -> Vec<f64> {
+        let mut assembler = Assembler::new(values.len());
+        for chunk in chunks(encode(values), 8) {
+            assert!(chunk.data.len() <= CHUNK_BYTES);
+            assembler.push(chunk.offset_elements, &chunk.data).unwrap();
+            assert_eq!(chunk.last, assembler.is_complete());
+        }
+        assembler.finish().unwrap()
+    }
+
+    #[test]
+    fn chunks_of_any_size_come_back_whole() {
+        for count in [
+            0,
+            1,
+            CHUNK_BYTES / 8 - 1,
+            CHUNK_BYTES / 8,
+            CHUNK_BYTES / 8 + 1,
+            300_000,
+        ] {
+            let values: Vec<f64> = (0..count).map(|index| index as f64 + 0.5).collect();
+            assert_eq!(reassemble(&values), values);
+        }
+    }
+
+    #[test]
+    fn bytes_are_little_endian() {
+        assert_eq!(&encode(&[1_i32, -2])[..], [1, 0, 0, 0, 254, 255, 255, 255]);
+        assert_eq!(&encode(&[1.0_f64])[..], [0, 0, 0, 0, 0, 0, 240, 63]);
+    }
+
+    #[test]
+    fn gap_overlap_excess_and_large_slices_are_refused() {
+        let mut assembler = Assembler::<i32>::new(4);
+        assembler.push(0, &encode(&[1, 2])).unwrap();
+        let wrong = |found| ArrayError::WrongOffset { found, expected: 2 };
+        assert_eq!(assembler.push(3, &encode(&[1])), Err(wrong(3)));
+        assert_eq!(assembler.push(0, &encode(&[1])), Err(wrong(0)));
+        assert_eq!(assembler.push(-1, &encode(&[1])), Err(wrong(-1)));
+        let excess = ArrayError::WrongLength {
+            found: 5,
+            expected: 4,
+        };
+        assert_eq!(assembler.push(2, &encode(&[1, 2, 3])), Err(excess));
+        let large = vec![0; CHUNK_BYTES + 4];
+        assert_eq!(
+            assembler.push(2, &large),
+            Err(ArrayError::ChunkTooLarge(large.len()))
+        );
+        assert!(assembler.finish().is_err());
+    }
+
+    #[test]
+    fn shapes_that_overflow_or_are_negative_are_refused() {
+        assert_eq!(element_count(&[2, 3]), Ok(6));
+        assert_eq!(element_count(&[]), Ok(1));
+        for shape in [&[-1, 3][..], &[i64::MAX, i64::MAX], &[1, 1, 1, 1, 1]] {
+            assert_eq!(
+                element_count(shape),
+                Err(ArrayError::BadShape(shape.to_vec()))
+            );
+        }
+    }
+
+    #[test]
+    fn whole_arrays_check_type_and_length() {
+        let array = to_array(&[1.0, 2.0, 3.0], &[1, 3]).unwrap();
+        assert_eq!(from_array::<f64>(&array), Ok(vec![1.0, 2.0, 3.0]));
+        assert!(matches!(
+            from_array::<i64>(&array),
+            Err(ArrayError::WrongType { .. })
+        ));
+        assert!(matches!(
+            to_array(&[1.0], &[2]),
+            Err(ArrayError::WrongLength { .. })
+        ));
+    }
+
+    proptest! {
+        #[test]
+        fn any_bytes_decode_or_are_refused(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
+            let whole = bytes.len() % 8 == 0;
+            prop_assert_eq!(decode::<i64>(&bytes).is_ok(), whole);
+            if let Ok(values) = decode::<i64>(&bytes) {
+                prop_assert_eq!(&encode(&values)[..], &bytes[..]);
+            }
+        }
+    }
+}
