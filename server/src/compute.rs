@@ -1,0 +1,202 @@
+//! The workshop: a fixed number of solver threads, each with its own rayon pool,
+//! fed by one queue in order of arrival.
+//!
+//! A job is the building of prepared data or one increment of one session, so
+//! sessions take turns. A panic in a job is caught at the slot and reported; the
+//! process lives. No job waits for a socket.
+
+use std::any::Any;
+use std::collections::VecDeque;
+use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Instant;
+
+use crate::metrics::Metrics;
+
+type Job = Box<dyn FnOnce() + Send>;
+
+struct Waiting {
+    job: Job,
+    since: Instant,
+}
+
+#[derive(Default)]
+struct State {
+    waiting: VecDeque<Waiting>,
+    closed: bool,
+}
+
+struct Queue {
+    state: Mutex<State>,
+    arrived: Condvar,
+    metrics: Arc<Metrics>,
+}
+
+impl Queue {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        // Jobs run outside the lock, so a poisoned state is whole.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn next(&self) -> Option<Waiting> {
+        let mut state = self.lock();
+        loop {
+            if let Some(waiting) = state.waiting.pop_front() {
+                self.metrics.queue_depth(state.waiting.len());
+                return Some(waiting);
+            }
+            if state.closed {
+                return None;
+            }
+            state = self
+                .arrived
+                .wait(state)
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+}
+
+/// A job panicked; holds what it said.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub(crate) struct Panicked(pub(crate) String);
+
+/// The solver threads.
+pub(crate) struct Workshop {
+    queue: Arc<Queue>,
+    threads: Mutex<Vec<JoinHandle<()>>>,
+}
+
+impl Workshop {
+    /// Starts `slots` solver threads with a pool of `threads` each.
+    ///
+    /// # Errors
+    /// When the system gives no more threads.
+    pub(crate) fn start(slots: usize, threads: usize, metrics: &Arc<Metrics>) -> io::Result<Self> {
+        let queue = Arc::new(Queue {
+            state: Mutex::default(),
+            arrived: Condvar::new(),
+            metrics: Arc::clone(metrics),
+        });
+        // Exists before its threads, so that a failure below ends those that run.
+        let workshop = Self {
+            queue: Arc::clone(&queue),
+            threads: Mutex::default(),
+        };
+        for slot in 0..slots {
+            let pool = rayon::ThreadPoolBuilder::new()
+                .num_threads(threads)
+                .thread_name(move |thread| format!("solver-{slot}-{thread}"))
+                .build()
+                .map_err(io::Error::other)?;
+            let queue = Arc::clone(&queue);
+            let run = move || serve_slot(&queue, &pool);
+            let builder = std::thread::Builder::new().name(format!("slot-{slot}"));
+            workshop.lock_threads().push(builder.spawn(run)?);
+        }
+        Ok(workshop)
+    }
+
+    /// Jobs that wait for a slot.
+    pub(crate) fn waiting(&self) -> usize {
+        self.queue.lock().waiting.len()
+    }
+
+    /// Runs `work` on a slot; `done` gets its value or its panic, on the slot's thread.
+    pub(crate) fn submit<T: Send + 'static>(
+        &self,
+        work: impl FnOnce() -> T + Send + 'static,
+        done: impl FnOnce(Result<T, Panicked>) + Send + 'static,
+    ) {
+        let job = Box::new(move || {
+            let outcome = catch_unwind(AssertUnwindSafe(work));
+            done(outcome.map_err(|payload| Panicked(said(payload.as_ref()))));
+        });
+        let mut state = self.queue.lock();
+        state.waiting.push_back(Waiting {
+            job,
+            since: Instant::now(),
+        });
+        self.queue.metrics.queue_depth(state.waiting.len());
+        drop(state);
+        self.queue.arrived.notify_one();
+    }
+
+    /// Waits until every job has run; blocks. Jobs that come later never run.
+    pub(crate) fn close(&self) {
+        self.stop();
+        let threads = std::mem::take(&mut *self.lock_threads());
+        for thread in threads {
+            if thread.join().is_err() {
+                tracing::error!("a solver slot ended by a panic outside its job");
+            }
+        }
+    }
+
+    fn stop(&self) {
+        self.queue.lock().closed = true;
+        self.queue.arrived.notify_all();
+    }
+
+    fn lock_threads(&self) -> MutexGuard<'_, Vec<JoinHandle<()>>> {
+        self.threads.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Drop for Workshop {
+    fn drop(&mut self) {
+        self.stop();
+    }
+}
+
+fn serve_slot(queue: &Queue, pool: &rayon::ThreadPool) {
+    while let Some(waiting) = queue.next() {
+        queue.metrics.job_started(waiting.since.elapsed());
+        // The job catches the panics of its work; this one would be ours.
+        if catch_unwind(AssertUnwindSafe(|| pool.install(waiting.job))).is_err() {
+            tracing::error!("a job's report panicked");
+        }
+        queue.metrics.job_ended();
+    }
+}
+
+fn said(payload: &(dyn Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().map(ToString::to_string);
+    text.or_else(|| payload.downcast_ref::<String>().cloned())
+        .unwrap_or_else(|| "panic without a message".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc;
+
+    use super::*;
+
+    #[test]
+    fn a_panic_is_reported_and_the_slot_goes_on() {
+        let workshop = Workshop::start(1, 1, &Metrics::new().unwrap()).unwrap();
+        let (sender, receiver) = mpsc::channel();
+        let other = sender.clone();
+        workshop.submit(
+            || -> u32 { panic!("broken") },
+            move |outcome| other.send(outcome).unwrap(),
+        );
+        workshop.submit(|| 7, move |outcome| sender.send(outcome).unwrap());
+        assert_eq!(receiver.recv().unwrap(), Err(Panicked("broken".into())));
+        assert_eq!(receiver.recv().unwrap(), Ok(7));
+        workshop.close();
+    }
+
+    #[test]
+    fn jobs_run_in_the_pool_of_their_slot() {
+        let workshop = Workshop::start(1, 3, &Metrics::new().unwrap()).unwrap();
+        let (sender, receiver) = mpsc::channel();
+        workshop.submit(rayon::current_num_threads, move |outcome| {
+            sender.send(outcome).unwrap()
+        });
+        assert_eq!(receiver.recv().unwrap(), Ok(3));
+        workshop.close();
+    }
+}

@@ -1,0 +1,178 @@
+//! The server's settings: one flat struct, read from TOML, every key with a
+//! default. Unknown keys are errors.
+
+use std::time::Duration;
+
+use serde::Deserialize;
+
+/// Used when the machine's memory cannot be read.
+const FALLBACK_BUDGET_BYTES: u64 = 8 << 30;
+
+/// A setting that cannot be used.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ConfigError {
+    /// Not TOML, an unknown key or a wrong type.
+    #[error("{0}")]
+    Syntax(String),
+    /// A value outside its range.
+    #[error("{key}: must be {range}")]
+    Range {
+        /// Key of the setting.
+        key: &'static str,
+        /// Values allowed.
+        range: &'static str,
+    },
+}
+
+/// Settings of one server.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Config {
+    /// Where the service listens: `127.0.0.1:50051`, `[::1]:50051`,
+    /// `localhost:50051` or `unix:/path/to/socket`; port 0 takes a free one.
+    pub listen: String,
+    /// Where the Prometheus page `/metrics` is served, loopback only; empty: nowhere.
+    pub metrics_listen: String,
+    /// Solves that run at one time, at least 1.
+    pub solver_slots: usize,
+    /// Threads of each solve; 0: as many as the machine has cores.
+    pub threads_per_slot: usize,
+    /// Bytes for meshes, prepared data and sessions together; 0: three quarters
+    /// of the machine's memory.
+    pub memory_budget_bytes: u64,
+    /// Sessions that may exist at one time, at least 1.
+    pub maximum_sessions: usize,
+    /// Solves that may wait for a slot before new ones are refused, at least 1.
+    pub maximum_queued: usize,
+    /// Accepted updates that may wait in one session, at least 1.
+    pub maximum_in_flight: usize,
+    /// Seconds without a call after which a session expires, unless it asks for
+    /// another time; at least 1.
+    pub session_ttl_seconds: u64,
+    /// Results whose reports one session keeps, at least 1.
+    pub retained_results: usize,
+    /// Bytes of fields that one session keeps; the newest result always stays.
+    pub retained_field_bytes: u64,
+    /// Seconds without another message after which a stream gets a heartbeat, at least 1.
+    pub heartbeat_seconds: u64,
+    /// Seconds that a shutdown waits for running steps to stop.
+    pub drain_seconds: u64,
+}
+
+impl Default for Config {
+    fn default() -> Self {
+        Self {
+            listen: "127.0.0.1:50051".to_owned(),
+            metrics_listen: "127.0.0.1:9464".to_owned(),
+            solver_slots: 2,
+            threads_per_slot: 0,
+            memory_budget_bytes: 0,
+            maximum_sessions: 1000,
+            maximum_queued: 64,
+            maximum_in_flight: 64,
+            session_ttl_seconds: 900,
+            retained_results: 4096,
+            retained_field_bytes: 256 << 20,
+            heartbeat_seconds: 10,
+            drain_seconds: 30,
+        }
+    }
+}
+
+impl Config {
+    /// A server for one process: a free loopback port, no metrics page.
+    pub fn embedded() -> Self {
+        Self {
+            listen: "127.0.0.1:0".to_owned(),
+            metrics_listen: String::new(),
+            ..Self::default()
+        }
+    }
+
+    /// Settings from TOML; keys left out keep their defaults.
+    ///
+    /// # Errors
+    /// [`ConfigError`] with the key or the place in the text.
+    pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
+        let config: Self =
+            toml::from_str(text).map_err(|error| ConfigError::Syntax(error.to_string()))?;
+        config.check()?;
+        Ok(config)
+    }
+
+    /// Checks every range.
+    ///
+    /// # Errors
+    /// [`ConfigError::Range`] for the first value outside its range.
+    pub fn check(&self) -> Result<(), ConfigError> {
+        let at_least_one = [
+            ("solver_slots", self.solver_slots as u64),
+            ("maximum_sessions", self.maximum_sessions as u64),
+            ("maximum_queued", self.maximum_queued as u64),
+            ("maximum_in_flight", self.maximum_in_flight as u64),
+            ("session_ttl_seconds", self.session_ttl_seconds),
+            ("retained_results", self.retained_results as u64),
+            ("heartbeat_seconds", self.heartbeat_seconds),
+        ];
+        match at_least_one.iter().find(|(_, value)| *value == 0) {
+            Some((key, _)) => Err(ConfigError::Range {
+                key,
+                range: "at least 1",
+            }),
+            None => Ok(()),
+        }
+    }
+
+    pub(crate) fn threads(&self) -> usize {
+        match self.threads_per_slot {
+            0 => std::thread::available_parallelism().map_or(1, usize::from),
+            threads => threads,
+        }
+    }
+
+    pub(crate) fn budget(&self) -> u64 {
+        match self.memory_budget_bytes {
+            0 => machine_bytes().map_or(FALLBACK_BUDGET_BYTES, |bytes| bytes / 4 * 3),
+            bytes => bytes,
+        }
+    }
+
+    pub(crate) fn ttl(&self) -> Duration {
+        Duration::from_secs(self.session_ttl_seconds)
+    }
+
+    pub(crate) fn heartbeat(&self) -> Duration {
+        Duration::from_secs(self.heartbeat_seconds)
+    }
+
+    pub(crate) fn drain(&self) -> Duration {
+        Duration::from_secs(self.drain_seconds)
+    }
+}
+
+fn machine_bytes() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("MemTotal:"))?;
+    let kibibytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    kibibytes.checked_mul(1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_left_out_keep_their_defaults() {
+        let config = Config::from_toml("solver_slots = 3").unwrap();
+        assert_eq!(config.solver_slots, 3);
+        assert_eq!(config.listen, Config::default().listen);
+    }
+
+    #[test]
+    fn unknown_keys_and_zeros_are_refused_by_name() {
+        let unknown = Config::from_toml("solver_slot = 3").unwrap_err();
+        assert!(unknown.to_string().contains("solver_slot"));
+        let zero = Config::from_toml("heartbeat_seconds = 0").unwrap_err();
+        assert!(zero.to_string().contains("heartbeat_seconds"));
+    }
+}

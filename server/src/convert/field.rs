@@ -1,0 +1,164 @@
+//! Names and encodings of fields.
+
+use bytes::Bytes;
+use signorini::report::{FieldData, FieldName};
+use signorini_proto::array;
+use signorini_proto::v1 as wire;
+
+use super::wide;
+use crate::fault::Fault;
+
+/// Number type of fields on one stream.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Encoding {
+    #[default]
+    Double,
+    Single,
+}
+
+/// A field as it is kept: encoded once, sliced for every reader.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct KeptField {
+    pub(crate) name: FieldName,
+    rows: u64,
+    components: u64,
+    /// Little-endian doubles, row-major.
+    pub(crate) data: Bytes,
+}
+
+impl KeptField {
+    /// Encodes a field.
+    pub(crate) fn new(field: &FieldData) -> Self {
+        let components = field.components.max(1);
+        Self {
+            name: field.name,
+            rows: (field.values.len() / components) as u64,
+            components: components as u64,
+            data: array::encode(&field.values),
+        }
+    }
+
+    /// Its messages, in order.
+    pub(crate) fn chunks(
+        &self,
+        sequence: i64,
+        event: i64,
+        encoding: Encoding,
+    ) -> impl Iterator<Item = wire::FieldChunk> + use<> {
+        let (data, size, kind) = self.encoded(encoding);
+        let (field, shape) = (
+            name(self.name),
+            vec![wide(self.rows), wide(self.components)],
+        );
+        array::chunks(data, size).map(move |chunk| wire::FieldChunk {
+            sequence,
+            event,
+            field: field.into(),
+            element_type: kind.into(),
+            shape: shape.clone(),
+            offset_elements: chunk.offset_elements,
+            data: chunk.data,
+            last: chunk.last,
+        })
+    }
+
+    fn encoded(&self, encoding: Encoding) -> (Bytes, usize, wire::ElementType) {
+        match encoding {
+            Encoding::Double => (self.data.clone(), 8, wire::ElementType::F64),
+            Encoding::Single => (self.single(), 4, wire::ElementType::F32),
+        }
+    }
+
+    fn single(&self) -> Bytes {
+        // The bytes were encoded from doubles, so they decode.
+        let values: Vec<f64> = array::decode(&self.data).unwrap_or_default();
+        let values: Vec<f32> = values.into_iter().map(|value| value as f32).collect();
+        array::encode(&values)
+    }
+}
+
+/// The encoding that a reader asks for.
+///
+/// # Errors
+/// For integers and unknown numbers.
+pub(crate) fn encoding(number: i32) -> Result<Encoding, Fault> {
+    match wire::ElementType::try_from(number) {
+        Ok(wire::ElementType::Unspecified | wire::ElementType::F64) => Ok(Encoding::Double),
+        Ok(wire::ElementType::F32) => Ok(Encoding::Single),
+        Ok(wire::ElementType::I32 | wire::ElementType::I64) | Err(_) => {
+            Err(Fault::request("element_type", "fields come as F64 or F32"))
+        }
+    }
+}
+
+/// Fields by their numbers, each once, in order of the request.
+///
+/// # Errors
+/// For an unknown number.
+pub(crate) fn names(numbers: &[i32], path: &str) -> Result<Vec<FieldName>, Fault> {
+    let mut fields = Vec::new();
+    for number in numbers {
+        let known = wire::FieldName::try_from(*number).ok().and_then(domain);
+        let field = known.ok_or_else(|| {
+            Fault::request(path, format!("field number {number} is not known here"))
+        })?;
+        if !fields.contains(&field) {
+            fields.push(field);
+        }
+    }
+    Ok(fields)
+}
+
+/// The wire's name of a field.
+pub(crate) fn name(field: FieldName) -> wire::FieldName {
+    match field {
+        FieldName::Displacement => wire::FieldName::Displacement,
+        FieldName::Pressure => wire::FieldName::Pressure,
+        FieldName::ContactPressure => wire::FieldName::ContactPressure,
+        FieldName::Gap => wire::FieldName::Gap,
+        FieldName::ContactState => wire::FieldName::ContactState,
+        FieldName::Stress => wire::FieldName::Stress,
+        FieldName::Jacobian => wire::FieldName::Jacobian,
+    }
+}
+
+fn domain(field: wire::FieldName) -> Option<FieldName> {
+    FieldName::ALL
+        .into_iter()
+        .find(|known| name(*known) == field)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_field_has_its_own_number_and_unknown_ones_are_refused() {
+        let numbers: Vec<i32> = FieldName::ALL
+            .iter()
+            .map(|field| name(*field).into())
+            .collect();
+        assert_eq!(names(&numbers, "fields"), Ok(FieldName::ALL.to_vec()));
+        for unknown in [0, 99, -1] {
+            assert!(names(&[unknown], "fields").is_err());
+        }
+    }
+
+    #[test]
+    fn a_field_is_sliced_with_its_shape_in_both_encodings() {
+        let values: Vec<f64> = (0..300_000).map(f64::from).collect();
+        let field = FieldData {
+            name: FieldName::Displacement,
+            components: 3,
+            values,
+        };
+        let kept = KeptField::new(&field);
+        for (encoding, size) in [(Encoding::Double, 8), (Encoding::Single, 4)] {
+            let chunks: Vec<_> = kept.chunks(2, 5, encoding).collect();
+            let bytes: usize = chunks.iter().map(|chunk| chunk.data.len()).sum();
+            assert_eq!(bytes, 300_000 * size);
+            assert_eq!(chunks.iter().filter(|chunk| chunk.last).count(), 1);
+            assert!(chunks.iter().all(|chunk| chunk.shape == [100_000, 3]));
+        }
+    }
+}

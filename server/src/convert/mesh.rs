@@ -1,0 +1,282 @@
+//! Mesh uploads into the library's arrays, and meshes onto the wire.
+//!
+//! Sizes are those of the header, checked before anything is allocated; arrays
+//! grow with the chunks that arrive.
+
+use std::time::SystemTime;
+
+use signorini::mesh::{CellKind, Group, GroupKind, Mesh, MeshId, MeshParts};
+use signorini_proto::array::{ArrayError, Assembler};
+use signorini_proto::v1 as wire;
+
+use super::{MAXIMUM_NAME_BYTES, wide};
+use crate::fault::Fault;
+
+const MAXIMUM_VERTICES: i64 = 200_000_000;
+const MAXIMUM_CELLS: i64 = 400_000_000;
+const MAXIMUM_GROUPS: usize = 4096;
+const PREFIX: &str = "meshes/";
+
+/// The identity in `meshes/{digest}`.
+///
+/// # Errors
+/// For another form; `path` names the field.
+pub(crate) fn id_from_name(name: &str, path: &str) -> Result<MeshId, Fault> {
+    name.strip_prefix(PREFIX)
+        .and_then(MeshId::from_hex)
+        .ok_or_else(|| Fault::request(path, "must be `meshes/` and 64 hexadecimal digits"))
+}
+
+/// `meshes/{digest}`.
+pub(crate) fn name(id: MeshId) -> String {
+    format!("{PREFIX}{id}")
+}
+
+/// A checked header: identity, sizes, groups.
+#[derive(Debug)]
+pub(crate) struct Header {
+    pub(crate) id: MeshId,
+    cell_kind: CellKind,
+    vertices: usize,
+    cells: usize,
+    facets: usize,
+    groups: Vec<GroupHeader>,
+}
+
+#[derive(Debug)]
+struct GroupHeader {
+    name: String,
+    kind: GroupKind,
+    members: usize,
+}
+
+impl Header {
+    /// Checks a header.
+    ///
+    /// # Errors
+    /// `RequestInvalid` with the field, `MessageLimit` for a size beyond its maximum.
+    pub(crate) fn new(message: wire::MeshHeader) -> Result<Self, Fault> {
+        let id = MeshId::from_hex(&message.digest)
+            .ok_or_else(|| Fault::request("header.digest", "must be 64 hexadecimal digits"))?;
+        if message.groups.len() > MAXIMUM_GROUPS {
+            return Err(limit("header.groups", MAXIMUM_GROUPS as i64));
+        }
+        Ok(Self {
+            id,
+            cell_kind: cell_kind(message.cell_kind)?,
+            vertices: size(
+                message.vertex_count,
+                MAXIMUM_VERTICES,
+                "header.vertex_count",
+            )?,
+            cells: size(message.cell_count, MAXIMUM_CELLS, "header.cell_count")?,
+            facets: size(message.facet_count, MAXIMUM_CELLS, "header.facet_count")?,
+            groups: message
+                .groups
+                .into_iter()
+                .map(group)
+                .collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// Bytes of the arrays on the wire.
+    pub(crate) fn array_bytes(&self) -> u64 {
+        let members: u64 = self.groups.iter().map(|group| group.members as u64).sum();
+        let indices = self.cells * self.cell_kind.vertices() + self.facets * self.facet_vertices();
+        24 * self.vertices as u64 + 4 * (indices as u64 + members)
+    }
+
+    fn facet_vertices(&self) -> usize {
+        self.cell_kind.vertices() - 1
+    }
+}
+
+/// The arrays of an upload, still growing.
+pub(crate) struct Upload {
+    header: Header,
+    coordinates: Assembler<f64>,
+    cells: Assembler<i32>,
+    facets: Assembler<i32>,
+    members: Vec<Assembler<i32>>,
+}
+
+impl Upload {
+    pub(crate) fn new(header: Header) -> Self {
+        Self {
+            coordinates: Assembler::new(3 * header.vertices),
+            cells: Assembler::new(header.cell_kind.vertices() * header.cells),
+            facets: Assembler::new(header.facet_vertices() * header.facets),
+            members: header
+                .groups
+                .iter()
+                .map(|group| Assembler::new(group.members))
+                .collect(),
+            header,
+        }
+    }
+
+    /// Takes one chunk.
+    ///
+    /// # Errors
+    /// `RequestInvalid` that names the array.
+    pub(crate) fn push(&mut self, chunk: &wire::MeshChunk) -> Result<(), Fault> {
+        let (offset, data) = (chunk.offset_elements, &chunk.data);
+        match wire::MeshArray::try_from(chunk.array) {
+            Ok(wire::MeshArray::Coordinates) => {
+                named("coordinates", self.coordinates.push(offset, data))
+            }
+            Ok(wire::MeshArray::Cells) => named("cells", self.cells.push(offset, data)),
+            Ok(wire::MeshArray::Facets) => named("facets", self.facets.push(offset, data)),
+            Ok(wire::MeshArray::GroupMembers) => {
+                let index = usize::try_from(chunk.group_index).ok();
+                let members = index
+                    .and_then(|index| self.members.get_mut(index))
+                    .ok_or_else(|| {
+                        Fault::request("chunk.group_index", "names no group of the header")
+                    })?;
+                named("group members", members.push(offset, data))
+            }
+            Ok(wire::MeshArray::Unspecified) | Err(_) => {
+                Err(Fault::request("chunk.array", "names no array of a mesh"))
+            }
+        }
+    }
+
+    /// The library's arrays.
+    ///
+    /// # Errors
+    /// `RequestInvalid` when an array is incomplete, `MeshInvalid` for a negative index.
+    pub(crate) fn finish(self) -> Result<MeshParts, Fault> {
+        let coordinates = named("coordinates", self.coordinates.finish())?;
+        let (points, _) = coordinates.as_chunks::<3>();
+        let mut groups = Vec::with_capacity(self.members.len());
+        for (header, members) in self.header.groups.into_iter().zip(self.members) {
+            groups.push(Group {
+                members: indices(&format!("group `{}`", header.name), members)?,
+                name: header.name,
+                kind: header.kind,
+            });
+        }
+        Ok(MeshParts {
+            cell_kind: self.header.cell_kind,
+            coordinates: points.to_vec(),
+            cells: indices("cells", self.cells)?,
+            facets: indices("facets", self.facets)?,
+            groups,
+        })
+    }
+}
+
+/// When a mesh came and was used.
+pub(crate) struct MeshUse {
+    pub(crate) sessions: usize,
+    pub(crate) created: SystemTime,
+    pub(crate) used: SystemTime,
+}
+
+/// A stored mesh.
+pub(crate) fn mesh(mesh: &Mesh, uses: &MeshUse) -> wire::Mesh {
+    let quality = mesh.quality();
+    wire::Mesh {
+        name: name(mesh.id()),
+        digest: mesh.id().to_string(),
+        cell_kind: wire_cell_kind(mesh.cell_kind()).into(),
+        vertex_count: wide(mesh.vertex_count() as u64),
+        cell_count: wide(mesh.cell_count() as u64),
+        facet_count: wide(mesh.facet_count() as u64),
+        groups: mesh.groups().iter().map(wire_group).collect(),
+        quality: Some(wire::MeshQuality {
+            min_mean_ratio: quality.minimum,
+            mean_mean_ratio: quality.mean,
+            worst_cell: quality.worst_cell.into(),
+        }),
+        warnings: mesh.warnings().iter().take(100).cloned().collect(),
+        memory_bytes: wide(mesh.bytes()),
+        session_count: wide(uses.sessions as u64),
+        create_time: Some(uses.created.into()),
+        last_use_time: Some(uses.used.into()),
+    }
+}
+
+fn wire_cell_kind(kind: CellKind) -> wire::CellKind {
+    match kind {
+        CellKind::Triangle => wire::CellKind::Triangle,
+        CellKind::Tetrahedron => wire::CellKind::Tetrahedron,
+    }
+}
+
+fn wire_group(group: &Group) -> wire::MeshGroup {
+    let kind = match group.kind {
+        GroupKind::Cells => wire::GroupKind::Cells,
+        GroupKind::Facets => wire::GroupKind::Facets,
+    };
+    wire::MeshGroup {
+        name: group.name.clone(),
+        kind: kind.into(),
+        member_count: wide(group.members.len() as u64),
+    }
+}
+
+fn cell_kind(number: i32) -> Result<CellKind, Fault> {
+    match wire::CellKind::try_from(number) {
+        Ok(wire::CellKind::Triangle) => Ok(CellKind::Triangle),
+        Ok(wire::CellKind::Tetrahedron) => Ok(CellKind::Tetrahedron),
+        Ok(wire::CellKind::Unspecified) => Err(Fault::request("header.cell_kind", "is required")),
+        Err(_) => Err(Fault::unsupported(
+            "header.cell_kind",
+            format!("number {number}"),
+        )),
+    }
+}
+
+fn group(message: wire::MeshGroup) -> Result<GroupHeader, Fault> {
+    if message.name.len() > MAXIMUM_NAME_BYTES {
+        return Err(limit("header.groups.name", MAXIMUM_NAME_BYTES as i64));
+    }
+    let kind = match wire::GroupKind::try_from(message.kind) {
+        Ok(wire::GroupKind::Cells) => GroupKind::Cells,
+        Ok(wire::GroupKind::Facets) => GroupKind::Facets,
+        Ok(wire::GroupKind::Unspecified) | Err(_) => {
+            return Err(Fault::request(
+                "header.groups.kind",
+                "must be cells or facets",
+            ));
+        }
+    };
+    Ok(GroupHeader {
+        members: size(
+            message.member_count,
+            MAXIMUM_CELLS,
+            "header.groups.member_count",
+        )?,
+        name: message.name,
+        kind,
+    })
+}
+
+fn size(count: i64, maximum: i64, path: &str) -> Result<usize, Fault> {
+    if count > maximum {
+        return Err(limit(path, maximum));
+    }
+    usize::try_from(count).map_err(|_| Fault::request(path, "must not be negative"))
+}
+
+fn limit(what: &str, limit: i64) -> Fault {
+    Fault::MessageLimit {
+        what: what.to_owned(),
+        limit: limit.unsigned_abs(),
+    }
+}
+
+fn named<T>(array: &str, outcome: Result<T, ArrayError>) -> Result<T, Fault> {
+    outcome.map_err(|error| Fault::request(array, error.to_string()))
+}
+
+fn indices(array: &str, values: Assembler<i32>) -> Result<Vec<u32>, Fault> {
+    let convert = |(position, value): (usize, i32)| {
+        u32::try_from(value)
+            .map_err(|_| Fault::MeshInvalid(format!("{array}: entry {position} is {value}")))
+    };
+    let values = named(array, values.finish())?;
+    values.into_iter().enumerate().map(convert).collect()
+}

@@ -1,0 +1,125 @@
+//! Between wire and domain, one file per proto file: the only place that sees both.
+//!
+//! Conversion checks form (lengths, presence, limits) and names faulty keys as
+//! the scene file spells them; meaning is checked by the library.
+
+pub(crate) mod field;
+pub(crate) mod mesh;
+pub(crate) mod report;
+pub(crate) mod scene;
+pub(crate) mod shape;
+pub(crate) mod step;
+
+use signorini::scene::Violation;
+use signorini_proto::v1 as wire;
+
+use crate::fault::{Fault, violation};
+
+/// Longest name of anything, bytes.
+pub(crate) const MAXIMUM_NAME_BYTES: usize = 256;
+
+/// Faults found while a message is converted.
+#[derive(Debug, Default)]
+pub(crate) struct Faults {
+    invalid: Vec<Violation>,
+    unsupported: Option<Violation>,
+}
+
+impl Faults {
+    pub(crate) fn add(&mut self, path: impl Into<String>, message: impl Into<String>) {
+        self.invalid.push(violation(path, message));
+    }
+
+    /// A key of a capability that is not there yet; the first one is reported.
+    pub(crate) fn later(&mut self, path: impl Into<String>, message: impl Into<String>) {
+        self.unsupported
+            .get_or_insert_with(|| violation(path, message));
+    }
+
+    /// As [`Faults::later`], when the key is `present`.
+    pub(crate) fn later_if<T>(&mut self, present: Option<T>, path: &str, key: &str) {
+        if present.is_some() {
+            self.later(
+                format!("{path}.{key}"),
+                format!("`{key}` comes in a later version"),
+            );
+        }
+    }
+
+    /// A list of at most `limit` entries.
+    pub(crate) fn at_most<T>(&mut self, list: &[T], limit: usize, path: &str) {
+        if list.len() > limit {
+            self.add(
+                path,
+                format!("has {} entries, at most {limit} are allowed", list.len()),
+            );
+        }
+    }
+
+    /// Exactly three components.
+    pub(crate) fn vector(&mut self, values: &[f64], path: &str) -> [f64; 3] {
+        values.try_into().unwrap_or_else(|_| {
+            self.add(
+                path,
+                format!("has {} components, 3 are needed", values.len()),
+            );
+            [0.0; 3]
+        })
+    }
+
+    /// Three components or none.
+    pub(crate) fn optional_vector(&mut self, values: &[f64], path: &str) -> Option<[f64; 3]> {
+        (!values.is_empty()).then(|| self.vector(values, path))
+    }
+
+    /// A number that must be there.
+    pub(crate) fn required(&mut self, value: Option<f64>, path: &str) -> f64 {
+        value.unwrap_or_else(|| {
+            self.add(path, "is required");
+            0.0
+        })
+    }
+
+    /// A name of allowed length.
+    pub(crate) fn name(&mut self, name: &str, path: &str) -> String {
+        if name.len() > MAXIMUM_NAME_BYTES {
+            self.add(path, format!("is longer than {MAXIMUM_NAME_BYTES} bytes"));
+            return String::new();
+        }
+        name.to_owned()
+    }
+
+    /// What was found, if anything.
+    pub(crate) fn outcome(self) -> Result<(), Fault> {
+        if let Some(one) = self.unsupported {
+            return Err(Fault::Unsupported(one));
+        }
+        if self.invalid.is_empty() {
+            return Ok(());
+        }
+        Err(Fault::SceneInvalid(self.invalid))
+    }
+}
+
+/// `obstacle.ball`, or `obstacle[2]` for one without a name.
+fn named(kind: &str, name: &str, index: usize) -> String {
+    if name.is_empty() {
+        return format!("{kind}[{index}]");
+    }
+    let shown: String = name.chars().take(MAXIMUM_NAME_BYTES).collect();
+    format!("{kind}.{shown}")
+}
+
+fn components(values: Option<wire::Components>) -> [Option<f64>; 3] {
+    values.map_or([None; 3], |values| [values.x, values.y, values.z])
+}
+
+/// Counts on the wire are signed.
+pub(crate) fn wide(count: u64) -> i64 {
+    i64::try_from(count).unwrap_or(i64::MAX)
+}
+
+/// Counts on the wire are signed.
+pub(crate) fn narrow(count: u32) -> i32 {
+    i32::try_from(count).unwrap_or(i32::MAX)
+}

@@ -1,0 +1,232 @@
+//! Plans, reports and iteration records onto the wire.
+
+use signorini::ObstaclePose;
+use signorini::plan::PlanReport;
+use signorini::report::{
+    Cause, IterationRecord, ManufacturedErrors, ObstacleResult, ProbeResult, Residuals, Seconds,
+    StepReport, SupportResult, Termination, Unknowns,
+};
+use signorini_proto::v1 as wire;
+
+use super::{narrow, wide};
+
+/// The report of one increment with the poses at its end.
+pub(crate) fn step(report: StepReport, poses: Vec<ObstaclePose>) -> wire::StepReport {
+    wire::StepReport {
+        step: narrow(report.step),
+        increment: narrow(report.increment),
+        time: report.time,
+        load: report.load,
+        termination: termination(report.termination).into(),
+        cause: report.cause.map_or(wire::Cause::Unspecified, cause).into(),
+        sqp_iterations: narrow(report.sqp_iterations),
+        krylov_iterations: narrow(report.krylov_iterations),
+        preconditioner_applications: narrow(report.preconditioner_applications),
+        eigenvalue_applications: narrow(report.eigenvalue_applications),
+        compliance_columns: narrow(report.compliance_columns),
+        active_set_changes: narrow(report.active_set_changes),
+        cut_backs: narrow(report.cut_backs),
+        factorisations: narrow(report.factorisations),
+        active_vertices: narrow(report.active_vertices),
+        strain_energy: report.strain_energy,
+        volume_ratio: report.volume_ratio,
+        min_jacobian: report.min_jacobian,
+        max_penetration: report.max_penetration,
+        residuals: Some(residuals(report.residuals)),
+        obstacles: by_name(report.obstacles, obstacle),
+        supports: by_name(report.supports, support),
+        probes: by_name(report.probes, probe),
+        error_estimate: report.error_estimate,
+        errors: report.errors.map(errors),
+        seconds: Some(seconds(report.seconds)),
+        unknowns: Some(unknowns(report.unknowns)),
+        memory_bytes: wide(report.memory_bytes),
+        reused: report.reused,
+        instruction_set: report.instruction_set,
+        verification: report.verification.map(residuals),
+        obstacle_poses: poses.into_iter().map(pose).collect(),
+    }
+}
+
+/// One iteration.
+pub(crate) fn iteration(record: &IterationRecord) -> wire::IterationReport {
+    wire::IterationReport {
+        step: narrow(record.step),
+        increment: narrow(record.increment),
+        attempt: narrow(record.attempt),
+        load: record.load,
+        sqp_iteration: narrow(record.sqp_iteration),
+        krylov_iterations: narrow(record.krylov_iterations),
+        preconditioner_applications: narrow(record.preconditioner_applications),
+        residuals: Some(residuals(record.residuals)),
+        active_vertices: narrow(record.active_vertices),
+        active_set_changes: narrow(record.active_set_changes),
+        step_length: record.step_length,
+        seconds: record.seconds,
+    }
+}
+
+/// A plan.
+pub(crate) fn plan(report: PlanReport) -> wire::Plan {
+    let entries = report.decisions.into_iter().map(|entry| wire::PlanEntry {
+        what: entry.what,
+        choice: entry.choice,
+        reason: entry.reason,
+    });
+    let omissions = report.left_out.into_iter().map(|entry| wire::PlanOmission {
+        what: entry.what,
+        reason: entry.reason,
+    });
+    wire::Plan {
+        name: report.name,
+        kind: scene_kind(report.kind).into(),
+        unknowns: Some(unknowns(report.unknowns)),
+        formulation: formulation(&report.formulation).into(),
+        decisions: entries.collect(),
+        left_out: omissions.collect(),
+        predicted_bytes: wide(report.predicted_bytes),
+        predicted_factor_flops: report.predicted_factor_flops,
+        predicted_applications: narrow(report.predicted_applications),
+        warnings: report.warnings.into_iter().take(100).collect(),
+    }
+}
+
+fn scene_kind(name: &str) -> wire::SceneKind {
+    match name {
+        "solid" => wire::SceneKind::Solid,
+        "plane-strain" => wire::SceneKind::PlaneStrain,
+        _ => wire::SceneKind::Unspecified,
+    }
+}
+
+fn formulation(name: &str) -> wire::Formulation {
+    match name {
+        "mixed" => wire::Formulation::Mixed,
+        "displacement" => wire::Formulation::Displacement,
+        _ => wire::Formulation::Unspecified,
+    }
+}
+
+/// A termination; one that the wire does not name yet stays unspecified.
+pub(crate) fn termination(value: Termination) -> wire::Termination {
+    let name = format!("TERMINATION_{}", value.name().to_uppercase());
+    wire::Termination::from_str_name(&name).unwrap_or_default()
+}
+
+fn cause(value: Cause) -> wire::Cause {
+    let name = format!("CAUSE_{}", value.name().to_uppercase());
+    wire::Cause::from_str_name(&name).unwrap_or_default()
+}
+
+fn by_name<D, W>(
+    map: std::collections::BTreeMap<String, D>,
+    convert: impl Fn(D) -> W,
+) -> std::collections::BTreeMap<String, W> {
+    map.into_iter()
+        .map(|(name, value)| (name, convert(value)))
+        .collect()
+}
+
+fn residuals(value: Residuals) -> wire::Residuals {
+    wire::Residuals {
+        equilibrium: value.equilibrium,
+        incompressibility: value.incompressibility,
+        complementarity: value.complementarity,
+        gap: value.gap,
+    }
+}
+
+fn obstacle(value: ObstacleResult) -> wire::ObstacleResult {
+    wire::ObstacleResult {
+        force: value.force.to_vec(),
+        moment: value.moment.to_vec(),
+        contact_area: value.contact_area,
+        max_pressure: value.max_pressure,
+        centre_of_pressure: value.centre_of_pressure.to_vec(),
+        stick_vertices: narrow(value.stick_vertices),
+        slip_vertices: narrow(value.slip_vertices),
+    }
+}
+
+fn support(value: SupportResult) -> wire::SupportResult {
+    wire::SupportResult {
+        force: value.force.to_vec(),
+    }
+}
+
+fn probe(value: ProbeResult) -> wire::ProbeResult {
+    wire::ProbeResult {
+        displacement: value.displacement.to_vec(),
+        pressure: value.pressure,
+    }
+}
+
+fn errors(value: ManufacturedErrors) -> wire::ManufacturedErrors {
+    wire::ManufacturedErrors {
+        displacement_l2: value.displacement_l2,
+        displacement_h1: value.displacement_h1,
+        pressure_l2: value.pressure_l2,
+    }
+}
+
+fn seconds(value: Seconds) -> wire::Seconds {
+    wire::Seconds {
+        prepare: value.prepare,
+        assemble: value.assemble,
+        factorise: value.factorise,
+        krylov: value.krylov,
+        contact: value.contact,
+        total: value.total,
+    }
+}
+
+fn unknowns(value: Unknowns) -> wire::Unknowns {
+    wire::Unknowns {
+        displacement: wide(value.displacement),
+        pressure: wide(value.pressure),
+        contact: wide(value.contact),
+    }
+}
+
+fn pose(value: ObstaclePose) -> wire::ObstaclePose {
+    wire::ObstaclePose {
+        name: value.name,
+        translation: value.translation.to_vec(),
+        rotation: value.rotation.to_vec(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_termination_and_cause_has_a_number_on_the_wire() {
+        for value in [
+            Termination::Converged,
+            Termination::NotConverged,
+            Termination::Cancelled,
+            Termination::DeadlineExceeded,
+            Termination::InternalError,
+        ] {
+            assert_ne!(
+                termination(value),
+                wire::Termination::Unspecified,
+                "{value:?}"
+            );
+        }
+        for value in [
+            Cause::Stagnation,
+            Cause::IterationLimit,
+            Cause::ActiveSetCycle,
+            Cause::StepTooSmall,
+            Cause::LineSearch,
+            Cause::NoEquilibrium,
+            Cause::EnclosedVolume,
+            Cause::NotFinite,
+            Cause::IndefiniteTangent,
+        ] {
+            assert_ne!(cause(value), wire::Cause::Unspecified, "{value:?}");
+        }
+    }
+}

@@ -1,0 +1,296 @@
+//! The scene message into the library's scene.
+
+use signorini::mesh::MeshId;
+use signorini::report::FieldName;
+use signorini::scene::{
+    Formulation, Material, MaterialModel, Modulus, Obstacle, Probe, Scene, SceneKind,
+    SolverOptions, Step, Support, Traction,
+};
+use signorini_proto::v1 as wire;
+
+use super::{Faults, components, field, mesh, named, shape, step};
+use crate::fault::Fault;
+
+const MAXIMUM_LIST: usize = 4096;
+const MAXIMUM_OBSTACLES: usize = 1000;
+const MAXIMUM_PROBES: usize = 10_000;
+const MAXIMUM_STEPS: usize = 10_000;
+const MAXIMUM_GROUPS: usize = 1000;
+
+/// Everything that a scene message says.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SceneRequest {
+    pub(crate) mesh: MeshId,
+    pub(crate) scene: Scene,
+    pub(crate) steps: Vec<Step>,
+    pub(crate) output: Output,
+}
+
+/// Fields that come with results.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Output {
+    pub(crate) fields: Vec<FieldName>,
+    /// Every n-th increment, at least 1.
+    pub(crate) every: u32,
+}
+
+/// Converts a scene.
+///
+/// # Errors
+/// `SceneInvalid` with the paths of all malformed keys, `Unsupported` for a key
+/// of a later version, `RequestInvalid` for a malformed mesh name.
+pub(crate) fn scene(message: wire::Scene) -> Result<SceneRequest, Fault> {
+    let mesh = mesh::id_from_name(&message.mesh, "mesh")?;
+    let mut faults = Faults::default();
+    limits(&message, &mut faults);
+    let output = output(message.output.as_ref(), &mut faults);
+    let steps = steps(message.steps.iter(), &mut faults);
+    let scene = body(message, &mut faults);
+    faults.outcome()?;
+    Ok(SceneRequest {
+        mesh,
+        scene,
+        steps,
+        output,
+    })
+}
+
+fn limits(message: &wire::Scene, faults: &mut Faults) {
+    faults.at_most(&message.materials, MAXIMUM_LIST, "material");
+    faults.at_most(&message.supports, MAXIMUM_LIST, "support");
+    faults.at_most(&message.tractions, MAXIMUM_LIST, "traction");
+    faults.at_most(&message.obstacles, MAXIMUM_OBSTACLES, "obstacle");
+    faults.at_most(&message.probes, MAXIMUM_PROBES, "probe");
+    faults.at_most(&message.steps, MAXIMUM_STEPS, "step");
+    if !message.pressures.is_empty() {
+        faults.later("pressure", "follower pressure comes in a later version");
+    }
+}
+
+fn body(message: wire::Scene, faults: &mut Faults) -> Scene {
+    Scene {
+        name: faults.name(&message.name, "name"),
+        mesh_scale: message.mesh_scale,
+        kind: kind(message.kind, faults),
+        materials: collect(message.materials, faults, |one, _, faults| {
+            material(one, faults)
+        }),
+        supports: collect(message.supports, faults, support),
+        tractions: collect(message.tractions, faults, traction),
+        body_force: faults
+            .optional_vector(&message.body_force, "body_force.value")
+            .unwrap_or_default(),
+        obstacles: collect(message.obstacles, faults, obstacle),
+        manufactured: (!message.manufactured.is_empty())
+            .then(|| faults.name(&message.manufactured, "manufactured.field")),
+        probes: collect(message.probes, faults, probe),
+        solver: solver(message.solver.unwrap_or_default(), faults),
+    }
+}
+
+fn collect<W, D>(
+    list: Vec<W>,
+    faults: &mut Faults,
+    convert: impl Fn(W, usize, &mut Faults) -> D,
+) -> Vec<D> {
+    let numbered = list.into_iter().enumerate();
+    numbered
+        .map(|(index, one)| convert(one, index, faults))
+        .collect()
+}
+
+fn kind(number: i32, faults: &mut Faults) -> Option<SceneKind> {
+    match wire::SceneKind::try_from(number) {
+        Ok(wire::SceneKind::Unspecified) => None,
+        Ok(wire::SceneKind::Solid) => Some(SceneKind::Solid),
+        Ok(wire::SceneKind::PlaneStrain) => Some(SceneKind::PlaneStrain),
+        Ok(wire::SceneKind::Axisymmetric) => {
+            faults.later("kind", "`axisymmetric` comes in a later version");
+            None
+        }
+        Err(_) => {
+            faults.later("kind", format!("kind number {number} is not known here"));
+            None
+        }
+    }
+}
+
+fn material(message: wire::Material, faults: &mut Faults) -> Material {
+    use wire::material::Model;
+    let path = format!("material.{}", faults.name(&message.group, "material"));
+    let formulation = formulation(message.formulation, &path, faults);
+    let law = match message.model {
+        Some(Model::LinearElastic(law)) => law,
+        Some(later) => {
+            let message = format!("`{}` comes in a later version", model_name(&later));
+            faults.later(format!("{path}.model"), message);
+            wire::LinearElastic::default()
+        }
+        None => {
+            faults.add(format!("{path}.model"), "is required");
+            return placeholder(message.group);
+        }
+    };
+    Material {
+        group: message.group,
+        model: MaterialModel::LinearElastic {
+            modulus: modulus(law.modulus, &path, faults),
+            poisson_ratio: faults.required(law.poisson_ratio, &format!("{path}.poisson_ratio")),
+            formulation,
+        },
+    }
+}
+
+/// Stands for a material whose fault is noted already.
+fn placeholder(group: String) -> Material {
+    let model = MaterialModel::LinearElastic {
+        modulus: Modulus::Shear(1.0),
+        poisson_ratio: 0.0,
+        formulation: Formulation::Auto,
+    };
+    Material { group, model }
+}
+
+fn model_name(model: &wire::material::Model) -> &'static str {
+    use wire::material::Model;
+    match model {
+        Model::LinearElastic(_) => "linear-elastic",
+        Model::Stokes(_) => "stokes",
+        Model::MooneyRivlin(_) => "mooney-rivlin",
+        Model::NeoHookean(_) => "neo-hookean",
+        Model::Yeoh(_) => "yeoh",
+        Model::Ogden(_) => "ogden",
+    }
+}
+
+fn modulus(
+    value: Option<wire::linear_elastic::Modulus>,
+    path: &str,
+    faults: &mut Faults,
+) -> Modulus {
+    match value {
+        Some(wire::linear_elastic::Modulus::ShearModulus(value)) => Modulus::Shear(value),
+        Some(wire::linear_elastic::Modulus::YoungModulus(value)) => Modulus::Young(value),
+        None => {
+            faults.add(path, "needs `shear_modulus` or `young_modulus`");
+            Modulus::Shear(1.0)
+        }
+    }
+}
+
+fn formulation(number: i32, path: &str, faults: &mut Faults) -> Formulation {
+    match wire::Formulation::try_from(number) {
+        Ok(wire::Formulation::Unspecified) => Formulation::Auto,
+        Ok(wire::Formulation::Mixed) => Formulation::Mixed,
+        Ok(wire::Formulation::Displacement) => Formulation::Displacement,
+        Err(_) => {
+            faults.later(
+                format!("{path}.formulation"),
+                format!("number {number} is not known here"),
+            );
+            Formulation::Auto
+        }
+    }
+}
+
+fn surfaces(groups: Vec<String>, path: &str, faults: &mut Faults) -> Vec<String> {
+    let path = format!("{path}.on");
+    faults.at_most(&groups, MAXIMUM_GROUPS, &path);
+    if groups.is_empty() {
+        faults.add(path, "names no surface group");
+    }
+    groups
+}
+
+fn support(message: wire::Support, index: usize, faults: &mut Faults) -> Support {
+    let path = named("support", &message.name, index);
+    faults.later_if(message.normal, &path, "normal");
+    Support {
+        name: faults.name(&message.name, &path),
+        on: surfaces(message.on, &path, faults),
+        displacement: components(message.displacement),
+    }
+}
+
+fn traction(message: wire::Traction, index: usize, faults: &mut Faults) -> Traction {
+    let path = format!("traction[{index}]");
+    Traction {
+        on: surfaces(message.on, &path, faults),
+        value: faults.vector(&message.value, &format!("{path}.value")),
+    }
+}
+
+fn obstacle(message: wire::Obstacle, index: usize, faults: &mut Faults) -> Obstacle {
+    let path = named("obstacle", &message.name, index);
+    let friction = message.friction.filter(|value| *value != 0.0);
+    faults.later_if(friction, &path, "friction");
+    faults.later_if(message.tresca, &path, "tresca");
+    Obstacle {
+        name: faults.name(&message.name, &path),
+        on: surfaces(message.on, &path, faults),
+        shape: shape::shape(message.shape, &format!("{path}.shape"), faults),
+    }
+}
+
+fn probe(message: wire::Probe, index: usize, faults: &mut Faults) -> Probe {
+    let path = named("probe", &message.name, index);
+    Probe {
+        name: faults.name(&message.name, &path),
+        point: faults.vector(&message.point, &format!("{path}.point")),
+    }
+}
+
+fn steps<'a>(list: impl Iterator<Item = &'a wire::LoadStep>, faults: &mut Faults) -> Vec<Step> {
+    let numbered = list.enumerate();
+    numbered
+        .map(|(index, one)| step::step(one, &format!("step[{index}]"), faults))
+        .collect()
+}
+
+fn solver(message: wire::SolverOptions, faults: &mut Faults) -> SolverOptions {
+    let default = SolverOptions::default();
+    faults.later_if(message.penalty, "solver", "penalty");
+    let mut method = |name: String, key: &str, default: String| match name.is_empty() {
+        true => default,
+        false => faults.name(&name, &format!("solver.{key}")),
+    };
+    SolverOptions {
+        tolerance: message.tolerance.unwrap_or(default.tolerance),
+        displacement_preconditioner: method(
+            message.displacement_preconditioner,
+            "displacement_preconditioner",
+            default.displacement_preconditioner,
+        ),
+        p1_solver: method(message.p1_solver, "p1_solver", default.p1_solver),
+        saddle: method(message.saddle, "saddle", default.saddle),
+        contact: method(message.contact, "contact", default.contact),
+        contact_metric: method(
+            message.contact_metric,
+            "contact_metric",
+            default.contact_metric,
+        ),
+        quadrature_degree: message.quadrature_degree.map(|degree| {
+            // The library's range check names a negative degree as zero.
+            u32::try_from(degree).unwrap_or(0)
+        }),
+        max_wall_time: message.max_wall_time,
+        verify: message.verify,
+    }
+}
+
+fn output(message: Option<&wire::Output>, faults: &mut Faults) -> Output {
+    let numbers = message.map_or(&[][..], |output| &output.fields);
+    let fields = field::names(numbers, "output.fields").unwrap_or_else(|fault| {
+        faults.add("output.fields", fault.to_string());
+        Vec::new()
+    });
+    let every = message.and_then(|output| output.every).unwrap_or(1);
+    let every = u32::try_from(every)
+        .ok()
+        .filter(|every| *every > 0)
+        .unwrap_or_else(|| {
+            faults.add("output.every", format!("must be at least 1, not {every}"));
+            1
+        });
+    Output { fields, every }
+}

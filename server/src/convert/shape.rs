@@ -1,0 +1,61 @@
+//! Shapes of obstacles.
+
+use signorini::scene::Shape;
+use signorini_proto::v1 as wire;
+
+use super::Faults;
+
+/// Converts a shape; `path` is its key, such as `obstacle.ball.shape`.
+pub(crate) fn shape(message: Option<wire::Shape>, path: &str, faults: &mut Faults) -> Shape {
+    use wire::shape::Kind;
+    let message = message.unwrap_or_default();
+    faults.later_if(message.inside.then_some(()), path, "inside");
+    match message.kind {
+        Some(Kind::HalfSpace(shape)) => Shape::HalfSpace {
+            point: faults.vector(&shape.point, &format!("{path}.point")),
+            normal: faults.vector(&shape.normal, &format!("{path}.normal")),
+        },
+        Some(Kind::Sphere(shape)) => Shape::Sphere {
+            centre: faults.vector(&shape.centre, &format!("{path}.centre")),
+            radius: faults.required(shape.radius, &format!("{path}.radius")),
+        },
+        Some(Kind::Cylinder(shape)) => Shape::Cylinder {
+            point: faults.vector(&shape.point, &format!("{path}.point")),
+            axis: faults.vector(&shape.axis, &format!("{path}.axis")),
+            radius: faults.required(shape.radius, &format!("{path}.radius")),
+        },
+        Some(later) => {
+            let message = format!("`{}` comes in a later version", name(&later));
+            faults.later(format!("{path}.kind"), message);
+            placeholder()
+        }
+        None => {
+            faults.add(format!("{path}.kind"), "is required");
+            placeholder()
+        }
+    }
+}
+
+/// Stands for a shape whose fault is noted already.
+fn placeholder() -> Shape {
+    Shape::Sphere {
+        centre: [0.0; 3],
+        radius: 1.0,
+    }
+}
+
+fn name(kind: &wire::shape::Kind) -> &'static str {
+    use wire::shape::Kind;
+    match kind {
+        Kind::HalfSpace(_) => "half-space",
+        Kind::Sphere(_) => "sphere",
+        Kind::Cylinder(_) => "cylinder",
+        Kind::CappedCylinder(_) => "capped-cylinder",
+        Kind::Box(_) => "box",
+        Kind::Torus(_) => "torus",
+        Kind::Cone(_) => "cone",
+        Kind::Surface(_) => "surface",
+        Kind::HeightField(_) => "height-field",
+        Kind::DistanceGrid(_) => "distance-grid",
+    }
+}

@@ -1,0 +1,144 @@
+//! Load steps and obstacle updates into the library's steps.
+
+use std::time::Duration;
+
+use signorini::scene::{ObstacleTarget, Step, SupportTarget};
+use signorini_proto::v1 as wire;
+
+use super::{Faults, components, named};
+use crate::fault::Fault;
+
+const MAXIMUM_INCREMENTS: i32 = 100_000;
+const MAXIMUM_TARGETS: usize = 1000;
+
+/// One update of a session, converted.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Update {
+    pub(crate) sequence: i64,
+    pub(crate) step: Step,
+    pub(crate) max_wall_time: Option<Duration>,
+}
+
+/// Converts a `load_step`.
+///
+/// # Errors
+/// Paths of malformed keys.
+pub(crate) fn load_step(message: &wire::LoadStepUpdate) -> Result<Update, Fault> {
+    let mut faults = Faults::default();
+    let default = wire::LoadStep::default();
+    let step = step(
+        message.step.as_ref().unwrap_or(&default),
+        "step",
+        &mut faults,
+    );
+    faults.outcome()?;
+    Ok(Update {
+        sequence: message.sequence,
+        step,
+        max_wall_time: duration(message.max_wall_time.as_ref(), "max_wall_time")?,
+    })
+}
+
+/// Converts an `obstacle_update`: a step that keeps the load.
+///
+/// # Errors
+/// Paths of malformed keys.
+pub(crate) fn obstacle_update(message: wire::ObstacleUpdate) -> Result<Update, Fault> {
+    if message.obstacles.is_empty() {
+        return Err(Fault::request(
+            "obstacle_update.obstacles",
+            "names no obstacle",
+        ));
+    }
+    let step = wire::LoadStep {
+        increments: message.increments,
+        obstacles: message.obstacles,
+        ..wire::LoadStep::default()
+    };
+    load_step(&wire::LoadStepUpdate {
+        sequence: message.sequence,
+        step: Some(step),
+        max_wall_time: message.max_wall_time,
+    })
+}
+
+/// Converts a step; `path` is its key.
+pub(crate) fn step(message: &wire::LoadStep, path: &str, faults: &mut Faults) -> Step {
+    faults.at_most(
+        &message.obstacles,
+        MAXIMUM_TARGETS,
+        &format!("{path}.obstacle"),
+    );
+    faults.at_most(
+        &message.supports,
+        MAXIMUM_TARGETS,
+        &format!("{path}.support"),
+    );
+    let mut obstacles = Vec::new();
+    for (index, target) in message.obstacles.iter().enumerate() {
+        let path = format!("{path}.{}", named("obstacle", &target.name, index));
+        obstacles.push(obstacle(target, &path, faults));
+    }
+    let mut supports = Vec::new();
+    for (index, target) in message.supports.iter().enumerate() {
+        let path = format!("{path}.{}", named("support", &target.name, index));
+        supports.push(support(target, &path, faults));
+    }
+    Step {
+        increments: increments(message.increments, path, faults),
+        load: message.load,
+        obstacles,
+        supports,
+    }
+}
+
+fn increments(number: Option<i32>, path: &str, faults: &mut Faults) -> u32 {
+    let number = number.unwrap_or(1);
+    if !(1..=MAXIMUM_INCREMENTS).contains(&number) {
+        let message = format!("must lie between 1 and {MAXIMUM_INCREMENTS}, not {number}");
+        faults.add(format!("{path}.increments"), message);
+    }
+    u32::try_from(number).unwrap_or(1)
+}
+
+fn obstacle(target: &wire::ObstacleTarget, path: &str, faults: &mut Faults) -> ObstacleTarget {
+    faults.later_if(target.force, path, "force");
+    faults.later_if(target.moment, path, "moment");
+    faults.later_if(target.friction, path, "friction");
+    ObstacleTarget {
+        name: faults.name(&target.name, path),
+        translation: faults.optional_vector(&target.translation, &format!("{path}.translation")),
+        rotation: faults.optional_vector(&target.rotation, &format!("{path}.rotation")),
+    }
+}
+
+fn support(target: &wire::SupportTarget, path: &str, faults: &mut Faults) -> SupportTarget {
+    for (values, key) in [
+        (&target.translation, "translation"),
+        (&target.rotation, "rotation"),
+        (&target.about, "about"),
+    ] {
+        faults.later_if(values.first(), path, key);
+    }
+    SupportTarget {
+        name: faults.name(&target.name, path),
+        displacement: components(target.displacement),
+    }
+}
+
+/// A duration above zero.
+///
+/// # Errors
+/// For one that is not above zero or does not fit.
+pub(crate) fn duration(
+    message: Option<&prost_types::Duration>,
+    path: &str,
+) -> Result<Option<Duration>, Fault> {
+    let Some(message) = message else {
+        return Ok(None);
+    };
+    match Duration::try_from(*message) {
+        Ok(duration) if !duration.is_zero() => Ok(Some(duration)),
+        Ok(_) | Err(_) => Err(Fault::request(path, "must be a duration above zero")),
+    }
+}

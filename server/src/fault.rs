@@ -1,0 +1,95 @@
+//! Everything that can be wrong with a request, as one closed set; `status.rs`
+//! gives each its code, reason and details.
+
+use signorini::scene::{SceneError, Violation};
+
+/// A refused request.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(crate) enum Fault {
+    #[error("{}", summary(.0))]
+    SceneInvalid(Vec<Violation>),
+    #[error("not supported yet: {0}")]
+    Unsupported(Violation),
+    /// A faulty field of a request that is not part of the scene.
+    #[error("{0}")]
+    RequestInvalid(Violation),
+    #[error("{0}")]
+    MeshInvalid(String),
+    #[error("the arrays have the digest {computed}, the header says {declared}")]
+    DigestMismatch { declared: String, computed: String },
+    #[error("no mesh `{0}`; upload it first")]
+    MeshNotFound(String),
+    #[error("`{name}` is used by {sessions} sessions")]
+    MeshInUse { name: String, sessions: usize },
+    #[error("no session `{0}`")]
+    SessionNotFound(String),
+    #[error("`{0}` expired")]
+    SessionExpired(String),
+    #[error("`{0}` exists already")]
+    SessionExists(String),
+    /// Since Unix seconds.
+    #[error("another stream writes to `{name}`")]
+    SessionBusy { name: String, held_since: u64 },
+    #[error("`{0}` was deleted")]
+    SessionDeleted(String),
+    #[error("`{name}` has failed: {why}")]
+    SessionFailed { name: String, why: String },
+    #[error("`{name}` has no result of sequence {sequence}")]
+    StepNotFound { name: String, sequence: i64 },
+    #[error("sequence {received} where {expected} is next")]
+    SequenceGap { received: i64, expected: i64 },
+    #[error("results of sequence {sequence} are dropped; {first} is the first kept")]
+    SequenceNotRetained { sequence: i64, first: i64 },
+    #[error("needs {predicted} bytes beside {held} in use, of a budget of {budget}")]
+    MemoryBudget {
+        predicted: u64,
+        held: u64,
+        budget: u64,
+    },
+    #[error("{limit} updates wait already")]
+    QueueFull { limit: usize },
+    #[error("{limit} sessions exist already; delete one")]
+    SessionLimit { limit: usize },
+    #[error("{what}: at most {limit} are allowed")]
+    MessageLimit { what: String, limit: u64 },
+    #[error("the server is shutting down")]
+    ShuttingDown,
+    #[error("a defect of the server; its log says more")]
+    Internal,
+}
+
+fn summary(all: &[Violation]) -> String {
+    let first = all.first().map_or_else(String::new, ToString::to_string);
+    match all.len() {
+        0 | 1 => first,
+        count => format!("{first} (and {} more)", count - 1),
+    }
+}
+
+impl Fault {
+    /// A faulty field of a request.
+    pub(crate) fn request(path: impl Into<String>, message: impl Into<String>) -> Self {
+        Self::RequestInvalid(violation(path, message))
+    }
+
+    /// A capability that is not there yet.
+    pub(crate) fn unsupported(path: impl Into<String>, message: impl Into<String>) -> Self {
+        Self::Unsupported(violation(path, message))
+    }
+}
+
+impl From<SceneError> for Fault {
+    fn from(error: SceneError) -> Self {
+        match error {
+            SceneError::Invalid(violations) => Self::SceneInvalid(violations),
+            SceneError::Unsupported(violation) => Self::Unsupported(violation),
+        }
+    }
+}
+
+pub(crate) fn violation(path: impl Into<String>, message: impl Into<String>) -> Violation {
+    Violation {
+        path: path.into(),
+        message: message.into(),
+    }
+}

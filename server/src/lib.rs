@@ -1,0 +1,38 @@
+//! The gRPC server of the Signorini solver: [`serve`] is used by the binary, by
+//! programs that embed the server and by tests alike.
+//!
+//! The way of a request: `service` (door) → `convert` (wire to domain) →
+//! `registry` and `session` (mailbox, one actor each) → `compute` (solver
+//! threads) → `outbox` → `service`. Handlers never compute, solver threads never
+//! wait, the outbox is the only place where the two speeds meet. Only `status`
+//! makes a gRPC status, only `metrics` names a metric, only `convert` sees both
+//! wire and domain types. The server reads and writes no files.
+
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing
+    )
+)]
+
+mod compute;
+mod config;
+mod convert;
+mod fault;
+mod listen;
+mod metrics;
+mod metrics_page;
+mod outbox;
+mod registry;
+mod serve;
+mod service;
+mod session;
+mod status;
+mod store;
+
+pub use config::{Config, ConfigError};
+pub use listen::{ListenError, Listener};
+pub use serve::{ServeError, serve};

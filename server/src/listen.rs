@@ -1,0 +1,230 @@
+//! Where the server listens: loopback TCP or a Unix socket of mode 0600.
+//!
+//! Any other address is refused: without transport security everybody who
+//! reaches the port could use the server.
+
+use std::io;
+use std::net::{IpAddr, SocketAddr};
+use std::path::{Path, PathBuf};
+
+use tokio::net::{TcpListener, UnixListener, UnixSocket, UnixStream};
+
+use crate::config::Config;
+
+const UNIX_PREFIX: &str = "unix:";
+const BACKLOG: u32 = 1024;
+
+/// An address that cannot be served.
+#[derive(Debug, thiserror::Error)]
+pub enum ListenError {
+    /// Neither `host:port` nor `unix:/path`.
+    #[error("`{0}` is no address; write `127.0.0.1:50051` or `unix:/path/to/socket`")]
+    Address(String),
+    /// Reachable from other machines.
+    #[error(
+        "`{0}` can be reached from other machines, which needs transport security that this \
+         server does not have yet; listen on `127.0.0.1:PORT` or `unix:/path/to/socket` and \
+         forward it, for example with `ssh -L PORT:127.0.0.1:PORT HOST`"
+    )]
+    Exposed(String),
+    /// The path of the Unix socket is taken by something else.
+    #[error("`{0}` exists and is not a socket that nobody serves")]
+    Occupied(PathBuf),
+    /// The system refused.
+    #[error("cannot listen on `{address}`: {source}")]
+    System {
+        /// Address asked for.
+        address: String,
+        /// Reason of the system.
+        source: io::Error,
+    },
+}
+
+#[derive(Debug)]
+pub(crate) enum Door {
+    Tcp(TcpListener),
+    Unix(UnixListener, SocketFile),
+}
+
+/// Removes the socket's file when the server ends.
+#[derive(Debug)]
+pub(crate) struct SocketFile(PathBuf);
+
+impl Drop for SocketFile {
+    fn drop(&mut self) {
+        // Another process may have removed it already.
+        let _gone = std::fs::remove_file(&self.0);
+    }
+}
+
+/// Bound sockets of one server.
+#[derive(Debug)]
+pub struct Listener {
+    pub(crate) door: Door,
+    pub(crate) metrics: Option<TcpListener>,
+    url: String,
+}
+
+impl Listener {
+    /// Binds the addresses of `config`.
+    ///
+    /// # Errors
+    /// [`ListenError`], naming the address and what to write instead.
+    pub async fn bind(config: &Config) -> Result<Self, ListenError> {
+        let (door, url) = match config.listen.strip_prefix(UNIX_PREFIX) {
+            Some(path) => bind_unix(Path::new(path)).await?,
+            None => {
+                let listener = bind_loopback(&config.listen).await?;
+                let address = local_address(&listener, &config.listen)?;
+                (Door::Tcp(listener), format!("http://{address}"))
+            }
+        };
+        let metrics = match config.metrics_listen.as_str() {
+            "" => None,
+            address => Some(bind_loopback(address).await?),
+        };
+        Ok(Self { door, metrics, url })
+    }
+
+    /// What a client connects to: `http://127.0.0.1:PORT` or `unix:/path`.
+    pub fn url(&self) -> &str {
+        &self.url
+    }
+
+    /// Address of the metrics page, when there is one.
+    pub fn metrics_url(&self) -> Option<String> {
+        let address = self.metrics.as_ref()?.local_addr().ok()?;
+        Some(format!("http://{address}/metrics"))
+    }
+}
+
+async fn bind_loopback(address: &str) -> Result<TcpListener, ListenError> {
+    let wrong = || ListenError::Address(address.to_owned());
+    let (host, port) = address.rsplit_once(':').ok_or_else(wrong)?;
+    let port: u16 = port.parse().map_err(|_| wrong())?;
+    let host = match host {
+        "localhost" => "127.0.0.1",
+        host => host.trim_start_matches('[').trim_end_matches(']'),
+    };
+    // Names other than localhost are not resolved: an answer may change.
+    let host: IpAddr = host.parse().map_err(|_| wrong())?;
+    if !host.is_loopback() {
+        return Err(ListenError::Exposed(address.to_owned()));
+    }
+    TcpListener::bind(SocketAddr::new(host, port))
+        .await
+        .map_err(|source| system(address, source))
+}
+
+fn local_address(listener: &TcpListener, asked: &str) -> Result<SocketAddr, ListenError> {
+    listener
+        .local_addr()
+        .map_err(|source| system(asked, source))
+}
+
+async fn bind_unix(path: &Path) -> Result<(Door, String), ListenError> {
+    let address = format!("{UNIX_PREFIX}{}", path.display());
+    if path.as_os_str().is_empty() {
+        return Err(ListenError::Address(address));
+    }
+    remove_stale(path).await?;
+    let listener = open_private(path).map_err(|source| system(&address, source))?;
+    let file = SocketFile(path.to_owned());
+    Ok((Door::Unix(listener, file), address))
+}
+
+/// Takes the permissions away before listening, so that nobody can connect in between.
+fn open_private(path: &Path) -> io::Result<UnixListener> {
+    use std::os::unix::fs::PermissionsExt;
+    let socket = UnixSocket::new_stream()?;
+    socket.bind(path)?;
+    std::fs::set_permissions(path, std::fs::Permissions::from_mode(0o600))?;
+    socket.listen(BACKLOG)
+}
+
+/// Removes a socket that a killed server left behind.
+async fn remove_stale(path: &Path) -> Result<(), ListenError> {
+    use std::os::unix::fs::FileTypeExt;
+    let Ok(found) = std::fs::symlink_metadata(path) else {
+        return Ok(());
+    };
+    let served = !found.file_type().is_socket() || UnixStream::connect(path).await.is_ok();
+    if served {
+        return Err(ListenError::Occupied(path.to_owned()));
+    }
+    std::fs::remove_file(path).map_err(|source| system(&path.display().to_string(), source))
+}
+
+fn system(address: &str, source: io::Error) -> ListenError {
+    ListenError::System {
+        address: address.to_owned(),
+        source,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    async fn bind(listen: &str) -> Result<Listener, ListenError> {
+        let listen = listen.to_owned();
+        Listener::bind(&Config {
+            listen,
+            ..Config::embedded()
+        })
+        .await
+    }
+
+    #[tokio::test]
+    async fn loopback_addresses_get_a_free_port() {
+        for address in ["127.0.0.1:0", "localhost:0"] {
+            let listener = bind(address).await.unwrap();
+            assert!(listener.url().starts_with("http://127.0.0.1:"));
+            assert!(!listener.url().ends_with(":0"));
+        }
+    }
+
+    #[tokio::test]
+    async fn other_addresses_are_refused_with_a_way_out() {
+        for address in ["0.0.0.0:50051", "[::]:50051", "192.0.2.1:50051"] {
+            let message = bind(address).await.unwrap_err().to_string();
+            assert!(
+                message.contains(address) && message.contains("unix:"),
+                "{message}"
+            );
+        }
+        assert!(matches!(
+            bind("example.org:1").await,
+            Err(ListenError::Address(_))
+        ));
+        assert!(matches!(
+            bind("nonsense").await,
+            Err(ListenError::Address(_))
+        ));
+    }
+
+    #[tokio::test]
+    async fn unix_socket_is_private_and_replaces_only_a_dead_one() {
+        use std::os::unix::fs::PermissionsExt;
+        let path = std::env::temp_dir().join(format!("signorini-{}.sock", std::process::id()));
+        let address = format!("unix:{}", path.display());
+        let first = bind(&address).await.unwrap();
+        let mode = std::fs::metadata(&path).unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o600);
+        assert!(matches!(
+            bind(&address).await,
+            Err(ListenError::Occupied(_))
+        ));
+        drop(first);
+        assert!(!path.exists());
+        // A socket file without a server is what a killed process leaves.
+        drop(std::os::unix::net::UnixListener::bind(&path).unwrap());
+        drop(bind(&address).await.unwrap());
+        std::fs::write(&path, "text").unwrap();
+        assert!(matches!(
+            bind(&address).await,
+            Err(ListenError::Occupied(_))
+        ));
+        std::fs::remove_file(&path).unwrap();
+    }
+}

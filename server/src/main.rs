@@ -1,0 +1,91 @@
+//! The server as a program: arguments, settings, log, serve, drain.
+
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::Parser;
+use signorini_server::{Config, Listener, serve};
+use tracing_subscriber::EnvFilter;
+
+/// Serves contact problems of nearly incompressible bodies over gRPC.
+#[derive(Parser)]
+#[command(version)]
+struct Arguments {
+    /// Settings in TOML; every key has a default.
+    #[arg(long, value_name = "FILE")]
+    config: Option<PathBuf>,
+    /// Address of the service: 127.0.0.1:PORT or unix:/path.
+    #[arg(long, value_name = "ADDRESS")]
+    listen: Option<String>,
+    /// Address of the metrics page, 127.0.0.1:PORT; empty for none.
+    #[arg(long, value_name = "ADDRESS")]
+    metrics_listen: Option<String>,
+}
+
+#[tokio::main]
+async fn main() -> ExitCode {
+    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info"));
+    tracing_subscriber::fmt()
+        .with_env_filter(filter)
+        .with_writer(std::io::stderr)
+        .init();
+    match run(Arguments::parse()).await {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            tracing::error!("{error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+async fn run(arguments: Arguments) -> Result<(), Box<dyn std::error::Error>> {
+    let config = config(arguments)?;
+    let listener = Listener::bind(&config).await?;
+    tracing::info!(
+        url = listener.url(),
+        metrics = listener.metrics_url(),
+        "listening"
+    );
+    serve(listener, config, stop_signal()?).await?;
+    Ok(())
+}
+
+fn config(arguments: Arguments) -> Result<Config, Box<dyn std::error::Error>> {
+    let mut config = match &arguments.config {
+        Some(path) => {
+            let at = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+            let text = std::fs::read_to_string(path).map_err(|error| at(&error))?;
+            Config::from_toml(&text).map_err(|error| at(&error))?
+        }
+        None => Config::default(),
+    };
+    config.listen = arguments.listen.unwrap_or(config.listen);
+    config.metrics_listen = arguments.metrics_listen.unwrap_or(config.metrics_listen);
+    Ok(config)
+}
+
+/// Completes at SIGTERM or ctrl-c; a second signal ends the process at once.
+fn stop_signal() -> std::io::Result<impl Future<Output = ()>> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let mut terminate = signal(SignalKind::terminate())?;
+    let mut interrupt = signal(SignalKind::interrupt())?;
+    let (first, stop) = tokio::sync::oneshot::channel();
+    tokio::spawn(async move {
+        let mut first = Some(first);
+        loop {
+            tokio::select! {
+                _ = terminate.recv() => {}
+                _ = interrupt.recv() => {}
+            }
+            match first.take() {
+                // Nobody listens any more when the server has failed already.
+                Some(first) => drop(first.send(())),
+                None => std::process::exit(1),
+            }
+        }
+    });
+    Ok(async {
+        // A sender that is gone means that no signal can come.
+        let _stop = stop.await;
+    })
+}

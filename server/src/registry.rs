@@ -1,0 +1,221 @@
+//! The sessions of a server, by name.
+
+use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::hash::{BuildHasher, Hasher, RandomState};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use crate::fault::Fault;
+use crate::session::{self, Ending, Handle, Seed, Shop};
+use crate::status;
+
+const PREFIX: &str = "sessions/";
+/// Names of expired sessions that are remembered, to say so.
+const REMEMBERED: usize = 1000;
+const SHORTEST_ID: usize = 4;
+const LONGEST_ID: usize = 63;
+
+#[derive(Default)]
+struct Inner {
+    /// `None` while a session is being made.
+    sessions: BTreeMap<String, Option<Handle>>,
+    /// Session name by request identifier.
+    requests: HashMap<String, String>,
+    expired: VecDeque<String>,
+}
+
+impl Inner {
+    fn forget(&mut self, name: &str) {
+        self.sessions.remove(name);
+        self.requests.retain(|_, session| session != name);
+    }
+}
+
+/// All sessions.
+pub(crate) struct Registry {
+    inner: Mutex<Inner>,
+    draining: AtomicBool,
+    shop: Arc<Shop>,
+}
+
+impl Registry {
+    pub(crate) fn new(shop: &Arc<Shop>) -> Arc<Self> {
+        Arc::new(Self {
+            inner: Mutex::default(),
+            draining: AtomicBool::new(false),
+            shop: Arc::clone(shop),
+        })
+    }
+
+    /// Counts a refused request.
+    pub(crate) fn refused(&self, fault: &Fault) {
+        self.shop.metrics.refused(status::reason(fault));
+    }
+
+    /// Refuses new work.
+    pub(crate) fn check_open(&self) -> Result<(), Fault> {
+        match self.draining.load(Ordering::SeqCst) {
+            true => Err(Fault::ShuttingDown),
+            false => Ok(()),
+        }
+    }
+
+    /// The session of that name.
+    pub(crate) fn get(&self, name: &str) -> Result<Handle, Fault> {
+        self.check_open()?;
+        let inner = self.lock();
+        if let Some(Some(handle)) = inner.sessions.get(name) {
+            return Ok(handle.clone());
+        }
+        let name = name.to_owned();
+        if inner.expired.contains(&name) {
+            return Err(Fault::SessionExpired(name));
+        }
+        Err(Fault::SessionNotFound(name))
+    }
+
+    /// The session that an earlier request of this identifier made.
+    pub(crate) fn of_request(&self, request_id: &str) -> Option<Handle> {
+        if request_id.is_empty() {
+            return None;
+        }
+        let inner = self.lock();
+        inner.sessions.get(inner.requests.get(request_id)?)?.clone()
+    }
+
+    /// Takes a name for a session to be made.
+    pub(crate) fn claim(self: &Arc<Self>, id: &str, request_id: &str) -> Result<Claim, Fault> {
+        self.check_open()?;
+        let name = match id {
+            "" => new_name(),
+            id => checked_name(id)?,
+        };
+        let mut inner = self.lock();
+        let limit = self.shop.config.maximum_sessions;
+        if inner.sessions.len() >= limit {
+            return Err(Fault::SessionLimit { limit });
+        }
+        if inner.sessions.contains_key(&name) {
+            return Err(Fault::SessionExists(name));
+        }
+        inner.sessions.insert(name.clone(), None);
+        if !request_id.is_empty() {
+            inner.requests.insert(request_id.to_owned(), name.clone());
+        }
+        let registry = Arc::clone(self);
+        Ok(Claim { registry, name })
+    }
+
+    /// Up to `count` sessions behind `after`, in order of their names.
+    pub(crate) fn list(&self, after: &str, count: usize) -> Vec<(String, Handle)> {
+        let inner = self.lock();
+        let behind = inner
+            .sessions
+            .iter()
+            .filter(|(name, _)| name.as_str() > after);
+        let made = behind.filter_map(|(name, handle)| Some((name.clone(), handle.clone()?)));
+        made.take(count).collect()
+    }
+
+    /// Stops every session, refuses new ones, and returns when all have ended.
+    pub(crate) async fn drain(&self) {
+        self.draining.store(true, Ordering::SeqCst);
+        let all = self.list("", usize::MAX);
+        for (_, handle) in &all {
+            handle.shut_down().await;
+        }
+        for (_, handle) in &all {
+            handle.ended().await;
+        }
+    }
+
+    fn ended(&self, name: &str, ending: Ending) {
+        let mut inner = self.lock();
+        inner.forget(name);
+        if ending == Ending::Expired {
+            inner.expired.push_back(name.to_owned());
+            if inner.expired.len() > REMEMBERED {
+                inner.expired.pop_front();
+            }
+        }
+        self.shop.metrics.sessions(inner.sessions.len());
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Inner> {
+        // No code of others runs under the lock, so a poisoned state is whole.
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// A name taken; given back unless a session starts under it.
+pub(crate) struct Claim {
+    registry: Arc<Registry>,
+    name: String,
+}
+
+impl Claim {
+    /// `sessions/{id}`.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Starts the session.
+    pub(crate) fn start(self, seed: Seed) -> Handle {
+        let registry = Arc::clone(&self.registry);
+        let (by_name, name) = (Arc::clone(&registry), self.name.clone());
+        // The lock keeps an actor that ends at once from being entered afterwards.
+        let mut inner = registry.lock();
+        let ended = move |ending| by_name.ended(&name, ending);
+        let handle = session::start(Arc::clone(&registry.shop), seed, ended);
+        inner
+            .sessions
+            .insert(self.name.clone(), Some(handle.clone()));
+        registry.shop.metrics.sessions(inner.sessions.len());
+        drop(inner);
+        handle
+    }
+}
+
+impl Drop for Claim {
+    fn drop(&mut self) {
+        let mut inner = self.registry.lock();
+        if let Some(None) = inner.sessions.get(&self.name) {
+            inner.forget(&self.name);
+        }
+    }
+}
+
+fn new_name() -> String {
+    // Random keys of the standard hasher: enough for names nobody guesses by accident.
+    let number = RandomState::new().build_hasher().finish();
+    format!("{PREFIX}s{number:016x}")
+}
+
+fn checked_name(id: &str) -> Result<String, Fault> {
+    let allowed = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'-';
+    let starts = id
+        .bytes()
+        .next()
+        .is_some_and(|byte| byte.is_ascii_lowercase());
+    let fits = (SHORTEST_ID..=LONGEST_ID).contains(&id.len());
+    if starts && fits && id.bytes().all(allowed) {
+        return Ok(format!("{PREFIX}{id}"));
+    }
+    let rule = "must be 4 to 63 characters of a-z, 0-9 and hyphen, starting with a letter";
+    Err(Fault::request("session_id", rule))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_follow_their_rule() {
+        assert_eq!(checked_name("ball-1"), Ok("sessions/ball-1".into()));
+        for bad in ["abc", "1abc", "Ball", "a/../b", "ba ll", &"a".repeat(64)] {
+            assert!(checked_name(bad).is_err(), "{bad}");
+        }
+        assert!(checked_name(new_name().strip_prefix(PREFIX).unwrap()).is_ok());
+        assert_ne!(new_name(), new_name());
+    }
+}

@@ -1,0 +1,237 @@
+//! Puts the parts together, serves until told to stop, then drains.
+//!
+//! Shutdown: health says NOT_SERVING, new work is refused, running steps are
+//! cancelled and their last good states delivered, streams end, threads join.
+
+use std::future::Future;
+use std::io;
+use std::sync::Arc;
+use std::time::Duration;
+
+use signorini_proto::FILE_DESCRIPTOR_SET;
+use signorini_proto::v1::mesh_service_server::MeshServiceServer;
+use signorini_proto::v1::session_service_server::SessionServiceServer;
+use tokio::sync::oneshot;
+use tokio::task::JoinHandle;
+use tokio_stream::wrappers::UnixListenerStream;
+use tonic::transport::Server;
+use tonic::transport::server::{Router, TcpIncoming};
+use tonic_health::ServingStatus;
+use tonic_health::server::HealthReporter;
+
+use crate::compute::Workshop;
+use crate::config::{Config, ConfigError};
+use crate::listen::{Door, Listener};
+use crate::metrics::Metrics;
+use crate::metrics_page;
+use crate::registry::Registry;
+use crate::service::mesh::Meshes;
+use crate::service::session::Sessions;
+use crate::session::Shop;
+use crate::store::Store;
+
+const STREAM_WINDOW_BYTES: u32 = 1 << 20;
+const CONNECTION_WINDOW_BYTES: u32 = 4 << 20;
+const KEEPALIVE: Duration = Duration::from_secs(30);
+const KEEPALIVE_ANSWER: Duration = Duration::from_secs(10);
+const UPKEEP: Duration = Duration::from_secs(5);
+/// Connections that only watch the health service get this long to leave.
+const LAST_CALL: Duration = Duration::from_secs(1);
+
+/// Why a server could not run.
+#[derive(Debug, thiserror::Error)]
+pub enum ServeError {
+    /// A setting is out of range.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// The system gave no threads.
+    #[error("cannot start the solver threads: {0}")]
+    Threads(io::Error),
+    /// A part of the server that needs no input failed to start.
+    #[error("cannot set up {what}: {why}")]
+    Setup {
+        /// The part.
+        what: &'static str,
+        /// Its message.
+        why: String,
+    },
+    /// The transport failed.
+    #[error("the transport failed: {0}")]
+    Transport(#[from] tonic::transport::Error),
+}
+
+/// Serves on `listener` until `shutdown` completes; then drains and returns.
+///
+/// # Errors
+/// [`ServeError`] when a part cannot start or the transport fails.
+pub async fn serve(
+    listener: Listener,
+    config: Config,
+    shutdown: impl Future<Output = ()>,
+) -> Result<(), ServeError> {
+    config.check()?;
+    let drain_time = config.drain();
+    let shop = shop(config)?;
+    let registry = Registry::new(&shop);
+    let (health, router) = router(&shop, &registry).await?;
+    let helpers = helpers(&shop, listener.metrics);
+    let (stop, stopped) = oneshot::channel();
+    let mut server = tokio::spawn(run(router, listener.door, stopped));
+    tracing::info!("serving");
+    tokio::select! {
+        ended = &mut server => {
+            abort(&helpers);
+            return joined(ended);
+        }
+        () = shutdown => {}
+    }
+    tracing::info!("shutting down");
+    set_health(&health, ServingStatus::NotServing).await;
+    if tokio::time::timeout(drain_time, registry.drain())
+        .await
+        .is_err()
+    {
+        tracing::warn!("sessions did not stop in time");
+    }
+    drop(stop);
+    let ended = tokio::time::timeout(LAST_CALL, &mut server).await;
+    abort(&helpers);
+    close(&shop, drain_time).await;
+    match ended {
+        Ok(ended) => joined(ended),
+        Err(_) => {
+            server.abort();
+            Ok(())
+        }
+    }
+}
+
+fn shop(config: Config) -> Result<Arc<Shop>, ServeError> {
+    let metrics = Metrics::new().map_err(|error| setup("metrics", &error))?;
+    let workshop = Workshop::start(config.solver_slots, config.threads(), &metrics)
+        .map_err(ServeError::Threads)?;
+    Ok(Arc::new(Shop {
+        store: Store::new(config.budget(), &metrics),
+        config,
+        metrics,
+        workshop,
+    }))
+}
+
+async fn router(
+    shop: &Arc<Shop>,
+    registry: &Arc<Registry>,
+) -> Result<(HealthReporter, Router), ServeError> {
+    let (health, health_service) = tonic_health::server::health_reporter();
+    set_health(&health, ServingStatus::Serving).await;
+    let meshes = Meshes {
+        shop: Arc::clone(shop),
+        registry: Arc::clone(registry),
+    };
+    let sessions = Sessions {
+        shop: Arc::clone(shop),
+        registry: Arc::clone(registry),
+    };
+    let reflection = || {
+        tonic_reflection::server::Builder::configure()
+            .register_encoded_file_descriptor_set(FILE_DESCRIPTOR_SET)
+            .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
+    };
+    let wrong = |error| setup("reflection", &error);
+    let router = Server::builder()
+        .initial_stream_window_size(STREAM_WINDOW_BYTES)
+        .initial_connection_window_size(CONNECTION_WINDOW_BYTES)
+        .http2_keepalive_interval(Some(KEEPALIVE))
+        .http2_keepalive_timeout(Some(KEEPALIVE_ANSWER))
+        .add_service(health_service)
+        .add_service(reflection().build_v1().map_err(wrong)?)
+        .add_service(reflection().build_v1alpha().map_err(wrong)?)
+        .add_service(MeshServiceServer::new(meshes))
+        .add_service(SessionServiceServer::new(sessions));
+    Ok((health, router))
+}
+
+async fn set_health(health: &HealthReporter, status: ServingStatus) {
+    let names = ["", mesh_name(), session_name()];
+    for name in names {
+        health.set_service_status(name, status).await;
+    }
+}
+
+fn mesh_name() -> &'static str {
+    service_name::<MeshServiceServer<Meshes>>()
+}
+
+fn session_name() -> &'static str {
+    service_name::<SessionServiceServer<Sessions>>()
+}
+
+fn service_name<S: tonic::server::NamedService>() -> &'static str {
+    S::NAME
+}
+
+async fn run(
+    router: Router,
+    door: Door,
+    stopped: oneshot::Receiver<()>,
+) -> Result<(), tonic::transport::Error> {
+    let stopped = async {
+        // Dropping the sender is the signal.
+        let _signal = stopped.await;
+    };
+    match door {
+        Door::Tcp(listener) => {
+            let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
+            router.serve_with_incoming_shutdown(incoming, stopped).await
+        }
+        Door::Unix(listener, _file) => {
+            let incoming = UnixListenerStream::new(listener);
+            router.serve_with_incoming_shutdown(incoming, stopped).await
+        }
+    }
+}
+
+fn helpers(shop: &Arc<Shop>, page: Option<tokio::net::TcpListener>) -> Vec<JoinHandle<()>> {
+    let metrics = Arc::clone(&shop.metrics);
+    let upkeep = tokio::spawn(async move {
+        let mut ticks = tokio::time::interval(UPKEEP);
+        loop {
+            ticks.tick().await;
+            metrics.upkeep();
+        }
+    });
+    let metrics = Arc::clone(&shop.metrics);
+    let page = page.map(|listener| tokio::spawn(metrics_page::serve(listener, metrics)));
+    std::iter::once(upkeep).chain(page).collect()
+}
+
+fn abort(helpers: &[JoinHandle<()>]) {
+    for helper in helpers {
+        helper.abort();
+    }
+}
+
+/// Joins the solver threads; one that cannot be interrupted is left behind.
+async fn close(shop: &Arc<Shop>, patience: Duration) {
+    let shop = Arc::clone(shop);
+    let joined = tokio::task::spawn_blocking(move || shop.workshop.close());
+    if tokio::time::timeout(patience, joined).await.is_err() {
+        tracing::warn!("a solver thread did not stop in time");
+    }
+}
+
+fn joined(
+    ended: Result<Result<(), tonic::transport::Error>, tokio::task::JoinError>,
+) -> Result<(), ServeError> {
+    match ended {
+        Ok(outcome) => Ok(outcome?),
+        Err(error) => Err(setup("the transport", &error)),
+    }
+}
+
+fn setup(what: &'static str, error: &dyn std::error::Error) -> ServeError {
+    ServeError::Setup {
+        what,
+        why: error.to_string(),
+    }
+}

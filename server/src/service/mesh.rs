@@ -1,0 +1,172 @@
+//! `MeshService`.
+
+use std::sync::Arc;
+
+use signorini::mesh::{Mesh, MeshId};
+use signorini_proto::v1::{self as wire, mesh_service_server::MeshService, upload_mesh_request};
+use tonic::{Request, Response, Status, Streaming};
+
+use super::{aside, page_size, respond};
+use crate::convert::mesh::{self as convert, Header, Upload};
+use crate::fault::Fault;
+use crate::registry::Registry;
+use crate::session::Shop;
+use crate::store::Lease;
+
+/// Bytes held while a mesh is built, per byte of its arrays.
+const BUILD_FACTOR: u64 = 4;
+
+/// The service.
+pub(crate) struct Meshes {
+    pub(crate) shop: Arc<Shop>,
+    pub(crate) registry: Arc<Registry>,
+}
+
+#[tonic::async_trait]
+impl MeshService for Meshes {
+    #[tracing::instrument(skip_all)]
+    async fn upload_mesh(
+        &self,
+        request: Request<Streaming<wire::UploadMeshRequest>>,
+    ) -> Result<Response<wire::UploadMeshResponse>, Status> {
+        respond(&self.registry, self.upload(request.into_inner())).await
+    }
+
+    #[tracing::instrument(skip_all)]
+    async fn get_mesh(
+        &self,
+        request: Request<wire::GetMeshRequest>,
+    ) -> Result<Response<wire::GetMeshResponse>, Status> {
+        respond(&self.registry, async {
+            let id = convert::id_from_name(&request.into_inner().name, "name")?;
+            let mesh = Some(self.describe(self.shop.store.mesh(id)?)?);
+            Ok(wire::GetMeshResponse { mesh })
+        })
+        .await
+    }
+
+    #[tracing::instrument(skip_all)]
+    async fn list_meshes(
+        &self,
+        request: Request<wire::ListMeshesRequest>,
+    ) -> Result<Response<wire::ListMeshesResponse>, Status> {
+        respond(&self.registry, async { self.list(&request.into_inner()) }).await
+    }
+
+    #[tracing::instrument(skip_all)]
+    async fn delete_mesh(
+        &self,
+        request: Request<wire::DeleteMeshRequest>,
+    ) -> Result<Response<wire::DeleteMeshResponse>, Status> {
+        respond(&self.registry, async {
+            let id = convert::id_from_name(&request.into_inner().name, "name")?;
+            self.shop.store.delete_mesh(id)?;
+            Ok(wire::DeleteMeshResponse {})
+        })
+        .await
+    }
+}
+
+impl Meshes {
+    async fn upload(
+        &self,
+        mut inbound: Streaming<wire::UploadMeshRequest>,
+    ) -> Result<wire::UploadMeshResponse, Fault> {
+        use upload_mesh_request::Part;
+        self.registry.check_open()?;
+        let Some(Part::Header(header)) = next(&mut inbound).await? else {
+            return Err(Fault::request("header", "must be the first message"));
+        };
+        let header = Header::new(header)?;
+        if let Ok(found) = self.shop.store.mesh(header.id) {
+            return self.uploaded(found, Presence::Before);
+        }
+        let id = header.id;
+        // Held until the mesh itself is counted.
+        let _reservation = self
+            .shop
+            .store
+            .reserve(BUILD_FACTOR * header.array_bytes())?;
+        let mut upload = Upload::new(header);
+        while let Some(part) = next(&mut inbound).await? {
+            match part {
+                Part::Chunk(chunk) => upload.push(&chunk)?,
+                Part::Header(_) => {
+                    return Err(Fault::request("header", "must be the first message only"));
+                }
+            }
+        }
+        let mesh = aside(move || build(upload, id)).await??;
+        self.uploaded(self.shop.store.insert_mesh(mesh), Presence::New)
+    }
+
+    fn uploaded(
+        &self,
+        mesh: Lease<Mesh>,
+        presence: Presence,
+    ) -> Result<wire::UploadMeshResponse, Fault> {
+        Ok(wire::UploadMeshResponse {
+            mesh: Some(self.describe(mesh)?),
+            already_present: presence == Presence::Before,
+        })
+    }
+
+    /// Takes the lease, which would count as a session otherwise.
+    fn describe(&self, lease: Lease<Mesh>) -> Result<wire::Mesh, Fault> {
+        let mesh = Arc::clone(lease.value());
+        drop(lease);
+        Ok(convert::mesh(&mesh, &self.shop.store.mesh_use(mesh.id())?))
+    }
+
+    fn list(&self, request: &wire::ListMeshesRequest) -> Result<wire::ListMeshesResponse, Fault> {
+        let size = page_size(request.page_size)?;
+        let after = match request.page_token.as_str() {
+            "" => None,
+            token => Some(convert::id_from_name(token, "page_token")?),
+        };
+        let found = self.shop.store.meshes(after, size);
+        let full = found.len() == size;
+        let last = found
+            .last()
+            .filter(|_| full)
+            .map(|(mesh, _)| convert::name(mesh.id()));
+        Ok(wire::ListMeshesResponse {
+            meshes: found
+                .iter()
+                .map(|(mesh, uses)| convert::mesh(mesh, uses))
+                .collect(),
+            next_page_token: last.unwrap_or_default(),
+        })
+    }
+}
+
+/// Whether an uploaded mesh was stored before.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Presence {
+    Before,
+    New,
+}
+
+async fn next(
+    inbound: &mut Streaming<wire::UploadMeshRequest>,
+) -> Result<Option<upload_mesh_request::Part>, Fault> {
+    let broken = |status: Status| Fault::request("upload", status.message());
+    match inbound.message().await.map_err(broken)? {
+        None => Ok(None),
+        Some(message) => message.part.map(Some).ok_or_else(|| {
+            Fault::unsupported("upload", "a message that this version does not know")
+        }),
+    }
+}
+
+fn build(upload: Upload, declared: MeshId) -> Result<Mesh, Fault> {
+    let invalid = |error: signorini::MeshError| Fault::MeshInvalid(error.to_string());
+    let mesh = Mesh::new(upload.finish()?).map_err(invalid)?;
+    if mesh.id() == declared {
+        return Ok(mesh);
+    }
+    Err(Fault::DigestMismatch {
+        declared: declared.to_string(),
+        computed: mesh.id().to_string(),
+    })
+}

@@ -1,0 +1,48 @@
+//! The door: tonic services that decode, call and encode, and nothing else.
+
+pub(crate) mod mesh;
+pub(crate) mod session;
+
+use std::future::Future;
+use std::sync::Arc;
+
+use tonic::{Response, Status};
+
+use crate::fault::Fault;
+use crate::registry::Registry;
+
+const PAGE_DEFAULT: usize = 100;
+const PAGE_MOST: usize = 1000;
+
+/// Answers a request; a refused one is counted.
+async fn respond<T>(
+    registry: &Arc<Registry>,
+    work: impl Future<Output = Result<T, Fault>>,
+) -> Result<Response<T>, Status> {
+    match work.await {
+        Ok(message) => Ok(Response::new(message)),
+        Err(fault) => {
+            registry.refused(&fault);
+            Err(fault.into())
+        }
+    }
+}
+
+/// Entries of one page.
+fn page_size(asked: i32) -> Result<usize, Fault> {
+    match usize::try_from(asked) {
+        Ok(0) => Ok(PAGE_DEFAULT),
+        Ok(size) if size <= PAGE_MOST => Ok(size),
+        Ok(_) | Err(_) => Err(Fault::request("page_size", "must lie between 0 and 1000")),
+    }
+}
+
+/// Runs a short computation off the threads that serve connections.
+async fn aside<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, Fault> {
+    let span = tracing::Span::current();
+    let done = tokio::task::spawn_blocking(move || span.in_scope(work)).await;
+    done.map_err(|error| {
+        tracing::error!(%error, "a request panicked");
+        Fault::Internal
+    })
+}

@@ -1,0 +1,270 @@
+//! `SessionService`.
+
+use std::pin::Pin;
+use std::sync::Arc;
+use std::time::SystemTime;
+
+use signorini::plan::Plan;
+use signorini_proto::v1::{self as wire, session_service_server::SessionService};
+use tokio_stream::wrappers::ReceiverStream;
+use tokio_stream::{Stream, StreamExt};
+use tonic::{Request, Response, Status, Streaming};
+
+use super::{aside, page_size, respond};
+use crate::convert::field::{self, Encoding};
+use crate::convert::scene::SceneRequest;
+use crate::convert::{report, scene, step};
+use crate::fault::Fault;
+use crate::registry::Registry;
+use crate::session::{self, Handle, ReadRequest, Seed, Shop};
+use crate::store::Lease;
+
+const MAXIMUM_REQUEST_ID_BYTES: usize = 64;
+
+type Messages<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;
+
+/// The service.
+pub(crate) struct Sessions {
+    pub(crate) shop: Arc<Shop>,
+    pub(crate) registry: Arc<Registry>,
+}
+
+#[tonic::async_trait]
+impl SessionService for Sessions {
+    type SolveStream = ReceiverStream<Result<wire::SolveResponse, Status>>;
+    type ReadStepStream = Messages<wire::ReadStepResponse>;
+    type ExportStateStream = Messages<wire::ExportStateResponse>;
+
+    #[tracing::instrument(skip_all)]
+    async fn create_session(
+        &self,
+        request: Request<wire::CreateSessionRequest>,
+    ) -> Result<Response<wire::CreateSessionResponse>, Status> {
+        respond(&self.registry, self.create(request.into_inner())).await
+    }
+
+    #[tracing::instrument(skip_all)]
+    async fn get_session(
+        &self,
+        request: Request<wire::GetSessionRequest>,
+    ) -> Result<Response<wire::GetSessionResponse>, Status> {
+        respond(&self.registry, async {
+            let handle = self.registry.get(&request.into_inner().name)?;
+            let session = Some(handle.describe().await?);
+            Ok(wire::GetSessionResponse { session })
+        })
+        .await
+    }
+
+    #[tracing::instrument(skip_all)]
+    async fn list_sessions(
+        &self,
+        request: Request<wire::ListSessionsRequest>,
+    ) -> Result<Response<wire::ListSessionsResponse>, Status> {
+        respond(&self.registry, self.list(request.into_inner())).await
+    }
+
+    #[tracing::instrument(skip_all)]
+    async fn delete_session(
+        &self,
+        request: Request<wire::DeleteSessionRequest>,
+    ) -> Result<Response<wire::DeleteSessionResponse>, Status> {
+        respond(&self.registry, async {
+            let handle = self.registry.get(&request.into_inner().name)?;
+            handle.delete().await?;
+            handle.ended().await;
+            Ok(wire::DeleteSessionResponse {})
+        })
+        .await
+    }
+
+    async fn solve(
+        &self,
+        request: Request<Streaming<wire::SolveRequest>>,
+    ) -> Result<Response<Self::SolveStream>, Status> {
+        // Answered before anything is read: a client may wait for the headers.
+        let registry = Arc::clone(&self.registry);
+        let heartbeat = self.shop.config.heartbeat();
+        let answers = session::open_stream(registry, request.into_inner(), heartbeat);
+        Ok(Response::new(ReceiverStream::new(answers)))
+    }
+
+    #[tracing::instrument(skip_all)]
+    async fn cancel_step(
+        &self,
+        request: Request<wire::CancelStepRequest>,
+    ) -> Result<Response<wire::CancelStepResponse>, Status> {
+        respond(&self.registry, async {
+            let request = request.into_inner();
+            let handle = self.registry.get(&request.name)?;
+            let sequence = handle.cancel(request.sequence).await?;
+            Ok(wire::CancelStepResponse { sequence })
+        })
+        .await
+    }
+
+    #[tracing::instrument(skip_all)]
+    async fn read_step(
+        &self,
+        request: Request<wire::ReadStepRequest>,
+    ) -> Result<Response<Self::ReadStepStream>, Status> {
+        respond(&self.registry, self.read(request.into_inner())).await
+    }
+
+    async fn export_state(
+        &self,
+        _request: Request<wire::ExportStateRequest>,
+    ) -> Result<Response<Self::ExportStateStream>, Status> {
+        respond(&self.registry, async { Err(checkpoints("export_state")) }).await
+    }
+
+    async fn import_state(
+        &self,
+        _request: Request<Streaming<wire::ImportStateRequest>>,
+    ) -> Result<Response<wire::ImportStateResponse>, Status> {
+        respond(&self.registry, async { Err(checkpoints("import_state")) }).await
+    }
+}
+
+fn checkpoints(path: &str) -> Fault {
+    Fault::unsupported(path, "checkpoints come in a later version")
+}
+
+/// A scene with its mesh and its plan.
+struct Planned {
+    request: SceneRequest,
+    mesh: Lease<signorini::mesh::Mesh>,
+    plan: Plan,
+}
+
+impl Sessions {
+    async fn create(
+        &self,
+        request: wire::CreateSessionRequest,
+    ) -> Result<wire::CreateSessionResponse, Fault> {
+        self.registry.check_open()?;
+        check_request(&request)?;
+        if let Some(handle) = self.registry.of_request(&request.request_id) {
+            return created(&handle).await;
+        }
+        let ttl = step::duration(request.ttl.as_ref(), "ttl")?;
+        let missing = || Fault::request("scene", "is required");
+        let planned = self.plan(request.scene.ok_or_else(missing)?).await?;
+        let plan_report = report::plan(planned.plan.report());
+        if request.validate_only {
+            let plan = Some(plan_report);
+            return Ok(wire::CreateSessionResponse {
+                session: None,
+                plan,
+            });
+        }
+        let claim = self
+            .registry
+            .claim(&request.session_id, &request.request_id)?;
+        let seed = Seed {
+            name: claim.name().to_owned(),
+            reservation: self.reserve(&planned.plan)?,
+            plan: Arc::new(planned.plan),
+            plan_report,
+            mesh: planned.mesh,
+            output: planned.request.output,
+            ttl: ttl.unwrap_or_else(|| self.shop.config.ttl()),
+            created: SystemTime::now(),
+        };
+        created(&claim.start(seed)).await
+    }
+
+    async fn plan(&self, message: wire::Scene) -> Result<Planned, Fault> {
+        let request = scene::scene(message)?;
+        let mesh = self.shop.store.mesh(request.mesh)?;
+        let planned = aside(move || {
+            let plan = Plan::new(&request.scene, &request.steps, mesh.value())?;
+            Ok::<_, Fault>(Planned {
+                request,
+                mesh,
+                plan,
+            })
+        });
+        planned.await?
+    }
+
+    /// Takes the predicted memory, less what another session has prepared.
+    fn reserve(&self, plan: &Plan) -> Result<crate::store::Reservation, Fault> {
+        let store = &self.shop.store;
+        let there = store.prepared_bytes(&plan.key());
+        store.reserve(plan.report().predicted_bytes.saturating_sub(there))
+    }
+
+    async fn list(
+        &self,
+        request: wire::ListSessionsRequest,
+    ) -> Result<wire::ListSessionsResponse, Fault> {
+        let size = page_size(request.page_size)?;
+        let found = self.registry.list(&request.page_token, size);
+        let last = found
+            .last()
+            .filter(|_| found.len() == size)
+            .map(|(name, _)| name.clone());
+        let mut sessions = Vec::with_capacity(found.len());
+        for (_, handle) in &found {
+            // One that ended meanwhile is left out.
+            if let Ok(session) = handle.describe().await {
+                sessions.push(wire::Session {
+                    plan: None,
+                    ..session
+                });
+            }
+        }
+        let next_page_token = last.unwrap_or_default();
+        Ok(wire::ListSessionsResponse {
+            sessions,
+            next_page_token,
+        })
+    }
+
+    async fn read(
+        &self,
+        request: wire::ReadStepRequest,
+    ) -> Result<Messages<wire::ReadStepResponse>, Fault> {
+        let handle = self.registry.get(&request.name)?;
+        let fields = field::names(&request.fields, "fields")?;
+        let encoding: Encoding = field::encoding(request.element_type)?;
+        let (sequence, increment) = (request.sequence, request.increment);
+        let answer = handle
+            .read(ReadRequest {
+                sequence,
+                increment,
+            })
+            .await?;
+        let wanted = match fields.is_empty() {
+            true => answer.output,
+            false => fields,
+        };
+        let all = answer.results.into_iter().flat_map(move |result| {
+            let (finished, chunks) = session::messages(&result, &wanted, encoding);
+            let first = wire::read_step_response::Message::StepFinished(finished);
+            std::iter::once(first).chain(chunks.map(wire::read_step_response::Message::Field))
+        });
+        let responses = all.map(|message| wire::ReadStepResponse {
+            message: Some(message),
+        });
+        Ok(Box::pin(tokio_stream::iter(responses).map(Ok)))
+    }
+}
+
+fn check_request(request: &wire::CreateSessionRequest) -> Result<(), Fault> {
+    if !request.from_state.is_empty() {
+        return Err(checkpoints("from_state"));
+    }
+    if request.request_id.len() > MAXIMUM_REQUEST_ID_BYTES {
+        return Err(Fault::request("request_id", "is longer than 64 bytes"));
+    }
+    Ok(())
+}
+
+async fn created(handle: &Handle) -> Result<wire::CreateSessionResponse, Fault> {
+    let session = handle.describe().await?;
+    let plan = session.plan.clone();
+    let session = Some(session);
+    Ok(wire::CreateSessionResponse { session, plan })
+}

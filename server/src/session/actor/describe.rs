@@ -1,0 +1,76 @@
+//! What a session tells about itself.
+
+use std::time::SystemTime;
+
+use signorini::Reuse;
+use signorini_proto::v1 as wire;
+use tokio::time::Instant;
+
+use super::{Actor, Place};
+use crate::convert::{mesh, wide};
+use crate::fault::Fault;
+use crate::session::handle::{ReadAnswer, ReadRequest};
+use crate::status;
+
+impl Actor {
+    pub(super) fn read(&self, request: &ReadRequest) -> Result<ReadAnswer, Fault> {
+        let sequence = request.sequence;
+        let first = self.kept.first_sequence();
+        if sequence >= 1 && sequence < first {
+            return Err(Fault::SequenceNotRetained { sequence, first });
+        }
+        let mut results = self.kept.of_sequence(sequence, 0);
+        results.retain(|result| [0, result.report.increment].contains(&request.increment));
+        if results.is_empty() {
+            let name = self.seed.name.clone();
+            return Err(Fault::StepNotFound { name, sequence });
+        }
+        let output = self.seed.output.fields.clone();
+        Ok(ReadAnswer { results, output })
+    }
+
+    pub(super) fn describe(&self) -> wire::Session {
+        let expire = SystemTime::now() + (self.expires - Instant::now());
+        let shared = self.prepared.as_ref();
+        wire::Session {
+            name: self.seed.name.clone(),
+            state: self.state().into(),
+            scene_name: self.seed.plan_report.name.clone(),
+            mesh: mesh::name(self.seed.mesh.value().id()),
+            create_time: Some(self.seed.created.into()),
+            expire_time: Some(expire.into()),
+            last_accepted_sequence: self.queue.last_accepted(),
+            last_finished_sequence: self.last_finished,
+            first_retained_sequence: self.kept.first_sequence(),
+            attached: self.writer.is_some(),
+            memory_bytes: wide(self.state_bytes + self.kept.bytes()),
+            prepared_memory_bytes: shared.map_or(0, |(lease, _)| wide(lease.value().bytes())),
+            prepared_reused: shared.is_some_and(|(_, reuse)| *reuse == Reuse::Reused),
+            plan: Some(self.seed.plan_report.clone()),
+            failure: self.failure().map(|fault| status::rpc_status(&fault)),
+        }
+    }
+
+    pub(super) fn failure(&self) -> Option<Fault> {
+        let Place::Lost(why) = &self.place else {
+            return None;
+        };
+        let (name, why) = (self.seed.name.clone(), why.clone());
+        Some(Fault::SessionFailed { name, why })
+    }
+
+    pub(super) fn state(&self) -> wire::SessionState {
+        match &self.place {
+            Place::Preparing => wire::SessionState::Preparing,
+            Place::Lost(_) => wire::SessionState::Failed,
+            Place::Home(_) | Place::Away(_) if self.queue.is_empty() => wire::SessionState::Active,
+            Place::Home(_) | Place::Away(_) => wire::SessionState::Running,
+        }
+    }
+
+    pub(super) fn show(&self) {
+        let now = (self.state(), self.queue.current_sequence());
+        self.pulse
+            .send_if_modified(|pulse| std::mem::replace(pulse, now) != now);
+    }
+}

@@ -1,0 +1,106 @@
+//! From an increment that ended to a kept and sent result.
+
+use signorini::ObstaclePose;
+use signorini::report::{FieldName, StepReport, Termination};
+use signorini_proto::v1::solve_response::Message;
+
+use super::{Actor, Place};
+use crate::convert::field::KeptField;
+use crate::convert::report;
+use crate::session::blank;
+use crate::session::kept::{KeptResult, messages};
+use crate::session::work::Increment;
+
+impl Actor {
+    pub(super) fn finish_increment(&mut self, increment: Increment) {
+        self.state_bytes = increment.state_bytes;
+        let mut report = increment.report;
+        self.shop.metrics.increment(&report);
+        if report.termination == Termination::InternalError {
+            self.lose("a defect of the solver; the last good state is kept");
+        }
+        self.number(&mut report);
+        self.last_report = Some(report.clone());
+        self.last_poses.clone_from(&increment.poses);
+        self.deliver(report, increment.poses, increment.asked, increment.fields);
+    }
+
+    /// Every update is one step; those that stopped before they began count too.
+    pub(super) fn number(&self, report: &mut StepReport) {
+        let step = u32::try_from(self.queue.current_sequence()).unwrap_or(u32::MAX);
+        report.time += f64::from(step) - f64::from(report.step);
+        report.step = step;
+    }
+
+    /// Finishes the current step with the last good state.
+    pub(super) fn finish_stopped(&mut self, termination: Termination) {
+        let Some(current) = self.queue.current() else {
+            return;
+        };
+        let step = u32::try_from(current.sequence).unwrap_or(u32::MAX);
+        let increment = current.results + 1;
+        let report = blank::stopped(self.last_report.as_ref(), step, increment, termination);
+        self.shop.metrics.increment(&report);
+        let (asked, fields) = match self.kept.newest() {
+            Some(newest) => (newest.asked.clone(), newest.fields.clone()),
+            None => (Vec::new(), Vec::new()),
+        };
+        self.deliver(report, self.last_poses.clone(), asked, fields);
+    }
+
+    /// Keeps and sends a result; the last one finishes the step.
+    pub(super) fn deliver(
+        &mut self,
+        report: StepReport,
+        poses: Vec<ObstaclePose>,
+        asked: Vec<FieldName>,
+        fields: Vec<KeptField>,
+    ) {
+        let termination = report.termination;
+        let Some(current) = self.queue.current() else {
+            return;
+        };
+        current.results += 1;
+        let last = current.is_last(&report);
+        self.last_event += 1;
+        let result = self.kept.push(KeptResult {
+            sequence: current.sequence,
+            event: self.last_event,
+            report: report::step(report, poses),
+            last,
+            asked,
+            fields,
+            dropped: false,
+        });
+        self.send_result(&result);
+        if last {
+            self.finish_step(termination);
+        }
+        self.account();
+    }
+
+    pub(super) fn finish_step(&mut self, termination: Termination) {
+        if let Some(finished) = self.queue.finish() {
+            self.last_finished = finished.sequence;
+            self.shop.metrics.step(termination);
+            if let Some(asked) = finished.cancelled_at {
+                self.shop.metrics.cancelled(asked.elapsed());
+            }
+        }
+        if let Place::Home(work) = &mut self.place {
+            work.abandon();
+        }
+    }
+
+    pub(super) fn send_result(&mut self, result: &KeptResult) {
+        let Some(writer) = &mut self.writer else {
+            return;
+        };
+        let (finished, chunks) = messages(result, &writer.fields, writer.encoding);
+        writer.outbox.push(Message::StepFinished(finished));
+        for chunk in chunks {
+            writer.outbox.push(Message::Field(chunk));
+        }
+        writer.sent = writer.sent.max(result.event);
+    }
+}

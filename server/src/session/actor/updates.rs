@@ -1,0 +1,89 @@
+//! Updates: accepted in sequence, repeated, or rejected inside the stream.
+
+use signorini_proto::v1::{self as wire, solve_response::Message};
+
+use super::Actor;
+use crate::convert::step::Update;
+use crate::fault::Fault;
+use crate::status;
+
+impl Actor {
+    pub(super) fn update(&mut self, update: Update) {
+        let sequence = update.sequence;
+        if sequence < 1 {
+            self.reject(sequence, &Fault::request("sequence", "must be at least 1"));
+        } else if sequence <= self.last_finished {
+            self.repeat(sequence, 0);
+        } else if sequence <= self.queue.last_accepted() {
+            // Asked again after a new connection: what it missed, then the rest.
+            let sent = self.writer.as_ref().map_or(0, |writer| writer.sent);
+            self.repeat(sequence, sent);
+        } else if let Err(fault) = self.admit(sequence) {
+            self.reject(sequence, &fault);
+        } else {
+            self.queue.push(update);
+        }
+    }
+
+    pub(super) fn admit(&self, received: i64) -> Result<(), Fault> {
+        let config = &self.shop.config;
+        let expected = self.queue.last_accepted() + 1;
+        if self.ending.is_some() {
+            return Err(Fault::ShuttingDown);
+        }
+        if received != expected {
+            return Err(Fault::SequenceGap { received, expected });
+        }
+        if self.queue.len() >= config.maximum_in_flight {
+            let limit = config.maximum_in_flight;
+            return Err(Fault::QueueFull { limit });
+        }
+        if self.shop.workshop.waiting() >= config.maximum_queued {
+            let limit = config.maximum_queued;
+            return Err(Fault::QueueFull { limit });
+        }
+        Ok(())
+    }
+
+    pub(super) fn repeat(&mut self, sequence: i64, after: i64) {
+        let first = self.kept.first_sequence();
+        if sequence < first {
+            return self.reject(sequence, &Fault::SequenceNotRetained { sequence, first });
+        }
+        for result in self.kept.of_sequence(sequence, after) {
+            self.send_result(&result);
+        }
+    }
+
+    pub(super) fn reject(&self, sequence: i64, fault: &Fault) {
+        self.shop.metrics.refused(status::reason(fault));
+        if let Some(writer) = &self.writer {
+            let status = Some(status::rpc_status(fault));
+            let rejected = wire::UpdateRejected { sequence, status };
+            writer.outbox.push(Message::UpdateRejected(rejected));
+        }
+    }
+
+    /// The current update was faulty; those behind it have lost their place.
+    pub(super) fn refuse_current(&mut self, fault: &Fault) {
+        let expected = self.queue.current_sequence();
+        for refused in self.queue.refuse() {
+            let received = refused.sequence;
+            match received == expected {
+                true => self.reject(received, fault),
+                false => self.reject(received, &Fault::SequenceGap { received, expected }),
+            }
+        }
+    }
+
+    pub(super) fn refuse_all(&mut self, fault: &Fault) {
+        for refused in self.queue.refuse() {
+            self.reject(refused.sequence, fault);
+        }
+        self.end_finished_stream();
+    }
+
+    pub(super) fn cancel(&mut self, sequence: i64) -> i64 {
+        self.queue.cancel(sequence).unwrap_or(0)
+    }
+}

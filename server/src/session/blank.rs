@@ -1,0 +1,72 @@
+//! Results of increments that no solver finished.
+
+use signorini::report::{Residuals, Seconds, StepReport, Termination, Unknowns};
+
+/// A report that names the increment and how it ended, with nothing done.
+pub(crate) fn report(step: u32, increment: u32, termination: Termination) -> StepReport {
+    StepReport {
+        step,
+        increment,
+        time: f64::from(step.saturating_sub(1)),
+        load: 0.0,
+        termination,
+        cause: None,
+        sqp_iterations: 0,
+        krylov_iterations: 0,
+        preconditioner_applications: 0,
+        eigenvalue_applications: 0,
+        compliance_columns: 0,
+        active_set_changes: 0,
+        cut_backs: 0,
+        factorisations: 0,
+        active_vertices: 0,
+        strain_energy: 0.0,
+        volume_ratio: 1.0,
+        min_jacobian: None,
+        max_penetration: 0.0,
+        residuals: Residuals::default(),
+        obstacles: Default::default(),
+        supports: Default::default(),
+        probes: Default::default(),
+        error_estimate: None,
+        errors: None,
+        seconds: Seconds::default(),
+        unknowns: Unknowns::default(),
+        memory_bytes: 0,
+        reused: Vec::new(),
+        instruction_set: String::new(),
+        verification: None,
+    }
+}
+
+/// The last good state, reported again for an increment that was stopped before
+/// it began.
+pub(crate) fn stopped(
+    last: Option<&StepReport>,
+    step: u32,
+    increment: u32,
+    termination: Termination,
+) -> StepReport {
+    let blank = report(step, increment, termination);
+    let Some(last) = last else {
+        return blank;
+    };
+    StepReport {
+        time: last.time,
+        load: last.load,
+        active_vertices: last.active_vertices,
+        strain_energy: last.strain_energy,
+        volume_ratio: last.volume_ratio,
+        min_jacobian: last.min_jacobian,
+        max_penetration: last.max_penetration,
+        residuals: last.residuals,
+        obstacles: last.obstacles.clone(),
+        supports: last.supports.clone(),
+        probes: last.probes.clone(),
+        errors: last.errors,
+        unknowns: last.unknowns,
+        memory_bytes: last.memory_bytes,
+        instruction_set: last.instruction_set.clone(),
+        ..blank
+    }
+}

@@ -1,0 +1,132 @@
+//! The way to a session's actor.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use signorini::report::FieldName;
+use signorini_proto::v1 as wire;
+use tokio::sync::{mpsc, oneshot, watch};
+
+use super::kept::KeptResult;
+use crate::convert::field::Encoding;
+use crate::convert::step::Update;
+use crate::fault::Fault;
+use crate::outbox::Outbox;
+
+/// Updates that may wait between a stream and its actor.
+const INBOX: usize = 16;
+
+/// What a stream asks for when it opens.
+pub(crate) struct OpenRequest {
+    pub(crate) last_seen_event: Option<i64>,
+    /// Empty: those of the scene.
+    pub(crate) fields: Vec<FieldName>,
+    pub(crate) encoding: Encoding,
+    pub(crate) max_unread_bytes: u64,
+    pub(crate) on_disconnect: wire::DisconnectPolicy,
+    pub(crate) iteration_interval: Option<Duration>,
+}
+
+/// State and running sequence, for heartbeats.
+pub(super) type Pulse = (wire::SessionState, i64);
+
+/// A stream attached to a session.
+pub(super) struct Attachment {
+    pub(super) writer: u64,
+    pub(super) outbox: Arc<Outbox>,
+    pub(super) pulse: watch::Receiver<Pulse>,
+}
+
+/// Which results to read again.
+pub(crate) struct ReadRequest {
+    pub(crate) sequence: i64,
+    /// 0: all.
+    pub(crate) increment: i32,
+}
+
+/// Results read again, with the fields of the scene's output.
+pub(crate) struct ReadAnswer {
+    pub(crate) results: Vec<Arc<KeptResult>>,
+    pub(crate) output: Vec<FieldName>,
+}
+
+/// What can be asked of an actor.
+pub(super) enum Command {
+    Attach(Box<OpenRequest>, oneshot::Sender<Result<Attachment, Fault>>),
+    Detach(u64),
+    HalfClose(u64),
+    Update(u64, Box<Update>),
+    Reject(u64, i64, Fault),
+    CancelFrom(u64, i64),
+    Cancel(i64, oneshot::Sender<i64>),
+    Describe(oneshot::Sender<wire::Session>),
+    Read(ReadRequest, oneshot::Sender<Result<ReadAnswer, Fault>>),
+    Delete(oneshot::Sender<()>),
+    ShutDown,
+}
+
+/// A session, as services see it; clones are the same session.
+#[derive(Clone)]
+pub(crate) struct Handle {
+    name: Arc<str>,
+    inbox: mpsc::Sender<Command>,
+}
+
+impl Handle {
+    pub(super) fn new(name: &str) -> (Self, mpsc::Receiver<Command>) {
+        let (inbox, commands) = mpsc::channel(INBOX);
+        let name = Arc::from(name);
+        (Self { name, inbox }, commands)
+    }
+
+    /// Returns when the actor is over.
+    pub(crate) async fn ended(&self) {
+        self.inbox.closed().await;
+    }
+
+    pub(super) async fn attach(&self, request: OpenRequest) -> Result<Attachment, Fault> {
+        self.ask(|reply| Command::Attach(Box::new(request), reply))
+            .await?
+    }
+
+    /// Current description.
+    pub(crate) async fn describe(&self) -> Result<wire::Session, Fault> {
+        self.ask(Command::Describe).await
+    }
+
+    /// Cancels a step, 0 for the current; returns its sequence or 0.
+    pub(crate) async fn cancel(&self, sequence: i64) -> Result<i64, Fault> {
+        self.ask(|reply| Command::Cancel(sequence, reply)).await
+    }
+
+    /// Kept results.
+    pub(crate) async fn read(&self, request: ReadRequest) -> Result<ReadAnswer, Fault> {
+        self.ask(|reply| Command::Read(request, reply)).await?
+    }
+
+    /// Ends the session.
+    pub(crate) async fn delete(&self) -> Result<(), Fault> {
+        self.ask(Command::Delete).await
+    }
+
+    /// Stops what runs, delivers it and ends.
+    pub(crate) async fn shut_down(&self) {
+        self.send(Command::ShutDown).await;
+    }
+
+    pub(super) async fn send(&self, command: Command) {
+        // An actor that is over has told its stream why.
+        let _over = self.inbox.send(command).await;
+    }
+
+    async fn ask<T>(
+        &self,
+        command: impl FnOnce(oneshot::Sender<T>) -> Command,
+    ) -> Result<T, Fault> {
+        let (reply, answer) = oneshot::channel();
+        self.send(command(reply)).await;
+        answer
+            .await
+            .map_err(|_| Fault::SessionDeleted(self.name.to_string()))
+    }
+}

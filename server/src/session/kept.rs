@@ -1,0 +1,224 @@
+//! Results that a session keeps, so that readers may come late or twice.
+//!
+//! Reports are kept up to a count, their fields up to a number of bytes; the
+//! newest result always keeps its fields.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use signorini::report::FieldName;
+use signorini_proto::v1 as wire;
+
+use crate::convert::field::{self, Encoding, KeptField};
+
+/// One result.
+#[derive(Clone, Debug)]
+pub(crate) struct KeptResult {
+    pub(crate) sequence: i64,
+    pub(crate) event: i64,
+    pub(crate) report: wire::StepReport,
+    /// The last one of its sequence.
+    pub(crate) last: bool,
+    /// Fields that were asked for when it was made; the scene may lack some.
+    pub(crate) asked: Vec<FieldName>,
+    pub(crate) fields: Vec<KeptField>,
+    /// Its fields left retention.
+    pub(crate) dropped: bool,
+}
+
+impl KeptResult {
+    fn field_bytes(&self) -> u64 {
+        self.fields
+            .iter()
+            .map(|field| field.data.len() as u64)
+            .sum()
+    }
+
+    fn without_fields(&self) -> Self {
+        Self {
+            dropped: !self.fields.is_empty(),
+            fields: Vec::new(),
+            ..self.clone()
+        }
+    }
+}
+
+/// The messages of a result with the fields that a reader wants.
+pub(crate) fn messages(
+    result: &KeptResult,
+    wanted: &[FieldName],
+    encoding: Encoding,
+) -> (
+    wire::StepFinished,
+    impl Iterator<Item = wire::FieldChunk> + use<>,
+) {
+    let found = |name: &FieldName| result.fields.iter().find(|field| field.name == *name);
+    let fields: Vec<KeptField> = wanted.iter().filter_map(found).cloned().collect();
+    let gone = |name: &FieldName| result.dropped || !result.asked.contains(name);
+    let finished = wire::StepFinished {
+        sequence: result.sequence,
+        event: result.event,
+        report: Some(result.report.clone()),
+        last: result.last,
+        fields: fields
+            .iter()
+            .map(|one| field::name(one.name).into())
+            .collect(),
+        fields_dropped: wanted.iter().any(gone),
+    };
+    let (sequence, event) = (result.sequence, result.event);
+    let chunks = fields
+        .into_iter()
+        .flat_map(move |field| field.chunks(sequence, event, encoding));
+    (finished, chunks)
+}
+
+/// The results of one session, oldest first.
+#[derive(Debug)]
+pub(crate) struct Kept {
+    results: VecDeque<Arc<KeptResult>>,
+    field_bytes: u64,
+    maximum_results: usize,
+    maximum_field_bytes: u64,
+}
+
+impl Kept {
+    pub(crate) fn new(maximum_results: usize, maximum_field_bytes: u64) -> Self {
+        Self {
+            results: VecDeque::new(),
+            field_bytes: 0,
+            maximum_results,
+            maximum_field_bytes,
+        }
+    }
+
+    /// Keeps a result and drops what no longer fits.
+    pub(crate) fn push(&mut self, result: KeptResult) -> Arc<KeptResult> {
+        let result = Arc::new(result);
+        self.field_bytes += result.field_bytes();
+        self.results.push_back(Arc::clone(&result));
+        while self.results.len() > self.maximum_results {
+            if let Some(oldest) = self.results.pop_front() {
+                self.field_bytes -= oldest.field_bytes();
+            }
+        }
+        self.drop_fields();
+        result
+    }
+
+    fn drop_fields(&mut self) {
+        let older = self.results.len().saturating_sub(1);
+        for result in self.results.iter_mut().take(older) {
+            if self.field_bytes <= self.maximum_field_bytes {
+                return;
+            }
+            if !result.fields.is_empty() {
+                self.field_bytes -= result.field_bytes();
+                *result = Arc::new(result.without_fields());
+            }
+        }
+    }
+
+    pub(crate) fn newest(&self) -> Option<&Arc<KeptResult>> {
+        self.results.back()
+    }
+
+    /// Results of one sequence with events above `after`.
+    pub(crate) fn of_sequence(&self, sequence: i64, after: i64) -> Vec<Arc<KeptResult>> {
+        let wanted =
+            |result: &&Arc<KeptResult>| result.sequence == sequence && result.event > after;
+        self.results.iter().filter(wanted).cloned().collect()
+    }
+
+    /// Results with events above `event`.
+    pub(crate) fn after(&self, event: i64) -> Vec<Arc<KeptResult>> {
+        self.results
+            .iter()
+            .filter(|result| result.event > event)
+            .cloned()
+            .collect()
+    }
+
+    /// First sequence of which every result is kept; 0 without results.
+    pub(crate) fn first_sequence(&self) -> i64 {
+        match self.results.front() {
+            Some(oldest) if oldest.report.increment <= 1 => oldest.sequence,
+            Some(oldest) => oldest.sequence + 1,
+            None => 0,
+        }
+    }
+
+    /// Bytes of fields.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.field_bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use signorini::report::FieldData;
+
+    use super::*;
+
+    fn result(event: i64, values: usize) -> KeptResult {
+        let field = FieldData {
+            name: FieldName::Gap,
+            components: 1,
+            values: vec![1.0; values],
+        };
+        KeptResult {
+            sequence: event,
+            event,
+            report: wire::StepReport {
+                increment: 1,
+                ..Default::default()
+            },
+            last: true,
+            asked: vec![FieldName::Gap, FieldName::Pressure],
+            fields: vec![KeptField::new(&field)],
+            dropped: false,
+        }
+    }
+
+    #[test]
+    fn old_fields_go_first_and_the_newest_stay_even_when_too_large() {
+        let mut kept = Kept::new(10, 100);
+        for event in 1..=3 {
+            kept.push(result(event, 10));
+        }
+        assert_eq!(kept.bytes(), 80);
+        let all = kept.after(0);
+        let dropped: Vec<bool> = all.iter().map(|result| result.dropped).collect();
+        assert_eq!(dropped, [true, true, false]);
+    }
+
+    #[test]
+    fn old_results_go_beyond_the_count() {
+        let mut kept = Kept::new(2, 1000);
+        for event in 1..=3 {
+            kept.push(result(event, 1));
+        }
+        assert_eq!((kept.first_sequence(), kept.bytes()), (2, 16));
+        assert_eq!(kept.of_sequence(1, 0).len(), 0);
+        assert_eq!(kept.of_sequence(3, 0).len(), 1);
+        assert_eq!(kept.of_sequence(3, 3).len(), 0);
+    }
+
+    #[test]
+    fn messages_name_the_fields_that_follow_and_those_that_are_gone() {
+        let kept = result(1, 4);
+        let ask = |result: &KeptResult, wanted: &[FieldName]| {
+            let (finished, chunks) = messages(result, wanted, Encoding::Double);
+            (
+                finished.fields.len(),
+                finished.fields_dropped,
+                chunks.count(),
+            )
+        };
+        assert_eq!(ask(&kept, &[FieldName::Gap]), (1, false, 1));
+        // The scene has no pressure: asked for, not there, not dropped.
+        assert_eq!(ask(&kept, &[FieldName::Pressure]), (0, false, 0));
+        assert_eq!(ask(&kept, &[FieldName::Stress]), (0, true, 0));
+        assert_eq!(ask(&kept.without_fields(), &[FieldName::Gap]), (0, true, 0));
+    }
+}

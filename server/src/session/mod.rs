@@ -1,0 +1,73 @@
+//! Sessions: one actor each, a tokio task that owns the session's queue of
+//! updates, its kept results and, while no solver thread has it, its state.
+//!
+//! The actor never computes and never waits for a socket or a solver: solver
+//! threads answer by events, readers by the room in their outbox. Updates are
+//! taken in sequence; each is one step, each increment one job of the workshop.
+
+mod actor;
+pub(crate) mod blank;
+mod handle;
+mod kept;
+mod queue;
+mod stream;
+mod work;
+
+use std::sync::Arc;
+use std::time::{Duration, SystemTime};
+
+use signorini::plan::Plan;
+use signorini_proto::v1 as wire;
+
+use crate::compute::Workshop;
+use crate::config::Config;
+use crate::convert::scene::Output;
+use crate::metrics::Metrics;
+use crate::store::{Lease, Reservation, Store};
+
+pub(crate) use handle::{Handle, ReadRequest};
+pub(crate) use kept::messages;
+pub(crate) use stream::open as open_stream;
+
+/// What every session of a server shares.
+pub(crate) struct Shop {
+    pub(crate) config: Config,
+    pub(crate) metrics: Arc<Metrics>,
+    pub(crate) store: Arc<Store>,
+    pub(crate) workshop: Workshop,
+}
+
+/// Everything that a new session starts from.
+pub(crate) struct Seed {
+    /// `sessions/{id}`.
+    pub(crate) name: String,
+    pub(crate) plan: Arc<Plan>,
+    pub(crate) plan_report: wire::Plan,
+    pub(crate) mesh: Lease<signorini::mesh::Mesh>,
+    pub(crate) output: Output,
+    pub(crate) reservation: Reservation,
+    pub(crate) ttl: Duration,
+    pub(crate) created: SystemTime,
+}
+
+/// How a session's actor ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ending {
+    Deleted,
+    Expired,
+    ShutDown,
+}
+
+/// Starts the actor of a session; `ended` is called when it is over.
+pub(crate) fn start(
+    shop: Arc<Shop>,
+    seed: Seed,
+    ended: impl FnOnce(Ending) + Send + 'static,
+) -> Handle {
+    use tracing::Instrument;
+    let span = tracing::info_span!("session", name = %seed.name);
+    let (handle, inbox) = Handle::new(&seed.name);
+    let run = async move { ended(actor::run(shop, seed, inbox).await) };
+    tokio::spawn(run.instrument(span));
+    handle
+}

@@ -1,0 +1,142 @@
+//! Updates that a session accepted, in sequence; the first one is the current.
+
+use std::collections::VecDeque;
+use std::time::Duration;
+
+use signorini::report::{CancelToken, StepReport};
+use signorini::scene::Step;
+use tokio::task::AbortHandle;
+use tokio::time::Instant;
+
+use crate::convert::step::Update;
+
+/// One accepted update.
+pub(super) struct Accepted {
+    pub(super) sequence: i64,
+    pub(super) step: Step,
+    pub(super) cancel: CancelToken,
+    pub(super) cancelled_at: Option<Instant>,
+    /// Results so far.
+    pub(super) results: u32,
+    max_wall_time: Option<Duration>,
+    deadline: Option<AbortHandle>,
+}
+
+impl Accepted {
+    fn new(update: Update) -> Self {
+        Self {
+            sequence: update.sequence,
+            step: update.step,
+            cancel: CancelToken::new(),
+            cancelled_at: None,
+            results: 0,
+            max_wall_time: update.max_wall_time,
+            deadline: None,
+        }
+    }
+
+    /// Asks the step to stop.
+    pub(super) fn cancel(&mut self) {
+        self.cancelled_at.get_or_insert_with(Instant::now);
+        self.cancel.cancel();
+    }
+
+    /// Starts the step's clock, once.
+    pub(super) fn start_clock(&mut self, scene_limit: Option<f64>) {
+        let scene_limit = scene_limit.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+        let limit = self.max_wall_time.into_iter().chain(scene_limit).min();
+        let (Some(limit), None) = (limit, &self.deadline) else {
+            return;
+        };
+        let token = self.cancel.clone();
+        let clock = tokio::spawn(async move {
+            tokio::time::sleep(limit).await;
+            token.expire();
+        });
+        self.deadline = Some(clock.abort_handle());
+    }
+
+    /// Whether `report` is the last of this step.
+    pub(super) fn is_last(&self, report: &StepReport) -> bool {
+        let converged = report.termination == signorini::report::Termination::Converged;
+        !converged || self.results >= self.step.increments
+    }
+}
+
+impl Drop for Accepted {
+    fn drop(&mut self) {
+        if let Some(deadline) = &self.deadline {
+            deadline.abort();
+        }
+    }
+}
+
+/// Accepted updates.
+#[derive(Default)]
+pub(super) struct Queue {
+    waiting: VecDeque<Accepted>,
+    last_accepted: i64,
+}
+
+impl Queue {
+    pub(super) fn last_accepted(&self) -> i64 {
+        self.last_accepted
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.waiting.len()
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.waiting.is_empty()
+    }
+
+    /// Appends the next update.
+    pub(super) fn push(&mut self, update: Update) {
+        self.last_accepted = update.sequence;
+        self.waiting.push_back(Accepted::new(update));
+    }
+
+    pub(super) fn current(&mut self) -> Option<&mut Accepted> {
+        self.waiting.front_mut()
+    }
+
+    /// Sequence of the current update; 0 without one.
+    pub(super) fn current_sequence(&self) -> i64 {
+        self.waiting.front().map_or(0, |accepted| accepted.sequence)
+    }
+
+    /// Removes the current update: it is finished.
+    pub(super) fn finish(&mut self) -> Option<Accepted> {
+        self.waiting.pop_front()
+    }
+
+    /// Removes the current update, which consumes no sequence, and all behind it.
+    pub(super) fn refuse(&mut self) -> Vec<Accepted> {
+        if let Some(first) = self.waiting.front() {
+            self.last_accepted = first.sequence - 1;
+        }
+        self.waiting.drain(..).collect()
+    }
+
+    /// Removes all but the current update.
+    pub(super) fn keep_current(&mut self) -> Vec<Accepted> {
+        let behind = self.waiting.split_off(self.waiting.len().min(1));
+        self.last_accepted -= behind.len() as i64;
+        behind.into()
+    }
+
+    /// Asks one update to stop, 0 for the current; returns its sequence.
+    pub(super) fn cancel(&mut self, sequence: i64) -> Option<i64> {
+        let wanted = match sequence {
+            0 => self.current_sequence(),
+            sequence => sequence,
+        };
+        let accepted = self
+            .waiting
+            .iter_mut()
+            .find(|accepted| accepted.sequence == wanted)?;
+        accepted.cancel();
+        Some(wanted)
+    }
+}

@@ -1,0 +1,225 @@
+//! What a session does on a solver thread: preparation and increments.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use signorini::mesh::Mesh;
+use signorini::plan::{Plan, PrepareError, Prepared};
+use signorini::report::{
+    CancelToken, FieldName, IterationRecord, Observer, StepReport, Termination,
+};
+use signorini::scene::{SceneError, Step};
+use signorini::{ObstaclePose, Reuse, Session, StepRun};
+use tokio::sync::{mpsc, oneshot};
+
+use super::Shop;
+use crate::compute::Panicked;
+use crate::convert::field::KeptField;
+use crate::convert::report;
+use crate::metrics::Metrics;
+use crate::outbox::Outbox;
+use crate::store::Lease;
+
+/// The state of a session with the step under way; where it is, nobody else is.
+pub(super) struct Work {
+    session: Session,
+    run: Option<StepRun>,
+}
+
+impl Work {
+    /// Forgets the step under way; the state stays as the last increment left it.
+    pub(super) fn abandon(&mut self) {
+        self.run = None;
+    }
+}
+
+/// State waiting for a solver thread; whoever takes it first has it.
+pub(super) type Parcel = Arc<Mutex<Option<Box<Work>>>>;
+
+/// Takes what is in a parcel.
+pub(super) fn take(parcel: &Parcel) -> Option<Box<Work>> {
+    parcel.lock().unwrap_or_else(PoisonError::into_inner).take()
+}
+
+/// The stream that follows a session now, if any.
+pub(super) type Subscriber = Arc<Mutex<Option<Arc<Outbox>>>>;
+
+/// One increment to do.
+pub(super) struct Task {
+    pub(super) sequence: i64,
+    pub(super) step: Step,
+    pub(super) cancel: CancelToken,
+    pub(super) wanted: Vec<FieldName>,
+    /// Fields come with every n-th increment and the last of the step.
+    pub(super) every: u32,
+    pub(super) subscriber: Subscriber,
+    pub(super) metrics: Arc<Metrics>,
+}
+
+/// One increment done.
+pub(super) struct Increment {
+    pub(super) report: StepReport,
+    pub(super) poses: Vec<ObstaclePose>,
+    /// Fields that were due; the scene may lack some.
+    pub(super) asked: Vec<FieldName>,
+    pub(super) fields: Vec<KeptField>,
+    pub(super) state_bytes: u64,
+}
+
+/// How a task ended.
+pub(super) enum Outcome {
+    /// The actor took the state back before the task began.
+    Withdrawn,
+    /// The step is faulty; the state is as before.
+    Refused(Box<Work>, SceneError),
+    Increment(Box<Work>, Box<Increment>),
+}
+
+/// What solver threads tell an actor.
+pub(super) enum Event {
+    Prepared(Result<Box<Ready>, Unprepared>),
+    Advanced(Result<Outcome, Panicked>),
+}
+
+/// A session that can step.
+pub(super) struct Ready {
+    pub(super) work: Box<Work>,
+    pub(super) prepared: Lease<Prepared>,
+    pub(super) reuse: Reuse,
+    pub(super) state_bytes: u64,
+}
+
+/// Why a session cannot step.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum Unprepared {
+    #[error(transparent)]
+    Failed(#[from] PrepareError),
+    #[error("a defect of the server; its log says more")]
+    Panicked(#[from] Panicked),
+    #[error("the server is shutting down")]
+    Closed,
+}
+
+/// Does the next increment of a task.
+pub(super) fn advance(parcel: &Parcel, task: &Task) -> Outcome {
+    let Some(mut work) = take(parcel) else {
+        return Outcome::Withdrawn;
+    };
+    let _span = tracing::info_span!("step", sequence = task.sequence).entered();
+    let mut run = match work.run.take() {
+        Some(run) => run,
+        None => match work.session.begin_step(&task.step) {
+            Ok(run) => run,
+            Err(error) => return Outcome::Refused(work, error),
+        },
+    };
+    let mut reporter = Reporter { task };
+    let done = work.session.advance(&mut run, &mut reporter, &task.cancel);
+    let report = done.unwrap_or_else(|| {
+        // Only a step that is finished has no further increment.
+        super::blank::report(0, run.done(), Termination::InternalError)
+    });
+    work.run = Some(run);
+    let asked = match is_due(&report, task) {
+        true => task.wanted.clone(),
+        false => Vec::new(),
+    };
+    let increment = Increment {
+        report,
+        poses: work.session.obstacle_poses(),
+        fields: gather(&work.session, &asked),
+        asked,
+        state_bytes: work.session.bytes(),
+    };
+    Outcome::Increment(work, Box::new(increment))
+}
+
+fn is_due(report: &StepReport, task: &Task) -> bool {
+    let last = report.increment >= task.step.increments;
+    last || report.termination != Termination::Converged || report.increment % task.every == 0
+}
+
+fn gather(session: &Session, wanted: &[FieldName]) -> Vec<KeptField> {
+    let found = wanted.iter().filter_map(|name| session.field(*name));
+    found.map(|field| KeptField::new(&field)).collect()
+}
+
+/// Turns iterations into messages and metrics.
+struct Reporter<'a> {
+    task: &'a Task,
+}
+
+impl Observer for Reporter<'_> {
+    fn iteration(&mut self, record: &IterationRecord) {
+        self.task.metrics.iteration();
+        let subscriber = self
+            .task
+            .subscriber
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        if let Some(outbox) = subscriber.as_ref() {
+            let mut report = report::iteration(record);
+            report.step = i32::try_from(self.task.sequence).unwrap_or(i32::MAX);
+            outbox.iteration(self.task.sequence, report);
+        }
+    }
+}
+
+/// Builds what the plan needs, or finds it, and tells the actor.
+pub(super) async fn prepare(
+    shop: Arc<Shop>,
+    plan: Arc<Plan>,
+    mesh: Arc<Mesh>,
+    cancel: CancelToken,
+    events: mpsc::UnboundedSender<Event>,
+) {
+    let outcome = ready(&shop, plan, mesh, cancel).await;
+    // A session that is gone needs nothing.
+    let _gone = events.send(Event::Prepared(outcome.map(Box::new)));
+}
+
+async fn ready(
+    shop: &Arc<Shop>,
+    plan: Arc<Plan>,
+    mesh: Arc<Mesh>,
+    cancel: CancelToken,
+) -> Result<Ready, Unprepared> {
+    let turn = shop.store.turn(plan.key());
+    let guard = turn.lock().await;
+    let (prepared, reuse) = match shop.store.prepared(&plan.key()) {
+        Some(lease) => (lease, Reuse::Reused),
+        None => {
+            let (for_build, on) = (Arc::clone(&plan), Arc::clone(&mesh));
+            let build = move || Prepared::build(&for_build, &on, &cancel);
+            let built = on_solver(shop, build).await??;
+            (
+                shop.store.insert_prepared(plan.key(), mesh.id(), built),
+                Reuse::Built,
+            )
+        }
+    };
+    drop(guard);
+    let shared = Arc::clone(prepared.value());
+    let session = on_solver(shop, move || Session::new(plan, mesh, shared, reuse)).await?;
+    Ok(Ready {
+        state_bytes: session.bytes(),
+        work: Box::new(Work { session, run: None }),
+        prepared,
+        reuse,
+    })
+}
+
+async fn on_solver<T: Send + 'static>(
+    shop: &Shop,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, Unprepared> {
+    let (sender, receiver) = oneshot::channel();
+    shop.workshop.submit(work, move |outcome| {
+        // The session may be gone; its value is dropped then.
+        let _gone = sender.send(outcome);
+    });
+    let outcome = receiver.await.map_err(|_| Unprepared::Closed)?;
+    if let Err(Panicked(said)) = &outcome {
+        tracing::error!(said, "preparation panicked");
+    }
+    Ok(outcome?)
+}

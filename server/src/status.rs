@@ -1,0 +1,249 @@
+//! From a [`Fault`] to `google.rpc.Status`: the only place that makes one.
+//!
+//! Every status carries an `ErrorInfo` whose reason is part of the contract.
+//! Statuses travel in HTTP/2 trailers, so each is kept below [`LIMIT_BYTES`]:
+//! at most [`MAXIMUM_VIOLATIONS`] violations, long texts cut.
+
+use std::time::Duration;
+
+use prost::Message as _;
+use prost_types::Any;
+use signorini::scene::Violation;
+use tonic::Code;
+use tonic_types::pb;
+
+use crate::fault::Fault;
+
+/// Encoded size that no status reaches.
+const LIMIT_BYTES: usize = 4096;
+/// Violations in one status; the message counts the rest.
+const MAXIMUM_VIOLATIONS: usize = 20;
+const MAXIMUM_TEXT: usize = 600;
+const DOMAIN: &str = "signorini";
+const TYPE_PREFIX: &str = "type.googleapis.com/google.rpc.";
+
+impl From<Fault> for tonic::Status {
+    fn from(fault: Fault) -> Self {
+        let status = rpc_status(&fault);
+        let details = status.encode_to_vec().into();
+        Self::with_details(Code::from_i32(status.code), status.message, details)
+    }
+}
+
+/// The reason of `fault`: one of a fixed set.
+pub(crate) fn reason(fault: &Fault) -> &'static str {
+    contract(fault).1
+}
+
+/// The status of `fault` with all its details.
+pub(crate) fn rpc_status(fault: &Fault) -> pb::Status {
+    let (code, reason) = contract(fault);
+    let entry = |(key, value): (&str, String)| (key.to_owned(), cut(&value, MAXIMUM_TEXT));
+    let info = pb::ErrorInfo {
+        reason: reason.to_owned(),
+        domain: DOMAIN.to_owned(),
+        metadata: metadata(fault).into_iter().map(entry).collect(),
+    };
+    let mut status = pb::Status {
+        code: code.into(),
+        message: cut(&fault.to_string(), MAXIMUM_TEXT),
+        details: vec![any("ErrorInfo", &info)],
+    };
+    status.details.extend(resource_info(fault));
+    status.details.extend(retry_info(fault));
+    add_violations(&mut status, violations(fault));
+    status
+}
+
+fn contract(fault: &Fault) -> (Code, &'static str) {
+    match fault {
+        Fault::SceneInvalid(_) => (Code::InvalidArgument, "SCENE_INVALID"),
+        Fault::Unsupported(_) => (Code::Unimplemented, "UNSUPPORTED_COMBINATION"),
+        Fault::RequestInvalid(_) => (Code::InvalidArgument, "REQUEST_INVALID"),
+        Fault::MeshInvalid(_) => (Code::InvalidArgument, "MESH_INVALID"),
+        Fault::DigestMismatch { .. } => (Code::InvalidArgument, "MESH_DIGEST_MISMATCH"),
+        Fault::MeshNotFound(_) => (Code::NotFound, "MESH_NOT_FOUND"),
+        Fault::MeshInUse { .. } => (Code::FailedPrecondition, "MESH_IN_USE"),
+        Fault::SessionNotFound(_) => (Code::NotFound, "SESSION_NOT_FOUND"),
+        Fault::SessionExpired(_) => (Code::NotFound, "SESSION_EXPIRED"),
+        Fault::SessionExists(_) => (Code::AlreadyExists, "SESSION_EXISTS"),
+        Fault::SessionBusy { .. } => (Code::Aborted, "SESSION_BUSY"),
+        Fault::SessionDeleted(_) => (Code::Aborted, "SESSION_DELETED"),
+        Fault::SessionFailed { .. } => (Code::FailedPrecondition, "SESSION_FAILED"),
+        Fault::StepNotFound { .. } => (Code::NotFound, "STEP_NOT_FOUND"),
+        Fault::SequenceGap { .. } => (Code::OutOfRange, "SEQUENCE_GAP"),
+        Fault::SequenceNotRetained { .. } => (Code::OutOfRange, "SEQUENCE_NOT_RETAINED"),
+        Fault::MemoryBudget { .. } => (Code::ResourceExhausted, "MEMORY_BUDGET"),
+        Fault::QueueFull { .. } => (Code::ResourceExhausted, "QUEUE_FULL"),
+        Fault::SessionLimit { .. } => (Code::ResourceExhausted, "SESSION_LIMIT"),
+        Fault::MessageLimit { .. } => (Code::ResourceExhausted, "MESSAGE_LIMIT"),
+        Fault::ShuttingDown => (Code::Unavailable, "SHUTTING_DOWN"),
+        Fault::Internal => (Code::Internal, "INTERNAL"),
+    }
+}
+
+/// Everything variable in the message, by name.
+fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
+    match fault {
+        Fault::SceneInvalid(all) => vec![("violation_count", all.len().to_string())],
+        Fault::Unsupported(one) | Fault::RequestInvalid(one) => vec![("path", one.path.clone())],
+        Fault::DigestMismatch { declared, computed } => {
+            vec![
+                ("declared", declared.clone()),
+                ("computed", computed.clone()),
+            ]
+        }
+        Fault::MeshNotFound(name) => vec![("mesh", name.clone())],
+        Fault::MeshInUse { sessions, .. } => vec![("sessions", sessions.to_string())],
+        Fault::SessionNotFound(name)
+        | Fault::SessionExpired(name)
+        | Fault::SessionExists(name)
+        | Fault::SessionDeleted(name)
+        | Fault::SessionFailed { name, .. } => vec![("session", name.clone())],
+        Fault::SessionBusy { held_since, .. } => vec![("held_since", held_since.to_string())],
+        Fault::StepNotFound { sequence, .. } => vec![("sequence", sequence.to_string())],
+        Fault::SequenceGap { expected, .. } => vec![("expected", expected.to_string())],
+        Fault::SequenceNotRetained { first, .. } => vec![("first", first.to_string())],
+        Fault::MemoryBudget {
+            predicted,
+            held,
+            budget,
+        } => vec![
+            ("predicted_bytes", predicted.to_string()),
+            ("held_bytes", held.to_string()),
+            ("budget_bytes", budget.to_string()),
+        ],
+        Fault::QueueFull { limit } | Fault::SessionLimit { limit } => {
+            vec![("limit", limit.to_string())]
+        }
+        Fault::MessageLimit { what, limit } => {
+            vec![("what", what.clone()), ("limit", limit.to_string())]
+        }
+        Fault::MeshInvalid(_) | Fault::ShuttingDown | Fault::Internal => Vec::new(),
+    }
+}
+
+fn violations(fault: &Fault) -> &[Violation] {
+    if let Fault::SceneInvalid(all) = fault {
+        return all;
+    }
+    if let Fault::RequestInvalid(one) | Fault::Unsupported(one) = fault {
+        return std::slice::from_ref(one);
+    }
+    &[]
+}
+
+/// Adds as many violations as fit.
+fn add_violations(status: &mut pb::Status, all: &[Violation]) {
+    let field = |one: &Violation| pb::bad_request::FieldViolation {
+        field: cut(&one.path, MAXIMUM_TEXT / 2),
+        description: cut(&one.message, MAXIMUM_TEXT / 2),
+        ..Default::default()
+    };
+    let mut request = pb::BadRequest {
+        field_violations: all.iter().take(MAXIMUM_VIOLATIONS).map(field).collect(),
+    };
+    while !request.field_violations.is_empty() {
+        status.details.push(any("BadRequest", &request));
+        // The text of the message travels a second time in its own header.
+        if status.encoded_len() + status.message.len() < LIMIT_BYTES {
+            return;
+        }
+        status.details.pop();
+        request.field_violations.pop();
+    }
+}
+
+fn resource_info(fault: &Fault) -> Option<Any> {
+    let (kind, name) = if let Fault::MeshNotFound(name) = fault {
+        ("mesh", name)
+    } else if let Fault::SessionNotFound(name) | Fault::SessionExpired(name) = fault {
+        ("session", name)
+    } else {
+        return None;
+    };
+    let info = pb::ResourceInfo {
+        resource_type: kind.to_owned(),
+        resource_name: cut(name, MAXIMUM_TEXT),
+        ..Default::default()
+    };
+    Some(any("ResourceInfo", &info))
+}
+
+fn retry_info(fault: &Fault) -> Option<Any> {
+    if !matches!(fault, Fault::QueueFull { .. } | Fault::ShuttingDown) {
+        return None;
+    }
+    let delay = prost_types::Duration::try_from(Duration::from_secs(1)).ok()?;
+    let info = pb::RetryInfo {
+        retry_delay: Some(delay),
+    };
+    Some(any("RetryInfo", &info))
+}
+
+fn any(name: &str, message: &impl prost::Message) -> Any {
+    Any {
+        type_url: format!("{TYPE_PREFIX}{name}"),
+        value: message.encode_to_vec(),
+    }
+}
+
+/// At most `limit` bytes of `text`, cut between characters.
+fn cut(text: &str, limit: usize) -> String {
+    if text.len() <= limit {
+        return text.to_owned();
+    }
+    let end = (0..=limit)
+        .rev()
+        .find(|index| text.is_char_boundary(*index))
+        .unwrap_or(0);
+    format!("{}...", text.get(..end).unwrap_or_default())
+}
+
+#[cfg(test)]
+mod tests {
+    use tonic_types::StatusExt;
+
+    use super::*;
+    use crate::fault::violation;
+
+    #[test]
+    fn violations_travel_with_their_paths_and_the_rest_is_counted() {
+        let all = (0..30)
+            .map(|index| violation(format!("probe.p{index}"), "is outside"))
+            .collect();
+        let status = tonic::Status::from(Fault::SceneInvalid(all));
+        let fields = status.get_details_bad_request().unwrap().field_violations;
+        assert_eq!(fields.len(), MAXIMUM_VIOLATIONS);
+        assert_eq!(fields[0].field, "probe.p0");
+        let info = status.get_details_error_info().unwrap();
+        assert_eq!(info.reason, "SCENE_INVALID");
+        assert_eq!(info.metadata["violation_count"], "30");
+        assert!(status.message().contains("29 more"));
+    }
+
+    #[test]
+    fn statuses_stay_below_the_trailer_limit() {
+        let long = "ä".repeat(5000);
+        let all: Vec<_> = (0..100).map(|_| violation(&*long, &*long)).collect();
+        let faults = [
+            Fault::SceneInvalid(all.clone()),
+            Fault::Unsupported(all[0].clone()),
+            Fault::SessionNotFound(long.clone()),
+            Fault::MeshInvalid(long),
+        ];
+        for fault in faults {
+            let status = rpc_status(&fault);
+            assert!(status.encoded_len() + status.message.len() < LIMIT_BYTES);
+        }
+    }
+
+    #[test]
+    fn only_transient_faults_ask_to_retry() {
+        let full = tonic::Status::from(Fault::QueueFull { limit: 1 });
+        assert!(full.get_details_retry_info().is_some());
+        let missing = tonic::Status::from(Fault::MeshNotFound("meshes/0".into()));
+        assert!(missing.get_details_retry_info().is_none());
+        assert!(missing.get_details_resource_info().is_some());
+    }
+}

@@ -1,0 +1,400 @@
+//! Meshes and prepared data in memory, shared by sessions, under one byte budget.
+//!
+//! Meshes are found by their digest, prepared data by the key of their plan.
+//! What a session uses is never dropped; the rest goes least recently used
+//! first when something needs room. Sessions and uploads hold [`Reservation`]s
+//! in the same budget, taken before they allocate.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::SystemTime;
+
+use signorini::mesh::{Mesh, MeshId};
+use signorini::plan::{Prepared, PreparedKey};
+
+use crate::convert::mesh::{MeshUse, name};
+use crate::fault::Fault;
+use crate::metrics::{Kind, Metrics};
+
+/// Marks an entry as used as long as it lives.
+type Use = Arc<()>;
+
+struct Entry<T> {
+    value: Arc<T>,
+    bytes: u64,
+    uses: Use,
+    created: SystemTime,
+    used: SystemTime,
+    /// Orders uses; larger is later.
+    tick: u64,
+}
+
+impl<T> Entry<T> {
+    fn sessions(&self) -> usize {
+        Arc::strong_count(&self.uses) - 1
+    }
+
+    fn lease(&mut self, tick: u64) -> Lease<T> {
+        self.tick = tick;
+        self.used = SystemTime::now();
+        Lease {
+            value: Arc::clone(&self.value),
+            _use: Arc::clone(&self.uses),
+        }
+    }
+}
+
+/// A stored value that cannot be dropped meanwhile.
+pub(crate) struct Lease<T> {
+    value: Arc<T>,
+    _use: Use,
+}
+
+impl<T> Lease<T> {
+    pub(crate) fn value(&self) -> &Arc<T> {
+        &self.value
+    }
+}
+
+struct PreparedEntry {
+    mesh: MeshId,
+    entry: Entry<Prepared>,
+}
+
+#[derive(Default)]
+struct Inner {
+    meshes: BTreeMap<MeshId, Entry<Mesh>>,
+    prepared: HashMap<PreparedKey, PreparedEntry>,
+    turns: HashMap<PreparedKey, Arc<tokio::sync::Mutex<()>>>,
+    reserved: u64,
+    tick: u64,
+}
+
+impl Inner {
+    fn mesh_bytes(&self) -> u64 {
+        self.meshes.values().map(|entry| entry.bytes).sum()
+    }
+
+    fn prepared_bytes(&self) -> u64 {
+        self.prepared.values().map(|entry| entry.entry.bytes).sum()
+    }
+
+    fn held(&self) -> u64 {
+        self.mesh_bytes() + self.prepared_bytes() + self.reserved
+    }
+
+    fn next_tick(&mut self) -> u64 {
+        self.tick += 1;
+        self.tick
+    }
+
+    fn oldest_prepared(&self) -> Option<(u64, PreparedKey)> {
+        let unused = self
+            .prepared
+            .iter()
+            .filter(|(_, one)| one.entry.sessions() == 0);
+        unused.map(|(key, one)| (one.entry.tick, *key)).min()
+    }
+
+    fn oldest_mesh(&self) -> Option<(u64, MeshId)> {
+        let unused = self
+            .meshes
+            .iter()
+            .filter(|(_, entry)| entry.sessions() == 0);
+        unused.map(|(id, entry)| (entry.tick, *id)).min()
+    }
+
+    fn remove_mesh(&mut self, id: MeshId) {
+        self.meshes.remove(&id);
+        // Prepared data of a mesh are of no use without it.
+        self.prepared.retain(|_, one| one.mesh != id);
+    }
+}
+
+/// The store.
+pub(crate) struct Store {
+    inner: Mutex<Inner>,
+    budget: u64,
+    metrics: Arc<Metrics>,
+}
+
+impl Store {
+    /// An empty store that may hold `budget` bytes.
+    pub(crate) fn new(budget: u64, metrics: &Arc<Metrics>) -> Arc<Self> {
+        metrics.memory_budget(budget);
+        let store = Self {
+            inner: Mutex::default(),
+            budget,
+            metrics: Arc::clone(metrics),
+        };
+        store.report(&store.lock());
+        Arc::new(store)
+    }
+
+    /// A mesh by its identity.
+    pub(crate) fn mesh(&self, id: MeshId) -> Result<Lease<Mesh>, Fault> {
+        let mut inner = self.lock();
+        let tick = inner.next_tick();
+        let found = inner.meshes.get_mut(&id).map(|entry| entry.lease(tick));
+        self.count(Kind::Mesh, found.as_ref());
+        found.ok_or_else(|| Fault::MeshNotFound(name(id)))
+    }
+
+    /// Keeps a mesh.
+    pub(crate) fn insert_mesh(&self, mesh: Mesh) -> Lease<Mesh> {
+        let mut inner = self.lock();
+        let tick = inner.next_tick();
+        let bytes = mesh.bytes();
+        let entry = inner
+            .meshes
+            .entry(mesh.id())
+            .or_insert_with(|| entry(Arc::new(mesh), bytes));
+        let lease = entry.lease(tick);
+        self.report(&inner);
+        lease
+    }
+
+    /// When a mesh came and was used.
+    pub(crate) fn mesh_use(&self, id: MeshId) -> Result<MeshUse, Fault> {
+        let inner = self.lock();
+        let entry = inner
+            .meshes
+            .get(&id)
+            .ok_or_else(|| Fault::MeshNotFound(name(id)))?;
+        Ok(uses(entry))
+    }
+
+    /// Up to `count` meshes behind `after`, in order of their identities.
+    pub(crate) fn meshes(&self, after: Option<MeshId>, count: usize) -> Vec<(Arc<Mesh>, MeshUse)> {
+        let inner = self.lock();
+        let behind = inner
+            .meshes
+            .iter()
+            .filter(|(id, _)| after.is_none_or(|after| **id > after));
+        behind
+            .take(count)
+            .map(|(_, entry)| (Arc::clone(&entry.value), uses(entry)))
+            .collect()
+    }
+
+    /// Drops a mesh that no session uses.
+    pub(crate) fn delete_mesh(&self, id: MeshId) -> Result<(), Fault> {
+        let mut inner = self.lock();
+        let entry = inner
+            .meshes
+            .get(&id)
+            .ok_or_else(|| Fault::MeshNotFound(name(id)))?;
+        let sessions = entry.sessions();
+        if sessions > 0 {
+            let name = name(id);
+            return Err(Fault::MeshInUse { name, sessions });
+        }
+        inner.remove_mesh(id);
+        self.report(&inner);
+        Ok(())
+    }
+
+    /// Prepared data by their key.
+    pub(crate) fn prepared(&self, key: &PreparedKey) -> Option<Lease<Prepared>> {
+        let mut inner = self.lock();
+        let tick = inner.next_tick();
+        let found = inner.prepared.get_mut(key).map(|one| one.entry.lease(tick));
+        self.count(Kind::Prepared, found.as_ref());
+        found
+    }
+
+    /// Bytes of prepared data that are there already.
+    pub(crate) fn prepared_bytes(&self, key: &PreparedKey) -> u64 {
+        self.lock()
+            .prepared
+            .get(key)
+            .map_or(0, |one| one.entry.bytes)
+    }
+
+    /// Keeps prepared data.
+    pub(crate) fn insert_prepared(
+        &self,
+        key: PreparedKey,
+        mesh: MeshId,
+        prepared: Prepared,
+    ) -> Lease<Prepared> {
+        let mut inner = self.lock();
+        let tick = inner.next_tick();
+        let bytes = prepared.bytes();
+        let one = inner.prepared.entry(key).or_insert_with(|| PreparedEntry {
+            mesh,
+            entry: entry(Arc::new(prepared), bytes),
+        });
+        let lease = one.entry.lease(tick);
+        self.report(&inner);
+        lease
+    }
+
+    /// Whoever holds this may build the data of `key`; others wait and find them.
+    pub(crate) fn turn(&self, key: PreparedKey) -> Arc<tokio::sync::Mutex<()>> {
+        let mut inner = self.lock();
+        inner.turns.retain(|_, turn| Arc::strong_count(turn) > 1);
+        Arc::clone(inner.turns.entry(key).or_default())
+    }
+
+    /// Takes `bytes` out of the budget, dropping what nobody uses.
+    ///
+    /// # Errors
+    /// `MemoryBudget` when even that does not make room.
+    pub(crate) fn reserve(self: &Arc<Self>, bytes: u64) -> Result<Reservation, Fault> {
+        let mut inner = self.lock();
+        self.make_room(&mut inner, bytes)?;
+        inner.reserved += bytes;
+        self.report(&inner);
+        Ok(Reservation {
+            store: Arc::clone(self),
+            bytes,
+        })
+    }
+
+    fn make_room(&self, inner: &mut Inner, bytes: u64) -> Result<(), Fault> {
+        while inner.held().saturating_add(bytes) > self.budget {
+            let evicted = match (inner.oldest_prepared(), inner.oldest_mesh()) {
+                (Some((tick, key)), mesh) if mesh.is_none_or(|(other, _)| tick < other) => {
+                    inner.prepared.remove(&key);
+                    Kind::Prepared
+                }
+                (_, Some((_, id))) => {
+                    inner.remove_mesh(id);
+                    Kind::Mesh
+                }
+                (_, None) => {
+                    return Err(Fault::MemoryBudget {
+                        predicted: bytes,
+                        held: inner.held(),
+                        budget: self.budget,
+                    });
+                }
+            };
+            self.metrics.evicted(evicted);
+        }
+        Ok(())
+    }
+
+    fn change_reservation(&self, before: u64, after: u64) {
+        let mut inner = self.lock();
+        inner.reserved = inner.reserved.saturating_sub(before).saturating_add(after);
+        self.report(&inner);
+    }
+
+    fn count<T>(&self, kind: Kind, found: Option<&T>) {
+        match found {
+            Some(_) => self.metrics.cache_hit(kind),
+            None => self.metrics.cache_miss(kind),
+        }
+    }
+
+    fn report(&self, inner: &Inner) {
+        self.metrics.store(inner.meshes.len(), inner.prepared.len());
+        self.metrics.memory(Kind::Mesh, inner.mesh_bytes());
+        self.metrics.memory(Kind::Prepared, inner.prepared_bytes());
+        self.metrics.memory(Kind::Session, inner.reserved);
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Inner> {
+        // No code of others runs under the lock, so a poisoned state is whole.
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Bytes taken out of the budget; given back on drop.
+pub(crate) struct Reservation {
+    store: Arc<Store>,
+    bytes: u64,
+}
+
+impl Reservation {
+    pub(crate) fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Replaces the prediction by what is really held.
+    pub(crate) fn resize(&mut self, bytes: u64) {
+        self.store.change_reservation(self.bytes, bytes);
+        self.bytes = bytes;
+    }
+}
+
+impl Drop for Reservation {
+    fn drop(&mut self) {
+        self.store.change_reservation(self.bytes, 0);
+    }
+}
+
+fn entry<T>(value: Arc<T>, bytes: u64) -> Entry<T> {
+    let now = SystemTime::now();
+    Entry {
+        value,
+        bytes,
+        uses: Use::default(),
+        created: now,
+        used: now,
+        tick: 0,
+    }
+}
+
+fn uses(entry: &Entry<Mesh>) -> MeshUse {
+    MeshUse {
+        sessions: entry.sessions(),
+        created: entry.created,
+        used: entry.used,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use signorini::mesh::{CellKind, MeshParts};
+
+    use super::*;
+
+    fn triangle(size: f64) -> Mesh {
+        Mesh::new(MeshParts {
+            cell_kind: CellKind::Triangle,
+            coordinates: vec![[0.0; 3], [size, 0.0, 0.0], [0.0, size, 0.0]],
+            cells: vec![0, 1, 2],
+            facets: Vec::new(),
+            groups: Vec::new(),
+        })
+        .unwrap()
+    }
+
+    fn store(meshes: u64) -> (Arc<Store>, u64) {
+        let bytes = triangle(1.0).bytes();
+        (Store::new(meshes * bytes, &Metrics::new().unwrap()), bytes)
+    }
+
+    #[test]
+    fn room_is_made_least_recently_used_first_and_never_from_what_is_in_use() {
+        let (store, bytes) = store(3);
+        let used = store.insert_mesh(triangle(1.0));
+        let old = store.insert_mesh(triangle(2.0)).value().id();
+        let new = store.insert_mesh(triangle(3.0)).value().id();
+        let reservation = store.reserve(bytes).unwrap();
+        assert!(store.mesh(old).is_err());
+        assert!(store.mesh(new).is_ok());
+        let refused = store.reserve(2 * bytes).map(drop);
+        assert!(matches!(refused, Err(Fault::MemoryBudget { .. })));
+        assert!(store.mesh(used.value().id()).is_ok());
+        drop(reservation);
+        assert!(store.reserve(2 * bytes).is_ok());
+    }
+
+    #[test]
+    fn a_mesh_in_use_is_not_deleted() {
+        let (store, _) = store(3);
+        let lease = store.insert_mesh(triangle(1.0));
+        let id = lease.value().id();
+        assert!(matches!(
+            store.delete_mesh(id),
+            Err(Fault::MeshInUse { sessions: 1, .. })
+        ));
+        drop(lease);
+        assert_eq!(store.delete_mesh(id), Ok(()));
+        assert!(matches!(store.delete_mesh(id), Err(Fault::MeshNotFound(_))));
+    }
+}

@@ -1,0 +1,205 @@
+//! What operators rely on: metrics, health, reflection, shutdown, Unix sockets.
+
+mod common;
+
+use common::{Block, Server, open, press, reason};
+use signorini_proto::v1 as wire;
+use signorini_server::Config;
+use tokio::io::{AsyncReadExt, AsyncWriteExt};
+use tonic_health::pb::health_client::HealthClient;
+use tonic_health::pb::{HealthCheckRequest, health_check_response::ServingStatus};
+
+async fn page(url: &str) -> String {
+    let address = url
+        .strip_prefix("http://")
+        .unwrap()
+        .strip_suffix("/metrics")
+        .unwrap();
+    let mut stream = tokio::net::TcpStream::connect(address).await.unwrap();
+    let request = format!("GET /metrics HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
+    stream.write_all(request.as_bytes()).await.unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).await.unwrap();
+    assert!(answer.starts_with("HTTP/1.1 200 OK"), "{answer}");
+    answer
+}
+
+fn sample(page: &str, series: &str) -> f64 {
+    let line = page
+        .lines()
+        .find(|line| line.starts_with(&format!("{series} ")));
+    line.unwrap_or_else(|| panic!("{series} is missing:\n{page}"))[series.len()..]
+        .trim()
+        .parse()
+        .unwrap()
+}
+
+async fn health(server: &Server, service: &str) -> ServingStatus {
+    let request = HealthCheckRequest {
+        service: service.into(),
+    };
+    let mut client = HealthClient::new(server.channel.clone());
+    client.check(request).await.unwrap().into_inner().status()
+}
+
+#[tokio::test]
+async fn the_metrics_page_counts_what_happened_and_has_no_summaries() {
+    let config = Config {
+        metrics_listen: "127.0.0.1:0".into(),
+        ..Config::embedded()
+    };
+    let (server, block) = (Server::with(config).await, Block::new(1));
+    server.upload(&block).await;
+    for _ in 0..2 {
+        let session = server.session(block.scene()).await;
+        let mut stream = server.open(open(&session)).await;
+        stream.step(1, press(0.02, 2)).await;
+        while !stream.result().await.last {}
+    }
+    let page = page(server.metrics_url.as_ref().unwrap()).await;
+    assert!(!page.contains(" summary"));
+    assert_eq!(
+        sample(&page, "signorini_steps_total{termination=\"converged\"}"),
+        2.0
+    );
+    assert_eq!(
+        sample(
+            &page,
+            "signorini_increments_total{termination=\"converged\"}"
+        ),
+        4.0
+    );
+    assert_eq!(
+        sample(&page, "signorini_cache_hits_total{kind=\"prepared\"}"),
+        1.0
+    );
+    assert_eq!(
+        sample(&page, "signorini_cache_misses_total{kind=\"prepared\"}"),
+        1.0
+    );
+    assert_eq!(sample(&page, "signorini_sessions"), 2.0);
+    assert_eq!(sample(&page, "signorini_meshes"), 1.0);
+    assert!(sample(&page, "signorini_iterations_total") > 0.0);
+    assert!(sample(&page, "signorini_memory_bytes{kind=\"prepared\"}") > 0.0);
+    assert_eq!(sample(&page, "signorini_krylov_iterations_count"), 4.0);
+}
+
+#[tokio::test]
+async fn health_knows_the_services() {
+    let server = Server::start().await;
+    for service in [
+        "",
+        "signorini.v1.MeshService",
+        "signorini.v1.SessionService",
+    ] {
+        assert_eq!(
+            health(&server, service).await,
+            ServingStatus::Serving,
+            "{service}"
+        );
+    }
+}
+
+#[tokio::test]
+async fn shutdown_delivers_the_last_state_ends_the_streams_and_returns() {
+    let (mut server, block) = (Server::start().await, Block::new(2));
+    server.upload(&block).await;
+    let session = server.session(block.scene()).await;
+    let mut stream = server.open(open(&session)).await;
+    stream.step(1, press(0.05, 100_000)).await;
+    stream.result().await;
+    server.signal_stop();
+    let last = loop {
+        let finished = stream.result().await;
+        if finished.last {
+            break finished.report.unwrap();
+        }
+    };
+    assert_eq!(last.termination(), wire::Termination::Cancelled);
+    assert_eq!(reason(&stream.end().await.unwrap()), "SHUTTING_DOWN");
+    server.stopped().await.unwrap();
+}
+
+#[tokio::test]
+async fn a_unix_socket_serves_the_same() {
+    let path = std::env::temp_dir().join(format!("signorini-op-{}.sock", std::process::id()));
+    let listen = format!("unix:{}", path.display());
+    let config = Config {
+        listen: listen.clone(),
+        ..Config::embedded()
+    };
+    let server = Server::with(config).await;
+    assert_eq!(server.url, listen);
+    server.upload(&Block::new(1)).await;
+}
+
+#[tokio::test]
+async fn reflection_lists_the_services() {
+    use tonic_reflection::pb::v1::server_reflection_client::ServerReflectionClient;
+    use tonic_reflection::pb::v1::server_reflection_request::MessageRequest;
+    use tonic_reflection::pb::v1::server_reflection_response::MessageResponse;
+    let server = Server::start().await;
+    let request = tonic_reflection::pb::v1::ServerReflectionRequest {
+        host: String::new(),
+        message_request: Some(MessageRequest::ListServices(String::new())),
+    };
+    let mut client = ServerReflectionClient::new(server.channel.clone());
+    let answers = client
+        .server_reflection_info(tokio_stream::iter([request]))
+        .await
+        .unwrap();
+    let answer = answers.into_inner().message().await.unwrap().unwrap();
+    let Some(MessageResponse::ListServicesResponse(list)) = answer.message_response else {
+        panic!("a list of services is due");
+    };
+    let names: Vec<_> = list
+        .service
+        .into_iter()
+        .map(|service| service.name)
+        .collect();
+    assert!(
+        names.contains(&"signorini.v1.SessionService".to_owned()),
+        "{names:?}"
+    );
+}
+
+#[tokio::test]
+async fn sessions_expire_when_nobody_uses_them() {
+    let (server, block) = (Server::start().await, Block::new(1));
+    server.upload(&block).await;
+    let request = wire::CreateSessionRequest {
+        scene: Some(block.scene()),
+        ttl: Some(prost_types::Duration {
+            seconds: 0,
+            nanos: 50_000_000,
+        }),
+        ..Default::default()
+    };
+    let created = server
+        .sessions()
+        .create_session(request)
+        .await
+        .unwrap()
+        .into_inner();
+    let name = created.session.unwrap().name;
+    // Listing asks the session too and so renews it; the mesh says when it is free.
+    let mesh = || wire::GetMeshRequest {
+        name: block.scene().mesh,
+    };
+    while server
+        .meshes()
+        .get_mesh(mesh())
+        .await
+        .unwrap()
+        .into_inner()
+        .mesh
+        .unwrap()
+        .session_count
+        > 0
+    {
+        tokio::task::yield_now().await;
+    }
+    let request = wire::GetSessionRequest { name };
+    let status = server.sessions().get_session(request).await.unwrap_err();
+    assert_eq!(reason(&status), "SESSION_EXPIRED");
+}

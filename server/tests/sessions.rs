@@ -1,0 +1,220 @@
+//! Sessions: planned, created, listed, refused with the paths of faulty keys.
+
+mod common;
+
+use common::{Block, Server, open, paths, reason};
+use signorini_proto::v1 as wire;
+use signorini_server::Config;
+
+async fn refused(server: &Server, scene: wire::Scene) -> tonic::Status {
+    let request = wire::CreateSessionRequest {
+        scene: Some(scene),
+        ..Default::default()
+    };
+    server.sessions().create_session(request).await.unwrap_err()
+}
+
+#[tokio::test]
+async fn validate_only_returns_the_plan_and_creates_nothing() {
+    let (server, block) = (Server::start().await, Block::new(2));
+    server.upload(&block).await;
+    let request = wire::CreateSessionRequest {
+        scene: Some(block.scene()),
+        validate_only: true,
+        ..Default::default()
+    };
+    let response = server
+        .sessions()
+        .create_session(request)
+        .await
+        .unwrap()
+        .into_inner();
+    let plan = response.plan.unwrap();
+    assert!(response.session.is_none());
+    assert_eq!(plan.name, "block");
+    assert_eq!(plan.unknowns.unwrap().displacement, 3 * 125);
+    assert_eq!(plan.formulation(), wire::Formulation::Mixed);
+    let list = wire::ListSessionsRequest::default();
+    assert!(
+        server
+            .sessions()
+            .list_sessions(list)
+            .await
+            .unwrap()
+            .into_inner()
+            .sessions
+            .is_empty()
+    );
+}
+
+#[tokio::test]
+async fn bad_scenes_name_the_paths_of_all_faulty_keys() {
+    let (server, block) = (Server::start().await, Block::new(1));
+    server.upload(&block).await;
+    let mut scene = block.scene();
+    scene.supports[0].on = vec!["botom".into()];
+    scene.obstacles[0].on = vec!["tip".into()];
+    let status = refused(&server, scene).await;
+    assert_eq!(reason(&status), "SCENE_INVALID");
+    let found = paths(&status);
+    assert!(found.contains(&"support.base.on".to_owned()), "{found:?}");
+    assert!(found.contains(&"obstacle.ball.on".to_owned()), "{found:?}");
+
+    let mut scene = block.scene();
+    scene.obstacles[0].shape.as_mut().unwrap().kind =
+        Some(wire::shape::Kind::Sphere(wire::Sphere {
+            centre: vec![1.0],
+            radius: None,
+        }));
+    let found = paths(&refused(&server, scene).await);
+    assert_eq!(
+        found,
+        ["obstacle.ball.shape.centre", "obstacle.ball.shape.radius"]
+    );
+}
+
+#[tokio::test]
+async fn keys_of_later_capabilities_are_refused_by_path() {
+    let (server, block) = (Server::start().await, Block::new(1));
+    server.upload(&block).await;
+    let with = |change: fn(&mut wire::Scene)| {
+        let mut scene = block.scene();
+        change(&mut scene);
+        scene
+    };
+    let cases: [(&str, wire::Scene); 6] = [
+        (
+            "obstacle.ball.friction",
+            with(|scene| scene.obstacles[0].friction = Some(0.3)),
+        ),
+        (
+            "support.base.normal",
+            with(|scene| scene.supports[0].normal = Some(0.0)),
+        ),
+        (
+            "pressure",
+            with(|scene| scene.pressures.push(wire::Pressure::default())),
+        ),
+        (
+            "kind",
+            with(|scene| scene.kind = wire::SceneKind::Axisymmetric.into()),
+        ),
+        (
+            "solver.penalty",
+            with(|scene| scene.solver.as_mut().unwrap().penalty = Some(1.0)),
+        ),
+        (
+            "material.body.model",
+            with(|scene| {
+                let law = wire::NeoHookean {
+                    shear_modulus: Some(1.0),
+                    bulk_modulus: None,
+                };
+                scene.materials[0].model = Some(wire::material::Model::NeoHookean(law));
+            }),
+        ),
+    ];
+    for (path, scene) in cases {
+        let status = refused(&server, scene).await;
+        assert_eq!(status.code(), tonic::Code::Unimplemented, "{path}");
+        assert_eq!(paths(&status), [path]);
+        assert!(
+            status.message().starts_with("not supported yet: "),
+            "{}",
+            status.message()
+        );
+    }
+}
+
+#[tokio::test]
+async fn unknown_mesh_and_unknown_session_are_named() {
+    let (server, block) = (Server::start().await, Block::new(1));
+    let status = refused(&server, block.scene()).await;
+    assert_eq!(reason(&status), "MESH_NOT_FOUND");
+    assert!(status.message().contains(&block.digest()));
+    let mut stream = server.stream(open("sessions/none")).await;
+    let status = stream.end().await.unwrap();
+    assert_eq!(reason(&status), "SESSION_NOT_FOUND");
+}
+
+#[tokio::test]
+async fn the_same_request_identifier_gives_the_same_session() {
+    let (server, block) = (Server::start().await, Block::new(1));
+    server.upload(&block).await;
+    let request = wire::CreateSessionRequest {
+        scene: Some(block.scene()),
+        session_id: "ball-1".into(),
+        request_id: "first".into(),
+        ..Default::default()
+    };
+    let create = |request: wire::CreateSessionRequest| async {
+        server.sessions().create_session(request).await
+    };
+    let first = create(request.clone())
+        .await
+        .unwrap()
+        .into_inner()
+        .session
+        .unwrap();
+    let again = create(request.clone())
+        .await
+        .unwrap()
+        .into_inner()
+        .session
+        .unwrap();
+    assert_eq!(
+        (first.name.as_str(), &again.name),
+        ("sessions/ball-1", &first.name)
+    );
+    let other = wire::CreateSessionRequest {
+        request_id: "second".into(),
+        ..request
+    };
+    assert_eq!(reason(&create(other).await.unwrap_err()), "SESSION_EXISTS");
+}
+
+#[tokio::test]
+async fn a_mesh_stays_while_a_session_uses_it() {
+    let (server, block) = (Server::start().await, Block::new(1));
+    let mesh = server.upload(&block).await;
+    let session = server.session(block.scene()).await;
+    let delete = || wire::DeleteMeshRequest { name: mesh.clone() };
+    let status = server.meshes().delete_mesh(delete()).await.unwrap_err();
+    assert_eq!(reason(&status), "MESH_IN_USE");
+    let request = wire::DeleteSessionRequest { name: session };
+    server.sessions().delete_session(request).await.unwrap();
+    server.meshes().delete_mesh(delete()).await.unwrap();
+}
+
+#[tokio::test]
+async fn predicted_memory_above_the_budget_is_refused_with_numbers() {
+    let block = Block::new(4);
+    let config = Config {
+        memory_budget_bytes: 1 << 20,
+        ..Config::embedded()
+    };
+    let server = Server::with(config).await;
+    server.upload(&block).await;
+    let status = refused(&server, block.scene()).await;
+    assert_eq!(reason(&status), "MEMORY_BUDGET");
+    use tonic_types::StatusExt;
+    let metadata = status.get_details_error_info().unwrap().metadata;
+    assert_eq!(metadata["budget_bytes"], (1 << 20).to_string());
+    assert!(metadata["predicted_bytes"].parse::<u64>().unwrap() > 1 << 20);
+}
+
+#[tokio::test]
+async fn checkpoints_are_refused_as_not_there_yet() {
+    let server = Server::start().await;
+    let request = wire::ExportStateRequest {
+        name: "sessions/any".into(),
+    };
+    let status = server.sessions().export_state(request).await.unwrap_err();
+    assert_eq!(status.code(), tonic::Code::Unimplemented);
+    let request = wire::CreateSessionRequest {
+        from_state: "states/0".into(),
+        ..Default::default()
+    };
+    let status = server.sessions().create_session(request).await.unwrap_err();
+    assert_eq!(reason(&status), "UNSUPPORTED_COMBINATION");
+}
