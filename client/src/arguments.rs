@@ -1,0 +1,160 @@
+//! The arguments of the command line.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
+use signorini_client::ServerAddress;
+use signorini_client::scene_file::Override;
+
+/// Contact of nearly incompressible bodies: solve scenes, serve, look at servers.
+#[derive(Debug, Parser)]
+#[command(name = "signorini", version, after_help = EXIT_CODES)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 ok, 2 usage, 3 not converged (results kept), \
+    4 invalid or unsupported scene or mesh, 5 no server, 6 refused (quota, queue, memory, size), \
+    7 deadline, 8 server error, 130 interrupted";
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum Command {
+    /// Solve a scene; without --server in a server of this process
+    Solve(SolveArguments),
+    /// Print what a scene needs, what is left out and why
+    Plan(PlanArguments),
+    /// Start a server
+    Serve(ServeArguments),
+    /// Meshes of a server
+    #[command(subcommand)]
+    Mesh(MeshCommand),
+    /// Sessions of a server
+    #[command(subcommand)]
+    Session(SessionCommand),
+    /// Print a completion script for a shell
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
+}
+
+/// A scene and changes to it.
+#[derive(Args, Debug)]
+pub(crate) struct SceneArguments {
+    /// Scene file (TOML)
+    pub(crate) scene: PathBuf,
+    /// Change a key of the scene, such as obstacle.ball.shape.radius=2
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    pub(crate) overrides: Vec<Override>,
+    /// Server to use: http://HOST:PORT or unix:PATH; default: one in this process
+    #[arg(long, value_name = "URL")]
+    pub(crate) server: Option<ServerAddress>,
+    /// Print result lines: one JSON object a line on stdout
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct SolveArguments {
+    #[command(flatten)]
+    pub(crate) scene: SceneArguments,
+    /// Write PVD, VTU and VTP files and result lines into this folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// Recompute the residuals of each result by an independent path
+    #[arg(long)]
+    pub(crate) verify: bool,
+    /// No progress, no warnings, no table
+    #[arg(long)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct PlanArguments {
+    #[command(flatten)]
+    pub(crate) scene: SceneArguments,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct ServeArguments {
+    /// Configuration file (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub(crate) config: Option<PathBuf>,
+    /// Where to listen: HOST:PORT or unix:PATH; replaces the configured address
+    #[arg(long, value_name = "ADDRESS")]
+    pub(crate) listen: Option<String>,
+    /// Where the metrics page is served: HOST:PORT, or empty for nowhere
+    #[arg(long, value_name = "ADDRESS")]
+    pub(crate) metrics_listen: Option<String>,
+}
+
+/// A server that runs already.
+#[derive(Args, Debug)]
+pub(crate) struct RemoteArguments {
+    /// Server: http://HOST:PORT or unix:PATH
+    #[arg(long, value_name = "URL")]
+    pub(crate) server: ServerAddress,
+    /// One JSON object a line
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum MeshCommand {
+    /// Upload a mesh file and print its digest
+    Put {
+        /// Gmsh file
+        file: PathBuf,
+        #[command(flatten)]
+        remote: RemoteArguments,
+    },
+    /// List meshes
+    List {
+        #[command(flatten)]
+        remote: RemoteArguments,
+    },
+    /// Drop a mesh that no session uses
+    Delete {
+        /// Digest
+        digest: String,
+        #[command(flatten)]
+        remote: RemoteArguments,
+    },
+}
+
+#[derive(Debug, Subcommand)]
+pub(crate) enum SessionCommand {
+    /// List sessions
+    List {
+        #[command(flatten)]
+        remote: RemoteArguments,
+    },
+    /// Show one session
+    Show {
+        /// Name or identifier
+        session: String,
+        #[command(flatten)]
+        remote: RemoteArguments,
+    },
+    /// Cancel what runs and forget a session
+    Delete {
+        /// Name or identifier
+        session: String,
+        #[command(flatten)]
+        remote: RemoteArguments,
+    },
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory as _;
+
+    use super::*;
+
+    #[test]
+    fn the_definition_of_arguments_is_consistent() {
+        Arguments::command().debug_assert();
+    }
+}

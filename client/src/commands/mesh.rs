@@ -1,0 +1,91 @@
+//! `mesh put|list|delete`.
+
+use serde_json::{Value, json};
+use signorini_client::{Client, WireMesh};
+use signorini_proto::v1;
+
+use crate::arguments::{MeshCommand, RemoteArguments};
+use crate::exit::{Exit, Failure};
+use crate::input;
+use crate::text::{bytes, note, print};
+
+pub(super) async fn run(command: MeshCommand) -> Result<Exit, Failure> {
+    match command {
+        MeshCommand::Put { file, remote } => {
+            let mesh = input::load_mesh(&file)?;
+            put(&mesh, &remote).await
+        }
+        MeshCommand::List { remote } => {
+            let client = Client::connect(&remote.server).await?;
+            show(&client.list_meshes().await?, &remote)
+        }
+        MeshCommand::Delete { digest, remote } => {
+            let client = Client::connect(&remote.server).await?;
+            client.delete_mesh(&digest).await?;
+            Ok(Exit::Ok)
+        }
+    }
+}
+
+async fn put(
+    mesh: &signorini_client::formats::msh::MeshFile,
+    remote: &RemoteArguments,
+) -> Result<Exit, Failure> {
+    let wire = WireMesh::new(mesh)?;
+    let client = Client::connect(&remote.server).await?;
+    let uploaded = client.upload_mesh(wire).await?;
+    for warning in mesh.warnings.iter().chain(&uploaded.mesh.warnings) {
+        note(&format!("warning: {warning}\n"));
+    }
+    if uploaded.already_present {
+        note("already present\n");
+    }
+    show(&[uploaded.mesh], remote)
+}
+
+fn show(meshes: &[v1::Mesh], remote: &RemoteArguments) -> Result<Exit, Failure> {
+    for mesh in meshes {
+        let line = if remote.json {
+            object(mesh).to_string()
+        } else {
+            line(mesh)
+        };
+        print(&format!("{line}\n"))?;
+    }
+    Ok(Exit::Ok)
+}
+
+fn line(mesh: &v1::Mesh) -> String {
+    let groups: Vec<&str> = mesh
+        .groups
+        .iter()
+        .map(|group| group.name.as_str())
+        .collect();
+    format!(
+        "{}  {} vertices, {} cells, {} facets, {}, groups {}",
+        mesh.digest,
+        mesh.vertex_count,
+        mesh.cell_count,
+        mesh.facet_count,
+        bytes(mesh.memory_bytes),
+        groups.join(" "),
+    )
+}
+
+fn object(mesh: &v1::Mesh) -> Value {
+    let groups: Vec<&str> = mesh
+        .groups
+        .iter()
+        .map(|group| group.name.as_str())
+        .collect();
+    json!({
+        "digest": mesh.digest,
+        "vertices": mesh.vertex_count,
+        "cells": mesh.cell_count,
+        "facets": mesh.facet_count,
+        "groups": groups,
+        "memory_bytes": mesh.memory_bytes,
+        "sessions": mesh.session_count,
+        "min_mean_ratio": mesh.quality.map(|quality| quality.min_mean_ratio),
+    })
+}

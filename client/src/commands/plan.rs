@@ -1,0 +1,37 @@
+//! `plan`: what a scene needs, what is left out and why.
+
+use signorini_client::{Client, result_line};
+use signorini_proto::v1;
+
+use crate::arguments::PlanArguments;
+use crate::connection::Connection;
+use crate::exit::{Exit, Failure};
+use crate::input::{self, Input};
+use crate::table;
+use crate::text::{note, print};
+
+pub(super) async fn run(arguments: PlanArguments) -> Result<Exit, Failure> {
+    let arguments = arguments.scene;
+    let input = input::load(&arguments)?;
+    for warning in &input.mesh.warnings {
+        note(&format!("warning: {warning}\n"));
+    }
+    let connection = Connection::open(arguments.server.as_ref()).await?;
+    let plan = fetch(&connection.client, input).await;
+    connection.close().await;
+    let plan = plan?;
+    for warning in &plan.warnings {
+        note(&format!("warning: {warning}\n"));
+    }
+    if arguments.json {
+        print(&format!("{}\n", result_line::plan(&plan)))?;
+    } else {
+        print(&table::plan(&plan))?;
+    }
+    Ok(Exit::Ok)
+}
+
+async fn fetch(client: &Client, input: Input) -> Result<v1::Plan, Failure> {
+    client.upload_mesh(input.wire).await?;
+    Ok(client.plan(input.scene).await?)
+}

@@ -1,0 +1,154 @@
+//! Connections to a server: TCP by URL, or a Unix socket by path.
+//!
+//! Flow-control windows are those of the service (1 MiB a stream, 4 MiB a
+//! connection), so that fields and meshes are not throttled by HTTP/2's small
+//! defaults.
+
+use std::fmt;
+use std::path::PathBuf;
+use std::str::FromStr;
+use std::time::Duration;
+
+use signorini_proto::v1::mesh_service_client::MeshServiceClient;
+use signorini_proto::v1::session_service_client::SessionServiceClient;
+use tonic::transport::{Channel, Endpoint, Uri};
+
+use crate::error::ClientError;
+
+const STREAM_WINDOW: u32 = 1 << 20;
+const CONNECTION_WINDOW: u32 = 4 << 20;
+const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
+
+/// Where a server listens.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ServerAddress {
+    /// `http://HOST:PORT`.
+    Http(String),
+    /// `unix:PATH`.
+    Unix(PathBuf),
+}
+
+impl FromStr for ServerAddress {
+    type Err = ClientError;
+
+    fn from_str(text: &str) -> Result<Self, ClientError> {
+        let wrong = || ClientError::Address(text.to_owned());
+        if let Some(path) = text.strip_prefix("unix:") {
+            let path = path.strip_prefix("//").unwrap_or(path);
+            let path = Some(path).filter(|path| !path.is_empty());
+            return path.map(|path| Self::Unix(path.into())).ok_or_else(wrong);
+        }
+        let uri: Uri = text.parse().map_err(|_| wrong())?;
+        if uri.scheme_str() == Some("http") && uri.authority().is_some() {
+            return Ok(Self::Http(text.to_owned()));
+        }
+        Err(wrong())
+    }
+}
+
+impl fmt::Display for ServerAddress {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Http(url) => out.write_str(url),
+            Self::Unix(path) => write!(out, "unix:{}", path.display()),
+        }
+    }
+}
+
+/// A connection to a server. Clones share it.
+#[derive(Clone, Debug)]
+pub struct Client {
+    channel: Channel,
+}
+
+impl Client {
+    /// Connects.
+    ///
+    /// # Errors
+    /// [`ClientError::Unreachable`].
+    pub async fn connect(address: &ServerAddress) -> Result<Self, ClientError> {
+        let channel = match address {
+            ServerAddress::Http(url) => connect_tcp(url).await,
+            ServerAddress::Unix(path) => connect_unix(path.clone()).await,
+        };
+        channel
+            .map(|channel| Self { channel })
+            .map_err(|error| ClientError::Unreachable {
+                address: address.to_string(),
+                message: root_cause(&error),
+            })
+    }
+
+    pub(crate) fn meshes(&self) -> MeshServiceClient<Channel> {
+        MeshServiceClient::new(self.channel.clone())
+    }
+
+    pub(crate) fn sessions(&self) -> SessionServiceClient<Channel> {
+        SessionServiceClient::new(self.channel.clone())
+    }
+}
+
+fn configured(endpoint: Endpoint) -> Endpoint {
+    endpoint
+        .initial_stream_window_size(STREAM_WINDOW)
+        .initial_connection_window_size(CONNECTION_WINDOW)
+        .connect_timeout(CONNECT_TIMEOUT)
+        .tcp_nodelay(true)
+}
+
+async fn connect_tcp(url: &str) -> Result<Channel, tonic::transport::Error> {
+    let endpoint = Endpoint::from_shared(url.to_owned())?;
+    configured(endpoint).connect().await
+}
+
+async fn connect_unix(path: PathBuf) -> Result<Channel, tonic::transport::Error> {
+    // The URL only fills the header; the connector decides where to go.
+    let endpoint = configured(Endpoint::from_static("http://localhost"));
+    let connector = tower::service_fn(move |_: Uri| {
+        let path = path.clone();
+        async move {
+            let stream = tokio::net::UnixStream::connect(path).await?;
+            Ok::<_, std::io::Error>(hyper_util::rt::TokioIo::new(stream))
+        }
+    });
+    endpoint.connect_with_connector(connector).await
+}
+
+/// The innermost error says what happened; the outer ones say "transport error".
+fn root_cause(error: &dyn std::error::Error) -> String {
+    let mut cause = error;
+    while let Some(inner) = cause.source() {
+        cause = inner;
+    }
+    cause.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_are_urls_or_socket_paths() {
+        let unix = |path: &str| ServerAddress::Unix(path.into());
+        assert_eq!(
+            "unix:/run/s.sock".parse::<ServerAddress>().unwrap(),
+            unix("/run/s.sock")
+        );
+        assert_eq!(
+            "unix:///run/s.sock".parse::<ServerAddress>().unwrap(),
+            unix("/run/s.sock")
+        );
+        let http = "http://127.0.0.1:50051".parse::<ServerAddress>().unwrap();
+        assert_eq!(http.to_string(), "http://127.0.0.1:50051");
+        for wrong in [
+            "",
+            "unix:",
+            "127.0.0.1:50051",
+            "ftp://host:1",
+            "https://host:1",
+            "http://",
+        ] {
+            assert!(wrong.parse::<ServerAddress>().is_err(), "{wrong}");
+        }
+    }
+}

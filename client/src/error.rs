@@ -1,0 +1,143 @@
+//! What can go wrong between a client and the service, typed by the reasons of
+//! the service's contract.
+
+use std::collections::BTreeMap;
+use std::fmt;
+
+use signorini_proto::array::ArrayError;
+use tonic::Code;
+use tonic_types::{ErrorDetails, RpcStatusExt, StatusExt as _};
+
+/// One fault of a scene, with the path of its key.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Violation {
+    /// Such as `material.body.poisson_ratio`.
+    pub path: String,
+    /// What is wrong and what would be right.
+    pub message: String,
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.path.is_empty() {
+            return out.write_str(&self.message);
+        }
+        write!(out, "{}: {}", self.path, self.message)
+    }
+}
+
+/// An answer of the service that says no.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Refusal {
+    /// Canonical code.
+    pub code: Code,
+    /// Reason of the contract, such as `SCENE_INVALID`; empty when the answer
+    /// does not come from the service itself.
+    pub reason: String,
+    /// For people.
+    pub message: String,
+    /// Whatever is variable in the message, by name.
+    pub metadata: BTreeMap<String, String>,
+    /// Keys of a scene that are wrong.
+    pub violations: Vec<Violation>,
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        out.write_str(&self.message)?;
+        if !self.reason.is_empty() {
+            write!(out, " ({})", self.reason)?;
+        }
+        Ok(())
+    }
+}
+
+impl From<&tonic::Status> for Refusal {
+    fn from(status: &tonic::Status) -> Self {
+        Self::new(status.code(), status.message(), &status.get_error_details())
+    }
+}
+
+impl From<&tonic_types::Status> for Refusal {
+    fn from(status: &tonic_types::Status) -> Self {
+        let details = RpcStatusExt::get_error_details(status);
+        Self::new(Code::from_i32(status.code), &status.message, &details)
+    }
+}
+
+impl Refusal {
+    fn new(code: Code, message: &str, details: &ErrorDetails) -> Self {
+        let info = details.error_info();
+        let request = details.bad_request();
+        let violations = request.map(|request| request.field_violations.as_slice());
+        let violation = |violation: &tonic_types::FieldViolation| Violation {
+            path: violation.field.clone(),
+            message: violation.description.clone(),
+        };
+        Self {
+            code,
+            reason: info.map(|info| info.reason.clone()).unwrap_or_default(),
+            message: message.to_owned(),
+            metadata: info
+                .map(|info| info.metadata.clone().into_iter().collect())
+                .unwrap_or_default(),
+            violations: violations
+                .unwrap_or_default()
+                .iter()
+                .map(violation)
+                .collect(),
+        }
+    }
+}
+
+/// Why a call did not give its result.
+#[derive(Debug, thiserror::Error)]
+pub enum ClientError {
+    /// An address that is neither a URL nor a socket path.
+    #[error("\"{0}\" is no server address: http://HOST:PORT or unix:PATH is expected")]
+    Address(String),
+    /// Nobody answers at the address.
+    #[error("no server answers at {address}: {message}")]
+    Unreachable {
+        /// As it was given.
+        address: String,
+        /// From the system.
+        message: String,
+    },
+    /// The service says no.
+    #[error("{0}")]
+    Refused(Box<Refusal>),
+    /// The answer does not keep to the protocol.
+    #[error("the server's answer breaks the protocol: {0}")]
+    Protocol(String),
+    /// An array that does not fit its announcement.
+    #[error("the server sent a malformed array: {0}")]
+    Array(#[from] ArrayError),
+    /// A mesh with more items than the wire format can count.
+    #[error("the mesh has {0} items of one kind, more than the service takes")]
+    MeshTooLarge(usize),
+    /// The stream has ended; nothing can be sent.
+    #[error("the stream to the server has ended")]
+    Closed,
+}
+
+impl From<tonic::Status> for ClientError {
+    fn from(status: tonic::Status) -> Self {
+        Self::Refused(Box::new(Refusal::from(&status)))
+    }
+}
+
+impl ClientError {
+    /// The service's answer, if it is one.
+    pub fn refusal(&self) -> Option<&Refusal> {
+        match self {
+            Self::Refused(refusal) => Some(refusal),
+            Self::Address(_)
+            | Self::Unreachable { .. }
+            | Self::Protocol(_)
+            | Self::Array(_)
+            | Self::MeshTooLarge(_)
+            | Self::Closed => None,
+        }
+    }
+}

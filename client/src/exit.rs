@@ -1,0 +1,227 @@
+//! Exit codes, and the failures that lead to them.
+
+use std::io::Write as _;
+use std::path::Path;
+use std::process::ExitCode;
+
+use signorini_client::scene_file::SceneFileError;
+use signorini_client::{ClientError, Refusal, Violation};
+use signorini_proto::v1::Termination;
+use tonic::Code;
+
+/// How the process ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(crate) enum Exit {
+    /// All well.
+    Ok = 0,
+    /// Wrong arguments, or files that cannot be written.
+    Usage = 2,
+    /// A step did not converge; results are kept.
+    NotConverged = 3,
+    /// A scene or mesh that is invalid or not supported.
+    Invalid = 4,
+    /// No server answers.
+    NoServer = 5,
+    /// Quota, queue, memory or size.
+    Refused = 6,
+    /// Time is up.
+    Deadline = 7,
+    /// A fault of the server.
+    Server = 8,
+    /// Ctrl-C.
+    Interrupted = 130,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}
+
+impl From<Termination> for Exit {
+    fn from(termination: Termination) -> Self {
+        match termination {
+            Termination::Converged => Self::Ok,
+            Termination::NotConverged | Termination::Cancelled => Self::NotConverged,
+            Termination::DeadlineExceeded => Self::Deadline,
+            Termination::InternalError | Termination::Unspecified => Self::Server,
+        }
+    }
+}
+
+/// Why a command could not do its work.
+#[derive(Debug, PartialEq, Eq)]
+pub(crate) struct Failure {
+    exit: Exit,
+    messages: Vec<String>,
+}
+
+impl Failure {
+    pub(crate) fn new(exit: Exit, message: impl Into<String>) -> Self {
+        let messages = vec![message.into()];
+        Self { exit, messages }
+    }
+
+    /// A file that cannot be read.
+    pub(crate) fn unreadable(path: &Path, error: &std::io::Error) -> Self {
+        Self::new(Exit::Invalid, format!("{}: {error}", path.display()))
+    }
+
+    /// A file that cannot be written.
+    pub(crate) fn unwritable(path: &Path, error: &std::io::Error) -> Self {
+        Self::new(Exit::Usage, format!("{}: {error}", path.display()))
+    }
+
+    fn violations(violations: &[Violation]) -> Self {
+        let messages = violations.iter().map(ToString::to_string).collect();
+        Self {
+            exit: Exit::Invalid,
+            messages,
+        }
+    }
+
+    /// Prints its messages, one a line.
+    pub(crate) fn report(&self) -> Exit {
+        let mut stderr = std::io::stderr().lock();
+        for message in &self.messages {
+            // Nobody is left to tell when stderr is closed.
+            let _closed = writeln!(stderr, "error: {message}");
+        }
+        self.exit
+    }
+}
+
+impl From<SceneFileError> for Failure {
+    fn from(error: SceneFileError) -> Self {
+        match &error {
+            SceneFileError::Invalid(violations) => Self::violations(violations),
+            SceneFileError::Syntax(_) => Self::new(Exit::Invalid, error.to_string()),
+        }
+    }
+}
+
+impl From<&Refusal> for Failure {
+    fn from(refusal: &Refusal) -> Self {
+        let exit = exit_of(refusal);
+        if refusal.violations.is_empty() {
+            return Self::new(exit, refusal.to_string());
+        }
+        let mut violations = refusal.violations.clone();
+        if refusal.code == Code::Unimplemented {
+            for violation in &mut violations {
+                violation.message = format!("not supported yet: {}", violation.message);
+            }
+        }
+        Self {
+            exit,
+            ..Self::violations(&violations)
+        }
+    }
+}
+
+impl From<ClientError> for Failure {
+    fn from(error: ClientError) -> Self {
+        if let Some(refusal) = error.refusal() {
+            return Self::from(refusal);
+        }
+        let exit = match error {
+            ClientError::Address(_) => Exit::Usage,
+            ClientError::Unreachable { .. } => Exit::NoServer,
+            ClientError::MeshTooLarge(_) => Exit::Invalid,
+            ClientError::Refused(_)
+            | ClientError::Protocol(_)
+            | ClientError::Array(_)
+            | ClientError::Closed => Exit::Server,
+        };
+        Self::new(exit, error.to_string())
+    }
+}
+
+fn exit_of(refusal: &Refusal) -> Exit {
+    match refusal.reason.as_str() {
+        "SESSION_NOT_FOUND" | "SESSION_EXPIRED" | "SESSION_EXISTS" | "MESH_IN_USE" => {
+            return Exit::Usage;
+        }
+        "MESH_NOT_FOUND" => return Exit::Invalid,
+        _ => {}
+    }
+    match refusal.code {
+        Code::InvalidArgument => Exit::Invalid,
+        // A server that lacks the whole method has no reason to give.
+        Code::Unimplemented if !refusal.reason.is_empty() => Exit::Invalid,
+        Code::Unavailable => Exit::NoServer,
+        Code::ResourceExhausted | Code::Aborted => Exit::Refused,
+        Code::DeadlineExceeded => Exit::Deadline,
+        Code::Ok
+        | Code::Cancelled
+        | Code::Unknown
+        | Code::NotFound
+        | Code::AlreadyExists
+        | Code::PermissionDenied
+        | Code::FailedPrecondition
+        | Code::OutOfRange
+        | Code::Unimplemented
+        | Code::Internal
+        | Code::DataLoss
+        | Code::Unauthenticated => Exit::Server,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(code: Code, reason: &str) -> Refusal {
+        Refusal {
+            code,
+            reason: reason.to_owned(),
+            message: "no".to_owned(),
+            metadata: Default::default(),
+            violations: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn refusals_have_the_exit_codes_of_the_contract() {
+        for (code, reason, exit) in [
+            (Code::InvalidArgument, "SCENE_INVALID", Exit::Invalid),
+            (Code::InvalidArgument, "MESH_INVALID", Exit::Invalid),
+            (
+                Code::Unimplemented,
+                "UNSUPPORTED_COMBINATION",
+                Exit::Invalid,
+            ),
+            (Code::Unimplemented, "", Exit::Server),
+            (Code::NotFound, "MESH_NOT_FOUND", Exit::Invalid),
+            (Code::NotFound, "SESSION_NOT_FOUND", Exit::Usage),
+            (Code::Unavailable, "SHUTTING_DOWN", Exit::NoServer),
+            (Code::ResourceExhausted, "MEMORY_BUDGET", Exit::Refused),
+            (Code::Aborted, "SESSION_BUSY", Exit::Refused),
+            (Code::DeadlineExceeded, "", Exit::Deadline),
+            (Code::Internal, "INTERNAL", Exit::Server),
+        ] {
+            assert_eq!(exit_of(&refusal(code, reason)), exit, "{reason}");
+        }
+    }
+
+    #[test]
+    fn each_violation_is_a_message_of_its_own() {
+        let violation = |path: &str| Violation {
+            path: path.to_owned(),
+            message: "bad".to_owned(),
+        };
+        let mut refusal = refusal(Code::InvalidArgument, "SCENE_INVALID");
+        refusal.violations = vec![violation("mesh"), violation("solver.tolerance")];
+        let failure = Failure::from(&refusal);
+        assert_eq!(failure.messages, ["mesh: bad", "solver.tolerance: bad"]);
+    }
+
+    #[test]
+    fn terminations_have_the_exit_codes_of_the_contract() {
+        assert_eq!(Exit::from(Termination::Converged), Exit::Ok);
+        assert_eq!(Exit::from(Termination::NotConverged), Exit::NotConverged);
+        assert_eq!(Exit::from(Termination::DeadlineExceeded), Exit::Deadline);
+        assert_eq!(Exit::from(Termination::InternalError), Exit::Server);
+    }
+}

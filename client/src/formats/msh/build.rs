@@ -1,0 +1,289 @@
+//! Makes a mesh of what a file holds: the highest dimension present gives the
+//! cells, the one below it the facets, physical groups become named groups.
+//!
+//! Vertices are ordered by node number, so that every version and encoding of
+//! one mesh gives the same mesh. Facets in no group are dropped: no key of a
+//! scene can name them.
+
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+use super::error::{Fault, MshError};
+use super::raw::{Block, Owner, RawMesh};
+use super::{MeshFile, MeshGroup};
+
+/// Indices on the wire are signed 32-bit numbers.
+const LARGEST: u64 = i32::MAX as u64;
+
+/// Relative distance from the plane z = 0 that is taken as rounding.
+const PLANE_TOLERANCE: f64 = 1e-12;
+
+/// The mesh of a file.
+pub(super) fn mesh(raw: &RawMesh) -> Result<MeshFile, MshError> {
+    let missing = |section| MshError::whole(Fault::MissingSection(section));
+    let nodes = raw.nodes.as_ref().ok_or_else(|| missing("Nodes"))?;
+    let blocks = raw.blocks.as_ref().ok_or_else(|| missing("Elements"))?;
+    assemble(raw, nodes, blocks).map_err(MshError::whole)
+}
+
+fn assemble(raw: &RawMesh, nodes: &[(u64, [f64; 3])], blocks: &[Block]) -> Result<MeshFile, Fault> {
+    let dimension = cell_dimension(blocks)?;
+    let numbering = Numbering::new(nodes, blocks)?;
+    let mut warnings = warnings(raw, blocks, dimension);
+    let coordinates = coordinates(&numbering, dimension)?;
+    let cells = collect(raw, blocks, dimension, &numbering)?;
+    let facets = collect(raw, blocks, dimension - 1, &numbering)?;
+    let mut groups = named(raw, dimension - 1, facets.groups, &mut warnings);
+    groups.extend(named(raw, dimension, cells.groups, &mut warnings));
+    Ok(MeshFile {
+        vertices_per_cell: dimension + 1,
+        coordinates,
+        cells: cells.vertices,
+        facets: facets.vertices,
+        groups,
+        warnings,
+    })
+}
+
+fn cell_dimension(blocks: &[Block]) -> Result<usize, Fault> {
+    let filled = blocks.iter().filter(|block| !block.nodes.is_empty());
+    filled
+        .map(|block| block.kind.dimension)
+        .max()
+        .filter(|dimension| *dimension >= 2)
+        .ok_or(Fault::NoCells)
+}
+
+/// Vertices in the order of their node numbers.
+struct Numbering {
+    sorted: Vec<(u64, [f64; 3])>,
+}
+
+impl Numbering {
+    fn new(nodes: &[(u64, [f64; 3])], blocks: &[Block]) -> Result<Self, Fault> {
+        let dropped = edge_nodes(blocks);
+        let kept = nodes.iter().filter(|(tag, _)| !dropped.contains(tag));
+        let mut sorted: Vec<_> = kept.copied().collect();
+        sorted.sort_by_key(|(tag, _)| *tag);
+        let neighbours = sorted.iter().zip(sorted.iter().skip(1));
+        if let Some((twice, _)) = neighbours.into_iter().find(|(a, b)| a.0 == b.0) {
+            return Err(Fault::DuplicateNode(twice.0));
+        }
+        let infinite = |(_, point): &&(u64, [f64; 3])| point.iter().any(|x| !x.is_finite());
+        if let Some((tag, _)) = sorted.iter().find(infinite) {
+            return Err(Fault::NotFinite(*tag));
+        }
+        if sorted.len() as u64 > LARGEST {
+            return Err(Fault::TooLarge(LARGEST));
+        }
+        Ok(Self { sorted })
+    }
+
+    fn index(&self, tag: u64) -> Result<u32, Fault> {
+        // Gmsh numbers nodes from 1 without gaps in nearly every file.
+        let guess = usize::try_from(tag).unwrap_or(usize::MAX).wrapping_sub(1);
+        let hit = self
+            .sorted
+            .get(guess)
+            .is_some_and(|(found, _)| *found == tag);
+        let index = if hit {
+            Some(guess)
+        } else {
+            self.sorted.binary_search_by_key(&tag, |(tag, _)| *tag).ok()
+        };
+        index
+            .and_then(|index| u32::try_from(index).ok())
+            .ok_or(Fault::UnknownNode(tag))
+    }
+}
+
+/// Nodes that second-order elements have beside their vertices.
+fn edge_nodes(blocks: &[Block]) -> HashSet<u64> {
+    let mut middle = HashSet::new();
+    for block in blocks {
+        let vertices = block.kind.vertices();
+        for element in block.nodes.chunks_exact(block.kind.nodes) {
+            middle.extend(element.iter().skip(vertices));
+        }
+    }
+    if middle.is_empty() {
+        return middle;
+    }
+    for block in blocks {
+        for element in block.nodes.chunks_exact(block.kind.nodes) {
+            for vertex in element.iter().take(block.kind.vertices()) {
+                middle.remove(vertex);
+            }
+        }
+    }
+    middle
+}
+
+fn coordinates(numbering: &Numbering, dimension: usize) -> Result<Vec<[f64; 3]>, Fault> {
+    let points = numbering.sorted.iter();
+    if dimension == 3 {
+        return Ok(points.map(|(_, point)| *point).collect());
+    }
+    let extent = points.clone().fold(0.0_f64, |extent, (_, [x, y, _])| {
+        extent.max(x.abs()).max(y.abs())
+    });
+    let flat = |(node, [x, y, z]): &(u64, [f64; 3])| {
+        if z.abs() <= PLANE_TOLERANCE * extent {
+            return Ok([*x, *y, 0.0]);
+        }
+        let (node, z) = (*node, z.to_string());
+        Err(Fault::NotPlanar { node, z })
+    };
+    points.map(flat).collect()
+}
+
+/// Elements of one dimension.
+#[derive(Default)]
+struct Elements {
+    vertices: Vec<u32>,
+    /// Members by physical group number.
+    groups: BTreeMap<i64, Vec<u32>>,
+    /// Elements by vertices, with the groups each was seen in (MSH 2.2 only).
+    seen: HashMap<[u32; 4], (u32, Vec<i64>)>,
+}
+
+fn collect(
+    raw: &RawMesh,
+    blocks: &[Block],
+    dimension: usize,
+    numbering: &Numbering,
+) -> Result<Elements, Fault> {
+    let mut elements = Elements::default();
+    for block in blocks
+        .iter()
+        .filter(|block| block.kind.dimension == dimension)
+    {
+        let groups = groups_of(raw, block);
+        if groups.is_empty() && is_facet(blocks, dimension) {
+            continue;
+        }
+        for element in block.nodes.chunks_exact(block.kind.nodes) {
+            let mut vertices = [u32::MAX; 4];
+            for (slot, tag) in vertices.iter_mut().zip(element.iter().take(dimension + 1)) {
+                *slot = numbering.index(*tag)?;
+            }
+            let vertices = vertices.get(..=dimension).unwrap_or_default();
+            match block.owner {
+                Owner::Physical(group) => elements.add_copy(vertices, group)?,
+                Owner::Entity(_) => elements.add(vertices, &groups)?,
+            }
+        }
+    }
+    Ok(elements)
+}
+
+fn is_facet(blocks: &[Block], dimension: usize) -> bool {
+    blocks
+        .iter()
+        .any(|block| block.kind.dimension > dimension && !block.nodes.is_empty())
+}
+
+fn groups_of(raw: &RawMesh, block: &Block) -> Vec<i64> {
+    match block.owner {
+        Owner::Physical(0) => Vec::new(),
+        Owner::Physical(tag) => vec![tag],
+        Owner::Entity(tag) => raw
+            .entities
+            .get(&(block.kind.dimension, tag))
+            .cloned()
+            .unwrap_or_default(),
+    }
+}
+
+impl Elements {
+    /// Adds an element to its groups.
+    fn add(&mut self, vertices: &[u32], groups: &[i64]) -> Result<(), Fault> {
+        let next = self.next(vertices)?;
+        self.vertices.extend(vertices);
+        for group in groups {
+            self.groups.entry(*group).or_default().push(next);
+        }
+        Ok(())
+    }
+
+    fn next(&self, vertices: &[u32]) -> Result<u32, Fault> {
+        let next = self.vertices.len() / vertices.len().max(1);
+        let next = u32::try_from(next).ok();
+        next.filter(|next| u64::from(*next) < LARGEST)
+            .ok_or(Fault::TooLarge(LARGEST))
+    }
+
+    /// Adds an element of MSH 2.2, which writes an element once for each of its
+    /// groups: the copies are one element. A copy in the *same* group is a
+    /// fault of the mesh and is kept for the solver's check to find.
+    fn add_copy(&mut self, vertices: &[u32], group: i64) -> Result<(), Fault> {
+        let next = self.next(vertices)?;
+        let mut key = [u32::MAX; 4];
+        for (slot, vertex) in key.iter_mut().zip(vertices) {
+            *slot = *vertex;
+        }
+        let (first, groups) = self.seen.entry(key).or_insert_with(|| (next, Vec::new()));
+        if *first == next || groups.contains(&group) {
+            groups.push(group);
+            let groups: &[i64] = if group == 0 { &[] } else { &[group] };
+            return self.add(vertices, groups);
+        }
+        groups.push(group);
+        if group != 0 {
+            self.groups.entry(group).or_default().push(*first);
+        }
+        Ok(())
+    }
+}
+
+/// Groups in the order of their numbers; groups of one name become one.
+fn named(
+    raw: &RawMesh,
+    dimension: usize,
+    members: BTreeMap<i64, Vec<u32>>,
+    warnings: &mut Vec<String>,
+) -> Vec<MeshGroup> {
+    let mut groups: Vec<MeshGroup> = Vec::new();
+    for (tag, members) in members {
+        let name = raw.names.get(&(dimension, tag));
+        let name = name.cloned().unwrap_or_else(|| tag.to_string());
+        match groups.iter_mut().find(|group| group.name == name) {
+            Some(group) => {
+                warnings.push(format!(
+                    "physical groups of the same name \"{name}\" are taken as one"
+                ));
+                group.members.extend(members);
+            }
+            None => groups.push(MeshGroup {
+                name,
+                dimension,
+                members,
+            }),
+        }
+    }
+    for group in &mut groups {
+        group.members.sort_unstable();
+        group.members.dedup();
+    }
+    groups
+}
+
+fn warnings(raw: &RawMesh, blocks: &[Block], dimension: usize) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let second_order = |block: &&Block| block.kind.nodes > block.kind.vertices();
+    let curved: usize = blocks
+        .iter()
+        .filter(second_order)
+        .filter(|block| block.kind.dimension == dimension)
+        .map(|block| block.nodes.len() / block.kind.nodes)
+        .sum();
+    if curved > 0 {
+        warnings.push(format!(
+            "{curved} second-order cells are read through their vertices: curved edges become straight"
+        ));
+    }
+    let ignored = raw.names.iter().filter(|((of, _), _)| *of + 1 < dimension);
+    warnings.extend(ignored.map(|((of, _), name)| {
+        format!("physical group \"{name}\" of dimension {of} is ignored: only cells and facets have groups")
+    }));
+    warnings
+}

@@ -1,0 +1,185 @@
+//! Reads Gmsh MSH 4.1 and 2.2, text and binary, into vertices, cells, facets
+//! and named groups.
+//!
+//! Assumptions: straight-sided triangles or tetrahedra (second-order elements
+//! are read through their vertices, with a warning); the highest dimension
+//! present gives the cells, the next lower one the facets. Vertices are ordered
+//! by node number, elements as in the file. Unnamed physical groups are named
+//! by their number.
+//!
+//! Cost: one pass over the bytes and one hash look-up an element. No allocation
+//! is larger than a constant times the size of the file, whatever it declares.
+
+mod build;
+mod cursor;
+mod error;
+mod raw;
+mod v22;
+mod v41;
+
+#[cfg(test)]
+mod tests;
+
+pub use error::{Fault, MshError, Position};
+
+use cursor::{Cursor, Encoding};
+use raw::RawMesh;
+
+/// A named set of cells or facets.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MeshGroup {
+    /// Physical name, or the physical number where there is no name.
+    pub name: String,
+    /// Of its members: that of the cells, or one less for facets.
+    pub dimension: usize,
+    /// Indices into cells or facets, ascending.
+    pub members: Vec<u32>,
+}
+
+/// A mesh as a file gives it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeshFile {
+    /// 3 for triangles, 4 for tetrahedra.
+    pub vertices_per_cell: usize,
+    /// One row a vertex [vertices, 3], length; z = 0 for triangles.
+    pub coordinates: Vec<[f64; 3]>,
+    /// Vertices of the cells, flat [cells, `vertices_per_cell`].
+    pub cells: Vec<u32>,
+    /// Vertices of the facets, flat [facets, `vertices_per_cell` - 1].
+    pub facets: Vec<u32>,
+    /// Facet groups, then cell groups, each by physical number.
+    pub groups: Vec<MeshGroup>,
+    /// What the reader left out or changed.
+    pub warnings: Vec<String>,
+}
+
+impl MeshFile {
+    /// Cells.
+    pub fn cell_count(&self) -> usize {
+        self.cells.len() / self.vertices_per_cell
+    }
+
+    /// Facets.
+    pub fn facet_count(&self) -> usize {
+        self.facets.len() / (self.vertices_per_cell - 1)
+    }
+}
+
+/// Reads a mesh file.
+///
+/// # Errors
+/// The first fault found, with its section and its line or byte offset.
+pub fn read(bytes: &[u8]) -> Result<MeshFile, MshError> {
+    let mut cursor = Cursor::new(bytes);
+    let version = format(&mut cursor)?;
+    let mut raw = RawMesh::default();
+    while let Some(section) = cursor.open_section()? {
+        read_section(&mut cursor, version, &section, &mut raw)?;
+    }
+    build::mesh(&raw)
+}
+
+/// The two versions differ in their sections of nodes and elements.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Version {
+    V22,
+    V41,
+}
+
+fn format(cursor: &mut Cursor<'_>) -> Result<Version, MshError> {
+    match cursor.open_section() {
+        Ok(Some(section)) if section == "MeshFormat" => {}
+        _ => return Err(MshError::whole(Fault::NotMsh)),
+    }
+    let word = cursor.word("the version")?;
+    let version = match word.as_str() {
+        "2.2" => Version::V22,
+        "4.1" => Version::V41,
+        _ => return Err(cursor.error(Fault::Version(word))),
+    };
+    let file_type = cursor.text_integer("the file type (0 text, 1 binary)")?;
+    let data_size = cursor.text_integer("the data size")?;
+    if data_size != 8 {
+        return Err(cursor.error(Fault::DataSize(data_size)));
+    }
+    match file_type {
+        0 => {}
+        1 => binary_mark(cursor)?,
+        other => {
+            let (expected, found) = ("the file type (0 text, 1 binary)", other.to_string());
+            return Err(cursor.error(Fault::Unexpected { expected, found }));
+        }
+    }
+    cursor.close_section()?;
+    Ok(version)
+}
+
+/// The integer one tells the byte order of binary data.
+fn binary_mark(cursor: &mut Cursor<'_>) -> Result<(), MshError> {
+    cursor.end_line();
+    cursor.set_encoding(Encoding::Binary);
+    let mark = cursor.integer("the byte order mark")?;
+    match mark {
+        1 => Ok(()),
+        0x0100_0000 => Err(cursor.error(Fault::ForeignByteOrder)),
+        other => {
+            let (expected, found) = ("the byte order mark", other.to_string());
+            Err(cursor.error(Fault::Unexpected { expected, found }))
+        }
+    }
+}
+
+fn read_section(
+    cursor: &mut Cursor<'_>,
+    version: Version,
+    section: &str,
+    raw: &mut RawMesh,
+) -> Result<(), MshError> {
+    match (section, version) {
+        ("PhysicalNames", _) => physical_names(cursor, raw)?,
+        ("Entities", Version::V41) => raw.entities = v41::entities(cursor)?,
+        ("PartitionedEntities", _) => return Err(cursor.error(Fault::Partitioned)),
+        ("Nodes", _) => {
+            let nodes = match version {
+                Version::V22 => v22::nodes(cursor)?,
+                Version::V41 => v41::nodes(cursor)?,
+            };
+            once(cursor, &mut raw.nodes, nodes, "Nodes")?;
+        }
+        ("Elements", _) => {
+            let blocks = match version {
+                Version::V22 => v22::elements(cursor)?,
+                Version::V41 => v41::elements(cursor)?,
+            };
+            once(cursor, &mut raw.blocks, blocks, "Elements")?;
+        }
+        _ => return cursor.skip_section(),
+    }
+    cursor.close_section()
+}
+
+fn once<T>(
+    cursor: &Cursor<'_>,
+    slot: &mut Option<T>,
+    value: T,
+    section: &'static str,
+) -> Result<(), MshError> {
+    match slot.replace(value) {
+        None => Ok(()),
+        Some(_) => Err(cursor.error(Fault::RepeatedSection(section))),
+    }
+}
+
+/// Names are text in both encodings.
+fn physical_names(cursor: &mut Cursor<'_>, raw: &mut RawMesh) -> Result<(), MshError> {
+    let what = "the number of physical names";
+    let declared = cursor.text_integer(what)?;
+    for _ in 0..declared {
+        let dimension = cursor.text_integer("a dimension")?;
+        let tag = cursor.text_integer("a physical number")?;
+        let name = cursor.quoted("a name in double quotes")?;
+        let dimension = usize::try_from(dimension).unwrap_or(usize::MAX);
+        raw.names.insert((dimension, tag), name);
+    }
+    Ok(())
+}

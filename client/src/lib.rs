@@ -1,0 +1,36 @@
+//! Client of the Signorini service: connections, meshes, sessions, the solving
+//! stream, and the files around them (Gmsh meshes and TOML scenes in, VTK files
+//! and result lines out).
+//!
+//! A session in outline: [`formats::msh::read`] a mesh, [`Client::upload_mesh`]
+//! it, [`scene_file::read`] a scene and name the mesh in it,
+//! [`Client::create_session`], [`Client::solve`], send steps through
+//! [`solve::Updates`] and take results from [`solve::Events`].
+//!
+//! The library knows the wire format only, never the solver. It prints nothing;
+//! network errors and bad files are typed errors ([`ClientError`],
+//! [`formats::msh::MshError`], [`scene_file::SceneFileError`]). Cost beside the
+//! server's: one copy of each mesh and field.
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing
+    )
+)]
+
+mod connect;
+mod error;
+pub mod formats;
+mod mesh;
+pub mod result_line;
+pub mod scene_file;
+mod session;
+pub mod solve;
+
+pub use connect::{Client, ServerAddress};
+pub use error::{ClientError, Refusal, Violation};
+pub use mesh::{Uploaded, WireMesh};
+pub use session::NewSession;

@@ -1,0 +1,35 @@
+//! The command line tool `signorini`: solves scenes through the service and
+//! starts servers.
+//!
+//! Data go to stdout, everything else to stderr. Exit codes: see [`exit::Exit`].
+#![warn(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing
+)]
+
+mod arguments;
+mod commands;
+mod connection;
+mod exit;
+mod input;
+mod output;
+mod progress;
+mod results;
+mod table;
+mod text;
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use clap::Parser as _;
+
+use arguments::Arguments;
+
+fn main() -> ExitCode {
+    let started = Instant::now();
+    let arguments = Arguments::parse();
+    let outcome = commands::run(arguments, started);
+    outcome.unwrap_or_else(|failure| failure.report()).into()
+}

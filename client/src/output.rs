@@ -1,0 +1,47 @@
+//! Where result lines go: stdout, a file, both or nowhere.
+
+use std::fs::File;
+use std::io::{BufWriter, Write as _};
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::exit::Failure;
+use crate::text::print;
+
+/// Receives result lines.
+#[derive(Default)]
+pub(crate) struct LineSink {
+    stdout: Option<()>,
+    file: Option<(PathBuf, BufWriter<File>)>,
+}
+
+impl LineSink {
+    /// Also prints each line.
+    pub(crate) fn with_stdout(mut self) -> Self {
+        self.stdout = Some(());
+        self
+    }
+
+    /// Also writes each line to a new file.
+    pub(crate) fn with_file(mut self, path: &Path) -> Result<Self, Failure> {
+        let file = File::create(path).map_err(|error| Failure::unwritable(path, &error))?;
+        self.file = Some((path.to_owned(), BufWriter::new(file)));
+        Ok(self)
+    }
+
+    /// Whether anybody reads the lines.
+    pub(crate) fn is_open(&self) -> bool {
+        self.stdout.is_some() || self.file.is_some()
+    }
+
+    /// Writes one object as one line.
+    pub(crate) fn write(&mut self, line: &Value) -> Result<(), Failure> {
+        let text = format!("{line}\n");
+        if let Some((path, file)) = &mut self.file {
+            let written = file.write_all(text.as_bytes()).and_then(|()| file.flush());
+            written.map_err(|error| Failure::unwritable(path, &error))?;
+        }
+        self.stdout.map_or(Ok(()), |()| print(&text))
+    }
+}

@@ -1,0 +1,314 @@
+//! Walks a TOML table with its list of known keys and collects every fault
+//! with its path.
+
+use std::cell::RefCell;
+
+use toml::{Table, Value};
+
+use super::suggest::nearest;
+use crate::error::Violation;
+
+/// Faults found so far.
+#[derive(Debug, Default)]
+pub(super) struct Faults(RefCell<Vec<Violation>>);
+
+impl Faults {
+    pub(super) fn add(&self, path: String, message: String) {
+        self.0.borrow_mut().push(Violation { path, message });
+    }
+
+    pub(super) fn finish(self) -> Result<(), Vec<Violation>> {
+        let faults = self.0.into_inner();
+        if faults.is_empty() {
+            Ok(())
+        } else {
+            Err(faults)
+        }
+    }
+}
+
+/// One table of the file.
+pub(super) struct Keys<'a> {
+    path: String,
+    table: &'a Table,
+    faults: &'a Faults,
+}
+
+impl<'a> Keys<'a> {
+    /// A table; keys that are not known are faults.
+    pub(super) fn new(path: String, table: &'a Table, known: &[&str], faults: &'a Faults) -> Self {
+        let keys = Self {
+            path,
+            table,
+            faults,
+        };
+        for key in table.keys().filter(|key| !known.contains(&key.as_str())) {
+            let message = match nearest(key, known.iter().copied()) {
+                Some(near) => format!("unknown key; did you mean \"{near}\"?"),
+                None => format!("unknown key; known keys are {}", known.join(", ")),
+            };
+            faults.add(keys.at(key), message);
+        }
+        keys
+    }
+
+    fn at(&self, key: &str) -> String {
+        join(&self.path, key)
+    }
+
+    pub(super) fn fault(&self, key: &str, message: impl Into<String>) {
+        self.faults.add(self.at(key), message.into());
+    }
+
+    /// A fault of the table as a whole.
+    pub(super) fn fault_here(&self, message: impl Into<String>) {
+        self.faults.add(self.path.clone(), message.into());
+    }
+
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.table.contains_key(key)
+    }
+
+    fn wrong_type(&self, key: &str, expected: &str, found: &Value) {
+        self.fault(
+            key,
+            format!("{expected} is expected, found {}", type_name(found)),
+        );
+    }
+
+    /// The value as `read` takes it; a fault when it does not.
+    fn read<T>(
+        &self,
+        key: &str,
+        expected: &str,
+        read: impl FnOnce(&'a Value) -> Option<T>,
+    ) -> Option<T> {
+        let value = self.table.get(key)?;
+        let taken = read(value);
+        if taken.is_none() {
+            self.wrong_type(key, expected, value);
+        }
+        taken
+    }
+
+    /// Reports a required key that is missing.
+    fn require(&self, key: &str) {
+        if !self.has(key) {
+            self.fault(key, "required key is missing");
+        }
+    }
+
+    pub(super) fn number(&self, key: &str) -> Option<f64> {
+        self.read(key, "a number", as_number)
+    }
+
+    pub(super) fn required_number(&self, key: &str) -> Option<f64> {
+        self.require(key);
+        self.number(key)
+    }
+
+    pub(super) fn integer(&self, key: &str) -> Option<i32> {
+        let value = self.read(key, "an integer", Value::as_integer)?;
+        let small = i32::try_from(value);
+        if small.is_err() {
+            self.fault(key, format!("{value} is out of range"));
+        }
+        small.ok()
+    }
+
+    pub(super) fn boolean(&self, key: &str) -> Option<bool> {
+        self.read(key, "true or false", Value::as_bool)
+    }
+
+    pub(super) fn text(&self, key: &str) -> Option<String> {
+        self.read(key, "a string", Value::as_str).map(str::to_owned)
+    }
+
+    pub(super) fn required_text(&self, key: &str) -> String {
+        self.require(key);
+        self.text(key).unwrap_or_default()
+    }
+
+    /// Another type than text, or one word that stands for leaving the key out.
+    pub(super) fn text_or<T>(
+        &self,
+        key: &str,
+        word: &str,
+        read: impl FnOnce(&Self, &str) -> Option<T>,
+    ) -> Option<T> {
+        let given = self.table.get(key).and_then(Value::as_str);
+        if given == Some(word) {
+            None
+        } else {
+            read(self, key)
+        }
+    }
+
+    /// One of some words.
+    pub(super) fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
+        let word = self.text(key)?;
+        let found = choices.iter().find(|(name, _)| *name == word);
+        if found.is_none() {
+            self.unknown_word(key, &word, choices.iter().map(|(name, _)| *name));
+        }
+        found.map(|(_, value)| *value)
+    }
+
+    pub(super) fn unknown_word<'w>(
+        &self,
+        key: &str,
+        word: &str,
+        known: impl Iterator<Item = &'w str> + Clone,
+    ) {
+        let message = match nearest(word, known.clone()) {
+            Some(near) => format!("\"{word}\" is not known; did you mean \"{near}\"?"),
+            None => {
+                let known: Vec<_> = known.collect();
+                format!("\"{word}\" is not known; known are {}", known.join(", "))
+            }
+        };
+        self.fault(key, message);
+    }
+
+    /// A string or a list of strings.
+    pub(super) fn names(&self, key: &str) -> Vec<String> {
+        let names = self.read(key, "a string or a list of strings", |value| match value {
+            Value::String(name) => Some(vec![name.clone()]),
+            Value::Array(names) => names
+                .iter()
+                .map(|name| name.as_str().map(str::to_owned))
+                .collect(),
+            Value::Integer(_)
+            | Value::Float(_)
+            | Value::Boolean(_)
+            | Value::Datetime(_)
+            | Value::Table(_) => None,
+        });
+        names.unwrap_or_default()
+    }
+
+    pub(super) fn required_names(&self, key: &str) -> Vec<String> {
+        self.require(key);
+        self.names(key)
+    }
+
+    /// Numbers in any count.
+    pub(super) fn numbers(&self, key: &str) -> Vec<f64> {
+        let numbers = self.read(key, "a list of numbers", |value| {
+            value
+                .as_array()?
+                .iter()
+                .map(as_number)
+                .collect::<Option<Vec<f64>>>()
+        });
+        numbers.unwrap_or_default()
+    }
+
+    /// Three numbers; empty when the key is left out.
+    pub(super) fn vector(&self, key: &str) -> Vec<f64> {
+        let numbers = self.read(key, "a list of three numbers", |value| {
+            let numbers = value.as_array()?;
+            let numbers = numbers
+                .iter()
+                .map(as_number)
+                .collect::<Option<Vec<f64>>>()?;
+            Some(numbers).filter(|numbers| numbers.len() == 3)
+        });
+        numbers.unwrap_or_default()
+    }
+
+    pub(super) fn required_vector(&self, key: &str) -> Vec<f64> {
+        self.require(key);
+        self.vector(key)
+    }
+
+    fn raw_table(&self, key: &str) -> Option<&'a Table> {
+        self.read(key, "a table", Value::as_table)
+    }
+
+    /// A table of known keys.
+    pub(super) fn table(&self, key: &str, known: &[&str]) -> Option<Keys<'a>> {
+        let table = self.raw_table(key)?;
+        Some(Keys::new(self.at(key), table, known, self.faults))
+    }
+
+    /// A table whose keys are not checked before more of it is known.
+    pub(super) fn open_table(&self, key: &str) -> Option<Keys<'a>> {
+        let (path, table) = (self.at(key), self.raw_table(key)?);
+        Some(Keys {
+            path,
+            table,
+            faults: self.faults,
+        })
+    }
+
+    pub(super) fn required_open_table(&self, key: &str) -> Option<Keys<'a>> {
+        self.require(key);
+        self.open_table(key)
+    }
+
+    /// Checks the keys of a table made by [`Keys::open_table`].
+    pub(super) fn check(&self, known: &[&str]) {
+        Keys::new(self.path.clone(), self.table, known, self.faults);
+    }
+
+    /// The tables in a table, by name.
+    pub(super) fn named_tables(&self, key: &str) -> Vec<(String, Keys<'a>)> {
+        let Some(outer) = self.open_table(key) else {
+            return Vec::new();
+        };
+        let names = outer.table.keys();
+        names
+            .filter_map(|name| Some((name.clone(), outer.open_table(name)?)))
+            .collect()
+    }
+
+    /// An array of tables. Those with a `name` are called by it in paths, the
+    /// others by their position.
+    pub(super) fn tables(&self, key: &str, known: &[&str]) -> Vec<Keys<'a>> {
+        let tables = self.read(key, "an array of tables ([[...]])", |value| {
+            value
+                .as_array()?
+                .iter()
+                .map(Value::as_table)
+                .collect::<Option<Vec<_>>>()
+        });
+        let tables = tables.unwrap_or_default().into_iter().enumerate();
+        tables
+            .map(|(index, table)| {
+                let path = match table.get("name").and_then(Value::as_str) {
+                    Some(name) => join(&self.at(key), name),
+                    None => format!("{}[{index}]", self.at(key)),
+                };
+                Keys::new(path, table, known, self.faults)
+            })
+            .collect()
+    }
+}
+
+fn join(path: &str, key: &str) -> String {
+    if path.is_empty() {
+        key.to_owned()
+    } else {
+        format!("{path}.{key}")
+    }
+}
+
+#[allow(clippy::cast_precision_loss)]
+fn as_number(value: &Value) -> Option<f64> {
+    value
+        .as_float()
+        .or_else(|| value.as_integer().map(|integer| integer as f64))
+}
+
+fn type_name(value: &Value) -> &'static str {
+    match value {
+        Value::String(_) => "a string",
+        Value::Integer(_) => "an integer",
+        Value::Float(_) => "a number",
+        Value::Boolean(_) => "true or false",
+        Value::Datetime(_) => "a date",
+        Value::Array(_) => "a list",
+        Value::Table(_) => "a table",
+    }
+}

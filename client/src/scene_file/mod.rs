@@ -1,0 +1,126 @@
+//! Scene files: TOML into the message that the service takes.
+//!
+//! The form only is read here: names of keys, types of values, required keys.
+//! What the values mean is checked by the server, which answers with the same
+//! key paths; keys of capabilities that it does not have yet are passed on, so
+//! that it can say so. Every fault of a file is reported, not just the first.
+
+mod body;
+mod keys;
+mod obstacle;
+mod overrides;
+mod step;
+mod suggest;
+
+#[cfg(test)]
+mod tests;
+
+use std::path::{Path, PathBuf};
+
+use signorini_proto::v1;
+use toml::Table;
+
+pub use overrides::Override;
+
+use crate::error::Violation;
+use keys::{Faults, Keys};
+
+const SCENE: &[&str] = &[
+    "name",
+    "mesh",
+    "mesh_scale",
+    "kind",
+    "material",
+    "support",
+    "traction",
+    "pressure",
+    "body_force",
+    "obstacle",
+    "manufactured",
+    "step",
+    "solver",
+    "probe",
+    "output",
+];
+
+const KINDS: &[(&str, v1::SceneKind)] = &[
+    ("solid", v1::SceneKind::Solid),
+    ("plane-strain", v1::SceneKind::PlaneStrain),
+    ("axisymmetric", v1::SceneKind::Axisymmetric),
+];
+
+/// A scene file that has been read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SceneFile {
+    /// The message; `mesh` is still empty, for the mesh has no digest yet.
+    pub scene: v1::Scene,
+    /// Path of the mesh file.
+    pub mesh: PathBuf,
+}
+
+/// Why a scene file cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SceneFileError {
+    /// The text is not TOML; line and column are in the message.
+    #[error("not a TOML file: {0}")]
+    Syntax(String),
+    /// Keys that are wrong, at least one.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Invalid(Vec<Violation>),
+}
+
+/// Reads a scene from text. `path` names the file: its stem is the default name
+/// and its folder is where a relative `mesh` begins. Overrides are applied to
+/// the file's tables before anything is checked; a mesh among them is relative
+/// to the working directory.
+///
+/// # Errors
+/// [`SceneFileError`], with every key that is wrong.
+pub fn read(text: &str, path: &Path, overrides: &[Override]) -> Result<SceneFile, SceneFileError> {
+    let mut table: Table = text.parse().map_err(|error: toml::de::Error| {
+        SceneFileError::Syntax(error.to_string().trim_end().to_owned())
+    })?;
+    let faults = Faults::default();
+    for change in overrides {
+        if let Err(violation) = change.apply(&mut table) {
+            faults.add(violation.path, violation.message);
+        }
+    }
+    let keys = Keys::new(String::new(), &table, SCENE, &faults);
+    let stem = path
+        .file_stem()
+        .map(|stem| stem.to_string_lossy().into_owned());
+    let scene = scene(&keys, stem.unwrap_or_default());
+    let mesh = PathBuf::from(keys.required_text("mesh"));
+    let given = overrides.iter().any(Override::is_mesh);
+    let folder = if given {
+        Path::new("")
+    } else {
+        path.parent().unwrap_or(Path::new(""))
+    };
+    faults.finish().map_err(SceneFileError::Invalid)?;
+    Ok(SceneFile {
+        scene,
+        mesh: folder.join(mesh),
+    })
+}
+
+fn scene(keys: &Keys<'_>, stem: String) -> v1::Scene {
+    v1::Scene {
+        name: keys.text("name").unwrap_or(stem),
+        mesh: String::new(),
+        mesh_scale: keys.number("mesh_scale"),
+        kind: keys.choice("kind", KINDS).map_or(0, i32::from),
+        materials: body::materials(keys),
+        supports: body::supports(keys),
+        tractions: body::tractions(keys),
+        pressures: body::pressures(keys),
+        body_force: body::body_force(keys),
+        obstacles: obstacle::obstacles(keys),
+        manufactured: body::manufactured(keys),
+        steps: step::steps(keys),
+        solver: body::solver(keys),
+        probes: body::probes(keys),
+        output: body::output(keys),
+    }
+}

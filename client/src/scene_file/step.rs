@@ -1,0 +1,51 @@
+//! Load steps.
+
+use signorini_proto::v1;
+
+use super::body::components;
+use super::keys::Keys;
+
+pub(super) fn steps(scene: &Keys<'_>) -> Vec<v1::LoadStep> {
+    let tables = scene.tables("step", &["increments", "load", "obstacle", "support"]);
+    let step = |keys: &Keys<'_>| v1::LoadStep {
+        increments: keys.integer("increments"),
+        load: keys.number("load"),
+        obstacles: obstacles(keys),
+        supports: supports(keys),
+    };
+    tables.iter().map(step).collect()
+}
+
+fn obstacles(step: &Keys<'_>) -> Vec<v1::ObstacleTarget> {
+    let tables = step.named_tables("obstacle");
+    let target = |(name, keys): (String, Keys<'_>)| {
+        keys.check(&["translation", "rotation", "force", "moment", "friction"]);
+        v1::ObstacleTarget {
+            name,
+            translation: keys.vector("translation"),
+            rotation: keys.vector("rotation"),
+            force: components(&keys, "force"),
+            moment: components(&keys, "moment"),
+            friction: keys.number("friction"),
+        }
+    };
+    tables.into_iter().map(target).collect()
+}
+
+fn supports(step: &Keys<'_>) -> Vec<v1::SupportTarget> {
+    let tables = step.named_tables("support");
+    let target = |(name, keys): (String, Keys<'_>)| {
+        keys.check(&["displacement", "translation", "rotation", "about"]);
+        if keys.has("displacement") && (keys.has("translation") || keys.has("rotation")) {
+            keys.fault_here("give either displacement, or translation and rotation, not both");
+        }
+        v1::SupportTarget {
+            name,
+            displacement: components(&keys, "displacement"),
+            translation: keys.vector("translation"),
+            rotation: keys.vector("rotation"),
+            about: keys.vector("about"),
+        }
+    };
+    tables.into_iter().map(target).collect()
+}

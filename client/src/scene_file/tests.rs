@@ -1,0 +1,222 @@
+//! Scene files and the messages they become.
+
+use std::path::Path;
+
+use signorini_proto::v1;
+
+use super::{SceneFile, SceneFileError, read};
+use crate::error::Violation;
+
+const SMALL: &str = r#"
+mesh = "meshes/a.msh"
+[material.body]
+model = "linear-elastic"
+shear_modulus = 1
+poisson_ratio = 0.5
+"#;
+
+fn parse(text: &str, overrides: &[&str]) -> Result<SceneFile, SceneFileError> {
+    let overrides: Vec<_> = overrides.iter().map(|text| text.parse().unwrap()).collect();
+    read(text, Path::new("folder/small.toml"), &overrides)
+}
+
+fn violations(text: &str) -> Vec<Violation> {
+    match parse(text, &[]) {
+        Err(SceneFileError::Invalid(violations)) => violations,
+        other => unreachable!("{other:?}"),
+    }
+}
+
+fn fault(addition: &str) -> String {
+    violations(&format!("{SMALL}{addition}"))
+        .iter()
+        .map(ToString::to_string)
+        .collect::<Vec<_>>()
+        .join("; ")
+}
+
+#[test]
+fn defaults_come_from_the_file_name() {
+    let file = parse(SMALL, &[]).unwrap();
+    assert_eq!(file.scene.name, "small");
+    assert_eq!(file.mesh, Path::new("folder/meshes/a.msh"));
+    assert_eq!(file.scene.kind(), v1::SceneKind::Unspecified);
+    assert_eq!(file.scene.solver, None);
+}
+
+#[test]
+fn a_mesh_that_is_set_is_relative_to_the_working_directory() {
+    let file = parse(SMALL, &["mesh=other/b.msh"]).unwrap();
+    assert_eq!(file.mesh, Path::new("other/b.msh"));
+}
+
+#[test]
+fn integers_are_numbers_and_infinities_are_passed_on() {
+    let file = parse(
+        SMALL,
+        &["material.body.poisson_ratio=nan", "mesh_scale=-inf"],
+    )
+    .unwrap();
+    let material = &file.scene.materials[0];
+    let Some(v1::material::Model::LinearElastic(law)) = &material.model else {
+        unreachable!()
+    };
+    assert_eq!(
+        law.modulus,
+        Some(v1::linear_elastic::Modulus::ShearModulus(1.0))
+    );
+    assert!(law.poisson_ratio.unwrap().is_nan());
+    assert_eq!(file.scene.mesh_scale, Some(f64::NEG_INFINITY));
+}
+
+#[test]
+fn unknown_keys_suggest_the_nearest() {
+    assert_eq!(
+        fault("poison_ratio = 0.5"),
+        "material.body.poison_ratio: unknown key; did you mean \"poisson_ratio\"?"
+    );
+    assert_eq!(
+        fault("[solver]\ntolerence = 1"),
+        "solver.tolerence: unknown key; did you mean \"tolerance\"?"
+    );
+    assert!(fault("[extra]").starts_with("extra: unknown key; known keys are name, mesh"));
+    let addition = "[[obstacle]]\nname = \"ball\"\non = \"z1\"\nshape = { kind = \"spere\" }";
+    assert_eq!(
+        fault(addition),
+        "obstacle.ball.shape.kind: \"spere\" is not known; did you mean \"sphere\"?"
+    );
+}
+
+#[test]
+fn wrong_types_name_both_types() {
+    assert_eq!(
+        fault("[[traction]]\non = 3\nvalue = [0, 1]"),
+        "traction[0].on: a string or a list of strings is expected, found an integer; \
+         traction[0].value: a list of three numbers is expected, found a list"
+    );
+    assert_eq!(
+        fault("[[step]]\nincrements = 2.5"),
+        "step[0].increments: an integer is expected, found a number"
+    );
+    assert_eq!(
+        fault("[[step]]\nincrements = 5000000000"),
+        "step[0].increments: 5000000000 is out of range"
+    );
+    assert_eq!(
+        fault("[support]"),
+        "support: an array of tables ([[...]]) is expected, found a table"
+    );
+}
+
+#[test]
+fn an_empty_scene_misses_its_mesh() {
+    let faults = violations("");
+    assert_eq!(
+        faults,
+        [Violation {
+            path: "mesh".into(),
+            message: "required key is missing".into()
+        }]
+    );
+}
+
+#[test]
+fn missing_keys_are_all_reported() {
+    let addition =
+        "[[support]]\nname = \"base\"\n[[obstacle]]\n[material.core]\nmodel = \"linear-elastic\"";
+    let paths: Vec<_> = violations(&format!("{SMALL}{addition}"))
+        .into_iter()
+        .map(|fault| fault.path)
+        .collect();
+    assert_eq!(
+        paths,
+        [
+            "material.core.shear_modulus",
+            "material.core.poisson_ratio",
+            "support.base.displacement",
+            "support.base.on",
+            "obstacle[0].on",
+            "obstacle[0].shape",
+        ]
+    );
+}
+
+#[test]
+fn two_moduli_contradict_each_other() {
+    assert!(fault("young_modulus = 3").starts_with("material.body.young_modulus: give either"));
+}
+
+#[test]
+fn text_that_is_not_toml_is_a_syntax_error_with_its_line() {
+    let error = parse("mesh = \n", &[]).unwrap_err();
+    assert!(matches!(error, SceneFileError::Syntax(_)));
+    assert!(error.to_string().contains("line 1"), "{error}");
+}
+
+#[test]
+fn every_key_of_the_contract_reaches_the_message() {
+    let text = include_str!("every_key.toml");
+    let scene = parse(text, &[]).unwrap().scene;
+    assert_eq!(scene.kind(), v1::SceneKind::Solid);
+    assert_eq!(scene.materials.len(), 6);
+    assert!(
+        scene
+            .materials
+            .iter()
+            .all(|material| material.model.is_some())
+    );
+    assert_eq!(
+        scene
+            .supports
+            .iter()
+            .map(|support| support.name.as_str())
+            .collect::<Vec<_>>(),
+        ["base", "support-2"]
+    );
+    assert_eq!(scene.supports[1].normal, Some(0.0));
+    assert_eq!(
+        (
+            scene.tractions.len(),
+            scene.pressures.len(),
+            scene.body_force.len()
+        ),
+        (1, 1, 3)
+    );
+    assert_eq!(scene.obstacles.len(), 10);
+    assert!(scene.obstacles.iter().all(|obstacle| {
+        obstacle
+            .shape
+            .as_ref()
+            .is_some_and(|shape| shape.kind.is_some())
+    }));
+    assert!(scene.obstacles[1].shape.as_ref().unwrap().inside);
+    assert_eq!(
+        (scene.obstacles[0].friction, scene.obstacles[1].tresca),
+        (Some(0.3), Some(2.0))
+    );
+    assert_eq!(scene.manufactured, "A1m");
+    let step = &scene.steps[0];
+    assert_eq!((step.increments, step.load), (Some(4), Some(0.5)));
+    assert_eq!(step.obstacles[0].translation, [0.0, 0.0, -0.05]);
+    assert_eq!(
+        step.obstacles[1].force,
+        Some(v1::Components {
+            x: None,
+            y: None,
+            z: Some(-1.0)
+        })
+    );
+    assert_eq!(step.supports[0].rotation, [0.0, 0.0, 7.0]);
+    let solver = scene.solver.unwrap();
+    assert_eq!(
+        (solver.tolerance, solver.quadrature_degree, solver.penalty),
+        (Some(1e-9), Some(8), Some(2.0))
+    );
+    assert_eq!(solver.displacement_preconditioner, "p-multigrid");
+    assert_eq!(scene.probes[0].point, [0.0, 1.0, 2.0]);
+    let output = scene.output.unwrap();
+    assert_eq!(
+        (output.fields, output.every),
+        (vec![1, 2, 3, 4, 5, 6, 7], Some(2))
+    );
+}

@@ -1,0 +1,125 @@
+//! Sessions of the service: create, look at, delete, and plans.
+
+use std::time::Duration;
+
+use signorini_proto::v1;
+
+use crate::connect::Client;
+use crate::error::ClientError;
+use crate::mesh::missing;
+
+/// What a new session shall be.
+#[derive(Clone, Debug, Default)]
+pub struct NewSession {
+    /// The problem, with its `mesh` named.
+    pub scene: v1::Scene,
+    /// Identifier of the session; empty: chosen by the server.
+    pub session_id: String,
+    /// Time to live since the last call; `None`: the server's default.
+    pub ttl: Option<Duration>,
+}
+
+fn resource(session: &str) -> String {
+    if session.starts_with("sessions/") {
+        session.to_owned()
+    } else {
+        format!("sessions/{session}")
+    }
+}
+
+impl Client {
+    /// Plans a scene without creating anything.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`]: `SCENE_INVALID`, `UNSUPPORTED_COMBINATION`, `MESH_NOT_FOUND`.
+    pub async fn plan(&self, scene: v1::Scene) -> Result<v1::Plan, ClientError> {
+        let request = v1::CreateSessionRequest {
+            scene: Some(scene),
+            validate_only: true,
+            ..Default::default()
+        };
+        let response = self.sessions().create_session(request).await?.into_inner();
+        response.plan.ok_or_else(|| missing("the plan"))
+    }
+
+    /// Creates a session; its preparation starts behind the answer.
+    ///
+    /// # Errors
+    /// As [`Client::plan`], and `MEMORY_BUDGET`, `SESSION_EXISTS`.
+    pub async fn create_session(
+        &self,
+        new: NewSession,
+    ) -> Result<(v1::Session, v1::Plan), ClientError> {
+        let ttl = new.ttl.map(prost_types::Duration::try_from).transpose();
+        let request = v1::CreateSessionRequest {
+            scene: Some(new.scene),
+            session_id: new.session_id,
+            ttl: ttl
+                .map_err(|_| ClientError::Protocol("the time to live is too long".to_owned()))?,
+            ..Default::default()
+        };
+        let response = self.sessions().create_session(request).await?.into_inner();
+        let session = response.session.ok_or_else(|| missing("the session"))?;
+        let plan = response.plan.ok_or_else(|| missing("the plan"))?;
+        Ok((session, plan))
+    }
+
+    /// A session by its identifier or name.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`]: `SESSION_NOT_FOUND`, `SESSION_EXPIRED`.
+    pub async fn get_session(&self, session: &str) -> Result<v1::Session, ClientError> {
+        let request = v1::GetSessionRequest {
+            name: resource(session),
+        };
+        let response = self.sessions().get_session(request).await?.into_inner();
+        response.session.ok_or_else(|| missing("the session"))
+    }
+
+    /// All sessions, in order of their names.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`].
+    pub async fn list_sessions(&self) -> Result<Vec<v1::Session>, ClientError> {
+        let mut sessions = Vec::new();
+        let mut page_token = String::new();
+        loop {
+            let request = v1::ListSessionsRequest {
+                page_size: 0,
+                page_token,
+            };
+            let page = self.sessions().list_sessions(request).await?.into_inner();
+            sessions.extend(page.sessions);
+            page_token = page.next_page_token;
+            if page_token.is_empty() {
+                return Ok(sessions);
+            }
+        }
+    }
+
+    /// Cancels what runs and forgets the session.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`]: `SESSION_NOT_FOUND`.
+    pub async fn delete_session(&self, session: &str) -> Result<(), ClientError> {
+        let request = v1::DeleteSessionRequest {
+            name: resource(session),
+        };
+        self.sessions().delete_session(request).await?;
+        Ok(())
+    }
+
+    /// Cancels a step from any connection (0: the one that runs); the answer is
+    /// the sequence that is being cancelled, 0 when there is none.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`]: `SESSION_NOT_FOUND`.
+    pub async fn cancel_step(&self, session: &str, sequence: i64) -> Result<i64, ClientError> {
+        let request = v1::CancelStepRequest {
+            name: resource(session),
+            sequence,
+        };
+        let response = self.sessions().cancel_step(request).await?.into_inner();
+        Ok(response.sequence)
+    }
+}

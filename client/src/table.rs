@@ -1,0 +1,284 @@
+//! Plans and results as text for people.
+
+use std::fmt::Write as _;
+
+use signorini_client::result_line;
+use signorini_proto::v1;
+
+use crate::text::{bytes, number, vector};
+
+/// Lines of a label and a value.
+#[derive(Default)]
+struct Lines(String);
+
+impl Lines {
+    fn add(&mut self, label: &str, value: &str) {
+        // Writing to a string cannot fail.
+        let _infallible = writeln!(self.0, "{label:<18} {value}");
+    }
+
+    fn add_each<'a>(&mut self, label: &str, values: impl Iterator<Item = (&'a str, String)>) {
+        for (name, value) in values {
+            self.add(&format!("{label} {name}"), &value);
+        }
+    }
+}
+
+/// A plan: what is built, what is left out and why.
+pub(crate) fn plan(plan: &v1::Plan) -> String {
+    let mut lines = Lines::default();
+    let kind = result_line::kind(plan.kind());
+    let formulation = result_line::formulation(plan.formulation());
+    lines.add("scene", &format!("{} ({kind}, {formulation})", plan.name));
+    lines.add("unknowns", &unknowns(plan.unknowns.as_ref()));
+    for entry in &plan.decisions {
+        lines.add(&entry.what, &reasoned(&entry.choice, &entry.reason));
+    }
+    left_out(&mut lines, plan);
+    lines.add("predicted memory", &bytes(plan.predicted_bytes));
+    let gigaflop = plan.predicted_factor_flops * 1e-9;
+    lines.add(
+        "predicted work",
+        &format!(
+            "{} GFlop to factorise, {} preconditioner applications a step",
+            number(gigaflop),
+            plan.predicted_applications
+        ),
+    );
+    lines.0
+}
+
+fn reasoned(choice: &str, reason: &str) -> String {
+    if reason.is_empty() {
+        choice.to_owned()
+    } else {
+        format!("{choice}: {reason}")
+    }
+}
+
+fn left_out(lines: &mut Lines, plan: &v1::Plan) {
+    for entry in &plan.left_out {
+        lines.add("left out", &reasoned(&entry.what, &entry.reason));
+    }
+}
+
+fn unknowns(unknowns: Option<&v1::Unknowns>) -> String {
+    let unknowns = unknowns.copied().unwrap_or_default();
+    let (displacement, pressure, contact) =
+        (unknowns.displacement, unknowns.pressure, unknowns.contact);
+    format!("{displacement} displacement, {pressure} pressure, {contact} contact")
+}
+
+/// The results of a run: one line an increment when there are several, the last
+/// one in full, and what the plan left out.
+pub(crate) fn results(plan: &v1::Plan, reports: &[v1::StepReport]) -> String {
+    let mut lines = Lines::default();
+    if reports.len() > 1 {
+        lines.0.push_str(&increments(reports));
+    }
+    if let Some(last) = reports.last() {
+        report(&mut lines, &plan.name, last);
+    }
+    left_out(&mut lines, plan);
+    lines.0
+}
+
+fn increments(reports: &[v1::StepReport]) -> String {
+    let mut text =
+        String::from("step increment  termination        sqp krylov  force          seconds\n");
+    for report in reports {
+        let force: Vec<f64> = report
+            .obstacles
+            .values()
+            .map(|obstacle| length(&obstacle.force))
+            .collect();
+        // Writing to a string cannot fail.
+        let _infallible = writeln!(
+            text,
+            "{:>4} {:>9}  {:<17} {:>4} {:>6}  {:<14} {:>7.3}",
+            report.step,
+            report.increment,
+            result_line::termination(report.termination()),
+            report.sqp_iterations,
+            report.krylov_iterations,
+            number(force.iter().sum()),
+            report.seconds.unwrap_or_default().total,
+        );
+    }
+    text.push('\n');
+    text
+}
+
+fn length(vector: &[f64]) -> f64 {
+    vector.iter().map(|value| value * value).sum::<f64>().sqrt()
+}
+
+fn report(lines: &mut Lines, name: &str, report: &v1::StepReport) {
+    lines.add("scene", name);
+    lines.add("result", &ending(report));
+    loads(lines, report);
+    if !report.obstacles.is_empty() {
+        lines.add(
+            "penetration",
+            &format!("{} at most", number(report.max_penetration)),
+        );
+    }
+    lines.add("strain energy", &number(report.strain_energy));
+    lines.add("volume ratio", &format!("{:.9}", report.volume_ratio));
+    if let Some(errors) = &report.errors {
+        lines.add("errors", &manufactured(errors));
+    }
+    lines.add("iterations", &iterations(report));
+    lines.add("residuals", &residuals(report.residuals.as_ref()));
+    if report.verification.is_some() {
+        lines.add("verification", &residuals(report.verification.as_ref()));
+    }
+    lines.add("seconds", &seconds(report.seconds.unwrap_or_default()));
+    lines.add("unknowns", &unknowns(report.unknowns.as_ref()));
+    lines.add("memory", &bytes(report.memory_bytes));
+    if !report.reused.is_empty() {
+        lines.add("reused", &report.reused.join(", "));
+    }
+}
+
+fn ending(report: &v1::StepReport) -> String {
+    let termination = result_line::termination(report.termination());
+    let cause = result_line::cause(report.cause());
+    let cause = cause.map(|cause| format!(" ({cause})")).unwrap_or_default();
+    let (step, increment, load) = (report.step, report.increment, number(report.load));
+    format!("{termination}{cause}: step {step}, increment {increment}, load {load}")
+}
+
+/// What obstacles and supports do to the body, and the probes.
+fn loads(lines: &mut Lines, report: &v1::StepReport) {
+    let obstacles = report.obstacles.iter().map(|(name, obstacle)| {
+        let force = vector(&obstacle.force);
+        let (area, pressure) = (number(obstacle.contact_area), number(obstacle.max_pressure));
+        let value = format!("force {force}, contact area {area}, pressure {pressure} at most");
+        (name.as_str(), value)
+    });
+    lines.add_each("obstacle", obstacles);
+    let supports = report.supports.iter();
+    lines.add_each(
+        "support",
+        supports
+            .map(|(name, support)| (name.as_str(), format!("force {}", vector(&support.force)))),
+    );
+    let probes = report.probes.iter().map(|(name, probe)| {
+        let pressure = probe
+            .pressure
+            .map(|pressure| format!(", pressure {}", number(pressure)));
+        let displacement = vector(&probe.displacement);
+        (
+            name.as_str(),
+            format!(
+                "displacement {displacement}{}",
+                pressure.unwrap_or_default()
+            ),
+        )
+    });
+    lines.add_each("probe", probes);
+}
+
+fn manufactured(errors: &v1::ManufacturedErrors) -> String {
+    let pressure = errors
+        .pressure_l2
+        .map(|error| format!(", pressure L2 {error:.6e}"));
+    let (l2, h1) = (errors.displacement_l2, errors.displacement_h1);
+    format!(
+        "displacement L2 {l2:.6e}, H1 {h1:.6e}{}",
+        pressure.unwrap_or_default()
+    )
+}
+
+fn iterations(report: &v1::StepReport) -> String {
+    format!(
+        "{} SQP, {} Krylov, {} preconditioner applications, {} active set changes, {} vertices in contact",
+        report.sqp_iterations,
+        report.krylov_iterations,
+        report.preconditioner_applications,
+        report.active_set_changes,
+        report.active_vertices,
+    )
+}
+
+fn residuals(residuals: Option<&v1::Residuals>) -> String {
+    let residuals = residuals.copied().unwrap_or_default();
+    format!(
+        "equilibrium {:.1e}, incompressibility {:.1e}, complementarity {:.1e}, gap {:.1e}",
+        residuals.equilibrium,
+        residuals.incompressibility,
+        residuals.complementarity,
+        residuals.gap,
+    )
+}
+
+fn seconds(seconds: v1::Seconds) -> String {
+    format!(
+        "{:.3} (prepare {:.3}, assemble {:.3}, factorise {:.3}, krylov {:.3}, contact {:.3})",
+        seconds.total,
+        seconds.prepare,
+        seconds.assemble,
+        seconds.factorise,
+        seconds.krylov,
+        seconds.contact,
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+
+    fn report() -> v1::StepReport {
+        let obstacle = v1::ObstacleResult {
+            force: vec![0.0, 0.0, -0.0177],
+            contact_area: 0.0375,
+            max_pressure: 0.6,
+            ..Default::default()
+        };
+        v1::StepReport {
+            step: 1,
+            increment: 2,
+            termination: v1::Termination::NotConverged.into(),
+            cause: v1::Cause::LineSearch.into(),
+            obstacles: BTreeMap::from([("ball".to_owned(), obstacle)]),
+            ..Default::default()
+        }
+    }
+
+    fn omission() -> v1::Plan {
+        let (what, reason) = ("friction".to_owned(), "no obstacle has it".to_owned());
+        let left_out = vec![v1::PlanOmission { what, reason }];
+        v1::Plan {
+            name: "block".to_owned(),
+            left_out,
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn the_table_names_force_area_pressure_cause_and_omissions() {
+        let text = results(&omission(), &[report()]);
+        for part in [
+            "not_converged (line_search): step 1, increment 2",
+            "obstacle ball      force (0, 0, -0.0177), contact area 0.0375, pressure 0.6 at most",
+            "left out           friction: no obstacle has it",
+        ] {
+            assert!(text.contains(part), "{part}\n{text}");
+        }
+    }
+
+    #[test]
+    fn several_increments_have_a_line_each() {
+        let text = results(&omission(), &[report(), report()]);
+        assert_eq!(
+            text.lines()
+                .filter(|line| line.contains("not_converged  "))
+                .count(),
+            2,
+            "{text}"
+        );
+    }
+}

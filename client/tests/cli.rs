@@ -1,0 +1,139 @@
+//! The command line tool before it solves anything: arguments, files, messages
+//! and exit codes.
+
+mod common;
+
+use std::path::Path;
+
+use common::{Run, example, folder, run};
+
+fn text(path: &Path) -> &str {
+    path.to_str().unwrap()
+}
+
+/// Solves a copy of an example with one piece of its text replaced.
+fn solve_changed(test: &str, from: &str, to: &str) -> Run {
+    let original = std::fs::read_to_string(example("hertz-sphere.toml")).unwrap();
+    assert!(original.contains(from));
+    let folder = folder(test);
+    let scene = folder.join("scene.toml");
+    let meshes = format!("{}/", text(&example("meshes")));
+    let changed = original.replacen(from, to, 1).replace("meshes/", &meshes);
+    std::fs::write(&scene, changed).unwrap();
+    run(["solve", text(&scene)])
+}
+
+fn assert_refused(run: &Run, message: &str) {
+    assert_eq!(run.code, Some(4), "{}", run.stderr);
+    assert!(run.stderr.contains(message), "{}", run.stderr);
+    assert_eq!(run.stdout, "");
+}
+
+#[test]
+fn wrong_arguments_exit_with_2() {
+    for arguments in [
+        &["solve"][..],
+        &["dance"],
+        &["solve", "a.toml", "--set", "b"],
+        &["mesh", "list"],
+    ] {
+        let run = run(arguments.iter().copied());
+        assert_eq!(run.code, Some(2), "{arguments:?}");
+        assert_eq!(run.stdout, "");
+    }
+    let run = run(["plan", "a.toml", "--server", "127.0.0.1:1"]);
+    assert_eq!(run.code, Some(2));
+    assert!(run.stderr.contains("unix:PATH"), "{}", run.stderr);
+}
+
+#[test]
+fn help_names_every_exit_code() {
+    let run = run(["--help"]);
+    assert_eq!(run.code, Some(0));
+    for code in [
+        "0 ok",
+        "3 not converged",
+        "4 invalid",
+        "5 no server",
+        "6 refused",
+        "130 interrupted",
+    ] {
+        assert!(run.stdout.contains(code), "{code}");
+    }
+}
+
+#[test]
+fn completions_are_printed_on_stdout() {
+    let run = run(["completions", "bash"]);
+    assert_eq!(run.code, Some(0));
+    assert!(run.stdout.contains("_signorini()"));
+    assert_eq!(run.stderr, "");
+}
+
+#[test]
+fn a_server_that_does_not_answer_exits_with_5() {
+    let scene = example("cube-bend.toml");
+    let run = run(["solve", text(&scene), "--server", "unix:/no/such/socket"]);
+    assert_eq!(run.code, Some(5));
+    assert!(
+        run.stderr.contains("unix:/no/such/socket"),
+        "{}",
+        run.stderr
+    );
+}
+
+#[test]
+fn files_that_do_not_exist_are_named() {
+    assert_refused(&run(["solve", "missing.toml"]), "error: missing.toml: ");
+    let scene = example("cube-bend.toml");
+    let run = run(["solve", text(&scene), "--set", "mesh=missing.msh"]);
+    assert_refused(&run, "error: missing.msh: ");
+}
+
+#[test]
+fn broken_meshes_are_refused_with_the_place() {
+    let folder = folder("broken_meshes");
+    let whole = std::fs::read(example("meshes/cube_n6.msh")).unwrap();
+    let noise: Vec<u8> = (0..4000_u32)
+        .map(|index| (index * index % 251) as u8)
+        .collect();
+    let scene = example("cube-bend.toml");
+    for (name, bytes, message) in [
+        ("cut.msh", &whole[..whole.len() / 2], "line "),
+        ("noise.msh", &noise[..], "not a Gmsh MSH file"),
+    ] {
+        let mesh = folder.join(name);
+        std::fs::write(&mesh, bytes).unwrap();
+        let run = run([
+            "solve",
+            text(&scene),
+            "--set",
+            &format!("mesh={}", text(&mesh)),
+        ]);
+        assert_refused(&run, name);
+        assert!(run.stderr.contains(message), "{}", run.stderr);
+    }
+}
+
+#[test]
+fn unknown_keys_suggest_the_nearest_one_violation_a_line() {
+    let run = solve_changed("unknown_keys", "radius = 1.0", "raduis = 1.0");
+    assert_refused(
+        &run,
+        "error: obstacle.ball.shape.raduis: unknown key; did you mean \"radius\"?\n",
+    );
+    assert_refused(
+        &run,
+        "error: obstacle.ball.shape.radius: required key is missing\n",
+    );
+}
+
+#[test]
+fn an_empty_scene_is_refused() {
+    let scene = folder("empty_scene").join("empty.toml");
+    std::fs::write(&scene, "").unwrap();
+    assert_refused(
+        &run(["solve", text(&scene)]),
+        "error: mesh: required key is missing\n",
+    );
+}

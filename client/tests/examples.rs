@@ -1,0 +1,194 @@
+//! Every example, solved through the server of the process, against its
+//! reference.
+
+mod common;
+
+use std::path::Path;
+
+use common::schema::{fault, result_lines};
+use common::{Run, example, folder, run};
+use serde_json::Value;
+
+/// Of the quarter models, from independent codes on the same meshes.
+const SPHERE_FORCE: f64 = -0.073123052969713 / 4.0;
+const PLANE_FORCE: f64 = 0.07030153483486748 / 4.0;
+
+/// Direct solves with another finite element code on the mesh of the example.
+const COOK_CORNER: f64 = 17.062315629153314;
+const COOK_MIDPOINT: f64 = 16.30569870842602;
+
+/// Solves an example and gives its last increment.
+fn solve(name: &str, more: &[&str]) -> (Run, Value) {
+    let scene = example(name);
+    let arguments = ["solve", scene.to_str().unwrap(), "--json"];
+    let run = run(arguments.into_iter().chain(more.iter().copied()));
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let last = run.events("step").pop().unwrap();
+    assert_eq!(last["termination"], "converged");
+    (run, last)
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap()
+}
+
+fn assert_near(value: &Value, reference: f64, relative: f64) {
+    let value = number(value);
+    assert!(
+        (value - reference).abs() <= relative * reference.abs(),
+        "{value} is not {reference}"
+    );
+}
+
+#[test]
+fn cube_bend_meets_its_reference() {
+    let (run, last) = solve("cube-bend.toml", &["--verify"]);
+    assert_near(&last["strain_energy"], 1.113336140715, 1e-7);
+    assert_near(
+        &last["probes"]["corner"]["displacement"][2],
+        -2.27249749055,
+        1e-7,
+    );
+    let summary = run.events("summary").pop().unwrap();
+    for residual in ["equilibrium", "incompressibility", "complementarity", "gap"] {
+        assert!(
+            number(&summary["verification"][residual]) <= 1e-7,
+            "{summary}"
+        );
+    }
+}
+
+#[test]
+fn hertz_sphere_meets_its_reference() {
+    let (run, last) = solve("hertz-sphere.toml", &[]);
+    assert_near(&last["obstacles"]["ball"]["force"][2], SPHERE_FORCE, 1e-7);
+    assert!(number(&last["obstacles"]["ball"]["contact_area"]) > 0.0);
+    let schema = result_lines();
+    for line in run.lines() {
+        assert_eq!(fault(&schema, &line), None, "{line}");
+    }
+    let events: Vec<_> = run
+        .lines()
+        .iter()
+        .map(|line| line["event"].as_str().unwrap().to_owned())
+        .collect();
+    assert_eq!(
+        (events[0].as_str(), events[events.len() - 1].as_str()),
+        ("plan", "summary")
+    );
+}
+
+#[test]
+fn hertz_plane_meets_its_reference() {
+    let (_, last) = solve("hertz-plane.toml", &[]);
+    assert_near(&last["obstacles"]["floor"]["force"][2], PLANE_FORCE, 1e-7);
+}
+
+#[test]
+fn cook_meets_its_reference() {
+    let (_, last) = solve("cook.toml", &[]);
+    let probes = &last["probes"];
+    assert_near(&probes["corner"]["displacement"][1], COOK_CORNER, 1e-7);
+    assert_near(&probes["midpoint"]["displacement"][1], COOK_MIDPOINT, 1e-7);
+}
+
+#[test]
+fn manufactured_field_meets_its_error_table() {
+    let (_, last) = solve("manufactured.toml", &[]);
+    assert_near(&last["errors"]["displacement_l2"], 2.36252416e-3, 1e-3);
+    assert_near(&last["errors"]["displacement_h1"], 1.00733052e-1, 1e-3);
+    assert_near(&last["errors"]["pressure_l2"], 7.95444330e-3, 1e-3);
+}
+
+#[test]
+fn increments_are_a_result_each() {
+    let (run, _) = solve("hertz-plane.toml", &["--set", "step.0.increments=3"]);
+    let times: Vec<f64> = run
+        .events("step")
+        .iter()
+        .map(|step| number(&step["time"]))
+        .collect();
+    assert_eq!(times.len(), 3);
+    assert!(
+        (times[0] - 1.0 / 3.0).abs() < 1e-12 && (times[2] - 1.0).abs() < 1e-12,
+        "{times:?}"
+    );
+}
+
+#[test]
+fn the_table_names_what_people_ask_for() {
+    let scene = example("hertz-plane.toml");
+    let run = run(["solve", scene.to_str().unwrap()]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    for label in [
+        "obstacle floor",
+        "contact area",
+        "pressure",
+        "penetration",
+        "iterations",
+        "seconds",
+        "left out",
+    ] {
+        assert!(run.stdout.contains(label), "{label}\n{}", run.stdout);
+    }
+}
+
+#[test]
+fn a_folder_of_results_holds_the_series_and_the_lines() {
+    let folder = folder("folder_of_results");
+    let out = folder.to_str().unwrap();
+    let (run, last) = solve(
+        "hertz-plane.toml",
+        &["--out", out, "--set", "step.0.increments=2"],
+    );
+    let series = std::fs::read_to_string(folder.join("hertz-plane.pvd")).unwrap();
+    for file in [
+        "hertz-plane_0001.vtu",
+        "hertz-plane_floor_0001.vtp",
+        "hertz-plane_0002.vtu",
+        "hertz-plane_floor_0002.vtp",
+    ] {
+        assert!(
+            folder.join(file).exists() && series.contains(file),
+            "{file}"
+        );
+    }
+    let lines = std::fs::read_to_string(folder.join("results.jsonl")).unwrap();
+    assert_eq!(lines, run.stdout);
+    let displacement = vtu_array(&folder.join("hertz-plane_0002.vtu"), "displacement");
+    let points = vtu_array(&folder.join("hertz-plane_0002.vtu"), "Points");
+    let pole = points
+        .chunks(3)
+        .position(|point| point[0].hypot(point[1]).hypot(point[2] + 1.0) < 1e-9)
+        .unwrap();
+    let probe = &last["probes"]["pole"]["displacement"];
+    for component in 0..3 {
+        let difference = displacement[3 * pole + component] - number(&probe[component]);
+        assert!(difference.abs() <= 1e-12, "{difference}");
+    }
+}
+
+/// An array of doubles from a VTU file.
+fn vtu_array(path: &Path, name: &str) -> Vec<f64> {
+    let bytes = std::fs::read(path).unwrap();
+    let mark = b"<AppendedData encoding=\"raw\">\n_";
+    let start = bytes
+        .windows(mark.len())
+        .position(|window| window == mark)
+        .unwrap();
+    let header = std::str::from_utf8(&bytes[..start]).unwrap();
+    let array = header.split(&format!("Name=\"{name}\"")).nth(1).unwrap();
+    let offset = array
+        .split("offset=\"")
+        .nth(1)
+        .unwrap()
+        .split('"')
+        .next()
+        .unwrap();
+    let block = &bytes[start + mark.len() + offset.parse::<usize>().unwrap()..];
+    let length = u64::from_le_bytes(block[..8].try_into().unwrap()) as usize;
+    let values = block[8..8 + length].chunks_exact(8);
+    values
+        .map(|value| f64::from_le_bytes(value.try_into().unwrap()))
+        .collect()
+}

@@ -1,0 +1,54 @@
+//! Ctrl-C while a scene is being solved.
+#![cfg(feature = "embedded")]
+
+mod common;
+
+use std::io::{BufRead as _, BufReader};
+use std::process::{Command, Stdio};
+
+use common::{example, signorini};
+use serde_json::Value;
+
+#[test]
+fn the_first_interrupt_cancels_and_keeps_the_last_state() {
+    let scene = example("hertz-plane.toml");
+    let mut child = signorini()
+        .args([
+            "solve",
+            scene.to_str().unwrap(),
+            "--json",
+            "--set",
+            "step.0.increments=100000",
+        ])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut events = Vec::new();
+    for line in BufReader::new(child.stdout.take().unwrap()).lines() {
+        let line: Value = serde_json::from_str(&line.unwrap()).unwrap();
+        let first_step =
+            line["event"] == "step" && events.iter().all(|event: &Value| event["event"] != "step");
+        events.push(line);
+        if first_step {
+            let id = child.id().to_string();
+            assert!(
+                Command::new("kill")
+                    .args(["-INT", &id])
+                    .status()
+                    .unwrap()
+                    .success()
+            );
+        }
+    }
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let [.., last, summary] = events.as_slice() else {
+        unreachable!()
+    };
+    assert_eq!(
+        (&last["event"], &last["termination"]),
+        (&"step".into(), &"cancelled".into())
+    );
+    assert_eq!(summary["event"], "summary");
+    assert!(last["time"].as_f64().unwrap() < 1.0);
+}

@@ -1,0 +1,197 @@
+//! Scenes and meshes that cannot be solved: exit code 4 and a message that
+//! names the thing.
+#![cfg(feature = "embedded")]
+
+mod common;
+
+use common::{Run, example, folder, run};
+
+/// One tetrahedron held on its floor.
+const SCENE: &str = r#"
+mesh = "mesh.msh"
+[material.body]
+model = "linear-elastic"
+shear_modulus = 1.0
+poisson_ratio = 0.3
+[[support]]
+name = "base"
+on = "floor"
+displacement = { x = 0.0, y = 0.0, z = 0.0 }
+[body_force]
+value = [0.0, 0.0, -1.0]
+"#;
+
+const NODES: &str = "1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n";
+const ELEMENTS: &str = "1 2 2 2 2 1 3 2\n2 4 2 1 1 1 2 3 4\n";
+
+/// A mesh file of nodes and elements, one a line.
+fn mesh(nodes: &str, elements: &str) -> String {
+    format!(
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 2 \"floor\"\n3 1 \"body\"\n$EndPhysicalNames\n\
+         $Nodes\n{}\n{nodes}$EndNodes\n$Elements\n{}\n{elements}$EndElements\n",
+        nodes.lines().count(),
+        elements.lines().count(),
+    )
+}
+
+/// Solves a scene with a mesh of its own.
+fn solve(test: &str, scene: &str, mesh: &str) -> Run {
+    let folder = folder(test);
+    std::fs::write(folder.join("mesh.msh"), mesh).unwrap();
+    let path = folder.join("scene.toml");
+    std::fs::write(&path, scene).unwrap();
+    run(["solve", path.to_str().unwrap()])
+}
+
+/// Solves an example with some keys changed.
+fn solve_set(name: &str, changes: &[&str]) -> Run {
+    let scene = example(name);
+    let changes = changes.iter().flat_map(|change| ["--set", *change]);
+    run(["solve", scene.to_str().unwrap()]
+        .into_iter()
+        .chain(changes))
+}
+
+fn assert_refused(run: &Run, parts: &[&str]) {
+    assert_eq!(run.code, Some(4), "{}", run.stderr);
+    for part in parts {
+        assert!(
+            run.stderr.contains(part),
+            "\"{part}\" is not in: {}",
+            run.stderr
+        );
+    }
+    assert_eq!(run.stdout, "");
+}
+
+#[test]
+fn the_small_scene_itself_is_solved() {
+    let run = solve("small_scene", SCENE, &mesh(NODES, ELEMENTS));
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+}
+
+#[test]
+fn values_out_of_range_name_their_key() {
+    for (change, key) in [
+        (
+            "material.body.poisson_ratio=0.6",
+            "material.body.poisson_ratio: ",
+        ),
+        (
+            "material.body.shear_modulus=nan",
+            "material.body.shear_modulus: ",
+        ),
+        (
+            "obstacle.ball.shape.radius=-1",
+            "obstacle.ball.shape.radius: ",
+        ),
+        (
+            "obstacle.ball.shape.centre=[0, inf, 0]",
+            "obstacle.ball.shape.centre: ",
+        ),
+        ("mesh_scale=inf", "mesh_scale: "),
+        ("solver.tolerance=nan", "solver.tolerance: "),
+        ("support.base.on=roof", "support.base.on: "),
+        ("obstacle.ball.on=roof", "obstacle.ball.on: "),
+    ] {
+        assert_refused(
+            &solve_set("hertz-sphere.toml", &[change]),
+            &["error: ", key],
+        );
+    }
+}
+
+#[test]
+fn a_normal_of_length_zero_names_its_key() {
+    let run = solve_set(
+        "hertz-plane.toml",
+        &["obstacle.floor.shape.normal=[0, 0, 0]"],
+    );
+    assert_refused(&run, &["error: obstacle.floor.shape.normal: "]);
+}
+
+#[test]
+fn several_faults_are_a_line_each() {
+    let run = solve_set(
+        "hertz-sphere.toml",
+        &["material.body.poisson_ratio=0.6", "support.base.on=roof"],
+    );
+    assert_refused(
+        &run,
+        &["material.body.poisson_ratio: ", "support.base.on: "],
+    );
+    assert_eq!(run.stderr.matches("error: ").count(), 2, "{}", run.stderr);
+}
+
+#[test]
+fn keys_of_later_capabilities_are_not_supported_yet() {
+    for change in [
+        "obstacle.ball.friction=0.3",
+        "obstacle.ball.tresca=1.0",
+        "support.base.normal=0.0",
+        "pressure.0={ on = \"z1\", value = 1.0 }",
+        "material.body={ model = \"neo-hookean\", shear_modulus = 1.0 }",
+        "obstacle.ball.shape={ kind = \"torus\", centre = [0, 0, 1], axis = [0, 0, 1], radius = 1, tube_radius = 0.1 }",
+        "step.0.obstacle.ball={ force = { z = -1.0 } }",
+    ] {
+        assert_refused(
+            &solve_set("hertz-sphere.toml", &[change]),
+            &["not supported yet"],
+        );
+    }
+    assert_refused(
+        &solve_set("cook.toml", &["kind=axisymmetric"]),
+        &["not supported yet", "kind"],
+    );
+}
+
+#[test]
+fn a_body_that_nothing_holds_names_its_free_modes() {
+    let free = SCENE.replace(
+        "displacement = { x = 0.0, y = 0.0, z = 0.0 }",
+        "displacement = { z = 0.0 }",
+    );
+    let run = solve("free_body", &free, &mesh(NODES, ELEMENTS));
+    assert_refused(&run, &["translation", "rotation"]);
+}
+
+#[test]
+fn a_candidate_face_must_not_be_held_in_all_components() {
+    let run = solve_set("hertz-sphere.toml", &["support.base.on=z1"]);
+    assert_refused(&run, &["ball"]);
+}
+
+#[test]
+fn bad_cells_are_named() {
+    let inverted = ELEMENTS.replace("1 2 3 4", "2 1 3 4");
+    let twice = format!("{ELEMENTS}3 4 2 1 1 1 2 3 4\n");
+    let flat = NODES.replace("4 0 0 1", "4 1 1 0");
+    for (test, nodes, elements, word) in [
+        ("inverted_cell", NODES, inverted.as_str(), "inverted"),
+        ("flat_cell", flat.as_str(), ELEMENTS, "degenerate"),
+        ("double_cell", NODES, twice.as_str(), "duplicate"),
+    ] {
+        assert_refused(&solve(test, SCENE, &mesh(nodes, elements)), &["cell", word]);
+    }
+}
+
+#[test]
+fn a_mesh_without_cells_is_refused() {
+    let run = solve("no_cells", SCENE, &mesh(NODES, "1 1 2 2 2 1 2\n"));
+    assert_refused(&run, &["mesh.msh: no triangles or tetrahedra"]);
+}
+
+#[test]
+fn unused_vertices_are_counted_in_a_warning() {
+    let run = solve(
+        "unused_vertices",
+        SCENE,
+        &mesh(&format!("{NODES}5 9 9 9\n6 8 8 8\n"), ELEMENTS),
+    );
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(
+        run.stderr.contains("warning: ") && run.stderr.contains('2'),
+        "{}",
+        run.stderr
+    );
+}

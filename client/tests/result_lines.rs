@@ -1,0 +1,174 @@
+//! Result lines keep to their schema.
+
+mod common;
+
+use std::collections::BTreeMap;
+
+use common::schema::{fault, result_lines};
+use serde_json::{Value, json};
+use signorini_client::result_line::{self, Totals};
+use signorini_proto::v1;
+
+fn report() -> v1::StepReport {
+    let vector = vec![0.5, -1.0, 0.0];
+    let obstacle = v1::ObstacleResult {
+        force: vector.clone(),
+        moment: vector.clone(),
+        centre_of_pressure: vector.clone(),
+        contact_area: 0.25,
+        ..Default::default()
+    };
+    let support = v1::SupportResult {
+        force: vector.clone(),
+    };
+    let probe = v1::ProbeResult {
+        displacement: vector.clone(),
+        pressure: None,
+    };
+    v1::StepReport {
+        step: 1,
+        increment: 2,
+        time: 0.5,
+        load: 1.0,
+        termination: v1::Termination::NotConverged.into(),
+        cause: v1::Cause::LineSearch.into(),
+        krylov_iterations: 7,
+        residuals: Some(v1::Residuals {
+            gap: 1e-9,
+            ..Default::default()
+        }),
+        obstacles: BTreeMap::from([("ball".to_owned(), obstacle)]),
+        supports: BTreeMap::from([("base".to_owned(), support)]),
+        probes: BTreeMap::from([("pole".to_owned(), probe)]),
+        errors: Some(v1::ManufacturedErrors {
+            displacement_l2: 0.1,
+            ..Default::default()
+        }),
+        seconds: Some(v1::Seconds {
+            total: 1.5,
+            ..Default::default()
+        }),
+        unknowns: Some(v1::Unknowns {
+            displacement: 30,
+            pressure: 4,
+            contact: 0,
+        }),
+        obstacle_poses: vec![v1::ObstaclePose {
+            name: "ball".to_owned(),
+            translation: vector.clone(),
+            rotation: vector,
+        }],
+        ..Default::default()
+    }
+}
+
+fn plan() -> v1::Plan {
+    let text = |text: &str| text.to_owned();
+    v1::Plan {
+        name: text("block"),
+        kind: v1::SceneKind::PlaneStrain.into(),
+        formulation: v1::Formulation::Mixed.into(),
+        decisions: vec![v1::PlanEntry {
+            what: text("saddle"),
+            choice: text("gcr"),
+            reason: text("mixed"),
+        }],
+        left_out: vec![v1::PlanOmission {
+            what: text("friction"),
+            reason: text("no obstacle has it"),
+        }],
+        ..Default::default()
+    }
+}
+
+fn assert_matches(line: &Value) {
+    assert_eq!(fault(&result_lines(), line), None, "{line}");
+}
+
+#[test]
+fn every_kind_of_line_matches_the_schema() {
+    let mut totals = Totals::default();
+    assert_matches(&totals.summary(0.1, None));
+    totals.add(&report());
+    let iteration = v1::IterationStatistics {
+        sequence: 1,
+        report: None,
+        skipped_count: 3,
+    };
+    for line in [
+        result_line::plan(&plan()),
+        result_line::iteration(&iteration),
+        result_line::step(&report()),
+        totals.summary(2.0, Some(1 << 20)),
+    ] {
+        assert_matches(&line);
+    }
+}
+
+#[test]
+fn the_schema_refuses_missing_unknown_and_mistyped_keys() {
+    let schema = result_lines();
+    for (key, value) in [
+        ("load", Value::Null),
+        ("extra", json!(1)),
+        ("termination", json!("done")),
+    ] {
+        let mut line = result_line::step(&report());
+        line[key] = value;
+        assert!(fault(&schema, &line).is_some(), "{key}");
+    }
+    let mut line = result_line::step(&report());
+    line.as_object_mut().unwrap().remove("residuals");
+    assert!(fault(&schema, &line).is_some());
+}
+
+#[test]
+fn names_are_those_of_the_contract() {
+    let line = result_line::step(&report());
+    assert_eq!(
+        (&line["termination"], &line["cause"]),
+        (&json!("not_converged"), &json!("line_search"))
+    );
+    assert_eq!(line["obstacles"]["ball"]["force"], json!([0.5, -1.0, 0.0]));
+    assert_eq!(line["probes"]["pole"]["pressure"], Value::Null);
+    assert_eq!(result_line::plan(&plan())["kind"], "plane-strain");
+    let converged = v1::StepReport {
+        termination: v1::Termination::Converged.into(),
+        ..report()
+    };
+    assert_eq!(
+        result_line::step(&v1::StepReport {
+            cause: 0,
+            ..converged
+        })["cause"],
+        Value::Null
+    );
+}
+
+#[test]
+fn totals_add_up_over_increments() {
+    let mut totals = Totals::default();
+    totals.add(&report());
+    totals.add(&report());
+    let line = totals.summary(2.0, None);
+    assert_eq!(line["totals"]["krylov_iterations"], 14);
+    assert_eq!(line["totals"]["seconds"]["total"], 3.0);
+    assert_eq!(
+        (&line["totals"]["converged"], &line["termination"]),
+        (&json!(0), &json!("not_converged"))
+    );
+}
+
+#[test]
+fn numbers_survive_printing_bit_for_bit() {
+    let report = v1::StepReport {
+        strain_energy: 0.1 + 0.2,
+        ..report()
+    };
+    let text = result_line::step(&report).to_string();
+    let line: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(
+        line["strain_energy"].as_f64().map(f64::to_bits),
+        Some((0.1_f64 + 0.2).to_bits())
+    );
+}
