@@ -2,7 +2,7 @@
 //! the codec of bulk arrays, and the digest that names a mesh.
 //!
 //! No logic lives here. Scenes and reports are plain messages; arrays travel as
-//! little-endian, row-major bytes (see [`array`]). The features `client` and
+//! little-endian, row-major bytes (see [`mod@array`]). The features `client` and
 //! `server` add the two sides of the services to [`v1`].
 
 #![cfg_attr(

@@ -1,5 +1,10 @@
 //! The stream: steps in, results out, in sequence, cancelled, repeated, resumed.
 
+#![allow(
+    clippy::wildcard_enum_match_arm,
+    reason = "what a test does not expect is a failure"
+)]
+
 mod common;
 
 use common::{Block, Server, open, press, reason, rejection_reason};

@@ -15,3 +15,6 @@ pub mod simd;
 pub use cells::{CellGeometry, CellModuli};
 pub use grid::Grid;
 pub use operator::{Divergence, Stiffness};
+
+#[cfg(test)]
+mod tests;

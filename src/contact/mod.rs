@@ -13,3 +13,6 @@ pub mod surface;
 pub use gap::{Linearisation, curvature, evaluate_gaps, linearise};
 pub use resultant::{Resultant, resultant};
 pub use surface::{ContactFace, ContactSurface};
+
+#[cfg(test)]
+mod tests;

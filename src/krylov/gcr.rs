@@ -17,9 +17,10 @@ use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 const KEPT: usize = 10;
 /// A relative reduction below this counts as none.
 const LEAST_REDUCTION: f64 = 1e-13;
-/// A reduction of the squared residual below this asks for the last product as
-/// the source of the next direction.
-const STALL: f64 = 2e-1;
+/// A reduction of the squared residual below this takes the last product as the
+/// source of the next direction, once: between 0.02 and 0.2 the counts are the
+/// same, but many such steps in a row let the residual drift.
+const STALL: f64 = 5e-2;
 /// Successive iterations without reduction before giving up.
 const PATIENCE: usize = 4;
 /// A product this much shorter after orthogonalisation is dependent.

@@ -192,8 +192,9 @@ fn smoother_degree(resolved: &Resolved, mesh: &Mesh) -> usize {
         _ => 2,
     };
     let by_shape = match mesh.quality().mean {
-        mean if mean < 0.2 => 8,
-        mean if mean < 0.45 => 4,
+        mean if mean < 0.28 => 8,
+        mean if mean < 0.4 => 6,
+        mean if mean < 0.58 => 4,
         _ => 2,
     };
     by_volume.max(by_shape)

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::Plan;
-use crate::assembly::grid::Basis;
+use crate::assembly::grid::{Basis, Rows};
 use crate::assembly::mass::weighted_mass;
 use crate::assembly::p1_stiffness::{node_blocks, p1_stiffness};
 use crate::assembly::{CellGeometry, CellModuli, Divergence, Grid, Stiffness};
-use crate::linalg::{DenseMatrix, FactoriseError, SparseRows, Workspace};
+use crate::linalg::vector::norm;
+use crate::linalg::{DenseMatrix, FactoriseError, LinearOperator, SparseRows, Workspace};
 use crate::mesh::Mesh;
 use crate::precond::p1::{DirectP1, vertex_order};
 use crate::precond::schur::ChebyshevMass;
@@ -40,6 +41,8 @@ pub(crate) struct PressureBlock {
     /// C = M / lambda; none when every material is incompressible.
     pub(crate) stabilisation: Option<SparseRows>,
     pub(crate) metric: ChebyshevMass,
+    /// No free boundary: a constant pressure does no work.
+    pub(crate) is_enclosed: bool,
 }
 
 /// Prepared data.
@@ -225,6 +228,18 @@ fn factorise(
     ))
 }
 
+/// Whether B^T 1 vanishes on free rows.
+fn constant_pressure_is_idle(coupling: &Divergence) -> bool {
+    let mut work = Workspace::new();
+    let ones = vec![1.0; coupling.vertices];
+    let (mut free, mut all) = (vec![0.0; coupling.size], vec![0.0; coupling.size]);
+    coupling.apply_transposed(&ones, &mut free, &mut work);
+    coupling
+        .grid
+        .divergence_transposed(Rows::All, &ones, &mut all, &mut work);
+    norm(&free) <= 1e-12 * norm(&all)
+}
+
 fn pressure_block(
     mesh: &Mesh,
     space: &TaylorHood,
@@ -234,12 +249,14 @@ fn pressure_block(
 ) -> PressureBlock {
     let schur = |cell: usize| 0.5 / moduli.shear[cell] + moduli.inverse_lame[cell];
     let compressible = moduli.inverse_lame.iter().any(|&inverse| inverse != 0.0);
+    let coupling = Divergence {
+        grid: grid.clone(),
+        vertices: space.vertices,
+        size: space.displacement_unknowns(),
+    };
     PressureBlock {
-        coupling: Divergence {
-            grid: grid.clone(),
-            vertices: space.vertices,
-            size: space.displacement_unknowns(),
-        },
+        is_enclosed: !compressible && constant_pressure_is_idle(&coupling),
+        coupling,
         stabilisation: compressible
             .then(|| weighted_mass(mesh, geometry, |cell| moduli.inverse_lame[cell])),
         metric: ChebyshevMass::new(

@@ -15,8 +15,16 @@ use super::spectrum::ritz_interval;
 use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
-/// Ratio of the interval [largest / RATIO, largest] that the smoother damps.
-const RATIO: f64 = 6.0;
+/// The smoother damps [largest / ratio, largest]; a higher degree reaches deeper.
+fn ratio(degree: usize) -> f64 {
+    match degree {
+        0..=2 => 6.0,
+        3 => 10.0,
+        4..=5 => 16.0,
+        6..=7 => 30.0,
+        _ => 60.0,
+    }
+}
 /// Lanczos steps for the largest eigenvalue.
 const LANCZOS_STEPS: usize = 12;
 /// The Lanczos process approaches the largest eigenvalue from below.
@@ -151,7 +159,7 @@ impl PMultigrid {
     /// `degree` Chebyshev steps on `x` with running residual `r`; the residual
     /// of the last step is computed only where `products` asks for it.
     fn smooth(&self, x: &mut [f64], r: &mut [f64], products: usize, work: &mut Workspace) {
-        let (low, high) = (self.largest / RATIO, self.largest);
+        let (low, high) = (self.largest / ratio(self.degree), self.largest);
         let (centre, half) = (0.5 * (high + low), 0.5 * (high - low));
         let sigma = centre / half;
         let mut rho = 1.0 / sigma;

@@ -51,6 +51,8 @@ pub(crate) struct Evaluation {
     pub(crate) load_norm: f64,
     /// Norm of the contact load on free rows.
     pub(crate) contact_norm: f64,
+    /// Norm of the reactions, where supports prescribe a motion.
+    pub(crate) reaction_norm: f64,
     /// Deepest penetration at a point of the rule.
     pub(crate) max_penetration: f64,
 }
@@ -60,6 +62,12 @@ pub(crate) fn mask(held: &[u32], x: &mut [f64]) {
     for &index in held {
         x[index as usize] = 0.0;
     }
+}
+
+/// Euclidean norm of the held entries.
+fn norm_of(held: &[u32], x: &[f64]) -> f64 {
+    let entries = held.iter().map(|&index| x[index as usize]);
+    entries.map(|value| value * value).sum::<f64>().sqrt()
 }
 
 /// Residuals of `state` under `drive`.
@@ -84,6 +92,14 @@ pub(crate) fn evaluate(
         out.contact_norm = norm(&contact);
         add_scaled(&mut force, -1.0, &contact);
         work.give(contact);
+    }
+    if drive
+        .supports
+        .as_flattened()
+        .iter()
+        .any(|&value| value != 0.0)
+    {
+        out.reaction_norm = norm_of(&prepared.held, &force);
     }
     mask(&prepared.held, &mut force);
     out.force = force;
@@ -157,9 +173,13 @@ impl Evaluation {
         square.sqrt()
     }
 
-    /// Scale of the force residual: the largest load at hand.
+    /// Scale of the force residual: the largest load at hand. A prescribed
+    /// motion loads the body by its reactions.
     pub(crate) fn force_scale(&self, first: f64) -> f64 {
-        self.load_norm.max(self.contact_norm).max(first)
+        self.load_norm
+            .max(self.contact_norm)
+            .max(self.reaction_norm)
+            .max(first)
     }
 
     /// The four criteria.

@@ -147,12 +147,13 @@ fn ending(
     termination: Termination,
     cause: Option<Cause>,
 ) -> Ending {
+    state.force_scale = now.force_scale(first_force);
     Ending {
         termination,
         cause,
         residuals: residuals(state, now, first_force),
         max_penetration: now.max_penetration,
-        force_scale: now.force_scale(first_force),
+        force_scale: state.force_scale,
     }
 }
 

@@ -10,7 +10,8 @@ use super::increment::{self, Ending, Watch};
 use super::loads::reference_load;
 use super::state::State;
 use super::{fields, results, verification};
-use crate::linalg::Workspace;
+use crate::linalg::vector::dot;
+use crate::linalg::{LinearOperator, Workspace};
 use crate::mesh::Mesh;
 use crate::plan::{Plan, Prepared};
 use crate::report::{
@@ -196,6 +197,8 @@ impl Session {
             let good = state.snapshot();
             let drive = start.towards(goal, next);
             let mut ending = increment::solve(&context, state, &drive, watch, counters, work);
+            self.explain(&mut ending, state);
+            self.centre_pressure(state);
             match ending.termination {
                 Termination::Converged if next >= 1.0 => return (ending, 1.0),
                 Termination::Converged => {
@@ -220,6 +223,46 @@ impl Session {
                 }
             }
         }
+    }
+
+    /// Names what the Krylov method could only notice as stagnation.
+    fn explain(&self, ending: &mut Ending, state: &State) {
+        let stuck = matches!(
+            ending.cause,
+            Some(Cause::Stagnation | Cause::IterationLimit)
+        );
+        let touches = state.active.iter().any(|&active| active);
+        let is_enclosed = self
+            .prepared
+            .pressure
+            .as_ref()
+            .is_some_and(|p| p.is_enclosed);
+        if stuck && self.plan.is_floating() && !touches {
+            ending.cause = Some(Cause::NoEquilibrium);
+        } else if stuck && is_enclosed {
+            ending.cause = Some(Cause::EnclosedVolume);
+        }
+    }
+
+    /// An enclosed incompressible body fixes its pressure up to a constant:
+    /// the mean is set to zero.
+    fn centre_pressure(&self, state: &mut State) {
+        let Some(block) = self
+            .prepared
+            .pressure
+            .as_ref()
+            .filter(|block| block.is_enclosed)
+        else {
+            return;
+        };
+        let mut weights = vec![0.0; state.pressure.len()];
+        let ones = vec![1.0; weights.len()];
+        block
+            .metric
+            .mass()
+            .apply(&ones, &mut weights, &mut Workspace::new());
+        let mean = dot(&weights, &state.pressure) / weights.iter().sum::<f64>();
+        state.pressure.iter_mut().for_each(|p| *p -= mean);
     }
 
     /// A linear problem that fails as a whole fails in parts too.

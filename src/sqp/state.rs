@@ -6,7 +6,7 @@ use crate::inequality::QpScales;
 use crate::krylov::gcr::Directions;
 use crate::plan::Plan;
 
-/// Fields, multipliers and what drove them there, to return to.
+/// Fields, multipliers, what drove them there and their scales, to return to.
 #[derive(Clone, Debug)]
 pub(crate) struct Snapshot {
     displacement: Vec<f64>,
@@ -14,6 +14,8 @@ pub(crate) struct Snapshot {
     multiplier: Vec<f64>,
     active: Vec<bool>,
     drive: Drive,
+    scales: QpScales,
+    force_scale: f64,
 }
 
 /// Non-dimensional state.
@@ -31,6 +33,8 @@ pub(crate) struct State {
     pub(crate) drive: Drive,
     /// Of the residual blocks without a load of their own.
     pub(crate) scales: QpScales,
+    /// Of the force residual when the present drive was reached.
+    pub(crate) force_scale: f64,
     /// Krylov directions of earlier programs; products without contact.
     pub(crate) directions: Directions,
 }
@@ -45,6 +49,7 @@ impl State {
             active: vec![false; unknowns.contact as usize],
             drive: Drive::undeformed(plan.scene()),
             scales: QpScales::default(),
+            force_scale: 0.0,
             directions: Directions::default(),
         }
     }
@@ -56,6 +61,8 @@ impl State {
             multiplier: self.multiplier.clone(),
             active: self.active.clone(),
             drive: self.drive.clone(),
+            scales: self.scales,
+            force_scale: self.force_scale,
         }
     }
 
@@ -65,6 +72,8 @@ impl State {
         self.multiplier.copy_from_slice(&snapshot.multiplier);
         self.active.copy_from_slice(&snapshot.active);
         self.drive = snapshot.drive.clone();
+        self.scales = snapshot.scales;
+        self.force_scale = snapshot.force_scale;
     }
 
     pub(crate) fn bytes(&self) -> u64 {

@@ -135,7 +135,8 @@ pub(super) fn advance(parcel: &Parcel, task: &Task) -> Outcome {
 
 fn is_due(report: &StepReport, task: &Task) -> bool {
     let last = report.increment >= task.step.increments;
-    last || report.termination != Termination::Converged || report.increment % task.every == 0
+    last || report.termination != Termination::Converged
+        || report.increment.is_multiple_of(task.every)
 }
 
 fn gather(session: &Session, wanted: &[FieldName]) -> Vec<KeptField> {

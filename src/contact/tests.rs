@@ -1,0 +1,249 @@
+//! Gaps, their derivatives and resultants on a deformed irregular face.
+
+use std::sync::Arc;
+
+use super::gap::Deformed;
+use super::{ContactSurface, curvature, evaluate_gaps, linearise, resultant};
+use crate::element::quadrature::{Rule, Simplex, rule};
+use crate::linalg::vector::{dot, largest, norm, reproducible_noise};
+use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, Workspace};
+use crate::mesh::{GroupKind, Mesh, MeshParts, samples};
+use crate::obstacle::{Cylinder, HalfSpace, Moving, Obstacle, Sphere};
+use crate::space::TaylorHood;
+
+const SCALE: f64 = 0.8;
+/// Step of central differences: their error is some 1e-10.
+const STEP: f64 = 1e-5;
+
+/// A deformed body and the candidate face at its top.
+struct Sample {
+    mesh: Mesh,
+    space: TaylorHood,
+    surface: ContactSurface,
+    rule: Rule,
+    displacement: Vec<f64>,
+}
+
+impl Sample {
+    fn new(parts: MeshParts, side: &str) -> Self {
+        let mesh = Mesh::new(parts).expect("a valid sample");
+        let space = TaylorHood::new(&mesh);
+        let group = mesh.group(side, GroupKind::Facets).expect("a side");
+        let facets: Vec<Vec<u32>> =
+            group.members.iter().map(|&f| mesh.facet(f as usize).to_vec()).collect();
+        let surface = ContactSurface::new(&mesh, &space, SCALE, &facets);
+        let simplex = if space.components == 2 { Simplex::Segment } else { Simplex::Triangle };
+        let noise = reproducible_noise(space.displacement_unknowns());
+        Self {
+            displacement: noise.into_iter().map(|x| 0.03 * x).collect(),
+            rule: rule(simplex, 8),
+            mesh,
+            space,
+            surface,
+        }
+    }
+
+    fn body<'a>(&'a self, displacement: &'a [f64]) -> Deformed<'a> {
+        Deformed {
+            mesh: &self.mesh,
+            scale: SCALE,
+            space: &self.space,
+            displacement,
+            rule: &self.rule,
+        }
+    }
+
+    /// The displacement moved by `factor` times a fixed direction.
+    fn moved(&self, factor: f64) -> (Vec<f64>, Vec<f64>) {
+        let direction: Vec<f64> = self.displacement.iter().rev().map(|x| x / 0.03).collect();
+        let moved = self.displacement.iter().zip(&direction);
+        (moved.map(|(u, d)| u + factor * d).collect(), direction)
+    }
+
+    fn gaps(&self, displacement: &[f64], obstacle: &dyn Obstacle) -> Vec<f64> {
+        evaluate_gaps(&self.body(displacement), &self.surface, obstacle).0
+    }
+
+    fn coupling(&self, displacement: &[f64], obstacle: &dyn Obstacle) -> SparseRows {
+        let held = vec![false; displacement.len()];
+        let mut part = linearise(&self.body(displacement), &self.surface, obstacle, &held);
+        let mut builder = SparseRowsBuilder::new(displacement.len());
+        part.rows.iter_mut().for_each(|row| builder.push_row(row));
+        builder.finish()
+    }
+
+    /// -C^T l: the force of the obstacle on each unknown.
+    fn contact_force(&self, displacement: &[f64], obstacle: &dyn Obstacle, pressure: &[f64]) -> Vec<f64> {
+        let mut force = vec![0.0; displacement.len()];
+        let coupling = self.coupling(displacement, obstacle);
+        coupling.apply_transposed(pressure, &mut force, &mut Workspace::new());
+        force.into_iter().map(|x| -x).collect()
+    }
+
+    fn pressure(&self) -> Vec<f64> {
+        let noise = reproducible_noise(self.surface.multipliers());
+        noise.into_iter().map(|x| 1.0 + x).collect()
+    }
+}
+
+fn solid() -> Sample {
+    Sample::new(samples::cube_parts(2), "z1")
+}
+
+fn plane() -> Sample {
+    Sample::new(samples::rectangle_parts(3, 2), "y1")
+}
+
+/// Obstacles over the top of the scaled unit cube.
+fn obstacles() -> Vec<Arc<dyn Obstacle>> {
+    let sphere = Sphere::new([0.3, 0.4, 1.5], 0.75).expect("a sphere");
+    let roll = Cylinder::new([0.3, 0.4, 1.5], [1.0, 0.3, 0.1], 0.7).expect("a cylinder");
+    let floor = HalfSpace::new([0.3, 0.4, 0.8], [0.1, -0.2, -1.0]).expect("a half-space");
+    let shapes: [Arc<dyn Obstacle>; 3] = [Arc::new(sphere), Arc::new(roll), Arc::new(floor)];
+    let moved = |shape: &Arc<dyn Obstacle>| -> Arc<dyn Obstacle> {
+        Arc::new(Moving::new(shape.clone(), [0.05, -0.02, -0.04], [0.2, -0.1, 0.3]))
+    };
+    let carried: Vec<_> = shapes.iter().map(moved).collect();
+    shapes.into_iter().chain(carried).collect()
+}
+
+fn plane_obstacles() -> Vec<Arc<dyn Obstacle>> {
+    let roll = Cylinder::new([0.4, 1.5, 0.0], [0.0, 0.0, 1.0], 0.75).expect("a cylinder");
+    let disc = Sphere::new([0.4, 1.5, 0.0], 0.75).expect("a sphere");
+    vec![Arc::new(roll), Arc::new(disc)]
+}
+
+fn cases() -> Vec<(Sample, Arc<dyn Obstacle>)> {
+    let solid = obstacles().into_iter().map(|obstacle| (self::solid(), obstacle));
+    solid.chain(plane_obstacles().into_iter().map(|obstacle| (plane(), obstacle))).collect()
+}
+
+#[test]
+fn the_coupling_is_minus_the_derivative_of_the_gaps() {
+    for (sample, obstacle) in cases() {
+        let (up, direction) = sample.moved(STEP);
+        let (down, _) = sample.moved(-STEP);
+        let (up, down) = (sample.gaps(&up, &*obstacle), sample.gaps(&down, &*obstacle));
+        let mut closing = vec![0.0; up.len()];
+        let coupling = sample.coupling(&sample.displacement, &*obstacle);
+        coupling.apply(&direction, &mut closing, &mut Workspace::new());
+        assert!(largest(&closing) > 1e-3);
+        for ((up, down), closing) in up.iter().zip(&down).zip(&closing) {
+            let slope = (up - down) / (2.0 * STEP);
+            assert!((slope + closing).abs() < 1e-9, "{obstacle:?} {slope} {closing}");
+        }
+    }
+}
+
+#[test]
+fn the_curvature_is_the_derivative_of_the_contact_force() {
+    for (sample, obstacle) in cases() {
+        let pressure = sample.pressure();
+        let (up, direction) = sample.moved(STEP);
+        let (down, _) = sample.moved(-STEP);
+        let up = sample.contact_force(&up, &*obstacle, &pressure);
+        let down = sample.contact_force(&down, &*obstacle, &pressure);
+        let held = vec![false; up.len()];
+        let surfaces = [(&sample.surface, &*obstacle, &pressure[..])];
+        let matrix = curvature(&sample.body(&sample.displacement), &surfaces, &held);
+        let mut product = vec![0.0; up.len()];
+        matrix.apply(&direction, &mut product, &mut Workspace::new());
+        for ((up, down), product) in up.iter().zip(&down).zip(&product) {
+            let slope = (up - down) / (2.0 * STEP);
+            assert!((slope - product).abs() < 1e-8, "{obstacle:?} {slope} {product}");
+        }
+    }
+}
+
+#[test]
+fn held_unknowns_have_neither_coupling_nor_curvature() {
+    let (sample, obstacle) = (solid(), &obstacles()[0]);
+    let held: Vec<bool> = (0..sample.displacement.len()).map(|k| k % 2 == 0).collect();
+    let body = sample.body(&sample.displacement);
+    let part = linearise(&body, &sample.surface, &**obstacle, &held);
+    assert!(part.rows.iter().flatten().all(|&(unknown, _)| !held[unknown as usize]));
+    let pressure = sample.pressure();
+    let matrix = curvature(&body, &[(&sample.surface, &**obstacle, &pressure)], &held);
+    for (row, &is_held) in held.iter().enumerate() {
+        let (columns, _) = matrix.row(row);
+        assert!(columns.iter().all(|&column| !is_held && !held[column as usize]));
+    }
+}
+
+#[test]
+fn linearising_gives_the_gaps_and_the_penetration_of_evaluating() {
+    for (sample, obstacle) in cases() {
+        let held = vec![false; sample.displacement.len()];
+        let body = sample.body(&sample.displacement);
+        let part = linearise(&body, &sample.surface, &*obstacle, &held);
+        let (gap, deepest) = evaluate_gaps(&body, &sample.surface, &*obstacle);
+        assert_eq!(part.gap, gap);
+        assert_eq!(part.max_penetration.to_bits(), deepest.to_bits());
+        assert!(deepest > 0.0);
+    }
+}
+
+#[test]
+fn weights_sum_to_the_area_and_weigh_a_uniform_gap() {
+    let mut sample = solid();
+    let area: f64 = sample.surface.weights.iter().sum();
+    assert!((area - SCALE * SCALE).abs() < 1e-14);
+    sample.displacement.fill(0.0);
+    let floor = HalfSpace::new([0.0, 0.0, 0.8 - 0.25], [0.0, 0.0, 1.0]).expect("a half-space");
+    let gap = sample.gaps(&sample.displacement, &floor);
+    for (gap, weight) in gap.iter().zip(&sample.surface.weights) {
+        assert!((gap - 0.25 * weight).abs() < 1e-15);
+    }
+}
+
+#[test]
+fn the_resultant_is_the_work_of_the_contact_force_on_rigid_motions() {
+    for (sample, obstacle) in cases() {
+        let pressure = sample.pressure();
+        let force = sample.contact_force(&sample.displacement, &*obstacle, &pressure);
+        let (reference, active) = ([0.1, -0.2, 0.3], vec![true; pressure.len()]);
+        let body = sample.body(&sample.displacement);
+        let found = resultant(&body, &sample.surface, &*obstacle, reference, &pressure, &active);
+        let c = sample.space.components;
+        for axis in 0..c {
+            // The vertex functions sum to one.
+            let sum: f64 = (0..sample.space.vertices).map(|v| force[v * c + axis]).sum();
+            assert!((found.force[axis] - sum).abs() < 1e-12, "{obstacle:?}");
+        }
+        let spin = spin_about_z(&sample, reference);
+        assert!((found.moment[2] - dot(&force, &spin)).abs() < 1e-12, "{obstacle:?}");
+        assert!((found.area - sample.surface.weights.iter().sum::<f64>()).abs() < 1e-14);
+        assert!((found.max_pressure - largest(&pressure)).abs() < 1e-15);
+    }
+}
+
+/// e_z x (x + u - reference) as a hierarchical vector.
+fn spin_about_z(sample: &Sample, reference: [f64; 3]) -> Vec<f64> {
+    let c = sample.space.components;
+    let u = &sample.displacement;
+    let mut spin = vec![0.0; u.len()];
+    for node in 0..sample.space.nodes() {
+        // The position is linear: edge corrections have the displacement only.
+        let x = match sample.mesh.coordinates().get(node) {
+            Some(point) => [SCALE * point[0] - reference[0], SCALE * point[1] - reference[1]],
+            None => [0.0; 2],
+        };
+        spin[node * c] = -(x[1] + u[node * c + 1]);
+        spin[node * c + 1] = x[0] + u[node * c];
+    }
+    spin
+}
+
+#[test]
+fn the_centre_of_a_uniform_pressure_is_the_centre_of_the_face() {
+    let mut sample = solid();
+    sample.displacement.fill(0.0);
+    let floor = HalfSpace::new([0.0, 0.0, 0.8], [0.0, 0.0, -1.0]).expect("a half-space");
+    let pressure = vec![2.0; sample.surface.multipliers()];
+    let active = vec![false; pressure.len()];
+    let body = sample.body(&sample.displacement);
+    let found = resultant(&body, &sample.surface, &floor, [0.0; 3], &pressure, &active);
+    let error: Vec<f64> = found.centre.iter().zip([0.4, 0.4, 0.8]).map(|(a, b)| a - b).collect();
+    assert!(norm(&error) < 1e-14 && found.area.abs() < 1e-15);
+    assert!((found.force[2] + 2.0 * SCALE * SCALE).abs() < 1e-14);
+}
