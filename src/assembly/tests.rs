@@ -1,15 +1,16 @@
 //! The matrix-free operators against element integrals written plainly.
 
 use super::grid::{Basis, Rows};
-use super::load::{add_body_force, add_traction, facet_measure};
 use super::mass::weighted_mass;
 use super::p1_stiffness::{node_blocks, p1_stiffness};
 use super::{CellGeometry, CellModuli, Grid};
 use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::linalg::vector::{dot, largest, reproducible_noise};
 use crate::linalg::{LinearOperator, Workspace};
-use crate::mesh::{GroupKind, Mesh, MeshParts, barycentric_gradients, samples};
+use crate::mesh::{Mesh, MeshParts, barycentric_gradients, samples};
 use crate::space::TaylorHood;
+
+mod loads;
 
 const SCALE: f64 = 0.5;
 
@@ -45,9 +46,18 @@ impl Sample {
             lame: cells.map(|cell| 0.5 * (cell % 4) as f64).collect(),
             inverse_lame: Vec::new(),
         };
-        let held: Vec<u32> = (0..space.displacement_unknowns() as u32).step_by(7).collect();
+        let held: Vec<u32> = (0..space.displacement_unknowns() as u32)
+            .step_by(7)
+            .collect();
         let grid = Grid::new(&mesh, &space, &geometry, &moduli, &held);
-        Self { mesh, space, geometry, moduli, held, grid }
+        Self {
+            mesh,
+            space,
+            geometry,
+            moduli,
+            held,
+            grid,
+        }
     }
 
     fn unknowns(&self) -> usize {
@@ -56,7 +66,8 @@ impl Sample {
 
     fn stiffness(&self, basis: Basis, rows: Rows, x: &[f64]) -> Vec<f64> {
         let mut y = vec![f64::NAN; x.len()];
-        self.grid.stiffness(basis, rows, x, &mut y, &mut Workspace::new());
+        self.grid
+            .stiffness(basis, rows, x, &mut y, &mut Workspace::new());
         y
     }
 
@@ -68,7 +79,8 @@ impl Sample {
 
     fn divergence_transposed(&self, rows: Rows, p: &[f64]) -> Vec<f64> {
         let mut y = vec![f64::NAN; self.unknowns()];
-        self.grid.divergence_transposed(rows, p, &mut y, &mut Workspace::new());
+        self.grid
+            .divergence_transposed(rows, p, &mut y, &mut Workspace::new());
         y
     }
 
@@ -83,7 +95,9 @@ impl Sample {
         let pairs = self.mesh.cell_kind().edges().len();
         let edges = &self.mesh.cell_edges()[cell * pairs..(cell + 1) * pairs];
         let vertices = self.mesh.cell(cell).iter().map(|&v| v as usize);
-        vertices.chain(edges.iter().map(|&e| self.space.vertices + e as usize)).collect()
+        vertices
+            .chain(edges.iter().map(|&e| self.space.vertices + e as usize))
+            .collect()
     }
 
     fn volume_rule(&self) -> Rule {
@@ -104,7 +118,12 @@ impl Sample {
             let measure = kind.signed_measure(&corners);
             for (point, weight) in rule.points.iter().zip(&rule.weights) {
                 let l = &point[..kind.vertices()];
-                visit(cell, weight * measure, l, &slopes(basis, l, &g, kind.edges()));
+                visit(
+                    cell,
+                    weight * measure,
+                    l,
+                    &slopes(basis, l, &g, kind.edges()),
+                );
             }
         }
     }
@@ -132,7 +151,11 @@ impl Sample {
             for (&node, slope) in self.nodes_of(cell).iter().zip(slopes) {
                 for i in 0..c {
                     for j in 0..c {
-                        let volume = if i == j { self.moduli.lame[cell] * trace } else { 0.0 };
+                        let volume = if i == j {
+                            self.moduli.lame[cell] * trace
+                        } else {
+                            0.0
+                        };
                         let stress = self.moduli.shear[cell] * (g[i][j] + g[j][i]) + volume;
                         y[node * c + i] += weight * stress * slope[j];
                     }
@@ -161,15 +184,20 @@ fn slopes(basis: Basis, l: &[f64], g: &[[f64; 3]; 4], pairs: &[(usize, usize)]) 
         Basis::Hierarchical => g[a],
         Basis::Lagrange => g[a].map(|x| (4.0 * l[a] - 1.0) * x),
     };
-    let edge = |&(a, b): &(usize, usize)| {
-        std::array::from_fn(|j| 4.0 * (l[a] * g[b][j] + l[b] * g[a][j]))
-    };
-    (0..l.len()).map(vertex).chain(pairs.iter().map(edge)).collect()
+    let edge =
+        |&(a, b): &(usize, usize)| std::array::from_fn(|j| 4.0 * (l[a] * g[b][j] + l[b] * g[a][j]));
+    (0..l.len())
+        .map(vertex)
+        .chain(pairs.iter().map(edge))
+        .collect()
 }
 
 fn samples() -> Vec<Sample> {
     // The first is larger than one block.
-    vec![Sample::new(samples::cube_parts(7)), Sample::new(samples::rectangle_parts(5, 4))]
+    vec![
+        Sample::new(samples::cube_parts(7)),
+        Sample::new(samples::rectangle_parts(5, 4)),
+    ]
 }
 
 fn assert_close(found: &[f64], expected: &[f64], tolerance: f64) {
@@ -212,7 +240,10 @@ fn the_transposed_divergence_is_the_adjoint() {
         for rows in [Rows::All, Rows::Free] {
             let left = dot(&sample.divergence(rows, &x), &p);
             let right = dot(&sample.divergence_transposed(rows, &p), &x);
-            assert!((left - right).abs() <= 1e-13 * x.len() as f64 * largest(&p), "{left} {right}");
+            assert!(
+                (left - right).abs() <= 1e-13 * x.len() as f64 * largest(&p),
+                "{left} {right}"
+            );
         }
     }
 }
@@ -225,7 +256,10 @@ fn the_stiffness_is_symmetric() {
         for basis in [Basis::Hierarchical, Basis::Lagrange] {
             let left = dot(&sample.stiffness(basis, Rows::Free, &x), &y);
             let right = dot(&sample.stiffness(basis, Rows::Free, &y), &x);
-            assert!((left - right).abs() <= 1e-12 * left.abs().max(1.0), "{left} {right}");
+            assert!(
+                (left - right).abs() <= 1e-12 * left.abs().max(1.0),
+                "{left} {right}"
+            );
         }
     }
 }
@@ -256,7 +290,11 @@ fn passes_have_the_same_bits_for_every_number_of_threads() {
             let y = sample.stiffness(Basis::Lagrange, Rows::Free, &x);
             let r = sample.divergence(Rows::Free, &x);
             let z = sample.divergence_transposed(Rows::Free, &p);
-            [y, r, z].concat().into_iter().map(f64::to_bits).collect::<Vec<_>>()
+            [y, r, z]
+                .concat()
+                .into_iter()
+                .map(f64::to_bits)
+                .collect::<Vec<_>>()
         })
     };
     let one = with(1);
@@ -326,77 +364,19 @@ fn node_blocks_are_the_diagonal_blocks_of_the_lagrange_stiffness() {
 #[test]
 fn mass_rows_sum_to_the_hats_integrals() {
     for sample in samples() {
-        let mass = weighted_mass(&sample.mesh, &sample.geometry, |cell| sample.moduli.shear[cell]);
+        let mass = weighted_mass(&sample.mesh, &sample.geometry, |cell| {
+            sample.moduli.shear[cell]
+        });
         let mut sums = vec![0.0; sample.space.vertices];
         mass.apply(&vec![1.0; sums.len()], &mut sums, &mut Workspace::new());
         let mut expected = vec![0.0; sums.len()];
         for (cell, volume) in sample.geometry.volumes.iter().enumerate() {
             let vertices = sample.mesh.cell(cell);
             for &vertex in vertices {
-                expected[vertex as usize] += sample.moduli.shear[cell] * volume / vertices.len() as f64;
+                expected[vertex as usize] +=
+                    sample.moduli.shear[cell] * volume / vertices.len() as f64;
             }
         }
         assert_close(&sums, &expected, 1e-13);
-    }
-}
-
-/// Hierarchical coefficients of x^2 + 2 x y in component `i`.
-fn quadratic(sample: &Sample, i: usize) -> Vec<f64> {
-    let value = |x: [f64; 3]| SCALE * SCALE * (x[0] * x[0] + 2.0 * x[0] * x[1]);
-    let (c, points) = (sample.space.components, sample.mesh.coordinates());
-    let mut field = vec![0.0; sample.unknowns()];
-    for (vertex, &point) in points.iter().enumerate() {
-        field[vertex * c + i] = value(point);
-    }
-    for (edge, ends) in sample.space.edges.iter().enumerate() {
-        let [a, b] = ends.map(|v| points[v as usize]);
-        let middle = std::array::from_fn(|j| 0.5 * (a[j] + b[j]));
-        field[(sample.space.vertices + edge) * c + i] = value(middle) - 0.5 * (value(a) + value(b));
-    }
-    field
-}
-
-#[test]
-fn a_body_force_does_exact_work_on_quadratic_fields() {
-    for sample in samples() {
-        let mut load = vec![0.0; sample.unknowns()];
-        let (rule, volumes) = (sample.volume_rule(), &sample.geometry.volumes);
-        // Linear in position: f = (x, 3, ..).
-        let force = |_: usize, x: [f64; 3]| [x[0], 3.0, 0.0];
-        add_body_force(&sample.mesh, &sample.space, volumes, SCALE, &rule, &force, &mut load);
-        // The body is [0, 1/2]^d: int x (x^2 + 2 x y) and 3 int (x^2 + 2 x y).
-        let depth = SCALE.powi(sample.space.components as i32 - 2);
-        let along = SCALE.powi(5) * (0.25 + 1.0 / 3.0);
-        let up = 3.0 * SCALE.powi(4) * (1.0 / 3.0 + 0.5);
-        assert!((dot(&load, &quadratic(&sample, 0)) - depth * along).abs() < 1e-14);
-        assert!((dot(&load, &quadratic(&sample, 1)) - depth * up).abs() < 1e-14);
-    }
-}
-
-#[test]
-fn a_traction_does_exact_work_on_quadratic_fields() {
-    for sample in samples() {
-        let mut load = vec![0.0; sample.unknowns()];
-        let simplex = match sample.space.components {
-            2 => Simplex::Segment,
-            _ => Simplex::Triangle,
-        };
-        let group = sample.mesh.group("x1", GroupKind::Facets).expect("a side");
-        let mut total = 0.0;
-        for &facet in &group.members {
-            let facet = sample.mesh.facet(facet as usize);
-            let (area, normal) = facet_measure(&sample.mesh, facet, SCALE);
-            assert!((normal[0] - 1.0).abs() < 1e-14, "{normal:?} points outwards");
-            total += area;
-            let value = |x: [f64; 3]| [1.0, x[1], 0.0];
-            let (mesh, space, rule) = (&sample.mesh, &sample.space, rule(simplex, 4));
-            add_traction(mesh, space, facet, area, SCALE, &rule, &value, &mut load);
-        }
-        let depth = SCALE.powi(sample.space.components as i32 - 2);
-        assert!((total - SCALE * depth).abs() < 1e-14);
-        // On x = 1/2: int (1/4 + y) and int y (1/4 + y) over y in [0, 1/2].
-        let (along, up) = (depth * 0.25, depth * (1.0 / 32.0 + 1.0 / 24.0));
-        assert!((dot(&load, &quadratic(&sample, 0)) - along).abs() < 1e-14);
-        assert!((dot(&load, &quadratic(&sample, 1)) - up).abs() < 1e-14);
     }
 }

@@ -29,10 +29,17 @@ impl Sample {
         let mesh = Mesh::new(parts).expect("a valid sample");
         let space = TaylorHood::new(&mesh);
         let group = mesh.group(side, GroupKind::Facets).expect("a side");
-        let facets: Vec<Vec<u32>> =
-            group.members.iter().map(|&f| mesh.facet(f as usize).to_vec()).collect();
+        let facets: Vec<Vec<u32>> = group
+            .members
+            .iter()
+            .map(|&f| mesh.facet(f as usize).to_vec())
+            .collect();
         let surface = ContactSurface::new(&mesh, &space, SCALE, &facets);
-        let simplex = if space.components == 2 { Simplex::Segment } else { Simplex::Triangle };
+        let simplex = if space.components == 2 {
+            Simplex::Segment
+        } else {
+            Simplex::Triangle
+        };
         let noise = reproducible_noise(space.displacement_unknowns());
         Self {
             displacement: noise.into_iter().map(|x| 0.03 * x).collect(),
@@ -73,7 +80,12 @@ impl Sample {
     }
 
     /// -C^T l: the force of the obstacle on each unknown.
-    fn contact_force(&self, displacement: &[f64], obstacle: &dyn Obstacle, pressure: &[f64]) -> Vec<f64> {
+    fn contact_force(
+        &self,
+        displacement: &[f64],
+        obstacle: &dyn Obstacle,
+        pressure: &[f64],
+    ) -> Vec<f64> {
         let mut force = vec![0.0; displacement.len()];
         let coupling = self.coupling(displacement, obstacle);
         coupling.apply_transposed(pressure, &mut force, &mut Workspace::new());
@@ -101,7 +113,11 @@ fn obstacles() -> Vec<Arc<dyn Obstacle>> {
     let floor = HalfSpace::new([0.3, 0.4, 0.8], [0.1, -0.2, -1.0]).expect("a half-space");
     let shapes: [Arc<dyn Obstacle>; 3] = [Arc::new(sphere), Arc::new(roll), Arc::new(floor)];
     let moved = |shape: &Arc<dyn Obstacle>| -> Arc<dyn Obstacle> {
-        Arc::new(Moving::new(shape.clone(), [0.05, -0.02, -0.04], [0.2, -0.1, 0.3]))
+        Arc::new(Moving::new(
+            shape.clone(),
+            [0.05, -0.02, -0.04],
+            [0.2, -0.1, 0.3],
+        ))
     };
     let carried: Vec<_> = shapes.iter().map(moved).collect();
     shapes.into_iter().chain(carried).collect()
@@ -114,8 +130,14 @@ fn plane_obstacles() -> Vec<Arc<dyn Obstacle>> {
 }
 
 fn cases() -> Vec<(Sample, Arc<dyn Obstacle>)> {
-    let solid = obstacles().into_iter().map(|obstacle| (self::solid(), obstacle));
-    solid.chain(plane_obstacles().into_iter().map(|obstacle| (plane(), obstacle))).collect()
+    let solids = obstacles().into_iter().map(|obstacle| (solid(), obstacle));
+    solids
+        .chain(
+            plane_obstacles()
+                .into_iter()
+                .map(|obstacle| (plane(), obstacle)),
+        )
+        .collect()
 }
 
 #[test]
@@ -130,7 +152,10 @@ fn the_coupling_is_minus_the_derivative_of_the_gaps() {
         assert!(largest(&closing) > 1e-3);
         for ((up, down), closing) in up.iter().zip(&down).zip(&closing) {
             let slope = (up - down) / (2.0 * STEP);
-            assert!((slope + closing).abs() < 1e-9, "{obstacle:?} {slope} {closing}");
+            assert!(
+                (slope + closing).abs() < 1e-9,
+                "{obstacle:?} {slope} {closing}"
+            );
         }
     }
 }
@@ -150,7 +175,10 @@ fn the_curvature_is_the_derivative_of_the_contact_force() {
         matrix.apply(&direction, &mut product, &mut Workspace::new());
         for ((up, down), product) in up.iter().zip(&down).zip(&product) {
             let slope = (up - down) / (2.0 * STEP);
-            assert!((slope - product).abs() < 1e-8, "{obstacle:?} {slope} {product}");
+            assert!(
+                (slope - product).abs() < 1e-8,
+                "{obstacle:?} {slope} {product}"
+            );
         }
     }
 }
@@ -161,12 +189,21 @@ fn held_unknowns_have_neither_coupling_nor_curvature() {
     let held: Vec<bool> = (0..sample.displacement.len()).map(|k| k % 2 == 0).collect();
     let body = sample.body(&sample.displacement);
     let part = linearise(&body, &sample.surface, &**obstacle, &held);
-    assert!(part.rows.iter().flatten().all(|&(unknown, _)| !held[unknown as usize]));
+    assert!(
+        part.rows
+            .iter()
+            .flatten()
+            .all(|&(unknown, _)| !held[unknown as usize])
+    );
     let pressure = sample.pressure();
     let matrix = curvature(&body, &[(&sample.surface, &**obstacle, &pressure)], &held);
     for (row, &is_held) in held.iter().enumerate() {
         let (columns, _) = matrix.row(row);
-        assert!(columns.iter().all(|&column| !is_held && !held[column as usize]));
+        assert!(
+            columns
+                .iter()
+                .all(|&column| !is_held && !held[column as usize])
+        );
     }
 }
 
@@ -203,15 +240,27 @@ fn the_resultant_is_the_work_of_the_contact_force_on_rigid_motions() {
         let force = sample.contact_force(&sample.displacement, &*obstacle, &pressure);
         let (reference, active) = ([0.1, -0.2, 0.3], vec![true; pressure.len()]);
         let body = sample.body(&sample.displacement);
-        let found = resultant(&body, &sample.surface, &*obstacle, reference, &pressure, &active);
+        let found = resultant(
+            &body,
+            &sample.surface,
+            &*obstacle,
+            reference,
+            &pressure,
+            &active,
+        );
         let c = sample.space.components;
         for axis in 0..c {
             // The vertex functions sum to one.
-            let sum: f64 = (0..sample.space.vertices).map(|v| force[v * c + axis]).sum();
+            let sum: f64 = (0..sample.space.vertices)
+                .map(|v| force[v * c + axis])
+                .sum();
             assert!((found.force[axis] - sum).abs() < 1e-12, "{obstacle:?}");
         }
         let spin = spin_about_z(&sample, reference);
-        assert!((found.moment[2] - dot(&force, &spin)).abs() < 1e-12, "{obstacle:?}");
+        assert!(
+            (found.moment[2] - dot(&force, &spin)).abs() < 1e-12,
+            "{obstacle:?}"
+        );
         assert!((found.area - sample.surface.weights.iter().sum::<f64>()).abs() < 1e-14);
         assert!((found.max_pressure - largest(&pressure)).abs() < 1e-15);
     }
@@ -225,7 +274,10 @@ fn spin_about_z(sample: &Sample, reference: [f64; 3]) -> Vec<f64> {
     for node in 0..sample.space.nodes() {
         // The position is linear: edge corrections have the displacement only.
         let x = match sample.mesh.coordinates().get(node) {
-            Some(point) => [SCALE * point[0] - reference[0], SCALE * point[1] - reference[1]],
+            Some(point) => [
+                SCALE * point[0] - reference[0],
+                SCALE * point[1] - reference[1],
+            ],
             None => [0.0; 2],
         };
         spin[node * c] = -(x[1] + u[node * c + 1]);
@@ -243,7 +295,12 @@ fn the_centre_of_a_uniform_pressure_is_the_centre_of_the_face() {
     let active = vec![false; pressure.len()];
     let body = sample.body(&sample.displacement);
     let found = resultant(&body, &sample.surface, &floor, [0.0; 3], &pressure, &active);
-    let error: Vec<f64> = found.centre.iter().zip([0.4, 0.4, 0.8]).map(|(a, b)| a - b).collect();
+    let error: Vec<f64> = found
+        .centre
+        .iter()
+        .zip([0.4, 0.4, 0.8])
+        .map(|(a, b)| a - b)
+        .collect();
     assert!(norm(&error) < 1e-14 && found.area.abs() < 1e-15);
     assert!((found.force[2] + 2.0 * SCALE * SCALE).abs() < 1e-14);
 }

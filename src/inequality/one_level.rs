@@ -615,3 +615,6 @@ impl Monitor for FaceMonitor<'_, '_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

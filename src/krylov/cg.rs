@@ -52,3 +52,63 @@ pub fn solve(
     work.give(product);
     outcome
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::vector::norm;
+    use crate::linalg::{SparseRows, SparseRowsBuilder};
+
+    struct Plain;
+    impl Preconditioner for Plain {
+        fn apply(&self, r: &[f64], z: &mut [f64], _work: &mut Workspace) {
+            z.copy_from_slice(r);
+        }
+    }
+
+    struct Below(f64, usize);
+    impl Monitor for Below {
+        fn judge(&mut self, residual: &[f64]) -> Verdict {
+            self.1 += 1;
+            if norm(residual) < self.0 {
+                Verdict::Stop
+            } else {
+                Verdict::Continue
+            }
+        }
+    }
+
+    fn diagonal(entries: &[f64]) -> SparseRows {
+        let mut builder = SparseRowsBuilder::new(entries.len());
+        for (row, &value) in entries.iter().enumerate() {
+            builder.push_row(&mut [(row as u32, value)]);
+        }
+        builder.finish()
+    }
+
+    fn run(entries: &[f64], iterations: usize) -> (Outcome, Vec<f64>, usize) {
+        let matrix = diagonal(entries);
+        let (mut x, mut r) = (vec![0.0; entries.len()], vec![1.0; entries.len()]);
+        let mut stop = Below(1e-12, 0);
+        let work = &mut Workspace::new();
+        let outcome = solve(&matrix, &Plain, &mut x, &mut r, iterations, &mut stop, work);
+        (outcome, x, stop.1)
+    }
+
+    #[test]
+    fn three_eigenvalues_take_three_iterations() {
+        let entries = [1.0, 2.0, 5.0, 2.0, 1.0, 5.0];
+        let (outcome, x, iterations) = run(&entries, 10);
+        assert_eq!((outcome, iterations), (Outcome::Stopped, 3));
+        for (value, entry) in x.iter().zip(entries) {
+            assert!((value - 1.0 / entry).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn failures_have_their_types() {
+        assert_eq!(run(&[1.0, 2.0, 3.0], 1).0, Outcome::IterationLimit);
+        assert_eq!(run(&[1.0, -2.0], 10).0, Outcome::Indefinite);
+        assert_eq!(run(&[1.0, f64::NAN], 10).0, Outcome::NotFinite);
+    }
+}

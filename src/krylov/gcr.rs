@@ -236,4 +236,118 @@ mod tests {
         );
         assert_eq!(outcome, Outcome::Stagnation);
     }
+
+    #[test]
+    fn a_turned_plane_is_solved_from_the_last_product() {
+        // Every residual is orthogonal to its own image: no step from it helps.
+        struct Quarter;
+        impl LinearOperator for Quarter {
+            fn rows(&self) -> usize {
+                4
+            }
+            fn columns(&self) -> usize {
+                4
+            }
+            fn apply(&self, x: &[f64], y: &mut [f64], _work: &mut Workspace) {
+                y.copy_from_slice(&[-x[1], x[0], -2.0 * x[3], 2.0 * x[2]]);
+            }
+            fn apply_transposed(&self, y: &[f64], x: &mut [f64], _work: &mut Workspace) {
+                x.copy_from_slice(&[y[1], -y[0], 2.0 * y[3], -2.0 * y[2]]);
+            }
+        }
+        let (mut x, mut r) = (vec![0.0; 4], vec![1.0, 2.0, 3.0, -1.0]);
+        let outcome = solve(
+            &Quarter,
+            &Plain,
+            &mut x,
+            &mut r,
+            8,
+            &mut Directions::default(),
+            &mut Below(1e-12),
+            &mut Workspace::new(),
+        );
+        assert_eq!(outcome, Outcome::Stopped);
+        for (value, exact) in x.iter().zip([2.0, -1.0, -0.5, -1.5]) {
+            assert!((value - exact).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn kept_directions_solve_the_same_system_again_at_once() {
+        let mut directions = Directions::default();
+        let mut work = Workspace::new();
+        let mut solve_for = |rhs: [f64; 3], most: usize, directions: &mut Directions| {
+            let (mut x, mut r) = (vec![0.0; 3], rhs.to_vec());
+            let stop = &mut Below(1e-12);
+            solve(
+                &Saddle, &Plain, &mut x, &mut r, most, directions, stop, &mut work,
+            );
+            norm(&r)
+        };
+        assert!(solve_for([1.0, 2.0, 3.0], 4, &mut directions) < 1e-12);
+        assert!(solve_for([-2.0, 0.5, 1.0], 0, &mut directions) < 1e-12);
+    }
+
+    #[test]
+    fn adapted_directions_belong_to_the_new_operator() {
+        let mut directions = Directions::default();
+        let mut work = Workspace::new();
+        let (mut x, mut r) = (vec![0.0; 3], vec![1.0, 2.0, 3.0]);
+        let stop = &mut Below(1e-12);
+        solve(
+            &Saddle,
+            &Plain,
+            &mut x,
+            &mut r,
+            4,
+            &mut directions,
+            stop,
+            &mut work,
+        );
+        let kept = directions.pairs.len();
+        assert_eq!(kept, 3);
+        // The new operator is the old one plus e_1 e_3^T.
+        directions.adapt(&mut work, |direction, product| product[0] += direction[2]);
+        assert_eq!(directions.pairs.len(), kept);
+        for (index, (direction, product)) in directions.pairs.iter().enumerate() {
+            let mut image = vec![0.0; 3];
+            Saddle.apply(direction, &mut image, &mut work);
+            image[0] += direction[2];
+            for (a, b) in image.iter().zip(product) {
+                assert!((a - b).abs() < 1e-12);
+            }
+            for (other, (_, its_product)) in directions.pairs.iter().enumerate() {
+                let expected = f64::from(u8::from(index == other));
+                assert!((dot(product, its_product) - expected).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn directions_that_become_dependent_are_dropped() {
+        let mut directions = Directions::default();
+        let mut work = Workspace::new();
+        let unit = |i: usize| {
+            (0..3)
+                .map(|j| f64::from(u8::from(i == j)))
+                .collect::<Vec<_>>()
+        };
+        (0..3).for_each(|i| directions.push(unit(i), unit(i), &mut work));
+        directions.adapt(&mut work, |_, product| {
+            product[0] += product[2];
+            product[2] = 0.0;
+        });
+        assert_eq!(directions.pairs.len(), 2);
+    }
+
+    #[test]
+    fn no_more_than_ten_directions_are_kept() {
+        let mut directions = Directions::default();
+        let mut work = Workspace::new();
+        (0..15).for_each(|_| directions.push(vec![0.0; 4], vec![0.0; 4], &mut work));
+        assert_eq!(directions.pairs.len(), KEPT);
+        assert_eq!(directions.bytes(), 16 * 4 * KEPT as u64);
+        directions.clear(&mut work);
+        assert_eq!(directions.bytes(), 0);
+    }
 }

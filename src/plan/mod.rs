@@ -199,3 +199,6 @@ fn smoother_degree(resolved: &Resolved, mesh: &Mesh) -> usize {
     };
     by_volume.max(by_shape)
 }
+
+#[cfg(test)]
+mod tests;

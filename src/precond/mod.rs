@@ -13,3 +13,6 @@ pub mod spectrum;
 
 pub use node_blocks::NodeBlocks;
 pub use p_multigrid::{PMultigrid, Transfer};
+
+#[cfg(test)]
+mod tests;

@@ -90,3 +90,48 @@ impl TaylorHood {
         forces
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::vector::{dot, reproducible_noise};
+    use crate::mesh::samples;
+
+    #[test]
+    fn vertices_come_first_and_edges_follow_in_lexicographic_order() {
+        let mesh = samples::cube(2);
+        let space = TaylorHood::new(&mesh);
+        assert_eq!((space.components, space.vertices), (3, 27));
+        assert!(space.edges.is_sorted() && space.edges.iter().all(|[a, b]| a < b));
+        assert_eq!(space.displacement_unknowns(), 3 * (27 + space.edges.len()));
+        for (edge, &[a, b]) in space.edges.iter().enumerate() {
+            assert_eq!(space.edge_between(b, a), Some(edge));
+        }
+        assert_eq!(space.edge_between(0, 0), None);
+    }
+
+    #[test]
+    fn a_facet_has_its_vertices_then_its_edges() {
+        let mesh = samples::cube(1);
+        let space = TaylorHood::new(&mesh);
+        let facet = mesh.facet(0);
+        let nodes = space.facet_nodes(facet);
+        assert_eq!(&nodes[..3], facet);
+        for (node, (i, j)) in nodes[3..].iter().zip([(0, 1), (0, 2), (1, 2)]) {
+            let edge = space.edge_between(facet[i], facet[j]).expect("an edge");
+            assert_eq!(*node as usize, space.vertices + edge);
+        }
+        assert_eq!(nodes.len(), 6);
+    }
+
+    #[test]
+    fn node_forces_do_on_node_values_the_work_of_the_hierarchical_ones() {
+        for mesh in [samples::cube(2), samples::rectangle(2, 3)] {
+            let space = TaylorHood::new(&mesh);
+            let values = reproducible_noise(space.displacement_unknowns());
+            let forces: Vec<f64> = values.iter().rev().copied().collect();
+            let work = dot(&space.node_forces(&forces), &space.node_values(&values));
+            assert!((work - dot(&forces, &values)).abs() < 1e-12);
+        }
+    }
+}

@@ -102,3 +102,80 @@ impl Drive {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Obstacle, ObstacleTarget, Shape, Support, SupportTarget};
+
+    fn scene() -> Scene {
+        Scene {
+            supports: vec![Support {
+                name: "wall".to_owned(),
+                on: vec!["x0".to_owned()],
+                displacement: [Some(0.5), None, Some(0.0)],
+            }],
+            obstacles: vec![Obstacle {
+                name: "ball".to_owned(),
+                on: vec!["z1".to_owned()],
+                shape: Shape::Sphere {
+                    centre: [0.0; 3],
+                    radius: 1.0,
+                },
+            }],
+            ..Scene::default()
+        }
+    }
+
+    fn step() -> Step {
+        Step {
+            load: Some(-2.0),
+            obstacles: vec![ObstacleTarget {
+                name: "ball".to_owned(),
+                translation: Some([1.0, 2.0, 3.0]),
+                rotation: None,
+            }],
+            supports: vec![SupportTarget {
+                name: "wall".to_owned(),
+                displacement: [None, None, Some(4.0)],
+            }],
+            ..Step::default()
+        }
+    }
+
+    /// Bits, so that equal means the same number.
+    fn bits(vector: [f64; 3]) -> [u64; 3] {
+        vector.map(f64::to_bits)
+    }
+
+    #[test]
+    fn the_first_step_leads_to_full_load_and_the_scenes_values() {
+        let target = Drive::first_target(&scene()).after(&scene(), &Step::default());
+        assert_eq!(target.load.to_bits(), 1.0_f64.to_bits());
+        assert_eq!(bits(target.supports[0]), bits([0.5, 0.0, 0.0]));
+        assert_eq!(bits(target.poses[0].translation), bits([0.0; 3]));
+    }
+
+    #[test]
+    fn a_step_changes_what_it_names() {
+        let first = Drive::first_target(&scene());
+        let end = first.after(&scene(), &step());
+        assert_eq!(end.load.to_bits(), (-2.0_f64).to_bits());
+        assert_eq!(bits(end.supports[0]), bits([0.5, 0.0, 4.0]));
+        assert_eq!(bits(end.poses[0].translation), bits([1.0, 2.0, 3.0]));
+        assert_eq!(bits(end.poses[0].rotation), bits([0.0; 3]));
+        assert_eq!(end.after(&scene(), &Step::default()), end);
+    }
+
+    #[test]
+    fn everything_ramps_linearly_and_ends_exactly() {
+        let start = Drive::undeformed(&scene());
+        let end = Drive::first_target(&scene()).after(&scene(), &step());
+        let half = start.towards(&end, 0.5);
+        assert!((half.load + 1.0).abs() < 1e-15);
+        assert_eq!(bits(half.supports[0]), bits([0.25, 0.0, 2.0]));
+        assert_eq!(bits(half.poses[0].translation), bits([0.5, 1.0, 1.5]));
+        assert_eq!(start.towards(&end, 0.0), start);
+        assert_eq!(start.towards(&end, 1.0), end);
+    }
+}

@@ -1,0 +1,250 @@
+//! Decisions and their keys, and the prepared preconditioners on real bodies.
+
+use std::sync::Arc;
+
+use super::{Plan, Prepared};
+use crate::krylov::{Monitor, Outcome, Verdict, cg};
+use crate::linalg::vector::{dot, norm, reproducible_noise};
+use crate::linalg::{LinearOperator, Preconditioner, Workspace};
+use crate::mesh::{Mesh, samples};
+use crate::report::CancelToken;
+use crate::scene::{
+    Formulation, Material, MaterialModel, Modulus, Obstacle, Scene, Shape, Support, Traction,
+};
+
+fn scene(poisson_ratio: f64) -> Scene {
+    Scene {
+        materials: vec![Material {
+            group: "body".to_owned(),
+            model: MaterialModel::LinearElastic {
+                modulus: Modulus::Shear(2.0),
+                poisson_ratio,
+                formulation: Formulation::Auto,
+            },
+        }],
+        supports: vec![Support {
+            name: "wall".to_owned(),
+            on: vec!["x0".to_owned()],
+            displacement: [Some(0.0), Some(0.0), None],
+        }],
+        ..Scene::default()
+    }
+}
+
+/// [`scene`] with the third component held as well.
+fn clamped(poisson_ratio: f64) -> Scene {
+    let mut scene = scene(poisson_ratio);
+    scene.supports[0].displacement = [Some(0.0); 3];
+    scene
+}
+
+fn with_floor(mut scene: Scene) -> Scene {
+    scene.obstacles = vec![Obstacle {
+        name: "floor".to_owned(),
+        on: vec!["z0".to_owned()],
+        shape: Shape::HalfSpace {
+            point: [0.0; 3],
+            normal: [0.0, 0.0, 1.0],
+        },
+    }];
+    scene
+}
+
+fn plan(scene: &Scene, mesh: &Mesh) -> Plan {
+    Plan::new(scene, &[], mesh).expect("a valid scene")
+}
+
+fn prepare(scene: &Scene, mesh: Mesh) -> Prepared {
+    let plan = plan(scene, &mesh);
+    Prepared::build(&plan, &Arc::new(mesh), &CancelToken::new()).expect("a solvable scene")
+}
+
+struct Reduced {
+    bound: f64,
+    iterations: usize,
+}
+
+impl Monitor for Reduced {
+    fn judge(&mut self, residual: &[f64]) -> Verdict {
+        self.iterations += 1;
+        if norm(residual) <= self.bound {
+            Verdict::Stop
+        } else {
+            Verdict::Continue
+        }
+    }
+}
+
+/// Free entries of a fixed random vector.
+fn noise(prepared: &Prepared) -> Vec<f64> {
+    let mut x = reproducible_noise(prepared.stiffness.rows());
+    prepared
+        .held
+        .iter()
+        .for_each(|&index| x[index as usize] = 0.0);
+    x
+}
+
+#[test]
+fn the_displacement_preconditioner_is_symmetric_and_positive() {
+    for (scene, mesh) in [
+        (clamped(0.5), samples::cube(3)),
+        (scene(0.3), samples::rectangle(5, 5)),
+    ] {
+        let prepared = prepare(&scene, mesh);
+        let x = noise(&prepared);
+        let mut y: Vec<f64> = x.iter().rev().copied().collect();
+        prepared
+            .held
+            .iter()
+            .for_each(|&index| y[index as usize] = 0.0);
+        let apply = |r: &[f64]| {
+            let mut z = vec![f64::NAN; r.len()];
+            prepared
+                .displacement
+                .apply(r, &mut z, &mut Workspace::new());
+            z
+        };
+        let (ax, ay) = (apply(&x), apply(&y));
+        let (left, right) = (dot(&ax, &y), dot(&ay, &x));
+        assert!(
+            (left - right).abs() < 1e-12 * dot(&ax, &x),
+            "{left} {right}"
+        );
+        assert!(dot(&ax, &x) > 0.0 && dot(&ay, &y) > 0.0);
+    }
+}
+
+#[test]
+fn conjugate_gradients_on_the_displacement_block_take_at_most_14() {
+    for count in [3, 6, 8] {
+        let prepared = prepare(&clamped(0.5), samples::cube(count));
+        let mut r = noise(&prepared);
+        let mut x = vec![0.0; r.len()];
+        let mut monitor = Reduced {
+            bound: 1e-8 * norm(&r),
+            iterations: 0,
+        };
+        let outcome = cg::solve(
+            &prepared.stiffness,
+            &prepared.displacement,
+            &mut x,
+            &mut r,
+            50,
+            &mut monitor,
+            &mut Workspace::new(),
+        );
+        assert_eq!(outcome, Outcome::Stopped);
+        assert!(monitor.iterations <= 14, "{count}: {}", monitor.iterations);
+    }
+}
+
+#[test]
+fn the_pressure_metric_inverts_the_weighted_mass() {
+    let prepared = prepare(&clamped(0.5), samples::cube(3));
+    let metric = &prepared
+        .pressure
+        .as_ref()
+        .expect("an incompressible body")
+        .metric;
+    let exact = reproducible_noise(prepared.space.vertices);
+    let (mut r, mut z) = (vec![0.0; exact.len()], vec![0.0; exact.len()]);
+    let work = &mut Workspace::new();
+    metric.mass().apply(&exact, &mut r, work);
+    metric.apply(&r, &mut z, work);
+    let error: Vec<f64> = z.iter().zip(&exact).map(|(a, b)| a - b).collect();
+    assert!(
+        norm(&error) < 0.02 * norm(&exact),
+        "{}",
+        norm(&error) / norm(&exact)
+    );
+    // 1 / (2 mu) with mu non-dimensional: the mass of the body over two.
+    metric.mass().apply(&vec![1.0; exact.len()], &mut r, work);
+    assert!((r.iter().sum::<f64>() - 0.5).abs() < 1e-13);
+}
+
+#[test]
+fn loads_obstacle_shapes_and_units_share_prepared_data() {
+    let mesh = samples::cube(2);
+    let base = plan(&with_floor(clamped(0.5)), &mesh).key();
+    let mut scene = with_floor(clamped(0.5));
+    scene.tractions = vec![Traction {
+        on: vec!["x1".to_owned()],
+        value: [0.0, 1.0, 0.0],
+    }];
+    scene.body_force = [0.1, 0.2, 0.3];
+    scene.supports[0].displacement = [Some(0.1), Some(0.0), Some(-0.2)];
+    scene.obstacles[0].shape = Shape::Sphere {
+        centre: [0.0; 3],
+        radius: 0.1,
+    };
+    scene.mesh_scale = Some(3.0);
+    scene.solver.tolerance = 1e-4;
+    let MaterialModel::LinearElastic { modulus, .. } = &mut scene.materials[0].model;
+    *modulus = Modulus::Shear(8.0);
+    assert_eq!(plan(&scene, &mesh).key(), base);
+}
+
+#[test]
+fn what_the_factor_depends_on_has_a_key_of_its_own() {
+    let mesh = samples::cube(2);
+    let base = plan(&clamped(0.5), &mesh).key();
+    let mut held = clamped(0.5);
+    held.supports[0].on.push("y0".to_owned());
+    let others = [
+        plan(&clamped(0.499), &mesh).key(),
+        plan(&clamped(0.3), &mesh).key(),
+        plan(&held, &mesh).key(),
+        plan(&with_floor(clamped(0.5)), &mesh).key(),
+        plan(&clamped(0.5), &samples::cube(3)).key(),
+    ];
+    assert!(others.iter().all(|key| *key != base));
+}
+
+#[test]
+fn a_plan_leaves_out_what_the_scene_does_not_need() {
+    let mesh = samples::cube(2);
+    let report = plan(&clamped(0.3), &mesh).report();
+    assert_eq!(report.formulation, "displacement");
+    assert_eq!((report.unknowns.pressure, report.unknowns.contact), (0, 0));
+    let absent: Vec<&str> = report
+        .left_out
+        .iter()
+        .map(|entry| entry.what.as_str())
+        .collect();
+    assert!(
+        absent.iter().any(|what| what.contains("pressure unknowns")),
+        "{absent:?}"
+    );
+    assert!(
+        absent
+            .iter()
+            .any(|what| what.contains("contact multipliers")),
+        "{absent:?}"
+    );
+    let report = plan(&with_floor(clamped(0.5)), &mesh).report();
+    assert_eq!(report.formulation, "mixed");
+    assert_eq!((report.unknowns.pressure, report.unknowns.contact), (27, 9));
+    assert!(
+        report
+            .left_out
+            .iter()
+            .all(|entry| !entry.what.contains("contact"))
+    );
+    assert!(report.decisions.iter().any(|entry| entry.what == "contact"));
+    let prepared = prepare(&clamped(0.3), samples::cube(2));
+    assert!(prepared.pressure.is_none() && prepared.compliance.rows() == 0);
+}
+
+#[test]
+fn predicted_bytes_bound_the_prepared_data() {
+    for scene in [clamped(0.5), with_floor(clamped(0.5))] {
+        let mesh = samples::cube(8);
+        let predicted = plan(&scene, &mesh).report().predicted_bytes;
+        let held = prepare(&scene, mesh).bytes();
+        assert!(
+            held < predicted && predicted < 20 * held,
+            "{held} {predicted}"
+        );
+    }
+}

@@ -1,0 +1,174 @@
+//! The contact compliance against dense inverses of the P1 block.
+
+use super::NodeBlocks;
+use super::compliance::{ComplianceParts, compliance};
+use super::p1::{DirectP1, vertex_order};
+use crate::assembly::p1_stiffness::{node_blocks, p1_stiffness};
+use crate::assembly::{CellGeometry, CellModuli};
+use crate::linalg::vector::reproducible_noise;
+use crate::linalg::{
+    DenseCholesky, DenseMatrix, Preconditioner, SparseRows, SparseRowsBuilder, Workspace,
+};
+use crate::mesh::{GroupKind, Mesh, samples};
+use crate::space::TaylorHood;
+
+struct Sample {
+    space: TaylorHood,
+    /// Vertices of the side z1 or y1, ascending.
+    contact: Vec<u32>,
+    factor: DirectP1,
+    /// A11, dense.
+    matrix: DenseMatrix,
+    blocks: NodeBlocks,
+}
+
+fn sample(mesh: &Mesh, side: &str) -> Sample {
+    let space = TaylorHood::new(mesh);
+    let geometry = CellGeometry::new(mesh, 1.0);
+    let cells = 0..mesh.cell_count();
+    let moduli = CellModuli {
+        shear: cells.map(|cell| 1.0 + (cell % 2) as f64).collect(),
+        lame: vec![0.3; mesh.cell_count()],
+        inverse_lame: Vec::new(),
+    };
+    // The first vertices are held, and one component on the contact side.
+    let mut held: Vec<u32> = (0..3 * space.components as u32).collect();
+    held.push((space.vertices * space.components - 2) as u32);
+    let lower = p1_stiffness(mesh, &space, &geometry, &moduli, &held, 0.0);
+    let mut matrix = DenseMatrix::zeros(lower.size(), lower.size());
+    for column in 0..lower.size() {
+        for entry in lower.offsets[column] as usize..lower.offsets[column + 1] as usize {
+            let row = lower.rows[entry] as usize;
+            *matrix.at_mut(row, column) = lower.values[entry];
+            *matrix.at_mut(column, row) = lower.values[entry];
+        }
+    }
+    let group = mesh.group(side, GroupKind::Facets).expect("a side");
+    let facets = group
+        .members
+        .iter()
+        .flat_map(|&facet| mesh.facet(facet as usize));
+    let mut contact: Vec<u32> = facets.copied().collect();
+    contact.sort_unstable();
+    contact.dedup();
+    let order = vertex_order(mesh.coordinates(), &space.edges, &contact);
+    let blocks = node_blocks(mesh, &space, &geometry, &moduli, &held);
+    Sample {
+        factor: DirectP1::new(&lower, &order, space.components).expect("positive definite"),
+        blocks: NodeBlocks::invert(space.components, blocks),
+        space,
+        contact,
+        matrix,
+    }
+}
+
+fn samples() -> [Sample; 2] {
+    [
+        sample(&samples::cube(3), "z1"),
+        sample(&samples::rectangle(4, 3), "y1"),
+    ]
+}
+
+impl Sample {
+    /// A11^-1, dense.
+    fn inverse(&self) -> DenseMatrix {
+        let factor = DenseCholesky::new(&self.matrix).expect("positive definite");
+        let mut inverse = DenseMatrix::zeros(self.matrix.rows(), self.matrix.rows());
+        for column in 0..inverse.columns() {
+            let target = inverse.column_mut(column);
+            target[column] = 1.0;
+            factor.solve(target);
+        }
+        inverse
+    }
+
+    /// Random rows on contact vertices and some edges.
+    fn coupling(&self) -> SparseRows {
+        let c = self.space.components as u32;
+        let size = self.space.displacement_unknowns();
+        let mut builder = SparseRowsBuilder::new(size);
+        for row in 0..4_u32 {
+            let near = self.contact.iter().skip(row as usize).take(3).copied();
+            let edges = (0..3).map(|k| self.space.vertices as u32 + 2 * row + k);
+            let unknowns = near
+                .chain(edges)
+                .flat_map(|node| (0..c).map(move |i| node * c + i));
+            let unknowns: Vec<u32> = unknowns.collect();
+            let values = reproducible_noise(unknowns.len() + row as usize);
+            let entries = unknowns
+                .into_iter()
+                .zip(values.into_iter().skip(row as usize));
+            builder.push_row(&mut entries.collect::<Vec<_>>());
+        }
+        builder.finish()
+    }
+}
+
+#[test]
+fn the_factor_solves_the_p1_block() {
+    for sample in samples() {
+        let exact = reproducible_noise(sample.matrix.rows());
+        let (mut r, mut z) = (vec![0.0; exact.len()], vec![0.0; exact.len()]);
+        sample.matrix.multiply(&exact, &mut r);
+        sample.factor.apply(&r, &mut z, &mut Workspace::new());
+        assert!(z.iter().zip(&exact).all(|(a, b)| (a - b).abs() < 1e-11));
+    }
+}
+
+#[test]
+fn the_last_block_of_the_factor_gives_the_inverse_on_the_contact_vertices() {
+    for sample in samples() {
+        let c = sample.space.components;
+        let found = sample.factor.compliance_of_last(sample.contact.len() * c);
+        let inverse = sample.inverse();
+        let index = |k: usize| sample.contact[k / c] as usize * c + k % c;
+        for i in 0..found.rows() {
+            for j in 0..found.columns() {
+                let exact = inverse.at(index(i), index(j));
+                assert!((found.at(i, j) - exact).abs() < 1e-12, "{i} {j}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_compliance_is_that_of_vertices_and_edges_apart() {
+    for sample in samples() {
+        let c = sample.space.components;
+        let coupling = sample.coupling();
+        let vertex_inverse = sample.factor.compliance_of_last(sample.contact.len() * c);
+        let parts = ComplianceParts {
+            vertex_inverse: &vertex_inverse,
+            vertices: &sample.contact,
+            node_blocks: &sample.blocks,
+            vertex_count: sample.space.vertices,
+        };
+        let found = compliance(&parts, &coupling);
+        let inverse = sample.inverse();
+        let entry = |a: u32, b: u32| {
+            let (node, other) = (a as usize / c, b as usize / c);
+            if node < sample.space.vertices && other < sample.space.vertices {
+                inverse.at(a as usize, b as usize)
+            } else if node == other {
+                sample.blocks.block(node)[a as usize % c * c + b as usize % c]
+            } else {
+                0.0
+            }
+        };
+        let trace: f64 = (0..found.rows()).map(|i| found.at(i, i)).sum();
+        for i in 0..found.rows() {
+            for j in 0..found.rows() {
+                let (rows, columns) = (coupling.row(i), coupling.row(j));
+                let mut exact = 0.0;
+                for (&a, x) in rows.0.iter().zip(rows.1) {
+                    for (&b, y) in columns.0.iter().zip(columns.1) {
+                        exact += 0.7 * x * entry(a, b) * y;
+                    }
+                }
+                // The regularisation lifts the diagonal by 1e-10 of its mean.
+                assert!((found.at(i, j) - exact).abs() < 1e-10 * trace, "{i} {j}");
+                assert_eq!(found.at(i, j).to_bits(), found.at(j, i).to_bits());
+            }
+        }
+    }
+}

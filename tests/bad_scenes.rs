@@ -1,0 +1,378 @@
+//! Every fault of a scene or step is refused with the path of its key.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::meshes::{cube, mesh, square};
+use common::scenes::{HELD, cube_bend, elastic, obstacle, probe, push, support, traction};
+use signorini::scene::{Formulation, MaterialModel, Modulus, SceneKind, Shape, SupportTarget};
+use signorini::{Mesh, Plan, Scene, SceneError, Step, Violation};
+
+fn block() -> Arc<Mesh> {
+    mesh(cube(2))
+}
+
+fn violations(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Vec<Violation> {
+    match Plan::new(scene, steps, mesh) {
+        Err(SceneError::Invalid(violations)) => violations,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// One fault on `path` whose message has all of `words`.
+fn assert_refused(scene: &Scene, path: &str, words: &[&str]) {
+    assert_step_refused(scene, &[], path, words);
+}
+
+fn assert_step_refused(scene: &Scene, steps: &[Step], path: &str, words: &[&str]) {
+    let found = violations(scene, steps, &block());
+    let on_path = |violation: &&Violation| violation.path == path;
+    let violation = found
+        .iter()
+        .find(on_path)
+        .unwrap_or_else(|| panic!("{path}: {found:?}"));
+    for word in words {
+        assert!(violation.message.contains(word), "{violation}");
+    }
+    let error = Plan::new(scene, steps, &block())
+        .expect_err("a faulty scene")
+        .to_string();
+    assert!(error.contains(path), "{error}");
+}
+
+fn assert_unsupported(scene: &Scene, path: &str) {
+    match Plan::new(scene, &[], &block()) {
+        Err(SceneError::Unsupported(violation)) => assert_eq!(violation.path, path),
+        other => panic!("{other:?}"),
+    }
+}
+
+fn with_ball(shape: Shape) -> Scene {
+    let mut scene = elastic(0.5);
+    scene.supports = vec![support("z0", HELD)];
+    scene.obstacles = vec![obstacle("ball", "z1", shape)];
+    scene
+}
+
+fn sphere(radius: f64) -> Shape {
+    Shape::Sphere {
+        centre: [0.5, 0.5, 2.0],
+        radius,
+    }
+}
+
+#[test]
+fn unknown_groups_get_the_nearest_name() {
+    let mut scene = cube_bend(0.5);
+    scene.supports[0].on = vec!["xO".to_owned()];
+    assert_refused(&scene, "support.x0.on", &["`xO`", "did you mean `x0`"]);
+    let mut scene = cube_bend(0.5);
+    scene.tractions[0].on = vec!["right".to_owned()];
+    assert_refused(
+        &scene,
+        "traction[0].on",
+        &["`right`", "x0, x1, y0, y1, z0, z1"],
+    );
+    let mut scene = cube_bend(0.5);
+    scene.materials[0].group = "bod".to_owned();
+    assert_refused(&scene, "material.bod", &["did you mean `body`"]);
+    // A surface group is no group of cells.
+    scene.materials[0].group = "x0".to_owned();
+    assert_refused(&scene, "material.x0", &["no group of cells", "body"]);
+}
+
+#[test]
+fn material_parameters_have_ranges() {
+    for poisson_ratio in [0.6, -1.0, f64::NAN, f64::INFINITY] {
+        let path = "material.body.poisson_ratio";
+        assert_refused(&cube_bend(poisson_ratio), path, &["at most 0.5"]);
+    }
+    for (value, key) in [
+        (0.0, "shear"),
+        (-1.0, "young"),
+        (f64::NAN, "shear"),
+        (f64::INFINITY, "young"),
+    ] {
+        let mut scene = cube_bend(0.5);
+        let MaterialModel::LinearElastic { modulus, .. } = &mut scene.materials[0].model;
+        *modulus = match key {
+            "shear" => Modulus::Shear(value),
+            _ => Modulus::Young(value),
+        };
+        let path = format!("material.body.{key}_modulus");
+        assert_refused(&scene, &path, &["above zero and finite"]);
+    }
+    let mut scene = cube_bend(0.5);
+    let MaterialModel::LinearElastic { formulation, .. } = &mut scene.materials[0].model;
+    *formulation = Formulation::Displacement;
+    assert_refused(&scene, "material.body.formulation", &["mixed"]);
+}
+
+#[test]
+fn every_cell_needs_one_material() {
+    let mut scene = cube_bend(0.5);
+    scene.materials.clear();
+    assert_refused(&scene, "material", &["no material"]);
+    let mut parts = cube(2);
+    parts.groups[0].members.pop();
+    let found = violations(&cube_bend(0.5), &[], &mesh(parts));
+    assert!(
+        found[0].message.contains("1 cells have no material"),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn shapes_need_sizes_and_directions() {
+    for radius in [-1.0, 0.0, f64::NAN, f64::INFINITY] {
+        assert_refused(
+            &with_ball(sphere(radius)),
+            "obstacle.ball.shape.radius",
+            &["radius"],
+        );
+    }
+    let plane = |normal| Shape::HalfSpace {
+        point: [0.0, 0.0, 2.0],
+        normal,
+    };
+    for normal in [[0.0; 3], [0.0, f64::NAN, 1.0]] {
+        assert_refused(
+            &with_ball(plane(normal)),
+            "obstacle.ball.shape.normal",
+            &["normal"],
+        );
+    }
+    let cylinder = Shape::Cylinder {
+        point: [0.0, f64::INFINITY, 0.0],
+        axis: [1.0, 0.0, 0.0],
+        radius: 1.0,
+    };
+    assert_refused(
+        &with_ball(cylinder),
+        "obstacle.ball.shape.point",
+        &["not finite"],
+    );
+}
+
+#[test]
+fn numbers_must_be_finite() {
+    for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+        let mut scene = cube_bend(0.5);
+        scene.supports[0].displacement[1] = Some(bad);
+        scene.tractions[0].value[2] = bad;
+        scene.body_force[0] = bad;
+        scene.probes[0].point[0] = bad;
+        scene.mesh_scale = Some(bad);
+        scene.solver.tolerance = bad;
+        scene.solver.max_wall_time = Some(bad);
+        let paths = [
+            "support.x0.displacement",
+            "traction[0].value",
+            "body_force.value",
+            "probe.corner.point",
+            "mesh_scale",
+            "solver.tolerance",
+            "solver.max_wall_time",
+        ];
+        for path in paths {
+            assert_refused(&scene, path, &[]);
+        }
+    }
+}
+
+#[test]
+fn several_faults_are_reported_together() {
+    let mut scene = with_ball(sphere(-1.0));
+    scene.materials = vec![common::scenes::material(Modulus::Shear(-1.0), 0.7)];
+    scene.supports[0].on = vec!["bottom".to_owned()];
+    let found = violations(&scene, &[], &block());
+    let paths: Vec<&str> = found
+        .iter()
+        .map(|violation| violation.path.as_str())
+        .collect();
+    for path in [
+        "material.body.shear_modulus",
+        "material.body.poisson_ratio",
+        "support.z0.on",
+        "obstacle.ball.shape.radius",
+    ] {
+        assert!(paths.contains(&path), "{paths:?}");
+    }
+}
+
+#[test]
+fn a_candidate_face_must_be_able_to_move() {
+    let mut scene = with_ball(sphere(1.0));
+    scene.supports.push(support("z1", HELD));
+    assert_refused(&scene, "obstacle.ball.on", &["hold all its components"]);
+    // Several supports can do it together.
+    scene.supports[1].displacement = [Some(0.0), None, Some(0.0)];
+    scene.supports.push(support("z1", [None, Some(0.0), None]));
+    scene.supports[2].name = "second".to_owned();
+    assert_refused(&scene, "obstacle.ball.on", &["hold all its components"]);
+}
+
+#[test]
+fn free_rigid_modes_are_named() {
+    let mut scene = elastic(0.5);
+    scene.tractions = vec![traction("z1", [0.0, 0.0, 1.0])];
+    let all = [
+        "translation along x",
+        "translation along z",
+        "rotation about y",
+    ];
+    assert_refused(&scene, "support", &all);
+    scene.supports = vec![support("x0", [Some(0.0), None, None])];
+    let message = &violations(&scene, &[], &block())[0].message;
+    for word in [
+        "translation along y",
+        "translation along z",
+        "rotation about x",
+    ] {
+        assert!(message.contains(word), "{message}");
+    }
+    assert!(
+        !message.contains("rotation about z") && !message.contains("along x"),
+        "{message}"
+    );
+}
+
+#[test]
+fn names_are_unique_and_groups_not_empty() {
+    let mut scene = cube_bend(0.5);
+    scene.supports.push(support("x0", HELD));
+    assert_refused(&scene, "support[1].name", &["used twice"]);
+    let mut scene = cube_bend(0.5);
+    scene.supports[0].on.clear();
+    assert_refused(&scene, "support.x0.on", &["names no group"]);
+    let mut scene = cube_bend(0.5);
+    scene.supports[0].displacement = [None; 3];
+    assert_refused(&scene, "support.x0.displacement", &["holds no component"]);
+}
+
+#[test]
+fn manufactured_fields_have_names_and_conditions() {
+    let mut scene = elastic(0.5);
+    scene.supports = vec![support("x0", HELD)];
+    scene.manufactured = Some("A1n".to_owned());
+    assert_refused(
+        &scene,
+        "manufactured.field",
+        &["`A1n`", "did you mean `A1m`"],
+    );
+    scene.manufactured = Some("vortex".to_owned());
+    assert_refused(&scene, "manufactured.field", &["in 3 dimensions"]);
+    scene.manufactured = Some("A1m".to_owned());
+    scene.body_force = [1.0, 0.0, 0.0];
+    assert_refused(&scene, "manufactured.field", &["its own loads"]);
+}
+
+#[test]
+fn probes_must_lie_in_the_body() {
+    let mut scene = cube_bend(0.5);
+    scene.probes = vec![probe("far", [2.0, 0.5, 0.5])];
+    assert_refused(&scene, "probe.far.point", &["outside the body"]);
+    scene.mesh_scale = Some(4.0);
+    assert!(Plan::new(&scene, &[], &block()).is_ok());
+}
+
+#[test]
+fn steps_name_what_the_scene_has() {
+    let scene = with_ball(sphere(0.5));
+    let refused = |step: Step, path: &str, words: &[&str]| {
+        assert_step_refused(&scene, &[Step::default(), step], path, words);
+    };
+    refused(
+        push("bal", [0.0; 3]),
+        "step[1].obstacle.bal",
+        &["did you mean `ball`"],
+    );
+    refused(
+        push("ball", [f64::NAN, 0.0, 0.0]),
+        "step[1].obstacle.ball.translation",
+        &["finite"],
+    );
+    let zero = Step {
+        increments: 0,
+        ..Step::default()
+    };
+    refused(zero, "step[1].increments", &["between 1"]);
+    let endless = Step {
+        load: Some(f64::INFINITY),
+        ..Step::default()
+    };
+    refused(endless, "step[1].load", &["finite"]);
+}
+
+#[test]
+fn steps_move_held_components_only() {
+    let mut scene = cube_bend(0.5);
+    scene.supports[0].displacement = [Some(0.0), Some(0.0), None];
+    scene.supports.push(support("y0", HELD));
+    let slide = |name: &str, displacement| Step {
+        supports: vec![SupportTarget {
+            name: name.to_owned(),
+            displacement,
+        }],
+        ..Step::default()
+    };
+    let path = "step[0].support.x0.displacement.z";
+    let step = slide("x0", [Some(0.1), None, Some(0.1)]);
+    assert_step_refused(&scene, &[step], path, &["does not hold this component"]);
+    let step = slide("x9", [Some(0.1), None, None]);
+    assert_step_refused(&scene, &[step], "step[0].support.x9", &["did you mean"]);
+}
+
+#[test]
+fn plane_scenes_stay_in_their_plane() {
+    let mesh = mesh(square(2));
+    let mut scene = elastic(0.5);
+    scene.supports = vec![support("x0", [Some(0.0), Some(0.0), None])];
+    scene.tractions = vec![traction("x1", [0.0, 0.0, 1.0])];
+    scene.kind = Some(SceneKind::Solid);
+    let normal = [0.0, 1.0, 1.0];
+    let shape = Shape::HalfSpace {
+        point: [0.0; 3],
+        normal,
+    };
+    scene.obstacles = vec![obstacle("floor", "y0", shape)];
+    let found = violations(&scene, &[push("floor", [0.0, 0.0, 1.0])], &mesh);
+    let paths: Vec<&str> = found
+        .iter()
+        .map(|violation| violation.path.as_str())
+        .collect();
+    for path in [
+        "kind",
+        "traction[0].value",
+        "obstacle.floor.shape.normal",
+        "step[0].obstacle.floor.translation",
+    ] {
+        assert!(paths.contains(&path), "{paths:?}");
+    }
+}
+
+#[test]
+fn methods_are_known_by_name() {
+    let mut scene = cube_bend(0.5);
+    scene.solver.saddle = "gccr".to_owned();
+    assert_refused(&scene, "solver.saddle", &["`gccr`", "did you mean `gcr`"]);
+    scene.solver.saddle = "minres".to_owned();
+    assert_unsupported(&scene, "solver.saddle");
+    scene.solver.saddle = "gcr".to_owned();
+    scene.solver.p1_solver = "amg".to_owned();
+    assert_unsupported(&scene, "solver.p1_solver");
+    scene.solver.p1_solver = "auto".to_owned();
+    scene.solver.quadrature_degree = Some(0);
+    assert_refused(&scene, "solver.quadrature_degree", &["between 1"]);
+}
+
+#[test]
+fn an_empty_scene_says_what_it_needs() {
+    let found = violations(&Scene::default(), &[], &block());
+    let paths: Vec<&str> = found
+        .iter()
+        .map(|violation| violation.path.as_str())
+        .collect();
+    assert_eq!(paths, ["material", "support"]);
+}

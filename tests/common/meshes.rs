@@ -1,0 +1,175 @@
+//! Meshes of the stories: structured ones by rule, irregular ones by moving
+//! their vertices by a fixed pattern, and Gmsh files from `tests/meshes`.
+
+use std::sync::Arc;
+
+use signorini::{CellKind, Group, GroupKind, Mesh, MeshParts};
+
+/// Paths of the six Kuhn tetrahedra of a cube: axes to step along.
+const PATHS: [[usize; 3]; 6] = [
+    [0, 1, 2],
+    [1, 2, 0],
+    [2, 0, 1],
+    [0, 2, 1],
+    [2, 1, 0],
+    [1, 0, 2],
+];
+
+/// Largest move of a vertex of an irregular mesh, in cell sizes.
+const MOVE: f64 = 0.12;
+
+/// A mesh of arrays that are known to be valid.
+pub(crate) fn mesh(parts: MeshParts) -> Arc<Mesh> {
+    Arc::new(Mesh::new(parts).expect("a valid mesh"))
+}
+
+/// The unit cube of `count`^3 cubes of six tetrahedra, groups x0 .. z1, body.
+pub(crate) fn cube(count: usize) -> MeshParts {
+    let side = count + 1;
+    let number = |[x, y, z]: [usize; 3]| ((z * side + y) * side + x) as u32;
+    let mut cells = Vec::new();
+    for corner in lattice([count; 3]) {
+        for (path, axes) in PATHS.iter().enumerate() {
+            let mut place = corner;
+            let mut cell = vec![number(place)];
+            for &axis in axes {
+                place[axis] += 1;
+                cell.push(number(place));
+            }
+            if path >= 3 {
+                // Odd paths turn the other way.
+                cell.swap(2, 3);
+            }
+            cells.extend(cell);
+        }
+    }
+    let place = |point: [usize; 3]| point.map(|step| step as f64 / count as f64);
+    let points = lattice([side; 3]).map(place).collect();
+    with_sides(CellKind::Tetrahedron, points, cells)
+}
+
+/// The unit square of 2 `count`^2 triangles, groups x0 x1 y0 y1, body.
+pub(crate) fn square(count: usize) -> MeshParts {
+    let number = |x: usize, y: usize| (y * (count + 1) + x) as u32;
+    let mut cells = Vec::new();
+    for [x, y, _] in lattice([count, count, 1]) {
+        let (low, right) = (number(x, y), number(x + 1, y));
+        let (top, far) = (number(x, y + 1), number(x + 1, y + 1));
+        cells.extend([low, right, far, low, far, top]);
+    }
+    let place = |[x, y, _]: [usize; 3]| [x as f64 / count as f64, y as f64 / count as f64, 0.0];
+    let points = lattice([count + 1, count + 1, 1]).map(place).collect();
+    with_sides(CellKind::Triangle, points, cells)
+}
+
+/// Cook's membrane: the square on the corners (0,0) (48,44) (48,60) (0,44).
+pub(crate) fn cook(count: usize) -> MeshParts {
+    moved(square(count), |[x, y, _]| {
+        let (bottom, height) = (44.0 * x, 44.0 - 28.0 * x);
+        [48.0 * x, bottom + y * height, 0.0]
+    })
+}
+
+/// `parts` with its inner vertices, and those of its plane sides within their
+/// planes, moved by a fixed pattern.
+pub(crate) fn irregular(mut parts: MeshParts, count: usize) -> MeshParts {
+    let dimension = parts.cell_kind.dimension();
+    let mut state = 1_u64;
+    for point in &mut parts.coordinates {
+        for component in &mut point[..dimension] {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            let noise = (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0;
+            if *component > 1e-9 && *component < 1.0 - 1e-9 {
+                *component += MOVE * noise / count as f64;
+            }
+        }
+    }
+    parts
+}
+
+/// `parts` with every vertex moved by `motion`.
+pub(crate) fn moved(mut parts: MeshParts, motion: impl Fn([f64; 3]) -> [f64; 3]) -> MeshParts {
+    for point in &mut parts.coordinates {
+        *point = motion(*point);
+    }
+    parts
+}
+
+/// A Gmsh file of `tests/meshes`.
+pub(crate) fn file(name: &str) -> Arc<Mesh> {
+    mesh(file_parts(name))
+}
+
+/// Arrays of [`file`].
+pub(crate) fn file_parts(name: &str) -> MeshParts {
+    let path = format!("{}/tests/meshes/{name}.msh", env!("CARGO_MANIFEST_DIR"));
+    let bytes = std::fs::read(&path).expect("a mesh file of the repository");
+    let file = signorini_client::formats::msh::read(&bytes).expect("a valid mesh file");
+    let cell_kind = match file.vertices_per_cell {
+        3 => CellKind::Triangle,
+        _ => CellKind::Tetrahedron,
+    };
+    let group = |group: signorini_client::formats::msh::MeshGroup| Group {
+        name: group.name,
+        kind: match group.dimension == cell_kind.dimension() {
+            true => GroupKind::Cells,
+            false => GroupKind::Facets,
+        },
+        members: group.members,
+    };
+    MeshParts {
+        cell_kind,
+        coordinates: file.coordinates,
+        cells: file.cells,
+        facets: file.facets,
+        groups: file.groups.into_iter().map(group).collect(),
+    }
+}
+
+fn lattice(shape: [usize; 3]) -> impl Iterator<Item = [usize; 3]> {
+    let [across, up, deep] = shape;
+    (0..across * up * deep).map(move |i| [i % across, i / across % up, i / (across * up)])
+}
+
+fn with_sides(cell_kind: CellKind, coordinates: Vec<[f64; 3]>, cells: Vec<u32>) -> MeshParts {
+    let body = (0..(cells.len() / cell_kind.vertices()) as u32).collect();
+    let mut parts = MeshParts {
+        cell_kind,
+        coordinates,
+        cells,
+        facets: Vec::new(),
+        groups: vec![Group {
+            name: "body".to_owned(),
+            kind: GroupKind::Cells,
+            members: body,
+        }],
+    };
+    for axis in 0..cell_kind.dimension() {
+        for end in [0_u8, 1] {
+            add_side(&mut parts, axis, end);
+        }
+    }
+    parts
+}
+
+fn add_side(parts: &mut MeshParts, axis: usize, end: u8) {
+    let width = parts.cell_kind.facet_vertices();
+    let first = parts.facets.len() / width;
+    for cell in parts.cells.chunks(parts.cell_kind.vertices()) {
+        for facet in parts.cell_kind.facets() {
+            let vertices = facet.iter().map(|&local| cell[local]);
+            let on_side =
+                |v: u32| (parts.coordinates[v as usize][axis] - f64::from(end)).abs() < 1e-12;
+            if vertices.clone().all(on_side) {
+                parts.facets.extend(vertices);
+            }
+        }
+    }
+    parts.groups.push(Group {
+        name: format!("{}{end}", ["x", "y", "z"][axis]),
+        kind: GroupKind::Facets,
+        members: (first as u32..(parts.facets.len() / width) as u32).collect(),
+    });
+}

@@ -1,0 +1,178 @@
+//! Hard scenes are solved, or end with a typed cause.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::meshes::{cube, irregular, mesh};
+use common::scenes::{
+    HELD, cube_bend, elastic, material, obstacle, push, small_indentation, support, traction,
+};
+use common::{close, difference, run_one, solve, solve_one, values};
+use signorini::scene::{Material, Modulus, Shape};
+use signorini::{
+    Cause, CellKind, FieldName, Group, GroupKind, Mesh, MeshParts, Scene, Step, Termination,
+};
+
+fn block() -> Arc<Mesh> {
+    mesh(irregular(cube(4), 4))
+}
+
+#[test]
+fn a_deep_indentation_at_once_ends_where_small_increments_do() {
+    for poisson_ratio in [0.5, 0.3] {
+        let (mut scene, mesh) = small_indentation(4);
+        scene.materials = vec![material(Modulus::Shear(1.0), poisson_ratio)];
+        let mut step = push("ball", [0.0, 0.0, -0.5]);
+        let at_once = solve_one(&scene, &step, &mesh).obstacles["ball"].force[2];
+        step.increments = 10;
+        let reports = solve(&scene, &[step], &mesh);
+        assert_eq!(reports.len(), 10);
+        assert!(
+            close(reports[9].obstacles["ball"].force[2], at_once, 1e-6),
+            "{at_once}"
+        );
+    }
+}
+
+/// Only contact holds the body against vertical motion.
+fn standing(shape: Shape, load: f64) -> Scene {
+    let mut scene = elastic(0.5);
+    scene.supports = ["x0", "x1"]
+        .map(|side| support(side, [Some(0.0), None, None]))
+        .to_vec();
+    scene
+        .supports
+        .extend(["y0", "y1"].map(|side| support(side, [None, Some(0.0), None])));
+    scene.tractions = vec![traction("z1", [0.0, 0.0, load])];
+    scene.obstacles = vec![obstacle("ground", "z0", shape)];
+    scene
+}
+
+#[test]
+fn a_body_falls_onto_its_obstacle() {
+    let floor = |height| Shape::HalfSpace {
+        point: [0.0, 0.0, height],
+        normal: [0.0, 0.0, 1.0],
+    };
+    let ball = Shape::Sphere {
+        centre: [0.2, 0.2, -1.1],
+        radius: 1.0,
+    };
+    for shape in [floor(0.0), floor(-0.2), floor(0.2), ball] {
+        let report = solve_one(&standing(shape, -0.3), &Step::default(), &block());
+        assert!(close(report.obstacles["ground"].force[2], 0.3, 1e-6));
+    }
+}
+
+#[test]
+fn a_body_pulled_off_its_obstacle_has_no_equilibrium() {
+    let floor = Shape::HalfSpace {
+        point: [0.0; 3],
+        normal: [0.0, 0.0, 1.0],
+    };
+    let reports = solve(&standing(floor, 0.3), &[], &block());
+    assert_eq!(reports.len(), 1);
+    assert_eq!(reports[0].termination, Termination::NotConverged);
+    assert_eq!(reports[0].cause, Some(Cause::NoEquilibrium));
+}
+
+fn enclosed(poisson_ratio: f64, lid: [Option<f64>; 3]) -> Scene {
+    let mut scene = elastic(poisson_ratio);
+    let sides = ["x0", "x1", "y0", "y1", "z0"];
+    scene.supports = sides.map(|side| support(side, HELD)).to_vec();
+    scene.supports.push(support("z1", lid));
+    scene
+}
+
+#[test]
+fn a_full_box_cannot_be_compressed() {
+    let lid = [Some(0.0), Some(0.0), Some(-0.1)];
+    let reports = solve(&enclosed(0.5, lid), &[], &block());
+    assert_eq!(reports[0].termination, Termination::NotConverged);
+    assert_eq!(reports[0].cause, Some(Cause::EnclosedVolume));
+    solve_one(&enclosed(0.4999, lid), &Step::default(), &block());
+}
+
+#[test]
+fn a_full_box_can_be_loaded_inside() {
+    for poisson_ratio in [0.5, 0.4999, 0.3] {
+        let mut scene = enclosed(poisson_ratio, HELD);
+        scene.body_force = [0.1, 0.2, 0.3];
+        solve_one(&scene, &Step::default(), &block());
+    }
+}
+
+/// The cube with its later half of cells in a group of their own.
+fn halves() -> Arc<Mesh> {
+    let mut parts = irregular(cube(4), 4);
+    let middle = parts.groups[0].members.len() / 2;
+    let members = parts.groups[0].members.split_off(middle);
+    parts.groups.push(Group {
+        name: "top".to_owned(),
+        kind: GroupKind::Cells,
+        members,
+    });
+    mesh(parts)
+}
+
+#[test]
+fn stiffness_contrasts_of_six_decades_are_solved() {
+    let mesh = halves();
+    for contrast in [1e-6, 1e-3, 1e3, 1e6] {
+        for poisson_ratio in [0.5, 0.3] {
+            let mut scene = cube_bend(poisson_ratio);
+            scene.materials.push(Material {
+                group: "top".to_owned(),
+                ..material(Modulus::Shear(contrast), poisson_ratio)
+            });
+            solve_one(&scene, &Step::default(), &mesh);
+        }
+    }
+}
+
+#[test]
+fn the_incompressible_limit_is_approached_linearly() {
+    let mesh = block();
+    let displacement = |poisson_ratio: f64| {
+        let mut scene = cube_bend(poisson_ratio);
+        scene.solver.tolerance = 1e-12;
+        values(
+            &run_one(&scene, &Step::default(), &mesh).0,
+            FieldName::Displacement,
+        )
+    };
+    let limit = displacement(0.5);
+    // 1 / lambda is about four times the distance to one half.
+    let errors = [1e-3, 1e-5, 1e-7].map(|d| difference(&displacement(0.5 - d), &limit) / d);
+    for error in &errors[1..] {
+        assert!(close(*error, errors[0], 0.05), "{errors:?}");
+    }
+}
+
+#[test]
+fn one_cell_is_enough() {
+    let group = |name: &str, kind| Group {
+        name: name.to_owned(),
+        kind,
+        members: vec![0],
+    };
+    let mesh = mesh(MeshParts {
+        cell_kind: CellKind::Tetrahedron,
+        coordinates: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        cells: vec![0, 1, 2, 3],
+        facets: vec![0, 2, 1],
+        groups: vec![
+            group("body", GroupKind::Cells),
+            group("z0", GroupKind::Facets),
+        ],
+    });
+    for poisson_ratio in [0.499, 0.3] {
+        let mut scene = elastic(poisson_ratio);
+        scene.supports = vec![support("z0", HELD)];
+        scene.body_force = [0.0, 0.0, -0.6];
+        let report = solve_one(&scene, &Step::default(), &mesh);
+        assert!(report.strain_energy > 0.0);
+        assert!(close(report.supports["z0"].force[2], 0.1, 1e-6));
+    }
+}
