@@ -70,7 +70,14 @@ fn library() -> Vec<(String, PathBuf, String)> {
 
 /// Rooms named by `crate::` outside test modules, which may look everywhere.
 fn imports(text: &str) -> Vec<String> {
-    let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+    let code: String = text
+        .split("#[cfg(test)]")
+        .next()
+        .unwrap_or_default()
+        .lines()
+        .filter(|line| !line.trim_start().starts_with("//"))
+        .map(|line| format!("{line}\n"))
+        .collect();
     code.match_indices("crate::")
         .map(|(position, matched)| {
             let rest = &code[position + matched.len()..];

@@ -3,5 +3,7 @@
 
 pub mod dense_qp;
 pub mod one_level;
+pub mod qp;
 
-pub use one_level::{OneLevel, QpIterate, QpNorms, QpOutcome, QpScales, QpStatus, QpTargets};
+pub use one_level::OneLevel;
+pub use qp::{QpIterate, QpNorms, QpOutcome, QpScales, QpStatus, QpTargets};

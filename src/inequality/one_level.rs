@@ -11,16 +11,17 @@
 //! Costs about what the same problem costs without contact; a review costs one
 //! small dense solve and no application of the displacement preconditioner.
 
+mod face;
+
 use std::collections::HashSet;
 
 use super::dense_qp;
-use crate::krylov::{Monitor, Outcome, Verdict, gcr};
-use crate::linalg::vector::{add_scaled, norm, scale};
-use crate::linalg::{
-    DenseCholesky, DenseMatrix, FactoriseError, LinearOperator, Preconditioner, SparseRows,
-    Workspace,
-};
+use super::qp::{Progress, QpIterate, QpOutcome, QpScales, QpStatus, QpTargets};
+use crate::krylov::{Outcome, gcr};
+use crate::linalg::vector::{add_scaled, scale};
+use crate::linalg::{DenseMatrix, LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::saddle::{BlockTriangular, MultiplierBlock, SaddleOperator};
+use face::{ActiveCoupling, ActiveMetric, CurvedStiffness, Face, FaceMonitor, Review};
 
 /// Reduction of the face residual between reviews of the set.
 const REVIEW: f64 = 0.1;
@@ -46,104 +47,6 @@ pub struct OneLevel<'a> {
     pub compliance: &'a DenseMatrix,
 }
 
-/// Iterate and residuals; on entry the increments are zero.
-#[derive(Clone, Debug, Default)]
-pub struct QpIterate {
-    /// du.
-    pub displacement: Vec<f64>,
-    /// dx.
-    pub equality: Vec<f64>,
-    /// l.
-    pub multiplier: Vec<f64>,
-    /// f - A du - B^T dx - C^T l; on entry with the entry's l taken off.
-    pub force: Vec<f64>,
-    /// g - B du + S dx.
-    pub constraint: Vec<f64>,
-    /// gap - C du.
-    pub gap: Vec<f64>,
-    /// Vertices in contact.
-    pub active: Vec<bool>,
-}
-
-/// Norms of the residual blocks on the current face.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct QpNorms {
-    /// Of the force.
-    pub force: f64,
-    /// Of the equality constraint.
-    pub constraint: f64,
-    /// Of the gap on the active set.
-    pub gap: f64,
-}
-
-/// Scales of the blocks that have no load of their own: the largest norms seen.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct QpScales {
-    /// Of the equality constraint.
-    pub constraint: f64,
-    /// Of the gap.
-    pub gap: f64,
-}
-
-impl QpScales {
-    /// Takes larger norms over.
-    pub fn see(&mut self, constraint: f64, gap: f64) {
-        self.constraint = self.constraint.max(constraint);
-        self.gap = self.gap.max(gap);
-    }
-}
-
-/// When the problem counts as solved.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct QpTargets {
-    /// Norm of the force that counts as one.
-    pub force_scale: f64,
-    /// Bound on all norms over their scales.
-    pub level: f64,
-}
-
-impl QpNorms {
-    /// The largest norm over its scale.
-    pub fn relative(&self, force_scale: f64, scales: &QpScales) -> f64 {
-        let ratio = |value: f64, scale: f64| match value == 0.0 {
-            true => 0.0,
-            false => value / scale.max(f64::MIN_POSITIVE),
-        };
-        ratio(self.force, force_scale)
-            .max(ratio(self.constraint, scales.constraint))
-            .max(ratio(self.gap, scales.gap))
-    }
-}
-
-/// Why the solve ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum QpStatus {
-    /// Targets reached on the right set.
-    Solved,
-    /// The caller asked to stop.
-    Interrupted,
-    /// The set returned to an earlier one at full accuracy.
-    ActiveSetCycle,
-    /// The compliance is not positive definite.
-    IndefiniteMetric,
-    /// The Krylov method failed.
-    Krylov(Outcome),
-}
-
-/// Outcome and counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct QpOutcome {
-    /// Why it ended.
-    pub status: QpStatus,
-    /// Krylov iterations, one displacement preconditioner application each.
-    pub iterations: u32,
-    /// Revisions of the first set.
-    pub set_changes: u32,
-}
-
-/// Sees every iteration; returns whether to go on.
-pub type Progress<'a> = dyn FnMut(&QpNorms, &QpScales, usize) -> Verdict + 'a;
-
 impl OneLevel<'_> {
     /// Improves `iterate` until the targets are reached on the right set.
     #[allow(clippy::too_many_arguments)]
@@ -160,9 +63,10 @@ impl OneLevel<'_> {
         let mut outcome = QpOutcome {
             status: QpStatus::Krylov(Outcome::IterationLimit),
             iterations: 0,
+            predictions: 0,
             set_changes: 0,
         };
-        if !self.choose_first_set(iterate, work) {
+        if !self.choose_first_set(iterate, &mut outcome, work) {
             outcome.status = QpStatus::IndefiniteMetric;
             return outcome;
         }
@@ -273,7 +177,12 @@ impl OneLevel<'_> {
     /// Moves to the set that the gaps ask for or, where they ask for none, that
     /// the load does: a body that only contact holds has no solution without.
     /// Returns whether the metric is positive definite.
-    fn choose_first_set(&self, iterate: &mut QpIterate, work: &mut Workspace) -> bool {
+    fn choose_first_set(
+        &self,
+        iterate: &mut QpIterate,
+        outcome: &mut QpOutcome,
+        work: &mut Workspace,
+    ) -> bool {
         let Some(first) = self.next_set(iterate) else {
             return false;
         };
@@ -281,6 +190,7 @@ impl OneLevel<'_> {
         if iterate.gap.is_empty() || iterate.active.contains(&true) {
             return true;
         }
+        outcome.predictions += 1;
         let mut move_by_load = work.zeros(iterate.force.len());
         let mut closing = work.zeros(iterate.gap.len());
         self.displacement
@@ -467,151 +377,6 @@ impl OneLevel<'_> {
             self.coupling.apply(du, &mut closing, work);
             add_scaled(&mut iterate.gap, -1.0, &closing);
             work.give(closing);
-        }
-    }
-}
-
-/// A minus the curvature term.
-struct CurvedStiffness<'a> {
-    stiffness: &'a dyn LinearOperator,
-    curvature: &'a SparseRows,
-}
-
-impl LinearOperator for CurvedStiffness<'_> {
-    fn rows(&self) -> usize {
-        self.stiffness.rows()
-    }
-
-    fn columns(&self) -> usize {
-        self.stiffness.columns()
-    }
-
-    fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        self.stiffness.apply(x, y, work);
-        let mut part = work.scratch(y.len());
-        self.curvature.apply(x, &mut part, work);
-        add_scaled(y, -1.0, &part);
-        work.give(part);
-    }
-
-    fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
-        self.apply(y, x, work);
-    }
-}
-
-/// When the active set is reviewed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Review {
-    WhenReduced,
-    AtTheEnd,
-}
-
-struct Face {
-    iterations: u32,
-    reached: bool,
-    failed: Option<QpStatus>,
-}
-
-/// Rows of the coupling that belong to the active set, weighted.
-struct ActiveCoupling<'a> {
-    coupling: &'a SparseRows,
-    active: &'a [bool],
-}
-
-impl LinearOperator for ActiveCoupling<'_> {
-    fn rows(&self) -> usize {
-        self.coupling.rows()
-    }
-
-    fn columns(&self) -> usize {
-        self.coupling.columns()
-    }
-
-    fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        self.coupling.apply(x, y, work);
-        for (value, &active) in y.iter_mut().zip(self.active) {
-            *value *= if active { GAP_WEIGHT } else { 0.0 };
-        }
-    }
-
-    fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
-        self.coupling.apply_transposed(y, x, work);
-        scale(x, GAP_WEIGHT);
-    }
-}
-
-/// The weighted compliance's inverse on the active set.
-struct ActiveMetric {
-    selected: Vec<usize>,
-    factor: DenseCholesky,
-}
-
-impl ActiveMetric {
-    fn new(compliance: &DenseMatrix, active: &[bool]) -> Result<Self, FactoriseError> {
-        let selected: Vec<usize> = (0..active.len()).filter(|&i| active[i]).collect();
-        let factor = DenseCholesky::new(&compliance.principal(&selected))?;
-        Ok(Self { selected, factor })
-    }
-}
-
-impl Preconditioner for ActiveMetric {
-    fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace) {
-        let mut small = work.scratch(self.selected.len());
-        for (value, &index) in small.iter_mut().zip(&self.selected) {
-            *value = r[index];
-        }
-        self.factor.solve(&mut small);
-        z.fill(0.0);
-        for (value, &index) in small.iter().zip(&self.selected) {
-            z[index] = *value / (GAP_WEIGHT * GAP_WEIGHT);
-        }
-        work.give(small);
-    }
-}
-
-struct FaceMonitor<'a, 'b> {
-    displacement: usize,
-    equality: usize,
-    targets: QpTargets,
-    scales: &'a mut QpScales,
-    review: Review,
-    /// Relative residual at the start of the face.
-    start: f64,
-    iterations: u32,
-    reached: bool,
-    interrupted: bool,
-    active: usize,
-    progress: &'a mut Progress<'b>,
-}
-
-impl FaceMonitor<'_, '_> {
-    /// Block norms and the largest over its scale.
-    fn measure(&mut self, r: &[f64]) -> (QpNorms, f64) {
-        let (force, rest) = r.split_at(self.displacement);
-        let (constraint, gap) = rest.split_at(self.equality);
-        let norms = QpNorms {
-            force: norm(force),
-            constraint: norm(constraint),
-            gap: norm(gap) / GAP_WEIGHT,
-        };
-        self.scales.see(norms.constraint, norms.gap);
-        (norms, norms.relative(self.targets.force_scale, self.scales))
-    }
-}
-
-impl Monitor for FaceMonitor<'_, '_> {
-    fn judge(&mut self, residual: &[f64]) -> Verdict {
-        self.iterations += 1;
-        let (norms, relative) = self.measure(residual);
-        self.reached = relative <= self.targets.level;
-        if (self.progress)(&norms, self.scales, self.active) == Verdict::Stop {
-            self.interrupted = true;
-            return Verdict::Stop;
-        }
-        let review = self.review == Review::WhenReduced && relative <= REVIEW * self.start;
-        match self.reached || review {
-            true => Verdict::Stop,
-            false => Verdict::Continue,
         }
     }
 }

@@ -162,6 +162,7 @@ impl LinearOperator for SparseRows {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // These values are exact.
 mod tests {
     use super::*;
 

@@ -149,6 +149,7 @@ fn invert_diagonal(b: &mut [f64], size: usize) {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // These values are exact.
 mod tests {
     use super::*;
 

@@ -107,6 +107,7 @@ impl Preconditioner for BlockTriangular<'_> {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // These values are exact.
 mod tests {
     use super::*;
     use crate::linalg::vector::dot;

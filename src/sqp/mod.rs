@@ -16,10 +16,12 @@ mod evaluate;
 mod fields;
 mod increment;
 mod loads;
+mod program;
 mod results;
 mod session;
 mod state;
 mod verification;
+mod watch;
 
 pub use drive::ObstaclePose;
 pub use session::{Reuse, Session, StepRun};

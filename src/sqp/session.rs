@@ -6,9 +6,10 @@ use super::constraints::Interfaces;
 use super::counters::Counters;
 use super::drive::{Drive, ObstaclePose};
 use super::evaluate::Context;
-use super::increment::{self, Ending, Watch};
+use super::increment::{self, Ending};
 use super::loads::reference_load;
 use super::state::State;
+use super::watch::Watch;
 use super::{fields, results, verification};
 use crate::linalg::vector::dot;
 use crate::linalg::{LinearOperator, Workspace};
@@ -23,6 +24,8 @@ use crate::scene::{SceneError, Step};
 
 /// Smallest part of an increment that cut-backs try.
 const LEAST_FRACTION: f64 = 1.0 / 64.0;
+/// Residual below which an iterate that did not converge is kept.
+const MEANINGFUL: f64 = 1e-3;
 /// Growth of the part after success.
 const GROWTH: f64 = 1.5;
 
@@ -214,7 +217,15 @@ impl Session {
                         return (ending, reached);
                     }
                 }
-                Termination::NotConverged => return (ending, next),
+                // Far from equilibrium an iterate is of no use; close to it, it
+                // is the best there is.
+                Termination::NotConverged if ending.residuals.largest() < MEANINGFUL => {
+                    return (ending, next);
+                }
+                Termination::NotConverged => {
+                    state.restore(&good);
+                    return (ending, reached);
+                }
                 Termination::Cancelled
                 | Termination::DeadlineExceeded
                 | Termination::InternalError => {

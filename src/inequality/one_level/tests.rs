@@ -1,6 +1,8 @@
 //! The one-level method against optimality conditions of small problems.
 
 use super::*;
+use crate::krylov::Verdict;
+use crate::linalg::DenseCholesky;
 use crate::linalg::SparseRowsBuilder;
 use crate::linalg::vector::{dot, largest, reproducible_noise};
 
