@@ -152,15 +152,15 @@ pub struct Seconds {
 /// What one obstacle does to the body.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ObstacleResult {
-    /// Force that the obstacle exerts on the body [3].
+    /// Force that the obstacle exerts on the body `[3]`.
     pub force: [f64; 3],
-    /// Its moment about the obstacle's current reference point [3].
+    /// Its moment about the obstacle's current reference point `[3]`.
     pub moment: [f64; 3],
     /// Undeformed area carried by vertices in contact.
     pub contact_area: f64,
     /// Largest vertex value of the contact pressure.
     pub max_pressure: f64,
-    /// Pressure-weighted mean position in the deformed body [3]; zero without contact.
+    /// Pressure-weighted mean position in the deformed body `[3]`; zero without contact.
     pub centre_of_pressure: [f64; 3],
     /// Vertices that stick (zero without friction).
     pub stick_vertices: u32,
@@ -171,14 +171,14 @@ pub struct ObstacleResult {
 /// Reaction of one support.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SupportResult {
-    /// Force that the support exerts on the body [3].
+    /// Force that the support exerts on the body `[3]`.
     pub force: [f64; 3],
 }
 
 /// Values at one probe.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProbeResult {
-    /// Displacement [3].
+    /// Displacement `[3]`.
     pub displacement: [f64; 3],
     /// Internal pressure; none when the scene has no pressure unknown.
     pub pressure: Option<f64>,
@@ -276,19 +276,19 @@ pub struct StepReport {
 /// A field that a caller can ask for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum FieldName {
-    /// [nodes, 3]: vertices of the uploaded mesh, then edge midpoints.
+    /// `[nodes, 3]`: vertices of the uploaded mesh, then edge midpoints.
     Displacement,
-    /// [vertices, 1]: internal pressure; absent without a pressure unknown.
+    /// `[vertices, 1]`: internal pressure; absent without a pressure unknown.
     Pressure,
-    /// [vertices, 1]: contact pressure, zero off the contact surface.
+    /// `[vertices, 1]`: contact pressure, zero off the contact surface.
     ContactPressure,
-    /// [vertices, 1]: weighted gap over nodal weight, zero off the contact surface.
+    /// `[vertices, 1]`: weighted gap over nodal weight, zero off the contact surface.
     Gap,
-    /// [vertices, 1]: −1 not a candidate, 0 open, 1 in contact.
+    /// `[vertices, 1]`: −1 not a candidate, 0 open, 1 in contact.
     ContactState,
-    /// [cells, 6]: xx yy zz xy yz zx, mean over the cell.
+    /// `[cells, 6]`: xx yy zz xy yz zx, mean over the cell.
     Stress,
-    /// [cells, 1]: volume change of the cell, 1 + div u for linear kinematics.
+    /// `[cells, 1]`: volume change of the cell, 1 + div u for linear kinematics.
     Jacobian,
 }
 

@@ -8,20 +8,20 @@ use crate::mesh::Mesh;
 pub struct CellGeometry {
     /// Vertices per cell.
     pub vertices: usize,
-    /// [cells * vertices], each [3]; the third component is zero in 2D.
+    /// `[cells * vertices]`, each `[3]`; the third component is zero in 2D.
     pub gradients: Vec<[f64; 3]>,
-    /// Volume (area in 2D) [cells].
+    /// Volume (area in 2D) `[cells]`.
     pub volumes: Vec<f64>,
 }
 
 /// Per cell: the moduli that enter the operators, non-dimensional.
 #[derive(Clone, Debug, Default)]
 pub struct CellModuli {
-    /// mu [cells].
+    /// mu `[cells]`.
     pub shear: Vec<f64>,
-    /// lambda of the displacement form, zero where a pressure unknown serves [cells].
+    /// lambda of the displacement form, zero where a pressure unknown serves `[cells]`.
     pub lame: Vec<f64>,
-    /// 1 / lambda of the mixed form [cells].
+    /// 1 / lambda of the mixed form `[cells]`.
     pub inverse_lame: Vec<f64>,
 }
 
@@ -54,7 +54,7 @@ impl CellGeometry {
         self.volumes.len()
     }
 
-    /// Gradients of one cell [vertices].
+    /// Gradients of one cell `[vertices]`.
     pub fn gradients_of(&self, cell: usize) -> &[[f64; 3]] {
         &self.gradients[cell * self.vertices..(cell + 1) * self.vertices]
     }

@@ -102,7 +102,7 @@ impl Grid {
         }
     }
 
-    /// `r = B x`, hierarchical, [vertices].
+    /// `r = B x`, hierarchical, `[vertices]`.
     pub fn divergence(&self, rows: Rows, x: &[f64], r: &mut [f64], work: &mut Workspace) {
         match self {
             Self::Triangles(grid) => grid.divergence(rows, x, r, work),

@@ -5,7 +5,7 @@ use super::cells::CellGeometry;
 use crate::linalg::SparseRows;
 use crate::mesh::Mesh;
 
-/// `M_ij = sum over cells of weight * int l_i l_j` [vertices, vertices].
+/// `M_ij = sum over cells of weight * int l_i l_j` `[vertices, vertices]`.
 pub fn weighted_mass(
     mesh: &Mesh,
     geometry: &CellGeometry,

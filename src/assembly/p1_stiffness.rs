@@ -125,7 +125,7 @@ fn lower_columns(
 }
 
 /// Diagonal blocks of the P2 stiffness on Lagrange nodes
-/// [nodes, components, components], identity for held components.
+/// `[nodes, components, components]`, identity for held components.
 pub fn node_blocks(
     mesh: &Mesh,
     space: &TaylorHood,

@@ -68,9 +68,9 @@ impl Deformed<'_> {
 /// Gap and coupling of one surface.
 #[derive(Clone, Debug, Default)]
 pub struct Linearisation {
-    /// Weighted gap [multipliers].
+    /// Weighted gap `[multipliers]`.
     pub gap: Vec<f64>,
-    /// Rows of C = -dg/du, held columns left out [multipliers], unsorted.
+    /// Rows of C = -dg/du, held columns left out `[multipliers]`, unsorted.
     pub rows: Vec<Vec<(u32, f64)>>,
     /// Deepest penetration at a point of the rule.
     pub max_penetration: f64,
@@ -142,7 +142,7 @@ pub fn linearise(
 }
 
 /// int lambda (Hessian of d) psi_k psi_l: what the contact pressure takes off
-/// the stiffness [unknowns, unknowns], held rows and columns left out.
+/// the stiffness `[unknowns, unknowns]`, held rows and columns left out.
 pub fn curvature(
     body: &Deformed<'_>,
     surfaces: &[(&ContactSurface, &dyn Obstacle, &[f64])],

@@ -20,7 +20,7 @@ pub struct Resultant {
     pub centre: [f64; 3],
 }
 
-/// Resultants of `pressure` [multipliers]; `active` marks vertices in contact.
+/// Resultants of `pressure` `[multipliers]`; `active` marks vertices in contact.
 pub fn resultant(
     body: &Deformed<'_>,
     surface: &ContactSurface,

@@ -24,7 +24,7 @@ pub struct ContactSurface {
     pub vertices: Vec<u32>,
     /// Faces.
     pub faces: Vec<ContactFace>,
-    /// int phi_i dS [vertices].
+    /// int phi_i dS `[vertices]`.
     pub weights: Vec<f64>,
 }
 

@@ -31,7 +31,7 @@ pub enum FactoriseError {
 /// The lower triangle of a symmetric matrix, column by column, rows ascending.
 #[derive(Clone, Debug, Default)]
 pub struct LowerColumns {
-    /// Start of each column [size + 1].
+    /// Start of each column `[size + 1]`.
     pub offsets: Vec<u32>,
     /// Row of each entry.
     pub rows: Vec<u32>,
@@ -55,7 +55,7 @@ pub struct SparseCholesky {
 }
 
 impl SparseCholesky {
-    /// Factorises `matrix` in the order `new_to_old` [size].
+    /// Factorises `matrix` in the order `new_to_old` `[size]`.
     ///
     /// # Errors
     /// [`FactoriseError`] when a pivot is not positive or memory is short.

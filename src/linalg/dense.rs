@@ -33,12 +33,12 @@ impl DenseMatrix {
         self.columns
     }
 
-    /// One column [rows].
+    /// One column `[rows]`.
     pub fn column(&self, column: usize) -> &[f64] {
         &self.values[column * self.rows..(column + 1) * self.rows]
     }
 
-    /// One column [rows].
+    /// One column `[rows]`.
     pub fn column_mut(&mut self, column: usize) -> &mut [f64] {
         &mut self.values[column * self.rows..(column + 1) * self.rows]
     }

@@ -14,7 +14,7 @@ const LEAF: usize = 48;
 /// `neighbours[offsets[v]..offsets[v + 1]]`.
 #[derive(Clone, Debug, Default)]
 pub struct Graph {
-    /// [vertices + 1]
+    /// `[vertices + 1]`
     pub offsets: Vec<usize>,
     /// Ascending within a vertex.
     pub neighbours: Vec<u32>,

@@ -97,7 +97,7 @@ pub fn largest(x: &[f64]) -> f64 {
     x.iter().fold(0.0, |m, v| v.abs().max(m))
 }
 
-/// A fixed vector that excites all modes: entries in [-1, 1] from a linear
+/// A fixed vector that excites all modes: entries in `[-1, 1]` from a linear
 /// congruential sequence, the same in every run.
 pub fn reproducible_noise(length: usize) -> Vec<f64> {
     let mut state = 0x9E37_79B9_7F4A_7C15_u64;

@@ -28,7 +28,7 @@ pub struct ComplianceParts<'a> {
     pub vertex_count: usize,
 }
 
-/// K of `coupling` [multipliers, unknowns].
+/// K of `coupling` `[multipliers, unknowns]`.
 pub fn compliance(parts: &ComplianceParts<'_>, coupling: &SparseRows) -> DenseMatrix {
     let size = coupling.rows();
     let vertex_rows = vertex_rows(parts, coupling);

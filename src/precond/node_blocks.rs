@@ -16,12 +16,12 @@ const PIECE: usize = 2048;
 #[derive(Clone, Debug)]
 pub struct NodeBlocks {
     components: usize,
-    /// Row-major blocks [nodes, components, components].
+    /// Row-major blocks `[nodes, components, components]`.
     inverse: Vec<f64>,
 }
 
 impl NodeBlocks {
-    /// Inverts `blocks` [nodes, components, components]. A block that cannot
+    /// Inverts `blocks` `[nodes, components, components]`. A block that cannot
     /// be inverted becomes the inverse of its diagonal.
     pub fn invert(components: usize, mut blocks: Vec<f64>) -> Self {
         blocks

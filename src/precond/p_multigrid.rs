@@ -15,7 +15,7 @@ use super::spectrum::ritz_interval;
 use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
-/// The smoother damps [largest / ratio, largest]; a higher degree reaches deeper.
+/// The smoother damps `[largest / ratio, largest]`; a higher degree reaches deeper.
 fn ratio(degree: usize) -> f64 {
     match degree {
         0..=2 => 6.0,
@@ -37,7 +37,7 @@ pub struct Transfer {
     pub vertices: usize,
     /// Components per node.
     pub components: usize,
-    /// End vertices of each edge [edges].
+    /// End vertices of each edge `[edges]`.
     pub edges: Arc<[[u32; 2]]>,
     /// Indices of held entries, ascending.
     pub held: Arc<[u32]>,

@@ -18,9 +18,9 @@ use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 /// One multiplier block.
 #[derive(Clone, Copy)]
 pub struct MultiplierBlock<'a> {
-    /// B [block, displacement].
+    /// B `[block, displacement]`.
     pub coupling: &'a dyn LinearOperator,
-    /// C [block, block], positive semi-definite; none for an exact constraint.
+    /// C `[block, block]`, positive semi-definite; none for an exact constraint.
     pub stabilisation: Option<&'a dyn LinearOperator>,
     /// Approximate inverse of B A^-1 B^T + C, positive.
     pub metric: &'a dyn Preconditioner,
@@ -28,7 +28,7 @@ pub struct MultiplierBlock<'a> {
 
 /// The block operator.
 pub struct SaddleOperator<'a> {
-    /// A [displacement, displacement].
+    /// A `[displacement, displacement]`.
     pub stiffness: &'a dyn LinearOperator,
     /// In the order of the unknowns.
     pub blocks: &'a [MultiplierBlock<'a>],

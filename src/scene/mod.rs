@@ -89,7 +89,7 @@ pub struct Support {
 pub struct Traction {
     /// Surface groups.
     pub on: Vec<String>,
-    /// Stress [3].
+    /// Stress `[3]`.
     pub value: [f64; 3],
 }
 
@@ -137,7 +137,7 @@ pub struct Obstacle {
 pub struct Probe {
     /// Unique among probes.
     pub name: String,
-    /// In the undeformed body [3].
+    /// In the undeformed body `[3]`.
     pub point: [f64; 3],
 }
 
@@ -196,7 +196,7 @@ pub struct Scene {
     pub supports: Vec<Support>,
     /// Dead loads.
     pub tractions: Vec<Traction>,
-    /// Force per undeformed volume [3].
+    /// Force per undeformed volume `[3]`.
     pub body_force: [f64; 3],
     /// Rigid bodies.
     pub obstacles: Vec<Obstacle>,
@@ -213,9 +213,9 @@ pub struct Scene {
 pub struct ObstacleTarget {
     /// Obstacle name.
     pub name: String,
-    /// From the initial pose [3], length.
+    /// From the initial pose `[3]`, length.
     pub translation: Option<[f64; 3]>,
-    /// Rotation vector about the reference point [3], radians.
+    /// Rotation vector about the reference point `[3]`, radians.
     pub rotation: Option<[f64; 3]>,
 }
 

@@ -60,7 +60,7 @@ impl TaylorHood {
         nodes
     }
 
-    /// Vertex and midpoint values of a hierarchical vector, [nodes * components].
+    /// Vertex and midpoint values of a hierarchical vector, `[nodes * components]`.
     pub fn node_values(&self, hierarchical: &[f64]) -> Vec<f64> {
         let c = self.components;
         let mut values = hierarchical.to_vec();

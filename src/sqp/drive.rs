@@ -8,9 +8,9 @@ use crate::scene::{Scene, Step};
 pub struct ObstaclePose {
     /// Obstacle name.
     pub name: String,
-    /// Translation [length, 3].
+    /// Translation `[length, 3]`.
     pub translation: [f64; 3],
-    /// Rotation vector about the reference point [radians, 3].
+    /// Rotation vector about the reference point `[radians, 3]`.
     pub rotation: [f64; 3],
 }
 

@@ -21,9 +21,9 @@ pub(crate) struct Snapshot {
 /// Non-dimensional state.
 #[derive(Debug)]
 pub(crate) struct State {
-    /// Hierarchical displacement [nodes * components].
+    /// Hierarchical displacement `[nodes * components]`.
     pub(crate) displacement: Vec<f64>,
-    /// Pressure [vertices]; empty for displacement forms.
+    /// Pressure `[vertices]`; empty for displacement forms.
     pub(crate) pressure: Vec<f64>,
     /// Contact pressure of all obstacles, one after the other.
     pub(crate) multiplier: Vec<f64>,

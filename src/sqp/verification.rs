@@ -53,7 +53,7 @@ pub(crate) fn verify(context: &Context<'_>, state: &State, ending: &Ending) -> R
     }
 }
 
-/// Reported displacement on used nodes, [nodes, 3].
+/// Reported displacement on used nodes, `[nodes, 3]`.
 fn nodal_displacement(context: &Context<'_>, state: &State) -> Vec<[f64; 3]> {
     let uploaded = context.mesh.vertex_count();
     let Some(field) = fields::field(context, state, FieldName::Displacement) else {

@@ -22,7 +22,7 @@ pub fn vertex_order(coordinates: &[[f64; 3]], edges: &[[u32; 2]], last: &[u32]) 
 }
 
 impl DirectP1 {
-    /// Factorises `matrix` [vertices * components] in the given vertex order.
+    /// Factorises `matrix` `[vertices * components]` in the given vertex order.
     ///
     /// # Errors
     /// When the matrix is not positive definite or the factor does not fit.
