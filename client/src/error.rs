@@ -128,6 +128,15 @@ impl From<tonic::Status> for ClientError {
 }
 
 impl ClientError {
+    /// The same refusal, saying which file it is about.
+    #[must_use]
+    pub fn about(mut self, path: &std::path::Path) -> Self {
+        if let Self::Refused(refusal) = &mut self {
+            refusal.message = format!("{}: {}", path.display(), refusal.message);
+        }
+        self
+    }
+
     /// The service's answer, if it is one.
     pub fn refusal(&self) -> Option<&Refusal> {
         match self {

@@ -14,6 +14,8 @@ use crate::exit::{Exit, Failure};
 pub(crate) struct Input {
     /// Names its mesh by digest.
     pub(crate) scene: v1::Scene,
+    /// Where the mesh was read.
+    pub(crate) mesh_path: std::path::PathBuf,
     pub(crate) mesh: MeshFile,
     pub(crate) wire: WireMesh,
 }
@@ -29,7 +31,12 @@ pub(crate) fn load(arguments: &SceneArguments) -> Result<Input, Failure> {
         mesh: wire.name(),
         ..file.scene
     };
-    Ok(Input { scene, mesh, wire })
+    Ok(Input {
+        scene,
+        mesh_path: file.mesh,
+        mesh,
+        wire,
+    })
 }
 
 /// Reads a mesh file.

@@ -32,6 +32,7 @@ pub(super) async fn run(arguments: PlanArguments) -> Result<Exit, Failure> {
 }
 
 async fn fetch(client: &Client, input: Input) -> Result<v1::Plan, Failure> {
-    client.upload_mesh(input.wire).await?;
+    let uploaded = client.upload_mesh(input.wire).await;
+    uploaded.map_err(|error| error.about(&input.mesh_path))?;
     Ok(client.plan(input.scene).await?)
 }

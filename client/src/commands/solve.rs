@@ -91,8 +91,9 @@ fn open_run(arguments: &SolveArguments, input: &Input) -> Result<Run, Failure> {
 async fn solve(connection: &Connection, run: &mut Run, input: Input) -> Result<Exit, Failure> {
     let client = &connection.client;
     run.progress.phase("uploading the mesh");
-    let uploaded = client.upload_mesh(input.wire).await?;
-    run.warn(&uploaded.mesh.warnings);
+    let uploaded = client.upload_mesh(input.wire).await;
+    // The plan repeats what the server has to say about the mesh.
+    uploaded.map_err(|error| error.about(&input.mesh_path))?;
     let steps = input.scene.steps.clone();
     let new = NewSession {
         scene: input.scene,
