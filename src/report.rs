@@ -94,12 +94,18 @@ pub struct Residuals {
 }
 
 impl Residuals {
-    /// The largest of the four.
+    /// The largest of the four; not a number if one of them is not.
     pub fn largest(&self) -> f64 {
-        self.equilibrium
-            .max(self.incompressibility)
-            .max(self.complementarity)
-            .max(self.gap)
+        let all = [
+            self.equilibrium,
+            self.incompressibility,
+            self.complementarity,
+            self.gap,
+        ];
+        match all.iter().any(|value| value.is_nan()) {
+            true => f64::NAN,
+            false => all.into_iter().fold(0.0, f64::max),
+        }
     }
 }
 
@@ -120,7 +126,8 @@ pub struct IterationRecord {
     pub krylov_iterations: u32,
     /// Applications of the displacement preconditioner so far.
     pub preconditioner_applications: u32,
-    /// Residuals of the current iterate.
+    /// Residuals of the current iterate; complementarity is measured between
+    /// quadratic programs only and zero here.
     pub residuals: Residuals,
     /// Vertices in contact.
     pub active_vertices: u32,
@@ -385,5 +392,27 @@ impl CancelToken {
             CANCELLED => Some(Termination::Cancelled),
             _ => Some(Termination::DeadlineExceeded),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_residual_that_is_not_a_number_is_the_largest() {
+        let residuals = |gap| Residuals {
+            equilibrium: 0.5,
+            gap,
+            ..Residuals::default()
+        };
+        assert!(residuals(f64::NAN).largest().is_nan());
+        assert!((residuals(0.25).largest() - 0.5).abs() < 1e-15);
+        let first = Residuals {
+            equilibrium: f64::NAN,
+            gap: 2.0,
+            ..Residuals::default()
+        };
+        assert!(first.largest().is_nan());
     }
 }

@@ -376,3 +376,48 @@ fn an_empty_scene_says_what_it_needs() {
         .collect();
     assert_eq!(paths, ["material", "support"]);
 }
+
+#[test]
+fn sizes_whose_volume_leaves_the_range_of_numbers_are_refused() {
+    for scale in [1e160, 1e-200] {
+        let mut scene = cube_bend(0.5);
+        scene.probes.clear();
+        scene.mesh_scale = Some(scale);
+        assert_refused(&scene, "mesh_scale", &["range of numbers"]);
+    }
+}
+
+#[test]
+fn supports_that_contradict_each_other_are_warned_of() {
+    let mut scene = cube_bend(0.5);
+    let plan = |scene: &Scene| {
+        Plan::new(scene, &[], &block())
+            .expect("a valid scene")
+            .report()
+    };
+    scene.supports.push(signorini::scene::Support {
+        name: "again".to_owned(),
+        ..support("x0", HELD)
+    });
+    assert!(plan(&scene).warnings.is_empty());
+    scene.supports.push(signorini::scene::Support {
+        name: "shifted".to_owned(),
+        ..support("x0", [Some(0.5), None, None])
+    });
+    let warnings = plan(&scene).warnings;
+    assert!(
+        warnings
+            .iter()
+            .any(|w| w.contains("shifted") && w.contains("holds")),
+        "{warnings:?}"
+    );
+}
+
+#[test]
+fn a_manufactured_field_takes_no_values_of_supports() {
+    let mut scene = cube_bend(0.5);
+    scene.tractions.clear();
+    scene.manufactured = Some("A1m".to_owned());
+    scene.supports[0].displacement[0] = Some(3.0);
+    assert_refused(&scene, "support.x0.displacement", &["manufactured"]);
+}

@@ -39,7 +39,7 @@ fn no_mixed_poisson_ratio_takes_4_more_than_one_half() {
 #[test]
 fn conjugate_gradients_take_at_most_20_below_the_mixed_range() {
     let mesh = mesh(cube(6));
-    for poisson_ratio in [-0.5, 0.0, 0.2, 0.3, 0.4, 0.44, 0.449] {
+    for poisson_ratio in [-0.9, -0.5, 0.0, 0.2, 0.3, 0.4, 0.44, 0.449] {
         let taken = applications(&cube_bend(poisson_ratio), &mesh);
         assert!(taken <= 20, "{poisson_ratio}: {taken}");
     }

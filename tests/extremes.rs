@@ -8,7 +8,7 @@ use common::meshes::{cube, irregular, mesh};
 use common::scenes::{
     HELD, cube_bend, elastic, material, obstacle, push, small_indentation, support, traction,
 };
-use common::{close, difference, run_one, solve, solve_one, values};
+use common::{close, difference, run, run_one, solve, solve_one, values};
 use signorini::scene::{Material, Modulus, Shape};
 use signorini::{
     Cause, CellKind, FieldName, Group, GroupKind, Mesh, MeshParts, Scene, Step, Termination,
@@ -175,4 +175,29 @@ fn one_cell_is_enough() {
         assert!(report.strain_energy > 0.0);
         assert!(close(report.supports["z0"].force[2], 0.1, 1e-6));
     }
+}
+
+#[test]
+fn an_obstacle_beyond_the_range_of_numbers_never_counts_as_converged() {
+    let (mut scene, mesh) = small_indentation(2);
+    scene.solver.verify = false;
+    let report = &run(&scene, &[push("ball", [0.0, 0.0, 1e200])], &mesh).1[0];
+    assert_eq!(report.termination, Termination::NotConverged);
+    assert_eq!(report.cause, Some(Cause::NotFinite));
+}
+
+#[test]
+fn the_report_of_a_failed_step_describes_the_state_that_is_kept() {
+    let mut scene = standing(
+        Shape::HalfSpace {
+            point: [0.0; 3],
+            normal: [0.0, 0.0, 1.0],
+        },
+        1.0,
+    );
+    scene.solver.verify = false;
+    let report = &run(&scene, &[Step::default()], &block()).1[0];
+    assert_eq!(report.cause, Some(Cause::NoEquilibrium));
+    assert!(report.residuals.largest() <= 1e-8, "{:?}", report.residuals);
+    assert!(report.time.abs() < 1e-15 && report.load.abs() < 1e-15);
 }

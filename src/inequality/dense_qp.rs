@@ -7,6 +7,17 @@
 
 use crate::linalg::{DenseCholesky, DenseMatrix, FactoriseError};
 
+/// Why there is no solution.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DenseQpError {
+    /// A principal part cannot be factorised.
+    #[error(transparent)]
+    Factorise(#[from] FactoriseError),
+    /// Rounding keeps the pivots from ending.
+    #[error("the pivots do not end")]
+    PivotLimit,
+}
+
 /// Block passes without progress before single pivots.
 const PATIENCE: usize = 3;
 /// Passes in all; far above what occurs.
@@ -26,21 +37,20 @@ pub struct DenseSolution {
 /// Solves the problem, starting from the set `guess`.
 ///
 /// # Errors
-/// When a principal part of `matrix` is not positive definite.
+/// [`DenseQpError`] when `matrix` is not positive definite or too ill-conditioned.
 pub fn solve(
     matrix: &DenseMatrix,
     linear: &[f64],
     guess: &[bool],
-) -> Result<DenseSolution, FactoriseError> {
+) -> Result<DenseSolution, DenseQpError> {
     let mut free = guess.to_vec();
     let mut fewest = usize::MAX;
     let mut patience = PATIENCE;
-    let mut values = vec![0.0; linear.len()];
     for _ in 0..LIMIT {
-        values = values_on(matrix, linear, &free)?;
+        let values = values_on(matrix, linear, &free)?;
         let wrong = infeasible(matrix, linear, &free, &values);
         if wrong.is_empty() {
-            break;
+            return Ok(DenseSolution { values, free });
         }
         if wrong.len() < fewest {
             fewest = wrong.len();
@@ -53,7 +63,7 @@ pub fn solve(
             _ => wrong.iter().for_each(|&index| free[index] = !free[index]),
         }
     }
-    Ok(DenseSolution { values, free })
+    Err(DenseQpError::PivotLimit)
 }
 
 fn values_on(

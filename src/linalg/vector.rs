@@ -92,9 +92,13 @@ pub fn scale(y: &mut [f64], a: f64) {
     y.iter_mut().for_each(|v| *v *= a);
 }
 
-/// Largest absolute entry; zero for an empty vector.
+/// Largest absolute entry; zero for an empty vector, not a number if an entry
+/// is not.
 pub fn largest(x: &[f64]) -> f64 {
-    x.iter().fold(0.0, |m, v| v.abs().max(m))
+    match x.iter().any(|v| v.is_nan()) {
+        true => f64::NAN,
+        false => x.iter().fold(0.0, |m, v| v.abs().max(m)),
+    }
 }
 
 /// A fixed vector that excites all modes: entries in `[-1, 1]` from a linear

@@ -13,7 +13,7 @@ use sha2::{Digest, Sha256};
 use crate::mesh::{Mesh, MeshId};
 use crate::report::Unknowns;
 use crate::scene::validate::{Resolved, resolve};
-use crate::scene::{Scene, SceneError, Step};
+use crate::scene::{Scene, SceneError, Step, Violation};
 use crate::space::TaylorHood;
 
 pub use prepared::{PrepareError, Prepared};
@@ -50,6 +50,16 @@ impl Plan {
     /// that this version does not support.
     pub fn new(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Self, SceneError> {
         let resolved = resolve(scene, steps, mesh)?;
+        let units = Units::new(scene, &resolved, mesh);
+        if !units.are_usable() {
+            return Err(SceneError::Invalid(vec![Violation {
+                path: "mesh_scale".to_owned(),
+                message: format!(
+                    "a body of length {:e} with a shear modulus of {:e} leaves the range of numbers",
+                    units.length, units.stress
+                ),
+            }]));
+        }
         let space = TaylorHood::new(mesh);
         let contact_vertices = vertices_of(mesh, resolved.obstacle_facets.iter());
         let multipliers: usize = resolved
@@ -68,8 +78,10 @@ impl Plan {
         };
         let held = held_unknowns(scene, &resolved, mesh, &space);
         let smoother_degree = smoother_degree(&resolved, mesh);
+        let mut warnings = mesh.warnings().to_vec();
+        warnings.extend(conflicts(scene, &resolved, mesh));
         Ok(Self {
-            units: Units::new(scene, &resolved, mesh),
+            units,
             mesh_id: mesh.id(),
             unknowns,
             edges: space.edges.len(),
@@ -77,7 +89,7 @@ impl Plan {
             held,
             contact_vertices,
             smoother_degree,
-            warnings: mesh.warnings().to_vec(),
+            warnings,
             scene: scene.clone(),
             resolved,
         })
@@ -178,6 +190,38 @@ fn held_unknowns(
     held.into_iter().collect()
 }
 
+/// Supports that prescribe different values on shared vertices.
+fn conflicts(scene: &Scene, resolved: &Resolved, mesh: &Mesh) -> Vec<String> {
+    let mut holder: BTreeMap<(u32, usize), usize> = BTreeMap::new();
+    let mut found: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+    for (index, facets) in resolved.support_facets.iter().enumerate() {
+        let values = scene.supports[index].displacement;
+        let vertices = vertices_of(mesh, std::iter::once(facets));
+        for (component, value) in values.into_iter().enumerate() {
+            let Some(value) = value else { continue };
+            for &vertex in &vertices {
+                let first = *holder.entry((vertex, component)).or_insert(index);
+                let held = scene.supports[first].displacement[component];
+                if held.is_some_and(|held| (held - value).abs() > 0.0) {
+                    *found.entry((first, index)).or_default() += 1;
+                }
+            }
+        }
+    }
+    let name = |index: usize| &scene.supports[index].name;
+    found
+        .into_iter()
+        .map(|((first, second), count)| {
+            format!(
+                "supports `{}` and `{}` prescribe different values {count} times; `{}` holds",
+                name(first),
+                name(second),
+                name(first)
+            )
+        })
+        .collect()
+}
+
 /// Chebyshev steps of the smoother: more where the P1 correction is weak, that
 /// is for displacement forms near the volume constraint and for poor cells.
 fn smoother_degree(resolved: &Resolved, mesh: &Mesh) -> usize {
@@ -186,7 +230,14 @@ fn smoother_degree(resolved: &Resolved, mesh: &Mesh) -> usize {
         .iter()
         .map(|material| material.law.lame() / material.law.shear_modulus)
         .fold(0.0, f64::max);
+    let softest = resolved
+        .materials
+        .iter()
+        .map(|material| material.law.lame() / material.law.shear_modulus)
+        .fold(0.0, f64::min);
     let by_volume = match resolved.mixed {
+        // Auxetic: the volume response nearly cancels the shear response.
+        false if softest < -0.55 => 6,
         false if stiffest > 4.0 => 4,
         false if stiffest > 2.0 => 3,
         _ => 2,

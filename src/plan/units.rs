@@ -30,6 +30,21 @@ impl Units {
         }
     }
 
+    /// Whether every derived quantity keeps its precision.
+    pub(crate) fn are_usable(&self) -> bool {
+        let derived = [
+            self.length,
+            self.stress,
+            self.coordinate_scale,
+            self.area(),
+            self.volume(),
+            self.force(),
+            self.energy(),
+            self.body_force(),
+        ];
+        derived.iter().all(|value| value.is_normal())
+    }
+
     /// Area, or length in two dimensions.
     pub fn area(&self) -> f64 {
         self.length.powi(self.dimension as i32 - 1)

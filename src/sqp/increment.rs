@@ -106,6 +106,20 @@ pub(crate) fn solve(
     ending(state, &now, first_force, Termination::NotConverged, cause)
 }
 
+/// Makes `ending` describe the state that is kept.
+pub(crate) fn describe(
+    context: &Context<'_>,
+    state: &mut State,
+    ending: &mut Ending,
+    work: &mut Workspace,
+) {
+    let drive = state.drive.clone();
+    let now = evaluate(context, state, &drive, work);
+    ending.force_scale = now.force_scale(0.0);
+    ending.max_penetration = now.max_penetration;
+    ending.residuals = residuals(state, &now, 0.0);
+}
+
 /// Whether the present state ends the increment.
 fn verdict(
     context: &Context<'_>,

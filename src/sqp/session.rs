@@ -67,6 +67,15 @@ pub struct StepRun {
     finished: bool,
 }
 
+/// Whether an iterate that did not converge is still of use.
+fn is_meaningful(ending: &Ending) -> bool {
+    let is_unbounded = matches!(
+        ending.cause,
+        Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
+    );
+    !is_unbounded && ending.residuals.largest() < MEANINGFUL
+}
+
 impl StepRun {
     /// Increments finished so far.
     pub fn done(&self) -> u32 {
@@ -214,22 +223,23 @@ impl Session {
                     counters.cut_backs += 1;
                     if part < LEAST_FRACTION {
                         ending.cause = ending.cause.or(Some(Cause::StepTooSmall));
+                        increment::describe(&context, state, &mut ending, work);
                         return (ending, reached);
                     }
                 }
                 // Far from equilibrium an iterate is of no use; close to it, it
                 // is the best there is.
-                Termination::NotConverged if ending.residuals.largest() < MEANINGFUL => {
-                    return (ending, next);
-                }
+                Termination::NotConverged if is_meaningful(&ending) => return (ending, next),
                 Termination::NotConverged => {
                     state.restore(&good);
+                    increment::describe(&context, state, &mut ending, work);
                     return (ending, reached);
                 }
                 Termination::Cancelled
                 | Termination::DeadlineExceeded
                 | Termination::InternalError => {
                     state.restore(&good);
+                    increment::describe(&context, state, &mut ending, work);
                     return (ending, reached);
                 }
             }

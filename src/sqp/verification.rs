@@ -4,6 +4,8 @@
 //!
 //! Cost: one pass over the cells with some hundred flops per point.
 
+mod loads;
+
 use super::evaluate::{Context, ratio};
 use super::fields;
 use super::increment::Ending;
@@ -99,7 +101,7 @@ fn volume_residuals(
         _ => Simplex::Tetrahedron,
     };
     let rule = rule(simplex, VOLUME_DEGREE);
-    let mut force = external_load(context, state);
+    let mut force = loads::external_load(context, state);
     let mut constraint = vec![0.0; state.pressure.len()];
     for cell in 0..context.mesh.cell_count() {
         add_cell(
@@ -113,22 +115,6 @@ fn volume_residuals(
         );
     }
     (force, constraint)
-}
-
-/// The load on Lagrange nodes in the caller's units.
-fn external_load(context: &Context<'_>, state: &State) -> Vec<[f64; 3]> {
-    let space = &context.prepared.space;
-    let unit = context.plan.units.force() * state.drive.load;
-    let nodal = space.node_forces(context.load);
-    let rows = nodal.chunks_exact(space.components);
-    rows.map(|row| {
-        let mut out = [0.0; 3];
-        out.iter_mut()
-            .zip(row)
-            .for_each(|(out, value)| *out = value * unit);
-        out
-    })
-    .collect()
 }
 
 #[allow(clippy::too_many_arguments)]

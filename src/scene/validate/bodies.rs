@@ -29,6 +29,17 @@ pub(crate) fn manufactured(
             "brings its own loads: leave out traction, body_force and obstacle",
         );
     }
+    let moved = scene.supports.iter().find(|support| {
+        let values = support.displacement.iter().flatten();
+        values.copied().any(|value| value.abs() > 0.0)
+    });
+    if let Some(support) = moved {
+        let key = format!("support.{}.displacement", support.name);
+        faults.add(
+            key,
+            "the manufactured field prescribes the values: give zeros",
+        );
+    }
     let incompressible = scene.materials.iter().all(|material| match material.model {
         MaterialModel::LinearElastic { poisson_ratio, .. } => poisson_ratio >= 0.5,
     });
@@ -60,8 +71,9 @@ pub(crate) fn probes(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<Loc
     if scene.probes.is_empty() {
         return Vec::new();
     }
-    let locator = Locator::new(mesh);
     let scale = scene.mesh_scale.unwrap_or(1.0);
+    let scale_is_usable = scale > 0.0 && scale.is_finite();
+    let locator = Locator::new(mesh);
     let mut found = Vec::new();
     for probe in &scene.probes {
         let path = format!("probe.{}.point", probe.name);
@@ -70,6 +82,8 @@ pub(crate) fn probes(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<Loc
         }
         match locator.find(mesh, probe.point.map(|x| x / scale)) {
             Some(located) => found.push(located),
+            // A faulty scale has its own message.
+            None if !scale_is_usable => (),
             None => faults.add(path, format!("{:?} lies outside the body", probe.point)),
         }
     }

@@ -32,14 +32,21 @@ pub(crate) fn check(
 ) -> Vec<String> {
     let parts = parts(mesh);
     let count = parts.iter().max().map_or(0, |&last| last as usize + 1);
+    let frames = frames(mesh, &parts, count);
+    let moments = moments(scene, mesh, support_facets, &parts, &frames);
+    let names: &[&str] = if mesh.cell_kind().dimension() == 2 {
+        &NAMES_2
+    } else {
+        &NAMES_3
+    };
     let mut free = Vec::new();
-    for part in 0..count {
-        let names = free_modes(scene, mesh, support_facets, &parts, part as u32);
+    for (part, moments) in moments.into_iter().enumerate() {
         let label = match count {
             1 => String::new(),
             _ => format!(" of part {part}"),
         };
-        free.extend(names.into_iter().map(|name| format!("{name}{label}")));
+        let found = name_null_space(moments, names);
+        free.extend(found.into_iter().map(|name| format!("{name}{label}")));
     }
     if !free.is_empty() && scene.obstacles.is_empty() {
         let list = free.join(", ");
@@ -86,37 +93,37 @@ fn parts(mesh: &Mesh) -> Vec<u32> {
         .collect()
 }
 
-fn free_modes(
+type Moments = [[f64; 6]; 6];
+
+/// Moment matrix of the held rows of each part.
+fn moments(
     scene: &Scene,
     mesh: &Mesh,
     support_facets: &[Vec<u32>],
     parts: &[u32],
-    part: u32,
-) -> Vec<String> {
+    frames: &[([f64; 3], f64)],
+) -> Vec<Moments> {
     let dimension = mesh.cell_kind().dimension();
-    let names: &[&str] = if dimension == 2 { &NAMES_2 } else { &NAMES_3 };
-    let (centre, radius) = frame(mesh, parts, part);
-    let mut moments = vec![vec![0.0; names.len()]; names.len()];
+    let mut moments = vec![[[0.0; 6]; 6]; frames.len()];
     for (support, facets) in scene.supports.iter().zip(support_facets) {
         for &facet in facets {
             for &vertex in mesh.facet(facet as usize) {
-                if parts[vertex as usize] != part {
-                    continue;
-                }
+                let part = parts[vertex as usize] as usize;
+                let (centre, radius) = frames[part];
                 let x = mesh.coordinates()[vertex as usize];
                 let arm: [f64; 3] = std::array::from_fn(|i| (x[i] - centre[i]) / radius);
                 for component in (0..dimension).filter(|&i| support.displacement[i].is_some()) {
                     let row = mode_row(dimension, component, arm);
                     for (i, a) in row.iter().enumerate() {
                         for (j, b) in row.iter().enumerate() {
-                            moments[i][j] += a * b;
+                            moments[part][i][j] += a * b;
                         }
                     }
                 }
             }
         }
     }
-    name_null_space(moments, names)
+    moments
 }
 
 /// Values of all modes at one component.
@@ -141,22 +148,26 @@ fn mode_row(dimension: usize, component: usize, arm: [f64; 3]) -> Vec<f64> {
     row
 }
 
-fn frame(mesh: &Mesh, parts: &[u32], part: u32) -> ([f64; 3], f64) {
-    let own = || parts.iter().enumerate().filter(|&(_, &p)| p == part);
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for (vertex, _) in own() {
+/// Centre and size of the bounding box of each part.
+fn frames(mesh: &Mesh, parts: &[u32], count: usize) -> Vec<([f64; 3], f64)> {
+    let mut boxes = vec![([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]); count];
+    for (x, &part) in mesh.coordinates().iter().zip(parts) {
+        let (low, high) = &mut boxes[part as usize];
         for i in 0..3 {
-            low[i] = low[i].min(mesh.coordinates()[vertex][i]);
-            high[i] = high[i].max(mesh.coordinates()[vertex][i]);
+            low[i] = low[i].min(x[i]);
+            high[i] = high[i].max(x[i]);
         }
     }
-    let centre = std::array::from_fn(|i| 0.5 * (low[i] + high[i]));
-    let radius = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
-    (centre, if radius > 0.0 { radius } else { 1.0 })
+    let frame = |(low, high): ([f64; 3], [f64; 3])| {
+        let centre = std::array::from_fn(|i| 0.5 * (low[i] + high[i]));
+        let radius = (0..3).map(|i| high[i] - low[i]).fold(0.0, f64::max);
+        (centre, if radius > 0.0 { radius } else { 1.0 })
+    };
+    boxes.into_iter().map(frame).collect()
 }
 
 /// Axis-aligned free modes by name, further ones by number.
-fn name_null_space(mut moments: Vec<Vec<f64>>, names: &[&str]) -> Vec<String> {
+fn name_null_space(mut moments: Moments, names: &[&str]) -> Vec<String> {
     let size = names.len();
     let largest = (0..size).map(|i| moments[i][i]).fold(0.0, f64::max);
     let threshold = ZERO.max(1e-12 * largest);

@@ -63,8 +63,7 @@ pub(crate) fn check(scene: &Scene, mixed: bool, faults: &mut Faults) {
                 faults.unsupported(path, format!("`{name}` here; `{available}` is there"));
             }
             name => {
-                let known = ["auto", available].into_iter().chain(LATER);
-                let hint = names::hint(name, known);
+                let hint = names::hint(name, ["auto", available].into_iter());
                 faults.add(path, format!("unknown method `{name}`{hint}"));
             }
         }
