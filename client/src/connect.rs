@@ -11,9 +11,13 @@ use std::time::Duration;
 
 use signorini_proto::v1::mesh_service_client::MeshServiceClient;
 use signorini_proto::v1::session_service_client::SessionServiceClient;
+use tonic::body::Body;
+use tonic::codegen::http::{Request, Response};
 use tonic::transport::{Channel, Endpoint, Uri};
+use tower::util::BoxCloneSyncService;
+use tower::{BoxError, ServiceExt as _};
 
-use crate::error::ClientError;
+use crate::error::{ClientError, Unanswered};
 
 const STREAM_WINDOW: u32 = 1 << 20;
 const CONNECTION_WINDOW: u32 = 4 << 20;
@@ -58,8 +62,11 @@ impl fmt::Display for ServerAddress {
 /// A connection to a server. Clones share it.
 #[derive(Clone, Debug)]
 pub struct Client {
-    channel: Channel,
+    channel: Transport,
 }
+
+/// A channel whose failures name the address.
+pub(crate) type Transport = BoxCloneSyncService<Request<Body>, Response<Body>, BoxError>;
 
 impl Client {
     /// Connects.
@@ -72,20 +79,31 @@ impl Client {
             ServerAddress::Unix(path) => connect_unix(path.clone()).await,
         };
         channel
-            .map(|channel| Self { channel })
+            .map(|channel| Self {
+                channel: named(channel, address.to_string()),
+            })
             .map_err(|error| ClientError::Unreachable {
                 address: address.to_string(),
                 message: root_cause(&error),
             })
     }
 
-    pub(crate) fn meshes(&self) -> MeshServiceClient<Channel> {
+    pub(crate) fn meshes(&self) -> MeshServiceClient<Transport> {
         MeshServiceClient::new(self.channel.clone())
     }
 
-    pub(crate) fn sessions(&self) -> SessionServiceClient<Channel> {
+    pub(crate) fn sessions(&self) -> SessionServiceClient<Transport> {
         SessionServiceClient::new(self.channel.clone())
     }
+}
+
+/// Whatever listens there may accept the connection and yet be no server: that
+/// shows only when a call fails without any answer.
+fn named(channel: Channel, address: String) -> Transport {
+    Transport::new(channel.map_err(move |error| {
+        let (address, message) = (address, root_cause(&error));
+        Unanswered { address, message }.into()
+    }))
 }
 
 fn configured(endpoint: Endpoint) -> Endpoint {

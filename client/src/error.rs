@@ -2,6 +2,7 @@
 //! the service's contract.
 
 use std::collections::BTreeMap;
+use std::error::Error as _;
 use std::fmt;
 
 use signorini_proto::array::ArrayError;
@@ -121,8 +122,21 @@ pub enum ClientError {
     Closed,
 }
 
+/// A call that failed without an answer; travels as the source of a status.
+#[derive(Clone, Debug, thiserror::Error)]
+#[error("no server answers at {address}: {message}")]
+pub(crate) struct Unanswered {
+    pub(crate) address: String,
+    pub(crate) message: String,
+}
+
 impl From<tonic::Status> for ClientError {
     fn from(status: tonic::Status) -> Self {
+        let source = status.source();
+        if let Some(unanswered) = source.and_then(|source| source.downcast_ref::<Unanswered>()) {
+            let Unanswered { address, message } = unanswered.clone();
+            return Self::Unreachable { address, message };
+        }
         Self::Refused(Box::new(Refusal::from(&status)))
     }
 }

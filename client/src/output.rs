@@ -23,11 +23,11 @@ impl LineSink {
         self
     }
 
-    /// Also writes each line to a new file.
-    pub(crate) fn with_file(mut self, path: &Path) -> Result<Self, Failure> {
+    /// From now on also writes each line to a new file.
+    pub(crate) fn open_file(&mut self, path: &Path) -> Result<(), Failure> {
         let file = File::create(path).map_err(|error| Failure::unwritable(path, &error))?;
         self.file = Some((path.to_owned(), BufWriter::new(file)));
-        Ok(self)
+        Ok(())
     }
 
     /// Whether anybody reads the lines.

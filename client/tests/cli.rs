@@ -3,6 +3,8 @@
 
 mod common;
 
+use std::io::{Read as _, Write as _};
+use std::net::TcpListener;
 use std::path::Path;
 
 use common::{Run, example, folder, run};
@@ -80,6 +82,35 @@ fn a_server_that_does_not_answer_exits_with_5() {
         "{}",
         run.stderr
     );
+}
+
+#[test]
+fn a_port_of_another_protocol_exits_with_5_and_its_address() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let url = format!("http://{}", listener.local_addr().unwrap());
+    std::thread::spawn(move || {
+        for stream in listener.incoming() {
+            let mut stream = stream.unwrap();
+            let mut request = [0; 24];
+            stream.read_exact(&mut request).unwrap();
+            stream
+                .write_all(b"HTTP/1.1 400 Bad Request\r\n\r\n")
+                .unwrap();
+        }
+    });
+    let scene = example("cube-bend.toml");
+    for arguments in [
+        &["solve", text(&scene), "--server", &url][..],
+        &["session", "list", "--server", &url],
+    ] {
+        let run = run(arguments.iter().copied());
+        assert_eq!(run.code, Some(5), "{}", run.stderr);
+        assert!(
+            run.stderr.contains(&format!("answers at {url}: ")),
+            "{}",
+            run.stderr
+        );
+    }
 }
 
 #[test]

@@ -168,6 +168,20 @@ fn a_folder_of_results_holds_the_series_and_the_lines() {
     }
 }
 
+#[test]
+fn increments_that_output_every_skips_bring_no_warning() {
+    let folder = folder("skipped_increments");
+    let out = folder.to_str().unwrap();
+    let skip = ["--set", "step.0.increments=2", "--set", "output.every=2"];
+    let more = [&["--out", out][..], &skip].concat();
+    let (run, _) = solve("hertz-plane.toml", &more);
+    assert!(!run.stderr.contains("warning"), "{}", run.stderr);
+    assert!(folder.join("hertz-plane_0001.vtu").exists());
+    assert!(!folder.join("hertz-plane_0002.vtu").exists());
+    let (run, _) = solve("hertz-plane.toml", &[&more[..], &["--quiet"]].concat());
+    assert_eq!(run.stderr, "");
+}
+
 /// An array of doubles from a VTU file.
 fn vtu_array(path: &Path, name: &str) -> Vec<f64> {
     let bytes = std::fs::read(path).unwrap();

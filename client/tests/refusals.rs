@@ -195,3 +195,33 @@ fn unused_vertices_are_counted_in_a_warning() {
         run.stderr
     );
 }
+
+#[test]
+fn a_refused_scene_leaves_earlier_results_alone() {
+    let out = folder("earlier_results");
+    let lines = out.join("results.jsonl");
+    std::fs::write(&lines, "earlier\n").unwrap();
+    let scene = example("hertz-sphere.toml");
+    let run = run([
+        "solve",
+        scene.to_str().unwrap(),
+        "--set",
+        "material.body.poisson_ratio=0.6",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    assert_refused(&run, &["material.body.poisson_ratio: "]);
+    assert_eq!(std::fs::read_to_string(&lines).unwrap(), "earlier\n");
+}
+
+#[test]
+fn the_output_section_is_checked_with_and_without_a_folder() {
+    let out = folder("output_checked");
+    let scene = example("hertz-plane.toml");
+    let arguments = ["solve", scene.to_str().unwrap(), "--set", "output.every=0"];
+    let with_folder = ["--out", out.to_str().unwrap()];
+    for more in [&[][..], &with_folder] {
+        let run = run(arguments.into_iter().chain(more.iter().copied()));
+        assert_refused(&run, &["output.every: "]);
+    }
+}

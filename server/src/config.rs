@@ -8,6 +8,10 @@ use serde::Deserialize;
 /// Used when the machine's memory cannot be read.
 const FALLBACK_BUDGET_BYTES: u64 = 8 << 30;
 
+/// Longest time that a setting or a request may name, seconds: 30 days. Clocks
+/// can add it to any instant.
+pub(crate) const LONGEST_SECONDS: u64 = 30 * 24 * 3600;
+
 /// A setting that cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ConfigError {
@@ -47,15 +51,15 @@ pub struct Config {
     /// Accepted updates that may wait in one session, at least 1.
     pub maximum_in_flight: usize,
     /// Seconds without a call after which a session expires, unless it asks for
-    /// another time; at least 1.
+    /// another time; 1 to 2 592 000 (30 days).
     pub session_ttl_seconds: u64,
     /// Results whose reports one session keeps, at least 1.
     pub retained_results: usize,
     /// Bytes of fields that one session keeps; the newest result always stays.
     pub retained_field_bytes: u64,
-    /// Seconds without another message after which a stream gets a heartbeat, at least 1.
+    /// Seconds without another message after which a stream gets a heartbeat; 1 to 2 592 000.
     pub heartbeat_seconds: u64,
-    /// Seconds that a shutdown waits for running steps to stop.
+    /// Seconds that a shutdown waits for running steps to stop; at most 2 592 000.
     pub drain_seconds: u64,
 }
 
@@ -114,12 +118,17 @@ impl Config {
             ("retained_results", self.retained_results as u64),
             ("heartbeat_seconds", self.heartbeat_seconds),
         ];
-        match at_least_one.iter().find(|(_, value)| *value == 0) {
-            Some((key, _)) => Err(ConfigError::Range {
-                key,
-                range: "at least 1",
-            }),
-            None => Ok(()),
+        let times = [
+            ("session_ttl_seconds", self.session_ttl_seconds),
+            ("heartbeat_seconds", self.heartbeat_seconds),
+            ("drain_seconds", self.drain_seconds),
+        ];
+        let zero = at_least_one.iter().find(|(_, value)| *value == 0);
+        let long = times.iter().find(|(_, value)| *value > LONGEST_SECONDS);
+        match (zero, long) {
+            (Some((key, _)), _) => Err(range(key, "at least 1")),
+            (None, Some((key, _))) => Err(range(key, "at most 2592000, which is 30 days")),
+            (None, None) => Ok(()),
         }
     }
 
@@ -150,6 +159,10 @@ impl Config {
     }
 }
 
+fn range(key: &'static str, range: &'static str) -> ConfigError {
+    ConfigError::Range { key, range }
+}
+
 fn machine_bytes() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("MemTotal:"))?;
@@ -174,5 +187,14 @@ mod tests {
         assert!(unknown.to_string().contains("solver_slot"));
         let zero = Config::from_toml("heartbeat_seconds = 0").unwrap_err();
         assert!(zero.to_string().contains("heartbeat_seconds"));
+    }
+
+    #[test]
+    fn times_that_no_clock_can_add_are_refused_by_name() {
+        for key in ["session_ttl_seconds", "heartbeat_seconds", "drain_seconds"] {
+            assert!(Config::from_toml(&format!("{key} = {LONGEST_SECONDS}")).is_ok());
+            let long = Config::from_toml(&format!("{key} = {}", i64::MAX)).unwrap_err();
+            assert!(long.to_string().contains(key), "{long}");
+        }
     }
 }

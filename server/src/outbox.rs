@@ -50,6 +50,8 @@ pub(crate) struct Outbox {
     state: Mutex<State>,
     filled: Notify,
     drained: Notify,
+    /// As `drained`, for whoever waits for room.
+    read: Notify,
     limit_bytes: u64,
     metrics: Arc<Metrics>,
 }
@@ -61,6 +63,7 @@ impl Outbox {
             state: Mutex::default(),
             filled: Notify::new(),
             drained: Notify::new(),
+            read: Notify::new(),
             limit_bytes,
             metrics: Arc::clone(metrics),
         })
@@ -104,6 +107,13 @@ impl Outbox {
         self.lock().unread_bytes <= self.limit_bytes
     }
 
+    /// Returns when a further increment may start; for one task at a time.
+    pub(crate) async fn room(&self) {
+        while !self.has_room() {
+            self.read.notified().await;
+        }
+    }
+
     /// Returns when messages were read since the last call.
     pub(crate) async fn drained(&self) {
         self.drained.notified().await;
@@ -138,6 +148,7 @@ impl Outbox {
             state.unread_bytes = state.unread_bytes.saturating_sub(size(&message));
             drop(state);
             self.drained.notify_one();
+            self.read.notify_one();
             return Some(Next::Message(Box::new(message)));
         }
         if let Some(end) = state.end.clone() {
@@ -246,6 +257,7 @@ mod tests {
         assert!(!outbox.has_room());
         assert_eq!(next(&outbox).await, message(heartbeat(1000)));
         outbox.drained().await;
+        outbox.room().await;
         assert!(outbox.has_room());
     }
 

@@ -2,8 +2,11 @@
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::hash::{BuildHasher, Hasher, RandomState};
+use std::pin::pin;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use tokio::sync::Notify;
 
 use crate::fault::Fault;
 use crate::session::{self, Ending, Handle, Seed, Shop};
@@ -25,6 +28,12 @@ struct Inner {
 }
 
 impl Inner {
+    /// The session of a request, if one is made or being made (`None` inside).
+    fn of_request(&self, request_id: &str) -> Option<Option<&Handle>> {
+        let name = self.requests.get(request_id)?;
+        Some(self.sessions.get(name)?.as_ref())
+    }
+
     fn forget(&mut self, name: &str) {
         self.sessions.remove(name);
         self.requests.retain(|_, session| session != name);
@@ -35,6 +44,8 @@ impl Inner {
 pub(crate) struct Registry {
     inner: Mutex<Inner>,
     draining: AtomicBool,
+    /// Some session started or will not start.
+    settled: Notify,
     shop: Arc<Shop>,
 }
 
@@ -43,6 +54,7 @@ impl Registry {
         Arc::new(Self {
             inner: Mutex::default(),
             draining: AtomicBool::new(false),
+            settled: Notify::new(),
             shop: Arc::clone(shop),
         })
     }
@@ -74,23 +86,35 @@ impl Registry {
         Err(Fault::SessionNotFound(name))
     }
 
-    /// The session that an earlier request of this identifier made.
-    pub(crate) fn of_request(&self, request_id: &str) -> Option<Handle> {
-        if request_id.is_empty() {
-            return None;
+    /// Takes a name for a session to be made, or returns the one that an earlier
+    /// request of this identifier made; waits while that one is being made.
+    pub(crate) async fn claim(
+        self: &Arc<Self>,
+        id: &str,
+        request_id: &str,
+    ) -> Result<Claimed, Fault> {
+        loop {
+            let mut settled = pin!(self.settled.notified());
+            // Registered before the look, so that no change falls between.
+            settled.as_mut().enable();
+            if let Some(claimed) = self.try_claim(id, request_id)? {
+                return Ok(claimed);
+            }
+            settled.await;
         }
-        let inner = self.lock();
-        inner.sessions.get(inner.requests.get(request_id)?)?.clone()
     }
 
-    /// Takes a name for a session to be made.
-    pub(crate) fn claim(self: &Arc<Self>, id: &str, request_id: &str) -> Result<Claim, Fault> {
+    /// As [`Registry::claim`]; `None` while the session of this request is being made.
+    fn try_claim(self: &Arc<Self>, id: &str, request_id: &str) -> Result<Option<Claimed>, Fault> {
         self.check_open()?;
         let name = match id {
             "" => new_name(),
             id => checked_name(id)?,
         };
         let mut inner = self.lock();
+        if let Some(made) = inner.of_request(request_id) {
+            return Ok(made.cloned().map(Claimed::Made));
+        }
         let limit = self.shop.config.maximum_sessions;
         if inner.sessions.len() >= limit {
             return Err(Fault::SessionLimit { limit });
@@ -103,7 +127,7 @@ impl Registry {
             inner.requests.insert(request_id.to_owned(), name.clone());
         }
         let registry = Arc::clone(self);
-        Ok(Claim { registry, name })
+        Ok(Some(Claimed::New(Claim { registry, name })))
     }
 
     /// Up to `count` sessions behind `after`, in order of their names.
@@ -147,6 +171,13 @@ impl Registry {
     }
 }
 
+/// What a request to create a session finds.
+pub(crate) enum Claimed {
+    New(Claim),
+    /// An earlier request of the same identifier made it.
+    Made(Handle),
+}
+
 /// A name taken; given back unless a session starts under it.
 pub(crate) struct Claim {
     registry: Arc<Registry>,
@@ -172,6 +203,7 @@ impl Claim {
             .insert(self.name.clone(), Some(handle.clone()));
         registry.shop.metrics.sessions(inner.sessions.len());
         drop(inner);
+        registry.settled.notify_waiters();
         handle
     }
 }
@@ -182,6 +214,8 @@ impl Drop for Claim {
         if let Some(None) = inner.sessions.get(&self.name) {
             inner.forget(&self.name);
         }
+        drop(inner);
+        self.registry.settled.notify_waiters();
     }
 }
 

@@ -12,10 +12,14 @@ fn the_shipped_settings_are_the_defaults() {
 #[test]
 fn the_shipped_settings_name_every_key() {
     let defaults = format!("{:?}", Config::default());
-    let inner = defaults.trim_start_matches("Config { ").trim_end_matches(" }");
+    let inner = defaults
+        .trim_start_matches("Config { ")
+        .trim_end_matches(" }");
     for field in inner.split(", ") {
         let key = field.split(": ").next().unwrap_or_default();
-        let named = SHIPPED.lines().any(|line| line.starts_with(&format!("{key} = ")));
+        let named = SHIPPED
+            .lines()
+            .any(|line| line.starts_with(&format!("{key} = ")));
         assert!(named, "{key} is missing");
     }
 }

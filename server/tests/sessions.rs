@@ -2,6 +2,8 @@
 
 mod common;
 
+use std::time::Duration;
+
 use common::{Block, Server, open, paths, reason};
 use signorini_proto::v1 as wire;
 use signorini_server::Config;
@@ -171,6 +173,99 @@ async fn the_same_request_identifier_gives_the_same_session() {
         ..request
     };
     assert_eq!(reason(&create(other).await.unwrap_err()), "SESSION_EXISTS");
+}
+
+#[tokio::test]
+async fn requests_of_one_identifier_at_one_time_make_one_session() {
+    let (server, block) = (Server::start().await, Block::new(1));
+    server.upload(&block).await;
+    let create = || {
+        let (mut client, scene) = (server.sessions(), Some(block.scene()));
+        tokio::spawn(async move {
+            let request = wire::CreateSessionRequest {
+                scene,
+                request_id: "same".into(),
+                ..Default::default()
+            };
+            let response = client.create_session(request).await.unwrap();
+            response.into_inner().session.unwrap().name
+        })
+    };
+    let all: Vec<_> = (0..8).map(|_| create()).collect();
+    let mut names = std::collections::BTreeSet::new();
+    for one in all {
+        names.insert(one.await.unwrap());
+    }
+    assert_eq!(names.len(), 1, "{names:?}");
+}
+
+#[tokio::test]
+async fn a_request_that_failed_leaves_its_identifier_to_the_next() {
+    let (server, block) = (Server::start().await, Block::new(1));
+    server.upload(&block).await;
+    let request = |scene| wire::CreateSessionRequest {
+        scene: Some(scene),
+        request_id: "same".into(),
+        ..Default::default()
+    };
+    let mut faulty = block.scene();
+    faulty.supports[0].on = vec!["botom".into()];
+    let mut client = server.sessions();
+    let status = client.create_session(request(faulty)).await.unwrap_err();
+    assert_eq!(reason(&status), "SCENE_INVALID");
+    client.create_session(request(block.scene())).await.unwrap();
+}
+
+#[tokio::test]
+async fn a_time_to_live_beyond_thirty_days_is_refused() {
+    let (server, block) = (Server::start().await, Block::new(1));
+    server.upload(&block).await;
+    let request = wire::CreateSessionRequest {
+        scene: Some(block.scene()),
+        ttl: Some(forever()),
+        ..Default::default()
+    };
+    let status = server.sessions().create_session(request).await.unwrap_err();
+    assert_eq!(reason(&status), "REQUEST_INVALID");
+    assert_eq!(paths(&status), ["ttl"]);
+}
+
+#[tokio::test]
+async fn an_endless_iteration_interval_is_refused_and_leaves_the_session_free() {
+    let (server, block) = (Server::start().await, Block::new(1));
+    server.upload(&block).await;
+    let session = server.session(block.scene()).await;
+    let endless = wire::Open {
+        iteration_interval: Some(forever()),
+        ..open(&session)
+    };
+    let mut stream = server.stream(endless).await;
+    // A stream that is not refused would never end.
+    let end = tokio::time::timeout(Duration::from_secs(30), stream.end());
+    let status = end.await.expect("the stream ends").unwrap();
+    assert_eq!(paths(&status), ["open.iteration_interval"]);
+    server.open(open(&session)).await;
+}
+
+fn forever() -> prost_types::Duration {
+    prost_types::Duration {
+        seconds: i64::MAX,
+        nanos: 0,
+    }
+}
+
+#[tokio::test]
+async fn a_scene_above_its_limit_is_refused_with_the_limit() {
+    let (server, block) = (Server::start().await, Block::new(1));
+    let scene = wire::Scene {
+        manufactured: "x".repeat(3 << 20),
+        ..block.scene()
+    };
+    let status = refused(&server, scene).await;
+    assert_eq!(reason(&status), "MESSAGE_LIMIT");
+    use tonic_types::StatusExt;
+    let metadata = status.get_details_error_info().unwrap().metadata;
+    assert_eq!(metadata["limit"], (3 << 20).to_string());
 }
 
 #[tokio::test]

@@ -2,8 +2,10 @@
 
 mod run;
 
+use std::path::Path;
 use std::time::Instant;
 
+use signorini_client::formats::msh::MeshFile;
 use signorini_client::{NewSession, result_line};
 use signorini_proto::v1;
 
@@ -12,7 +14,7 @@ use crate::connection::Connection;
 use crate::exit::{Exit, Failure};
 use crate::input::{self, Input};
 use crate::output::LineSink;
-use crate::progress::{Progress, Visibility};
+use crate::progress::Visibility;
 use crate::results::ResultFolder;
 use crate::table;
 use crate::text::{note, print};
@@ -30,11 +32,11 @@ const DEFAULT_FIELDS: [v1::FieldName; 5] = [
 pub(super) async fn run(arguments: SolveArguments, started: Instant) -> Result<Exit, Failure> {
     let mut input = input::load(&arguments.scene)?;
     complete(&mut input.scene, &arguments);
-    let mut run = open_run(&arguments, &input)?;
+    let mut run = new_run(&arguments, &input.scene.steps);
     run.warn(&input.mesh.warnings);
     run.progress.phase("starting");
     let connection = Connection::open(arguments.scene.server.as_ref()).await?;
-    let outcome = solve(&connection, &mut run, input).await;
+    let outcome = solve(&connection, &mut run, input, arguments.out.as_deref()).await;
     connection.close().await;
     run.progress.clear();
     finish(run, outcome, &arguments, started)
@@ -48,66 +50,72 @@ fn complete(scene: &mut v1::Scene, arguments: &SolveArguments) {
     if scene.steps.is_empty() {
         scene.steps.push(v1::LoadStep::default());
     }
-    if arguments.out.is_none() {
-        scene.output = None;
-        return;
-    }
     let output = scene.output.get_or_insert_default();
-    if output.fields.is_empty() {
+    if arguments.out.is_none() {
+        // Nobody takes the fields; the other keys are checked all the same.
+        output.fields.clear();
+    } else if output.fields.is_empty() {
         output.fields = DEFAULT_FIELDS.map(i32::from).to_vec();
     }
 }
 
-fn open_run(arguments: &SolveArguments, input: &Input) -> Result<Run, Failure> {
-    let folder = arguments.out.as_ref();
-    let folder = folder.map(|folder| ResultFolder::new(folder, &input.scene, &input.mesh));
-    let folder = folder.transpose()?;
+fn new_run(arguments: &SolveArguments, steps: &[v1::LoadStep]) -> Run {
     let mut lines = LineSink::default();
     if arguments.scene.json {
         lines = lines.with_stdout();
-    }
-    if let Some(folder) = &folder {
-        lines = lines.with_file(&folder.lines())?;
     }
     let visibility = if arguments.quiet {
         Visibility::Hidden
     } else {
         Visibility::Shown
     };
-    let increments = input
-        .scene
-        .steps
-        .iter()
-        .map(|step| step.increments.unwrap_or(1).max(1));
+    let increments = steps.iter().map(|step| step.increments.unwrap_or(1).max(1));
     let increments: u64 = increments.map(i64::from).sum::<i64>().unsigned_abs();
-    Ok(Run::new(
-        lines,
-        folder,
-        Progress::new(increments, visibility),
-        visibility,
-    ))
+    Run::new(lines, increments, visibility)
 }
 
-async fn solve(connection: &Connection, run: &mut Run, input: Input) -> Result<Exit, Failure> {
+async fn solve(
+    connection: &Connection,
+    run: &mut Run,
+    input: Input,
+    out: Option<&Path>,
+) -> Result<Exit, Failure> {
     let client = &connection.client;
     run.progress.phase("uploading the mesh");
     let uploaded = client.upload_mesh(input.wire).await;
     // The plan repeats what the server has to say about the mesh.
     uploaded.map_err(|error| error.about(&input.mesh_path))?;
-    let steps = input.scene.steps.clone();
     let new = NewSession {
-        scene: input.scene,
+        scene: input.scene.clone(),
         ..Default::default()
     };
     let (session, plan) = client.create_session(new).await?;
+    let steps = input.scene.steps.clone();
+    let outcome = match begin(run, plan, out, &input.scene, &input.mesh) {
+        Ok(()) => run.drive(client, &session.name, steps).await,
+        Err(failure) => Err(failure),
+    };
+    // The results are here; a session that is already gone is no fault.
+    let _gone = client.delete_session(&session.name).await;
+    outcome
+}
+
+/// Writes the plan. Only a scene that is accepted may replace earlier results.
+fn begin(
+    run: &mut Run,
+    plan: v1::Plan,
+    out: Option<&Path>,
+    scene: &v1::Scene,
+    mesh: &MeshFile,
+) -> Result<(), Failure> {
+    if let Some(out) = out {
+        run.open(ResultFolder::new(out, scene, mesh)?)?;
+    }
     run.warn(&plan.warnings);
     run.lines.write(&result_line::plan(&plan))?;
     run.plan = plan;
     run.progress.phase("preparing");
-    let outcome = run.drive(client, &session.name, steps).await;
-    // The results are here; a session that is already gone is no fault.
-    let _gone = client.delete_session(&session.name).await;
-    outcome
+    Ok(())
 }
 
 /// Summary and table, also of a run that failed half-way.

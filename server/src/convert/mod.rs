@@ -89,15 +89,14 @@ impl Faults {
         name.to_owned()
     }
 
-    /// What was found, if anything.
+    /// What was found, if anything: as in the library, faults come before keys
+    /// of later versions.
     pub(crate) fn outcome(self) -> Result<(), Fault> {
-        if let Some(one) = self.unsupported {
-            return Err(Fault::Unsupported(one));
+        if !self.invalid.is_empty() {
+            return Err(Fault::SceneInvalid(self.invalid));
         }
-        if self.invalid.is_empty() {
-            return Ok(());
-        }
-        Err(Fault::SceneInvalid(self.invalid))
+        self.unsupported
+            .map_or(Ok(()), |one| Err(Fault::Unsupported(one)))
     }
 }
 
@@ -122,4 +121,21 @@ pub(crate) fn wide(count: u64) -> i64 {
 /// Counts on the wire are signed.
 pub(crate) fn narrow(count: u32) -> i32 {
     i32::try_from(count).unwrap_or(i32::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faulty_keys_come_before_keys_of_later_versions() {
+        let mut faults = Faults::default();
+        faults.later("pressure", "comes later");
+        faults.add("name", "is too long");
+        let expected = vec![violation("name", "is too long")];
+        assert_eq!(faults.outcome(), Err(Fault::SceneInvalid(expected)));
+        let mut faults = Faults::default();
+        faults.later("pressure", "comes later");
+        assert!(matches!(faults.outcome(), Err(Fault::Unsupported(_))));
+    }
 }

@@ -122,9 +122,9 @@ fn material(message: wire::Material, faults: &mut Faults) -> Material {
     let law = match message.model {
         Some(Model::LinearElastic(law)) => law,
         Some(later) => {
-            let message = format!("`{}` comes in a later version", model_name(&later));
-            faults.later(format!("{path}.model"), message);
-            wire::LinearElastic::default()
+            let reason = format!("`{}` comes in a later version", model_name(&later));
+            faults.later(format!("{path}.model"), reason);
+            return placeholder(message.group);
         }
         None => {
             faults.add(format!("{path}.model"), "is required");
@@ -141,7 +141,7 @@ fn material(message: wire::Material, faults: &mut Faults) -> Material {
     }
 }
 
-/// Stands for a material whose fault is noted already.
+/// Stands for a material whose fault or later model is noted already.
 fn placeholder(group: String) -> Material {
     let model = MaterialModel::LinearElastic {
         modulus: Modulus::Shear(1.0),

@@ -6,6 +6,7 @@ use signorini::scene::{ObstacleTarget, Step, SupportTarget};
 use signorini_proto::v1 as wire;
 
 use super::{Faults, components, named};
+use crate::config::LONGEST_SECONDS;
 use crate::fault::Fault;
 
 const MAXIMUM_INCREMENTS: i32 = 100_000;
@@ -126,10 +127,10 @@ fn support(target: &wire::SupportTarget, path: &str, faults: &mut Faults) -> Sup
     }
 }
 
-/// A duration above zero.
+/// A duration above zero and of at most [`LONGEST_SECONDS`].
 ///
 /// # Errors
-/// For one that is not above zero or does not fit.
+/// For any other.
 pub(crate) fn duration(
     message: Option<&prost_types::Duration>,
     path: &str,
@@ -137,8 +138,32 @@ pub(crate) fn duration(
     let Some(message) = message else {
         return Ok(None);
     };
+    let longest = Duration::from_secs(LONGEST_SECONDS);
     match Duration::try_from(*message) {
-        Ok(duration) if !duration.is_zero() => Ok(Some(duration)),
-        Ok(_) | Err(_) => Err(Fault::request(path, "must be a duration above zero")),
+        Ok(duration) if !duration.is_zero() && duration <= longest => Ok(Some(duration)),
+        Ok(_) | Err(_) => {
+            let rule = format!("must be above zero and at most {LONGEST_SECONDS} seconds");
+            Err(Fault::request(path, rule))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_end_at_thirty_days() {
+        let asked = |seconds, nanos| {
+            let message = prost_types::Duration { seconds, nanos };
+            duration(Some(&message), "ttl")
+        };
+        let longest = LONGEST_SECONDS.cast_signed();
+        let expected = Duration::from_secs(LONGEST_SECONDS);
+        assert_eq!(asked(longest, 0), Ok(Some(expected)));
+        for (seconds, nanos) in [(longest, 1), (i64::MAX, 0), (0, 0), (-1, 0)] {
+            let fault = asked(seconds, nanos).unwrap_err();
+            assert!(matches!(fault, Fault::RequestInvalid(one) if one.path == "ttl"));
+        }
     }
 }

@@ -4,6 +4,7 @@ use std::pin::Pin;
 use std::sync::Arc;
 use std::time::SystemTime;
 
+use prost::Message;
 use signorini::plan::Plan;
 use signorini_proto::v1::{self as wire, session_service_server::SessionService};
 use tokio_stream::wrappers::ReceiverStream;
@@ -15,11 +16,12 @@ use crate::convert::field::{self, Encoding};
 use crate::convert::scene::SceneRequest;
 use crate::convert::{report, scene, step};
 use crate::fault::Fault;
-use crate::registry::Registry;
+use crate::registry::{Claimed, Registry};
 use crate::session::{self, Handle, ReadRequest, Seed, Shop};
 use crate::store::Lease;
 
 const MAXIMUM_REQUEST_ID_BYTES: usize = 64;
+const MAXIMUM_SCENE_BYTES: usize = 3 << 20;
 
 type Messages<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;
 
@@ -144,23 +146,26 @@ impl Sessions {
     ) -> Result<wire::CreateSessionResponse, Fault> {
         self.registry.check_open()?;
         check_request(&request)?;
-        if let Some(handle) = self.registry.of_request(&request.request_id) {
-            return created(&handle).await;
-        }
         let ttl = step::duration(request.ttl.as_ref(), "ttl")?;
         let missing = || Fault::request("scene", "is required");
-        let planned = self.plan(request.scene.ok_or_else(missing)?).await?;
-        let plan_report = report::plan(planned.plan.report());
+        let scene = request.scene.ok_or_else(missing)?;
         if request.validate_only {
-            let plan = Some(plan_report);
+            let plan = self.plan(scene).await?.plan;
             return Ok(wire::CreateSessionResponse {
                 session: None,
-                plan,
+                plan: Some(report::plan(plan.report())),
             });
         }
-        let claim = self
+        // Before planning, so that a repeat meanwhile finds this request.
+        let claimed = self
             .registry
-            .claim(&request.session_id, &request.request_id)?;
+            .claim(&request.session_id, &request.request_id);
+        let claim = match claimed.await? {
+            Claimed::Made(handle) => return created(&handle).await,
+            Claimed::New(claim) => claim,
+        };
+        let planned = self.plan(scene).await?;
+        let plan_report = report::plan(planned.plan.report());
         let seed = Seed {
             name: claim.name().to_owned(),
             reservation: self.reserve(&planned.plan)?,
@@ -208,7 +213,7 @@ impl Sessions {
         let mut sessions = Vec::with_capacity(found.len());
         for (_, handle) in &found {
             // One that ended meanwhile is left out.
-            if let Ok(session) = handle.describe().await {
+            if let Ok(session) = handle.list().await {
                 sessions.push(wire::Session {
                     plan: None,
                     ..session
@@ -258,6 +263,13 @@ fn check_request(request: &wire::CreateSessionRequest) -> Result<(), Fault> {
     }
     if request.request_id.len() > MAXIMUM_REQUEST_ID_BYTES {
         return Err(Fault::request("request_id", "is longer than 64 bytes"));
+    }
+    let bytes = request.scene.as_ref().map_or(0, Message::encoded_len);
+    if bytes > MAXIMUM_SCENE_BYTES {
+        return Err(Fault::MessageLimit {
+            what: format!("scene of {bytes} bytes"),
+            limit: MAXIMUM_SCENE_BYTES as u64,
+        });
     }
     Ok(())
 }

@@ -60,6 +60,10 @@ pub(super) enum Command {
     CancelFrom(u64, i64),
     Cancel(i64, oneshot::Sender<i64>),
     Describe(oneshot::Sender<wire::Session>),
+    /// As `Describe`, without renewing the time to live.
+    List(oneshot::Sender<wire::Session>),
+    /// Answered when every command before it is handled.
+    Handled(oneshot::Sender<()>),
     Read(ReadRequest, oneshot::Sender<Result<ReadAnswer, Fault>>),
     Delete(oneshot::Sender<()>),
     ShutDown,
@@ -94,6 +98,17 @@ impl Handle {
         self.ask(Command::Describe).await
     }
 
+    /// Current description; the session may expire as if nobody had asked.
+    pub(crate) async fn list(&self) -> Result<wire::Session, Fault> {
+        self.ask(Command::List).await
+    }
+
+    /// Returns when every command sent before is handled.
+    pub(super) async fn handled(&self) {
+        // An actor that is over handles nothing more.
+        let _over = self.ask(Command::Handled).await;
+    }
+
     /// Cancels a step, 0 for the current; returns its sequence or 0.
     pub(crate) async fn cancel(&self, sequence: i64) -> Result<i64, Fault> {
         self.ask(|reply| Command::Cancel(sequence, reply)).await
@@ -117,6 +132,17 @@ impl Handle {
     pub(super) async fn send(&self, command: Command) {
         // An actor that is over has told its stream why.
         let _over = self.inbox.send(command).await;
+    }
+
+    /// Sends from where nothing can wait.
+    pub(super) fn post(&self, command: Command) {
+        let Err(mpsc::error::TrySendError::Full(command)) = self.inbox.try_send(command) else {
+            return;
+        };
+        if let Ok(runtime) = tokio::runtime::Handle::try_current() {
+            let handle = self.clone();
+            runtime.spawn(async move { handle.send(command).await });
+        }
     }
 
     async fn ask<T>(

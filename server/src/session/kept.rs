@@ -20,7 +20,8 @@ pub(crate) struct KeptResult {
     /// The last one of its sequence.
     pub(crate) last: bool,
     /// Fields that were asked for when it was made; the scene may lack some.
-    pub(crate) asked: Vec<FieldName>,
+    /// `None` for an increment that brings no fields.
+    pub(crate) asked: Option<Vec<FieldName>>,
     pub(crate) fields: Vec<KeptField>,
     /// Its fields left retention.
     pub(crate) dropped: bool,
@@ -54,7 +55,8 @@ pub(crate) fn messages(
 ) {
     let found = |name: &FieldName| result.fields.iter().find(|field| field.name == *name);
     let fields: Vec<KeptField> = wanted.iter().filter_map(found).cloned().collect();
-    let gone = |name: &FieldName| result.dropped || !result.asked.contains(name);
+    let made =
+        |asked: &Vec<FieldName>| !result.dropped && wanted.iter().all(|one| asked.contains(one));
     let finished = wire::StepFinished {
         sequence: result.sequence,
         event: result.event,
@@ -64,7 +66,7 @@ pub(crate) fn messages(
             .iter()
             .map(|one| field::name(one.name).into())
             .collect(),
-        fields_dropped: wanted.iter().any(gone),
+        fields_dropped: !result.asked.as_ref().is_none_or(made),
     };
     let (sequence, event) = (result.sequence, result.event);
     let chunks = fields
@@ -174,7 +176,7 @@ mod tests {
                 ..Default::default()
             },
             last: true,
-            asked: vec![FieldName::Gap, FieldName::Pressure],
+            asked: Some(vec![FieldName::Gap, FieldName::Pressure]),
             fields: vec![KeptField::new(&field)],
             dropped: false,
         }
@@ -220,5 +222,11 @@ mod tests {
         assert_eq!(ask(&kept, &[FieldName::Pressure]), (0, false, 0));
         assert_eq!(ask(&kept, &[FieldName::Stress]), (0, true, 0));
         assert_eq!(ask(&kept.without_fields(), &[FieldName::Gap]), (0, true, 0));
+        let skipped = KeptResult {
+            asked: None,
+            fields: Vec::new(),
+            ..kept
+        };
+        assert_eq!(ask(&skipped, &[FieldName::Gap]), (0, false, 0));
     }
 }

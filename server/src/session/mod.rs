@@ -13,6 +13,7 @@ mod queue;
 mod stream;
 mod work;
 
+use std::future::Future;
 use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
@@ -56,6 +57,35 @@ pub(crate) enum Ending {
     Deleted,
     Expired,
     ShutDown,
+    /// A defect ended the actor itself.
+    Died,
+}
+
+/// Calls `ended` once, also when the actor panics.
+struct Farewell<F: FnOnce(Ending)>(Option<F>);
+
+impl<F: FnOnce(Ending)> Farewell<F> {
+    fn say(&mut self, ending: Ending) {
+        if let Some(ended) = self.0.take() {
+            ended(ending);
+        }
+    }
+}
+
+impl<F: FnOnce(Ending)> Drop for Farewell<F> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            tracing::error!("the actor of a session panicked");
+        }
+        self.say(Ending::Died);
+    }
+}
+
+async fn watched(run: impl Future<Output = Ending>, ended: impl FnOnce(Ending)) {
+    // Made at the first poll: a task that a closing runtime refuses is dropped
+    // inside `start`, where the caller may hold the lock that `ended` takes.
+    let mut farewell = Farewell(Some(ended));
+    farewell.say(run.await);
 }
 
 /// Starts the actor of a session; `ended` is called when it is over.
@@ -67,7 +97,21 @@ pub(crate) fn start(
     use tracing::Instrument;
     let span = tracing::info_span!("session", name = %seed.name);
     let (handle, inbox) = Handle::new(&seed.name);
-    let run = async move { ended(actor::run(shop, seed, inbox).await) };
+    let run = watched(actor::run(shop, seed, inbox), ended);
     tokio::spawn(run.instrument(span));
     handle
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn an_actor_that_panics_has_ended_too() {
+        let (sender, receiver) = tokio::sync::oneshot::channel();
+        let run = async { panic!("broken") };
+        let ended = move |ending| sender.send(ending).unwrap();
+        assert!(tokio::spawn(watched(run, ended)).await.is_err());
+        assert_eq!(receiver.await, Ok(Ending::Died));
+    }
 }

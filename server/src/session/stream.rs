@@ -7,7 +7,9 @@ use std::time::Duration;
 
 use signorini_proto::v1::{self as wire, solve_request, solve_response};
 use tokio::sync::mpsc;
+use tokio::task::AbortHandle;
 use tokio::time::Instant;
+use tokio_stream::{Stream, StreamExt};
 use tonic::{Status, Streaming};
 use tracing::Instrument;
 
@@ -56,10 +58,42 @@ async fn serve(
     let attachment = handle.attach(request).await?;
     let (writer, outbox) = (attachment.writer, Arc::clone(&attachment.outbox));
     let reader = tokio::spawn(read(handle.clone(), writer, outbox, inbound).in_current_span());
+    let attached = Attached {
+        handle,
+        writer: Some(writer),
+        reader: reader.abort_handle(),
+    };
     let ended = pump(&attachment, sender, heartbeat, interval).await;
-    reader.abort();
-    handle.send(Command::Detach(writer)).await;
+    attached.leave().await;
     ended
+}
+
+/// A stream that writes to its session until it leaves or its task ends.
+struct Attached {
+    handle: Handle,
+    /// `None` when it has left.
+    writer: Option<u64>,
+    reader: AbortHandle,
+}
+
+impl Attached {
+    /// Detaches before the client hears of the end, so that it may come back at once.
+    async fn leave(mut self) {
+        self.reader.abort();
+        if let Some(writer) = self.writer {
+            self.handle.send(Command::Detach(writer)).await;
+        }
+        self.writer = None;
+    }
+}
+
+impl Drop for Attached {
+    fn drop(&mut self) {
+        self.reader.abort();
+        if let Some(writer) = self.writer {
+            self.handle.post(Command::Detach(writer));
+        }
+    }
 }
 
 async fn first_message(
@@ -95,15 +129,18 @@ fn open_request(open: &wire::Open) -> Result<OpenRequest, Fault> {
     })
 }
 
-/// Reads until the client half-closes or leaves.
+/// Reads until the client half-closes or leaves; waits while the outbox has no
+/// room, because every message may fill it further.
 async fn read(
     handle: Handle,
     writer: u64,
     outbox: Arc<Outbox>,
-    mut inbound: Streaming<wire::SolveRequest>,
+    mut inbound: impl Stream<Item = Result<wire::SolveRequest, Status>> + Unpin,
 ) {
     loop {
-        match inbound.message().await {
+        handle.handled().await;
+        outbox.room().await;
+        match inbound.next().await.transpose() {
             Ok(Some(request)) => match command(writer, request) {
                 Ok(command) => handle.send(command).await,
                 Err(fault) => return outbox.end(End::Fault(fault)),
@@ -178,5 +215,77 @@ fn beat(attachment: &Attachment) -> wire::SolveResponse {
     };
     wire::SolveResponse {
         message: Some(solve_response::Message::Heartbeat(heartbeat)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::Cell;
+    use std::future::{Future, poll_fn};
+    use std::pin::{Pin, pin};
+    use std::task::Poll;
+
+    use super::*;
+    use crate::metrics::Metrics;
+
+    async fn once(mut work: Pin<&mut impl Future<Output = ()>>) -> Poll<()> {
+        poll_fn(|context| Poll::Ready(work.as_mut().poll(context))).await
+    }
+
+    /// Runs `work` until it waits for something that only the test gives.
+    async fn until_it_waits(work: Pin<&mut impl Future<Output = ()>>) {
+        assert!(once(work).await.is_pending());
+    }
+
+    fn answer_handled(commands: &mut mpsc::Receiver<Command>) {
+        let Ok(Command::Handled(reply)) = commands.try_recv() else {
+            panic!("the reader asks whether its commands are handled");
+        };
+        reply.send(()).unwrap();
+    }
+
+    #[tokio::test]
+    async fn nothing_is_read_while_there_is_no_room() {
+        let (handle, mut commands) = Handle::new("sessions/test");
+        let outbox = Outbox::new(1, &Metrics::new().unwrap());
+        outbox.push(solve_response::Message::Heartbeat(wire::Heartbeat {
+            running_sequence: 1000,
+            ..Default::default()
+        }));
+        let taken = Cell::new(0);
+        let cancel = solve_request::Message::Cancel(wire::Cancel::default());
+        let inbound = tokio_stream::iter(0..9).map(|_| {
+            taken.set(taken.get() + 1);
+            Ok(wire::SolveRequest {
+                message: Some(cancel.clone()),
+            })
+        });
+        let mut read = pin!(read(handle, 1, Arc::clone(&outbox), inbound));
+        until_it_waits(read.as_mut()).await;
+        answer_handled(&mut commands);
+        until_it_waits(read.as_mut()).await;
+        assert_eq!(taken.get(), 0);
+        outbox.next(Instant::now(), Duration::from_secs(3600)).await;
+        until_it_waits(read.as_mut()).await;
+        // The second one waits until the first is handled.
+        assert_eq!(taken.get(), 1);
+        assert!(matches!(commands.try_recv(), Ok(Command::CancelFrom(1, 0))));
+    }
+
+    #[tokio::test]
+    async fn a_stream_whose_task_dies_detaches_even_from_a_full_inbox() {
+        let (handle, mut commands) = Handle::new("sessions/test");
+        while let Poll::Ready(()) = once(pin!(handle.send(Command::CancelFrom(7, 0)))).await {}
+        let reader = tokio::spawn(std::future::pending::<()>()).abort_handle();
+        drop(Attached {
+            handle,
+            writer: Some(7),
+            reader,
+        });
+        let mut last = None;
+        while let Some(command) = commands.recv().await {
+            last = Some(command);
+        }
+        assert!(matches!(last, Some(Command::Detach(7))));
     }
 }

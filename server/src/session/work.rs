@@ -59,8 +59,8 @@ pub(super) struct Task {
 pub(super) struct Increment {
     pub(super) report: StepReport,
     pub(super) poses: Vec<ObstaclePose>,
-    /// Fields that were due; the scene may lack some.
-    pub(super) asked: Vec<FieldName>,
+    /// Fields that were due, of which the scene may lack some; `None` when none was.
+    pub(super) asked: Option<Vec<FieldName>>,
     pub(super) fields: Vec<KeptField>,
     pub(super) state_bytes: u64,
 }
@@ -119,14 +119,11 @@ pub(super) fn advance(parcel: &Parcel, task: &Task) -> Outcome {
         super::blank::report(0, run.done(), Termination::InternalError)
     });
     work.run = Some(run);
-    let asked = match is_due(&report, task) {
-        true => task.wanted.clone(),
-        false => Vec::new(),
-    };
+    let asked = is_due(&report, task).then(|| task.wanted.clone());
     let increment = Increment {
         report,
         poses: work.session.obstacle_poses(),
-        fields: gather(&work.session, &asked),
+        fields: gather(&work.session, asked.as_deref().unwrap_or_default()),
         asked,
         state_bytes: work.session.bytes(),
     };

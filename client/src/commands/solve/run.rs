@@ -12,7 +12,6 @@ use crate::exit::{Exit, Failure};
 use crate::output::LineSink;
 use crate::progress::{Progress, Visibility};
 use crate::results::ResultFolder;
-use crate::text::note;
 
 /// Between two updates of a progress bar.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(50);
@@ -38,22 +37,24 @@ struct Answers {
 }
 
 impl Run {
-    pub(super) fn new(
-        lines: LineSink,
-        folder: Option<ResultFolder>,
-        progress: Progress,
-        visibility: Visibility,
-    ) -> Self {
+    pub(super) fn new(lines: LineSink, increments: u64, visibility: Visibility) -> Self {
         Self {
             lines,
-            folder,
-            progress,
+            folder: None,
+            progress: Progress::new(increments, visibility),
             plan: v1::Plan::default(),
             reports: Vec::new(),
             totals: Totals::default(),
             visibility,
             interrupted: false,
         }
+    }
+
+    /// Makes the folder for the results and starts its result lines anew.
+    pub(super) fn open(&mut self, folder: ResultFolder) -> Result<(), Failure> {
+        self.lines.open_file(&folder.lines())?;
+        self.folder = Some(folder);
+        Ok(())
     }
 
     /// Tells people about warnings.
@@ -164,7 +165,7 @@ impl Run {
             folder.add(&increment)?;
         }
         if increment.fields_dropped {
-            note("warning: the fields of a result are no longer kept by the server\n");
+            self.warn(&["the fields of a result are no longer kept by the server".to_owned()]);
         }
         let termination = increment.report.termination();
         self.totals.add(&increment.report);

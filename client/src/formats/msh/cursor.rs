@@ -123,6 +123,14 @@ impl<'a> Cursor<'a> {
         }
     }
 
+    /// The number of a physical group: the sign of a tag only tells a direction.
+    pub(super) fn group_number(&self, tag: i64) -> Result<i64, MshError> {
+        tag.checked_abs().ok_or_else(|| {
+            let (expected, found) = ("a physical group", tag.to_string());
+            self.error(Fault::Unexpected { expected, found })
+        })
+    }
+
     /// An unsigned integer of pointer size: counts and numbers of MSH 4.1.
     pub(super) fn size(&mut self, expected: &'static str) -> Result<u64, MshError> {
         match self.encoding {

@@ -232,6 +232,19 @@ fn triangles_outside_the_plane_are_refused() {
 }
 
 #[test]
+fn tags_without_an_absolute_value_are_refused() {
+    let unexpected = || Fault::Unexpected {
+        expected: "a physical group",
+        found: i64::MIN.to_string(),
+    };
+    let tagged = format!("2 2 2 {} 9 1 2 4", i64::MIN);
+    assert_eq!(fault("2 2 2 9 9 1 2 4", &tagged), unexpected());
+    let text = String::from_utf8(text_41()).unwrap();
+    let text = text.replacen("1 9 1 3", &format!("1 {} 1 3", i64::MIN), 1);
+    assert_eq!(read(text.as_bytes()).unwrap_err().fault, unexpected());
+}
+
+#[test]
 fn a_mesh_of_lines_only_has_no_cells() {
     let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 0 0 0\n2 1 0 0\n$EndNodes\n\
                 $Elements\n1\n1 1 2 4 4 1 2\n$EndElements\n";

@@ -112,7 +112,7 @@ fn element(
             physical = tag;
         }
     }
-    let owner = Owner::Physical(physical.abs());
+    let owner = Owner::Physical(cursor.group_number(physical)?);
     if blocks
         .last()
         .is_none_or(|last| last.kind != kind || last.owner != owner)

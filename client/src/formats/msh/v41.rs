@@ -36,7 +36,8 @@ fn entity(cursor: &mut Cursor<'_>, dimension: usize) -> Result<Vec<i64>, MshErro
     if dimension > 0 {
         tags(cursor, "the number of bounding entities")?;
     }
-    Ok(groups.into_iter().map(i64::abs).collect())
+    let groups = groups.into_iter();
+    groups.map(|tag| cursor.group_number(tag)).collect()
 }
 
 fn tags(cursor: &mut Cursor<'_>, what: &'static str) -> Result<Vec<i64>, MshError> {

@@ -11,7 +11,7 @@ mod updates;
 mod writer;
 
 use std::sync::{Arc, PoisonError};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use signorini::plan::Prepared;
 use signorini::report::{CancelToken, FieldName, StepReport, Termination};
@@ -25,6 +25,7 @@ use super::kept::Kept;
 use super::queue::Queue;
 use super::work::{self, Event, Outcome, Parcel, Ready, Subscriber, Task, Work};
 use super::{Ending, Seed, Shop};
+use crate::config::LONGEST_SECONDS;
 use crate::convert::field::Encoding;
 use crate::fault::Fault;
 use crate::outbox::{End, Outbox};
@@ -49,6 +50,14 @@ struct Writer {
     half_closed: bool,
     /// Newest event sent on this stream.
     sent: i64,
+}
+
+impl Drop for Writer {
+    fn drop(&mut self) {
+        // The first end stays, so this one reaches only the stream of an actor
+        // that died.
+        self.outbox.end(End::Fault(Fault::Internal));
+    }
 }
 
 struct Actor {
@@ -120,7 +129,7 @@ impl Actor {
         let config = &shop.config;
         Self {
             kept: Kept::new(config.retained_results, config.retained_field_bytes),
-            expires: Instant::now() + seed.ttl,
+            expires: after(seed.ttl),
             state_bytes: seed.reservation.bytes(),
             place: Place::Preparing,
             queue: Queue::default(),
@@ -158,7 +167,9 @@ impl Actor {
     }
 
     fn command(&mut self, command: Command) {
-        self.expires = Instant::now() + self.seed.ttl;
+        if !matches!(command, Command::List(_)) {
+            self.expires = after(self.seed.ttl);
+        }
         match command {
             Command::Attach(request, reply) => answer(reply, self.attach(*request)),
             Command::Detach(writer) => self.detach(writer),
@@ -183,7 +194,8 @@ impl Actor {
                 }
             }
             Command::Cancel(sequence, reply) => answer(reply, self.cancel(sequence)),
-            Command::Describe(reply) => answer(reply, self.describe()),
+            Command::Describe(reply) | Command::List(reply) => answer(reply, self.describe()),
+            Command::Handled(reply) => answer(reply, ()),
             Command::Read(request, reply) => answer(reply, self.read(&request)),
             Command::Delete(reply) => {
                 self.deleters.push(reply);
@@ -194,7 +206,7 @@ impl Actor {
     }
 
     fn event(&mut self, event: Event) {
-        self.expires = Instant::now() + self.seed.ttl;
+        self.expires = after(self.seed.ttl);
         match event {
             Event::Prepared(Ok(ready)) => self.ready(*ready),
             Event::Prepared(Err(error)) => {
@@ -336,7 +348,9 @@ impl Actor {
         match self.ending {
             Some(Ending::ShutDown) => Fault::ShuttingDown,
             Some(Ending::Expired) => Fault::SessionExpired(self.seed.name.clone()),
-            Some(Ending::Deleted) | None => Fault::SessionDeleted(self.seed.name.clone()),
+            Some(Ending::Deleted | Ending::Died) | None => {
+                Fault::SessionDeleted(self.seed.name.clone())
+            }
         }
     }
 
@@ -352,6 +366,13 @@ impl Actor {
         }
         Some(ending)
     }
+}
+
+/// The instant `time` from now.
+fn after(time: Duration) -> Instant {
+    let now = Instant::now();
+    now.checked_add(time)
+        .unwrap_or(now + Duration::from_secs(LONGEST_SECONDS))
 }
 
 fn answer<T>(reply: oneshot::Sender<T>, value: T) {

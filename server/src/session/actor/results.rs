@@ -42,10 +42,14 @@ impl Actor {
         let report = blank::stopped(self.last_report.as_ref(), step, increment, termination);
         self.shop.metrics.increment(&report);
         let (asked, fields) = match self.kept.newest() {
-            Some(newest) => (newest.asked.clone(), newest.fields.clone()),
+            // Of a last result fields are due, even if the newest has none.
+            Some(newest) => (
+                newest.asked.clone().unwrap_or_default(),
+                newest.fields.clone(),
+            ),
             None => (Vec::new(), Vec::new()),
         };
-        self.deliver(report, self.last_poses.clone(), asked, fields);
+        self.deliver(report, self.last_poses.clone(), Some(asked), fields);
     }
 
     /// Keeps and sends a result; the last one finishes the step.
@@ -53,7 +57,7 @@ impl Actor {
         &mut self,
         report: StepReport,
         poses: Vec<ObstaclePose>,
-        asked: Vec<FieldName>,
+        asked: Option<Vec<FieldName>>,
         fields: Vec<KeptField>,
     ) {
         let termination = report.termination;
