@@ -3,6 +3,7 @@
 use super::grid::{Basis, Rows};
 use super::mass::weighted_mass;
 use super::p1_stiffness::{node_blocks, p1_stiffness};
+use super::simd::InstructionSet;
 use super::{CellGeometry, CellModuli, Grid};
 use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::linalg::vector::{dot, largest, reproducible_noise};
@@ -378,5 +379,30 @@ fn mass_rows_sum_to_the_hats_integrals() {
             }
         }
         assert_close(&sums, &expected, 1e-13);
+    }
+}
+
+#[test]
+fn every_instruction_set_gives_the_portable_result() {
+    for sample in samples() {
+        let size = sample.space.displacement_unknowns();
+        let (x, p) = (
+            reproducible_noise(size),
+            reproducible_noise(sample.space.vertices),
+        );
+        let passes = |set| {
+            let grid = sample.grid.clone().with_instruction_set(set);
+            let mut work = Workspace::new();
+            let (mut force, mut gradient) = (vec![0.0; size], vec![0.0; size]);
+            let mut volume = vec![0.0; sample.space.vertices];
+            grid.stiffness(Basis::Lagrange, Rows::Free, &x, &mut force, &mut work);
+            grid.divergence(Rows::All, &x, &mut volume, &mut work);
+            grid.divergence_transposed(Rows::All, &p, &mut gradient, &mut work);
+            [force, volume, gradient]
+        };
+        let machine = passes(InstructionSet::of_this_machine());
+        for (found, expected) in machine.iter().zip(&passes(InstructionSet::Portable)) {
+            assert_close(found, expected, 1e-13);
+        }
     }
 }

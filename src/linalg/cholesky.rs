@@ -153,11 +153,6 @@ impl SparseCholesky {
         block
     }
 
-    /// Entries of L, zeros inside supernodes included.
-    pub fn entries(&self) -> usize {
-        self.values.len()
-    }
-
     /// Bytes held by the values and about half as much again by indices.
     pub fn bytes(&self) -> u64 {
         8 * self.values.len() as u64

@@ -146,11 +146,6 @@ impl PMultigrid {
         LANCZOS_STEPS as u32
     }
 
-    /// Upper end of the smoothed interval.
-    pub fn largest_eigenvalue(&self) -> f64 {
-        self.largest
-    }
-
     /// Bytes held by the node blocks.
     pub fn bytes(&self) -> u64 {
         self.smoother.bytes()

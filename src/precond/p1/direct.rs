@@ -45,11 +45,6 @@ impl DirectP1 {
         self.factor.trailing_block(count).inverse_of_product()
     }
 
-    /// Entries of the factor.
-    pub fn entries(&self) -> usize {
-        self.factor.entries()
-    }
-
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
         self.factor.bytes()
