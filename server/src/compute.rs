@@ -1,19 +1,26 @@
 //! The workshop: a fixed number of solver threads, each with its own rayon pool,
-//! fed by one queue in order of arrival.
+//! fed by one queue that is fair between clients.
 //!
 //! A job is the building of prepared data or one increment of one session, so
-//! sessions take turns. A panic in a job is caught at the slot and reported; the
-//! process lives. No job waits for a socket.
+//! sessions take turns. A slot that has ended a job waits a moment for the same
+//! client's next one before it serves a client that has more running: the result
+//! has to reach its reader before the next increment may start. A panic in a job
+//! is caught at the slot and reported; the process lives. No job waits for a
+//! socket.
 
 use std::any::Any;
-use std::collections::VecDeque;
 use std::io;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
+use crate::client_key::ClientKey;
+use crate::fair_queue::FairQueue;
 use crate::metrics::Metrics;
+
+/// How long a slot waits for the next job of the client that it has served.
+const LINGER: Duration = Duration::from_millis(5);
 
 type Job = Box<dyn FnOnce() + Send>;
 
@@ -24,7 +31,7 @@ struct Waiting {
 
 #[derive(Default)]
 struct State {
-    waiting: VecDeque<Waiting>,
+    jobs: FairQueue<ClientKey, Waiting>,
     closed: bool,
 }
 
@@ -40,12 +47,13 @@ impl Queue {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn next(&self) -> Option<Waiting> {
-        let mut state = self.lock();
+    /// The next job for a slot that has just served `last`.
+    fn next(&self, last: Option<ClientKey>) -> Option<(ClientKey, Waiting)> {
+        let mut state = self.linger(self.lock(), last);
         loop {
-            if let Some(waiting) = state.waiting.pop_front() {
-                self.metrics.queue_depth(state.waiting.len());
-                return Some(waiting);
+            if let Some(found) = state.jobs.pop() {
+                self.metrics.queue_depth(state.jobs.len());
+                return Some(found);
             }
             if state.closed {
                 return None;
@@ -55,6 +63,23 @@ impl Queue {
                 .wait(state)
                 .unwrap_or_else(PoisonError::into_inner);
         }
+    }
+
+    /// Waits a moment for a job of `last`, if that one would be next.
+    fn linger<'a>(
+        &self,
+        state: MutexGuard<'a, State>,
+        last: Option<ClientKey>,
+    ) -> MutexGuard<'a, State> {
+        let awaited = |state: &mut State| {
+            !state.closed && last.is_some_and(|client| state.jobs.would_be_next(client))
+        };
+        let waited = self.arrived.wait_timeout_while(state, LINGER, awaited);
+        waited.unwrap_or_else(PoisonError::into_inner).0
+    }
+
+    fn finished(&self, client: ClientKey, seconds: f64) {
+        self.lock().jobs.finished(client, seconds);
     }
 }
 
@@ -99,14 +124,16 @@ impl Workshop {
         Ok(workshop)
     }
 
-    /// Jobs that wait for a slot.
-    pub(crate) fn waiting(&self) -> usize {
-        self.queue.lock().waiting.len()
+    /// Jobs of `client` that wait for a slot.
+    pub(crate) fn waiting(&self, client: ClientKey) -> usize {
+        self.queue.lock().jobs.waiting(client)
     }
 
-    /// Runs `work` on a slot; `done` gets its value or its panic, on the slot's thread.
+    /// Runs `work` of `client` on a slot; `done` gets its value or its panic, on
+    /// the slot's thread.
     pub(crate) fn submit<T: Send + 'static>(
         &self,
+        client: ClientKey,
         work: impl FnOnce() -> T + Send + 'static,
         done: impl FnOnce(Result<T, Panicked>) + Send + 'static,
     ) {
@@ -115,13 +142,12 @@ impl Workshop {
             done(outcome.map_err(|payload| Panicked(said(payload.as_ref()))));
         });
         let mut state = self.queue.lock();
-        state.waiting.push_back(Waiting {
-            job,
-            since: Instant::now(),
-        });
-        self.queue.metrics.queue_depth(state.waiting.len());
+        let since = Instant::now();
+        state.jobs.push(client, Waiting { job, since });
+        self.queue.metrics.queue_depth(state.jobs.len());
         drop(state);
-        self.queue.arrived.notify_one();
+        // A slot that lingers for another client must not swallow the only call.
+        self.queue.arrived.notify_all();
     }
 
     /// Waits until every job has run; blocks. Jobs that come later never run.
@@ -152,17 +178,22 @@ impl Drop for Workshop {
 }
 
 fn serve_slot(queue: &Queue, pool: &rayon::ThreadPool) {
-    while let Some(waiting) = queue.next() {
+    let mut last = None;
+    while let Some((client, waiting)) = queue.next(last) {
+        let start = Instant::now();
         queue.metrics.job_started(waiting.since.elapsed());
         // The job catches the panics of its work; this one would be ours.
         if catch_unwind(AssertUnwindSafe(|| pool.install(waiting.job))).is_err() {
             tracing::error!("a job's report panicked");
         }
         queue.metrics.job_ended();
+        queue.finished(client, start.elapsed().as_secs_f64());
+        last = Some(client);
     }
 }
 
-fn said(payload: &(dyn Any + Send)) -> String {
+/// What a panic said.
+pub(crate) fn said(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().map(ToString::to_string);
     text.or_else(|| payload.downcast_ref::<String>().cloned())
         .unwrap_or_else(|| "panic without a message".to_owned())
@@ -180,10 +211,15 @@ mod tests {
         let (sender, receiver) = mpsc::channel();
         let other = sender.clone();
         workshop.submit(
+            ClientKey::Unknown,
             || -> u32 { panic!("broken") },
             move |outcome| other.send(outcome).unwrap(),
         );
-        workshop.submit(|| 7, move |outcome| sender.send(outcome).unwrap());
+        workshop.submit(
+            ClientKey::Unknown,
+            || 7,
+            move |outcome| sender.send(outcome).unwrap(),
+        );
         assert_eq!(receiver.recv().unwrap(), Err(Panicked("broken".into())));
         assert_eq!(receiver.recv().unwrap(), Ok(7));
         workshop.close();
@@ -193,9 +229,11 @@ mod tests {
     fn jobs_run_in_the_pool_of_their_slot() {
         let workshop = Workshop::start(1, 3, &Metrics::new().unwrap()).unwrap();
         let (sender, receiver) = mpsc::channel();
-        workshop.submit(rayon::current_num_threads, move |outcome| {
-            sender.send(outcome).unwrap()
-        });
+        workshop.submit(
+            ClientKey::Unknown,
+            rayon::current_num_threads,
+            move |outcome| sender.send(outcome).unwrap(),
+        );
         assert_eq!(receiver.recv().unwrap(), Ok(3));
         workshop.close();
     }

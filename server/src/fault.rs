@@ -52,6 +52,8 @@ pub(crate) enum Fault {
     SessionLimit { limit: usize },
     #[error("{what}: at most {limit} are allowed")]
     MessageLimit { what: String, limit: u64 },
+    #[error("the deadline of the stream has passed")]
+    StreamDeadline,
     #[error("the server is shutting down")]
     ShuttingDown,
     #[error("a defect of the server; its log says more")]

@@ -18,9 +18,11 @@
     )
 )]
 
+mod client_key;
 mod compute;
 mod config;
 mod convert;
+mod fair_queue;
 mod fault;
 mod listen;
 mod metrics;
@@ -32,6 +34,7 @@ mod service;
 mod session;
 mod status;
 mod store;
+mod transport;
 
 pub use config::{Config, ConfigError};
 pub use listen::{ListenError, Listener};

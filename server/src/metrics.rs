@@ -43,6 +43,7 @@ const QUEUE_WAIT: &str = "signorini_queue_wait_seconds";
 const SLOTS_BUSY: &str = "signorini_slots_busy";
 const CANCEL_SECONDS: &str = "signorini_cancel_seconds";
 const REFUSED: &str = "signorini_refused_total";
+const LEFT_BEHIND: &str = "signorini_steps_left_behind_total";
 const COALESCED: &str = "signorini_iterations_coalesced_total";
 
 /// 1 ms to 1 h.
@@ -102,7 +103,7 @@ const HISTOGRAMS: [(&str, &[f64], &str); 9] = [
     ),
 ];
 
-const COUNTERS: [(&str, &str); 11] = [
+const COUNTERS: [(&str, &str); 12] = [
     (ITERATIONS, "Krylov iterations of all sessions."),
     (INCREMENTS, "Finished increments by termination."),
     (STEPS, "Finished steps by termination."),
@@ -122,6 +123,10 @@ const COUNTERS: [(&str, &str); 11] = [
     (
         COALESCED,
         "Iteration messages that a slow reader did not get.",
+    ),
+    (
+        LEFT_BEHIND,
+        "Steps answered while their solver thread could not stop.",
     ),
 ];
 
@@ -267,6 +272,11 @@ impl Metrics {
         self.counter(COALESCED, &[]).increment(count);
     }
 
+    /// A step was answered without its solver thread.
+    pub(crate) fn left_behind(&self) {
+        self.counter(LEFT_BEHIND, &[]).increment(1);
+    }
+
     pub(crate) fn queue_depth(&self, waiting: usize) {
         self.set(QUEUE_DEPTH, waiting);
     }
@@ -316,7 +326,7 @@ impl Metrics {
                 self.gauge(name, &[]).set(0.0);
             }
         }
-        for name in [CUT_BACKS, FACTORISATIONS, COALESCED] {
+        for name in [CUT_BACKS, FACTORISATIONS, COALESCED, LEFT_BEHIND] {
             self.counter(name, &[]).increment(0);
         }
         for termination in [Termination::Converged, Termination::NotConverged] {

@@ -1,22 +1,26 @@
-//! Between a session and the reader of its stream: the only place where the two
-//! speeds meet.
+//! Between a session and the reader of one of its streams: the only place where
+//! the two speeds meet.
 //!
-//! Results are lossless and counted in bytes; when too many are unread the
-//! session starts no further increment, but the one that runs never waits.
-//! Iterations are latest-wins: a newer one replaces an unread one and counts it
-//! as skipped. Nothing here blocks a solver thread for longer than a push.
+//! Results are lossless and counted in bytes: when too many are unread the
+//! session queues no further one. A result is cut into messages only as they
+//! are read, so that waiting costs no copy of its fields. Iterations are
+//! latest-wins and come from the session's [`Iterations`](crate::session::Iterations).
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use prost::Message as _;
+use signorini::report::FieldName;
 use signorini_proto::v1::{self as wire, solve_response::Message};
 use tokio::sync::Notify;
 use tokio::time::{Instant, sleep_until};
 
+use crate::convert::field::Encoding;
 use crate::fault::Fault;
-use crate::metrics::Metrics;
+use crate::session::{IterationReader, KeptResult, Newest, messages};
+
+/// Unread answers other than results above which a stream's messages are not read.
+const MOST_ANSWERS: usize = 256;
 
 /// How a stream ends.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,13 +31,40 @@ pub(crate) enum End {
     Fault(Fault),
 }
 
+/// How a reader wants its fields.
+#[derive(Clone, Debug)]
+pub(crate) struct Wanted {
+    pub(crate) fields: Vec<FieldName>,
+    pub(crate) encoding: Encoding,
+}
+
+enum Item {
+    Answer(Message),
+    /// With the last iteration before it, for a result that was just made.
+    Result(Arc<KeptResult>, Option<Newest>),
+}
+
+type Chunks = Box<dyn Iterator<Item = wire::FieldChunk> + Send>;
+
 #[derive(Default)]
 struct State {
-    results: VecDeque<wire::SolveResponse>,
+    waiting: VecDeque<Item>,
+    /// The rest of the result that is being read.
+    finished: Option<wire::StepFinished>,
+    chunks: Option<Chunks>,
+    /// Event of the newest result that was read.
+    read_event: i64,
     unread_bytes: u64,
-    iteration: Option<wire::IterationStatistics>,
-    skipped: i64,
+    answers: usize,
+    /// The session waits for room.
+    is_awaited: bool,
     end: Option<End>,
+}
+
+impl State {
+    fn was_read(&mut self, bytes: usize) {
+        self.unread_bytes = self.unread_bytes.saturating_sub(bytes as u64);
+    }
 }
 
 /// What the reader does next.
@@ -49,49 +80,48 @@ pub(crate) enum Next {
 pub(crate) struct Outbox {
     state: Mutex<State>,
     filled: Notify,
-    drained: Notify,
-    /// As `drained`, for whoever waits for room.
+    /// Fewer answers are unread.
     read: Notify,
+    /// Wakes the session when there is room again.
+    room: Arc<Notify>,
+    wanted: Wanted,
     limit_bytes: u64,
-    metrics: Arc<Metrics>,
 }
 
 impl Outbox {
-    /// An empty outbox whose session waits above `limit_bytes` unread.
-    pub(crate) fn new(limit_bytes: u64, metrics: &Arc<Metrics>) -> Arc<Self> {
+    /// An empty outbox whose session waits above `limit_bytes` unread, until `room`.
+    pub(crate) fn new(limit_bytes: u64, wanted: Wanted, room: &Arc<Notify>) -> Arc<Self> {
         Arc::new(Self {
             state: Mutex::default(),
             filled: Notify::new(),
-            drained: Notify::new(),
             read: Notify::new(),
+            room: Arc::clone(room),
+            wanted,
             limit_bytes,
-            metrics: Arc::clone(metrics),
         })
     }
 
-    /// Queues a message that must arrive, behind the newest iteration.
+    /// Fields that come with each result.
+    pub(crate) fn fields(&self) -> &[FieldName] {
+        &self.wanted.fields
+    }
+
+    /// Queues a message that must arrive.
     pub(crate) fn push(&self, message: Message) {
         let mut state = self.lock();
-        if let Some(iteration) = state.iteration.take() {
-            enqueue(&mut state, Message::Iteration(iteration));
-        }
-        enqueue(&mut state, message);
+        state.unread_bytes += message.encoded_len() as u64;
+        state.answers += 1;
+        state.waiting.push_back(Item::Answer(message));
         drop(state);
         self.filled.notify_one();
     }
 
-    /// Replaces the newest iteration.
-    pub(crate) fn iteration(&self, sequence: i64, report: wire::IterationReport) {
+    /// Queues a result, behind the last iteration before it.
+    pub(crate) fn result(&self, result: &Arc<KeptResult>, iteration: Option<Newest>) {
         let mut state = self.lock();
-        if state.iteration.is_some() {
-            state.skipped += 1;
-            self.metrics.coalesced(1);
-        }
-        state.iteration = Some(wire::IterationStatistics {
-            sequence,
-            report: Some(report),
-            skipped_count: state.skipped,
-        });
+        state.unread_bytes += self.bytes(result);
+        let item = Item::Result(Arc::clone(result), iteration);
+        state.waiting.push_back(item);
         drop(state);
         self.filled.notify_one();
     }
@@ -102,66 +132,109 @@ impl Outbox {
         self.filled.notify_one();
     }
 
-    /// Whether a further increment may start.
+    /// Whether a further result may be queued; if not, the session is woken when
+    /// one may.
     pub(crate) fn has_room(&self) -> bool {
-        self.lock().unread_bytes <= self.limit_bytes
+        let mut state = self.lock();
+        let has_room = state.unread_bytes <= self.limit_bytes;
+        state.is_awaited |= !has_room;
+        has_room
     }
 
-    /// Returns when a further increment may start; for one task at a time.
-    pub(crate) async fn room(&self) {
-        while !self.has_room() {
+    /// Returns when a message of the client, which may need an answer, may be read.
+    pub(crate) async fn answerable(&self) {
+        while self.lock().answers > MOST_ANSWERS {
             self.read.notified().await;
         }
     }
 
-    /// Returns when messages were read since the last call.
-    pub(crate) async fn drained(&self) {
-        self.drained.notified().await;
-    }
-
-    /// The next thing for the reader: results first, iterations not before
-    /// `iterations_from`, silence after `heartbeat`.
-    pub(crate) async fn next(&self, iterations_from: Instant, heartbeat: Duration) -> Next {
+    /// The next thing for the reader: results and answers first, silence after
+    /// `heartbeat`.
+    pub(crate) async fn next(&self, iterations: &mut IterationReader, heartbeat: Duration) -> Next {
         let silent_at = Instant::now() + heartbeat;
         loop {
-            if let Some(next) = self.take(iterations_from) {
+            if let Some(next) = self.take(iterations) {
                 return next;
             }
-            let now = Instant::now();
-            if now >= silent_at {
-                return Next::Silence;
-            }
-            let wake_at = match iterations_from > now {
-                true => iterations_from.min(silent_at),
-                false => silent_at,
-            };
             tokio::select! {
                 () = self.filled.notified() => {}
-                () = sleep_until(wake_at) => {}
+                () = iterations.changed() => {}
+                () = sleep_until(silent_at) => return Next::Silence,
             }
         }
     }
 
-    fn take(&self, iterations_from: Instant) -> Option<Next> {
+    fn take(&self, iterations: &mut IterationReader) -> Option<Next> {
         let mut state = self.lock();
-        if let Some(message) = state.results.pop_front() {
-            state.unread_bytes = state.unread_bytes.saturating_sub(size(&message));
+        if let Some(message) = self
+            .rest(&mut state)
+            .or_else(|| self.begin(&mut state, iterations))
+        {
+            let wakes = state.is_awaited && state.unread_bytes <= self.limit_bytes;
+            state.is_awaited &= !wakes;
             drop(state);
-            self.drained.notify_one();
-            self.read.notify_one();
-            return Some(Next::Message(Box::new(message)));
+            if wakes {
+                self.room.notify_one();
+            }
+            return Some(next(message));
         }
         if let Some(end) = state.end.clone() {
             return Some(Next::End(end));
         }
-        if Instant::now() < iterations_from {
-            return None;
+        // Nothing is queued: sizes that were estimated leave no remainder.
+        state.unread_bytes = 0;
+        let newest = iterations.take(state.read_event)?;
+        Some(next(Message::Iteration(newest)))
+    }
+
+    /// What is left of the result that is being read.
+    fn rest(&self, state: &mut State) -> Option<Message> {
+        if let Some(finished) = state.finished.take() {
+            state.read_event = state.read_event.max(finished.event);
+            let message = Message::StepFinished(finished);
+            state.was_read(message.encoded_len());
+            return Some(message);
         }
-        let iteration = state.iteration.take()?;
-        state.skipped = 0;
-        Some(Next::Message(Box::new(response(Message::Iteration(
-            iteration,
-        )))))
+        let Some(chunk) = state.chunks.as_mut()?.next() else {
+            state.chunks = None;
+            return None;
+        };
+        state.was_read(chunk.data.len());
+        Some(Message::Field(chunk))
+    }
+
+    /// The first message of what is queued next.
+    fn begin(&self, state: &mut State, iterations: &mut IterationReader) -> Option<Message> {
+        match state.waiting.pop_front()? {
+            Item::Answer(message) => {
+                state.was_read(message.encoded_len());
+                state.answers -= 1;
+                self.read.notify_one();
+                Some(message)
+            }
+            Item::Result(result, iteration) => {
+                let Wanted { fields, encoding } = &self.wanted;
+                let (finished, chunks) = messages(&result, fields, *encoding);
+                state.finished = Some(finished);
+                state.chunks = Some(Box::new(chunks));
+                match iteration.and_then(|newest| iterations.pass(newest)) {
+                    Some(newest) => Some(Message::Iteration(newest)),
+                    None => self.rest(state),
+                }
+            }
+        }
+    }
+
+    /// Bytes of a result as this reader gets it.
+    fn bytes(&self, result: &KeptResult) -> u64 {
+        let Wanted { fields, encoding } = &self.wanted;
+        let (finished, _) = messages(result, &[], *encoding);
+        let wanted = result
+            .fields
+            .iter()
+            .filter(|one| fields.contains(&one.name));
+        let fields: u64 = wanted.map(|field| field.encoded_bytes(*encoding)).sum();
+        Message::StepFinished(finished).encoded_len() as u64 + fields
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -170,107 +243,11 @@ impl Outbox {
     }
 }
 
-fn enqueue(state: &mut State, message: Message) {
-    if matches!(message, Message::Iteration(_)) {
-        state.skipped = 0;
-    }
-    let message = response(message);
-    state.unread_bytes += size(&message);
-    state.results.push_back(message);
-}
-
-fn response(message: Message) -> wire::SolveResponse {
-    wire::SolveResponse {
+fn next(message: Message) -> Next {
+    Next::Message(Box::new(wire::SolveResponse {
         message: Some(message),
-    }
-}
-
-fn size(message: &wire::SolveResponse) -> u64 {
-    message.encoded_len() as u64
+    }))
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    const HOUR: Duration = Duration::from_secs(3600);
-
-    fn outbox(limit: u64) -> Arc<Outbox> {
-        Outbox::new(limit, &Metrics::new().unwrap())
-    }
-
-    fn heartbeat(sequence: i64) -> Message {
-        Message::Heartbeat(wire::Heartbeat {
-            running_sequence: sequence,
-            ..Default::default()
-        })
-    }
-
-    async fn next(outbox: &Outbox) -> Next {
-        outbox.next(Instant::now(), HOUR).await
-    }
-
-    fn message(message: Message) -> Next {
-        Next::Message(Box::new(response(message)))
-    }
-
-    #[tokio::test]
-    async fn newest_iteration_wins_and_the_others_are_counted() {
-        let outbox = outbox(1000);
-        for krylov_iterations in 1..=5 {
-            outbox.iteration(
-                3,
-                wire::IterationReport {
-                    krylov_iterations,
-                    ..Default::default()
-                },
-            );
-        }
-        let Next::Message(response) = next(&outbox).await else {
-            panic!("a message is due");
-        };
-        let Some(Message::Iteration(newest)) = response.message else {
-            panic!("an iteration is due");
-        };
-        assert_eq!((newest.skipped_count, newest.sequence), (4, 3));
-        assert_eq!(newest.report.unwrap().krylov_iterations, 5);
-    }
-
-    #[tokio::test]
-    async fn results_come_in_order_behind_the_last_iteration_and_before_the_end() {
-        let outbox = outbox(1000);
-        outbox.iteration(1, wire::IterationReport::default());
-        outbox.push(heartbeat(1));
-        outbox.push(heartbeat(2));
-        outbox.end(End::Done);
-        outbox.end(End::Fault(Fault::Internal));
-        assert!(matches!(next(&outbox).await, Next::Message(_)));
-        assert_eq!(next(&outbox).await, message(heartbeat(1)));
-        assert_eq!(next(&outbox).await, message(heartbeat(2)));
-        assert_eq!(next(&outbox).await, Next::End(End::Done));
-    }
-
-    #[tokio::test]
-    async fn unread_bytes_close_the_room_until_they_are_read() {
-        let outbox = outbox(4);
-        outbox.push(heartbeat(1000));
-        assert!(!outbox.has_room());
-        assert_eq!(next(&outbox).await, message(heartbeat(1000)));
-        outbox.drained().await;
-        outbox.room().await;
-        assert!(outbox.has_room());
-    }
-
-    #[tokio::test]
-    async fn iterations_keep_their_distance_and_silence_is_told() {
-        let outbox = outbox(1000);
-        outbox.iteration(1, wire::IterationReport::default());
-        let from = Instant::now() + Duration::from_millis(20);
-        assert!(matches!(outbox.next(from, HOUR).await, Next::Message(_)));
-        assert!(Instant::now() >= from);
-        assert_eq!(
-            outbox.next(from, Duration::from_millis(1)).await,
-            Next::Silence
-        );
-    }
-}
+mod tests;

@@ -5,10 +5,12 @@ use std::hash::{BuildHasher, Hasher, RandomState};
 use std::pin::pin;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
 use tokio::sync::Notify;
 
 use crate::fault::Fault;
+use crate::metrics::Metrics;
 use crate::session::{self, Ending, Handle, Seed, Shop};
 use crate::status;
 
@@ -62,6 +64,15 @@ impl Registry {
     /// Counts a refused request.
     pub(crate) fn refused(&self, fault: &Fault) {
         self.shop.metrics.refused(status::reason(fault));
+    }
+
+    /// Time of silence after which a stream gets a heartbeat.
+    pub(crate) fn heartbeat(&self) -> Duration {
+        self.shop.config.heartbeat()
+    }
+
+    pub(crate) fn metrics(&self) -> &Metrics {
+        &self.shop.metrics
     }
 
     /// Refuses new work.

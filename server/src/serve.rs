@@ -29,9 +29,12 @@ use crate::service::mesh::Meshes;
 use crate::service::session::Sessions;
 use crate::session::Shop;
 use crate::store::Store;
+use crate::transport::{MESSAGE_BYTES, Reasoned};
 
 const STREAM_WINDOW_BYTES: u32 = 1 << 20;
 const CONNECTION_WINDOW_BYTES: u32 = 4 << 20;
+/// Of one connection: a gateway may bring every watcher of a busy server.
+const STREAMS_PER_CONNECTION: u32 = 4096;
 const KEEPALIVE: Duration = Duration::from_secs(30);
 const KEEPALIVE_ANSWER: Duration = Duration::from_secs(10);
 const UPKEEP: Duration = Duration::from_secs(5);
@@ -132,6 +135,8 @@ async fn router(
         shop: Arc::clone(shop),
         registry: Arc::clone(registry),
     };
+    let meshes = MeshServiceServer::new(meshes).max_decoding_message_size(MESSAGE_BYTES);
+    let sessions = SessionServiceServer::new(sessions).max_decoding_message_size(MESSAGE_BYTES);
     let reflection = || {
         tonic_reflection::server::Builder::configure()
             .register_encoded_file_descriptor_set(FILE_DESCRIPTOR_SET)
@@ -141,13 +146,14 @@ async fn router(
     let router = Server::builder()
         .initial_stream_window_size(STREAM_WINDOW_BYTES)
         .initial_connection_window_size(CONNECTION_WINDOW_BYTES)
+        .max_concurrent_streams(STREAMS_PER_CONNECTION)
         .http2_keepalive_interval(Some(KEEPALIVE))
         .http2_keepalive_timeout(Some(KEEPALIVE_ANSWER))
         .add_service(health_service)
         .add_service(reflection().build_v1().map_err(wrong)?)
         .add_service(reflection().build_v1alpha().map_err(wrong)?)
-        .add_service(MeshServiceServer::new(meshes))
-        .add_service(SessionServiceServer::new(sessions));
+        .add_service(Reasoned::new(meshes, registry))
+        .add_service(Reasoned::new(sessions, registry));
     Ok((health, router))
 }
 

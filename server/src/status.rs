@@ -77,6 +77,7 @@ fn contract(fault: &Fault) -> (Code, &'static str) {
         Fault::QueueFull { .. } => (Code::ResourceExhausted, "QUEUE_FULL"),
         Fault::SessionLimit { .. } => (Code::ResourceExhausted, "SESSION_LIMIT"),
         Fault::MessageLimit { .. } => (Code::ResourceExhausted, "MESSAGE_LIMIT"),
+        Fault::StreamDeadline => (Code::DeadlineExceeded, "STREAM_DEADLINE"),
         Fault::ShuttingDown => (Code::Unavailable, "SHUTTING_DOWN"),
         Fault::Internal => (Code::Internal, "INTERNAL"),
     }
@@ -119,7 +120,9 @@ fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
         Fault::MessageLimit { what, limit } => {
             vec![("what", what.clone()), ("limit", limit.to_string())]
         }
-        Fault::MeshInvalid(_) | Fault::ShuttingDown | Fault::Internal => Vec::new(),
+        Fault::MeshInvalid(_) | Fault::StreamDeadline | Fault::ShuttingDown | Fault::Internal => {
+            Vec::new()
+        }
     }
 }
 
@@ -222,19 +225,110 @@ mod tests {
         assert!(status.message().contains("29 more"));
     }
 
+    /// The next kind of fault with the longest `text` it can carry: a walk through
+    /// all of them that a new kind has to join.
+    fn following(fault: &Fault, text: &str) -> Option<Fault> {
+        let one = || violation(text, text);
+        let text = text.to_owned();
+        let (sequence, many) = (i64::MIN, usize::MAX);
+        Some(match fault {
+            Fault::SceneInvalid(_) => Fault::Unsupported(one()),
+            Fault::Unsupported(_) => Fault::RequestInvalid(one()),
+            Fault::RequestInvalid(_) => Fault::MeshInvalid(text),
+            Fault::MeshInvalid(_) => Fault::DigestMismatch {
+                declared: text.clone(),
+                computed: text,
+            },
+            Fault::DigestMismatch { .. } => Fault::MeshNotFound(text),
+            Fault::MeshNotFound(_) => Fault::MeshInUse {
+                name: text,
+                sessions: many,
+            },
+            Fault::MeshInUse { .. } => Fault::SessionNotFound(text),
+            Fault::SessionNotFound(_) => Fault::SessionExpired(text),
+            Fault::SessionExpired(_) => Fault::SessionExists(text),
+            Fault::SessionExists(_) => Fault::SessionBusy {
+                name: text,
+                held_since: u64::MAX,
+            },
+            Fault::SessionBusy { .. } => Fault::SessionDeleted(text),
+            Fault::SessionDeleted(_) => Fault::SessionFailed {
+                name: text.clone(),
+                why: text,
+            },
+            Fault::SessionFailed { .. } => Fault::StepNotFound {
+                name: text,
+                sequence,
+            },
+            Fault::StepNotFound { .. } => Fault::SequenceGap {
+                received: sequence,
+                expected: sequence,
+            },
+            Fault::SequenceGap { .. } => Fault::SequenceNotRetained {
+                sequence,
+                first: sequence,
+            },
+            Fault::SequenceNotRetained { .. } => Fault::MemoryBudget {
+                predicted: u64::MAX,
+                held: u64::MAX,
+                budget: u64::MAX,
+            },
+            Fault::MemoryBudget { .. } => Fault::QueueFull { limit: many },
+            Fault::QueueFull { .. } => Fault::SessionLimit { limit: many },
+            Fault::SessionLimit { .. } => Fault::MessageLimit {
+                what: text,
+                limit: u64::MAX,
+            },
+            Fault::MessageLimit { .. } => Fault::StreamDeadline,
+            Fault::StreamDeadline => Fault::ShuttingDown,
+            Fault::ShuttingDown => Fault::Internal,
+            Fault::Internal => return None,
+        })
+    }
+
+    /// Bytes of the two trailers: the message percent-encoded, the details in base 64.
+    fn trailer_bytes(status: &pb::Status) -> usize {
+        let plain = |byte: &&u8| (b' '..=b'~').contains(*byte) && **byte != b'%';
+        let kept = status.message.as_bytes().iter().filter(plain).count();
+        let escaped = status.message.len() - kept;
+        kept + 3 * escaped + status.encoded_len().div_ceil(3) * 4
+    }
+
     #[test]
-    fn statuses_stay_below_the_trailer_limit() {
-        let long = "ä".repeat(5000);
-        let all: Vec<_> = (0..100).map(|_| violation(&*long, &*long)).collect();
-        let faults = [
-            Fault::SceneInvalid(all.clone()),
-            Fault::Unsupported(all[0].clone()),
-            Fault::SessionNotFound(long.clone()),
-            Fault::MeshInvalid(long),
-        ];
-        for fault in faults {
+    fn the_worst_case_of_every_fault_stays_below_the_trailer_limit() {
+        // One to four bytes a character; the prefixes move the place of the cut.
+        for letter in ["a", "ä", "\u{20ac}", "\u{1f9ca}", "\0"] {
+            for prefix in ["", "b", "bb", "bbb"] {
+                let text = format!("{prefix}{}", letter.repeat(10_000));
+                let all = vec![violation(&*text, &*text); 100];
+                let mut next = Some(Fault::SceneInvalid(all));
+                while let Some(fault) = next {
+                    let status = rpc_status(&fault);
+                    let bytes = status.encoded_len() + status.message.len();
+                    assert!(bytes < LIMIT_BYTES, "{}: {bytes}", reason(&fault));
+                    let bytes = trailer_bytes(&status);
+                    assert!(bytes < 2 * LIMIT_BYTES, "{}: {bytes}", reason(&fault));
+                    let info = tonic::Status::from(fault.clone()).get_details_error_info();
+                    assert_eq!(info.unwrap().reason, reason(&fault));
+                    next = following(&fault, &text);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn ten_thousand_violations_of_any_length_fit() {
+        for length in [1, 20, 100, 256, 300, 1000] {
+            let text = "\u{20ac}".repeat(length);
+            let fault = Fault::SceneInvalid(vec![violation(&*text, &*text); 10_000]);
             let status = rpc_status(&fault);
-            assert!(status.encoded_len() + status.message.len() < LIMIT_BYTES);
+            let bytes = status.encoded_len() + status.message.len();
+            assert!(bytes < LIMIT_BYTES, "{length}: {bytes}");
+            let status = tonic::Status::from(fault);
+            let request = status.get_details_bad_request().unwrap();
+            assert!(!request.field_violations.is_empty(), "{length}");
+            let info = status.get_details_error_info().unwrap();
+            assert_eq!(info.metadata["violation_count"], "10000");
         }
     }
 

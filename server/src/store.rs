@@ -289,6 +289,15 @@ impl Store {
         Ok(())
     }
 
+    /// Makes room for `more` bytes; fails with those that are lacking.
+    fn grow(&self, more: u64) -> Result<(), u64> {
+        let mut inner = self.lock();
+        match self.make_room(&mut inner, more) {
+            Ok(()) => Ok(()),
+            Err(_) => Err(inner.in_use().saturating_add(more) - self.budget),
+        }
+    }
+
     fn change_reservation(&self, before: u64, after: u64) {
         let mut inner = self.lock();
         inner.reserved = inner.reserved.saturating_sub(before).saturating_add(after);
@@ -326,8 +335,19 @@ impl Reservation {
         self.bytes
     }
 
-    /// Replaces the prediction by what is really held.
-    pub(crate) fn resize(&mut self, bytes: u64) {
+    /// Replaces the prediction by what is really held, dropping what nobody uses
+    /// where that takes more.
+    ///
+    /// # Errors
+    /// The bytes for which there is no room; the reservation is then as before.
+    pub(crate) fn resize(&mut self, bytes: u64) -> Result<(), u64> {
+        self.store.grow(bytes.saturating_sub(self.bytes))?;
+        self.force(bytes);
+        Ok(())
+    }
+
+    /// Counts what is really held, whether there is room or not.
+    pub(crate) fn force(&mut self, bytes: u64) {
         self.store.change_reservation(self.bytes, bytes);
         self.bytes = bytes;
     }

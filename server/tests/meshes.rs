@@ -2,9 +2,17 @@
 
 mod common;
 
+use std::time::Duration;
+
 use common::{Block, Server, reason};
-use signorini_proto::v1::{self as wire, upload_mesh_request::Part};
+use signorini_proto::array::Assembler;
+use signorini_proto::v1::mesh_service_client::MeshServiceClient;
+use signorini_proto::v1::{self as wire, read_mesh_response, upload_mesh_request::Part};
 use signorini_server::Config;
+use tokio_stream::StreamExt as _;
+
+/// Ends a test that would wait for ever.
+const PATIENCE: Duration = Duration::from_secs(30);
 
 async fn refused(server: &Server, parts: Vec<wire::UploadMeshRequest>) -> tonic::Status {
     server
@@ -18,6 +26,161 @@ fn header(header: wire::MeshHeader) -> wire::UploadMeshRequest {
     wire::UploadMeshRequest {
         part: Some(Part::Header(header)),
     }
+}
+
+async fn reading(server: &Server, name: &str) -> tonic::Streaming<wire::ReadMeshResponse> {
+    let request = wire::ReadMeshRequest { name: name.into() };
+    server
+        .meshes()
+        .read_mesh(request)
+        .await
+        .unwrap()
+        .into_inner()
+}
+
+/// A mesh as `ReadMesh` sends it.
+struct Read {
+    header: wire::MeshHeader,
+    coordinates: Vec<f64>,
+    cells: Vec<i32>,
+    facets: Vec<i32>,
+    members: Vec<Vec<i32>>,
+}
+
+async fn read(server: &Server, name: &str) -> Read {
+    let mut parts = reading(server, name).await;
+    let first = parts.message().await.unwrap().unwrap();
+    let Some(read_mesh_response::Part::Header(header)) = first.part else {
+        panic!("the header comes first");
+    };
+    let mut coordinates = Assembler::new(3 * header.vertex_count as usize);
+    let mut cells = Assembler::new(4 * header.cell_count as usize);
+    let mut facets = Assembler::new(3 * header.facet_count as usize);
+    let groups = header.groups.iter();
+    let mut members: Vec<_> = groups
+        .map(|group| Assembler::new(group.member_count as usize))
+        .collect();
+    while let Some(message) = parts.message().await.unwrap() {
+        let Some(read_mesh_response::Part::Chunk(chunk)) = message.part else {
+            panic!("one header is enough");
+        };
+        let (offset, data) = (chunk.offset_elements, &chunk.data);
+        match chunk.array() {
+            wire::MeshArray::Coordinates => coordinates.push(offset, data),
+            wire::MeshArray::Cells => cells.push(offset, data),
+            wire::MeshArray::Facets => facets.push(offset, data),
+            wire::MeshArray::GroupMembers => members[chunk.group_index as usize].push(offset, data),
+            wire::MeshArray::Unspecified => panic!("no array"),
+        }
+        .unwrap();
+    }
+    let members = members.into_iter().map(|one| one.finish().unwrap());
+    Read {
+        header,
+        coordinates: coordinates.finish().unwrap(),
+        cells: cells.finish().unwrap(),
+        facets: facets.finish().unwrap(),
+        members: members.collect(),
+    }
+}
+
+/// The facets' vertices, whatever their order.
+fn corners(facets: &[i32]) -> Vec<Vec<i32>> {
+    let sorted = |facet: &[i32]| {
+        let mut facet = facet.to_vec();
+        facet.sort_unstable();
+        facet
+    };
+    facets.chunks(3).map(sorted).collect()
+}
+
+/// z component of the facet's normal.
+fn normal(mesh: &Read, facet: i32) -> f64 {
+    let row = &mesh.facets[3 * facet as usize..][..3];
+    let [a, b, c] = [0, 1, 2].map(|corner| &mesh.coordinates[3 * row[corner] as usize..][..2]);
+    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+}
+
+#[tokio::test]
+async fn a_mesh_comes_back_as_it_was_uploaded() {
+    // Large enough for several chunks of cells.
+    let (server, block) = (Server::start().await, Block::new(24));
+    let name = server.upload(&block).await;
+    let mesh = read(&server, &name).await;
+    assert_eq!(mesh.header, block.header());
+    assert_eq!(mesh.coordinates, block.coordinates);
+    assert_eq!(mesh.cells, block.cells);
+    let expected = [&block.body, &block.bottom, &block.top];
+    assert!(mesh.members.iter().eq(expected));
+    assert_eq!(corners(&mesh.facets), corners(&block.facets));
+    assert!(block.top.iter().all(|facet| normal(&mesh, *facet) > 0.0));
+    assert!(block.bottom.iter().all(|facet| normal(&mesh, *facet) < 0.0));
+}
+
+#[tokio::test]
+async fn vertices_that_no_cell_uses_come_back_at_the_origin() {
+    let (server, mut block) = (Server::start().await, Block::new(2));
+    block.coordinates.splice(0..0, [7.0, 8.0, 9.0]);
+    block.coordinates.extend([7.0, 8.0, 9.0]);
+    let vertices = block.cells.iter_mut().chain(&mut block.facets);
+    vertices.for_each(|vertex| *vertex += 1);
+    let name = server.upload(&block).await;
+    let mesh = read(&server, &name).await;
+    let last = block.coordinates.len() - 3;
+    assert_eq!(mesh.header, block.header());
+    assert_eq!(mesh.cells, block.cells);
+    assert_eq!(corners(&mesh.facets), corners(&block.facets));
+    assert_eq!(mesh.coordinates[3..last], block.coordinates[3..last]);
+    assert_eq!(mesh.coordinates[..3], [0.0; 3]);
+    assert_eq!(mesh.coordinates[last..], [0.0; 3]);
+}
+
+#[tokio::test]
+async fn a_mesh_that_is_being_read_is_kept() {
+    let (server, block) = (Server::start().await, Block::new(24));
+    let name = server.upload(&block).await;
+    // A reader with a small window, so that most of the mesh has to wait.
+    let slow = tonic::transport::Endpoint::new(server.url.clone()).unwrap();
+    let slow = slow.initial_stream_window_size(1 << 16).connect().await;
+    let mut slow = MeshServiceClient::new(slow.unwrap());
+    let request = wire::ReadMeshRequest { name: name.clone() };
+    let mut parts = slow.read_mesh(request).await.unwrap().into_inner();
+    parts.message().await.unwrap().unwrap();
+    let delete = || async {
+        let request = wire::DeleteMeshRequest { name: name.clone() };
+        server.meshes().delete_mesh(request).await
+    };
+    assert_eq!(reason(&delete().await.unwrap_err()), "MESH_IN_USE");
+    drop(parts);
+    let gone = async { while delete().await.is_err() {} };
+    tokio::time::timeout(PATIENCE, gone)
+        .await
+        .expect("the end of a reading frees the mesh");
+    let request = wire::ReadMeshRequest { name };
+    let status = server.meshes().read_mesh(request).await.unwrap_err();
+    assert_eq!(reason(&status), "MESH_NOT_FOUND");
+}
+
+#[tokio::test]
+async fn an_announced_upload_beyond_the_budget_is_refused_before_a_chunk_is_read() {
+    let config = Config {
+        memory_budget_bytes: 4 << 30,
+        ..Config::embedded()
+    };
+    let (server, block) = (Server::with(config).await, Block::new(1));
+    // 5 GB of arrays.
+    let announced = wire::MeshHeader {
+        vertex_count: 100_000_000,
+        cell_count: 162_500_000,
+        ..block.header()
+    };
+    // The stream stays open: the answer waits for nothing behind the header.
+    let parts = tokio_stream::once(header(announced)).chain(tokio_stream::pending());
+    let answer = server.meshes().upload_mesh(parts).await;
+    let status = answer.unwrap_err();
+    assert_eq!(status.code(), tonic::Code::ResourceExhausted);
+    assert_eq!(reason(&status), "MEMORY_BUDGET");
+    server.upload(&block).await;
 }
 
 #[tokio::test]

@@ -4,10 +4,9 @@ mod common;
 
 use std::time::Duration;
 
-use common::{Block, Server, open, press, reason};
+use common::{Block, Server, open, page, press, reason, sample};
 use signorini_proto::v1 as wire;
 use signorini_server::Config;
-use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tonic_health::pb::health_client::HealthClient;
 use tonic_health::pb::{HealthCheckRequest, health_check_response::ServingStatus};
 
@@ -18,28 +17,6 @@ async fn list(server: &Server) -> Vec<wire::Session> {
     let request = wire::ListSessionsRequest::default();
     let response = server.sessions().list_sessions(request).await.unwrap();
     response.into_inner().sessions
-}
-
-async fn page(url: &str) -> String {
-    let address = url
-        .strip_prefix("http://")
-        .unwrap()
-        .strip_suffix("/metrics")
-        .unwrap();
-    let mut stream = tokio::net::TcpStream::connect(address).await.unwrap();
-    let request = format!("GET /metrics HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
-    stream.write_all(request.as_bytes()).await.unwrap();
-    let mut answer = String::new();
-    stream.read_to_string(&mut answer).await.unwrap();
-    assert!(answer.starts_with("HTTP/1.1 200 OK"), "{answer}");
-    answer
-}
-
-/// A whole number of the page.
-fn sample(page: &str, series: &str) -> u64 {
-    let value = |line: &str| line.strip_prefix(series)?.strip_prefix(' ')?.parse().ok();
-    let found: Option<f64> = page.lines().find_map(value);
-    found.unwrap_or_else(|| panic!("{series} is missing:\n{page}")) as u64
 }
 
 async fn health(server: &Server, service: &str) -> ServingStatus {

@@ -1,12 +1,16 @@
 //! Validation of uploaded arrays, in an order in which every check may rely on
 //! the earlier ones: sizes, finite coordinates, index ranges, groups, shapes of
-//! cells, adjacency. Each check is one pass.
+//! cells, adjacency. Each check is one pass and holds a few bits per entry.
 
 use std::collections::HashSet;
 
+use super::bits::Bits;
 use super::cell::CellKind;
 use super::error::{CellFault, FacetFault, GroupFault, MeshError};
-use super::{Group, GroupKind, MeshParts};
+use super::facets::FacetParent;
+use super::numbering::Numbering;
+use super::quality::{Mean, Quality};
+use super::{Group, GroupKind, MeshParts, corners_of};
 use crate::geometry::vector3::is_finite;
 
 /// Indices travel as i32.
@@ -93,8 +97,8 @@ fn repeats_a_vertex(cell: &[u32]) -> bool {
 
 fn check_groups(groups: &[Group], cells: usize, facets: usize) -> Result<(), MeshError> {
     let mut names = HashSet::new();
-    let mut seen = vec![u32::MAX; cells.max(facets)];
-    for (index, (group, stamp)) in groups.iter().zip(0_u32..).enumerate() {
+    let mut seen = Bits::new(cells.max(facets));
+    for (index, group) in groups.iter().enumerate() {
         let limit = match group.kind {
             GroupKind::Cells => cells,
             GroupKind::Facets => facets,
@@ -104,7 +108,7 @@ fn check_groups(groups: &[Group], cells: usize, facets: usize) -> Result<(), Mes
         } else if !names.insert((group.kind, group.name.as_str())) {
             Some(GroupFault::RepeatedName)
         } else {
-            member_fault(&group.members, &mut seen[..limit], stamp)
+            member_fault(&group.members, limit, &mut seen)
         };
         if let Some(fault) = fault {
             return Err(group_error(fault, index, group));
@@ -113,16 +117,18 @@ fn check_groups(groups: &[Group], cells: usize, facets: usize) -> Result<(), Mes
     Ok(())
 }
 
-/// Stamps each member, so that one array serves all groups.
-fn member_fault(members: &[u32], seen: &mut [u32], stamp: u32) -> Option<GroupFault> {
+/// `seen` is empty before, and again after a faultless group.
+fn member_fault(members: &[u32], limit: usize, seen: &mut Bits) -> Option<GroupFault> {
     for &member in members {
-        let Some(last) = seen.get_mut(member as usize) else {
+        if member as usize >= limit {
             return Some(GroupFault::MemberOutOfRange);
-        };
-        if *last == stamp {
+        }
+        if !seen.insert(member as usize) {
             return Some(GroupFault::RepeatedMember);
         }
-        *last = stamp;
+    }
+    for &member in members {
+        seen.remove(member as usize);
     }
     None
 }
@@ -136,36 +142,68 @@ pub(crate) fn group_error(fault: GroupFault, index: usize, group: &Group) -> Mes
     }
 }
 
-/// Refuses triangles outside the plane and flat or inverted cells; `used` says
-/// which uploaded vertex each row of `coordinates` is.
+/// Refuses triangles outside the plane and flat or inverted cells; measures the
+/// quality of the others.
 pub(crate) fn check_shapes(
     kind: CellKind,
     coordinates: &[[f64; 3]],
-    used: &[u32],
-    corners: impl Iterator<Item = [[f64; 3]; 4]> + Clone,
-) -> Result<(), MeshError> {
+    cells: &[u32],
+    numbering: &Numbering,
+) -> Result<Quality, MeshError> {
     if kind == CellKind::Triangle {
-        check_plane(coordinates, used)?;
+        check_plane(coordinates, numbering)?;
     }
-    let relative = corners.map(|corners| {
-        let sizes = kind.scaled_measures(&corners);
-        sizes.measure / sizes.longest.powi(kind.dimension() as i32)
-    });
-    let thick = |measure: f64| measure.abs() > DEGENERATE;
-    // A measure that is not a number is not thick either.
-    refuse_cells(
-        CellFault::Degenerate,
-        relative.clone().map(|measure| !thick(measure)),
-    )?;
-    refuse_cells(CellFault::Inverted, relative.map(|measure| measure < 0.0))
+    let (mut degenerate, mut inverted) = (Found::default(), Found::default());
+    let mut quality = Mean::default();
+    for (index, cell) in cells.chunks_exact(kind.vertices()).enumerate() {
+        let sizes = kind.scaled_measures(&corners_of(coordinates, cell));
+        let relative = sizes.measure / sizes.longest.powi(kind.dimension() as i32);
+        // A measure that is not a number is not thick either.
+        let is_thick = relative.abs() > DEGENERATE;
+        degenerate.note_if(!is_thick, index);
+        inverted.note_if(relative < 0.0, index);
+        quality.add(kind, &sizes);
+    }
+    degenerate.refuse(CellFault::Degenerate)?;
+    inverted.refuse(CellFault::Inverted)?;
+    Ok(quality.finish())
 }
 
-fn check_plane(coordinates: &[[f64; 3]], used: &[u32]) -> Result<(), MeshError> {
+/// Faulty cells met on a pass.
+#[derive(Default)]
+struct Found {
+    first: usize,
+    count: usize,
+}
+
+impl Found {
+    fn note_if(&mut self, is_faulty: bool, cell: usize) {
+        if is_faulty {
+            if self.count == 0 {
+                self.first = cell;
+            }
+            self.count += 1;
+        }
+    }
+
+    fn refuse(&self, fault: CellFault) -> Result<(), MeshError> {
+        match (self.first, self.count) {
+            (_, 0) => Ok(()),
+            (first, count) => Err(MeshError::Cells {
+                fault,
+                first,
+                count,
+            }),
+        }
+    }
+}
+
+fn check_plane(coordinates: &[[f64; 3]], numbering: &Numbering) -> Result<(), MeshError> {
     let allowed = OFF_PLANE * extent(coordinates);
     let height = |point: &[f64; 3]| point[2].abs();
     match first_and_count(coordinates.iter().map(|point| height(point) > allowed)) {
         Some((first, count)) => Err(MeshError::OffPlane {
-            first: used[first] as usize,
+            first: numbering.uploaded(first).unwrap_or(first),
             count,
         }),
         None => Ok(()),
@@ -201,16 +239,57 @@ pub(crate) fn refuse_cells(
     }
 }
 
-/// Refuses cells listed in ascending order.
-pub(crate) fn refuse_listed(fault: CellFault, listed: &[u32]) -> Result<(), MeshError> {
-    match listed.first() {
-        Some(&first) => Err(MeshError::Cells {
+/// Refuses the cells in `listed`.
+pub(crate) fn refuse_listed(fault: CellFault, listed: &Bits) -> Result<(), MeshError> {
+    match listed.iter().next() {
+        Some(first) => Err(MeshError::Cells {
             fault,
-            first: first as usize,
-            count: listed.len(),
+            first,
+            count: listed.count(),
         }),
         None => Ok(()),
     }
+}
+
+/// Refuses facets of no cell.
+pub(crate) fn attached(parents: Vec<Option<FacetParent>>) -> Result<Vec<FacetParent>, MeshError> {
+    match first_and_count(parents.iter().map(Option::is_none)) {
+        Some((first, count)) => Err(MeshError::Facets {
+            fault: FacetFault::Detached,
+            first,
+            count,
+        }),
+        None => Ok(parents.into_iter().flatten().collect()),
+    }
+}
+
+/// Refuses groups in which one facet stands under two indices: its load would count
+/// twice. `places` is the number of entries of the cells.
+pub(crate) fn check_repeated_facets(
+    kind: CellKind,
+    groups: &[Group],
+    parents: &[FacetParent],
+    places: usize,
+) -> Result<(), MeshError> {
+    let mut seen = Bits::new(places);
+    let place = |&member: &u32| {
+        let parent = parents[member as usize];
+        parent.cell as usize * kind.vertices() + usize::from(parent.opposite)
+    };
+    for (index, group) in groups.iter().enumerate() {
+        if group.kind != GroupKind::Facets {
+            continue;
+        }
+        for place in group.members.iter().map(place) {
+            if !seen.insert(place) {
+                return Err(group_error(GroupFault::RepeatedMember, index, group));
+            }
+        }
+        for place in group.members.iter().map(place) {
+            seen.remove(place);
+        }
+    }
+    Ok(())
 }
 
 /// Position of the first `true` and the number of them; `None` without any.

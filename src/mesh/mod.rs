@@ -9,12 +9,17 @@
 //!
 //! Shapes: coordinates `[vertices, 3]`; cells flat `[cells, 3 | 4]`; facets flat
 //! `[facets, 2 | 3]`; cell edges flat `[cells, 3 | 6]`. Cost: n cells take
-//! O(n log(valence)) time and about 40 bytes per cell plus the arrays.
+//! O(n log(valence)) time; building holds little more than the mesh itself, since
+//! uploaded arrays are renumbered in place and temporaries make way for results.
 
+mod bits;
+mod buckets;
 pub mod cell;
 mod check;
 mod digest;
+mod edges;
 mod error;
+mod facets;
 pub mod locate;
 mod numbering;
 pub mod quality;
@@ -26,9 +31,10 @@ pub use cell::{CellKind, barycentric_gradients};
 pub use digest::MeshId;
 pub use error::{CellFault, FacetFault, GroupFault, MeshError};
 pub use locate::{Located, Locator};
-use numbering::Numbering;
 pub use quality::Quality;
-use topology::{Edges, FacetParent, FacetTable};
+
+use facets::FacetParent;
+use numbering::Numbering;
 
 /// What the members of a group are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -90,11 +96,13 @@ pub struct BoundaryFacet {
 pub struct Mesh {
     id: MeshId,
     kind: CellKind,
+    quality: Quality,
     uploaded_vertex_count: usize,
     used: Vec<u32>,
     coordinates: Vec<[f64; 3]>,
     cells: Vec<u32>,
-    edges: Edges,
+    edges: Vec<[u32; 2]>,
+    cell_edges: Vec<u32>,
     facets: Vec<u32>,
     facet_parents: Vec<FacetParent>,
     boundary: Vec<BoundaryFacet>,
@@ -113,27 +121,26 @@ impl Mesh {
         let kind = parts.cell_kind;
         let uploaded_vertex_count = parts.coordinates.len();
         let numbering = Numbering::new(&parts.cells, uploaded_vertex_count);
-        let coordinates = numbering.select(&parts.coordinates);
+        let coordinates = numbering.select(parts.coordinates);
         let cells = numbering.renumber(parts.cells);
-        let corners = cells
-            .chunks_exact(kind.vertices())
-            .map(|cell| corners_of(&coordinates, cell));
-        check::check_shapes(kind, &coordinates, &numbering.used, corners)?;
-        let table = FacetTable::new(kind, &cells, coordinates.len());
-        check::refuse_listed(CellFault::Duplicate, &table.duplicate_cells(&cells))?;
-        check::refuse_listed(CellFault::CrowdedFacet, &table.crowding_cells())?;
         let facets = numbering.renumber(parts.facets);
-        let facet_parents = find_parents(kind, &table, &facets)?;
-        check_repeated_facets(&parts.groups, &facet_parents)?;
+        let quality = check::check_shapes(kind, &coordinates, &cells, &numbering)?;
+        let topology = topology::connect(kind, &cells, &facets, coordinates.len());
+        check::refuse_listed(CellFault::Duplicate, &topology.facets.duplicates)?;
+        check::refuse_listed(CellFault::CrowdedFacet, &topology.facets.crowded)?;
+        let facet_parents = check::attached(topology.facets.parents)?;
+        check::check_repeated_facets(kind, &parts.groups, &facet_parents, cells.len())?;
         Ok(Self {
             id,
             kind,
+            quality,
             uploaded_vertex_count,
-            edges: topology::edges(kind, &cells, coordinates.len()),
-            facets: oriented_facets(kind, &cells, &facet_parents),
-            boundary: boundary_facets(kind, &cells, &table),
-            warnings: numbering.warnings(uploaded_vertex_count),
-            used: numbering.used,
+            cell_edges: topology::cell_edges(kind, &cells, &topology.edges, coordinates.len()),
+            edges: topology.edges,
+            facets: oriented(kind, &cells, &facet_parents, facets),
+            boundary: topology.facets.boundary,
+            warnings: numbering.warnings(),
+            used: numbering.into_used(),
             coordinates,
             cells,
             facet_parents,
@@ -205,18 +212,18 @@ impl Mesh {
 
     /// Edges as (low, high) used vertices in lexicographic order.
     pub fn edges(&self) -> &[[u32; 2]] {
-        &self.edges.pairs
+        &self.edges
     }
 
     /// Edge of each local edge of [`CellKind::edges`], flat `[cells, 3 | 6]`.
     pub fn cell_edges(&self) -> &[u32] {
-        &self.edges.of_cells
+        &self.cell_edges
     }
 
     /// The edge between two used vertices, in either order.
     pub fn edge_between(&self, first: u32, second: u32) -> Option<u32> {
         let pair = [first.min(second), first.max(second)];
-        let found = self.edges.pairs.binary_search(&pair);
+        let found = self.edges.binary_search(&pair);
         found.ok().map(|edge| edge as u32)
     }
 
@@ -262,11 +269,7 @@ impl Mesh {
 
     /// Smallest and mean shape quality of the cells.
     pub fn quality(&self) -> Quality {
-        let cells = self.cells.chunks_exact(self.kind.vertices());
-        quality::quality(
-            self.kind,
-            cells.map(|cell| corners_of(&self.coordinates, cell)),
-        )
+        self.quality
     }
 
     /// Longest side of the bounding box of the used vertices, length.
@@ -284,8 +287,8 @@ impl Mesh {
         array_bytes(&self.used)
             + array_bytes(&self.coordinates)
             + array_bytes(&self.cells)
-            + array_bytes(&self.edges.pairs)
-            + array_bytes(&self.edges.of_cells)
+            + array_bytes(&self.edges)
+            + array_bytes(&self.cell_edges)
             + array_bytes(&self.facets)
             + array_bytes(&self.facet_parents)
             + array_bytes(&self.boundary)
@@ -301,67 +304,22 @@ fn corners_of(coordinates: &[[f64; 3]], cell: &[u32]) -> [[f64; 3]; 4] {
     corners
 }
 
-fn find_parents(
+/// The facets as their parents have them, oriented outwards, in the place of `facets`.
+fn oriented(
     kind: CellKind,
-    table: &FacetTable,
-    facets: &[u32],
-) -> Result<Vec<FacetParent>, MeshError> {
-    let rows = facets.chunks_exact(kind.facet_vertices());
-    let parents: Vec<Option<FacetParent>> = rows.map(|facet| table.parent(facet)).collect();
-    let detached = parents.iter().map(Option::is_none);
-    if let Some((first, count)) = check::first_and_count(detached) {
-        let fault = FacetFault::Detached;
-        return Err(MeshError::Facets {
-            fault,
-            first,
-            count,
-        });
-    }
-    Ok(parents.into_iter().flatten().collect())
-}
-
-/// Refuses groups in which one facet stands under two indices: its load would count twice.
-fn check_repeated_facets(groups: &[Group], parents: &[FacetParent]) -> Result<(), MeshError> {
-    for (index, group) in groups.iter().enumerate() {
-        if group.kind != GroupKind::Facets {
-            continue;
-        }
-        let place = |&member: &u32| {
-            (
-                parents[member as usize].cell,
-                parents[member as usize].opposite,
-            )
-        };
-        let mut places: Vec<(u32, u8)> = group.members.iter().map(place).collect();
-        places.sort_unstable();
-        if places.windows(2).any(|pair| pair[0] == pair[1]) {
-            return Err(check::group_error(GroupFault::RepeatedMember, index, group));
-        }
-    }
-    Ok(())
-}
-
-/// The parents' local facets, which are oriented outwards.
-fn oriented_facets(kind: CellKind, cells: &[u32], parents: &[FacetParent]) -> Vec<u32> {
-    let mut facets = Vec::with_capacity(parents.len() * kind.facet_vertices());
-    for parent in parents {
+    cells: &[u32],
+    parents: &[FacetParent],
+    mut facets: Vec<u32>,
+) -> Vec<u32> {
+    let rows = facets.chunks_exact_mut(kind.facet_vertices());
+    for (facet, parent) in rows.zip(parents) {
         let cell = &cells[parent.cell as usize * kind.vertices()..];
         let local = kind.facets()[usize::from(parent.opposite)];
-        facets.extend(local.iter().map(|&vertex| cell[vertex]));
+        for (vertex, &place) in facet.iter_mut().zip(local) {
+            *vertex = cell[place];
+        }
     }
     facets
-}
-
-fn boundary_facets(kind: CellKind, cells: &[u32], table: &FacetTable) -> Vec<BoundaryFacet> {
-    let parents = table.boundary();
-    let vertices = oriented_facets(kind, cells, &parents);
-    let rows = vertices.chunks_exact(kind.facet_vertices());
-    let facet = |(row, parent): (&[u32], &FacetParent)| BoundaryFacet {
-        vertices: [row[0], row[1], row[row.len() - 1]],
-        cell: parent.cell,
-        opposite: parent.opposite,
-    };
-    rows.zip(&parents).map(facet).collect()
 }
 
 fn array_bytes<T>(array: &[T]) -> u64 {

@@ -1,45 +1,73 @@
 //! The used numbering: uploaded vertices without those that no cell has, in the
-//! same order. Two arrays, two passes.
+//! same order. One and a half bits per vertex; arrays are renumbered in place.
+
+use super::bits::Bits;
 
 /// Which uploaded vertices cells use.
 pub(super) struct Numbering {
-    /// Uploaded number of each used vertex, ascending.
-    pub(super) used: Vec<u32>,
-    /// Used number of each uploaded vertex; an unused one has `u32::MAX`, which
-    /// no cell has and so no facet lookup finds.
-    numbers: Vec<u32>,
+    used: Bits,
+    ranks: Vec<u32>,
+    used_count: usize,
+    vertex_count: usize,
 }
 
 impl Numbering {
     pub(super) fn new(cells: &[u32], vertex_count: usize) -> Self {
-        let mut numbers = vec![u32::MAX; vertex_count];
+        let mut used = Bits::new(vertex_count);
         for &vertex in cells {
-            numbers[vertex as usize] = 0;
+            used.insert(vertex as usize);
         }
-        let mut used = Vec::with_capacity(vertex_count);
-        for (number, uploaded) in numbers.iter_mut().zip(0_u32..) {
-            if *number == 0 {
-                *number = used.len() as u32;
-                used.push(uploaded);
+        Self {
+            ranks: used.ranks(),
+            used_count: used.count(),
+            used,
+            vertex_count,
+        }
+    }
+
+    fn is_identity(&self) -> bool {
+        self.used_count == self.vertex_count
+    }
+
+    pub(super) fn select(&self, mut coordinates: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
+        if !self.is_identity() {
+            let mut vertices = 0..self.vertex_count;
+            coordinates.retain(|_| vertices.next().is_some_and(|one| self.used.contains(one)));
+        }
+        coordinates.shrink_to_fit();
+        coordinates
+    }
+
+    /// An unused vertex becomes `u32::MAX`, which no cell has and so no facet
+    /// lookup finds.
+    pub(super) fn renumber(&self, mut vertices: Vec<u32>) -> Vec<u32> {
+        if !self.is_identity() {
+            for vertex in &mut vertices {
+                let uploaded = *vertex as usize;
+                *vertex = match self.used.contains(uploaded) {
+                    true => self.used.rank(&self.ranks, uploaded),
+                    false => u32::MAX,
+                };
             }
         }
-        Self { used, numbers }
-    }
-
-    pub(super) fn select(&self, coordinates: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let used = self.used.iter();
-        used.map(|&vertex| coordinates[vertex as usize]).collect()
-    }
-
-    pub(super) fn renumber(&self, mut vertices: Vec<u32>) -> Vec<u32> {
-        for vertex in &mut vertices {
-            *vertex = self.numbers[*vertex as usize];
-        }
+        vertices.shrink_to_fit();
         vertices
     }
 
-    pub(super) fn warnings(&self, uploaded: usize) -> Vec<String> {
-        match uploaded - self.used.len() {
+    /// Uploaded number of a used vertex, in linear time.
+    pub(super) fn uploaded(&self, used: usize) -> Option<usize> {
+        self.used.iter().nth(used)
+    }
+
+    /// Uploaded number of each used vertex, ascending.
+    pub(super) fn into_used(self) -> Vec<u32> {
+        let mut used = Vec::with_capacity(self.used_count);
+        used.extend(self.used.iter().map(|vertex| vertex as u32));
+        used
+    }
+
+    pub(super) fn warnings(&self) -> Vec<String> {
+        match self.vertex_count - self.used_count {
             0 => Vec::new(),
             1 => vec!["1 vertex belongs to no cell and is dropped".to_owned()],
             dropped => vec![format!(

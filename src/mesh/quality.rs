@@ -3,7 +3,7 @@
 //! η = 12 (3V)^(2/3) / Σ l² for tetrahedra, η = 4√3 A / Σ l² for triangles
 //! (Liu and Joe 1994). One pass over the cells, no memory.
 
-use super::cell::CellKind;
+use super::cell::{CellKind, ScaledMeasures};
 
 /// Mean-ratio quality of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +18,10 @@ pub struct Quality {
 
 /// Mean ratio of one cell of positive measure.
 pub fn mean_ratio(kind: CellKind, corners: &[[f64; 3]; 4]) -> f64 {
-    let sizes = kind.scaled_measures(corners);
+    ratio(kind, &kind.scaled_measures(corners))
+}
+
+fn ratio(kind: CellKind, sizes: &ScaledMeasures) -> f64 {
     let numerator = match kind {
         CellKind::Triangle => 4.0 * 3_f64.sqrt() * sizes.measure,
         CellKind::Tetrahedron => 12.0 * (3.0 * sizes.measure).cbrt().powi(2),
@@ -26,25 +29,46 @@ pub fn mean_ratio(kind: CellKind, corners: &[[f64; 3]; 4]) -> f64 {
     numerator / sizes.sum_of_squares
 }
 
-/// Quality over the corners of all cells; the minimum is 1 where there are none.
-pub(crate) fn quality(kind: CellKind, cells: impl Iterator<Item = [[f64; 3]; 4]>) -> Quality {
-    let mut result = Quality {
-        minimum: 1.0,
-        mean: 0.0,
-        worst_cell: 0,
-    };
-    let mut count = 0_u32;
-    for corners in cells {
-        let ratio = mean_ratio(kind, &corners).min(1.0);
-        if ratio < result.minimum {
-            result.minimum = ratio;
-            result.worst_cell = count;
+/// The quality of the cells added so far.
+#[derive(Debug)]
+pub(super) struct Mean {
+    minimum: f64,
+    sum: f64,
+    worst_cell: u32,
+    count: u32,
+}
+
+impl Default for Mean {
+    fn default() -> Self {
+        Self {
+            minimum: 1.0,
+            sum: 0.0,
+            worst_cell: 0,
+            count: 0,
         }
-        result.mean += ratio;
-        count += 1;
     }
-    result.mean /= f64::from(count.max(1));
-    result
+}
+
+impl Mean {
+    /// Adds the next cell.
+    pub(super) fn add(&mut self, kind: CellKind, sizes: &ScaledMeasures) {
+        let ratio = ratio(kind, sizes).min(1.0);
+        if ratio < self.minimum {
+            self.minimum = ratio;
+            self.worst_cell = self.count;
+        }
+        self.sum += ratio;
+        self.count += 1;
+    }
+
+    /// The minimum is 1 where there are no cells.
+    pub(super) fn finish(self) -> Quality {
+        Quality {
+            minimum: self.minimum,
+            mean: self.sum / f64::from(self.count.max(1)),
+            worst_cell: self.worst_cell,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -87,7 +111,12 @@ mod tests {
         let mut flat = CORNER;
         flat[3][2] = 0.01;
         let cells = [CORNER, flat, flat, CORNER];
-        let quality = quality(CellKind::Tetrahedron, cells.into_iter());
+        let kind = CellKind::Tetrahedron;
+        let mut mean = Mean::default();
+        for corners in cells {
+            mean.add(kind, &kind.scaled_measures(&corners));
+        }
+        let quality = mean.finish();
         assert_eq!(quality.worst_cell, 1);
         assert!(quality.minimum < 0.2 && quality.mean > quality.minimum && quality.mean < 1.0);
     }

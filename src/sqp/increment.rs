@@ -38,6 +38,18 @@ pub(crate) struct Ending {
     pub(crate) force_scale: f64,
 }
 
+impl Ending {
+    /// Whether something outside the solver ended it.
+    pub(crate) fn is_stopped(&self) -> bool {
+        match self.termination {
+            Termination::Converged | Termination::NotConverged => false,
+            Termination::Cancelled | Termination::DeadlineExceeded | Termination::InternalError => {
+                true
+            }
+        }
+    }
+}
+
 /// Moves `state` to equilibrium under `drive`.
 pub(crate) fn solve(
     context: &Context<'_>,

@@ -8,7 +8,7 @@ use super::drive::{Drive, ObstaclePose};
 use super::evaluate::Context;
 use super::increment::{self, Ending};
 use super::loads::reference_load;
-use super::state::State;
+use super::state::{Snapshot, State};
 use super::watch::Watch;
 use super::{fields, results, verification};
 use crate::linalg::vector::dot;
@@ -47,6 +47,8 @@ pub struct Session {
     interfaces: Interfaces,
     load: Vec<f64>,
     state: State,
+    /// The state before the last increment.
+    previous: Snapshot,
     /// What the last step led to, reached or not.
     target: Drive,
     steps: u32,
@@ -101,8 +103,10 @@ impl Session {
         };
         preparation.assemble += own;
         preparation.total += own;
+        let state = State::undeformed(&plan);
         Self {
-            state: State::undeformed(&plan),
+            previous: state.snapshot(),
+            state,
             target: Drive::first_target(plan.scene()),
             pending_factorisations: u32::from(reuse == Reuse::Built),
             plan,
@@ -149,7 +153,9 @@ impl Session {
     }
 
     /// Does the next increment; none when the step is finished. A result that
-    /// did not converge finishes the step, with the last good state kept.
+    /// did not converge finishes the step, with the last good state kept; one that
+    /// was stopped leaves the state before the increment, so that no later bit
+    /// depends on when that was. After a panic inside, [`Session::take_back`].
     pub fn advance(
         &mut self,
         run: &mut StepRun,
@@ -175,8 +181,14 @@ impl Session {
                 ..IterationRecord::default()
             },
         };
+        self.previous = self.state.snapshot();
         let mut state = std::mem::replace(&mut self.state, State::undeformed(&self.plan));
-        let (ending, part) = self.approach(&mut state, &goal, &mut watch, &mut counters, &mut work);
+        let (mut ending, part) =
+            self.approach(&mut state, &goal, &mut watch, &mut counters, &mut work);
+        if ending.is_stopped() {
+            state.go_back(&self.previous);
+            increment::describe(&self.context(), &mut state, &mut ending, &mut work);
+        }
         self.state = state;
         run.done = increment;
         run.finished = ending.termination != Termination::Converged;
@@ -185,6 +197,11 @@ impl Session {
         let report = self.report(increment, reached, &ending, &counters, &mut work);
         self.work = work;
         Some(report)
+    }
+
+    /// Goes back to the state before the last increment.
+    pub fn take_back(&mut self) {
+        self.state.go_back(&self.previous);
     }
 
     /// Moves `state` to `goal`, in parts where the whole fails; returns how it
@@ -237,11 +254,7 @@ impl Session {
                 }
                 Termination::Cancelled
                 | Termination::DeadlineExceeded
-                | Termination::InternalError => {
-                    state.restore(&good);
-                    increment::describe(&context, state, &mut ending, work);
-                    return (ending, reached);
-                }
+                | Termination::InternalError => return (ending, 0.0),
             }
         }
     }
@@ -340,7 +353,7 @@ impl Session {
 
     /// Bytes held by this session alone.
     pub fn bytes(&self) -> u64 {
-        self.state.bytes() + self.work.bytes() + 8 * self.load.len() as u64
+        self.state.bytes() + self.previous.bytes() + self.work.bytes() + 8 * self.load.len() as u64
     }
 
     /// Current poses of all obstacles.

@@ -18,6 +18,13 @@ pub(crate) struct Snapshot {
     force_scale: f64,
 }
 
+impl Snapshot {
+    pub(crate) fn bytes(&self) -> u64 {
+        let numbers = self.displacement.len() + self.pressure.len() + self.multiplier.len();
+        (8 * numbers + self.active.len()) as u64
+    }
+}
+
 /// Non-dimensional state.
 #[derive(Debug)]
 pub(crate) struct State {
@@ -74,6 +81,13 @@ impl State {
         self.drive = snapshot.drive.clone();
         self.scales = snapshot.scales;
         self.force_scale = snapshot.force_scale;
+    }
+
+    /// As `restore`, and forgets what the solver has learnt since, which depends
+    /// on how far it came.
+    pub(crate) fn go_back(&mut self, snapshot: &Snapshot) {
+        self.restore(snapshot);
+        self.directions = Directions::default();
     }
 
     pub(crate) fn bytes(&self) -> u64 {

@@ -8,6 +8,9 @@ use signorini_proto::v1 as wire;
 use super::wide;
 use crate::fault::Fault;
 
+/// Most numbers in one request for fields.
+const MAXIMUM_FIELDS: usize = 100;
+
 /// Number type of fields on one stream.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum Encoding {
@@ -62,6 +65,14 @@ impl KeptField {
         })
     }
 
+    /// Bytes of its values in this encoding.
+    pub(crate) fn encoded_bytes(&self, encoding: Encoding) -> u64 {
+        match encoding {
+            Encoding::Double => self.data.len() as u64,
+            Encoding::Single => self.data.len() as u64 / 2,
+        }
+    }
+
     fn encoded(&self, encoding: Encoding) -> (Bytes, usize, wire::ElementType) {
         match encoding {
             Encoding::Double => (self.data.clone(), 8, wire::ElementType::F64),
@@ -94,8 +105,13 @@ pub(crate) fn encoding(number: i32) -> Result<Encoding, Fault> {
 /// Fields by their numbers, each once, in order of the request.
 ///
 /// # Errors
-/// For an unknown number.
+/// For an unknown number and for more than [`MAXIMUM_FIELDS`].
 pub(crate) fn names(numbers: &[i32], path: &str) -> Result<Vec<FieldName>, Fault> {
+    if numbers.len() > MAXIMUM_FIELDS {
+        let count = numbers.len();
+        let message = format!("has {count} entries, at most {MAXIMUM_FIELDS} are allowed");
+        return Err(Fault::request(path, message));
+    }
     let mut fields = Vec::new();
     for number in numbers {
         let known = wire::FieldName::try_from(*number).ok().and_then(domain);

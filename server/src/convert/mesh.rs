@@ -1,21 +1,32 @@
 //! Mesh uploads into the library's arrays, and meshes onto the wire.
 //!
-//! Sizes are those of the header, checked before anything is allocated; arrays
-//! grow with the chunks that arrive.
+//! Sizes are those of the header, checked before anything is allocated.
+
+mod reading;
+mod upload;
 
 use std::time::SystemTime;
 
-use signorini::mesh::{CellKind, Group, GroupKind, Mesh, MeshId, MeshParts};
-use signorini_proto::array::{ArrayError, Assembler};
+use signorini::mesh::{CellKind, Group, GroupKind, Mesh, MeshId};
 use signorini_proto::v1 as wire;
 
 use super::{MAXIMUM_NAME_BYTES, wide};
 use crate::fault::Fault;
 
+pub(crate) use reading::messages;
+pub(crate) use upload::Upload;
+
 const MAXIMUM_VERTICES: i64 = 200_000_000;
 const MAXIMUM_CELLS: i64 = 400_000_000;
 const MAXIMUM_GROUPS: usize = 4096;
 const PREFIX: &str = "meshes/";
+
+/// The ends of an edge.
+const EDGE_BYTES: u64 = 8;
+/// The cell behind an uploaded facet and the facet of the boundary.
+const FACET_BYTES: u64 = 8 + 20;
+/// What building holds beside the mesh, as a fraction of it.
+const MARGIN: u64 = 16;
 
 /// The identity in `meshes/{digest}`.
 ///
@@ -82,88 +93,20 @@ impl Header {
     /// Bytes of the arrays on the wire.
     pub(crate) fn array_bytes(&self) -> u64 {
         let members: u64 = self.groups.iter().map(|group| group.members as u64).sum();
-        let indices = self.cells * self.cell_kind.vertices() + self.facets * self.facet_vertices();
+        let kind = self.cell_kind;
+        let indices = self.cells * kind.vertices() + self.facets * kind.facet_vertices();
         24 * self.vertices as u64 + 4 * (indices as u64 + members)
     }
 
-    fn facet_vertices(&self) -> usize {
-        self.cell_kind.vertices() - 1
-    }
-}
-
-/// The arrays of an upload, still growing.
-pub(crate) struct Upload {
-    header: Header,
-    coordinates: Assembler<f64>,
-    cells: Assembler<i32>,
-    facets: Assembler<i32>,
-    members: Vec<Assembler<i32>>,
-}
-
-impl Upload {
-    pub(crate) fn new(header: Header) -> Self {
-        Self {
-            coordinates: Assembler::new(3 * header.vertices),
-            cells: Assembler::new(header.cell_kind.vertices() * header.cells),
-            facets: Assembler::new(header.facet_vertices() * header.facets),
-            members: header
-                .groups
-                .iter()
-                .map(|group| Assembler::new(group.members))
-                .collect(),
-            header,
-        }
-    }
-
-    /// Takes one chunk.
-    ///
-    /// # Errors
-    /// `RequestInvalid` that names the array.
-    pub(crate) fn push(&mut self, chunk: &wire::MeshChunk) -> Result<(), Fault> {
-        let (offset, data) = (chunk.offset_elements, &chunk.data);
-        match wire::MeshArray::try_from(chunk.array) {
-            Ok(wire::MeshArray::Coordinates) => {
-                named("coordinates", self.coordinates.push(offset, data))
-            }
-            Ok(wire::MeshArray::Cells) => named("cells", self.cells.push(offset, data)),
-            Ok(wire::MeshArray::Facets) => named("facets", self.facets.push(offset, data)),
-            Ok(wire::MeshArray::GroupMembers) => {
-                let index = usize::try_from(chunk.group_index).ok();
-                let members = index
-                    .and_then(|index| self.members.get_mut(index))
-                    .ok_or_else(|| {
-                        Fault::request("chunk.group_index", "names no group of the header")
-                    })?;
-                named("group members", members.push(offset, data))
-            }
-            Ok(wire::MeshArray::Unspecified) | Err(_) => {
-                Err(Fault::request("chunk.array", "names no array of a mesh"))
-            }
-        }
-    }
-
-    /// The library's arrays.
-    ///
-    /// # Errors
-    /// `RequestInvalid` when an array is incomplete, `MeshInvalid` for a negative index.
-    pub(crate) fn finish(self) -> Result<MeshParts, Fault> {
-        let coordinates = named("coordinates", self.coordinates.finish())?;
-        let (points, _) = coordinates.as_chunks::<3>();
-        let mut groups = Vec::with_capacity(self.members.len());
-        for (header, members) in self.header.groups.into_iter().zip(self.members) {
-            groups.push(Group {
-                members: indices(&format!("group `{}`", header.name), members)?,
-                name: header.name,
-                kind: header.kind,
-            });
-        }
-        Ok(MeshParts {
-            cell_kind: self.header.cell_kind,
-            coordinates: points.to_vec(),
-            cells: indices("cells", self.cells)?,
-            facets: indices("facets", self.facets)?,
-            groups,
-        })
+    /// Bytes that the upload and the mesh made of it take at most, for a mesh
+    /// whose whole boundary is among its facets; Euler's formula predicts the edges.
+    pub(crate) fn predicted_bytes(&self) -> u64 {
+        let [vertices, cells, facets] = [self.vertices, self.cells, self.facets].map(|n| n as u64);
+        let cell_edges = cells * self.cell_kind.edges().len() as u64;
+        let edges = vertices + cells + facets;
+        let found = 4 * (vertices + cell_edges) + EDGE_BYTES * edges + FACET_BYTES * facets;
+        let mesh = self.array_bytes() + found;
+        mesh + mesh / MARGIN
     }
 }
 
@@ -266,17 +209,4 @@ fn limit(what: &str, limit: i64) -> Fault {
         what: what.to_owned(),
         limit: limit.unsigned_abs(),
     }
-}
-
-fn named<T>(array: &str, outcome: Result<T, ArrayError>) -> Result<T, Fault> {
-    outcome.map_err(|error| Fault::request(array, error.to_string()))
-}
-
-fn indices(array: &str, values: Assembler<i32>) -> Result<Vec<u32>, Fault> {
-    let convert = |(position, value): (usize, i32)| {
-        u32::try_from(value)
-            .map_err(|_| Fault::MeshInvalid(format!("{array}: entry {position} is {value}")))
-    };
-    let values = named(array, values.finish())?;
-    values.into_iter().enumerate().map(convert).collect()
 }

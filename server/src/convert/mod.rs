@@ -4,6 +4,8 @@
 //! the scene file spells them; meaning is checked by the library.
 
 pub(crate) mod field;
+#[cfg(test)]
+mod fuzz;
 pub(crate) mod mesh;
 pub(crate) mod report;
 pub(crate) mod scene;
@@ -18,7 +20,10 @@ use crate::fault::{Fault, violation};
 /// Longest name of anything, bytes.
 pub(crate) const MAXIMUM_NAME_BYTES: usize = 256;
 
-/// Faults found while a message is converted.
+/// Most faults of one message that are told.
+const MOST_FAULTS: usize = 100;
+
+/// Faults found while a message is converted, at most [`MOST_FAULTS`].
 #[derive(Debug, Default)]
 pub(crate) struct Faults {
     invalid: Vec<Violation>,
@@ -27,7 +32,9 @@ pub(crate) struct Faults {
 
 impl Faults {
     pub(crate) fn add(&mut self, path: impl Into<String>, message: impl Into<String>) {
-        self.invalid.push(violation(path, message));
+        if self.invalid.len() < MOST_FAULTS {
+            self.invalid.push(violation(path, message));
+        }
     }
 
     /// A key of a capability that is not there yet; the first one is reported.
@@ -89,12 +96,22 @@ impl Faults {
         name.to_owned()
     }
 
+    /// Takes what was found, if anything is malformed, so that a message beyond
+    /// its limits is not converted.
+    ///
+    /// # Errors
+    /// `SceneInvalid`.
+    pub(crate) fn refuse(&mut self) -> Result<(), Fault> {
+        match self.invalid.is_empty() {
+            true => Ok(()),
+            false => Err(Fault::SceneInvalid(std::mem::take(&mut self.invalid))),
+        }
+    }
+
     /// What was found, if anything: as in the library, faults come before keys
     /// of later versions.
-    pub(crate) fn outcome(self) -> Result<(), Fault> {
-        if !self.invalid.is_empty() {
-            return Err(Fault::SceneInvalid(self.invalid));
-        }
+    pub(crate) fn outcome(mut self) -> Result<(), Fault> {
+        self.refuse()?;
         self.unsupported
             .map_or(Ok(()), |one| Err(Fault::Unsupported(one)))
     }

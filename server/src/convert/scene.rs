@@ -16,6 +16,8 @@ const MAXIMUM_OBSTACLES: usize = 1000;
 const MAXIMUM_PROBES: usize = 10_000;
 const MAXIMUM_STEPS: usize = 10_000;
 const MAXIMUM_GROUPS: usize = 1000;
+const MAXIMUM_TERMS: usize = 16;
+const MAXIMUM_EVERY: u32 = 100_000;
 
 /// Everything that a scene message says.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,7 +32,7 @@ pub(crate) struct SceneRequest {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Output {
     pub(crate) fields: Vec<FieldName>,
-    /// Every n-th increment, at least 1.
+    /// Every n-th increment, 1 to [`MAXIMUM_EVERY`].
     pub(crate) every: u32,
 }
 
@@ -43,6 +45,7 @@ pub(crate) fn scene(message: wire::Scene) -> Result<SceneRequest, Fault> {
     let mesh = mesh::id_from_name(&message.mesh, "mesh")?;
     let mut faults = Faults::default();
     limits(&message, &mut faults);
+    faults.refuse()?;
     let output = output(message.output.as_ref(), &mut faults);
     let steps = steps(message.steps.iter(), &mut faults);
     let scene = body(message, &mut faults);
@@ -59,6 +62,7 @@ fn limits(message: &wire::Scene, faults: &mut Faults) {
     faults.at_most(&message.materials, MAXIMUM_LIST, "material");
     faults.at_most(&message.supports, MAXIMUM_LIST, "support");
     faults.at_most(&message.tractions, MAXIMUM_LIST, "traction");
+    faults.at_most(&message.pressures, MAXIMUM_LIST, "pressure");
     faults.at_most(&message.obstacles, MAXIMUM_OBSTACLES, "obstacle");
     faults.at_most(&message.probes, MAXIMUM_PROBES, "probe");
     faults.at_most(&message.steps, MAXIMUM_STEPS, "step");
@@ -122,6 +126,7 @@ fn material(message: wire::Material, faults: &mut Faults) -> Material {
     let law = match message.model {
         Some(Model::LinearElastic(law)) => law,
         Some(later) => {
+            terms(&later, &path, faults);
             let reason = format!("`{}` comes in a later version", model_name(&later));
             faults.later(format!("{path}.model"), reason);
             return placeholder(message.group);
@@ -138,6 +143,13 @@ fn material(message: wire::Material, faults: &mut Faults) -> Material {
             poisson_ratio: faults.required(law.poisson_ratio, &format!("{path}.poisson_ratio")),
             formulation,
         },
+    }
+}
+
+fn terms(model: &wire::material::Model, path: &str, faults: &mut Faults) {
+    if let wire::material::Model::Ogden(law) = model {
+        faults.at_most(&law.mu, MAXIMUM_TERMS, &format!("{path}.mu"));
+        faults.at_most(&law.alpha, MAXIMUM_TERMS, &format!("{path}.alpha"));
     }
 }
 
@@ -197,9 +209,10 @@ fn surfaces(groups: Vec<String>, path: &str, faults: &mut Faults) -> Vec<String>
     let path = format!("{path}.on");
     faults.at_most(&groups, MAXIMUM_GROUPS, &path);
     if groups.is_empty() {
-        faults.add(path, "names no surface group");
+        faults.add(&path, "names no surface group");
     }
-    groups
+    let names = groups.into_iter().take(MAXIMUM_GROUPS);
+    names.map(|name| faults.name(&name, &path)).collect()
 }
 
 fn support(message: wire::Support, index: usize, faults: &mut Faults) -> Support {
@@ -281,15 +294,18 @@ fn solver(message: wire::SolverOptions, faults: &mut Faults) -> SolverOptions {
 fn output(message: Option<&wire::Output>, faults: &mut Faults) -> Output {
     let numbers = message.map_or(&[][..], |output| &output.fields);
     let fields = field::names(numbers, "output.fields").unwrap_or_else(|fault| {
-        faults.add("output.fields", fault.to_string());
+        if let Fault::RequestInvalid(one) = fault {
+            faults.add(one.path, one.message);
+        }
         Vec::new()
     });
     let every = message.and_then(|output| output.every).unwrap_or(1);
     let every = u32::try_from(every)
         .ok()
-        .filter(|every| *every > 0)
+        .filter(|every| (1..=MAXIMUM_EVERY).contains(every))
         .unwrap_or_else(|| {
-            faults.add("output.every", format!("must be at least 1, not {every}"));
+            let message = format!("must lie between 1 and {MAXIMUM_EVERY}, not {every}");
+            faults.add("output.every", message);
             1
         });
     Output { fields, every }

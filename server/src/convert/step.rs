@@ -75,13 +75,14 @@ pub(crate) fn step(message: &wire::LoadStep, path: &str, faults: &mut Faults) ->
         MAXIMUM_TARGETS,
         &format!("{path}.support"),
     );
+    let most = MAXIMUM_TARGETS;
     let mut obstacles = Vec::new();
-    for (index, target) in message.obstacles.iter().enumerate() {
+    for (index, target) in message.obstacles.iter().take(most).enumerate() {
         let path = format!("{path}.{}", named("obstacle", &target.name, index));
         obstacles.push(obstacle(target, &path, faults));
     }
     let mut supports = Vec::new();
-    for (index, target) in message.supports.iter().enumerate() {
+    for (index, target) in message.supports.iter().take(most).enumerate() {
         let path = format!("{path}.{}", named("support", &target.name, index));
         supports.push(support(target, &path, faults));
     }

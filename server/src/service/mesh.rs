@@ -1,9 +1,12 @@
 //! `MeshService`.
 
+use std::future::Future;
 use std::sync::Arc;
+use std::time::Duration;
 
 use signorini::mesh::{Mesh, MeshId};
 use signorini_proto::v1::{self as wire, mesh_service_server::MeshService, upload_mesh_request};
+use tonic::codegen::BoxStream;
 use tonic::{Request, Response, Status, Streaming};
 
 use super::{aside, page_size, respond};
@@ -11,10 +14,11 @@ use crate::convert::mesh::{self as convert, Header, Upload};
 use crate::fault::Fault;
 use crate::registry::Registry;
 use crate::session::Shop;
-use crate::store::Lease;
+use crate::store::{Lease, Reservation};
+use crate::transport;
 
-/// Bytes held while a mesh is built, per byte of its arrays.
-const BUILD_FACTOR: u64 = 4;
+/// An upload that sends nothing for so long gives its memory back.
+const IDLE: Duration = Duration::from_secs(60);
 
 /// The service.
 pub(crate) struct Meshes {
@@ -24,6 +28,8 @@ pub(crate) struct Meshes {
 
 #[tonic::async_trait]
 impl MeshService for Meshes {
+    type ReadMeshStream = BoxStream<wire::ReadMeshResponse>;
+
     #[tracing::instrument(skip_all)]
     async fn upload_mesh(
         &self,
@@ -51,6 +57,20 @@ impl MeshService for Meshes {
         request: Request<wire::ListMeshesRequest>,
     ) -> Result<Response<wire::ListMeshesResponse>, Status> {
         respond(&self.registry, async { self.list(&request.into_inner()) }).await
+    }
+
+    #[tracing::instrument(skip_all)]
+    async fn read_mesh(
+        &self,
+        request: Request<wire::ReadMeshRequest>,
+    ) -> Result<Response<Self::ReadMeshStream>, Status> {
+        respond(&self.registry, async {
+            let id = convert::id_from_name(&request.into_inner().name, "name")?;
+            let messages = convert::messages(self.shop.store.mesh(id)?);
+            let stream: Self::ReadMeshStream = Box::pin(tokio_stream::iter(messages.map(Ok)));
+            Ok(stream)
+        })
+        .await
     }
 
     #[tracing::instrument(skip_all)]
@@ -83,10 +103,7 @@ impl Meshes {
         }
         let id = header.id;
         // Held until the mesh itself is counted.
-        let _reservation = self
-            .shop
-            .store
-            .reserve(BUILD_FACTOR * header.array_bytes())?;
+        let reservation = self.shop.store.reserve(header.predicted_bytes())?;
         let mut upload = Upload::new(header);
         while let Some(part) = next(&mut inbound).await? {
             match part {
@@ -97,7 +114,14 @@ impl Meshes {
             }
         }
         let mesh = aside(move || build(upload, id)).await??;
+        let _excess = self.reserve_excess(&mesh, &reservation)?;
         self.uploaded(self.shop.store.insert_mesh(mesh), Presence::New)
+    }
+
+    /// Takes what a mesh needs beyond its prediction.
+    fn reserve_excess(&self, mesh: &Mesh, taken: &Reservation) -> Result<Reservation, Fault> {
+        let excess = mesh.bytes().saturating_sub(taken.bytes());
+        self.shop.store.reserve(excess)
     }
 
     fn uploaded(
@@ -150,13 +174,24 @@ enum Presence {
 async fn next(
     inbound: &mut Streaming<wire::UploadMeshRequest>,
 ) -> Result<Option<upload_mesh_request::Part>, Fault> {
-    let broken = |status: Status| Fault::request("upload", status.message());
-    match inbound.message().await.map_err(broken)? {
+    let broken = |status: Status| {
+        transport::fault_of(&status).unwrap_or_else(|| Fault::request("upload", status.message()))
+    };
+    match within(IDLE, inbound.message()).await?.map_err(broken)? {
         None => Ok(None),
         Some(message) => message.part.map(Some).ok_or_else(|| {
             Fault::unsupported("upload", "a message that this version does not know")
         }),
     }
+}
+
+/// The outcome of `arrival`, if it comes before an upload counts as abandoned.
+async fn within<T>(idle: Duration, arrival: impl Future<Output = T>) -> Result<T, Fault> {
+    let arrived = tokio::time::timeout(idle, arrival).await;
+    arrived.map_err(|_| {
+        let text = format!("nothing came for {} seconds", idle.as_secs());
+        Fault::request("upload", text)
+    })
 }
 
 fn build(upload: Upload, declared: MeshId) -> Result<Mesh, Fault> {
@@ -169,4 +204,16 @@ fn build(upload: Upload, declared: MeshId) -> Result<Mesh, Fault> {
         declared: declared.to_string(),
         computed: mesh.id().to_string(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test]
+    async fn an_upload_that_goes_silent_ends_with_a_reason() {
+        let silent = std::future::pending::<()>();
+        let fault = within(Duration::from_millis(1), silent).await.unwrap_err();
+        assert!(matches!(fault, Fault::RequestInvalid(_)), "{fault}");
+    }
 }

@@ -2,6 +2,7 @@
 
 pub(crate) mod mesh;
 pub(crate) mod session;
+mod timeout;
 
 use std::future::Future;
 use std::sync::Arc;

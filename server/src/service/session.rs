@@ -11,13 +11,14 @@ use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
 use tonic::{Request, Response, Status, Streaming};
 
-use super::{aside, page_size, respond};
+use super::{aside, page_size, respond, timeout};
+use crate::client_key::ClientKey;
 use crate::convert::field::{self, Encoding};
 use crate::convert::scene::SceneRequest;
 use crate::convert::{report, scene, step};
 use crate::fault::Fault;
 use crate::registry::{Claimed, Registry};
-use crate::session::{self, Handle, ReadRequest, Seed, Shop};
+use crate::session::{self, Call, Handle, ReadRequest, Seed, Shop};
 use crate::store::Lease;
 
 const MAXIMUM_REQUEST_ID_BYTES: usize = 64;
@@ -34,6 +35,7 @@ pub(crate) struct Sessions {
 #[tonic::async_trait]
 impl SessionService for Sessions {
     type SolveStream = ReceiverStream<Result<wire::SolveResponse, Status>>;
+    type WatchStream = ReceiverStream<Result<wire::WatchResponse, Status>>;
     type ReadStepStream = Messages<wire::ReadStepResponse>;
     type ExportStateStream = Messages<wire::ExportStateResponse>;
 
@@ -42,7 +44,8 @@ impl SessionService for Sessions {
         &self,
         request: Request<wire::CreateSessionRequest>,
     ) -> Result<Response<wire::CreateSessionResponse>, Status> {
-        respond(&self.registry, self.create(request.into_inner())).await
+        let client = ClientKey::of(&request);
+        respond(&self.registry, self.create(request.into_inner(), client)).await
     }
 
     #[tracing::instrument(skip_all)]
@@ -52,7 +55,9 @@ impl SessionService for Sessions {
     ) -> Result<Response<wire::GetSessionResponse>, Status> {
         respond(&self.registry, async {
             let handle = self.registry.get(&request.into_inner().name)?;
-            let session = Some(handle.describe().await?);
+            let mut session = handle.describe().await?;
+            session.scene = Some(handle.scene());
+            let session = Some(session);
             Ok(wire::GetSessionResponse { session })
         })
         .await
@@ -85,9 +90,20 @@ impl SessionService for Sessions {
         request: Request<Streaming<wire::SolveRequest>>,
     ) -> Result<Response<Self::SolveStream>, Status> {
         // Answered before anything is read: a client may wait for the headers.
+        let call = Call {
+            client: ClientKey::of(&request),
+            timeout: timeout::of(request.metadata()),
+        };
         let registry = Arc::clone(&self.registry);
-        let heartbeat = self.shop.config.heartbeat();
-        let answers = session::open_stream(registry, request.into_inner(), heartbeat);
+        let answers = session::open_stream(registry, request.into_inner(), call);
+        Ok(Response::new(ReceiverStream::new(answers)))
+    }
+
+    async fn watch(
+        &self,
+        request: Request<wire::WatchRequest>,
+    ) -> Result<Response<Self::WatchStream>, Status> {
+        let answers = session::open_watch(Arc::clone(&self.registry), request.into_inner());
         Ok(Response::new(ReceiverStream::new(answers)))
     }
 
@@ -143,11 +159,14 @@ impl Sessions {
     async fn create(
         &self,
         request: wire::CreateSessionRequest,
+        client: ClientKey,
     ) -> Result<wire::CreateSessionResponse, Fault> {
         self.registry.check_open()?;
         check_request(&request)?;
+        self.check_queue(client)?;
         let ttl = step::duration(request.ttl.as_ref(), "ttl")?;
         let missing = || Fault::request("scene", "is required");
+        let on_disconnect = request.on_disconnect();
         let scene = request.scene.ok_or_else(missing)?;
         if request.validate_only {
             let plan = self.plan(scene).await?.plan;
@@ -164,13 +183,17 @@ impl Sessions {
             Claimed::Made(handle) => return created(&handle).await,
             Claimed::New(claim) => claim,
         };
+        let kept = Arc::new(scene.clone());
         let planned = self.plan(scene).await?;
         let plan_report = report::plan(planned.plan.report());
         let seed = Seed {
             name: claim.name().to_owned(),
-            reservation: self.reserve(&planned.plan)?,
+            reservation: self.reserve(&planned)?,
             plan: Arc::new(planned.plan),
             plan_report,
+            scene: kept,
+            client,
+            on_disconnect,
             mesh: planned.mesh,
             output: planned.request.output,
             ttl: ttl.unwrap_or_else(|| self.shop.config.ttl()),
@@ -193,11 +216,24 @@ impl Sessions {
         planned.await?
     }
 
-    /// Takes the predicted memory, less what another session has prepared.
-    fn reserve(&self, plan: &Plan) -> Result<crate::store::Reservation, Fault> {
-        let store = &self.shop.store;
-        let there = store.prepared_bytes(&plan.key());
-        store.reserve(plan.report().predicted_bytes.saturating_sub(there))
+    /// Refuses a client that has too much waiting already.
+    fn check_queue(&self, client: ClientKey) -> Result<(), Fault> {
+        let limit = self.shop.config.maximum_queued;
+        match self.shop.workshop.waiting(client) < limit {
+            true => Ok(()),
+            false => Err(Fault::QueueFull { limit }),
+        }
+    }
+
+    /// Takes the predicted memory with one result, less what another session has
+    /// prepared.
+    fn reserve(&self, planned: &Planned) -> Result<crate::store::Reservation, Fault> {
+        let (store, report) = (&self.shop.store, planned.plan.report());
+        let there = store.prepared_bytes(&planned.plan.key());
+        let fields = planned.request.output.fields.len() as u64;
+        let result = 8 * fields * report.unknowns.displacement;
+        let predicted = report.predicted_bytes.saturating_sub(there);
+        store.reserve(predicted.saturating_add(result))
     }
 
     async fn list(

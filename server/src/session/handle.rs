@@ -7,7 +7,9 @@ use signorini::report::FieldName;
 use signorini_proto::v1 as wire;
 use tokio::sync::{mpsc, oneshot, watch};
 
+use super::iterations::IterationReader;
 use super::kept::KeptResult;
+use crate::client_key::ClientKey;
 use crate::convert::field::Encoding;
 use crate::convert::step::Update;
 use crate::fault::Fault;
@@ -23,8 +25,20 @@ pub(crate) struct OpenRequest {
     pub(crate) fields: Vec<FieldName>,
     pub(crate) encoding: Encoding,
     pub(crate) max_unread_bytes: u64,
-    pub(crate) on_disconnect: wire::DisconnectPolicy,
-    pub(crate) iteration_interval: Option<Duration>,
+    pub(crate) iteration_interval: Duration,
+    pub(crate) role: Role,
+}
+
+/// What a stream may do.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Role {
+    Writer {
+        client: ClientKey,
+        on_disconnect: wire::DisconnectPolicy,
+    },
+    Watcher {
+        until: wire::WatchEnd,
+    },
 }
 
 /// State and running sequence, for heartbeats.
@@ -32,8 +46,10 @@ pub(super) type Pulse = (wire::SessionState, i64);
 
 /// A stream attached to a session.
 pub(super) struct Attachment {
-    pub(super) writer: u64,
+    /// Of the stream in its session.
+    pub(super) number: u64,
     pub(super) outbox: Arc<Outbox>,
+    pub(super) iterations: IterationReader,
     pub(super) pulse: watch::Receiver<Pulse>,
 }
 
@@ -58,6 +74,8 @@ pub(super) enum Command {
     Update(u64, Box<Update>),
     Reject(u64, i64, Fault),
     CancelFrom(u64, i64),
+    /// The deadline of a stream has passed.
+    Expire(u64),
     Cancel(i64, oneshot::Sender<i64>),
     Describe(oneshot::Sender<wire::Session>),
     /// As `Describe`, without renewing the time to live.
@@ -73,14 +91,20 @@ pub(super) enum Command {
 #[derive(Clone)]
 pub(crate) struct Handle {
     name: Arc<str>,
+    scene: Arc<wire::Scene>,
     inbox: mpsc::Sender<Command>,
 }
 
 impl Handle {
-    pub(super) fn new(name: &str) -> (Self, mpsc::Receiver<Command>) {
+    pub(super) fn new(name: &str, scene: &Arc<wire::Scene>) -> (Self, mpsc::Receiver<Command>) {
         let (inbox, commands) = mpsc::channel(INBOX);
-        let name = Arc::from(name);
-        (Self { name, inbox }, commands)
+        let (name, scene) = (Arc::from(name), Arc::clone(scene));
+        (Self { name, scene, inbox }, commands)
+    }
+
+    /// The scene as the session was created.
+    pub(crate) fn scene(&self) -> wire::Scene {
+        wire::Scene::clone(&self.scene)
     }
 
     /// Returns when the actor is over.

@@ -109,9 +109,15 @@ impl Kept {
     }
 
     fn drop_fields(&mut self) {
+        self.shrink(self.maximum_field_bytes);
+    }
+
+    /// Drops the fields of the oldest results until the rest have at most
+    /// `most_bytes`; the newest result keeps its own.
+    pub(crate) fn shrink(&mut self, most_bytes: u64) {
         let older = self.results.len().saturating_sub(1);
         for result in self.results.iter_mut().take(older) {
-            if self.field_bytes <= self.maximum_field_bytes {
+            if self.field_bytes <= most_bytes {
                 return;
             }
             if !result.fields.is_empty() {
@@ -125,20 +131,33 @@ impl Kept {
         self.results.back()
     }
 
-    /// Results of one sequence with events above `after`.
-    pub(crate) fn of_sequence(&self, sequence: i64, after: i64) -> Vec<Arc<KeptResult>> {
-        let wanted =
-            |result: &&Arc<KeptResult>| result.sequence == sequence && result.event > after;
+    /// Results of one sequence.
+    pub(crate) fn of_sequence(&self, sequence: i64) -> Vec<Arc<KeptResult>> {
+        let wanted = |result: &&Arc<KeptResult>| result.sequence == sequence;
         self.results.iter().filter(wanted).cloned().collect()
     }
 
-    /// Results with events above `event`.
-    pub(crate) fn after(&self, event: i64) -> Vec<Arc<KeptResult>> {
-        self.results
-            .iter()
-            .filter(|result| result.event > event)
-            .cloned()
-            .collect()
+    /// Where a reader starts that has seen the events up to `seen`; without, it
+    /// starts behind `newest`.
+    pub(crate) fn seen(&self, seen: Option<i64>, newest: i64) -> i64 {
+        let oldest = self.results.front().map_or(newest, |one| one.event - 1);
+        seen.map_or(newest, |seen| seen.max(oldest).min(newest))
+    }
+
+    /// The oldest result with an event above `event`.
+    pub(crate) fn behind(&self, event: i64) -> Option<&Arc<KeptResult>> {
+        // Events have no gaps, so the position follows from the number.
+        let oldest = self.results.front()?.event;
+        let position = usize::try_from(event + 1 - oldest).unwrap_or(0);
+        self.results.get(position)
+    }
+
+    /// First and last event of a sequence.
+    pub(crate) fn events_of(&self, sequence: i64) -> Option<(i64, i64)> {
+        let first = self.results.partition_point(|one| one.sequence < sequence);
+        let end = self.results.partition_point(|one| one.sequence <= sequence);
+        let last = self.results.get(end.checked_sub(1)?)?;
+        Some((self.results.get(first)?.event, last.event)).filter(|_| first < end)
     }
 
     /// First sequence of which every result is kept; 0 without results.
@@ -189,8 +208,7 @@ mod tests {
             kept.push(result(event, 10));
         }
         assert_eq!(kept.bytes(), 80);
-        let all = kept.after(0);
-        let dropped: Vec<bool> = all.iter().map(|result| result.dropped).collect();
+        let dropped = [0, 1, 2].map(|event| kept.behind(event).unwrap().dropped);
         assert_eq!(dropped, [true, true, false]);
     }
 
@@ -201,9 +219,32 @@ mod tests {
             kept.push(result(event, 1));
         }
         assert_eq!((kept.first_sequence(), kept.bytes()), (2, 16));
-        assert_eq!(kept.of_sequence(1, 0).len(), 0);
-        assert_eq!(kept.of_sequence(3, 0).len(), 1);
-        assert_eq!(kept.of_sequence(3, 3).len(), 0);
+        assert_eq!(kept.of_sequence(1).len(), 0);
+        assert_eq!(kept.of_sequence(3).len(), 1);
+    }
+
+    #[test]
+    fn results_are_found_by_their_events() {
+        let mut kept = Kept::new(3, 1000);
+        for event in 1..=4 {
+            let sequence = (event + 1) / 2;
+            kept.push(KeptResult {
+                sequence,
+                ..result(event, 1)
+            });
+        }
+        let behind = |event| kept.behind(event).map(|one| one.event);
+        assert_eq!(
+            [0, 1, 2, 3, 4].map(behind),
+            [2, 2, 3, 4]
+                .map(Some)
+                .into_iter()
+                .chain([None])
+                .collect::<Vec<_>>()[..]
+        );
+        assert_eq!(kept.events_of(1), Some((2, 2)));
+        assert_eq!(kept.events_of(2), Some((3, 4)));
+        assert_eq!((kept.events_of(0), kept.events_of(3)), (None, None));
     }
 
     #[test]

@@ -4,13 +4,18 @@
 //! The actor never computes and never waits for a socket or a solver: solver
 //! threads answer by events, readers by the room in their outbox. Updates are
 //! taken in sequence; each is one step, each increment one job of the workshop.
+//! One stream writes, any number watches.
 
 mod actor;
 pub(crate) mod blank;
 mod handle;
+mod iterations;
 mod kept;
+mod pump;
 mod queue;
+mod readers;
 mod stream;
+mod watch;
 mod work;
 
 use std::future::Future;
@@ -20,6 +25,7 @@ use std::time::{Duration, SystemTime};
 use signorini::plan::Plan;
 use signorini_proto::v1 as wire;
 
+use crate::client_key::ClientKey;
 use crate::compute::Workshop;
 use crate::config::Config;
 use crate::convert::scene::Output;
@@ -27,8 +33,12 @@ use crate::metrics::Metrics;
 use crate::store::{Lease, Reservation, Store};
 
 pub(crate) use handle::{Handle, ReadRequest};
-pub(crate) use kept::messages;
-pub(crate) use stream::open as open_stream;
+#[cfg(test)]
+pub(crate) use iterations::Iterations;
+pub(crate) use iterations::{IterationReader, Newest};
+pub(crate) use kept::{KeptResult, messages};
+pub(crate) use stream::{Call, open as open_stream};
+pub(crate) use watch::open as open_watch;
 
 /// What every session of a server shares.
 pub(crate) struct Shop {
@@ -44,6 +54,10 @@ pub(crate) struct Seed {
     pub(crate) name: String,
     pub(crate) plan: Arc<Plan>,
     pub(crate) plan_report: wire::Plan,
+    pub(crate) scene: Arc<wire::Scene>,
+    /// Who asked for it.
+    pub(crate) client: ClientKey,
+    pub(crate) on_disconnect: wire::DisconnectPolicy,
     pub(crate) mesh: Lease<signorini::mesh::Mesh>,
     pub(crate) output: Output,
     pub(crate) reservation: Reservation,
@@ -96,7 +110,7 @@ pub(crate) fn start(
 ) -> Handle {
     use tracing::Instrument;
     let span = tracing::info_span!("session", name = %seed.name);
-    let (handle, inbox) = Handle::new(&seed.name);
+    let (handle, inbox) = Handle::new(&seed.name, &seed.scene);
     let run = watched(actor::run(shop, seed, inbox), ended);
     tokio::spawn(run.instrument(span));
     handle

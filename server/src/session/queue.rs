@@ -5,10 +5,16 @@ use std::time::Duration;
 
 use signorini::report::{CancelToken, StepReport};
 use signorini::scene::Step;
+use tokio::sync::mpsc;
 use tokio::task::AbortHandle;
 use tokio::time::Instant;
 
+use super::work::Event;
 use crate::convert::step::Update;
+
+/// A step that was told to stop and has not after this time is answered without
+/// its solver thread.
+const PATIENCE: Duration = Duration::from_millis(150);
 
 /// One accepted update.
 pub(super) struct Accepted {
@@ -20,6 +26,7 @@ pub(super) struct Accepted {
     pub(super) results: u32,
     max_wall_time: Option<Duration>,
     deadline: Option<AbortHandle>,
+    patience: Option<AbortHandle>,
 }
 
 impl Accepted {
@@ -32,6 +39,7 @@ impl Accepted {
             results: 0,
             max_wall_time: update.max_wall_time,
             deadline: None,
+            patience: None,
         }
     }
 
@@ -41,19 +49,31 @@ impl Accepted {
         self.cancel.cancel();
     }
 
+    /// Asks the step to stop because its time is up.
+    pub(super) fn expire(&mut self) {
+        self.cancelled_at.get_or_insert_with(Instant::now);
+        self.cancel.expire();
+    }
+
     /// Starts the step's clock, once.
-    pub(super) fn start_clock(&mut self, scene_limit: Option<f64>) {
+    pub(super) fn start_clock(
+        &mut self,
+        scene_limit: Option<f64>,
+        events: &mpsc::UnboundedSender<Event>,
+    ) {
         let scene_limit = scene_limit.and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
         let limit = self.max_wall_time.into_iter().chain(scene_limit).min();
-        let (Some(limit), None) = (limit, &self.deadline) else {
-            return;
-        };
-        let token = self.cancel.clone();
-        let clock = tokio::spawn(async move {
-            tokio::time::sleep(limit).await;
-            token.expire();
-        });
-        self.deadline = Some(clock.abort_handle());
+        if let (Some(limit), None) = (limit, &self.deadline) {
+            self.deadline = Some(post_after(limit, events, Event::Deadline(self.sequence)));
+        }
+    }
+
+    /// Starts, once, the time that a step which shall stop gets to do so.
+    pub(super) fn start_patience(&mut self, events: &mpsc::UnboundedSender<Event>) {
+        if self.patience.is_none() {
+            let event = Event::OutOfPatience(self.sequence);
+            self.patience = Some(post_after(PATIENCE, events, event));
+        }
     }
 
     /// Whether `report` is the last of this step.
@@ -65,10 +85,20 @@ impl Accepted {
 
 impl Drop for Accepted {
     fn drop(&mut self) {
-        if let Some(deadline) = &self.deadline {
-            deadline.abort();
+        for clock in [&self.deadline, &self.patience].into_iter().flatten() {
+            clock.abort();
         }
     }
+}
+
+fn post_after(time: Duration, events: &mpsc::UnboundedSender<Event>, event: Event) -> AbortHandle {
+    let events = events.clone();
+    let clock = tokio::spawn(async move {
+        tokio::time::sleep(time).await;
+        // A session that is gone has no step.
+        let _gone = events.send(event);
+    });
+    clock.abort_handle()
 }
 
 /// Accepted updates.

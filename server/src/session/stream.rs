@@ -5,38 +5,43 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use signorini_proto::v1::{self as wire, solve_request, solve_response};
+use signorini_proto::v1::{self as wire, solve_request};
 use tokio::sync::mpsc;
-use tokio::task::AbortHandle;
-use tokio::time::Instant;
 use tokio_stream::{Stream, StreamExt};
 use tonic::{Status, Streaming};
 use tracing::Instrument;
 
-use super::handle::{Attachment, Command, Handle, OpenRequest};
+use super::handle::{Command, Handle, OpenRequest, Role};
+use super::pump::{self, Attached, Sender};
+use crate::client_key::ClientKey;
 use crate::convert::{field, step};
 use crate::fault::Fault;
-use crate::outbox::{End, Next, Outbox};
+use crate::outbox::{End, Outbox};
 use crate::registry::Registry;
+use crate::transport;
 
 const UNREAD_DEFAULT: i64 = 64 << 20;
 const UNREAD_LEAST: i64 = 1 << 20;
 const UNREAD_MOST: i64 = 1 << 30;
 
-/// Messages on their way to the client.
-pub(crate) type Answers = mpsc::Receiver<Result<wire::SolveResponse, Status>>;
+/// What the transport tells about a stream.
+pub(crate) struct Call {
+    pub(crate) client: ClientKey,
+    /// Time that the client gives the whole stream.
+    pub(crate) timeout: Option<Duration>,
+}
 
 /// Serves a stream in the background; returns before anything was read.
 pub(crate) fn open(
     registry: Arc<Registry>,
     inbound: Streaming<wire::SolveRequest>,
-    heartbeat: Duration,
-) -> Answers {
+    call: Call,
+) -> mpsc::Receiver<Result<wire::SolveResponse, Status>> {
     // One message: what is unread shall stay in the outbox, which counts it.
     let (sender, answers) = mpsc::channel(1);
     let span = tracing::info_span!("solve");
     let run = async move {
-        if let Err(fault) = serve(&registry, inbound, &sender, heartbeat).await {
+        if let Err(fault) = serve(&registry, inbound, &sender, call).await {
             registry.refused(&fault);
             // The client may have left already.
             let _left = sender.send(Err(fault.into())).await;
@@ -49,88 +54,94 @@ pub(crate) fn open(
 async fn serve(
     registry: &Registry,
     mut inbound: Streaming<wire::SolveRequest>,
-    sender: &mpsc::Sender<Result<wire::SolveResponse, Status>>,
-    heartbeat: Duration,
+    sender: &Sender<wire::SolveResponse>,
+    call: Call,
 ) -> Result<(), Fault> {
-    let (name, request) = first_message(&mut inbound).await?;
-    let interval = request.iteration_interval.unwrap_or_default();
+    let (name, request) = first_message(&mut inbound, call.client).await?;
     let handle = registry.get(&name)?;
-    let attachment = handle.attach(request).await?;
-    let (writer, outbox) = (attachment.writer, Arc::clone(&attachment.outbox));
-    let reader = tokio::spawn(read(handle.clone(), writer, outbox, inbound).in_current_span());
-    let attached = Attached {
-        handle,
-        writer: Some(writer),
-        reader: reader.abort_handle(),
+    let mut attachment = handle.attach(request).await?;
+    let (number, outbox) = (attachment.number, Arc::clone(&attachment.outbox));
+    let reading = read(handle.clone(), number, outbox, inbound);
+    let _reader = Aborted(tokio::spawn(reading.in_current_span()));
+    let _clock = call
+        .timeout
+        .map(|time| Aborted(tokio::spawn(expire(handle.clone(), number, time))));
+    let attached = Attached::new(handle, number);
+    let (heartbeat, metrics) = (registry.heartbeat(), registry.metrics());
+    let convert = |message| {
+        let message = Some(message);
+        Some(wire::SolveResponse { message })
     };
-    let ended = pump(&attachment, sender, heartbeat, interval).await;
+    let ended = pump::run(&mut attachment, sender, heartbeat, metrics, convert).await;
     attached.leave().await;
     ended
 }
 
-/// A stream that writes to its session until it leaves or its task ends.
-struct Attached {
-    handle: Handle,
-    /// `None` when it has left.
-    writer: Option<u64>,
-    reader: AbortHandle,
-}
+/// A task that ends with the stream.
+struct Aborted(tokio::task::JoinHandle<()>);
 
-impl Attached {
-    /// Detaches before the client hears of the end, so that it may come back at once.
-    async fn leave(mut self) {
-        self.reader.abort();
-        if let Some(writer) = self.writer {
-            self.handle.send(Command::Detach(writer)).await;
-        }
-        self.writer = None;
-    }
-}
-
-impl Drop for Attached {
+impl Drop for Aborted {
     fn drop(&mut self) {
-        self.reader.abort();
-        if let Some(writer) = self.writer {
-            self.handle.post(Command::Detach(writer));
-        }
+        self.0.abort();
     }
+}
+
+async fn expire(handle: Handle, number: u64, time: Duration) {
+    tokio::time::sleep(time).await;
+    handle.send(Command::Expire(number)).await;
 }
 
 async fn first_message(
     inbound: &mut Streaming<wire::SolveRequest>,
+    client: ClientKey,
 ) -> Result<(String, OpenRequest), Fault> {
     let missing = || Fault::request("open", "must be the first message");
-    let first = inbound.message().await.ok().flatten().ok_or_else(missing)?;
+    let first = match inbound.message().await {
+        Ok(first) => first.ok_or_else(missing)?,
+        Err(status) => return Err(transport::fault_of(&status).unwrap_or_else(missing)),
+    };
     let Some(solve_request::Message::Open(open)) = first.message else {
         return Err(missing());
     };
-    Ok((open.session.clone(), open_request(&open)?))
+    Ok((open.session.clone(), open_request(&open, client)?))
 }
 
-fn open_request(open: &wire::Open) -> Result<OpenRequest, Fault> {
-    let max_unread_bytes = match open.max_unread_bytes {
-        0 => UNREAD_DEFAULT,
-        bytes if (UNREAD_LEAST..=UNREAD_MOST).contains(&bytes) => bytes,
-        _ => {
-            let range = format!("must lie between {UNREAD_LEAST} and {UNREAD_MOST}");
-            return Err(Fault::request("open.max_unread_bytes", range));
-        }
-    };
+fn open_request(open: &wire::Open, client: ClientKey) -> Result<OpenRequest, Fault> {
+    let interval = open.iteration_interval.as_ref();
+    let interval = step::duration(interval, "open.iteration_interval")?;
+    let on_disconnect = wire::DisconnectPolicy::try_from(open.on_disconnect).map_err(|_| {
+        Fault::unsupported(
+            "open.on_disconnect",
+            format!("number {}", open.on_disconnect),
+        )
+    })?;
     Ok(OpenRequest {
         last_seen_event: open.last_seen_event,
         fields: field::names(&open.fields, "open.fields")?,
         encoding: field::encoding(open.element_type)?,
-        max_unread_bytes: max_unread_bytes.unsigned_abs(),
-        on_disconnect: open.on_disconnect(),
-        iteration_interval: step::duration(
-            open.iteration_interval.as_ref(),
-            "open.iteration_interval",
-        )?,
+        max_unread_bytes: unread_limit(open.max_unread_bytes, "open.max_unread_bytes")?,
+        iteration_interval: interval.unwrap_or_default(),
+        role: Role::Writer {
+            client,
+            on_disconnect,
+        },
     })
 }
 
-/// Reads until the client half-closes or leaves; waits while the outbox has no
-/// room, because every message may fill it further.
+/// The limit that a reader asks for; 0 is the default.
+pub(super) fn unread_limit(bytes: i64, path: &str) -> Result<u64, Fault> {
+    match bytes {
+        0 => Ok(UNREAD_DEFAULT.unsigned_abs()),
+        bytes if (UNREAD_LEAST..=UNREAD_MOST).contains(&bytes) => Ok(bytes.unsigned_abs()),
+        _ => {
+            let range = format!("must lie between {UNREAD_LEAST} and {UNREAD_MOST}");
+            Err(Fault::request(path, range))
+        }
+    }
+}
+
+/// Reads until the client half-closes or leaves; waits while too many answers
+/// are unread, because every message may need one.
 async fn read(
     handle: Handle,
     writer: u64,
@@ -139,7 +150,7 @@ async fn read(
 ) {
     loop {
         handle.handled().await;
-        outbox.room().await;
+        outbox.answerable().await;
         match inbound.next().await.transpose() {
             Ok(Some(request)) => match command(writer, request) {
                 Ok(command) => handle.send(command).await,
@@ -150,7 +161,8 @@ async fn read(
                 // The connection broke or a message was no message; the pump
                 // notices the first, this ends the second.
                 tracing::debug!(%status, "stream ended by its client");
-                let fault = Fault::request("solve", "the stream broke");
+                let broken = || Fault::request("solve", "the stream broke");
+                let fault = transport::fault_of(&status).unwrap_or_else(broken);
                 return outbox.end(End::Fault(fault));
             }
         }
@@ -177,115 +189,4 @@ fn command(writer: u64, request: wire::SolveRequest) -> Result<Command, Fault> {
         Ok(update) => Command::Update(writer, Box::new(update)),
         Err(fault) => Command::Reject(writer, sequence, fault),
     })
-}
-
-/// Sends until the outbox ends or the client leaves.
-async fn pump(
-    attachment: &Attachment,
-    sender: &mpsc::Sender<Result<wire::SolveResponse, Status>>,
-    heartbeat: Duration,
-    interval: Duration,
-) -> Result<(), Fault> {
-    let mut iterations_from = Instant::now();
-    loop {
-        let next = tokio::select! {
-            next = attachment.outbox.next(iterations_from, heartbeat) => next,
-            () = sender.closed() => return Ok(()),
-        };
-        let message = match next {
-            Next::Message(message) => *message,
-            Next::Silence => beat(attachment),
-            Next::End(End::Done) => return Ok(()),
-            Next::End(End::Fault(fault)) => return Err(fault),
-        };
-        if matches!(message.message, Some(solve_response::Message::Iteration(_))) {
-            iterations_from = Instant::now() + interval;
-        }
-        if sender.send(Ok(message)).await.is_err() {
-            return Ok(());
-        }
-    }
-}
-
-fn beat(attachment: &Attachment) -> wire::SolveResponse {
-    let (state, running_sequence) = *attachment.pulse.borrow();
-    let heartbeat = wire::Heartbeat {
-        state: state.into(),
-        running_sequence,
-    };
-    wire::SolveResponse {
-        message: Some(solve_response::Message::Heartbeat(heartbeat)),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use std::cell::Cell;
-    use std::future::{Future, poll_fn};
-    use std::pin::{Pin, pin};
-    use std::task::Poll;
-
-    use super::*;
-    use crate::metrics::Metrics;
-
-    async fn once(mut work: Pin<&mut impl Future<Output = ()>>) -> Poll<()> {
-        poll_fn(|context| Poll::Ready(work.as_mut().poll(context))).await
-    }
-
-    /// Runs `work` until it waits for something that only the test gives.
-    async fn until_it_waits(work: Pin<&mut impl Future<Output = ()>>) {
-        assert!(once(work).await.is_pending());
-    }
-
-    fn answer_handled(commands: &mut mpsc::Receiver<Command>) {
-        let Ok(Command::Handled(reply)) = commands.try_recv() else {
-            panic!("the reader asks whether its commands are handled");
-        };
-        reply.send(()).unwrap();
-    }
-
-    #[tokio::test]
-    async fn nothing_is_read_while_there_is_no_room() {
-        let (handle, mut commands) = Handle::new("sessions/test");
-        let outbox = Outbox::new(1, &Metrics::new().unwrap());
-        outbox.push(solve_response::Message::Heartbeat(wire::Heartbeat {
-            running_sequence: 1000,
-            ..Default::default()
-        }));
-        let taken = Cell::new(0);
-        let cancel = solve_request::Message::Cancel(wire::Cancel::default());
-        let inbound = tokio_stream::iter(0..9).map(|_| {
-            taken.set(taken.get() + 1);
-            Ok(wire::SolveRequest {
-                message: Some(cancel.clone()),
-            })
-        });
-        let mut read = pin!(read(handle, 1, Arc::clone(&outbox), inbound));
-        until_it_waits(read.as_mut()).await;
-        answer_handled(&mut commands);
-        until_it_waits(read.as_mut()).await;
-        assert_eq!(taken.get(), 0);
-        outbox.next(Instant::now(), Duration::from_secs(3600)).await;
-        until_it_waits(read.as_mut()).await;
-        // The second one waits until the first is handled.
-        assert_eq!(taken.get(), 1);
-        assert!(matches!(commands.try_recv(), Ok(Command::CancelFrom(1, 0))));
-    }
-
-    #[tokio::test]
-    async fn a_stream_whose_task_dies_detaches_even_from_a_full_inbox() {
-        let (handle, mut commands) = Handle::new("sessions/test");
-        while let Poll::Ready(()) = once(pin!(handle.send(Command::CancelFrom(7, 0)))).await {}
-        let reader = tokio::spawn(std::future::pending::<()>()).abort_handle();
-        drop(Attached {
-            handle,
-            writer: Some(7),
-            reader,
-        });
-        let mut last = None;
-        while let Some(command) = commands.recv().await {
-            last = Some(command);
-        }
-        assert!(matches!(last, Some(Command::Detach(7))));
-    }
 }

@@ -1,5 +1,6 @@
 //! What a session does on a solver thread: preparation and increments.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use signorini::mesh::Mesh;
@@ -12,11 +13,12 @@ use signorini::{ObstaclePose, Reuse, Session, StepRun};
 use tokio::sync::{mpsc, oneshot};
 
 use super::Shop;
-use crate::compute::Panicked;
+use super::iterations::Iterations;
+use crate::client_key::ClientKey;
+use crate::compute::{Panicked, said};
 use crate::convert::field::KeptField;
 use crate::convert::report;
 use crate::metrics::Metrics;
-use crate::outbox::Outbox;
 use crate::store::Lease;
 
 /// The state of a session with the step under way; where it is, nobody else is.
@@ -30,6 +32,12 @@ impl Work {
     pub(super) fn abandon(&mut self) {
         self.run = None;
     }
+
+    /// Undoes the last increment and forgets its step.
+    pub(super) fn take_back(&mut self) {
+        self.session.take_back();
+        self.abandon();
+    }
 }
 
 /// State waiting for a solver thread; whoever takes it first has it.
@@ -40,9 +48,6 @@ pub(super) fn take(parcel: &Parcel) -> Option<Box<Work>> {
     parcel.lock().unwrap_or_else(PoisonError::into_inner).take()
 }
 
-/// The stream that follows a session now, if any.
-pub(super) type Subscriber = Arc<Mutex<Option<Arc<Outbox>>>>;
-
 /// One increment to do.
 pub(super) struct Task {
     pub(super) sequence: i64,
@@ -51,7 +56,9 @@ pub(super) struct Task {
     pub(super) wanted: Vec<FieldName>,
     /// Fields come with every n-th increment and the last of the step.
     pub(super) every: u32,
-    pub(super) subscriber: Subscriber,
+    /// Results finished so far.
+    pub(super) after_event: i64,
+    pub(super) iterations: Iterations,
     pub(super) metrics: Arc<Metrics>,
 }
 
@@ -72,12 +79,18 @@ pub(super) enum Outcome {
     /// The step is faulty; the state is as before.
     Refused(Box<Work>, SceneError),
     Increment(Box<Work>, Box<Increment>),
+    /// A defect; the state is as before the increment.
+    Panicked(Box<Work>, Panicked),
 }
 
-/// What solver threads tell an actor.
+/// What solver threads and clocks tell an actor.
 pub(super) enum Event {
     Prepared(Result<Box<Ready>, Unprepared>),
     Advanced(Result<Outcome, Panicked>),
+    /// The time of this sequence is up.
+    Deadline(i64),
+    /// This sequence was told to stop long enough ago.
+    OutOfPatience(i64),
 }
 
 /// A session that can step.
@@ -105,13 +118,25 @@ pub(super) fn advance(parcel: &Parcel, task: &Task) -> Outcome {
         return Outcome::Withdrawn;
     };
     let _span = tracing::info_span!("step", sequence = task.sequence).entered();
-    let mut run = match work.run.take() {
+    let run = match work.run.take() {
         Some(run) => run,
         None => match work.session.begin_step(&task.step) {
             Ok(run) => run,
             Err(error) => return Outcome::Refused(work, error),
         },
     };
+    match catch_unwind(AssertUnwindSafe(|| increment(&mut work, run, task))) {
+        Ok(increment) => Outcome::Increment(work, Box::new(increment)),
+        Err(payload) => {
+            // Only the session is used again, and it goes back to its last state.
+            work.take_back();
+            Outcome::Panicked(work, Panicked(said(payload.as_ref())))
+        }
+    }
+}
+
+fn increment(work: &mut Work, mut run: StepRun, task: &Task) -> Increment {
+    fail::fail_point!("increment");
     let mut reporter = Reporter { task };
     let done = work.session.advance(&mut run, &mut reporter, &task.cancel);
     let report = done.unwrap_or_else(|| {
@@ -120,14 +145,13 @@ pub(super) fn advance(parcel: &Parcel, task: &Task) -> Outcome {
     });
     work.run = Some(run);
     let asked = is_due(&report, task).then(|| task.wanted.clone());
-    let increment = Increment {
+    Increment {
         report,
         poses: work.session.obstacle_poses(),
         fields: gather(&work.session, asked.as_deref().unwrap_or_default()),
         asked,
         state_bytes: work.session.bytes(),
-    };
-    Outcome::Increment(work, Box::new(increment))
+    }
 }
 
 fn is_due(report: &StepReport, task: &Task) -> bool {
@@ -149,38 +173,35 @@ struct Reporter<'a> {
 impl Observer for Reporter<'_> {
     fn iteration(&mut self, record: &IterationRecord) {
         self.task.metrics.iteration();
-        let subscriber = self
-            .task
-            .subscriber
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner);
-        if let Some(outbox) = subscriber.as_ref() {
-            let mut report = report::iteration(record);
-            report.step = i32::try_from(self.task.sequence).unwrap_or(i32::MAX);
-            outbox.iteration(self.task.sequence, report);
-        }
+        let mut report = report::iteration(record);
+        report.step = i32::try_from(self.task.sequence).unwrap_or(i32::MAX);
+        let (sequence, after) = (self.task.sequence, self.task.after_event);
+        self.task.iterations.publish(sequence, after, report);
     }
 }
 
+/// What [`prepare`] builds from.
+pub(super) struct Order {
+    pub(super) plan: Arc<Plan>,
+    pub(super) mesh: Arc<Mesh>,
+    pub(super) client: ClientKey,
+    pub(super) cancel: CancelToken,
+}
+
 /// Builds what the plan needs, or finds it, and tells the actor.
-pub(super) async fn prepare(
-    shop: Arc<Shop>,
-    plan: Arc<Plan>,
-    mesh: Arc<Mesh>,
-    cancel: CancelToken,
-    events: mpsc::UnboundedSender<Event>,
-) {
-    let outcome = ready(&shop, plan, mesh, cancel).await;
+pub(super) async fn prepare(shop: Arc<Shop>, order: Order, events: mpsc::UnboundedSender<Event>) {
+    let outcome = ready(&shop, order).await;
     // A session that is gone needs nothing.
     let _gone = events.send(Event::Prepared(outcome.map(Box::new)));
 }
 
-async fn ready(
-    shop: &Arc<Shop>,
-    plan: Arc<Plan>,
-    mesh: Arc<Mesh>,
-    cancel: CancelToken,
-) -> Result<Ready, Unprepared> {
+async fn ready(shop: &Arc<Shop>, order: Order) -> Result<Ready, Unprepared> {
+    let Order {
+        plan,
+        mesh,
+        client,
+        cancel,
+    } = order;
     let turn = shop.store.turn(plan.key());
     let guard = turn.lock().await;
     let (prepared, reuse) = match shop.store.prepared(&plan.key()) {
@@ -188,7 +209,7 @@ async fn ready(
         None => {
             let (for_build, on) = (Arc::clone(&plan), Arc::clone(&mesh));
             let build = move || Prepared::build(&for_build, &on, &cancel);
-            let built = on_solver(shop, build).await??;
+            let built = on_solver(shop, client, build).await??;
             (
                 shop.store.insert_prepared(plan.key(), mesh.id(), built),
                 Reuse::Built,
@@ -197,7 +218,8 @@ async fn ready(
     };
     drop(guard);
     let shared = Arc::clone(prepared.value());
-    let session = on_solver(shop, move || Session::new(plan, mesh, shared, reuse)).await?;
+    let begin = move || Session::new(plan, mesh, shared, reuse);
+    let session = on_solver(shop, client, begin).await?;
     Ok(Ready {
         state_bytes: session.bytes(),
         work: Box::new(Work { session, run: None }),
@@ -208,10 +230,11 @@ async fn ready(
 
 async fn on_solver<T: Send + 'static>(
     shop: &Shop,
+    client: ClientKey,
     work: impl FnOnce() -> T + Send + 'static,
 ) -> Result<T, Unprepared> {
     let (sender, receiver) = oneshot::channel();
-    shop.workshop.submit(work, move |outcome| {
+    shop.workshop.submit(client, work, move |outcome| {
         // The session may be gone; its value is dropped then.
         let _gone = sender.send(outcome);
     });

@@ -113,6 +113,37 @@ impl Server {
         stream
     }
 
+    /// A server to which this one's clients may connect anew.
+    pub(crate) async fn connect(&self) -> Channel {
+        let endpoint = tonic::transport::Endpoint::new(self.url.clone()).unwrap();
+        endpoint.connect().await.unwrap()
+    }
+
+    /// Follows a session; `opened` is read already.
+    pub(crate) async fn watch(&self, request: wire::WatchRequest) -> Watcher {
+        let call = self.sessions().watch(request).await;
+        let mut watcher = Watcher(call.unwrap().into_inner());
+        let Ok(Some(wire::watch_response::Message::Opened(_))) = watcher.next().await else {
+            panic!("`opened` comes first");
+        };
+        watcher
+    }
+
+    /// Cancels what runs in a session, from a connection of its own.
+    pub(crate) async fn cancel(&self, session: &str) -> i64 {
+        let request = wire::CancelStepRequest {
+            name: session.into(),
+            sequence: 0,
+        };
+        let mut client = SessionServiceClient::new(self.connect().await);
+        client
+            .cancel_step(request)
+            .await
+            .unwrap()
+            .into_inner()
+            .sequence
+    }
+
     pub(crate) async fn stream(&self, open: wire::Open) -> Stream {
         let (updates, outbound) = mpsc::channel(16);
         let first = solve_request::Message::Open(open);
@@ -126,6 +157,46 @@ impl Server {
         Stream {
             updates: Some(updates),
             answers: call.unwrap().into_inner(),
+        }
+    }
+}
+
+/// One open `Watch` stream.
+pub(crate) struct Watcher(Streaming<wire::WatchResponse>);
+
+impl Watcher {
+    /// The next message; `None` at the end.
+    pub(crate) async fn next(
+        &mut self,
+    ) -> Result<Option<wire::watch_response::Message>, tonic::Status> {
+        let response = self.0.message().await?;
+        Ok(response.map(|response| response.message.unwrap()))
+    }
+
+    /// All results up to the first one that ends its update.
+    pub(crate) async fn update(&mut self) -> Vec<wire::StepFinished> {
+        let mut results = Vec::new();
+        loop {
+            let message = self.next().await.unwrap().unwrap();
+            if let wire::watch_response::Message::StepFinished(one) = message {
+                results.push(one);
+                if results.last().is_some_and(|one| one.last) {
+                    return results;
+                }
+            }
+        }
+    }
+
+    /// All results until the stream ends, and how it ended.
+    pub(crate) async fn results(&mut self) -> (Vec<wire::StepFinished>, Option<tonic::Status>) {
+        let mut results = Vec::new();
+        loop {
+            match self.next().await {
+                Ok(Some(wire::watch_response::Message::StepFinished(one))) => results.push(one),
+                Ok(Some(_)) => {}
+                Ok(None) => return (results, None),
+                Err(status) => return (results, Some(status)),
+            }
         }
     }
 }
@@ -241,6 +312,23 @@ pub(crate) fn open(session: &str) -> wire::Open {
     }
 }
 
+pub(crate) fn watch(session: &str, until: wire::WatchEnd) -> wire::WatchRequest {
+    wire::WatchRequest {
+        name: session.into(),
+        last_seen_event: Some(0),
+        until: until.into(),
+        ..Default::default()
+    }
+}
+
+/// Whole time of the server's clocks.
+pub(crate) fn duration(milliseconds: i64) -> Option<prost_types::Duration> {
+    Some(prost_types::Duration {
+        seconds: milliseconds / 1000,
+        nanos: (milliseconds % 1000 * 1_000_000) as i32,
+    })
+}
+
 pub(crate) fn target(depth: f64) -> wire::ObstacleTarget {
     wire::ObstacleTarget {
         name: "ball".into(),
@@ -280,4 +368,28 @@ pub(crate) fn rejection_reason(rejected: &wire::UpdateRejected) -> String {
     tonic_types::pb::ErrorInfo::decode(&any.value[..])
         .unwrap()
         .reason
+}
+
+/// The metrics page.
+pub(crate) async fn page(url: &str) -> String {
+    use tokio::io::{AsyncReadExt, AsyncWriteExt};
+    let address = url
+        .strip_prefix("http://")
+        .unwrap()
+        .strip_suffix("/metrics")
+        .unwrap();
+    let mut stream = tokio::net::TcpStream::connect(address).await.unwrap();
+    let request = format!("GET /metrics HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
+    stream.write_all(request.as_bytes()).await.unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).await.unwrap();
+    assert!(answer.starts_with("HTTP/1.1 200 OK"), "{answer}");
+    answer
+}
+
+/// A whole number of the page.
+pub(crate) fn sample(page: &str, series: &str) -> u64 {
+    let value = |line: &str| line.strip_prefix(series)?.strip_prefix(' ')?.parse().ok();
+    let found: Option<f64> = page.lines().find_map(value);
+    found.unwrap_or_else(|| panic!("{series} is missing:\n{page}")) as u64
 }

@@ -44,6 +44,9 @@ pub(crate) fn resolve(
         return (materials, of_cell);
     }
     for (index, material) in scene.materials.iter().enumerate() {
+        if faults.is_full() {
+            break;
+        }
         let path = format!("material.{}", material.group);
         materials.push(law(&material.model, &path, faults));
         match mesh.group(&material.group, GroupKind::Cells) {

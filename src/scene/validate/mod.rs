@@ -21,7 +21,11 @@ pub(crate) use materials::ResolvedMaterial;
 pub(crate) use obstacles::shape;
 pub(crate) use steps::check_step;
 
-/// Collects faults.
+/// Most faults that are told of one scene or step: more help nobody, and the
+/// text of each can be long.
+const MOST_FAULTS: usize = 100;
+
+/// Collects faults, at most [`MOST_FAULTS`].
 #[derive(Debug, Default)]
 pub(crate) struct Faults {
     violations: Vec<Violation>,
@@ -30,10 +34,18 @@ pub(crate) struct Faults {
 
 impl Faults {
     pub(crate) fn add(&mut self, path: impl Into<String>, message: impl Into<String>) {
+        if self.is_full() {
+            return;
+        }
         self.violations.push(Violation {
             path: path.into(),
             message: message.into(),
         });
+    }
+
+    /// Whether no further fault is taken, so that none needs to be worded.
+    pub(crate) fn is_full(&self) -> bool {
+        self.violations.len() >= MOST_FAULTS
     }
 
     pub(crate) fn unsupported(&mut self, path: impl Into<String>, message: impl Into<String>) {

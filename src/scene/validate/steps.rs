@@ -27,6 +27,9 @@ pub(crate) fn check(scene: &Scene, step: &Step, path: &str, mesh: &Mesh, faults:
         faults.finite(&format!("{path}.load"), &[load]);
     }
     for target in &step.obstacles {
+        if faults.is_full() {
+            return;
+        }
         let path = format!("{path}.obstacle.{}", target.name);
         if !scene
             .obstacles
@@ -59,6 +62,9 @@ pub(crate) fn check(scene: &Scene, step: &Step, path: &str, mesh: &Mesh, faults:
         }
     }
     for target in &step.supports {
+        if faults.is_full() {
+            return;
+        }
         let path = format!("{path}.support.{}", target.name);
         let Some(support) = scene.supports.iter().find(|s| s.name == target.name) else {
             let known = scene.supports.iter().map(|support| support.name.as_str());

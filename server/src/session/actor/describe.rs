@@ -19,7 +19,7 @@ impl Actor {
         if sequence >= 1 && sequence < first {
             return Err(Fault::SequenceNotRetained { sequence, first });
         }
-        let mut results = self.kept.of_sequence(sequence, 0);
+        let mut results = self.kept.of_sequence(sequence);
         results.retain(|result| [0, result.report.increment].contains(&request.increment));
         if results.is_empty() {
             let name = self.seed.name.clone();
@@ -48,6 +48,9 @@ impl Actor {
             prepared_reused: shared.is_some_and(|(_, reuse)| *reuse == Reuse::Reused),
             plan: Some(self.seed.plan_report.clone()),
             failure: self.failure().map(|fault| status::rpc_status(&fault)),
+            // Answered where it is asked for: it may be large.
+            scene: None,
+            watcher_count: i32::try_from(self.watchers.len()).unwrap_or(i32::MAX),
         }
     }
 
@@ -63,8 +66,10 @@ impl Actor {
         match &self.place {
             Place::Preparing => wire::SessionState::Preparing,
             Place::Lost(_) => wire::SessionState::Failed,
-            Place::Home(_) | Place::Away(_) if self.queue.is_empty() => wire::SessionState::Active,
-            Place::Home(_) | Place::Away(_) => wire::SessionState::Running,
+            Place::Home(_) | Place::Away(_) | Place::Behind if self.queue.is_empty() => {
+                wire::SessionState::Active
+            }
+            Place::Home(_) | Place::Away(_) | Place::Behind => wire::SessionState::Running,
         }
     }
 

@@ -1,15 +1,22 @@
 //! The actor: one session's state machine.
 //!
-//! The session's state is in one of four places ([`Place`]): not built yet, at
-//! home, in a parcel on its way through a solver thread, or lost to a defect.
-//! After every event [`Actor::proceed`] does the one thing that can be done
-//! next; nothing else starts work.
+//! The session's state is in one of five places ([`Place`]): not built yet, at
+//! home, in a parcel on its way through a solver thread, left behind with a
+//! thread that does not stop, or lost. After every event [`Actor::proceed`] does
+//! the one thing that can be done next; nothing else starts work.
+//!
+//! A step that shall stop is answered at once while it waits, and by its solver
+//! thread within one Krylov iteration while it runs. A thread that does not
+//! answer in time is left behind: the step ends with the last good state, and
+//! what the thread brings later is undone.
 
 mod describe;
 mod results;
+mod stop;
+mod streams;
 mod updates;
-mod writer;
 
+use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, SystemTime};
 
@@ -17,18 +24,20 @@ use signorini::plan::Prepared;
 use signorini::report::{CancelToken, FieldName, StepReport, Termination};
 use signorini::{ObstaclePose, Reuse};
 use signorini_proto::v1 as wire;
-use tokio::sync::{mpsc, oneshot, watch};
+use tokio::sync::{Notify, mpsc, oneshot, watch};
 use tokio::time::Instant;
 
 use super::handle::{Command, Pulse};
+use super::iterations::Iterations;
 use super::kept::Kept;
 use super::queue::Queue;
-use super::work::{self, Event, Outcome, Parcel, Ready, Subscriber, Task, Work};
+use super::readers::{Fresh, Reader};
+use super::work::{self, Event, Order, Outcome, Parcel, Ready, Task, Work};
 use super::{Ending, Seed, Shop};
+use crate::client_key::ClientKey;
+use crate::compute::Panicked;
 use crate::config::LONGEST_SECONDS;
-use crate::convert::field::Encoding;
 use crate::fault::Fault;
-use crate::outbox::{End, Outbox};
 use crate::store::Lease;
 
 /// Where the state of the session is.
@@ -36,28 +45,24 @@ enum Place {
     Preparing,
     Home(Box<Work>),
     Away(Parcel),
+    /// With a solver thread whose step is answered already.
+    Behind,
     Lost(String),
 }
 
-/// The attached stream.
+/// The stream that writes.
 struct Writer {
     number: u64,
-    outbox: Arc<Outbox>,
+    reader: Reader,
     since: SystemTime,
-    fields: Vec<FieldName>,
-    encoding: Encoding,
     on_disconnect: wire::DisconnectPolicy,
     half_closed: bool,
-    /// Newest event sent on this stream.
-    sent: i64,
 }
 
-impl Drop for Writer {
-    fn drop(&mut self) {
-        // The first end stays, so this one reaches only the stream of an actor
-        // that died.
-        self.outbox.end(End::Fault(Fault::Internal));
-    }
+/// A stream that only reads.
+struct Watcher {
+    reader: Reader,
+    until: wire::WatchEnd,
 }
 
 struct Actor {
@@ -67,8 +72,14 @@ struct Actor {
     queue: Queue,
     kept: Kept,
     writer: Option<Writer>,
-    writers: u64,
-    subscriber: Subscriber,
+    watchers: BTreeMap<u64, Watcher>,
+    /// Streams so far.
+    streams: u64,
+    /// Fields that the last writer wanted; those of the scene before the first.
+    fields: Vec<FieldName>,
+    /// Whose share of the solver threads the session uses.
+    client: ClientKey,
+    iterations: Iterations,
     last_finished: i64,
     last_event: i64,
     /// Of the last increment that a solver finished.
@@ -82,6 +93,8 @@ struct Actor {
     deleters: Vec<oneshot::Sender<()>>,
     pulse: watch::Sender<Pulse>,
     events: mpsc::UnboundedSender<Event>,
+    /// Some reader has room again.
+    room: Arc<Notify>,
 }
 
 /// Runs a session until it ends.
@@ -98,10 +111,7 @@ pub(in crate::session) async fn run(
         if let Some(ending) = actor.over() {
             return ending;
         }
-        let outbox = actor
-            .writer
-            .as_ref()
-            .map(|writer| Arc::clone(&writer.outbox));
+        let room = Arc::clone(&actor.room);
         tokio::select! {
             command = inbox.recv() => match command {
                 Some(command) => actor.command(command),
@@ -109,18 +119,11 @@ pub(in crate::session) async fn run(
                 None => actor.end(Ending::Deleted),
             },
             Some(event) = arrived.recv() => actor.event(event),
-            () = drained(outbox) => {}
+            () = room.notified() => actor.feed(None),
             () = tokio::time::sleep_until(actor.expires), if actor.is_idle() => {
                 actor.end(Ending::Expired);
             }
         }
-    }
-}
-
-async fn drained(outbox: Option<Arc<Outbox>>) {
-    match outbox {
-        Some(outbox) => outbox.drained().await,
-        None => std::future::pending().await,
     }
 }
 
@@ -134,8 +137,11 @@ impl Actor {
             place: Place::Preparing,
             queue: Queue::default(),
             writer: None,
-            writers: 0,
-            subscriber: Subscriber::default(),
+            watchers: BTreeMap::new(),
+            streams: 0,
+            fields: seed.output.fields.clone(),
+            client: seed.client,
+            iterations: Iterations::default(),
             last_finished: 0,
             last_event: 0,
             last_report: None,
@@ -146,24 +152,21 @@ impl Actor {
             deleters: Vec::new(),
             pulse: watch::Sender::new((wire::SessionState::Preparing, 0)),
             events,
+            room: Arc::new(Notify::new()),
             shop,
             seed,
         }
     }
 
     fn start_preparing(&self) {
-        let (plan, mesh) = (
-            Arc::clone(&self.seed.plan),
-            Arc::clone(self.seed.mesh.value()),
-        );
-        let (cancel, events) = (self.stop_preparing.clone(), self.events.clone());
-        tokio::spawn(work::prepare(
-            Arc::clone(&self.shop),
-            plan,
-            mesh,
-            cancel,
-            events,
-        ));
+        let order = Order {
+            plan: Arc::clone(&self.seed.plan),
+            mesh: Arc::clone(self.seed.mesh.value()),
+            client: self.client,
+            cancel: self.stop_preparing.clone(),
+        };
+        let (shop, events) = (Arc::clone(&self.shop), self.events.clone());
+        tokio::spawn(work::prepare(shop, order, events));
     }
 
     fn command(&mut self, command: Command) {
@@ -172,7 +175,8 @@ impl Actor {
         }
         match command {
             Command::Attach(request, reply) => answer(reply, self.attach(*request)),
-            Command::Detach(writer) => self.detach(writer),
+            Command::Detach(number) => self.detach(number),
+            Command::Expire(number) => self.expire_stream(number),
             Command::HalfClose(number) => {
                 if let Some(writer) = self.writer_of(number) {
                     writer.half_closed = true;
@@ -213,18 +217,37 @@ impl Actor {
                 tracing::warn!(%error, "preparation failed");
                 self.place = Place::Lost(error.to_string());
             }
-            Event::Advanced(Ok(Outcome::Withdrawn)) => {}
-            Event::Advanced(Ok(Outcome::Increment(work, increment))) => {
+            Event::Advanced(outcome) => self.advanced(outcome),
+            Event::Deadline(sequence) => self.deadline(sequence),
+            Event::OutOfPatience(sequence) => self.leave_behind(sequence),
+        }
+    }
+
+    fn advanced(&mut self, outcome: Result<Outcome, Panicked>) {
+        let is_late = matches!(self.place, Place::Behind);
+        match outcome {
+            Ok(Outcome::Withdrawn) => {}
+            Ok(
+                Outcome::Increment(work, _)
+                | Outcome::Refused(work, _)
+                | Outcome::Panicked(work, _),
+            ) if is_late => self.come_home_late(work),
+            Ok(Outcome::Increment(work, increment)) => {
                 self.place = Place::Home(work);
                 self.finish_increment(*increment);
             }
-            Event::Advanced(Ok(Outcome::Refused(work, error))) => {
+            Ok(Outcome::Refused(work, error)) => {
                 self.place = Place::Home(work);
                 self.refuse_current(&error.into());
             }
-            Event::Advanced(Err(panicked)) => {
+            Ok(Outcome::Panicked(work, panicked)) => {
                 tracing::error!(said = panicked.0, "a step panicked");
-                self.lose("a defect of the server; its log says more");
+                self.place = Place::Home(work);
+                self.finish_stopped(Termination::InternalError);
+            }
+            Err(panicked) => {
+                tracing::error!(said = panicked.0, "a defect beside a step");
+                self.place = Place::Lost("a defect of the server; its log says more".to_owned());
                 self.finish_stopped(Termination::InternalError);
             }
         }
@@ -232,9 +255,7 @@ impl Actor {
 
     /// Does what can be done next.
     fn proceed(&mut self) {
-        while let Some(termination) = self.stopped_here() {
-            self.finish_stopped(termination);
-        }
+        self.stop_here();
         if let Place::Lost(why) = &self.place {
             let name = self.seed.name.clone();
             let fault = Fault::SessionFailed {
@@ -243,30 +264,11 @@ impl Actor {
             };
             self.refuse_all(&fault);
         } else if self.queue.is_empty() {
-            self.end_finished_stream();
-        } else if self.has_room() {
+            self.end_finished_streams();
+        } else if self.writer_has_room() {
             self.dispatch();
         }
         self.show();
-    }
-
-    /// How the current step ends when no solver thread has it and it shall stop.
-    fn stopped_here(&mut self) -> Option<Termination> {
-        let termination = self.queue.current()?.cancel.stopped()?;
-        if let Place::Away(parcel) = &self.place {
-            let work = work::take(parcel)?;
-            self.place = Place::Home(work);
-        }
-        match self.place {
-            Place::Lost(_) => None,
-            Place::Preparing | Place::Home(_) | Place::Away(_) => Some(termination),
-        }
-    }
-
-    fn has_room(&self) -> bool {
-        self.writer
-            .as_ref()
-            .is_none_or(|writer| writer.outbox.has_room())
     }
 
     /// Sends the current step's next increment to a solver thread.
@@ -279,14 +281,15 @@ impl Actor {
         let Some(current) = self.queue.current() else {
             return;
         };
-        current.start_clock(limit);
+        current.start_clock(limit, &self.events);
         let task = Task {
             sequence: current.sequence,
             step: current.step.clone(),
             cancel: current.cancel.clone(),
             wanted,
             every,
-            subscriber: Arc::clone(&self.subscriber),
+            after_event: self.last_event,
+            iterations: self.iterations.clone(),
             metrics: Arc::clone(&self.shop.metrics),
         };
         let parcel = Parcel::default();
@@ -297,6 +300,7 @@ impl Actor {
         *parcel.lock().unwrap_or_else(PoisonError::into_inner) = Some(work);
         let (span, events) = (tracing::Span::current(), self.events.clone());
         self.shop.workshop.submit(
+            self.client,
             move || span.in_scope(|| work::advance(&parcel, &task)),
             move |outcome| {
                 // A session that is gone needs no result.
@@ -305,12 +309,18 @@ impl Actor {
         );
     }
 
-    /// Fields that the reader wants, or the scene when nobody reads.
+    /// Fields that some reader wants; without a writer, those that the last one
+    /// wanted, for it may come back.
     fn wanted(&self) -> Vec<FieldName> {
-        match &self.writer {
-            Some(writer) => writer.fields.clone(),
-            None => self.seed.output.fields.clone(),
+        let mut all = self.fields.clone();
+        for watcher in self.watchers.values() {
+            for field in watcher.reader.outbox.fields() {
+                if !all.contains(field) {
+                    all.push(*field);
+                }
+            }
         }
+        all
     }
 
     fn ready(&mut self, ready: Ready) {
@@ -320,18 +330,20 @@ impl Actor {
         self.account();
     }
 
-    fn lose(&mut self, why: &str) {
-        self.place = Place::Lost(why.to_owned());
-    }
-
+    /// Counts what is really held; where that does not fit, the fields of older
+    /// results go.
     fn account(&mut self) {
-        self.seed
-            .reservation
-            .resize(self.state_bytes + self.kept.bytes());
+        let held = self.state_bytes + self.kept.bytes();
+        if let Err(lacking) = self.seed.reservation.resize(held) {
+            self.kept.shrink(self.kept.bytes().saturating_sub(lacking));
+            self.seed
+                .reservation
+                .force(self.state_bytes + self.kept.bytes());
+        }
     }
 
     fn is_idle(&self) -> bool {
-        self.queue.is_empty() && self.writer.is_none()
+        self.queue.is_empty() && self.writer.is_none() && self.watchers.is_empty()
     }
 
     /// Stops everything; [`Actor::over`] says when that has happened.
@@ -357,10 +369,7 @@ impl Actor {
     /// The ending, when nothing runs any more.
     fn over(&mut self) -> Option<Ending> {
         let ending = self.ending.filter(|_| self.queue.is_empty())?;
-        if let Some(writer) = self.writer.take() {
-            writer.outbox.end(End::Fault(self.parting()));
-            self.shop.metrics.stream_closed();
-        }
+        self.end_streams(&self.parting());
         for deleter in self.deleters.drain(..) {
             answer(deleter, ());
         }

@@ -1,24 +1,19 @@
 //! From an increment that ended to a kept and sent result.
 
-use signorini::ObstaclePose;
-use signorini::report::{FieldName, StepReport, Termination};
-use signorini_proto::v1::solve_response::Message;
-
-use super::{Actor, Place};
+use super::{Actor, Fresh, Place};
 use crate::convert::field::KeptField;
 use crate::convert::report;
 use crate::session::blank;
-use crate::session::kept::{KeptResult, messages};
+use crate::session::kept::KeptResult;
 use crate::session::work::Increment;
+use signorini::ObstaclePose;
+use signorini::report::{FieldName, StepReport, Termination};
 
 impl Actor {
     pub(super) fn finish_increment(&mut self, increment: Increment) {
         self.state_bytes = increment.state_bytes;
         let mut report = increment.report;
         self.shop.metrics.increment(&report);
-        if report.termination == Termination::InternalError {
-            self.lose("a defect of the solver; the last good state is kept");
-        }
         self.number(&mut report);
         self.last_report = Some(report.clone());
         self.last_poses.clone_from(&increment.poses);
@@ -76,7 +71,11 @@ impl Actor {
             fields,
             dropped: false,
         });
-        self.send_result(&result);
+        let fresh = Fresh {
+            event: result.event,
+            iteration: self.iterations.newest(),
+        };
+        self.feed(Some(&fresh));
         if last {
             self.finish_step(termination);
         }
@@ -94,17 +93,5 @@ impl Actor {
         if let Place::Home(work) = &mut self.place {
             work.abandon();
         }
-    }
-
-    pub(super) fn send_result(&mut self, result: &KeptResult) {
-        let Some(writer) = &mut self.writer else {
-            return;
-        };
-        let (finished, chunks) = messages(result, &writer.fields, writer.encoding);
-        writer.outbox.push(Message::StepFinished(finished));
-        for chunk in chunks {
-            writer.outbox.push(Message::Field(chunk));
-        }
-        writer.sent = writer.sent.max(result.event);
     }
 }

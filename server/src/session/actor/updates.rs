@@ -5,6 +5,7 @@ use signorini_proto::v1::{self as wire, solve_response::Message};
 use super::Actor;
 use crate::convert::step::Update;
 use crate::fault::Fault;
+use crate::session::readers::MOST_REPEATS;
 use crate::status;
 
 impl Actor {
@@ -12,12 +13,8 @@ impl Actor {
         let sequence = update.sequence;
         if sequence < 1 {
             self.reject(sequence, &Fault::request("sequence", "must be at least 1"));
-        } else if sequence <= self.last_finished {
-            self.repeat(sequence, 0);
         } else if sequence <= self.queue.last_accepted() {
-            // Asked again after a new connection: what it missed, then the rest.
-            let sent = self.writer.as_ref().map_or(0, |writer| writer.sent);
-            self.repeat(sequence, sent);
+            self.repeat(sequence);
         } else if let Err(fault) = self.admit(sequence) {
             self.reject(sequence, &fault);
         } else {
@@ -38,21 +35,32 @@ impl Actor {
             let limit = config.maximum_in_flight;
             return Err(Fault::QueueFull { limit });
         }
-        if self.shop.workshop.waiting() >= config.maximum_queued {
+        if self.shop.workshop.waiting(self.client) >= config.maximum_queued {
             let limit = config.maximum_queued;
             return Err(Fault::QueueFull { limit });
         }
         Ok(())
     }
 
-    pub(super) fn repeat(&mut self, sequence: i64, after: i64) {
+    fn repeat(&mut self, sequence: i64) {
         let first = self.kept.first_sequence();
-        if sequence < first {
+        let is_finished = sequence <= self.last_finished;
+        if is_finished && sequence < first {
             return self.reject(sequence, &Fault::SequenceNotRetained { sequence, first });
         }
-        for result in self.kept.of_sequence(sequence, after) {
-            self.send_result(&result);
+        let Some(writer) = &mut self.writer else {
+            return;
+        };
+        if writer.reader.repeats_enough() {
+            let limit = MOST_REPEATS;
+            return self.reject(sequence, &Fault::QueueFull { limit });
         }
+        match is_finished {
+            true => writer.reader.repeat(sequence, &self.kept),
+            // Asked again after a new connection: what it missed; the rest follows.
+            false => writer.reader.repeat_missed(sequence, &self.kept),
+        }
+        self.feed(None);
     }
 
     pub(super) fn reject(&self, sequence: i64, fault: &Fault) {
@@ -60,7 +68,7 @@ impl Actor {
         if let Some(writer) = &self.writer {
             let status = Some(status::rpc_status(fault));
             let rejected = wire::UpdateRejected { sequence, status };
-            writer.outbox.push(Message::UpdateRejected(rejected));
+            writer.reader.outbox.push(Message::UpdateRejected(rejected));
         }
     }
 
@@ -80,10 +88,6 @@ impl Actor {
         for refused in self.queue.refuse() {
             self.reject(refused.sequence, fault);
         }
-        self.end_finished_stream();
-    }
-
-    pub(super) fn cancel(&mut self, sequence: i64) -> i64 {
-        self.queue.cancel(sequence).unwrap_or(0)
+        self.end_finished_streams();
     }
 }

@@ -1,0 +1,364 @@
+//! No bytes make decoding, conversion and planning panic: each is taken or
+//! refused with a reason, in a status that fits into trailers.
+
+#[path = "../../../client/tests/fuzz/engine.rs"]
+mod engine;
+
+use prost::Message;
+use signorini::mesh::{CellKind, Group, GroupKind, Mesh, MeshParts};
+use signorini::plan::Plan;
+use signorini_proto::array;
+use signorini_proto::v1::{self as wire, upload_mesh_request::Part};
+
+use self::engine::{Campaign, Corpus, Form};
+use super::mesh::{Header, Upload};
+use super::{field, report, scene, step};
+use crate::fault::Fault;
+use crate::status::rpc_status;
+
+/// Tags and lengths of nested messages, and names of the seeds.
+const WORDS: [&str; 10] = [
+    "\n\u{0}",
+    "\u{1a}\u{2}",
+    "*\u{0}",
+    "R\u{4}",
+    "\u{8}\u{1}",
+    "\u{b}\u{c}",
+    "\u{12}\u{7f}",
+    "\n\u{4}body",
+    "\u{12}\u{3}top",
+    "\n\u{4}ball",
+];
+
+/// Tag of field 1 with a length.
+const FRAME: u8 = 0x0a;
+
+/// A tetrahedron on the plane z = 0 with its facet there and the opposite one.
+fn parts() -> MeshParts {
+    let group = |name: &str, kind, member| Group {
+        name: name.into(),
+        kind,
+        members: vec![member],
+    };
+    MeshParts {
+        cell_kind: CellKind::Tetrahedron,
+        coordinates: vec![
+            [0.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0],
+            [0.0, 1.0, 0.0],
+            [0.0, 0.0, 1.0],
+        ],
+        cells: vec![0, 1, 2, 3],
+        facets: vec![0, 2, 1, 1, 2, 3],
+        groups: vec![
+            group("body", GroupKind::Cells, 0),
+            group("base", GroupKind::Facets, 0),
+            group("top", GroupKind::Facets, 1),
+        ],
+    }
+}
+
+fn ball() -> wire::Obstacle {
+    let sphere = wire::Sphere {
+        centre: vec![2.0, 2.0, 2.0],
+        radius: Some(1.0),
+    };
+    wire::Obstacle {
+        name: "ball".into(),
+        on: vec!["top".into()],
+        shape: Some(wire::Shape {
+            kind: Some(wire::shape::Kind::Sphere(sphere)),
+            inside: false,
+        }),
+        ..Default::default()
+    }
+}
+
+fn load_step() -> wire::LoadStep {
+    let held = Some(wire::Components {
+        x: Some(0.0),
+        y: None,
+        z: Some(0.1),
+    });
+    wire::LoadStep {
+        increments: Some(3),
+        load: Some(0.5),
+        obstacles: vec![wire::ObstacleTarget {
+            name: "ball".into(),
+            translation: vec![0.0, 0.0, -0.5],
+            rotation: vec![0.0, 0.0, 1.0],
+            ..Default::default()
+        }],
+        supports: vec![wire::SupportTarget {
+            name: "base".into(),
+            displacement: held,
+            ..Default::default()
+        }],
+    }
+}
+
+fn good_scene(mesh: &Mesh) -> wire::Scene {
+    let law = wire::LinearElastic {
+        modulus: Some(wire::linear_elastic::Modulus::YoungModulus(3.0)),
+        poisson_ratio: Some(0.5),
+    };
+    wire::Scene {
+        name: "corner".into(),
+        mesh: format!("meshes/{}", mesh.id()),
+        mesh_scale: Some(2.0),
+        kind: wire::SceneKind::Solid.into(),
+        materials: vec![wire::Material {
+            group: "body".into(),
+            model: Some(wire::material::Model::LinearElastic(law)),
+            ..Default::default()
+        }],
+        supports: vec![wire::Support {
+            name: "base".into(),
+            on: vec!["base".into()],
+            displacement: Some(wire::Components {
+                x: Some(0.0),
+                y: Some(0.0),
+                z: Some(0.0),
+            }),
+            normal: None,
+        }],
+        tractions: vec![wire::Traction {
+            on: vec!["top".into()],
+            value: vec![0.0, 0.0, -1.0],
+        }],
+        body_force: vec![0.0, 0.0, -9.81],
+        obstacles: vec![ball()],
+        steps: vec![load_step()],
+        solver: Some(wire::SolverOptions {
+            tolerance: Some(1e-8),
+            quadrature_degree: Some(8),
+            max_wall_time: Some(60.0),
+            saddle: "gcr".into(),
+            ..Default::default()
+        }),
+        probes: vec![wire::Probe {
+            name: "tip".into(),
+            point: vec![0.5, 0.5, 0.5],
+        }],
+        output: Some(wire::Output {
+            fields: vec![1, 2, 3],
+            every: Some(2),
+        }),
+        ..Default::default()
+    }
+}
+
+/// Shapes and laws that come later are converted, too, as far as they go.
+fn later_scene(mesh: &Mesh) -> wire::Scene {
+    let mut scene = good_scene(mesh);
+    let law = wire::Ogden {
+        mu: vec![1.0, 2.0],
+        alpha: vec![2.0, -2.0],
+        bulk_modulus: Some(10.0),
+    };
+    scene.materials[0].model = Some(wire::material::Model::Ogden(law));
+    let shape = scene.obstacles[0].shape.as_mut().unwrap();
+    shape.kind = Some(wire::shape::Kind::Torus(wire::Torus::default()));
+    scene.supports[0].normal = Some(0.0);
+    scene
+}
+
+/// The messages of an upload as the fields of one that repeats them.
+fn upload() -> Vec<u8> {
+    let (parts, mesh) = (parts(), Mesh::new(parts()).unwrap());
+    let header = wire::MeshHeader {
+        digest: mesh.id().to_string(),
+        cell_kind: wire::CellKind::Tetrahedron.into(),
+        vertex_count: 4,
+        cell_count: 1,
+        facet_count: 2,
+        groups: super::mesh::mesh(&mesh, &unused()).groups,
+    };
+    let indices =
+        |values: &[u32]| array::encode(&values.iter().map(|v| *v as i32).collect::<Vec<_>>());
+    let chunk = |array: wire::MeshArray, group_index, data| wire::MeshChunk {
+        array: array.into(),
+        group_index,
+        offset_elements: 0,
+        data,
+    };
+    let mut chunks = vec![
+        chunk(
+            wire::MeshArray::Coordinates,
+            0,
+            array::encode(parts.coordinates.as_flattened()),
+        ),
+        chunk(wire::MeshArray::Cells, 0, indices(&parts.cells)),
+        chunk(wire::MeshArray::Facets, 0, indices(&parts.facets)),
+    ];
+    for (index, group) in (0..).zip(&parts.groups) {
+        chunks.push(chunk(
+            wire::MeshArray::GroupMembers,
+            index,
+            indices(&group.members),
+        ));
+    }
+    let all = std::iter::once(Part::Header(header)).chain(chunks.into_iter().map(Part::Chunk));
+    let framed = |part| {
+        let message = wire::UploadMeshRequest { part: Some(part) };
+        let mut bytes = vec![FRAME];
+        bytes.extend(message.encode_length_delimited_to_vec());
+        bytes
+    };
+    all.flat_map(framed).collect()
+}
+
+fn unused() -> super::mesh::MeshUse {
+    super::mesh::MeshUse {
+        sessions: 0,
+        created: std::time::UNIX_EPOCH,
+        used: std::time::UNIX_EPOCH,
+    }
+}
+
+/// A refusal has a reason and fits into trailers.
+fn check(fault: &Fault) {
+    let status = rpc_status(fault);
+    assert!(!matches!(fault, Fault::Internal));
+    assert!(status.encoded_len() + status.message.len() < 4096);
+    assert!(!status.details.is_empty());
+}
+
+fn planned(message: wire::Scene, mesh: &Mesh) -> Result<(), Fault> {
+    let request = scene::scene(message)?;
+    let plan = Plan::new(&request.scene, &request.steps, mesh)?;
+    report::plan(plan.report());
+    Ok(())
+}
+
+#[test]
+fn every_scene_is_planned_or_refused() {
+    let mesh = Mesh::new(parts()).unwrap();
+    let seeds = [good_scene(&mesh), later_scene(&mesh)];
+    assert_eq!(planned(seeds[0].clone(), &mesh), Ok(()));
+    let corpus = Corpus::new(
+        Form::Messages,
+        seeds.map(|scene| scene.encode_to_vec()).into(),
+        &WORDS,
+    );
+    let (mut plans, mut refused) = (0, 0);
+    Campaign::from_environment().run(&corpus, |input, _| {
+        let Ok(message) = wire::Scene::decode(input) else {
+            return;
+        };
+        match planned(message, &mesh) {
+            Ok(()) => plans += 1,
+            Err(fault) => {
+                refused += 1;
+                check(&fault);
+            }
+        }
+    });
+    eprintln!("{plans} scenes planned, {refused} refused");
+    assert!(plans > 0 || refused < 1000);
+}
+
+#[test]
+fn every_update_is_checked_or_refused() {
+    let mesh = Mesh::new(parts()).unwrap();
+    let base = scene::scene(good_scene(&mesh)).unwrap();
+    let plan = Plan::new(&base.scene, &base.steps, &mesh).unwrap();
+    let load = wire::LoadStepUpdate {
+        sequence: 1,
+        step: Some(load_step()),
+        max_wall_time: Some(prost_types::Duration::default()),
+    };
+    let obstacle = wire::ObstacleUpdate {
+        sequence: 1,
+        obstacles: load_step().obstacles,
+        increments: Some(2),
+        max_wall_time: None,
+    };
+    let corpus = Corpus::new(
+        Form::Messages,
+        vec![load.encode_to_vec(), obstacle.encode_to_vec()],
+        &WORDS,
+    );
+    let (mut taken, mut refused) = (0, 0);
+    Campaign::from_environment().run(&corpus, |input, _| {
+        let load = wire::LoadStepUpdate::decode(input).map(|message| step::load_step(&message));
+        let moved = wire::ObstacleUpdate::decode(input).map(step::obstacle_update);
+        for update in [load, moved].into_iter().flatten() {
+            let checked = update.and_then(|update| {
+                let one = std::slice::from_ref(&update.step);
+                Ok(Plan::new(plan.scene(), one, &mesh).map(drop)?)
+            });
+            match checked {
+                Ok(()) => taken += 1,
+                Err(fault) => {
+                    refused += 1;
+                    check(&fault);
+                }
+            }
+        }
+    });
+    eprintln!("{taken} updates taken, {refused} refused");
+    assert!(taken > 0 || refused < 1000);
+}
+
+/// Reads an upload as the service does.
+fn uploaded(mut input: &[u8]) -> Result<Mesh, Fault> {
+    let undecodable = |error: prost::DecodeError| Fault::request("upload", error.to_string());
+    let mut next = || {
+        let Some((_, mut rest)) = input.split_first() else {
+            return Ok(None);
+        };
+        let message = wire::UploadMeshRequest::decode_length_delimited(&mut rest);
+        input = rest;
+        message.map(|message| message.part).map_err(undecodable)
+    };
+    let Some(Part::Header(header)) = next()? else {
+        return Err(Fault::request("header", "must be the first message"));
+    };
+    let header = Header::new(header)?;
+    assert!(header.array_bytes() < u64::MAX / 8);
+    let mut upload = Upload::new(header);
+    while let Some(Part::Chunk(chunk)) = next()? {
+        upload.push(&chunk)?;
+    }
+    let invalid = |error: signorini::MeshError| Fault::MeshInvalid(error.to_string());
+    Mesh::new(upload.finish()?).map_err(invalid)
+}
+
+#[test]
+fn every_upload_is_a_mesh_or_refused() {
+    let corpus = Corpus::new(Form::Messages, vec![upload()], &WORDS);
+    assert_eq!(uploaded(&upload()).unwrap().cell_count(), 1);
+    let (mut meshes, mut refused) = (0, 0);
+    Campaign::from_environment().run(&corpus, |input, _| match uploaded(input) {
+        Ok(mesh) => {
+            meshes += 1;
+            super::mesh::mesh(&mesh, &unused());
+        }
+        Err(fault) => {
+            refused += 1;
+            check(&fault);
+        }
+    });
+    eprintln!("{meshes} meshes, {refused} uploads refused");
+    assert!(meshes > 0 || refused < 1000);
+}
+
+#[test]
+fn every_list_of_fields_is_taken_or_refused() {
+    let numbers = wire::ReadStepRequest {
+        fields: vec![1, 2, 3, 4, 5, 6, 7],
+        ..Default::default()
+    };
+    let corpus = Corpus::new(Form::Messages, vec![numbers.encode_to_vec()], &WORDS);
+    Campaign::from_environment().run(&corpus, |input, _| {
+        let Ok(request) = wire::ReadStepRequest::decode(input) else {
+            return;
+        };
+        match field::names(&request.fields, "fields") {
+            Ok(fields) => assert!(fields.len() <= 7),
+            Err(fault) => check(&fault),
+        }
+        field::encoding(request.element_type).ok();
+    });
+}

@@ -1,0 +1,131 @@
+//! A stored mesh back onto the wire, message by message: each chunk is encoded
+//! when it is asked for, so that a reader costs one chunk of memory.
+
+use std::ops::Range;
+
+use bytes::Bytes;
+use signorini::mesh::Mesh;
+use signorini_proto::v1::{self as wire, read_mesh_response::Part};
+use signorini_proto::{CHUNK_BYTES, array};
+
+use super::{wide, wire_cell_kind, wire_group};
+use crate::store::Lease;
+
+/// Some rows of one array.
+struct Slice {
+    array: wire::MeshArray,
+    group: usize,
+    width: usize,
+    rows: Range<usize>,
+}
+
+/// Header and chunks of a mesh, which is kept as long as they are asked for.
+pub(crate) fn messages(mesh: Lease<Mesh>) -> impl Iterator<Item = wire::ReadMeshResponse> + Send {
+    let header = Part::Header(header(mesh.value()));
+    let arrays = arrays(mesh.value());
+    let slices = arrays.into_iter().flat_map(slices);
+    let chunks = slices.map(move |slice| Part::Chunk(chunk(mesh.value(), &slice)));
+    std::iter::once(header)
+        .chain(chunks)
+        .map(|part| wire::ReadMeshResponse { part: Some(part) })
+}
+
+fn header(mesh: &Mesh) -> wire::MeshHeader {
+    wire::MeshHeader {
+        digest: mesh.id().to_string(),
+        cell_kind: wire_cell_kind(mesh.cell_kind()).into(),
+        vertex_count: wide(mesh.vertex_count() as u64),
+        cell_count: wide(mesh.cell_count() as u64),
+        facet_count: wide(mesh.facet_count() as u64),
+        groups: mesh.groups().iter().map(wire_group).collect(),
+    }
+}
+
+/// All arrays, each as one slice.
+fn arrays(mesh: &Mesh) -> Vec<Slice> {
+    use wire::MeshArray::{Cells, Coordinates, Facets, GroupMembers};
+    let kind = mesh.cell_kind();
+    let whole = |array, group, width, rows| Slice {
+        array,
+        group,
+        width,
+        rows: 0..rows,
+    };
+    let groups = mesh.groups().iter().enumerate();
+    let members = groups.map(|(group, one)| whole(GroupMembers, group, 1, one.members.len()));
+    let mut arrays = vec![
+        whole(Coordinates, 0, 3, mesh.vertex_count()),
+        whole(Cells, 0, kind.vertices(), mesh.cell_count()),
+        whole(Facets, 0, kind.facet_vertices(), mesh.facet_count()),
+    ];
+    arrays.extend(members);
+    arrays
+}
+
+/// Cuts an array into slices that fit a message.
+fn slices(whole: Slice) -> impl Iterator<Item = Slice> {
+    let size = match whole.array {
+        wire::MeshArray::Coordinates => size_of::<f64>(),
+        wire::MeshArray::Unspecified
+        | wire::MeshArray::Cells
+        | wire::MeshArray::Facets
+        | wire::MeshArray::GroupMembers => size_of::<i32>(),
+    };
+    let step = CHUNK_BYTES / (size * whole.width);
+    let end = whole.rows.end;
+    whole.rows.step_by(step).map(move |start| Slice {
+        rows: start..end.min(start + step),
+        ..whole
+    })
+}
+
+fn chunk(mesh: &Mesh, slice: &Slice) -> wire::MeshChunk {
+    let entries = slice.rows.start * slice.width..slice.rows.end * slice.width;
+    let data = match slice.array {
+        wire::MeshArray::Coordinates => coordinates(mesh, &slice.rows),
+        wire::MeshArray::Cells => vertices(mesh, mesh.cells().get(entries)),
+        wire::MeshArray::Facets => vertices(mesh, mesh.facets().get(entries)),
+        wire::MeshArray::GroupMembers => {
+            let group = mesh.groups().get(slice.group);
+            indices(
+                group.and_then(|group| group.members.get(entries)),
+                |member| member,
+            )
+        }
+        wire::MeshArray::Unspecified => Bytes::new(),
+    };
+    wire::MeshChunk {
+        array: slice.array.into(),
+        group_index: i32::try_from(slice.group).unwrap_or(i32::MAX),
+        offset_elements: wide((slice.rows.start * slice.width) as u64),
+        data,
+    }
+}
+
+/// Rows in the uploaded numbering; vertices that no cell uses lie at the origin.
+fn coordinates(mesh: &Mesh, rows: &Range<usize>) -> Bytes {
+    let used = mesh.used_vertices();
+    let first = used.partition_point(|&uploaded| (uploaded as usize) < rows.start);
+    let mut points = vec![[0.0; 3]; rows.len()];
+    for (&uploaded, point) in used.iter().zip(mesh.coordinates()).skip(first) {
+        match points.get_mut(uploaded as usize - rows.start) {
+            Some(place) => *place = *point,
+            None => break,
+        }
+    }
+    array::encode(points.as_flattened())
+}
+
+/// Vertices in the uploaded numbering.
+fn vertices(mesh: &Mesh, entries: Option<&[u32]>) -> Bytes {
+    let used = mesh.used_vertices();
+    indices(entries, |vertex| {
+        used.get(vertex as usize).copied().unwrap_or(vertex)
+    })
+}
+
+fn indices(entries: Option<&[u32]>, number: impl Fn(u32) -> u32) -> Bytes {
+    let entries = entries.unwrap_or_default().iter();
+    let signed: Vec<i32> = entries.map(|&entry| number(entry).cast_signed()).collect();
+    array::encode(&signed)
+}

@@ -1,0 +1,66 @@
+//! Steps that shall stop: cancelled, out of time, or left behind.
+
+use signorini::report::Termination;
+
+use super::{Actor, Place};
+use crate::session::work::{self, Work};
+
+impl Actor {
+    /// Finishes every step at the head of the queue that shall stop and that no
+    /// solver thread has.
+    pub(super) fn stop_here(&mut self) {
+        while let Some(termination) = self.stopped_here() {
+            self.finish_stopped(termination);
+        }
+    }
+
+    fn stopped_here(&mut self) -> Option<Termination> {
+        let current = self.queue.current()?;
+        let termination = current.cancel.stopped()?;
+        if let Place::Away(parcel) = &self.place {
+            let Some(work) = work::take(parcel) else {
+                current.start_patience(&self.events);
+                return None;
+            };
+            self.place = Place::Home(work);
+        }
+        match self.place {
+            Place::Lost(_) => None,
+            Place::Preparing | Place::Home(_) | Place::Away(_) | Place::Behind => Some(termination),
+        }
+    }
+
+    pub(super) fn cancel(&mut self, sequence: i64) -> i64 {
+        self.queue.cancel(sequence).unwrap_or(0)
+    }
+
+    /// The time of a step is up.
+    pub(super) fn deadline(&mut self, sequence: i64) {
+        let current = self.queue.current();
+        if let Some(current) = current.filter(|current| current.sequence == sequence) {
+            current.expire();
+        }
+    }
+
+    /// Answers a step whose solver thread does not stop.
+    pub(super) fn leave_behind(&mut self, sequence: i64) {
+        let is_current = self.queue.current_sequence() == sequence;
+        let Some(current) = self.queue.current().filter(|_| is_current) else {
+            return;
+        };
+        let termination = current.cancel.stopped();
+        if let (Place::Away(_), Some(termination)) = (&self.place, termination) {
+            tracing::info!(sequence, "a step is left behind");
+            self.shop.metrics.left_behind();
+            self.place = Place::Behind;
+            self.finish_stopped(termination);
+        }
+    }
+
+    /// A thread that was left behind is back: what it did has been answered as
+    /// not done.
+    pub(super) fn come_home_late(&mut self, mut work: Box<Work>) {
+        work.take_back();
+        self.place = Place::Home(work);
+    }
+}

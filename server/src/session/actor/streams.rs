@@ -1,0 +1,164 @@
+//! The streams of a session: they come, are fed, go and end.
+
+use std::sync::Arc;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use signorini_proto::v1::{self as wire, solve_response::Message};
+
+use super::{Actor, Fresh, Reader, Watcher, Writer};
+use crate::client_key::ClientKey;
+use crate::fault::Fault;
+use crate::outbox::{End, Outbox, Wanted};
+use crate::session::handle::{Attachment, OpenRequest, Role};
+
+impl Actor {
+    pub(super) fn attach(&mut self, request: OpenRequest) -> Result<Attachment, Fault> {
+        let role = request.role;
+        if let (Role::Writer { .. }, Some(writer)) = (role, &self.writer) {
+            let held_since = unix_seconds(writer.since);
+            let name = self.seed.name.clone();
+            return Err(Fault::SessionBusy { name, held_since });
+        }
+        let iterations = self.iterations.reader(request.iteration_interval);
+        let outbox = self.new_outbox(&request);
+        let seen = self.kept.seen(request.last_seen_event, self.last_event);
+        let reader = Reader::new(Arc::clone(&outbox), seen, &self.shop.metrics);
+        self.streams += 1;
+        match role {
+            Role::Writer {
+                client,
+                on_disconnect,
+            } => self.attach_writer(reader, client, on_disconnect),
+            Role::Watcher { until } => {
+                let watcher = Watcher { reader, until };
+                self.watchers.insert(self.streams, watcher);
+            }
+        }
+        outbox.push(Message::Opened(wire::Opened {
+            session: Some(self.describe()),
+            max_in_flight: i32::try_from(self.shop.config.maximum_in_flight).unwrap_or(i32::MAX),
+            last_event: self.last_event,
+        }));
+        self.feed(None);
+        Ok(Attachment {
+            number: self.streams,
+            outbox,
+            iterations,
+            pulse: self.pulse.subscribe(),
+        })
+    }
+
+    fn new_outbox(&self, request: &OpenRequest) -> Arc<Outbox> {
+        let fields = match request.fields.is_empty() {
+            true => self.seed.output.fields.clone(),
+            false => request.fields.clone(),
+        };
+        let encoding = request.encoding;
+        let wanted = Wanted { fields, encoding };
+        Outbox::new(request.max_unread_bytes, wanted, &self.room)
+    }
+
+    fn attach_writer(
+        &mut self,
+        reader: Reader,
+        client: ClientKey,
+        on_disconnect: wire::DisconnectPolicy,
+    ) {
+        self.client = client;
+        self.fields = reader.outbox.fields().to_vec();
+        self.writer = Some(Writer {
+            number: self.streams,
+            reader,
+            since: SystemTime::now(),
+            on_disconnect: match on_disconnect {
+                wire::DisconnectPolicy::Unspecified => self.seed.on_disconnect,
+                policy => policy,
+            },
+            half_closed: false,
+        });
+    }
+
+    pub(super) fn detach(&mut self, number: u64) {
+        self.watchers.remove(&number);
+        let Some(writer) = self.writer.take_if(|writer| writer.number == number) else {
+            return;
+        };
+        match writer.on_disconnect {
+            wire::DisconnectPolicy::CancelStep => {
+                self.queue.keep_current();
+                self.cancel(0);
+            }
+            wire::DisconnectPolicy::Unspecified | wire::DisconnectPolicy::FinishStep => {}
+        }
+    }
+
+    /// The deadline of the writer has passed: what it sent ends.
+    pub(super) fn expire_stream(&mut self, number: u64) {
+        if self.writer_of(number).is_none() {
+            return;
+        }
+        for dropped in self.queue.keep_current() {
+            self.reject(dropped.sequence, &Fault::StreamDeadline);
+        }
+        if let Some(current) = self.queue.current() {
+            current.expire();
+        }
+        if let Some(writer) = self.writer_of(number) {
+            writer.reader.outbox.end(End::Fault(Fault::StreamDeadline));
+        }
+    }
+
+    /// Queues for every reader what it has room for.
+    pub(super) fn feed(&mut self, fresh: Option<&Fresh>) {
+        let kept = &self.kept;
+        if let Some(writer) = &mut self.writer {
+            writer.reader.feed(kept, fresh);
+        }
+        for watcher in self.watchers.values_mut() {
+            watcher.reader.feed(kept, fresh);
+        }
+    }
+
+    /// Whether nothing waits for the writer, so that a further increment may start.
+    pub(super) fn writer_has_room(&mut self) -> bool {
+        let (kept, writer) = (&self.kept, &mut self.writer);
+        writer
+            .as_mut()
+            .is_none_or(|writer| writer.reader.feed(kept, None))
+    }
+
+    pub(super) fn writer_of(&mut self, number: u64) -> Option<&mut Writer> {
+        self.writer
+            .as_mut()
+            .filter(|writer| writer.number == number)
+    }
+
+    /// Every update is answered: ends the streams that wait for no more.
+    pub(super) fn end_finished_streams(&mut self) {
+        let newest = self.last_event;
+        if self.writer_has_room()
+            && let Some(writer) = self.writer.as_ref().filter(|writer| writer.half_closed)
+        {
+            writer.reader.outbox.end(End::Done);
+        }
+        for watcher in self.watchers.values() {
+            let is_idle = watcher.until == wire::WatchEnd::Idle;
+            if is_idle && watcher.reader.cursor() >= newest {
+                watcher.reader.outbox.end(End::Done);
+            }
+        }
+    }
+
+    pub(super) fn end_streams(&mut self, why: &Fault) {
+        let writer = self.writer.take().map(|writer| writer.reader);
+        let watchers = std::mem::take(&mut self.watchers).into_values();
+        for reader in writer.into_iter().chain(watchers.map(|one| one.reader)) {
+            reader.outbox.end(End::Fault(why.clone()));
+        }
+    }
+}
+
+fn unix_seconds(time: SystemTime) -> u64 {
+    time.duration_since(UNIX_EPOCH)
+        .map_or(0, |since| since.as_secs())
+}

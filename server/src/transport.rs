@@ -1,0 +1,112 @@
+//! What the transport refuses before a request reaches its handler, in the words
+//! of the contract: too large a message, and bytes that are no message.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+use std::task::{Context, Poll};
+
+use tonic::body::Body;
+use tonic::codegen::{BoxFuture, Service, http};
+use tonic::server::NamedService;
+use tonic::{Code, Status};
+
+use crate::fault::Fault;
+use crate::registry::Registry;
+
+/// Largest message, bytes.
+pub(crate) const MESSAGE_BYTES: usize = 4 << 20;
+
+/// The fault behind a status that the transport made while it read a request;
+/// `None` for a broken connection and for statuses of this service.
+pub(crate) fn fault_of(status: &Status) -> Option<Fault> {
+    if !status.details().is_empty() {
+        return None;
+    }
+    match status.code() {
+        Code::OutOfRange => Some(Fault::MessageLimit {
+            what: "bytes in one message".to_owned(),
+            limit: MESSAGE_BYTES as u64,
+        }),
+        Code::Internal => Some(Fault::request("message", status.message())),
+        Code::Ok
+        | Code::Cancelled
+        | Code::Unknown
+        | Code::InvalidArgument
+        | Code::DeadlineExceeded
+        | Code::NotFound
+        | Code::AlreadyExists
+        | Code::PermissionDenied
+        | Code::ResourceExhausted
+        | Code::FailedPrecondition
+        | Code::Aborted
+        | Code::Unimplemented
+        | Code::Unavailable
+        | Code::DataLoss
+        | Code::Unauthenticated => None,
+    }
+}
+
+/// A service whose refusals by the transport have a reason, and are counted.
+#[derive(Clone)]
+pub(crate) struct Reasoned<S> {
+    inner: S,
+    registry: Arc<Registry>,
+}
+
+impl<S> Reasoned<S> {
+    pub(crate) fn new(inner: S, registry: &Arc<Registry>) -> Self {
+        Self {
+            inner,
+            registry: Arc::clone(registry),
+        }
+    }
+}
+
+impl<S: NamedService> NamedService for Reasoned<S> {
+    const NAME: &'static str = S::NAME;
+}
+
+impl<S> Service<http::Request<Body>> for Reasoned<S>
+where
+    S: Service<http::Request<Body>, Response = http::Response<Body>, Error = Infallible>,
+    S::Future: Send + 'static,
+{
+    type Response = http::Response<Body>;
+    type Error = Infallible;
+    type Future = BoxFuture<Self::Response, Infallible>;
+
+    fn poll_ready(&mut self, context: &mut Context<'_>) -> Poll<Result<(), Infallible>> {
+        self.inner.poll_ready(context)
+    }
+
+    fn call(&mut self, request: http::Request<Body>) -> Self::Future {
+        let (answer, registry) = (self.inner.call(request), Arc::clone(&self.registry));
+        Box::pin(async move {
+            let response = answer.await?;
+            // A status in the headers: nothing else was answered.
+            let status = Status::from_header_map(response.headers());
+            let Some(fault) = status.as_ref().and_then(fault_of) else {
+                return Ok(response);
+            };
+            registry.refused(&fault);
+            Ok(Status::from(fault).into_http())
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn statuses_of_the_service_and_broken_connections_stay_as_they_are() {
+        let own = Status::from(Fault::SequenceGap {
+            received: 3,
+            expected: 2,
+        });
+        assert_eq!(own.code(), Code::OutOfRange);
+        assert_eq!(fault_of(&own), None);
+        assert_eq!(fault_of(&Status::from(Fault::Internal)), None);
+        assert_eq!(fault_of(&Status::cancelled("the client is gone")), None);
+    }
+}
