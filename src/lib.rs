@@ -68,6 +68,7 @@
 #![doc = include_str!("decisions/0007-smoothing-interval.md")]
 #![doc = include_str!("decisions/0008-dependencies.md")]
 #![doc = include_str!("decisions/0009-service-shape.md")]
+#![doc = include_str!("decisions/0010-streams-and-slots.md")]
 
 pub mod assembly;
 pub mod contact;

@@ -46,7 +46,8 @@ pub struct Config {
     pub memory_budget_bytes: u64,
     /// Sessions that may exist at one time, at least 1.
     pub maximum_sessions: usize,
-    /// Solves that may wait for a slot before new ones are refused, at least 1.
+    /// Solves of one client that may wait for a slot before new ones are refused, at
+    /// least 1. A client is a TCP connection, or a process behind a Unix socket.
     pub maximum_queued: usize,
     /// Accepted updates that may wait in one session, at least 1.
     pub maximum_in_flight: usize,

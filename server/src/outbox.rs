@@ -228,13 +228,12 @@ impl Outbox {
     /// Bytes of a result as this reader gets it.
     fn bytes(&self, result: &KeptResult) -> u64 {
         let Wanted { fields, encoding } = &self.wanted;
-        let (finished, _) = messages(result, &[], *encoding);
         let wanted = result
             .fields
             .iter()
             .filter(|one| fields.contains(&one.name));
         let fields: u64 = wanted.map(|field| field.encoded_bytes(*encoding)).sum();
-        Message::StepFinished(finished).encoded_len() as u64 + fields
+        result.report.bytes() + fields
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {

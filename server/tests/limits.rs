@@ -219,6 +219,18 @@ async fn a_scene_has_at_most_three_mebibytes() {
     assert_eq!(reason(&status), "MESSAGE_LIMIT");
 }
 
+#[tokio::test]
+async fn of_very_many_faults_the_first_hundred_are_looked_for() {
+    let (server, block) = (Server::start().await, Block::new(1));
+    server.upload(&block).await;
+    let mut scene = block.scene();
+    scene.supports[0].on = words(150);
+    scene.supports.resize(4000, scene.supports[0].clone());
+    let status = planned(&server, scene).await.unwrap_err();
+    let info = status.get_details_error_info().unwrap();
+    assert_eq!(info.metadata["violation_count"], "100");
+}
+
 /// Tries a size of a request that creates a session.
 async fn creation(
     server: &Server,

@@ -163,11 +163,7 @@ async fn a_mesh_that_is_being_read_is_kept() {
 
 #[tokio::test]
 async fn an_announced_upload_beyond_the_budget_is_refused_before_a_chunk_is_read() {
-    let config = Config {
-        memory_budget_bytes: 4 << 30,
-        ..Config::embedded()
-    };
-    let (server, block) = (Server::with(config).await, Block::new(1));
+    let (server, block) = (with_budget(4 << 30).await, Block::new(1));
     // 5 GB of arrays.
     let announced = wire::MeshHeader {
         vertex_count: 100_000_000,
@@ -181,6 +177,26 @@ async fn an_announced_upload_beyond_the_budget_is_refused_before_a_chunk_is_read
     assert_eq!(status.code(), tonic::Code::ResourceExhausted);
     assert_eq!(reason(&status), "MEMORY_BUDGET");
     server.upload(&block).await;
+}
+
+async fn with_budget(bytes: i64) -> Server {
+    let config = Config {
+        memory_budget_bytes: bytes as u64,
+        ..Config::embedded()
+    };
+    Server::with(config).await
+}
+
+#[tokio::test]
+async fn an_upload_takes_little_more_than_its_mesh_from_the_budget() {
+    let (server, block) = (Server::start().await, Block::new(12));
+    let name = server.upload(&block).await;
+    let request = wire::GetMeshRequest { name };
+    let answer = server.meshes().get_mesh(request).await.unwrap();
+    let bytes = answer.into_inner().mesh.unwrap().memory_bytes;
+    with_budget(bytes + bytes / 8).await.upload(&block).await;
+    let status = refused(&with_budget(bytes - 1).await, block.messages()).await;
+    assert_eq!(reason(&status), "MEMORY_BUDGET");
 }
 
 #[tokio::test]

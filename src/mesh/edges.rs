@@ -14,13 +14,22 @@ const FEW_CELLS: usize = 64;
 const FEW_EDGES: usize = 16;
 
 /// Collects the edges of one lower vertex after the other.
-#[derive(Default)]
 pub(super) struct EdgeCollector {
     pairs: Vec<[u32; 2]>,
     higher: Vec<u32>,
 }
 
 impl EdgeCollector {
+    /// Makes room for the edges of a mesh of one piece: by Euler's formula there
+    /// are as many as vertices and cells, and half the facets of its boundary.
+    pub(super) fn new(vertex_count: usize, cell_count: usize) -> Self {
+        let inner = vertex_count + cell_count;
+        Self {
+            pairs: Vec::with_capacity(inner + inner / 16),
+            higher: Vec::new(),
+        }
+    }
+
     /// Appends the edges from `vertex` to higher ones; `around` are the cells
     /// that have it.
     pub(super) fn add<'cells, const WIDTH: usize>(

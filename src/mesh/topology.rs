@@ -55,7 +55,7 @@ fn walk<const WIDTH: usize>(
     vertex_count: usize,
 ) -> Topology {
     let places = Buckets::new(vertex_count, cells.as_flattened().iter().copied());
-    let mut edges = EdgeCollector::default();
+    let mut edges = EdgeCollector::new(vertex_count, cells.len());
     let mut facets = FacetMatcher::new(kind, cells, facets);
     for (vertex, number) in (0..vertex_count).zip(0..) {
         let around = places.group(vertex).iter();

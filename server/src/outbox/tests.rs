@@ -35,7 +35,7 @@ fn result(event: i64, values: usize) -> Arc<KeptResult> {
     Arc::new(KeptResult {
         sequence: event,
         event,
-        report: wire::StepReport::default(),
+        report: (&wire::StepReport::default()).into(),
         last: true,
         asked: Some(vec![FieldName::Gap]),
         fields: vec![KeptField::new(&field)],

@@ -118,10 +118,16 @@ impl Meshes {
         self.uploaded(self.shop.store.insert_mesh(mesh), Presence::New)
     }
 
-    /// Takes what a mesh needs beyond its prediction.
-    fn reserve_excess(&self, mesh: &Mesh, taken: &Reservation) -> Result<Reservation, Fault> {
-        let excess = mesh.bytes().saturating_sub(taken.bytes());
-        self.shop.store.reserve(excess)
+    /// Takes what a mesh needs beyond its prediction, if anything.
+    fn reserve_excess(
+        &self,
+        mesh: &Mesh,
+        taken: &Reservation,
+    ) -> Result<Option<Reservation>, Fault> {
+        match mesh.bytes().saturating_sub(taken.bytes()) {
+            0 => Ok(None),
+            excess => self.shop.store.reserve(excess).map(Some),
+        }
     }
 
     fn uploaded(

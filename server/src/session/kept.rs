@@ -6,17 +6,49 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use bytes::Bytes;
+use prost::Message as _;
 use signorini::report::FieldName;
 use signorini_proto::v1 as wire;
 
 use crate::convert::field::{self, Encoding, KeptField};
+
+/// Bytes of one result beside its encoded report and its fields.
+const OVERHEAD_BYTES: u64 = 256;
+
+/// A report as it is kept: encoded, which takes a tenth of its structure.
+#[derive(Clone, Debug)]
+pub(crate) struct KeptReport {
+    pub(crate) increment: i32,
+    encoded: Bytes,
+}
+
+impl From<&wire::StepReport> for KeptReport {
+    fn from(report: &wire::StepReport) -> Self {
+        Self {
+            increment: report.increment,
+            encoded: report.encode_to_vec().into(),
+        }
+    }
+}
+
+impl KeptReport {
+    fn decode(&self) -> Option<wire::StepReport> {
+        // It was encoded here, so it decodes.
+        wire::StepReport::decode(self.encoded.clone()).ok()
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        self.encoded.len() as u64
+    }
+}
 
 /// One result.
 #[derive(Clone, Debug)]
 pub(crate) struct KeptResult {
     pub(crate) sequence: i64,
     pub(crate) event: i64,
-    pub(crate) report: wire::StepReport,
+    pub(crate) report: KeptReport,
     /// The last one of its sequence.
     pub(crate) last: bool,
     /// Fields that were asked for when it was made; the scene may lack some.
@@ -33,6 +65,10 @@ impl KeptResult {
             .iter()
             .map(|field| field.data.len() as u64)
             .sum()
+    }
+
+    fn report_bytes(&self) -> u64 {
+        self.report.bytes() + OVERHEAD_BYTES
     }
 
     fn without_fields(&self) -> Self {
@@ -60,7 +96,7 @@ pub(crate) fn messages(
     let finished = wire::StepFinished {
         sequence: result.sequence,
         event: result.event,
-        report: Some(result.report.clone()),
+        report: result.report.decode(),
         last: result.last,
         fields: fields
             .iter()
@@ -80,6 +116,7 @@ pub(crate) fn messages(
 pub(crate) struct Kept {
     results: VecDeque<Arc<KeptResult>>,
     field_bytes: u64,
+    report_bytes: u64,
     maximum_results: usize,
     maximum_field_bytes: u64,
 }
@@ -89,6 +126,7 @@ impl Kept {
         Self {
             results: VecDeque::new(),
             field_bytes: 0,
+            report_bytes: 0,
             maximum_results,
             maximum_field_bytes,
         }
@@ -98,10 +136,12 @@ impl Kept {
     pub(crate) fn push(&mut self, result: KeptResult) -> Arc<KeptResult> {
         let result = Arc::new(result);
         self.field_bytes += result.field_bytes();
+        self.report_bytes += result.report_bytes();
         self.results.push_back(Arc::clone(&result));
         while self.results.len() > self.maximum_results {
             if let Some(oldest) = self.results.pop_front() {
                 self.field_bytes -= oldest.field_bytes();
+                self.report_bytes -= oldest.report_bytes();
             }
         }
         self.drop_fields();
@@ -114,7 +154,7 @@ impl Kept {
 
     /// Drops the fields of the oldest results until the rest have at most
     /// `most_bytes`; the newest result keeps its own.
-    pub(crate) fn shrink(&mut self, most_bytes: u64) {
+    fn shrink(&mut self, most_bytes: u64) {
         let older = self.results.len().saturating_sub(1);
         for result in self.results.iter_mut().take(older) {
             if self.field_bytes <= most_bytes {
@@ -169,9 +209,15 @@ impl Kept {
         }
     }
 
-    /// Bytes of fields.
+    /// Bytes of reports and fields.
     pub(crate) fn bytes(&self) -> u64 {
-        self.field_bytes
+        self.field_bytes + self.report_bytes
+    }
+
+    /// Drops the fields of the oldest results until `bytes` are free, as far as
+    /// there are such fields.
+    pub(crate) fn free(&mut self, bytes: u64) {
+        self.shrink(self.field_bytes.saturating_sub(bytes));
     }
 }
 
@@ -190,10 +236,10 @@ mod tests {
         KeptResult {
             sequence: event,
             event,
-            report: wire::StepReport {
+            report: KeptReport::from(&wire::StepReport {
                 increment: 1,
                 ..Default::default()
-            },
+            }),
             last: true,
             asked: Some(vec![FieldName::Gap, FieldName::Pressure]),
             fields: vec![KeptField::new(&field)],
@@ -207,7 +253,7 @@ mod tests {
         for event in 1..=3 {
             kept.push(result(event, 10));
         }
-        assert_eq!(kept.bytes(), 80);
+        assert_eq!(kept.field_bytes, 80);
         let dropped = [0, 1, 2].map(|event| kept.behind(event).unwrap().dropped);
         assert_eq!(dropped, [true, true, false]);
     }
@@ -218,7 +264,7 @@ mod tests {
         for event in 1..=3 {
             kept.push(result(event, 1));
         }
-        assert_eq!((kept.first_sequence(), kept.bytes()), (2, 16));
+        assert_eq!((kept.first_sequence(), kept.field_bytes), (2, 16));
         assert_eq!(kept.of_sequence(1).len(), 0);
         assert_eq!(kept.of_sequence(3).len(), 1);
     }

@@ -335,7 +335,7 @@ impl Actor {
     fn account(&mut self) {
         let held = self.state_bytes + self.kept.bytes();
         if let Err(lacking) = self.seed.reservation.resize(held) {
-            self.kept.shrink(self.kept.bytes().saturating_sub(lacking));
+            self.kept.free(lacking);
             self.seed
                 .reservation
                 .force(self.state_bytes + self.kept.bytes());

@@ -4,7 +4,7 @@ use super::{Actor, Fresh, Place};
 use crate::convert::field::KeptField;
 use crate::convert::report;
 use crate::session::blank;
-use crate::session::kept::KeptResult;
+use crate::session::kept::{KeptReport, KeptResult};
 use crate::session::work::Increment;
 use signorini::ObstaclePose;
 use signorini::report::{FieldName, StepReport, Termination};
@@ -65,7 +65,7 @@ impl Actor {
         let result = self.kept.push(KeptResult {
             sequence: current.sequence,
             event: self.last_event,
-            report: report::step(report, poses),
+            report: KeptReport::from(&report::step(report, poses)),
             last,
             asked,
             fields,
