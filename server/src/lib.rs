@@ -25,6 +25,7 @@ mod convert;
 mod fair_queue;
 mod fault;
 mod listen;
+mod memory;
 mod metrics;
 mod metrics_page;
 mod outbox;

@@ -39,7 +39,7 @@ pub(crate) struct Wanted {
 }
 
 enum Item {
-    Answer(Message),
+    Answer(Box<Message>),
     /// With the last iteration before it, for a result that was just made.
     Result(Arc<KeptResult>, Option<Newest>),
 }
@@ -111,7 +111,7 @@ impl Outbox {
         let mut state = self.lock();
         state.unread_bytes += message.encoded_len() as u64;
         state.answers += 1;
-        state.waiting.push_back(Item::Answer(message));
+        state.waiting.push_back(Item::Answer(Box::new(message)));
         drop(state);
         self.filled.notify_one();
     }
@@ -210,7 +210,7 @@ impl Outbox {
                 state.was_read(message.encoded_len());
                 state.answers -= 1;
                 self.read.notify_one();
-                Some(message)
+                Some(*message)
             }
             Item::Result(result, iteration) => {
                 let Wanted { fields, encoding } = &self.wanted;

@@ -65,6 +65,27 @@ async fn a_panic_inside_a_step_fails_that_step_and_the_session_lives() {
 
 #[tokio::test]
 #[allow(clippy::await_holding_lock, reason = "one test at a time")]
+async fn memory_that_the_system_refuses_fails_the_step_and_the_session_lives() {
+    let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let (server, _, session) = started().await;
+    let mut stream = server.open(open(&session)).await;
+    stream.step(1, press(0.02, 1)).await;
+    let good = stream.result().await.report.unwrap();
+    fail::cfg("memory", "return").unwrap();
+    stream.step(2, press(0.03, 2)).await;
+    let failed = stream.result().await;
+    fail::remove("memory");
+    assert!(failed.last);
+    let report = failed.report.unwrap();
+    assert_eq!(report.termination(), wire::Termination::InternalError);
+    assert_eq!(report.obstacles["ball"].force, good.obstacles["ball"].force);
+    stream.step(3, press(0.04, 1)).await;
+    let next = stream.result().await.report.unwrap();
+    assert_eq!(next.termination(), wire::Termination::Converged);
+}
+
+#[tokio::test]
+#[allow(clippy::await_holding_lock, reason = "one test at a time")]
 async fn a_step_whose_solver_thread_does_not_stop_is_answered_without_it() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let (server, _, session) = started().await;

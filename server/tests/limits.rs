@@ -21,6 +21,10 @@ fn words(count: usize) -> Vec<String> {
     (0..count).map(|index| format!("g{index}")).collect()
 }
 
+fn solver(scene: &mut wire::Scene) -> &mut wire::SolverOptions {
+    scene.solver.get_or_insert_default()
+}
+
 fn ogden(terms: usize) -> Option<wire::material::Model> {
     Some(wire::material::Model::Ogden(wire::Ogden {
         mu: vec![1.0; terms],
@@ -97,7 +101,7 @@ const LISTS: [SceneCase; 14] = [
     }),
 ];
 
-const NAMES: [SceneCase; 8] = [
+const NAMES: [SceneCase; 9] = [
     ("name", 256, |scene, n| scene.name = word(n)),
     ("material", 256, |scene, n| {
         scene.materials[0].group = word(n)
@@ -109,16 +113,19 @@ const NAMES: [SceneCase; 8] = [
         scene.supports[0].on = vec![word(n)]
     }),
     ("solver.saddle", 256, |scene, n| {
-        scene.solver.get_or_insert_default().saddle = word(n);
+        solver(scene).saddle = word(n)
+    }),
+    ("solver.displacement_preconditioner", 256, |scene, n| {
+        solver(scene).displacement_preconditioner = word(n);
     }),
     ("solver.p1_solver", 256, |scene, n| {
-        scene.solver.get_or_insert_default().p1_solver = word(n);
+        solver(scene).p1_solver = word(n)
     }),
     ("solver.contact", 256, |scene, n| {
-        scene.solver.get_or_insert_default().contact = word(n);
+        solver(scene).contact = word(n)
     }),
     ("solver.contact_metric", 256, |scene, n| {
-        scene.solver.get_or_insert_default().contact_metric = word(n);
+        solver(scene).contact_metric = word(n)
     }),
 ];
 
@@ -130,7 +137,7 @@ const NUMBERS: [SceneCase; 3] = [
         scene.steps = vec![press(0.1, n as i32)];
     }),
     ("solver.quadrature_degree", 20, |scene, n| {
-        scene.solver.get_or_insert_default().quadrature_degree = Some(n as i32);
+        solver(scene).quadrature_degree = Some(n as i32)
     }),
 ];
 
@@ -224,7 +231,7 @@ async fn of_very_many_faults_the_first_hundred_are_looked_for() {
     let (server, block) = (Server::start().await, Block::new(1));
     server.upload(&block).await;
     let mut scene = block.scene();
-    scene.supports[0].on = words(150);
+    scene.supports[0].on = words(100);
     scene.supports.resize(4000, scene.supports[0].clone());
     let status = planned(&server, scene).await.unwrap_err();
     let info = status.get_details_error_info().unwrap();

@@ -1,5 +1,10 @@
 //! Streams never lose the thread: watchers, slow readers, deadlines, fairness.
 
+#![allow(
+    clippy::wildcard_enum_match_arm,
+    reason = "what a test does not expect is a failure"
+)]
+
 mod common;
 
 use common::{Block, Server, duration, open, page, press, reason, rejection_reason, sample, watch};

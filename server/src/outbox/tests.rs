@@ -46,7 +46,7 @@ fn result(event: i64, values: usize) -> Arc<KeptResult> {
 async fn read(outbox: &Outbox, iterations: &mut IterationReader) -> Message {
     match outbox.next(iterations, HOUR).await {
         Next::Message(response) => response.message.unwrap(),
-        other => panic!("{other:?} instead of a message"),
+        other @ (Next::End(_) | Next::Silence) => panic!("{other:?} instead of a message"),
     }
 }
 

@@ -18,6 +18,7 @@ use crate::client_key::ClientKey;
 use crate::compute::{Panicked, said};
 use crate::convert::field::KeptField;
 use crate::convert::report;
+use crate::memory::{self, OutOfMemory};
 use crate::metrics::Metrics;
 use crate::store::Lease;
 
@@ -56,6 +57,8 @@ pub(super) struct Task {
     pub(super) wanted: Vec<FieldName>,
     /// Fields come with every n-th increment and the last of the step.
     pub(super) every: u32,
+    /// Memory that the increment may have to allocate.
+    pub(super) scratch_bytes: u64,
     /// Results finished so far.
     pub(super) after_event: i64,
     pub(super) iterations: Iterations,
@@ -79,8 +82,8 @@ pub(super) enum Outcome {
     /// The step is faulty; the state is as before.
     Refused(Box<Work>, SceneError),
     Increment(Box<Work>, Box<Increment>),
-    /// A defect; the state is as before the increment.
-    Panicked(Box<Work>, Panicked),
+    /// A defect or no memory; the state is as before the increment.
+    Broken(Box<Work>, String),
 }
 
 /// What solver threads and clocks tell an actor.
@@ -106,6 +109,8 @@ pub(super) struct Ready {
 pub(super) enum Unprepared {
     #[error(transparent)]
     Failed(#[from] PrepareError),
+    #[error(transparent)]
+    Memory(#[from] OutOfMemory),
     #[error("a defect of the server; its log says more")]
     Panicked(#[from] Panicked),
     #[error("the server is shutting down")]
@@ -125,12 +130,15 @@ pub(super) fn advance(parcel: &Parcel, task: &Task) -> Outcome {
             Err(error) => return Outcome::Refused(work, error),
         },
     };
+    if let Err(error) = memory::probe(task.scratch_bytes) {
+        return Outcome::Broken(work, error.to_string());
+    }
     match catch_unwind(AssertUnwindSafe(|| increment(&mut work, run, task))) {
         Ok(increment) => Outcome::Increment(work, Box::new(increment)),
         Err(payload) => {
             // Only the session is used again, and it goes back to its last state.
             work.take_back();
-            Outcome::Panicked(work, Panicked(said(payload.as_ref())))
+            Outcome::Broken(work, said(payload.as_ref()))
         }
     }
 }
@@ -207,6 +215,7 @@ async fn ready(shop: &Arc<Shop>, order: Order) -> Result<Ready, Unprepared> {
     let (prepared, reuse) = match shop.store.prepared(&plan.key()) {
         Some(lease) => (lease, Reuse::Reused),
         None => {
+            memory::probe(plan.report().predicted_bytes)?;
             let (for_build, on) = (Arc::clone(&plan), Arc::clone(&mesh));
             let build = move || Prepared::build(&for_build, &on, &cancel);
             let built = on_solver(shop, client, build).await??;

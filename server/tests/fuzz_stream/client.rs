@@ -1,5 +1,10 @@
 //! One stream of a session: sends moves, reads answers into the journal.
 
+#![allow(
+    clippy::wildcard_enum_match_arm,
+    reason = "most moves are alike in most ways"
+)]
+
 use fastrand::Rng;
 use signorini_proto::v1::solve_request::Message;
 use signorini_proto::v1::{self as wire, solve_response};
@@ -126,7 +131,7 @@ impl Client {
     }
 
     /// Breaks the rules of the stream itself.
-    pub(crate) async fn break_protocol(&mut self, how: Move, journal: &mut Journal) {
+    pub(crate) async fn break_protocol(&self, how: Move, journal: &mut Journal) {
         journal.message(None);
         let again = Message::Open(open(&self.session));
         self.send(matches!(how, Move::SecondOpen).then_some(again))
@@ -156,7 +161,7 @@ impl Client {
         }
     }
 
-    async fn cancel(&mut self, sequence: i64, journal: &mut Journal) {
+    async fn cancel(&self, sequence: i64, journal: &mut Journal) {
         journal.message(None);
         self.send(Some(Message::Cancel(wire::Cancel { sequence })))
             .await;

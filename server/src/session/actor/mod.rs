@@ -228,9 +228,7 @@ impl Actor {
         match outcome {
             Ok(Outcome::Withdrawn) => {}
             Ok(
-                Outcome::Increment(work, _)
-                | Outcome::Refused(work, _)
-                | Outcome::Panicked(work, _),
+                Outcome::Increment(work, _) | Outcome::Refused(work, _) | Outcome::Broken(work, _),
             ) if is_late => self.come_home_late(work),
             Ok(Outcome::Increment(work, increment)) => {
                 self.place = Place::Home(work);
@@ -240,8 +238,8 @@ impl Actor {
                 self.place = Place::Home(work);
                 self.refuse_current(&error.into());
             }
-            Ok(Outcome::Panicked(work, panicked)) => {
-                tracing::error!(said = panicked.0, "a step panicked");
+            Ok(Outcome::Broken(work, why)) => {
+                tracing::error!(why, "a step broke");
                 self.place = Place::Home(work);
                 self.finish_stopped(Termination::InternalError);
             }
@@ -277,6 +275,7 @@ impl Actor {
             return;
         }
         let (wanted, every) = (self.wanted(), self.seed.output.every);
+        let scratch_bytes = self.scratch_bytes();
         let limit = self.seed.plan.scene().solver.max_wall_time;
         let Some(current) = self.queue.current() else {
             return;
@@ -288,6 +287,7 @@ impl Actor {
             cancel: current.cancel.clone(),
             wanted,
             every,
+            scratch_bytes,
             after_event: self.last_event,
             iterations: self.iterations.clone(),
             metrics: Arc::clone(&self.shop.metrics),
@@ -307,6 +307,14 @@ impl Actor {
                 let _gone = events.send(Event::Advanced(outcome));
             },
         );
+    }
+
+    /// What an increment may have to allocate: all but what is there already.
+    fn scratch_bytes(&self) -> u64 {
+        let prepared = self.prepared.as_ref();
+        let shared = prepared.map_or(0, |(lease, _)| lease.value().bytes());
+        let predicted = self.seed.plan.report().predicted_bytes;
+        predicted.saturating_sub(shared + self.state_bytes)
     }
 
     /// Fields that some reader wants; without a writer, those that the last one

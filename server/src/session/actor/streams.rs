@@ -72,7 +72,9 @@ impl Actor {
             since: SystemTime::now(),
             on_disconnect: match on_disconnect {
                 wire::DisconnectPolicy::Unspecified => self.seed.on_disconnect,
-                policy => policy,
+                wire::DisconnectPolicy::FinishStep | wire::DisconnectPolicy::CancelStep => {
+                    on_disconnect
+                }
             },
             half_closed: false,
         });
