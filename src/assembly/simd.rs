@@ -2,7 +2,7 @@
 //! at run time by pulp. Results differ between sets by rounding only: the wider
 //! set fuses products and sums. The name stands in every result.
 
-use pulp::{Arch, Simd, WithSimd};
+use pulp::{Simd, WithSimd};
 
 use super::kernel::{self, Batch};
 
@@ -13,16 +13,27 @@ pub enum InstructionSet {
     Portable,
     /// 256-bit vectors with fused products (x86-64 level 3).
     Avx2,
+    /// 512-bit vectors with fused products (x86-64 level 4).
+    Avx512,
 }
 
 impl InstructionSet {
+    /// All, the narrowest first.
+    pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
+
     /// The widest that this machine has.
     pub fn of_this_machine() -> Self {
-        #[cfg(target_arch = "x86_64")]
-        if matches!(Arch::new(), Arch::V3(_)) {
-            return Self::Avx2;
+        let here = Self::ALL.into_iter().filter(|set| set.is_here());
+        here.last().unwrap_or(Self::Portable)
+    }
+
+    /// Whether this machine has it.
+    pub fn is_here(self) -> bool {
+        match self {
+            Self::Portable => true,
+            Self::Avx2 => level_3().is_some(),
+            Self::Avx512 => level_4().is_some(),
         }
-        Self::Portable
     }
 
     /// The name in results.
@@ -30,15 +41,40 @@ impl InstructionSet {
         match self {
             Self::Portable => "portable",
             Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
         }
     }
 
+    /// Runs `pass`, on the portable path where the machine lacks the set.
     fn run(self, pass: impl WithSimd<Output = ()>) {
-        match self {
-            Self::Portable => pass.with_simd(pulp::Scalar),
-            Self::Avx2 => Arch::new().dispatch(pass),
+        let narrow = level_3().filter(|_| self == Self::Avx2);
+        let wide = level_4().filter(|_| self == Self::Avx512);
+        match (narrow, wide) {
+            (Some(simd), _) => Simd::vectorize(simd, pass),
+            (None, Some(simd)) => Simd::vectorize(simd, pass),
+            (None, None) => pass.with_simd(pulp::Scalar),
         }
     }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn level_3() -> Option<pulp::x86::V3> {
+    pulp::x86::V3::try_new()
+}
+
+#[cfg(target_arch = "x86_64")]
+fn level_4() -> Option<pulp::x86::V4> {
+    pulp::x86::V4::try_new()
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn level_3() -> Option<pulp::Scalar> {
+    None
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn level_4() -> Option<pulp::Scalar> {
+    None
 }
 
 /// Batches with argument and result, [`kernel`] function still open.
