@@ -421,3 +421,13 @@ fn a_manufactured_field_takes_no_values_of_supports() {
     scene.supports[0].displacement[0] = Some(3.0);
     assert_refused(&scene, "support.x0.displacement", &["manufactured"]);
 }
+
+#[test]
+fn a_scene_that_names_far_more_than_its_mesh_has_is_refused_before_it_is_copied() {
+    let mut scene = elastic(0.5);
+    scene.supports = vec![support("z0", HELD)];
+    scene.supports[0].on = vec!["z0".to_owned(); 20_000];
+    assert_refused(&scene, "on", &["160000 facets", "at most"]);
+    scene.supports[0].on = vec!["z0".to_owned(); 100_001];
+    assert_refused(&scene, "on", &["100001 groups", "at most 100000"]);
+}

@@ -1,145 +1,17 @@
 //! Every list and size of a request has a maximum: what reaches it is taken,
 //! one more is refused with a reason and the path of the key.
 
+#[path = "limits/cases.rs"]
+mod cases;
 mod common;
 
-use common::{Block, Server, open, paths, press, reason, watch};
+use cases::{LISTS, NAMES, NUMBERS, word, words};
+use common::{Block, Server, open, paths, reason, watch};
 use signorini_proto::v1::{self as wire, upload_mesh_request::Part};
 use tonic::{Code, Status};
 use tonic_types::StatusExt;
 
 const MONTH_SECONDS: i64 = 30 * 24 * 3600;
-
-/// A key of the scene, its maximum, and how it is given a size.
-type SceneCase = (&'static str, usize, fn(&mut wire::Scene, usize));
-
-fn word(bytes: usize) -> String {
-    "n".repeat(bytes)
-}
-
-fn words(count: usize) -> Vec<String> {
-    (0..count).map(|index| format!("g{index}")).collect()
-}
-
-fn solver(scene: &mut wire::Scene) -> &mut wire::SolverOptions {
-    scene.solver.get_or_insert_default()
-}
-
-fn ogden(terms: usize) -> Option<wire::material::Model> {
-    Some(wire::material::Model::Ogden(wire::Ogden {
-        mu: vec![1.0; terms],
-        alpha: vec![2.0; terms.min(16)],
-        bulk_modulus: None,
-    }))
-}
-
-fn moved(name: String) -> wire::ObstacleTarget {
-    wire::ObstacleTarget {
-        name,
-        ..Default::default()
-    }
-}
-
-fn held(name: String) -> wire::SupportTarget {
-    wire::SupportTarget {
-        name,
-        ..Default::default()
-    }
-}
-
-const LISTS: [SceneCase; 14] = [
-    ("material", 4096, |scene, n| {
-        scene.materials.resize(n, scene.materials[0].clone());
-    }),
-    ("support", 4096, |scene, n| {
-        scene.supports.resize(n, scene.supports[0].clone());
-    }),
-    ("traction", 4096, |scene, n| {
-        scene.tractions.resize(n, wire::Traction::default());
-    }),
-    ("pressure", 4096, |scene, n| {
-        scene.pressures.resize(n, wire::Pressure::default());
-    }),
-    ("obstacle", 1000, |scene, n| {
-        scene.obstacles.resize(n, scene.obstacles[0].clone());
-    }),
-    ("probe", 10_000, |scene, n| {
-        scene.probes.resize(n, wire::Probe::default());
-    }),
-    ("step", 10_000, |scene, n| {
-        scene.steps.resize(n, wire::LoadStep::default());
-    }),
-    ("output.fields", 100, |scene, n| {
-        scene.output.get_or_insert_default().fields = vec![1; n];
-    }),
-    ("support.base.on", 1000, |scene, n| {
-        scene.supports[0].on = words(n)
-    }),
-    ("obstacle.ball.on", 1000, |scene, n| {
-        scene.obstacles[0].on = words(n)
-    }),
-    ("traction[0].on", 1000, |scene, n| {
-        let (on, value) = (words(n), vec![0.0; 3]);
-        scene.tractions = vec![wire::Traction { on, value }];
-    }),
-    ("material.body.mu", 16, |scene, n| {
-        scene.materials[0].model = ogden(n)
-    }),
-    ("step[0].obstacle", 1000, |scene, n| {
-        let obstacles = words(n).into_iter().map(moved).collect();
-        scene.steps = vec![wire::LoadStep {
-            obstacles,
-            ..Default::default()
-        }];
-    }),
-    ("step[0].support", 1000, |scene, n| {
-        let supports = words(n).into_iter().map(held).collect();
-        scene.steps = vec![wire::LoadStep {
-            supports,
-            ..Default::default()
-        }];
-    }),
-];
-
-const NAMES: [SceneCase; 9] = [
-    ("name", 256, |scene, n| scene.name = word(n)),
-    ("material", 256, |scene, n| {
-        scene.materials[0].group = word(n)
-    }),
-    ("manufactured.field", 256, |scene, n| {
-        scene.manufactured = word(n)
-    }),
-    ("support.base.on", 256, |scene, n| {
-        scene.supports[0].on = vec![word(n)]
-    }),
-    ("solver.saddle", 256, |scene, n| {
-        solver(scene).saddle = word(n)
-    }),
-    ("solver.displacement_preconditioner", 256, |scene, n| {
-        solver(scene).displacement_preconditioner = word(n);
-    }),
-    ("solver.p1_solver", 256, |scene, n| {
-        solver(scene).p1_solver = word(n)
-    }),
-    ("solver.contact", 256, |scene, n| {
-        solver(scene).contact = word(n)
-    }),
-    ("solver.contact_metric", 256, |scene, n| {
-        solver(scene).contact_metric = word(n)
-    }),
-];
-
-const NUMBERS: [SceneCase; 3] = [
-    ("output.every", 100_000, |scene, n| {
-        scene.output.get_or_insert_default().every = Some(n as i32);
-    }),
-    ("step[0].increments", 100_000, |scene, n| {
-        scene.steps = vec![press(0.1, n as i32)];
-    }),
-    ("solver.quadrature_degree", 20, |scene, n| {
-        solver(scene).quadrature_degree = Some(n as i32)
-    }),
-];
 
 async fn planned(server: &Server, scene: wire::Scene) -> Result<(), Status> {
     let request = wire::CreateSessionRequest {

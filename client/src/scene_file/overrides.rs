@@ -16,6 +16,10 @@ const ARRAYS: &[&str] = &[
     "support", "traction", "pressure", "obstacle", "step", "probe",
 ];
 
+/// Most parts of a path: no key of a scene lies so deep, and a table nested
+/// without end would exhaust the stack.
+const DEEPEST: usize = 64;
+
 /// One change.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Override {
@@ -31,6 +35,11 @@ impl FromStr for Override {
         let path: Vec<String> = path.split('.').map(|part| part.trim().to_owned()).collect();
         if path.iter().any(String::is_empty) {
             return Err("the path before \"=\" has an empty part".to_owned());
+        }
+        if path.len() > DEEPEST {
+            return Err(format!(
+                "the path before \"=\" has more than {DEEPEST} parts"
+            ));
         }
         let value = parse(value.trim());
         Ok(Self { path, value })
@@ -214,5 +223,12 @@ mod tests {
     fn text_without_an_equals_sign_or_with_empty_parts_is_refused() {
         assert!("solver.tolerance".parse::<Override>().is_err());
         assert!("solver..tolerance=1".parse::<Override>().is_err());
+    }
+
+    #[test]
+    fn paths_end_at_their_greatest_depth() {
+        let path = |parts: usize| vec!["a"; parts].join(".") + "=1";
+        assert!(changed("", &path(DEEPEST)).is_ok());
+        assert!(path(DEEPEST + 1).parse::<Override>().is_err());
     }
 }

@@ -4,6 +4,7 @@
 //! this version cannot solve are [`SceneError::Unsupported`].
 
 mod bodies;
+mod extent;
 mod materials;
 mod names;
 mod obstacles;
@@ -96,6 +97,10 @@ pub(crate) struct Resolved {
 /// Checks everything and resolves names.
 pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Resolved, SceneError> {
     let mut faults = Faults::default();
+    extent::check(scene, mesh, &mut faults);
+    if !faults.violations.is_empty() {
+        return Err(SceneError::Invalid(faults.violations));
+    }
     let kind = kind(scene, mesh, &mut faults);
     if let Some(scale) = scene.mesh_scale
         && !(scale > 0.0 && scale.is_finite())

@@ -175,11 +175,19 @@ fn physical_names(cursor: &mut Cursor<'_>, raw: &mut RawMesh) -> Result<(), MshE
     let what = "the number of physical names";
     let declared = cursor.text_integer(what)?;
     for _ in 0..declared {
-        let dimension = cursor.text_integer("a dimension")?;
+        let dimension = dimension(cursor)?;
         let tag = cursor.text_integer("a physical number")?;
         let name = cursor.quoted("a name in double quotes")?;
-        let dimension = usize::try_from(dimension).unwrap_or(usize::MAX);
         raw.names.insert((dimension, tag), name);
     }
     Ok(())
+}
+
+fn dimension(cursor: &mut Cursor<'_>) -> Result<usize, MshError> {
+    let expected = "a dimension";
+    let number = cursor.text_integer(expected)?;
+    usize::try_from(number).map_err(|_| {
+        let found = number.to_string();
+        cursor.error(Fault::Unexpected { expected, found })
+    })
 }

@@ -245,6 +245,16 @@ fn tags_without_an_absolute_value_are_refused() {
 }
 
 #[test]
+fn names_of_a_negative_dimension_are_refused() {
+    let names = "$PhysicalNames\n1\n-2 7 \"top\"\n$EndPhysicalNames\n$Nodes";
+    let unexpected = Fault::Unexpected {
+        expected: "a dimension",
+        found: "-2".into(),
+    };
+    assert_eq!(fault("$Nodes", names), unexpected);
+}
+
+#[test]
 fn a_mesh_of_lines_only_has_no_cells() {
     let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n2\n1 0 0 0\n2 1 0 0\n$EndNodes\n\
                 $Elements\n1\n1 1 2 4 4 1 2\n$EndElements\n";
