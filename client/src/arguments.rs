@@ -19,10 +19,19 @@ const EXIT_CODES: &str = "Exit codes: 0 ok, 2 usage, 3 not converged (results ke
     4 invalid or unsupported scene or mesh, 5 no server, 6 refused (quota, queue, memory, size), \
     7 deadline, 8 server error, 130 interrupted";
 
+/// Seconds that a server takes at most: 30 days.
+const LONGEST_TTL: u64 = 30 * 24 * 3600;
+
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Solve a scene; without --server in a server of this process
     Solve(SolveArguments),
+    /// Follow the results of a session, kept ones first
+    Watch(WatchArguments),
+    /// Fetch the kept results of a session as solve --out writes them
+    Fetch(FetchArguments),
+    /// Cancel a step of a session; its last good state is kept
+    Cancel(CancelArguments),
     /// Print what a scene needs, what is left out and why
     Plan(PlanArguments),
     /// Start a server
@@ -63,6 +72,13 @@ pub(crate) struct SolveArguments {
     /// Write PVD, VTU and VTP files and result lines into this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Hand all steps to the server, print the session's name and leave
+    #[arg(long, conflicts_with = "out")]
+    pub(crate) detach: bool,
+    /// Time to live of the detached session since its last use; default: one day
+    #[arg(long, value_name = "SECONDS", requires = "detach",
+        value_parser = clap::value_parser!(u64).range(1..=LONGEST_TTL))]
+    pub(crate) ttl: Option<u64>,
     /// Recompute the residuals of each result by an independent path
     #[arg(long)]
     pub(crate) verify: bool,
@@ -99,6 +115,42 @@ pub(crate) struct RemoteArguments {
     /// One JSON object a line
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct WatchArguments {
+    /// Name or identifier
+    pub(crate) session: String,
+    /// Go on when every step is answered, until the session ends
+    #[arg(long)]
+    pub(crate) follow: bool,
+    #[command(flatten)]
+    pub(crate) remote: RemoteArguments,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct FetchArguments {
+    /// Name or identifier
+    pub(crate) session: String,
+    /// Write PVD, VTU and VTP files and result lines into this folder
+    #[arg(long, value_name = "DIR")]
+    pub(crate) out: Option<PathBuf>,
+    /// One step only
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(i64).range(1..))]
+    pub(crate) step: Option<i64>,
+    #[command(flatten)]
+    pub(crate) remote: RemoteArguments,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct CancelArguments {
+    /// Name or identifier
+    pub(crate) session: String,
+    /// The step, accepted or running; default: the one that runs
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(i64).range(1..))]
+    pub(crate) sequence: Option<i64>,
+    #[command(flatten)]
+    pub(crate) remote: RemoteArguments,
 }
 
 #[derive(Debug, Subcommand)]

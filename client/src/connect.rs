@@ -5,6 +5,7 @@
 //! defaults.
 
 use std::fmt;
+use std::future::Future;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
@@ -14,14 +15,21 @@ use signorini_proto::v1::session_service_client::SessionServiceClient;
 use tonic::body::Body;
 use tonic::codegen::http::{Request, Response};
 use tonic::transport::{Channel, Endpoint, Uri};
+use tower::ServiceExt as _;
 use tower::util::BoxCloneSyncService;
-use tower::{BoxError, ServiceExt as _};
 
 use crate::error::{ClientError, Unanswered};
 
 const STREAM_WINDOW: u32 = 1 << 20;
 const CONNECTION_WINDOW: u32 = 4 << 20;
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
+/// A peer that answers no ping within these is gone, however idle the connection.
+const PING_INTERVAL: Duration = Duration::from_secs(20);
+const PING_TIMEOUT: Duration = Duration::from_secs(10);
+/// For calls that the server answers from what it has.
+const ANSWER_LIMIT: Duration = Duration::from_secs(60);
+/// For calls that plan a scene first.
+const PLAN_LIMIT: Duration = Duration::from_secs(600);
 
 /// Where a server listens.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -59,14 +67,15 @@ impl fmt::Display for ServerAddress {
     }
 }
 
-/// A connection to a server. Clones share it.
+/// A connection to a server. Clones share it. One that breaks is replaced by the
+/// next call; a stream goes on by itself (see [`crate::solve`]).
 #[derive(Clone, Debug)]
 pub struct Client {
     channel: Transport,
 }
 
 /// A channel whose failures name the address.
-pub(crate) type Transport = BoxCloneSyncService<Request<Body>, Response<Body>, BoxError>;
+pub(crate) type Transport = BoxCloneSyncService<Request<Body>, Response<Body>, Unanswered>;
 
 impl Client {
     /// Connects.
@@ -97,12 +106,42 @@ impl Client {
     }
 }
 
+/// The answer to a call that the server gives from what it has.
+///
+/// # Errors
+/// [`ClientError::Silent`] after a minute; any error of the call.
+pub(crate) fn answer<T, E: Into<ClientError>>(
+    call: impl Future<Output = Result<T, E>>,
+) -> impl Future<Output = Result<T, ClientError>> {
+    within(ANSWER_LIMIT, Box::pin(call))
+}
+
+/// The answer to a call that plans a scene.
+///
+/// # Errors
+/// [`ClientError::Silent`] after ten minutes; any error of the call.
+pub(crate) fn planned<T, E: Into<ClientError>>(
+    call: impl Future<Output = Result<T, E>>,
+) -> impl Future<Output = Result<T, ClientError>> {
+    within(PLAN_LIMIT, Box::pin(call))
+}
+
+async fn within<T, E: Into<ClientError>>(
+    limit: Duration,
+    call: impl Future<Output = Result<T, E>>,
+) -> Result<T, ClientError> {
+    let answer = tokio::time::timeout(limit, call).await;
+    answer
+        .map_err(|_| ClientError::Silent(limit))?
+        .map_err(Into::into)
+}
+
 /// Whatever listens there may accept the connection and yet be no server: that
 /// shows only when a call fails without any answer.
 fn named(channel: Channel, address: String) -> Transport {
     Transport::new(channel.map_err(move |error| {
         let (address, message) = (address, root_cause(&error));
-        Unanswered { address, message }.into()
+        Unanswered { address, message }
     }))
 }
 
@@ -111,6 +150,9 @@ fn configured(endpoint: Endpoint) -> Endpoint {
         .initial_stream_window_size(STREAM_WINDOW)
         .initial_connection_window_size(CONNECTION_WINDOW)
         .connect_timeout(CONNECT_TIMEOUT)
+        .http2_keep_alive_interval(PING_INTERVAL)
+        .keep_alive_timeout(PING_TIMEOUT)
+        .keep_alive_while_idle(true)
         .tcp_nodelay(true)
 }
 
@@ -133,7 +175,7 @@ async fn connect_unix(path: PathBuf) -> Result<Channel, tonic::transport::Error>
 }
 
 /// The innermost error says what happened; the outer ones say "transport error".
-fn root_cause(error: &dyn std::error::Error) -> String {
+pub(crate) fn root_cause(error: &dyn std::error::Error) -> String {
     let mut cause = error;
     while let Some(inner) = cause.source() {
         cause = inner;
@@ -144,6 +186,14 @@ fn root_cause(error: &dyn std::error::Error) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[tokio::test]
+    async fn a_server_that_does_not_answer_in_time_is_silent() {
+        let never = std::future::pending::<Result<(), tonic::Status>>();
+        let error = within(Duration::ZERO, never).await.unwrap_err();
+        assert!(matches!(error, ClientError::Silent(Duration::ZERO)));
+        assert_eq!(error.to_string(), "the server does not answer within 0 s");
+    }
 
     #[test]
     fn addresses_are_urls_or_socket_paths() {

@@ -4,6 +4,7 @@
 use std::collections::BTreeMap;
 use std::error::Error as _;
 use std::fmt;
+use std::time::Duration;
 
 use signorini_proto::array::ArrayError;
 use tonic::Code;
@@ -117,6 +118,23 @@ pub enum ClientError {
     /// A mesh with more items than the wire format can count.
     #[error("the mesh has {0} items of one kind, more than the service takes")]
     MeshTooLarge(usize),
+    /// The connection broke and no other took its place within the patience.
+    #[error("the connection to the server broke: {message}")]
+    Broken {
+        /// What happened last.
+        message: String,
+    },
+    /// The server holds the connection and does not answer.
+    #[error("the server does not answer within {} s", .0.as_secs())]
+    Silent(Duration),
+    /// Results that came during a break are no longer kept.
+    #[error("results {first} to {last} are lost: the server no longer keeps them")]
+    ResultsLost {
+        /// Event number of the first.
+        first: i64,
+        /// Event number of the last.
+        last: i64,
+    },
     /// The stream has ended; nothing can be sent.
     #[error("the stream to the server has ended")]
     Closed,
@@ -160,7 +178,16 @@ impl ClientError {
             | Self::Protocol(_)
             | Self::Array(_)
             | Self::MeshTooLarge(_)
+            | Self::Broken { .. }
+            | Self::Silent(_)
+            | Self::ResultsLost { .. }
             | Self::Closed => None,
         }
+    }
+
+    /// Whether the service says no for this reason of its contract.
+    pub fn is_reason(&self, reason: &str) -> bool {
+        self.refusal()
+            .is_some_and(|refusal| refusal.reason == reason)
     }
 }

@@ -127,11 +127,14 @@ impl From<ClientError> for Failure {
         }
         let exit = match error {
             ClientError::Address(_) => Exit::Usage,
-            ClientError::Unreachable { .. } => Exit::NoServer,
+            ClientError::Unreachable { .. }
+            | ClientError::Broken { .. }
+            | ClientError::Silent(_) => Exit::NoServer,
             ClientError::MeshTooLarge(_) => Exit::Invalid,
             ClientError::Refused(_)
             | ClientError::Protocol(_)
             | ClientError::Array(_)
+            | ClientError::ResultsLost { .. }
             | ClientError::Closed => Exit::Server,
         };
         Self::new(exit, error.to_string())
@@ -140,7 +143,8 @@ impl From<ClientError> for Failure {
 
 fn exit_of(refusal: &Refusal) -> Exit {
     match refusal.reason.as_str() {
-        "SESSION_NOT_FOUND" | "SESSION_EXPIRED" | "SESSION_EXISTS" | "MESH_IN_USE" => {
+        "SESSION_NOT_FOUND" | "SESSION_EXPIRED" | "SESSION_EXISTS" | "STEP_NOT_FOUND"
+        | "MESH_IN_USE" => {
             return Exit::Usage;
         }
         "MESH_NOT_FOUND" => return Exit::Invalid,
@@ -195,6 +199,7 @@ mod tests {
             (Code::Unimplemented, "", Exit::Server),
             (Code::NotFound, "MESH_NOT_FOUND", Exit::Invalid),
             (Code::NotFound, "SESSION_NOT_FOUND", Exit::Usage),
+            (Code::NotFound, "STEP_NOT_FOUND", Exit::Usage),
             (Code::Unavailable, "SHUTTING_DOWN", Exit::NoServer),
             (Code::ResourceExhausted, "MEMORY_BUDGET", Exit::Refused),
             (Code::Aborted, "SESSION_BUSY", Exit::Refused),

@@ -5,7 +5,9 @@
 //! A session in outline: [`formats::msh::read`] a mesh, [`Client::upload_mesh`]
 //! it, [`scene_file::read`] a scene and name the mesh in it,
 //! [`Client::create_session`], [`Client::solve`], send steps through
-//! [`solve::Updates`] and take results from [`solve::Events`].
+//! [`solve::Updates`] and take results from [`solve::Events`]. Others follow the
+//! session with [`Client::watch`], read kept results with [`Client::read_step`]
+//! and its mesh with [`Client::read_mesh`].
 //!
 //! The library knows the wire format only, never the solver. It prints nothing;
 //! network errors and bad files are typed errors ([`ClientError`],
@@ -25,6 +27,7 @@ mod connect;
 mod error;
 pub mod formats;
 mod mesh;
+mod read;
 pub mod result_line;
 pub mod scene_file;
 mod session;
@@ -33,4 +36,5 @@ pub mod solve;
 pub use connect::{Client, ServerAddress};
 pub use error::{ClientError, Refusal, Violation};
 pub use mesh::{Uploaded, WireMesh};
+pub use read::StepResults;
 pub use session::NewSession;

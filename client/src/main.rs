@@ -16,6 +16,7 @@ mod exit;
 mod input;
 mod output;
 mod progress;
+mod record;
 mod results;
 mod table;
 mod text;

@@ -1,7 +1,9 @@
-//! Meshes of the service: upload, get, list, delete.
+//! Meshes of the service: upload, get, list, read, delete.
 //!
 //! A mesh is named by the digest of its arrays, so a client asks for it first
 //! and uploads only what the server does not have, in chunks of at most 1 MiB.
+
+mod read;
 
 use std::mem::size_of;
 
@@ -11,7 +13,7 @@ use signorini_proto::v1;
 use signorini_proto::v1::upload_mesh_request::Part;
 use signorini_proto::{array, v1::MeshArray};
 
-use crate::connect::Client;
+use crate::connect::{Client, answer};
 use crate::error::ClientError;
 use crate::formats::msh::MeshFile;
 
@@ -229,10 +231,10 @@ impl Client {
         let request = v1::GetMeshRequest {
             name: resource(digest),
         };
-        match self.meshes().get_mesh(request).await {
+        match answer(self.meshes().get_mesh(request)).await {
             Ok(response) => Ok(response.into_inner().mesh),
-            Err(status) if status.code() == tonic::Code::NotFound => Ok(None),
-            Err(status) => Err(status.into()),
+            Err(error) if error.is_reason("MESH_NOT_FOUND") => Ok(None),
+            Err(error) => Err(error),
         }
     }
 
@@ -248,7 +250,9 @@ impl Client {
                 page_size: 0,
                 page_token,
             };
-            let page = self.meshes().list_meshes(request).await?.into_inner();
+            let page = answer(self.meshes().list_meshes(request))
+                .await?
+                .into_inner();
             meshes.extend(page.meshes);
             page_token = page.next_page_token;
             if page_token.is_empty() {
@@ -265,7 +269,7 @@ impl Client {
         let request = v1::DeleteMeshRequest {
             name: resource(digest),
         };
-        self.meshes().delete_mesh(request).await?;
+        answer(self.meshes().delete_mesh(request)).await?;
         Ok(())
     }
 }

@@ -10,17 +10,23 @@ use crate::exit::Failure;
 use crate::text::print;
 
 /// Receives result lines.
-#[derive(Default)]
 pub(crate) struct LineSink {
     stdout: Option<()>,
     file: Option<(PathBuf, BufWriter<File>)>,
 }
 
 impl LineSink {
-    /// Also prints each line.
-    pub(crate) fn with_stdout(mut self) -> Self {
-        self.stdout = Some(());
-        self
+    /// Prints each line if `json` is asked for.
+    pub(crate) fn for_json(json: bool) -> Self {
+        Self {
+            stdout: json.then_some(()),
+            file: None,
+        }
+    }
+
+    /// Whether lines are printed.
+    pub(crate) fn has_stdout(&self) -> bool {
+        self.stdout.is_some()
     }
 
     /// From now on also writes each line to a new file.

@@ -1,6 +1,7 @@
 //! Result lines: one JSON object a line, the same content as the stream.
 //!
-//! `event` is `plan`, `iteration`, `step` or `summary`. The form is kept in
+//! `event` is `plan`, `iteration`, `step` or `summary`; `session` and `cancel`
+//! answer single commands. The form is kept in
 //! `client/result-lines.schema.json`; numbers are printed so that reading them
 //! gives the same double. What is not finite becomes null.
 
@@ -196,6 +197,17 @@ fn counts(report: &v1::StepReport) -> Value {
         "factorisations": report.factorisations,
         "active_vertices": report.active_vertices,
     })
+}
+
+/// The line of a session that was handed to a server.
+pub fn session(name: &str) -> Value {
+    json!({"event": "session", "name": name})
+}
+
+/// The line of a cancelled step; 0 when none was running, which gives null.
+pub fn cancel(session: &str, sequence: i64) -> Value {
+    let sequence = (sequence > 0).then_some(sequence);
+    json!({"event": "cancel", "name": session, "sequence": sequence})
 }
 
 /// Sums over all increments of a run.

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use signorini_proto::v1;
 
-use crate::connect::Client;
+use crate::connect::{Client, answer, planned};
 use crate::error::ClientError;
 use crate::mesh::missing;
 
@@ -17,9 +17,12 @@ pub struct NewSession {
     pub session_id: String,
     /// Time to live since the last call; `None`: the server's default.
     pub ttl: Option<Duration>,
+    /// What a broken connection means for the step that runs, for streams that
+    /// do not say it themselves.
+    pub on_disconnect: v1::DisconnectPolicy,
 }
 
-fn resource(session: &str) -> String {
+pub(crate) fn resource(session: &str) -> String {
     if session.starts_with("sessions/") {
         session.to_owned()
     } else {
@@ -38,7 +41,9 @@ impl Client {
             validate_only: true,
             ..Default::default()
         };
-        let response = self.sessions().create_session(request).await?.into_inner();
+        let response = planned(self.sessions().create_session(request))
+            .await?
+            .into_inner();
         response.plan.ok_or_else(|| missing("the plan"))
     }
 
@@ -56,9 +61,12 @@ impl Client {
             session_id: new.session_id,
             ttl: ttl
                 .map_err(|_| ClientError::Protocol("the time to live is too long".to_owned()))?,
+            on_disconnect: new.on_disconnect.into(),
             ..Default::default()
         };
-        let response = self.sessions().create_session(request).await?.into_inner();
+        let response = planned(self.sessions().create_session(request))
+            .await?
+            .into_inner();
         let session = response.session.ok_or_else(|| missing("the session"))?;
         let plan = response.plan.ok_or_else(|| missing("the plan"))?;
         Ok((session, plan))
@@ -72,7 +80,9 @@ impl Client {
         let request = v1::GetSessionRequest {
             name: resource(session),
         };
-        let response = self.sessions().get_session(request).await?.into_inner();
+        let response = answer(self.sessions().get_session(request))
+            .await?
+            .into_inner();
         response.session.ok_or_else(|| missing("the session"))
     }
 
@@ -88,7 +98,9 @@ impl Client {
                 page_size: 0,
                 page_token,
             };
-            let page = self.sessions().list_sessions(request).await?.into_inner();
+            let page = answer(self.sessions().list_sessions(request))
+                .await?
+                .into_inner();
             sessions.extend(page.sessions);
             page_token = page.next_page_token;
             if page_token.is_empty() {
@@ -105,7 +117,7 @@ impl Client {
         let request = v1::DeleteSessionRequest {
             name: resource(session),
         };
-        self.sessions().delete_session(request).await?;
+        answer(self.sessions().delete_session(request)).await?;
         Ok(())
     }
 
@@ -119,7 +131,9 @@ impl Client {
             name: resource(session),
             sequence,
         };
-        let response = self.sessions().cancel_step(request).await?.into_inner();
+        let response = answer(self.sessions().cancel_step(request))
+            .await?
+            .into_inner();
         Ok(response.sequence)
     }
 }

@@ -1,34 +1,53 @@
 //! The stream that drives a session: updates out, typed events in.
 //!
-//! Reading and writing are separate tasks, as the protocol asks: a client that
-//! writes without reading would hold up its own results. [`Updates`] sends and
-//! numbers the updates; [`Events`] gives the answers, each result with its
-//! fields put together from their chunks. An event that is not taken waits, and
-//! with it the stream; iteration statistics are then skipped by the server.
+//! Reading and writing do not wait for each other, as the protocol asks: a
+//! client that writes without reading would hold up its own results. [`Updates`]
+//! sends and numbers the updates, at most as many unfinished ones as the server
+//! holds; [`Events`] gives the answers, each result with its fields put together
+//! from their chunks. An event that is not taken waits, and with it the stream;
+//! iteration statistics are then skipped by the server.
+//!
+//! A connection that breaks is replaced: updates that are not finished are kept
+//! and sent again where the server did not get them, results that it still keeps
+//! come where the ones before them ended, each once. [`Event::ConnectionLost`]
+//! and [`Event::Reconnected`] tell of it. What the service itself says ends the
+//! stream as a typed error.
 
+mod backoff;
+mod desk;
 mod events;
+mod incoming;
+mod journal;
+mod pump;
+mod source;
+mod watch;
 
 use std::time::Duration;
 
 use signorini_proto::v1;
 use signorini_proto::v1::solve_request::Message as Request;
-use signorini_proto::v1::solve_response::Message as Response;
 use tokio::sync::mpsc;
-use tokio_stream::wrappers::ReceiverStream;
-use tonic::Streaming;
 
+pub(crate) use events::Collector;
 pub use events::{Event, Field, Increment};
+pub use watch::{Watch, WatchOptions};
 
-use crate::connect::Client;
+use crate::connect::{Client, answer};
 use crate::error::ClientError;
-use crate::mesh::missing;
-use events::Collector;
+use crate::session::resource;
+use desk::Desk;
+use journal::{Journal, Order};
+use pump::Pump;
+use source::{Kind, Source, wire};
 
 /// Updates and events that may wait in the client.
 const QUEUE: usize = 16;
 
+/// How long a broken connection is tried again unless it is said otherwise.
+pub const PATIENCE: Duration = Duration::from_secs(60);
+
 /// How to attach to a session.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Attach {
     /// Results after this event that the server still keeps are sent again;
     /// `None`: none is.
@@ -37,8 +56,26 @@ pub struct Attach {
     pub fields: Vec<v1::FieldName>,
     /// At most one iteration event in this time; `None`: as fast as they are read.
     pub iteration_interval: Option<Duration>,
-    /// What a broken connection means for the step that runs.
+    /// What a broken connection means for the step that runs. With
+    /// `CANCEL_STEP` a break cancels it, and updates behind it are sent again.
     pub on_disconnect: v1::DisconnectPolicy,
+    /// How long a broken connection is tried again, with pauses of 50 ms that
+    /// double to 2 s; zero: never. Results of a break have the fields of the
+    /// scene's output only.
+    pub patience: Duration,
+}
+
+impl Default for Attach {
+    /// No earlier results, the scene's fields, [`PATIENCE`].
+    fn default() -> Self {
+        Self {
+            last_seen_event: None,
+            fields: Vec::new(),
+            iteration_interval: None,
+            on_disconnect: v1::DisconnectPolicy::Unspecified,
+            patience: PATIENCE,
+        }
+    }
 }
 
 /// An open stream.
@@ -55,98 +92,64 @@ pub struct Solve {
 /// Sends updates, numbered without gaps.
 #[derive(Debug)]
 pub struct Updates {
-    requests: mpsc::Sender<v1::SolveRequest>,
+    orders: mpsc::Sender<Order>,
     next: i64,
+    max_wall_time: Option<prost_types::Duration>,
 }
 
 /// Asks for an end of steps; clones share the stream.
 #[derive(Clone, Debug)]
-pub struct Canceller(mpsc::Sender<v1::SolveRequest>);
+pub struct Canceller(mpsc::Sender<Order>);
 
 /// Receives answers in order.
 #[derive(Debug)]
 pub struct Events(mpsc::Receiver<Result<Event, ClientError>>);
 
 impl Client {
-    /// Opens the one stream of a session.
+    /// Opens the one stream of a session, by its identifier or name.
     ///
     /// # Errors
-    /// [`ClientError::Refused`]: `SESSION_NOT_FOUND`, `SESSION_BUSY` and others.
+    /// [`ClientError::Refused`]: `SESSION_NOT_FOUND`, `SESSION_BUSY` and others;
+    /// [`ClientError::Silent`].
     pub async fn solve(&self, session: &str, attach: Attach) -> Result<Solve, ClientError> {
-        let (requests, outgoing) = mpsc::channel(QUEUE);
-        // Queued before the call: the server's answer waits for it.
-        send(&requests, Request::Open(open(session, attach)?)).await?;
-        let response = self.sessions().solve(ReceiverStream::new(outgoing)).await?;
-        let mut incoming = response.into_inner();
-        let first = incoming.message().await?.and_then(|first| first.message);
-        let Some(Response::Opened(opened)) = first else {
-            return Err(missing("the first message `opened`"));
-        };
+        let (orders, inbox) = mpsc::channel(QUEUE);
+        let kind = Kind::Solve(attach);
+        let (opened, events) = self.follow(session, kind, inbox).await?;
         let accepted = opened
             .session
             .as_ref()
             .map_or(0, |session| session.last_accepted_sequence);
-        let (sender, events) = mpsc::channel(QUEUE);
-        tokio::spawn(receive(incoming, sender));
+        let updates = Updates {
+            orders,
+            next: accepted + 1,
+            max_wall_time: None,
+        };
         Ok(Solve {
             opened,
-            updates: Updates {
-                requests,
-                next: accepted + 1,
-            },
-            events: Events(events),
+            updates,
+            events,
         })
     }
-}
 
-fn open(session: &str, attach: Attach) -> Result<v1::Open, ClientError> {
-    let interval = attach
-        .iteration_interval
-        .map(prost_types::Duration::try_from)
-        .transpose();
-    let interval = interval
-        .map_err(|_| ClientError::Protocol("the iteration interval is too long".to_owned()))?;
-    Ok(v1::Open {
-        session: session.to_owned(),
-        last_seen_event: attach.last_seen_event,
-        fields: attach.fields.into_iter().map(i32::from).collect(),
-        element_type: v1::ElementType::F64.into(),
-        max_unread_bytes: 0,
-        on_disconnect: attach.on_disconnect.into(),
-        iteration_interval: interval,
-    })
-}
-
-async fn send(
-    requests: &mpsc::Sender<v1::SolveRequest>,
-    message: Request,
-) -> Result<(), ClientError> {
-    let request = v1::SolveRequest {
-        message: Some(message),
-    };
-    requests
-        .send(request)
-        .await
-        .map_err(|_| ClientError::Closed)
-}
-
-/// Passes answers on until the stream ends or nobody listens.
-async fn receive(
-    mut incoming: Streaming<v1::SolveResponse>,
-    events: mpsc::Sender<Result<Event, ClientError>>,
-) {
-    let mut collector = Collector::default();
-    loop {
-        let event = match incoming.message().await {
-            Ok(None) => return,
-            Ok(Some(response)) => collector.take(response).transpose(),
-            Err(status) => Some(Err(status.into())),
+    /// Opens a stream and starts the task that keeps it going.
+    async fn follow(
+        &self,
+        session: &str,
+        kind: Kind,
+        orders: mpsc::Receiver<Order>,
+    ) -> Result<(v1::Opened, Events), ClientError> {
+        let source = Source {
+            client: self.clone(),
+            session: resource(session),
+            kind,
         };
-        let Some(event) = event else { continue };
-        let failed = event.is_err();
-        if events.send(event).await.is_err() || failed {
-            return;
-        }
+        let last_seen = source.last_seen_event();
+        let (opened, link) = answer(source.clone().attach(last_seen)).await?;
+        let journal = Journal::new(last_seen, &opened);
+        let (sender, events) = mpsc::channel(QUEUE);
+        let pump = Pump::new(source, journal, Desk::new(orders, sender));
+        tokio::spawn(pump.run(link));
+        Ok((opened, Events(events)))
     }
 }
 
@@ -156,16 +159,13 @@ impl Updates {
     /// # Errors
     /// [`ClientError::Closed`].
     pub async fn load_step(&mut self, step: v1::LoadStep) -> Result<i64, ClientError> {
-        let sequence = self.next;
-        let (step, max_wall_time) = (Some(step), None);
+        let (step, max_wall_time) = (Some(step), self.max_wall_time);
         let update = v1::LoadStepUpdate {
-            sequence,
+            sequence: self.next,
             step,
             max_wall_time,
         };
-        send(&self.requests, Request::LoadStep(update)).await?;
-        self.next += 1;
-        Ok(sequence)
+        self.send(Request::LoadStep(update)).await
     }
 
     /// Moves obstacles at constant load and gives the sequence.
@@ -176,17 +176,33 @@ impl Updates {
         &mut self,
         obstacles: Vec<v1::ObstacleTarget>,
     ) -> Result<i64, ClientError> {
-        let sequence = self.next;
-        let (increments, max_wall_time) = (None, None);
+        let (increments, max_wall_time) = (None, self.max_wall_time);
         let update = v1::ObstacleUpdate {
-            sequence,
+            sequence: self.next,
             obstacles,
             increments,
             max_wall_time,
         };
-        send(&self.requests, Request::ObstacleUpdate(update)).await?;
+        self.send(Request::ObstacleUpdate(update)).await
+    }
+
+    async fn send(&mut self, request: Request) -> Result<i64, ClientError> {
+        let sequence = self.next;
+        let order = Order::Update(sequence, request);
+        let sent = self.orders.send(order).await;
+        sent.map_err(|_| ClientError::Closed)?;
         self.next += 1;
         Ok(sequence)
+    }
+
+    /// Limits the wall time of each update that follows, counted from its start;
+    /// one that takes longer ends with its last good state. `None`: no limit.
+    ///
+    /// # Errors
+    /// [`ClientError::Protocol`] for a time that the wire cannot carry.
+    pub fn set_max_wall_time(&mut self, limit: Option<Duration>) -> Result<(), ClientError> {
+        self.max_wall_time = wire(limit, "the wall time")?;
+        Ok(())
     }
 
     /// Takes a sequence back whose update was rejected: it is free again.
@@ -196,17 +212,19 @@ impl Updates {
 
     /// A handle that cancels steps while this one is in use elsewhere.
     pub fn canceller(&self) -> Canceller {
-        Canceller(self.requests.clone())
+        Canceller(self.orders.clone())
     }
 }
 
 impl Canceller {
-    /// Cancels a step (0: the one that runs); its result comes as an event.
+    /// Cancels a step (0: the one that runs); its result comes as an event. Sent
+    /// again after a break for as long as the step that it means is unfinished.
     ///
     /// # Errors
     /// [`ClientError::Closed`].
     pub async fn cancel(&self, sequence: i64) -> Result<(), ClientError> {
-        send(&self.0, Request::Cancel(v1::Cancel { sequence })).await
+        let sent = self.0.send(Order::Cancel(sequence)).await;
+        sent.map_err(|_| ClientError::Closed)
     }
 }
 

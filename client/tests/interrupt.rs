@@ -6,11 +6,24 @@ mod common;
 use std::io::{BufRead as _, BufReader};
 use std::process::{Command, Stdio};
 
+use common::process::serve;
 use common::{example, signorini};
 use serde_json::Value;
 
 #[test]
 fn the_first_interrupt_cancels_and_keeps_the_last_state() {
+    interrupted(&[]);
+}
+
+#[test]
+fn so_it_does_on_a_server_of_its_own() {
+    let (process, url) = serve("127.0.0.1:0", "interrupted", "");
+    interrupted(&["--server", &url]);
+    drop(process);
+}
+
+/// Interrupts a solve after its first result.
+fn interrupted(more: &[&str]) {
     let scene = example("hertz-plane.toml");
     let mut child = signorini()
         .args([
@@ -20,6 +33,7 @@ fn the_first_interrupt_cancels_and_keeps_the_last_state() {
             "--set",
             "step.0.increments=100000",
         ])
+        .args(more)
         .stdout(Stdio::piped())
         .stderr(Stdio::null())
         .spawn()

@@ -100,6 +100,9 @@ fn every_kind_of_line_matches_the_schema() {
         result_line::iteration(&iteration),
         result_line::step(&report()),
         totals.summary(2.0, Some(1 << 20)),
+        result_line::session("sessions/a"),
+        result_line::cancel("sessions/a", 3),
+        result_line::cancel("sessions/a", 0),
     ] {
         assert_matches(&line);
     }

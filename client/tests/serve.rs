@@ -3,58 +3,12 @@
 
 mod common;
 
-use std::io::{BufRead as _, BufReader};
-use std::process::{Child, Command, Stdio};
-
-use common::{example, folder, run, signorini};
-
-/// A server process; killed when a test fails before it has stopped.
-struct Process(Child);
-
-impl Drop for Process {
-    fn drop(&mut self) {
-        // It has ended already when the test succeeds.
-        let _ended = self.0.kill();
-    }
-}
-
-/// Starts a server and reads where it listens.
-fn serve(listen: &str, test: &str) -> (Process, String) {
-    let config = folder(test).join("server.toml");
-    std::fs::write(&config, "metrics_listen = \"\"\n").unwrap();
-    let mut child = signorini()
-        .args([
-            "serve",
-            "--config",
-            config.to_str().unwrap(),
-            "--listen",
-            listen,
-        ])
-        .stdout(Stdio::piped())
-        .stderr(Stdio::null())
-        .spawn()
-        .unwrap();
-    let mut url = String::new();
-    BufReader::new(child.stdout.take().unwrap())
-        .read_line(&mut url)
-        .unwrap();
-    (Process(child), url.trim().to_owned())
-}
-
-fn interrupt(process: &Process) {
-    let id = process.0.id().to_string();
-    assert!(
-        Command::new("kill")
-            .args(["-TERM", &id])
-            .status()
-            .unwrap()
-            .success()
-    );
-}
+use common::process::serve;
+use common::{example, run};
 
 #[test]
 fn a_served_scene_is_solved_and_the_server_ends_on_a_signal() {
-    let (mut process, url) = serve("127.0.0.1:0", "serve_tcp");
+    let (mut process, url) = serve("127.0.0.1:0", "serve_tcp", "");
     assert!(url.starts_with("http://127.0.0.1:"), "{url}");
     let scene = example("hertz-plane.toml");
     let solved = run([
@@ -72,14 +26,14 @@ fn a_served_scene_is_solved_and_the_server_ends_on_a_signal() {
     );
     let sessions = run(["session", "list", "--server", &url]);
     assert_eq!((sessions.code, sessions.stdout.as_str()), (Some(0), ""));
-    interrupt(&process);
+    process.signal("-TERM");
     assert!(process.0.wait().unwrap().success());
 }
 
 #[test]
 fn meshes_are_put_listed_and_deleted_over_a_unix_socket() {
     let socket = std::env::temp_dir().join(format!("signorini-client-{}.sock", std::process::id()));
-    let (process, url) = serve(&format!("unix:{}", socket.display()), "serve_unix");
+    let (process, url) = serve(&format!("unix:{}", socket.display()), "serve_unix", "");
     let server = ["--server", &url];
     let mesh = example("meshes/cube_n6.msh");
     let put = run(["mesh", "put", mesh.to_str().unwrap(), "--json"]

@@ -3,111 +3,11 @@
 
 mod common;
 
-use std::path::Path;
+use std::time::Duration;
 
-use common::example;
-use signorini_client::formats::msh;
-use signorini_client::scene_file;
-use signorini_client::solve::{Attach, Event, Events, Increment};
-use signorini_client::{Client, ClientError, NewSession, WireMesh};
+use common::server::{Server, connect, load, lowered, reason, result, session};
+use signorini_client::solve::{Attach, Event};
 use signorini_proto::v1;
-use signorini_server::{Config, Listener, serve};
-use tokio::sync::oneshot;
-use tokio::task::JoinHandle;
-
-/// A server on a free port, for one test.
-struct Server {
-    client: Client,
-    url: String,
-    stop: oneshot::Sender<()>,
-    task: JoinHandle<()>,
-}
-
-impl Server {
-    async fn start() -> Self {
-        let config = Config::embedded();
-        let listener = Listener::bind(&config).await.unwrap();
-        let url = listener.url().to_owned();
-        let (stop, stopped) = oneshot::channel::<()>();
-        let task = tokio::spawn(async move {
-            let shutdown = async {
-                let _stopped = stopped.await;
-            };
-            serve(listener, config, shutdown).await.unwrap();
-        });
-        let client = connect(&url).await;
-        Self {
-            client,
-            url,
-            stop,
-            task,
-        }
-    }
-
-    async fn stop(self) {
-        drop(self.client);
-        self.stop.send(()).unwrap();
-        self.task.await.unwrap();
-    }
-}
-
-async fn connect(url: &str) -> Client {
-    Client::connect(&url.parse().unwrap()).await.unwrap()
-}
-
-/// An example with its mesh named, and the mesh.
-fn load(name: &str) -> (v1::Scene, WireMesh) {
-    let path = example(name);
-    let text = std::fs::read_to_string(&path).unwrap();
-    let file = scene_file::read(&text, &path, &[]).unwrap();
-    let mesh = wire(&file.mesh);
-    let scene = v1::Scene {
-        mesh: mesh.name(),
-        ..file.scene
-    };
-    (scene, mesh)
-}
-
-fn wire(path: &Path) -> WireMesh {
-    let mesh = msh::read(&std::fs::read(path).unwrap()).unwrap();
-    WireMesh::new(&mesh).unwrap()
-}
-
-async fn session(server: &Server, name: &str) -> (v1::Session, Vec<v1::LoadStep>) {
-    let (scene, mesh) = load(name);
-    server.client.upload_mesh(mesh).await.unwrap();
-    let steps = scene.steps.clone();
-    let new = NewSession {
-        scene,
-        ..Default::default()
-    };
-    let (session, _) = server.client.create_session(new).await.unwrap();
-    (session, steps)
-}
-
-/// The next result; statistics on the way are passed over.
-async fn result(events: &mut Events) -> Increment {
-    loop {
-        match events.next().await.unwrap().unwrap() {
-            Event::Increment(increment) => return *increment,
-            Event::Iteration(_) | Event::Heartbeat(_) => {}
-            Event::Rejected { refusal, .. } => unreachable!("{refusal}"),
-        }
-    }
-}
-
-fn lowered(depth: f64) -> Vec<v1::ObstacleTarget> {
-    let translation = vec![0.0, 0.0, depth];
-    vec![v1::ObstacleTarget {
-        name: "floor".to_owned(),
-        translation,
-        ..Default::default()
-    }]
-}
-
-fn reason(error: &ClientError) -> &str {
-    error.refusal().map_or("", |refusal| &refusal.reason)
-}
 
 #[tokio::test(flavor = "multi_thread")]
 async fn a_mesh_is_sent_once_listed_and_deleted() {
@@ -291,5 +191,25 @@ async fn a_second_session_on_the_same_scene_shares_what_was_prepared() {
     }
     assert_eq!(server.client.list_sessions().await.unwrap().len(), 2);
     assert!(reused[0].is_empty() && !reused[1].is_empty(), "{reused:?}");
+    server.stop().await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn an_update_that_takes_longer_than_it_may_ends_with_its_last_state() {
+    let server = Server::start().await;
+    let (session, mut steps) = session(&server, "hertz-plane.toml").await;
+    steps[0].increments = Some(100_000);
+    let attach = Attach::default();
+    let mut solve = server.client.solve(&session.name, attach).await.unwrap();
+    let limit = Duration::from_millis(100);
+    solve.updates.set_max_wall_time(Some(limit)).unwrap();
+    solve.updates.load_step(steps[0].clone()).await.unwrap();
+    let mut last = result(&mut solve.events).await;
+    while !last.last {
+        last = result(&mut solve.events).await;
+    }
+    let ended = last.report.termination();
+    assert_eq!(ended, v1::Termination::DeadlineExceeded);
+    assert!(last.report.time < 1.0);
     server.stop().await;
 }

@@ -130,7 +130,10 @@ pub(crate) async fn result(events: &mut Events) -> Increment {
         match events.next().await.unwrap().expect("the stream goes on") {
             Event::Increment(increment) => return *increment,
             Event::Rejected { refusal, .. } => panic!("{refusal}"),
-            _ => {}
+            Event::Iteration(_)
+            | Event::Heartbeat(_)
+            | Event::ConnectionLost { .. }
+            | Event::Reconnected { .. } => {}
         }
     }
 }

@@ -1,16 +1,24 @@
 //! The commands, one module each.
 
+mod cancel;
 mod completions;
+mod fetch;
 mod mesh;
 mod plan;
 mod serve;
 mod session;
 mod solve;
+mod watch;
 
 use std::time::Instant;
 
+use signorini_client::Client;
+use signorini_proto::v1;
+use tokio::signal::unix::{Signal, SignalKind, signal};
+
 use crate::arguments::{Arguments, Command};
 use crate::exit::{Exit, Failure};
+use crate::text::note;
 
 /// Runs a command. `started` is when the process began.
 pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failure> {
@@ -18,10 +26,47 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         .map_err(|error| Failure::new(Exit::Server, format!("no runtime: {error}")))?;
     match arguments.command {
         Command::Solve(arguments) => runtime.block_on(Box::pin(solve::run(arguments, started))),
+        Command::Watch(arguments) => runtime.block_on(Box::pin(watch::run(arguments, started))),
+        Command::Fetch(arguments) => runtime.block_on(Box::pin(fetch::run(arguments, started))),
+        Command::Cancel(arguments) => runtime.block_on(cancel::run(arguments)),
         Command::Plan(arguments) => runtime.block_on(plan::run(arguments)),
         Command::Serve(arguments) => runtime.block_on(serve::run(arguments)),
         Command::Mesh(command) => runtime.block_on(mesh::run(command)),
         Command::Session(command) => runtime.block_on(session::run(command)),
         Command::Completions { shell } => completions::run(shell),
     }
+}
+
+/// Presses of Ctrl-C from now on.
+fn interrupts() -> Result<Signal, Failure> {
+    signal(SignalKind::interrupt())
+        .map_err(|error| Failure::new(Exit::Server, format!("no signals: {error}")))
+}
+
+/// A session and its scene; tells when its first results are gone.
+async fn open_session(client: &Client, name: &str) -> Result<(v1::Session, v1::Scene), Failure> {
+    let mut session = client.get_session(name).await?;
+    let scene = session.scene.take().unwrap_or_default();
+    if session.first_retained_sequence > 1 {
+        note(&format!(
+            "results before step {} are no longer kept\n",
+            session.first_retained_sequence
+        ));
+    }
+    Ok((session, scene))
+}
+
+/// The smallest field of the scene's output: naming none asks for all of them.
+fn lightest_field(scene: &v1::Scene) -> Vec<v1::FieldName> {
+    let weight = |field: &v1::FieldName| match field {
+        v1::FieldName::ContactState | v1::FieldName::Gap | v1::FieldName::ContactPressure => 1,
+        v1::FieldName::Pressure => 2,
+        v1::FieldName::Unspecified
+        | v1::FieldName::Displacement
+        | v1::FieldName::Stress
+        | v1::FieldName::Jacobian => 3,
+    };
+    let output = scene.output.as_ref();
+    let fields = output.into_iter().flat_map(|output| output.fields());
+    fields.min_by_key(weight).into_iter().collect()
 }

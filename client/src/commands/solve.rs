@@ -1,12 +1,13 @@
 //! `solve`: one scene from its file to its results.
 
+mod detach;
 mod run;
 
 use std::path::Path;
 use std::time::Instant;
 
+use signorini_client::NewSession;
 use signorini_client::formats::msh::MeshFile;
-use signorini_client::{NewSession, result_line};
 use signorini_proto::v1;
 
 use crate::arguments::SolveArguments;
@@ -15,9 +16,8 @@ use crate::exit::{Exit, Failure};
 use crate::input::{self, Input};
 use crate::output::LineSink;
 use crate::progress::Visibility;
+use crate::record::Record;
 use crate::results::ResultFolder;
-use crate::table;
-use crate::text::{note, print};
 use run::Run;
 
 /// Fields written with `--out` when the scene names none.
@@ -30,16 +30,18 @@ const DEFAULT_FIELDS: [v1::FieldName; 5] = [
 ];
 
 pub(super) async fn run(arguments: SolveArguments, started: Instant) -> Result<Exit, Failure> {
+    if arguments.detach {
+        return Box::pin(detach::run(arguments)).await;
+    }
     let mut input = input::load(&arguments.scene)?;
     complete(&mut input.scene, &arguments);
-    let mut run = new_run(&arguments, &input.scene.steps);
-    run.warn(&input.mesh.warnings);
-    run.progress.phase("starting");
+    let mut run = Run::new(record(&arguments, &input.scene.steps));
+    run.record.warn(&input.mesh.warnings);
+    run.record.progress.phase("starting");
     let connection = Connection::open(arguments.scene.server.as_ref()).await?;
     let outcome = solve(&connection, &mut run, input, arguments.out.as_deref()).await;
     connection.close().await;
-    run.progress.clear();
-    finish(run, outcome, &arguments, started)
+    run.record.finish(outcome, started)
 }
 
 /// Adds to the scene what the arguments ask for.
@@ -51,7 +53,7 @@ fn complete(scene: &mut v1::Scene, arguments: &SolveArguments) {
         scene.steps.push(v1::LoadStep::default());
     }
     let output = scene.output.get_or_insert_default();
-    if arguments.out.is_none() {
+    if arguments.out.is_none() && !arguments.detach {
         // Nobody takes the fields; the other keys are checked all the same.
         output.fields.clear();
     } else if output.fields.is_empty() {
@@ -59,19 +61,17 @@ fn complete(scene: &mut v1::Scene, arguments: &SolveArguments) {
     }
 }
 
-fn new_run(arguments: &SolveArguments, steps: &[v1::LoadStep]) -> Run {
-    let mut lines = LineSink::default();
-    if arguments.scene.json {
-        lines = lines.with_stdout();
-    }
-    let visibility = if arguments.quiet {
+fn record(arguments: &SolveArguments, steps: &[v1::LoadStep]) -> Record {
+    let lines = LineSink::for_json(arguments.scene.json);
+    Record::new(lines, steps, visibility(arguments))
+}
+
+fn visibility(arguments: &SolveArguments) -> Visibility {
+    if arguments.quiet {
         Visibility::Hidden
     } else {
         Visibility::Shown
-    };
-    let increments = steps.iter().map(|step| step.increments.unwrap_or(1).max(1));
-    let increments: u64 = increments.map(i64::from).sum::<i64>().unsigned_abs();
-    Run::new(lines, increments, visibility)
+    }
 }
 
 async fn solve(
@@ -81,7 +81,7 @@ async fn solve(
     out: Option<&Path>,
 ) -> Result<Exit, Failure> {
     let client = &connection.client;
-    run.progress.phase("uploading the mesh");
+    run.record.progress.phase("uploading the mesh");
     let uploaded = client.upload_mesh(input.wire).await;
     // The plan repeats what the server has to say about the mesh.
     uploaded.map_err(|error| error.about(&input.mesh_path))?;
@@ -91,7 +91,7 @@ async fn solve(
     };
     let (session, plan) = client.create_session(new).await?;
     let steps = input.scene.steps.clone();
-    let outcome = match begin(run, plan, out, &input.scene, &input.mesh) {
+    let outcome = match begin(&mut run.record, plan, out, &input.scene, &input.mesh) {
         Ok(()) => run.drive(client, &session.name, steps).await,
         Err(failure) => Err(failure),
     };
@@ -102,59 +102,16 @@ async fn solve(
 
 /// Writes the plan. Only a scene that is accepted may replace earlier results.
 fn begin(
-    run: &mut Run,
+    record: &mut Record,
     plan: v1::Plan,
     out: Option<&Path>,
     scene: &v1::Scene,
     mesh: &MeshFile,
 ) -> Result<(), Failure> {
     if let Some(out) = out {
-        run.open(ResultFolder::new(out, scene, mesh)?)?;
+        record.open(ResultFolder::new(out, scene, mesh)?)?;
     }
-    run.warn(&plan.warnings);
-    run.lines.write(&result_line::plan(&plan))?;
-    run.plan = plan;
-    run.progress.phase("preparing");
+    record.plan(plan)?;
+    record.progress.phase("preparing");
     Ok(())
-}
-
-/// Summary and table, also of a run that failed half-way.
-fn finish(
-    mut run: Run,
-    outcome: Result<Exit, Failure>,
-    arguments: &SolveArguments,
-    started: Instant,
-) -> Result<Exit, Failure> {
-    if run.reports.is_empty() {
-        return outcome;
-    }
-    let wall_seconds = started.elapsed().as_secs_f64();
-    run.lines
-        .write(&run.totals.summary(wall_seconds, peak_memory()))?;
-    if !arguments.quiet {
-        let mut text = table::results(&run.plan, &run.reports);
-        if let Some(folder) = &run.folder {
-            text.push_str(&format!(
-                "{:<18} {}\n",
-                "written",
-                folder.series().display()
-            ));
-        }
-        if arguments.scene.json {
-            note(&text)
-        } else {
-            print(&text)?
-        }
-    }
-    outcome
-}
-
-/// Peak resident memory of this process in bytes, where the system tells.
-fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kibibytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kibibytes * 1024)
 }

@@ -51,11 +51,22 @@ pub enum Event {
     },
     /// A sign of life.
     Heartbeat(v1::Heartbeat),
+    /// The connection broke; another one is being tried. What was sent and what
+    /// was received is kept, iteration statistics may be lost.
+    ConnectionLost {
+        /// For people.
+        cause: String,
+    },
+    /// Another connection goes on where the one before broke.
+    Reconnected {
+        /// Attempts that it took.
+        attempts: u32,
+    },
 }
 
 /// Holds a result until its fields are complete.
 #[derive(Debug, Default)]
-pub(super) struct Collector {
+pub(crate) struct Collector {
     pending: Option<Pending>,
 }
 
@@ -68,13 +79,7 @@ struct Pending {
 
 impl Collector {
     /// Takes a message; an event when it completes one.
-    pub(super) fn take(
-        &mut self,
-        response: v1::SolveResponse,
-    ) -> Result<Option<Event>, ClientError> {
-        let message = response
-            .message
-            .ok_or_else(|| missing("the content of a message"))?;
+    pub(crate) fn take(&mut self, message: Response) -> Result<Option<Event>, ClientError> {
         match message {
             Response::Opened(_) => Err(ClientError::Protocol("`opened` came twice".to_owned())),
             Response::Iteration(statistics) => Ok(Some(Event::Iteration(statistics))),
@@ -115,6 +120,11 @@ impl Collector {
             .ok_or_else(|| missing("the result of a field"))?;
         pending.add(chunk)?;
         Ok(self.complete())
+    }
+
+    /// Whether a result waits for its fields.
+    pub(crate) fn is_waiting(&self) -> bool {
+        self.pending.is_some()
     }
 
     fn complete(&mut self) -> Option<Event> {
@@ -182,7 +192,7 @@ mod tests {
 
     use super::*;
 
-    fn finished(fields: &[v1::FieldName]) -> v1::SolveResponse {
+    fn finished(fields: &[v1::FieldName]) -> Response {
         let fields = fields.iter().map(|field| i32::from(*field)).collect();
         let report = Some(v1::StepReport::default());
         let finished = v1::StepFinished {
@@ -193,18 +203,10 @@ mod tests {
             last: true,
             ..Default::default()
         };
-        v1::SolveResponse {
-            message: Some(Response::StepFinished(finished)),
-        }
+        Response::StepFinished(finished)
     }
 
-    fn chunk(
-        field: v1::FieldName,
-        rows: i64,
-        offset: i64,
-        values: &[f64],
-        rest: Rest,
-    ) -> v1::SolveResponse {
+    fn chunk(field: v1::FieldName, rows: i64, offset: i64, values: &[f64], rest: Rest) -> Response {
         let chunk = v1::FieldChunk {
             sequence: 1,
             event: 1,
@@ -215,9 +217,7 @@ mod tests {
             data: encode(values),
             last: matches!(rest, Rest::Last),
         };
-        v1::SolveResponse {
-            message: Some(Response::Field(chunk)),
-        }
+        Response::Field(chunk)
     }
 
     enum Rest {

@@ -1,7 +1,13 @@
 //! What several test programs share.
 #![allow(dead_code)]
 
+#[cfg(feature = "embedded")]
+pub(crate) mod process;
+#[cfg(feature = "embedded")]
+pub(crate) mod proxy;
 pub(crate) mod schema;
+#[cfg(feature = "embedded")]
+pub(crate) mod server;
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -1,30 +1,22 @@
-//! Drives a session step by step and passes its events to where they go.
+//! Drives a session step by step and passes its events on.
 
 use std::time::Duration;
 
-use signorini_client::Client;
-use signorini_client::result_line::{self, Totals};
-use signorini_client::solve::{Attach, Canceller, Event, Events, Increment, Solve};
+use signorini_client::solve::{Attach, Canceller, Events, Solve, Updates};
+use signorini_client::{Client, ClientError};
 use signorini_proto::v1;
-use tokio::signal::unix::{Signal, SignalKind, signal};
+use tokio::signal::unix::Signal;
 
+use crate::commands::interrupts;
 use crate::exit::{Exit, Failure};
-use crate::output::LineSink;
-use crate::progress::{Progress, Visibility};
-use crate::results::ResultFolder;
+use crate::record::Record;
 
-/// Between two updates of a progress bar.
-const PROGRESS_INTERVAL: Duration = Duration::from_millis(50);
+/// For the reason of an end that nobody here asked for.
+const PARTING: Duration = Duration::from_secs(5);
 
-/// Everything that a run writes to and has gathered.
+/// A run and where its results go.
 pub(super) struct Run {
-    pub(super) lines: LineSink,
-    pub(super) folder: Option<ResultFolder>,
-    pub(super) progress: Progress,
-    pub(super) plan: v1::Plan,
-    pub(super) reports: Vec<v1::StepReport>,
-    pub(super) totals: Totals,
-    visibility: Visibility,
+    pub(super) record: Record,
     interrupted: bool,
 }
 
@@ -37,32 +29,10 @@ struct Answers {
 }
 
 impl Run {
-    pub(super) fn new(lines: LineSink, increments: u64, visibility: Visibility) -> Self {
+    pub(super) fn new(record: Record) -> Self {
         Self {
-            lines,
-            folder: None,
-            progress: Progress::new(increments, visibility),
-            plan: v1::Plan::default(),
-            reports: Vec::new(),
-            totals: Totals::default(),
-            visibility,
+            record,
             interrupted: false,
-        }
-    }
-
-    /// Makes the folder for the results and starts its result lines anew.
-    pub(super) fn open(&mut self, folder: ResultFolder) -> Result<(), Failure> {
-        self.lines.open_file(&folder.lines())?;
-        self.folder = Some(folder);
-        Ok(())
-    }
-
-    /// Tells people about warnings.
-    pub(super) fn warn(&self, warnings: &[String]) {
-        if self.visibility == Visibility::Shown {
-            for warning in warnings {
-                self.progress.note(&format!("warning: {warning}"));
-            }
         }
     }
 
@@ -73,24 +43,28 @@ impl Run {
         session: &str,
         steps: Vec<v1::LoadStep>,
     ) -> Result<Exit, Failure> {
+        let attach = Attach {
+            iteration_interval: self.record.iteration_interval(),
+            ..Default::default()
+        };
         let Solve {
             mut updates,
             events,
             ..
-        } = client.solve(session, self.attach()).await?;
-        let canceller = updates.canceller();
-        let interrupts = signal(SignalKind::interrupt())
-            .map_err(|error| Failure::new(Exit::Server, format!("no signals: {error}")))?;
+        } = client.solve(session, attach).await?;
         let mut answers = Answers {
             events,
-            canceller,
-            interrupts,
+            canceller: updates.canceller(),
+            interrupts: interrupts()?,
         };
         for step in steps {
-            let sequence = updates.load_step(step).await?;
-            let termination = self.wait(sequence, &mut answers).await?;
+            let termination = self.step(step, &mut updates, &mut answers).await?;
             if self.interrupted {
                 return Ok(Exit::Interrupted);
+            }
+            if termination == v1::Termination::Cancelled {
+                self.hear_why(updates, answers).await;
+                return Ok(Exit::from(termination));
             }
             if termination != v1::Termination::Converged {
                 return Ok(Exit::from(termination));
@@ -99,13 +73,19 @@ impl Run {
         Ok(Exit::Ok)
     }
 
-    /// Every iteration for result lines, some of them for people.
-    fn attach(&self) -> Attach {
-        let interval = (!self.lines.is_open()).then_some(PROGRESS_INTERVAL);
-        Attach {
-            iteration_interval: interval,
-            ..Default::default()
-        }
+    async fn step(
+        &mut self,
+        step: v1::LoadStep,
+        updates: &mut Updates,
+        answers: &mut Answers,
+    ) -> Result<v1::Termination, Failure> {
+        let sequence = match updates.load_step(step).await {
+            Ok(sequence) => sequence,
+            // The events say why.
+            Err(ClientError::Closed) => 0,
+            Err(error) => return Err(error.into()),
+        };
+        self.wait(sequence, answers).await
     }
 
     /// Takes events until the step that was sent is done.
@@ -118,7 +98,7 @@ impl Run {
             let event = tokio::select! {
                 event = answers.events.next() => event?,
                 Some(()) = answers.interrupts.recv() => {
-                    self.interrupt(sequence, &answers.canceller).await?;
+                    self.interrupt(sequence, &answers.canceller).await;
                     continue;
                 }
             };
@@ -126,51 +106,44 @@ impl Run {
                 let message = "the stream ended before the result of a step";
                 return Err(Failure::new(Exit::Server, message));
             };
-            if let Some(termination) = self.take(event)? {
+            if let Some(termination) = self.record.take(event)? {
                 return Ok(termination);
             }
         }
     }
 
     /// The first time cancels and keeps the last state, the second time quits.
-    async fn interrupt(&mut self, sequence: i64, canceller: &Canceller) -> Result<(), Failure> {
+    async fn interrupt(&mut self, sequence: i64, canceller: &Canceller) {
         if self.interrupted {
-            self.progress.clear();
+            self.record.progress.clear();
             std::process::exit(Exit::Interrupted as i32);
         }
         self.interrupted = true;
-        self.progress
+        self.record
+            .progress
             .note("cancelling; press Ctrl-C again to quit at once");
-        Ok(canceller.cancel(sequence).await?)
+        // When the stream has ended, the events say why.
+        let _ended = canceller.cancel(sequence).await;
     }
 
-    /// How the step ended, when the event ends it.
-    fn take(&mut self, event: Event) -> Result<Option<v1::Termination>, Failure> {
-        match event {
-            Event::Iteration(statistics) => {
-                self.lines.write(&result_line::iteration(&statistics))?;
-                self.progress
-                    .iteration(&statistics.report.unwrap_or_default());
-                Ok(None)
+    /// A server that shuts down cancels the step and says so at the end of the
+    /// stream; any other end says that somebody else has cancelled it.
+    async fn hear_why(&self, updates: Updates, answers: Answers) {
+        let Answers { mut events, .. } = answers;
+        drop(updates);
+        let ended = async {
+            loop {
+                match events.next().await {
+                    Ok(Some(_)) => {}
+                    Ok(None) => return "the step was cancelled from elsewhere".to_owned(),
+                    Err(error) => return error.to_string(),
+                }
             }
-            Event::Increment(increment) => self.add(*increment),
-            Event::Rejected { refusal, .. } => Err(Failure::from(&*refusal)),
-            Event::Heartbeat(_) => Ok(None),
+        };
+        if let Ok(why) = tokio::time::timeout(PARTING, ended).await {
+            self.record
+                .progress
+                .note(&format!("{why}; the last state is kept"));
         }
-    }
-
-    fn add(&mut self, increment: Increment) -> Result<Option<v1::Termination>, Failure> {
-        self.lines.write(&result_line::step(&increment.report))?;
-        if let Some(folder) = &mut self.folder {
-            folder.add(&increment)?;
-        }
-        if increment.fields_dropped {
-            self.warn(&["the fields of a result are no longer kept by the server".to_owned()]);
-        }
-        let termination = increment.report.termination();
-        self.totals.add(&increment.report);
-        self.reports.push(increment.report);
-        self.progress.finished();
-        Ok(increment.last.then_some(termination))
     }
 }

@@ -1,0 +1,157 @@
+//! The answers of one connection, and whether its end is the service's will or
+//! the network's fault.
+
+use std::error::Error as _;
+
+use signorini_proto::v1;
+use signorini_proto::v1::solve_response::Message as Response;
+use signorini_proto::v1::watch_response::Message as Watched;
+use tonic::{Code, Status, Streaming};
+
+use crate::connect::root_cause;
+use crate::error::{ClientError, Refusal, Unanswered};
+use crate::mesh::missing;
+
+/// Answers of either stream.
+#[derive(Debug)]
+pub(super) enum Incoming {
+    /// Of the one that drives the session.
+    Solve(Streaming<v1::SolveResponse>),
+    /// Of one that only reads.
+    Watch(Streaming<v1::WatchResponse>),
+}
+
+/// Why no answer follows.
+#[derive(Debug)]
+pub(super) enum Stop {
+    /// The connection broke; another may go on.
+    Broken(ClientError),
+    /// The service says so, or nobody can go on.
+    Fault(ClientError),
+}
+
+impl From<ClientError> for Stop {
+    fn from(error: ClientError) -> Self {
+        Self::Fault(error)
+    }
+}
+
+impl From<Status> for Stop {
+    /// A status that the service or a gateway wrote has no source; one that this
+    /// side made from a failure of the transport has.
+    fn from(status: Status) -> Self {
+        let gateway =
+            status.code() == Code::Unavailable && Refusal::from(&status).reason.is_empty();
+        match status.source() {
+            Some(source) if source.is::<Unanswered>() => Self::Broken(status.into()),
+            Some(source) => broken(root_cause(source)),
+            None if gateway => broken(status.message().to_owned()),
+            None => Self::Fault(status.into()),
+        }
+    }
+}
+
+impl From<Stop> for ClientError {
+    fn from(stop: Stop) -> Self {
+        match stop {
+            Stop::Broken(error) | Stop::Fault(error) => error,
+        }
+    }
+}
+
+fn broken(message: String) -> Stop {
+    Stop::Broken(ClientError::Broken { message })
+}
+
+impl Incoming {
+    /// The next message; `None` when the service has ended the stream well.
+    /// Nothing is lost when the future is dropped.
+    pub(super) async fn next(&mut self) -> Result<Option<Response>, Stop> {
+        match self {
+            Self::Solve(stream) => match stream.message().await? {
+                Some(response) => content(response.message),
+                None => ended(stream).await,
+            },
+            Self::Watch(stream) => match stream.message().await? {
+                Some(response) => content(response.message.map(as_solved)),
+                None => ended(stream).await,
+            },
+        }
+    }
+
+    /// The message that every stream starts with.
+    pub(super) async fn opened(&mut self) -> Result<v1::Opened, Stop> {
+        match self.next().await? {
+            Some(Response::Opened(opened)) => Ok(opened),
+            _ => Err(missing("the first message `opened`").into()),
+        }
+    }
+}
+
+fn content(message: Option<Response>) -> Result<Option<Response>, Stop> {
+    let message = message.ok_or_else(|| missing("the content of a message"))?;
+    Ok(Some(message))
+}
+
+/// Trailers tell an end from a body that was cut off.
+async fn ended<T>(stream: &mut Streaming<T>) -> Result<Option<Response>, Stop> {
+    match stream.trailers().await? {
+        Some(_) => Ok(None),
+        None => Err(broken("the stream was cut off".to_owned())),
+    }
+}
+
+fn as_solved(message: Watched) -> Response {
+    match message {
+        Watched::Opened(opened) => Response::Opened(opened),
+        Watched::Iteration(statistics) => Response::Iteration(statistics),
+        Watched::StepFinished(finished) => Response::StepFinished(finished),
+        Watched::Field(chunk) => Response::Field(chunk),
+        Watched::Heartbeat(heartbeat) => Response::Heartbeat(heartbeat),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io;
+
+    use tonic_types::{ErrorDetails, StatusExt as _};
+
+    use super::*;
+
+    fn said(code: Code, reason: &str) -> Status {
+        let details = ErrorDetails::with_error_info(reason, "signorini", []);
+        Status::with_error_details(code, "no", details)
+    }
+
+    #[test]
+    fn what_the_service_says_is_final() {
+        for (code, reason) in [
+            (Code::Aborted, "SESSION_DELETED"),
+            (Code::Unavailable, "SHUTTING_DOWN"),
+            (Code::NotFound, "SESSION_EXPIRED"),
+            (Code::Internal, "INTERNAL"),
+        ] {
+            let Stop::Fault(ClientError::Refused(refusal)) = Stop::from(said(code, reason)) else {
+                unreachable!("{reason}")
+            };
+            assert_eq!(refusal.reason, reason);
+        }
+        let missing = Status::unimplemented("no such method");
+        assert!(matches!(Stop::from(missing), Stop::Fault(_)));
+    }
+
+    #[test]
+    fn failures_of_the_transport_and_of_gateways_are_breaks() {
+        let reset = io::Error::new(io::ErrorKind::ConnectionReset, "reset by peer");
+        let Stop::Broken(cause) = Stop::from(Status::from_error(reset.into())) else {
+            unreachable!()
+        };
+        assert!(
+            cause.to_string().ends_with("broke: reset by peer"),
+            "{cause}"
+        );
+        let gateway = Status::unavailable("no upstream");
+        assert!(matches!(Stop::from(gateway), Stop::Broken(_)));
+    }
+}
