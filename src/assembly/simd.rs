@@ -23,8 +23,9 @@ impl InstructionSet {
 
     /// The widest that this machine has.
     pub fn of_this_machine() -> Self {
-        let here = Self::ALL.into_iter().filter(|set| set.is_here());
-        here.last().unwrap_or(Self::Portable)
+        let mut widest_first = Self::ALL.into_iter().rev();
+        let here = widest_first.find(|set| set.is_here());
+        here.unwrap_or(Self::Portable)
     }
 
     /// Whether this machine has it.
