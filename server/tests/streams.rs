@@ -259,6 +259,32 @@ async fn a_stream_whose_deadline_passes_leaves_its_last_state() {
     assert!(last.time > 0.0 && last.time < 1.0);
 }
 
+#[tokio::test]
+async fn a_client_that_leaves_just_before_its_deadline_leaves_a_step_that_ends() {
+    let (server, session) = pressed(2, Config::embedded()).await;
+    let step = wire::LoadStepUpdate {
+        sequence: 1,
+        step: Some(press(0.05, 100_000)),
+        max_wall_time: None,
+    };
+    let messages = [
+        solve_request::Message::Open(open(&session)),
+        solve_request::Message::LoadStep(step),
+    ];
+    let messages = messages.map(|message| wire::SolveRequest {
+        message: Some(message),
+    });
+    let mut request = tonic::Request::new(tokio_stream::iter(messages));
+    request.set_timeout(std::time::Duration::from_millis(200));
+    let mut answers = server.sessions().solve(request).await.unwrap().into_inner();
+    let mut watcher = server.watch(watch(&session, wire::WatchEnd::Session)).await;
+    answers.message().await.unwrap();
+    drop(answers);
+    let results = watcher.update().await;
+    let last = results.last().unwrap().report.as_ref().unwrap();
+    assert_eq!(last.termination(), wire::Termination::DeadlineExceeded);
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_flooding_client_leaves_another_at_least_forty_percent() {
     let config = Config {

@@ -19,6 +19,8 @@ const PATIENCE: Duration = Duration::from_millis(150);
 /// One accepted update.
 pub(super) struct Accepted {
     pub(super) sequence: i64,
+    /// Number of the stream that brought it.
+    stream: u64,
     pub(super) step: Step,
     pub(super) cancel: CancelToken,
     pub(super) cancelled_at: Option<Instant>,
@@ -30,9 +32,10 @@ pub(super) struct Accepted {
 }
 
 impl Accepted {
-    fn new(update: Update) -> Self {
+    fn new(update: Update, stream: u64) -> Self {
         Self {
             sequence: update.sequence,
+            stream,
             step: update.step,
             cancel: CancelToken::new(),
             cancelled_at: None,
@@ -121,10 +124,16 @@ impl Queue {
         self.waiting.is_empty()
     }
 
-    /// Appends the next update.
-    pub(super) fn push(&mut self, update: Update) {
+    /// Appends the next update, which came on `stream`.
+    pub(super) fn push(&mut self, update: Update, stream: u64) {
         self.last_accepted = update.sequence;
-        self.waiting.push_back(Accepted::new(update));
+        self.waiting.push_back(Accepted::new(update, stream));
+    }
+
+    /// Asks every update of a stream to stop because its time is up.
+    pub(super) fn expire(&mut self, stream: u64) {
+        let own = self.waiting.iter_mut().filter(|one| one.stream == stream);
+        own.for_each(Accepted::expire);
     }
 
     pub(super) fn current(&mut self) -> Option<&mut Accepted> {

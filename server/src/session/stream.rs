@@ -63,9 +63,10 @@ async fn serve(
     let (number, outbox) = (attachment.number, Arc::clone(&attachment.outbox));
     let reading = read(handle.clone(), number, outbox, inbound);
     let _reader = Aborted(tokio::spawn(reading.in_current_span()));
-    let _clock = call
-        .timeout
-        .map(|time| Aborted(tokio::spawn(expire(handle.clone(), number, time))));
+    if let Some(time) = call.timeout {
+        // Outlives the stream: the client may leave just before its own deadline.
+        tokio::spawn(expire(handle.clone(), number, time));
+    }
     let attached = Attached::new(handle, number);
     let (heartbeat, metrics) = (registry.heartbeat(), registry.metrics());
     let convert = |message| {
@@ -87,8 +88,10 @@ impl Drop for Aborted {
 }
 
 async fn expire(handle: Handle, number: u64, time: Duration) {
-    tokio::time::sleep(time).await;
-    handle.send(Command::Expire(number)).await;
+    tokio::select! {
+        () = tokio::time::sleep(time) => handle.send(Command::Expire(number)).await,
+        () = handle.ended() => {}
+    }
 }
 
 async fn first_message(

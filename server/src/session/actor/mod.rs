@@ -184,7 +184,7 @@ impl Actor {
             }
             Command::Update(number, update) => {
                 if self.writer_of(number).is_some() {
-                    self.update(*update);
+                    self.update(number, *update);
                 }
             }
             Command::Reject(number, sequence, fault) => {

@@ -94,17 +94,11 @@ impl Actor {
         }
     }
 
-    /// The deadline of the writer has passed: what it sent ends.
+    /// The deadline of a stream has passed: what it sent ends, even if the stream
+    /// is gone already.
     pub(super) fn expire_stream(&mut self, number: u64) {
-        if self.writer_of(number).is_none() {
-            return;
-        }
-        for dropped in self.queue.keep_current() {
-            self.reject(dropped.sequence, &Fault::StreamDeadline);
-        }
-        if let Some(current) = self.queue.current() {
-            current.expire();
-        }
+        self.queue.expire(number);
+        self.stop_here();
         if let Some(writer) = self.writer_of(number) {
             writer.reader.outbox.end(End::Fault(Fault::StreamDeadline));
         }

@@ -9,7 +9,7 @@ use crate::session::readers::MOST_REPEATS;
 use crate::status;
 
 impl Actor {
-    pub(super) fn update(&mut self, update: Update) {
+    pub(super) fn update(&mut self, stream: u64, update: Update) {
         let sequence = update.sequence;
         if sequence < 1 {
             self.reject(sequence, &Fault::request("sequence", "must be at least 1"));
@@ -18,7 +18,7 @@ impl Actor {
         } else if let Err(fault) = self.admit(sequence) {
             self.reject(sequence, &fault);
         } else {
-            self.queue.push(update);
+            self.queue.push(update, stream);
         }
     }
 
