@@ -5,12 +5,13 @@
 //! n^2.06. Plane meshes: n log n and n^1.5.
 
 use super::Plan;
+use crate::linalg::cholesky::Precision;
 
 const CUBE_VERTICES: f64 = 4096.0;
 const CUBE_ENTRIES: f64 = 4.9e6;
 const CUBE_FLOPS: f64 = 2.4e9;
 /// Vectors of displacement length that a step holds at its peak.
-const VECTORS: u64 = 34;
+const VECTORS: u64 = 40;
 /// Bytes per cell of the matrix-free operator and of the geometry it is made from.
 const CELL_BYTES: u64 = 330;
 
@@ -38,7 +39,11 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
     let dense = 3 * contact * contact + 3 * multipliers * multipliers;
     let vectors = VECTORS * (plan.unknowns.displacement + plan.unknowns.pressure);
     let blocks = plan.unknowns.displacement * components;
-    8 * (1.2 * entries) as u64
+    let number = match plan.factor_precision().0 {
+        Precision::Single => 4,
+        Precision::Double => 8,
+    };
+    number * (1.2 * entries) as u64
         + 8 * (dense + vectors + blocks)
         + CELL_BYTES * plan.cells as u64
         + 200 * vertices

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 
 use sha2::{Digest, Sha256};
 
+use crate::linalg::cholesky::Precision;
 use crate::mesh::{Mesh, MeshId};
 use crate::report::Unknowns;
 use crate::scene::validate::{Resolved, resolve};
@@ -220,6 +221,36 @@ fn conflicts(scene: &Scene, resolved: &Resolved, mesh: &Mesh) -> Vec<String> {
             )
         })
         .collect()
+}
+
+/// Ratio of shear moduli above which a factor in single precision may fail.
+const MOST_CONTRAST: f64 = 1e3;
+
+impl Plan {
+    /// Number type of the P1 factor and why: single precision costs half the
+    /// time and memory where the block is well conditioned.
+    pub(crate) fn factor_precision(&self) -> (Precision, &'static str) {
+        let shear = self
+            .resolved
+            .materials
+            .iter()
+            .map(|one| one.law.shear_modulus);
+        let (low, high) = shear.fold((f64::INFINITY, 0.0_f64), |(low, high), modulus| {
+            (low.min(modulus), high.max(modulus))
+        });
+        if self.is_floating() {
+            (Precision::Double, "rigid modes are nearly free")
+        } else if high > MOST_CONTRAST * low {
+            (Precision::Double, "strong contrast of stiffness")
+        } else if self.smoother_degree > 2 {
+            (
+                Precision::Double,
+                "stretched cells or a stiff volume response",
+            )
+        } else {
+            (Precision::Single, "well conditioned")
+        }
+    }
 }
 
 /// Chebyshev steps of the smoother: more where the P1 correction is weak, that

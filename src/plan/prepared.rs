@@ -9,6 +9,7 @@ use crate::assembly::grid::{Basis, Rows};
 use crate::assembly::mass::weighted_mass;
 use crate::assembly::p1_stiffness::{node_blocks, p1_stiffness};
 use crate::assembly::{CellGeometry, CellModuli, Divergence, Grid, Stiffness};
+use crate::linalg::cholesky::Precision;
 use crate::linalg::vector::norm;
 use crate::linalg::{DenseMatrix, FactoriseError, LinearOperator, SparseRows, Workspace};
 use crate::mesh::Mesh;
@@ -218,7 +219,12 @@ fn factorise(
     let matrix = p1_stiffness(mesh, space, geometry, moduli, held, shift);
     let assembled = start.elapsed().as_secs_f64();
     let order = vertex_order(mesh.coordinates(), &space.edges, &plan.contact_vertices);
-    let factor = DirectP1::new(&matrix, &order, space.components)?;
+    let direct = |precision| DirectP1::new(&matrix, &order, space.components, precision);
+    let factor = match plan.factor_precision().0 {
+        // Rounding may cost a small pivot its sign.
+        Precision::Single => direct(Precision::Single).or_else(|_| direct(Precision::Double))?,
+        Precision::Double => direct(Precision::Double)?,
+    };
     let compliance = factor.compliance_of_last(plan.contact_vertices.len() * space.components);
     Ok((
         factor,

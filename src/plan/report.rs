@@ -1,6 +1,7 @@
 //! The plan as people and clients read it.
 
 use super::{Plan, estimate};
+use crate::linalg::cholesky::Precision;
 use crate::report::Unknowns;
 
 /// One decision.
@@ -105,11 +106,20 @@ impl Plan {
             format!("p-multigrid, Chebyshev degree {degree}"),
             reason,
         );
+        let (precision, reason) = self.factor_precision();
+        let bits = match precision {
+            Precision::Single => 32,
+            Precision::Double => 64,
+        };
         let order = match self.contact_vertices.is_empty() {
             true => "nested dissection",
             false => "the factor also gives the contact compliance",
         };
-        push("p1_solver", "sparse Cholesky".into(), order);
+        push(
+            "p1_solver",
+            format!("sparse Cholesky in {bits} bits"),
+            &format!("{order}; {reason}"),
+        );
         let krylov = match (self.resolved.mixed, self.unknowns.contact) {
             (false, 0) => "conjugate gradients",
             _ => "flexible GCR(10), upper block-triangular",

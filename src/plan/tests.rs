@@ -107,10 +107,8 @@ fn the_displacement_preconditioner_is_symmetric_and_positive() {
         };
         let (ax, ay) = (apply(&x), apply(&y));
         let (left, right) = (dot(&ax, &y), dot(&ay, &x));
-        assert!(
-            (left - right).abs() < 1e-12 * dot(&ax, &x),
-            "{left} {right}"
-        );
+        // To the rounding of a factor in single precision.
+        assert!((left - right).abs() < 1e-4 * dot(&ax, &x), "{left} {right}");
         assert!(dot(&ax, &x) > 0.0 && dot(&ay, &y) > 0.0);
     }
 }

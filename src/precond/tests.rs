@@ -5,6 +5,7 @@ use super::compliance::{ComplianceParts, compliance};
 use super::p1::{DirectP1, vertex_order};
 use crate::assembly::p1_stiffness::{node_blocks, p1_stiffness};
 use crate::assembly::{CellGeometry, CellModuli};
+use crate::linalg::cholesky::Precision;
 use crate::linalg::vector::reproducible_noise;
 use crate::linalg::{
     DenseCholesky, DenseMatrix, Preconditioner, SparseRows, SparseRowsBuilder, Workspace,
@@ -54,7 +55,8 @@ fn sample(mesh: &Mesh, side: &str) -> Sample {
     let order = vertex_order(mesh.coordinates(), &space.edges, &contact);
     let blocks = node_blocks(mesh, &space, &geometry, &moduli, &held);
     Sample {
-        factor: DirectP1::new(&lower, &order, space.components).expect("positive definite"),
+        factor: DirectP1::new(&lower, &order, space.components, Precision::Double)
+            .expect("positive definite"),
         blocks: NodeBlocks::invert(space.components, blocks),
         space,
         contact,

@@ -4,7 +4,7 @@
 //! (A11^-1)_cc = L_cc^-T L_cc^-1: one factorisation gives both the solver and
 //! the compliance of the contact surface.
 
-use crate::linalg::cholesky::LowerColumns;
+use crate::linalg::cholesky::{LowerColumns, Precision};
 use crate::linalg::ordering::{Graph, nested_dissection};
 use crate::linalg::{DenseMatrix, FactoriseError, Preconditioner, SparseCholesky, Workspace};
 
@@ -30,13 +30,14 @@ impl DirectP1 {
         matrix: &LowerColumns,
         vertex_order: &[u32],
         components: usize,
+        precision: Precision,
     ) -> Result<Self, FactoriseError> {
         let order: Vec<u32> = vertex_order
             .iter()
             .flat_map(|&vertex| (0..components as u32).map(move |c| vertex * components as u32 + c))
             .collect();
         Ok(Self {
-            factor: SparseCholesky::new(matrix, &order)?,
+            factor: SparseCholesky::new(matrix, &order, precision)?,
         })
     }
 
