@@ -11,6 +11,7 @@ use super::loads::reference_load;
 use super::state::{Snapshot, State};
 use super::watch::Watch;
 use super::{fields, results, verification};
+use crate::krylov::gcr::Directions;
 use crate::linalg::vector::dot;
 use crate::linalg::{LinearOperator, Workspace};
 use crate::mesh::Mesh;
@@ -47,8 +48,10 @@ pub struct Session {
     interfaces: Interfaces,
     load: Vec<f64>,
     state: State,
-    /// The state before the last increment.
-    previous: Snapshot,
+    /// The state before the increment that [`Session::take_back`] can undo.
+    previous: Option<Snapshot>,
+    /// Whether any increment has moved the state.
+    moved: bool,
     /// What the last step led to, reached or not.
     target: Drive,
     steps: u32,
@@ -103,10 +106,10 @@ impl Session {
         };
         preparation.assemble += own;
         preparation.total += own;
-        let state = State::undeformed(&plan);
         Self {
-            previous: state.snapshot(),
-            state,
+            state: State::undeformed(&plan),
+            previous: None,
+            moved: false,
             target: Drive::first_target(plan.scene()),
             pending_factorisations: u32::from(reuse == Reuse::Built),
             plan,
@@ -181,15 +184,22 @@ impl Session {
                 ..IterationRecord::default()
             },
         };
-        self.previous = self.state.snapshot();
+        let before = self.state.snapshot();
+        self.previous = Some(before.clone());
         let mut state = std::mem::replace(&mut self.state, State::undeformed(&self.plan));
         let (mut ending, part) =
             self.approach(&mut state, &goal, &mut watch, &mut counters, &mut work);
         if ending.is_stopped() {
-            state.go_back(&self.previous);
+            state.restore(&before);
             increment::describe(&self.context(), &mut state, &mut ending, &mut work);
+            self.previous = None;
+        } else {
+            self.moved = true;
         }
         self.state = state;
+        if ending.is_stopped() {
+            self.stop();
+        }
         run.done = increment;
         run.finished = ending.termination != Termination::Converged;
         let before = f64::from(increment - 1) / f64::from(run.increments);
@@ -199,9 +209,26 @@ impl Session {
         Some(report)
     }
 
-    /// Goes back to the state before the last increment.
+    /// Ends a step before its end: what follows starts from the state that is
+    /// there, as if the step had only asked for that. Forgets what the solver has
+    /// learnt, which depends on how far it came: no later bit depends on when a
+    /// step was stopped.
+    pub fn stop(&mut self) {
+        self.target = match self.moved {
+            true => self.state.drive.clone(),
+            false => Drive::first_target(self.plan.scene()),
+        };
+        self.state.directions = Directions::default();
+    }
+
+    /// Undoes the last increment, if it is not undone yet, and stops its step.
+    /// Also mends a session in which [`Session::advance`] panicked.
     pub fn take_back(&mut self) {
-        self.state.go_back(&self.previous);
+        if let Some(previous) = self.previous.take() {
+            self.state.restore(&previous);
+            self.moved = self.state.drive != Drive::undeformed(self.plan.scene());
+        }
+        self.stop();
     }
 
     /// Moves `state` to `goal`, in parts where the whole fails; returns how it
@@ -353,7 +380,11 @@ impl Session {
 
     /// Bytes held by this session alone.
     pub fn bytes(&self) -> u64 {
-        self.state.bytes() + self.previous.bytes() + self.work.bytes() + 8 * self.load.len() as u64
+        self.state.bytes() + self.previous_bytes() + self.work.bytes() + 8 * self.load.len() as u64
+    }
+
+    fn previous_bytes(&self) -> u64 {
+        self.previous.as_ref().map_or(0, Snapshot::bytes)
     }
 
     /// Current poses of all obstacles.

@@ -83,13 +83,6 @@ impl State {
         self.force_scale = snapshot.force_scale;
     }
 
-    /// As `restore`, and forgets what the solver has learnt since, which depends
-    /// on how far it came.
-    pub(crate) fn go_back(&mut self, snapshot: &Snapshot) {
-        self.restore(snapshot);
-        self.directions = Directions::default();
-    }
-
     pub(crate) fn bytes(&self) -> u64 {
         let numbers = self.displacement.len() + self.pressure.len() + self.multiplier.len();
         (8 * numbers + self.active.len()) as u64 + self.directions.bytes()
