@@ -54,7 +54,7 @@ pub struct Config {
     /// Seconds without a call after which a session expires, unless it asks for
     /// another time; 1 to 2 592 000 (30 days).
     pub session_ttl_seconds: u64,
-    /// Results whose reports one session keeps, at least 1.
+    /// Results whose reports one session keeps; more than `maximum_in_flight`.
     pub retained_results: usize,
     /// Bytes of fields that one session keeps; the newest result always stays.
     pub retained_field_bytes: u64,
@@ -124,6 +124,9 @@ impl Config {
             ("heartbeat_seconds", self.heartbeat_seconds),
             ("drain_seconds", self.drain_seconds),
         ];
+        if self.retained_results <= self.maximum_in_flight {
+            return Err(range("retained_results", "above maximum_in_flight"));
+        }
         let zero = at_least_one.iter().find(|(_, value)| *value == 0);
         let long = times.iter().find(|(_, value)| *value > LONGEST_SECONDS);
         match (zero, long) {

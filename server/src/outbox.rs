@@ -3,7 +3,8 @@
 //!
 //! Results are lossless and counted in bytes: when too many are unread the
 //! session queues no further one. A result is cut into messages only as they
-//! are read, so that waiting costs no copy of its fields. Iterations are
+//! are read, so that waiting costs no copy of its fields; while it waits it keeps
+//! all its fields in memory, so all of them count. Iterations are
 //! latest-wins and come from the session's [`Iterations`](crate::session::Iterations).
 
 use std::collections::VecDeque;
@@ -52,9 +53,13 @@ struct State {
     /// The rest of the result that is being read.
     finished: Option<wire::StepFinished>,
     chunks: Option<Chunks>,
+    /// Last field of that result.
+    last_field: Option<i32>,
     /// Event of the newest result that was read.
     read_event: i64,
-    unread_bytes: u64,
+    waiting_bytes: u64,
+    reading_bytes: u64,
+    results: usize,
     answers: usize,
     /// The session waits for room.
     is_awaited: bool,
@@ -62,8 +67,23 @@ struct State {
 }
 
 impl State {
-    fn was_read(&mut self, bytes: usize) {
-        self.unread_bytes = self.unread_bytes.saturating_sub(bytes as u64);
+    /// Whether nothing of the result that is being read follows `chunk`.
+    fn is_last(&self, chunk: &wire::FieldChunk) -> bool {
+        chunk.last && self.last_field == Some(chunk.field)
+    }
+
+    fn unread_bytes(&self) -> u64 {
+        self.waiting_bytes + self.reading_bytes
+    }
+}
+
+impl Item {
+    /// Bytes that it keeps in memory.
+    fn bytes(&self) -> u64 {
+        match self {
+            Self::Answer(message) => message.encoded_len() as u64,
+            Self::Result(result, _) => result.bytes(),
+        }
     }
 }
 
@@ -85,19 +105,26 @@ pub(crate) struct Outbox {
     /// Wakes the session when there is room again.
     room: Arc<Notify>,
     wanted: Wanted,
-    limit_bytes: u64,
+    limit: Limit,
+}
+
+/// What may wait in an outbox before its session queues no further result.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Limit {
+    pub(crate) bytes: u64,
+    pub(crate) results: usize,
 }
 
 impl Outbox {
-    /// An empty outbox whose session waits above `limit_bytes` unread, until `room`.
-    pub(crate) fn new(limit_bytes: u64, wanted: Wanted, room: &Arc<Notify>) -> Arc<Self> {
+    /// An empty outbox whose session waits above `limit`, until `room`.
+    pub(crate) fn new(limit: Limit, wanted: Wanted, room: &Arc<Notify>) -> Arc<Self> {
         Arc::new(Self {
             state: Mutex::default(),
             filled: Notify::new(),
             read: Notify::new(),
             room: Arc::clone(room),
             wanted,
-            limit_bytes,
+            limit,
         })
     }
 
@@ -108,22 +135,29 @@ impl Outbox {
 
     /// Queues a message that must arrive.
     pub(crate) fn push(&self, message: Message) {
-        let mut state = self.lock();
-        state.unread_bytes += message.encoded_len() as u64;
-        state.answers += 1;
-        state.waiting.push_back(Item::Answer(Box::new(message)));
-        drop(state);
-        self.filled.notify_one();
+        self.queue(Item::Answer(Box::new(message)));
     }
 
     /// Queues a result, behind the last iteration before it.
     pub(crate) fn result(&self, result: &Arc<KeptResult>, iteration: Option<Newest>) {
+        self.queue(Item::Result(Arc::clone(result), iteration));
+    }
+
+    fn queue(&self, item: Item) {
         let mut state = self.lock();
-        state.unread_bytes += self.bytes(result);
-        let item = Item::Result(Arc::clone(result), iteration);
+        state.waiting_bytes += item.bytes();
+        match &item {
+            Item::Answer(_) => state.answers += 1,
+            Item::Result(..) => state.results += 1,
+        }
         state.waiting.push_back(item);
         drop(state);
         self.filled.notify_one();
+    }
+
+    /// Bytes that unread messages keep in memory.
+    pub(crate) fn unread_bytes(&self) -> u64 {
+        self.lock().unread_bytes()
     }
 
     /// Ends the stream behind what is queued; the first end stays.
@@ -136,9 +170,13 @@ impl Outbox {
     /// one may.
     pub(crate) fn has_room(&self) -> bool {
         let mut state = self.lock();
-        let has_room = state.unread_bytes <= self.limit_bytes;
+        let has_room = self.fits(&state);
         state.is_awaited |= !has_room;
         has_room
+    }
+
+    fn fits(&self, state: &State) -> bool {
+        state.unread_bytes() <= self.limit.bytes && state.results < self.limit.results
     }
 
     /// Returns when a message of the client, which may need an answer, may be read.
@@ -170,7 +208,7 @@ impl Outbox {
             .rest(&mut state)
             .or_else(|| self.begin(&mut state, iterations))
         {
-            let wakes = state.is_awaited && state.unread_bytes <= self.limit_bytes;
+            let wakes = state.is_awaited && self.fits(&state);
             state.is_awaited &= !wakes;
             drop(state);
             if wakes {
@@ -181,8 +219,6 @@ impl Outbox {
         if let Some(end) = state.end.clone() {
             return Some(Next::End(end));
         }
-        // Nothing is queued: sizes that were estimated leave no remainder.
-        state.unread_bytes = 0;
         let newest = iterations.take(state.read_event)?;
         Some(next(Message::Iteration(newest)))
     }
@@ -191,23 +227,25 @@ impl Outbox {
     fn rest(&self, state: &mut State) -> Option<Message> {
         if let Some(finished) = state.finished.take() {
             state.read_event = state.read_event.max(finished.event);
-            let message = Message::StepFinished(finished);
-            state.was_read(message.encoded_len());
-            return Some(message);
+            return Some(Message::StepFinished(finished));
         }
-        let Some(chunk) = state.chunks.as_mut()?.next() else {
+        let chunk = state.chunks.as_mut()?.next();
+        if chunk.is_none() {
             state.chunks = None;
-            return None;
-        };
-        state.was_read(chunk.data.len());
-        Some(Message::Field(chunk))
+        }
+        if chunk.as_ref().is_none_or(|chunk| state.is_last(chunk)) {
+            state.reading_bytes = 0;
+        }
+        chunk.map(Message::Field)
     }
 
     /// The first message of what is queued next.
     fn begin(&self, state: &mut State, iterations: &mut IterationReader) -> Option<Message> {
-        match state.waiting.pop_front()? {
+        let item = state.waiting.pop_front()?;
+        let bytes = item.bytes();
+        state.waiting_bytes -= bytes;
+        match item {
             Item::Answer(message) => {
-                state.was_read(message.encoded_len());
                 state.answers -= 1;
                 self.read.notify_one();
                 Some(*message)
@@ -215,6 +253,9 @@ impl Outbox {
             Item::Result(result, iteration) => {
                 let Wanted { fields, encoding } = &self.wanted;
                 let (finished, chunks) = messages(&result, fields, *encoding);
+                state.results -= 1;
+                state.reading_bytes = if finished.fields.is_empty() { 0 } else { bytes };
+                state.last_field = finished.fields.last().copied();
                 state.finished = Some(finished);
                 state.chunks = Some(Box::new(chunks));
                 match iteration.and_then(|newest| iterations.pass(newest)) {
@@ -223,17 +264,6 @@ impl Outbox {
                 }
             }
         }
-    }
-
-    /// Bytes of a result as this reader gets it.
-    fn bytes(&self, result: &KeptResult) -> u64 {
-        let Wanted { fields, encoding } = &self.wanted;
-        let wanted = result
-            .fields
-            .iter()
-            .filter(|one| fields.contains(&one.name));
-        let fields: u64 = wanted.map(|field| field.encoded_bytes(*encoding)).sum();
-        result.report.bytes() + fields
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use tokio::sync::Notify;
+use tokio::sync::{Notify, watch};
 
 use crate::fault::Fault;
 use crate::metrics::Metrics;
@@ -48,6 +48,7 @@ pub(crate) struct Registry {
     draining: AtomicBool,
     /// Some session started or will not start.
     settled: Notify,
+    streams: watch::Sender<usize>,
     shop: Arc<Shop>,
 }
 
@@ -57,6 +58,7 @@ impl Registry {
             inner: Mutex::default(),
             draining: AtomicBool::new(false),
             settled: Notify::new(),
+            streams: watch::Sender::new(0),
             shop: Arc::clone(shop),
         })
     }
@@ -73,6 +75,19 @@ impl Registry {
 
     pub(crate) fn metrics(&self) -> &Metrics {
         &self.shop.metrics
+    }
+
+    /// Counts a stream as long as the guard lives.
+    pub(crate) fn stream(self: &Arc<Self>) -> StreamGuard {
+        self.streams.send_modify(|count| *count += 1);
+        StreamGuard(Arc::clone(self))
+    }
+
+    /// Returns when no stream is open.
+    pub(crate) async fn streams_gone(&self) {
+        let mut streams = self.streams.subscribe();
+        // The sender lives as long as this.
+        let _gone = streams.wait_for(|count| *count == 0).await;
     }
 
     /// Refuses new work.
@@ -179,6 +194,15 @@ impl Registry {
     fn lock(&self) -> MutexGuard<'_, Inner> {
         // No code of others runs under the lock, so a poisoned state is whole.
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// An open stream.
+pub(crate) struct StreamGuard(Arc<Registry>);
+
+impl Drop for StreamGuard {
+    fn drop(&mut self) {
+        self.0.streams.send_modify(|count| *count -= 1);
     }
 }
 

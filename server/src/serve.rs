@@ -96,6 +96,12 @@ pub async fn serve(
     {
         tracing::warn!("sessions did not stop in time");
     }
+    if tokio::time::timeout(drain_time, registry.streams_gone())
+        .await
+        .is_err()
+    {
+        tracing::warn!("some streams did not take their last results in time");
+    }
     drop(stop);
     let ended = tokio::time::timeout(LAST_CALL, &mut server).await;
     abort(&helpers);
@@ -217,11 +223,18 @@ fn abort(helpers: &[JoinHandle<()>]) {
     }
 }
 
-/// Joins the solver threads; one that cannot be interrupted is left behind.
+/// Joins the solver threads; one that cannot be interrupted is left behind, in a
+/// thread that no runtime waits for.
 async fn close(shop: &Arc<Shop>, patience: Duration) {
     let shop = Arc::clone(shop);
-    let joined = tokio::task::spawn_blocking(move || shop.workshop.close());
-    if tokio::time::timeout(patience, joined).await.is_err() {
+    let (closed, joined) = oneshot::channel();
+    let joiner = std::thread::Builder::new().spawn(move || {
+        shop.workshop.close();
+        // Nobody waits any more when it took too long.
+        let _late = closed.send(());
+    });
+    let joined = tokio::time::timeout(patience, joined).await;
+    if joiner.is_err() || joined.is_err() {
         tracing::warn!("a solver thread did not stop in time");
     }
 }

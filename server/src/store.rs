@@ -213,12 +213,12 @@ impl Store {
         found
     }
 
-    /// Bytes of prepared data that are there already.
-    pub(crate) fn prepared_bytes(&self, key: &PreparedKey) -> u64 {
-        self.lock()
-            .prepared
-            .get(key)
-            .map_or(0, |one| one.entry.bytes)
+    /// Keeps prepared data that are there already from being dropped; no use of
+    /// the cache yet.
+    pub(crate) fn hold_prepared(&self, key: &PreparedKey) -> Option<Lease<Prepared>> {
+        let mut inner = self.lock();
+        let tick = inner.next_tick();
+        inner.prepared.get_mut(key).map(|one| one.entry.lease(tick))
     }
 
     /// Keeps prepared data.
@@ -289,13 +289,16 @@ impl Store {
         Ok(())
     }
 
-    /// Makes room for `more` bytes; fails with those that are lacking.
-    fn grow(&self, more: u64) -> Result<(), u64> {
+    /// Changes a reservation, making room; fails with the bytes that are lacking.
+    fn grow(&self, before: u64, after: u64) -> Result<(), u64> {
         let mut inner = self.lock();
-        match self.make_room(&mut inner, more) {
-            Ok(()) => Ok(()),
-            Err(_) => Err(inner.in_use().saturating_add(more) - self.budget),
+        let more = after.saturating_sub(before);
+        if self.make_room(&mut inner, more).is_err() {
+            return Err(inner.in_use().saturating_add(more) - self.budget);
         }
+        inner.reserved = inner.reserved.saturating_sub(before).saturating_add(after);
+        self.report(&inner);
+        Ok(())
     }
 
     fn change_reservation(&self, before: u64, after: u64) {
@@ -341,8 +344,8 @@ impl Reservation {
     /// # Errors
     /// The bytes for which there is no room; the reservation is then as before.
     pub(crate) fn resize(&mut self, bytes: u64) -> Result<(), u64> {
-        self.store.grow(bytes.saturating_sub(self.bytes))?;
-        self.force(bytes);
+        self.store.grow(self.bytes, bytes)?;
+        self.bytes = bytes;
         Ok(())
     }
 

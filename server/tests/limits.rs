@@ -104,7 +104,7 @@ async fn of_very_many_faults_the_first_hundred_are_looked_for() {
     server.upload(&block).await;
     let mut scene = block.scene();
     scene.supports[0].on = words(100);
-    scene.supports.resize(4000, scene.supports[0].clone());
+    scene.supports.resize(900, scene.supports[0].clone());
     let status = planned(&server, scene).await.unwrap_err();
     let info = status.get_details_error_info().unwrap();
     assert_eq!(info.metadata["violation_count"], "100");

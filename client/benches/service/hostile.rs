@@ -13,17 +13,20 @@ use crate::server::{Scene, Server, press};
 /// Diverging, inverted, not a number and too large, for `seconds`.
 pub(crate) async fn run(seconds: u32) {
     let config = Config {
-        memory_budget_bytes: 256 << 20,
+        memory_budget_bytes: 12 << 20,
         ..Config::embedded()
     };
     let server = Server::start(config).await;
     let scene = Scene::sphere(1);
-    server.client.upload_mesh(scene.mesh.clone()).await.unwrap();
+    let large = Scene::sphere(3);
+    for scene in [&scene, &large] {
+        server.client.upload_mesh(scene.mesh.clone()).await.unwrap();
+    }
     let end = Instant::now() + Duration::from_secs(seconds.into());
     let (mut rounds, mut outcomes) = (0, std::collections::BTreeMap::new());
     let mut early = f64::NAN;
     while Instant::now() < end {
-        for (what, scene, step) in cases(&scene.message, rounds) {
+        for (what, scene, step) in cases(&scene.message, &large.message, rounds) {
             let outcome = attempt(&server, scene, step).await;
             *outcomes.entry((what, outcome)).or_insert(0_u32) += 1;
         }
@@ -41,7 +44,11 @@ pub(crate) async fn run(seconds: u32) {
     );
 }
 
-fn cases(scene: &v1::Scene, round: u32) -> Vec<(&'static str, v1::Scene, v1::LoadStep)> {
+fn cases(
+    scene: &v1::Scene,
+    large: &v1::Scene,
+    round: u32,
+) -> Vec<(&'static str, v1::Scene, v1::LoadStep)> {
     let wild = [0.4, 0.7, 1.0, 1.5, 10.0, 1e9][round as usize % 6];
     let with = |change: &dyn Fn(&mut v1::Scene)| {
         let mut scene = scene.clone();
@@ -52,12 +59,13 @@ fn cases(scene: &v1::Scene, round: u32) -> Vec<(&'static str, v1::Scene, v1::Loa
         scene.solver.get_or_insert_default().max_wall_time = Some(0.2);
     };
     vec![
+        ("too large", large.clone(), press(0.05, 1)),
         ("pressed through the body", with(&hurried), press(wild, 1)),
         (
             "tolerance out of reach",
             with(&|scene| {
                 hurried(scene);
-                scene.solver.get_or_insert_default().tolerance = Some(1e-16);
+                scene.solver.get_or_insert_default().tolerance = Some(1e-14);
             }),
             press(0.05, 1),
         ),

@@ -48,44 +48,39 @@ impl KeptField {
         event: i64,
         encoding: Encoding,
     ) -> impl Iterator<Item = wire::FieldChunk> + use<> {
-        let (data, size, kind) = self.encoded(encoding);
         let (field, shape) = (
             name(self.name),
             vec![wide(self.rows), wide(self.components)],
         );
-        array::chunks(data, size).map(move |chunk| wire::FieldChunk {
-            sequence,
-            event,
-            field: field.into(),
-            element_type: kind.into(),
-            shape: shape.clone(),
-            offset_elements: chunk.offset_elements,
-            data: chunk.data,
-            last: chunk.last,
+        array::chunks(self.data.clone(), size_of::<f64>()).map(move |chunk| {
+            let (data, kind) = encoded(chunk.data, encoding);
+            wire::FieldChunk {
+                sequence,
+                event,
+                field: field.into(),
+                element_type: kind.into(),
+                shape: shape.clone(),
+                offset_elements: chunk.offset_elements,
+                data,
+                last: chunk.last,
+            }
         })
     }
+}
 
-    /// Bytes of its values in this encoding.
-    pub(crate) fn encoded_bytes(&self, encoding: Encoding) -> u64 {
-        match encoding {
-            Encoding::Double => self.data.len() as u64,
-            Encoding::Single => self.data.len() as u64 / 2,
-        }
+/// A slice of doubles as a reader wants it.
+fn encoded(doubles: Bytes, encoding: Encoding) -> (Bytes, wire::ElementType) {
+    match encoding {
+        Encoding::Double => (doubles, wire::ElementType::F64),
+        Encoding::Single => (single(&doubles), wire::ElementType::F32),
     }
+}
 
-    fn encoded(&self, encoding: Encoding) -> (Bytes, usize, wire::ElementType) {
-        match encoding {
-            Encoding::Double => (self.data.clone(), 8, wire::ElementType::F64),
-            Encoding::Single => (self.single(), 4, wire::ElementType::F32),
-        }
-    }
-
-    fn single(&self) -> Bytes {
-        // The bytes were encoded from doubles, so they decode.
-        let values: Vec<f64> = array::decode(&self.data).unwrap_or_default();
-        let values: Vec<f32> = values.into_iter().map(|value| value as f32).collect();
-        array::encode(&values)
-    }
+fn single(doubles: &[u8]) -> Bytes {
+    // The bytes were encoded from doubles, so they decode.
+    let values: Vec<f64> = array::decode(doubles).unwrap_or_default();
+    let values: Vec<f32> = values.into_iter().map(|value| value as f32).collect();
+    array::encode(&values)
 }
 
 /// The encoding that a reader asks for.

@@ -16,6 +16,10 @@ fn outbox(limit: u64) -> (Arc<Outbox>, Arc<Notify>) {
         fields: vec![FieldName::Gap],
         encoding: Encoding::Double,
     };
+    let limit = Limit {
+        bytes: limit,
+        results: 3,
+    };
     (Outbox::new(limit, wanted, &room), room)
 }
 
@@ -93,6 +97,20 @@ async fn unread_bytes_close_the_room_until_they_are_read_and_the_session_is_woke
     assert!(!outbox.has_room());
     assert!(is_pending(room.notified()).await);
     read(&outbox, &mut reader).await;
+    assert!(!outbox.has_room());
+    read(&outbox, &mut reader).await;
+    room.notified().await;
+    assert!(outbox.has_room());
+}
+
+#[tokio::test]
+async fn a_number_of_unread_results_closes_the_room_too() {
+    let (outbox, room) = outbox(1 << 30);
+    let mut reader = Iterations::default().reader(Duration::ZERO);
+    for event in 1..=3 {
+        assert!(outbox.has_room());
+        outbox.result(&result(event, 0), None);
+    }
     assert!(!outbox.has_room());
     read(&outbox, &mut reader).await;
     room.notified().await;

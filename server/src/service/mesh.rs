@@ -2,8 +2,9 @@
 
 use std::future::Future;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
+use prost::Message as _;
 use signorini::mesh::{Mesh, MeshId};
 use signorini_proto::v1::{self as wire, mesh_service_server::MeshService, upload_mesh_request};
 use tonic::codegen::BoxStream;
@@ -19,6 +20,11 @@ use crate::transport;
 
 /// An upload that sends nothing for so long gives its memory back.
 const IDLE: Duration = Duration::from_secs(60);
+
+/// An upload slower than this, after its first minute, counts as abandoned.
+const LEAST_BYTES_PER_SECOND: u64 = 64 << 10;
+/// Encoded size that ends a page of meshes.
+const PAGE_BYTES: usize = 1 << 20;
 
 /// The service.
 pub(crate) struct Meshes {
@@ -104,8 +110,14 @@ impl Meshes {
         let id = header.id;
         // Held until the mesh itself is counted.
         let reservation = self.shop.store.reserve(header.predicted_bytes())?;
+        let most = IDLE + Duration::from_secs(header.array_bytes() / LEAST_BYTES_PER_SECOND);
+        let end = Instant::now() + most;
         let mut upload = Upload::new(header);
         while let Some(part) = next(&mut inbound).await? {
+            if Instant::now() > end {
+                let text = format!("took longer than {} seconds", most.as_secs());
+                return Err(Fault::request("upload", text));
+            }
             match part {
                 Part::Chunk(chunk) => upload.push(&chunk)?,
                 Part::Header(_) => {
@@ -155,16 +167,19 @@ impl Meshes {
             token => Some(convert::id_from_name(token, "page_token")?),
         };
         let found = self.shop.store.meshes(after, size);
-        let full = found.len() == size;
-        let last = found
-            .last()
-            .filter(|_| full)
-            .map(|(mesh, _)| convert::name(mesh.id()));
+        let (mut meshes, mut bytes) = (Vec::new(), 0);
+        for (mesh, uses) in &found {
+            let mesh = convert::mesh(mesh, uses);
+            bytes += mesh.encoded_len();
+            meshes.push(mesh);
+            if bytes > PAGE_BYTES {
+                break;
+            }
+        }
+        let more = meshes.len() == size || meshes.len() < found.len();
+        let last = meshes.last().filter(|_| more).map(|mesh| mesh.name.clone());
         Ok(wire::ListMeshesResponse {
-            meshes: found
-                .iter()
-                .map(|(mesh, uses)| convert::mesh(mesh, uses))
-                .collect(),
+            meshes,
             next_page_token: last.unwrap_or_default(),
         })
     }

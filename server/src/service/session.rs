@@ -1,11 +1,11 @@
 //! `SessionService`.
 
 use std::pin::Pin;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::SystemTime;
 
 use prost::Message;
-use signorini::plan::Plan;
+use signorini::plan::{Plan, Prepared};
 use signorini_proto::v1::{self as wire, session_service_server::SessionService};
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
@@ -19,10 +19,12 @@ use crate::convert::{report, scene, step};
 use crate::fault::Fault;
 use crate::registry::{Claimed, Registry};
 use crate::session::{self, Call, Handle, ReadRequest, Seed, Shop};
-use crate::store::Lease;
+use crate::store::{Lease, Reservation};
 
 const MAXIMUM_REQUEST_ID_BYTES: usize = 64;
 const MAXIMUM_SCENE_BYTES: usize = 3 << 20;
+/// Memory of a decoded message over its encoded size, about.
+const OWN_FACTOR: u64 = 4;
 
 type Messages<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;
 
@@ -148,6 +150,12 @@ fn checkpoints(path: &str) -> Fault {
     Fault::unsupported(path, "checkpoints come in a later version")
 }
 
+/// Memory taken for a session.
+struct Taken {
+    reservation: Reservation,
+    prepared: Option<Lease<Prepared>>,
+}
+
 /// A scene with its mesh and its plan.
 struct Planned {
     request: SceneRequest,
@@ -186,9 +194,13 @@ impl Sessions {
         let kept = Arc::new(scene.clone());
         let planned = self.plan(scene).await?;
         let plan_report = report::plan(planned.plan.report());
+        let own_bytes = OWN_FACTOR * (kept.encoded_len() + plan_report.encoded_len()) as u64;
+        let taken = self.reserve(&planned, own_bytes)?;
         let seed = Seed {
             name: claim.name().to_owned(),
-            reservation: self.reserve(&planned)?,
+            reservation: Arc::new(Mutex::new(taken.reservation)),
+            prepared: taken.prepared,
+            own_bytes,
             plan: Arc::new(planned.plan),
             plan_report,
             scene: kept,
@@ -226,14 +238,19 @@ impl Sessions {
     }
 
     /// Takes the predicted memory with one result, less what another session has
-    /// prepared.
-    fn reserve(&self, planned: &Planned) -> Result<crate::store::Reservation, Fault> {
+    /// prepared, and keeps that from being dropped.
+    fn reserve(&self, planned: &Planned, own_bytes: u64) -> Result<Taken, Fault> {
         let (store, report) = (&self.shop.store, planned.plan.report());
-        let there = store.prepared_bytes(&planned.plan.key());
+        let prepared = store.hold_prepared(&planned.plan.key());
+        let there = prepared.as_ref().map_or(0, |lease| lease.value().bytes());
         let fields = planned.request.output.fields.len() as u64;
         let result = 8 * fields * report.unknowns.displacement;
         let predicted = report.predicted_bytes.saturating_sub(there);
-        store.reserve(predicted.saturating_add(result))
+        let reservation = store.reserve(predicted.saturating_add(result + own_bytes))?;
+        Ok(Taken {
+            reservation,
+            prepared,
+        })
     }
 
     async fn list(

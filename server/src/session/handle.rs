@@ -6,6 +6,7 @@ use std::time::Duration;
 use signorini::report::FieldName;
 use signorini_proto::v1 as wire;
 use tokio::sync::{mpsc, oneshot, watch};
+use tokio::time::Instant;
 
 use super::iterations::IterationReader;
 use super::kept::KeptResult;
@@ -35,6 +36,8 @@ pub(crate) enum Role {
     Writer {
         client: ClientKey,
         on_disconnect: wire::DisconnectPolicy,
+        /// Of the whole stream and of what it asks for.
+        deadline: Option<Instant>,
     },
     Watcher {
         until: wire::WatchEnd,
@@ -74,8 +77,6 @@ pub(super) enum Command {
     Update(u64, Box<Update>),
     Reject(u64, i64, Fault),
     CancelFrom(u64, i64),
-    /// The deadline of a stream has passed.
-    Expire(u64),
     Cancel(i64, oneshot::Sender<i64>),
     Describe(oneshot::Sender<wire::Session>),
     /// As `Describe`, without renewing the time to live.

@@ -38,7 +38,7 @@ impl KeptReport {
         wire::StepReport::decode(self.encoded.clone()).ok()
     }
 
-    pub(crate) fn bytes(&self) -> u64 {
+    fn bytes(&self) -> u64 {
         self.encoded.len() as u64
     }
 }
@@ -65,6 +65,11 @@ impl KeptResult {
             .iter()
             .map(|field| field.data.len() as u64)
             .sum()
+    }
+
+    /// Bytes that it keeps in memory.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.field_bytes() + self.report_bytes()
     }
 
     fn report_bytes(&self) -> u64 {
@@ -139,10 +144,7 @@ impl Kept {
         self.report_bytes += result.report_bytes();
         self.results.push_back(Arc::clone(&result));
         while self.results.len() > self.maximum_results {
-            if let Some(oldest) = self.results.pop_front() {
-                self.field_bytes -= oldest.field_bytes();
-                self.report_bytes -= oldest.report_bytes();
-            }
+            self.drop_oldest();
         }
         self.drop_fields();
         result
@@ -214,10 +216,21 @@ impl Kept {
         self.field_bytes + self.report_bytes
     }
 
-    /// Drops the fields of the oldest results until `bytes` are free, as far as
-    /// there are such fields.
+    /// Frees `bytes` as far as the newest result allows: the fields of the oldest
+    /// results first, then whole old results.
     pub(crate) fn free(&mut self, bytes: u64) {
+        let most = self.bytes().saturating_sub(bytes);
         self.shrink(self.field_bytes.saturating_sub(bytes));
+        while self.bytes() > most && self.results.len() > 1 {
+            self.drop_oldest();
+        }
+    }
+
+    fn drop_oldest(&mut self) {
+        if let Some(oldest) = self.results.pop_front() {
+            self.field_bytes -= oldest.field_bytes();
+            self.report_bytes -= oldest.report_bytes();
+        }
     }
 }
 
@@ -256,6 +269,19 @@ mod tests {
         assert_eq!(kept.field_bytes, 80);
         let dropped = [0, 1, 2].map(|event| kept.behind(event).unwrap().dropped);
         assert_eq!(dropped, [true, true, false]);
+    }
+
+    #[test]
+    fn whole_results_go_where_fields_alone_do_not_free_enough() {
+        let mut kept = Kept::new(10, 1000);
+        for event in 1..=3 {
+            kept.push(result(event, 10));
+        }
+        let all = kept.bytes();
+        kept.free(160);
+        assert_eq!((kept.field_bytes, kept.first_sequence()), (80, 1));
+        kept.free(all);
+        assert_eq!((kept.field_bytes, kept.first_sequence()), (80, 3));
     }
 
     #[test]

@@ -19,10 +19,10 @@ mod watch;
 mod work;
 
 use std::future::Future;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, SystemTime};
 
-use signorini::plan::Plan;
+use signorini::plan::{Plan, Prepared};
 use signorini_proto::v1 as wire;
 
 use crate::client_key::ClientKey;
@@ -60,7 +60,11 @@ pub(crate) struct Seed {
     pub(crate) on_disconnect: wire::DisconnectPolicy,
     pub(crate) mesh: Lease<signorini::mesh::Mesh>,
     pub(crate) output: Output,
-    pub(crate) reservation: Reservation,
+    pub(crate) reservation: Arc<Mutex<Reservation>>,
+    /// Keeps prepared data that are there already until the session has them.
+    pub(crate) prepared: Option<Lease<Prepared>>,
+    /// Held by the scene and the plan, bytes.
+    pub(crate) own_bytes: u64,
     pub(crate) ttl: Duration,
     pub(crate) created: SystemTime,
 }

@@ -19,8 +19,6 @@ const PATIENCE: Duration = Duration::from_millis(150);
 /// One accepted update.
 pub(super) struct Accepted {
     pub(super) sequence: i64,
-    /// Number of the stream that brought it.
-    stream: u64,
     pub(super) step: Step,
     pub(super) cancel: CancelToken,
     pub(super) cancelled_at: Option<Instant>,
@@ -28,20 +26,21 @@ pub(super) struct Accepted {
     pub(super) results: u32,
     max_wall_time: Option<Duration>,
     deadline: Option<AbortHandle>,
+    stream_deadline: Option<AbortHandle>,
     patience: Option<AbortHandle>,
 }
 
 impl Accepted {
-    fn new(update: Update, stream: u64) -> Self {
+    fn new(update: Update) -> Self {
         Self {
             sequence: update.sequence,
-            stream,
             step: update.step,
             cancel: CancelToken::new(),
             cancelled_at: None,
             results: 0,
             max_wall_time: update.max_wall_time,
             deadline: None,
+            stream_deadline: None,
             patience: None,
         }
     }
@@ -56,6 +55,21 @@ impl Accepted {
     pub(super) fn expire(&mut self) {
         self.cancelled_at.get_or_insert_with(Instant::now);
         self.cancel.expire();
+    }
+
+    /// The stream that asks for it ends then; replaces that of an earlier stream.
+    pub(super) fn stream_ends_at(
+        &mut self,
+        deadline: Option<Instant>,
+        events: &mpsc::UnboundedSender<Event>,
+    ) {
+        if let Some(earlier) = self.stream_deadline.take() {
+            earlier.abort();
+        }
+        self.stream_deadline = deadline.map(|deadline| {
+            let left = deadline.saturating_duration_since(Instant::now());
+            post_after(left, events, Event::Deadline(self.sequence))
+        });
     }
 
     /// Starts the step's clock, once.
@@ -88,7 +102,10 @@ impl Accepted {
 
 impl Drop for Accepted {
     fn drop(&mut self) {
-        for clock in [&self.deadline, &self.patience].into_iter().flatten() {
+        for clock in [&self.deadline, &self.stream_deadline, &self.patience]
+            .into_iter()
+            .flatten()
+        {
             clock.abort();
         }
     }
@@ -124,16 +141,19 @@ impl Queue {
         self.waiting.is_empty()
     }
 
-    /// Appends the next update, which came on `stream`.
-    pub(super) fn push(&mut self, update: Update, stream: u64) {
+    /// Appends the next update and returns it.
+    pub(super) fn push(&mut self, update: Update) -> Option<&mut Accepted> {
         self.last_accepted = update.sequence;
-        self.waiting.push_back(Accepted::new(update, stream));
+        let place = self.waiting.len();
+        self.waiting.push_back(Accepted::new(update));
+        self.waiting.get_mut(place)
     }
 
-    /// Asks every update of a stream to stop because its time is up.
-    pub(super) fn expire(&mut self, stream: u64) {
-        let own = self.waiting.iter_mut().filter(|one| one.stream == stream);
-        own.for_each(Accepted::expire);
+    /// The unfinished update of this sequence.
+    pub(super) fn find(&mut self, sequence: i64) -> Option<&mut Accepted> {
+        self.waiting
+            .iter_mut()
+            .find(|accepted| accepted.sequence == sequence)
     }
 
     pub(super) fn current(&mut self) -> Option<&mut Accepted> {
@@ -171,11 +191,7 @@ impl Queue {
             0 => self.current_sequence(),
             sequence => sequence,
         };
-        let accepted = self
-            .waiting
-            .iter_mut()
-            .find(|accepted| accepted.sequence == wanted)?;
-        accepted.cancel();
+        self.find(wanted)?.cancel();
         Some(wanted)
     }
 }

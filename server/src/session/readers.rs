@@ -1,8 +1,8 @@
 //! Who reads a session: the stream that writes to it, and its watchers.
 //!
 //! Each reader has a cursor, the newest result that was queued for it; results
-//! beyond it wait among the kept ones until its outbox has room. So a slow reader
-//! holds no memory of its own.
+//! beyond it wait among the kept ones until its outbox has room. So a slow watcher
+//! holds two results at most, the writer as many bytes as it asked for.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -15,9 +15,6 @@ use crate::fault::Fault;
 use crate::metrics::Metrics;
 use crate::outbox::{End, Outbox};
 use crate::status;
-
-/// Finished sequences that one stream may ask for again before they are read.
-pub(super) const MOST_REPEATS: usize = 64;
 
 /// A result that is new in the session.
 pub(super) struct Fresh {
@@ -64,9 +61,9 @@ impl Reader {
         self.cursor
     }
 
-    /// Whether so much is to be sent again that no more may be asked for.
-    pub(super) fn repeats_enough(&self) -> bool {
-        self.repeats.len() >= MOST_REPEATS
+    /// Sequences that are still to be sent again.
+    pub(super) fn repeats(&self) -> usize {
+        self.repeats.len()
     }
 
     /// Sends the results of a finished sequence again.

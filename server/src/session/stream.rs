@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use signorini_proto::v1::{self as wire, solve_request};
 use tokio::sync::mpsc;
+use tokio::time::Instant;
 use tokio_stream::{Stream, StreamExt};
 use tonic::{Status, Streaming};
 use tracing::Instrument;
@@ -40,7 +41,9 @@ pub(crate) fn open(
     // One message: what is unread shall stay in the outbox, which counts it.
     let (sender, answers) = mpsc::channel(1);
     let span = tracing::info_span!("solve");
+    let open = registry.stream();
     let run = async move {
+        let _open = open;
         if let Err(fault) = serve(&registry, inbound, &sender, call).await {
             registry.refused(&fault);
             // The client may have left already.
@@ -57,23 +60,26 @@ async fn serve(
     sender: &Sender<wire::SolveResponse>,
     call: Call,
 ) -> Result<(), Fault> {
-    let (name, request) = first_message(&mut inbound, call.client).await?;
+    let deadline = call
+        .timeout
+        .and_then(|time| Instant::now().checked_add(time));
+    let (name, request) = first_message(&mut inbound, call.client, deadline).await?;
     let handle = registry.get(&name)?;
     let mut attachment = handle.attach(request).await?;
     let (number, outbox) = (attachment.number, Arc::clone(&attachment.outbox));
     let reading = read(handle.clone(), number, outbox, inbound);
     let _reader = Aborted(tokio::spawn(reading.in_current_span()));
-    if let Some(time) = call.timeout {
-        // Outlives the stream: the client may leave just before its own deadline.
-        tokio::spawn(expire(handle.clone(), number, time));
-    }
     let attached = Attached::new(handle, number);
     let (heartbeat, metrics) = (registry.heartbeat(), registry.metrics());
     let convert = |message| {
         let message = Some(message);
         Some(wire::SolveResponse { message })
     };
-    let ended = pump::run(&mut attachment, sender, heartbeat, metrics, convert).await;
+    let pumping = pump::run(&mut attachment, sender, heartbeat, metrics, convert);
+    let ended = tokio::select! {
+        ended = pumping => ended,
+        () = passed(deadline) => Err(Fault::StreamDeadline),
+    };
     attached.leave().await;
     ended
 }
@@ -87,16 +93,17 @@ impl Drop for Aborted {
     }
 }
 
-async fn expire(handle: Handle, number: u64, time: Duration) {
-    tokio::select! {
-        () = tokio::time::sleep(time) => handle.send(Command::Expire(number)).await,
-        () = handle.ended() => {}
+async fn passed(deadline: Option<Instant>) {
+    match deadline {
+        Some(deadline) => tokio::time::sleep_until(deadline).await,
+        None => std::future::pending().await,
     }
 }
 
 async fn first_message(
     inbound: &mut Streaming<wire::SolveRequest>,
     client: ClientKey,
+    deadline: Option<Instant>,
 ) -> Result<(String, OpenRequest), Fault> {
     let missing = || Fault::request("open", "must be the first message");
     let first = match inbound.message().await {
@@ -106,28 +113,30 @@ async fn first_message(
     let Some(solve_request::Message::Open(open)) = first.message else {
         return Err(missing());
     };
-    Ok((open.session.clone(), open_request(&open, client)?))
+    let role = Role::Writer {
+        client,
+        on_disconnect: on_disconnect(&open)?,
+        deadline,
+    };
+    Ok((open.session.clone(), open_request(&open, role)?))
 }
 
-fn open_request(open: &wire::Open, client: ClientKey) -> Result<OpenRequest, Fault> {
+fn on_disconnect(open: &wire::Open) -> Result<wire::DisconnectPolicy, Fault> {
+    let number = open.on_disconnect;
+    wire::DisconnectPolicy::try_from(number)
+        .map_err(|_| Fault::unsupported("open.on_disconnect", format!("number {number}")))
+}
+
+fn open_request(open: &wire::Open, role: Role) -> Result<OpenRequest, Fault> {
     let interval = open.iteration_interval.as_ref();
     let interval = step::duration(interval, "open.iteration_interval")?;
-    let on_disconnect = wire::DisconnectPolicy::try_from(open.on_disconnect).map_err(|_| {
-        Fault::unsupported(
-            "open.on_disconnect",
-            format!("number {}", open.on_disconnect),
-        )
-    })?;
     Ok(OpenRequest {
         last_seen_event: open.last_seen_event,
         fields: field::names(&open.fields, "open.fields")?,
         encoding: field::encoding(open.element_type)?,
         max_unread_bytes: unread_limit(open.max_unread_bytes, "open.max_unread_bytes")?,
         iteration_interval: interval.unwrap_or_default(),
-        role: Role::Writer {
-            client,
-            on_disconnect,
-        },
+        role,
     })
 }
 

@@ -21,7 +21,9 @@ pub(crate) fn open(
 ) -> mpsc::Receiver<Result<wire::WatchResponse, Status>> {
     let (sender, answers) = mpsc::channel(1);
     let span = tracing::info_span!("watch");
+    let open = registry.stream();
     let run = async move {
+        let _open = open;
         if let Err(fault) = serve(&registry, request, &sender).await {
             registry.refused(&fault);
             // The client may have left already.

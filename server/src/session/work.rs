@@ -20,7 +20,7 @@ use crate::convert::field::KeptField;
 use crate::convert::report;
 use crate::memory::{self, OutOfMemory};
 use crate::metrics::Metrics;
-use crate::store::Lease;
+use crate::store::{Lease, Reservation};
 
 /// The state of a session with the step under way; where it is, nobody else is.
 pub(super) struct Work {
@@ -29,15 +29,22 @@ pub(super) struct Work {
 }
 
 impl Work {
-    /// Forgets the step under way; the state stays as the last increment left it.
-    pub(super) fn abandon(&mut self) {
+    /// Forgets the step under way, which has ended by itself.
+    pub(super) fn forget(&mut self) {
         self.run = None;
     }
 
-    /// Undoes the last increment and forgets its step.
+    /// Stops the step under way, begun or not; the state stays as the last
+    /// increment left it.
+    pub(super) fn stop(&mut self) {
+        self.session.stop();
+        self.forget();
+    }
+
+    /// Undoes the last increment and stops its step.
     pub(super) fn take_back(&mut self) {
         self.session.take_back();
-        self.abandon();
+        self.forget();
     }
 }
 
@@ -144,7 +151,6 @@ pub(super) fn advance(parcel: &Parcel, task: &Task) -> Outcome {
 }
 
 fn increment(work: &mut Work, mut run: StepRun, task: &Task) -> Increment {
-    fail::fail_point!("increment");
     let mut reporter = Reporter { task };
     let done = work.session.advance(&mut run, &mut reporter, &task.cancel);
     let report = done.unwrap_or_else(|| {
@@ -180,6 +186,7 @@ struct Reporter<'a> {
 
 impl Observer for Reporter<'_> {
     fn iteration(&mut self, record: &IterationRecord) {
+        fail::fail_point!("iteration");
         self.task.metrics.iteration();
         let mut report = report::iteration(record);
         report.step = i32::try_from(self.task.sequence).unwrap_or(i32::MAX);
@@ -194,6 +201,8 @@ pub(super) struct Order {
     pub(super) mesh: Arc<Mesh>,
     pub(super) client: ClientKey,
     pub(super) cancel: CancelToken,
+    /// Held as long as the work may hold memory.
+    pub(super) reservation: Arc<Mutex<Reservation>>,
 }
 
 /// Builds what the plan needs, or finds it, and tells the actor.
@@ -209,6 +218,7 @@ async fn ready(shop: &Arc<Shop>, order: Order) -> Result<Ready, Unprepared> {
         mesh,
         client,
         cancel,
+        reservation,
     } = order;
     let turn = shop.store.turn(plan.key());
     let guard = turn.lock().await;
@@ -217,7 +227,12 @@ async fn ready(shop: &Arc<Shop>, order: Order) -> Result<Ready, Unprepared> {
         None => {
             memory::probe(plan.report().predicted_bytes)?;
             let (for_build, on) = (Arc::clone(&plan), Arc::clone(&mesh));
-            let build = move || Prepared::build(&for_build, &on, &cancel);
+            let held = Arc::clone(&reservation);
+            let build = move || {
+                let built = Prepared::build(&for_build, &on, &cancel);
+                drop(held);
+                built
+            };
             let built = on_solver(shop, client, build).await??;
             (
                 shop.store.insert_prepared(plan.key(), mesh.id(), built),
@@ -229,6 +244,7 @@ async fn ready(shop: &Arc<Shop>, order: Order) -> Result<Ready, Unprepared> {
     let shared = Arc::clone(prepared.value());
     let begin = move || Session::new(plan, mesh, shared, reuse);
     let session = on_solver(shop, client, begin).await?;
+    drop(reservation);
     Ok(Ready {
         state_bytes: session.bytes(),
         work: Box::new(Work { session, run: None }),

@@ -6,7 +6,7 @@ use signorini::Reuse;
 use signorini_proto::v1 as wire;
 use tokio::time::Instant;
 
-use super::{Actor, Place};
+use super::{Actor, Place, lock};
 use crate::convert::{mesh, wide};
 use crate::fault::Fault;
 use crate::session::handle::{ReadAnswer, ReadRequest};
@@ -43,7 +43,7 @@ impl Actor {
             last_finished_sequence: self.last_finished,
             first_retained_sequence: self.kept.first_sequence(),
             attached: self.writer.is_some(),
-            memory_bytes: wide(self.state_bytes + self.kept.bytes()),
+            memory_bytes: wide(lock(&self.seed.reservation).bytes()),
             prepared_memory_bytes: shared.map_or(0, |(lease, _)| wide(lease.value().bytes())),
             prepared_reused: shared.is_some_and(|(_, reuse)| *reuse == Reuse::Reused),
             plan: Some(self.seed.plan_report.clone()),

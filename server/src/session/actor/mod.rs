@@ -17,7 +17,7 @@ mod streams;
 mod updates;
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, SystemTime};
 
 use signorini::plan::Prepared;
@@ -38,7 +38,7 @@ use crate::client_key::ClientKey;
 use crate::compute::Panicked;
 use crate::config::LONGEST_SECONDS;
 use crate::fault::Fault;
-use crate::store::Lease;
+use crate::store::{Lease, Reservation};
 
 /// Where the state of the session is.
 enum Place {
@@ -56,6 +56,7 @@ struct Writer {
     reader: Reader,
     since: SystemTime,
     on_disconnect: wire::DisconnectPolicy,
+    deadline: Option<Instant>,
     half_closed: bool,
 }
 
@@ -133,7 +134,7 @@ impl Actor {
         Self {
             kept: Kept::new(config.retained_results, config.retained_field_bytes),
             expires: after(seed.ttl),
-            state_bytes: seed.reservation.bytes(),
+            state_bytes: 0,
             place: Place::Preparing,
             queue: Queue::default(),
             writer: None,
@@ -164,6 +165,7 @@ impl Actor {
             mesh: Arc::clone(self.seed.mesh.value()),
             client: self.client,
             cancel: self.stop_preparing.clone(),
+            reservation: Arc::clone(&self.seed.reservation),
         };
         let (shop, events) = (Arc::clone(&self.shop), self.events.clone());
         tokio::spawn(work::prepare(shop, order, events));
@@ -176,7 +178,6 @@ impl Actor {
         match command {
             Command::Attach(request, reply) => answer(reply, self.attach(*request)),
             Command::Detach(number) => self.detach(number),
-            Command::Expire(number) => self.expire_stream(number),
             Command::HalfClose(number) => {
                 if let Some(writer) = self.writer_of(number) {
                     writer.half_closed = true;
@@ -184,7 +185,7 @@ impl Actor {
             }
             Command::Update(number, update) => {
                 if self.writer_of(number).is_some() {
-                    self.update(number, *update);
+                    self.update(*update);
                 }
             }
             Command::Reject(number, sequence, fault) => {
@@ -214,6 +215,7 @@ impl Actor {
         match event {
             Event::Prepared(Ok(ready)) => self.ready(*ready),
             Event::Prepared(Err(error)) => {
+                self.seed.prepared = None;
                 tracing::warn!(%error, "preparation failed");
                 self.place = Place::Lost(error.to_string());
             }
@@ -227,9 +229,10 @@ impl Actor {
         let is_late = matches!(self.place, Place::Behind);
         match outcome {
             Ok(Outcome::Withdrawn) => {}
-            Ok(
-                Outcome::Increment(work, _) | Outcome::Refused(work, _) | Outcome::Broken(work, _),
-            ) if is_late => self.come_home_late(work),
+            Ok(Outcome::Increment(work, _)) if is_late => self.undo_late(work),
+            Ok(Outcome::Refused(work, _) | Outcome::Broken(work, _)) if is_late => {
+                self.come_home_late(work);
+            }
             Ok(Outcome::Increment(work, increment)) => {
                 self.place = Place::Home(work);
                 self.finish_increment(*increment);
@@ -299,9 +302,15 @@ impl Actor {
         };
         *parcel.lock().unwrap_or_else(PoisonError::into_inner) = Some(work);
         let (span, events) = (tracing::Span::current(), self.events.clone());
+        let held = Arc::clone(&self.seed.reservation);
         self.shop.workshop.submit(
             self.client,
-            move || span.in_scope(|| work::advance(&parcel, &task)),
+            move || {
+                let outcome = span.in_scope(|| work::advance(&parcel, &task));
+                // The memory may outlive the session that asked for it.
+                drop(held);
+                outcome
+            },
             move |outcome| {
                 // A session that is gone needs no result.
                 let _gone = events.send(Event::Advanced(outcome));
@@ -311,10 +320,7 @@ impl Actor {
 
     /// What an increment may have to allocate: all but what is there already.
     fn scratch_bytes(&self) -> u64 {
-        let prepared = self.prepared.as_ref();
-        let shared = prepared.map_or(0, |(lease, _)| lease.value().bytes());
-        let predicted = self.seed.plan.report().predicted_bytes;
-        predicted.saturating_sub(shared + self.state_bytes)
+        self.predicted_rest().saturating_sub(self.state_bytes)
     }
 
     /// Fields that some reader wants; without a writer, those that the last one
@@ -334,20 +340,38 @@ impl Actor {
     fn ready(&mut self, ready: Ready) {
         self.state_bytes = ready.state_bytes;
         self.prepared = Some((ready.prepared, ready.reuse));
+        self.seed.prepared = None;
         self.place = Place::Home(ready.work);
         self.account();
     }
 
-    /// Counts what is really held; where that does not fit, the fields of older
-    /// results go.
+    /// Counts what is held, and never less than was predicted: the solver's
+    /// scratch stays with the session. Where that does not fit, older results go.
     fn account(&mut self) {
-        let held = self.state_bytes + self.kept.bytes();
-        if let Err(lacking) = self.seed.reservation.resize(held) {
+        let unread = self
+            .writer
+            .as_ref()
+            .map_or(0, |writer| writer.reader.outbox.unread_bytes());
+        let pinned = unread.saturating_sub(self.kept.bytes());
+        let beside = self.seed.own_bytes + pinned;
+        let state = self.state_bytes.max(self.predicted_rest());
+        let mut reservation = lock(&self.seed.reservation);
+        if let Err(lacking) = reservation.resize(beside + state + self.kept.bytes()) {
             self.kept.free(lacking);
-            self.seed
-                .reservation
-                .force(self.state_bytes + self.kept.bytes());
+            reservation.force(beside + state + self.kept.bytes());
         }
+    }
+
+    /// The prediction without what is shared.
+    fn predicted_rest(&self) -> u64 {
+        let predicted = self.seed.plan.report().predicted_bytes;
+        predicted.saturating_sub(self.shared_bytes())
+    }
+
+    fn shared_bytes(&self) -> u64 {
+        let own = self.prepared.as_ref().map(|(lease, _)| lease);
+        let found = own.or(self.seed.prepared.as_ref());
+        found.map_or(0, |lease| lease.value().bytes())
     }
 
     fn is_idle(&self) -> bool {
@@ -383,6 +407,10 @@ impl Actor {
         }
         Some(ending)
     }
+}
+
+fn lock(reservation: &Mutex<Reservation>) -> MutexGuard<'_, Reservation> {
+    reservation.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The instant `time` from now.

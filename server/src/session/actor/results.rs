@@ -44,6 +44,9 @@ impl Actor {
             ),
             None => (Vec::new(), Vec::new()),
         };
+        if let Place::Home(work) = &mut self.place {
+            work.stop();
+        }
         self.deliver(report, self.last_poses.clone(), Some(asked), fields);
     }
 
@@ -91,7 +94,7 @@ impl Actor {
             }
         }
         if let Place::Home(work) = &mut self.place {
-            work.abandon();
+            work.forget();
         }
     }
 }

@@ -36,9 +36,8 @@ impl Actor {
 
     /// The time of a step is up.
     pub(super) fn deadline(&mut self, sequence: i64) {
-        let current = self.queue.current();
-        if let Some(current) = current.filter(|current| current.sequence == sequence) {
-            current.expire();
+        if let Some(accepted) = self.queue.find(sequence) {
+            accepted.expire();
         }
     }
 
@@ -57,9 +56,14 @@ impl Actor {
         }
     }
 
-    /// A thread that was left behind is back: what it did has been answered as
-    /// not done.
+    /// A thread that was left behind is back without having done anything.
     pub(super) fn come_home_late(&mut self, mut work: Box<Work>) {
+        work.stop();
+        self.place = Place::Home(work);
+    }
+
+    /// As `come_home_late`, after an increment: it was answered as not done.
+    pub(super) fn undo_late(&mut self, mut work: Box<Work>) {
         work.take_back();
         self.place = Place::Home(work);
     }

@@ -4,12 +4,15 @@ use std::sync::Arc;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use signorini_proto::v1::{self as wire, solve_response::Message};
+use tokio::time::Instant;
 
 use super::{Actor, Fresh, Reader, Watcher, Writer};
-use crate::client_key::ClientKey;
 use crate::fault::Fault;
-use crate::outbox::{End, Outbox, Wanted};
+use crate::outbox::{End, Limit, Outbox, Wanted};
 use crate::session::handle::{Attachment, OpenRequest, Role};
+
+/// Results that wait for one watcher beside the kept ones.
+const MOST_WATCHED: usize = 2;
 
 impl Actor {
     pub(super) fn attach(&mut self, request: OpenRequest) -> Result<Attachment, Fault> {
@@ -28,7 +31,11 @@ impl Actor {
             Role::Writer {
                 client,
                 on_disconnect,
-            } => self.attach_writer(reader, client, on_disconnect),
+                deadline,
+            } => {
+                self.client = client;
+                self.attach_writer(reader, on_disconnect, deadline);
+            }
             Role::Watcher { until } => {
                 let watcher = Watcher { reader, until };
                 self.watchers.insert(self.streams, watcher);
@@ -55,16 +62,23 @@ impl Actor {
         };
         let encoding = request.encoding;
         let wanted = Wanted { fields, encoding };
-        Outbox::new(request.max_unread_bytes, wanted, &self.room)
+        let limit = Limit {
+            bytes: request.max_unread_bytes,
+            results: match request.role {
+                Role::Writer { .. } => usize::MAX,
+                // The rest waits among the kept ones, where it costs nothing.
+                Role::Watcher { .. } => MOST_WATCHED,
+            },
+        };
+        Outbox::new(limit, wanted, &self.room)
     }
 
     fn attach_writer(
         &mut self,
         reader: Reader,
-        client: ClientKey,
         on_disconnect: wire::DisconnectPolicy,
+        deadline: Option<Instant>,
     ) {
-        self.client = client;
         self.fields = reader.outbox.fields().to_vec();
         self.writer = Some(Writer {
             number: self.streams,
@@ -76,6 +90,7 @@ impl Actor {
                     on_disconnect
                 }
             },
+            deadline,
             half_closed: false,
         });
     }
@@ -91,16 +106,6 @@ impl Actor {
                 self.cancel(0);
             }
             wire::DisconnectPolicy::Unspecified | wire::DisconnectPolicy::FinishStep => {}
-        }
-    }
-
-    /// The deadline of a stream has passed: what it sent ends, even if the stream
-    /// is gone already.
-    pub(super) fn expire_stream(&mut self, number: u64) {
-        self.queue.expire(number);
-        self.stop_here();
-        if let Some(writer) = self.writer_of(number) {
-            writer.reader.outbox.end(End::Fault(Fault::StreamDeadline));
         }
     }
 

@@ -1,15 +1,15 @@
 //! Updates: accepted in sequence, repeated, or rejected inside the stream.
 
 use signorini_proto::v1::{self as wire, solve_response::Message};
+use tokio::time::Instant;
 
 use super::Actor;
 use crate::convert::step::Update;
 use crate::fault::Fault;
-use crate::session::readers::MOST_REPEATS;
 use crate::status;
 
 impl Actor {
-    pub(super) fn update(&mut self, stream: u64, update: Update) {
+    pub(super) fn update(&mut self, update: Update) {
         let sequence = update.sequence;
         if sequence < 1 {
             self.reject(sequence, &Fault::request("sequence", "must be at least 1"));
@@ -18,7 +18,10 @@ impl Actor {
         } else if let Err(fault) = self.admit(sequence) {
             self.reject(sequence, &fault);
         } else {
-            self.queue.push(update, stream);
+            let deadline = self.stream_deadline();
+            if let Some(accepted) = self.queue.push(update) {
+                accepted.stream_ends_at(deadline, &self.events);
+            }
         }
     }
 
@@ -48,19 +51,29 @@ impl Actor {
         if is_finished && sequence < first {
             return self.reject(sequence, &Fault::SequenceNotRetained { sequence, first });
         }
+        let deadline = self.stream_deadline();
+        if let Some(unfinished) = self.queue.find(sequence) {
+            unfinished.stream_ends_at(deadline, &self.events);
+        }
+        let limit = self.shop.config.maximum_in_flight;
+        let is_current = sequence == self.queue.current_sequence();
         let Some(writer) = &mut self.writer else {
             return;
         };
-        if writer.reader.repeats_enough() {
-            let limit = MOST_REPEATS;
+        if writer.reader.repeats() >= limit {
             return self.reject(sequence, &Fault::QueueFull { limit });
         }
-        match is_finished {
-            true => writer.reader.repeat(sequence, &self.kept),
+        if is_finished {
+            writer.reader.repeat(sequence, &self.kept);
+        } else if is_current {
             // Asked again after a new connection: what it missed; the rest follows.
-            false => writer.reader.repeat_missed(sequence, &self.kept),
+            writer.reader.repeat_missed(sequence, &self.kept);
         }
         self.feed(None);
+    }
+
+    fn stream_deadline(&self) -> Option<Instant> {
+        self.writer.as_ref()?.deadline
     }
 
     pub(super) fn reject(&self, sequence: i64, fault: &Fault) {
