@@ -374,7 +374,8 @@ async fn room_for(block: &Block) -> u64 {
     };
     let planned = server.sessions().create_session(request).await.unwrap();
     let predicted = planned.into_inner().plan.unwrap().predicted_bytes;
-    (predicted + mesh.mesh.unwrap().memory_bytes).unsigned_abs()
+    // Scene and plan count too.
+    (predicted + mesh.mesh.unwrap().memory_bytes).unsigned_abs() + (16 << 10)
 }
 
 #[tokio::test]

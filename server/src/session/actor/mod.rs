@@ -5,8 +5,8 @@
 //! thread that does not stop, or lost. After every event [`Actor::proceed`] does
 //! the one thing that can be done next; nothing else starts work.
 //!
-//! A step that shall stop is answered at once while it waits, and by its solver
-//! thread within one Krylov iteration while it runs. A thread that does not
+//! A step that shall stop is answered, when those before it are, at once while it
+//! waits, and by its solver thread within one Krylov iteration while it runs. A thread that does not
 //! answer in time is left behind: the step ends with the last good state, and
 //! what the thread brings later is undone.
 
