@@ -17,6 +17,8 @@ use crate::status;
 const PREFIX: &str = "sessions/";
 /// Names of expired sessions that are remembered, to say so.
 const REMEMBERED: usize = 1000;
+/// Bytes of a name in a request.
+const LONGEST_NAME: usize = 256;
 const SHORTEST_ID: usize = 4;
 const LONGEST_ID: usize = 63;
 
@@ -101,6 +103,9 @@ impl Registry {
     /// The session of that name.
     pub(crate) fn get(&self, name: &str) -> Result<Handle, Fault> {
         self.check_open()?;
+        if name.len() > LONGEST_NAME {
+            return Err(Fault::request("name", "is longer than 256 bytes"));
+        }
         let inner = self.lock();
         if let Some(Some(handle)) = inner.sessions.get(name) {
             return Ok(handle.clone());

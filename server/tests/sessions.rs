@@ -137,6 +137,13 @@ async fn unknown_mesh_and_unknown_session_are_named() {
     let mut stream = server.stream(open("sessions/none")).await;
     let status = stream.end().await.unwrap();
     assert_eq!(reason(&status), "SESSION_NOT_FOUND");
+    for (length, expected) in [(256, "SESSION_NOT_FOUND"), (257, "REQUEST_INVALID")] {
+        let request = wire::GetSessionRequest {
+            name: "s".repeat(length),
+        };
+        let status = server.sessions().get_session(request).await.unwrap_err();
+        assert_eq!(reason(&status), expected);
+    }
 }
 
 #[tokio::test]
