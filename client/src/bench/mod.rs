@@ -10,17 +10,15 @@
 //! machine spreads over all cases and a budget that ends leaves fewer repeats,
 //! not fewer cases. A case's result is its run of median `seconds.total`.
 
-#![allow(dead_code, unused_imports, reason = "the command follows")]
-
 pub(crate) mod chart;
 pub(crate) mod cube;
 pub(crate) mod family;
-
+pub(crate) mod figures;
 pub(crate) mod limit;
 pub(crate) mod machine;
 pub(crate) mod measure;
 pub(crate) mod method;
-
+pub(crate) mod page;
 pub(crate) mod peers;
 pub(crate) mod plan;
 pub(crate) mod reference;
