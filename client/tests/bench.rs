@@ -76,7 +76,7 @@ fn a_quick_bench_shows_errors_that_fall_with_the_mesh() {
     assert_eq!(table.text(0, "error_force"), "");
     let page = std::fs::read_to_string(folder.join("index.html")).unwrap();
     for text in [
-        "A1m: error of the pressure",
+        "A1m: error of the pressure (L2 norm) against time",
         "every case met its tolerance",
         "instruction set",
     ] {
@@ -139,6 +139,7 @@ fn contact_is_compared_with_its_limit_and_peers_stand_beside() {
     }
     let page = std::fs::read_to_string(folder.join("index.html")).unwrap();
     assert!(page.contains("NGSolve active set"));
+    assert!(page.contains("About the other solvers"));
 }
 
 #[test]

@@ -4,17 +4,19 @@ use std::collections::BTreeSet;
 
 use super::chart::{Bar, Bars, Curve, Diagram, Kind, Level, Point, State, Stroke};
 use super::family::{FAMILIES, Family, Quantity};
+use super::limit::Limit;
 use super::machine::Machine;
 use super::measure::PHASES;
-use super::peers::Peer;
+use super::peers::{Peer, Peers};
 use super::reference::References;
 use super::row::Row;
+use crate::text::number;
 
 /// What figures are drawn from.
 #[derive(Debug)]
 pub(crate) struct Results {
     pub(crate) rows: Vec<Row>,
-    pub(crate) peers: Vec<Peer>,
+    pub(crate) peers: Peers,
     pub(crate) references: References,
     pub(crate) machine: Machine,
 }
@@ -44,6 +46,13 @@ impl Cost {
     fn name(self) -> &'static str {
         match self {
             Self::Seconds => "seconds",
+            Self::Memory => "memory",
+        }
+    }
+
+    fn word(self) -> &'static str {
+        match self {
+            Self::Seconds => "time",
             Self::Memory => "memory",
         }
     }
@@ -125,14 +134,12 @@ impl Results {
         figures
     }
 
-    /// Rows of a family, curve by curve.
+    /// Rows of a family, curve by curve, without methods that are not there.
     fn curves_of(&self, family: &Family) -> Vec<Vec<&Row>> {
         let mut curves: Vec<Vec<&Row>> = Vec::new();
-        for row in self
-            .rows
-            .iter()
-            .filter(|row| row.case.family.name == family.name)
-        {
+        let rows = self.rows.iter();
+        let rows = rows.filter(|row| !row.outcome.refuses_the_method());
+        for row in rows.filter(|row| row.case.family.name == family.name) {
             let of_row = |curve: &&mut Vec<&Row>| {
                 curve
                     .first()
@@ -149,7 +156,12 @@ impl Results {
     /// Peers of a family, solver by solver.
     fn peers_of(&self, family: &Family) -> Vec<Vec<&Peer>> {
         let mut curves: Vec<Vec<&Peer>> = Vec::new();
-        for peer in self.peers.iter().filter(|peer| peer.scene == family.name) {
+        for peer in self
+            .peers
+            .rows
+            .iter()
+            .filter(|peer| peer.scene == family.name)
+        {
             let same = |curve: &&mut Vec<&Peer>| {
                 curve
                     .first()
@@ -163,7 +175,8 @@ impl Results {
         curves
     }
 
-    /// Curves of rows and, dashed, of peers.
+    /// Curves of rows and, dashed, of peers. Those without points keep their
+    /// place, so that a method has the same colour in all figures of a family.
     fn curves(
         &self,
         family: &Family,
@@ -189,7 +202,6 @@ impl Results {
                 points: peers.iter().filter_map(|peer| peer_point(peer)).collect(),
             });
         }
-        curves.retain(|curve| !curve.points.is_empty());
         curves
     }
 
@@ -205,21 +217,15 @@ impl Results {
         };
         let peer_point = |peer: &Peer| {
             let y = peer.error(quantity, &self.references)?;
-            let state = if y < uncertainty {
-                State::Uncertain
-            } else {
-                State::Good
-            };
-            let (x, name) = (cost.of_peer(peer)?, peer.level.to_string());
-            Some(Point {
-                x,
-                y: Some(y),
-                state,
-                name,
-            })
+            Some(point_of_peer(peer, cost.of_peer(peer)?, y, uncertainty))
         };
         Diagram {
-            title: format!("{}: error of the {}", family.name, quantity.label()),
+            title: format!(
+                "{}: error of the {} against {}",
+                family.name,
+                quantity.label(),
+                cost.word()
+            ),
             x: (Kind::Logarithmic, cost.label().to_owned()),
             y: (Kind::Logarithmic, "relative error".to_owned()),
             curves: self.curves(family, point, peer_point),
@@ -228,12 +234,8 @@ impl Results {
                 label: "uncertainty of the limit".to_owned(),
             }),
             footer: self.footer(limit.map(|limit| {
-                format!(
-                    "Error against the limit {:.6} ± {:.1e}, extrapolated from the meshes of the family (to {}).",
-                    limit.value,
-                    limit.uncertainty,
-                    self.references.finest(family.name, quantity)
-                )
+                let finest = self.references.finest(family.name, quantity);
+                limit_note(&limit, &finest)
             })),
         }
     }
@@ -244,15 +246,7 @@ impl Results {
             let (x, y) = (row.unknowns(), Some(row.numbers.seconds));
             (x > 0.0).then_some(Point { x, y, state, name })
         };
-        let peer_point = |peer: &Peer| {
-            let (x, y, name) = (peer.unknowns, Some(peer.seconds), peer.level.to_string());
-            Some(Point {
-                x,
-                y,
-                state: State::Good,
-                name,
-            })
-        };
+        let peer_point = |peer: &Peer| Some(point_of_peer(peer, peer.unknowns, peer.seconds, 0.0));
         Diagram {
             title: format!("{}: time", family.name),
             x: (Kind::Logarithmic, UNKNOWNS.to_owned()),
@@ -269,23 +263,12 @@ impl Results {
             let (x, y) = (row.unknowns(), Some(row.numbers.iterations as f64));
             (x > 0.0).then_some(Point { x, y, state, name })
         };
-        let peer_point = |peer: &Peer| {
-            let (x, y, name) = (
-                peer.unknowns,
-                Some(peer.iterations?),
-                peer.level.to_string(),
-            );
-            Some(Point {
-                x,
-                y,
-                state: State::Good,
-                name,
-            })
-        };
+        let peer_point =
+            |peer: &Peer| Some(point_of_peer(peer, peer.unknowns, peer.iterations?, 0.0));
         Diagram {
             title: format!("{}: iterations", family.name),
             x: (Kind::Logarithmic, UNKNOWNS.to_owned()),
-            y: (Kind::Linear, "Krylov iterations, all in all".to_owned()),
+            y: (Kind::Linear, "Krylov iterations".to_owned()),
             curves: self.curves(family, point, peer_point),
             level: None,
             footer: self.footer(None),
@@ -326,15 +309,21 @@ impl Results {
             repeats => format!("median of up to {repeats} runs"),
         };
         lines.push(format!("{machine}; {runs}."));
-        if !self.peers.is_empty() {
-            lines
-                .push("Dashed: other solvers, measured earlier and on another machine.".to_owned());
+        if !self.peers.rows.is_empty() {
+            lines.push("Dashed: other solvers, from the file of --peers.".to_owned());
         }
         lines
     }
 }
 
 const UNKNOWNS: &str = "unknowns (displacement, pressure, contact)";
+
+fn limit_note(limit: &Limit, finest: &str) -> String {
+    let (value, uncertainty) = (number(limit.value), limit.uncertainty);
+    format!(
+        "Error against the limit {value} ± {uncertainty:.1e}, extrapolated from the meshes of the family (to {finest})."
+    )
+}
 
 fn curve_label(row: &Row) -> String {
     format!(
@@ -351,6 +340,17 @@ fn state(row: &Row, is_uncertain: bool) -> State {
     }
 }
 
+/// A peer's point, uncertain below `uncertainty`.
+fn point_of_peer(peer: &Peer, x: f64, y: f64, uncertainty: f64) -> Point {
+    let state = if y < uncertainty {
+        State::Uncertain
+    } else {
+        State::Good
+    };
+    let (y, name) = (Some(y), peer.level.to_string());
+    Point { x, y, state, name }
+}
+
 fn bar(row: &Row) -> Bar {
     let mut parts = row.numbers.phases.to_vec();
     let rest = row.numbers.seconds - parts.iter().sum::<f64>();
@@ -360,10 +360,7 @@ fn bar(row: &Row) -> Bar {
     Bar {
         name: format!("{} {method}", row.case.level),
         parts,
-        note: format!(
-            "{} s",
-            crate::text::number((row.numbers.seconds * 1e3).round() * 1e-3)
-        ),
+        note: format!("{} s", number((row.numbers.seconds * 1e3).round() * 1e-3)),
     }
 }
 

@@ -39,6 +39,13 @@ impl Outcome {
         }
     }
 
+    /// Whether the key of a method is what the scene is refused for.
+    pub(crate) fn refuses_the_method(&self) -> bool {
+        let key = self.detail().strip_prefix("solver.");
+        let key = key.filter(|_| matches!(self, Self::Refused(_)));
+        key.is_some_and(|key| !key.starts_with("tolerance"))
+    }
+
     /// What there is to say beyond the word.
     pub(crate) fn detail(&self) -> &str {
         match self {
@@ -233,6 +240,8 @@ mod tests {
             without_result(&refused),
             Outcome::Refused("solver.p1_solver: not supported yet".into())
         );
+        assert!(without_result(&refused).refuses_the_method());
+        assert!(!Outcome::Refused("solver.tolerance: 7".into()).refuses_the_method());
         let crashed = output(101, "", "thread panicked\nat\n");
         assert_eq!(
             without_result(&crashed),

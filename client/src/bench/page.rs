@@ -21,13 +21,13 @@ p, dl { max-width: 46em; }
 dt { font-weight: bold; }
 dd { margin: 0 0 .4em 1em; }
 .figures { display: flex; flex-wrap: wrap; gap: 12px; }
-figure { margin: 0; flex: 1 1 320px; max-width: 652px; }
+figure { margin: 0; flex: 1 1 min(460px, 100%); max-width: 652px; }
 figure svg { width: 100%; height: auto; display: block; border: 1px solid #9999; border-radius: 4px; }
 .table { overflow-x: auto; }
 table { border-collapse: collapse; font-size: 14px; font-variant-numeric: tabular-nums; }
 th, td { padding: 3px 10px; text-align: right; border-bottom: 1px solid #9996; white-space: nowrap; }
 th.text, td.text { text-align: left; }
-td.long { white-space: normal; min-width: 16em; }
+td.long { white-space: normal; min-width: 18em; }
 </style>
 </head>
 <body>
@@ -38,7 +38,7 @@ const TERMS: &str = "<h2>How to read the figures</h2>
 <dt>Better is to the left and below</dt>
 <dd>Each curve runs over meshes, from coarse to fine; each point is one scene on one mesh. Names such as n16 stand for 16 cells an edge, l3 for the third of the Gmsh meshes.</dd>
 <dt>Time</dt>
-<dd>From the accepted load step to its result, in a fresh process with nothing prepared: assembly, set-up and solution, without reading the mesh. Each point is the median of its runs.</dd>
+<dd>From the accepted load step to its result, in a fresh process with nothing prepared: assembly, set-up and solution, without reading the mesh. Each point is the median of its runs. A1m includes the loads and error norms of its exact solution.</dd>
 <dt>Memory</dt>
 <dd>The largest resident memory of the whole process, mesh file included.</dd>
 <dt>Relative error</dt>
@@ -62,6 +62,7 @@ pub(crate) fn html(results: &Results, chapters: &[Chapter], left_out: &[LeftOut]
     }
     page.push_str(&failures(&results.rows, left_out));
     page.push_str(&numbers(&results.rows));
+    page.push_str(&about_peers(&results.peers.about));
     page.push_str("</body>\n</html>\n");
     page
 }
@@ -82,6 +83,17 @@ fn section(chapter: &Chapter) -> String {
     }
     text.push_str("</div>\n");
     text
+}
+
+fn about_peers(lines: &[String]) -> String {
+    if lines.is_empty() {
+        return String::new();
+    }
+    let lines: Vec<String> = lines.iter().map(escaped).collect();
+    format!(
+        "<h2>About the other solvers</h2>\n<p>The dashed curves come from a file that says about itself:</p>\n<p>{}</p>\n",
+        lines.join("<br>\n")
+    )
 }
 
 fn failures(rows: &[Row], left_out: &[LeftOut]) -> String {
@@ -139,7 +151,7 @@ fn number_row(row: &Row) -> String {
     let errors: Vec<String> = row.errors.iter().map(error).collect();
     format!(
         "<tr><td class=\"text\">{}</td><td class=\"text\">{}</td><td class=\"text\">{}</td><td>{:e}</td>\
-         <td>{}</td><td>{}</td><td>{:.3}</td><td>{:.3}</td><td>{}</td><td>{memory}</td><td class=\"text\">{}</td></tr>\n",
+         <td>{}</td><td>{}</td><td>{:.3}</td><td>{:.3}</td><td>{}</td><td>{memory}</td><td class=\"text long\">{}</td></tr>\n",
         escaped(row.case.family.name),
         row.case.level,
         escaped(&row.case.method),

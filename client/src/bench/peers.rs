@@ -24,6 +24,14 @@ pub(crate) struct Peer {
     errors: Vec<(Quantity, f64)>,
 }
 
+/// A file of peers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Peers {
+    pub(crate) rows: Vec<Peer>,
+    /// Its comments, line by line.
+    pub(crate) about: Vec<String>,
+}
+
 impl Peer {
     /// Its relative error.
     pub(crate) fn error(&self, quantity: Quantity, references: &References) -> Option<f64> {
@@ -44,10 +52,14 @@ pub(super) fn reader<R: std::io::Read>(input: R) -> csv::Reader<R> {
 ///
 /// # Errors
 /// The file, the line and what is wrong with it.
-pub(crate) fn read(path: &Path) -> Result<Vec<Peer>, String> {
+pub(crate) fn read(path: &Path) -> Result<Peers, String> {
     let about = |message: String| format!("{}: {message}", path.display());
     let text = std::fs::read_to_string(path).map_err(|error| about(error.to_string()))?;
-    parse(&text).map_err(about)
+    let comments = text.lines().filter_map(|line| line.strip_prefix('#'));
+    Ok(Peers {
+        about: comments.map(|line| line.trim_end().to_owned()).collect(),
+        rows: parse(&text).map_err(about)?,
+    })
 }
 
 fn parse(text: &str) -> Result<Vec<Peer>, String> {
@@ -163,6 +175,11 @@ mod tests {
             "/../tests/benches/peers/peers.csv"
         );
         let peers = read(Path::new(path)).unwrap();
-        assert!(peers.iter().any(|peer| peer.scene == "hertz-plane"));
+        assert!(peers.rows.iter().any(|peer| peer.scene == "hertz-plane"));
+        let about = peers.about.join(" ");
+        assert!(
+            about.contains("Machine") && about.contains("NGSolve 6"),
+            "{about}"
+        );
     }
 }

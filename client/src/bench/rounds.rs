@@ -162,7 +162,7 @@ impl<'a> Rounds<'a> {
     }
 
     fn keep(&mut self, index: usize, method: &Method, run: Run) {
-        if matches!(&run.outcome, Outcome::Refused(message) if message.starts_with("solver.")) {
+        if run.outcome.refuses_the_method() {
             self.refused.insert(method.clone());
         }
         if let Some(item) = self.measured.get_mut(index) {

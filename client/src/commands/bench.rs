@@ -7,7 +7,7 @@ use crate::arguments::BenchArguments;
 use crate::bench::figures::{Figure, Results};
 use crate::bench::machine::Machine;
 use crate::bench::page::{self, LeftOut};
-use crate::bench::peers;
+use crate::bench::peers::{self, Peers};
 use crate::bench::plan::{Extent, Plan, Wishes};
 use crate::bench::reference::References;
 use crate::bench::rounds::{Measured, Rounds};
@@ -27,7 +27,7 @@ pub(super) async fn run(arguments: BenchArguments) -> Result<Exit, Failure> {
     let references = References::shipped().map_err(usage)?;
     let peers = match &arguments.peers {
         Some(path) => peers::read(path).map_err(|message| Failure::new(Exit::Invalid, message))?,
-        None => Vec::new(),
+        None => Peers::default(),
     };
     make_folder(&arguments.out)?;
     let (exit, measured) = measure(&plan, arguments.meshes.clone()).await?;

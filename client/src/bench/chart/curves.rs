@@ -97,51 +97,79 @@ impl Diagram {
         let y = frame.up(level.value);
         let style = format!("stroke=\"{FAINT}\" stroke-dasharray=\"2 3\"");
         svg.line((LEFT, y), (RIGHT, y), &style);
-        svg.text((RIGHT - 6.0, y - 5.0), Anchor::End, TINY, &level.label);
+        // Falling curves leave the left of a low line free.
+        svg.text((LEFT + 6.0, y - 5.0), Anchor::Start, TINY, &level.label);
     }
 
     fn draw_legend(&self, svg: &mut Svg, top: f64) -> f64 {
-        let mut labels: Vec<String> = self
-            .curves
-            .iter()
-            .map(|curve| curve.label.clone())
+        let curves = self.curves.iter().enumerate();
+        let drawn = curves.filter(|(_, curve)| !curve.points.is_empty());
+        let mut entries: Vec<Entry<'_>> = drawn
+            .map(|(index, curve)| Entry::of(index, curve))
             .collect();
-        let shown = |state| {
-            self.curves
-                .iter()
-                .flat_map(|curve| &curve.points)
-                .any(|point| point.state == state)
-        };
-        let count = labels.len();
-        let signs: Vec<State> = [State::Uncertain, State::Failed]
-            .into_iter()
-            .filter(|state| shown(*state))
-            .collect();
-        labels.extend(signs.iter().map(|state| meaning(*state).to_owned()));
-        legend(svg, top, &labels, |svg, index, (x, y)| {
-            let middle = (x + 14.0, y);
-            match self.curves.get(index) {
-                Some(curve) => {
-                    let style = line_style(index, curve.stroke);
-                    svg.line((x, y), (x + 28.0, y), &style);
-                    marker(
-                        svg,
-                        middle,
-                        Sign {
-                            index,
-                            state: State::Good,
-                        },
-                        "",
-                    );
-                }
-                None => {
-                    let state = signs.get(index - count).copied().unwrap_or(State::Good);
-                    marker(svg, middle, Sign { index: 7, state }, "");
-                }
+        let states = [State::Uncertain, State::Failed].into_iter();
+        entries.extend(
+            states
+                .filter(|state| self.shows(*state))
+                .map(Entry::meaning),
+        );
+        let labels: Vec<String> = entries.iter().map(|entry| entry.label.to_owned()).collect();
+        legend(svg, top, &labels, |svg, index, place| {
+            if let Some(entry) = entries.get(index) {
+                entry.draw(svg, place);
             }
         })
     }
+
+    fn shows(&self, state: State) -> bool {
+        let mut points = self.curves.iter().flat_map(|curve| &curve.points);
+        points.any(|point| point.state == state)
+    }
 }
+
+/// An entry of the legend.
+struct Entry<'a> {
+    label: &'a str,
+    sign: Sign,
+    /// None for the meaning of a filling.
+    stroke: Option<Stroke>,
+}
+
+impl<'a> Entry<'a> {
+    fn of(index: usize, curve: &'a Curve) -> Self {
+        let (state, stroke) = (State::Good, Some(curve.stroke));
+        let sign = Sign { index, state };
+        let label = &curve.label;
+        Self {
+            label,
+            sign,
+            stroke,
+        }
+    }
+
+    fn meaning(state: State) -> Self {
+        let sign = Sign {
+            index: NEUTRAL,
+            state,
+        };
+        let label = meaning(state);
+        Self {
+            label,
+            sign,
+            stroke: None,
+        }
+    }
+
+    fn draw(&self, svg: &mut Svg, (x, y): (f64, f64)) {
+        if let Some(stroke) = self.stroke {
+            svg.line((x, y), (x + 28.0, y), &line_style(self.sign.index, stroke));
+        }
+        marker(svg, (x + 14.0, y), self.sign, "");
+    }
+}
+
+/// The grey of the colours.
+const NEUTRAL: usize = 7;
 
 fn meaning(state: State) -> &'static str {
     match state {
@@ -207,13 +235,14 @@ fn slope(curve: &Curve) -> std::cmp::Ordering {
     end(curve.points.last()).total_cmp(&end(curve.points.first()))
 }
 
-/// Below the point, on the side that its curve leaves free.
+/// Above the point, on the side that its curve leaves free.
 fn draw_name(svg: &mut Svg, (x, y): (f64, f64), slope: std::cmp::Ordering, name: &str) {
-    if slope.is_gt() {
-        svg.text((x + 9.0, y + 12.0), Anchor::Start, TINY, name);
+    let (across, anchor) = if slope.is_gt() {
+        (-7.0, Anchor::End)
     } else {
-        svg.text((x - 8.0, y + 14.0), Anchor::End, TINY, name);
-    }
+        (8.0, Anchor::Start)
+    };
+    svg.text((x + across, y - 7.0), anchor, TINY, name);
 }
 
 /// Colour and shape by series, filling by state.

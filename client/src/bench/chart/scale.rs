@@ -62,6 +62,12 @@ impl Scale {
         }
     }
 
+    /// Numbers from here on are written as powers: five digits beside powers
+    /// would look smaller than they are.
+    fn plain_below(&self) -> f64 {
+        if self.high < 2e5 { 99_999.0 } else { 9_999.0 }
+    }
+
     fn linear_ticks(&self) -> Vec<Tick> {
         let rough = (self.high - self.low) / 5.0;
         let unit = 10_f64.powf(rough.log10().floor());
@@ -76,7 +82,7 @@ impl Scale {
             let value = f64::from(index) * step;
             Tick {
                 value,
-                label: Some(label(value)),
+                label: Some(label(value, self.plain_below())),
             }
         };
         (0..=count).map(tick).collect()
@@ -93,7 +99,7 @@ impl Scale {
             let has_label = labelled.contains(&digit) && exponent % every == 0;
             Tick {
                 value,
-                label: has_label.then(|| label(value)),
+                label: has_label.then(|| label(value, self.plain_below())),
             }
         });
         ticks
@@ -109,11 +115,11 @@ fn widened(low: f64, high: f64) -> (f64, f64) {
 }
 
 /// A tick's number: plain where short, else a digit and a power of ten.
-fn label(value: f64) -> String {
+fn label(value: f64, plain_below: f64) -> String {
     if value.abs() < 1e-12 {
         return "0".to_owned();
     }
-    if (0.999e-3..99_999.0).contains(&value) {
+    if (0.999e-3..plain_below).contains(&value) {
         let decimals = (-value.log10().floor()).max(0.0) as usize;
         return format!("{value:.decimals$}");
     }
