@@ -218,7 +218,10 @@ fn draw_points(svg: &mut Svg, frame: &Frame, index: usize, curve: &Curve) {
         let note = format!("{}, {}", curve.label, point.name);
         marker(svg, place(frame, point), Sign { index, state }, &note);
         // One curve names its meshes; more names would cover each other.
-        if index == 0 || state == State::Failed {
+        if state == State::Failed {
+            let (x, y) = place(frame, point);
+            svg.text((x - 11.0, y + 4.0), Anchor::End, TINY, &point.name);
+        } else if index == 0 {
             draw_name(svg, place(frame, point), slope(curve), &point.name);
         }
     }

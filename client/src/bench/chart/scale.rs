@@ -90,7 +90,7 @@ impl Scale {
 
     fn logarithmic_ticks(&self) -> Vec<Tick> {
         let decades = (self.high / self.low).log10();
-        let labelled: &[i32] = if decades <= 2.2 { &[1, 2, 5] } else { &[1] };
+        let labelled: &[i32] = if decades <= 2.7 { &[1, 2, 5] } else { &[1] };
         let every = if decades > 7.0 { 2 } else { 1 };
         let exponents = self.low.log10().floor() as i32..=self.high.log10().ceil() as i32;
         let digits = exponents.flat_map(|exponent| (1..=9).map(move |digit| (exponent, digit)));
