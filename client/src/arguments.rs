@@ -7,6 +7,9 @@ use clap_complete::Shell;
 use signorini_client::ServerAddress;
 use signorini_client::scene_file::Override;
 
+use crate::bench::family::{self, Family, Level};
+use crate::bench::method::Method;
+
 /// Contact of nearly incompressible bodies: solve scenes, serve, look at servers.
 #[derive(Debug, Parser)]
 #[command(name = "signorini", version, after_help = EXIT_CODES)]
@@ -36,6 +39,8 @@ pub(crate) enum Command {
     Plan(PlanArguments),
     /// Start a server
     Serve(ServeArguments),
+    /// Measure error against run time: table, figures and a page
+    Bench(BenchArguments),
     /// Meshes of a server
     #[command(subcommand)]
     Mesh(MeshCommand),
@@ -104,6 +109,43 @@ pub(crate) struct ServeArguments {
     /// Where the metrics page is served: HOST:PORT, or empty for nowhere
     #[arg(long, value_name = "ADDRESS")]
     pub(crate) metrics_listen: Option<String>,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct BenchArguments {
+    /// Small meshes only, two minutes at most
+    #[arg(long)]
+    pub(crate) quick: bool,
+    /// Folder for bench.csv, index.html and the figures
+    #[arg(long, value_name = "DIR", default_value = "results/bench")]
+    pub(crate) out: PathBuf,
+    /// A1m, cube-bend, hertz-sphere or hertz-plane, several times; default: all
+    #[arg(long = "scene", value_name = "NAME", value_parser = family::find)]
+    pub(crate) scenes: Vec<&'static Family>,
+    /// Meshes, such as n6,n10,l1: cells an edge of the cubes, numbers of the Gmsh meshes
+    #[arg(long, value_name = "LEVELS", value_delimiter = ',')]
+    pub(crate) levels: Vec<Level>,
+    /// auto or KEY=VALUE[,KEY=VALUE] of [solver], several times
+    #[arg(long = "method", value_name = "METHOD")]
+    pub(crate) methods: Vec<Method>,
+    /// Tolerances, such as 1e-8,1e-3
+    #[arg(long = "tolerances", value_name = "TOLERANCES", value_delimiter = ',')]
+    pub(crate) tolerances: Vec<f64>,
+    /// Runs of each case, whose median counts; default: 3
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
+    pub(crate) repeats: Option<u8>,
+    /// Time after which a run is stopped and counts as failed
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) run_limit: Option<u64>,
+    /// Time after which no more is measured; default with --quick: 105
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) budget: Option<u64>,
+    /// Folder of Gmsh meshes that replace or add to those of this program
+    #[arg(long, value_name = "DIR")]
+    pub(crate) meshes: Option<PathBuf>,
+    /// CSV file with figures of other solvers, drawn beside ours
+    #[arg(long, value_name = "FILE")]
+    pub(crate) peers: Option<PathBuf>,
 }
 
 /// A server that runs already.

@@ -1,15 +1,19 @@
-//! The command line tool `signorini`: solves scenes through the service and
-//! starts servers.
+//! The command line tool `signorini`: solves scenes through the service, starts
+//! servers and measures error against run time.
 //!
 //! Data go to stdout, everything else to stderr. Exit codes: see [`exit::Exit`].
-#![warn(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::panic,
-    clippy::indexing_slicing
+#![cfg_attr(
+    not(test),
+    warn(
+        clippy::unwrap_used,
+        clippy::expect_used,
+        clippy::panic,
+        clippy::indexing_slicing
+    )
 )]
 
 mod arguments;
+mod bench;
 mod commands;
 mod connection;
 mod exit;

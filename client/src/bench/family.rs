@@ -1,0 +1,251 @@
+//! Families of scenes: one scene file, meshes of increasing size.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde_json::Value;
+
+/// What an error is measured in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Quantity {
+    /// Displacement, in L2.
+    DisplacementL2,
+    /// Gradient of the displacement, in L2.
+    DisplacementH1,
+    /// Pressure, in L2.
+    PressureL2,
+    /// Strain energy of the whole body.
+    StrainEnergy,
+    /// Force of the obstacle on the whole body, along its motion.
+    Force,
+    /// Largest contact pressure.
+    ContactPressure,
+}
+
+impl Quantity {
+    /// All of them, in the order of the columns.
+    pub(crate) const ALL: [Self; 6] = [
+        Self::DisplacementL2,
+        Self::DisplacementH1,
+        Self::PressureL2,
+        Self::StrainEnergy,
+        Self::Force,
+        Self::ContactPressure,
+    ];
+
+    /// As columns and files spell it.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::DisplacementL2 => "displacement_l2",
+            Self::DisplacementH1 => "displacement_h1",
+            Self::PressureL2 => "pressure_l2",
+            Self::StrainEnergy => "strain_energy",
+            Self::Force => "force",
+            Self::ContactPressure => "contact_pressure",
+        }
+    }
+
+    /// As figures spell it.
+    pub(crate) fn label(self) -> &'static str {
+        match self {
+            Self::DisplacementL2 => "displacement (L2 norm)",
+            Self::DisplacementH1 => "displacement gradient (H1 seminorm)",
+            Self::PressureL2 => "pressure (L2 norm)",
+            Self::StrainEnergy => "strain energy",
+            Self::Force => "contact force",
+            Self::ContactPressure => "largest contact pressure",
+        }
+    }
+
+    /// The error is known from the run itself: it needs no limit. The number is
+    /// the norm of the exact field A1m that the error is divided by.
+    pub(crate) fn exact_norm(self) -> Option<f64> {
+        match self {
+            Self::DisplacementL2 => Some(1.220_536_6),
+            Self::DisplacementH1 => Some(5.373_791_9),
+            Self::PressureL2 => Some(0.235_702_3),
+            Self::StrainEnergy | Self::Force | Self::ContactPressure => None,
+        }
+    }
+
+    /// Its value in a `step` line: the error norm for fields, else of the whole
+    /// body, `whole_body` times that of the model.
+    pub(crate) fn read(self, step: &Value, whole_body: f64) -> Option<f64> {
+        let error = |name: &str| step.pointer(&format!("/errors/{name}"))?.as_f64();
+        let obstacle = || step.get("obstacles")?.as_object()?.values().next();
+        match self {
+            Self::DisplacementL2 | Self::DisplacementH1 | Self::PressureL2 => error(self.name()),
+            Self::StrainEnergy => Some(step.get("strain_energy")?.as_f64()? * whole_body),
+            Self::Force => {
+                let along_z = obstacle()?.pointer("/force/2")?.as_f64()?;
+                Some(along_z.abs() * whole_body)
+            }
+            Self::ContactPressure => obstacle()?.get("max_pressure")?.as_f64(),
+        }
+    }
+}
+
+/// A member of a family: `n16` for 16 cells an edge, `l3` for a Gmsh mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Level {
+    /// `n` or `l`.
+    pub(crate) letter: char,
+    /// 1 to 99.
+    pub(crate) number: u32,
+}
+
+impl fmt::Display for Level {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "{}{}", self.letter, self.number)
+    }
+}
+
+impl FromStr for Level {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let expected = || "n1 to n99 (cells an edge) or l1 to l9 (Gmsh meshes)".to_owned();
+        let mut characters = text.chars();
+        let letter = characters.next().ok_or_else(expected)?;
+        let number = characters.as_str().parse().map_err(|_| expected())?;
+        match (letter, number) {
+            ('n', 1..=99) | ('l', 1..=9) => Ok(Self { letter, number }),
+            _ => Err(expected()),
+        }
+    }
+}
+
+/// Where the meshes of a family come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum MeshSource {
+    /// Written by [`super::cube`].
+    Cube,
+    /// Files with this prefix.
+    Gmsh(&'static str),
+}
+
+impl MeshSource {
+    /// The letter of its levels.
+    pub(crate) fn letter(self) -> char {
+        match self {
+            Self::Cube => 'n',
+            Self::Gmsh(_) => 'l',
+        }
+    }
+}
+
+/// A scene and its meshes.
+#[derive(Debug)]
+pub(crate) struct Family {
+    /// As `--scene` takes it.
+    pub(crate) name: &'static str,
+    /// One sentence for readers.
+    pub(crate) about: &'static str,
+    /// The scene file.
+    pub(crate) scene: &'static str,
+    /// Meshes.
+    pub(crate) source: MeshSource,
+    /// Levels of a full run.
+    pub(crate) full: &'static [u32],
+    /// Levels of a quick run.
+    pub(crate) quick: &'static [u32],
+    /// How many times the model fills the whole body.
+    pub(crate) whole_body: f64,
+    /// What its errors are measured in.
+    pub(crate) quantities: &'static [Quantity],
+}
+
+/// All families.
+pub(crate) const FAMILIES: &[Family] = &[
+    Family {
+        name: "A1m",
+        about: "Incompressible unit cube with a manufactured solution; the errors are exact, divided by the norms of the exact fields.",
+        scene: include_str!("../../examples/manufactured.toml"),
+        source: MeshSource::Cube,
+        full: &[6, 10, 16, 24, 34],
+        quick: &[6, 10, 16],
+        whole_body: 1.0,
+        quantities: &[
+            Quantity::DisplacementL2,
+            Quantity::DisplacementH1,
+            Quantity::PressureL2,
+        ],
+    },
+    Family {
+        name: "cube-bend",
+        about: "Incompressible unit cube, clamped on one side and sheared on the opposite one; edge singularities set the order.",
+        scene: include_str!("../../examples/cube-bend.toml"),
+        source: MeshSource::Cube,
+        full: &[6, 10, 16, 24, 34],
+        quick: &[6, 10, 16],
+        whole_body: 1.0,
+        quantities: &[Quantity::StrainEnergy],
+    },
+    Family {
+        name: "hertz-sphere",
+        about: "A rigid sphere pressed into an incompressible block (a quarter is solved), meshes refined under the contact.",
+        scene: include_str!("../../examples/hertz-sphere.toml"),
+        source: MeshSource::Gmsh("indent"),
+        full: &[1, 2, 3, 4, 5],
+        quick: &[1, 2, 3, 4],
+        whole_body: 4.0,
+        quantities: &[Quantity::StrainEnergy, Quantity::Force],
+    },
+    Family {
+        name: "hertz-plane",
+        about: "A rigid plane pressed against an incompressible half ball (a quarter is solved), meshes refined at the pole. The largest contact pressure is that of one vertex: it does not fall regularly with the mesh size.",
+        scene: include_str!("../../examples/hertz-plane.toml"),
+        source: MeshSource::Gmsh("hemi"),
+        full: &[1, 2, 3, 4, 5],
+        quick: &[1, 2, 3, 4],
+        whole_body: 4.0,
+        quantities: &[
+            Quantity::Force,
+            Quantity::StrainEnergy,
+            Quantity::ContactPressure,
+        ],
+    },
+];
+
+/// A family by name.
+///
+/// # Errors
+/// A message that names all of them.
+pub(crate) fn find(name: &str) -> Result<&'static Family, String> {
+    let found = FAMILIES.iter().find(|family| family.name == name);
+    found.ok_or_else(|| {
+        let names: Vec<_> = FAMILIES.iter().map(|family| family.name).collect();
+        format!("known: {}", names.join(", "))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn levels_are_read_as_they_are_printed() {
+        for text in ["n6", "n34", "l5"] {
+            assert_eq!(text.parse::<Level>().unwrap().to_string(), text);
+        }
+        for text in ["", "6", "n", "n0", "n100", "l10", "x3"] {
+            assert!(text.parse::<Level>().is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn quarter_models_are_counted_four_times() {
+        let step = json!({
+            "strain_energy": 0.5,
+            "obstacles": {"ball": {"force": [1.0, 2.0, -3.0], "max_pressure": 7.0}},
+            "errors": null,
+        });
+        let read = |quantity: Quantity| quantity.read(&step, 4.0);
+        assert_eq!(read(Quantity::StrainEnergy), Some(2.0));
+        assert_eq!(read(Quantity::Force), Some(12.0));
+        assert_eq!(read(Quantity::ContactPressure), Some(7.0));
+        assert_eq!(read(Quantity::PressureL2), None);
+    }
+}

@@ -1,0 +1,56 @@
+//! What a figure has to say about where its numbers come from.
+
+/// Processor, cores, threads and build.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Machine {
+    /// Model name of the processor.
+    pub(crate) processor: String,
+    /// Cores that this process may use; the solver takes a thread for each.
+    pub(crate) cores: usize,
+    /// Commit when it was known to the build, else the version.
+    pub(crate) build: String,
+}
+
+impl Machine {
+    /// The one this process runs on.
+    ///
+    /// `SIGNORINI_COMMIT`, set while the program is built (for example to
+    /// `git rev-parse --short HEAD`), names the commit.
+    pub(crate) fn here() -> Self {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        Self {
+            processor: processor().unwrap_or_else(|| "unknown processor".to_owned()),
+            cores,
+            build: build(),
+        }
+    }
+
+    /// One line, with the instruction sets that the results name.
+    pub(crate) fn line(&self, instruction_sets: &str) -> String {
+        let Self {
+            processor,
+            cores,
+            build,
+        } = self;
+        let sets = match instruction_sets {
+            "" => "unknown",
+            sets => sets,
+        };
+        format!("{processor}, {cores} cores, {cores} threads, instruction set {sets}, {build}")
+    }
+}
+
+fn build() -> String {
+    let version = env!("CARGO_PKG_VERSION");
+    match option_env!("SIGNORINI_COMMIT") {
+        Some(commit) if !commit.is_empty() => format!("signorini {version}, commit {commit}"),
+        _ => format!("signorini {version}, commit not recorded"),
+    }
+}
+
+fn processor() -> Option<String> {
+    let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
+    let mut lines = text.lines().filter_map(|line| line.split_once(':'));
+    let name = lines.find(|(key, _)| key.trim() == "model name")?;
+    Some(name.1.trim().to_owned())
+}

@@ -1,0 +1,172 @@
+//! Scene and mesh files of the runs, in a temporary folder that goes with them.
+
+use std::path::{Path, PathBuf};
+
+use super::cube;
+use super::family::{Family, Level, MeshSource};
+
+/// Gmsh meshes that the program carries: prefix, level, bytes.
+const SHIPPED: &[(&str, u32, &[u8])] = &[
+    (
+        "hemi",
+        1,
+        include_bytes!("../../examples/meshes/hemi_l1.msh"),
+    ),
+    (
+        "hemi",
+        2,
+        include_bytes!("../../examples/meshes/hemi_l2.msh"),
+    ),
+    (
+        "hemi",
+        3,
+        include_bytes!("../../examples/meshes/hemi_l3.msh"),
+    ),
+    (
+        "hemi",
+        4,
+        include_bytes!("../../examples/meshes/hemi_l4.msh"),
+    ),
+    (
+        "hemi",
+        5,
+        include_bytes!("../../examples/meshes/hemi_l5.msh"),
+    ),
+    (
+        "indent",
+        1,
+        include_bytes!("../../examples/meshes/indent_l1.msh"),
+    ),
+    (
+        "indent",
+        2,
+        include_bytes!("../../examples/meshes/indent_l2.msh"),
+    ),
+    (
+        "indent",
+        3,
+        include_bytes!("../../examples/meshes/indent_l3.msh"),
+    ),
+    (
+        "indent",
+        4,
+        include_bytes!("../../examples/meshes/indent_l4.msh"),
+    ),
+    (
+        "indent",
+        5,
+        include_bytes!("../../examples/meshes/indent_l5.msh"),
+    ),
+];
+
+/// Why a file is not there.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum WorkshopError {
+    /// A level beyond those that the program carries.
+    #[error(
+        "mesh {file}: not carried by this program and not in {folder}; \
+         tests/meshes/generate.py makes it, --meshes DIR names its folder"
+    )]
+    NoMesh {
+        /// Name of the file.
+        file: String,
+        /// Where it was looked for.
+        folder: String,
+    },
+    /// A file that cannot be written.
+    #[error("{path}: {error}")]
+    Unwritable {
+        /// The file.
+        path: PathBuf,
+        /// From the system.
+        error: std::io::Error,
+    },
+}
+
+/// A folder of files that runs read.
+#[derive(Debug)]
+pub(crate) struct Workshop {
+    folder: PathBuf,
+    meshes: Option<PathBuf>,
+}
+
+impl Drop for Workshop {
+    fn drop(&mut self) {
+        // What stays behind lies among temporary files.
+        let _gone = std::fs::remove_dir_all(&self.folder);
+    }
+}
+
+impl Workshop {
+    /// An empty folder; `meshes` is looked at before the meshes of the program.
+    ///
+    /// # Errors
+    /// [`WorkshopError::Unwritable`].
+    pub(crate) fn open(meshes: Option<PathBuf>) -> Result<Self, WorkshopError> {
+        let name = format!("signorini-bench-{}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        std::fs::create_dir_all(&folder).map_err(|error| WorkshopError::Unwritable {
+            path: folder.clone(),
+            error,
+        })?;
+        Ok(Self { folder, meshes })
+    }
+
+    /// The scene file of a family.
+    ///
+    /// # Errors
+    /// [`WorkshopError::Unwritable`].
+    pub(crate) fn scene(&self, family: &Family) -> Result<PathBuf, WorkshopError> {
+        self.file(&format!("{}.toml", family.name), || {
+            family.scene.as_bytes().to_vec()
+        })
+    }
+
+    /// The mesh of a level.
+    ///
+    /// # Errors
+    /// [`WorkshopError`].
+    pub(crate) fn mesh(&self, family: &Family, level: Level) -> Result<PathBuf, WorkshopError> {
+        let prefix = match family.source {
+            MeshSource::Cube => {
+                let name = format!("cube_{level}.msh");
+                return self.file(&name, || cube::msh(level.number).into_bytes());
+            }
+            MeshSource::Gmsh(prefix) => prefix,
+        };
+        let name = format!("{prefix}_{level}.msh");
+        let given = self.meshes.as_ref().map(|folder| folder.join(&name));
+        if let Some(path) = given.filter(|path| path.exists()) {
+            return Ok(path);
+        }
+        let mut shipped = SHIPPED.iter();
+        match shipped.find(|mesh| (mesh.0, mesh.1) == (prefix, level.number)) {
+            Some((_, _, bytes)) => self.file(&name, || bytes.to_vec()),
+            None => Err(self.missing(name)),
+        }
+    }
+
+    fn missing(&self, file: String) -> WorkshopError {
+        let folder = self.meshes.as_deref().map(Path::display);
+        let folder = folder.map_or_else(
+            || "--meshes, which is not given".to_owned(),
+            |folder| folder.to_string(),
+        );
+        WorkshopError::NoMesh { file, folder }
+    }
+
+    fn file(
+        &self,
+        name: &str,
+        content: impl FnOnce() -> Vec<u8>,
+    ) -> Result<PathBuf, WorkshopError> {
+        let path = self.folder.join(name);
+        if !path.exists() {
+            std::fs::write(&path, content()).map_err(|error| WorkshopError::Unwritable {
+                path: path.clone(),
+                error,
+            })?;
+        }
+        Ok(path)
+    }
+}
