@@ -40,7 +40,7 @@ pub struct PlanReport {
     pub left_out: Vec<LeftOut>,
     /// Bytes of prepared data and state.
     pub predicted_bytes: u64,
-    /// Floating point operations of the P1 factor.
+    /// Floating point operations to build the P1 solver.
     pub predicted_factor_flops: f64,
     /// Displacement preconditioner applications per increment.
     pub predicted_applications: u32,
@@ -65,7 +65,7 @@ impl Plan {
             decisions: self.decisions(),
             left_out: self.left_out(),
             predicted_bytes: estimate::bytes(self, vertices),
-            predicted_factor_flops: estimate::factor(self, vertices).1,
+            predicted_factor_flops: estimate::p1_solver(self, vertices).1,
             predicted_applications: estimate::applications(self),
             warnings: self.warnings.clone(),
         }
@@ -105,11 +105,11 @@ impl Plan {
             format!("p-multigrid, Chebyshev degree {degree}"),
             reason,
         );
-        let order = match self.contact_vertices.is_empty() {
-            true => "nested dissection",
-            false => "the factor also gives the contact compliance",
-        };
-        push("p1_solver", "sparse Cholesky".into(), order);
+        push(
+            "p1_solver",
+            self.p1.solver.describe().into(),
+            &self.p1.reason,
+        );
         let krylov = match (self.resolved.mixed, self.unknowns.contact) {
             (false, 0) => "conjugate gradients",
             _ => "flexible GCR(10), upper block-triangular",
