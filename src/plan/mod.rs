@@ -86,6 +86,7 @@ impl Plan {
             vertices: space.vertices as u64,
             contact_vertices: contact_vertices.len(),
             contrast: contrast(&resolved),
+            quality: mesh.quality().mean,
         };
         let p1 = p1::choose(&scene.solver.p1_solver, sizes);
         let mut warnings = mesh.warnings().to_vec();

@@ -22,6 +22,8 @@ const CHEAP_FACTOR: f64 = 1e9;
 const DEAREST_FACTOR: (f64, f64) = (4e11, 4e9);
 /// Ratio of shear moduli up to which multigrid keeps its counts.
 const MODEST_CONTRAST: f64 = 1e3;
+/// Mean quality of cells below which multigrid needs several times the steps.
+const POOR_CELLS: f64 = 0.4;
 /// Shift of A11 for floating bodies, in mu / L^2.
 const SHIFT: f64 = 1e-2;
 
@@ -79,6 +81,8 @@ pub(super) struct P1Sizes {
     pub(super) contact_vertices: usize,
     /// Largest over smallest shear modulus.
     pub(super) contrast: f64,
+    /// Mean quality of the cells, 1 for regular ones.
+    pub(super) quality: f64,
 }
 
 /// Chooses; `asked` is the scene's `solver.p1_solver`.
@@ -104,6 +108,9 @@ pub(super) fn choose(asked: &str, sizes: P1Sizes) -> P1Choice {
         P1Choice::new(P1Solver::Direct, reason)
     } else if sizes.contrast > MODEST_CONTRAST {
         let reason = format!("shear moduli differ {:.0e} times; {cost}", sizes.contrast);
+        P1Choice::new(P1Solver::Direct, reason)
+    } else if sizes.quality < POOR_CELLS {
+        let reason = format!("stretched cells, mean quality {:.2}; {cost}", sizes.quality);
         P1Choice::new(P1Solver::Direct, reason)
     } else {
         let reason = format!("{} vertices: {cost}", sizes.vertices);
@@ -201,4 +208,70 @@ fn multigrid(plan: &Plan, body: P1Body<'_>, blocks: &P1Blocks) -> Result<P1Built
         assemble: 0.0,
         factorise: 0.0,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A well-shaped homogeneous body without contact.
+    fn body(vertices: u64) -> P1Sizes {
+        P1Sizes {
+            dimension: 3,
+            vertices,
+            contact_vertices: 0,
+            contrast: 1.0,
+            quality: 0.7,
+        }
+    }
+
+    #[test]
+    fn the_scene_has_the_last_word() {
+        for (asked, solver) in [("cholesky", P1Solver::Direct), ("amg", P1Solver::Amg)] {
+            assert_eq!(choose(asked, body(100)).solver, solver);
+            assert_eq!(choose(asked, body(1_000_000)).solver, solver);
+        }
+    }
+
+    #[test]
+    fn multigrid_takes_over_where_the_factor_is_dear() {
+        assert_eq!(choose("auto", body(1331)).solver, P1Solver::Direct);
+        assert_eq!(choose("auto", body(4913)).solver, P1Solver::Amg);
+        let plane = P1Sizes {
+            dimension: 2,
+            ..body(20_000)
+        };
+        assert_eq!(choose("auto", plane).solver, P1Solver::Direct);
+    }
+
+    #[test]
+    fn contact_contrast_and_poor_cells_keep_the_factor_while_it_fits() {
+        let hard = |vertices| {
+            [
+                P1Sizes {
+                    contact_vertices: 500,
+                    ..body(vertices)
+                },
+                P1Sizes {
+                    contrast: 1e6,
+                    ..body(vertices)
+                },
+                P1Sizes {
+                    quality: 0.2,
+                    ..body(vertices)
+                },
+            ]
+        };
+        for (sizes, word) in hard(20_000)
+            .into_iter()
+            .zip(["contact", "moduli", "quality"])
+        {
+            let choice = choose("auto", sizes);
+            assert_eq!(choice.solver, P1Solver::Direct);
+            assert!(choice.reason.contains(word), "{}", choice.reason);
+        }
+        for sizes in hard(200_000) {
+            assert_eq!(choose("auto", sizes).solver, P1Solver::Amg);
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! The smoothed prolongator P = (I - (4/3) / lambda_max(D^-1 A) D^-1 A) P0.
+//! The smoothed prolongator P = (I - w / lambda_max(D^-1 A) D^-1 A) P0.
 //!
 //! P0 is orthonormal and spans the modes on each group: B = P0 B_c, where B_c
 //! are the triangular factors of the groups' modes; so P B_c = B - smoothed

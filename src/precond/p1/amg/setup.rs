@@ -17,8 +17,10 @@ use crate::linalg::Workspace;
 
 /// Nodes that are few enough for a dense inverse.
 const COARSEST: usize = 128;
-/// Damping of the prolongator's smoothing, over the largest eigenvalue.
-const DAMPING: f64 = 4.0 / 3.0;
+/// Damping of the prolongator's smoothing, over the bound of the largest
+/// eigenvalue. The classical 4/3 leaves a condition of 2.0 on cubes of 5 k to
+/// 43 k vertices, 1.8 leaves 1.7 at the same cost; 2 is no better.
+const DAMPING: f64 = 1.8;
 
 /// The hierarchy of `blocks`.
 pub(super) fn hierarchy<S: Scalar, const N: usize, const K: usize>(

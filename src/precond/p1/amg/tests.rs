@@ -127,9 +127,9 @@ fn stretched(parts: MeshParts, axis: usize, factor: f64) -> Mesh {
 
 #[test]
 fn counts_do_not_depend_on_the_size() {
-    let counts = [4, 6, 10, 16].map(|n| counts(&sample(samples::cube(n), |_| 1.0)));
+    let counts = [4, 6, 10, 16, 24].map(|n| counts(&sample(samples::cube(n), |_| 1.0)));
     for [single, double] in counts {
-        assert!(single <= 13 && single.abs_diff(double) <= 1, "{counts:?}");
+        assert!(single <= 12 && single.abs_diff(double) <= 1, "{counts:?}");
     }
 }
 
@@ -150,7 +150,7 @@ fn stiff_and_soft_layers_raise_the_count_by_less_than_half() {
         };
         let [single, double] = counts(&sample(samples::cube(10), layer));
         assert!(
-            single <= 18 && single.abs_diff(double) <= 1,
+            single <= 15 && single.abs_diff(double) <= 1,
             "{contrast}: {single} {double}"
         );
     }
@@ -158,7 +158,7 @@ fn stiff_and_soft_layers_raise_the_count_by_less_than_half() {
 
 #[test]
 fn stretched_cells_are_solved() {
-    for (axis, factor, bound) in [(2, 0.1, 40), (0, 10.0, 60)] {
+    for (axis, factor, bound) in [(2, 0.1, 40), (0, 10.0, 75)] {
         let mesh = stretched(samples::cube_parts(8), axis, factor);
         let [single, double] = counts(&sample(mesh, |_| 1.0));
         assert!(
@@ -247,7 +247,7 @@ fn the_cycle_is_symmetric_and_positive() {
         assert!((left - right).abs() < rounding * (own * other).sqrt());
         let interval = amg.interval();
         assert!(
-            interval.smallest > 0.3 && interval.largest < 1.05,
+            interval.smallest > 0.5 && interval.largest < 1.05,
             "{interval:?}"
         );
     }
@@ -335,40 +335,4 @@ fn vertices_without_partners_are_refused() {
         matches!(refused, Some(AmgError::Stalled { .. })),
         "{refused:?}"
     );
-}
-/// User and system seconds of all threads.
-fn cpu_seconds() -> f64 {
-    let stat = std::fs::read_to_string("/proc/self/stat").expect("Linux");
-    let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or("").split(' ').collect();
-    let ticks = |k: usize| fields[k].parse::<f64>().expect("ticks");
-    (ticks(12) + ticks(13)) / 100.0
-}
-
-#[test]
-#[ignore = "prints figures"]
-fn figures() {
-    for n in [6, 10, 16, 24, 34, 50] {
-        let sample = sample(samples::cube(n), |_| 1.0);
-        let start = cpu_seconds();
-        let amg = sample.amg(Precision::Single);
-        let setup = cpu_seconds() - start;
-        let b = sample.noise();
-        let matrix = setup::fine_matrix::<3>(&sample.view());
-        let mut z = b.clone();
-        let work = &mut Workspace::new();
-        amg.apply(&b, &mut z, work);
-        let start = cpu_seconds();
-        for _ in 0..50 {
-            amg.apply(&b, &mut z, work);
-        }
-        let apply = (cpu_seconds() - start) / 50.0;
-        let count = count(&matrix, &amg, &b);
-        let shapes: Vec<_> = amg.levels().iter().map(|l| (l.nodes, l.blocks)).collect();
-        eprintln!(
-            "n {n}: setup {setup:.3} s, cycle {:.2} ms, its {count}, {:?}, {} MB, {shapes:?}",
-            1e3 * apply,
-            amg.interval(),
-            amg.bytes() >> 20
-        );
-    }
 }
