@@ -18,8 +18,11 @@ use crate::space::TaylorHood;
 
 /// Flops below which the factor takes less time than the multigrid saves.
 const CHEAP_FACTOR: f64 = 1e9;
-/// Flops and bytes of a factor that contact or contrast are worth.
-const DEAREST_FACTOR: (f64, f64) = (4e11, 4e9);
+/// Bytes of the largest factor. Contact is worth any factor that fits: columns
+/// of the compliance by multigrid take ten times as long (hertz-sphere l5).
+const LARGEST_FACTOR: f64 = 4e9;
+/// Flops of a factor that contrast or poor cells are worth.
+const DEAREST_FACTOR: f64 = 4e11;
 /// Ratio of shear moduli up to which multigrid keeps its counts.
 const MODEST_CONTRAST: f64 = 1e3;
 /// Mean quality of cells below which multigrid needs several times the steps.
@@ -93,7 +96,8 @@ pub(super) fn choose(asked: &str, sizes: P1Sizes) -> P1Choice {
         1e-9 * flops,
         8e-6 * entries
     );
-    let is_affordable = flops <= DEAREST_FACTOR.0 && 8.0 * entries <= DEAREST_FACTOR.1;
+    let fits = 8.0 * entries <= LARGEST_FACTOR;
+    let is_affordable = fits && flops <= DEAREST_FACTOR;
     match asked {
         "cholesky" => return P1Choice::new(P1Solver::Direct, "asked for"),
         "amg" => return P1Choice::new(P1Solver::Amg, "asked for"),
@@ -101,11 +105,11 @@ pub(super) fn choose(asked: &str, sizes: P1Sizes) -> P1Choice {
     }
     if flops <= CHEAP_FACTOR {
         P1Choice::new(P1Solver::Direct, format!("small: {cost}"))
-    } else if !is_affordable {
-        P1Choice::new(P1Solver::Amg, format!("large: {cost}"))
-    } else if sizes.contact_vertices > 0 {
+    } else if fits && sizes.contact_vertices > 0 {
         let reason = format!("the factor also gives the contact compliance; {cost}");
         P1Choice::new(P1Solver::Direct, reason)
+    } else if !is_affordable {
+        P1Choice::new(P1Solver::Amg, format!("large: {cost}"))
     } else if sizes.contrast > MODEST_CONTRAST {
         let reason = format!("shear moduli differ {:.0e} times; {cost}", sizes.contrast);
         P1Choice::new(P1Solver::Direct, reason)

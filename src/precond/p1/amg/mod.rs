@@ -36,7 +36,7 @@ const TRIAL_STEPS: usize = 6;
 /// A cycle whose condition is above this needs another solver.
 const WORST_CONDITION: f64 = 30.0;
 /// Chebyshev steps for columns of the inverse.
-const COLUMN_STEPS: usize = 4;
+const COLUMN_STEPS: usize = 3;
 
 /// The P1 stiffness by vertices and edges, held components not yet eliminated.
 #[derive(Clone, Copy, Debug)]
@@ -160,7 +160,7 @@ impl AmgP1 {
         self.cycle.held_bytes()
     }
 
-    /// A11^-1 on `unknowns`, to about one per cent: a fixed polynomial of the
+    /// A11^-1 on `unknowns`, to some per cent: a fixed polynomial of the
     /// cycle, so that the result is symmetric positive definite up to rounding.
     pub fn inverse_on(&self, unknowns: &[u32]) -> DenseMatrix {
         let columns: Vec<Vec<f64>> = unknowns

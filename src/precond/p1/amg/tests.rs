@@ -310,7 +310,7 @@ fn columns_of_the_inverse_are_good_to_some_per_cent() {
         let size = column[unknown as usize];
         for (i, &row) in unknowns.iter().enumerate() {
             let error = (found.at(i, j) - column[row as usize]).abs();
-            assert!(error < 0.03 * size, "{error} of {size}");
+            assert!(error < 0.06 * size, "{error} of {size}");
         }
     }
 }
