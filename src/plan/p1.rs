@@ -23,8 +23,9 @@ const CHEAP_FACTOR: f64 = 1e9;
 const LARGEST_FACTOR: f64 = 4e9;
 /// Flops of a factor that contrast or poor cells are worth.
 const DEAREST_FACTOR: f64 = 4e11;
-/// Ratio of shear moduli up to which multigrid keeps its counts.
-const MODEST_CONTRAST: f64 = 1e3;
+/// Ratio of shear moduli up to which multigrid was seen to keep its counts, in
+/// layers and in a ball across the mesh, stiff and soft.
+const MODEST_CONTRAST: f64 = 1e6;
 /// Mean quality of cells below which multigrid needs several times the steps.
 const POOR_CELLS: f64 = 0.4;
 /// Shift of A11 for floating bodies, in mu / L^2.
@@ -257,7 +258,7 @@ mod tests {
                     ..body(vertices)
                 },
                 P1Sizes {
-                    contrast: 1e6,
+                    contrast: 1e9,
                     ..body(vertices)
                 },
                 P1Sizes {

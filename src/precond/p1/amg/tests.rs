@@ -143,7 +143,7 @@ fn counts_in_the_plane_do_not_depend_on_the_size() {
 
 #[test]
 fn stiff_and_soft_layers_raise_the_count_by_less_than_half() {
-    for contrast in [1e-3, 1e3] {
+    for contrast in [1e-6, 1e-3, 1e3, 1e6] {
         let layer = |x: [f64; 3]| match (0.3..0.5).contains(&x[2]) {
             true => contrast,
             false => 1.0,
@@ -154,6 +154,16 @@ fn stiff_and_soft_layers_raise_the_count_by_less_than_half() {
             "{contrast}: {single} {double}"
         );
     }
+}
+
+#[test]
+fn single_precision_is_refused_where_it_overshoots() {
+    let mesh = stretched(samples::cube_parts(8), 2, 0.01);
+    let sample = sample(mesh, |_| 1.0);
+    let refused = AmgP1::new(&sample.view(), Precision::Single).err();
+    assert_eq!(refused, Some(AmgError::Indefinite));
+    let interval = sample.amg(Precision::Double).interval();
+    assert!(interval.largest < 1.1, "{interval:?}");
 }
 
 #[test]
