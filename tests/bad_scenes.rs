@@ -360,7 +360,7 @@ fn methods_are_known_by_name() {
     scene.solver.saddle = "minres".to_owned();
     assert_unsupported(&scene, "solver.saddle");
     scene.solver.saddle = "gcr".to_owned();
-    scene.solver.p1_solver = "amg".to_owned();
+    scene.solver.p1_solver = "ic-cg".to_owned();
     assert_unsupported(&scene, "solver.p1_solver");
     scene.solver.p1_solver = "auto".to_owned();
     scene.solver.quadrature_degree = Some(0);

@@ -33,6 +33,15 @@ fn add(target: &mut Block, factor: f64, block: &Block) {
     }
 }
 
+/// A11 by vertices and edges, held components not yet eliminated.
+#[derive(Clone, Debug)]
+pub struct P1Blocks {
+    /// Diagonal block of each vertex.
+    pub diagonal: Vec<Block>,
+    /// Block of each edge: rows of the lower end, columns of the upper one.
+    pub off: Vec<Block>,
+}
+
 /// A11, lower triangle, unknowns vertex by vertex. `shift` adds a multiple of
 /// the lumped mass, for bodies whose supports leave rigid modes.
 pub fn p1_stiffness(
@@ -43,6 +52,17 @@ pub fn p1_stiffness(
     held: &[u32],
     shift: f64,
 ) -> LowerColumns {
+    p1_blocks(mesh, space, geometry, moduli, shift).lower_columns(space, held)
+}
+
+/// [`p1_stiffness`] by blocks.
+pub fn p1_blocks(
+    mesh: &Mesh,
+    space: &TaylorHood,
+    geometry: &CellGeometry,
+    moduli: &CellModuli,
+    shift: f64,
+) -> P1Blocks {
     let mut diagonal = vec![[[0.0; 3]; 3]; space.vertices];
     let mut off = vec![[[0.0; 3]; 3]; space.edges.len()];
     let vertices = geometry.vertices;
@@ -73,7 +93,14 @@ pub fn p1_stiffness(
             );
         }
     }
-    lower_columns(space, &diagonal, &off, held)
+    P1Blocks { diagonal, off }
+}
+
+impl P1Blocks {
+    /// The lower triangle with identity rows and columns at `held` unknowns.
+    pub fn lower_columns(&self, space: &TaylorHood, held: &[u32]) -> LowerColumns {
+        lower_columns(space, &self.diagonal, &self.off, held)
+    }
 }
 
 fn lower_columns(

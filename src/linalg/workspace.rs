@@ -5,6 +5,7 @@
 #[derive(Debug, Default)]
 pub struct Workspace {
     free: Vec<Vec<f64>>,
+    free_f32: Vec<Vec<f32>>,
 }
 
 impl Workspace {
@@ -15,7 +16,7 @@ impl Workspace {
 
     /// A vector of `length` zeros.
     pub fn zeros(&mut self, length: usize) -> Vec<f64> {
-        let mut vector = self.reuse(length);
+        let mut vector = reuse(&mut self.free, length);
         vector.clear();
         vector.resize(length, 0.0);
         vector
@@ -24,31 +25,17 @@ impl Workspace {
     /// A vector of `length` unspecified finite values, for callers that
     /// overwrite it.
     pub fn scratch(&mut self, length: usize) -> Vec<f64> {
-        let mut vector = self.reuse(length);
+        let mut vector = reuse(&mut self.free, length);
         vector.resize(length, 0.0);
         vector
     }
 
     /// A copy of `values`.
     pub fn copy(&mut self, values: &[f64]) -> Vec<f64> {
-        let mut vector = self.reuse(values.len());
+        let mut vector = reuse(&mut self.free, values.len());
         vector.clear();
         vector.extend_from_slice(values);
         vector
-    }
-
-    fn reuse(&mut self, length: usize) -> Vec<f64> {
-        let fitting = self
-            .free
-            .iter()
-            .enumerate()
-            .filter(|(_, vector)| vector.capacity() >= length)
-            .min_by_key(|(_, vector)| vector.capacity())
-            .map(|(index, _)| index);
-        match fitting {
-            Some(index) => self.free.swap_remove(index),
-            None => Vec::with_capacity(length),
-        }
     }
 
     /// Takes a vector back for later use.
@@ -56,9 +43,37 @@ impl Workspace {
         self.free.push(vector);
     }
 
+    /// [`Self::scratch`] in single precision.
+    pub fn scratch_f32(&mut self, length: usize) -> Vec<f32> {
+        let mut vector = reuse(&mut self.free_f32, length);
+        vector.resize(length, 0.0);
+        vector
+    }
+
+    /// [`Self::give`] in single precision.
+    pub fn give_f32(&mut self, vector: Vec<f32>) {
+        self.free_f32.push(vector);
+    }
+
     /// Bytes held by the pool.
     pub fn bytes(&self) -> u64 {
-        self.free.iter().map(|v| 8 * v.capacity() as u64).sum()
+        let double: usize = self.free.iter().map(Vec::capacity).sum();
+        let single: usize = self.free_f32.iter().map(Vec::capacity).sum();
+        (8 * double + 4 * single) as u64
+    }
+}
+
+/// The smallest free vector that holds `length`, or a new one.
+fn reuse<T>(free: &mut Vec<Vec<T>>, length: usize) -> Vec<T> {
+    let fitting = free
+        .iter()
+        .enumerate()
+        .filter(|(_, vector)| vector.capacity() >= length)
+        .min_by_key(|(_, vector)| vector.capacity())
+        .map(|(index, _)| index);
+    match fitting {
+        Some(index) => free.swap_remove(index),
+        None => Vec::with_capacity(length),
     }
 }
 

@@ -5,6 +5,7 @@
 //! n^2.06. Plane meshes: n log n and n^1.5.
 
 use super::Plan;
+use super::p1::P1Solver;
 use crate::linalg::cholesky::Precision;
 
 const CUBE_VERTICES: f64 = 4096.0;
@@ -15,10 +16,15 @@ const VECTORS: u64 = 40;
 /// Bytes per cell of the matrix-free operator and of the geometry it is made from.
 const CELL_BYTES: u64 = 330;
 
-/// Entries of the factor and flops to make it.
-pub(super) fn factor(plan: &Plan, vertices: u64) -> (f64, f64) {
+/// Bytes per vertex that building a multigrid hierarchy takes at its peak.
+const AMG_BYTES: f64 = 5000.0;
+/// Flops per vertex to build one: mostly the products A P and P^T A P.
+const AMG_FLOPS: f64 = 3e4;
+
+/// Entries of the factor of A11 and flops to make it.
+pub(super) fn factor(dimension: usize, vertices: u64) -> (f64, f64) {
     let n = vertices as f64;
-    match plan.units.dimension {
+    match dimension {
         2 => {
             let logarithm = n.max(2.0).log2();
             (4.0 * 8.0 * n * logarithm, 8.0 * 10.0 * n.powf(1.5))
@@ -30,20 +36,30 @@ pub(super) fn factor(plan: &Plan, vertices: u64) -> (f64, f64) {
     }
 }
 
+/// Bytes of the P1 solver at its peak, and flops to make it.
+pub(super) fn p1_solver(plan: &Plan, vertices: u64) -> (f64, f64) {
+    match plan.p1.solver {
+        P1Solver::Direct => {
+            let (entries, flops) = factor(plan.units.dimension, vertices);
+            let number = match plan.factor_precision().0 {
+                Precision::Single => 4.0,
+                Precision::Double => 8.0,
+            };
+            (number * 1.2 * entries, flops)
+        }
+        P1Solver::Amg => (AMG_BYTES * vertices as f64, AMG_FLOPS * vertices as f64),
+    }
+}
+
 /// Bytes of prepared data and one session's state at their peak.
 pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
-    let (entries, _) = factor(plan, vertices);
     let components = plan.units.dimension as u64;
     let contact = plan.contact_vertices.len() as u64 * components;
     let multipliers = plan.unknowns.contact;
     let dense = 3 * contact * contact + 3 * multipliers * multipliers;
     let vectors = VECTORS * (plan.unknowns.displacement + plan.unknowns.pressure);
     let blocks = plan.unknowns.displacement * components;
-    let number = match plan.factor_precision().0 {
-        Precision::Single => 4,
-        Precision::Double => 8,
-    };
-    number * (1.2 * entries) as u64
+    p1_solver(plan, vertices).0 as u64
         + 8 * (dense + vectors + blocks)
         + CELL_BYTES * plan.cells as u64
         + 200 * vertices

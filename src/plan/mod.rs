@@ -2,6 +2,7 @@
 //! what is left out. Cheap to make, printable, made before any expensive work.
 
 mod estimate;
+mod p1;
 mod prepared;
 mod report;
 mod units;
@@ -17,6 +18,7 @@ use crate::scene::validate::{Resolved, resolve};
 use crate::scene::{Scene, SceneError, Step, Violation};
 use crate::space::TaylorHood;
 
+use p1::P1Sizes;
 pub use prepared::{PrepareError, Prepared};
 pub use report::{LeftOut, PlanEntry, PlanReport};
 pub use units::Units;
@@ -40,6 +42,7 @@ pub struct Plan {
     /// Mesh vertices of all candidate faces, ascending.
     pub(crate) contact_vertices: Vec<u32>,
     pub(crate) smoother_degree: usize,
+    pub(crate) p1: p1::P1Choice,
     pub(crate) warnings: Vec<String>,
 }
 
@@ -79,6 +82,14 @@ impl Plan {
         };
         let held = held_unknowns(scene, &resolved, mesh, &space);
         let smoother_degree = smoother_degree(&resolved, mesh);
+        let sizes = P1Sizes {
+            dimension: units.dimension,
+            vertices: space.vertices as u64,
+            contact_vertices: contact_vertices.len(),
+            contrast: contrast(&resolved),
+            quality: mesh.quality().mean,
+        };
+        let p1 = p1::choose(&scene.solver.p1_solver, sizes);
         let mut warnings = mesh.warnings().to_vec();
         warnings.extend(conflicts(scene, &resolved, mesh));
         Ok(Self {
@@ -90,6 +101,7 @@ impl Plan {
             held,
             contact_vertices,
             smoother_degree,
+            p1,
             warnings,
             scene: scene.clone(),
             resolved,
@@ -123,7 +135,7 @@ impl Plan {
         let mut hash = Sha256::new();
         hash.update(self.mesh_id.as_bytes());
         hash.update([u8::from(self.resolved.mixed), self.smoother_degree as u8]);
-        hash.update([u8::from(self.is_floating())]);
+        hash.update([u8::from(self.is_floating()), self.p1.solver as u8]);
         for (unknown, _) in &self.held {
             hash.update(unknown.to_le_bytes());
         }
@@ -227,20 +239,12 @@ fn conflicts(scene: &Scene, resolved: &Resolved, mesh: &Mesh) -> Vec<String> {
 const MOST_CONTRAST: f64 = 1e3;
 
 impl Plan {
-    /// Number type of the P1 factor and why: single precision costs half the
-    /// time and memory where the block is well conditioned.
+    /// Number type of a P1 factor and why: single precision costs half the time
+    /// and memory where the block is well conditioned.
     pub(crate) fn factor_precision(&self) -> (Precision, &'static str) {
-        let shear = self
-            .resolved
-            .materials
-            .iter()
-            .map(|one| one.law.shear_modulus);
-        let (low, high) = shear.fold((f64::INFINITY, 0.0_f64), |(low, high), modulus| {
-            (low.min(modulus), high.max(modulus))
-        });
         if self.is_floating() {
             (Precision::Double, "rigid modes are nearly free")
-        } else if high > MOST_CONTRAST * low {
+        } else if contrast(&self.resolved) > MOST_CONTRAST {
             (Precision::Double, "strong contrast of stiffness")
         } else if self.smoother_degree > 2 {
             (
@@ -251,6 +255,12 @@ impl Plan {
             (Precision::Single, "well conditioned")
         }
     }
+}
+
+/// Largest over smallest shear modulus.
+fn contrast(resolved: &Resolved) -> f64 {
+    let shear = resolved.materials.iter().map(|m| m.law.shear_modulus);
+    shear.clone().fold(0.0, f64::max) / shear.fold(f64::INFINITY, f64::min)
 }
 
 /// Chebyshev steps of the smoother: more where the P1 correction is weak, that

@@ -5,15 +5,14 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::Plan;
+use super::p1::{self, P1Body};
 use crate::assembly::grid::{Basis, Rows};
 use crate::assembly::mass::weighted_mass;
-use crate::assembly::p1_stiffness::{node_blocks, p1_stiffness};
+use crate::assembly::p1_stiffness::node_blocks;
 use crate::assembly::{CellGeometry, CellModuli, Divergence, Grid, Stiffness};
-use crate::linalg::cholesky::Precision;
 use crate::linalg::vector::norm;
 use crate::linalg::{DenseMatrix, FactoriseError, LinearOperator, SparseRows, Workspace};
 use crate::mesh::Mesh;
-use crate::precond::p1::{DirectP1, vertex_order};
 use crate::precond::schur::ChebyshevMass;
 use crate::precond::{NodeBlocks, PMultigrid, Transfer};
 use crate::report::{CancelToken, Seconds, Termination};
@@ -21,8 +20,6 @@ use crate::space::TaylorHood;
 
 /// Chebyshev steps that invert the pressure mass.
 const MASS_STEPS: usize = 6;
-/// Shift of the P1 factor for floating bodies, in mu / L^2.
-const SHIFT: f64 = 1e-2;
 
 /// Why preparation failed.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -59,7 +56,8 @@ pub struct Prepared {
     pub(crate) pressure: Option<PressureBlock>,
     /// A11^-1 on the contact vertices; empty without contact.
     pub(crate) compliance: DenseMatrix,
-    factor_bytes: u64,
+    p1_bytes: u64,
+    p1_part: &'static str,
     seconds: Seconds,
 }
 
@@ -93,15 +91,24 @@ impl Prepared {
         let moduli = moduli(plan);
         let held: Arc<[u32]> = plan.held.iter().map(|&(unknown, _)| unknown).collect();
         poll()?;
-        let (factorised, (grid, blocks)) = rayon::join(
-            || factorise(plan, mesh, &space, &geometry, &moduli, &held),
+        let (p1, (grid, blocks)) = rayon::join(
+            || {
+                let body = P1Body {
+                    mesh,
+                    space: &space,
+                    geometry: &geometry,
+                    moduli: &moduli,
+                    held: &held,
+                };
+                p1::build(plan, body)
+            },
             || {
                 let grid = Arc::new(Grid::new(mesh, &space, &geometry, &moduli, &held));
                 let blocks = node_blocks(mesh, &space, &geometry, &moduli, &held);
                 (grid, NodeBlocks::invert(space.components, blocks))
             },
         );
-        let (factor, compliance, assemble, factorise) = factorised?;
+        let p1 = p1?;
         poll()?;
         let stiffness = |basis| Stiffness {
             grid: grid.clone(),
@@ -109,7 +116,6 @@ impl Prepared {
             size: space.displacement_unknowns(),
             held: held.clone(),
         };
-        let factor_bytes = factor.bytes();
         let transfer = Transfer {
             vertices: space.vertices,
             components: space.components,
@@ -119,7 +125,7 @@ impl Prepared {
         let displacement = PMultigrid::new(
             Arc::new(stiffness(Basis::Lagrange)),
             blocks.clone(),
-            Arc::new(factor),
+            p1.solver,
             transfer,
             plan.smoother_degree,
             &mut Workspace::new(),
@@ -142,12 +148,13 @@ impl Prepared {
             displacement,
             node_blocks: blocks,
             pressure,
-            compliance,
-            factor_bytes,
+            compliance: p1.compliance,
+            p1_bytes: p1.bytes,
+            p1_part: p1.part,
             seconds: Seconds {
-                prepare: (total - assemble - factorise).max(0.0),
-                assemble,
-                factorise,
+                prepare: (total - p1.assemble - p1.factorise).max(0.0),
+                assemble: p1.assemble,
+                factorise: p1.factorise,
                 total,
                 ..Seconds::default()
             },
@@ -161,7 +168,7 @@ impl Prepared {
         });
         self.geometry.bytes()
             + self.grid.bytes()
-            + self.factor_bytes
+            + self.p1_bytes
             + self.displacement.bytes()
             + self.node_blocks.bytes()
             + self.compliance.bytes()
@@ -176,7 +183,13 @@ impl Prepared {
 
     /// Names of the parts, for reports of reuse.
     pub(crate) fn parts(&self) -> Vec<String> {
-        let mut parts = vec!["numbering", "geometry", "operator", "p1_factor", "smoother"];
+        let mut parts = vec![
+            "numbering",
+            "geometry",
+            "operator",
+            self.p1_part,
+            "smoother",
+        ];
         if self.pressure.is_some() {
             parts.push("pressure_metric");
         }
@@ -201,37 +214,6 @@ fn moduli(plan: &Plan) -> CellModuli {
         moduli.inverse_lame.push(inverse);
     }
     moduli
-}
-
-type Factorised = (DirectP1, DenseMatrix, f64, f64);
-
-/// Factor, contact compliance, and the seconds of assembly and factorisation.
-fn factorise(
-    plan: &Plan,
-    mesh: &Mesh,
-    space: &TaylorHood,
-    geometry: &CellGeometry,
-    moduli: &CellModuli,
-    held: &[u32],
-) -> Result<Factorised, FactoriseError> {
-    let start = Instant::now();
-    let shift = if plan.is_floating() { SHIFT } else { 0.0 };
-    let matrix = p1_stiffness(mesh, space, geometry, moduli, held, shift);
-    let assembled = start.elapsed().as_secs_f64();
-    let order = vertex_order(mesh.coordinates(), &space.edges, &plan.contact_vertices);
-    let direct = |precision| DirectP1::new(&matrix, &order, space.components, precision);
-    let factor = match plan.factor_precision().0 {
-        // Rounding may cost a small pivot its sign.
-        Precision::Single => direct(Precision::Single).or_else(|_| direct(Precision::Double))?,
-        Precision::Double => direct(Precision::Double)?,
-    };
-    let compliance = factor.compliance_of_last(plan.contact_vertices.len() * space.components);
-    Ok((
-        factor,
-        compliance,
-        assembled,
-        start.elapsed().as_secs_f64() - assembled,
-    ))
 }
 
 /// Whether B^T 1 vanishes on free rows.

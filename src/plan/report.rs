@@ -1,5 +1,6 @@
 //! The plan as people and clients read it.
 
+use super::p1::P1Solver;
 use super::{Plan, estimate};
 use crate::linalg::cholesky::Precision;
 use crate::report::Unknowns;
@@ -41,7 +42,7 @@ pub struct PlanReport {
     pub left_out: Vec<LeftOut>,
     /// Bytes of prepared data and state.
     pub predicted_bytes: u64,
-    /// Floating point operations of the P1 factor.
+    /// Floating point operations to build the P1 solver.
     pub predicted_factor_flops: f64,
     /// Displacement preconditioner applications per increment.
     pub predicted_applications: u32,
@@ -66,7 +67,7 @@ impl Plan {
             decisions: self.decisions(),
             left_out: self.left_out(),
             predicted_bytes: estimate::bytes(self, vertices),
-            predicted_factor_flops: estimate::factor(self, vertices).1,
+            predicted_factor_flops: estimate::p1_solver(self, vertices).1,
             predicted_applications: estimate::applications(self),
             warnings: self.warnings.clone(),
         }
@@ -106,20 +107,7 @@ impl Plan {
             format!("p-multigrid, Chebyshev degree {degree}"),
             reason,
         );
-        let (precision, reason) = self.factor_precision();
-        let bits = match precision {
-            Precision::Single => 32,
-            Precision::Double => 64,
-        };
-        let order = match self.contact_vertices.is_empty() {
-            true => "nested dissection",
-            false => "the factor also gives the contact compliance",
-        };
-        push(
-            "p1_solver",
-            format!("sparse Cholesky in {bits} bits"),
-            &format!("{order}; {reason}"),
-        );
+        push("p1_solver", self.p1_name(), &self.p1.reason);
         let krylov = match (self.resolved.mixed, self.unknowns.contact) {
             (false, 0) => "conjugate gradients",
             _ => "flexible GCR(10), upper block-triangular",
@@ -142,6 +130,18 @@ impl Plan {
             push("rigid modes", "shifted P1 factor".into(), &reason);
         }
         entries
+    }
+
+    /// The P1 solver with its number type.
+    fn p1_name(&self) -> String {
+        let bits = match self.factor_precision().0 {
+            Precision::Single => 32,
+            Precision::Double => 64,
+        };
+        match self.p1.solver {
+            P1Solver::Direct => format!("{} in {bits} bits", self.p1.solver.describe()),
+            P1Solver::Amg => self.p1.solver.describe().to_owned(),
+        }
     }
 
     fn left_out(&self) -> Vec<LeftOut> {

@@ -113,28 +113,77 @@ fn the_displacement_preconditioner_is_symmetric_and_positive() {
     }
 }
 
+/// Conjugate gradients on the displacement block to a reduction of 1e-8.
+fn count(prepared: &Prepared) -> usize {
+    let mut r = noise(prepared);
+    let mut x = vec![0.0; r.len()];
+    let mut monitor = Reduced {
+        bound: 1e-8 * norm(&r),
+        iterations: 0,
+    };
+    let outcome = cg::solve(
+        &prepared.stiffness,
+        &prepared.displacement,
+        &mut x,
+        &mut r,
+        50,
+        &mut monitor,
+        &mut Workspace::new(),
+    );
+    assert_eq!(outcome, Outcome::Stopped);
+    monitor.iterations
+}
+
 #[test]
 fn conjugate_gradients_on_the_displacement_block_take_at_most_14() {
-    for count in [3, 6, 8] {
-        let prepared = prepare(&clamped(0.5), samples::cube(count));
-        let mut r = noise(&prepared);
-        let mut x = vec![0.0; r.len()];
-        let mut monitor = Reduced {
-            bound: 1e-8 * norm(&r),
-            iterations: 0,
-        };
-        let outcome = cg::solve(
-            &prepared.stiffness,
-            &prepared.displacement,
-            &mut x,
-            &mut r,
-            50,
-            &mut monitor,
-            &mut Workspace::new(),
-        );
-        assert_eq!(outcome, Outcome::Stopped);
-        assert!(monitor.iterations <= 14, "{count}: {}", monitor.iterations);
+    for size in [3, 6, 8] {
+        let iterations = count(&prepare(&clamped(0.5), samples::cube(size)));
+        assert!(iterations <= 14, "{size}: {iterations}");
     }
+}
+
+/// [`clamped`] above a floor, with the named P1 solver.
+fn solved_by(p1_solver: &str, poisson_ratio: f64) -> Scene {
+    let mut scene = with_floor(clamped(poisson_ratio));
+    scene.solver.p1_solver = p1_solver.to_owned();
+    scene
+}
+
+#[test]
+fn multigrid_takes_as_many_iterations_as_the_factor() {
+    for poisson_ratio in [0.3, 0.5] {
+        let prepared = |name| prepare(&solved_by(name, poisson_ratio), samples::cube(8));
+        let (direct, multigrid) = (prepared("cholesky"), prepared("amg"));
+        assert!(multigrid.parts().contains(&"p1_multigrid".to_owned()));
+        let counts = (count(&direct), count(&multigrid));
+        assert!(counts.1 <= counts.0 + 2, "{counts:?}");
+        let (exact, found) = (&direct.compliance, &multigrid.compliance);
+        assert_eq!(exact.rows(), found.rows());
+        for j in 0..exact.columns() {
+            for i in 0..exact.rows() {
+                let error = (found.at(i, j) - exact.at(i, j)).abs();
+                assert!(error < 0.06 * exact.at(j, j), "{i} {j}: {error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_plan_names_the_p1_solver_and_its_reason() {
+    let mesh = samples::cube(3);
+    let chosen = |name| {
+        let report = plan(&solved_by(name, 0.5), &mesh).report();
+        let mut decisions = report.decisions.into_iter();
+        decisions
+            .find(|entry| entry.what == "p1_solver")
+            .expect("a decision")
+    };
+    assert!(chosen("amg").choice.contains("multigrid"));
+    assert_eq!(chosen("amg").reason, "asked for");
+    assert!(chosen("auto").choice.contains("Cholesky"));
+    assert!(chosen("auto").reason.contains("Gflop"));
+    let key = |name| plan(&solved_by(name, 0.5), &mesh).key();
+    assert!(key("amg") != key("cholesky") && key("auto") == key("cholesky"));
 }
 
 #[test]

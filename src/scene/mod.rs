@@ -152,7 +152,7 @@ pub struct SolverOptions {
     pub max_wall_time: Option<f64>,
     /// `auto`, `p-multigrid`.
     pub displacement_preconditioner: String,
-    /// `auto`, `cholesky`.
+    /// `auto`, `cholesky`, `amg`.
     pub p1_solver: String,
     /// `auto`, `gcr` (mixed), `cg` (displacement form).
     pub saddle: String,

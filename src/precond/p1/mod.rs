@@ -3,6 +3,8 @@
 //! A11 is symmetric positive definite; rows and columns of held components are
 //! the identity. Unknowns are numbered vertex by vertex.
 
+pub mod amg;
 mod direct;
 
+pub use amg::{AmgError, AmgP1, VertexBlocks};
 pub use direct::{DirectP1, vertex_order};

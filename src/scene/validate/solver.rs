@@ -5,8 +5,7 @@ use crate::element::quadrature::MAXIMUM_DEGREE;
 use crate::scene::Scene;
 
 /// Names that later capabilities bring.
-const LATER: [&str; 15] = [
-    "amg",
+const LATER: [&str; 14] = [
     "ic-cg",
     "hierarchical-ssor",
     "hierarchical-additive",
@@ -47,23 +46,26 @@ pub(crate) fn check(scene: &Scene, mixed: bool, faults: &mut Faults) {
         (
             "displacement_preconditioner",
             &solver.displacement_preconditioner,
-            "p-multigrid",
+            &["p-multigrid"][..],
         ),
-        ("p1_solver", &solver.p1_solver, "cholesky"),
-        ("saddle", &solver.saddle, saddle),
-        ("contact", &solver.contact, "one-level"),
-        ("contact_metric", &solver.contact_metric, "compliance"),
+        ("p1_solver", &solver.p1_solver, &["cholesky", "amg"]),
+        ("saddle", &solver.saddle, &[saddle]),
+        ("contact", &solver.contact, &["one-level"]),
+        ("contact_metric", &solver.contact_metric, &["compliance"]),
     ];
     for (key, asked, available) in methods {
         let path = format!("solver.{key}");
         match asked.as_str() {
             "auto" => (),
-            name if name == available => (),
+            name if available.contains(&name) => (),
             name if LATER.contains(&name) || name == "cg" || name == "gcr" => {
-                faults.unsupported(path, format!("`{name}` here; `{available}` is there"));
+                faults.unsupported(
+                    path,
+                    format!("`{name}` here; `{}` is there", available.join("`, `")),
+                );
             }
             name => {
-                let hint = names::hint(name, ["auto", available].into_iter());
+                let hint = names::hint(name, available.iter().copied().chain(["auto"]));
                 faults.add(path, format!("unknown method `{name}`{hint}"));
             }
         }

@@ -1,0 +1,78 @@
+//! The coarsest level: the dense inverse from a Cholesky factor.
+//!
+//! At some hundred unknowns it is a product of a few microseconds, and needs
+//! no scratch.
+
+use super::AmgError;
+use super::block_rows::BlockRows;
+use super::scalar::Scalar;
+use crate::linalg::SparseCholesky;
+use crate::linalg::cholesky::{LowerColumns, Precision};
+
+/// A dense symmetric inverse.
+#[derive(Clone, Debug)]
+pub(super) struct Coarsest<S> {
+    size: usize,
+    /// Column by column.
+    inverse: Vec<S>,
+}
+
+impl<S: Scalar> Coarsest<S> {
+    /// Inverts `matrix`.
+    ///
+    /// # Errors
+    /// When it is not positive definite.
+    pub(super) fn new<const K: usize>(matrix: &BlockRows<f64, K, K>) -> Result<Self, AmgError> {
+        let size = K * matrix.rows();
+        let order: Vec<u32> = (0..size as u32).collect();
+        let factor = SparseCholesky::new(&lower_columns(matrix), &order, Precision::Double)?;
+        let inverse = factor.trailing_block(size).inverse_of_product();
+        let mean = |i: usize, j: usize| 0.5 * (inverse.at(i, j) + inverse.at(j, i));
+        let entries = (0..size).flat_map(|j| (0..size).map(move |i| S::narrow(mean(i, j))));
+        Ok(Self {
+            size,
+            inverse: entries.collect(),
+        })
+    }
+
+    /// `x = A^-1 r`.
+    pub(super) fn solve(&self, r: &[S], x: &mut [S]) {
+        x.fill(S::default());
+        for (column, &factor) in self.inverse.chunks_exact(self.size.max(1)).zip(r) {
+            for (sum, &entry) in x.iter_mut().zip(column) {
+                *sum += entry * factor;
+            }
+        }
+    }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> u64 {
+        size_of_val(self.inverse.as_slice()) as u64
+    }
+}
+
+/// The lower triangle, from the rows of the upper one.
+fn lower_columns<const K: usize>(matrix: &BlockRows<f64, K, K>) -> LowerColumns {
+    let mut lower = LowerColumns {
+        offsets: vec![0],
+        ..LowerColumns::default()
+    };
+    for node in 0..matrix.rows() {
+        let (columns, blocks) = matrix.row(node);
+        for j in 0..K {
+            for (&other, block) in columns.iter().zip(blocks) {
+                let first = match (other as usize).cmp(&node) {
+                    std::cmp::Ordering::Less => K,
+                    std::cmp::Ordering::Equal => j,
+                    std::cmp::Ordering::Greater => 0,
+                };
+                for i in first..K {
+                    lower.rows.push(other * K as u32 + i as u32);
+                    lower.values.push(block[j][i]);
+                }
+            }
+            lower.offsets.push(lower.rows.len() as u32);
+        }
+    }
+    lower
+}

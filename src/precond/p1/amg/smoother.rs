@@ -1,0 +1,191 @@
+//! Chebyshev smoothing around block Jacobi, fused: residual, direction and
+//! iterate in one pass over the matrix.
+//!
+//! Step: `r -= A d`, `d' = keep d + gain D^-1 r`, `x += d'`. The polynomial is
+//! the same before and after the coarse correction, so the cycle is symmetric;
+//! it damps `[largest / RATIO, largest]` of D^-1 A.
+//! Adams, Brezina, Hu and Tuminaro, J. Comput. Phys. 188 (2003).
+
+use rayon::prelude::*;
+
+use super::AmgError;
+use super::block_rows::{Block, BlockRows, PIECE, in_pieces};
+use super::scalar::Scalar;
+use super::strength::position_of_diagonal;
+use crate::linalg::{Preconditioner, Workspace};
+use crate::precond::spectrum::ritz_interval;
+
+/// Steps before and after the coarse correction.
+pub(super) const DEGREE: usize = 2;
+/// Ratio of the ends of the damped interval.
+const RATIO: f64 = 8.0;
+/// Lanczos steps for the largest eigenvalue.
+const LANCZOS_STEPS: usize = 8;
+/// The Lanczos process approaches it from below.
+const SAFETY: f64 = 1.1;
+
+/// Inverted diagonal blocks, and the coefficients of the steps.
+#[derive(Clone, Debug)]
+pub(super) struct Smoother<S, const N: usize> {
+    inverse: Vec<Block<S, N, N>>,
+    /// `keep` and `gain` of each step.
+    steps: [(S, S); DEGREE],
+}
+
+/// Inverses of the diagonal blocks.
+///
+/// # Errors
+/// When one is not positive definite.
+pub(super) fn inverse_diagonal<const N: usize>(
+    matrix: &BlockRows<f64, N, N>,
+) -> Result<Vec<Block<f64, N, N>>, AmgError> {
+    (0..matrix.rows())
+        .into_par_iter()
+        .with_min_len(PIECE)
+        .map(|row| {
+            position_of_diagonal(matrix, row)
+                .and_then(|k| inverse(&matrix.blocks[k]))
+                .ok_or(AmgError::Indefinite)
+        })
+        .collect()
+}
+
+/// Inverse of a symmetric positive definite block by Gauss-Jordan elimination,
+/// which needs no pivoting there.
+fn inverse<const N: usize>(block: &Block<f64, N, N>) -> Option<Block<f64, N, N>> {
+    let mut a = *block;
+    for pivot in 0..N {
+        let value = a[pivot][pivot];
+        // Rounding leaves this much of a pivot that is zero.
+        if !(value > 1e-14 * block[pivot][pivot] && value.is_finite()) {
+            return None;
+        }
+        let row = a[pivot];
+        for i in (0..N).filter(|&i| i != pivot) {
+            let factor = a[i][pivot] / value;
+            for j in (0..N).filter(|&j| j != pivot) {
+                a[i][j] -= factor * row[j];
+            }
+            a[i][pivot] = -factor;
+        }
+        for j in (0..N).filter(|&j| j != pivot) {
+            a[pivot][j] = row[j] / value;
+        }
+        a[pivot][pivot] = 1.0 / value;
+    }
+    Some(a)
+}
+
+struct BlockJacobi<'a, const N: usize>(&'a [Block<f64, N, N>]);
+
+impl<const N: usize> Preconditioner for BlockJacobi<'_, N> {
+    fn apply(&self, r: &[f64], z: &mut [f64], _work: &mut Workspace) {
+        let r = r.as_chunks::<N>().0;
+        in_pieces(z.as_chunks_mut::<N>().0, |first, rows| {
+            for (row, z) in rows.iter_mut().enumerate() {
+                *z = times(&self.0[first + row], &r[first + row]);
+            }
+        });
+    }
+}
+
+#[inline]
+fn times<S: Scalar, const N: usize>(block: &Block<S, N, N>, x: &[S; N]) -> [S; N] {
+    let mut y = [S::default(); N];
+    for i in 0..N {
+        for j in 0..N {
+            y[i] += block[i][j] * x[j];
+        }
+    }
+    y
+}
+
+/// A bound of the largest eigenvalue of D^-1 A.
+pub(super) fn largest_eigenvalue<const N: usize>(
+    matrix: &BlockRows<f64, N, N>,
+    inverse: &[Block<f64, N, N>],
+    work: &mut Workspace,
+) -> f64 {
+    let jacobi = BlockJacobi(inverse);
+    SAFETY * ritz_interval(matrix, &jacobi, &[], LANCZOS_STEPS, work).largest
+}
+
+impl<S: Scalar, const N: usize> Smoother<S, N> {
+    /// Smoother of a matrix with eigenvalues of D^-1 A up to `largest`.
+    pub(super) fn new(inverse: &[Block<f64, N, N>], largest: f64) -> Self {
+        let (low, high) = (largest / RATIO, largest);
+        let (centre, half) = (0.5 * (high + low), 0.5 * (high - low));
+        let sigma = centre / half;
+        let mut rho = 1.0 / sigma;
+        let mut step = (0.0, 1.0 / centre);
+        let steps = [(); DEGREE].map(|()| {
+            let current = (S::narrow(step.0), S::narrow(step.1));
+            let next = 1.0 / (2.0 * sigma - rho);
+            step = (next * rho, 2.0 * next / half);
+            rho = next;
+            current
+        });
+        let narrow = |block: &Block<f64, N, N>| block.map(|row| row.map(S::narrow));
+        Self {
+            inverse: inverse.iter().map(narrow).collect(),
+            steps,
+        }
+    }
+
+    /// First step from zero: `d = gain D^-1 r`, `x = d`.
+    pub(super) fn start(&self, r: &[S], d: &mut [S], x: &mut [S]) {
+        let gain = self.steps[0].1;
+        let r = r.as_chunks::<N>().0;
+        let first_step = |first: usize, d: &mut [[S; N]], x: &mut [[S; N]]| {
+            for (row, (d, x)) in d.iter_mut().zip(x).enumerate() {
+                *d = times(&self.inverse[first + row], &r[first + row]).map(|z| gain * z);
+                *x = *d;
+            }
+        };
+        d.as_chunks_mut::<N>()
+            .0
+            .par_chunks_mut(PIECE)
+            .zip(x.as_chunks_mut::<N>().0.par_chunks_mut(PIECE))
+            .enumerate()
+            .for_each(|(piece, (d, x))| first_step(piece * PIECE, d, x));
+    }
+
+    /// Step `index` after `x` has moved by `d`; `next` becomes the next move.
+    pub(super) fn step(
+        &self,
+        index: usize,
+        matrix: &BlockRows<S, N, N>,
+        r: &mut [S],
+        d: &[S],
+        next: &mut [S],
+        x: &mut [S],
+    ) {
+        let (keep, gain) = self.steps[index];
+        let d = d.as_chunks::<N>().0;
+        r.as_chunks_mut::<N>()
+            .0
+            .par_chunks_mut(PIECE)
+            .zip(next.as_chunks_mut::<N>().0.par_chunks_mut(PIECE))
+            .zip(x.as_chunks_mut::<N>().0.par_chunks_mut(PIECE))
+            .enumerate()
+            .for_each(|(piece, ((r, next), x))| {
+                for (k, ((r, next), x)) in r.iter_mut().zip(next).zip(x).enumerate() {
+                    let row = piece * PIECE + k;
+                    let product = matrix.row_product(row, d);
+                    for i in 0..N {
+                        r[i] -= product[i];
+                    }
+                    let z = times(&self.inverse[row], r);
+                    for i in 0..N {
+                        next[i] = keep * d[row][i] + gain * z[i];
+                        x[i] += next[i];
+                    }
+                }
+            });
+    }
+
+    /// Bytes held.
+    pub(super) fn bytes(&self) -> u64 {
+        size_of_val(self.inverse.as_slice()) as u64
+    }
+}
