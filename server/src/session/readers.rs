@@ -37,20 +37,26 @@ pub(super) struct Reader {
     pub(super) outbox: Arc<Outbox>,
     /// Event of the newest result queued in order.
     cursor: i64,
-    /// Results up to this event were not sent on this stream.
-    start: i64,
+    /// Results up to this event came before this stream, to nobody's knowledge.
+    missed: i64,
     repeats: VecDeque<Repeat>,
     metrics: Arc<Metrics>,
 }
 
 impl Reader {
-    /// A reader of results behind the event `seen`.
-    pub(super) fn new(outbox: Arc<Outbox>, seen: i64, metrics: &Arc<Metrics>) -> Self {
+    /// A reader of results behind the event `start`, of which the client has not
+    /// seen those up to `missed`.
+    pub(super) fn new(
+        outbox: Arc<Outbox>,
+        start: i64,
+        missed: i64,
+        metrics: &Arc<Metrics>,
+    ) -> Self {
         metrics.stream_opened();
         Self {
             outbox,
-            cursor: seen,
-            start: seen,
+            cursor: start,
+            missed,
             repeats: VecDeque::new(),
             metrics: Arc::clone(metrics),
         }
@@ -73,7 +79,7 @@ impl Reader {
 
     /// Sends those results of the running sequence that this stream has missed.
     pub(super) fn repeat_missed(&mut self, sequence: i64, kept: &Kept) {
-        let missed = std::mem::take(&mut self.start);
+        let missed = std::mem::take(&mut self.missed);
         self.send_again(sequence, kept, missed);
     }
 

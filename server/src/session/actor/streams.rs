@@ -24,8 +24,12 @@ impl Actor {
         }
         let iterations = self.iterations.reader(request.iteration_interval);
         let outbox = self.new_outbox(&request);
-        let seen = self.kept.seen(request.last_seen_event, self.last_event);
-        let reader = Reader::new(Arc::clone(&outbox), seen, &self.shop.metrics);
+        let start = self.kept.seen(request.last_seen_event, self.last_event);
+        let missed = match request.last_seen_event {
+            Some(_) => 0,
+            None => start,
+        };
+        let reader = Reader::new(Arc::clone(&outbox), start, missed, &self.shop.metrics);
         self.streams += 1;
         match role {
             Role::Writer {
