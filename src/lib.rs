@@ -69,6 +69,7 @@
 #![doc = include_str!("decisions/0008-dependencies.md")]
 #![doc = include_str!("decisions/0009-service-shape.md")]
 #![doc = include_str!("decisions/0010-streams-and-slots.md")]
+#![doc = include_str!("decisions/0011-p1-solvers.md")]
 
 pub mod assembly;
 pub mod contact;
