@@ -6,6 +6,7 @@
 )]
 
 use fastrand::Rng;
+use signorini_proto::v1::session_service_client::SessionServiceClient;
 use signorini_proto::v1::solve_request::Message;
 use signorini_proto::v1::{self as wire, solve_response};
 use tokio::sync::mpsc;
@@ -24,7 +25,8 @@ pub(crate) enum Ending {
     Deleted,
 }
 
-/// Calls `Solve` with `open` on its way.
+/// Calls `Solve` with `open` on its way, on a connection of its own: the transport
+/// closes one on which a thousand streams have ended in error.
 async fn call(
     server: &Server,
     open: wire::Open,
@@ -35,7 +37,8 @@ async fn call(
     let (sender, outbound) = mpsc::channel(16);
     let message = Some(Message::Open(open));
     sender.send(wire::SolveRequest { message }).await.unwrap();
-    let answers = server.sessions().solve(ReceiverStream::new(outbound)).await;
+    let mut client = SessionServiceClient::new(server.connect().await);
+    let answers = client.solve(ReceiverStream::new(outbound)).await;
     (sender, answers.unwrap().into_inner())
 }
 
