@@ -2,12 +2,11 @@
 
 use std::time::{Duration, Instant};
 
-use signorini_client::solve::Attach;
 use signorini_proto::v1;
 use signorini_server::Config;
 
 use crate::figures::percentiles;
-use crate::server::{Scene, Server, ball, press, result};
+use crate::server::{Scene, Server, ball, pressed, result};
 
 const CLIENTS: u32 = 64;
 /// Between two calls of one client.
@@ -20,13 +19,7 @@ pub(crate) async fn run(count: u32) {
     let mut busy = Vec::new();
     for _ in 0..2 {
         let session = server.session(&scene).await;
-        let mut solve = server
-            .client
-            .solve(&session, Attach::default())
-            .await
-            .unwrap();
-        solve.updates.load_step(press(0.05, 100_000)).await.unwrap();
-        result(&mut solve.events).await;
+        let solve = pressed(&server.client, &session, 100_000).await;
         busy.push((session, solve));
     }
     for (what, pause) in [("paced", PAUSE), ("without a pause", Duration::ZERO)] {
@@ -94,13 +87,8 @@ pub(crate) async fn flood(count: u32) {
     let mut flood = Vec::new();
     for _ in 0..16 {
         let session = server.session(&scene).await;
-        let mut solve = server
-            .client
-            .solve(&session, Attach::default())
-            .await
-            .unwrap();
-        solve.updates.load_step(press(0.05, 100_000)).await.unwrap();
-        tokio::spawn(async move { while solve.events.next().await.is_ok() {} });
+        let mut solve = pressed(&server.client, &session, 100_000).await;
+        tokio::spawn(async move { while let Ok(Some(_)) = solve.events.next().await {} });
         flood.push((session, solve.updates));
     }
     let beside = rate(&server, &scene, count).await;
@@ -113,9 +101,7 @@ pub(crate) async fn flood(count: u32) {
 async fn rate(server: &Server, scene: &Scene, count: u32) -> f64 {
     let client = server.connect().await;
     let session = server.session(scene).await;
-    let mut solve = client.solve(&session, Attach::default()).await.unwrap();
-    solve.updates.load_step(press(0.05, 1)).await.unwrap();
-    result(&mut solve.events).await;
+    let mut solve = pressed(&client, &session, 1).await;
     let start = Instant::now();
     for index in 0..count {
         let depth = 0.05 * (1.0 + 0.01 * f64::from(index % 10));

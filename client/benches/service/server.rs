@@ -4,7 +4,7 @@ use std::path::Path;
 
 use signorini_client::formats::msh;
 use signorini_client::scene_file::{self, Override};
-use signorini_client::solve::{Event, Events, Increment};
+use signorini_client::solve::{Attach, Event, Events, Increment, Solve};
 use signorini_client::{Client, NewSession, WireMesh};
 use signorini_proto::v1;
 use signorini_proto::v1::session_service_client::SessionServiceClient;
@@ -53,6 +53,19 @@ impl Server {
         };
         self.client.create_session(new).await.unwrap().0.name
     }
+}
+
+/// Opens the stream of a session and presses the ball to 0.05 in equal parts;
+/// returns with the first result.
+pub(crate) async fn pressed(client: &Client, session: &str, increments: i32) -> Solve {
+    let mut solve = client.solve(session, Attach::default()).await.unwrap();
+    solve
+        .updates
+        .load_step(press(0.05, increments))
+        .await
+        .unwrap();
+    result(&mut solve.events).await;
+    solve
 }
 
 /// A scene with its mesh.

@@ -96,8 +96,7 @@ impl SessionService for Sessions {
             client: ClientKey::of(&request),
             timeout: timeout::of(request.metadata()),
         };
-        let registry = Arc::clone(&self.registry);
-        let answers = session::open_stream(registry, request.into_inner(), call);
+        let answers = session::open_stream(&self.registry, request.into_inner(), call);
         Ok(Response::new(ReceiverStream::new(answers)))
     }
 
@@ -105,7 +104,7 @@ impl SessionService for Sessions {
         &self,
         request: Request<wire::WatchRequest>,
     ) -> Result<Response<Self::WatchStream>, Status> {
-        let answers = session::open_watch(Arc::clone(&self.registry), request.into_inner());
+        let answers = session::open_watch(&self.registry, request.into_inner());
         Ok(Response::new(ReceiverStream::new(answers)))
     }
 

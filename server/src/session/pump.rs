@@ -1,18 +1,48 @@
 //! The pump of a stream: empties its outbox until that ends or the client leaves.
 
+use std::future::Future;
+use std::sync::Arc;
 use std::time::Duration;
 
 use signorini_proto::v1::{self as wire, solve_response::Message};
 use tokio::sync::mpsc;
 use tonic::Status;
+use tracing::Instrument;
 
 use super::handle::{Attachment, Command, Handle};
 use crate::fault::Fault;
 use crate::metrics::Metrics;
 use crate::outbox::{End, Next};
+use crate::registry::Registry;
 
 /// Messages on their way to the client.
 pub(super) type Sender<T> = mpsc::Sender<Result<T, Status>>;
+
+/// Runs `serve` of a stream in the background; what it fails with ends the stream.
+pub(super) fn spawn<T, F>(
+    registry: &Arc<Registry>,
+    span: tracing::Span,
+    serve: impl FnOnce(Arc<Registry>, Sender<T>) -> F,
+) -> mpsc::Receiver<Result<T, Status>>
+where
+    T: Send + 'static,
+    F: Future<Output = Result<(), Fault>> + Send + 'static,
+{
+    // One message: what is unread shall stay in the outbox, which counts it.
+    let (sender, answers) = mpsc::channel(1);
+    let (open, registry) = (registry.stream(), Arc::clone(registry));
+    let serving = serve(Arc::clone(&registry), sender.clone());
+    let run = async move {
+        let _open = open;
+        if let Err(fault) = serving.await {
+            registry.refused(&fault);
+            // The client may have left already.
+            let _left = sender.send(Err(fault.into())).await;
+        }
+    };
+    tokio::spawn(run.instrument(span));
+    answers
+}
 
 /// A stream that is attached to its session until it leaves or its task ends.
 pub(super) struct Attached {
@@ -86,9 +116,8 @@ fn beat(attachment: &Attachment) -> Message {
 
 #[cfg(test)]
 mod tests {
-    use std::future::{Future, poll_fn};
+    use std::future::poll_fn;
     use std::pin::pin;
-    use std::sync::Arc;
     use std::task::Poll;
 
     use super::*;

@@ -34,30 +34,20 @@ pub(crate) struct Call {
 
 /// Serves a stream in the background; returns before anything was read.
 pub(crate) fn open(
-    registry: Arc<Registry>,
+    registry: &Arc<Registry>,
     inbound: Streaming<wire::SolveRequest>,
     call: Call,
 ) -> mpsc::Receiver<Result<wire::SolveResponse, Status>> {
-    // One message: what is unread shall stay in the outbox, which counts it.
-    let (sender, answers) = mpsc::channel(1);
     let span = tracing::info_span!("solve");
-    let open = registry.stream();
-    let run = async move {
-        let _open = open;
-        if let Err(fault) = serve(&registry, inbound, &sender, call).await {
-            registry.refused(&fault);
-            // The client may have left already.
-            let _left = sender.send(Err(fault.into())).await;
-        }
-    };
-    tokio::spawn(run.instrument(span));
-    answers
+    pump::spawn(registry, span, |registry, sender| {
+        serve(registry, inbound, sender, call)
+    })
 }
 
 async fn serve(
-    registry: &Registry,
+    registry: Arc<Registry>,
     mut inbound: Streaming<wire::SolveRequest>,
-    sender: &Sender<wire::SolveResponse>,
+    sender: Sender<wire::SolveResponse>,
     call: Call,
 ) -> Result<(), Fault> {
     let deadline = call
@@ -75,7 +65,7 @@ async fn serve(
         let message = Some(message);
         Some(wire::SolveResponse { message })
     };
-    let pumping = pump::run(&mut attachment, sender, heartbeat, metrics, convert);
+    let pumping = pump::run(&mut attachment, &sender, heartbeat, metrics, convert);
     let ended = tokio::select! {
         ended = pumping => ended,
         () = passed(deadline) => Err(Fault::StreamDeadline),

@@ -5,7 +5,6 @@ use std::sync::Arc;
 use signorini_proto::v1::{self as wire, solve_response, watch_response};
 use tokio::sync::mpsc;
 use tonic::Status;
-use tracing::Instrument;
 
 use super::handle::{OpenRequest, Role};
 use super::pump::{self, Attached, Sender};
@@ -16,34 +15,25 @@ use crate::registry::Registry;
 
 /// Serves a watcher in the background.
 pub(crate) fn open(
-    registry: Arc<Registry>,
+    registry: &Arc<Registry>,
     request: wire::WatchRequest,
 ) -> mpsc::Receiver<Result<wire::WatchResponse, Status>> {
-    let (sender, answers) = mpsc::channel(1);
     let span = tracing::info_span!("watch");
-    let open = registry.stream();
-    let run = async move {
-        let _open = open;
-        if let Err(fault) = serve(&registry, request, &sender).await {
-            registry.refused(&fault);
-            // The client may have left already.
-            let _left = sender.send(Err(fault.into())).await;
-        }
-    };
-    tokio::spawn(run.instrument(span));
-    answers
+    pump::spawn(registry, span, |registry, sender| {
+        serve(registry, request, sender)
+    })
 }
 
 async fn serve(
-    registry: &Registry,
+    registry: Arc<Registry>,
     request: wire::WatchRequest,
-    sender: &Sender<wire::WatchResponse>,
+    sender: Sender<wire::WatchResponse>,
 ) -> Result<(), Fault> {
     let handle = registry.get(&request.name)?;
     let mut attachment = handle.attach(open_request(&request)?).await?;
     let attached = Attached::new(handle, attachment.number);
     let (heartbeat, metrics) = (registry.heartbeat(), registry.metrics());
-    let ended = pump::run(&mut attachment, sender, heartbeat, metrics, response).await;
+    let ended = pump::run(&mut attachment, &sender, heartbeat, metrics, response).await;
     attached.leave().await;
     ended
 }
