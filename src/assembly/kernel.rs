@@ -6,16 +6,26 @@
 //! at point q, lambda_j = ALPHA if j = q, else BETA, so one base per vertex and
 //! one edge coefficient per (vertex, point) replace the dense tabulation. The
 //! rule is exact for straight-sided linear elasticity.
+//!
+//! A node is a row of four numbers, displacement first and pressure last, so
+//! that it moves as one register. Numbers that a kernel does not write carry
+//! what was gathered, and callers ignore them.
 
 use pulp::Simd;
 
 use super::lanes::{Lanes, Pack, WIDTH};
+use super::transpose::{Row, Transpose};
+
+/// Place of the pressure in a row.
+pub const PRESSURE: usize = 3;
 
 /// One batch of elements.
 #[derive(Clone, Debug)]
 pub struct Batch<const V: usize, const D: usize, const E: usize> {
-    /// Node numbers inside the block, vertices first.
-    pub nodes: Vec<[u32; WIDTH]>,
+    /// Vertices inside the block.
+    pub vertices: [[u16; WIDTH]; V],
+    /// Edge nodes inside the block.
+    pub edges: [[u16; WIDTH]; E],
     /// Gradients of barycentric coordinates 1..V.
     pub gradients: [[Lanes; D]; D],
     /// Volume over number of points, times mu.
@@ -53,61 +63,52 @@ pub const fn edge_pairs<const E: usize>() -> [(usize, usize); E] {
 
 type Vectors<S, const N: usize, const D: usize> = [[Pack<S>; D]; N];
 type Tensor<S, const D: usize> = [[Pack<S>; D]; D];
-/// Nodal vectors of a batch in memory.
-type NodeLanes<const N: usize, const D: usize> = [[Lanes; D]; N];
+/// Nodal values of a batch in memory: displacement, pressure in the last place.
+type NodeLanes<const N: usize> = [[Lanes; 4]; N];
 
-#[inline(always)]
-fn gather<const D: usize>(nodes: &[u32; WIDTH], x: &[f64]) -> [Lanes; D] {
-    let mut out = [Lanes::ZERO; D];
-    let (rows, _) = x.as_chunks::<D>();
-    for lane in 0..WIDTH {
-        let values = &rows[nodes[lane] as usize];
-        for i in 0..D {
-            out[i].0[lane] = values[i];
-        }
-    }
-    out
+/// Nodal values of the batch at work; made once for all batches of a pass, as
+/// clearing it takes as long as a third of a batch.
+#[derive(Clone, Debug)]
+pub struct Element<const V: usize, const E: usize> {
+    vertices: NodeLanes<V>,
+    edges: NodeLanes<E>,
+}
+
+impl<const V: usize, const E: usize> Element<V, E> {
+    /// All zero.
+    pub const ZERO: Self = Self {
+        vertices: [[Lanes::ZERO; 4]; V],
+        edges: [[Lanes::ZERO; 4]; E],
+    };
 }
 
 #[inline(always)]
-fn scatter<const D: usize>(nodes: &[u32; WIDTH], values: &[Lanes; D], y: &mut [f64]) {
-    let (rows, _) = y.as_chunks_mut::<D>();
-    for lane in 0..WIDTH {
-        let target = &mut rows[nodes[lane] as usize];
-        for i in 0..D {
-            target[i] += values[i].0[lane];
-        }
-    }
-}
-
-/// Vertex values and edge corrections of a batch.
-#[inline(always)]
-fn gather_nodes<const V: usize, const D: usize, const E: usize>(
-    batch: &Batch<V, D, E>,
-    x: &[f64],
-) -> (NodeLanes<V, D>, NodeLanes<E, D>) {
-    let (mut vertices, mut edges) = ([[Lanes::ZERO; D]; V], [[Lanes::ZERO; D]; E]);
-    for a in 0..V {
-        vertices[a] = gather(&batch.nodes[a], x);
-    }
-    for e in 0..E {
-        edges[e] = gather(&batch.nodes[V + e], x);
-    }
-    (vertices, edges)
-}
-
-#[inline(always)]
-fn scatter_nodes<const V: usize, const D: usize, const E: usize>(
-    batch: &Batch<V, D, E>,
-    vertices: &NodeLanes<V, D>,
-    edges: &NodeLanes<E, D>,
-    y: &mut [f64],
+fn gather<T: Transpose, const N: usize>(
+    transpose: T,
+    nodes: &[[u16; WIDTH]; N],
+    x: &[Row],
+    values: &mut NodeLanes<N>,
 ) {
-    for a in 0..V {
-        scatter(&batch.nodes[a], &vertices[a], y);
+    for (values, nodes) in values.iter_mut().zip(nodes) {
+        *values = transpose.to_lanes(nodes.each_ref().map(|&node| &x[usize::from(node)]));
     }
-    for e in 0..E {
-        scatter(&batch.nodes[V + e], &edges[e], y);
+}
+
+#[inline(always)]
+fn scatter<T: Transpose, const N: usize>(
+    transpose: T,
+    nodes: &[[u16; WIDTH]; N],
+    values: &NodeLanes<N>,
+    y: &mut [Row],
+) {
+    for (values, nodes) in values.iter().zip(nodes) {
+        let rows = transpose.to_rows(values);
+        for (row, &node) in rows.iter().zip(nodes) {
+            let target = &mut y[usize::from(node)];
+            for i in 0..4 {
+                target[i] += row[i];
+            }
+        }
     }
 }
 
@@ -134,31 +135,59 @@ fn gradients<S: Simd, const V: usize, const D: usize, const E: usize>(
     out
 }
 
-/// Displacement gradient at each point, in one part of a batch.
+/// The edge between two vertices, by the order of [`edge_pairs`].
 #[inline(always)]
-fn gradients_at_points<S: Simd, const V: usize, const D: usize, const E: usize>(
+const fn edge_of<const V: usize>(a: usize, b: usize) -> usize {
+    let (low, high) = if a < b { (a, b) } else { (b, a) };
+    // Edges of lower first vertices come before.
+    low * V - low * (low + 1) / 2 + high - low - 1
+}
+
+/// Factor of edge corrections: in the kernels an edge carries
+/// 4 (alpha - beta) c.
+pub fn edge_factor(vertices: usize) -> f64 {
+    let (alpha, beta) = rule(vertices);
+    4.0 * (alpha - beta)
+}
+
+/// u_a + 4 beta sum_j c_aj, in one part of a batch.
+#[inline(always)]
+fn bases<S: Simd, const V: usize, const D: usize, const E: usize>(
     simd: S,
-    vertices: &NodeLanes<V, D>,
-    edges: &NodeLanes<E, D>,
-    g: &Vectors<S, V, D>,
+    vertices: &NodeLanes<V>,
+    edges: &NodeLanes<E>,
     part: usize,
-) -> [Tensor<S, D>; V] {
+) -> Vectors<S, V, D> {
     let (alpha, beta) = rule(V);
-    let gamma = 4.0 * (alpha - beta);
-    let pairs = edge_pairs::<E>();
-    let mut base = zeros::<S, V, D>(simd);
+    let shared = Pack::splat(simd, beta / (alpha - beta));
+    let mut sums = zeros::<S, V, D>(simd);
+    for (e, (a, b)) in edge_pairs::<E>().into_iter().enumerate() {
+        for i in 0..D {
+            let c = Pack::load(simd, &edges[e][i], part);
+            sums[a][i] += c;
+            sums[b][i] += c;
+        }
+    }
     for a in 0..V {
         for i in 0..D {
-            base[a][i] = Pack::load(simd, &vertices[a][i], part);
+            let vertex = Pack::load(simd, &vertices[a][i], part);
+            sums[a][i] = vertex.plus_product(sums[a][i], shared);
         }
     }
-    for (e, &(a, b)) in pairs.iter().enumerate() {
-        for i in 0..D {
-            let shared = Pack::load(simd, &edges[e][i], part) * (4.0 * beta);
-            base[a][i] += shared;
-            base[b][i] += shared;
-        }
-    }
+    sums
+}
+
+/// Visits the points in one part of a batch: `law` turns a displacement
+/// gradient into a weighted stress, whose nodal forces replace the argument.
+#[inline(always)]
+fn visit_points<S: Simd, const V: usize, const D: usize, const E: usize>(
+    simd: S,
+    g: &Vectors<S, V, D>,
+    (vertices, edges): (&mut NodeLanes<V>, &mut NodeLanes<E>),
+    part: usize,
+    mut law: impl FnMut(usize, &Tensor<S, D>) -> Tensor<S, D>,
+) {
+    let base = bases::<S, V, D, E>(simd, vertices, edges, part);
     let mut constant = zeros::<S, D, D>(simd);
     for a in 0..V {
         for i in 0..D {
@@ -167,51 +196,62 @@ fn gradients_at_points<S: Simd, const V: usize, const D: usize, const E: usize>(
             }
         }
     }
-    let mut out = [constant; V];
-    for (e, &(a, b)) in pairs.iter().enumerate() {
+    let mut sum = zeros::<S, D, D>(simd);
+    let mut at_edges = zeros::<S, E, D>(simd);
+    for q in 0..V {
+        let mut h = constant;
+        for a in (0..V).filter(|&a| a != q) {
+            let edge = &edges[edge_of::<V>(a, q)];
+            for i in 0..D {
+                let c = Pack::load(simd, &edge[i], part);
+                for j in 0..D {
+                    h[i][j] = h[i][j].plus_product(c, g[a][j]);
+                }
+            }
+        }
+        let stress = law(q, &h);
         for i in 0..D {
-            let c = Pack::load(simd, &edges[e][i], part) * gamma;
             for j in 0..D {
-                out[b][i][j] = out[b][i][j].plus_product(c, g[a][j]);
-                out[a][i][j] = out[a][i][j].plus_product(c, g[b][j]);
+                sum[i][j] += stress[i][j];
+            }
+        }
+        for a in (0..V).filter(|&a| a != q) {
+            let force = &mut at_edges[edge_of::<V>(a, q)];
+            for i in 0..D {
+                for j in 0..D {
+                    force[i] = force[i].plus_product(stress[i][j], g[a][j]);
+                }
             }
         }
     }
-    out
+    let mut totals = zeros::<S, V, D>(simd);
+    for a in 0..V {
+        totals[a] = traction(simd, &sum, &g[a]);
+    }
+    store_forces(simd, &totals, &at_edges, (vertices, edges), part);
 }
 
-/// Nodal forces of weighted stresses at the points, in one part of a batch.
+/// Forces of vertices and edges from the sum over the points at vertices and
+/// what the points add at edges.
 #[inline(always)]
-fn forces<S: Simd, const V: usize, const D: usize, const E: usize>(
+fn store_forces<S: Simd, const V: usize, const D: usize, const E: usize>(
     simd: S,
-    stress: &[Tensor<S, D>; V],
-    g: &Vectors<S, V, D>,
+    totals: &Vectors<S, V, D>,
+    at_edges: &Vectors<S, E, D>,
+    (vertices, edges): (&mut NodeLanes<V>, &mut NodeLanes<E>),
     part: usize,
-    vertices: &mut NodeLanes<V, D>,
-    edges: &mut NodeLanes<E, D>,
 ) {
     let (alpha, beta) = rule(V);
-    let gamma = 4.0 * (alpha - beta);
-    let mut sum = zeros::<S, D, D>(simd);
-    for point in stress {
-        for i in 0..D {
-            for j in 0..D {
-                sum[i][j] += point[i][j];
-            }
-        }
-    }
-    let mut total = zeros::<S, V, D>(simd);
+    let shared = Pack::splat(simd, beta / (alpha - beta));
     for a in 0..V {
-        total[a] = traction(simd, &sum, &g[a]);
         for i in 0..D {
-            total[a][i].store(&mut vertices[a][i], part);
+            totals[a][i].store(&mut vertices[a][i], part);
         }
     }
     for (e, (a, b)) in edge_pairs::<E>().into_iter().enumerate() {
-        let at_b = traction(simd, &stress[b], &g[a]);
-        let at_a = traction(simd, &stress[a], &g[b]);
         for i in 0..D {
-            let force = (total[a][i] + total[b][i]) * (4.0 * beta) + (at_a[i] + at_b[i]) * gamma;
+            let both = totals[a][i] + totals[b][i];
+            let force = at_edges[e][i].plus_product(both, shared);
             force.store(&mut edges[e][i], part);
         }
     }
@@ -232,103 +272,217 @@ fn traction<S: Simd, const D: usize>(
     out
 }
 
+/// Weighted stress 2 mu eps + lambda div I from a displacement gradient.
+#[inline(always)]
+fn stress<S: Simd, const D: usize>(
+    h: &Tensor<S, D>,
+    trace: Pack<S>,
+    shear: Pack<S>,
+    lame: Pack<S>,
+) -> Tensor<S, D> {
+    let volumetric = trace * lame;
+    let mut out = *h;
+    for i in 0..D {
+        for j in 0..D {
+            out[i][j] = (h[i][j] + h[j][i]) * shear;
+        }
+        out[i][i] += volumetric;
+    }
+    out
+}
+
+#[inline(always)]
+fn trace<S: Simd, const D: usize>(h: &Tensor<S, D>) -> Pack<S> {
+    let mut sum = h[0][0];
+    for i in 1..D {
+        sum += h[i][i];
+    }
+    sum
+}
+
+/// -int lambda_a div u from the divergences at the points, in one part.
+#[inline(always)]
+fn volumes<S: Simd, const V: usize>(
+    simd: S,
+    traces: &[Pack<S>; V],
+    weight: Pack<S>,
+    vertices: &mut NodeLanes<V>,
+    part: usize,
+) {
+    let (alpha, beta) = rule(V);
+    let mut sum = Pack::splat(simd, 0.0);
+    for &trace in traces {
+        sum += trace;
+    }
+    let shared = sum * (-beta) * weight;
+    let own = weight * (beta - alpha);
+    for a in 0..V {
+        let value = shared.plus_product(traces[a], own);
+        value.store(&mut vertices[a][PRESSURE], part);
+    }
+}
+
+/// Weighted pressures at the points, in one part.
+#[inline(always)]
+fn pressures<S: Simd, const V: usize>(
+    simd: S,
+    vertices: &NodeLanes<V>,
+    weight: Pack<S>,
+    part: usize,
+) -> [Pack<S>; V] {
+    let (alpha, beta) = rule(V);
+    let mut values = [Pack::splat(simd, 0.0); V];
+    let mut sum = Pack::splat(simd, 0.0);
+    for a in 0..V {
+        values[a] = Pack::load(simd, &vertices[a][PRESSURE], part);
+        sum += values[a];
+    }
+    let shared = sum * beta * weight;
+    let own = weight * (alpha - beta);
+    values.map(|value| shared.plus_product(value, own))
+}
+
 /// `y += A x` on one batch: A = int 2 mu eps : eps + lambda div div.
 #[inline(always)]
-pub fn stiffness<S: Simd, const V: usize, const D: usize, const E: usize>(
+pub fn stiffness<S: Simd, T: Transpose, const V: usize, const D: usize, const E: usize>(
     simd: S,
+    transpose: T,
     batch: &Batch<V, D, E>,
-    x: &[f64],
-    y: &mut [f64],
+    element: &mut Element<V, E>,
+    x: &[Row],
+    y: &mut [Row],
 ) {
-    let (mut vertices, mut edges) = gather_nodes(batch, x);
+    let Element { vertices, edges } = element;
+    gather(transpose, &batch.vertices, x, vertices);
+    gather(transpose, &batch.edges, x, edges);
     for part in 0..Pack::<S>::PARTS {
         let g = gradients(simd, batch, part);
-        let mut points = gradients_at_points(simd, &vertices, &edges, &g, part);
         let shear = Pack::load(simd, &batch.shear, part);
         let lame = Pack::load(simd, &batch.lame, part);
-        for point in &mut points {
-            let h = *point;
-            let mut trace = h[0][0];
-            for i in 1..D {
-                trace += h[i][i];
-            }
-            let volumetric = trace * lame;
+        visit_points(simd, &g, (&mut *vertices, &mut *edges), part, |_, h| {
+            stress(h, trace(h), shear, lame)
+        });
+    }
+    scatter(transpose, &batch.vertices, vertices, y);
+    scatter(transpose, &batch.edges, edges, y);
+}
+
+/// `r_i += -int lambda_i div u` on one batch, in the place of the pressure.
+#[inline(always)]
+pub fn divergence<S: Simd, T: Transpose, const V: usize, const D: usize, const E: usize>(
+    simd: S,
+    transpose: T,
+    batch: &Batch<V, D, E>,
+    element: &mut Element<V, E>,
+    x: &[Row],
+    r: &mut [Row],
+) {
+    let Element { vertices, edges } = element;
+    gather(transpose, &batch.vertices, x, vertices);
+    gather(transpose, &batch.edges, x, edges);
+    for part in 0..Pack::<S>::PARTS {
+        let g = gradients(simd, batch, part);
+        let base = bases::<S, V, D, E>(simd, vertices, edges, part);
+        let mut constant = Pack::splat(simd, 0.0);
+        for a in 0..V {
             for i in 0..D {
-                for j in 0..D {
-                    point[i][j] = (h[i][j] + h[j][i]) * shear;
+                constant = constant.plus_product(base[a][i], g[a][i]);
+            }
+        }
+        let mut traces = [constant; V];
+        for (q, trace) in traces.iter_mut().enumerate() {
+            for a in (0..V).filter(|&a| a != q) {
+                let edge = &edges[edge_of::<V>(a, q)];
+                for i in 0..D {
+                    let c = Pack::load(simd, &edge[i], part);
+                    *trace = trace.plus_product(c, g[a][i]);
                 }
-                point[i][i] += volumetric;
             }
         }
-        forces(simd, &points, &g, part, &mut vertices, &mut edges);
+        let weight = Pack::load(simd, &batch.weight, part);
+        volumes(simd, &traces, weight, vertices, part);
     }
-    scatter_nodes(batch, &vertices, &edges, y);
+    scatter(transpose, &batch.vertices, vertices, r);
 }
 
-/// `r_i += -int lambda_i div u` on one batch; `r` has one entry per node.
+/// `y += B^T p` on one batch; p in the place of the pressure.
 #[inline(always)]
-pub fn divergence<S: Simd, const V: usize, const D: usize, const E: usize>(
+pub fn divergence_transposed<
+    S: Simd,
+    T: Transpose,
+    const V: usize,
+    const D: usize,
+    const E: usize,
+>(
     simd: S,
+    transpose: T,
     batch: &Batch<V, D, E>,
-    x: &[f64],
-    r: &mut [f64],
+    element: &mut Element<V, E>,
+    p: &[Row],
+    y: &mut [Row],
 ) {
-    let (alpha, beta) = rule(V);
-    let (vertices, edges) = gather_nodes(batch, x);
-    let mut out = [[Lanes::ZERO; 1]; V];
+    let Element { vertices, edges } = element;
+    gather(transpose, &batch.vertices, p, vertices);
     for part in 0..Pack::<S>::PARTS {
         let g = gradients(simd, batch, part);
-        let points = gradients_at_points(simd, &vertices, &edges, &g, part);
-        let weight = -Pack::load(simd, &batch.weight, part);
-        let mut traces = [Pack::splat(simd, 0.0); V];
+        let weight = Pack::load(simd, &batch.weight, part);
+        let pressure = pressures(simd, vertices, -weight, part);
         let mut sum = Pack::splat(simd, 0.0);
-        for (trace, point) in traces.iter_mut().zip(&points) {
+        for &value in &pressure {
+            sum += value;
+        }
+        let mut totals = g;
+        for total in totals.as_flattened_mut() {
+            *total = *total * sum;
+        }
+        let mut at_edges = zeros::<S, E, D>(simd);
+        for (force, (a, b)) in at_edges.iter_mut().zip(edge_pairs::<E>()) {
             for i in 0..D {
-                *trace += point[i][i];
+                force[i] = (pressure[b] * g[a][i]).plus_product(pressure[a], g[b][i]);
             }
-            sum += *trace;
         }
-        for a in 0..V {
-            let value = (sum * beta + traces[a] * (alpha - beta)) * weight;
-            value.store(&mut out[a][0], part);
-        }
+        store_forces(
+            simd,
+            &totals,
+            &at_edges,
+            (&mut *vertices, &mut *edges),
+            part,
+        );
     }
-    for a in 0..V {
-        scatter(&batch.nodes[a], &out[a], r);
-    }
+    scatter(transpose, &batch.vertices, vertices, y);
+    scatter(transpose, &batch.edges, edges, y);
 }
 
-/// `y += B^T p` on one batch; `p` has one entry per node.
+/// `(y, r) += (A u + B^T p, B u)` on one batch.
 #[inline(always)]
-pub fn divergence_transposed<S: Simd, const V: usize, const D: usize, const E: usize>(
+pub fn saddle<S: Simd, T: Transpose, const V: usize, const D: usize, const E: usize>(
     simd: S,
+    transpose: T,
     batch: &Batch<V, D, E>,
-    p: &[f64],
-    y: &mut [f64],
+    element: &mut Element<V, E>,
+    x: &[Row],
+    y: &mut [Row],
 ) {
-    let (alpha, beta) = rule(V);
-    let mut pressures = [[Lanes::ZERO; 1]; V];
-    for a in 0..V {
-        pressures[a] = gather(&batch.nodes[a], p);
-    }
-    let (mut vertices, mut edges) = ([[Lanes::ZERO; D]; V], [[Lanes::ZERO; D]; E]);
+    let Element { vertices, edges } = element;
+    gather(transpose, &batch.vertices, x, vertices);
+    gather(transpose, &batch.edges, x, edges);
     for part in 0..Pack::<S>::PARTS {
         let g = gradients(simd, batch, part);
-        let weight = -Pack::load(simd, &batch.weight, part);
-        let mut values = [Pack::splat(simd, 0.0); V];
-        let mut sum = Pack::splat(simd, 0.0);
-        for a in 0..V {
-            values[a] = Pack::load(simd, &pressures[a][0], part);
-            sum += values[a];
-        }
-        let mut points = [zeros::<S, D, D>(simd); V];
-        for (q, point) in points.iter_mut().enumerate() {
-            let pressure = (sum * beta + values[q] * (alpha - beta)) * weight;
+        let shear = Pack::load(simd, &batch.shear, part);
+        let lame = Pack::load(simd, &batch.lame, part);
+        let weight = Pack::load(simd, &batch.weight, part);
+        let pressure = pressures(simd, vertices, weight, part);
+        let mut traces = pressure;
+        visit_points(simd, &g, (&mut *vertices, &mut *edges), part, |q, h| {
+            traces[q] = trace(h);
+            let mut total = stress(h, traces[q], shear, lame);
             for i in 0..D {
-                point[i][i] = pressure;
+                total[i][i] = total[i][i] - pressure[q];
             }
-        }
-        forces(simd, &points, &g, part, &mut vertices, &mut edges);
+            total
+        });
+        volumes(simd, &traces, weight, vertices, part);
     }
-    scatter_nodes(batch, &vertices, &edges, y);
+    scatter(transpose, &batch.vertices, vertices, y);
+    scatter(transpose, &batch.edges, edges, y);
 }

@@ -11,10 +11,11 @@ pub mod operator;
 pub mod p1_stiffness;
 pub mod partition;
 pub mod simd;
+pub mod transpose;
 
 pub use cells::{CellGeometry, CellModuli};
 pub use grid::Grid;
-pub use operator::{Divergence, Stiffness};
+pub use operator::{Body, Divergence, Stiffness};
 
 #[cfg(test)]
 mod tests;

@@ -4,7 +4,8 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::kernel::{self, Batch};
+use super::kernel::{self, Batch, Element};
+use super::transpose::{Row, Transpose};
 
 /// Which kernels run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,13 +48,13 @@ impl InstructionSet {
     }
 
     /// Runs `pass`, on the portable path where the machine lacks the set.
-    fn run(self, pass: impl WithSimd<Output = ()>) {
+    fn run<P: BatchPass>(self, pass: P) -> P::Output {
         let narrow = level_3().filter(|_| self == Self::Avx2);
         let wide = level_4().filter(|_| self == Self::Avx512);
         match (narrow, wide) {
-            (Some(simd), _) => Simd::vectorize(simd, pass),
-            (None, Some(simd)) => Simd::vectorize(simd, pass),
-            (None, None) => pass.with_simd(pulp::Scalar),
+            (Some(simd), _) => Simd::vectorize(simd, Transposing(pass, simd)),
+            (None, Some(simd)) => Simd::vectorize(simd, Transposing(pass, simd)),
+            (None, None) => Transposing(pass, pulp::Scalar).with_simd(pulp::Scalar),
         }
     }
 }
@@ -78,23 +79,41 @@ fn level_4() -> Option<pulp::Scalar> {
     None
 }
 
+/// What runs on the registers and shuffles of one instruction set.
+trait BatchPass {
+    type Output;
+    fn run<S: Simd, T: Transpose>(self, simd: S, transpose: T) -> Self::Output;
+}
+
+/// A pass together with the shuffles of the set it runs on.
+struct Transposing<P, T>(P, T);
+
+impl<P: BatchPass, T: Transpose> WithSimd for Transposing<P, T> {
+    type Output = P::Output;
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> P::Output {
+        self.0.run(simd, self.1)
+    }
+}
+
 /// Batches with argument and result, [`kernel`] function still open.
 struct Pass<'a, const V: usize, const D: usize, const E: usize> {
     batches: &'a [Batch<V, D, E>],
-    x: &'a [f64],
-    y: &'a mut [f64],
+    x: &'a [Row],
+    y: &'a mut [Row],
 }
 
 macro_rules! dispatched {
     ($(#[$doc:meta])* $name:ident, $pass:ident) => {
         struct $pass<'a, const V: usize, const D: usize, const E: usize>(Pass<'a, V, D, E>);
 
-        impl<const V: usize, const D: usize, const E: usize> WithSimd for $pass<'_, V, D, E> {
+        impl<const V: usize, const D: usize, const E: usize> BatchPass for $pass<'_, V, D, E> {
             type Output = ();
             #[inline(always)]
-            fn with_simd<S: Simd>(self, simd: S) {
+            fn run<S: Simd, T: Transpose>(self, simd: S, transpose: T) {
+                let mut element = Element::ZERO;
                 for batch in self.0.batches {
-                    kernel::$name(simd, batch, self.0.x, self.0.y);
+                    kernel::$name(simd, transpose, batch, &mut element, self.0.x, self.0.y);
                 }
             }
         }
@@ -103,8 +122,8 @@ macro_rules! dispatched {
         pub fn $name<const V: usize, const D: usize, const E: usize>(
             set: InstructionSet,
             batches: &[Batch<V, D, E>],
-            x: &[f64],
-            y: &mut [f64],
+            x: &[Row],
+            y: &mut [Row],
         ) {
             set.run($pass(Pass { batches, x, y }));
         }
@@ -122,4 +141,26 @@ dispatched! {
 dispatched! {
     /// [`kernel::divergence_transposed`] on all batches.
     divergence_transposed, DivergenceTransposedPass
+}
+dispatched! {
+    /// [`kernel::saddle`] on all batches.
+    saddle, SaddlePass
+}
+
+/// Rows as lanes and back, by the shuffles of `set`.
+#[cfg(test)]
+pub(super) fn there_and_back(
+    set: InstructionSet,
+    rows: &[Row; super::lanes::WIDTH],
+) -> ([super::lanes::Lanes; 4], [Row; super::lanes::WIDTH]) {
+    struct Trip<'a>(&'a [Row; super::lanes::WIDTH]);
+    impl BatchPass for Trip<'_> {
+        type Output = ([super::lanes::Lanes; 4], [Row; super::lanes::WIDTH]);
+        #[inline(always)]
+        fn run<S: Simd, T: Transpose>(self, _simd: S, transpose: T) -> Self::Output {
+            let lanes = transpose.to_lanes(self.0.each_ref());
+            (lanes, transpose.to_rows(&lanes))
+        }
+    }
+    set.run(Trip(rows))
 }

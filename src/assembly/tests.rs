@@ -250,6 +250,56 @@ fn the_transposed_divergence_is_the_adjoint() {
 }
 
 #[test]
+fn the_joint_product_is_the_sum_of_its_parts() {
+    for sample in samples() {
+        let (u, p) = (
+            reproducible_noise(sample.unknowns()),
+            reproducible_noise(sample.space.vertices),
+        );
+        let mut work = Workspace::new();
+        let (mut force, mut volume) = (vec![f64::NAN; u.len()], vec![f64::NAN; p.len()]);
+        sample
+            .grid
+            .saddle((&u, &p), (&mut force, &mut volume), &mut work);
+        let mut expected = sample.stiffness(Basis::Hierarchical, Rows::Free, &u);
+        let pressed = sample.divergence_transposed(Rows::Free, &p);
+        expected
+            .iter_mut()
+            .zip(&pressed)
+            .for_each(|(sum, f)| *sum += f);
+        assert_close(&force, &expected, 1e-13);
+        assert_close(&volume, &sample.divergence(Rows::Free, &u), 1e-13);
+    }
+}
+
+#[test]
+fn sweeps_that_add_match_product_and_sum() {
+    for sample in samples() {
+        let (x, p) = (
+            reproducible_noise(sample.unknowns()),
+            reproducible_noise(sample.space.vertices),
+        );
+        let mut work = Workspace::new();
+        for basis in [Basis::Hierarchical, Basis::Lagrange] {
+            let mut r = vec![1.0; x.len()];
+            sample
+                .grid
+                .subtract_stiffness(basis, &x, &mut r, &mut work);
+            let product = sample.stiffness(basis, Rows::Free, &x);
+            let expected: Vec<f64> = product.iter().map(|y| 1.0 - y).collect();
+            assert_close(&r, &expected, 1e-13);
+        }
+        let mut y = vec![1.0; x.len()];
+        sample
+            .grid
+            .add_divergence_transposed(-0.5, &p, &mut y, &mut work);
+        let product = sample.divergence_transposed(Rows::Free, &p);
+        let expected: Vec<f64> = product.iter().map(|f| 1.0 - 0.5 * f).collect();
+        assert_close(&y, &expected, 1e-13);
+    }
+}
+
+#[test]
 fn the_stiffness_is_symmetric() {
     for sample in samples() {
         let x = reproducible_noise(sample.unknowns());
@@ -398,7 +448,9 @@ fn every_instruction_set_gives_the_portable_result() {
             grid.stiffness(Basis::Lagrange, Rows::Free, &x, &mut force, &mut work);
             grid.divergence(Rows::All, &x, &mut volume, &mut work);
             grid.divergence_transposed(Rows::All, &p, &mut gradient, &mut work);
-            [force, volume, gradient]
+            let (mut joint, mut rate) = (vec![0.0; size], vec![0.0; p.len()]);
+            grid.saddle((&x, &p), (&mut joint, &mut rate), &mut work);
+            [force, volume, gradient, joint, rate]
         };
         let expected = passes(InstructionSet::Portable);
         for set in InstructionSet::ALL.into_iter().filter(|set| set.is_here()) {

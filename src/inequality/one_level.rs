@@ -21,7 +21,7 @@ use crate::krylov::{Outcome, gcr};
 use crate::linalg::vector::{add_scaled, scale};
 use crate::linalg::{DenseMatrix, LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::saddle::{BlockTriangular, MultiplierBlock, SaddleOperator};
-use face::{ActiveCoupling, ActiveMetric, CurvedStiffness, Face, FaceMonitor, Review};
+use face::{ActiveCoupling, ActiveMetric, Face, FaceMonitor, Review};
 
 /// Reduction of the face residual between reviews of the set.
 const REVIEW: f64 = 0.1;
@@ -277,6 +277,7 @@ impl OneLevel<'_> {
                 coupling: &coupling,
                 stabilisation: None,
                 metric,
+                joint: None,
             });
         }
         let (mut x, mut r) = self.pack(iterate, active, work);
@@ -298,17 +299,12 @@ impl OneLevel<'_> {
         if monitor.start <= targets.level {
             monitor.reached = true;
         } else {
-            let curved = self.curvature.map(|curvature| CurvedStiffness {
-                stiffness: self.stiffness,
-                curvature,
-            });
-            let stiffness = match &curved {
-                Some(curved) => curved as &dyn LinearOperator,
-                None => self.stiffness,
-            };
             let outcome = gcr::solve(
                 &SaddleOperator {
-                    stiffness,
+                    stiffness: self.stiffness,
+                    released: self
+                        .curvature
+                        .map(|curvature| curvature as &dyn LinearOperator),
                     blocks: &blocks,
                 },
                 &BlockTriangular {

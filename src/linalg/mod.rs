@@ -26,6 +26,22 @@ pub trait LinearOperator: Send + Sync {
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace);
     /// `x = A^T y`.
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace);
+
+    /// `r -= A x`; in one sweep where the operator can.
+    fn subtract_product(&self, x: &[f64], r: &mut [f64], work: &mut Workspace) {
+        let mut product = work.scratch(r.len());
+        self.apply(x, &mut product, work);
+        vector::add_scaled(r, -1.0, &product);
+        work.give(product);
+    }
+
+    /// `x += factor A^T y`; in one sweep where the operator can.
+    fn add_transposed(&self, factor: f64, y: &[f64], x: &mut [f64], work: &mut Workspace) {
+        let mut product = work.scratch(x.len());
+        self.apply_transposed(y, &mut product, work);
+        vector::add_scaled(x, factor, &product);
+        work.give(product);
+    }
 }
 
 /// An approximate inverse. Scratch is passed in, so that one preconditioner

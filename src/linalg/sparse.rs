@@ -115,6 +115,32 @@ impl SparseRows {
         (8 * self.offsets.len() + 4 * self.indices.len() + 8 * self.values.len()) as u64
     }
 
+    fn for_rows(&self, y: &mut [f64], visit: impl Fn(usize, &mut f64) + Sync) {
+        if y.len() < PARALLEL_ROWS {
+            y.iter_mut()
+                .enumerate()
+                .for_each(|(row, value)| visit(row, value));
+        } else {
+            y.par_iter_mut()
+                .with_min_len(1024)
+                .enumerate()
+                .for_each(|(row, value)| visit(row, value));
+        }
+    }
+
+    /// Adds `scale y_i` times row i to `x`; rows with zero are not read.
+    fn add_rows(&self, scale: f64, y: &[f64], x: &mut [f64]) {
+        for (row, &factor) in y.iter().enumerate() {
+            if factor == 0.0 {
+                continue;
+            }
+            let (columns, values) = self.row(row);
+            for (&column, value) in columns.iter().zip(values) {
+                x[column as usize] += scale * factor * value;
+            }
+        }
+    }
+
     fn row_product(&self, row: usize, x: &[f64]) -> f64 {
         let (columns, values) = self.row(row);
         columns
@@ -135,29 +161,20 @@ impl LinearOperator for SparseRows {
     }
 
     fn apply(&self, x: &[f64], y: &mut [f64], _work: &mut Workspace) {
-        if y.len() < PARALLEL_ROWS {
-            for (row, value) in y.iter_mut().enumerate() {
-                *value = self.row_product(row, x);
-            }
-        } else {
-            y.par_iter_mut()
-                .with_min_len(1024)
-                .enumerate()
-                .for_each(|(row, value)| *value = self.row_product(row, x));
-        }
+        self.for_rows(y, |row, value| *value = self.row_product(row, x));
     }
 
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], _work: &mut Workspace) {
         x.fill(0.0);
-        for (row, &factor) in y.iter().enumerate() {
-            if factor == 0.0 {
-                continue;
-            }
-            let (columns, values) = self.row(row);
-            for (&column, value) in columns.iter().zip(values) {
-                x[column as usize] += factor * value;
-            }
-        }
+        self.add_rows(1.0, y, x);
+    }
+
+    fn subtract_product(&self, x: &[f64], r: &mut [f64], _work: &mut Workspace) {
+        self.for_rows(r, |row, value| *value -= self.row_product(row, x));
+    }
+
+    fn add_transposed(&self, factor: f64, y: &[f64], x: &mut [f64], _work: &mut Workspace) {
+        self.add_rows(factor, y, x);
     }
 }
 

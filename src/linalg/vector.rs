@@ -1,5 +1,6 @@
 //! Vector kernels. Reductions sum over blocks of fixed length and then over
-//! the block sums in order: the same bits for every number of threads.
+//! a tree that depends on the length only: the same bits for every number of
+//! threads, and nothing allocated.
 
 use rayon::prelude::*;
 
@@ -21,22 +22,20 @@ fn dot_block(x: &[f64], y: &[f64]) -> f64 {
     ((sums[0] + sums[4]) + (sums[1] + sums[5])) + ((sums[2] + sums[6]) + (sums[3] + sums[7])) + rest
 }
 
-/// `x . y`.
+/// `x . y`, summed over a fixed tree of blocks.
 pub fn dot(x: &[f64], y: &[f64]) -> f64 {
     debug_assert_eq!(x.len(), y.len());
-    if x.len() < PARALLEL {
+    if x.len() <= PARALLEL {
         return x
             .chunks(BLOCK)
             .zip(y.chunks(BLOCK))
             .map(|(a, b)| dot_block(a, b))
             .sum();
     }
-    let partial: Vec<f64> = x
-        .par_chunks(BLOCK)
-        .zip(y.par_chunks(BLOCK))
-        .map(|(a, b)| dot_block(a, b))
-        .collect();
-    partial.iter().sum()
+    let middle = x.len().div_ceil(2 * BLOCK) * BLOCK;
+    let ((x_low, x_high), (y_low, y_high)) = (x.split_at(middle), y.split_at(middle));
+    let (low, high) = rayon::join(|| dot(x_low, y_low), || dot(x_high, y_high));
+    low + high
 }
 
 /// Euclidean norm.

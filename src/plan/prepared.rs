@@ -9,7 +9,7 @@ use super::p1::{self, P1Body};
 use crate::assembly::grid::{Basis, Rows};
 use crate::assembly::mass::weighted_mass;
 use crate::assembly::p1_stiffness::node_blocks;
-use crate::assembly::{CellGeometry, CellModuli, Divergence, Grid, Stiffness};
+use crate::assembly::{Body, CellGeometry, CellModuli, Divergence, Grid, Stiffness};
 use crate::linalg::vector::norm;
 use crate::linalg::{DenseMatrix, FactoriseError, LinearOperator, SparseRows, Workspace};
 use crate::mesh::Mesh;
@@ -36,6 +36,8 @@ pub enum PrepareError {
 #[derive(Debug)]
 pub(crate) struct PressureBlock {
     pub(crate) coupling: Divergence,
+    /// Displacement and pressure in one product.
+    pub(crate) body: Body,
     /// C = M / lambda; none when every material is incompressible.
     pub(crate) stabilisation: Option<SparseRows>,
     pub(crate) metric: ChebyshevMass,
@@ -116,12 +118,12 @@ impl Prepared {
             size: space.displacement_unknowns(),
             held: held.clone(),
         };
-        let transfer = Transfer {
-            vertices: space.vertices,
-            components: space.components,
-            edges: space.edges.clone(),
-            held: held.clone(),
-        };
+        let transfer = Transfer::new(
+            space.vertices,
+            space.components,
+            space.edges.clone(),
+            held.clone(),
+        );
         let displacement = PMultigrid::new(
             Arc::new(stiffness(Basis::Lagrange)),
             blocks.clone(),
@@ -131,9 +133,15 @@ impl Prepared {
             &mut Workspace::new(),
         );
         poll()?;
-        let pressure = plan
-            .is_mixed()
-            .then(|| pressure_block(mesh, &space, &geometry, &moduli, &grid));
+        let pressure = plan.is_mixed().then(|| {
+            pressure_block(
+                mesh,
+                &space,
+                &geometry,
+                &moduli,
+                &stiffness(Basis::Hierarchical),
+            )
+        });
         let mut is_held = vec![false; space.displacement_unknowns()];
         held.iter()
             .for_each(|&index| is_held[index as usize] = true);
@@ -233,16 +241,23 @@ fn pressure_block(
     space: &TaylorHood,
     geometry: &CellGeometry,
     moduli: &CellModuli,
-    grid: &Arc<Grid>,
+    stiffness: &Stiffness,
 ) -> PressureBlock {
     let schur = |cell: usize| 0.5 / moduli.shear[cell] + moduli.inverse_lame[cell];
     let compressible = moduli.inverse_lame.iter().any(|&inverse| inverse != 0.0);
     let coupling = Divergence {
-        grid: grid.clone(),
+        grid: stiffness.grid.clone(),
         vertices: space.vertices,
-        size: space.displacement_unknowns(),
+        size: stiffness.size,
+    };
+    let body = Body {
+        grid: stiffness.grid.clone(),
+        vertices: space.vertices,
+        size: stiffness.size,
+        held: stiffness.held.clone(),
     };
     PressureBlock {
+        body,
         is_enclosed: !compressible && constant_pressure_is_idle(&coupling),
         coupling,
         stabilisation: compressible

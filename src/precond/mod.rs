@@ -10,9 +10,11 @@ pub mod p1;
 pub mod p_multigrid;
 pub mod schur;
 pub mod spectrum;
+pub mod transfer;
 
 pub use node_blocks::NodeBlocks;
-pub use p_multigrid::{PMultigrid, Transfer};
+pub use p_multigrid::PMultigrid;
+pub use transfer::Transfer;
 
 #[cfg(test)]
 mod tests;

@@ -12,7 +12,6 @@
 //! multipliers first, by their metrics, then one application of the
 //! displacement preconditioner.
 
-use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
 /// One multiplier block.
@@ -24,12 +23,17 @@ pub struct MultiplierBlock<'a> {
     pub stabilisation: Option<&'a dyn LinearOperator>,
     /// Approximate inverse of B A^-1 B^T + C, positive.
     pub metric: &'a dyn Preconditioner,
+    /// [A B^T; B 0] in one product, where there is one that costs less than its
+    /// parts; used for the first block.
+    pub joint: Option<&'a dyn LinearOperator>,
 }
 
 /// The block operator.
 pub struct SaddleOperator<'a> {
     /// A `[displacement, displacement]`.
     pub stiffness: &'a dyn LinearOperator,
+    /// What is taken off A: the curvature of a gap, or nothing.
+    pub released: Option<&'a dyn LinearOperator>,
     /// In the order of the unknowns.
     pub blocks: &'a [MultiplierBlock<'a>],
 }
@@ -45,27 +49,31 @@ impl LinearOperator for SaddleOperator<'_> {
     }
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
+        let joint = self.blocks.first().and_then(|block| block.joint);
+        match joint {
+            Some(joint) => joint.apply(&x[..joint.columns()], &mut y[..joint.rows()], work),
+            None => {
+                let size = self.stiffness.rows();
+                self.stiffness.apply(&x[..size], &mut y[..size], work);
+            }
+        }
         let (u, mut multipliers) = x.split_at(self.stiffness.rows());
         let (force, mut constraints) = y.split_at_mut(self.stiffness.rows());
-        self.stiffness.apply(u, force, work);
-        let mut transposed = work.scratch(u.len());
-        for block in self.blocks {
+        if let Some(released) = self.released {
+            released.subtract_product(u, force, work);
+        }
+        for (index, block) in self.blocks.iter().enumerate() {
             let (x_block, x_rest) = multipliers.split_at(block.coupling.rows());
             let (y_block, y_rest) = constraints.split_at_mut(block.coupling.rows());
-            block.coupling.apply(u, y_block, work);
-            block
-                .coupling
-                .apply_transposed(x_block, &mut transposed, work);
-            add_scaled(force, 1.0, &transposed);
+            if index > 0 || joint.is_none() {
+                block.coupling.apply(u, y_block, work);
+                block.coupling.add_transposed(1.0, x_block, force, work);
+            }
             if let Some(stabilisation) = block.stabilisation {
-                let mut product = work.scratch(x_block.len());
-                stabilisation.apply(x_block, &mut product, work);
-                add_scaled(y_block, -1.0, &product);
-                work.give(product);
+                stabilisation.subtract_product(x_block, y_block, work);
             }
             (multipliers, constraints) = (x_rest, y_rest);
         }
-        work.give(transposed);
     }
 
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
@@ -88,7 +96,6 @@ impl Preconditioner for BlockTriangular<'_> {
         let (r_u, mut r_rest) = r.split_at(r.len() - multipliers);
         let (z_u, mut z_rest) = z.split_at_mut(r_u.len());
         let mut force = work.copy(r_u);
-        let mut transposed = work.scratch(r_u.len());
         for block in self.blocks {
             let (r_block, r_next) = r_rest.split_at(block.coupling.rows());
             let (z_block, z_next) = z_rest.split_at_mut(block.coupling.rows());
@@ -96,13 +103,11 @@ impl Preconditioner for BlockTriangular<'_> {
             z_block.iter_mut().for_each(|value| *value = -*value);
             block
                 .coupling
-                .apply_transposed(z_block, &mut transposed, work);
-            add_scaled(&mut force, -1.0, &transposed);
+                .add_transposed(-1.0, z_block, &mut force, work);
             (r_rest, z_rest) = (r_next, z_next);
         }
         self.displacement.apply(&force, z_u, work);
         work.give(force);
-        work.give(transposed);
     }
 }
 
@@ -142,9 +147,11 @@ mod tests {
             coupling: &coupling,
             stabilisation: Some(&stabilisation),
             metric: &Scaled(1.0),
+            joint: None,
         }];
         let saddle = SaddleOperator {
             stiffness: &stiffness,
+            released: None,
             blocks: &blocks,
         };
         let mut work = Workspace::new();
@@ -163,6 +170,7 @@ mod tests {
             coupling: &coupling,
             stabilisation: None,
             metric: &Scaled(0.5),
+            joint: None,
         }];
         let triangular = BlockTriangular {
             displacement: &Scaled(0.25),

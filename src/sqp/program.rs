@@ -190,6 +190,7 @@ impl<'a> Program<'a> {
                     .as_ref()
                     .map(|s| s as &dyn LinearOperator),
                 metric: &block.metric,
+                joint: Some(&block.body),
             })
             .collect()
     }

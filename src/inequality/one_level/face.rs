@@ -4,39 +4,11 @@
 use super::super::qp::{Progress, QpNorms, QpScales, QpStatus, QpTargets};
 use super::{GAP_WEIGHT, REVIEW};
 use crate::krylov::{Monitor, Verdict};
-use crate::linalg::vector::{add_scaled, norm, scale};
+use crate::linalg::vector::{norm, scale};
 use crate::linalg::{
     DenseCholesky, DenseMatrix, FactoriseError, LinearOperator, Preconditioner, SparseRows,
     Workspace,
 };
-
-/// A minus the curvature term.
-pub(super) struct CurvedStiffness<'a> {
-    pub(super) stiffness: &'a dyn LinearOperator,
-    pub(super) curvature: &'a SparseRows,
-}
-
-impl LinearOperator for CurvedStiffness<'_> {
-    fn rows(&self) -> usize {
-        self.stiffness.rows()
-    }
-
-    fn columns(&self) -> usize {
-        self.stiffness.columns()
-    }
-
-    fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        self.stiffness.apply(x, y, work);
-        let mut part = work.scratch(y.len());
-        self.curvature.apply(x, &mut part, work);
-        add_scaled(y, -1.0, &part);
-        work.give(part);
-    }
-
-    fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
-        self.apply(y, x, work);
-    }
-}
 
 /// When the active set is reviewed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -76,6 +48,11 @@ impl LinearOperator for ActiveCoupling<'_> {
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
         self.coupling.apply_transposed(y, x, work);
         scale(x, GAP_WEIGHT);
+    }
+
+    fn add_transposed(&self, factor: f64, y: &[f64], x: &mut [f64], work: &mut Workspace) {
+        self.coupling
+            .add_transposed(factor * GAP_WEIGHT, y, x, work);
     }
 }
 

@@ -196,6 +196,7 @@ fn random_problems_end_optimal_with_an_equality_and_poor_metrics() {
                 coupling: &coupling,
                 stabilisation: None,
                 metric: &metric,
+                joint: None,
             }],
             coupling: &sparse(&problem.coupling),
             compliance: &compliance,

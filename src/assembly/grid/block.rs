@@ -1,0 +1,207 @@
+//! A block of cells with its own numbering of the nodes it touches.
+
+use super::{Basis, Rows};
+use crate::assembly::cells::{CellGeometry, CellModuli};
+use crate::assembly::kernel::{Batch, PRESSURE, edge_factor};
+use crate::assembly::lanes::{Lanes, WIDTH};
+use crate::assembly::transpose::Row;
+use crate::mesh::Mesh;
+use crate::space::TaylorHood;
+
+/// Its nodes (vertices first), held entries, edge ends and batches.
+#[derive(Clone, Debug)]
+pub(super) struct Block<const V: usize, const D: usize, const E: usize> {
+    pub(super) nodes: Vec<u32>,
+    /// Local vertices precede local edges.
+    vertices: usize,
+    /// Local end vertices of each local edge.
+    edge_ends: Vec<[u16; 2]>,
+    /// Local node and component of held entries.
+    held: Vec<(u16, u8)>,
+    pub(super) batches: Vec<Batch<V, D, E>>,
+}
+
+/// What the blocks of a mesh are made from.
+#[derive(Clone, Copy)]
+pub(super) struct Source<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) space: &'a TaylorHood,
+    pub(super) geometry: &'a CellGeometry,
+    pub(super) moduli: &'a CellModuli,
+    /// Ascending.
+    pub(super) held: &'a [u32],
+}
+
+impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
+    /// The block of `cells`; at most `u16::MAX` nodes.
+    pub(super) fn new(cells: &[u32], source: Source<'_>) -> Self {
+        let space = source.space;
+        let cell_nodes: Vec<([u32; V], [u32; E])> = cells
+            .iter()
+            .map(|&cell| nodes_of_cell(source.mesh, space, cell as usize))
+            .collect();
+        let mut nodes: Vec<u32> = cell_nodes
+            .iter()
+            .flat_map(|(vertices, edges)| vertices.iter().chain(edges))
+            .copied()
+            .collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        let local = |node: u32| nodes.partition_point(|&other| other < node) as u16;
+        let vertices = nodes.partition_point(|&node| (node as usize) < space.vertices);
+        let edge_ends = nodes[vertices..]
+            .iter()
+            .map(|&node| space.edges[node as usize - space.vertices].map(local))
+            .collect();
+        let batches = cells
+            .chunks(WIDTH)
+            .zip(cell_nodes.chunks(WIDTH))
+            .map(|(cells, cell_nodes)| batch(cells, cell_nodes, source, &local))
+            .collect();
+        Self {
+            held: held_of(&nodes, source.held, D as u32),
+            vertices,
+            edge_ends,
+            batches,
+            nodes,
+        }
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        size_of::<Batch<V, D, E>>() * self.batches.len()
+            + 4 * (self.nodes.len() + self.edge_ends.len() + self.held.len())
+    }
+
+    /// Displacements of the block's nodes in its own rows.
+    pub(super) fn gather_displacement(&self, x: &[f64], rows: &mut [Row]) {
+        let (sources, _) = x.as_chunks::<D>();
+        for (row, &node) in rows.iter_mut().zip(&self.nodes) {
+            let source = &sources[node as usize];
+            *row = [0.0; 4];
+            row[..D].copy_from_slice(source);
+        }
+    }
+
+    /// Pressures of the block's vertices; the displacement is left alone.
+    pub(super) fn gather_pressure(&self, p: &[f64], rows: &mut [Row]) {
+        let vertices = &self.nodes[..self.vertices];
+        for (row, &vertex) in rows.iter_mut().zip(vertices) {
+            row[PRESSURE] = p[vertex as usize];
+        }
+    }
+
+    fn mask(&self, rows: Rows, x: &mut [Row]) {
+        if rows == Rows::Free {
+            for &(node, component) in &self.held {
+                x[usize::from(node)][usize::from(component)] = 0.0;
+            }
+        }
+    }
+
+    pub(super) fn prepare_argument(&self, basis: Basis, rows: Rows, x: &mut [Row]) {
+        self.mask(rows, x);
+        let factor = edge_factor(V);
+        let (vertices, edges) = x.split_at_mut(self.vertices);
+        match basis {
+            Basis::Hierarchical => edges
+                .as_flattened_mut()
+                .iter_mut()
+                .for_each(|c| *c *= factor),
+            Basis::Lagrange => {
+                for (edge, ends) in edges.iter_mut().zip(&self.edge_ends) {
+                    let [a, b] = ends.map(|end| vertices[usize::from(end)]);
+                    for i in 0..4 {
+                        edge[i] = factor * (edge[i] - 0.5 * (a[i] + b[i]));
+                    }
+                }
+            }
+        }
+    }
+
+    pub(super) fn finish_result(&self, basis: Basis, rows: Rows, y: &mut [Row]) {
+        let factor = edge_factor(V);
+        let (vertices, edges) = y.split_at_mut(self.vertices);
+        edges
+            .as_flattened_mut()
+            .iter_mut()
+            .for_each(|c| *c *= factor);
+        if basis == Basis::Lagrange {
+            for (edge, ends) in edges.iter().zip(&self.edge_ends) {
+                for end in ends {
+                    let vertex = &mut vertices[usize::from(*end)];
+                    for i in 0..4 {
+                        vertex[i] -= 0.5 * edge[i];
+                    }
+                }
+            }
+        }
+        self.mask(rows, y);
+    }
+}
+
+/// Local node and component of the held entries of a block.
+fn held_of(nodes: &[u32], held: &[u32], components: u32) -> Vec<(u16, u8)> {
+    let mut out = Vec::new();
+    for (local, &node) in nodes.iter().enumerate() {
+        let first = held.partition_point(|&entry| entry < node * components);
+        let entries = held[first..].iter();
+        for &entry in entries.take_while(|&&entry| entry < (node + 1) * components) {
+            out.push((local as u16, (entry - node * components) as u8));
+        }
+    }
+    out
+}
+
+/// Node numbers of a cell: vertices and edges.
+fn nodes_of_cell<const V: usize, const E: usize>(
+    mesh: &Mesh,
+    space: &TaylorHood,
+    cell: usize,
+) -> ([u32; V], [u32; E]) {
+    let edges = &mesh.cell_edges()[cell * E..(cell + 1) * E];
+    (
+        std::array::from_fn(|a| mesh.cells()[cell * V + a]),
+        std::array::from_fn(|e| edges[e] + space.vertices as u32),
+    )
+}
+
+/// A batch of up to eight cells; missing lanes repeat the last cell with
+/// weight zero.
+fn batch<const V: usize, const D: usize, const E: usize>(
+    cells: &[u32],
+    cell_nodes: &[([u32; V], [u32; E])],
+    source: Source<'_>,
+    local: &impl Fn(u32) -> u16,
+) -> Batch<V, D, E> {
+    let mut out = Batch {
+        vertices: [[0; WIDTH]; V],
+        edges: [[0; WIDTH]; E],
+        gradients: [[Lanes::ZERO; D]; D],
+        shear: Lanes::ZERO,
+        lame: Lanes::ZERO,
+        weight: Lanes::ZERO,
+    };
+    for lane in 0..WIDTH {
+        let member = lane.min(cells.len() - 1);
+        let cell = cells[member] as usize;
+        let (vertices, edges) = &cell_nodes[member];
+        for (slot, &vertex) in out.vertices.iter_mut().zip(vertices) {
+            slot[lane] = local(vertex);
+        }
+        for (slot, &edge) in out.edges.iter_mut().zip(edges) {
+            slot[lane] = local(edge);
+        }
+        for a in 0..D {
+            for j in 0..D {
+                out.gradients[a][j].0[lane] = source.geometry.gradients_of(cell)[a + 1][j];
+            }
+        }
+        if lane < cells.len() {
+            let weight = source.geometry.volumes[cell] / V as f64;
+            out.weight.0[lane] = weight;
+            out.shear.0[lane] = weight * source.moduli.shear[cell];
+            out.lame.0[lane] = weight * source.moduli.lame[cell];
+        }
+    }
+    out
+}

@@ -1,0 +1,78 @@
+//! Where the copies of each node lie in the results of all blocks, and their
+//! sums in block order.
+
+use rayon::prelude::*;
+
+use crate::assembly::transpose::Row;
+
+/// Nodes per parallel piece.
+const PIECE: usize = 2048;
+
+/// Positions of the copies of each node.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Copies {
+    offsets: Vec<u32>,
+    positions: Vec<u32>,
+}
+
+impl Copies {
+    /// `blocks`: first position and nodes of each block.
+    pub(super) fn new<'a>(
+        nodes: usize,
+        blocks: impl Iterator<Item = (usize, &'a [u32])> + Clone,
+    ) -> Self {
+        let mut offsets = vec![0_u32; nodes + 1];
+        for node in blocks.clone().flat_map(|(_, nodes)| nodes) {
+            offsets[*node as usize + 1] += 1;
+        }
+        for node in 0..nodes {
+            offsets[node + 1] += offsets[node];
+        }
+        let mut next = offsets.clone();
+        let mut positions = vec![0; offsets[nodes] as usize];
+        for (first, block) in blocks {
+            for (index, &node) in block.iter().enumerate() {
+                let slot = &mut next[node as usize];
+                positions[*slot as usize] = (first + index) as u32;
+                *slot += 1;
+            }
+        }
+        Self { offsets, positions }
+    }
+
+    pub(super) fn bytes(&self) -> usize {
+        4 * (self.offsets.len() + self.positions.len())
+    }
+
+    /// Hands the sum of each node's rows to `take`, together with the node's
+    /// `C` numbers of `y`; `y` may end before the last node.
+    pub(super) fn sum<const C: usize>(
+        &self,
+        local: &[Row],
+        y: &mut [f64],
+        take: impl Fn(&mut [f64; C], Row) + Sync,
+    ) {
+        y.par_chunks_mut(PIECE * C)
+            .enumerate()
+            .for_each(|(piece, part)| {
+                let (nodes, _) = part.as_chunks_mut::<C>();
+                let offsets = &self.offsets[piece * PIECE..];
+                for (target, range) in nodes.iter_mut().zip(offsets.windows(2)) {
+                    let copies = &self.positions[range[0] as usize..range[1] as usize];
+                    take(target, sum_of(local, copies));
+                }
+            });
+    }
+}
+
+#[inline(always)]
+fn sum_of(local: &[Row], copies: &[u32]) -> Row {
+    let mut sum = [0.0; 4];
+    for &position in copies {
+        let row = &local[position as usize];
+        for i in 0..4 {
+            sum[i] += row[i];
+        }
+    }
+    sum
+}

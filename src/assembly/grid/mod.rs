@@ -1,0 +1,356 @@
+//! The cells of a mesh as blocks of batches, and the passes over them.
+//!
+//! A pass gathers the nodes of each block into rows of its own, runs a kernel
+//! on its batches, and then sums the copies of each node in block order:
+//! parallel over groups of blocks, then over nodes, with bits that do not depend
+//! on the number of threads. The groups are fixed by the mesh. Memory: about 40
+//! bytes per unknown, and as much scratch.
+
+mod block;
+mod copies;
+
+use rayon::prelude::*;
+
+use super::cells::{CellGeometry, CellModuli};
+use super::kernel::PRESSURE;
+use super::partition::blocks_of_cells;
+use super::simd::{self, InstructionSet};
+use super::transpose::Row;
+use crate::linalg::Workspace;
+use crate::mesh::Mesh;
+use crate::space::TaylorHood;
+use block::{Block, Source};
+use copies::Copies;
+
+/// Most groups of blocks that run at the same time.
+const MOST_GROUPS: usize = 64;
+
+/// The basis of a displacement vector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Basis {
+    /// Vertex values and edge corrections.
+    Hierarchical,
+    /// Values at vertices and edge midpoints.
+    Lagrange,
+}
+
+/// Whether held unknowns are eliminated.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Rows {
+    /// Held entries of the argument count as zero; held rows are left zero.
+    Free,
+    /// All entries take part: loads and reactions.
+    All,
+}
+
+/// Blocks of one cell kind.
+#[derive(Clone, Debug)]
+pub struct CellGrid<const V: usize, const D: usize, const E: usize> {
+    blocks: Vec<Block<V, D, E>>,
+    /// Blocks per group; groups run in parallel, a group's blocks one by one.
+    group: usize,
+    /// Most nodes of a block.
+    block_rows: usize,
+    /// Most rows of the results of a group.
+    group_rows: usize,
+    copies: Copies,
+    instructions: InstructionSet,
+}
+
+/// The blocks of a mesh, by cell kind.
+#[derive(Clone, Debug)]
+pub enum Grid {
+    /// Plane.
+    Triangles(CellGrid<3, 2, 3>),
+    /// Solid.
+    Tetrahedra(CellGrid<4, 3, 6>),
+}
+
+/// The same call on either cell kind.
+macro_rules! either {
+    ($either:expr, $grid:ident => $call:expr) => {
+        match $either {
+            Grid::Triangles($grid) => $call,
+            Grid::Tetrahedra($grid) => $call,
+        }
+    };
+}
+
+impl Grid {
+    /// Blocks of `mesh`; `held` are the ascending indices of held entries.
+    pub fn new(
+        mesh: &Mesh,
+        space: &TaylorHood,
+        geometry: &CellGeometry,
+        moduli: &CellModuli,
+        held: &[u32],
+    ) -> Self {
+        let source = Source {
+            mesh,
+            space,
+            geometry,
+            moduli,
+            held,
+        };
+        match geometry.vertices {
+            3 => Self::Triangles(CellGrid::new(source)),
+            _ => Self::Tetrahedra(CellGrid::new(source)),
+        }
+    }
+
+    /// `y = A x` on all nodes.
+    pub fn stiffness(
+        &self,
+        basis: Basis,
+        rows: Rows,
+        x: &[f64],
+        y: &mut [f64],
+        work: &mut Workspace,
+    ) {
+        either!(self, grid => grid.stiffness(basis, rows, x, y, work));
+    }
+
+    /// `r -= A x` on all nodes, held entries of both left out.
+    pub fn subtract_stiffness(&self, basis: Basis, x: &[f64], r: &mut [f64], work: &mut Workspace) {
+        either!(self, grid => grid.subtract_stiffness(basis, x, r, work));
+    }
+
+    /// `r = B x`, hierarchical, `[vertices]`.
+    pub fn divergence(&self, rows: Rows, x: &[f64], r: &mut [f64], work: &mut Workspace) {
+        either!(self, grid => grid.divergence(rows, x, r, work));
+    }
+
+    /// `y = B^T p`, hierarchical.
+    pub fn divergence_transposed(
+        &self,
+        rows: Rows,
+        p: &[f64],
+        y: &mut [f64],
+        work: &mut Workspace,
+    ) {
+        either!(self, grid => grid.divergence_transposed(rows, p, y, work));
+    }
+
+    /// `y += factor B^T p`, hierarchical, held rows left alone.
+    pub fn add_divergence_transposed(
+        &self,
+        factor: f64,
+        p: &[f64],
+        y: &mut [f64],
+        work: &mut Workspace,
+    ) {
+        either!(self, grid => grid.add_divergence_transposed(factor, p, y, work));
+    }
+
+    /// `(y, r) = (A u + B^T p, B u)`, hierarchical, held entries left out, for
+    /// the price of `A u`.
+    pub fn saddle(
+        &self,
+        (u, p): (&[f64], &[f64]),
+        (y, r): (&mut [f64], &mut [f64]),
+        work: &mut Workspace,
+    ) {
+        either!(self, grid => grid.saddle((u, p), (y, r), work));
+    }
+
+    /// The kernels that run here.
+    pub fn instruction_set(&self) -> InstructionSet {
+        either!(self, grid => grid.instructions)
+    }
+
+    /// The same cells with other kernels, to compare them.
+    #[must_use]
+    pub fn with_instruction_set(mut self, instructions: InstructionSet) -> Self {
+        either!(&mut self, grid => grid.instructions = instructions);
+        self
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        either!(self, grid => grid.bytes())
+    }
+}
+
+impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
+    fn new(source: Source<'_>) -> Self {
+        let blocks: Vec<Block<V, D, E>> = blocks_of_cells(source.mesh)
+            .par_iter()
+            .map(|cells| Block::new(cells, source))
+            .collect();
+        let group = blocks.len().div_ceil(MOST_GROUPS).max(1);
+        let rows = |group: &[Block<V, D, E>]| group.iter().map(|b| b.nodes.len()).sum();
+        let group_rows: usize = blocks.chunks(group).map(rows).max().unwrap_or(0);
+        let mut firsts = Vec::with_capacity(blocks.len());
+        for (index, group) in blocks.chunks(group).enumerate() {
+            let mut first = index * group_rows;
+            for block in group {
+                firsts.push(first);
+                first += block.nodes.len();
+            }
+        }
+        let placed = firsts.iter().zip(&blocks);
+        let copies = Copies::new(
+            source.space.nodes(),
+            placed.map(|(&first, block)| (first, &block.nodes[..])),
+        );
+        Self {
+            block_rows: blocks.iter().map(|b| b.nodes.len()).max().unwrap_or(0),
+            blocks,
+            group,
+            group_rows,
+            copies,
+            instructions: InstructionSet::of_this_machine(),
+        }
+    }
+
+    fn bytes(&self) -> u64 {
+        let blocks: usize = self.blocks.iter().map(Block::bytes).sum();
+        (blocks + self.copies.bytes()) as u64
+    }
+
+    fn stiffness(&self, basis: Basis, rows: Rows, x: &[f64], y: &mut [f64], work: &mut Workspace) {
+        self.pass(
+            work,
+            |block, x_rows| {
+                block.gather_displacement(x, x_rows);
+                block.prepare_argument(basis, rows, x_rows);
+            },
+            |block, x, y| {
+                simd::stiffness(self.instructions, &block.batches, x, y);
+                block.finish_result(basis, rows, y);
+            },
+            |local| self.copies.sum::<D>(local, y, set_displacement),
+        );
+    }
+
+    fn subtract_stiffness(&self, basis: Basis, x: &[f64], r: &mut [f64], work: &mut Workspace) {
+        self.pass(
+            work,
+            |block, x_rows| {
+                block.gather_displacement(x, x_rows);
+                block.prepare_argument(basis, Rows::Free, x_rows);
+            },
+            |block, x, y| {
+                simd::stiffness(self.instructions, &block.batches, x, y);
+                block.finish_result(basis, Rows::Free, y);
+            },
+            |local| self.copies.sum::<D>(local, r, add_displacement(-1.0)),
+        );
+    }
+
+    fn add_divergence_transposed(
+        &self,
+        factor: f64,
+        p: &[f64],
+        y: &mut [f64],
+        work: &mut Workspace,
+    ) {
+        self.pass(
+            work,
+            |block, p_rows| block.gather_pressure(p, p_rows),
+            |block, p, y| {
+                simd::divergence_transposed(self.instructions, &block.batches, p, y);
+                block.finish_result(Basis::Hierarchical, Rows::Free, y);
+            },
+            |local| self.copies.sum::<D>(local, y, add_displacement(factor)),
+        );
+    }
+
+    fn divergence(&self, rows: Rows, x: &[f64], r: &mut [f64], work: &mut Workspace) {
+        self.pass(
+            work,
+            |block, x_rows| {
+                block.gather_displacement(x, x_rows);
+                block.prepare_argument(Basis::Hierarchical, rows, x_rows);
+            },
+            |block, x, r| simd::divergence(self.instructions, &block.batches, x, r),
+            |local| self.copies.sum::<1>(local, r, set_pressure),
+        );
+    }
+
+    fn divergence_transposed(&self, rows: Rows, p: &[f64], y: &mut [f64], work: &mut Workspace) {
+        self.pass(
+            work,
+            |block, p_rows| block.gather_pressure(p, p_rows),
+            |block, p, y| {
+                simd::divergence_transposed(self.instructions, &block.batches, p, y);
+                block.finish_result(Basis::Hierarchical, rows, y);
+            },
+            |local| self.copies.sum::<D>(local, y, set_displacement),
+        );
+    }
+
+    fn saddle(
+        &self,
+        (u, p): (&[f64], &[f64]),
+        (y, r): (&mut [f64], &mut [f64]),
+        work: &mut Workspace,
+    ) {
+        self.pass(
+            work,
+            |block, x_rows| {
+                block.gather_displacement(u, x_rows);
+                block.prepare_argument(Basis::Hierarchical, Rows::Free, x_rows);
+                block.gather_pressure(p, x_rows);
+            },
+            |block, x, y| {
+                simd::saddle(self.instructions, &block.batches, x, y);
+                block.finish_result(Basis::Hierarchical, Rows::Free, y);
+            },
+            |local| {
+                self.copies.sum::<D>(local, y, set_displacement);
+                self.copies.sum::<1>(local, r, set_pressure);
+            },
+        );
+    }
+
+    /// One pass: `gather` fills the rows of a block, `run` adds to its results,
+    /// `finish` takes the results of all blocks.
+    fn pass(
+        &self,
+        work: &mut Workspace,
+        gather: impl Fn(&Block<V, D, E>, &mut [Row]) + Sync,
+        run: impl Fn(&Block<V, D, E>, &[Row], &mut [Row]) + Sync,
+        finish: impl FnOnce(&[Row]),
+    ) {
+        let groups = self.blocks.len().div_ceil(self.group);
+        // A group's argument is one block's, and so stays in its cache.
+        let mut arguments = work.scratch(4 * groups * self.block_rows);
+        let mut results = work.scratch(4 * groups * self.group_rows);
+        let (argument_rows, _) = arguments.as_chunks_mut::<4>();
+        let (result_rows, _) = results.as_chunks_mut::<4>();
+        self.blocks
+            .par_chunks(self.group)
+            .zip(argument_rows.par_chunks_mut(self.block_rows.max(1)))
+            .zip(result_rows.par_chunks_mut(self.group_rows.max(1)))
+            .for_each(|((group, x), mut y)| {
+                for block in group {
+                    let x = &mut x[..block.nodes.len()];
+                    let (y_block, rest) = y.split_at_mut(block.nodes.len());
+                    gather(block, x);
+                    y_block.fill([0.0; 4]);
+                    run(block, x, y_block);
+                    y = rest;
+                }
+            });
+        finish(result_rows);
+        work.give(arguments);
+        work.give(results);
+    }
+}
+
+fn set_displacement<const D: usize>(target: &mut [f64; D], sum: Row) {
+    target.copy_from_slice(&sum[..D]);
+}
+
+fn add_displacement<const D: usize>(factor: f64) -> impl Fn(&mut [f64; D], Row) + Sync {
+    move |target, sum| {
+        for i in 0..D {
+            target[i] += factor * sum[i];
+        }
+    }
+}
+
+fn set_pressure(target: &mut [f64; 1], sum: Row) {
+    target[0] = sum[PRESSURE];
+}
