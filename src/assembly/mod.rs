@@ -1,7 +1,9 @@
 //! Integrates a material over a space: the matrix-free P2 operator and the
-//! divergence, the assembled P1 block, node blocks, masses and loads.
+//! divergence, the assembled P1 block, node blocks, masses and loads; the
+//! assembled edge block for comparison methods.
 
 pub mod cells;
+pub mod edge_stiffness;
 pub mod grid;
 pub mod kernel;
 pub mod lanes;

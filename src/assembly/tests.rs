@@ -11,6 +11,7 @@ use crate::linalg::{LinearOperator, Workspace};
 use crate::mesh::{Mesh, MeshParts, barycentric_gradients, samples};
 use crate::space::TaylorHood;
 
+mod edges;
 mod loads;
 
 const SCALE: f64 = 0.5;

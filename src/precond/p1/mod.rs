@@ -5,6 +5,8 @@
 
 pub mod amg;
 mod direct;
+mod incomplete;
 
 pub use amg::{AmgError, AmgP1, VertexBlocks};
 pub use direct::{DirectP1, vertex_order};
+pub use incomplete::{IncompleteCholeskyCg, incomplete_cholesky_cg};
