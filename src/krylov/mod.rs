@@ -1,12 +1,15 @@
 //! Krylov methods over [`crate::linalg::LinearOperator`] and
 //! [`crate::linalg::Preconditioner`]: conjugate gradients for symmetric
-//! positive definite systems, truncated flexible GCR for saddle points.
+//! positive definite systems, truncated flexible GCR for saddle points; MINRES
+//! and the stationary iteration to compare them with.
 //!
 //! A [`Monitor`] sees every residual and decides when to stop; no method
 //! prints, and every loop has a typed outcome.
 
 pub mod cg;
 pub mod gcr;
+pub mod minres;
+pub mod stationary;
 
 /// What the monitor says after an iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +24,11 @@ pub enum Verdict {
 pub trait Monitor {
     /// Called after each iteration with the current residual.
     fn judge(&mut self, residual: &[f64]) -> Verdict;
+
+    /// Called after each iteration of a method nested in this one.
+    fn poll(&mut self) -> Verdict {
+        Verdict::Continue
+    }
 }
 
 /// How a Krylov method ended.
@@ -34,6 +42,6 @@ pub enum Outcome {
     Stagnation,
     /// A number became infinite or undefined.
     NotFinite,
-    /// The operator is not positive definite (conjugate gradients only).
+    /// The operator, or for MINRES the preconditioner, is not positive definite.
     Indefinite,
 }

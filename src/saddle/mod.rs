@@ -10,9 +10,29 @@
 //! scene does not need is a shorter list. Vectors are the concatenation of
 //! displacement and blocks. The preconditioner is the upper block triangle:
 //! multipliers first, by their metrics, then one application of the
-//! displacement preconditioner.
+//! displacement preconditioner. The other files hold what it is compared with.
+
+mod arrow_hurwicz;
+mod block_diagonal;
+mod uzawa;
 
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
+
+pub use arrow_hurwicz::{ArrowHurwicz, ratio as arrow_hurwicz_ratio};
+pub use block_diagonal::BlockDiagonal;
+pub use uzawa::Uzawa;
+
+/// The block step that preconditions a flexible method.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum BlockStep {
+    /// [`BlockTriangular`]: one displacement application.
+    UpperTriangular,
+    /// [`ArrowHurwicz`]: two of them.
+    ArrowHurwicz {
+        /// Of the first block.
+        ratio: f64,
+    },
+}
 
 /// One multiplier block.
 #[derive(Clone, Copy)]
@@ -108,6 +128,29 @@ impl Preconditioner for BlockTriangular<'_> {
         }
         self.displacement.apply(&force, z_u, work);
         work.give(force);
+    }
+}
+
+impl BlockStep {
+    /// The step on the given blocks.
+    pub fn preconditioner<'a>(
+        self,
+        stiffness: &'a dyn LinearOperator,
+        displacement: &'a dyn Preconditioner,
+        blocks: &'a [MultiplierBlock<'a>],
+    ) -> Box<dyn Preconditioner + 'a> {
+        match self {
+            Self::UpperTriangular => Box::new(BlockTriangular {
+                displacement,
+                blocks,
+            }),
+            Self::ArrowHurwicz { ratio } => Box::new(ArrowHurwicz {
+                stiffness,
+                displacement,
+                blocks,
+                ratio,
+            }),
+        }
     }
 }
 

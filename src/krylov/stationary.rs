@@ -1,0 +1,105 @@
+//! The stationary iteration `x += M^-1 (b - A x)`: the preconditioner on its own.
+//!
+//! Converges where the spectrum of M^-1 A lies in (0, 2). Per iteration: one
+//! product, one preconditioner application.
+
+use super::{Monitor, Outcome, Verdict};
+use crate::linalg::vector::{add_scaled, norm};
+use crate::linalg::{LinearOperator, Preconditioner, Workspace};
+
+/// Growth of the residual that counts as divergence.
+const GROWTH: f64 = 1e3;
+
+/// Improves `x` until the monitor stops; `r = b - A x` on entry and exit. Ends
+/// as stagnation where the residual grows instead.
+pub fn solve(
+    operator: &dyn LinearOperator,
+    preconditioner: &dyn Preconditioner,
+    x: &mut [f64],
+    r: &mut [f64],
+    iterations: usize,
+    monitor: &mut dyn Monitor,
+    work: &mut Workspace,
+) -> Outcome {
+    let mut z = work.zeros(r.len());
+    let mut product = work.zeros(r.len());
+    let bound = GROWTH * norm(r);
+    let mut outcome = Outcome::IterationLimit;
+    for _ in 0..iterations {
+        preconditioner.apply(r, &mut z, work);
+        operator.apply(&z, &mut product, work);
+        add_scaled(x, 1.0, &z);
+        add_scaled(r, -1.0, &product);
+        if monitor.judge(r) == Verdict::Stop {
+            outcome = Outcome::Stopped;
+            break;
+        }
+        let size = norm(r);
+        if !size.is_finite() {
+            outcome = Outcome::NotFinite;
+            break;
+        }
+        if size > bound {
+            outcome = Outcome::Stagnation;
+            break;
+        }
+    }
+    work.give(z);
+    work.give(product);
+    outcome
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::linalg::SparseRowsBuilder;
+
+    struct Plain;
+    impl Preconditioner for Plain {
+        fn apply(&self, r: &[f64], z: &mut [f64], _work: &mut Workspace) {
+            z.copy_from_slice(r);
+        }
+    }
+
+    struct Below(f64, usize);
+    impl Monitor for Below {
+        fn judge(&mut self, residual: &[f64]) -> Verdict {
+            self.1 += 1;
+            match norm(residual) < self.0 {
+                true => Verdict::Stop,
+                false => Verdict::Continue,
+            }
+        }
+    }
+
+    fn run(eigenvalue: f64) -> (Outcome, f64, usize) {
+        let mut builder = SparseRowsBuilder::new(1);
+        builder.push_row(&mut [(0, eigenvalue)]);
+        let (mut x, mut r, mut stop) = (vec![0.0], vec![1.0], Below(1e-6, 0));
+        let work = &mut Workspace::new();
+        let outcome = solve(
+            &builder.finish(),
+            &Plain,
+            &mut x,
+            &mut r,
+            100,
+            &mut stop,
+            work,
+        );
+        (outcome, x[0], stop.1)
+    }
+
+    #[test]
+    fn the_error_shrinks_by_one_minus_the_eigenvalue() {
+        // 0.5^20 is the first power below 1e-6.
+        let (outcome, x, iterations) = run(0.5);
+        assert_eq!((outcome, iterations), (Outcome::Stopped, 20));
+        assert!((x - 2.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn an_eigenvalue_above_two_ends_as_stagnation() {
+        assert_eq!(run(3.0).0, Outcome::Stagnation);
+        assert_eq!(run(f64::NAN).0, Outcome::NotFinite);
+    }
+}
