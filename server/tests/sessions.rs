@@ -84,7 +84,7 @@ async fn keys_of_later_capabilities_are_refused_by_path() {
         change(&mut scene);
         scene
     };
-    let cases: [(&str, wire::Scene); 6] = [
+    let cases: [(&str, wire::Scene); 5] = [
         (
             "obstacle.ball.friction",
             with(|scene| scene.obstacles[0].friction = Some(0.3)),
@@ -100,10 +100,6 @@ async fn keys_of_later_capabilities_are_refused_by_path() {
         (
             "kind",
             with(|scene| scene.kind = wire::SceneKind::Axisymmetric.into()),
-        ),
-        (
-            "solver.penalty",
-            with(|scene| scene.solver.as_mut().unwrap().penalty = Some(1.0)),
         ),
         (
             "material.body.model",

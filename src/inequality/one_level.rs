@@ -20,7 +20,7 @@ use super::qp::{Progress, QpIterate, QpOutcome, QpScales, QpStatus, QpTargets};
 use crate::krylov::{Outcome, gcr};
 use crate::linalg::vector::{add_scaled, scale};
 use crate::linalg::{DenseMatrix, LinearOperator, Preconditioner, SparseRows, Workspace};
-use crate::saddle::{BlockTriangular, MultiplierBlock, SaddleOperator};
+use crate::saddle::{BlockStep, MultiplierBlock, SaddleOperator};
 use face::{ActiveCoupling, ActiveMetric, Face, FaceMonitor, Review};
 
 /// Reduction of the face residual between reviews of the set.
@@ -39,6 +39,8 @@ pub struct OneLevel<'a> {
     pub curvature: Option<&'a SparseRows>,
     /// Approximate inverse of A.
     pub displacement: &'a dyn Preconditioner,
+    /// How multipliers and displacement are stepped.
+    pub step: BlockStep,
     /// Equality blocks: the internal pressure, or none.
     pub equality: &'a [MultiplierBlock<'a>],
     /// C.
@@ -307,10 +309,9 @@ impl OneLevel<'_> {
                         .map(|curvature| curvature as &dyn LinearOperator),
                     blocks: &blocks,
                 },
-                &BlockTriangular {
-                    displacement: self.displacement,
-                    blocks: &blocks,
-                },
+                &*self
+                    .step
+                    .preconditioner(self.stiffness, self.displacement, &blocks),
                 &mut x,
                 &mut r,
                 iterations as usize,

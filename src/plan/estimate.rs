@@ -21,6 +21,12 @@ const AMG_BYTES: f64 = 5000.0;
 /// Flops per vertex to build one: mostly the products A P and P^T A P.
 const AMG_FLOPS: f64 = 3e4;
 
+/// Bytes per vertex of A11 and its incomplete factor, and flops to make it.
+const IC_BYTES: f64 = 1600.0;
+const IC_FLOPS: f64 = 3e3;
+/// Bytes per cell that assembling and holding the edge block takes at its peak.
+const EDGE_BLOCK_BYTES: u64 = 2400;
+
 /// Entries of the factor of A11 and flops to make it.
 pub(super) fn factor(dimension: usize, vertices: u64) -> (f64, f64) {
     let n = vertices as f64;
@@ -48,6 +54,7 @@ pub(super) fn p1_solver(plan: &Plan, vertices: u64) -> (f64, f64) {
             (number * 1.2 * entries, flops)
         }
         P1Solver::Amg => (AMG_BYTES * vertices as f64, AMG_FLOPS * vertices as f64),
+        P1Solver::IcCg => (IC_BYTES * vertices as f64, IC_FLOPS * vertices as f64),
     }
 }
 
@@ -59,9 +66,14 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
     let dense = 3 * contact * contact + 3 * multipliers * multipliers;
     let vectors = VECTORS * (plan.unknowns.displacement + plan.unknowns.pressure);
     let blocks = plan.unknowns.displacement * components;
+    let edge_block = match plan.displacement.is_hierarchical() {
+        true => EDGE_BLOCK_BYTES * plan.cells as u64,
+        false => 0,
+    };
     p1_solver(plan, vertices).0 as u64
         + 8 * (dense + vectors + blocks)
         + CELL_BYTES * plan.cells as u64
+        + edge_block
         + 200 * vertices
 }
 
@@ -70,5 +82,7 @@ pub(super) fn applications(plan: &Plan) -> u32 {
     let digits = -plan.scene.solver.tolerance.log10();
     let per_digit = if plan.resolved.mixed { 3.2 } else { 1.7 };
     let contact = if plan.unknowns.contact > 0 { 1.5 } else { 1.0 };
-    (digits * per_digit * contact).ceil() as u32
+    let methods =
+        plan.displacement.relative_applications() * plan.saddle.method.relative_applications();
+    (digits * per_digit * contact * methods).ceil() as u32
 }

@@ -1,10 +1,12 @@
 //! Decisions: what a scene needs, by which method, at what predicted cost, and
 //! what is left out. Cheap to make, printable, made before any expensive work.
 
+mod displacement;
 mod estimate;
 mod p1;
 mod prepared;
 mod report;
+mod saddle;
 mod units;
 
 use std::collections::BTreeMap;
@@ -18,9 +20,12 @@ use crate::scene::validate::{Resolved, resolve};
 use crate::scene::{Scene, SceneError, Step, Violation};
 use crate::space::TaylorHood;
 
+use displacement::DisplacementMethod;
 use p1::P1Sizes;
 pub use prepared::{PrepareError, Prepared};
 pub use report::{LeftOut, PlanEntry, PlanReport};
+pub(crate) use saddle::SaddleMethod;
+use saddle::{Demand, SaddleChoice, SaddleNeeds};
 pub use units::Units;
 
 /// Names everything that [`Prepared`] depends on; equal keys share it.
@@ -41,8 +46,10 @@ pub struct Plan {
     pub(crate) held: Vec<(u32, u16)>,
     /// Mesh vertices of all candidate faces, ascending.
     pub(crate) contact_vertices: Vec<u32>,
+    pub(crate) displacement: DisplacementMethod,
     pub(crate) smoother_degree: usize,
     pub(crate) p1: p1::P1Choice,
+    pub(crate) saddle: SaddleChoice,
     pub(crate) warnings: Vec<String>,
 }
 
@@ -90,6 +97,16 @@ impl Plan {
             quality: mesh.quality().mean,
         };
         let p1 = p1::choose(&scene.solver.p1_solver, sizes);
+        let displacement = DisplacementMethod::choose(&scene.solver.displacement_preconditioner);
+        let demands = [displacement.demand(), p1.solver.demand()];
+        let needs = SaddleNeeds {
+            has_multipliers: unknowns.pressure + unknowns.contact > 0,
+            demand: match demands.contains(&Demand::Flexible) {
+                true => Demand::Flexible,
+                false => Demand::None,
+            },
+        };
+        let saddle = saddle::choose(&scene.solver.saddle, needs);
         let mut warnings = mesh.warnings().to_vec();
         warnings.extend(conflicts(scene, &resolved, mesh));
         Ok(Self {
@@ -100,8 +117,10 @@ impl Plan {
             cells: mesh.cell_count(),
             held,
             contact_vertices,
+            displacement,
             smoother_degree,
             p1,
+            saddle,
             warnings,
             scene: scene.clone(),
             resolved,
@@ -136,6 +155,8 @@ impl Plan {
         hash.update(self.mesh_id.as_bytes());
         hash.update([u8::from(self.resolved.mixed), self.smoother_degree as u8]);
         hash.update([u8::from(self.is_floating()), self.p1.solver as u8]);
+        hash.update([self.displacement as u8]);
+        hash.update(self.penalty().to_le_bytes());
         for (unknown, _) in &self.held {
             hash.update(unknown.to_le_bytes());
         }
@@ -153,6 +174,11 @@ impl Plan {
             hash.update(vertex.to_le_bytes());
         }
         PreparedKey(hash.finalize().into())
+    }
+
+    /// Weight r of the grad-div term, in units of the shear modulus.
+    pub(crate) fn penalty(&self) -> f64 {
+        self.scene.solver.penalty.unwrap_or(0.0)
     }
 
     pub(crate) fn has_body_force(&self) -> bool {

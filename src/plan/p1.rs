@@ -8,13 +8,16 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use super::saddle::Demand;
 use super::{Plan, estimate};
 use crate::assembly::p1_stiffness::{P1Blocks, p1_blocks};
 use crate::assembly::{CellGeometry, CellModuli};
 use crate::linalg::cholesky::Precision;
 use crate::linalg::{DenseMatrix, FactoriseError, Preconditioner};
 use crate::mesh::Mesh;
-use crate::precond::p1::{AmgError, AmgP1, DirectP1, VertexBlocks, vertex_order};
+use crate::precond::p1::{
+    AmgError, AmgP1, DirectP1, VertexBlocks, incomplete_cholesky_cg, vertex_order,
+};
 use crate::space::TaylorHood;
 
 /// Flops below which the factor takes less time than the multigrid saves.
@@ -39,6 +42,8 @@ pub(crate) enum P1Solver {
     Direct,
     /// Smoothed-aggregation multigrid.
     Amg,
+    /// Conjugate gradients around an incomplete factor.
+    IcCg,
 }
 
 impl P1Solver {
@@ -47,6 +52,7 @@ impl P1Solver {
         match self {
             Self::Direct => "sparse Cholesky",
             Self::Amg => "smoothed-aggregation multigrid, single precision",
+            Self::IcCg => "incomplete Cholesky, conjugate gradients to a tolerance",
         }
     }
 
@@ -55,6 +61,15 @@ impl P1Solver {
         match self {
             Self::Direct => "p1_factor",
             Self::Amg => "p1_multigrid",
+            Self::IcCg => "p1_incomplete_factor",
+        }
+    }
+
+    /// What it asks of the outer method.
+    pub(super) fn demand(self) -> Demand {
+        match self {
+            Self::Direct | Self::Amg => Demand::None,
+            Self::IcCg => Demand::Flexible,
         }
     }
 }
@@ -103,6 +118,7 @@ pub(super) fn choose(asked: &str, sizes: P1Sizes) -> P1Choice {
     match asked {
         "cholesky" => return P1Choice::new(P1Solver::Direct, "asked for"),
         "amg" => return P1Choice::new(P1Solver::Amg, "asked for"),
+        "ic-cg" => return P1Choice::new(P1Solver::IcCg, "asked for"),
         _ => (),
     }
     if flops <= CHEAP_FACTOR {
@@ -162,6 +178,7 @@ pub(super) fn build(plan: &Plan, body: P1Body<'_>) -> Result<P1Built, FactoriseE
             Ok(built) => built,
             Err(_) => direct(plan, body, &blocks)?,
         },
+        P1Solver::IcCg => incomplete(body, &blocks),
     };
     built.assemble = assemble;
     built.factorise = start.elapsed().as_secs_f64() - assemble;
@@ -194,16 +211,33 @@ fn direct(plan: &Plan, body: P1Body<'_>, blocks: &P1Blocks) -> Result<P1Built, F
     })
 }
 
-fn multigrid(plan: &Plan, body: P1Body<'_>, blocks: &P1Blocks) -> Result<P1Built, AmgError> {
-    let c = body.space.components as u32;
-    let view = VertexBlocks {
+fn vertex_blocks<'a>(body: P1Body<'a>, blocks: &'a P1Blocks) -> VertexBlocks<'a> {
+    VertexBlocks {
         components: body.space.components,
         coordinates: body.mesh.coordinates(),
         edges: &body.space.edges,
         diagonal: &blocks.diagonal,
         off: &blocks.off,
         held: body.held,
-    };
+    }
+}
+
+/// Scenes with contact are refused it: it gives no compliance.
+fn incomplete(body: P1Body<'_>, blocks: &P1Blocks) -> P1Built {
+    let (solver, bytes) = incomplete_cholesky_cg(&vertex_blocks(body, blocks));
+    P1Built {
+        compliance: DenseMatrix::zeros(0, 0),
+        bytes,
+        solver,
+        part: P1Solver::IcCg.part(),
+        assemble: 0.0,
+        factorise: 0.0,
+    }
+}
+
+fn multigrid(plan: &Plan, body: P1Body<'_>, blocks: &P1Blocks) -> Result<P1Built, AmgError> {
+    let c = body.space.components as u32;
+    let view = vertex_blocks(body, blocks);
     let cycle = match AmgP1::new(&view, Precision::Single) {
         Err(AmgError::Indefinite) => AmgP1::new(&view, Precision::Double)?,
         other => other?,
@@ -240,7 +274,11 @@ mod tests {
 
     #[test]
     fn the_scene_has_the_last_word() {
-        for (asked, solver) in [("cholesky", P1Solver::Direct), ("amg", P1Solver::Amg)] {
+        for (asked, solver) in [
+            ("cholesky", P1Solver::Direct),
+            ("amg", P1Solver::Amg),
+            ("ic-cg", P1Solver::IcCg),
+        ] {
             assert_eq!(choose(asked, body(100)).solver, solver);
             assert_eq!(choose(asked, body(1_000_000)).solver, solver);
         }

@@ -5,16 +5,19 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::Plan;
+use super::displacement::{self, DisplacementBody};
 use super::p1::{self, P1Body};
 use crate::assembly::grid::{Basis, Rows};
 use crate::assembly::mass::weighted_mass;
 use crate::assembly::p1_stiffness::node_blocks;
 use crate::assembly::{Body, CellGeometry, CellModuli, Divergence, Grid, Stiffness};
 use crate::linalg::vector::norm;
-use crate::linalg::{DenseMatrix, FactoriseError, LinearOperator, SparseRows, Workspace};
+use crate::linalg::{
+    DenseMatrix, FactoriseError, LinearOperator, Preconditioner, SparseRows, Workspace,
+};
 use crate::mesh::Mesh;
+use crate::precond::NodeBlocks;
 use crate::precond::schur::ChebyshevMass;
-use crate::precond::{NodeBlocks, PMultigrid, Transfer};
 use crate::report::{CancelToken, Seconds, Termination};
 use crate::space::TaylorHood;
 
@@ -53,11 +56,12 @@ pub struct Prepared {
     pub(crate) held: Arc<[u32]>,
     pub(crate) is_held: Vec<bool>,
     pub(crate) stiffness: Stiffness,
-    pub(crate) displacement: PMultigrid,
+    pub(crate) displacement: Arc<dyn Preconditioner>,
     pub(crate) node_blocks: NodeBlocks,
     pub(crate) pressure: Option<PressureBlock>,
     /// A11^-1 on the contact vertices; empty without contact.
     pub(crate) compliance: DenseMatrix,
+    displacement_bytes: u64,
     p1_bytes: u64,
     p1_part: &'static str,
     seconds: Seconds,
@@ -112,42 +116,28 @@ impl Prepared {
         );
         let p1 = p1?;
         poll()?;
-        let stiffness = |basis| Stiffness {
-            grid: grid.clone(),
-            basis,
-            size: space.displacement_unknowns(),
-            held: held.clone(),
+        let body = DisplacementBody {
+            mesh,
+            space: &space,
+            geometry: &geometry,
+            moduli: &moduli,
+            held: &held,
+            grid: &grid,
+            node_blocks: &blocks,
+            p1: p1.solver,
         };
-        let transfer = Transfer::new(
-            space.vertices,
-            space.components,
-            space.edges.clone(),
-            held.clone(),
-        );
-        let displacement = PMultigrid::new(
-            Arc::new(stiffness(Basis::Lagrange)),
-            blocks.clone(),
-            p1.solver,
-            transfer,
-            plan.smoother_degree,
-            &mut Workspace::new(),
-        );
+        let stiffness = body.stiffness(Basis::Hierarchical);
+        let (displacement, displacement_bytes) = displacement::build(plan, body);
         poll()?;
-        let pressure = plan.is_mixed().then(|| {
-            pressure_block(
-                mesh,
-                &space,
-                &geometry,
-                &moduli,
-                &stiffness(Basis::Hierarchical),
-            )
-        });
+        let pressure = plan
+            .is_mixed()
+            .then(|| pressure_block(plan, mesh, &space, &geometry, &moduli, &stiffness));
         let mut is_held = vec![false; space.displacement_unknowns()];
         held.iter()
             .for_each(|&index| is_held[index as usize] = true);
         let total = start.elapsed().as_secs_f64();
         Ok(Self {
-            stiffness: stiffness(Basis::Hierarchical),
+            stiffness,
             space,
             geometry,
             grid,
@@ -157,6 +147,7 @@ impl Prepared {
             node_blocks: blocks,
             pressure,
             compliance: p1.compliance,
+            displacement_bytes,
             p1_bytes: p1.bytes,
             p1_part: p1.part,
             seconds: Seconds {
@@ -177,7 +168,7 @@ impl Prepared {
         self.geometry.bytes()
             + self.grid.bytes()
             + self.p1_bytes
-            + self.displacement.bytes()
+            + self.displacement_bytes
             + self.node_blocks.bytes()
             + self.compliance.bytes()
             + pressure
@@ -214,7 +205,11 @@ fn moduli(plan: &Plan) -> CellModuli {
     for &index in &plan.resolved.cell_material {
         let law = plan.resolved.materials[usize::from(index)].law;
         let (lame, inverse) = match plan.is_mixed() {
-            true => (0.0, law.inverse_lame * plan.units.stress),
+            // The penalty is a grad-div term of the displacement block.
+            true => (
+                plan.penalty() * law.shear_modulus / plan.units.stress,
+                law.inverse_lame * plan.units.stress,
+            ),
             false => (law.lame() / plan.units.stress, 0.0),
         };
         moduli.shear.push(law.shear_modulus / plan.units.stress);
@@ -237,13 +232,15 @@ fn constant_pressure_is_idle(coupling: &Divergence) -> bool {
 }
 
 fn pressure_block(
+    plan: &Plan,
     mesh: &Mesh,
     space: &TaylorHood,
     geometry: &CellGeometry,
     moduli: &CellModuli,
     stiffness: &Stiffness,
 ) -> PressureBlock {
-    let schur = |cell: usize| 0.5 / moduli.shear[cell] + moduli.inverse_lame[cell];
+    let step = plan.displacement.pressure_step() + plan.penalty();
+    let schur = |cell: usize| 1.0 / (step * moduli.shear[cell]) + moduli.inverse_lame[cell];
     let compressible = moduli.inverse_lame.iter().any(|&inverse| inverse != 0.0);
     let coupling = Divergence {
         grid: stiffness.grid.clone(),

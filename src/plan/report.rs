@@ -97,26 +97,16 @@ impl Plan {
             let reason = "every Poisson ratio is below 0.45";
             push("formulation", "P2 displacement".into(), reason);
         }
-        let degree = self.smoother_degree;
-        let reason = match degree {
-            2 => "well-shaped cells",
-            _ => "stretched cells or a stiff volume response",
-        };
-        push(
-            "displacement_preconditioner",
-            format!("p-multigrid, Chebyshev degree {degree}"),
-            reason,
-        );
+        let (name, reason) = self.displacement.describe(self.smoother_degree);
+        push("displacement_preconditioner", name, reason);
         push("p1_solver", self.p1_name(), &self.p1.reason);
-        let krylov = match (self.resolved.mixed, self.unknowns.contact) {
-            (false, 0) => "conjugate gradients",
-            _ => "flexible GCR(10), upper block-triangular",
-        };
-        push(
-            "saddle",
-            krylov.into(),
-            "one preconditioner application per iteration",
-        );
+        let has_multipliers = self.unknowns.pressure + self.unknowns.contact > 0;
+        let method = self.saddle.method.describe(has_multipliers);
+        push("saddle", method.into(), self.saddle.reason);
+        if self.penalty() > 0.0 {
+            let choice = format!("grad-div term of {} mu", self.penalty());
+            push("penalty", choice, "asked for");
+        }
         if self.unknowns.contact > 0 {
             let reason = "pressure and contact pressure are solved together";
             push(
@@ -140,7 +130,7 @@ impl Plan {
         };
         match self.p1.solver {
             P1Solver::Direct => format!("{} in {bits} bits", self.p1.solver.describe()),
-            P1Solver::Amg => self.p1.solver.describe().to_owned(),
+            P1Solver::Amg | P1Solver::IcCg => self.p1.solver.describe().to_owned(),
         }
     }
 

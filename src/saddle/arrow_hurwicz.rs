@@ -147,6 +147,7 @@ mod tests {
             coupling: &coupling,
             stabilisation: None,
             metric: &Scaled(5.0),
+            joint: None,
         }];
         let (displacement, work) = (Scaled(0.25), &mut Workspace::new());
         let ratio = ratio(&displacement, &blocks[0], &[1.0, 2.0], &[4.0], work);
@@ -174,6 +175,7 @@ mod tests {
             coupling: &coupling,
             stabilisation: None,
             metric: &Scaled(5.0),
+            joint: None,
         };
         let work = &mut Workspace::new();
         assert_eq!(ratio(&Scaled(0.25), &block, &[0.0; 2], &[0.0], work), 1.0);

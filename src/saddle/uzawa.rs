@@ -287,6 +287,7 @@ mod tests {
                 coupling: &coupling,
                 stabilisation: None,
                 metric: &Plain,
+                joint: None,
             },
             inner_bound: 1e-12,
         };

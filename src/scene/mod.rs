@@ -150,16 +150,21 @@ pub struct SolverOptions {
     pub quadrature_degree: Option<u32>,
     /// Seconds after which a step ends with its last good state.
     pub max_wall_time: Option<f64>,
-    /// `auto`, `p-multigrid`.
+    /// `auto`, `p-multigrid`, `hierarchical-ssor`, `hierarchical-multiplicative`,
+    /// `hierarchical-additive`.
     pub displacement_preconditioner: String,
-    /// `auto`, `cholesky`, `amg`.
+    /// `auto`, `cholesky`, `amg`, `ic-cg` (without contact).
     pub p1_solver: String,
-    /// `auto`, `gcr` (mixed), `cg` (displacement form).
+    /// `auto`, `gcr`; mixed: `arrow-hurwicz`, `uzawa-cg`, `minres`; displacement
+    /// form: `cg`, `stationary`. With contact: `gcr`, `arrow-hurwicz` (mixed).
     pub saddle: String,
     /// `auto`, `one-level`.
     pub contact: String,
     /// `auto`, `compliance`.
     pub contact_metric: String,
+    /// Weight of a grad-div term in the displacement block, in units of the shear
+    /// modulus; for incompressible materials. `None`: none.
+    pub penalty: Option<f64>,
     /// Recompute the residuals by the independent path after each increment.
     pub verify: bool,
 }
@@ -176,6 +181,7 @@ impl Default for SolverOptions {
             saddle: auto(),
             contact: auto(),
             contact_metric: auto(),
+            penalty: None,
             verify: false,
         }
     }

@@ -8,8 +8,8 @@ use crate::report::Seconds;
 pub(crate) struct Counters {
     pub(crate) sqp_iterations: u32,
     pub(crate) krylov_iterations: u32,
-    /// Preconditioner applications outside Krylov iterations.
-    pub(crate) predictions: u32,
+    /// Applications of the displacement preconditioner.
+    pub(crate) applications: u32,
     pub(crate) set_changes: u32,
     pub(crate) cut_backs: u32,
     pub(crate) step_length: f64,
@@ -18,16 +18,11 @@ pub(crate) struct Counters {
 }
 
 impl Counters {
-    /// Applications of the displacement preconditioner.
-    pub(crate) fn applications(&self) -> u32 {
-        self.krylov_iterations + self.predictions
-    }
-
     pub(crate) fn new() -> Self {
         Self {
             sqp_iterations: 0,
             krylov_iterations: 0,
-            predictions: 0,
+            applications: 0,
             set_changes: 0,
             cut_backs: 0,
             step_length: 1.0,

@@ -15,6 +15,7 @@ mod errors;
 mod evaluate;
 mod fields;
 mod increment;
+mod linear;
 mod loads;
 mod program;
 mod results;

@@ -4,18 +4,20 @@
 use super::counters::{Counters, timed};
 use super::drive::Drive;
 use super::evaluate::{Context, Evaluation};
+use super::linear::{Linear, Track};
 use super::state::State;
 use super::watch::Watch;
 use crate::contact::gap::curvature;
 use crate::inequality::{
     OneLevel, QpIterate, QpNorms, QpOutcome, QpScales, QpStatus, QpTargets, dense_qp,
 };
-use crate::krylov::{Monitor, Outcome, Verdict, cg};
 use crate::linalg::vector::{add_scaled, dot, norm};
-use crate::linalg::{DenseMatrix, LinearOperator, SparseRows, Workspace};
+use crate::linalg::{DenseMatrix, LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::obstacle::Obstacle;
+use crate::plan::SaddleMethod;
+use crate::precond::Counted;
 use crate::precond::compliance::{ComplianceParts, compliance};
-use crate::saddle::MultiplierBlock;
+use crate::saddle::{BlockStep, MultiplierBlock, arrow_hurwicz_ratio};
 
 /// Krylov iterations per program.
 const MOST_ITERATIONS: u32 = 600;
@@ -121,22 +123,35 @@ impl<'a> Program<'a> {
         let mut scales = state.scales;
         let mut iterate = first_iterate(state, now);
         let krylov = std::time::Instant::now();
-        let mut progress = |norms: &QpNorms, scales: &QpScales, active: usize| {
-            counters.krylov_iterations += 1;
-            watch.report(norms, scales, targets.force_scale, active, counters);
-            match watch.stopped(counters) {
-                Some(_) => Verdict::Stop,
-                None => Verdict::Continue,
-            }
+        let displacement = Counted::new(&*self.context.prepared.displacement);
+        let mut track = Track {
+            before: counters.applications,
+            force_scale: targets.force_scale,
+            displacement: &displacement,
+            watch,
+            counters,
         };
-        let outcome = match self.context.prepared.pressure.is_none() && now.gap.is_empty() {
-            true => self.solve_plain(&mut iterate, &targets, &mut progress, work),
-            false => {
-                let blocks = self.blocks();
+        let blocks = self.blocks();
+        let outcome = match self.context.plan.saddle.method {
+            SaddleMethod::ConjugateGradients
+            | SaddleMethod::Stationary
+            | SaddleMethod::Minres
+            | SaddleMethod::UzawaCg => {
+                let linear = Linear {
+                    method: self.context.plan.saddle.method,
+                    stiffness: &self.context.prepared.stiffness,
+                    displacement: &displacement,
+                    blocks: &blocks,
+                    iterations: MOST_ITERATIONS as usize,
+                };
+                linear.solve(&mut iterate, &targets, &mut scales, &mut track, work)
+            }
+            SaddleMethod::Gcr | SaddleMethod::ArrowHurwicz => {
                 let problem = OneLevel {
                     stiffness: &self.context.prepared.stiffness,
                     curvature,
-                    displacement: &self.context.prepared.displacement,
+                    displacement: &displacement,
+                    step: self.block_step(&displacement, &blocks, now, work),
                     equality: &blocks,
                     coupling: &now.coupling,
                     compliance: &self.compliance,
@@ -144,6 +159,9 @@ impl<'a> Program<'a> {
                 let most = MOST_ITERATIONS;
                 let directions = &mut state.directions;
                 let scales = &mut scales;
+                let mut progress = |norms: &QpNorms, scales: &QpScales, active: usize| {
+                    track.iteration(norms, scales, active)
+                };
                 problem.solve(
                     &mut iterate,
                     &targets,
@@ -155,11 +173,33 @@ impl<'a> Program<'a> {
                 )
             }
         };
+        track.count();
         counters.seconds.krylov += krylov.elapsed().as_secs_f64();
         counters.set_changes += outcome.set_changes;
-        counters.predictions += outcome.predictions;
         state.scales = scales;
         (step_from(iterate, state), outcome)
+    }
+
+    /// The step of GCR; Arrow-Hurwicz takes its ratio from the first residual.
+    fn block_step(
+        &self,
+        displacement: &dyn Preconditioner,
+        blocks: &[MultiplierBlock<'_>],
+        now: &Evaluation,
+        work: &mut Workspace,
+    ) -> BlockStep {
+        match (self.context.plan.saddle.method, blocks.first()) {
+            (SaddleMethod::ArrowHurwicz, Some(pressure)) => BlockStep::ArrowHurwicz {
+                ratio: arrow_hurwicz_ratio(
+                    displacement,
+                    pressure,
+                    &now.force,
+                    &now.constraint,
+                    work,
+                ),
+            },
+            _ => BlockStep::UpperTriangular,
+        }
     }
 
     fn has_positive_stiffness(
@@ -193,68 +233,6 @@ impl<'a> Program<'a> {
                 joint: Some(&block.body),
             })
             .collect()
-    }
-
-    /// Displacement only: conjugate gradients.
-    fn solve_plain(
-        &self,
-        iterate: &mut QpIterate,
-        targets: &QpTargets,
-        progress: &mut dyn FnMut(&QpNorms, &QpScales, usize) -> Verdict,
-        work: &mut Workspace,
-    ) -> QpOutcome {
-        let mut monitor = PlainMonitor {
-            targets: *targets,
-            progress,
-            iterations: 0,
-            reached: false,
-        };
-        let outcome = cg::solve(
-            &self.context.prepared.stiffness,
-            &self.context.prepared.displacement,
-            &mut iterate.displacement,
-            &mut iterate.force,
-            MOST_ITERATIONS as usize,
-            &mut monitor,
-            work,
-        );
-        let status = match outcome {
-            Outcome::Stopped if monitor.reached => QpStatus::Solved,
-            Outcome::Stopped => QpStatus::Interrupted,
-            Outcome::IterationLimit
-            | Outcome::Stagnation
-            | Outcome::NotFinite
-            | Outcome::Indefinite => QpStatus::Krylov(outcome),
-        };
-        QpOutcome {
-            status,
-            iterations: monitor.iterations,
-            predictions: 0,
-            set_changes: 0,
-        }
-    }
-}
-
-struct PlainMonitor<'a> {
-    targets: QpTargets,
-    progress: &'a mut dyn FnMut(&QpNorms, &QpScales, usize) -> Verdict,
-    iterations: u32,
-    reached: bool,
-}
-
-impl Monitor for PlainMonitor<'_> {
-    fn judge(&mut self, residual: &[f64]) -> Verdict {
-        self.iterations += 1;
-        let norms = QpNorms {
-            force: norm(residual),
-            ..QpNorms::default()
-        };
-        let scales = QpScales::default();
-        self.reached = norms.relative(self.targets.force_scale, &scales) <= self.targets.level;
-        match (self.progress)(&norms, &scales, 0) {
-            Verdict::Continue if !self.reached => Verdict::Continue,
-            Verdict::Continue | Verdict::Stop => Verdict::Stop,
-        }
     }
 }
 

@@ -34,7 +34,7 @@ pub(crate) fn report(
         cause: ending.cause,
         sqp_iterations: counters.sqp_iterations,
         krylov_iterations: counters.krylov_iterations,
-        preconditioner_applications: counters.applications(),
+        preconditioner_applications: counters.applications,
         eigenvalue_applications: 0,
         compliance_columns: 0,
         active_set_changes: counters.set_changes,

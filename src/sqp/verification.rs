@@ -173,7 +173,9 @@ fn add_cell(
                 constraint[vertex as usize] += weight * l * defect;
             }
         }
-        let stress = law.stress(&gradient, pressure);
+        // The grad-div term takes part of the volume stress over.
+        let penalty = context.plan.penalty() * law.shear_modulus * dilation;
+        let stress = law.stress(&gradient, pressure - penalty);
         for (&node, slope) in nodes.iter().zip(&slopes) {
             for i in 0..3 {
                 for j in 0..3 {

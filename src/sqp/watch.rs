@@ -24,7 +24,7 @@ impl Watch<'_> {
     ) {
         self.record.sqp_iteration = counters.sqp_iterations;
         self.record.krylov_iterations = counters.krylov_iterations;
-        self.record.preconditioner_applications = counters.applications();
+        self.record.preconditioner_applications = counters.applications;
         self.record.attempt = counters.cut_backs;
         self.record.active_set_changes = counters.set_changes;
         self.record.active_vertices = active as u32;

@@ -262,7 +262,6 @@ fn steps<'a>(list: impl Iterator<Item = &'a wire::LoadStep>, faults: &mut Faults
 
 fn solver(message: wire::SolverOptions, faults: &mut Faults) -> SolverOptions {
     let default = SolverOptions::default();
-    faults.later_if(message.penalty, "solver", "penalty");
     let mut method = |name: String, key: &str, default: String| match name.is_empty() {
         true => default,
         false => faults.name(&name, &format!("solver.{key}")),
@@ -287,6 +286,7 @@ fn solver(message: wire::SolverOptions, faults: &mut Faults) -> SolverOptions {
             u32::try_from(degree).unwrap_or(0)
         }),
         max_wall_time: message.max_wall_time,
+        penalty: message.penalty,
         verify: message.verify,
     }
 }

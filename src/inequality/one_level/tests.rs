@@ -163,6 +163,7 @@ fn random_problems_end_optimal_without_equalities() {
         let one_level = OneLevel {
             stiffness: &sparse(&problem.stiffness),
             curvature: None,
+            step: BlockStep::UpperTriangular,
             displacement: &inverse,
             equality: &[],
             coupling: &sparse(&problem.coupling),
@@ -191,6 +192,7 @@ fn random_problems_end_optimal_with_an_equality_and_poor_metrics() {
         let one_level = OneLevel {
             stiffness: &sparse(&problem.stiffness),
             curvature: None,
+            step: BlockStep::UpperTriangular,
             displacement: &inverse,
             equality: &[MultiplierBlock {
                 coupling: &coupling,
@@ -224,6 +226,7 @@ fn the_curvature_term_is_taken_off_the_stiffness() {
     let one_level = OneLevel {
         stiffness: &sparse(&problem.stiffness),
         curvature: Some(&curvature),
+        step: BlockStep::UpperTriangular,
         displacement: &inverse,
         equality: &[],
         coupling: &sparse(&problem.coupling),
@@ -258,6 +261,7 @@ fn a_body_that_only_contact_holds_finds_its_support() {
     let one_level = OneLevel {
         stiffness: &sparse(&problem.stiffness),
         curvature: None,
+        step: BlockStep::UpperTriangular,
         displacement: &inverse,
         equality: &[],
         coupling: &sparse(&problem.coupling),
@@ -276,6 +280,7 @@ fn the_observer_can_interrupt() {
     let one_level = OneLevel {
         stiffness: &sparse(&problem.stiffness),
         curvature: None,
+        step: BlockStep::UpperTriangular,
         displacement: &inverse,
         equality: &[],
         coupling: &sparse(&problem.coupling),
@@ -311,6 +316,7 @@ fn an_indefinite_metric_is_a_typed_failure() {
     let one_level = OneLevel {
         stiffness: &sparse(&problem.stiffness),
         curvature: None,
+        step: BlockStep::UpperTriangular,
         displacement: &inverse,
         equality: &[],
         coupling: &sparse(&problem.coupling),

@@ -119,7 +119,11 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
     let manufactured = bodies::manufactured(scene, mesh, &mut faults);
     bodies::body_force(scene, mesh, &mut faults);
     let probes = bodies::probes(scene, mesh, &mut faults);
-    solver::check(scene, mixed, &mut faults);
+    let formulated = solver::Formulated {
+        mixed,
+        incompressible: materials.iter().all(ResolvedMaterial::is_incompressible),
+    };
+    solver::check(scene, formulated, &mut faults);
     let free_modes = rigid_modes::check(scene, mesh, &support_facets, &mut faults);
     for (index, step) in steps.iter().enumerate() {
         steps::check(scene, step, &format!("step[{index}]"), mesh, &mut faults);

@@ -1,0 +1,182 @@
+//! The preconditioner of the displacement block: which one, why, and building it.
+//!
+//! The p-multigrid takes half the iterations of the hierarchical methods, one P1
+//! solve per application instead of two, and holds no assembled edge block; it is
+//! the choice for every scene. The others stand beside it for comparison.
+
+use std::sync::Arc;
+
+use super::Plan;
+use super::saddle::Demand;
+use crate::assembly::edge_stiffness::edge_blocks;
+use crate::assembly::grid::Basis;
+use crate::assembly::{CellGeometry, CellModuli, Grid, Stiffness};
+use crate::linalg::{Preconditioner, Workspace};
+use crate::mesh::Mesh;
+use crate::precond::hierarchical::{Additive, Multiplicative, Splitting, Symmetric, edge_sweep};
+use crate::precond::symmetric_blocks::NodePairs;
+use crate::precond::{NodeBlocks, PMultigrid, Transfer};
+use crate::space::TaylorHood;
+
+/// Preconditioners of the displacement block.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum DisplacementMethod {
+    /// Chebyshev smoothing on P2 around a P1 solve.
+    PMultigrid,
+    /// P1, edges, P1.
+    HierarchicalSsor,
+    /// P1, then edges.
+    HierarchicalMultiplicative,
+    /// P1 and edges side by side.
+    HierarchicalAdditive,
+}
+
+impl DisplacementMethod {
+    /// `asked` is the scene's `solver.displacement_preconditioner`.
+    pub(super) fn choose(asked: &str) -> Self {
+        match asked {
+            "hierarchical-ssor" => Self::HierarchicalSsor,
+            "hierarchical-multiplicative" => Self::HierarchicalMultiplicative,
+            "hierarchical-additive" => Self::HierarchicalAdditive,
+            _ => Self::PMultigrid,
+        }
+    }
+
+    /// What it asks of the outer method.
+    pub(super) fn demand(self) -> Demand {
+        match self {
+            Self::HierarchicalMultiplicative => Demand::Flexible,
+            Self::PMultigrid | Self::HierarchicalSsor | Self::HierarchicalAdditive => Demand::None,
+        }
+    }
+
+    /// Whether the edge block is assembled.
+    pub(super) fn is_hierarchical(self) -> bool {
+        match self {
+            Self::PMultigrid => false,
+            Self::HierarchicalSsor
+            | Self::HierarchicalMultiplicative
+            | Self::HierarchicalAdditive => true,
+        }
+    }
+
+    /// The pressure step, in units of the shear modulus, that goes with it: the
+    /// poorer the preconditioner, the shorter.
+    pub(super) fn pressure_step(self) -> f64 {
+        if self.is_hierarchical() { 1.0 } else { 2.0 }
+    }
+
+    /// Applications beside those of p-multigrid at equal accuracy.
+    pub(super) fn relative_applications(self) -> f64 {
+        match self {
+            Self::PMultigrid => 1.0,
+            Self::HierarchicalSsor => 1.9,
+            Self::HierarchicalMultiplicative => 2.2,
+            Self::HierarchicalAdditive => 3.5,
+        }
+    }
+
+    /// The choice in words and why.
+    pub(super) fn describe(self, degree: usize) -> (String, &'static str) {
+        let name = match self {
+            Self::PMultigrid => {
+                let reason = match degree {
+                    2 => "well-shaped cells",
+                    _ => "stretched cells or a stiff volume response",
+                };
+                return (format!("p-multigrid, Chebyshev degree {degree}"), reason);
+            }
+            Self::HierarchicalSsor => "hierarchical block SSOR: P1, edges, P1",
+            Self::HierarchicalMultiplicative => "hierarchical block Gauss-Seidel: P1, edges",
+            Self::HierarchicalAdditive => "hierarchical block Jacobi: P1 beside edges",
+        };
+        (
+            name.to_owned(),
+            "asked for; edges by one Gauss-Seidel sweep",
+        )
+    }
+}
+
+/// What it is built from.
+pub(super) struct DisplacementBody<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) space: &'a TaylorHood,
+    pub(super) geometry: &'a CellGeometry,
+    pub(super) moduli: &'a CellModuli,
+    pub(super) held: &'a Arc<[u32]>,
+    pub(super) grid: &'a Arc<Grid>,
+    pub(super) node_blocks: &'a NodeBlocks,
+    pub(super) p1: Arc<dyn Preconditioner>,
+}
+
+impl DisplacementBody<'_> {
+    /// A in the given basis.
+    pub(super) fn stiffness(&self, basis: Basis) -> Stiffness {
+        Stiffness {
+            grid: self.grid.clone(),
+            basis,
+            size: self.space.displacement_unknowns(),
+            held: self.held.clone(),
+        }
+    }
+}
+
+/// The preconditioner that `plan` chose, and its bytes without the P1 solver.
+pub(super) fn build(plan: &Plan, body: DisplacementBody<'_>) -> (Arc<dyn Preconditioner>, u64) {
+    match plan.displacement {
+        DisplacementMethod::PMultigrid => {
+            let built = p_multigrid(plan, body);
+            let bytes = built.bytes();
+            (Arc::new(built), bytes)
+        }
+        DisplacementMethod::HierarchicalSsor => {
+            let (splitting, bytes) = splitting(body);
+            (Arc::new(Symmetric(splitting)), bytes)
+        }
+        DisplacementMethod::HierarchicalMultiplicative => {
+            let (splitting, bytes) = splitting(body);
+            (Arc::new(Multiplicative(splitting)), bytes)
+        }
+        DisplacementMethod::HierarchicalAdditive => {
+            let (splitting, bytes) = splitting(body);
+            (Arc::new(Additive(splitting)), bytes)
+        }
+    }
+}
+
+fn p_multigrid(plan: &Plan, body: DisplacementBody<'_>) -> PMultigrid {
+    let transfer = Transfer::new(
+        body.space.vertices,
+        body.space.components,
+        body.space.edges.clone(),
+        body.held.clone(),
+    );
+    PMultigrid::new(
+        Arc::new(body.stiffness(Basis::Lagrange)),
+        body.node_blocks.clone(),
+        body.p1,
+        transfer,
+        plan.smoother_degree,
+        &mut Workspace::new(),
+    )
+}
+
+fn splitting(body: DisplacementBody<'_>) -> (Splitting, u64) {
+    let vertex_unknowns = body.space.vertices * body.space.components;
+    let blocks = edge_blocks(body.mesh, body.geometry, body.moduli);
+    let pairs = NodePairs {
+        diagonal: &blocks.diagonal,
+        pairs: &blocks.pairs,
+        off: &blocks.off,
+    };
+    let held = body.held.iter();
+    let held_edges = held.filter_map(|&unknown| unknown.checked_sub(vertex_unknowns as u32));
+    let (edges, bytes) = edge_sweep(body.space.components, &pairs, held_edges);
+    let splitting = Splitting {
+        operator: Arc::new(body.stiffness(Basis::Hierarchical)),
+        vertices: body.p1,
+        edges,
+        vertex_unknowns,
+    };
+    (splitting, bytes)
+}
