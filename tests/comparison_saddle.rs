@@ -5,8 +5,8 @@ mod common;
 
 use std::sync::Arc;
 
-use common::meshes::{cube, file, mesh};
-use common::scenes::{HELD, cube_bend, elastic, hertz_plane, support};
+use common::meshes::{cube, file, mesh, square};
+use common::scenes::{HELD, cube_bend, elastic, hertz_plane, support, traction};
 use common::{run_one, values};
 use signorini::report::ManufacturedErrors;
 use signorini::{FieldName, Mesh, Plan, Scene, Step, StepReport};
@@ -171,6 +171,39 @@ fn compressible_mixed_bodies_are_served_by_every_method() {
     for saddle in ["gcr", "arrow-hurwicz", "uzawa-cg", "minres"] {
         let (iterations, _) = counts(displacement("p-multigrid", saddle), &scene, &mesh);
         assert!(iterations <= 75, "{saddle}: {iterations}");
+    }
+}
+
+#[test]
+fn an_enclosed_body_is_served_by_every_method() {
+    let mut scene = elastic(0.5);
+    let (sides, held) = (["x0", "x1", "y0", "y1"], [Some(0.0), Some(0.0), None]);
+    scene.supports = sides.map(|side| support(side, held)).to_vec();
+    scene.manufactured = Some("vortex".to_owned());
+    let mesh = mesh(square(12));
+    for saddle in ["gcr", "arrow-hurwicz", "uzawa-cg", "minres"] {
+        let (iterations, _) = counts(displacement("p-multigrid", saddle), &scene, &mesh);
+        assert!(iterations <= 75, "{saddle}: {iterations}");
+    }
+}
+
+#[test]
+fn plane_strain_is_served_by_every_preconditioner() {
+    let (mut scene, mesh) = (elastic(0.5), mesh(square(12)));
+    let held = [Some(0.0), Some(0.0), None];
+    scene.supports = vec![support("x0", held)];
+    scene.tractions = vec![traction("x1", [0.0, -1.0, 0.0])];
+    for (name, most) in [
+        ("hierarchical-ssor", 40),
+        ("hierarchical-multiplicative", 45),
+        ("hierarchical-additive", 60),
+    ] {
+        let method = Method {
+            p1: Some("ic-cg"),
+            ..displacement(name, "arrow-hurwicz")
+        };
+        let (iterations, _) = counts(method, &scene, &mesh);
+        assert!(iterations <= most, "{name}: {iterations}");
     }
 }
 

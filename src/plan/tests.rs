@@ -113,6 +113,56 @@ fn the_displacement_preconditioner_is_symmetric_and_positive() {
     }
 }
 
+#[test]
+fn hierarchical_preconditioners_for_conjugate_gradients_are_symmetric_and_positive() {
+    for name in ["hierarchical-ssor", "hierarchical-additive"] {
+        for mesh in [samples::cube(3), samples::rectangle(5, 4)] {
+            let mut scene = clamped(0.3);
+            name.clone_into(&mut scene.solver.displacement_preconditioner);
+            let prepared = prepare(&scene, mesh);
+            let x = noise(&prepared);
+            let mut y: Vec<f64> = x.iter().rev().copied().collect();
+            prepared
+                .held
+                .iter()
+                .for_each(|&index| y[index as usize] = 0.0);
+            let apply = |r: &[f64]| {
+                let mut z = vec![f64::NAN; r.len()];
+                prepared
+                    .displacement
+                    .apply(r, &mut z, &mut Workspace::new());
+                z
+            };
+            let (ax, ay) = (apply(&x), apply(&y));
+            let (left, right) = (dot(&ax, &y), dot(&ay, &x));
+            // To the rounding of a factor in single precision.
+            assert!((left - right).abs() < 1e-4 * dot(&ax, &x), "{left} {right}");
+            assert!(dot(&ax, &x) > 0.0 && dot(&ay, &y) > 0.0);
+        }
+    }
+}
+
+#[test]
+fn methods_and_penalty_have_keys_of_their_own() {
+    let mesh = samples::cube(2);
+    let base = plan(&clamped(0.5), &mesh).key();
+    let changed = |change: fn(&mut Scene)| {
+        let mut scene = clamped(0.5);
+        change(&mut scene);
+        plan(&scene, &mesh).key()
+    };
+    let others = [
+        changed(|scene| {
+            "hierarchical-ssor".clone_into(&mut scene.solver.displacement_preconditioner);
+        }),
+        changed(|scene| "ic-cg".clone_into(&mut scene.solver.p1_solver)),
+        changed(|scene| scene.solver.penalty = Some(1.0)),
+    ];
+    assert!(others.iter().all(|key| *key != base));
+    // The Krylov method needs nothing of its own.
+    assert!(changed(|scene| "minres".clone_into(&mut scene.solver.saddle)) == base);
+}
+
 /// Conjugate gradients on the displacement block to a reduction of 1e-8.
 fn count(prepared: &Prepared) -> usize {
     let mut r = noise(prepared);
@@ -285,7 +335,10 @@ fn a_plan_leaves_out_what_the_scene_does_not_need() {
 
 #[test]
 fn predicted_bytes_bound_the_prepared_data() {
-    for scene in [clamped(0.5), with_floor(clamped(0.5))] {
+    let mut compared = clamped(0.5);
+    "hierarchical-ssor".clone_into(&mut compared.solver.displacement_preconditioner);
+    "ic-cg".clone_into(&mut compared.solver.p1_solver);
+    for scene in [clamped(0.5), with_floor(clamped(0.5)), compared] {
         let mesh = samples::cube(8);
         let predicted = plan(&scene, &mesh).report().predicted_bytes;
         let held = prepare(&scene, mesh).bytes();
