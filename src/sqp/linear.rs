@@ -47,7 +47,7 @@ impl Track<'_, '_> {
         self.counters.applications = self.before + self.displacement.applications();
     }
 
-    fn poll(&mut self) -> Verdict {
+    fn poll(&self) -> Verdict {
         match self.watch.stopped(self.counters) {
             Some(_) => Verdict::Stop,
             None => Verdict::Continue,
