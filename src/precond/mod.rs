@@ -15,6 +15,7 @@ pub mod schur;
 pub mod spectrum;
 pub mod symmetric_blocks;
 pub mod transfer;
+pub mod triangular_sweep;
 
 pub use counted::Counted;
 pub use node_blocks::NodeBlocks;

@@ -84,15 +84,15 @@ impl Linear<'_> {
             iterations: 0,
             reached: false,
         };
-        let mut x = iterate.displacement.clone();
+        let mut x = std::mem::take(&mut iterate.displacement);
         x.extend_from_slice(&iterate.equality);
-        let mut r = iterate.force.clone();
+        let mut r = std::mem::take(&mut iterate.force);
         r.extend_from_slice(&iterate.constraint);
         let outcome = self.run(&mut x, &mut r, &mut monitor, work);
-        iterate.displacement.copy_from_slice(&x[..unknowns]);
-        iterate.equality.copy_from_slice(&x[unknowns..]);
-        iterate.force.copy_from_slice(&r[..unknowns]);
-        iterate.constraint.copy_from_slice(&r[unknowns..]);
+        iterate.equality = x.split_off(unknowns);
+        iterate.displacement = x;
+        iterate.constraint = r.split_off(unknowns);
+        iterate.force = r;
         let status = match outcome {
             Outcome::Stopped if monitor.reached => QpStatus::Solved,
             Outcome::Stopped => QpStatus::Interrupted,

@@ -22,7 +22,8 @@ pub use additive::Additive;
 pub use multiplicative::Multiplicative;
 pub use symmetric::Symmetric;
 
-use super::symmetric_blocks::{NodePairs, SymmetricBlocks, TriangularSweep};
+use super::symmetric_blocks::{NodePairs, SymmetricBlocks};
+use super::triangular_sweep::TriangularSweep;
 use crate::linalg::{LinearOperator, Preconditioner};
 
 /// The two parts of the space and their solvers.

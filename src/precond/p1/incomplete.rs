@@ -11,7 +11,8 @@ use std::sync::Arc;
 use super::VertexBlocks;
 use crate::linalg::vector::{add_scaled, dot, norm, scale_and_add};
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
-use crate::precond::symmetric_blocks::{NodePairs, SymmetricBlocks, TriangularSweep};
+use crate::precond::symmetric_blocks::{NodePairs, SymmetricBlocks};
+use crate::precond::triangular_sweep::TriangularSweep;
 
 /// Reduction of the residual: at 1e-2 the outer counts are those of a factor.
 const REDUCTION: f64 = 1e-2;
