@@ -10,6 +10,7 @@ pub mod mass;
 pub mod operator;
 pub mod p1_stiffness;
 pub mod partition;
+pub mod recovery;
 pub mod simd;
 pub mod transpose;
 

@@ -7,6 +7,7 @@
 use super::Plan;
 use super::p1::P1Solver;
 use crate::linalg::cholesky::Precision;
+use crate::scene::ToleranceRule;
 
 const CUBE_VERTICES: f64 = 4096.0;
 const CUBE_ENTRIES: f64 = 4.9e6;
@@ -20,6 +21,9 @@ const CELL_BYTES: u64 = 330;
 const AMG_BYTES: f64 = 5000.0;
 /// Flops per vertex to build one: mostly the products A P and P^T A P.
 const AMG_FLOPS: f64 = 3e4;
+
+/// Residual that the discretisation error deserves on usual meshes.
+const DISCRETISATION_TOLERANCE: f64 = 1e-4;
 
 /// Entries of the factor of A11 and flops to make it.
 pub(super) fn factor(dimension: usize, vertices: u64) -> (f64, f64) {
@@ -67,7 +71,12 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
 
 /// Applications of the displacement preconditioner to reach the tolerance.
 pub(super) fn applications(plan: &Plan) -> u32 {
-    let digits = -plan.scene.solver.tolerance.log10();
+    let solver = &plan.scene.solver;
+    let tolerance = match solver.tolerance_rule {
+        ToleranceRule::Fixed => solver.tolerance,
+        ToleranceRule::Discretisation => solver.tolerance.max(DISCRETISATION_TOLERANCE),
+    };
+    let digits = -tolerance.log10();
     let per_digit = if plan.resolved.mixed { 3.2 } else { 1.7 };
     let contact = if plan.unknowns.contact > 0 { 1.5 } else { 1.0 };
     (digits * per_digit * contact).ceil() as u32

@@ -141,11 +141,26 @@ pub struct Probe {
     pub point: [f64; 3],
 }
 
+/// How far the residuals are reduced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ToleranceRule {
+    /// To [`SolverOptions::tolerance`].
+    #[default]
+    Fixed,
+    /// Until the algebraic error is a tenth of the estimated discretisation
+    /// error, but not below [`SolverOptions::tolerance`].
+    Discretisation,
+}
+
 /// Numerical settings; every one has a default.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolverOptions {
     /// Bound on all four residuals.
     pub tolerance: f64,
+    /// Whether that bound is reached in every case.
+    pub tolerance_rule: ToleranceRule,
+    /// `auto`: each converged increment reports one; `off`.
+    pub error_estimate: String,
     /// Degree of the volume rule for loads and norms; `None` chooses.
     pub quadrature_degree: Option<u32>,
     /// Seconds after which a step ends with its last good state.
@@ -169,6 +184,8 @@ impl Default for SolverOptions {
         let auto = || "auto".to_owned();
         Self {
             tolerance: 1e-8,
+            tolerance_rule: ToleranceRule::Fixed,
+            error_estimate: auto(),
             quadrature_degree: None,
             max_wall_time: None,
             displacement_preconditioner: auto(),

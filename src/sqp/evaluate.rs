@@ -21,6 +21,8 @@ pub(crate) struct Context<'a> {
     pub(crate) interfaces: &'a Interfaces,
     /// Load at factor one.
     pub(crate) load: &'a [f64],
+    /// Bound on all four residuals.
+    pub(crate) tolerance: f64,
 }
 
 impl<'a> Context<'a> {

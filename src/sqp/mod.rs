@@ -8,10 +8,12 @@
 //!
 //! Everything is non-dimensional inside; [`Session`] speaks the caller's units.
 
+mod accuracy;
 mod constraints;
 mod counters;
 mod drive;
 mod errors;
+mod estimate;
 mod evaluate;
 mod fields;
 mod increment;

@@ -81,7 +81,7 @@ impl<'a> Program<'a> {
     fn targets(&self, goal: f64) -> QpTargets {
         QpTargets {
             force_scale: self.force_scale,
-            level: goal.max(MARGIN * self.context.plan.scene.solver.tolerance),
+            level: goal.max(MARGIN * self.context.tolerance),
         }
     }
 

@@ -10,7 +10,7 @@ use super::increment::{self, Ending};
 use super::loads::reference_load;
 use super::state::{Snapshot, State};
 use super::watch::Watch;
-use super::{fields, results, verification};
+use super::{accuracy, fields, results, verification};
 use crate::krylov::gcr::Directions;
 use crate::linalg::vector::dot;
 use crate::linalg::{LinearOperator, Workspace};
@@ -252,7 +252,7 @@ impl Session {
             };
             let good = state.snapshot();
             let drive = start.towards(goal, next);
-            let mut ending = increment::solve(&context, state, &drive, watch, counters, work);
+            let mut ending = accuracy::solve(&context, state, &drive, watch, counters, work);
             self.explain(&mut ending, state);
             self.centre_pressure(state);
             match ending.termination {
@@ -339,6 +339,7 @@ impl Session {
             prepared: &self.prepared,
             interfaces: &self.interfaces,
             load: &self.load,
+            tolerance: self.plan.scene.solver.tolerance,
         }
     }
 

@@ -21,6 +21,7 @@ pub(crate) const FIELDS: &[(&str, v1::FieldName)] = &[
     ("contact_state", v1::FieldName::ContactState),
     ("stress", v1::FieldName::Stress),
     ("jacobian", v1::FieldName::Jacobian),
+    ("error_estimate", v1::FieldName::ErrorEstimate),
 ];
 
 type ReadModel = fn(&Keys<'_>) -> Option<Model>;
@@ -206,6 +207,10 @@ pub(super) fn probes(scene: &Keys<'_>) -> Vec<v1::Probe> {
     tables.iter().enumerate().map(probe).collect()
 }
 
+/// Words that may stand in the place of the tolerance.
+const TOLERANCE_RULES: &[(&str, v1::ToleranceRule)] =
+    &[("discretisation", v1::ToleranceRule::Discretisation)];
+
 const SOLVER: &[&str] = &[
     "tolerance",
     "quadrature_degree",
@@ -216,14 +221,17 @@ const SOLVER: &[&str] = &[
     "contact",
     "contact_metric",
     "penalty",
+    "error_estimate",
 ];
 
 pub(super) fn solver(scene: &Keys<'_>) -> Option<v1::SolverOptions> {
     let keys = scene.table("solver", SOLVER)?;
     let quadrature = keys.text_or("quadrature_degree", "auto", Keys::integer);
+    let (tolerance, tolerance_rule) = tolerance(&keys);
     let method = |key| keys.text(key).unwrap_or_default();
     Some(v1::SolverOptions {
-        tolerance: keys.number("tolerance"),
+        tolerance,
+        tolerance_rule: tolerance_rule.into(),
         quadrature_degree: quadrature,
         max_wall_time: keys.number("max_wall_time"),
         displacement_preconditioner: method("displacement_preconditioner"),
@@ -233,7 +241,19 @@ pub(super) fn solver(scene: &Keys<'_>) -> Option<v1::SolverOptions> {
         contact_metric: method("contact_metric"),
         penalty: keys.text_or("penalty", "auto", Keys::number),
         verify: false,
+        error_estimate: method("error_estimate"),
     })
+}
+
+/// The tolerance; a word in its place chooses a rule.
+fn tolerance(keys: &Keys<'_>) -> (Option<f64>, v1::ToleranceRule) {
+    match keys.has_text("tolerance") {
+        true => {
+            let rule = keys.choice("tolerance", TOLERANCE_RULES);
+            (None, rule.unwrap_or_default())
+        }
+        false => (keys.number("tolerance"), v1::ToleranceRule::Unspecified),
+    }
 }
 
 pub(super) fn output(scene: &Keys<'_>) -> Option<v1::Output> {

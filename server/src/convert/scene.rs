@@ -4,7 +4,7 @@ use signorini::mesh::MeshId;
 use signorini::report::FieldName;
 use signorini::scene::{
     Formulation, Material, MaterialModel, Modulus, Obstacle, Probe, Scene, SceneKind,
-    SolverOptions, Step, Support, Traction,
+    SolverOptions, Step, Support, ToleranceRule, Traction,
 };
 use signorini_proto::v1 as wire;
 
@@ -263,12 +263,19 @@ fn steps<'a>(list: impl Iterator<Item = &'a wire::LoadStep>, faults: &mut Faults
 fn solver(message: wire::SolverOptions, faults: &mut Faults) -> SolverOptions {
     let default = SolverOptions::default();
     faults.later_if(message.penalty, "solver", "penalty");
+    let tolerance_rule = tolerance_rule(message.tolerance_rule, faults);
     let mut method = |name: String, key: &str, default: String| match name.is_empty() {
         true => default,
         false => faults.name(&name, &format!("solver.{key}")),
     };
     SolverOptions {
         tolerance: message.tolerance.unwrap_or(default.tolerance),
+        tolerance_rule,
+        error_estimate: method(
+            message.error_estimate,
+            "error_estimate",
+            default.error_estimate,
+        ),
         displacement_preconditioner: method(
             message.displacement_preconditioner,
             "displacement_preconditioner",
@@ -291,6 +298,18 @@ fn solver(message: wire::SolverOptions, faults: &mut Faults) -> SolverOptions {
     }
 }
 
+fn tolerance_rule(number: i32, faults: &mut Faults) -> ToleranceRule {
+    match wire::ToleranceRule::try_from(number) {
+        Ok(wire::ToleranceRule::Unspecified) => ToleranceRule::Fixed,
+        Ok(wire::ToleranceRule::Discretisation) => ToleranceRule::Discretisation,
+        Err(_) => {
+            let message = format!("rule number {number} is not known here");
+            faults.later("solver.tolerance", message);
+            ToleranceRule::Fixed
+        }
+    }
+}
+
 fn output(message: Option<&wire::Output>, faults: &mut Faults) -> Output {
     let numbers = message.map_or(&[][..], |output| &output.fields);
     let fields = field::names(numbers, "output.fields").unwrap_or_else(|fault| {
@@ -309,4 +328,29 @@ fn output(message: Option<&wire::Output>, faults: &mut Faults) -> Output {
             1
         });
     Output { fields, every }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tolerance_rules_arrive_and_unknown_ones_are_refused() {
+        let convert = |tolerance_rule: i32| {
+            let message = wire::SolverOptions {
+                tolerance_rule,
+                error_estimate: "off".into(),
+                ..Default::default()
+            };
+            let mut faults = Faults::default();
+            let found = solver(message, &mut faults);
+            faults.outcome().map(|()| found)
+        };
+        let fixed = convert(0).expect("the default rule");
+        assert_eq!(fixed.tolerance_rule, ToleranceRule::Fixed);
+        assert_eq!(fixed.error_estimate, "off");
+        let other = convert(wire::ToleranceRule::Discretisation.into()).expect("a known rule");
+        assert_eq!(other.tolerance_rule, ToleranceRule::Discretisation);
+        assert!(matches!(convert(7), Err(Fault::Unsupported(_))));
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::{Faults, names};
 use crate::element::quadrature::MAXIMUM_DEGREE;
-use crate::scene::Scene;
+use crate::scene::{Scene, ToleranceRule};
 
 /// Names that later capabilities bring.
 const LATER: [&str; 14] = [
@@ -29,6 +29,10 @@ pub(crate) fn check(scene: &Scene, mixed: bool, faults: &mut Faults) {
         let message = format!("must lie between 1e-14 and 0.1, not {}", solver.tolerance);
         faults.add("solver.tolerance", message);
     }
+    if solver.tolerance_rule == ToleranceRule::Discretisation && solver.error_estimate == "off" {
+        let message = "must not be `off` where `solver.tolerance` is `discretisation`";
+        faults.add("solver.error_estimate", message);
+    }
     if let Some(degree) = solver.quadrature_degree
         && !(1..=MAXIMUM_DEGREE).contains(&degree)
     {
@@ -52,6 +56,7 @@ pub(crate) fn check(scene: &Scene, mixed: bool, faults: &mut Faults) {
         ("saddle", &solver.saddle, &[saddle]),
         ("contact", &solver.contact, &["one-level"]),
         ("contact_metric", &solver.contact_metric, &["compliance"]),
+        ("error_estimate", &solver.error_estimate, &["off"]),
     ];
     for (key, asked, available) in methods {
         let path = format!("solver.{key}");
