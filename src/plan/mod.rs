@@ -59,8 +59,10 @@ impl Plan {
             return Err(SceneError::Invalid(vec![Violation {
                 path: "mesh_scale".to_owned(),
                 message: format!(
-                    "a body of length {:e} with a shear modulus of {:e} leaves the range of numbers",
-                    units.length, units.stress
+                    "a body of length {:e} with a {} of {:e} leaves the range of numbers",
+                    units.length,
+                    resolved.modulus_name(),
+                    units.stress
                 ),
             }]));
         }
@@ -203,19 +205,31 @@ fn held_unknowns(
     held.into_iter().collect()
 }
 
+/// Relative difference of prescribed values that counts as none.
+const SAME: f64 = 1e-9;
+
 /// Supports that prescribe different values on shared vertices.
 fn conflicts(scene: &Scene, resolved: &Resolved, mesh: &Mesh) -> Vec<String> {
     let mut holder: BTreeMap<(u32, usize), usize> = BTreeMap::new();
     let mut found: BTreeMap<(usize, usize), usize> = BTreeMap::new();
     for (index, facets) in resolved.support_facets.iter().enumerate() {
         let values = scene.supports[index].displacement;
+        let at = |support: usize, vertex: u32, value: f64| {
+            let point = mesh.coordinates()[vertex as usize];
+            let profile = resolved.profiles[support].as_ref();
+            profile.map_or(value, |profile| value * profile.at(point))
+        };
         let vertices = vertices_of(mesh, std::iter::once(facets));
         for (component, value) in values.into_iter().enumerate() {
             let Some(value) = value else { continue };
             for &vertex in &vertices {
                 let first = *holder.entry((vertex, component)).or_insert(index);
                 let held = scene.supports[first].displacement[component];
-                if held.is_some_and(|held| (held - value).abs() > 0.0) {
+                let differs = |held: f64| {
+                    let difference = at(first, vertex, held) - at(index, vertex, value);
+                    difference.abs() > SAME * held.abs().max(value.abs())
+                };
+                if held.is_some_and(differs) {
                     *found.entry((first, index)).or_default() += 1;
                 }
             }

@@ -86,7 +86,15 @@ impl Plan {
                 reason: reason.to_owned(),
             });
         };
-        if self.resolved.mixed {
+        if self.resolved.is_flow() {
+            let reason =
+                "Stokes flow: u is a velocity, the modulus a viscosity (stress times time)";
+            push(
+                "formulation",
+                "Taylor-Hood: P2 velocity, P1 pressure".into(),
+                reason,
+            );
+        } else if self.resolved.mixed {
             let reason = "a material has a Poisson ratio of at least 0.45";
             push(
                 "formulation",

@@ -115,7 +115,13 @@ pub(crate) fn prescribe(
             Some(field) => {
                 drive.load * field.displacement(node_position(plan, mesh, prepared, node))[i]
             }
-            None => drive.supports[usize::from(support)][i],
+            None => {
+                let peak = drive.supports[usize::from(support)][i];
+                match &plan.resolved.profiles[usize::from(support)] {
+                    None => peak,
+                    Some(profile) => peak * profile.at(mesh_position(mesh, prepared, node)),
+                }
+            }
         } / plan.units.length;
         displacement[unknown as usize] = match node.checked_sub(prepared.space.vertices) {
             None => value,
@@ -131,12 +137,17 @@ pub(crate) fn prescribe(
 /// Position of a node in the caller's units.
 fn node_position(plan: &Plan, mesh: &Mesh, prepared: &Prepared, node: usize) -> [f64; 3] {
     let scale = plan.units.coordinate_scale * plan.units.length;
+    mesh_position(mesh, prepared, node).map(|x| x * scale)
+}
+
+/// Position of a node in the coordinates of the mesh.
+fn mesh_position(mesh: &Mesh, prepared: &Prepared, node: usize) -> [f64; 3] {
     let at = |vertex: usize| mesh.coordinates()[vertex];
     match node.checked_sub(prepared.space.vertices) {
-        None => at(node).map(|x| x * scale),
+        None => at(node),
         Some(edge) => {
             let [a, b] = prepared.space.edges[edge].map(|v| at(v as usize));
-            std::array::from_fn(|i| 0.5 * scale * (a[i] + b[i]))
+            std::array::from_fn(|i| 0.5 * (a[i] + b[i]))
         }
     }
 }

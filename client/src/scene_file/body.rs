@@ -12,6 +12,11 @@ const FORMULATIONS: &[(&str, v1::Formulation)] = &[
     ("displacement", v1::Formulation::Displacement),
 ];
 
+const PROFILES: &[(&str, v1::SupportProfile)] = &[
+    ("constant", v1::SupportProfile::Unspecified),
+    ("parabolic", v1::SupportProfile::Parabolic),
+];
+
 /// Names of output fields.
 pub(crate) const FIELDS: &[(&str, v1::FieldName)] = &[
     ("displacement", v1::FieldName::Displacement),
@@ -142,7 +147,10 @@ pub(super) fn name_of(keys: &Keys<'_>, kind: &str, index: usize) -> String {
 }
 
 pub(super) fn supports(scene: &Keys<'_>) -> Vec<v1::Support> {
-    let tables = scene.tables("support", &["name", "on", "displacement", "normal"]);
+    let tables = scene.tables(
+        "support",
+        &["name", "on", "displacement", "normal", "profile"],
+    );
     let support = |(index, keys): (usize, &Keys<'_>)| {
         if !keys.has("displacement") && !keys.has("normal") {
             keys.fault("displacement", "required key is missing (or give normal)");
@@ -152,6 +160,7 @@ pub(super) fn supports(scene: &Keys<'_>) -> Vec<v1::Support> {
             on: keys.required_names("on"),
             displacement: components(keys, "displacement"),
             normal: keys.number("normal"),
+            profile: keys.choice("profile", PROFILES).map_or(0, i32::from),
         }
     };
     tables.iter().enumerate().map(support).collect()

@@ -3,7 +3,7 @@
 use signorini::mesh::MeshId;
 use signorini::report::FieldName;
 use signorini::scene::{
-    Formulation, Material, MaterialModel, Modulus, Obstacle, Probe, Scene, SceneKind,
+    Formulation, Material, MaterialModel, Modulus, Obstacle, Probe, Profile, Scene, SceneKind,
     SolverOptions, Step, Support, Traction,
 };
 use signorini_proto::v1 as wire;
@@ -123,8 +123,16 @@ fn material(message: wire::Material, faults: &mut Faults) -> Material {
     use wire::material::Model;
     let path = format!("material.{}", faults.name(&message.group, "material"));
     let formulation = formulation(message.formulation, &path, faults);
-    let law = match message.model {
-        Some(Model::LinearElastic(law)) => law,
+    let model = match message.model {
+        Some(Model::LinearElastic(law)) => MaterialModel::LinearElastic {
+            modulus: modulus(law.modulus, &path, faults),
+            poisson_ratio: faults.required(law.poisson_ratio, &format!("{path}.poisson_ratio")),
+            formulation,
+        },
+        Some(Model::Stokes(law)) => MaterialModel::Stokes {
+            viscosity: faults.required(law.viscosity, &format!("{path}.viscosity")),
+            formulation,
+        },
         Some(later) => {
             terms(&later, &path, faults);
             let reason = format!("`{}` comes in a later version", model_name(&later));
@@ -138,11 +146,7 @@ fn material(message: wire::Material, faults: &mut Faults) -> Material {
     };
     Material {
         group: message.group,
-        model: MaterialModel::LinearElastic {
-            modulus: modulus(law.modulus, &path, faults),
-            poisson_ratio: faults.required(law.poisson_ratio, &format!("{path}.poisson_ratio")),
-            formulation,
-        },
+        model,
     }
 }
 
@@ -222,6 +226,21 @@ fn support(message: wire::Support, index: usize, faults: &mut Faults) -> Support
         name: faults.name(&message.name, &path),
         on: surfaces(message.on, &path, faults),
         displacement: components(message.displacement),
+        profile: profile(message.profile, &path, faults),
+    }
+}
+
+fn profile(number: i32, path: &str, faults: &mut Faults) -> Profile {
+    match wire::SupportProfile::try_from(number) {
+        Ok(wire::SupportProfile::Unspecified) => Profile::Constant,
+        Ok(wire::SupportProfile::Parabolic) => Profile::Parabolic,
+        Err(_) => {
+            faults.later(
+                format!("{path}.profile"),
+                format!("number {number} is not known here"),
+            );
+            Profile::Constant
+        }
     }
 }
 
