@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::{Plan, Prepared};
+use super::{Plan, TaylorHoodData as Prepared};
 use crate::krylov::{Monitor, Outcome, Verdict, cg};
 use crate::linalg::vector::{dot, norm, reproducible_noise};
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};

@@ -171,6 +171,8 @@ pub struct SolverOptions {
     pub quadrature_degree: Option<u32>,
     /// Seconds after which a step ends with its last good state.
     pub max_wall_time: Option<f64>,
+    /// `auto`, `taylor-hood`; `mini` and `bernardi-raugel` to compare.
+    pub element: String,
     /// `auto`, `p-multigrid`.
     pub displacement_preconditioner: String,
     /// `auto`, `cholesky`, `amg`.
@@ -192,6 +194,7 @@ impl Default for SolverOptions {
             tolerance: 1e-8,
             quadrature_degree: None,
             max_wall_time: None,
+            element: auto(),
             displacement_preconditioner: auto(),
             p1_solver: auto(),
             saddle: auto(),

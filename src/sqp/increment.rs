@@ -150,7 +150,7 @@ fn verdict(
         .map(|termination| (termination, None))
 }
 
-fn ending(
+pub(super) fn ending(
     state: &mut State,
     now: &Evaluation,
     first_force: f64,
@@ -168,7 +168,7 @@ fn ending(
 }
 
 /// Residuals, after the scales have seen the present norms.
-fn residuals(state: &mut State, now: &Evaluation, first_force: f64) -> Residuals {
+pub(super) fn residuals(state: &mut State, now: &Evaluation, first_force: f64) -> Residuals {
     let gap = now.gap_norm(&state.active);
     state.scales.see(norm(&now.constraint), gap);
     now.residuals(state, first_force, &state.scales)
@@ -180,7 +180,10 @@ fn forcing(before: f64, after: f64) -> f64 {
     (0.5 * (after / before).powi(2)).clamp(1e-6, FIRST_REDUCTION)
 }
 
-fn stop_reason(status: QpStatus, watch: &Watch<'_>) -> Option<(Termination, Option<Cause>)> {
+pub(super) fn stop_reason(
+    status: QpStatus,
+    watch: &Watch<'_>,
+) -> Option<(Termination, Option<Cause>)> {
     let failed = |cause| Some((Termination::NotConverged, Some(cause)));
     match status {
         QpStatus::Solved => None,

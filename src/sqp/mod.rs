@@ -8,6 +8,8 @@
 //!
 //! Everything is non-dimensional inside; [`Session`] speaks the caller's units.
 
+mod any_session;
+mod comparison;
 mod constraints;
 mod counters;
 mod drive;
@@ -23,5 +25,6 @@ mod state;
 mod verification;
 mod watch;
 
+pub use any_session::Session;
 pub use drive::ObstaclePose;
-pub use session::{Reuse, Session, StepRun};
+pub use session::{Reuse, StepRun};

@@ -288,6 +288,7 @@ fn solver(message: wire::SolverOptions, faults: &mut Faults) -> SolverOptions {
     };
     SolverOptions {
         tolerance: message.tolerance.unwrap_or(default.tolerance),
+        element: method(message.element, "element", default.element),
         displacement_preconditioner: method(
             message.displacement_preconditioner,
             "displacement_preconditioner",
@@ -328,4 +329,65 @@ fn output(message: Option<&wire::Output>, faults: &mut Faults) -> Output {
             1
         });
     Output { fields, every }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn flow() -> wire::Scene {
+        wire::Scene {
+            mesh: format!("meshes/{}", "0".repeat(64)),
+            materials: vec![wire::Material {
+                group: "body".into(),
+                model: Some(wire::material::Model::Stokes(wire::Stokes {
+                    viscosity: Some(0.5),
+                })),
+                ..Default::default()
+            }],
+            supports: vec![wire::Support {
+                name: "inflow".into(),
+                on: vec!["x0".into()],
+                profile: wire::SupportProfile::Parabolic.into(),
+                ..Default::default()
+            }],
+            solver: Some(wire::SolverOptions {
+                element: "mini".into(),
+                ..Default::default()
+            }),
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn flow_profile_and_element_reach_the_library() {
+        let scene = scene(flow()).unwrap().scene;
+        let law = MaterialModel::Stokes {
+            viscosity: 0.5,
+            formulation: Formulation::Auto,
+        };
+        assert_eq!(scene.materials[0].model, law);
+        assert_eq!(scene.supports[0].profile, Profile::Parabolic);
+        assert_eq!(scene.solver.element, "mini");
+    }
+
+    #[test]
+    fn a_profile_of_a_later_contract_is_refused_by_its_key() {
+        let mut message = flow();
+        message.supports[0].profile = 7;
+        match scene(message) {
+            Err(Fault::Unsupported(one)) => assert_eq!(one.path, "support.inflow.profile"),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_viscosity_is_required() {
+        let mut message = flow();
+        message.materials[0].model = Some(wire::material::Model::Stokes(wire::Stokes::default()));
+        match scene(message) {
+            Err(Fault::SceneInvalid(all)) => assert_eq!(all[0].path, "material.body.viscosity"),
+            other => panic!("{other:?}"),
+        }
+    }
 }
