@@ -2,6 +2,8 @@
 //! divergence, the assembled P1 block, node blocks, masses and loads.
 
 pub mod cells;
+pub mod eliminated;
+pub mod enriched;
 pub mod grid;
 pub mod kernel;
 pub mod lanes;

@@ -17,6 +17,10 @@ const VECTORS: u64 = 40;
 /// Bytes per cell of the matrix-free operator and of the geometry it is made from.
 const CELL_BYTES: u64 = 330;
 
+/// Bytes per cell of the assembled matrices of a comparison element and of what
+/// they are made from.
+const ENRICHED_CELL_BYTES: u64 = 3000;
+
 /// Bytes per vertex that building a multigrid hierarchy takes at its peak.
 const AMG_BYTES: f64 = 5000.0;
 /// Flops per vertex to build one: mostly the products A P and P^T A P.
@@ -63,9 +67,13 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
     let dense = 3 * contact * contact + 3 * multipliers * multipliers;
     let vectors = VECTORS * (plan.unknowns.displacement + plan.unknowns.pressure);
     let blocks = plan.unknowns.displacement * components;
+    let cell_bytes = match plan.enrichment() {
+        None => CELL_BYTES,
+        Some(_) => ENRICHED_CELL_BYTES,
+    };
     p1_solver(plan, vertices).0 as u64
         + 8 * (dense + vectors + blocks)
-        + CELL_BYTES * plan.cells as u64
+        + cell_bytes * plan.cells as u64
         + 200 * vertices
 }
 

@@ -46,7 +46,7 @@ pub(crate) struct PressureBlock {
 }
 
 /// Prepared data.
-pub struct Prepared {
+pub(crate) struct Prepared {
     pub(crate) space: TaylorHood,
     pub(crate) geometry: CellGeometry,
     pub(crate) grid: Arc<Grid>,
@@ -77,7 +77,7 @@ impl Prepared {
     ///
     /// # Errors
     /// [`PrepareError`]; the token is polled between phases.
-    pub fn build(
+    pub(crate) fn build(
         plan: &Plan,
         mesh: &Arc<Mesh>,
         cancel: &CancelToken,
@@ -170,7 +170,7 @@ impl Prepared {
     }
 
     /// Bytes held.
-    pub fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         let pressure = self.pressure.as_ref().map_or(0, |block| {
             block.metric.bytes() + block.stabilisation.as_ref().map_or(0, SparseRows::bytes)
         });
@@ -185,7 +185,7 @@ impl Prepared {
     }
 
     /// Wall seconds that building took; `prepare` is what is not named apart.
-    pub fn seconds(&self) -> Seconds {
+    pub(crate) fn seconds(&self) -> Seconds {
         self.seconds
     }
 
@@ -209,7 +209,7 @@ impl Prepared {
 }
 
 /// Non-dimensional moduli of each cell.
-fn moduli(plan: &Plan) -> CellModuli {
+pub(super) fn moduli(plan: &Plan) -> CellModuli {
     let mut moduli = CellModuli::default();
     for &index in &plan.resolved.cell_material {
         let law = plan.resolved.materials[usize::from(index)].law;

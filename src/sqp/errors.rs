@@ -63,7 +63,7 @@ fn cell_squares(
 }
 
 /// 2 mu |eps|^2 + lambda (tr eps)^2 of a gradient.
-fn energy(gradient: &Matrix3, shear: f64, lame: f64) -> f64 {
+pub(super) fn energy(gradient: &Matrix3, shear: f64, lame: f64) -> f64 {
     let mut square = 0.0;
     for i in 0..3 {
         for j in 0..3 {

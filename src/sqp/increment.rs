@@ -81,7 +81,14 @@ pub(crate) fn solve(
     for _ in 0..MOST_PROGRAMS {
         let worst = residuals(state, &now, first_force).largest();
         if let Some((termination, cause)) = verdict(context, worst, watch, counters) {
-            return ending(context, state, &now, first_force, termination, cause);
+            return ending(
+                context.tolerance,
+                state,
+                &now,
+                first_force,
+                termination,
+                cause,
+            );
         }
         counters.sqp_iterations += 1;
         let program = Program::new(context, state, drive, &now, first_force, counters, work);
@@ -100,7 +107,14 @@ pub(crate) fn solve(
                     continue;
                 }
             }
-            return ending(context, state, &now, first_force, ended.0, ended.1);
+            return ending(
+                context.tolerance,
+                state,
+                &now,
+                first_force,
+                ended.0,
+                ended.1,
+            );
         }
         let found = search(
             context,
@@ -115,7 +129,7 @@ pub(crate) fn solve(
         let Some(next) = found else {
             let cause = Some(Cause::LineSearch);
             return ending(
-                context,
+                context.tolerance,
                 state,
                 &now,
                 first_force,
@@ -128,7 +142,7 @@ pub(crate) fn solve(
     }
     let cause = Some(Cause::IterationLimit);
     ending(
-        context,
+        context.tolerance,
         state,
         &now,
         first_force,
@@ -169,8 +183,8 @@ fn verdict(
         .map(|termination| (termination, None))
 }
 
-fn ending(
-    context: &Context<'_>,
+pub(super) fn ending(
+    tolerance: f64,
     state: &mut State,
     now: &Evaluation,
     first_force: f64,
@@ -184,13 +198,13 @@ fn ending(
         residuals: residuals(state, now, first_force),
         max_penetration: now.max_penetration,
         force_scale: state.force_scale,
-        tolerance: context.tolerance,
+        tolerance,
         estimate: None,
     }
 }
 
 /// Residuals, after the scales have seen the present norms.
-fn residuals(state: &mut State, now: &Evaluation, first_force: f64) -> Residuals {
+pub(super) fn residuals(state: &mut State, now: &Evaluation, first_force: f64) -> Residuals {
     let gap = now.gap_norm(&state.active);
     state.scales.see(norm(&now.constraint), gap);
     now.residuals(state, first_force, &state.scales)
@@ -202,7 +216,10 @@ fn forcing(before: f64, after: f64) -> f64 {
     (0.5 * (after / before).powi(2)).clamp(1e-6, FIRST_REDUCTION)
 }
 
-fn stop_reason(status: QpStatus, watch: &Watch<'_>) -> Option<(Termination, Option<Cause>)> {
+pub(super) fn stop_reason(
+    status: QpStatus,
+    watch: &Watch<'_>,
+) -> Option<(Termination, Option<Cause>)> {
     let failed = |cause| Some((Termination::NotConverged, Some(cause)));
     match status {
         QpStatus::Solved => None,

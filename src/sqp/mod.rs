@@ -9,6 +9,8 @@
 //! Everything is non-dimensional inside; [`Session`] speaks the caller's units.
 
 mod accuracy;
+mod any_session;
+mod comparison;
 mod constraints;
 mod counters;
 mod drive;
@@ -25,5 +27,6 @@ mod state;
 mod verification;
 mod watch;
 
+pub use any_session::Session;
 pub use drive::ObstaclePose;
-pub use session::{Reuse, Session, StepRun};
+pub use session::{Reuse, StepRun};

@@ -304,7 +304,7 @@ fn curvature_of(context: &Context<'_>, state: &State, drive: &Drive) -> Option<S
 
 /// Norm of the contact load that the compliance predicts; the scale of the
 /// force residual before any contact pressure is there.
-fn expected_contact_norm(
+pub(super) fn expected_contact_norm(
     compliance: &DenseMatrix,
     now: &Evaluation,
     state: &State,

@@ -12,6 +12,11 @@ const FORMULATIONS: &[(&str, v1::Formulation)] = &[
     ("displacement", v1::Formulation::Displacement),
 ];
 
+const PROFILES: &[(&str, v1::SupportProfile)] = &[
+    ("constant", v1::SupportProfile::Unspecified),
+    ("parabolic", v1::SupportProfile::Parabolic),
+];
+
 /// Names of output fields.
 pub(crate) const FIELDS: &[(&str, v1::FieldName)] = &[
     ("displacement", v1::FieldName::Displacement),
@@ -143,7 +148,10 @@ pub(super) fn name_of(keys: &Keys<'_>, kind: &str, index: usize) -> String {
 }
 
 pub(super) fn supports(scene: &Keys<'_>) -> Vec<v1::Support> {
-    let tables = scene.tables("support", &["name", "on", "displacement", "normal"]);
+    let tables = scene.tables(
+        "support",
+        &["name", "on", "displacement", "normal", "profile"],
+    );
     let support = |(index, keys): (usize, &Keys<'_>)| {
         if !keys.has("displacement") && !keys.has("normal") {
             keys.fault("displacement", "required key is missing (or give normal)");
@@ -153,6 +161,7 @@ pub(super) fn supports(scene: &Keys<'_>) -> Vec<v1::Support> {
             on: keys.required_names("on"),
             displacement: components(keys, "displacement"),
             normal: keys.number("normal"),
+            profile: keys.choice("profile", PROFILES).map_or(0, i32::from),
         }
     };
     tables.iter().enumerate().map(support).collect()
@@ -215,6 +224,7 @@ const SOLVER: &[&str] = &[
     "tolerance",
     "quadrature_degree",
     "max_wall_time",
+    "element",
     "displacement_preconditioner",
     "p1_solver",
     "saddle",
@@ -234,6 +244,7 @@ pub(super) fn solver(scene: &Keys<'_>) -> Option<v1::SolverOptions> {
         tolerance_rule: tolerance_rule.into(),
         quadrature_degree: quadrature,
         max_wall_time: keys.number("max_wall_time"),
+        element: method("element"),
         displacement_preconditioner: method("displacement_preconditioner"),
         p1_solver: method("p1_solver"),
         saddle: method("saddle"),

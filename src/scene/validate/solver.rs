@@ -48,6 +48,11 @@ pub(crate) fn check(scene: &Scene, mixed: bool, faults: &mut Faults) {
     let saddle = if mixed { "gcr" } else { "cg" };
     let methods = [
         (
+            "element",
+            &solver.element,
+            &["taylor-hood", "mini", "bernardi-raugel"][..],
+        ),
+        (
             "displacement_preconditioner",
             &solver.displacement_preconditioner,
             &["p-multigrid"][..],
@@ -74,5 +79,54 @@ pub(crate) fn check(scene: &Scene, mixed: bool, faults: &mut Faults) {
                 faults.add(path, format!("unknown method `{name}`{hint}"));
             }
         }
+    }
+}
+
+/// Elements that Taylor-Hood is compared with.
+const COMPARISON: [&str; 2] = ["mini", "bernardi-raugel"];
+
+/// Refuses what comparison elements do not serve.
+pub(crate) fn check_element(scene: &Scene, mixed: bool, faults: &mut Faults) {
+    let solver = &scene.solver;
+    let element = solver.element.as_str();
+    if !COMPARISON.contains(&element) {
+        return;
+    }
+    let mut refuse = |path: String, why: &str| {
+        faults.unsupported(path, format!("`{element}` {why}"));
+    };
+    if !mixed {
+        let path = "solver.element".to_owned();
+        refuse(
+            path,
+            "serves mixed scenes: a Poisson ratio of at least 0.45",
+        );
+    }
+    if let Some(obstacle) = scene.obstacles.first()
+        && element != "mini"
+    {
+        let path = format!("obstacle.{}", obstacle.name);
+        refuse(path, "serves scenes without contact; `mini` serves both");
+    }
+    if solver.verify {
+        let path = "solver.verify".to_owned();
+        refuse(path, "has no second path that recomputes its residuals");
+    }
+    if solver.tolerance_rule == ToleranceRule::Discretisation {
+        let path = "solver.tolerance".to_owned();
+        refuse(path, "has no estimate of its discretisation error");
+    }
+    let methods = [
+        (
+            "displacement_preconditioner",
+            &solver.displacement_preconditioner,
+        ),
+        ("saddle", &solver.saddle),
+    ];
+    for (key, _) in methods.iter().filter(|(_, method)| *method != "auto") {
+        refuse(
+            format!("solver.{key}"),
+            "brings its own: leave it at `auto`",
+        );
     }
 }
