@@ -70,7 +70,9 @@
 #![doc = include_str!("decisions/0009-service-shape.md")]
 #![doc = include_str!("decisions/0010-streams-and-slots.md")]
 #![doc = include_str!("decisions/0011-p1-solvers.md")]
-#![doc = include_str!("decisions/0012-comparison-methods.md")]
+#![doc = include_str!("decisions/0012-error-estimate.md")]
+#![doc = include_str!("decisions/0013-comparison-methods.md")]
+#![doc = include_str!("decisions/0015-comparison-elements.md")]
 
 pub mod assembly;
 pub mod contact;

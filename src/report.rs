@@ -161,6 +161,9 @@ pub struct Seconds {
 pub struct ObstacleResult {
     /// Force that the obstacle exerts on the body `[3]`.
     pub force: [f64; 3],
+    /// Estimated discretisation error of the length of `force`, a force; none
+    /// where [`StepReport::error_estimate`] is.
+    pub force_error: Option<f64>,
     /// Its moment about the obstacle's current reference point `[3]`.
     pub moment: [f64; 3],
     /// Undeformed area carried by vertices in contact.
@@ -200,6 +203,9 @@ pub struct ManufacturedErrors {
     pub displacement_h1: f64,
     /// ‖p_h − p‖ in L2; none without a pressure unknown.
     pub pressure_l2: Option<f64>,
+    /// Energy norm of u_h − u over that of u: what [`StepReport::error_estimate`]
+    /// estimates.
+    pub relative_energy: f64,
 }
 
 /// Unknowns by kind.
@@ -256,13 +262,18 @@ pub struct StepReport {
     pub max_penetration: f64,
     /// The four criteria at the end.
     pub residuals: Residuals,
+    /// Bound on them that counts as converged: the scene's, or what the estimated
+    /// discretisation error deserves.
+    pub tolerance: f64,
     /// By obstacle name.
     pub obstacles: BTreeMap<String, ObstacleResult>,
     /// By support name.
     pub supports: BTreeMap<String, SupportResult>,
     /// By probe name.
     pub probes: BTreeMap<String, ProbeResult>,
-    /// Estimate of the discretisation error, when there is one.
+    /// Estimate of the discretisation error: energy norm of u_h − u over that of
+    /// u, without the volume energy where a pressure unknown carries it. None for
+    /// an increment that did not converge or where the scene asks for none.
     pub error_estimate: Option<f64>,
     /// Errors against the manufactured field, when the scene has one.
     pub errors: Option<ManufacturedErrors>,
@@ -297,11 +308,14 @@ pub enum FieldName {
     Stress,
     /// `[cells, 1]`: volume change of the cell, 1 + div u for linear kinematics.
     Jacobian,
+    /// `[cells, 1]`: the cell's part of [`StepReport::error_estimate`], whose
+    /// square is the sum of the parts' squares.
+    ErrorEstimate,
 }
 
 impl FieldName {
     /// Every field, in the order of the documentation.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Displacement,
         Self::Pressure,
         Self::ContactPressure,
@@ -309,6 +323,7 @@ impl FieldName {
         Self::ContactState,
         Self::Stress,
         Self::Jacobian,
+        Self::ErrorEstimate,
     ];
 
     /// The name used in scenes, on the wire and in VTU files.
@@ -321,6 +336,7 @@ impl FieldName {
             Self::ContactState => "contact_state",
             Self::Stress => "stress",
             Self::Jacobian => "jacobian",
+            Self::ErrorEstimate => "error_estimate",
         }
     }
 

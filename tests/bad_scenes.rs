@@ -95,7 +95,9 @@ fn material_parameters_have_ranges() {
         (f64::INFINITY, "young"),
     ] {
         let mut scene = cube_bend(0.5);
-        let MaterialModel::LinearElastic { modulus, .. } = &mut scene.materials[0].model;
+        let MaterialModel::LinearElastic { modulus, .. } = &mut scene.materials[0].model else {
+            unreachable!("the cube is elastic");
+        };
         *modulus = match key {
             "shear" => Modulus::Shear(value),
             _ => Modulus::Young(value),
@@ -104,7 +106,9 @@ fn material_parameters_have_ranges() {
         assert_refused(&scene, &path, &["above zero and finite"]);
     }
     let mut scene = cube_bend(0.5);
-    let MaterialModel::LinearElastic { formulation, .. } = &mut scene.materials[0].model;
+    let MaterialModel::LinearElastic { formulation, .. } = &mut scene.materials[0].model else {
+        unreachable!("the cube is elastic");
+    };
     *formulation = Formulation::Displacement;
     assert_refused(&scene, "material.body.formulation", &["mixed"]);
 }
@@ -445,6 +449,11 @@ fn a_penalty_needs_incompressible_materials() {
         scene.solver.penalty = Some(weight);
         assert_refused(&scene, "solver.penalty", &[word]);
     }
+    let mut scene = cube_bend(0.5);
+    scene.solver.verify = false;
+    scene.solver.element = "mini".to_owned();
+    scene.solver.penalty = Some(1.0);
+    assert_unsupported(&scene, "solver.penalty");
 }
 
 #[test]

@@ -24,10 +24,14 @@ impl Factors {
     fn scene(self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
         for material in &mut scene.materials {
-            let MaterialModel::LinearElastic { modulus, .. } = &mut material.model;
-            match modulus {
-                Modulus::Shear(value) | Modulus::Young(value) => *value *= self.stress,
+            let (MaterialModel::LinearElastic {
+                modulus: Modulus::Shear(value) | Modulus::Young(value),
+                ..
             }
+            | MaterialModel::Stokes {
+                viscosity: value, ..
+            }) = &mut material.model;
+            *value *= self.stress;
         }
         for support in &mut scene.supports {
             support.displacement = support.displacement.map(|x| x.map(|x| x * self.length));

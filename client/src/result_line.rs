@@ -111,6 +111,7 @@ fn by_name<T>(items: &BTreeMap<String, T>, line: impl Fn(&T) -> Value) -> Value 
 fn obstacle(result: &v1::ObstacleResult) -> Value {
     json!({
         "force": result.force,
+        "force_error": result.force_error,
         "moment": result.moment,
         "contact_area": result.contact_area,
         "max_pressure": result.max_pressure,
@@ -125,6 +126,7 @@ fn errors(errors: &v1::ManufacturedErrors) -> Value {
         "displacement_l2": errors.displacement_l2,
         "displacement_h1": errors.displacement_h1,
         "pressure_l2": errors.pressure_l2,
+        "relative_energy": errors.relative_energy,
     })
 }
 
@@ -157,6 +159,7 @@ pub fn step(report: &v1::StepReport) -> Value {
         "min_jacobian": report.min_jacobian,
         "max_penetration": report.max_penetration,
         "residuals": residuals(report.residuals.as_ref()),
+        "tolerance": report.tolerance,
         "obstacles": by_name(&report.obstacles, obstacle),
         "supports": by_name(&report.supports, |support| json!({"force": support.force})),
         "probes": by_name(&report.probes, |probe| {

@@ -100,6 +100,27 @@ fn manufactured_field_meets_its_error_table() {
     assert_near(&last["errors"]["pressure_l2"], 7.95444330e-3, 1e-3);
 }
 
+/// Drags extrapolated from three uniform refinements (two of the ball's mesh),
+/// whose differences fall by four: the boundary is a polygon.
+const CYLINDER_DRAG: f64 = 6.285e-3;
+const BALL_DRAG: f64 = 9.633;
+
+#[test]
+fn flow_around_a_cylinder_has_its_drag_and_loses_no_mass() {
+    let (_, last) = solve("stokes-cylinder.toml", &["--verify"]);
+    let force = &last["supports"]["obstacle"]["force"];
+    assert_near(&force[0], -CYLINDER_DRAG, 7e-3);
+    assert!((number(&last["volume_ratio"]) - 1.0).abs() < 1e-7);
+}
+
+#[test]
+fn flow_around_a_ball_has_its_drag_and_loses_no_mass() {
+    let (_, last) = solve("stokes-obstacle.toml", &[]);
+    let force = &last["supports"]["obstacle"]["force"];
+    assert_near(&force[0], -BALL_DRAG, 2e-2);
+    assert!((number(&last["volume_ratio"]) - 1.0).abs() < 1e-7);
+}
+
 #[test]
 fn increments_are_a_result_each() {
     let (run, _) = solve("hertz-plane.toml", &["--set", "step.0.increments=3"]);

@@ -58,6 +58,7 @@ fn corpus() -> Corpus {
         include_str!("../examples/hertz-plane.toml"),
         include_str!("../examples/hertz-sphere.toml"),
         include_str!("../examples/manufactured.toml"),
+        include_str!("../examples/stokes-cylinder.toml"),
     ];
     Corpus::new(Form::File, seeds.map(Vec::from).into(), &WORDS)
 }

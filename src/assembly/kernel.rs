@@ -177,15 +177,102 @@ fn bases<S: Simd, const V: usize, const D: usize, const E: usize>(
     sums
 }
 
-/// Visits the points in one part of a batch: `law` turns a displacement
-/// gradient into a weighted stress, whose nodal forces replace the argument.
+/// Turns the displacement gradient at a point into a weighted stress. A trait
+/// and not a closure: only a method is sure to be inlined, and without that
+/// every sum is a call.
+trait Law<S: Simd, const D: usize> {
+    fn stress(&mut self, point: usize, h: &Tensor<S, D>) -> Tensor<S, D>;
+}
+
+/// 2 mu eps + lambda div I.
+struct Elastic<S: Simd> {
+    shear: Pack<S>,
+    lame: Pack<S>,
+}
+
+impl<S: Simd, const D: usize> Law<S, D> for Elastic<S> {
+    #[inline(always)]
+    fn stress(&mut self, _point: usize, h: &Tensor<S, D>) -> Tensor<S, D> {
+        stress(h, trace(h), self.shear, self.lame)
+    }
+}
+
+/// The same less the pressure; keeps the divergences.
+struct Pressed<S: Simd, const V: usize> {
+    elastic: Elastic<S>,
+    /// Weighted, at the points.
+    pressure: [Pack<S>; V],
+    traces: [Pack<S>; V],
+}
+
+impl<S: Simd, const V: usize, const D: usize> Law<S, D> for Pressed<S, V> {
+    #[inline(always)]
+    fn stress(&mut self, point: usize, h: &Tensor<S, D>) -> Tensor<S, D> {
+        let divergence = trace(h);
+        self.traces[point] = divergence;
+        let mut total = stress(h, divergence, self.elastic.shear, self.elastic.lame);
+        for i in 0..D {
+            total[i][i] = total[i][i] - self.pressure[point];
+        }
+        total
+    }
+}
+
+/// What the points of an element share, in one part of a batch.
+struct Sweep<'a, S: Simd, const V: usize, const D: usize, const E: usize> {
+    g: &'a Vectors<S, V, D>,
+    edges: &'a NodeLanes<E>,
+    constant: Tensor<S, D>,
+    /// Stresses of the points so far.
+    sum: Tensor<S, D>,
+    /// What they add at edges.
+    at_edges: Vectors<S, E, D>,
+    part: usize,
+}
+
+impl<S: Simd, const V: usize, const D: usize, const E: usize> Sweep<'_, S, V, D, E> {
+    /// Visits point `Q`, a constant so that the loops unroll and the sums stay
+    /// in registers.
+    #[inline(always)]
+    fn visit<const Q: usize>(&mut self, simd: S, law: &mut impl Law<S, D>) {
+        let mut h = self.constant;
+        for k in 1..V {
+            let a = (Q + k) % V;
+            let edge = &self.edges[edge_of::<V>(a, Q)];
+            for i in 0..D {
+                let c = Pack::load(simd, &edge[i], self.part);
+                for j in 0..D {
+                    h[i][j] = h[i][j].plus_product(c, self.g[a][j]);
+                }
+            }
+        }
+        let stress = law.stress(Q, &h);
+        for i in 0..D {
+            for j in 0..D {
+                self.sum[i][j] += stress[i][j];
+            }
+        }
+        for k in 1..V {
+            let a = (Q + k) % V;
+            let force = &mut self.at_edges[edge_of::<V>(a, Q)];
+            for i in 0..D {
+                for j in 0..D {
+                    force[i] = force[i].plus_product(stress[i][j], self.g[a][j]);
+                }
+            }
+        }
+    }
+}
+
+/// Visits the points in one part of a batch: nodal forces of the stress that
+/// `law` gives replace the argument.
 #[inline(always)]
 fn visit_points<S: Simd, const V: usize, const D: usize, const E: usize>(
     simd: S,
     g: &Vectors<S, V, D>,
     (vertices, edges): (&mut NodeLanes<V>, &mut NodeLanes<E>),
     part: usize,
-    mut law: impl FnMut(usize, &Tensor<S, D>) -> Tensor<S, D>,
+    law: &mut impl Law<S, D>,
 ) {
     let base = bases::<S, V, D, E>(simd, vertices, edges, part);
     let mut constant = zeros::<S, D, D>(simd);
@@ -196,34 +283,21 @@ fn visit_points<S: Simd, const V: usize, const D: usize, const E: usize>(
             }
         }
     }
-    let mut sum = zeros::<S, D, D>(simd);
-    let mut at_edges = zeros::<S, E, D>(simd);
-    for q in 0..V {
-        let mut h = constant;
-        for a in (0..V).filter(|&a| a != q) {
-            let edge = &edges[edge_of::<V>(a, q)];
-            for i in 0..D {
-                let c = Pack::load(simd, &edge[i], part);
-                for j in 0..D {
-                    h[i][j] = h[i][j].plus_product(c, g[a][j]);
-                }
-            }
-        }
-        let stress = law(q, &h);
-        for i in 0..D {
-            for j in 0..D {
-                sum[i][j] += stress[i][j];
-            }
-        }
-        for a in (0..V).filter(|&a| a != q) {
-            let force = &mut at_edges[edge_of::<V>(a, q)];
-            for i in 0..D {
-                for j in 0..D {
-                    force[i] = force[i].plus_product(stress[i][j], g[a][j]);
-                }
-            }
-        }
+    let mut sweep = Sweep {
+        g,
+        edges: &*edges,
+        constant,
+        sum: zeros::<S, D, D>(simd),
+        at_edges: zeros::<S, E, D>(simd),
+        part,
+    };
+    sweep.visit::<0>(simd, law);
+    sweep.visit::<1>(simd, law);
+    sweep.visit::<2>(simd, law);
+    if V > 3 {
+        sweep.visit::<3>(simd, law);
     }
+    let (sum, at_edges) = (sweep.sum, sweep.at_edges);
     let mut totals = zeros::<S, V, D>(simd);
     for a in 0..V {
         totals[a] = traction(simd, &sum, &g[a]);
@@ -359,9 +433,8 @@ pub fn stiffness<S: Simd, T: Transpose, const V: usize, const D: usize, const E:
         let g = gradients(simd, batch, part);
         let shear = Pack::load(simd, &batch.shear, part);
         let lame = Pack::load(simd, &batch.lame, part);
-        visit_points(simd, &g, (&mut *vertices, &mut *edges), part, |_, h| {
-            stress(h, trace(h), shear, lame)
-        });
+        let mut law = Elastic { shear, lame };
+        visit_points(simd, &g, (&mut *vertices, &mut *edges), part, &mut law);
     }
     scatter(transpose, &batch.vertices, vertices, y);
     scatter(transpose, &batch.edges, edges, y);
@@ -472,16 +545,13 @@ pub fn saddle<S: Simd, T: Transpose, const V: usize, const D: usize, const E: us
         let lame = Pack::load(simd, &batch.lame, part);
         let weight = Pack::load(simd, &batch.weight, part);
         let pressure = pressures(simd, vertices, weight, part);
-        let mut traces = pressure;
-        visit_points(simd, &g, (&mut *vertices, &mut *edges), part, |q, h| {
-            traces[q] = trace(h);
-            let mut total = stress(h, traces[q], shear, lame);
-            for i in 0..D {
-                total[i][i] = total[i][i] - pressure[q];
-            }
-            total
-        });
-        volumes(simd, &traces, weight, vertices, part);
+        let mut law = Pressed {
+            elastic: Elastic { shear, lame },
+            pressure,
+            traces: pressure,
+        };
+        visit_points(simd, &g, (&mut *vertices, &mut *edges), part, &mut law);
+        volumes(simd, &law.traces, weight, vertices, part);
     }
     scatter(transpose, &batch.vertices, vertices, y);
     scatter(transpose, &batch.edges, edges, y);

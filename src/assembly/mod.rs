@@ -4,6 +4,8 @@
 
 pub mod cells;
 pub mod edge_stiffness;
+pub mod eliminated;
+pub mod enriched;
 pub mod grid;
 pub mod kernel;
 pub mod lanes;
@@ -12,6 +14,7 @@ pub mod mass;
 pub mod operator;
 pub mod p1_stiffness;
 pub mod partition;
+pub mod recovery;
 pub mod simd;
 pub mod transpose;
 

@@ -96,6 +96,33 @@ impl<P: BatchPass, T: Transpose> WithSimd for Transposing<P, T> {
     }
 }
 
+/// Asks for the cache lines of something that is read soon: batches are read
+/// once a pass, nodes in the order of a block, and waiting for either takes a
+/// third of a pass.
+#[cfg(target_arch = "x86_64")]
+#[inline(always)]
+#[allow(unsafe_code)]
+fn prefetch<T>(item: &T) {
+    use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+    const LINE: usize = 64;
+    let start = std::ptr::from_ref(item).cast::<i8>();
+    for line in 0..size_of::<T>().div_ceil(LINE) {
+        // SAFETY: the address lies inside `item`, and a prefetch reads nothing.
+        unsafe { _mm_prefetch::<_MM_HINT_T0>(start.add(line * LINE)) };
+    }
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn prefetch<T>(_item: &T) {}
+
+/// [`prefetch`] of one entry; nothing where there is none.
+#[inline(always)]
+pub(super) fn prefetch_at<T>(items: &[T], index: usize) {
+    if let Some(item) = items.get(index) {
+        prefetch(item);
+    }
+}
+
 /// Batches with argument and result, [`kernel`] function still open.
 struct Pass<'a, const V: usize, const D: usize, const E: usize> {
     batches: &'a [Batch<V, D, E>],
@@ -112,7 +139,8 @@ macro_rules! dispatched {
             #[inline(always)]
             fn run<S: Simd, T: Transpose>(self, simd: S, transpose: T) {
                 let mut element = Element::ZERO;
-                for batch in self.0.batches {
+                for (index, batch) in self.0.batches.iter().enumerate() {
+                    prefetch_at(self.0.batches, index + 1);
                     kernel::$name(simd, transpose, batch, &mut element, self.0.x, self.0.y);
                 }
             }

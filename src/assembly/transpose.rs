@@ -130,6 +130,7 @@ mod x86 {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp)] // Values are moved, not computed.
 mod tests {
     use super::*;
     use crate::assembly::simd::{self, InstructionSet};

@@ -7,6 +7,7 @@
 use super::Plan;
 use super::p1::P1Solver;
 use crate::linalg::cholesky::Precision;
+use crate::scene::ToleranceRule;
 
 const CUBE_VERTICES: f64 = 4096.0;
 const CUBE_ENTRIES: f64 = 4.9e6;
@@ -15,6 +16,10 @@ const CUBE_FLOPS: f64 = 2.4e9;
 const VECTORS: u64 = 40;
 /// Bytes per cell of the matrix-free operator and of the geometry it is made from.
 const CELL_BYTES: u64 = 330;
+
+/// Bytes per cell of the assembled matrices of a comparison element and of what
+/// they are made from.
+const ENRICHED_CELL_BYTES: u64 = 3000;
 
 /// Bytes per vertex that building a multigrid hierarchy takes at its peak.
 const AMG_BYTES: f64 = 5000.0;
@@ -26,6 +31,8 @@ const IC_BYTES: f64 = 1600.0;
 const IC_FLOPS: f64 = 3e3;
 /// Bytes per cell that assembling and holding the edge block takes at its peak.
 const EDGE_BLOCK_BYTES: u64 = 2400;
+/// Residual that the discretisation error deserves on usual meshes.
+const DISCRETISATION_TOLERANCE: f64 = 1e-4;
 
 /// Entries of the factor of A11 and flops to make it.
 pub(super) fn factor(dimension: usize, vertices: u64) -> (f64, f64) {
@@ -66,20 +73,29 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
     let dense = 3 * contact * contact + 3 * multipliers * multipliers;
     let vectors = VECTORS * (plan.unknowns.displacement + plan.unknowns.pressure);
     let blocks = plan.unknowns.displacement * components;
+    let cell_bytes = match plan.enrichment() {
+        None => CELL_BYTES,
+        Some(_) => ENRICHED_CELL_BYTES,
+    };
     let edge_block = match plan.displacement.is_hierarchical() {
         true => EDGE_BLOCK_BYTES * plan.cells as u64,
         false => 0,
     };
     p1_solver(plan, vertices).0 as u64
         + 8 * (dense + vectors + blocks)
-        + CELL_BYTES * plan.cells as u64
+        + cell_bytes * plan.cells as u64
         + edge_block
         + 200 * vertices
 }
 
 /// Applications of the displacement preconditioner to reach the tolerance.
 pub(super) fn applications(plan: &Plan) -> u32 {
-    let digits = -plan.scene.solver.tolerance.log10();
+    let solver = &plan.scene.solver;
+    let tolerance = match solver.tolerance_rule {
+        ToleranceRule::Fixed => solver.tolerance,
+        ToleranceRule::Discretisation => solver.tolerance.max(DISCRETISATION_TOLERANCE),
+    };
+    let digits = -tolerance.log10();
     let per_digit = if plan.resolved.mixed { 3.2 } else { 1.7 };
     let contact = if plan.unknowns.contact > 0 { 1.5 } else { 1.0 };
     let methods =

@@ -1,7 +1,10 @@
 //! Decisions: what a scene needs, by which method, at what predicted cost, and
 //! what is left out. Cheap to make, printable, made before any expensive work.
 
+mod comparison;
+mod data;
 mod displacement;
+mod element;
 mod estimate;
 mod p1;
 mod prepared;
@@ -20,9 +23,14 @@ use crate::scene::validate::{Resolved, resolve};
 use crate::scene::{Scene, SceneError, Step, Violation};
 use crate::space::TaylorHood;
 
+pub(crate) use comparison::ComparisonData;
+pub use data::Prepared;
+pub(crate) use data::PreparedBody;
 use displacement::DisplacementMethod;
+use element::Element;
 use p1::P1Sizes;
-pub use prepared::{PrepareError, Prepared};
+pub use prepared::PrepareError;
+pub(crate) use prepared::Prepared as TaylorHoodData;
 pub use report::{LeftOut, PlanEntry, PlanReport};
 pub(crate) use saddle::SaddleMethod;
 use saddle::{Demand, SaddleChoice, SaddleNeeds};
@@ -40,7 +48,8 @@ pub struct Plan {
     pub(crate) units: Units,
     pub(crate) mesh_id: MeshId,
     pub(crate) unknowns: Unknowns,
-    pub(crate) edges: usize,
+    pub(crate) element: Element,
+    pub(crate) vertices: usize,
     pub(crate) cells: usize,
     /// Held unknown and the support that holds it, ascending by unknown.
     pub(crate) held: Vec<(u32, u16)>,
@@ -66,8 +75,10 @@ impl Plan {
             return Err(SceneError::Invalid(vec![Violation {
                 path: "mesh_scale".to_owned(),
                 message: format!(
-                    "a body of length {:e} with a shear modulus of {:e} leaves the range of numbers",
-                    units.length, units.stress
+                    "a body of length {:e} with a {} of {:e} leaves the range of numbers",
+                    units.length,
+                    resolved.modulus_name(),
+                    units.stress
                 ),
             }]));
         }
@@ -78,14 +89,10 @@ impl Plan {
             .iter()
             .map(|facets| vertices_of(mesh, std::iter::once(facets)).len())
             .sum();
+        let element = Element::from_name(&scene.solver.element);
         let unknowns = Unknowns {
-            displacement: space.displacement_unknowns() as u64,
-            pressure: if resolved.mixed {
-                space.vertices as u64
-            } else {
-                0
-            },
             contact: multipliers as u64,
+            ..element.unknowns(mesh, &resolved)
         };
         let held = held_unknowns(scene, &resolved, mesh, &space);
         let smoother_degree = smoother_degree(&resolved, mesh);
@@ -113,7 +120,8 @@ impl Plan {
             units,
             mesh_id: mesh.id(),
             unknowns,
-            edges: space.edges.len(),
+            element,
+            vertices: space.vertices,
             cells: mesh.cell_count(),
             held,
             contact_vertices,
@@ -153,6 +161,7 @@ impl Plan {
     pub fn key(&self) -> PreparedKey {
         let mut hash = Sha256::new();
         hash.update(self.mesh_id.as_bytes());
+        hash.update([self.element.number()]);
         hash.update([u8::from(self.resolved.mixed), self.smoother_degree as u8]);
         hash.update([u8::from(self.is_floating()), self.p1.solver as u8]);
         hash.update([self.displacement as u8]);
@@ -229,19 +238,31 @@ fn held_unknowns(
     held.into_iter().collect()
 }
 
+/// Relative difference of prescribed values that counts as none.
+const SAME: f64 = 1e-9;
+
 /// Supports that prescribe different values on shared vertices.
 fn conflicts(scene: &Scene, resolved: &Resolved, mesh: &Mesh) -> Vec<String> {
     let mut holder: BTreeMap<(u32, usize), usize> = BTreeMap::new();
     let mut found: BTreeMap<(usize, usize), usize> = BTreeMap::new();
     for (index, facets) in resolved.support_facets.iter().enumerate() {
         let values = scene.supports[index].displacement;
+        let at = |support: usize, vertex: u32, value: f64| {
+            let point = mesh.coordinates()[vertex as usize];
+            let profile = resolved.profiles[support].as_ref();
+            profile.map_or(value, |profile| value * profile.at(point))
+        };
         let vertices = vertices_of(mesh, std::iter::once(facets));
         for (component, value) in values.into_iter().enumerate() {
             let Some(value) = value else { continue };
             for &vertex in &vertices {
                 let first = *holder.entry((vertex, component)).or_insert(index);
                 let held = scene.supports[first].displacement[component];
-                if held.is_some_and(|held| (held - value).abs() > 0.0) {
+                let differs = |held: f64| {
+                    let difference = at(first, vertex, held) - at(index, vertex, value);
+                    difference.abs() > SAME * held.abs().max(value.abs())
+                };
+                if held.is_some_and(differs) {
                     *found.entry((first, index)).or_default() += 1;
                 }
             }

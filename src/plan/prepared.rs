@@ -49,7 +49,7 @@ pub(crate) struct PressureBlock {
 }
 
 /// Prepared data.
-pub struct Prepared {
+pub(crate) struct Prepared {
     pub(crate) space: TaylorHood,
     pub(crate) geometry: CellGeometry,
     pub(crate) grid: Arc<Grid>,
@@ -81,7 +81,7 @@ impl Prepared {
     ///
     /// # Errors
     /// [`PrepareError`]; the token is polled between phases.
-    pub fn build(
+    pub(crate) fn build(
         plan: &Plan,
         mesh: &Arc<Mesh>,
         cancel: &CancelToken,
@@ -161,7 +161,7 @@ impl Prepared {
     }
 
     /// Bytes held.
-    pub fn bytes(&self) -> u64 {
+    pub(crate) fn bytes(&self) -> u64 {
         let pressure = self.pressure.as_ref().map_or(0, |block| {
             block.metric.bytes() + block.stabilisation.as_ref().map_or(0, SparseRows::bytes)
         });
@@ -176,7 +176,7 @@ impl Prepared {
     }
 
     /// Wall seconds that building took; `prepare` is what is not named apart.
-    pub fn seconds(&self) -> Seconds {
+    pub(crate) fn seconds(&self) -> Seconds {
         self.seconds
     }
 
@@ -200,7 +200,7 @@ impl Prepared {
 }
 
 /// Non-dimensional moduli of each cell.
-fn moduli(plan: &Plan) -> CellModuli {
+pub(super) fn moduli(plan: &Plan) -> CellModuli {
     let mut moduli = CellModuli::default();
     for &index in &plan.resolved.cell_material {
         let law = plan.resolved.materials[usize::from(index)].law;

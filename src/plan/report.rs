@@ -53,7 +53,7 @@ pub struct PlanReport {
 impl Plan {
     /// The plan in words and numbers.
     pub fn report(&self) -> PlanReport {
-        let vertices = self.vertices();
+        let vertices = self.vertices as u64;
         PlanReport {
             name: self.scene.name.clone(),
             kind: self.resolved.kind.name(),
@@ -73,10 +73,6 @@ impl Plan {
         }
     }
 
-    fn vertices(&self) -> u64 {
-        self.unknowns.displacement / self.units.dimension as u64 - self.edges as u64
-    }
-
     fn decisions(&self) -> Vec<PlanEntry> {
         let mut entries = Vec::new();
         let mut push = |what: &str, choice: String, reason: &str| {
@@ -86,19 +82,20 @@ impl Plan {
                 reason: reason.to_owned(),
             });
         };
-        if self.resolved.mixed {
-            let reason = "a material has a Poisson ratio of at least 0.45";
+        push(
+            "formulation",
+            self.formulation_name(),
+            self.formulation_reason(),
+        );
+        if self.enrichment().is_some() {
             push(
-                "formulation",
-                "Taylor-Hood: P2 displacement, P1 pressure".into(),
-                reason,
+                "displacement_preconditioner",
+                "bubbles, P1 solver, bubbles (block Gauss-Seidel)".into(),
+                "the element is P1 with bubbles",
             );
         } else {
-            let reason = "every Poisson ratio is below 0.45";
-            push("formulation", "P2 displacement".into(), reason);
+            self.push_smoother(&mut push);
         }
-        let (name, reason) = self.displacement.describe(self.smoother_degree);
-        push("displacement_preconditioner", name, reason);
         push("p1_solver", self.p1_name(), &self.p1.reason);
         let has_multipliers = self.unknowns.pressure + self.unknowns.contact > 0;
         let method = self.saddle.method.describe(has_multipliers);
@@ -120,6 +117,11 @@ impl Plan {
             push("rigid modes", "shifted P1 factor".into(), &reason);
         }
         entries
+    }
+
+    fn push_smoother(&self, push: &mut dyn FnMut(&str, String, &str)) {
+        let (name, reason) = self.displacement.describe(self.smoother_degree);
+        push("displacement_preconditioner", name, reason);
     }
 
     /// The P1 solver with its number type.

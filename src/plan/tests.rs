@@ -2,14 +2,15 @@
 
 use std::sync::Arc;
 
-use super::{Plan, Prepared};
+use super::{Plan, TaylorHoodData as Prepared};
 use crate::krylov::{Monitor, Outcome, Verdict, cg};
 use crate::linalg::vector::{dot, norm, reproducible_noise};
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 use crate::mesh::{Mesh, samples};
 use crate::report::CancelToken;
 use crate::scene::{
-    Formulation, Material, MaterialModel, Modulus, Obstacle, Scene, Shape, Support, Traction,
+    Formulation, Material, MaterialModel, Modulus, Obstacle, Profile, Scene, Shape, Support,
+    Traction,
 };
 
 fn scene(poisson_ratio: f64) -> Scene {
@@ -26,6 +27,7 @@ fn scene(poisson_ratio: f64) -> Scene {
             name: "wall".to_owned(),
             on: vec!["x0".to_owned()],
             displacement: [Some(0.0), Some(0.0), None],
+            profile: Profile::Constant,
         }],
         ..Scene::default()
     }
@@ -277,8 +279,11 @@ fn loads_obstacle_shapes_and_units_share_prepared_data() {
     };
     scene.mesh_scale = Some(3.0);
     scene.solver.tolerance = 1e-4;
-    let MaterialModel::LinearElastic { modulus, .. } = &mut scene.materials[0].model;
-    *modulus = Modulus::Shear(8.0);
+    scene.materials[0].model = MaterialModel::LinearElastic {
+        modulus: Modulus::Shear(8.0),
+        poisson_ratio: 0.5,
+        formulation: Formulation::Auto,
+    };
     assert_eq!(plan(&scene, &mesh).key(), base);
 }
 

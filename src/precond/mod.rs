@@ -7,6 +7,7 @@
 
 pub mod compliance;
 mod counted;
+pub mod enriched;
 pub mod hierarchical;
 pub mod node_blocks;
 pub mod p1;

@@ -62,6 +62,13 @@ pub enum MaterialModel {
         /// Unknowns.
         formulation: Formulation,
     },
+    /// σ = 2μ ε(u) − p I, −div u = 0, where u is a velocity.
+    Stokes {
+        /// μ, stress times time.
+        viscosity: f64,
+        /// A flow is always mixed.
+        formulation: Formulation,
+    },
 }
 
 /// A material and the cell group it fills.
@@ -73,6 +80,18 @@ pub struct Material {
     pub model: MaterialModel,
 }
 
+/// How the held values of a support vary over its surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Profile {
+    /// The same everywhere.
+    #[default]
+    Constant,
+    /// The values at the middle of a flat surface perpendicular to an axis,
+    /// falling to zero on the rim of its bounding box: times 4 s (1 − s) along
+    /// every other axis, s from 0 to 1 across the box.
+    Parabolic,
+}
+
 /// Held displacement components on surface groups.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Support {
@@ -82,6 +101,8 @@ pub struct Support {
     pub on: Vec<String>,
     /// Held components with their values, length; `None` is free.
     pub displacement: [Option<f64>; 3],
+    /// Variation of the values over the surface.
+    pub profile: Profile,
 }
 
 /// Dead load per undeformed area on surface groups.
@@ -141,15 +162,32 @@ pub struct Probe {
     pub point: [f64; 3],
 }
 
+/// How far the residuals are reduced.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum ToleranceRule {
+    /// To [`SolverOptions::tolerance`].
+    #[default]
+    Fixed,
+    /// Until the algebraic error is a tenth of the estimated discretisation
+    /// error, but not below [`SolverOptions::tolerance`].
+    Discretisation,
+}
+
 /// Numerical settings; every one has a default.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SolverOptions {
     /// Bound on all four residuals.
     pub tolerance: f64,
+    /// Whether that bound is reached in every case.
+    pub tolerance_rule: ToleranceRule,
+    /// `auto`: each converged increment reports one; `off`.
+    pub error_estimate: String,
     /// Degree of the volume rule for loads and norms; `None` chooses.
     pub quadrature_degree: Option<u32>,
     /// Seconds after which a step ends with its last good state.
     pub max_wall_time: Option<f64>,
+    /// `auto`, `taylor-hood`; `mini` and `bernardi-raugel` to compare.
+    pub element: String,
     /// `auto`, `p-multigrid`, `hierarchical-ssor`, `hierarchical-multiplicative`,
     /// `hierarchical-additive`.
     pub displacement_preconditioner: String,
@@ -174,8 +212,11 @@ impl Default for SolverOptions {
         let auto = || "auto".to_owned();
         Self {
             tolerance: 1e-8,
+            tolerance_rule: ToleranceRule::Fixed,
+            error_estimate: auto(),
             quadrature_degree: None,
             max_wall_time: None,
+            element: auto(),
             displacement_preconditioner: auto(),
             p1_solver: auto(),
             saddle: auto(),

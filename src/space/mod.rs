@@ -6,6 +6,8 @@
 //! is a prefix of the P2 displacement. The correction on an edge is the value
 //! at its midpoint minus the mean of its ends.
 
+pub mod enriched;
+
 use std::sync::Arc;
 
 use crate::mesh::Mesh;

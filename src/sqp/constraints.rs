@@ -8,9 +8,10 @@ use crate::contact::ContactSurface;
 use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::mesh::Mesh;
 use crate::obstacle::{Moving, Obstacle};
-use crate::plan::{Plan, Prepared};
+use crate::plan::{Plan, TaylorHoodData as Prepared};
 use crate::scene::Shape;
 use crate::scene::validate::shape;
+use crate::space::TaylorHood;
 
 /// Degree of the rule on contact faces: the distance to a curved obstacle
 /// along a quadratic face is integrated to far below the tolerance.
@@ -42,7 +43,7 @@ pub(crate) struct Interfaces {
 }
 
 impl Interfaces {
-    pub(crate) fn new(plan: &Plan, mesh: &Mesh, prepared: &Prepared) -> Self {
+    pub(crate) fn new(plan: &Plan, mesh: &Mesh, space: &TaylorHood) -> Self {
         let mut list = Vec::new();
         let mut offset = 0;
         for (obstacle, facets) in plan
@@ -59,8 +60,7 @@ impl Interfaces {
                 .iter()
                 .map(|&f| mesh.facet(f as usize).to_vec())
                 .collect();
-            let surface =
-                ContactSurface::new(mesh, &prepared.space, plan.units.coordinate_scale, &facets);
+            let surface = ContactSurface::new(mesh, space, plan.units.coordinate_scale, &facets);
             let multipliers = surface.multipliers();
             list.push(Interface {
                 name: obstacle.name.clone(),
@@ -108,15 +108,10 @@ pub(crate) fn prescribe(
     displacement: &mut [f64],
 ) {
     let c = prepared.space.components;
-    let field = plan.resolved.manufactured.as_ref();
     for &(unknown, support) in &plan.held {
         let (node, i) = (unknown as usize / c, unknown as usize % c);
-        let value = match field {
-            Some(field) => {
-                drive.load * field.displacement(node_position(plan, mesh, prepared, node))[i]
-            }
-            None => drive.supports[usize::from(support)][i],
-        } / plan.units.length;
+        let position = || mesh_position(mesh, prepared, node);
+        let value = prescribed_value(plan, drive, usize::from(support), i, &position);
         displacement[unknown as usize] = match node.checked_sub(prepared.space.vertices) {
             None => value,
             // Both ends are held too and, being vertices, already set.
@@ -128,15 +123,39 @@ pub(crate) fn prescribe(
     }
 }
 
-/// Position of a node in the caller's units.
-fn node_position(plan: &Plan, mesh: &Mesh, prepared: &Prepared, node: usize) -> [f64; 3] {
-    let scale = plan.units.coordinate_scale * plan.units.length;
+/// What `support` prescribes for component `i` at a position in the coordinates
+/// of the mesh, non-dimensional.
+pub(crate) fn prescribed_value(
+    plan: &Plan,
+    drive: &Drive,
+    support: usize,
+    i: usize,
+    position: &dyn Fn() -> [f64; 3],
+) -> f64 {
+    let length = plan.units.length;
+    let peak = drive.supports[support][i];
+    let value = match (
+        &plan.resolved.manufactured,
+        &plan.resolved.profiles[support],
+    ) {
+        (Some(field), _) => {
+            let scale = plan.units.coordinate_scale * length;
+            drive.load * field.displacement(position().map(|x| x * scale))[i]
+        }
+        (None, Some(profile)) => peak * profile.at(position()),
+        (None, None) => peak,
+    };
+    value / length
+}
+
+/// Position of a node in the coordinates of the mesh.
+fn mesh_position(mesh: &Mesh, prepared: &Prepared, node: usize) -> [f64; 3] {
     let at = |vertex: usize| mesh.coordinates()[vertex];
     match node.checked_sub(prepared.space.vertices) {
-        None => at(node).map(|x| x * scale),
+        None => at(node),
         Some(edge) => {
             let [a, b] = prepared.space.edges[edge].map(|v| at(v as usize));
-            std::array::from_fn(|i| 0.5 * scale * (a[i] + b[i]))
+            std::array::from_fn(|i| 0.5 * (a[i] + b[i]))
         }
     }
 }

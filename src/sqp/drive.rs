@@ -106,7 +106,7 @@ impl Drive {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Obstacle, ObstacleTarget, Shape, Support, SupportTarget};
+    use crate::scene::{Obstacle, ObstacleTarget, Profile, Shape, Support, SupportTarget};
 
     fn scene() -> Scene {
         Scene {
@@ -114,6 +114,7 @@ mod tests {
                 name: "wall".to_owned(),
                 on: vec!["x0".to_owned()],
                 displacement: [Some(0.5), None, Some(0.0)],
+                profile: Profile::Constant,
             }],
             obstacles: vec![Obstacle {
                 name: "ball".to_owned(),

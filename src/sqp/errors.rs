@@ -2,26 +2,30 @@
 
 use rayon::prelude::*;
 
-use super::evaluate::Context;
+use super::estimate::moduli;
+use super::evaluate::{Context, ratio};
 use super::loads::{MANUFACTURED_DEGREE, simplices};
 use super::results::{displacement_at, gradient_at};
 use super::state::State;
 use crate::assembly::load::position;
 use crate::element::manufactured::Manufactured;
 use crate::element::quadrature::{Rule, rule};
+use crate::geometry::Matrix3;
 use crate::report::ManufacturedErrors;
 
-/// Squares of the three errors over one cell, caller's units.
+/// Squares of the three errors, of the error's energy norm and of the field's,
+/// over one cell, caller's units.
 fn cell_squares(
     context: &Context<'_>,
     state: &State,
     field: &Manufactured,
     rule: &Rule,
     cell: usize,
-) -> [f64; 3] {
+) -> [f64; 5] {
     let units = &context.plan.units;
     let corners = context.mesh.cell(cell);
-    let mut squares = [0.0; 3];
+    let [shear, lame] = moduli(context, cell);
+    let mut squares = [0.0; 5];
     for (point, weight) in rule.points.iter().zip(&rule.weights) {
         let l = &point[..corners.len()];
         let x = position(
@@ -41,6 +45,11 @@ fn cell_squares(
                 squares[1] += weight * (gradient[i][j] - load * exact_gradient[i][j]).powi(2);
             }
         }
+        let exact = exact_gradient.map(|row| row.map(|slope| load * slope));
+        let error: Matrix3 =
+            std::array::from_fn(|i| std::array::from_fn(|j| gradient[i][j] - exact[i][j]));
+        squares[3] += weight * energy(&error, shear, lame);
+        squares[4] += weight * energy(&exact, shear, lame);
         if !state.pressure.is_empty() {
             let p: f64 = corners
                 .iter()
@@ -53,7 +62,19 @@ fn cell_squares(
     squares
 }
 
-/// The three norms.
+/// 2 mu |eps|^2 + lambda (tr eps)^2 of a gradient.
+pub(super) fn energy(gradient: &Matrix3, shear: f64, lame: f64) -> f64 {
+    let mut square = 0.0;
+    for i in 0..3 {
+        for j in 0..3 {
+            square += (0.5 * (gradient[i][j] + gradient[j][i])).powi(2);
+        }
+    }
+    let trace = gradient[0][0] + gradient[1][1] + gradient[2][2];
+    2.0 * shear * square + lame * trace * trace
+}
+
+/// The norms.
 pub(super) fn manufactured_errors(
     context: &Context<'_>,
     state: &State,
@@ -62,7 +83,7 @@ pub(super) fn manufactured_errors(
     let degree = context.plan.scene.solver.quadrature_degree;
     let (simplex, _) = simplices(context.plan.units.dimension);
     let rule = rule(simplex, degree.unwrap_or(MANUFACTURED_DEGREE));
-    let cells: Vec<[f64; 3]> = (0..context.prepared.geometry.cells())
+    let cells: Vec<[f64; 5]> = (0..context.prepared.geometry.cells())
         .into_par_iter()
         .map(|cell| cell_squares(context, state, field, &rule, cell))
         .collect();
@@ -71,5 +92,6 @@ pub(super) fn manufactured_errors(
         displacement_l2: sum(0),
         displacement_h1: sum(1),
         pressure_l2: (!state.pressure.is_empty()).then(|| sum(2)),
+        relative_energy: ratio(sum(3), sum(4)),
     }
 }

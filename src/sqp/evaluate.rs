@@ -9,7 +9,7 @@ use crate::inequality::QpScales;
 use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, Workspace};
 use crate::mesh::Mesh;
-use crate::plan::{Plan, Prepared};
+use crate::plan::{Plan, TaylorHoodData as Prepared};
 use crate::report::Residuals;
 
 /// What a session reads while it solves.
@@ -21,6 +21,8 @@ pub(crate) struct Context<'a> {
     pub(crate) interfaces: &'a Interfaces,
     /// Load at factor one.
     pub(crate) load: &'a [f64],
+    /// Bound on all four residuals.
+    pub(crate) tolerance: f64,
 }
 
 impl<'a> Context<'a> {
@@ -65,7 +67,7 @@ pub(crate) fn mask(held: &[u32], x: &mut [f64]) {
 }
 
 /// Euclidean norm of the held entries.
-fn norm_of(held: &[u32], x: &[f64]) -> f64 {
+pub(crate) fn norm_of(held: &[u32], x: &[f64]) -> f64 {
     let entries = held.iter().map(|&index| x[index as usize]);
     entries.map(|value| value * value).sum::<f64>().sqrt()
 }

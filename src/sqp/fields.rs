@@ -1,5 +1,6 @@
 //! Fields of the current state on the uploaded mesh, in the caller's units.
 
+use super::estimate::cell_estimates;
 use super::evaluate::Context;
 use super::results::gradient_at;
 use super::state::State;
@@ -44,6 +45,7 @@ pub(crate) fn field(context: &Context<'_>, state: &State, name: FieldName) -> Op
             1,
             per_cell(context, |cell| vec![jacobian(context, state, cell)]),
         ),
+        FieldName::ErrorEstimate => (1, cell_estimates(context, state)),
     };
     Some(FieldData {
         name,

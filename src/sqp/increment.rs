@@ -8,6 +8,7 @@
 use super::constraints::prescribe;
 use super::counters::{Counters, timed};
 use super::drive::Drive;
+use super::estimate::Estimate;
 use super::evaluate::{Context, Evaluation, evaluate, ratio};
 use super::program::{Program, Step};
 use super::state::State;
@@ -36,6 +37,10 @@ pub(crate) struct Ending {
     pub(crate) max_penetration: f64,
     /// Scale of the equilibrium residual.
     pub(crate) force_scale: f64,
+    /// Bound on the residuals that counted.
+    pub(crate) tolerance: f64,
+    /// Of the discretisation error, where the increment's end depended on it.
+    pub(crate) estimate: Option<Estimate>,
 }
 
 impl Ending {
@@ -76,7 +81,14 @@ pub(crate) fn solve(
     for _ in 0..MOST_PROGRAMS {
         let worst = residuals(state, &now, first_force).largest();
         if let Some((termination, cause)) = verdict(context, worst, watch, counters) {
-            return ending(state, &now, first_force, termination, cause);
+            return ending(
+                context.tolerance,
+                state,
+                &now,
+                first_force,
+                termination,
+                cause,
+            );
         }
         counters.sqp_iterations += 1;
         let program = Program::new(context, state, drive, &now, first_force, counters, work);
@@ -91,11 +103,18 @@ pub(crate) fn solve(
                 step.apply(state, 1.0);
                 now = evaluate(context, state, drive, work);
                 let after = residuals(state, &now, first_force).largest();
-                if after <= context.plan.scene.solver.tolerance {
+                if after <= context.tolerance {
                     continue;
                 }
             }
-            return ending(state, &now, first_force, ended.0, ended.1);
+            return ending(
+                context.tolerance,
+                state,
+                &now,
+                first_force,
+                ended.0,
+                ended.1,
+            );
         }
         let found = search(
             context,
@@ -109,13 +128,27 @@ pub(crate) fn solve(
         );
         let Some(next) = found else {
             let cause = Some(Cause::LineSearch);
-            return ending(state, &now, first_force, Termination::NotConverged, cause);
+            return ending(
+                context.tolerance,
+                state,
+                &now,
+                first_force,
+                Termination::NotConverged,
+                cause,
+            );
         };
         reduction = forcing(worst, residuals(state, &next, first_force).largest());
         now = next;
     }
     let cause = Some(Cause::IterationLimit);
-    ending(state, &now, first_force, Termination::NotConverged, cause)
+    ending(
+        context.tolerance,
+        state,
+        &now,
+        first_force,
+        Termination::NotConverged,
+        cause,
+    )
 }
 
 /// Makes `ending` describe the state that is kept.
@@ -142,7 +175,7 @@ fn verdict(
     if !worst.is_finite() {
         return Some((Termination::NotConverged, Some(Cause::NotFinite)));
     }
-    if worst <= context.plan.scene.solver.tolerance {
+    if worst <= context.tolerance {
         return Some((Termination::Converged, None));
     }
     watch
@@ -150,7 +183,8 @@ fn verdict(
         .map(|termination| (termination, None))
 }
 
-fn ending(
+pub(super) fn ending(
+    tolerance: f64,
     state: &mut State,
     now: &Evaluation,
     first_force: f64,
@@ -164,11 +198,13 @@ fn ending(
         residuals: residuals(state, now, first_force),
         max_penetration: now.max_penetration,
         force_scale: state.force_scale,
+        tolerance,
+        estimate: None,
     }
 }
 
 /// Residuals, after the scales have seen the present norms.
-fn residuals(state: &mut State, now: &Evaluation, first_force: f64) -> Residuals {
+pub(super) fn residuals(state: &mut State, now: &Evaluation, first_force: f64) -> Residuals {
     let gap = now.gap_norm(&state.active);
     state.scales.see(norm(&now.constraint), gap);
     now.residuals(state, first_force, &state.scales)
@@ -180,7 +216,10 @@ fn forcing(before: f64, after: f64) -> f64 {
     (0.5 * (after / before).powi(2)).clamp(1e-6, FIRST_REDUCTION)
 }
 
-fn stop_reason(status: QpStatus, watch: &Watch<'_>) -> Option<(Termination, Option<Cause>)> {
+pub(super) fn stop_reason(
+    status: QpStatus,
+    watch: &Watch<'_>,
+) -> Option<(Termination, Option<Cause>)> {
     let failed = |cause| Some((Termination::NotConverged, Some(cause)));
     match status {
         QpStatus::Solved => None,
@@ -223,9 +262,7 @@ fn search(
             .iter()
             .zip(&start)
             .any(|(after, before)| *after <= (1.0 - LEAST_PROGRESS) * before);
-        let tolerable = end
-            .iter()
-            .all(|&m| m <= context.plan.scene.solver.tolerance);
+        let tolerable = end.iter().all(|&m| m <= context.tolerance);
         if context.interfaces.are_flat() || better || tolerable {
             counters.step_length = length;
             return Some(trial);

@@ -4,7 +4,7 @@ use crate::assembly::load::{add_body_force, add_traction, facet_measure};
 use crate::element::manufactured::Manufactured;
 use crate::element::quadrature::{Simplex, rule};
 use crate::mesh::Mesh;
-use crate::plan::{Plan, Prepared};
+use crate::plan::{Plan, TaylorHoodData as Prepared};
 
 /// Degree of the rules for analytic loads and error norms.
 pub(super) const MANUFACTURED_DEGREE: u32 = 8;

@@ -8,10 +8,14 @@
 //!
 //! Everything is non-dimensional inside; [`Session`] speaks the caller's units.
 
+mod accuracy;
+mod any_session;
+mod comparison;
 mod constraints;
 mod counters;
 mod drive;
 mod errors;
+mod estimate;
 mod evaluate;
 mod fields;
 mod increment;
@@ -24,5 +28,6 @@ mod state;
 mod verification;
 mod watch;
 
+pub use any_session::Session;
 pub use drive::ObstaclePose;
-pub use session::{Reuse, Session, StepRun};
+pub use session::{Reuse, StepRun};

@@ -83,7 +83,7 @@ impl<'a> Program<'a> {
     fn targets(&self, goal: f64) -> QpTargets {
         QpTargets {
             force_scale: self.force_scale,
-            level: goal.max(MARGIN * self.context.plan.scene.solver.tolerance),
+            level: goal.max(MARGIN * self.context.tolerance),
         }
     }
 
@@ -282,7 +282,7 @@ fn curvature_of(context: &Context<'_>, state: &State, drive: &Drive) -> Option<S
 
 /// Norm of the contact load that the compliance predicts; the scale of the
 /// force residual before any contact pressure is there.
-fn expected_contact_norm(
+pub(super) fn expected_contact_norm(
     compliance: &DenseMatrix,
     now: &Evaluation,
     state: &State,

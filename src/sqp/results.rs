@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::counters::Counters;
 use super::errors::manufactured_errors;
+use super::estimate::{Estimate, estimate, force_error};
 use super::evaluate::{Context, internal_force};
 use super::increment::Ending;
 use super::state::State;
@@ -13,7 +14,7 @@ use crate::contact::resultant::resultant;
 use crate::linalg::vector::{add_scaled, dot};
 use crate::linalg::{LinearOperator, SparseRowsBuilder, Workspace};
 use crate::obstacle::Obstacle;
-use crate::report::{ObstacleResult, ProbeResult, StepReport, SupportResult};
+use crate::report::{ObstacleResult, ProbeResult, StepReport, SupportResult, Termination};
 
 /// The report, without what only the session knows.
 pub(crate) fn report(
@@ -25,6 +26,7 @@ pub(crate) fn report(
 ) -> StepReport {
     let units = &context.plan.units;
     let internal = internal_force(context, state, work);
+    let estimated = reported_estimate(context, state, ending);
     StepReport {
         step: 0,
         increment: 0,
@@ -46,10 +48,11 @@ pub(crate) fn report(
         min_jacobian: None,
         max_penetration: ending.max_penetration * units.length,
         residuals: ending.residuals,
-        obstacles: obstacles(context, state),
+        tolerance: ending.tolerance,
+        obstacles: obstacles(context, state, estimated.as_ref()),
         supports: supports(context, state, internal),
         probes: probes(context, state),
-        error_estimate: None,
+        error_estimate: estimated.as_ref().map(|estimate| estimate.relative),
         errors: context
             .plan
             .resolved
@@ -63,6 +66,13 @@ pub(crate) fn report(
         instruction_set: context.prepared.grid.instruction_set().name().to_owned(),
         verification: None,
     }
+}
+
+/// The estimate of a converged state, unless the scene wants none.
+fn reported_estimate(context: &Context<'_>, state: &State, ending: &Ending) -> Option<Estimate> {
+    let is_wanted = context.plan.scene.solver.error_estimate != "off";
+    let is_there = ending.termination == Termination::Converged;
+    (is_wanted && is_there).then(|| ending.estimate.unwrap_or_else(|| estimate(context, state)))
 }
 
 /// 1/2 int sigma : eps = 1/2 u.(A u) + 1/2 p.(S p).
@@ -99,35 +109,42 @@ fn volume_ratio(context: &Context<'_>, state: &State, work: &mut Workspace) -> f
     1.0 - change / volume
 }
 
-fn obstacles(context: &Context<'_>, state: &State) -> BTreeMap<String, ObstacleResult> {
+fn obstacles(
+    context: &Context<'_>,
+    state: &State,
+    estimated: Option<&Estimate>,
+) -> BTreeMap<String, ObstacleResult> {
     let units = &context.plan.units;
     let body = context.deformed(&state.displacement);
     let obstacles = context.interfaces.obstacles(&state.drive, units.length);
     let list = context.interfaces.list.iter().zip(&obstacles);
-    list.map(|(interface, obstacle)| {
-        let pressure = &state.multiplier[interface.range()];
-        let active = &state.active[interface.range()];
-        let reference = obstacle.reference_point();
-        let found = resultant(
-            &body,
-            &interface.surface,
-            obstacle,
-            reference,
-            pressure,
-            active,
-        );
-        let result = ObstacleResult {
-            force: found.force.map(|x| x * units.force()),
-            moment: found.moment.map(|x| x * units.energy()),
-            contact_area: found.area * units.area(),
-            max_pressure: found.max_pressure * units.stress,
-            centre_of_pressure: found.centre.map(|x| x * units.length),
-            stick_vertices: 0,
-            slip_vertices: 0,
-        };
-        (interface.name.clone(), result)
-    })
-    .collect()
+    list.enumerate()
+        .map(|(index, (interface, obstacle))| {
+            let pressure = &state.multiplier[interface.range()];
+            let active = &state.active[interface.range()];
+            let reference = obstacle.reference_point();
+            let found = resultant(
+                &body,
+                &interface.surface,
+                obstacle,
+                reference,
+                pressure,
+                active,
+            );
+            let result = ObstacleResult {
+                force: found.force.map(|x| x * units.force()),
+                force_error: estimated
+                    .map(|estimate| force_error(context, index, &found, estimate) * units.force()),
+                moment: found.moment.map(|x| x * units.energy()),
+                contact_area: found.area * units.area(),
+                max_pressure: found.max_pressure * units.stress,
+                centre_of_pressure: found.centre.map(|x| x * units.length),
+                stick_vertices: 0,
+                slip_vertices: 0,
+            };
+            (interface.name.clone(), result)
+        })
+        .collect()
 }
 
 /// Reactions: internal force plus contact minus load at held unknowns, given

@@ -10,12 +10,12 @@ use super::increment::{self, Ending};
 use super::loads::reference_load;
 use super::state::{Snapshot, State};
 use super::watch::Watch;
-use super::{fields, results, verification};
+use super::{accuracy, fields, results, verification};
 use crate::krylov::gcr::Directions;
 use crate::linalg::vector::dot;
 use crate::linalg::{LinearOperator, Workspace};
 use crate::mesh::Mesh;
-use crate::plan::{Plan, Prepared};
+use crate::plan::{Plan, TaylorHoodData as Prepared};
 use crate::report::{
     CancelToken, Cause, FieldData, FieldName, IterationRecord, Observer, Seconds, StepReport,
     Termination,
@@ -41,7 +41,7 @@ pub enum Reuse {
 
 /// A state that load steps move.
 #[derive(Debug)]
-pub struct Session {
+pub(super) struct Session {
     plan: Arc<Plan>,
     mesh: Arc<Mesh>,
     prepared: Arc<Prepared>,
@@ -82,6 +82,32 @@ fn is_meaningful(ending: &Ending) -> bool {
 }
 
 impl StepRun {
+    pub(super) fn new(start: Drive, end: Drive, increments: u32) -> Self {
+        Self {
+            start,
+            end,
+            increments,
+            done: 0,
+            finished: false,
+        }
+    }
+
+    /// Number and drive of the next increment; none when the step is finished.
+    pub(super) fn upcoming(&self) -> Option<(u32, Drive)> {
+        let increment = self.done + 1;
+        if self.finished || increment > self.increments {
+            return None;
+        }
+        let fraction = f64::from(increment) / f64::from(self.increments);
+        Some((increment, self.start.towards(&self.end, fraction)))
+    }
+
+    /// Notes how an increment ended.
+    pub(super) fn finish(&mut self, increment: u32, termination: Termination) {
+        self.done = increment;
+        self.finished = termination != Termination::Converged;
+    }
+
     /// Increments finished so far.
     pub fn done(&self) -> u32 {
         self.done
@@ -95,9 +121,14 @@ impl StepRun {
 
 impl Session {
     /// A session in the undeformed state.
-    pub fn new(plan: Arc<Plan>, mesh: Arc<Mesh>, prepared: Arc<Prepared>, reuse: Reuse) -> Self {
+    pub(super) fn new(
+        plan: Arc<Plan>,
+        mesh: Arc<Mesh>,
+        prepared: Arc<Prepared>,
+        reuse: Reuse,
+    ) -> Self {
         let start = std::time::Instant::now();
-        let interfaces = Interfaces::new(&plan, &mesh, &prepared);
+        let interfaces = Interfaces::new(&plan, &mesh, &prepared.space);
         let load = reference_load(&plan, &mesh, &prepared);
         let own = start.elapsed().as_secs_f64();
         let (mut preparation, reused) = match reuse {
@@ -125,7 +156,7 @@ impl Session {
     }
 
     /// The plan this session follows.
-    pub fn plan(&self) -> &Plan {
+    pub(super) fn plan(&self) -> &Plan {
         &self.plan
     }
 
@@ -133,7 +164,7 @@ impl Session {
     ///
     /// # Errors
     /// [`SceneError`] with the path of every faulty key.
-    pub fn check_step(&self, step: &Step) -> Result<(), SceneError> {
+    pub(super) fn check_step(&self, step: &Step) -> Result<(), SceneError> {
         check_step(self.plan.scene(), step, &self.mesh)
     }
 
@@ -141,36 +172,26 @@ impl Session {
     ///
     /// # Errors
     /// [`SceneError`]; the session is then as before.
-    pub fn begin_step(&mut self, step: &Step) -> Result<StepRun, SceneError> {
+    pub(super) fn begin_step(&mut self, step: &Step) -> Result<StepRun, SceneError> {
         self.check_step(step)?;
         let end = self.target.after(self.plan.scene(), step);
         self.steps += 1;
         self.target = end.clone();
-        Ok(StepRun {
-            start: self.state.drive.clone(),
-            end,
-            increments: step.increments,
-            done: 0,
-            finished: false,
-        })
+        Ok(StepRun::new(self.state.drive.clone(), end, step.increments))
     }
 
     /// Does the next increment; none when the step is finished. A result that
     /// did not converge finishes the step, with the last good state kept; one that
     /// was stopped leaves the state before the increment, so that no later bit
     /// depends on when that was. After a panic inside, [`Session::take_back`].
-    pub fn advance(
+    pub(super) fn advance(
         &mut self,
         run: &mut StepRun,
         observer: &mut dyn Observer,
         cancel: &CancelToken,
     ) -> Option<StepReport> {
-        if run.finished || run.done == run.increments {
-            return None;
-        }
-        let increment = run.done + 1;
+        let (increment, goal) = run.upcoming()?;
         let fraction = f64::from(increment) / f64::from(run.increments);
-        let goal = run.start.towards(&run.end, fraction);
         let mut counters = Counters::new();
         let mut work = std::mem::take(&mut self.work);
         let mut watch = Watch {
@@ -200,8 +221,7 @@ impl Session {
         if ending.is_stopped() {
             self.stop();
         }
-        run.done = increment;
-        run.finished = ending.termination != Termination::Converged;
+        run.finish(increment, ending.termination);
         let before = f64::from(increment - 1) / f64::from(run.increments);
         let reached = before + part * (fraction - before);
         let report = self.report(increment, reached, &ending, &counters, &mut work);
@@ -213,7 +233,7 @@ impl Session {
     /// there, as if the step had only asked for that. Forgets what the solver has
     /// learnt, which depends on how far it came: no later bit depends on when a
     /// step was stopped.
-    pub fn stop(&mut self) {
+    pub(super) fn stop(&mut self) {
         self.target = match self.moved {
             true => self.state.drive.clone(),
             false => Drive::first_target(self.plan.scene()),
@@ -223,7 +243,7 @@ impl Session {
 
     /// Undoes the last increment, if it is not undone yet, and stops its step.
     /// Also mends a session in which [`Session::advance`] panicked.
-    pub fn take_back(&mut self) {
+    pub(super) fn take_back(&mut self) {
         if let Some(previous) = self.previous.take() {
             self.state.restore(&previous);
             self.moved = self.state.drive != Drive::undeformed(self.plan.scene());
@@ -252,7 +272,7 @@ impl Session {
             };
             let good = state.snapshot();
             let drive = start.towards(goal, next);
-            let mut ending = increment::solve(&context, state, &drive, watch, counters, work);
+            let mut ending = accuracy::solve(&context, state, &drive, watch, counters, work);
             self.explain(&mut ending, state);
             self.centre_pressure(state);
             match ending.termination {
@@ -339,6 +359,7 @@ impl Session {
             prepared: &self.prepared,
             interfaces: &self.interfaces,
             load: &self.load,
+            tolerance: self.plan.scene.solver.tolerance,
         }
     }
 
@@ -374,12 +395,12 @@ impl Session {
     }
 
     /// A field of the current state; none if the scene has no such field.
-    pub fn field(&self, name: FieldName) -> Option<FieldData> {
+    pub(super) fn field(&self, name: FieldName) -> Option<FieldData> {
         fields::field(&self.context(), &self.state, name)
     }
 
     /// Bytes held by this session alone.
-    pub fn bytes(&self) -> u64 {
+    pub(super) fn bytes(&self) -> u64 {
         self.state.bytes() + self.previous_bytes() + self.work.bytes() + 8 * self.load.len() as u64
     }
 
@@ -388,7 +409,7 @@ impl Session {
     }
 
     /// Current poses of all obstacles.
-    pub fn obstacle_poses(&self) -> Vec<ObstaclePose> {
+    pub(super) fn obstacle_poses(&self) -> Vec<ObstaclePose> {
         self.state.drive.poses.clone()
     }
 }

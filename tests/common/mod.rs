@@ -24,7 +24,9 @@ pub(crate) fn take(session: &mut Session, step: &Step) -> Vec<StepReport> {
     let mut run = session.begin_step(step).expect("a valid step");
     let mut reports = Vec::new();
     while let Some(report) = session.advance(&mut run, &mut Silent, &CancelToken::new()) {
-        check_verification(&report, session.plan().scene().solver.tolerance);
+        if session.plan().scene().solver.verify {
+            check_verification(&report);
+        }
         reports.push(report);
     }
     reports
@@ -74,7 +76,8 @@ pub(crate) fn assert_converged(report: &StepReport) {
 }
 
 /// The independent path must agree with a converged result.
-fn check_verification(report: &StepReport, tolerance: f64) {
+fn check_verification(report: &StepReport) {
+    let tolerance = report.tolerance;
     if report.termination == Termination::Converged {
         let verified = report
             .verification

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use signorini::scene::{
-    Formulation, Material, MaterialModel, Modulus, Obstacle, ObstacleTarget, Probe, Shape, Support,
-    Traction,
+    Formulation, Material, MaterialModel, Modulus, Obstacle, ObstacleTarget, Probe, Profile, Shape,
+    Support, Traction,
 };
 use signorini::{Mesh, Scene, Step};
 
@@ -40,6 +40,7 @@ pub(crate) fn support(on: &str, displacement: [Option<f64>; 3]) -> Support {
         name: on.to_owned(),
         on: vec![on.to_owned()],
         displacement,
+        profile: Profile::Constant,
     }
 }
 

@@ -62,7 +62,7 @@ async fn open_session(client: &Client, name: &str) -> Result<(v1::Session, v1::S
 fn lightest_field(scene: &v1::Scene) -> Vec<v1::FieldName> {
     let weight = |field: &v1::FieldName| match field {
         v1::FieldName::ContactState | v1::FieldName::Gap | v1::FieldName::ContactPressure => 1,
-        v1::FieldName::Pressure => 2,
+        v1::FieldName::Pressure | v1::FieldName::ErrorEstimate => 2,
         v1::FieldName::Unspecified
         | v1::FieldName::Displacement
         | v1::FieldName::Stress

@@ -217,7 +217,7 @@ impl Grid {
     /// it is one that the service sends by cells.
     fn is_cell_field(&self, field: &GridField<'_>) -> bool {
         let rows = field.values.len() / field.components.max(1);
-        let by_name = matches!(field.name, "stress" | "jacobian");
+        let by_name = matches!(field.name, "stress" | "jacobian" | "error_estimate");
         let elsewhere = rows == self.node_count() || rows == self.vertex_count;
         rows == self.cell_count() && (by_name || !elsewhere)
     }

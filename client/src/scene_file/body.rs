@@ -12,6 +12,11 @@ const FORMULATIONS: &[(&str, v1::Formulation)] = &[
     ("displacement", v1::Formulation::Displacement),
 ];
 
+const PROFILES: &[(&str, v1::SupportProfile)] = &[
+    ("constant", v1::SupportProfile::Unspecified),
+    ("parabolic", v1::SupportProfile::Parabolic),
+];
+
 /// Names of output fields.
 pub(crate) const FIELDS: &[(&str, v1::FieldName)] = &[
     ("displacement", v1::FieldName::Displacement),
@@ -21,6 +26,7 @@ pub(crate) const FIELDS: &[(&str, v1::FieldName)] = &[
     ("contact_state", v1::FieldName::ContactState),
     ("stress", v1::FieldName::Stress),
     ("jacobian", v1::FieldName::Jacobian),
+    ("error_estimate", v1::FieldName::ErrorEstimate),
 ];
 
 type ReadModel = fn(&Keys<'_>) -> Option<Model>;
@@ -142,7 +148,10 @@ pub(super) fn name_of(keys: &Keys<'_>, kind: &str, index: usize) -> String {
 }
 
 pub(super) fn supports(scene: &Keys<'_>) -> Vec<v1::Support> {
-    let tables = scene.tables("support", &["name", "on", "displacement", "normal"]);
+    let tables = scene.tables(
+        "support",
+        &["name", "on", "displacement", "normal", "profile"],
+    );
     let support = |(index, keys): (usize, &Keys<'_>)| {
         if !keys.has("displacement") && !keys.has("normal") {
             keys.fault("displacement", "required key is missing (or give normal)");
@@ -152,6 +161,7 @@ pub(super) fn supports(scene: &Keys<'_>) -> Vec<v1::Support> {
             on: keys.required_names("on"),
             displacement: components(keys, "displacement"),
             normal: keys.number("normal"),
+            profile: keys.choice("profile", PROFILES).map_or(0, i32::from),
         }
     };
     tables.iter().enumerate().map(support).collect()
@@ -206,26 +216,35 @@ pub(super) fn probes(scene: &Keys<'_>) -> Vec<v1::Probe> {
     tables.iter().enumerate().map(probe).collect()
 }
 
+/// Words that may stand in the place of the tolerance.
+const TOLERANCE_RULES: &[(&str, v1::ToleranceRule)] =
+    &[("discretisation", v1::ToleranceRule::Discretisation)];
+
 const SOLVER: &[&str] = &[
     "tolerance",
     "quadrature_degree",
     "max_wall_time",
+    "element",
     "displacement_preconditioner",
     "p1_solver",
     "saddle",
     "contact",
     "contact_metric",
     "penalty",
+    "error_estimate",
 ];
 
 pub(super) fn solver(scene: &Keys<'_>) -> Option<v1::SolverOptions> {
     let keys = scene.table("solver", SOLVER)?;
     let quadrature = keys.text_or("quadrature_degree", "auto", Keys::integer);
+    let (tolerance, tolerance_rule) = tolerance(&keys);
     let method = |key| keys.text(key).unwrap_or_default();
     Some(v1::SolverOptions {
-        tolerance: keys.number("tolerance"),
+        tolerance,
+        tolerance_rule: tolerance_rule.into(),
         quadrature_degree: quadrature,
         max_wall_time: keys.number("max_wall_time"),
+        element: method("element"),
         displacement_preconditioner: method("displacement_preconditioner"),
         p1_solver: method("p1_solver"),
         saddle: method("saddle"),
@@ -233,7 +252,19 @@ pub(super) fn solver(scene: &Keys<'_>) -> Option<v1::SolverOptions> {
         contact_metric: method("contact_metric"),
         penalty: keys.text_or("penalty", "auto", Keys::number),
         verify: false,
+        error_estimate: method("error_estimate"),
     })
+}
+
+/// The tolerance; a word in its place chooses a rule.
+fn tolerance(keys: &Keys<'_>) -> (Option<f64>, v1::ToleranceRule) {
+    match keys.has_text("tolerance") {
+        true => {
+            let rule = keys.choice("tolerance", TOLERANCE_RULES);
+            (None, rule.unwrap_or_default())
+        }
+        false => (keys.number("tolerance"), v1::ToleranceRule::Unspecified),
+    }
 }
 
 pub(super) fn output(scene: &Keys<'_>) -> Option<v1::Output> {

@@ -69,6 +69,11 @@ impl<'a> Keys<'a> {
         self.table.contains_key(key)
     }
 
+    /// Whether a key has a text for its value.
+    pub(super) fn has_text(&self, key: &str) -> bool {
+        self.table.get(key).is_some_and(Value::is_str)
+    }
+
     fn wrong_type(&self, key: &str, expected: &str, found: &Value) {
         self.fault(
             key,

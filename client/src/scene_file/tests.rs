@@ -70,6 +70,28 @@ fn integers_are_numbers_and_infinities_are_passed_on() {
 }
 
 #[test]
+fn a_tolerance_is_a_number_or_the_discretisation_s() {
+    let solver = |text: &str| {
+        let text = format!("{SMALL}[solver]\ntolerance = {text}");
+        parse(&text, &[]).unwrap().scene.solver.unwrap()
+    };
+    let number = solver("1e-6");
+    assert_eq!(number.tolerance, Some(1e-6));
+    assert_eq!(number.tolerance_rule(), v1::ToleranceRule::Unspecified);
+    let word = solver("\"discretisation\"");
+    assert_eq!(word.tolerance, None);
+    assert_eq!(word.tolerance_rule(), v1::ToleranceRule::Discretisation);
+    assert_eq!(
+        fault("[solver]\ntolerance = \"discretization\""),
+        "solver.tolerance: \"discretization\" is not known; did you mean \"discretisation\"?"
+    );
+    assert_eq!(
+        fault("[solver]\ntolerance = true"),
+        "solver.tolerance: a number is expected, found true or false"
+    );
+}
+
+#[test]
 fn unknown_keys_suggest_the_nearest() {
     assert_eq!(
         fault("poison_ratio = 0.5"),
@@ -213,10 +235,11 @@ fn every_key_of_the_contract_reaches_the_message() {
         (Some(1e-9), Some(8), Some(2.0))
     );
     assert_eq!(solver.displacement_preconditioner, "p-multigrid");
+    assert_eq!(solver.error_estimate, "off");
     assert_eq!(scene.probes[0].point, [0.0, 1.0, 2.0]);
     let output = scene.output.unwrap();
     assert_eq!(
         (output.fields, output.every),
-        (vec![1, 2, 3, 4, 5, 6, 7], Some(2))
+        (vec![1, 2, 3, 4, 5, 6, 7, 8], Some(2))
     );
 }

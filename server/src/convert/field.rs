@@ -130,6 +130,7 @@ pub(crate) fn name(field: FieldName) -> wire::FieldName {
         FieldName::ContactState => wire::FieldName::ContactState,
         FieldName::Stress => wire::FieldName::Stress,
         FieldName::Jacobian => wire::FieldName::Jacobian,
+        FieldName::ErrorEstimate => wire::FieldName::ErrorEstimate,
     }
 }
 

@@ -121,6 +121,7 @@ fn good_scene(mesh: &Mesh) -> wire::Scene {
                 z: Some(0.0),
             }),
             normal: None,
+            profile: wire::SupportProfile::Parabolic.into(),
         }],
         tractions: vec![wire::Traction {
             on: vec!["top".into()],

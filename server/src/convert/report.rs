@@ -33,6 +33,7 @@ pub(crate) fn step(report: StepReport, poses: Vec<ObstaclePose>) -> wire::StepRe
         min_jacobian: report.min_jacobian,
         max_penetration: report.max_penetration,
         residuals: Some(residuals(report.residuals)),
+        tolerance: report.tolerance,
         obstacles: by_name(report.obstacles, obstacle),
         supports: by_name(report.supports, support),
         probes: by_name(report.probes, probe),
@@ -139,6 +140,7 @@ fn residuals(value: Residuals) -> wire::Residuals {
 fn obstacle(value: ObstacleResult) -> wire::ObstacleResult {
     wire::ObstacleResult {
         force: value.force.to_vec(),
+        force_error: value.force_error,
         moment: value.moment.to_vec(),
         contact_area: value.contact_area,
         max_pressure: value.max_pressure,
@@ -166,6 +168,7 @@ fn errors(value: ManufacturedErrors) -> wire::ManufacturedErrors {
         displacement_l2: value.displacement_l2,
         displacement_h1: value.displacement_h1,
         pressure_l2: value.pressure_l2,
+        relative_energy: value.relative_energy,
     }
 }
 

@@ -3,8 +3,8 @@
 use signorini::mesh::MeshId;
 use signorini::report::FieldName;
 use signorini::scene::{
-    Formulation, Material, MaterialModel, Modulus, Obstacle, Probe, Scene, SceneKind,
-    SolverOptions, Step, Support, Traction,
+    Formulation, Material, MaterialModel, Modulus, Obstacle, Probe, Profile, Scene, SceneKind,
+    SolverOptions, Step, Support, ToleranceRule, Traction,
 };
 use signorini_proto::v1 as wire;
 
@@ -123,8 +123,16 @@ fn material(message: wire::Material, faults: &mut Faults) -> Material {
     use wire::material::Model;
     let path = format!("material.{}", faults.name(&message.group, "material"));
     let formulation = formulation(message.formulation, &path, faults);
-    let law = match message.model {
-        Some(Model::LinearElastic(law)) => law,
+    let model = match message.model {
+        Some(Model::LinearElastic(law)) => MaterialModel::LinearElastic {
+            modulus: modulus(law.modulus, &path, faults),
+            poisson_ratio: faults.required(law.poisson_ratio, &format!("{path}.poisson_ratio")),
+            formulation,
+        },
+        Some(Model::Stokes(law)) => MaterialModel::Stokes {
+            viscosity: faults.required(law.viscosity, &format!("{path}.viscosity")),
+            formulation,
+        },
         Some(later) => {
             terms(&later, &path, faults);
             let reason = format!("`{}` comes in a later version", model_name(&later));
@@ -138,11 +146,7 @@ fn material(message: wire::Material, faults: &mut Faults) -> Material {
     };
     Material {
         group: message.group,
-        model: MaterialModel::LinearElastic {
-            modulus: modulus(law.modulus, &path, faults),
-            poisson_ratio: faults.required(law.poisson_ratio, &format!("{path}.poisson_ratio")),
-            formulation,
-        },
+        model,
     }
 }
 
@@ -222,6 +226,21 @@ fn support(message: wire::Support, index: usize, faults: &mut Faults) -> Support
         name: faults.name(&message.name, &path),
         on: surfaces(message.on, &path, faults),
         displacement: components(message.displacement),
+        profile: profile(message.profile, &path, faults),
+    }
+}
+
+fn profile(number: i32, path: &str, faults: &mut Faults) -> Profile {
+    match wire::SupportProfile::try_from(number) {
+        Ok(wire::SupportProfile::Unspecified) => Profile::Constant,
+        Ok(wire::SupportProfile::Parabolic) => Profile::Parabolic,
+        Err(_) => {
+            faults.later(
+                format!("{path}.profile"),
+                format!("number {number} is not known here"),
+            );
+            Profile::Constant
+        }
     }
 }
 
@@ -262,12 +281,20 @@ fn steps<'a>(list: impl Iterator<Item = &'a wire::LoadStep>, faults: &mut Faults
 
 fn solver(message: wire::SolverOptions, faults: &mut Faults) -> SolverOptions {
     let default = SolverOptions::default();
+    let tolerance_rule = tolerance_rule(message.tolerance_rule, faults);
     let mut method = |name: String, key: &str, default: String| match name.is_empty() {
         true => default,
         false => faults.name(&name, &format!("solver.{key}")),
     };
     SolverOptions {
         tolerance: message.tolerance.unwrap_or(default.tolerance),
+        tolerance_rule,
+        error_estimate: method(
+            message.error_estimate,
+            "error_estimate",
+            default.error_estimate,
+        ),
+        element: method(message.element, "element", default.element),
         displacement_preconditioner: method(
             message.displacement_preconditioner,
             "displacement_preconditioner",
@@ -291,6 +318,18 @@ fn solver(message: wire::SolverOptions, faults: &mut Faults) -> SolverOptions {
     }
 }
 
+fn tolerance_rule(number: i32, faults: &mut Faults) -> ToleranceRule {
+    match wire::ToleranceRule::try_from(number) {
+        Ok(wire::ToleranceRule::Unspecified) => ToleranceRule::Fixed,
+        Ok(wire::ToleranceRule::Discretisation) => ToleranceRule::Discretisation,
+        Err(_) => {
+            let message = format!("rule number {number} is not known here");
+            faults.later("solver.tolerance", message);
+            ToleranceRule::Fixed
+        }
+    }
+}
+
 fn output(message: Option<&wire::Output>, faults: &mut Faults) -> Output {
     let numbers = message.map_or(&[][..], |output| &output.fields);
     let fields = field::names(numbers, "output.fields").unwrap_or_else(|fault| {
@@ -309,4 +348,85 @@ fn output(message: Option<&wire::Output>, faults: &mut Faults) -> Output {
             1
         });
     Output { fields, every }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tolerance_rules_arrive_and_unknown_ones_are_refused() {
+        let convert = |tolerance_rule: i32| {
+            let message = wire::SolverOptions {
+                tolerance_rule,
+                error_estimate: "off".into(),
+                ..Default::default()
+            };
+            let mut faults = Faults::default();
+            let found = solver(message, &mut faults);
+            faults.outcome().map(|()| found)
+        };
+        let fixed = convert(0).expect("the default rule");
+        assert_eq!(fixed.tolerance_rule, ToleranceRule::Fixed);
+        assert_eq!(fixed.error_estimate, "off");
+        let other = convert(wire::ToleranceRule::Discretisation.into()).expect("a known rule");
+        assert_eq!(other.tolerance_rule, ToleranceRule::Discretisation);
+        assert!(matches!(convert(7), Err(Fault::Unsupported(_))));
+    }
+
+    fn flow() -> wire::Scene {
+        wire::Scene {
+            mesh: format!("meshes/{}", "0".repeat(64)),
+            materials: vec![wire::Material {
+                group: "body".into(),
+                model: Some(wire::material::Model::Stokes(wire::Stokes {
+                    viscosity: Some(0.5),
+                })),
+                ..Default::default()
+            }],
+            supports: vec![wire::Support {
+                name: "inflow".into(),
+                on: vec!["x0".into()],
+                profile: wire::SupportProfile::Parabolic.into(),
+                ..Default::default()
+            }],
+            solver: Some(wire::SolverOptions {
+                element: "mini".into(),
+                ..Default::default()
+            }),
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn flow_profile_and_element_reach_the_library() {
+        let scene = scene(flow()).unwrap().scene;
+        let law = MaterialModel::Stokes {
+            viscosity: 0.5,
+            formulation: Formulation::Auto,
+        };
+        assert_eq!(scene.materials[0].model, law);
+        assert_eq!(scene.supports[0].profile, Profile::Parabolic);
+        assert_eq!(scene.solver.element, "mini");
+    }
+
+    #[test]
+    fn a_profile_of_a_later_contract_is_refused_by_its_key() {
+        let mut message = flow();
+        message.supports[0].profile = 7;
+        match scene(message) {
+            Err(Fault::Unsupported(one)) => assert_eq!(one.path, "support.inflow.profile"),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_viscosity_is_required() {
+        let mut message = flow();
+        message.materials[0].model = Some(wire::material::Model::Stokes(wire::Stokes::default()));
+        match scene(message) {
+            Err(Fault::SceneInvalid(all)) => assert_eq!(all[0].path, "material.body.viscosity"),
+            other => panic!("{other:?}"),
+        }
+    }
 }

@@ -174,6 +174,7 @@ impl Block {
                     z: Some(0.0),
                 }),
                 normal: None,
+                ..Default::default()
             }],
             obstacles: vec![ball()],
             solver: Some(wire::SolverOptions {

@@ -95,7 +95,7 @@ pub(crate) const LISTS: [SceneCase; 14] = [
     }),
 ];
 
-pub(crate) const NAMES: [SceneCase; 9] = [
+pub(crate) const NAMES: [SceneCase; 10] = [
     ("name", 256, |scene, n| scene.name = word(n)),
     ("material", 256, |scene, n| {
         scene.materials[0].group = word(n)
@@ -120,6 +120,9 @@ pub(crate) const NAMES: [SceneCase; 9] = [
     }),
     ("solver.contact_metric", 256, |scene, n| {
         solver(scene).contact_metric = word(n)
+    }),
+    ("solver.error_estimate", 256, |scene, n| {
+        solver(scene).error_estimate = word(n)
     }),
 ];
 

@@ -4,9 +4,13 @@ use super::{Basis, Rows};
 use crate::assembly::cells::{CellGeometry, CellModuli};
 use crate::assembly::kernel::{Batch, PRESSURE, edge_factor};
 use crate::assembly::lanes::{Lanes, WIDTH};
+use crate::assembly::simd;
 use crate::assembly::transpose::Row;
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
+
+/// Nodes between asking for one and reading it.
+const AHEAD: usize = 24;
 
 /// Its nodes (vertices first), held entries, edge ends and batches.
 #[derive(Clone, Debug)]
@@ -75,7 +79,9 @@ impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
     /// Displacements of the block's nodes in its own rows.
     pub(super) fn gather_displacement(&self, x: &[f64], rows: &mut [Row]) {
         let (sources, _) = x.as_chunks::<D>();
-        for (row, &node) in rows.iter_mut().zip(&self.nodes) {
+        let ahead = self.nodes.iter().skip(AHEAD).chain(std::iter::repeat(&0));
+        for ((row, &node), &later) in rows.iter_mut().zip(&self.nodes).zip(ahead) {
+            simd::prefetch_at(sources, later as usize);
             let source = &sources[node as usize];
             *row = [0.0; 4];
             row[..D].copy_from_slice(source);

@@ -3,8 +3,11 @@
 
 use rayon::prelude::*;
 
+use crate::assembly::simd;
 use crate::assembly::transpose::Row;
 
+/// Copies between asking for one and reading it.
+const AHEAD: usize = 24;
 /// Nodes per parallel piece.
 const PIECE: usize = 2048;
 
@@ -59,6 +62,11 @@ impl Copies {
                 let offsets = &self.offsets[piece * PIECE..];
                 for (target, range) in nodes.iter_mut().zip(offsets.windows(2)) {
                     let copies = &self.positions[range[0] as usize..range[1] as usize];
+                    let ahead = range[1] as usize + AHEAD;
+                    let later = &self.positions[ahead.min(self.positions.len())..];
+                    for &position in later.iter().take(copies.len()) {
+                        simd::prefetch_at(local, position as usize);
+                    }
                     take(target, sum_of(local, copies));
                 }
             });

@@ -4,7 +4,7 @@ use super::{Faults, in_plane, names};
 use crate::element::manufactured::Manufactured;
 use crate::mesh::Mesh;
 use crate::mesh::locate::{Located, Locator};
-use crate::scene::{MaterialModel, Scene};
+use crate::scene::{MaterialModel, Profile, Scene, Support};
 
 /// Checks the body force.
 pub(crate) fn body_force(scene: &Scene, mesh: &Mesh, faults: &mut Faults) {
@@ -40,8 +40,14 @@ pub(crate) fn manufactured(
             "the manufactured field prescribes the values: give zeros",
         );
     }
+    let shaped = |support: &&Support| support.profile != Profile::Constant;
+    if let Some(support) = scene.supports.iter().find(shaped) {
+        let key = format!("support.{}.profile", support.name);
+        faults.add(key, "the manufactured field prescribes the values");
+    }
     let incompressible = scene.materials.iter().all(|material| match material.model {
         MaterialModel::LinearElastic { poisson_ratio, .. } => poisson_ratio >= 0.5,
+        MaterialModel::Stokes { .. } => true,
     });
     if !incompressible {
         faults.add(

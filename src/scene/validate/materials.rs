@@ -1,7 +1,7 @@
 //! Materials: parameters, one per cell, and the formulation that follows.
 
 use super::{Faults, names};
-use crate::material::LinearElastic;
+use crate::material::{LinearElastic, Stokes};
 use crate::mesh::{GroupKind, Mesh};
 use crate::scene::{Formulation, MaterialModel, Modulus, Scene};
 
@@ -16,6 +16,8 @@ const NO_MATERIAL: u16 = u16::MAX;
 pub(crate) struct ResolvedMaterial {
     pub(crate) law: LinearElastic,
     pub(crate) poisson_ratio: f64,
+    /// Whether u is a velocity.
+    pub(crate) is_flow: bool,
 }
 
 impl ResolvedMaterial {
@@ -83,44 +85,98 @@ fn assign(index: u16, members: &[u32], of_cell: &mut [u16], path: &str, faults: 
 }
 
 fn law(model: &MaterialModel, path: &str, faults: &mut Faults) -> ResolvedMaterial {
-    let MaterialModel::LinearElastic {
-        modulus,
-        poisson_ratio,
-        formulation,
-    } = model;
-    let (key, value) = match modulus {
-        Modulus::Shear(value) => ("shear_modulus", *value),
-        Modulus::Young(value) => ("young_modulus", *value),
+    let resolved = match *model {
+        MaterialModel::LinearElastic {
+            modulus,
+            poisson_ratio,
+            ..
+        } => linear_elastic(modulus, poisson_ratio, path, faults),
+        MaterialModel::Stokes { viscosity, .. } => {
+            above_zero(viscosity, &format!("{path}.viscosity"), faults);
+            ResolvedMaterial {
+                law: Stokes { viscosity }.elastic(),
+                poisson_ratio: 0.5,
+                is_flow: true,
+            }
+        }
     };
-    if !(value > 0.0 && value.is_finite()) {
-        faults.add(
-            format!("{path}.{key}"),
-            format!("must be above zero and finite, not {value}"),
-        );
+    if formulation(model) == Formulation::Displacement && resolved.is_incompressible() {
+        let message = match resolved.is_flow {
+            true => "a flow needs the mixed formulation",
+            false => "an incompressible material needs the mixed formulation",
+        };
+        faults.add(format!("{path}.formulation"), message);
     }
-    if !(*poisson_ratio > -1.0 && *poisson_ratio <= 0.5) {
+    resolved
+}
+
+fn above_zero(value: f64, path: &str, faults: &mut Faults) {
+    if !(value > 0.0 && value.is_finite()) {
+        faults.add(path, format!("must be above zero and finite, not {value}"));
+    }
+}
+
+fn linear_elastic(
+    modulus: Modulus,
+    poisson_ratio: f64,
+    path: &str,
+    faults: &mut Faults,
+) -> ResolvedMaterial {
+    let (key, value, law) = match modulus {
+        Modulus::Shear(value) => (
+            "shear_modulus",
+            value,
+            LinearElastic::from_shear_modulus(value, poisson_ratio),
+        ),
+        Modulus::Young(value) => (
+            "young_modulus",
+            value,
+            LinearElastic::from_young_modulus(value, poisson_ratio),
+        ),
+    };
+    above_zero(value, &format!("{path}.{key}"), faults);
+    if !(poisson_ratio > -1.0 && poisson_ratio <= 0.5) {
         let message = format!("must lie above -1 and at most 0.5, not {poisson_ratio}");
         faults.add(format!("{path}.poisson_ratio"), message);
     }
-    if *formulation == Formulation::Displacement && *poisson_ratio >= 0.5 {
-        let message = "an incompressible material needs the mixed formulation";
-        faults.add(format!("{path}.formulation"), message);
-    }
-    let law = match modulus {
-        Modulus::Shear(value) => LinearElastic::from_shear_modulus(*value, *poisson_ratio),
-        Modulus::Young(value) => LinearElastic::from_young_modulus(*value, *poisson_ratio),
-    };
     ResolvedMaterial {
         law,
-        poisson_ratio: *poisson_ratio,
+        poisson_ratio,
+        is_flow: false,
+    }
+}
+
+fn formulation(model: &MaterialModel) -> Formulation {
+    match model {
+        MaterialModel::LinearElastic { formulation, .. }
+        | MaterialModel::Stokes { formulation, .. } => *formulation,
+    }
+}
+
+/// Refuses what has no meaning where u is a velocity.
+pub(crate) fn check_flow(scene: &Scene, materials: &[ResolvedMaterial], faults: &mut Faults) {
+    if !materials.iter().any(|material| material.is_flow) {
+        return;
+    }
+    let solid = scene
+        .materials
+        .iter()
+        .zip(materials)
+        .find(|(_, resolved)| !resolved.is_flow);
+    if let Some((material, _)) = solid {
+        let path = format!("material.{}.model", material.group);
+        faults.add(path, "a solid cannot share a scene with a flow");
+    }
+    for obstacle in &scene.obstacles {
+        let path = format!("obstacle.{}", obstacle.name);
+        let message = "a flow has velocities, which close no gap: leave obstacles out";
+        faults.add(path, message);
     }
 }
 
 /// Whether the scene carries a pressure unknown: one formulation for all cells.
 pub(crate) fn mixed(scene: &Scene, materials: &[ResolvedMaterial], faults: &mut Faults) -> bool {
-    let asked = |material: &crate::scene::Material| match material.model {
-        MaterialModel::LinearElastic { formulation, .. } => formulation,
-    };
+    let asked = |material: &crate::scene::Material| formulation(&material.model);
     let mixed = scene
         .materials
         .iter()

@@ -8,6 +8,7 @@ mod extent;
 mod materials;
 mod names;
 mod obstacles;
+mod profiles;
 mod rigid_modes;
 mod solver;
 mod steps;
@@ -20,6 +21,7 @@ use crate::mesh::{CellKind, Mesh};
 
 pub(crate) use materials::ResolvedMaterial;
 pub(crate) use obstacles::shape;
+pub(crate) use profiles::Parabola;
 pub(crate) use steps::check_step;
 
 /// Most faults that are told of one scene or step: more help nobody, and the
@@ -83,6 +85,8 @@ pub(crate) struct Resolved {
     pub(crate) mixed: bool,
     /// Facets of each support.
     pub(crate) support_facets: Vec<Vec<u32>>,
+    /// Variation of the values of each support; none where they are constant.
+    pub(crate) profiles: Vec<Option<Parabola>>,
     /// Facets of each traction.
     pub(crate) traction_facets: Vec<Vec<u32>>,
     /// Facets of each obstacle.
@@ -92,6 +96,21 @@ pub(crate) struct Resolved {
     pub(crate) manufactured: Option<Manufactured>,
     /// Rigid modes that no support holds.
     pub(crate) free_modes: Vec<String>,
+}
+
+impl Resolved {
+    /// Whether u is a velocity.
+    pub(crate) fn is_flow(&self) -> bool {
+        self.materials.iter().any(|material| material.is_flow)
+    }
+
+    /// What μ is.
+    pub(crate) fn modulus_name(&self) -> &'static str {
+        match self.is_flow() {
+            true => "viscosity",
+            false => "shear modulus",
+        }
+    }
 }
 
 /// Checks everything and resolves names.
@@ -112,7 +131,9 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
     }
     let (materials, cell_material) = materials::resolve(scene, mesh, &mut faults);
     let mixed = materials::mixed(scene, &materials, &mut faults);
+    materials::check_flow(scene, &materials, &mut faults);
     let support_facets = surfaces::supports(scene, mesh, &mut faults);
+    let profiles = profiles::resolve(scene, mesh, &support_facets, &mut faults);
     let traction_facets = surfaces::tractions(scene, mesh, &mut faults);
     let obstacle_facets = obstacles::resolve(scene, mesh, &mut faults);
     obstacles::refuse_held_faces(scene, mesh, &support_facets, &obstacle_facets, &mut faults);
@@ -124,6 +145,7 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
         incompressible: materials.iter().all(ResolvedMaterial::is_incompressible),
     };
     solver::check(scene, formulated, &mut faults);
+    solver::check_element(scene, mixed, &mut faults);
     let free_modes = rigid_modes::check(scene, mesh, &support_facets, &mut faults);
     for (index, step) in steps.iter().enumerate() {
         steps::check(scene, step, &format!("step[{index}]"), mesh, &mut faults);
@@ -135,6 +157,7 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
         materials,
         mixed,
         support_facets,
+        profiles,
         traction_facets,
         obstacle_facets,
         probes,

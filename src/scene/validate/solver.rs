@@ -2,7 +2,7 @@
 
 use super::{Faults, names};
 use crate::element::quadrature::MAXIMUM_DEGREE;
-use crate::scene::Scene;
+use crate::scene::{Scene, ToleranceRule};
 
 /// Names that later capabilities bring.
 const LATER: [&str; 7] = [
@@ -48,14 +48,20 @@ pub(crate) fn check(scene: &Scene, formulated: Formulated, faults: &mut Faults) 
     let solver = &scene.solver;
     let methods = [
         (
+            "element",
+            &solver.element,
+            &["taylor-hood", "mini", "bernardi-raugel"][..],
+        ),
+        (
             "displacement_preconditioner",
             &solver.displacement_preconditioner,
             PRECONDITIONERS,
         ),
         ("p1_solver", &solver.p1_solver, P1_SOLVERS),
         ("saddle", &solver.saddle, SADDLES),
-        ("contact", &solver.contact, &["one-level"][..]),
+        ("contact", &solver.contact, &["one-level"]),
         ("contact_metric", &solver.contact_metric, &["compliance"]),
+        ("error_estimate", &solver.error_estimate, &["off"]),
     ];
     for (key, asked, available) in methods {
         let path = format!("solver.{key}");
@@ -83,6 +89,10 @@ fn ranges(scene: &Scene, faults: &mut Faults) {
     if !(solver.tolerance >= 1e-14 && solver.tolerance <= 0.1) {
         let message = format!("must lie between 1e-14 and 0.1, not {}", solver.tolerance);
         faults.add("solver.tolerance", message);
+    }
+    if solver.tolerance_rule == ToleranceRule::Discretisation && solver.error_estimate == "off" {
+        let message = "must not be `off` where `solver.tolerance` is `discretisation`";
+        faults.add("solver.error_estimate", message);
     }
     if let Some(degree) = solver.quadrature_degree
         && !(1..=MAXIMUM_DEGREE).contains(&degree)
@@ -158,5 +168,58 @@ fn penalty(scene: &Scene, formulated: Formulated, faults: &mut Faults) {
         let message =
             "acts on the volume of incompressible materials; a Poisson ratio is below 0.5";
         faults.add(path, message);
+    }
+}
+
+/// Elements that Taylor-Hood is compared with.
+const COMPARISON: [&str; 2] = ["mini", "bernardi-raugel"];
+
+/// Refuses what comparison elements do not serve.
+pub(crate) fn check_element(scene: &Scene, mixed: bool, faults: &mut Faults) {
+    let solver = &scene.solver;
+    let element = solver.element.as_str();
+    if !COMPARISON.contains(&element) {
+        return;
+    }
+    let mut refuse = |path: String, why: &str| {
+        faults.unsupported(path, format!("`{element}` {why}"));
+    };
+    if !mixed {
+        let path = "solver.element".to_owned();
+        refuse(
+            path,
+            "serves mixed scenes: a Poisson ratio of at least 0.45",
+        );
+    }
+    if let Some(obstacle) = scene.obstacles.first()
+        && element != "mini"
+    {
+        let path = format!("obstacle.{}", obstacle.name);
+        refuse(path, "serves scenes without contact; `mini` serves both");
+    }
+    if solver.verify {
+        let path = "solver.verify".to_owned();
+        refuse(path, "has no second path that recomputes its residuals");
+    }
+    if solver.tolerance_rule == ToleranceRule::Discretisation {
+        let path = "solver.tolerance".to_owned();
+        refuse(path, "has no estimate of its discretisation error");
+    }
+    if solver.penalty.is_some_and(|weight| weight > 0.0) {
+        let path = "solver.penalty".to_owned();
+        refuse(path, "has no grad-div term");
+    }
+    let methods = [
+        (
+            "displacement_preconditioner",
+            &solver.displacement_preconditioner,
+        ),
+        ("saddle", &solver.saddle),
+    ];
+    for (key, _) in methods.iter().filter(|(_, method)| *method != "auto") {
+        refuse(
+            format!("solver.{key}"),
+            "brings its own: leave it at `auto`",
+        );
     }
 }
