@@ -70,6 +70,7 @@
 #![doc = include_str!("decisions/0009-service-shape.md")]
 #![doc = include_str!("decisions/0010-streams-and-slots.md")]
 #![doc = include_str!("decisions/0011-p1-solvers.md")]
+#![doc = include_str!("decisions/0014-contact-methods.md")]
 
 pub mod assembly;
 pub mod contact;

@@ -1,6 +1,7 @@
 //! Decisions: what a scene needs, by which method, at what predicted cost, and
 //! what is left out. Cheap to make, printable, made before any expensive work.
 
+mod contact;
 mod estimate;
 mod p1;
 mod prepared;
@@ -11,6 +12,7 @@ use std::collections::BTreeMap;
 
 use sha2::{Digest, Sha256};
 
+use crate::inequality::MetricKind;
 use crate::linalg::cholesky::Precision;
 use crate::mesh::{Mesh, MeshId};
 use crate::report::Unknowns;
@@ -18,6 +20,7 @@ use crate::scene::validate::{Resolved, resolve};
 use crate::scene::{Scene, SceneError, Step, Violation};
 use crate::space::TaylorHood;
 
+use contact::ContactSizes;
 use p1::P1Sizes;
 pub use prepared::{PrepareError, Prepared};
 pub use report::{LeftOut, PlanEntry, PlanReport};
@@ -39,7 +42,9 @@ pub struct Plan {
     pub(crate) cells: usize,
     /// Held unknown and the support that holds it, ascending by unknown.
     pub(crate) held: Vec<(u32, u16)>,
-    /// Mesh vertices of all candidate faces, ascending.
+    pub(crate) contact: contact::ContactChoice,
+    /// Mesh vertices of all candidate faces, ascending; none where the metric is
+    /// not their compliance.
     pub(crate) contact_vertices: Vec<u32>,
     pub(crate) smoother_degree: usize,
     pub(crate) p1: p1::P1Choice,
@@ -65,7 +70,7 @@ impl Plan {
             }]));
         }
         let space = TaylorHood::new(mesh);
-        let contact_vertices = vertices_of(mesh, resolved.obstacle_facets.iter());
+        let mut contact_vertices = vertices_of(mesh, resolved.obstacle_facets.iter());
         let multipliers: usize = resolved
             .obstacle_facets
             .iter()
@@ -80,6 +85,16 @@ impl Plan {
             },
             contact: multipliers as u64,
         };
+        let sizes = ContactSizes {
+            dimension: units.dimension as u64,
+            multipliers: unknowns.contact,
+            vertices: contact_vertices.len() as u64,
+            is_floating: !resolved.free_modes.is_empty(),
+        };
+        let contact = contact::choose(&scene.solver, sizes).map_err(SceneError::Unsupported)?;
+        if contact.metric != MetricKind::Compliance {
+            contact_vertices.clear();
+        }
         let held = held_unknowns(scene, &resolved, mesh, &space);
         let smoother_degree = smoother_degree(&resolved, mesh);
         let sizes = P1Sizes {
@@ -99,6 +114,7 @@ impl Plan {
             edges: space.edges.len(),
             cells: mesh.cell_count(),
             held,
+            contact,
             contact_vertices,
             smoother_degree,
             p1,

@@ -5,6 +5,7 @@
 //! here knows a mesh.
 
 pub mod compliance;
+pub mod fractional;
 pub mod node_blocks;
 pub mod p1;
 pub mod p_multigrid;

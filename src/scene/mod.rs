@@ -156,9 +156,10 @@ pub struct SolverOptions {
     pub p1_solver: String,
     /// `auto`, `gcr` (mixed), `cg` (displacement form).
     pub saddle: String,
-    /// `auto`, `one-level`.
+    /// `auto`, `one-level`, `active-set`, `nested`, `mprgp`,
+    /// `conjugate-projected-gradient`, `projected-arrow-hurwicz`.
     pub contact: String,
-    /// `auto`, `compliance`.
+    /// `auto`, `compliance`, `mass`, `fractional`.
     pub contact_metric: String,
     /// Recompute the residuals by the independent path after each increment.
     pub verify: bool,

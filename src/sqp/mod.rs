@@ -9,6 +9,7 @@
 //! Everything is non-dimensional inside; [`Session`] speaks the caller's units.
 
 mod constraints;
+mod contact_metric;
 mod counters;
 mod drive;
 mod errors;

@@ -2,10 +2,11 @@
 
 use super::{Faults, names};
 use crate::element::quadrature::MAXIMUM_DEGREE;
+use crate::inequality::{ContactMethod, MetricKind};
 use crate::scene::Scene;
 
 /// Names that later capabilities bring.
-const LATER: [&str; 14] = [
+const LATER: [&str; 7] = [
     "ic-cg",
     "hierarchical-ssor",
     "hierarchical-additive",
@@ -13,13 +14,6 @@ const LATER: [&str; 14] = [
     "arrow-hurwicz",
     "uzawa-cg",
     "minres",
-    "mprgp",
-    "conjugate-projected-gradient",
-    "projected-arrow-hurwicz",
-    "active-set",
-    "nested",
-    "mass",
-    "fractional",
 ];
 
 /// Checks `[solver]`.
@@ -42,6 +36,8 @@ pub(crate) fn check(scene: &Scene, mixed: bool, faults: &mut Faults) {
         faults.add("solver.max_wall_time", message);
     }
     let saddle = if mixed { "gcr" } else { "cg" };
+    let contact_methods = ContactMethod::ALL.map(ContactMethod::name);
+    let contact_metrics = MetricKind::ALL.map(MetricKind::name);
     let methods = [
         (
             "displacement_preconditioner",
@@ -50,8 +46,8 @@ pub(crate) fn check(scene: &Scene, mixed: bool, faults: &mut Faults) {
         ),
         ("p1_solver", &solver.p1_solver, &["cholesky", "amg"]),
         ("saddle", &solver.saddle, &[saddle]),
-        ("contact", &solver.contact, &["one-level"]),
-        ("contact_metric", &solver.contact_metric, &["compliance"]),
+        ("contact", &solver.contact, &contact_methods),
+        ("contact_metric", &solver.contact_metric, &contact_metrics),
     ];
     for (key, asked, available) in methods {
         let path = format!("solver.{key}");
@@ -69,5 +65,30 @@ pub(crate) fn check(scene: &Scene, mixed: bool, faults: &mut Faults) {
                 faults.add(path, format!("unknown method `{name}`{hint}"));
             }
         }
+    }
+}
+
+/// Checks that the method for contact takes its metric and the supports.
+pub(crate) fn check_contact(scene: &Scene, free_modes: &[String], faults: &mut Faults) {
+    let Some(method) = ContactMethod::from_name(&scene.solver.contact) else {
+        return;
+    };
+    let name = method.name();
+    if let Some(metric) = MetricKind::from_name(&scene.solver.contact_metric)
+        && !method.takes(metric)
+    {
+        let message = format!(
+            "`{name}` scales by the `{}`, not by `{}`",
+            method.natural_metric().name(),
+            metric.name()
+        );
+        faults.add("solver.contact_metric", message);
+    }
+    if method.solves_without_contact() && !free_modes.is_empty() {
+        let message = format!(
+            "`{name}` solves for a given contact pressure, but supports leave {}; `one-level` is there",
+            free_modes.join(", ")
+        );
+        faults.unsupported("solver.contact", message);
     }
 }
