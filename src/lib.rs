@@ -72,6 +72,7 @@
 #![doc = include_str!("decisions/0011-p1-solvers.md")]
 #![doc = include_str!("decisions/0012-error-estimate.md")]
 #![doc = include_str!("decisions/0013-comparison-methods.md")]
+#![doc = include_str!("decisions/0014-contact-methods.md")]
 #![doc = include_str!("decisions/0015-comparison-elements.md")]
 
 pub mod assembly;

@@ -244,6 +244,9 @@ pub struct StepReport {
     pub eigenvalue_applications: u32,
     /// Compliance columns computed.
     pub compliance_columns: u32,
+    /// Products with the exact compliance of contact, one inner solve each; none
+    /// for methods on one level.
+    pub contact_products: u32,
     /// Revisions of the active set.
     pub active_set_changes: u32,
     /// Cut-backs inside this increment.

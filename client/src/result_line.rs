@@ -195,6 +195,7 @@ fn counts(report: &v1::StepReport) -> Value {
         "preconditioner_applications": report.preconditioner_applications,
         "eigenvalue_applications": report.eigenvalue_applications,
         "compliance_columns": report.compliance_columns,
+        "contact_products": report.contact_products,
         "active_set_changes": report.active_set_changes,
         "cut_backs": report.cut_backs,
         "factorisations": report.factorisations,

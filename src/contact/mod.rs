@@ -9,6 +9,7 @@
 pub mod gap;
 pub mod resultant;
 pub mod surface;
+pub mod surface_metric;
 
 pub use gap::{Linearisation, curvature, evaluate_gaps, linearise};
 pub use resultant::{Resultant, resultant};

@@ -15,12 +15,12 @@ mod face;
 
 use std::collections::HashSet;
 
-use super::dense_qp;
-use super::qp::{Progress, QpIterate, QpOutcome, QpScales, QpStatus, QpTargets};
+use super::qp::{Progress, QpIterate, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets};
+use super::{InequalitySolver, dense_qp};
 use crate::krylov::{Outcome, gcr};
 use crate::linalg::vector::{add_scaled, scale};
-use crate::linalg::{DenseMatrix, LinearOperator, Preconditioner, SparseRows, Workspace};
-use crate::saddle::{BlockStep, MultiplierBlock, SaddleOperator};
+use crate::linalg::{LinearOperator, Workspace};
+use crate::saddle::{MultiplierBlock, SaddleOperator};
 use face::{ActiveCoupling, ActiveMetric, Face, FaceMonitor, Review};
 
 /// Reduction of the face residual between reviews of the set.
@@ -31,41 +31,45 @@ const REVIEW: f64 = 0.1;
 /// 1 contact costs 1.5 times the same problem under traction, above 60 it stalls.
 const GAP_WEIGHT: f64 = 10.0;
 
-/// The problem; shapes as in the module's equation.
-pub struct OneLevel<'a> {
-    /// A without `curvature`.
-    pub stiffness: &'a dyn LinearOperator,
-    /// What the multipliers take off A; none where the gap is linear.
-    pub curvature: Option<&'a SparseRows>,
-    /// Approximate inverse of A.
-    pub displacement: &'a dyn Preconditioner,
-    /// How multipliers and displacement are stepped.
-    pub step: BlockStep,
-    /// Equality blocks: the internal pressure, or none.
-    pub equality: &'a [MultiplierBlock<'a>],
-    /// C.
-    pub coupling: &'a SparseRows,
-    /// Metric of the multiplier.
-    pub compliance: &'a DenseMatrix,
+/// How the next set follows from an iterate that the present one has led to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SetRule {
+    /// The free set of the dense problem in the metric, asked for early.
+    DenseProblem,
+    /// Where pressure over the metric's diagonal outweighs the gap, asked for
+    /// when the present face is solved.
+    PrimalDual,
 }
 
-impl OneLevel<'_> {
-    /// Improves `iterate` until the targets are reached on the right set.
-    #[allow(clippy::too_many_arguments)]
-    pub fn solve(
-        &self,
-        iterate: &mut QpIterate,
-        targets: &QpTargets,
-        scales: &mut QpScales,
-        iterations: u32,
-        directions: &mut gcr::Directions,
-        progress: &mut Progress<'_>,
-        work: &mut Workspace,
-    ) -> QpOutcome {
+/// The method on a problem.
+pub struct OneLevel<'a> {
+    pub(super) problem: QpProblem<'a>,
+    pub(super) rule: SetRule,
+}
+
+impl<'a> OneLevel<'a> {
+    /// The method of this module on `problem`, in its metric.
+    pub fn new(problem: QpProblem<'a>) -> Self {
+        Self {
+            problem,
+            rule: SetRule::DenseProblem,
+        }
+    }
+}
+
+impl InequalitySolver for OneLevel<'_> {
+    fn solve(&self, iterate: &mut QpIterate, run: &mut QpRun<'_, '_>) -> QpOutcome {
+        let targets = &run.targets;
+        let iterations = run.iterations;
+        let scales = &mut *run.scales;
+        let directions = &mut *run.directions;
+        let progress = &mut *run.progress;
+        let work = &mut *run.work;
         let mut outcome = QpOutcome {
             status: QpStatus::Krylov(Outcome::IterationLimit),
             iterations: 0,
             predictions: 0,
+            products: 0,
             set_changes: 0,
         };
         if !self.choose_first_set(iterate, &mut outcome, work) {
@@ -74,13 +78,13 @@ impl OneLevel<'_> {
         }
         let mut visited = HashSet::from([iterate.active.clone()]);
         self.attach(directions, &iterate.active, work);
-        let mut review = match iterate.gap.is_empty() {
-            true => Review::AtTheEnd,
-            false => Review::WhenReduced,
+        let mut review = match (self.rule, iterate.gap.is_empty()) {
+            (SetRule::DenseProblem, false) => Review::WhenReduced,
+            (SetRule::DenseProblem, true) | (SetRule::PrimalDual, _) => Review::AtTheEnd,
         };
         while outcome.iterations < iterations {
             let active = iterate.active.clone();
-            let Ok(metric) = ActiveMetric::new(self.compliance, &active) else {
+            let Ok(metric) = ActiveMetric::new(self.problem.metric, &active) else {
                 outcome.status = QpStatus::IndefiniteMetric;
                 break;
             };
@@ -123,13 +127,19 @@ impl OneLevel<'_> {
                 review = Review::AtTheEnd;
             }
             self.detach(directions, work);
+            if self.rule == SetRule::PrimalDual {
+                // A set solved to the end leaves directions of rounding.
+                directions.clear(work);
+            }
             self.change_set(iterate, next, work);
             self.attach(directions, &iterate.active, work);
         }
         self.detach(directions, work);
         outcome
     }
+}
 
+impl OneLevel<'_> {
     /// Adds this program's coupling on the face `active` to the products of
     /// kept directions: what they learned about A and B stays of use.
     fn attach(&self, directions: &mut gcr::Directions, active: &[bool], work: &mut Workspace) {
@@ -154,21 +164,22 @@ impl OneLevel<'_> {
         work: &mut Workspace,
         restrict: impl Fn(&mut [f64], &mut [f64]),
     ) {
-        let unknowns = self.stiffness.rows();
+        let unknowns = self.problem.stiffness.rows();
         let mut part = work.scratch(unknowns);
         let mut inner = Workspace::new();
         directions.adapt(work, |direction, product| {
-            let multipliers = direction.len() - self.coupling.rows();
+            let multipliers = direction.len() - self.problem.coupling.rows();
             let (known, multiplier) = direction.split_at_mut(multipliers);
             let (force, closing) = product.split_at_mut(multipliers);
             let (force, u) = (&mut force[..unknowns], &known[..unknowns]);
-            self.coupling.apply(u, closing, &mut inner);
+            self.problem.coupling.apply(u, closing, &mut inner);
             scale(closing, GAP_WEIGHT);
             restrict(multiplier, closing);
-            self.coupling
+            self.problem
+                .coupling
                 .apply_transposed(multiplier, &mut part, &mut inner);
             add_scaled(force, sign * GAP_WEIGHT, &part);
-            if let Some(curvature) = self.curvature {
+            if let Some(curvature) = self.problem.curvature {
                 curvature.apply(u, &mut part, &mut inner);
                 add_scaled(force, -sign, &part);
             }
@@ -195,31 +206,51 @@ impl OneLevel<'_> {
         outcome.predictions += 1;
         let mut move_by_load = work.zeros(iterate.force.len());
         let mut closing = work.zeros(iterate.gap.len());
-        self.displacement
+        self.problem
+            .displacement
             .apply(&iterate.force, &mut move_by_load, work);
-        self.coupling.apply(&move_by_load, &mut closing, work);
+        self.problem
+            .coupling
+            .apply(&move_by_load, &mut closing, work);
         let mut linear = iterate.gap.clone();
         add_scaled(&mut linear, -1.0, &closing);
         work.give(move_by_load);
         work.give(closing);
-        let Ok(solution) = dense_qp::solve(self.compliance, &linear, &iterate.active) else {
+        let Ok(solution) = dense_qp::solve(self.problem.metric, &linear, &iterate.active) else {
             return false;
         };
         self.change_set(iterate, solution.free, work);
         true
     }
 
-    /// The active set of the dense problem around the current iterate.
+    /// The active set that the rule asks for at the current iterate.
     fn next_set(&self, iterate: &QpIterate) -> Option<Vec<bool>> {
         if iterate.gap.is_empty() {
             return Some(Vec::new());
         }
+        match self.rule {
+            SetRule::DenseProblem => self.dense_set(iterate),
+            SetRule::PrimalDual => Some(self.primal_dual_set(iterate)),
+        }
+    }
+
+    fn primal_dual_set(&self, iterate: &QpIterate) -> Vec<bool> {
+        let pairs = iterate.multiplier.iter().zip(&iterate.gap).enumerate();
+        pairs
+            .map(|(i, (l, gap))| self.problem.metric.at(i, i) * l > *gap)
+            .collect()
+    }
+
+    /// The free set of the dense problem around the current iterate.
+    fn dense_set(&self, iterate: &QpIterate) -> Option<Vec<bool>> {
         let mut linear = vec![0.0; iterate.gap.len()];
-        self.compliance.multiply(&iterate.multiplier, &mut linear);
+        self.problem
+            .metric
+            .multiply(&iterate.multiplier, &mut linear);
         for (q, gap) in linear.iter_mut().zip(&iterate.gap) {
             *q = gap - *q;
         }
-        dense_qp::solve(self.compliance, &linear, &iterate.active)
+        dense_qp::solve(self.problem.metric, &linear, &iterate.active)
             .ok()
             .map(|solution| solution.free)
     }
@@ -234,7 +265,9 @@ impl OneLevel<'_> {
         }
         if dropped.iter().any(|&value| value != 0.0) {
             let mut force = work.scratch(iterate.force.len());
-            self.coupling.apply_transposed(&dropped, &mut force, work);
+            self.problem
+                .coupling
+                .apply_transposed(&dropped, &mut force, work);
             add_scaled(&mut iterate.force, 1.0, &force);
             work.give(force);
         }
@@ -247,7 +280,7 @@ impl OneLevel<'_> {
         let mut square = 0.0;
         for (index, &active) in iterate.active.iter().enumerate() {
             let violation = match active {
-                true => iterate.multiplier[index].min(0.0) * self.compliance.at(index, index),
+                true => iterate.multiplier[index].min(0.0) * self.problem.metric.at(index, index),
                 false => iterate.gap[index].min(0.0),
             };
             square += violation * violation;
@@ -270,10 +303,10 @@ impl OneLevel<'_> {
         work: &mut Workspace,
     ) -> Face {
         let coupling = ActiveCoupling {
-            coupling: self.coupling,
+            coupling: self.problem.coupling,
             active,
         };
-        let mut blocks = self.equality.to_vec();
+        let mut blocks = self.problem.equality.to_vec();
         if !active.is_empty() {
             blocks.push(MultiplierBlock {
                 coupling: &coupling,
@@ -303,15 +336,18 @@ impl OneLevel<'_> {
         } else {
             let outcome = gcr::solve(
                 &SaddleOperator {
-                    stiffness: self.stiffness,
+                    stiffness: self.problem.stiffness,
                     released: self
+                        .problem
                         .curvature
                         .map(|curvature| curvature as &dyn LinearOperator),
                     blocks: &blocks,
                 },
-                &*self
-                    .step
-                    .preconditioner(self.stiffness, self.displacement, &blocks),
+                &*self.problem.step.preconditioner(
+                    self.problem.stiffness,
+                    self.problem.displacement,
+                    &blocks,
+                ),
                 &mut x,
                 &mut r,
                 iterations as usize,
@@ -371,7 +407,7 @@ impl OneLevel<'_> {
         iterate.constraint.copy_from_slice(&rest[..dx.len()]);
         if !iterate.gap.is_empty() {
             let mut closing = work.scratch(iterate.gap.len());
-            self.coupling.apply(du, &mut closing, work);
+            self.problem.coupling.apply(du, &mut closing, work);
             add_scaled(&mut iterate.gap, -1.0, &closing);
             work.give(closing);
         }

@@ -1,7 +1,48 @@
-//! The words of a quadratic program with non-negative multipliers: iterate,
-//! norms, scales, targets, outcome.
+//! The words of a quadratic program with non-negative multipliers: problem,
+//! iterate, norms, scales, targets, outcome.
 
-use crate::krylov::{Outcome, Verdict};
+use crate::krylov::{Outcome, Verdict, gcr};
+use crate::linalg::{DenseMatrix, LinearOperator, Preconditioner, SparseRows, Workspace};
+use crate::saddle::{BlockStep, MultiplierBlock};
+
+/// The problem; shapes as in the equation of [`super::one_level`].
+#[derive(Clone, Copy)]
+pub struct QpProblem<'a> {
+    /// A without `curvature`.
+    pub stiffness: &'a dyn LinearOperator,
+    /// What the multipliers take off A; none where the gap is linear.
+    pub curvature: Option<&'a SparseRows>,
+    /// Approximate inverse of A.
+    pub displacement: &'a dyn Preconditioner,
+    /// How multipliers and displacement are stepped.
+    pub step: BlockStep,
+    /// Equality blocks: the internal pressure, or none.
+    pub equality: &'a [MultiplierBlock<'a>],
+    /// C.
+    pub coupling: &'a SparseRows,
+    /// Metric of the multiplier; without rows where the weights are all of it.
+    pub metric: &'a DenseMatrix,
+    /// Lumped mass of the multiplier, scaled like the metric `[multipliers]`;
+    /// empty for methods that do not read it.
+    pub weights: &'a [f64],
+}
+
+/// What a solve may use, and who follows it.
+pub struct QpRun<'a, 'b> {
+    /// When the problem counts as solved.
+    pub targets: QpTargets,
+    /// Grow with the norms seen.
+    pub scales: &'a mut QpScales,
+    /// Krylov iterations: of the whole solve on one level, of each inner solve
+    /// of a nested method.
+    pub iterations: u32,
+    /// Kept from earlier problems with the same A and equality blocks.
+    pub directions: &'a mut gcr::Directions,
+    /// Called after every Krylov iteration.
+    pub progress: &'a mut Progress<'b>,
+    /// Scratch.
+    pub work: &'a mut Workspace,
+}
 
 /// Iterate and residuals; on entry the increments are zero.
 #[derive(Clone, Debug, Default)]
@@ -96,6 +137,8 @@ pub struct QpOutcome {
     pub iterations: u32,
     /// Preconditioner applications outside the Krylov iterations.
     pub predictions: u32,
+    /// Products with C S^-1 C^T, one inner solve each; none on one level.
+    pub products: u32,
     /// Revisions of the first set.
     pub set_changes: u32,
 }

@@ -68,7 +68,7 @@ impl Directions {
     }
 
     /// Takes off `r`, and adds to `x`, what the kept directions can.
-    fn project(&self, x: &mut [f64], r: &mut [f64]) {
+    pub fn project(&self, x: &mut [f64], r: &mut [f64]) {
         for (direction, product) in &self.pairs {
             let step = dot(r, product);
             add_scaled(x, step, direction);

@@ -103,7 +103,12 @@ impl DenseMatrix {
         8 * self.values.len() as u64
     }
 
-    fn view(&self) -> MatRef<'_, f64> {
+    /// Multiplies every entry.
+    pub fn scale(&mut self, factor: f64) {
+        super::vector::scale(&mut self.values, factor);
+    }
+
+    pub(super) fn view(&self) -> MatRef<'_, f64> {
         MatRef::from_column_major_slice(&self.values, self.rows, self.columns)
     }
 }

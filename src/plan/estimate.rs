@@ -70,7 +70,11 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
     let components = plan.units.dimension as u64;
     let contact = plan.contact_vertices.len() as u64 * components;
     let multipliers = plan.unknowns.contact;
-    let dense = 3 * contact * contact + 3 * multipliers * multipliers;
+    let own = match plan.contact.method.needs_dense(plan.contact.metric) {
+        true => 3 * multipliers * multipliers,
+        false => 0,
+    };
+    let dense = 3 * contact * contact + own;
     let vectors = VECTORS * (plan.unknowns.displacement + plan.unknowns.pressure);
     let blocks = plan.unknowns.displacement * components;
     let cell_bytes = match plan.enrichment() {

@@ -2,6 +2,7 @@
 //! what is left out. Cheap to make, printable, made before any expensive work.
 
 mod comparison;
+mod contact;
 mod data;
 mod displacement;
 mod element;
@@ -16,6 +17,7 @@ use std::collections::BTreeMap;
 
 use sha2::{Digest, Sha256};
 
+use crate::inequality::MetricKind;
 use crate::linalg::cholesky::Precision;
 use crate::mesh::{Mesh, MeshId};
 use crate::report::Unknowns;
@@ -24,6 +26,7 @@ use crate::scene::{Scene, SceneError, Step, Violation};
 use crate::space::TaylorHood;
 
 pub(crate) use comparison::ComparisonData;
+use contact::ContactSizes;
 pub use data::Prepared;
 pub(crate) use data::PreparedBody;
 use displacement::DisplacementMethod;
@@ -53,7 +56,9 @@ pub struct Plan {
     pub(crate) cells: usize,
     /// Held unknown and the support that holds it, ascending by unknown.
     pub(crate) held: Vec<(u32, u16)>,
-    /// Mesh vertices of all candidate faces, ascending.
+    pub(crate) contact: contact::ContactChoice,
+    /// Mesh vertices of all candidate faces, ascending; none where the metric is
+    /// not their compliance.
     pub(crate) contact_vertices: Vec<u32>,
     pub(crate) displacement: DisplacementMethod,
     pub(crate) smoother_degree: usize,
@@ -83,7 +88,7 @@ impl Plan {
             }]));
         }
         let space = TaylorHood::new(mesh);
-        let contact_vertices = vertices_of(mesh, resolved.obstacle_facets.iter());
+        let mut contact_vertices = vertices_of(mesh, resolved.obstacle_facets.iter());
         let multipliers: usize = resolved
             .obstacle_facets
             .iter()
@@ -94,6 +99,16 @@ impl Plan {
             contact: multipliers as u64,
             ..element.unknowns(mesh, &resolved)
         };
+        let sizes = ContactSizes {
+            dimension: units.dimension as u64,
+            multipliers: unknowns.contact,
+            vertices: contact_vertices.len() as u64,
+            is_floating: !resolved.free_modes.is_empty(),
+        };
+        let contact = contact::choose(&scene.solver, sizes).map_err(SceneError::Unsupported)?;
+        if contact.metric != MetricKind::Compliance {
+            contact_vertices.clear();
+        }
         let held = held_unknowns(scene, &resolved, mesh, &space);
         let smoother_degree = smoother_degree(&resolved, mesh);
         let sizes = P1Sizes {
@@ -124,6 +139,7 @@ impl Plan {
             vertices: space.vertices,
             cells: mesh.cell_count(),
             held,
+            contact,
             contact_vertices,
             displacement,
             smoother_degree,

@@ -2,6 +2,7 @@
 
 use super::p1::P1Solver;
 use super::{Plan, estimate};
+use crate::inequality::MetricKind;
 use crate::linalg::cholesky::Precision;
 use crate::report::Unknowns;
 
@@ -105,12 +106,7 @@ impl Plan {
             push("penalty", choice, "asked for");
         }
         if self.unknowns.contact > 0 {
-            let reason = "pressure and contact pressure are solved together";
-            push(
-                "contact",
-                "one level, dense compliance metric".into(),
-                reason,
-            );
+            push("contact", self.contact.describe(), &self.contact.reason);
         }
         if self.is_floating() {
             let reason = format!("supports leave {}", self.resolved.free_modes.join(", "));
@@ -159,6 +155,8 @@ impl Plan {
         }
         if self.unknowns.contact == 0 {
             push("contact multipliers, compliance, SQP loop", "no obstacle");
+        } else if self.contact.metric != MetricKind::Compliance {
+            push("contact compliance", "the metric is another");
         }
         push("friction multipliers", "no friction");
         push(

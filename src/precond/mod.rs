@@ -8,6 +8,7 @@
 pub mod compliance;
 mod counted;
 pub mod enriched;
+pub mod fractional;
 pub mod hierarchical;
 pub mod node_blocks;
 pub mod p1;

@@ -196,9 +196,10 @@ pub struct SolverOptions {
     /// `auto`, `gcr`; mixed: `arrow-hurwicz`, `uzawa-cg`, `minres`; displacement
     /// form: `cg`, `stationary`. With contact: `gcr`, `arrow-hurwicz` (mixed).
     pub saddle: String,
-    /// `auto`, `one-level`.
+    /// `auto`, `one-level`, `active-set`, `nested`, `mprgp`,
+    /// `conjugate-projected-gradient`, `projected-arrow-hurwicz`.
     pub contact: String,
-    /// `auto`, `compliance`.
+    /// `auto`, `compliance`, `mass`, `fractional`.
     pub contact_metric: String,
     /// Weight of a grad-div term in the displacement block, in units of the shear
     /// modulus; for incompressible materials. `None`: none.

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::contact_metric::SurfaceMetric;
 use super::drive::Drive;
 use crate::contact::ContactSurface;
 use crate::element::quadrature::{Rule, Simplex, rule};
@@ -40,6 +41,8 @@ impl Interface {
 pub(crate) struct Interfaces {
     pub(crate) list: Vec<Interface>,
     pub(crate) rule: Rule,
+    /// Of the undeformed surfaces.
+    pub(crate) metric: SurfaceMetric,
 }
 
 impl Interfaces {
@@ -76,6 +79,7 @@ impl Interfaces {
             _ => Simplex::Triangle,
         };
         Self {
+            metric: SurfaceMetric::new(plan, mesh, &list),
             list,
             rule: rule(simplex, CONTACT_DEGREE),
         }

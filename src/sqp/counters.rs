@@ -10,6 +10,8 @@ pub(crate) struct Counters {
     pub(crate) krylov_iterations: u32,
     /// Applications of the displacement preconditioner.
     pub(crate) applications: u32,
+    /// Products with the exact compliance, one inner solve each.
+    pub(crate) contact_products: u32,
     pub(crate) set_changes: u32,
     pub(crate) cut_backs: u32,
     pub(crate) step_length: f64,
@@ -23,6 +25,7 @@ impl Counters {
             sqp_iterations: 0,
             krylov_iterations: 0,
             applications: 0,
+            contact_products: 0,
             set_changes: 0,
             cut_backs: 0,
             step_length: 1.0,

@@ -102,6 +102,7 @@ impl Linear<'_> {
             | Outcome::Indefinite => QpStatus::Krylov(outcome),
         };
         QpOutcome {
+            products: 0,
             status,
             iterations: monitor.iterations,
             predictions: 0,

@@ -12,6 +12,7 @@ mod accuracy;
 mod any_session;
 mod comparison;
 mod constraints;
+mod contact_metric;
 mod counters;
 mod drive;
 mod errors;

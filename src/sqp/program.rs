@@ -1,6 +1,7 @@
 //! One quadratic program: the body with frozen normals, the curvature of the
-//! gap in its stiffness, and the compliance of the candidate surface.
+//! gap in its stiffness, and the metric of the candidate surface.
 
+use super::contact_metric::ContactMetric;
 use super::counters::{Counters, timed};
 use super::drive::Drive;
 use super::evaluate::{Context, Evaluation};
@@ -9,14 +10,13 @@ use super::state::State;
 use super::watch::Watch;
 use crate::contact::gap::curvature;
 use crate::inequality::{
-    OneLevel, QpIterate, QpNorms, QpOutcome, QpScales, QpStatus, QpTargets, dense_qp,
+    QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets, choose,
 };
-use crate::linalg::vector::{add_scaled, dot, norm};
-use crate::linalg::{DenseMatrix, LinearOperator, Preconditioner, SparseRows, Workspace};
+use crate::linalg::vector::{add_scaled, dot};
+use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::obstacle::Obstacle;
 use crate::plan::SaddleMethod;
 use crate::precond::Counted;
-use crate::precond::compliance::{ComplianceParts, compliance};
 use crate::saddle::{BlockStep, MultiplierBlock, arrow_hurwicz_ratio};
 
 /// Krylov iterations per program.
@@ -46,7 +46,7 @@ impl Step {
 pub(super) struct Program<'a> {
     context: Context<'a>,
     curvature: Option<SparseRows>,
-    compliance: DenseMatrix,
+    metric: ContactMetric,
     force_scale: f64,
 }
 
@@ -62,18 +62,13 @@ impl<'a> Program<'a> {
         work: &mut Workspace,
     ) -> Self {
         timed(&mut counters.seconds.contact, || {
-            let parts = ComplianceParts {
-                vertex_inverse: &context.prepared.compliance,
-                vertices: &context.plan.contact_vertices,
-                node_blocks: &context.prepared.node_blocks,
-                vertex_count: context.prepared.space.vertices,
-            };
-            let compliance = compliance(&parts, &now.coupling);
-            let expected = expected_contact_norm(&compliance, now, state, work);
+            let metric = ContactMetric::new(context, now, work);
+            counters.applications += metric.applications;
+            let expected = metric.expected_contact_norm(now, state, work);
             Self {
                 context: *context,
                 curvature: curvature_of(context, state, drive),
-                compliance,
+                metric,
                 force_scale: now.force_scale(first_force).max(expected),
             }
         })
@@ -147,35 +142,34 @@ impl<'a> Program<'a> {
                 linear.solve(&mut iterate, &targets, &mut scales, &mut track, work)
             }
             SaddleMethod::Gcr | SaddleMethod::ArrowHurwicz => {
-                let problem = OneLevel {
+                let problem = QpProblem {
                     stiffness: &self.context.prepared.stiffness,
                     curvature,
                     displacement: &displacement,
                     step: self.block_step(&displacement, &blocks, now, work),
                     equality: &blocks,
                     coupling: &now.coupling,
-                    compliance: &self.compliance,
+                    metric: &self.metric.matrix,
+                    weights: &self.metric.weights,
                 };
-                let most = MOST_ITERATIONS;
-                let directions = &mut state.directions;
-                let scales = &mut scales;
                 let mut progress = |norms: &QpNorms, scales: &QpScales, active: usize| {
                     track.iteration(norms, scales, active)
                 };
-                problem.solve(
-                    &mut iterate,
-                    &targets,
-                    scales,
-                    most,
-                    directions,
-                    &mut progress,
+                let mut run = QpRun {
+                    targets,
+                    scales: &mut scales,
+                    iterations: MOST_ITERATIONS,
+                    directions: &mut state.directions,
+                    progress: &mut progress,
                     work,
-                )
+                };
+                choose(self.context.plan.contact.method, problem).solve(&mut iterate, &mut run)
             }
         };
         track.count();
         counters.seconds.krylov += krylov.elapsed().as_secs_f64();
         counters.set_changes += outcome.set_changes;
+        counters.contact_products += outcome.products;
         state.scales = scales;
         (step_from(iterate, state), outcome)
     }
@@ -278,27 +272,4 @@ fn curvature_of(context: &Context<'_>, state: &State, drive: &Drive) -> Option<S
         .collect();
     let body = context.deformed(&state.displacement);
     Some(curvature(&body, &surfaces, &context.prepared.is_held))
-}
-
-/// Norm of the contact load that the compliance predicts; the scale of the
-/// force residual before any contact pressure is there.
-pub(super) fn expected_contact_norm(
-    compliance: &DenseMatrix,
-    now: &Evaluation,
-    state: &State,
-    work: &mut Workspace,
-) -> f64 {
-    let mut linear = vec![0.0; now.gap.len()];
-    compliance.multiply(&state.multiplier, &mut linear);
-    linear
-        .iter_mut()
-        .zip(&now.gap)
-        .for_each(|(q, gap)| *q = gap - *q);
-    let Ok(solution) = dense_qp::solve(compliance, &linear, &state.active) else {
-        return 0.0;
-    };
-    let mut load = vec![0.0; state.displacement.len()];
-    now.coupling
-        .apply_transposed(&solution.values, &mut load, work);
-    norm(&load)
 }

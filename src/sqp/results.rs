@@ -39,6 +39,7 @@ pub(crate) fn report(
         preconditioner_applications: counters.applications,
         eigenvalue_applications: 0,
         compliance_columns: 0,
+        contact_products: counters.contact_products,
         active_set_changes: counters.set_changes,
         cut_backs: counters.cut_backs,
         factorisations: 0,

@@ -346,10 +346,13 @@ impl Session {
         state.pressure.iter_mut().for_each(|p| *p -= mean);
     }
 
-    /// A linear problem that fails as a whole fails in parts too.
+    /// A linear problem that fails as a whole fails in parts too, and so does a
+    /// nested method that spends its products.
     fn cut_backs_help(&self, ending: &Ending) -> bool {
         let is_linear = self.interfaces.are_flat();
-        !is_linear || ending.cause == Some(Cause::ActiveSetCycle)
+        let is_spent =
+            self.plan.contact.method.is_nested() && ending.cause == Some(Cause::IterationLimit);
+        (!is_linear && !is_spent) || ending.cause == Some(Cause::ActiveSetCycle)
     }
 
     fn context(&self) -> Context<'_> {

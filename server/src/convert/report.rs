@@ -24,6 +24,7 @@ pub(crate) fn step(report: StepReport, poses: Vec<ObstaclePose>) -> wire::StepRe
         preconditioner_applications: narrow(report.preconditioner_applications),
         eigenvalue_applications: narrow(report.eigenvalue_applications),
         compliance_columns: narrow(report.compliance_columns),
+        contact_products: narrow(report.contact_products),
         active_set_changes: narrow(report.active_set_changes),
         cut_backs: narrow(report.cut_backs),
         factorisations: narrow(report.factorisations),

@@ -16,6 +16,7 @@ pub(crate) fn report(step: u32, increment: u32, termination: Termination) -> Ste
         preconditioner_applications: 0,
         eigenvalue_applications: 0,
         compliance_columns: 0,
+        contact_products: 0,
         active_set_changes: 0,
         cut_backs: 0,
         factorisations: 0,

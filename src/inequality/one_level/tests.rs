@@ -1,174 +1,30 @@
 //! The one-level method against optimality conditions of small problems.
 
 use super::*;
+use crate::inequality::samples::{
+    CONTACTS, Exact, Problem, SIZE, assert_optimal, schur, solve, sparse, spring,
+};
 use crate::krylov::Verdict;
-use crate::linalg::DenseCholesky;
-use crate::linalg::SparseRowsBuilder;
-use crate::linalg::vector::{dot, largest, reproducible_noise};
-
-/// A matrix from rows.
-fn sparse(rows: &[Vec<f64>]) -> SparseRows {
-    let mut builder = SparseRowsBuilder::new(rows[0].len());
-    for row in rows {
-        let entries = row
-            .iter()
-            .enumerate()
-            .map(|(column, &value)| (column as u32, value));
-        builder.push_row(&mut entries.collect::<Vec<_>>());
-    }
-    builder.finish()
-}
-
-/// The inverse of a dense matrix as a preconditioner.
-struct Exact(DenseCholesky);
-
-impl Exact {
-    fn new(rows: &[Vec<f64>]) -> Self {
-        let mut matrix = DenseMatrix::zeros(rows.len(), rows.len());
-        for (i, row) in rows.iter().enumerate() {
-            for (j, &value) in row.iter().enumerate() {
-                *matrix.at_mut(i, j) = value;
-            }
-        }
-        Self(DenseCholesky::new(&matrix).expect("positive definite"))
-    }
-}
-
-impl Preconditioner for Exact {
-    fn apply(&self, r: &[f64], z: &mut [f64], _work: &mut Workspace) {
-        z.copy_from_slice(r);
-        self.0.solve(z);
-    }
-}
-
-/// C A^-1 C^T.
-fn schur(inverse: &Exact, coupling: &[Vec<f64>]) -> DenseMatrix {
-    let size = coupling.len();
-    let mut matrix = DenseMatrix::zeros(size, size);
-    for (j, row) in coupling.iter().enumerate() {
-        let mut column = row.clone();
-        inverse.0.solve(&mut column);
-        for (i, other) in coupling.iter().enumerate() {
-            *matrix.at_mut(i, j) = dot(other, &column);
-        }
-    }
-    matrix
-}
-
-/// A chain of springs with random load, coupling and gaps.
-struct Problem {
-    stiffness: Vec<Vec<f64>>,
-    coupling: Vec<Vec<f64>>,
-    force: Vec<f64>,
-    gap: Vec<f64>,
-}
-
-const SIZE: usize = 8;
-const CONTACTS: usize = 4;
-
-impl Problem {
-    fn new(seed: usize) -> Self {
-        let noise = reproducible_noise(1000 * (seed + 1));
-        let mut noise = noise[1000 * seed..].iter().copied();
-        let mut take = |count: usize| noise.by_ref().take(count).collect::<Vec<f64>>();
-        let stiffness = (0..SIZE)
-            .map(|i| {
-                (0..SIZE)
-                    .map(|j| spring(i, j) + if i == j { 0.1 } else { 0.0 })
-                    .collect()
-            })
-            .collect();
-        Self {
-            stiffness,
-            coupling: (0..CONTACTS).map(|_| take(SIZE)).collect(),
-            force: take(SIZE),
-            gap: take(CONTACTS),
-        }
-    }
-
-    fn iterate(&self, equalities: usize) -> QpIterate {
-        QpIterate {
-            displacement: vec![0.0; SIZE],
-            equality: vec![0.0; equalities],
-            multiplier: vec![0.0; self.gap.len()],
-            force: self.force.clone(),
-            constraint: vec![0.1; equalities],
-            gap: self.gap.clone(),
-            active: vec![false; self.gap.len()],
-        }
-    }
-}
-
-/// Entry of a chain with free ends.
-fn spring(i: usize, j: usize) -> f64 {
-    match i.abs_diff(j) {
-        0 if i == 0 || i == SIZE - 1 => 1.0,
-        0 => 2.0,
-        1 => -1.0,
-        _ => 0.0,
-    }
-}
-
-fn solve(problem: &OneLevel<'_>, iterate: &mut QpIterate) -> QpOutcome {
-    let targets = QpTargets {
-        force_scale: 1.0,
-        level: 1e-12,
-    };
-    let mut scales = QpScales {
-        constraint: 1.0,
-        gap: 1.0,
-    };
-    problem.solve(
-        iterate,
-        &targets,
-        &mut scales,
-        400,
-        &mut gcr::Directions::default(),
-        &mut |_, _, _| Verdict::Continue,
-        &mut Workspace::new(),
-    )
-}
-
-/// Force balance with everything put in again, and complementarity.
-fn assert_optimal(problem: &Problem, equality: &[Vec<f64>], iterate: &QpIterate) {
-    let u = &iterate.displacement;
-    for i in 0..SIZE {
-        let contact: f64 = (0..problem.gap.len())
-            .map(|k| problem.coupling[k][i] * iterate.multiplier[k])
-            .sum();
-        let constraint: f64 = equality
-            .iter()
-            .zip(&iterate.equality)
-            .map(|(row, x)| row[i] * x)
-            .sum();
-        let balance = problem.force[i] - dot(&problem.stiffness[i], u) - contact - constraint;
-        assert!(balance.abs() < 1e-10, "{balance}");
-    }
-    for row in equality {
-        assert!((dot(row, u) - 0.1).abs() < 1e-10);
-    }
-    for (k, row) in problem.coupling.iter().enumerate() {
-        let (gap, pressure) = (problem.gap[k] - dot(row, u), iterate.multiplier[k]);
-        assert!(gap > -1e-10 && pressure > -1e-10, "{gap} {pressure}");
-        assert!((gap * pressure).abs() < 1e-10);
-        assert!((gap - iterate.gap[k]).abs() < 1e-10);
-    }
-}
+use crate::linalg::DenseMatrix;
+use crate::linalg::vector::largest;
+use crate::saddle::BlockStep;
 
 #[test]
 fn random_problems_end_optimal_without_equalities() {
     for seed in 0..20 {
         let problem = Problem::new(seed);
         let inverse = Exact::new(&problem.stiffness);
-        let one_level = OneLevel {
+        let parts = QpProblem {
             stiffness: &sparse(&problem.stiffness),
             curvature: None,
             step: BlockStep::UpperTriangular,
             displacement: &inverse,
             equality: &[],
             coupling: &sparse(&problem.coupling),
-            compliance: &schur(&inverse, &problem.coupling),
+            metric: &schur(&inverse, &problem.coupling),
+            weights: &[],
         };
+        let one_level = OneLevel::new(parts);
         let mut iterate = problem.iterate(0);
         let outcome = solve(&one_level, &mut iterate);
         assert_eq!(outcome.status, QpStatus::Solved, "{seed}");
@@ -189,7 +45,7 @@ fn random_problems_end_optimal_with_an_equality_and_poor_metrics() {
         let exact = schur(&inverse, &problem.coupling);
         let mut compliance = DenseMatrix::zeros(CONTACTS, CONTACTS);
         (0..CONTACTS).for_each(|k| *compliance.at_mut(k, k) = exact.at(k, k));
-        let one_level = OneLevel {
+        let parts = QpProblem {
             stiffness: &sparse(&problem.stiffness),
             curvature: None,
             step: BlockStep::UpperTriangular,
@@ -201,8 +57,10 @@ fn random_problems_end_optimal_with_an_equality_and_poor_metrics() {
                 joint: None,
             }],
             coupling: &sparse(&problem.coupling),
-            compliance: &compliance,
+            metric: &compliance,
+            weights: &[],
         };
+        let one_level = OneLevel::new(parts);
         let mut iterate = problem.iterate(1);
         let outcome = solve(&one_level, &mut iterate);
         assert_eq!(outcome.status, QpStatus::Solved, "{seed}");
@@ -223,15 +81,17 @@ fn the_curvature_term_is_taken_off_the_stiffness() {
             })
             .collect::<Vec<_>>(),
     );
-    let one_level = OneLevel {
+    let parts = QpProblem {
         stiffness: &sparse(&problem.stiffness),
         curvature: Some(&curvature),
         step: BlockStep::UpperTriangular,
         displacement: &inverse,
         equality: &[],
         coupling: &sparse(&problem.coupling),
-        compliance: &schur(&inverse, &problem.coupling),
+        metric: &schur(&inverse, &problem.coupling),
+        weights: &[],
     };
+    let one_level = OneLevel::new(parts);
     let mut iterate = problem.iterate(0);
     assert_eq!(solve(&one_level, &mut iterate).status, QpStatus::Solved);
     (0..SIZE).for_each(|i| problem.stiffness[i][i] -= 0.02);
@@ -258,15 +118,17 @@ fn a_body_that_only_contact_holds_finds_its_support() {
         })
         .collect();
     let inverse = Exact::new(&shifted);
-    let one_level = OneLevel {
+    let parts = QpProblem {
         stiffness: &sparse(&problem.stiffness),
         curvature: None,
         step: BlockStep::UpperTriangular,
         displacement: &inverse,
         equality: &[],
         coupling: &sparse(&problem.coupling),
-        compliance: &schur(&inverse, &problem.coupling),
+        metric: &schur(&inverse, &problem.coupling),
+        weights: &[],
     };
+    let one_level = OneLevel::new(parts);
     let mut iterate = problem.iterate(0);
     assert_eq!(solve(&one_level, &mut iterate).status, QpStatus::Solved);
     assert_optimal(&problem, &[], &iterate);
@@ -277,29 +139,30 @@ fn a_body_that_only_contact_holds_finds_its_support() {
 fn the_observer_can_interrupt() {
     let problem = Problem::new(1);
     let inverse = Exact::new(&problem.stiffness);
-    let one_level = OneLevel {
+    let parts = QpProblem {
         stiffness: &sparse(&problem.stiffness),
         curvature: None,
         step: BlockStep::UpperTriangular,
         displacement: &inverse,
         equality: &[],
         coupling: &sparse(&problem.coupling),
-        compliance: &schur(&inverse, &problem.coupling),
+        metric: &schur(&inverse, &problem.coupling),
+        weights: &[],
     };
+    let one_level = OneLevel::new(parts);
     let mut iterate = problem.iterate(0);
-    let targets = QpTargets {
-        force_scale: 1.0,
-        level: 1e-12,
+    let mut run = QpRun {
+        targets: QpTargets {
+            force_scale: 1.0,
+            level: 1e-12,
+        },
+        scales: &mut QpScales::default(),
+        iterations: 400,
+        directions: &mut gcr::Directions::default(),
+        progress: &mut |_, _, _| Verdict::Stop,
+        work: &mut Workspace::new(),
     };
-    let outcome = one_level.solve(
-        &mut iterate,
-        &targets,
-        &mut QpScales::default(),
-        400,
-        &mut gcr::Directions::default(),
-        &mut |_, _, _| Verdict::Stop,
-        &mut Workspace::new(),
-    );
+    let outcome = one_level.solve(&mut iterate, &mut run);
     assert_eq!(
         (outcome.status, outcome.iterations),
         (QpStatus::Interrupted, 1)
@@ -313,15 +176,17 @@ fn an_indefinite_metric_is_a_typed_failure() {
     let inverse = Exact::new(&problem.stiffness);
     let mut compliance = DenseMatrix::zeros(CONTACTS, CONTACTS);
     (0..CONTACTS).for_each(|k| *compliance.at_mut(k, k) = -1.0);
-    let one_level = OneLevel {
+    let parts = QpProblem {
         stiffness: &sparse(&problem.stiffness),
         curvature: None,
         step: BlockStep::UpperTriangular,
         displacement: &inverse,
         equality: &[],
         coupling: &sparse(&problem.coupling),
-        compliance: &compliance,
+        metric: &compliance,
+        weights: &[],
     };
+    let one_level = OneLevel::new(parts);
     let mut iterate = problem.iterate(0);
     iterate.active.fill(true);
     assert_eq!(

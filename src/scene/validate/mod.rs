@@ -147,6 +147,7 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
     solver::check(scene, formulated, &mut faults);
     solver::check_element(scene, mixed, &mut faults);
     let free_modes = rigid_modes::check(scene, mesh, &support_facets, &mut faults);
+    solver::check_contact(scene, &free_modes, &mut faults);
     for (index, step) in steps.iter().enumerate() {
         steps::check(scene, step, &format!("step[{index}]"), mesh, &mut faults);
     }

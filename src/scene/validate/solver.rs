@@ -2,18 +2,8 @@
 
 use super::{Faults, names};
 use crate::element::quadrature::MAXIMUM_DEGREE;
+use crate::inequality::{ContactMethod, MetricKind};
 use crate::scene::{Scene, ToleranceRule};
-
-/// Names that later capabilities bring.
-const LATER: [&str; 7] = [
-    "mprgp",
-    "conjugate-projected-gradient",
-    "projected-arrow-hurwicz",
-    "active-set",
-    "nested",
-    "mass",
-    "fractional",
-];
 const PRECONDITIONERS: &[&str] = &[
     "p-multigrid",
     "hierarchical-ssor",
@@ -46,6 +36,8 @@ pub(crate) struct Formulated {
 pub(crate) fn check(scene: &Scene, formulated: Formulated, faults: &mut Faults) {
     ranges(scene, faults);
     let solver = &scene.solver;
+    let contact_methods = ContactMethod::ALL.map(ContactMethod::name);
+    let contact_metrics = MetricKind::ALL.map(MetricKind::name);
     let methods = [
         (
             "element",
@@ -59,8 +51,8 @@ pub(crate) fn check(scene: &Scene, formulated: Formulated, faults: &mut Faults) 
         ),
         ("p1_solver", &solver.p1_solver, P1_SOLVERS),
         ("saddle", &solver.saddle, SADDLES),
-        ("contact", &solver.contact, &["one-level"]),
-        ("contact_metric", &solver.contact_metric, &["compliance"]),
+        ("contact", &solver.contact, &contact_methods),
+        ("contact_metric", &solver.contact_metric, &contact_metrics),
         ("error_estimate", &solver.error_estimate, &["off"]),
     ];
     for (key, asked, available) in methods {
@@ -68,12 +60,6 @@ pub(crate) fn check(scene: &Scene, formulated: Formulated, faults: &mut Faults) 
         match asked.as_str() {
             "auto" => (),
             name if available.contains(&name) => (),
-            name if LATER.contains(&name) => {
-                faults.unsupported(
-                    path,
-                    format!("`{name}` here; `{}` is there", available.join("`, `")),
-                );
-            }
             name => {
                 let hint = names::hint(name, available.iter().copied().chain(["auto"]));
                 faults.add(path, format!("unknown method `{name}`{hint}"));
@@ -221,5 +207,30 @@ pub(crate) fn check_element(scene: &Scene, mixed: bool, faults: &mut Faults) {
             format!("solver.{key}"),
             "brings its own: leave it at `auto`",
         );
+    }
+}
+
+/// Checks that the method for contact takes its metric and the supports.
+pub(crate) fn check_contact(scene: &Scene, free_modes: &[String], faults: &mut Faults) {
+    let Some(method) = ContactMethod::from_name(&scene.solver.contact) else {
+        return;
+    };
+    let name = method.name();
+    if let Some(metric) = MetricKind::from_name(&scene.solver.contact_metric)
+        && !method.takes(metric)
+    {
+        let message = format!(
+            "`{name}` scales by the `{}`, not by `{}`",
+            method.natural_metric().name(),
+            metric.name()
+        );
+        faults.add("solver.contact_metric", message);
+    }
+    if method.solves_without_contact() && !free_modes.is_empty() {
+        let message = format!(
+            "`{name}` solves for a given contact pressure, but supports leave {}; `one-level` is there",
+            free_modes.join(", ")
+        );
+        faults.unsupported("solver.contact", message);
     }
 }

@@ -33,6 +33,7 @@ impl Body<'_> {
             preconditioner_applications: counters.applications,
             eigenvalue_applications: 0,
             compliance_columns: 0,
+            contact_products: counters.contact_products,
             active_set_changes: counters.set_changes,
             cut_backs: 0,
             factorisations: 0,

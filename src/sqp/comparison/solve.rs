@@ -5,13 +5,15 @@ use super::super::drive::Drive;
 use super::super::evaluate::{Evaluation, mask, norm_of};
 use super::super::increment::{Ending, ending, residuals, stop_reason};
 use super::super::linear::Track;
-use super::super::program::expected_contact_norm;
 use super::super::state::State;
 use super::super::watch::Watch;
 use super::body::Body;
-use crate::inequality::{OneLevel, QpIterate, QpNorms, QpOutcome, QpScales, QpTargets};
+use crate::inequality::{
+    InequalitySolver, OneLevel, QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales,
+    QpTargets, dense_qp,
+};
 use crate::linalg::vector::{add_scaled, norm};
-use crate::linalg::{LinearOperator, Workspace};
+use crate::linalg::{DenseMatrix, LinearOperator, Workspace};
 use crate::precond::Counted;
 use crate::report::{Cause, Termination};
 use crate::saddle::{BlockStep, MultiplierBlock};
@@ -153,15 +155,16 @@ impl Body<'_> {
             metric: &*block.metric,
         }];
         let displacement = Counted::new(&self.data.displacement);
-        let problem = OneLevel {
+        let problem = OneLevel::new(QpProblem {
             stiffness: &self.data.stiffness,
             curvature: None,
             displacement: &displacement,
             step: BlockStep::UpperTriangular,
             equality: &blocks,
             coupling: &now.coupling,
-            compliance: &compliance,
-        };
+            metric: &compliance,
+            weights: &[],
+        });
         let targets = QpTargets {
             force_scale: now.force_scale(first).max(expected),
             level: goal.max(MARGIN * self.plan.scene.solver.tolerance),
@@ -187,15 +190,15 @@ impl Body<'_> {
         let mut progress = |norms: &QpNorms, scales: &QpScales, active: usize| {
             track.iteration(norms, scales, active)
         };
-        let outcome = problem.solve(
-            &mut iterate,
-            &targets,
-            &mut scales,
-            MOST_ITERATIONS,
-            &mut state.directions,
-            &mut progress,
+        let mut run = QpRun {
+            targets,
+            scales: &mut scales,
+            iterations: MOST_ITERATIONS,
+            directions: &mut state.directions,
+            progress: &mut progress,
             work,
-        );
+        };
+        let outcome = problem.solve(&mut iterate, &mut run);
         track.count();
         counters.seconds.krylov += krylov.elapsed().as_secs_f64();
         state.scales = scales;
@@ -220,4 +223,27 @@ impl Body<'_> {
         ending.max_penetration = now.max_penetration;
         ending.residuals = residuals(state, &now, 0.0);
     }
+}
+
+/// Norm of the contact load that the compliance predicts; the scale of the
+/// force residual before any contact pressure is there.
+fn expected_contact_norm(
+    compliance: &DenseMatrix,
+    now: &Evaluation,
+    state: &State,
+    work: &mut Workspace,
+) -> f64 {
+    let mut linear = vec![0.0; now.gap.len()];
+    compliance.multiply(&state.multiplier, &mut linear);
+    linear
+        .iter_mut()
+        .zip(&now.gap)
+        .for_each(|(q, gap)| *q = gap - *q);
+    let Ok(solution) = dense_qp::solve(compliance, &linear, &state.active) else {
+        return 0.0;
+    };
+    let mut load = vec![0.0; state.displacement.len()];
+    now.coupling
+        .apply_transposed(&solution.values, &mut load, work);
+    norm(&load)
 }

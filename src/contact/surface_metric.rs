@@ -1,0 +1,84 @@
+//! Dense mass and stiffness of the P1 multipliers of one surface:
+//!
+//! ```text
+//! M_ij = int phi_i phi_j dS,   L_ij = int grad phi_i . grad phi_j dS
+//! ```
+//!
+//! `[multipliers, multipliers]`, undeformed, non-dimensional; gradients along the
+//! surface. Cost: the entries.
+
+use super::surface::{ContactFace, ContactSurface};
+use crate::assembly::load::position;
+use crate::linalg::DenseMatrix;
+use crate::mesh::Mesh;
+
+/// Adds M into the block of `matrix` that starts at `offset`.
+pub fn add_mass(surface: &ContactSurface, offset: usize, matrix: &mut DenseMatrix) {
+    for face in &surface.faces {
+        let corners = face.corners.len();
+        let mean = face.area / (corners * (corners + 1)) as f64;
+        add_local(
+            face,
+            offset,
+            matrix,
+            |i, j| {
+                if i == j { 2.0 * mean } else { mean }
+            },
+        );
+    }
+}
+
+/// Adds L into the block of `matrix` that starts at `offset`; `scale` multiplies
+/// the coordinates.
+pub fn add_laplacian(
+    surface: &ContactSurface,
+    mesh: &Mesh,
+    scale: f64,
+    offset: usize,
+    matrix: &mut DenseMatrix,
+) {
+    for face in &surface.faces {
+        let opposite = opposite_edges(face, mesh, scale);
+        // A segment's hats have slopes of 1 / length, a triangle's of
+        // edge / (2 area).
+        let denominator = match face.corners.len() {
+            2 => face.area,
+            _ => 4.0 * face.area,
+        };
+        add_local(face, offset, matrix, |i, j| {
+            let product: f64 = (0..3).map(|k| opposite[i][k] * opposite[j][k]).sum();
+            product / denominator
+        });
+    }
+}
+
+/// Of a triangle, the edges opposite to the corners; of a segment, unit vectors
+/// out of the ends.
+fn opposite_edges(face: &ContactFace, mesh: &Mesh, scale: f64) -> Vec<[f64; 3]> {
+    let corner = |index: usize| {
+        let mut hats = vec![0.0; face.corners.len()];
+        hats[index] = 1.0;
+        position(mesh, scale, &face.corners, &hats)
+    };
+    let between = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|k| b[k] - a[k]);
+    match face.corners.len() {
+        2 => vec![[1.0, 0.0, 0.0], [-1.0, 0.0, 0.0]],
+        count => (0..count)
+            .map(|i| between(corner((i + 1) % count), corner((i + 2) % count)))
+            .collect(),
+    }
+}
+
+fn add_local(
+    face: &ContactFace,
+    offset: usize,
+    matrix: &mut DenseMatrix,
+    entry: impl Fn(usize, usize) -> f64,
+) {
+    let at = |multiplier: u32| offset + multiplier as usize;
+    for (i, &row) in face.multipliers.iter().enumerate() {
+        for (j, &column) in face.multipliers.iter().enumerate() {
+            *matrix.at_mut(at(row), at(column)) += entry(i, j);
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Metrics H of the multiplier: projections in them, and the scale that makes
+//! H >= C A^-1 C^T about.
+
+use super::{QpIterate, QpStatus, dense_qp};
+use crate::linalg::vector::{dot, norm, scale};
+use crate::linalg::{DenseMatrix, LinearOperator, Preconditioner, SparseRows, Workspace};
+
+/// Steps of the power iteration; the first vector is nearly right.
+pub const POWER_STEPS: usize = 5;
+
+/// argmin { 1/2 |x - l|_H^2 + gap.x : x >= 0 }.
+pub(super) fn projected(metric: &DenseMatrix, iterate: &QpIterate) -> Result<Vec<f64>, QpStatus> {
+    let mut linear = vec![0.0; iterate.gap.len()];
+    metric.multiply(&iterate.multiplier, &mut linear);
+    for (q, gap) in linear.iter_mut().zip(&iterate.gap) {
+        *q = gap - *q;
+    }
+    match dense_qp::solve(metric, &linear, &iterate.active) {
+        Ok(solution) => Ok(solution.values),
+        Err(_) => Err(QpStatus::IndefiniteMetric),
+    }
+}
+
+/// The largest eigenvalue of H^-1 C A^ C^T by power iteration from a constant
+/// pressure; `inverse` applies H^-1 in place. Costs [`POWER_STEPS`] applications
+/// of A^.
+pub fn largest_ratio(
+    displacement: &dyn Preconditioner,
+    coupling: &SparseRows,
+    inverse: &dyn Fn(&mut [f64]),
+    work: &mut Workspace,
+) -> f64 {
+    let mut x = vec![1.0; coupling.rows()];
+    let mut y = vec![0.0; coupling.rows()];
+    let mut load = work.zeros(coupling.columns());
+    let mut move_by_load = work.zeros(coupling.columns());
+    let mut ratio = 1.0;
+    for _ in 0..POWER_STEPS {
+        coupling.apply_transposed(&x, &mut load, work);
+        displacement.apply(&load, &mut move_by_load, work);
+        coupling.apply(&move_by_load, &mut y, work);
+        let energy = dot(&x, &y);
+        let mut next = y.clone();
+        inverse(&mut next);
+        ratio = dot(&y, &next) / energy;
+        let length = norm(&next);
+        scale(&mut next, 1.0 / length);
+        x = next;
+    }
+    work.give(load);
+    work.give(move_by_load);
+    ratio
+}

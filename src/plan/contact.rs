@@ -1,0 +1,211 @@
+//! The method for contact and the metric of its pressure: which and why.
+//!
+//! One level in the compliance costs least wherever the compliance, a dense matrix
+//! on all candidate vertices, can be made. Where it cannot, proportioning with the
+//! lumped mass takes over, which holds nothing dense. Both rest on the number of
+//! candidates alone.
+
+use crate::inequality::{ContactMethod, MetricKind};
+use crate::scene::{SolverOptions, Violation};
+
+/// Bytes of dense matrices that a metric may take.
+const MOST_DENSE: f64 = 1.5e9;
+/// Candidates of the largest fractional metric, whose cost grows fastest.
+const MOST_FRACTIONAL: u64 = 2000;
+
+/// A choice with its reason.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct ContactChoice {
+    pub(crate) method: ContactMethod,
+    pub(crate) metric: MetricKind,
+    pub(super) reason: String,
+}
+
+/// What the choice rests on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ContactSizes {
+    /// 2 or 3.
+    pub(super) dimension: u64,
+    /// Contact multipliers of all obstacles.
+    pub(super) multipliers: u64,
+    /// Vertices of candidate faces.
+    pub(super) vertices: u64,
+    /// Whether supports leave rigid modes that only contact can hold.
+    pub(super) is_floating: bool,
+}
+
+impl ContactSizes {
+    /// Bytes of the dense matrices of a metric at their peak.
+    pub(super) fn dense_bytes(self, metric: MetricKind) -> f64 {
+        let square = |n: u64| (n as f64).powi(2);
+        // The metric, its part on a face and that part's factor.
+        let own = 24.0 * square(self.multipliers);
+        match metric {
+            // And the inverse of A11 on the candidates beside its factor.
+            MetricKind::Compliance => own + 16.0 * square(self.dimension * self.vertices),
+            MetricKind::Mass | MetricKind::Fractional => own,
+        }
+    }
+
+    fn fits(self, method: ContactMethod, metric: MetricKind) -> bool {
+        let is_small = metric != MetricKind::Fractional || self.multipliers <= MOST_FRACTIONAL;
+        !method.needs_dense(metric) || (is_small && self.dense_bytes(metric) <= MOST_DENSE)
+    }
+}
+
+/// Chooses from the names in `options`, which validation has checked.
+///
+/// # Errors
+/// When the metric is too large, with the numbers.
+pub(super) fn choose(
+    options: &SolverOptions,
+    sizes: ContactSizes,
+) -> Result<ContactChoice, Violation> {
+    let asked = ContactMethod::from_name(&options.contact);
+    let asked_metric = MetricKind::from_name(&options.contact_metric);
+    let method = asked.unwrap_or(ContactMethod::OneLevel);
+    let metric = asked_metric.unwrap_or(method.natural_metric());
+    if sizes.fits(method, metric) {
+        return Ok(ContactChoice {
+            method,
+            metric,
+            reason: reason(asked, asked_metric),
+        });
+    }
+    let cost = format!(
+        "{} candidates: a dense {} metric takes {:.1} GB",
+        sizes.multipliers,
+        metric.name(),
+        1e-9 * sizes.dense_bytes(metric)
+    );
+    let may_turn = matches!(asked, None | Some(ContactMethod::Mprgp));
+    if may_turn && asked_metric.is_none() && !sizes.is_floating {
+        return Ok(ContactChoice {
+            method: ContactMethod::Mprgp,
+            metric: MetricKind::Mass,
+            reason: format!("{cost}, the lumped mass none"),
+        });
+    }
+    let path = match (asked_metric, asked) {
+        (Some(_), _) => "solver.contact_metric",
+        (None, Some(_)) => "solver.contact",
+        (None, None) => "obstacle",
+    };
+    Err(Violation {
+        path: path.to_owned(),
+        message: format!(
+            "{cost}; `mprgp` in the metric `mass` takes none, on a body that supports hold"
+        ),
+    })
+}
+
+fn reason(asked: Option<ContactMethod>, metric: Option<MetricKind>) -> String {
+    match (asked, metric) {
+        (None, None) => "pressure and contact pressure are solved together",
+        (None, Some(_)) => "metric asked for",
+        (Some(_), None) => "method asked for, in its usual metric",
+        (Some(_), Some(_)) => "asked for",
+    }
+    .to_owned()
+}
+
+impl ContactChoice {
+    /// Method and metric in words.
+    pub(super) fn describe(&self) -> String {
+        let method = match self.method {
+            ContactMethod::OneLevel => "one level",
+            ContactMethod::ActiveSet => "primal-dual active set, each set solved to the end",
+            ContactMethod::Nested => "nested, projected steps with secant corrections",
+            ContactMethod::Mprgp => "nested, proportioning with reduced gradient projection",
+            ContactMethod::ConjugateProjectedGradient => "nested, conjugate projected gradient",
+            ContactMethod::ProjectedArrowHurwicz => "nested, projected Arrow-Hurwicz steps",
+        };
+        let is_dense = self.method.needs_dense(self.metric);
+        let metric = match self.metric {
+            MetricKind::Compliance => "dense compliance metric",
+            MetricKind::Mass if is_dense => "consistent mass metric",
+            MetricKind::Mass => "lumped mass metric",
+            MetricKind::Fractional => "dense fractional metric",
+        };
+        format!("{method}, {metric}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A body with that many candidates, held by supports.
+    fn body(multipliers: u64) -> ContactSizes {
+        ContactSizes {
+            dimension: 3,
+            multipliers,
+            vertices: multipliers,
+            is_floating: false,
+        }
+    }
+
+    fn asked(contact: &str, contact_metric: &str) -> SolverOptions {
+        SolverOptions {
+            contact: contact.to_owned(),
+            contact_metric: contact_metric.to_owned(),
+            ..SolverOptions::default()
+        }
+    }
+
+    fn chosen(options: &SolverOptions, sizes: ContactSizes) -> (ContactMethod, MetricKind) {
+        let choice = choose(options, sizes).expect("a choice");
+        (choice.method, choice.metric)
+    }
+
+    #[test]
+    fn one_level_in_the_compliance_serves_up_to_some_thousand_candidates() {
+        let one_level = (ContactMethod::OneLevel, MetricKind::Compliance);
+        for size in [0, 1, 500, 2500] {
+            assert_eq!(chosen(&asked("auto", "auto"), body(size)), one_level);
+        }
+    }
+
+    #[test]
+    fn beyond_them_nothing_dense_is_held_and_the_plan_says_why() {
+        for method in ["auto", "mprgp"] {
+            for size in [5000, 20_000, u64::from(u32::MAX)] {
+                let choice = choose(&asked(method, "auto"), body(size)).expect("a choice");
+                assert!(!choice.method.needs_dense(choice.metric));
+                assert!(choice.reason.contains("GB"), "{}", choice.reason);
+                assert!(choice.describe().contains("lumped mass"));
+            }
+        }
+    }
+
+    #[test]
+    fn a_dense_metric_that_does_not_fit_is_refused_with_its_size() {
+        let cases = [
+            (asked("one-level", "auto"), "solver.contact"),
+            (asked("auto", "compliance"), "solver.contact_metric"),
+            (asked("auto", "fractional"), "solver.contact_metric"),
+            (asked("mprgp", "compliance"), "solver.contact_metric"),
+            (asked("projected-arrow-hurwicz", "auto"), "solver.contact"),
+        ];
+        for (options, path) in cases {
+            let fault = choose(&options, body(20_000)).expect_err("too large");
+            assert_eq!(fault.path, path);
+            assert!(fault.message.contains("GB"), "{}", fault.message);
+        }
+        let floating = ContactSizes {
+            is_floating: true,
+            ..body(20_000)
+        };
+        let fault = choose(&asked("auto", "auto"), floating).expect_err("too large");
+        assert_eq!(fault.path, "obstacle");
+    }
+
+    #[test]
+    fn every_method_has_a_metric_that_it_takes() {
+        for method in ContactMethod::ALL {
+            let (taken, metric) = chosen(&asked(method.name(), "auto"), body(100));
+            assert_eq!(taken, method);
+            assert!(method.takes(metric));
+        }
+    }
+}
