@@ -56,8 +56,9 @@ pub struct Prepared {
     pub(crate) displacement: PMultigrid,
     pub(crate) node_blocks: NodeBlocks,
     pub(crate) pressure: Option<PressureBlock>,
-    /// A11^-1 on the contact vertices; empty without contact.
+    /// A11^-1 on the contact vertices along `contact_normals`; empty without contact.
     pub(crate) compliance: DenseMatrix,
+    pub(crate) contact_normals: Vec<[f64; 3]>,
     p1_bytes: u64,
     p1_part: &'static str,
     seconds: Seconds,
@@ -102,7 +103,7 @@ impl Prepared {
                     moduli: &moduli,
                     held: &held,
                 };
-                p1::build(plan, body)
+                p1::build(plan, body, cancel)
             },
             || {
                 let grid = Arc::new(Grid::new(mesh, &space, &geometry, &moduli, &held));
@@ -157,6 +158,7 @@ impl Prepared {
             node_blocks: blocks,
             pressure,
             compliance: p1.compliance,
+            contact_normals: p1.normals,
             p1_bytes: p1.bytes,
             p1_part: p1.part,
             seconds: Seconds {
@@ -180,6 +182,7 @@ impl Prepared {
             + self.displacement.bytes()
             + self.node_blocks.bytes()
             + self.compliance.bytes()
+            + 24 * self.contact_normals.len() as u64
             + pressure
             + (8 * self.space.edges.len() + 4 * self.held.len() + self.is_held.len()) as u64
     }

@@ -15,6 +15,7 @@ use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::linalg::{DenseMatrix, LinearOperator, SparseRows, Workspace};
 use crate::obstacle::Obstacle;
 use crate::precond::compliance::{ComplianceParts, compliance};
+use crate::precond::p1::Traces;
 use crate::saddle::MultiplierBlock;
 
 /// Krylov iterations per program.
@@ -62,7 +63,10 @@ impl<'a> Program<'a> {
         timed(&mut counters.seconds.contact, || {
             let parts = ComplianceParts {
                 vertex_inverse: &context.prepared.compliance,
-                vertices: &context.plan.contact_vertices,
+                traces: Traces {
+                    vertices: &context.plan.contact_vertices,
+                    directions: &context.prepared.contact_normals,
+                },
                 node_blocks: &context.prepared.node_blocks,
                 vertex_count: context.prepared.space.vertices,
             };

@@ -8,3 +8,12 @@ mod direct;
 
 pub use amg::{AmgError, AmgP1, VertexBlocks};
 pub use direct::{DirectP1, vertex_order};
+
+/// Displacements of surface vertices along one direction each.
+#[derive(Clone, Copy, Debug)]
+pub struct Traces<'a> {
+    /// Vertices.
+    pub vertices: &'a [u32],
+    /// Unit vectors, zero in held components `[vertices]`.
+    pub directions: &'a [[f64; 3]],
+}
