@@ -8,6 +8,7 @@ use super::Plan;
 use super::p1::{self, P1Body};
 use crate::assembly::grid::{Basis, Rows};
 use crate::assembly::mass::weighted_mass;
+use crate::assembly::node_moduli::softness;
 use crate::assembly::p1_stiffness::node_blocks;
 use crate::assembly::{Body, CellGeometry, CellModuli, Divergence, Grid, Stiffness};
 use crate::linalg::vector::norm;
@@ -246,7 +247,18 @@ fn pressure_block(
     moduli: &CellModuli,
     stiffness: &Stiffness,
 ) -> PressureBlock {
-    let schur = |cell: usize| 0.5 / moduli.shear[cell] + moduli.inverse_lame[cell];
+    let is_homogeneous = moduli
+        .shear
+        .windows(2)
+        .all(|pair| pair[0].to_bits() == pair[1].to_bits());
+    let softness = match is_homogeneous {
+        true => Vec::new(),
+        false => softness(mesh, space, geometry, moduli),
+    };
+    let schur = |cell: usize| match is_homogeneous {
+        true => 0.5 / moduli.shear[cell] + moduli.inverse_lame[cell],
+        false => 0.5 * softness[cell] + moduli.inverse_lame[cell],
+    };
     let compressible = moduli.inverse_lame.iter().any(|&inverse| inverse != 0.0);
     let coupling = Divergence {
         grid: stiffness.grid.clone(),
