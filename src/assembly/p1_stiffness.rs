@@ -10,10 +10,11 @@ use crate::linalg::cholesky::LowerColumns;
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
-type Block = [[f64; 3]; 3];
+/// A block of two nodes.
+pub(super) type Block = [[f64; 3]; 3];
 
 /// Coupling of gradients `a` and `b` for unit volume.
-fn coupling(shear: f64, lame: f64, a: &[f64; 3], b: &[f64; 3]) -> Block {
+pub(super) fn coupling(shear: f64, lame: f64, a: &[f64; 3], b: &[f64; 3]) -> Block {
     let product = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let mut block = [[0.0; 3]; 3];
     for i in 0..3 {
@@ -25,7 +26,7 @@ fn coupling(shear: f64, lame: f64, a: &[f64; 3], b: &[f64; 3]) -> Block {
     block
 }
 
-fn add(target: &mut Block, factor: f64, block: &Block) {
+pub(super) fn add(target: &mut Block, factor: f64, block: &Block) {
     for i in 0..3 {
         for j in 0..3 {
             target[i][j] += factor * block[i][j];

@@ -282,9 +282,7 @@ fn sweeps_that_add_match_product_and_sum() {
         let mut work = Workspace::new();
         for basis in [Basis::Hierarchical, Basis::Lagrange] {
             let mut r = vec![1.0; x.len()];
-            sample
-                .grid
-                .subtract_stiffness(basis, &x, &mut r, &mut work);
+            sample.grid.subtract_stiffness(basis, &x, &mut r, &mut work);
             let product = sample.stiffness(basis, Rows::Free, &x);
             let expected: Vec<f64> = product.iter().map(|y| 1.0 - y).collect();
             assert_close(&r, &expected, 1e-13);

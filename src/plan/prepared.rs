@@ -8,14 +8,17 @@ use super::Plan;
 use super::p1::{self, P1Body};
 use crate::assembly::grid::{Basis, Rows};
 use crate::assembly::mass::weighted_mass;
+use crate::assembly::node_couplings::node_couplings;
 use crate::assembly::node_moduli::softness;
 use crate::assembly::p1_stiffness::node_blocks;
 use crate::assembly::{Body, CellGeometry, CellModuli, Divergence, Grid, Stiffness};
 use crate::linalg::vector::norm;
-use crate::linalg::{DenseMatrix, FactoriseError, LinearOperator, SparseRows, Workspace};
+use crate::linalg::{
+    DenseMatrix, FactoriseError, LinearOperator, Preconditioner, SparseRows, Workspace,
+};
 use crate::mesh::Mesh;
 use crate::precond::schur::ChebyshevMass;
-use crate::precond::{NodeBlocks, PMultigrid, Transfer};
+use crate::precond::{AlongLines, NodeBlocks, NodePairs, PMultigrid, Transfer};
 use crate::report::{CancelToken, Seconds, Termination};
 use crate::space::TaylorHood;
 
@@ -54,7 +57,8 @@ pub struct Prepared {
     pub(crate) held: Arc<[u32]>,
     pub(crate) is_held: Vec<bool>,
     pub(crate) stiffness: Stiffness,
-    pub(crate) displacement: PMultigrid,
+    pub(crate) displacement: Arc<dyn Preconditioner>,
+    smoother_bytes: u64,
     pub(crate) node_blocks: NodeBlocks,
     pub(crate) pressure: Option<PressureBlock>,
     /// A11^-1 on the contact vertices along `contact_normals`; empty without contact.
@@ -95,17 +99,15 @@ impl Prepared {
         let moduli = moduli(plan);
         let held: Arc<[u32]> = plan.held.iter().map(|&(unknown, _)| unknown).collect();
         poll()?;
+        let body = P1Body {
+            mesh,
+            space: &space,
+            geometry: &geometry,
+            moduli: &moduli,
+            held: &held,
+        };
         let (p1, (grid, blocks)) = rayon::join(
-            || {
-                let body = P1Body {
-                    mesh,
-                    space: &space,
-                    geometry: &geometry,
-                    moduli: &moduli,
-                    held: &held,
-                };
-                p1::build(plan, body, cancel)
-            },
+            || p1::build(plan, body, cancel),
             || {
                 let grid = Arc::new(Grid::new(mesh, &space, &geometry, &moduli, &held));
                 let blocks = node_blocks(mesh, &space, &geometry, &moduli, &held);
@@ -126,14 +128,39 @@ impl Prepared {
             space.edges.clone(),
             held.clone(),
         );
-        let displacement = PMultigrid::new(
-            Arc::new(stiffness(Basis::Lagrange)),
-            blocks.clone(),
-            p1.solver,
-            transfer,
-            plan.smoother_degree,
-            &mut Workspace::new(),
-        );
+        let cycle = |degree: usize| {
+            PMultigrid::new(
+                Arc::new(stiffness(Basis::Lagrange)),
+                blocks.clone(),
+                p1.solver.clone(),
+                transfer.clone(),
+                degree,
+                &mut Workspace::new(),
+            )
+        };
+        let along_lines = plan.smooths_along_lines().then(|| {
+            let inner = Arc::new(cycle(plan.smoother_degree));
+            let operator = Arc::new(stiffness(Basis::Hierarchical));
+            lines_around(
+                body,
+                plan.units.coordinate_scale,
+                operator,
+                transfer.clone(),
+                inner,
+            )
+        });
+        let (displacement, smoother_bytes): (Arc<dyn Preconditioner>, u64) =
+            match along_lines.flatten() {
+                Some(lines) => {
+                    let bytes = lines.bytes() + blocks.bytes();
+                    (Arc::new(lines), bytes)
+                }
+                None => {
+                    let cycle = cycle(plan.smoother_degree);
+                    let bytes = cycle.bytes();
+                    (Arc::new(cycle), bytes)
+                }
+            };
         poll()?;
         let pressure = plan.is_mixed().then(|| {
             pressure_block(
@@ -156,6 +183,7 @@ impl Prepared {
             held,
             is_held,
             displacement,
+            smoother_bytes,
             node_blocks: blocks,
             pressure,
             compliance: p1.compliance,
@@ -180,7 +208,7 @@ impl Prepared {
         self.geometry.bytes()
             + self.grid.bytes()
             + self.p1_bytes
-            + self.displacement.bytes()
+            + self.smoother_bytes
             + self.node_blocks.bytes()
             + self.compliance.bytes()
             + 24 * self.contact_normals.len() as u64
@@ -209,6 +237,49 @@ impl Prepared {
             parts.push("contact_compliance");
         }
         parts.into_iter().map(str::to_owned).collect()
+    }
+}
+
+/// `inner` between smoothings along strongly coupled nodes, where there are
+/// groups of them.
+fn lines_around(
+    body: P1Body<'_>,
+    scale: f64,
+    operator: Arc<Stiffness>,
+    transfer: Transfer,
+    inner: Arc<PMultigrid>,
+) -> Option<AlongLines> {
+    let P1Body {
+        mesh,
+        space,
+        geometry,
+        moduli,
+        held,
+    } = body;
+    let couplings = node_couplings(mesh, space, geometry, moduli);
+    let coordinates: Vec<[f64; 3]> = (0..space.nodes())
+        .map(|node| node_position(mesh, space, node).map(|x| x * scale))
+        .collect();
+    let nodes = NodePairs {
+        components: space.components,
+        coordinates: &coordinates,
+        pairs: &couplings.pairs,
+        off: &couplings.off,
+        diagonal: &couplings.diagonal,
+        held,
+    };
+    AlongLines::new(&nodes, operator, transfer, inner, &mut Workspace::new())
+}
+
+/// Position of a vertex or of the middle of an edge.
+fn node_position(mesh: &Mesh, space: &TaylorHood, node: usize) -> [f64; 3] {
+    let at = |vertex: u32| mesh.coordinates()[vertex as usize];
+    match node.checked_sub(space.vertices) {
+        None => at(node as u32),
+        Some(edge) => {
+            let [a, b] = space.edges[edge].map(at);
+            std::array::from_fn(|i| 0.5 * (a[i] + b[i]))
+        }
     }
 }
 

@@ -102,11 +102,11 @@ impl Plan {
             2 => "well-shaped cells",
             _ => "stretched cells or a stiff volume response",
         };
-        push(
-            "displacement_preconditioner",
-            format!("p-multigrid, Chebyshev degree {degree}"),
-            reason,
-        );
+        let choice = match self.smooths_along_lines() {
+            true => format!("p-multigrid, Chebyshev degree {degree}, along short edges"),
+            false => format!("p-multigrid, Chebyshev degree {degree}"),
+        };
+        push("displacement_preconditioner", choice, reason);
         push("p1_solver", self.p1_name(), &self.p1.reason);
         let krylov = match (self.resolved.mixed, self.unknowns.contact) {
             (false, 0) => "conjugate gradients",

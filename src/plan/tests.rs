@@ -123,7 +123,7 @@ fn count(prepared: &Prepared) -> usize {
     };
     let outcome = cg::solve(
         &prepared.stiffness,
-        &prepared.displacement,
+        &*prepared.displacement,
         &mut x,
         &mut r,
         50,

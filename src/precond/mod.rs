@@ -5,6 +5,7 @@
 //! here knows a mesh.
 
 pub mod compliance;
+pub mod lines;
 pub mod node_blocks;
 pub mod p1;
 pub mod p_multigrid;
@@ -12,6 +13,7 @@ pub mod schur;
 pub mod spectrum;
 pub mod transfer;
 
+pub use lines::{AlongLines, NodePairs};
 pub use node_blocks::NodeBlocks;
 pub use p_multigrid::PMultigrid;
 pub use transfer::Transfer;

@@ -140,7 +140,7 @@ impl<'a> Program<'a> {
                 let problem = OneLevel {
                     stiffness: &self.context.prepared.stiffness,
                     curvature,
-                    displacement: &self.context.prepared.displacement,
+                    displacement: &*self.context.prepared.displacement,
                     equality: &blocks,
                     coupling: &now.coupling,
                     compliance: &self.compliance,
@@ -215,7 +215,7 @@ impl<'a> Program<'a> {
         };
         let outcome = cg::solve(
             &self.context.prepared.stiffness,
-            &self.context.prepared.displacement,
+            &*self.context.prepared.displacement,
             &mut iterate.displacement,
             &mut iterate.force,
             MOST_ITERATIONS as usize,
