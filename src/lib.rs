@@ -37,7 +37,7 @@
 //! |---|---|---|---|
 //! | u | `displacement` | nodes x components, vertices first | length of the body |
 //! | c_e | edge correction: midpoint minus mean of the ends | as u | as u |
-//! | p | `pressure`, positive in compression | vertices | largest shear modulus |
+//! | p | `pressure`, positive in compression | vertices | smallest shear modulus |
 //! | l | `multiplier`, contact pressure | candidates of all obstacles | as p |
 //! | g_i = int phi_i d(x + u) dS | `gap` | as l | length^dimension |
 //! | A, A11 | `stiffness`, its P1 block | | |
@@ -74,6 +74,7 @@
 #![doc = include_str!("decisions/0013-comparison-methods.md")]
 #![doc = include_str!("decisions/0014-contact-methods.md")]
 #![doc = include_str!("decisions/0015-comparison-elements.md")]
+#![doc = include_str!("decisions/0016-hard-bodies.md")]
 
 pub mod assembly;
 pub mod contact;

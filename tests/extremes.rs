@@ -4,7 +4,7 @@ mod common;
 
 use std::sync::Arc;
 
-use common::meshes::{cube, irregular, mesh};
+use common::meshes::{cube, irregular, mesh, moved, slivers, with_inclusion};
 use common::scenes::{
     HELD, cube_bend, elastic, material, obstacle, push, small_indentation, support, traction,
 };
@@ -127,6 +127,81 @@ fn stiffness_contrasts_of_six_decades_are_solved() {
                 ..material(Modulus::Shear(contrast), poisson_ratio)
             });
             solve_one(&scene, &Step::default(), &mesh);
+        }
+    }
+}
+
+/// A layer whose cells are `height` times as high as wide, bonded below and
+/// sheared and pressed above.
+fn bonded_layer(height: f64, poisson_ratio: f64) -> (Scene, Arc<Mesh>) {
+    let mut scene = elastic(poisson_ratio);
+    scene.supports = vec![support("z0", HELD)];
+    scene.tractions = vec![traction("z1", [0.3, 0.1, -1.0])];
+    let stretched = moved(cube(8), |[x, y, z]| [x, y, height * z]);
+    (scene, mesh(stretched))
+}
+
+#[test]
+fn flat_cells_cost_less_than_a_cube_whatever_their_aspect() {
+    for height in [0.1, 0.01] {
+        for (poisson_ratio, bound) in [(0.5, 25), (0.3, 14)] {
+            let (scene, mesh) = bonded_layer(height, poisson_ratio);
+            let taken = solve_one(&scene, &Step::default(), &mesh).preconditioner_applications;
+            assert!(taken <= bound, "{height} {poisson_ratio}: {taken}");
+        }
+    }
+}
+
+#[test]
+fn tall_cells_of_aspect_10_cost_at_most_5_times_a_cube() {
+    for (poisson_ratio, bound) in [(0.5, 130), (0.3, 70)] {
+        let (scene, mesh) = bonded_layer(10.0, poisson_ratio);
+        let taken = solve_one(&scene, &Step::default(), &mesh).preconditioner_applications;
+        assert!(taken <= bound, "{poisson_ratio}: {taken}");
+    }
+}
+
+#[test]
+fn slivers_cost_at_most_three_times_a_cube() {
+    let mesh = mesh(slivers(8));
+    for (poisson_ratio, bound) in [(0.5, 78), (0.3, 42)] {
+        let scene = cube_bend(poisson_ratio);
+        let taken = solve_one(&scene, &Step::default(), &mesh).preconditioner_applications;
+        assert!(taken <= bound, "{poisson_ratio}: {taken}");
+    }
+}
+
+/// Applications for a cube with an inclusion of another stiffness.
+fn with_contrast(contrast: f64, poisson_ratio: f64, inside: fn([f64; 3]) -> bool) -> u32 {
+    let mesh = mesh(with_inclusion(cube(8), "inclusion", inside));
+    let mut scene = cube_bend(poisson_ratio);
+    // Six decades of contrast leave the recomputed residual at 3e-9.
+    scene.solver.tolerance = if contrast > 1e4 { 3e-8 } else { 1e-8 };
+    scene.materials.push(Material {
+        group: "inclusion".to_owned(),
+        ..material(Modulus::Shear(contrast), poisson_ratio)
+    });
+    solve_one(&scene, &Step::default(), &mesh).preconditioner_applications
+}
+
+#[test]
+fn layers_along_the_cells_cost_at_most_twice_a_cube_whatever_their_stiffness() {
+    let layer = |x: [f64; 3]| x[2] > 0.25 && x[2] < 0.5;
+    for contrast in [1e-6, 1e-3, 1e3, 1e6] {
+        for (poisson_ratio, bound) in [(0.5, 52), (0.3, 26)] {
+            let taken = with_contrast(contrast, poisson_ratio, layer);
+            assert!(taken <= bound, "{contrast:e} {poisson_ratio}: {taken}");
+        }
+    }
+}
+
+#[test]
+fn a_ball_across_the_cells_costs_at_most_four_times_a_cube_whatever_its_stiffness() {
+    let ball = |x: [f64; 3]| x.map(|x| (x - 0.5) * (x - 0.5)).iter().sum::<f64>() < 0.09;
+    for contrast in [1e-6, 1e-3, 1e3, 1e6] {
+        for (poisson_ratio, bound) in [(0.5, 104), (0.3, 30)] {
+            let taken = with_contrast(contrast, poisson_ratio, ball);
+            assert!(taken <= bound, "{contrast:e} {poisson_ratio}: {taken}");
         }
     }
 }

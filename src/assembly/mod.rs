@@ -11,6 +11,8 @@ pub mod kernel;
 pub mod lanes;
 pub mod load;
 pub mod mass;
+pub mod node_couplings;
+pub mod node_moduli;
 pub mod operator;
 pub mod p1_stiffness;
 pub mod partition;

@@ -1,6 +1,7 @@
 //! The faces of the body that may touch one obstacle.
 
 use crate::assembly::load::facet_measure;
+use crate::geometry::vector3::{add, cross, norm, normalised, sub};
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
@@ -65,4 +66,34 @@ impl ContactSurface {
     pub fn multipliers(&self) -> usize {
         self.vertices.len()
     }
+}
+
+/// Unit normals at `vertices` (ascending) of the surface made of `facets`: means
+/// by area; `scale` brings coordinates near one. Where both sides of a thin body are candidates, that of one facet.
+pub fn vertex_normals<'a>(
+    mesh: &Mesh,
+    scale: f64,
+    facets: impl Iterator<Item = &'a [u32]>,
+    vertices: &[u32],
+) -> Vec<[f64; 3]> {
+    let mut sums = vec![[0.0; 3]; vertices.len()];
+    let mut anyone = sums.clone();
+    for facet in facets {
+        let point = |corner: usize| mesh.coordinates()[facet[corner] as usize].map(|x| scale * x);
+        let first = sub(point(1), point(0));
+        let normal = match facet.len() {
+            2 => [first[1], -first[0], 0.0],
+            _ => cross(first, sub(point(2), point(0))),
+        };
+        for vertex in facet {
+            let index = vertices.partition_point(|other| other < vertex);
+            sums[index] = add(sums[index], normal);
+            anyone[index] = normal;
+        }
+    }
+    let unit = |(sum, one): ([f64; 3], [f64; 3])| {
+        let mean = normalised(sum).filter(|_| norm(sum) > 1e-3 * norm(one));
+        mean.or_else(|| normalised(one)).unwrap_or_default()
+    };
+    sums.into_iter().zip(anyone).map(unit).collect()
 }

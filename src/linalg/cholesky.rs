@@ -18,7 +18,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::traits::RealField;
 use faer::{Conj, MatMut, Par, Side};
 
-use super::DenseMatrix;
+use super::{DenseMatrix, Workspace};
 
 /// Why a factorisation failed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -140,28 +140,39 @@ impl SparseCholesky {
     }
 
     /// Solves `A X = B` in place for `count` right-hand sides, column by column.
-    pub fn solve(&self, right_hand_sides: &mut [f64], count: usize) {
+    pub fn solve(&self, right_hand_sides: &mut [f64], count: usize, work: &mut Workspace) {
         match &self.values {
             Values::Single(values) => {
-                let mut single: Vec<f32> = right_hand_sides.iter().map(|&b| b as f32).collect();
-                self.solve_with(values, &mut single, count);
-                for (x, single) in right_hand_sides.iter_mut().zip(single) {
-                    *x = single.into();
+                let mut single = work.scratch_f32(right_hand_sides.len());
+                for (single, b) in single.iter_mut().zip(right_hand_sides.iter()) {
+                    *single = *b as f32;
                 }
+                self.solve_with(values, &mut single, count, work);
+                for (x, single) in right_hand_sides.iter_mut().zip(&single) {
+                    *x = (*single).into();
+                }
+                work.give_f32(single);
             }
-            Values::Double(values) => self.solve_with(values, right_hand_sides, count),
+            Values::Double(values) => self.solve_with(values, right_hand_sides, count, work),
         }
     }
 
-    fn solve_with<T: Scalar>(&self, values: &[T], right_hand_sides: &mut [T], count: usize) {
+    fn solve_with<T: Scalar>(
+        &self,
+        values: &[T],
+        right_hand_sides: &mut [T],
+        count: usize,
+        work: &mut Workspace,
+    ) {
         let scratch = self.symbolic.solve_in_place_scratch::<T>(count, Par::Seq);
-        let mut memory = MemBuffer::new(scratch);
+        let mut memory = work.memory(scratch.unaligned_bytes_required());
         LltRef::<u32, T>::new(&self.symbolic, values).solve_in_place_with_conj(
             Conj::No,
             MatMut::from_column_major_slice_mut(right_hand_sides, self.size, count),
             Par::Seq,
-            MemStack::new(&mut memory),
+            MemStack::new_any(&mut memory),
         );
+        work.give_memory(memory);
     }
 
     /// The lower triangular trailing block of L: its last `count` rows and
@@ -284,7 +295,7 @@ mod tests {
         let x = super::super::vector::reproducible_noise(162);
         let mut b = product(&matrix, &x[..81]);
         b.extend(product(&matrix, &x[81..]));
-        factor.solve(&mut b, 2);
+        factor.solve(&mut b, 2, &mut Workspace::new());
         for (value, exact) in b.iter().zip(&x) {
             assert!((value - exact).abs() < 1e-12);
         }
@@ -298,7 +309,7 @@ mod tests {
             SparseCholesky::new(&matrix, &order, Precision::Single).expect("positive definite");
         let x = super::super::vector::reproducible_noise(81);
         let mut b = product(&matrix, &x);
-        factor.solve(&mut b, 1);
+        factor.solve(&mut b, 1, &mut Workspace::new());
         for (value, exact) in b.iter().zip(&x) {
             assert!((value - exact).abs() < 1e-5);
         }
@@ -317,7 +328,7 @@ mod tests {
         for (j, &column) in last.iter().enumerate() {
             let mut unit = vec![0.0; 49];
             unit[column as usize] = 1.0;
-            factor.solve(&mut unit, 1);
+            factor.solve(&mut unit, 1, &mut Workspace::new());
             for (i, &row) in last.iter().enumerate() {
                 assert!((inverse.at(i, j) - unit[row as usize]).abs() < 1e-13);
             }

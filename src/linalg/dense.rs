@@ -1,7 +1,7 @@
 //! Small dense matrices, column by column, and their Cholesky factors.
 
 use faer::linalg::solvers::{Llt, Solve};
-use faer::{Mat, MatMut, MatRef, Side};
+use faer::{MatMut, MatRef, Side};
 
 use super::FactoriseError;
 
@@ -76,22 +76,27 @@ impl DenseMatrix {
         part
     }
 
-    /// `A^-1` of a lower triangular factor product: `(L L^T)^-1`, for `self = L`.
+    /// `(L L^T)^-1` for a lower triangular `self = L`.
     pub fn inverse_of_product(&self) -> Self {
-        let size = self.rows;
-        let factor = self.view();
-        let mut inverse = Mat::<f64>::identity(size, size);
+        let mut identity = Self::zeros(self.rows, self.rows);
+        (0..self.rows).for_each(|i| *identity.at_mut(i, i) = 1.0);
+        self.inverse_of_product_on(identity)
+    }
+
+    /// `R^T (L L^T)^-1 R` for a lower triangular `self = L`; spends `right`.
+    pub fn inverse_of_product_on(&self, mut right: Self) -> Self {
+        let size = right.columns;
         faer::linalg::triangular_solve::solve_lower_triangular_in_place(
-            factor,
-            inverse.as_mut(),
+            self.view(),
+            MatMut::from_column_major_slice_mut(&mut right.values, self.rows, size),
             faer::Par::Seq,
         );
         let mut product = Self::zeros(size, size);
         faer::linalg::matmul::matmul(
             MatMut::from_column_major_slice_mut(&mut product.values, size, size),
             faer::Accum::Replace,
-            inverse.transpose(),
-            inverse.as_ref(),
+            right.view().transpose(),
+            right.view(),
             1.0,
             faer::Par::Seq,
         );

@@ -1,11 +1,14 @@
 //! Scratch vectors that are handed out and given back, so that an iteration
 //! allocates nothing once its first round has passed.
 
+use std::mem::MaybeUninit;
+
 /// A pool of vectors. Not shared: each session owns one.
 #[derive(Debug, Default)]
 pub struct Workspace {
     free: Vec<Vec<f64>>,
     free_f32: Vec<Vec<f32>>,
+    free_memory: Vec<Vec<MaybeUninit<f64>>>,
 }
 
 impl Workspace {
@@ -55,11 +58,24 @@ impl Workspace {
         self.free_f32.push(vector);
     }
 
+    /// At least `bytes` of memory for a factor's solve.
+    pub(super) fn memory(&mut self, bytes: usize) -> Vec<MaybeUninit<f64>> {
+        let mut memory = reuse(&mut self.free_memory, bytes.div_ceil(8));
+        memory.resize(bytes.div_ceil(8), MaybeUninit::uninit());
+        memory
+    }
+
+    /// [`Self::give`] of memory.
+    pub(super) fn give_memory(&mut self, memory: Vec<MaybeUninit<f64>>) {
+        self.free_memory.push(memory);
+    }
+
     /// Bytes held by the pool.
     pub fn bytes(&self) -> u64 {
         let double: usize = self.free.iter().map(Vec::capacity).sum();
         let single: usize = self.free_f32.iter().map(Vec::capacity).sum();
-        (8 * double + 4 * single) as u64
+        let memory: usize = self.free_memory.iter().map(Vec::capacity).sum();
+        (8 * (double + memory) + 4 * single) as u64
     }
 }
 

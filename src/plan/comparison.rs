@@ -55,6 +55,7 @@ pub(crate) struct ComparisonData {
     pub(crate) pressure: ComparisonPressure,
     /// A11^-1 on the contact vertices; empty without contact.
     pub(crate) compliance: DenseMatrix,
+    pub(crate) contact_normals: Vec<[f64; 3]>,
     p1_bytes: u64,
     p1_part: &'static str,
     seconds: Seconds,
@@ -99,6 +100,7 @@ impl ComparisonData {
                 moduli: &moduli,
                 held: &held[..on_p1],
             },
+            cancel,
         )?;
         poll()?;
         let assembling = Instant::now();
@@ -123,6 +125,7 @@ impl ComparisonData {
             trace,
             geometry,
             compliance: p1.compliance,
+            contact_normals: p1.normals,
             stiffness: Eliminated {
                 matrix,
                 held: held.clone(),

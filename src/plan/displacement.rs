@@ -10,12 +10,13 @@ use super::Plan;
 use super::saddle::Demand;
 use crate::assembly::edge_stiffness::edge_blocks;
 use crate::assembly::grid::Basis;
+use crate::assembly::node_couplings::node_couplings;
 use crate::assembly::{CellGeometry, CellModuli, Grid, Stiffness};
 use crate::linalg::{Preconditioner, Workspace};
 use crate::mesh::Mesh;
 use crate::precond::hierarchical::{Additive, Multiplicative, Splitting, Symmetric, edge_sweep};
 use crate::precond::symmetric_blocks::NodePairs;
-use crate::precond::{NodeBlocks, PMultigrid, Transfer};
+use crate::precond::{AlongLines, NodeBlocks, PMultigrid, Transfer, lines};
 use crate::space::TaylorHood;
 
 /// Preconditioners of the displacement block.
@@ -124,11 +125,7 @@ impl DisplacementBody<'_> {
 /// The preconditioner that `plan` chose, and its bytes without the P1 solver.
 pub(super) fn build(plan: &Plan, body: DisplacementBody<'_>) -> (Arc<dyn Preconditioner>, u64) {
     match plan.displacement {
-        DisplacementMethod::PMultigrid => {
-            let built = p_multigrid(plan, body);
-            let bytes = built.bytes();
-            (Arc::new(built), bytes)
-        }
+        DisplacementMethod::PMultigrid => p_multigrid(plan, &body),
         DisplacementMethod::HierarchicalSsor => {
             let (splitting, bytes) = splitting(body);
             (Arc::new(Symmetric(splitting)), bytes)
@@ -144,21 +141,69 @@ pub(super) fn build(plan: &Plan, body: DisplacementBody<'_>) -> (Arc<dyn Precond
     }
 }
 
-fn p_multigrid(plan: &Plan, body: DisplacementBody<'_>) -> PMultigrid {
+fn p_multigrid(plan: &Plan, body: &DisplacementBody<'_>) -> (Arc<dyn Preconditioner>, u64) {
     let transfer = Transfer::new(
         body.space.vertices,
         body.space.components,
         body.space.edges.clone(),
         body.held.clone(),
     );
-    PMultigrid::new(
+    let inner = Arc::new(PMultigrid::new(
         Arc::new(body.stiffness(Basis::Lagrange)),
         body.node_blocks.clone(),
-        body.p1,
-        transfer,
+        body.p1.clone(),
+        transfer.clone(),
         plan.smoother_degree,
         &mut Workspace::new(),
-    )
+    ));
+    let bytes = inner.bytes();
+    let around = plan
+        .smooths_along_lines()
+        .then(|| lines_around(plan, body, transfer, inner.clone()));
+    match around.flatten() {
+        Some(lines) => {
+            let bytes = lines.bytes() + body.node_blocks.bytes();
+            (Arc::new(lines), bytes)
+        }
+        None => (inner, bytes),
+    }
+}
+
+/// `inner` between smoothings along strongly coupled nodes, where there are
+/// groups of them.
+fn lines_around(
+    plan: &Plan,
+    body: &DisplacementBody<'_>,
+    transfer: Transfer,
+    inner: Arc<PMultigrid>,
+) -> Option<AlongLines> {
+    let couplings = node_couplings(body.mesh, body.space, body.geometry, body.moduli);
+    let scale = plan.units.coordinate_scale;
+    let coordinates: Vec<[f64; 3]> = (0..body.space.nodes())
+        .map(|node| node_position(body.mesh, body.space, node).map(|x| x * scale))
+        .collect();
+    let nodes = lines::NodePairs {
+        components: body.space.components,
+        coordinates: &coordinates,
+        pairs: &couplings.pairs,
+        off: &couplings.off,
+        diagonal: &couplings.diagonal,
+        held: body.held,
+    };
+    let operator = Arc::new(body.stiffness(Basis::Hierarchical));
+    AlongLines::new(&nodes, operator, transfer, inner, &mut Workspace::new())
+}
+
+/// Position of a vertex or of the middle of an edge.
+fn node_position(mesh: &Mesh, space: &TaylorHood, node: usize) -> [f64; 3] {
+    let at = |vertex: u32| mesh.coordinates()[vertex as usize];
+    match node.checked_sub(space.vertices) {
+        None => at(node as u32),
+        Some(edge) => {
+            let [a, b] = space.edges[edge].map(at);
+            std::array::from_fn(|i| 0.5 * (a[i] + b[i]))
+        }
+    }
 }
 
 fn splitting(body: DisplacementBody<'_>) -> (Splitting, u64) {

@@ -9,21 +9,24 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::saddle::Demand;
-use super::{Plan, estimate};
+use super::{Plan, PrepareError, estimate};
 use crate::assembly::p1_stiffness::{P1Blocks, p1_blocks};
 use crate::assembly::{CellGeometry, CellModuli};
+use crate::contact::surface::vertex_normals;
 use crate::linalg::cholesky::Precision;
 use crate::linalg::{DenseMatrix, FactoriseError, Preconditioner};
 use crate::mesh::Mesh;
 use crate::precond::p1::{
-    AmgError, AmgP1, DirectP1, VertexBlocks, incomplete_cholesky_cg, vertex_order,
+    AmgError, AmgP1, DirectP1, Traces, VertexBlocks, incomplete_cholesky_cg, vertex_order,
 };
+use crate::report::{CancelToken, Termination};
 use crate::space::TaylorHood;
 
 /// Flops below which the factor takes less time than the multigrid saves.
 const CHEAP_FACTOR: f64 = 1e9;
 /// Bytes of the largest factor. Contact is worth any factor that fits: columns
-/// of the compliance by multigrid take ten times as long (hertz-sphere l5).
+/// of the compliance by multigrid take three to four times as long (hertz-sphere
+/// l5, l6).
 const LARGEST_FACTOR: f64 = 4e9;
 /// Flops of a factor that contrast or poor cells are worth.
 const DEAREST_FACTOR: f64 = 4e11;
@@ -143,8 +146,10 @@ pub(super) fn choose(asked: &str, sizes: P1Sizes) -> P1Choice {
 /// A solver of the P1 block and what came with it.
 pub(super) struct P1Built {
     pub(super) solver: Arc<dyn Preconditioner>,
-    /// A11^-1 on the contact vertices; empty without contact.
+    /// A11^-1 on the contact vertices along `normals`; empty without contact.
     pub(super) compliance: DenseMatrix,
+    /// Directions of `compliance`.
+    pub(super) normals: Vec<[f64; 3]>,
     /// Bytes of the solver.
     pub(super) bytes: u64,
     /// Name of the data.
@@ -167,25 +172,60 @@ pub(super) struct P1Body<'a> {
 
 /// Assembles A11 and builds the solver that `plan` chose, or the factor where
 /// multigrid does not serve.
-pub(super) fn build(plan: &Plan, body: P1Body<'_>) -> Result<P1Built, FactoriseError> {
+pub(super) fn build(
+    plan: &Plan,
+    body: P1Body<'_>,
+    cancel: &CancelToken,
+) -> Result<P1Built, PrepareError> {
     let start = Instant::now();
     let shift = if plan.is_floating() { SHIFT } else { 0.0 };
     let blocks = p1_blocks(body.mesh, body.space, body.geometry, body.moduli, shift);
     let assemble = start.elapsed().as_secs_f64();
+    let normals = contact_normals(plan, body);
+    let traces = Traces {
+        vertices: &plan.contact_vertices,
+        directions: &normals,
+    };
     let mut built = match plan.p1.solver {
-        P1Solver::Direct => direct(plan, body, &blocks)?,
-        P1Solver::Amg => match multigrid(plan, body, &blocks) {
-            Ok(built) => built,
-            Err(_) => direct(plan, body, &blocks)?,
+        P1Solver::Direct => direct(plan, body, &blocks, &traces)?,
+        P1Solver::Amg => match hierarchy(body, &blocks) {
+            Ok(cycle) => multigrid(cycle, &traces, cancel)?,
+            Err(_) => direct(plan, body, &blocks, &traces)?,
         },
         P1Solver::IcCg => incomplete(body, &blocks),
     };
+    built.normals = normals;
     built.assemble = assemble;
     built.factorise = start.elapsed().as_secs_f64() - assemble;
     Ok(built)
 }
 
-fn direct(plan: &Plan, body: P1Body<'_>, blocks: &P1Blocks) -> Result<P1Built, FactoriseError> {
+/// Normals of the candidate surface, zero in held components.
+fn contact_normals(plan: &Plan, body: P1Body<'_>) -> Vec<[f64; 3]> {
+    let facets = plan.resolved.obstacle_facets.iter().flatten();
+    let mut normals = vertex_normals(
+        body.mesh,
+        plan.units.coordinate_scale,
+        facets.map(|&facet| body.mesh.facet(facet as usize)),
+        &plan.contact_vertices,
+    );
+    let c = body.space.components as u32;
+    for (normal, &vertex) in normals.iter_mut().zip(&plan.contact_vertices) {
+        for (component, unknown) in normal.iter_mut().zip(vertex * c..(vertex + 1) * c) {
+            if body.held.binary_search(&unknown).is_ok() {
+                *component = 0.0;
+            }
+        }
+    }
+    normals
+}
+
+fn direct(
+    plan: &Plan,
+    body: P1Body<'_>,
+    blocks: &P1Blocks,
+    traces: &Traces<'_>,
+) -> Result<P1Built, FactoriseError> {
     let c = body.space.components;
     let matrix = blocks.lower_columns(body.space, body.held);
     let order = vertex_order(
@@ -202,7 +242,8 @@ fn direct(plan: &Plan, body: P1Body<'_>, blocks: &P1Blocks) -> Result<P1Built, F
         Precision::Double => factorise(Precision::Double)?,
     };
     Ok(P1Built {
-        compliance: factor.compliance_of_last(plan.contact_vertices.len() * c),
+        compliance: factor.compliance(traces, c),
+        normals: Vec::new(),
         bytes: factor.bytes(),
         solver: Arc::new(factor),
         part: P1Solver::Direct.part(),
@@ -227,6 +268,7 @@ fn incomplete(body: P1Body<'_>, blocks: &P1Blocks) -> P1Built {
     let (solver, bytes) = incomplete_cholesky_cg(&vertex_blocks(body, blocks));
     P1Built {
         compliance: DenseMatrix::zeros(0, 0),
+        normals: Vec::new(),
         bytes,
         solver,
         part: P1Solver::IcCg.part(),
@@ -235,20 +277,26 @@ fn incomplete(body: P1Body<'_>, blocks: &P1Blocks) -> P1Built {
     }
 }
 
-fn multigrid(plan: &Plan, body: P1Body<'_>, blocks: &P1Blocks) -> Result<P1Built, AmgError> {
-    let c = body.space.components as u32;
+/// Multigrid in single precision, or in double where that overshoots.
+fn hierarchy(body: P1Body<'_>, blocks: &P1Blocks) -> Result<AmgP1, AmgError> {
     let view = vertex_blocks(body, blocks);
-    let cycle = match AmgP1::new(&view, Precision::Single) {
-        Err(AmgError::Indefinite) => AmgP1::new(&view, Precision::Double)?,
-        other => other?,
-    };
-    let contact: Vec<u32> = plan
-        .contact_vertices
-        .iter()
-        .flat_map(|&vertex| (0..c).map(move |i| vertex * c + i))
-        .collect();
+    match AmgP1::new(&view, Precision::Single) {
+        Err(AmgError::Indefinite) => AmgP1::new(&view, Precision::Double),
+        other => other,
+    }
+}
+
+fn multigrid(
+    cycle: AmgP1,
+    traces: &Traces<'_>,
+    cancel: &CancelToken,
+) -> Result<P1Built, PrepareError> {
+    let compliance = cycle
+        .compliance(traces, &|| cancel.stopped().is_none())
+        .ok_or_else(|| PrepareError::Stopped(cancel.stopped().unwrap_or(Termination::Cancelled)))?;
     Ok(P1Built {
-        compliance: cycle.inverse_on(&contact),
+        compliance,
+        normals: Vec::new(),
         bytes: cycle.bytes(),
         solver: Arc::new(cycle),
         part: P1Solver::Amg.part(),

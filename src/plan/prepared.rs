@@ -9,6 +9,7 @@ use super::displacement::{self, DisplacementBody};
 use super::p1::{self, P1Body};
 use crate::assembly::grid::{Basis, Rows};
 use crate::assembly::mass::weighted_mass;
+use crate::assembly::node_moduli::softness;
 use crate::assembly::p1_stiffness::node_blocks;
 use crate::assembly::{Body, CellGeometry, CellModuli, Divergence, Grid, Stiffness};
 use crate::linalg::vector::norm;
@@ -59,9 +60,10 @@ pub(crate) struct Prepared {
     pub(crate) displacement: Arc<dyn Preconditioner>,
     pub(crate) node_blocks: NodeBlocks,
     pub(crate) pressure: Option<PressureBlock>,
-    /// A11^-1 on the contact vertices; empty without contact.
+    /// A11^-1 on the contact vertices along `contact_normals`; empty without contact.
     pub(crate) compliance: DenseMatrix,
     displacement_bytes: u64,
+    pub(crate) contact_normals: Vec<[f64; 3]>,
     p1_bytes: u64,
     p1_part: &'static str,
     seconds: Seconds,
@@ -97,17 +99,15 @@ impl Prepared {
         let moduli = moduli(plan);
         let held: Arc<[u32]> = plan.held.iter().map(|&(unknown, _)| unknown).collect();
         poll()?;
+        let body = P1Body {
+            mesh,
+            space: &space,
+            geometry: &geometry,
+            moduli: &moduli,
+            held: &held,
+        };
         let (p1, (grid, blocks)) = rayon::join(
-            || {
-                let body = P1Body {
-                    mesh,
-                    space: &space,
-                    geometry: &geometry,
-                    moduli: &moduli,
-                    held: &held,
-                };
-                p1::build(plan, body)
-            },
+            || p1::build(plan, body, cancel),
             || {
                 let grid = Arc::new(Grid::new(mesh, &space, &geometry, &moduli, &held));
                 let blocks = node_blocks(mesh, &space, &geometry, &moduli, &held);
@@ -148,6 +148,7 @@ impl Prepared {
             pressure,
             compliance: p1.compliance,
             displacement_bytes,
+            contact_normals: p1.normals,
             p1_bytes: p1.bytes,
             p1_part: p1.part,
             seconds: Seconds {
@@ -171,6 +172,7 @@ impl Prepared {
             + self.displacement_bytes
             + self.node_blocks.bytes()
             + self.compliance.bytes()
+            + 24 * self.contact_normals.len() as u64
             + pressure
             + (8 * self.space.edges.len() + 4 * self.held.len() + self.is_held.len()) as u64
     }
@@ -240,7 +242,18 @@ fn pressure_block(
     stiffness: &Stiffness,
 ) -> PressureBlock {
     let step = plan.displacement.pressure_step() + plan.penalty();
-    let schur = |cell: usize| 1.0 / (step * moduli.shear[cell]) + moduli.inverse_lame[cell];
+    let is_homogeneous = moduli
+        .shear
+        .windows(2)
+        .all(|pair| pair[0].to_bits() == pair[1].to_bits());
+    let softness = match is_homogeneous {
+        true => Vec::new(),
+        false => softness(mesh, space, geometry, moduli),
+    };
+    let schur = |cell: usize| match is_homogeneous {
+        true => 1.0 / (step * moduli.shear[cell]) + moduli.inverse_lame[cell],
+        false => softness[cell] / step + moduli.inverse_lame[cell],
+    };
     let compressible = moduli.inverse_lame.iter().any(|&inverse| inverse != 0.0);
     let coupling = Divergence {
         grid: stiffness.grid.clone(),

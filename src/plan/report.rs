@@ -116,7 +116,10 @@ impl Plan {
     }
 
     fn push_smoother(&self, push: &mut dyn FnMut(&str, String, &str)) {
-        let (name, reason) = self.displacement.describe(self.smoother_degree);
+        let (mut name, reason) = self.displacement.describe(self.smoother_degree);
+        if self.smooths_along_lines() {
+            name.push_str(", along short edges");
+        }
         push("displacement_preconditioner", name, reason);
     }
 

@@ -11,7 +11,8 @@ use crate::scene::validate::Resolved;
 pub struct Units {
     /// Longest side of the scaled body.
     pub length: f64,
-    /// Largest shear modulus.
+    /// Smallest shear modulus: the displacement residual is then not small beside
+    /// the volume residual anywhere in the body, and both fall together.
     pub stress: f64,
     /// Multiplies uploaded coordinates to make them non-dimensional.
     pub coordinate_scale: f64,
@@ -24,7 +25,7 @@ impl Units {
         let shear = resolved.materials.iter().map(|m| m.law.shear_modulus);
         Self {
             length: mesh.extent() * scene.mesh_scale.unwrap_or(1.0),
-            stress: shear.fold(0.0, f64::max),
+            stress: shear.fold(f64::INFINITY, f64::min),
             coordinate_scale: 1.0 / mesh.extent(),
             dimension: mesh.cell_kind().dimension(),
         }

@@ -2,7 +2,8 @@
 //! K = 0.7 (C1 A11^-1 C1^T + C2 D22^-1 C2^T) of the contact surface.
 //!
 //! C1, C2: the coupling's columns at vertices and edges; A11^-1 only on the
-//! contact vertices; D22: node blocks of the edges. The edge part keeps the
+//! contact vertices and along the surface's normals, which is what a metric
+//! needs where the obstacle's normals are not far from them; D22: node blocks of the edges. The edge part keeps the
 //! metric regular where the rim of the surface is held. The factor brings the
 //! largest eigenvalue against the incompressible body near one. Condition 2 to
 //! 3, independent of the mesh size. Cost O(m^2) for m multipliers.
@@ -10,6 +11,7 @@
 use rayon::prelude::*;
 
 use super::NodeBlocks;
+use super::p1::Traces;
 use crate::linalg::{DenseMatrix, LinearOperator, SparseRows};
 
 const SCALE: f64 = 0.7;
@@ -18,10 +20,10 @@ const REGULARISATION: f64 = 1e-10;
 
 /// What the compliance is made of.
 pub struct ComplianceParts<'a> {
-    /// A11^-1 on contact vertices, unknown by unknown.
+    /// A11^-1 on `traces`.
     pub vertex_inverse: &'a DenseMatrix,
-    /// Contact vertices in the order of `vertex_inverse`.
-    pub vertices: &'a [u32],
+    /// Contact vertices with their normals.
+    pub traces: Traces<'a>,
     /// Inverted Lagrange node blocks of all nodes.
     pub node_blocks: &'a NodeBlocks,
     /// Nodes below are vertices, the others edges.
@@ -59,24 +61,29 @@ pub fn compliance(parts: &ComplianceParts<'_>, coupling: &SparseRows) -> DenseMa
     matrix
 }
 
-/// Rows of the coupling on the unknowns of contact vertices.
+/// Rows of the coupling on the traces: trace and sum over its direction.
 fn vertex_rows(parts: &ComplianceParts<'_>, coupling: &SparseRows) -> Vec<Vec<(u32, f64)>> {
     let c = parts.node_blocks.components() as u32;
-    let mut index_of = std::collections::HashMap::new();
-    for (index, &vertex) in parts.vertices.iter().enumerate() {
-        index_of.insert(vertex, index as u32);
+    let mut trace_of = std::collections::HashMap::new();
+    for (trace, &vertex) in parts.traces.vertices.iter().enumerate() {
+        trace_of.insert(vertex, trace as u32);
     }
     (0..coupling.rows())
         .map(|row| {
             let (columns, values) = coupling.row(row);
-            columns
-                .iter()
-                .zip(values)
-                .filter_map(|(&unknown, &value)| {
-                    let index = index_of.get(&(unknown / c))?;
-                    Some((index * c + unknown % c, value))
-                })
-                .collect()
+            let mut entries: Vec<(u32, f64)> = Vec::new();
+            for (&unknown, &value) in columns.iter().zip(values) {
+                let Some(&trace) = trace_of.get(&(unknown / c)) else {
+                    continue;
+                };
+                let direction = parts.traces.directions[trace as usize];
+                let along = value * direction[unknown as usize % c as usize];
+                match entries.last_mut() {
+                    Some(last) if last.0 == trace => last.1 += along,
+                    _ => entries.push((trace, along)),
+                }
+            }
+            entries
         })
         .collect()
 }

@@ -10,6 +10,7 @@ mod counted;
 pub mod enriched;
 pub mod fractional;
 pub mod hierarchical;
+pub mod lines;
 pub mod node_blocks;
 pub mod p1;
 pub mod p_multigrid;
@@ -20,6 +21,7 @@ pub mod transfer;
 pub mod triangular_sweep;
 
 pub use counted::Counted;
+pub use lines::AlongLines;
 pub use node_blocks::NodeBlocks;
 pub use p_multigrid::PMultigrid;
 pub use transfer::Transfer;

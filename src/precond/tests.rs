@@ -2,7 +2,7 @@
 
 use super::NodeBlocks;
 use super::compliance::{ComplianceParts, compliance};
-use super::p1::{DirectP1, vertex_order};
+use super::p1::{DirectP1, Traces, vertex_order};
 use crate::assembly::p1_stiffness::{node_blocks, p1_stiffness};
 use crate::assembly::{CellGeometry, CellModuli};
 use crate::linalg::cholesky::Precision;
@@ -117,20 +117,57 @@ fn the_factor_solves_the_p1_block() {
     }
 }
 
+/// A unit vector for each contact vertex.
+fn directions(sample: &Sample) -> Vec<[f64; 3]> {
+    let noise = reproducible_noise(2 * sample.contact.len());
+    let pairs = noise.chunks(2);
+    let unit = |pair: &[f64]| {
+        let length = (pair[0] * pair[0] + pair[1] * pair[1]).sqrt();
+        match sample.space.components {
+            2 => [pair[0] / length, pair[1] / length, 0.0],
+            _ => [0.6 * pair[0] / length, 0.8, 0.6 * pair[1] / length],
+        }
+    };
+    pairs.map(unit).collect()
+}
+
 #[test]
-fn the_last_block_of_the_factor_gives_the_inverse_on_the_contact_vertices() {
+fn the_last_block_of_the_factor_gives_the_inverse_along_directions() {
     for sample in samples() {
         let c = sample.space.components;
-        let found = sample.factor.compliance_of_last(sample.contact.len() * c);
+        let directions = directions(&sample);
+        let traces = Traces {
+            vertices: &sample.contact,
+            directions: &directions,
+        };
+        let found = sample.factor.compliance(&traces, c);
         let inverse = sample.inverse();
-        let index = |k: usize| sample.contact[k / c] as usize * c + k % c;
         for i in 0..found.rows() {
             for j in 0..found.columns() {
-                let exact = inverse.at(index(i), index(j));
+                let exact = along(&sample, &inverse, &directions, i, j);
                 assert!((found.at(i, j) - exact).abs() < 1e-12, "{i} {j}");
             }
         }
     }
+}
+
+/// The inverse between two contact vertices along their directions.
+fn along(
+    sample: &Sample,
+    inverse: &DenseMatrix,
+    directions: &[[f64; 3]],
+    i: usize,
+    j: usize,
+) -> f64 {
+    let c = sample.space.components;
+    let index = |trace: usize, k: usize| sample.contact[trace] as usize * c + k;
+    let mut sum = 0.0;
+    for k in 0..c {
+        for l in 0..c {
+            sum += directions[i][k] * inverse.at(index(i, k), index(j, l)) * directions[j][l];
+        }
+    }
+    sum
 }
 
 #[test]
@@ -138,10 +175,15 @@ fn the_compliance_is_that_of_vertices_and_edges_apart() {
     for sample in samples() {
         let c = sample.space.components;
         let coupling = sample.coupling();
-        let vertex_inverse = sample.factor.compliance_of_last(sample.contact.len() * c);
+        let directions = directions(&sample);
+        let traces = Traces {
+            vertices: &sample.contact,
+            directions: &directions,
+        };
+        let vertex_inverse = sample.factor.compliance(&traces, c);
         let parts = ComplianceParts {
             vertex_inverse: &vertex_inverse,
-            vertices: &sample.contact,
+            traces,
             node_blocks: &sample.blocks,
             vertex_count: sample.space.vertices,
         };
@@ -150,7 +192,14 @@ fn the_compliance_is_that_of_vertices_and_edges_apart() {
         let entry = |a: u32, b: u32| {
             let (node, other) = (a as usize / c, b as usize / c);
             if node < sample.space.vertices && other < sample.space.vertices {
-                inverse.at(a as usize, b as usize)
+                // Only the parts along the directions, seen from both sides.
+                let trace = |node: usize| {
+                    let found = sample.contact.binary_search(&(node as u32));
+                    found.expect("couplings reach contact vertices only")
+                };
+                let (i, j) = (trace(node), trace(other));
+                let parts = directions[i][a as usize % c] * directions[j][b as usize % c];
+                parts * along(&sample, &inverse, &directions, i, j)
             } else if node == other {
                 sample.blocks.block(node)[a as usize % c * c + b as usize % c]
             } else {

@@ -16,6 +16,7 @@ use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::precond::compliance::{ComplianceParts, compliance};
 use crate::precond::fractional::fractional;
+use crate::precond::p1::Traces;
 
 /// What the power iteration may miss of the compliance's largest ratio: without it
 /// fixed steps diverge on a compressible block.
@@ -188,7 +189,10 @@ impl ContactMetric {
 fn compliance_of(context: &Context<'_>, coupling: &SparseRows) -> DenseMatrix {
     let parts = ComplianceParts {
         vertex_inverse: &context.prepared.compliance,
-        vertices: &context.plan.contact_vertices,
+        traces: Traces {
+            vertices: &context.plan.contact_vertices,
+            directions: &context.prepared.contact_normals,
+        },
         node_blocks: &context.prepared.node_blocks,
         vertex_count: context.prepared.space.vertices,
     };

@@ -97,6 +97,74 @@ pub(crate) fn moved(mut parts: MeshParts, motion: impl Fn([f64; 3]) -> [f64; 3])
     parts
 }
 
+/// The unit cube with its inner vertices moved at random by up to 0.6 cell
+/// sizes, less where a cell would turn over: slivers of mean ratio 1e-2.
+pub(crate) fn slivers(count: usize) -> MeshParts {
+    let straight = cube(count);
+    let size = 1.0 / count as f64;
+    let mut moves = irregular(straight.clone(), count).coordinates;
+    for (moved, point) in moves.iter_mut().zip(&straight.coordinates) {
+        let is_inner = point.iter().all(|x| *x > 1e-9 && *x < 1.0 - 1e-9);
+        let factor = if is_inner { 0.6 / MOVE } else { 0.0 };
+        *moved = std::array::from_fn(|i| factor * (moved[i] - point[i]));
+    }
+    loop {
+        let mut parts = straight.clone();
+        for (point, by) in parts.coordinates.iter_mut().zip(&moves) {
+            *point = std::array::from_fn(|i| point[i] + by[i]);
+        }
+        let is_thin = |cell: &&[u32]| volume(&parts, cell) <= 3e-5 / 6.0 * size.powi(3);
+        let thin: Vec<u32> = parts
+            .cells
+            .chunks(4)
+            .filter(is_thin)
+            .flatten()
+            .copied()
+            .collect();
+        if thin.is_empty() {
+            return parts;
+        }
+        for vertex in thin {
+            moves[vertex as usize] = moves[vertex as usize].map(|by| 0.7 * by);
+        }
+    }
+}
+
+fn volume(parts: &MeshParts, cell: &[u32]) -> f64 {
+    let [a, b, c, d] = [0, 1, 2, 3].map(|k| parts.coordinates[cell[k] as usize]);
+    let edge = |point: [f64; 3]| [0, 1, 2].map(|i| point[i] - a[i]);
+    let (u, v, w) = (edge(b), edge(c), edge(d));
+    let minor = |i: usize, j: usize| v[i] * w[j] - v[j] * w[i];
+    (u[0] * minor(1, 2) - u[1] * minor(0, 2) + u[2] * minor(0, 1)) / 6.0
+}
+
+/// `parts` with the cells whose centre is `inside` in a group of their own.
+pub(crate) fn with_inclusion(
+    mut parts: MeshParts,
+    name: &str,
+    inside: impl Fn([f64; 3]) -> bool,
+) -> MeshParts {
+    let centre = |&cell: &u32| -> [f64; 3] {
+        let corners = &parts.cells[4 * cell as usize..4 * cell as usize + 4];
+        let sum = |i: usize| {
+            corners
+                .iter()
+                .map(|&v| parts.coordinates[v as usize][i])
+                .sum::<f64>()
+        };
+        [0, 1, 2].map(|i| sum(i) / 4.0)
+    };
+    let all = std::mem::take(&mut parts.groups[0].members);
+    let (members, rest) = all.into_iter().partition(|cell| inside(centre(cell)));
+    parts.groups[0].members = rest;
+    parts.groups.push(Group {
+        name: name.to_owned(),
+        kind: GroupKind::Cells,
+        members,
+    });
+    parts
+}
+
 /// A Gmsh file of `tests/meshes`.
 pub(crate) fn file(name: &str) -> Arc<Mesh> {
     mesh(file_parts(name))

@@ -4,6 +4,7 @@
 //! (A11^-1)_cc = L_cc^-T L_cc^-1: one factorisation gives both the solver and
 //! the compliance of the contact surface.
 
+use super::Traces;
 use crate::linalg::cholesky::{LowerColumns, Precision};
 use crate::linalg::ordering::{Graph, nested_dissection};
 use crate::linalg::{DenseMatrix, FactoriseError, Preconditioner, SparseCholesky, Workspace};
@@ -41,9 +42,17 @@ impl DirectP1 {
         })
     }
 
-    /// The block of A11^-1 on the `count` unknowns that are eliminated last.
-    pub fn compliance_of_last(&self, count: usize) -> DenseMatrix {
-        self.factor.trailing_block(count).inverse_of_product()
+    /// A11^-1 on `traces`, whose vertices must be the last in elimination order.
+    pub fn compliance(&self, traces: &Traces<'_>, components: usize) -> DenseMatrix {
+        let count = traces.vertices.len();
+        let mut directions = DenseMatrix::zeros(count * components, count);
+        for (column, direction) in traces.directions.iter().enumerate() {
+            for i in 0..components {
+                *directions.at_mut(column * components + i, column) = direction[i];
+            }
+        }
+        let last = self.factor.trailing_block(count * components);
+        last.inverse_of_product_on(directions)
     }
 
     /// Bytes held.
@@ -53,8 +62,8 @@ impl DirectP1 {
 }
 
 impl Preconditioner for DirectP1 {
-    fn apply(&self, r: &[f64], z: &mut [f64], _work: &mut Workspace) {
+    fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace) {
         z.copy_from_slice(r);
-        self.factor.solve(z, 1);
+        self.factor.solve(z, 1, work);
     }
 }

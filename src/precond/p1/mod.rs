@@ -10,3 +10,12 @@ mod incomplete;
 pub use amg::{AmgError, AmgP1, VertexBlocks};
 pub use direct::{DirectP1, vertex_order};
 pub use incomplete::{IncompleteCholeskyCg, incomplete_cholesky_cg};
+
+/// Displacements of surface vertices along one direction each.
+#[derive(Clone, Copy, Debug)]
+pub struct Traces<'a> {
+    /// Vertices.
+    pub vertices: &'a [u32],
+    /// Unit vectors, zero in held components `[vertices]`.
+    pub directions: &'a [[f64; 3]],
+}

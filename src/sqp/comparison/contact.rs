@@ -15,6 +15,7 @@ use crate::linalg::{DenseMatrix, LinearOperator, SparseRows, SparseRowsBuilder, 
 use crate::obstacle::{Moving, Obstacle};
 use crate::precond::NodeBlocks;
 use crate::precond::compliance::{ComplianceParts, compliance};
+use crate::precond::p1::Traces;
 use crate::report::{FieldName, ObstacleResult};
 
 /// Contact state of vertices that carry no multiplier.
@@ -100,7 +101,10 @@ impl Body<'_> {
     pub(super) fn compliance(&self, coupling: &SparseRows) -> DenseMatrix {
         let parts = ComplianceParts {
             vertex_inverse: &self.data.compliance,
-            vertices: &self.plan.contact_vertices,
+            traces: Traces {
+                vertices: &self.plan.contact_vertices,
+                directions: &self.data.contact_normals,
+            },
             node_blocks: &NodeBlocks::invert(self.data.space.components, Vec::new()),
             vertex_count: self.data.space.vertices,
         };

@@ -2,7 +2,8 @@
 //!
 //! A product reads every block once: 4 R C + 4 bytes per block in `f32`. Rows
 //! are summed one by one in ascending columns, so the bits of a product do not
-//! depend on the number of threads.
+//! depend on the number of threads. W vectors that share a product lie side by
+//! side, `[nodes, components, W]`: each keeps the bits it has alone.
 
 use rayon::prelude::*;
 
@@ -63,6 +64,45 @@ pub(super) fn in_pieces<T: Send>(rows: &mut [T], kernel: impl Fn(usize, &mut [T]
         .for_each(|(piece, rows)| kernel(piece * PIECE, rows));
 }
 
+/// W values, one for each of W vectors.
+pub(super) type Lanes<S, const W: usize> = [S; W];
+
+/// The nodes of W vectors of N components.
+pub(super) fn nodes<S, const N: usize, const W: usize>(x: &[S]) -> &[[Lanes<S, W>; N]] {
+    x.as_chunks::<W>().0.as_chunks::<N>().0
+}
+
+/// [`nodes`] to write to.
+pub(super) fn nodes_mut<S, const N: usize, const W: usize>(x: &mut [S]) -> &mut [[Lanes<S, W>; N]] {
+    x.as_chunks_mut::<W>().0.as_chunks_mut::<N>().0
+}
+
+/// Runs the kernel of one piece, of several vectors with the widest registers
+/// of the machine: they neither fuse nor reorder, so the bits stay.
+#[inline(always)]
+pub(super) fn wide<const W: usize>(kernel: impl FnOnce()) {
+    match W {
+        1 => kernel(),
+        _ => pulp::Arch::new().dispatch(kernel),
+    }
+}
+
+/// `y += block x` in every lane.
+#[inline(always)]
+pub(super) fn add_block_product<S: Scalar, const R: usize, const C: usize, const W: usize>(
+    y: &mut [Lanes<S, W>; R],
+    block: &Block<S, R, C>,
+    x: &[Lanes<S, W>; C],
+) {
+    for i in 0..R {
+        for j in 0..C {
+            for lane in 0..W {
+                y[i][lane] += block[i][j] * x[j][lane];
+            }
+        }
+    }
+}
+
 impl<S: Scalar, const R: usize, const C: usize> BlockRows<S, R, C> {
     /// Number of block rows.
     pub(super) fn rows(&self) -> usize {
@@ -76,17 +116,16 @@ impl<S: Scalar, const R: usize, const C: usize> BlockRows<S, R, C> {
     }
 
     /// One row times `x`.
-    #[inline]
-    pub(super) fn row_product(&self, row: usize, x: &[[S; C]]) -> [S; R] {
-        let mut sum = [S::default(); R];
+    #[inline(always)]
+    pub(super) fn row_product<const W: usize>(
+        &self,
+        row: usize,
+        x: &[[Lanes<S, W>; C]],
+    ) -> [Lanes<S, W>; R] {
+        let mut sum = [[S::default(); W]; R];
         let (columns, blocks) = self.row(row);
         for (&column, block) in columns.iter().zip(blocks) {
-            let x = &x[column as usize];
-            for i in 0..R {
-                for j in 0..C {
-                    sum[i] += block[i][j] * x[j];
-                }
-            }
+            add_block_product(&mut sum, block, &x[column as usize]);
         }
         sum
     }

@@ -4,7 +4,7 @@
 //! no scratch.
 
 use super::AmgError;
-use super::block_rows::BlockRows;
+use super::block_rows::{BlockRows, wide};
 use super::scalar::Scalar;
 use crate::linalg::SparseCholesky;
 use crate::linalg::cholesky::{LowerColumns, Precision};
@@ -35,14 +35,22 @@ impl<S: Scalar> Coarsest<S> {
         })
     }
 
-    /// `x = A^-1 r`.
-    pub(super) fn solve(&self, r: &[S], x: &mut [S]) {
+    /// `x = A^-1 r` for W vectors side by side.
+    pub(super) fn solve<const W: usize>(&self, r: &[S], x: &mut [S]) {
         x.fill(S::default());
-        for (column, &factor) in self.inverse.chunks_exact(self.size.max(1)).zip(r) {
-            for (sum, &entry) in x.iter_mut().zip(column) {
-                *sum += entry * factor;
-            }
-        }
+        let columns = self.inverse.chunks_exact(self.size.max(1));
+        wide::<W>(
+            #[inline(always)]
+            || {
+                for (column, r) in columns.zip(r.as_chunks::<W>().0) {
+                    for (sum, &entry) in x.as_chunks_mut::<W>().0.iter_mut().zip(column) {
+                        for lane in 0..W {
+                            sum[lane] += entry * r[lane];
+                        }
+                    }
+                }
+            },
+        );
     }
 
     /// Bytes held.

@@ -15,6 +15,7 @@
 mod aggregate;
 mod block_rows;
 mod coarsest;
+mod columns;
 mod cycle;
 mod galerkin;
 mod modes;
@@ -24,12 +25,12 @@ mod setup;
 mod smoother;
 mod strength;
 
+use super::Traces;
 use crate::linalg::cholesky::Precision;
-use crate::linalg::vector::{add_scaled, largest, scale_and_add};
+use crate::linalg::vector::largest;
 use crate::linalg::{DenseMatrix, FactoriseError, LinearOperator, Preconditioner, Workspace};
 use crate::precond::spectrum::{Interval, ritz_interval};
-use cycle::Hierarchy;
-use rayon::prelude::*;
+use cycle::{Hierarchy, Visits};
 use scalar::Scalar;
 
 /// Lanczos steps that judge a finished hierarchy.
@@ -39,8 +40,6 @@ const WORST_CONDITION: f64 = 30.0;
 /// In exact arithmetic no eigenvalue of cycle times matrix is above one; on flat
 /// cells (aspect 100) single precision overshoots to 2.4 and doubles the count.
 const OVERSHOOT: f64 = 1.3;
-/// Chebyshev steps for columns of the inverse.
-const COLUMN_STEPS: usize = 3;
 
 /// The P1 stiffness by vertices and edges, held components not yet eliminated.
 #[derive(Clone, Copy, Debug)]
@@ -100,6 +99,11 @@ trait Cycle: Preconditioner {
     fn matrix(&self) -> &dyn LinearOperator;
     fn levels(&self) -> Vec<LevelShape>;
     fn held_bytes(&self) -> u64;
+    fn compliance(
+        &self,
+        traces: &Traces<'_>,
+        proceed: &(dyn Fn() -> bool + Sync),
+    ) -> Option<DenseMatrix>;
 }
 
 /// A multigrid W-cycle for A11.
@@ -156,54 +160,14 @@ impl AmgP1 {
         self.cycle.held_bytes()
     }
 
-    /// A11^-1 on `unknowns`, to some per cent: a fixed polynomial of the
-    /// cycle, so that the result is symmetric positive definite up to rounding.
-    pub fn inverse_on(&self, unknowns: &[u32]) -> DenseMatrix {
-        let columns: Vec<Vec<f64>> = unknowns
-            .par_iter()
-            .map_init(Workspace::new, |work, &unknown| {
-                self.column(unknown, unknowns, work)
-            })
-            .collect();
-        let mut inverse = DenseMatrix::zeros(unknowns.len(), unknowns.len());
-        for (j, column) in columns.iter().enumerate() {
-            inverse.column_mut(j).copy_from_slice(column);
-        }
-        inverse
-    }
-
-    /// Column `unknown` of the inverse on `rows`, by Chebyshev steps on the
-    /// Ritz interval.
-    fn column(&self, unknown: u32, rows: &[u32], work: &mut Workspace) -> Vec<f64> {
-        let matrix = self.cycle.matrix();
-        let (low, high) = (0.8 * self.interval.smallest, 1.05 * self.interval.largest);
-        let (centre, half) = (0.5 * (high + low), 0.5 * (high - low));
-        let sigma = centre / half;
-        let mut rho = 1.0 / sigma;
-        let (mut keep, mut gain) = (0.0, 1.0 / centre);
-        let mut r = work.zeros(matrix.rows());
-        r[unknown as usize] = 1.0;
-        let mut x = work.zeros(r.len());
-        let mut d = work.zeros(r.len());
-        let mut z = work.scratch(r.len());
-        for step in 0..COLUMN_STEPS {
-            if step > 0 {
-                matrix.apply(&d, &mut z, work);
-                add_scaled(&mut r, -1.0, &z);
-            }
-            self.apply(&r, &mut z, work);
-            crate::linalg::vector::scale(&mut z, gain);
-            scale_and_add(&mut d, keep, &z);
-            add_scaled(&mut x, 1.0, &d);
-            let next = 1.0 / (2.0 * sigma - rho);
-            (keep, gain) = (next * rho, 2.0 * next / half);
-            rho = next;
-        }
-        let column = rows.iter().map(|&row| x[row as usize]).collect();
-        for vector in [r, x, d, z] {
-            work.give(vector);
-        }
-        column
+    /// About A11^-1 on `traces`: one cycle for each; none when `proceed` says
+    /// no on the way.
+    pub fn compliance(
+        &self,
+        traces: &Traces<'_>,
+        proceed: &(dyn Fn() -> bool + Sync),
+    ) -> Option<DenseMatrix> {
+        self.cycle.compliance(traces, proceed)
     }
 }
 
@@ -253,6 +217,14 @@ impl<S: Scalar, const N: usize, const K: usize> Cycle for Hierarchy<S, N, K> {
     fn held_bytes(&self) -> u64 {
         self.bytes()
     }
+
+    fn compliance(
+        &self,
+        traces: &Traces<'_>,
+        proceed: &(dyn Fn() -> bool + Sync),
+    ) -> Option<DenseMatrix> {
+        columns::compliance(self, traces, proceed)
+    }
 }
 
 impl<S: Scalar, const N: usize, const K: usize> Preconditioner for Hierarchy<S, N, K> {
@@ -269,7 +241,7 @@ impl<S: Scalar, const N: usize, const K: usize> Preconditioner for Hierarchy<S, 
         for (to, from) in residual.iter_mut().zip(r) {
             *to = S::narrow(from / scale);
         }
-        self.cycle(&mut residual, &mut x, work);
+        self.cycle::<1>(Visits::Two, &mut residual, &mut x, work);
         for (to, from) in z.iter_mut().zip(&x) {
             *to = from.widen() * scale;
         }

@@ -3,7 +3,7 @@
 
 use super::AmgError;
 use super::VertexBlocks;
-use super::aggregate::aggregate;
+use super::aggregate::{Aggregates, aggregate};
 use super::block_rows::{Block, BlockRows, Pattern};
 use super::coarsest::Coarsest;
 use super::cycle::{Hierarchy, Level};
@@ -12,7 +12,7 @@ use super::modes::{Modes, rigid_modes};
 use super::prolongate::{smoothed, tentative};
 use super::scalar::Scalar;
 use super::smoother::{Smoother, inverse_diagonal, largest_eigenvalue};
-use super::strength::couplings;
+use super::strength::{COARSE_THRESHOLD, THRESHOLD, couplings};
 use crate::linalg::Workspace;
 
 /// Nodes that are few enough for a dense inverse.
@@ -27,10 +27,11 @@ pub(super) fn hierarchy<S: Scalar, const N: usize, const K: usize>(
     blocks: &VertexBlocks<'_>,
 ) -> Result<Hierarchy<S, N, K>, AmgError> {
     let modes = rigid_modes(blocks.coordinates, blocks.held);
-    let (finest, mut matrix, mut modes) = coarsen::<S, N, K>(&fine_matrix(blocks), &modes)?;
+    let (finest, mut matrix, mut modes) =
+        coarsen::<S, N, K>(&fine_matrix(blocks), &modes, THRESHOLD)?;
     let mut coarser = Vec::new();
     while matrix.rows() > COARSEST {
-        let (level, next, next_modes) = coarsen::<S, K, K>(&matrix, &modes)?;
+        let (level, next, next_modes) = coarsen::<S, K, K>(&matrix, &modes, COARSE_THRESHOLD)?;
         coarser.push(level);
         (matrix, modes) = (next, next_modes);
     }
@@ -48,6 +49,7 @@ type Coarsened<S, const N: usize, const K: usize> =
 pub(super) fn coarsen<S: Scalar, const N: usize, const K: usize>(
     matrix: &BlockRows<f64, N, N>,
     modes: &Modes<N, K>,
+    threshold: f32,
 ) -> Result<Coarsened<S, N, K>, AmgError> {
     let inverse = inverse_diagonal(matrix)?;
     let largest = largest_eigenvalue(matrix, &inverse, &mut Workspace::new());
@@ -55,13 +57,7 @@ pub(super) fn coarsen<S: Scalar, const N: usize, const K: usize>(
         .iter()
         .map(|node| node.iter().flatten().any(|&entry| entry != 0.0))
         .collect();
-    let groups = aggregate(&matrix.pattern, &couplings(matrix), &takes_part);
-    if 2 * groups.count > matrix.rows().max(2) {
-        return Err(AmgError::Stalled {
-            nodes: matrix.rows(),
-            groups: groups.count,
-        });
-    }
+    let groups = groups_of(matrix, threshold, &takes_part)?;
     let (plain, coarse_modes) = tentative(&groups, modes);
     let prolongation = smoothed(matrix, &inverse, &plain, DAMPING / largest);
     let restriction = prolongation.transposed();
@@ -73,6 +69,28 @@ pub(super) fn coarsen<S: Scalar, const N: usize, const K: usize>(
         restriction: restriction.converted(),
     };
     Ok((level, coarse, coarse_modes))
+}
+
+/// Groups of strongly coupled nodes; of coupled ones where that would stall, as
+/// it does on small levels of graded meshes.
+fn groups_of<const N: usize>(
+    matrix: &BlockRows<f64, N, N>,
+    threshold: f32,
+    takes_part: &[bool],
+) -> Result<Aggregates, AmgError> {
+    let mut count = 0;
+    for threshold in [threshold, 0.0] {
+        let couplings = couplings(matrix, threshold);
+        let groups = aggregate(&matrix.pattern, &couplings, takes_part);
+        if 2 * groups.count <= matrix.rows().max(2) {
+            return Ok(groups);
+        }
+        count = groups.count;
+    }
+    Err(AmgError::Stalled {
+        nodes: matrix.rows(),
+        groups: count,
+    })
 }
 
 /// A11 by block rows; held components are the identity, blocks that are held

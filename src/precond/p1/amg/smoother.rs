@@ -9,7 +9,9 @@
 use rayon::prelude::*;
 
 use super::AmgError;
-use super::block_rows::{Block, BlockRows, PIECE, in_pieces};
+use super::block_rows::{
+    Block, BlockRows, Lanes, PIECE, add_block_product, in_pieces, nodes, nodes_mut, wide,
+};
 use super::scalar::Scalar;
 use super::strength::position_of_diagonal;
 use crate::linalg::{Preconditioner, Workspace};
@@ -83,20 +85,20 @@ impl<const N: usize> Preconditioner for BlockJacobi<'_, N> {
         let r = r.as_chunks::<N>().0;
         in_pieces(z.as_chunks_mut::<N>().0, |first, rows| {
             for (row, z) in rows.iter_mut().enumerate() {
-                *z = times(&self.0[first + row], &r[first + row]);
+                let lanes = r[first + row].map(|value| [value]);
+                *z = times(&self.0[first + row], &lanes).map(|[value]| value);
             }
         });
     }
 }
 
-#[inline]
-fn times<S: Scalar, const N: usize>(block: &Block<S, N, N>, x: &[S; N]) -> [S; N] {
-    let mut y = [S::default(); N];
-    for i in 0..N {
-        for j in 0..N {
-            y[i] += block[i][j] * x[j];
-        }
-    }
+#[inline(always)]
+fn times<S: Scalar, const N: usize, const W: usize>(
+    block: &Block<S, N, N>,
+    x: &[Lanes<S, W>; N],
+) -> [Lanes<S, W>; N] {
+    let mut y = [[S::default(); W]; N];
+    add_block_product(&mut y, block, x);
     y
 }
 
@@ -133,25 +135,34 @@ impl<S: Scalar, const N: usize> Smoother<S, N> {
     }
 
     /// First step from zero: `d = gain D^-1 r`, `x = d`.
-    pub(super) fn start(&self, r: &[S], d: &mut [S], x: &mut [S]) {
+    pub(super) fn start<const W: usize>(&self, r: &[S], d: &mut [S], x: &mut [S]) {
         let gain = self.steps[0].1;
-        let r = r.as_chunks::<N>().0;
-        let first_step = |first: usize, d: &mut [[S; N]], x: &mut [[S; N]]| {
-            for (row, (d, x)) in d.iter_mut().zip(x).enumerate() {
-                *d = times(&self.inverse[first + row], &r[first + row]).map(|z| gain * z);
-                *x = *d;
-            }
-        };
-        d.as_chunks_mut::<N>()
-            .0
+        let r = nodes::<S, N, W>(r);
+        nodes_mut::<S, N, W>(d)
             .par_chunks_mut(PIECE)
-            .zip(x.as_chunks_mut::<N>().0.par_chunks_mut(PIECE))
+            .zip(nodes_mut::<S, N, W>(x).par_chunks_mut(PIECE))
             .enumerate()
-            .for_each(|(piece, (d, x))| first_step(piece * PIECE, d, x));
+            .for_each(|(piece, (d, x))| {
+                wide::<W>(
+                    #[inline(always)]
+                    || {
+                        for (k, (d, x)) in d.iter_mut().zip(x).enumerate() {
+                            let row = piece * PIECE + k;
+                            *d = times(&self.inverse[row], &r[row]);
+                            for i in 0..N {
+                                for lane in 0..W {
+                                    d[i][lane] = gain * d[i][lane];
+                                }
+                            }
+                            *x = *d;
+                        }
+                    },
+                );
+            });
     }
 
     /// Step `index` after `x` has moved by `d`; `next` becomes the next move.
-    pub(super) fn step(
+    pub(super) fn step<const W: usize>(
         &self,
         index: usize,
         matrix: &BlockRows<S, N, N>,
@@ -160,28 +171,49 @@ impl<S: Scalar, const N: usize> Smoother<S, N> {
         next: &mut [S],
         x: &mut [S],
     ) {
-        let (keep, gain) = self.steps[index];
-        let d = d.as_chunks::<N>().0;
-        r.as_chunks_mut::<N>()
-            .0
+        let d = nodes::<S, N, W>(d);
+        nodes_mut::<S, N, W>(r)
             .par_chunks_mut(PIECE)
-            .zip(next.as_chunks_mut::<N>().0.par_chunks_mut(PIECE))
-            .zip(x.as_chunks_mut::<N>().0.par_chunks_mut(PIECE))
+            .zip(nodes_mut::<S, N, W>(next).par_chunks_mut(PIECE))
+            .zip(nodes_mut::<S, N, W>(x).par_chunks_mut(PIECE))
             .enumerate()
             .for_each(|(piece, ((r, next), x))| {
-                for (k, ((r, next), x)) in r.iter_mut().zip(next).zip(x).enumerate() {
-                    let row = piece * PIECE + k;
-                    let product = matrix.row_product(row, d);
-                    for i in 0..N {
-                        r[i] -= product[i];
-                    }
-                    let z = times(&self.inverse[row], r);
-                    for i in 0..N {
-                        next[i] = keep * d[row][i] + gain * z[i];
-                        x[i] += next[i];
-                    }
-                }
+                wide::<W>(
+                    #[inline(always)]
+                    || {
+                        for (k, ((r, next), x)) in r.iter_mut().zip(next).zip(x).enumerate() {
+                            let row = piece * PIECE + k;
+                            let product = matrix.row_product(row, d);
+                            self.step_of_row(index, row, (&product, &d[row]), r, next, x);
+                        }
+                    },
+                );
             });
+    }
+
+    #[inline(always)]
+    fn step_of_row<const W: usize>(
+        &self,
+        index: usize,
+        row: usize,
+        (product, d): (&[Lanes<S, W>; N], &[Lanes<S, W>; N]),
+        r: &mut [Lanes<S, W>; N],
+        next: &mut [Lanes<S, W>; N],
+        x: &mut [Lanes<S, W>; N],
+    ) {
+        let (keep, gain) = self.steps[index];
+        for i in 0..N {
+            for lane in 0..W {
+                r[i][lane] -= product[i][lane];
+            }
+        }
+        let z = times(&self.inverse[row], r);
+        for i in 0..N {
+            for lane in 0..W {
+                next[i][lane] = keep * d[i][lane] + gain * z[i][lane];
+                x[i][lane] += next[i][lane];
+            }
+        }
     }
 
     /// Bytes held.

@@ -11,10 +11,13 @@ use super::block_rows::{Block, BlockRows, PIECE};
 
 /// Smallest relative coupling that counts.
 pub(super) const THRESHOLD: f32 = 0.02;
+/// The same below the finest level, whose matrices have many weak couplings: on
+/// meshes graded towards a contact 0.02 makes groups of 5 nodes, this of 11.
+pub(super) const COARSE_THRESHOLD: f32 = 0.005;
 
-/// Relative coupling of each stored block; zero on the diagonal and below the
-/// threshold.
-pub(super) fn couplings<const N: usize>(matrix: &BlockRows<f64, N, N>) -> Vec<f32> {
+/// Relative coupling of each stored block; zero on the diagonal and up to
+/// `threshold`.
+pub(super) fn couplings<const N: usize>(matrix: &BlockRows<f64, N, N>, threshold: f32) -> Vec<f32> {
     let norms: Vec<f64> = matrix
         .blocks
         .par_iter()
@@ -29,7 +32,7 @@ pub(super) fn couplings<const N: usize>(matrix: &BlockRows<f64, N, N>) -> Vec<f3
         for k in matrix.pattern.range(row) {
             let column = matrix.pattern.indices[k] as usize;
             let relative = (norms[k] / (diagonal[row] * diagonal[column])) as f32;
-            if column != row && relative > THRESHOLD {
+            if column != row && relative > threshold {
                 couplings[k] = relative;
             }
         }
