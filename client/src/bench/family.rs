@@ -145,10 +145,12 @@ pub(crate) struct Family {
     pub(crate) scene: &'static str,
     /// Meshes.
     pub(crate) source: MeshSource,
-    /// Levels of a full run.
+    /// Levels of its chapter in a full run; none for scenes that only studies use.
     pub(crate) full: &'static [u32],
-    /// Levels of a quick run.
+    /// The same in a quick run.
     pub(crate) quick: &'static [u32],
+    /// Changes of the scene file.
+    pub(crate) settings: &'static [&'static str],
     /// How many times the model fills the whole body.
     pub(crate) whole_body: f64,
     /// What its errors are measured in.
@@ -164,6 +166,7 @@ pub(crate) const FAMILIES: &[Family] = &[
         source: MeshSource::Cube,
         full: &[6, 10, 16, 24, 34],
         quick: &[6, 10, 16],
+        settings: &[],
         whole_body: 1.0,
         quantities: &[
             Quantity::DisplacementL2,
@@ -178,6 +181,7 @@ pub(crate) const FAMILIES: &[Family] = &[
         source: MeshSource::Cube,
         full: &[6, 10, 16, 24, 34],
         quick: &[6, 10, 16],
+        settings: &[],
         whole_body: 1.0,
         quantities: &[Quantity::StrainEnergy],
     },
@@ -188,8 +192,20 @@ pub(crate) const FAMILIES: &[Family] = &[
         source: MeshSource::Gmsh("indent"),
         full: &[1, 2, 3, 4, 5],
         quick: &[1, 2, 3, 4],
+        settings: &[],
         whole_body: 4.0,
         quantities: &[Quantity::StrainEnergy, Quantity::Force],
+    },
+    Family {
+        name: "cube-elastic",
+        about: "The bent cube of a compressible material, Poisson ratio 0.3, displacement only.",
+        scene: include_str!("../../examples/cube-bend.toml"),
+        source: MeshSource::Cube,
+        full: &[],
+        quick: &[],
+        settings: &["material.body.poisson_ratio=0.3"],
+        whole_body: 1.0,
+        quantities: &[],
     },
     Family {
         name: "hertz-plane",
@@ -198,6 +214,7 @@ pub(crate) const FAMILIES: &[Family] = &[
         source: MeshSource::Gmsh("hemi"),
         full: &[1, 2, 3, 4, 5],
         quick: &[1, 2, 3, 4],
+        settings: &[],
         whole_body: 4.0,
         quantities: &[
             Quantity::Force,
