@@ -21,7 +21,7 @@ pub(crate) fn answers(results: &Results, study: &Study) -> Vec<String> {
         .flat_map(|scope| {
             let strands = strands(results, study, scope);
             match study.measure {
-                Measure::SameMesh => same_mesh(scope, &strands),
+                Measure::SameMesh | Measure::OneMesh => same_mesh(scope, &strands),
                 Measure::SameError => same_error(scope, &strands),
                 Measure::Tolerance => tolerances(scope, &strands),
             }
@@ -38,15 +38,27 @@ pub(crate) fn in_seconds(seconds: f64) -> String {
 /// A ratio as sentences give it.
 pub(crate) fn times(ratio: f64) -> String {
     let decimals = usize::from(ratio < 9.95);
-    format!("{ratio:.decimals$} ×")
+    format!("{ratio:.decimals$}\u{a0}×")
+}
+
+/// The default's row on the finest mesh that another choice was tried on too; on
+/// its own finest mesh where nothing else is known.
+fn common_row<'a>(strands: &[Strand<'a>]) -> Option<&'a Row> {
+    let (ours, others) = strands.split_first()?;
+    let tried = |row: &&Row| {
+        let mut rows = others
+            .iter()
+            .filter(|strand| strand.is_known())
+            .flat_map(|strand| &strand.rows);
+        rows.any(|other| other.case.level == row.case.level)
+    };
+    let last = ours.converged().rfind(tried);
+    last.or_else(|| ours.converged().next_back())
 }
 
 fn same_mesh(scope: &Scope, strands: &[Strand<'_>]) -> Vec<String> {
-    let Some(ours) = strands
-        .first()
-        .and_then(|strand| strand.converged().next_back())
-    else {
-        return Vec::new();
+    let Some(ours) = common_row(strands) else {
+        return without_default(scope, strands);
     };
     let level = ours.case.level;
     let there = |strand: &Strand<'_>| -> Option<(&'static str, f64, i64)> {
@@ -64,16 +76,33 @@ fn same_mesh(scope: &Scope, strands: &[Strand<'_>]) -> Vec<String> {
             )
         })
         .collect();
-    let mut text = format!(
+    let head = format!(
         "{} {level}, {:.0} unknowns: {}.",
         scope.family,
         ours.unknowns(),
         told.join(", ")
     );
-    text.push_str(&verdict(ours.numbers.seconds, &here));
-    text.push_str(&growth(strands));
-    text.push_str(&missing(strands, &here));
-    vec![text]
+    let rest = [
+        verdict(ours.numbers.seconds, &here),
+        growth(strands),
+        missing(strands, &here),
+    ];
+    vec![head + &rest.concat()]
+}
+
+/// Where the default has no result: what happened to each choice.
+fn without_default(scope: &Scope, strands: &[Strand<'_>]) -> Vec<String> {
+    let measured = strands.iter().filter(|strand| !strand.rows.is_empty());
+    let told: Vec<String> = measured
+        .map(|strand| match strand.converged().next_back() {
+            Some(row) => format!("{} {}", strand.label, in_seconds(row.numbers.seconds)),
+            None => format!("{}: {}", strand.label, strand.fate()),
+        })
+        .collect();
+    match told.is_empty() {
+        true => Vec::new(),
+        false => vec![format!("{}: {}.", scope.family, told.join(", "))],
+    }
 }
 
 /// Whether the default is the fastest.
@@ -88,7 +117,9 @@ fn verdict(ours: f64, here: &[(&'static str, f64, i64)]) -> String {
         }
         [.., (label, worst, _)] => {
             let ratio = times(worst / ours);
-            format!(" No choice is faster than the default; {label} takes {ratio} its time.")
+            format!(
+                " No choice is faster than the default by a tenth; {label} takes {ratio} its time."
+            )
         }
     }
 }
@@ -108,21 +139,34 @@ fn growth(strands: &[Strand<'_>]) -> String {
     }
 }
 
-/// Choices that did not come to the finest mesh, and why.
+/// Choices that did not come to the common mesh, and why.
 fn missing(strands: &[Strand<'_>], here: &[(&'static str, f64, i64)]) -> String {
-    let absent = strands
-        .iter()
-        .filter(|strand| !here.iter().any(|known| known.0 == strand.label));
-    let told: Vec<String> = absent
+    let absent = || {
+        let strands = strands.iter();
+        strands.filter(|strand| !here.iter().any(|known| known.0 == strand.label))
+    };
+    let refused: Vec<&str> = absent()
+        .filter(|strand| !strand.is_known())
+        .map(|strand| strand.label)
+        .collect();
+    let failed: Vec<String> = absent()
+        .filter(|strand| strand.is_known() && !strand.rows.is_empty())
         .map(|strand| match strand.converged().next_back() {
             Some(row) => format!("{} (up to {})", strand.label, row.case.level),
             None => format!("{} ({})", strand.label, strand.fate()),
         })
         .collect();
-    match told.is_empty() {
-        true => String::new(),
-        false => format!(" Without a result there: {}.", told.join(", ")),
+    let mut text = String::new();
+    if !failed.is_empty() {
+        text.push_str(&format!(" Without a result there: {}.", failed.join(", ")));
     }
+    if !refused.is_empty() {
+        text.push_str(&format!(
+            " Refused by this program: {}.",
+            refused.join(", ")
+        ));
+    }
+    text
 }
 
 fn same_error(scope: &Scope, strands: &[Strand<'_>]) -> Vec<String> {
@@ -198,7 +242,7 @@ fn tolerances(scope: &Scope, strands: &[Strand<'_>]) -> Vec<String> {
                 .converged()
                 .filter(|row| row.case.level == level)
                 .collect();
-            let last = rows.last()?;
+            let last = rows.last().filter(|_| rows.len() > 2)?;
             let final_error = last.error(quantity)?;
             let arrived = |row: &&&Row| {
                 let error = row.error(quantity).unwrap_or(f64::INFINITY);
@@ -261,6 +305,6 @@ mod tests {
             [in_seconds(0.0123), in_seconds(1.234), in_seconds(120.4)],
             ["0.012 s", "1.23 s", "120 s"]
         );
-        assert_eq!([times(1.94), times(31.2)], ["1.9 ×", "31 ×"]);
+        assert_eq!([times(1.94), times(31.2)], ["1.9\u{a0}×", "31\u{a0}×"]);
     }
 }

@@ -5,6 +5,8 @@ use std::str::FromStr;
 
 use serde_json::Value;
 
+use super::shaped::Shape;
+
 /// What an error is measured in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Quantity {
@@ -118,8 +120,8 @@ impl FromStr for Level {
 /// Where the meshes of a family come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MeshSource {
-    /// Written by [`super::cube`].
-    Cube,
+    /// Written by [`super::cube`], in a shape of [`super::shaped`].
+    Cube(Shape),
     /// Files with this prefix.
     Gmsh(&'static str),
 }
@@ -128,7 +130,7 @@ impl MeshSource {
     /// The letter of its levels.
     pub(crate) fn letter(self) -> char {
         match self {
-            Self::Cube => 'n',
+            Self::Cube(_) => 'n',
             Self::Gmsh(_) => 'l',
         }
     }
@@ -163,7 +165,7 @@ pub(crate) const FAMILIES: &[Family] = &[
         name: "A1m",
         about: "Incompressible unit cube with a manufactured solution; the errors are exact, divided by the norms of the exact fields.",
         scene: include_str!("../../examples/manufactured.toml"),
-        source: MeshSource::Cube,
+        source: MeshSource::Cube(Shape::Plain),
         full: &[6, 10, 16, 24, 34],
         quick: &[6, 10, 16],
         settings: &[],
@@ -178,7 +180,7 @@ pub(crate) const FAMILIES: &[Family] = &[
         name: "cube-bend",
         about: "Incompressible unit cube, clamped on one side and sheared on the opposite one; edge singularities set the order.",
         scene: include_str!("../../examples/cube-bend.toml"),
-        source: MeshSource::Cube,
+        source: MeshSource::Cube(Shape::Plain),
         full: &[6, 10, 16, 24, 34],
         quick: &[6, 10, 16],
         settings: &[],
@@ -200,7 +202,7 @@ pub(crate) const FAMILIES: &[Family] = &[
         name: "cube-elastic",
         about: "The bent cube of a compressible material, Poisson ratio 0.3, displacement only.",
         scene: include_str!("../../examples/cube-bend.toml"),
-        source: MeshSource::Cube,
+        source: MeshSource::Cube(Shape::Plain),
         full: &[],
         quick: &[],
         settings: &["material.body.poisson_ratio=0.3"],
@@ -221,6 +223,94 @@ pub(crate) const FAMILIES: &[Family] = &[
             Quantity::StrainEnergy,
             Quantity::ContactPressure,
         ],
+    },
+    Family {
+        name: "cube-flat-10",
+        about: "The bent cube, cells ten times as wide as high.",
+        scene: include_str!("../../examples/cube-bend.toml"),
+        source: MeshSource::Cube(Shape::Flat(10)),
+        full: &[],
+        quick: &[],
+        settings: &[],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "cube-flat-100",
+        about: "The bent cube, cells a hundred times as wide as high.",
+        scene: include_str!("../../examples/cube-bend.toml"),
+        source: MeshSource::Cube(Shape::Flat(100)),
+        full: &[],
+        quick: &[],
+        settings: &[],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "cube-tall-10",
+        about: "The bent cube, cells ten times as high as wide.",
+        scene: include_str!("../../examples/cube-bend.toml"),
+        source: MeshSource::Cube(Shape::Tall(10)),
+        full: &[],
+        quick: &[],
+        settings: &[],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "cube-slivers",
+        about: "The bent cube, inner vertices moved at random.",
+        scene: include_str!("../../examples/cube-bend.toml"),
+        source: MeshSource::Cube(Shape::Slivers),
+        full: &[],
+        quick: &[],
+        settings: &[],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "layer-stiff",
+        about: "A layer along the cells, a million times as stiff.",
+        scene: include_str!("contrast.toml"),
+        source: MeshSource::Cube(Shape::Layer),
+        full: &[],
+        quick: &[],
+        settings: &["material.inclusion.shear_modulus=1e6"],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "layer-soft",
+        about: "A layer along the cells, a million times as soft.",
+        scene: include_str!("contrast.toml"),
+        source: MeshSource::Cube(Shape::Layer),
+        full: &[],
+        quick: &[],
+        settings: &["material.inclusion.shear_modulus=1e-6"],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "ball-stiff",
+        about: "A ball across the cells, a million times as stiff.",
+        scene: include_str!("contrast.toml"),
+        source: MeshSource::Cube(Shape::Ball),
+        full: &[],
+        quick: &[],
+        settings: &["material.inclusion.shear_modulus=1e6"],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "ball-soft",
+        about: "A ball across the cells, a million times as soft.",
+        scene: include_str!("contrast.toml"),
+        source: MeshSource::Cube(Shape::Ball),
+        full: &[],
+        quick: &[],
+        settings: &["material.inclusion.shear_modulus=1e-6"],
+        whole_body: 1.0,
+        quantities: &[],
     },
 ];
 

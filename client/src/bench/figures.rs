@@ -306,7 +306,7 @@ impl Results {
             title: format!("{}: where the time goes", family.name),
             parts,
             bars,
-            footer: self.footer(None, &self.peers_of(family)),
+            footer: self.footer(None, &[]),
         }
     }
 

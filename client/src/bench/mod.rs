@@ -31,6 +31,7 @@ pub(crate) mod reference;
 pub(crate) mod rounds;
 pub(crate) mod row;
 pub(crate) mod seed;
+pub(crate) mod shaped;
 pub(crate) mod strand;
 pub(crate) mod study;
 pub(crate) mod study_figures;

@@ -32,7 +32,7 @@ th.text, td.text { text-align: left; }
 td.long { white-space: normal; min-width: 18em; }
 p.told { border-left: 3px solid #0072b2; padding-left: .8em; }
 ul.contents { columns: 20em; padding-left: 1.2em; }
-@media print { body { max-width: none; font-size: 10pt; } figure { break-inside: avoid; flex-basis: 45%; } h2 { break-after: avoid; } .table { overflow: visible; } table { font-size: 7pt; } }
+@media print { body { max-width: none; font-size: 10pt; } .figures { display: block; } figure { break-inside: avoid; display: inline-block; width: 48%; margin-bottom: 8px; } h2 { break-after: avoid; } .table { overflow: visible; } table { font-size: 7pt; } }
 </style>
 </head>
 <body>
@@ -83,9 +83,9 @@ pub(crate) fn html(results: &Results, report: &Report) -> String {
     let machine = results.machine.line(&results.instruction_sets());
     let runs: usize = results.rows.iter().map(|row| row.repeats).sum();
     page.push_str(&format!(
-        "<p>{}. {runs} runs in {:.0} minutes.</p>\n",
+        "<p>{}. {runs} runs, {:.1} min.</p>\n",
         escaped(&machine),
-        report.minutes.ceil()
+        report.minutes
     ));
     page.push_str(&contents(report));
     page.push_str(TERMS);

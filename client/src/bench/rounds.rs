@@ -32,7 +32,7 @@ pub(crate) struct Rounds<'a> {
 
 /// What a case's turn came to.
 enum Turn {
-    Ran(Run),
+    Ran(Box<Run>),
     LeftOut(&'static str),
     OutOfTime,
 }
@@ -110,7 +110,7 @@ impl<'a> Rounds<'a> {
             Turn::Ran(run) => {
                 let (name, word) = (case.name(), run.outcome.word());
                 note(&format!("{name}: {word}, {:.3} s", run.numbers.seconds));
-                self.keep(index, &case.method, run);
+                self.keep(index, &case.method, *run);
                 Ok(true)
             }
         }
@@ -131,7 +131,7 @@ impl<'a> Rounds<'a> {
         Ok(if cut_by_budget {
             Turn::OutOfTime
         } else {
-            Turn::Ran(run)
+            Turn::Ran(Box::new(run))
         })
     }
 

@@ -10,6 +10,7 @@ use super::study::{Scope, Study};
 pub(crate) struct Strand<'a> {
     pub(crate) label: &'static str,
     pub(crate) rows: Vec<&'a Row>,
+    is_refused: bool,
 }
 
 impl<'a> Strand<'a> {
@@ -20,14 +21,14 @@ impl<'a> Strand<'a> {
 
     /// Whether the program has this choice.
     pub(crate) fn is_known(&self) -> bool {
-        !self.rows.iter().any(|row| row.outcome.refuses_the_method())
+        !self.is_refused
     }
 
     /// What came of it where nothing converged.
     pub(crate) fn fate(&self) -> String {
         match self.rows.last() {
+            _ if self.is_refused => "refused".to_owned(),
             None => "not measured".to_owned(),
-            Some(_) if !self.is_known() => "refused".to_owned(),
             Some(row) => row.outcome.to_string(),
         }
     }
@@ -52,9 +53,12 @@ pub(crate) fn strands<'a>(results: &'a Results, study: &Study, scope: &Scope) ->
                 let levels = a.case.level.cmp(&b.case.level);
                 levels.then(b.case.tolerance.total_cmp(&a.case.tolerance))
             });
+            // Once refused, a method is not tried again on other families.
+            let refused = |row: &Row| row.case.method == method && row.outcome.refuses_the_method();
             Some(Strand {
                 label: choice.label,
                 rows,
+                is_refused: results.rows.iter().any(refused),
             })
         })
         .collect()

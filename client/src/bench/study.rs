@@ -59,6 +59,8 @@ pub(crate) enum Measure {
     SameMesh,
     /// Seconds at the same error: the choices are different discretisations.
     SameError,
+    /// As [`Measure::SameMesh`], on one mesh a family: told, not drawn.
+    OneMesh,
     /// Error and seconds over the tolerance, on one mesh.
     Tolerance,
 }
@@ -237,7 +239,7 @@ pub(crate) const STUDIES: &[Study] = &[
         about: "The same cube for Poisson ratios from 0.3 (displacement only) through the mixed form to one half.",
         scopes: &[scope("cube-bend", &[6, 10, 16, 24], &[6, 10])],
         choices: &[
-            choice("0.5", "auto"),
+            choice("Poisson ratio 0.5", "auto"),
             choice("0.4999", "material.body.poisson_ratio=0.4999"),
             choice("0.49", "material.body.poisson_ratio=0.49"),
             choice("0.45", "material.body.poisson_ratio=0.45"),
@@ -245,6 +247,28 @@ pub(crate) const STUDIES: &[Study] = &[
         ],
         tolerances: TIGHT,
         measure: Measure::SameMesh,
+    },
+    Study {
+        name: "extremes",
+        question: "Poor cells and contrasts of stiffness: does every method hold?",
+        about: "The bent incompressible cube with flat and tall cells and slivers, and with a layer or a ball a million times as stiff or as soft.",
+        scopes: &[
+            scope("cube-flat-10", &[8], &[8]),
+            scope("cube-flat-100", &[8], &[8]),
+            scope("cube-tall-10", &[8], &[8]),
+            scope("cube-slivers", &[8], &[8]),
+            scope("layer-stiff", &[8, 16], &[8]),
+            scope("layer-soft", &[8, 16], &[8]),
+            scope("ball-stiff", &[8, 16], &[8]),
+            scope("ball-soft", &[8, 16], &[8]),
+        ],
+        choices: &[
+            choice("chosen by the plan", "auto"),
+            choice("sparse Cholesky", "p1_solver=cholesky"),
+            choice("algebraic multigrid", "p1_solver=amg"),
+        ],
+        tolerances: TIGHT,
+        measure: Measure::OneMesh,
     },
     Study {
         name: "tolerance",

@@ -23,7 +23,8 @@ pub(crate) fn inquiries(results: &Results, studies: &[&'static Study]) -> Vec<In
         figures: figures(results, study),
         answers: answers(results, study),
     });
-    inquiries.filter(|one| !one.figures.is_empty()).collect()
+    let told = |one: &Inquiry| !(one.figures.is_empty() && one.answers.is_empty());
+    inquiries.filter(told).collect()
 }
 
 fn figures(results: &Results, study: &Study) -> Vec<Figure> {
@@ -32,6 +33,7 @@ fn figures(results: &Results, study: &Study) -> Vec<Figure> {
         let strands = strands(results, study, scope);
         let drawn = match study.measure {
             Measure::SameMesh => costs(scope, &strands),
+            Measure::OneMesh => Vec::new(),
             Measure::SameError => errors(results, scope, &strands),
             Measure::Tolerance => tolerances(scope, &strands),
         };
@@ -178,7 +180,7 @@ fn errors(results: &Results, scope: &Scope, strands: &[Strand<'_>]) -> Vec<Named
     each.collect()
 }
 
-/// Error over seconds, one curve a mesh, its points named by their tolerance.
+/// Error over seconds and iterations over tolerance, one curve a mesh and choice.
 fn tolerances(scope: &Scope, strands: &[Strand<'_>]) -> Vec<Named> {
     let Some(&quantity) = scope.family().and_then(|family| family.quantities.first()) else {
         return Vec::new();
@@ -190,37 +192,67 @@ fn tolerances(scope: &Scope, strands: &[Strand<'_>]) -> Vec<Named> {
         .collect();
     levels.sort_unstable();
     levels.dedup();
-    let curves = levels.iter().flat_map(|&level| {
-        strands
+    let each = |point: fn(&Row, Quantity) -> Option<Point>| -> Vec<Curve> {
+        let known = strands.iter().filter(|strand| strand.is_known());
+        let known: Vec<&Strand<'_>> = known.collect();
+        let pairs = levels
             .iter()
-            .filter(|strand| strand.is_known())
-            .map(move |strand| tolerance_curve(strand, level, quantity))
-    });
-    let title = format!(
-        "{}: error of the {} against time",
-        scope.family,
-        quantity.label()
-    );
+            .flat_map(|&level| known.iter().map(move |strand| (level, *strand)));
+        pairs
+            .map(|(level, strand)| tolerance_curve(strand, level, |row| point(row, quantity)))
+            .filter(|curve| curve.points.len() > 2 || curve.label.contains('='))
+            .collect()
+    };
+    let title = |against: &str| {
+        format!(
+            "{}: error of the {} against {against}",
+            scope.family,
+            quantity.label()
+        )
+    };
     let up = (Kind::Logarithmic, "relative error");
-    let drawn = diagram(title, (Kind::Logarithmic, TIME), up, curves.collect());
-    vec![(format!("{}-seconds", quantity.name()), drawn)]
+    let over_time = each(|row, quantity| at(row, row.numbers.seconds, row.error(quantity)?));
+    let over_tolerance = each(|row, quantity| at(row, row.case.tolerance, row.error(quantity)?));
+    vec![
+        (
+            format!("{}-seconds", quantity.name()),
+            diagram(title("time"), (Kind::Logarithmic, TIME), up, over_time),
+        ),
+        (
+            format!("{}-tolerance", quantity.name()),
+            diagram(
+                title("the tolerance"),
+                (Kind::Logarithmic, "tolerance of the residuals"),
+                up,
+                without_own_tolerance(over_tolerance),
+            ),
+        ),
+    ]
 }
 
-fn tolerance_curve(strand: &Strand<'_>, level: Level, quantity: Quantity) -> Curve {
-    let rows = strand.rows.iter().filter(|row| row.case.level == level);
-    let point = |row: &&&Row| {
-        let mut point = at(row, row.numbers.seconds, row.error(quantity)?)?;
-        point.name = format!("{:e}", row.case.tolerance);
+/// Curves of choices that do not name their tolerance.
+fn without_own_tolerance(mut curves: Vec<Curve>) -> Vec<Curve> {
+    curves.retain(|curve| !curve.label.contains('='));
+    curves
+}
+
+fn tolerance_curve(
+    strand: &Strand<'_>,
+    level: Level,
+    point: impl Fn(&Row) -> Option<Point>,
+) -> Curve {
+    let named = |row: &&Row| -> Option<Point> {
+        let mut point = point(row)?;
+        point.name = match strand.label.contains('=') {
+            true => String::new(),
+            false => format!("{:e}", row.case.tolerance),
+        };
         Some(point)
     };
-    let points: Vec<Point> = rows.clone().filter_map(|row| point(&row)).collect();
-    let mut curve = Curve {
+    let rows = strand.rows.iter().filter(|row| row.case.level == level);
+    Curve {
         label: format!("{level}, {}", strand.label),
         stroke: Stroke::Solid,
-        points,
-    };
-    if strand.label.contains('=') {
-        curve.points.iter_mut().for_each(|point| point.name.clear());
+        points: rows.filter_map(named).collect(),
     }
-    curve
 }

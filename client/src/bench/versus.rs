@@ -71,13 +71,13 @@ fn sentence<'a>(solver: &str, duels: impl Iterator<Item = &'a Duel>) -> String {
     let told: Vec<String> = duels
         .map(|duel| {
             format!(
-                "{} {} ({} against {})",
-                duel.level,
+                "{} as long on {} ({} against {})",
                 times(duel.ratio()),
+                duel.level,
                 in_seconds(duel.theirs),
                 in_seconds(duel.ours)
             )
         })
         .collect();
-    format!("{solver} takes as many times as long: {}.", told.join(", "))
+    format!("{solver} takes {}.", told.join(", "))
 }
