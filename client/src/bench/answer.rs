@@ -21,7 +21,9 @@ pub(crate) fn answers(results: &Results, study: &Study) -> Vec<String> {
         .flat_map(|scope| {
             let strands = strands(results, study, scope);
             match study.measure {
-                Measure::SameMesh | Measure::OneMesh => same_mesh(scope, &strands),
+                Measure::SameMesh | Measure::OneMesh | Measure::OtherProblem => {
+                    same_mesh(scope, study.measure, &strands)
+                }
                 Measure::SameError => same_error(scope, &strands),
                 Measure::Tolerance => tolerances(scope, &strands),
             }
@@ -56,7 +58,7 @@ fn common_row<'a>(strands: &[Strand<'a>]) -> Option<&'a Row> {
     last.or_else(|| ours.converged().next_back())
 }
 
-fn same_mesh(scope: &Scope, strands: &[Strand<'_>]) -> Vec<String> {
+fn same_mesh(scope: &Scope, measure: Measure, strands: &[Strand<'_>]) -> Vec<String> {
     let Some(ours) = common_row(strands) else {
         return without_default(scope, strands);
     };
@@ -83,7 +85,12 @@ fn same_mesh(scope: &Scope, strands: &[Strand<'_>]) -> Vec<String> {
         told.join(", ")
     );
     let rest = [
-        verdict(ours.numbers.seconds, &here),
+        match measure {
+            Measure::OtherProblem => String::new(),
+            Measure::SameMesh | Measure::SameError | Measure::OneMesh | Measure::Tolerance => {
+                verdict(ours.numbers.seconds, &here)
+            }
+        },
         growth(strands),
         missing(strands, &here),
     ];

@@ -227,7 +227,7 @@ pub(crate) const FAMILIES: &[Family] = &[
     Family {
         name: "cube-flat-10",
         about: "The bent cube, cells ten times as wide as high.",
-        scene: include_str!("../../examples/cube-bend.toml"),
+        scene: include_str!("bent.toml"),
         source: MeshSource::Cube(Shape::Flat(10)),
         full: &[],
         quick: &[],
@@ -238,7 +238,7 @@ pub(crate) const FAMILIES: &[Family] = &[
     Family {
         name: "cube-flat-100",
         about: "The bent cube, cells a hundred times as wide as high.",
-        scene: include_str!("../../examples/cube-bend.toml"),
+        scene: include_str!("bent.toml"),
         source: MeshSource::Cube(Shape::Flat(100)),
         full: &[],
         quick: &[],
@@ -249,7 +249,7 @@ pub(crate) const FAMILIES: &[Family] = &[
     Family {
         name: "cube-tall-10",
         about: "The bent cube, cells ten times as high as wide.",
-        scene: include_str!("../../examples/cube-bend.toml"),
+        scene: include_str!("bent.toml"),
         source: MeshSource::Cube(Shape::Tall(10)),
         full: &[],
         quick: &[],
@@ -260,7 +260,7 @@ pub(crate) const FAMILIES: &[Family] = &[
     Family {
         name: "cube-slivers",
         about: "The bent cube, inner vertices moved at random.",
-        scene: include_str!("../../examples/cube-bend.toml"),
+        scene: include_str!("bent.toml"),
         source: MeshSource::Cube(Shape::Slivers),
         full: &[],
         quick: &[],

@@ -58,8 +58,9 @@ impl Outcome {
 impl std::fmt::Display for Outcome {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         out.write_str(&self.word().replace('_', " "))?;
-        match self.detail() {
-            "" => Ok(()),
+        let detail = self.detail();
+        match detail.strip_prefix("not_converged, ").unwrap_or(detail) {
+            "" | "not_converged" => Ok(()),
             detail => write!(out, ": {detail}"),
         }
     }

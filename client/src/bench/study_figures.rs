@@ -32,7 +32,7 @@ fn figures(results: &Results, study: &Study) -> Vec<Figure> {
     let diagrams = scopes.flat_map(|scope| {
         let strands = strands(results, study, scope);
         let drawn = match study.measure {
-            Measure::SameMesh => costs(scope, &strands),
+            Measure::SameMesh | Measure::OtherProblem => costs(scope, &strands),
             Measure::OneMesh => Vec::new(),
             Measure::SameError => errors(results, scope, &strands),
             Measure::Tolerance => tolerances(scope, &strands),

@@ -266,7 +266,8 @@ fn slope(curve: &Curve) -> std::cmp::Ordering {
 
 /// Above the point, on the side that its curve leaves free.
 fn draw_name(svg: &mut Svg, (x, y): (f64, f64), slope: std::cmp::Ordering, name: &str) {
-    let (across, anchor) = if slope.is_gt() {
+    let leaves = x + 8.0 + width_of(name, TINY) > RIGHT + 12.0;
+    let (across, anchor) = if slope.is_gt() || leaves {
         (-7.0, Anchor::End)
     } else {
         (8.0, Anchor::Start)
