@@ -312,6 +312,28 @@ pub(crate) const FAMILIES: &[Family] = &[
         whole_body: 1.0,
         quantities: &[],
     },
+    Family {
+        name: "stokes-cylinder",
+        about: "Viscous flow through a plane channel around a cylinder.",
+        scene: include_str!("../../examples/stokes-cylinder.toml"),
+        source: MeshSource::Gmsh("cylinder"),
+        full: &[],
+        quick: &[],
+        settings: &[],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "stokes-obstacle",
+        about: "Viscous flow through a channel around a ball.",
+        scene: include_str!("../../examples/stokes-obstacle.toml"),
+        source: MeshSource::Gmsh("ball"),
+        full: &[],
+        quick: &[],
+        settings: &[],
+        whole_body: 1.0,
+        quantities: &[],
+    },
 ];
 
 /// A family by name.

@@ -276,6 +276,30 @@ pub(crate) const STUDIES: &[Study] = &[
         measure: Measure::OneMesh,
     },
     Study {
+        name: "flow",
+        question: "Viscous flow: the scenes of the seed",
+        about: "A plane channel around a cylinder and a channel around a ball, near the sizes of the seed, with its methods and ours.",
+        scopes: &[
+            scope("stokes-cylinder", &[1, 2], &[1, 2]),
+            scope("stokes-obstacle", &[1], &[1]),
+        ],
+        choices: &[
+            choice("block-triangular GCR", "auto"),
+            choice("Uzawa-CG", "saddle=uzawa-cg"),
+            choice("Uzawa-CG, r = 5", "saddle=uzawa-cg,penalty=5"),
+            choice(
+                "Arrow-Hurwicz + GCR, hierarchical SSOR",
+                "saddle=arrow-hurwicz,displacement_preconditioner=hierarchical-ssor",
+            ),
+            choice(
+                "Arrow-Hurwicz + GCR, hierarchical SSOR, r = 5",
+                "saddle=arrow-hurwicz,displacement_preconditioner=hierarchical-ssor,penalty=5",
+            ),
+        ],
+        tolerances: TIGHT,
+        measure: Measure::SameMesh,
+    },
+    Study {
         name: "tolerance",
         question: "How tight must the algebra be?",
         about: "One mesh, tolerances from loose to tight, and the choice that stops the algebra at a tenth of the estimated error of the discretisation.",

@@ -9,6 +9,21 @@ use super::shaped::shaped;
 /// Gmsh meshes that the program carries: prefix, level, bytes.
 const SHIPPED: &[(&str, u32, &[u8])] = &[
     (
+        "cylinder",
+        1,
+        include_bytes!("../../examples/meshes/cylinder_l1.msh"),
+    ),
+    (
+        "cylinder",
+        2,
+        include_bytes!("../../examples/meshes/cylinder_l2.msh"),
+    ),
+    (
+        "ball",
+        1,
+        include_bytes!("../../examples/meshes/ball_l1.msh"),
+    ),
+    (
         "hemi",
         1,
         include_bytes!("../../examples/meshes/hemi_l1.msh"),
