@@ -28,7 +28,7 @@ use signorini::linalg::vector::{add_scaled, dot, reproducible_noise};
 use signorini::linalg::{DenseMatrix, Preconditioner, Workspace};
 use signorini::precond::NodeBlocks;
 use signorini::precond::p1::{AmgP1, DirectP1, VertexBlocks, vertex_order};
-use signorini::scene::{Formulation, Material, MaterialModel, Modulus, Support, Traction};
+use signorini::scene::{Formulation, Material, MaterialModel, Modulus, Profile, Support, Traction};
 use signorini::space::TaylorHood;
 use signorini::{
     CancelToken, GroupKind, Mesh, Plan, Prepared, Reuse, Scene, Session, Silent, Step,
@@ -342,6 +342,7 @@ fn bent_cube() -> Scene {
             name: "wall".to_owned(),
             on: vec!["x0".to_owned()],
             displacement: [Some(0.0); 3],
+            profile: Profile::Constant,
         }],
         tractions: vec![Traction {
             on: vec!["x1".to_owned()],
