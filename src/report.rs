@@ -152,6 +152,9 @@ pub struct Seconds {
     pub krylov: f64,
     /// Gap integrals, compliance, small dense problems.
     pub contact: f64,
+    /// Norms of the error against a manufactured field, which nobody asks of a
+    /// solver in use; part of the total.
+    pub error_norms: f64,
     /// From the accepted update to the finished increment.
     pub total: f64,
 }

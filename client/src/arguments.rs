@@ -9,6 +9,7 @@ use signorini_client::scene_file::Override;
 
 use crate::bench::family::{self, Family, Level};
 use crate::bench::method::Method;
+use crate::bench::study::{self, Study};
 
 /// Contact of nearly incompressible bodies: solve scenes, serve, look at servers.
 #[derive(Debug, Parser)]
@@ -122,10 +123,14 @@ pub(crate) struct BenchArguments {
     /// A1m, cube-bend, hertz-sphere or hertz-plane, several times; default: all
     #[arg(long = "scene", value_name = "NAME", value_parser = family::find)]
     pub(crate) scenes: Vec<&'static Family>,
+    /// Question to answer by its own runs, such as element or saddle, several times; default:
+    /// all, unless scenes, levels, methods or tolerances are named
+    #[arg(long = "study", value_name = "NAME", value_parser = study::find)]
+    pub(crate) studies: Vec<&'static Study>,
     /// Meshes, such as n6,n10,l1: cells an edge of the cubes, numbers of the Gmsh meshes
     #[arg(long, value_name = "LEVELS", value_delimiter = ',')]
     pub(crate) levels: Vec<Level>,
-    /// auto or KEY=VALUE[,KEY=VALUE] of [solver], several times
+    /// auto or KEY=VALUE[,KEY=VALUE] of [solver] (of the scene where KEY has a dot), several times
     #[arg(long = "method", value_name = "METHOD")]
     pub(crate) methods: Vec<Method>,
     /// Tolerances, such as 1e-8,1e-3
@@ -137,7 +142,7 @@ pub(crate) struct BenchArguments {
     /// Time after which a run is stopped and counts as failed
     #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) run_limit: Option<u64>,
-    /// Time after which no more is measured; default with --quick: 105
+    /// Time after which no more is measured; default: 2300, with --quick 105
     #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) budget: Option<u64>,
     /// Folder of Gmsh meshes that replace or add to those of this program

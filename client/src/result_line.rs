@@ -138,6 +138,7 @@ fn seconds(seconds: Option<&v1::Seconds>) -> Value {
         "factorise": seconds.factorise,
         "krylov": seconds.krylov,
         "contact": seconds.contact,
+        "error_norms": seconds.error_norms,
         "total": seconds.total,
     })
 }
@@ -252,6 +253,7 @@ impl Totals {
         self.seconds.factorise += seconds.factorise;
         self.seconds.krylov += seconds.krylov;
         self.seconds.contact += seconds.contact;
+        self.seconds.error_norms += seconds.error_norms;
         self.seconds.total += seconds.total;
     }
 

@@ -143,6 +143,39 @@ fn contact_is_compared_with_its_limit_and_peers_stand_beside() {
 }
 
 #[test]
+fn a_study_says_what_follows_from_its_rows() {
+    let folder = folder("bench_study");
+    let run = bench(&folder, &["--study", "p1-solver", "--levels", "n6"]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let table = Table::read(&folder);
+    let converged = |row: &usize| table.text(*row, "outcome") == "converged";
+    let rows = (0..table.records.len()).filter(converged).count();
+    assert!(rows >= 3, "the default, the factor and multigrid");
+    let page = std::fs::read_to_string(folder.join("index.html")).unwrap();
+    for text in [
+        "P1 by a factor, multigrid or IC-CG?",
+        "cube-bend n6, 6934 unknowns: ",
+        "sparse Cholesky",
+        "The experiments that the method comes from",
+        "elasticity",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    let figure = folder.join("study-p1-solver-cube-bend-applications.svg");
+    assert!(
+        std::fs::read_to_string(figure)
+            .unwrap()
+            .contains("algebraic multigrid")
+    );
+    let run = bench(&folder, &["--study", "chess"]);
+    assert!(
+        run.stderr.contains("known: element, saddle"),
+        "{}",
+        run.stderr
+    );
+}
+
+#[test]
 fn methods_that_fail_are_shown_and_tried_once() {
     let folder = folder("bench_refused");
     let run = bench(

@@ -1,7 +1,10 @@
 //! Load vectors in the hierarchical basis: body forces and surface tractions
 //! given as functions of position.
 //!
-//! Vertex functions are barycentric coordinates, edge functions 4 l_a l_b.
+//! Vertex functions are barycentric coordinates, edge functions 4 l_a l_b. Cost: one
+//! value of the function a point of the rule, in parallel over cells.
+
+use rayon::prelude::*;
 
 use crate::element::quadrature::Rule;
 use crate::mesh::Mesh;
@@ -31,47 +34,101 @@ pub fn position(mesh: &Mesh, scale: f64, vertices: &[u32], l: &[f64]) -> [f64; 3
     point
 }
 
-fn integrate(
-    space: &TaylorHood,
-    nodes: &[u32],
-    rule: &Rule,
+/// A rule with the shape values at its points, for many cells of one kind.
+struct Tabulated<'a> {
+    rule: &'a Rule,
     corners: usize,
-    measure: f64,
-    value: &dyn Fn(&[f64]) -> [f64; 3],
-    load: &mut [f64],
-) {
-    for (point, weight) in rule.points.iter().zip(&rule.weights) {
-        let l = &point[..corners];
-        let density = value(l);
-        for (&node, shape) in nodes.iter().zip(shape_values(l)) {
-            for i in 0..space.components {
-                load[node as usize * space.components + i] += measure * weight * shape * density[i];
+    /// Values of all nodes, point by point.
+    shapes: Vec<f64>,
+}
+
+impl<'a> Tabulated<'a> {
+    fn new(rule: &'a Rule, corners: usize) -> Self {
+        let points = rule.points.iter();
+        Self {
+            rule,
+            corners,
+            shapes: points
+                .flat_map(|point| shape_values(&point[..corners]))
+                .collect(),
+        }
+    }
+
+    /// Nodes of a simplex.
+    fn nodes(&self) -> usize {
+        self.corners * (self.corners + 1) / 2
+    }
+
+    /// Adds `measure * int value . v` of one simplex to `local` `[nodes][3]`.
+    fn integrate(&self, measure: f64, value: &dyn Fn(&[f64]) -> [f64; 3], local: &mut [[f64; 3]]) {
+        let shapes = self.shapes.chunks_exact(self.nodes());
+        let points = self.rule.points.iter().zip(&self.rule.weights);
+        for ((point, weight), shapes) in points.zip(shapes) {
+            let density = value(&point[..self.corners]).map(|f| measure * weight * f);
+            for (sum, shape) in local.iter_mut().zip(shapes) {
+                for i in 0..3 {
+                    sum[i] += shape * density[i];
+                }
             }
         }
     }
 }
 
-/// Adds `int f . v` over all cells; `f` takes a position.
+fn scatter(
+    space: &TaylorHood,
+    nodes: impl Iterator<Item = u32>,
+    local: &[[f64; 3]],
+    load: &mut [f64],
+) {
+    let c = space.components;
+    for (node, sum) in nodes.zip(local) {
+        let first = node as usize * c;
+        for (entry, part) in load[first..first + c].iter_mut().zip(sum) {
+            *entry += part;
+        }
+    }
+}
+
+/// Cells whose integrals are held at a time.
+const BLOCK: usize = 4096;
+
+/// Adds `int f . v` over all cells; `f` takes a cell and a position. Integrals run
+/// in parallel, sums in the order of the cells.
 pub fn add_body_force(
     mesh: &Mesh,
     space: &TaylorHood,
     volumes: &[f64],
     scale: f64,
     rule: &Rule,
-    force: &dyn Fn(usize, [f64; 3]) -> [f64; 3],
+    force: &(dyn Fn(usize, [f64; 3]) -> [f64; 3] + Sync),
     load: &mut [f64],
 ) {
     let vertices = mesh.cell_kind().vertices();
     let edges = mesh.cell_kind().edges().len();
-    for (cell, corners) in mesh.cells().chunks_exact(vertices).enumerate() {
-        let mut nodes = corners.to_vec();
-        nodes.extend(
-            mesh.cell_edges()[cell * edges..(cell + 1) * edges]
-                .iter()
-                .map(|&edge| edge + space.vertices as u32),
-        );
-        let value = |l: &[f64]| force(cell, position(mesh, scale, corners, l));
-        integrate(space, &nodes, rule, vertices, volumes[cell], &value, load);
+    let table = Tabulated::new(rule, vertices);
+    let corners = |cell: usize| &mesh.cells()[cell * vertices..(cell + 1) * vertices];
+    let mut local = vec![[0.0; 3]; BLOCK.min(volumes.len()) * table.nodes()];
+    for first in (0..volumes.len()).step_by(BLOCK) {
+        let count = BLOCK.min(volumes.len() - first);
+        let block = &mut local[..count * table.nodes()];
+        let cells = block.par_chunks_mut(table.nodes()).enumerate();
+        cells.for_each(|(index, sums)| {
+            let cell = first + index;
+            sums.fill([0.0; 3]);
+            let value = |l: &[f64]| force(cell, position(mesh, scale, corners(cell), l));
+            table.integrate(volumes[cell], &value, sums);
+        });
+        for (index, sums) in block.chunks_exact(table.nodes()).enumerate() {
+            let cell = first + index;
+            let own_edges = &mesh.cell_edges()[cell * edges..(cell + 1) * edges];
+            let own_edges = own_edges.iter().map(|&edge| edge + space.vertices as u32);
+            scatter(
+                space,
+                corners(cell).iter().copied().chain(own_edges),
+                sums,
+                load,
+            );
+        }
     }
 }
 
@@ -87,9 +144,11 @@ pub fn add_traction(
     traction: &dyn Fn([f64; 3]) -> [f64; 3],
     load: &mut [f64],
 ) {
-    let nodes = space.facet_nodes(facet);
+    let table = Tabulated::new(rule, facet.len());
     let value = |l: &[f64]| traction(position(mesh, scale, facet, l));
-    integrate(space, &nodes, rule, facet.len(), area, &value, load);
+    let mut local = [[0.0; 3]; 6];
+    table.integrate(area, &value, &mut local);
+    scatter(space, space.facet_nodes(facet).into_iter(), &local, load);
 }
 
 /// Measure (area, or length in 2D) and unit normal of a facet. The normal

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::counters::Counters;
+use super::counters::{Counters, timed};
 use super::errors::manufactured_errors;
 use super::estimate::{Estimate, estimate, force_error};
 use super::evaluate::{Context, internal_force};
@@ -27,6 +27,11 @@ pub(crate) fn report(
     let units = &context.plan.units;
     let internal = internal_force(context, state, work);
     let estimated = reported_estimate(context, state, ending);
+    let mut seconds = counters.seconds;
+    let errors = timed(&mut seconds.error_norms, || {
+        let field = context.plan.resolved.manufactured.as_ref()?;
+        Some(manufactured_errors(context, state, field))
+    });
     StepReport {
         step: 0,
         increment: 0,
@@ -54,13 +59,8 @@ pub(crate) fn report(
         supports: supports(context, state, internal),
         probes: probes(context, state),
         error_estimate: estimated.as_ref().map(|estimate| estimate.relative),
-        errors: context
-            .plan
-            .resolved
-            .manufactured
-            .as_ref()
-            .map(|field| manufactured_errors(context, state, field)),
-        seconds: counters.seconds,
+        errors,
+        seconds,
         unknowns: context.plan.unknowns(),
         memory_bytes: 0,
         reused: Vec::new(),

@@ -5,6 +5,8 @@ use std::str::FromStr;
 
 use serde_json::Value;
 
+use super::shaped::Shape;
+
 /// What an error is measured in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Quantity {
@@ -118,8 +120,8 @@ impl FromStr for Level {
 /// Where the meshes of a family come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum MeshSource {
-    /// Written by [`super::cube`].
-    Cube,
+    /// Written by [`super::cube`], in a shape of [`super::shaped`].
+    Cube(Shape),
     /// Files with this prefix.
     Gmsh(&'static str),
 }
@@ -128,7 +130,7 @@ impl MeshSource {
     /// The letter of its levels.
     pub(crate) fn letter(self) -> char {
         match self {
-            Self::Cube => 'n',
+            Self::Cube(_) => 'n',
             Self::Gmsh(_) => 'l',
         }
     }
@@ -145,10 +147,12 @@ pub(crate) struct Family {
     pub(crate) scene: &'static str,
     /// Meshes.
     pub(crate) source: MeshSource,
-    /// Levels of a full run.
+    /// Levels of its chapter in a full run; none for scenes that only studies use.
     pub(crate) full: &'static [u32],
-    /// Levels of a quick run.
+    /// The same in a quick run.
     pub(crate) quick: &'static [u32],
+    /// Changes of the scene file.
+    pub(crate) settings: &'static [&'static str],
     /// How many times the model fills the whole body.
     pub(crate) whole_body: f64,
     /// What its errors are measured in.
@@ -161,9 +165,10 @@ pub(crate) const FAMILIES: &[Family] = &[
         name: "A1m",
         about: "Incompressible unit cube with a manufactured solution; the errors are exact, divided by the norms of the exact fields.",
         scene: include_str!("../../examples/manufactured.toml"),
-        source: MeshSource::Cube,
+        source: MeshSource::Cube(Shape::Plain),
         full: &[6, 10, 16, 24, 34],
         quick: &[6, 10, 16],
+        settings: &[],
         whole_body: 1.0,
         quantities: &[
             Quantity::DisplacementL2,
@@ -175,9 +180,10 @@ pub(crate) const FAMILIES: &[Family] = &[
         name: "cube-bend",
         about: "Incompressible unit cube, clamped on one side and sheared on the opposite one; edge singularities set the order.",
         scene: include_str!("../../examples/cube-bend.toml"),
-        source: MeshSource::Cube,
+        source: MeshSource::Cube(Shape::Plain),
         full: &[6, 10, 16, 24, 34],
         quick: &[6, 10, 16],
+        settings: &[],
         whole_body: 1.0,
         quantities: &[Quantity::StrainEnergy],
     },
@@ -188,8 +194,20 @@ pub(crate) const FAMILIES: &[Family] = &[
         source: MeshSource::Gmsh("indent"),
         full: &[1, 2, 3, 4, 5],
         quick: &[1, 2, 3, 4],
+        settings: &[],
         whole_body: 4.0,
         quantities: &[Quantity::StrainEnergy, Quantity::Force],
+    },
+    Family {
+        name: "cube-elastic",
+        about: "The bent cube of a compressible material, Poisson ratio 0.3, displacement only.",
+        scene: include_str!("../../examples/cube-bend.toml"),
+        source: MeshSource::Cube(Shape::Plain),
+        full: &[],
+        quick: &[],
+        settings: &["material.body.poisson_ratio=0.3"],
+        whole_body: 1.0,
+        quantities: &[],
     },
     Family {
         name: "hertz-plane",
@@ -198,12 +216,123 @@ pub(crate) const FAMILIES: &[Family] = &[
         source: MeshSource::Gmsh("hemi"),
         full: &[1, 2, 3, 4, 5],
         quick: &[1, 2, 3, 4],
+        settings: &[],
         whole_body: 4.0,
         quantities: &[
             Quantity::Force,
             Quantity::StrainEnergy,
             Quantity::ContactPressure,
         ],
+    },
+    Family {
+        name: "cube-flat-10",
+        about: "The bent cube, cells ten times as wide as high.",
+        scene: include_str!("bent.toml"),
+        source: MeshSource::Cube(Shape::Flat(10)),
+        full: &[],
+        quick: &[],
+        settings: &[],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "cube-flat-100",
+        about: "The bent cube, cells a hundred times as wide as high.",
+        scene: include_str!("bent.toml"),
+        source: MeshSource::Cube(Shape::Flat(100)),
+        full: &[],
+        quick: &[],
+        settings: &[],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "cube-tall-10",
+        about: "The bent cube, cells ten times as high as wide.",
+        scene: include_str!("bent.toml"),
+        source: MeshSource::Cube(Shape::Tall(10)),
+        full: &[],
+        quick: &[],
+        settings: &[],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "cube-slivers",
+        about: "The bent cube, inner vertices moved at random.",
+        scene: include_str!("bent.toml"),
+        source: MeshSource::Cube(Shape::Slivers),
+        full: &[],
+        quick: &[],
+        settings: &[],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "layer-stiff",
+        about: "A layer along the cells, a million times as stiff.",
+        scene: include_str!("contrast.toml"),
+        source: MeshSource::Cube(Shape::Layer),
+        full: &[],
+        quick: &[],
+        settings: &["material.inclusion.shear_modulus=1e6"],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "layer-soft",
+        about: "A layer along the cells, a million times as soft.",
+        scene: include_str!("contrast.toml"),
+        source: MeshSource::Cube(Shape::Layer),
+        full: &[],
+        quick: &[],
+        settings: &["material.inclusion.shear_modulus=1e-6"],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "ball-stiff",
+        about: "A ball across the cells, a million times as stiff.",
+        scene: include_str!("contrast.toml"),
+        source: MeshSource::Cube(Shape::Ball),
+        full: &[],
+        quick: &[],
+        settings: &["material.inclusion.shear_modulus=1e6"],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "ball-soft",
+        about: "A ball across the cells, a million times as soft.",
+        scene: include_str!("contrast.toml"),
+        source: MeshSource::Cube(Shape::Ball),
+        full: &[],
+        quick: &[],
+        settings: &["material.inclusion.shear_modulus=1e-6"],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "stokes-cylinder",
+        about: "Viscous flow through a plane channel around a cylinder.",
+        scene: include_str!("../../examples/stokes-cylinder.toml"),
+        source: MeshSource::Gmsh("cylinder"),
+        full: &[],
+        quick: &[],
+        settings: &[],
+        whole_body: 1.0,
+        quantities: &[],
+    },
+    Family {
+        name: "stokes-obstacle",
+        about: "Viscous flow through a channel around a ball.",
+        scene: include_str!("../../examples/stokes-obstacle.toml"),
+        source: MeshSource::Gmsh("ball"),
+        full: &[],
+        quick: &[],
+        settings: &[],
+        whole_body: 1.0,
+        quantities: &[],
     },
 ];
 

@@ -3,11 +3,13 @@
 use std::collections::BTreeSet;
 
 use super::chart::{Bar, Bars, Curve, Diagram, Kind, Level, Point, State, Stroke};
+use super::estimates;
 use super::family::{FAMILIES, Family, Quantity};
 use super::limit::Limit;
 use super::machine::Machine;
 use super::measure::PHASES;
 use super::peers::{Peer, Peers};
+use super::plan::Place;
 use super::reference::References;
 use super::row::Row;
 use crate::text::number;
@@ -118,6 +120,10 @@ impl Results {
             format!("{}-iterations", family.name),
             self.iterations(family),
         ));
+        diagrams.push((
+            format!("{}-estimate", family.name),
+            estimates::diagram(self, family),
+        ));
         let drawn = diagrams
             .into_iter()
             .filter(|(_, diagram)| !diagram.is_empty());
@@ -135,10 +141,11 @@ impl Results {
     }
 
     /// Rows of a family, curve by curve, without methods that are not there.
-    fn curves_of(&self, family: &Family) -> Vec<Vec<&Row>> {
+    pub(super) fn curves_of(&self, family: &Family) -> Vec<Vec<&Row>> {
         let mut curves: Vec<Vec<&Row>> = Vec::new();
         let rows = self.rows.iter();
-        let rows = rows.filter(|row| !row.outcome.refuses_the_method());
+        let rows = rows
+            .filter(|row| row.case.place == Place::Chapter && !row.outcome.refuses_the_method());
         for row in rows.filter(|row| row.case.family.name == family.name) {
             let of_row = |curve: &&mut Vec<&Row>| {
                 curve
@@ -233,10 +240,13 @@ impl Results {
                 value: limit.relative(),
                 label: "uncertainty of the limit".to_owned(),
             }),
-            footer: self.footer(limit.map(|limit| {
-                let finest = self.references.finest(family.name, quantity);
-                limit_note(&limit, &finest)
-            })),
+            footer: self.footer(
+                limit.map(|limit| {
+                    let finest = self.references.finest(family.name, quantity);
+                    limit_note(&limit, &finest)
+                }),
+                &self.peers_of(family),
+            ),
         }
     }
 
@@ -253,7 +263,7 @@ impl Results {
             y: (Kind::Logarithmic, "wall time (s)".to_owned()),
             curves: self.curves(family, point, peer_point),
             level: None,
-            footer: self.footer(None),
+            footer: self.footer(None, &self.peers_of(family)),
         }
     }
 
@@ -271,7 +281,7 @@ impl Results {
             y: (Kind::Linear, "Krylov iterations".to_owned()),
             curves: self.curves(family, point, peer_point),
             level: None,
-            footer: self.footer(None),
+            footer: self.footer(None, &self.peers_of(family)),
         }
     }
 
@@ -296,11 +306,12 @@ impl Results {
             title: format!("{}: where the time goes", family.name),
             parts,
             bars,
-            footer: self.footer(None),
+            footer: self.footer(None, &[]),
         }
     }
 
-    fn footer(&self, first: Option<String>) -> Vec<String> {
+    /// Small print: where the numbers come from; `peers` are those that are drawn.
+    pub(super) fn footer(&self, first: Option<String>, peers: &[Vec<&Peer>]) -> Vec<String> {
         let mut lines: Vec<String> = first.into_iter().collect();
         let repeats = self.rows.iter().map(|row| row.repeats).max().unwrap_or(1);
         let machine = self.machine.line(&self.instruction_sets());
@@ -309,14 +320,14 @@ impl Results {
             repeats => format!("median of up to {repeats} runs"),
         };
         lines.push(format!("{machine}; {runs}."));
-        if !self.peers.rows.is_empty() {
+        if !peers.is_empty() {
             lines.push("Dashed: other solvers, from the file of --peers.".to_owned());
         }
         lines
     }
 }
 
-const UNKNOWNS: &str = "unknowns (displacement, pressure, contact)";
+pub(super) const UNKNOWNS: &str = "unknowns (displacement, pressure, contact)";
 
 fn limit_note(limit: &Limit, finest: &str) -> String {
     let (value, uncertainty) = (number(limit.value), limit.uncertainty);
@@ -332,7 +343,8 @@ fn curve_label(row: &Row) -> String {
     )
 }
 
-fn state(row: &Row, is_uncertain: bool) -> State {
+/// How a row is drawn.
+pub(super) fn state(row: &Row, is_uncertain: bool) -> State {
     match (row.converged(), is_uncertain) {
         (false, _) => State::Failed,
         (true, true) => State::Uncertain,

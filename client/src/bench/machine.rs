@@ -14,7 +14,7 @@ pub(crate) struct Machine {
 impl Machine {
     /// The one this process runs on.
     ///
-    /// `SIGNORINI_COMMIT`, set while the program is built (for example to
+    /// `SIGNORINI_COMMIT`, set while the program is built or run (for example to
     /// `git rev-parse --short HEAD`), names the commit.
     pub(crate) fn here() -> Self {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -42,7 +42,8 @@ impl Machine {
 
 fn build() -> String {
     let version = env!("CARGO_PKG_VERSION");
-    match option_env!("SIGNORINI_COMMIT") {
+    let built = option_env!("SIGNORINI_COMMIT").map(str::to_owned);
+    match built.or_else(|| std::env::var("SIGNORINI_COMMIT").ok()) {
         Some(commit) if !commit.is_empty() => format!("signorini {version}, commit {commit}"),
         _ => format!("signorini {version}, commit not recorded"),
     }

@@ -55,14 +55,28 @@ impl Outcome {
     }
 }
 
+impl std::fmt::Display for Outcome {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        out.write_str(&self.word().replace('_', " "))?;
+        let detail = self.detail();
+        match detail.strip_prefix("not_converged, ").unwrap_or(detail) {
+            "" | "not_converged" => Ok(()),
+            detail => write!(out, ": {detail}"),
+        }
+    }
+}
+
 /// Phases of a solve, as result lines name them.
 pub(crate) const PHASES: [&str; 5] = ["prepare", "assemble", "factorise", "krylov", "contact"];
 
 /// What one process reported.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Numbers {
-    /// `seconds.total`; of a run without a result, its wall time.
+    /// `seconds.total` without the norms of the error; of a run without a result,
+    /// its wall time.
     pub(crate) seconds: f64,
+    /// Seconds that the norms of the error against an exact field took.
+    pub(crate) error_norm_seconds: f64,
     /// Seconds of [`PHASES`].
     pub(crate) phases: [f64; 5],
     /// Displacement, pressure and contact unknowns.
@@ -73,6 +87,10 @@ pub(crate) struct Numbers {
     pub(crate) instruction_set: String,
     /// By [`Quantity`], as [`Quantity::read`] gives them.
     pub(crate) values: Vec<(Quantity, f64)>,
+    /// Relative error that the solver estimates, energy norm.
+    pub(crate) estimate: Option<f64>,
+    /// Relative error that it estimates for the force of the obstacle.
+    pub(crate) force_estimate: Option<f64>,
 }
 
 /// A finished run.
@@ -114,7 +132,12 @@ fn command(program: &Path, case: &Case, (scene, mesh): (&Path, &Path)) -> Comman
         format!("mesh={}", mesh.display()),
         format!("solver.tolerance={:e}", case.tolerance),
     ];
-    for key in keys.into_iter().chain(case.method.overrides()) {
+    let settings = case.family.settings.iter().map(|key| (*key).to_owned());
+    for key in keys
+        .into_iter()
+        .chain(settings)
+        .chain(case.method.overrides())
+    {
         command.arg("--set").arg(key);
     }
     command.stdin(Stdio::null()).kill_on_drop(true);
@@ -179,8 +202,10 @@ fn numbers(step: &Value, summary: &Value, case: &Case) -> Numbers {
     let blocks = ["displacement", "pressure", "contact"];
     let family = case.family;
     let value = |quantity: &Quantity| Some((*quantity, quantity.read(step, family.whole_body)?));
+    let error_norm_seconds = seconds(summary, "error_norms");
     Numbers {
-        seconds: seconds(summary, "total"),
+        seconds: seconds(summary, "total") - error_norm_seconds,
+        error_norm_seconds,
         phases: PHASES.map(|phase| seconds(summary, phase)),
         unknowns: blocks.map(|block| count(step, &format!("/unknowns/{block}"))),
         iterations: count(summary, "/totals/krylov_iterations"),
@@ -188,7 +213,17 @@ fn numbers(step: &Value, summary: &Value, case: &Case) -> Numbers {
         peak_memory_bytes: summary.get("peak_memory_bytes").and_then(Value::as_i64),
         instruction_set: word(step, "instruction_set").to_owned(),
         values: family.quantities.iter().filter_map(value).collect(),
+        estimate: step.get("error_estimate").and_then(Value::as_f64),
+        force_estimate: force_estimate(step),
     }
+}
+
+/// The estimated error of the first obstacle's force over that force.
+fn force_estimate(step: &Value) -> Option<f64> {
+    let obstacle = step.get("obstacles")?.as_object()?.values().next()?;
+    let force = obstacle.get("force")?.as_array()?;
+    let square: f64 = force.iter().filter_map(Value::as_f64).map(|x| x * x).sum();
+    Some(obstacle.get("force_error")?.as_f64()? / square.sqrt())
 }
 
 #[cfg(test)]
@@ -196,6 +231,7 @@ mod tests {
     use std::os::unix::process::ExitStatusExt as _;
 
     use super::super::family::find;
+    use super::super::plan::Place;
     use super::*;
 
     fn case() -> Case {
@@ -204,6 +240,9 @@ mod tests {
             level: "l1".parse().unwrap(),
             method: "auto".parse().unwrap(),
             tolerance: 1e-8,
+            place: Place::Chapter,
+            repeats: 1,
+            run_limit: Duration::from_secs(1),
         }
     }
 
@@ -218,8 +257,8 @@ mod tests {
     #[test]
     fn result_lines_become_numbers() {
         let lines = r#"{"event":"plan"}
-{"event":"step","termination":"not_converged","cause":"stagnation","strain_energy":0.5,"unknowns":{"displacement":30,"pressure":4,"contact":2},"obstacles":{"floor":{"force":[0,0,2.0],"max_pressure":0.6}},"instruction_set":"avx2"}
-{"event":"summary","peak_memory_bytes":1000,"totals":{"krylov_iterations":7,"preconditioner_applications":8,"seconds":{"krylov":0.25,"total":0.5}}}
+{"event":"step","termination":"not_converged","cause":"stagnation","strain_energy":0.5,"unknowns":{"displacement":30,"pressure":4,"contact":2},"error_estimate":0.01,"obstacles":{"floor":{"force":[0,0,2.0],"force_error":0.1,"max_pressure":0.6}},"instruction_set":"avx2"}
+{"event":"summary","peak_memory_bytes":1000,"totals":{"krylov_iterations":7,"preconditioner_applications":8,"seconds":{"krylov":0.25,"error_norms":0.5,"total":1.0}}}
 "#;
         let run = read(&output(3, lines, ""), &case()).unwrap();
         assert_eq!(
@@ -230,6 +269,8 @@ mod tests {
         assert_eq!((run.numbers.seconds, run.numbers.phases[3]), (0.5, 0.25));
         assert!(run.numbers.values.contains(&(Quantity::Force, 8.0)));
         assert_eq!(run.numbers.peak_memory_bytes, Some(1000));
+        assert_eq!(run.numbers.estimate, Some(0.01));
+        assert_eq!(run.numbers.force_estimate, Some(0.05));
     }
 
     #[test]

@@ -1,10 +1,11 @@
-//! The axis of methods: keys of `[solver]`.
+//! The axis of methods: keys of `[solver]`, or of the whole scene.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// Settings of `[solver]` under comparison, such as `p1_solver=cholesky`;
-/// none of them is `auto`.
+/// Settings under comparison: keys of `[solver]` such as `p1_solver=cholesky`,
+/// or with a dot of the scene, such as `material.body.poisson_ratio=0.3`; none of
+/// them is `auto`.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Method {
     keys: Vec<(String, String)>,
@@ -13,8 +14,12 @@ pub(crate) struct Method {
 impl Method {
     /// Changes of the scene, as `--set` takes them.
     pub(crate) fn overrides(&self) -> impl Iterator<Item = String> {
-        let keys = self.keys.iter();
-        keys.map(|(key, value)| format!("solver.{key}={value}"))
+        self.keys
+            .iter()
+            .map(|(key, value)| match key.contains('.') {
+                true => format!("{key}={value}"),
+                false => format!("solver.{key}={value}"),
+            })
     }
 }
 
@@ -43,7 +48,7 @@ impl FromStr for Method {
             Some((key, value)) if !key.is_empty() && !value.is_empty() => {
                 Ok((key.to_owned(), value.to_owned()))
             }
-            _ => Err("auto, or KEY=VALUE of [solver], several with commas".to_owned()),
+            _ => Err("auto, or KEY=VALUE of [solver] (of the scene where KEY has a dot), several with commas".to_owned()),
         });
         let keys = keys.collect::<Result<_, String>>()?;
         Ok(Self { keys })
@@ -60,6 +65,9 @@ mod tests {
         assert_eq!(method.to_string(), "p1_solver=amg saddle=minres");
         let overrides: Vec<_> = method.overrides().collect();
         assert_eq!(overrides, ["solver.p1_solver=amg", "solver.saddle=minres"]);
+        let poisson: Method = "material.body.poisson_ratio=0.3".parse().unwrap();
+        let overrides: Vec<_> = poisson.overrides().collect();
+        assert_eq!(overrides, ["material.body.poisson_ratio=0.3"]);
         let auto: Method = "auto".parse().unwrap();
         assert_eq!(
             (auto.to_string().as_str(), auto.overrides().count()),

@@ -2,9 +2,10 @@
 //!
 //! Columns, by name: `scene`, `level`, `solver`, `unknowns`, `seconds` and,
 //! each may be empty or left out, `peak_memory_mb`, `iterations` and
-//! `error_QUANTITY` (relative, for [`Quantity`] names). Lines that begin with
-//! `#` are comments: versions, machine, how to measure again. A peer without an
-//! error of its own is given that of the exact discrete solution on its mesh.
+//! `error_QUANTITY` (relative) or `value_QUANTITY` (compared with the limit of its
+//! family), for [`Quantity`] names; other columns are for readers. Lines that begin
+//! with `#` are comments: versions, machine, how to measure again. A peer without
+//! an error of its own is given that of the exact discrete solution on its mesh.
 
 use std::path::Path;
 
@@ -22,6 +23,7 @@ pub(crate) struct Peer {
     pub(crate) peak_memory_mb: Option<f64>,
     pub(crate) iterations: Option<f64>,
     errors: Vec<(Quantity, f64)>,
+    values: Vec<(Quantity, f64)>,
 }
 
 /// A file of peers.
@@ -35,8 +37,13 @@ pub(crate) struct Peers {
 impl Peer {
     /// Its relative error.
     pub(crate) fn error(&self, quantity: Quantity, references: &References) -> Option<f64> {
-        let own = self.errors.iter().find(|error| error.0 == quantity);
-        own.map(|error| error.1)
+        let find = |list: &[(Quantity, f64)]| {
+            let mut list = list.iter();
+            list.find(|item| item.0 == quantity).map(|item| item.1)
+        };
+        let of_value = || references.relative(&self.scene, quantity, find(&self.values)?);
+        find(&self.errors)
+            .or_else(of_value)
             .or_else(|| references.error(&self.scene, quantity, self.level))
     }
 }
@@ -113,11 +120,14 @@ impl<'a> Columns<'a> {
 }
 
 fn peer(columns: &Columns<'_>) -> Result<Peer, String> {
-    let mut errors = Vec::new();
-    for quantity in Quantity::ALL {
-        let error = columns.number(&format!("error_{}", quantity.name()))?;
-        errors.extend(error.map(|error| (quantity, error)));
-    }
+    let numbers = |kind: &str| -> Result<Vec<(Quantity, f64)>, String> {
+        let mut found = Vec::new();
+        for quantity in Quantity::ALL {
+            let number = columns.number(&format!("{kind}_{}", quantity.name()))?;
+            found.extend(number.map(|number| (quantity, number)));
+        }
+        Ok(found)
+    };
     Ok(Peer {
         scene: columns.required("scene")?.to_owned(),
         level: columns.required("level")?.parse()?,
@@ -126,7 +136,8 @@ fn peer(columns: &Columns<'_>) -> Result<Peer, String> {
         seconds: columns.required_number("seconds")?,
         peak_memory_mb: columns.number("peak_memory_mb")?,
         iterations: columns.number("iterations")?,
-        errors,
+        errors: numbers("error")?,
+        values: numbers("value")?,
     })
 }
 
@@ -134,12 +145,13 @@ fn peer(columns: &Columns<'_>) -> Result<Peer, String> {
 mod tests {
     use super::*;
 
-    const HEADER: &str = "scene,level,solver,unknowns,seconds,peak_memory_mb,error_force\n";
+    const HEADER: &str =
+        "scene,level,solver,unknowns,seconds,peak_memory_mb,error_force,value_force\n";
 
     #[test]
     fn peers_are_read_by_the_names_of_columns() {
         let text = format!(
-            "# a machine\n{HEADER}hertz-plane,l2,Other 1.0,7648,1.5,330,0.01\nA1m,n6,Other 1.0,6934,0.2,,\n"
+            "# a machine\n{HEADER}hertz-plane,l2,Other 1.0,7648,1.5,330,0.01,\nA1m,n6,Other 1.0,6934,0.2,,,\n"
         );
         let peers = parse(&text).unwrap();
         let references = References::shipped().unwrap();
@@ -154,14 +166,24 @@ mod tests {
     }
 
     #[test]
+    fn a_value_is_compared_with_the_limit() {
+        let text = format!("{HEADER}hertz-plane,l2,Other 1.0,7648,1.5,330,,0.0703\n");
+        let peers = parse(&text).unwrap();
+        let references = References::shipped().unwrap();
+        let expected = references.relative("hertz-plane", Quantity::Force, 0.0703);
+        assert!(expected.is_some_and(|error| error > 1e-3));
+        assert_eq!(peers[0].error(Quantity::Force, &references), expected);
+    }
+
+    #[test]
     fn faults_are_named_with_their_line() {
         for (row, message) in [
-            ("A1m,n6,Other,6934,,,", "line 2: seconds is missing"),
+            ("A1m,n6,Other,6934,,,,", "line 2: seconds is missing"),
             (
-                "A1m,n6,Other,6934,fast,,",
+                "A1m,n6,Other,6934,fast,,,",
                 "line 2: seconds: \"fast\" is no number above zero",
             ),
-            ("A1m,six,Other,6934,1,,", "line 2: n1 to n99"),
+            ("A1m,six,Other,6934,1,,,", "line 2: n1 to n99"),
         ] {
             let fault = parse(&format!("{HEADER}{row}\n")).unwrap_err();
             assert!(fault.starts_with(message), "{fault}");

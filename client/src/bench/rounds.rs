@@ -32,7 +32,7 @@ pub(crate) struct Rounds<'a> {
 
 /// What a case's turn came to.
 enum Turn {
-    Ran(Run),
+    Ran(Box<Run>),
     LeftOut(&'static str),
     OutOfTime,
 }
@@ -61,8 +61,17 @@ impl<'a> Rounds<'a> {
     /// # Errors
     /// A scene or mesh file that is not there.
     pub(crate) async fn run(&mut self, note: impl Fn(&str)) -> Result<(), WorkshopError> {
-        for round in 1..=self.plan.repeats {
+        let rounds = self.plan.cases.iter().map(|case| case.repeats).max();
+        for round in 1..=rounds.unwrap_or_default() {
             for index in 0..self.measured.len() {
+                if self
+                    .plan
+                    .cases
+                    .get(index)
+                    .is_none_or(|case| case.repeats < round)
+                {
+                    continue;
+                }
                 if !self
                     .turn(index, &|line| note(&format!("round {round}: {line}\n")))
                     .await?
@@ -101,7 +110,7 @@ impl<'a> Rounds<'a> {
             Turn::Ran(run) => {
                 let (name, word) = (case.name(), run.outcome.word());
                 note(&format!("{name}: {word}, {:.3} s", run.numbers.seconds));
-                self.keep(index, &case.method, run);
+                self.keep(index, &case.method, *run);
                 Ok(true)
             }
         }
@@ -116,13 +125,13 @@ impl<'a> Rounds<'a> {
         };
         let scene = self.workshop.scene(case.family)?;
         let mesh = self.workshop.mesh(case.family, case.level)?;
-        let limit = self.plan.run_limit.min(left);
+        let limit = case.run_limit.min(left);
         let run = measure(&self.program, case, (&scene, &mesh), limit).await;
-        let cut_by_budget = run.outcome == Outcome::TimeLimit && limit < self.plan.run_limit;
+        let cut_by_budget = run.outcome == Outcome::TimeLimit && limit < case.run_limit;
         Ok(if cut_by_budget {
             Turn::OutOfTime
         } else {
-            Turn::Ran(run)
+            Turn::Ran(Box::new(run))
         })
     }
 
@@ -145,10 +154,8 @@ impl<'a> Rounds<'a> {
     }
 
     fn time_left(&self) -> Option<Duration> {
-        let Some(budget) = self.plan.budget else {
-            return Some(self.plan.run_limit);
-        };
-        budget
+        self.plan
+            .budget
             .checked_sub(self.started.elapsed())
             .filter(|left| !left.is_zero())
     }

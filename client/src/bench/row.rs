@@ -97,6 +97,7 @@ fn titles() -> Vec<String> {
         "repeats",
         "seconds_median",
         "seconds_least",
+        "seconds_error_norms",
     ]
     .map(str::to_owned)
     .to_vec();
@@ -104,6 +105,7 @@ fn titles() -> Vec<String> {
     titles.push("peak_memory_bytes".to_owned());
     titles.extend(Quantity::ALL.map(|quantity| format!("error_{}", quantity.name())));
     titles.extend(VALUES.map(|quantity| format!("value_{}", quantity.name())));
+    titles.extend(["estimate_energy_norm", "estimate_force"].map(str::to_owned));
     titles.extend(["instruction_set", "threads", "processor", "build"].map(str::to_owned));
     titles
 }
@@ -122,6 +124,7 @@ fn fields(row: &Row, machine: &Machine) -> Vec<String> {
     fields.extend([numbers.iterations, numbers.applications].map(|count| count.to_string()));
     fields.push(row.repeats.to_string());
     fields.extend([numbers.seconds, row.least_seconds].map(|seconds| format!("{seconds:.6}")));
+    fields.push(format!("{:.6}", numbers.error_norm_seconds));
     fields.extend(numbers.phases.map(|seconds| format!("{seconds:.6}")));
     fields.push(
         numbers
@@ -139,6 +142,8 @@ fn fields(row: &Row, machine: &Machine) -> Vec<String> {
         value.map_or_else(String::new, |value| format!("{:.12e}", value.1))
     };
     fields.extend(VALUES.map(value));
+    let estimates = [numbers.estimate, numbers.force_estimate];
+    fields.extend(estimates.map(|value| value.map_or_else(String::new, |v| format!("{v:.6e}"))));
     fields.push(numbers.instruction_set.clone());
     fields.push(machine.cores.to_string());
     fields.extend([machine.processor.clone(), machine.build.clone()]);
@@ -162,6 +167,7 @@ pub(crate) fn csv(rows: &[Row], machine: &Machine) -> Result<Vec<u8>, String> {
 #[cfg(test)]
 pub(crate) mod tests {
     use super::super::family::find;
+    use super::super::plan::Place;
     use super::*;
 
     fn run(seconds: f64, outcome: Outcome, value: f64) -> Run {
@@ -180,6 +186,9 @@ pub(crate) mod tests {
             level: "l2".parse().unwrap(),
             method: "p1_solver=cholesky,saddle=gcr".parse().unwrap(),
             tolerance: 1e-8,
+            place: Place::Chapter,
+            repeats: 3,
+            run_limit: std::time::Duration::from_secs(1),
         };
         let measured = Measured {
             case,

@@ -4,9 +4,25 @@ use std::path::{Path, PathBuf};
 
 use super::cube;
 use super::family::{Family, Level, MeshSource};
+use super::shaped::shaped;
 
 /// Gmsh meshes that the program carries: prefix, level, bytes.
 const SHIPPED: &[(&str, u32, &[u8])] = &[
+    (
+        "cylinder",
+        1,
+        include_bytes!("../../examples/meshes/cylinder_l1.msh"),
+    ),
+    (
+        "cylinder",
+        2,
+        include_bytes!("../../examples/meshes/cylinder_l2.msh"),
+    ),
+    (
+        "ball",
+        1,
+        include_bytes!("../../examples/meshes/ball_l1.msh"),
+    ),
     (
         "hemi",
         1,
@@ -128,9 +144,10 @@ impl Workshop {
     /// [`WorkshopError`].
     pub(crate) fn mesh(&self, family: &Family, level: Level) -> Result<PathBuf, WorkshopError> {
         let prefix = match family.source {
-            MeshSource::Cube => {
-                let name = format!("cube_{level}.msh");
-                return self.file(&name, || cube::msh(level.number).into_bytes());
+            MeshSource::Cube(shape) => {
+                let name = format!("cube_{shape:?}_{level}.msh").replace(['(', ')'], "");
+                let text = || shaped(&cube::msh(level.number), level.number, shape);
+                return self.file(&name, || text().into_bytes());
             }
             MeshSource::Gmsh(prefix) => prefix,
         };

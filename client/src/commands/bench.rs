@@ -1,17 +1,18 @@
 //! `bench`: measures families of scenes and writes table, figures and a page.
 
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::arguments::BenchArguments;
 use crate::bench::figures::{Figure, Results};
 use crate::bench::machine::Machine;
-use crate::bench::page::{self, LeftOut};
+use crate::bench::page::{self, LeftOut, Report};
 use crate::bench::peers::{self, Peers};
 use crate::bench::plan::{Extent, Plan, Wishes};
 use crate::bench::reference::References;
 use crate::bench::rounds::{Measured, Rounds};
 use crate::bench::row::{self, Row};
+use crate::bench::study_figures;
 use crate::bench::workshop::{Workshop, WorkshopError};
 use crate::exit::{Exit, Failure};
 use crate::text::{note, print};
@@ -30,7 +31,9 @@ pub(super) async fn run(arguments: BenchArguments) -> Result<Exit, Failure> {
         None => Peers::default(),
     };
     make_folder(&arguments.out)?;
+    let started = Instant::now();
     let (exit, measured) = measure(&plan, arguments.meshes.clone()).await?;
+    let minutes = started.elapsed().as_secs_f64() / 60.0;
     let (left_out, rows) = divided(measured, &references);
     let machine = Machine::here();
     let results = Results {
@@ -39,7 +42,13 @@ pub(super) async fn run(arguments: BenchArguments) -> Result<Exit, Failure> {
         references,
         machine,
     };
-    write(&arguments.out, &results, &left_out)?;
+    let report = Report {
+        chapters: results.chapters(),
+        inquiries: study_figures::inquiries(&results, &plan.studies),
+        left_out,
+        minutes,
+    };
+    write(&arguments.out, &results, &report)?;
     Ok(exit_of(exit, &results.rows))
 }
 
@@ -51,12 +60,14 @@ fn wishes(arguments: &BenchArguments) -> Wishes {
     Wishes {
         extent,
         scenes: arguments.scenes.clone(),
+        studies: arguments.studies.clone(),
         levels: arguments.levels.clone(),
         methods: arguments.methods.clone(),
         tolerances: arguments.tolerances.clone(),
         repeats: arguments.repeats.map(usize::from),
         run_limit: arguments.run_limit.map(Duration::from_secs),
         budget: arguments.budget.map(Duration::from_secs),
+        meshes: arguments.meshes.clone(),
     }
 }
 
@@ -106,7 +117,7 @@ fn make_folder(path: &Path) -> Result<(), Failure> {
     std::fs::create_dir_all(path).map_err(|error| Failure::unwritable(path, &error))
 }
 
-fn write(out: &Path, results: &Results, left_out: &[LeftOut]) -> Result<(), Failure> {
+fn write(out: &Path, results: &Results, report: &Report) -> Result<(), Failure> {
     let table = row::csv(&results.rows, &results.machine);
     let table = table.map_err(|message| Failure::new(Exit::Server, message))?;
     let file = |name: &str, content: &[u8]| {
@@ -114,11 +125,10 @@ fn write(out: &Path, results: &Results, left_out: &[LeftOut]) -> Result<(), Fail
         std::fs::write(&path, content).map_err(|error| Failure::unwritable(&path, &error))
     };
     file("bench.csv", &table)?;
-    let chapters = results.chapters();
-    for Figure { name, svg } in chapters.iter().flat_map(|chapter| &chapter.figures) {
+    for Figure { name, svg } in report.figures() {
         file(&format!("{name}.svg"), svg.as_bytes())?;
     }
-    let page = page::html(results, &chapters, left_out);
+    let page = page::html(results, report);
     file("index.html", page.as_bytes())?;
     print(&format!("{}\n", out.join("index.html").display()))
 }

@@ -181,6 +181,7 @@ fn seconds(value: Seconds) -> wire::Seconds {
         krylov: value.krylov,
         contact: value.contact,
         total: value.total,
+        error_norms: value.error_norms,
     }
 }
 

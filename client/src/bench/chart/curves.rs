@@ -2,7 +2,7 @@
 
 use super::axes::{BOTTOM, Frame, LEFT, RIGHT, TOP, legend};
 use super::scale::Kind;
-use super::svg::{Anchor, FAINT, Svg, TINY, colour, escaped};
+use super::svg::{Anchor, FAINT, GRID, Svg, TINY, colour, escaped, width_of};
 
 /// What a point stands for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,8 +77,9 @@ impl Diagram {
         for (index, curve) in self.curves.iter().enumerate() {
             draw_line(&mut svg, &frame, index, curve);
         }
+        let mut names = Names::default();
         for (index, curve) in self.curves.iter().enumerate() {
-            draw_points(&mut svg, &frame, index, curve);
+            draw_points(&mut svg, &frame, index, curve, &mut names);
         }
         let below = self.draw_legend(&mut svg, below);
         let height = svg.small_print(below, &self.footer) + 12.0;
@@ -95,6 +96,10 @@ impl Diagram {
     fn draw_level(&self, svg: &mut Svg, frame: &Frame) {
         let Some(level) = &self.level else { return };
         let y = frame.up(level.value);
+        let (width, height) = (RIGHT - LEFT, (BOTTOM - y).max(0.0));
+        svg.add(format_args!(
+            "<rect x=\"{LEFT}\" y=\"{y:.1}\" width=\"{width}\" height=\"{height:.1}\" fill=\"{GRID}\" fill-opacity=\"0.45\"/>"
+        ));
         let style = format!("stroke=\"{FAINT}\" stroke-dasharray=\"2 3\"");
         svg.line((LEFT, y), (RIGHT, y), &style);
         // Falling curves leave the left of a low line free.
@@ -212,7 +217,26 @@ fn draw_line(svg: &mut Svg, frame: &Frame, index: usize, curve: &Curve) {
     }
 }
 
-fn draw_points(svg: &mut Svg, frame: &Frame, index: usize, curve: &Curve) {
+/// Places of names that are there: a name that would cover another is left out.
+#[derive(Default)]
+struct Names {
+    taken: Vec<(f64, f64)>,
+}
+
+impl Names {
+    /// Whether a name of `text` may begin here.
+    fn take(&mut self, (x, y): (f64, f64), text: &str) -> bool {
+        let width = width_of(text, TINY) + 4.0;
+        let covers = |place: &(f64, f64)| (place.0 - x).abs() < width && (place.1 - y).abs() < 13.0;
+        let free = !text.is_empty() && !self.taken.iter().any(covers);
+        if free {
+            self.taken.push((x, y));
+        }
+        free
+    }
+}
+
+fn draw_points(svg: &mut Svg, frame: &Frame, index: usize, curve: &Curve, names: &mut Names) {
     for point in &curve.points {
         let state = point.state;
         let note = format!("{}, {}", curve.label, point.name);
@@ -220,8 +244,10 @@ fn draw_points(svg: &mut Svg, frame: &Frame, index: usize, curve: &Curve) {
         // One curve names its meshes; more names would cover each other.
         if state == State::Failed {
             let (x, y) = place(frame, point);
-            svg.text((x - 11.0, y + 4.0), Anchor::End, TINY, &point.name);
-        } else if index == 0 {
+            if names.take((x, y), &point.name) {
+                svg.text((x - 11.0, y + 4.0), Anchor::End, TINY, &point.name);
+            }
+        } else if index == 0 && names.take(place(frame, point), &point.name) {
             draw_name(svg, place(frame, point), slope(curve), &point.name);
         }
     }
@@ -240,7 +266,8 @@ fn slope(curve: &Curve) -> std::cmp::Ordering {
 
 /// Above the point, on the side that its curve leaves free.
 fn draw_name(svg: &mut Svg, (x, y): (f64, f64), slope: std::cmp::Ordering, name: &str) {
-    let (across, anchor) = if slope.is_gt() {
+    let leaves = x + 8.0 + width_of(name, TINY) > RIGHT + 12.0;
+    let (across, anchor) = if slope.is_gt() || leaves {
         (-7.0, Anchor::End)
     } else {
         (8.0, Anchor::Start)

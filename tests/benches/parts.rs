@@ -1,0 +1,390 @@
+//! Seconds of the parts of a solve, and unknowns a second: a guard against
+//! regressions of one part that a whole solve would hide.
+//!
+//! `cargo bench -p signorini --bench parts -- [--cells N] [--only PART] [--save FILE] [--against FILE]`
+//! measures the unit cube of N^3 cells (24: 353 k unknowns) and a dense problem,
+//! for every instruction set of the machine where a part has kernels of its own,
+//! and for one and two threads. A part runs for half a second at least; the
+//! figure is the median. `--save` writes them as CSV; `--against` prints the ratio to a
+//! saved file. Only what is public is measured: no door is opened for it.
+
+#![allow(clippy::print_stdout)] // The table is what it is for.
+
+#[path = "../common/meshes.rs"]
+#[allow(dead_code)]
+mod meshes;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use signorini::assembly::grid::{Basis, Grid, Rows};
+use signorini::assembly::p1_stiffness::{P1Blocks, node_blocks, p1_blocks};
+use signorini::assembly::simd::InstructionSet;
+use signorini::assembly::{CellGeometry, CellModuli};
+use signorini::inequality::dense_qp;
+use signorini::linalg::cholesky::Precision;
+use signorini::linalg::vector::{add_scaled, dot, reproducible_noise};
+use signorini::linalg::{DenseMatrix, Preconditioner, Workspace};
+use signorini::precond::NodeBlocks;
+use signorini::precond::p1::{AmgP1, DirectP1, VertexBlocks, vertex_order};
+use signorini::scene::{Formulation, Material, MaterialModel, Modulus, Profile, Support, Traction};
+use signorini::space::TaylorHood;
+use signorini::{
+    CancelToken, GroupKind, Mesh, Plan, Prepared, Reuse, Scene, Session, Silent, Step,
+};
+
+/// A part is repeated for this long, and at least [`FEWEST`] times.
+const LONG_ENOUGH: Duration = Duration::from_millis(500);
+const FEWEST: usize = 3;
+
+/// What the command line asks for.
+struct Wishes {
+    cells: usize,
+    only: Option<String>,
+    save: Option<String>,
+    against: Option<String>,
+}
+
+impl Wishes {
+    fn read() -> Self {
+        let arguments: Vec<String> = std::env::args().collect();
+        let value = |name: &str| {
+            let at = arguments.iter().position(|argument| argument == name)?;
+            arguments.get(at + 1).cloned()
+        };
+        Self {
+            cells: value("--cells")
+                .and_then(|text| text.parse().ok())
+                .unwrap_or(24),
+            only: value("--only"),
+            save: value("--save"),
+            against: value("--against"),
+        }
+    }
+}
+
+/// A figure by part, instruction set and threads.
+type Key = (String, String, usize);
+
+/// Prints figures as they come and keeps them.
+struct Notebook {
+    wishes: Wishes,
+    earlier: BTreeMap<Key, f64>,
+    seconds: BTreeMap<Key, f64>,
+}
+
+impl Notebook {
+    fn new(wishes: Wishes) -> Self {
+        let text = wishes
+            .against
+            .as_ref()
+            .and_then(|path| std::fs::read_to_string(path).ok());
+        let earlier = text
+            .iter()
+            .flat_map(|text| text.lines())
+            .filter_map(figure)
+            .collect();
+        println!(
+            "part                     set       threads     median s  unknowns/s    ratio to saved"
+        );
+        Self {
+            wishes,
+            earlier,
+            seconds: BTreeMap::new(),
+        }
+    }
+
+    /// Measures `task`, which handles `unknowns` numbers, in a pool of its own.
+    fn measure(
+        &mut self,
+        part: &str,
+        set: &str,
+        threads: usize,
+        unknowns: usize,
+        mut task: impl FnMut() + Send,
+    ) {
+        if self
+            .wishes
+            .only
+            .as_ref()
+            .is_some_and(|only| !part.contains(only.as_str()))
+        {
+            return;
+        }
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+        let Ok(pool) = pool else { return };
+        let seconds = pool.install(|| {
+            task();
+            let (start, mut taken) = (Instant::now(), Vec::new());
+            while taken.len() < FEWEST || start.elapsed() < LONG_ENOUGH {
+                let one = Instant::now();
+                task();
+                taken.push(one.elapsed().as_secs_f64());
+            }
+            taken.sort_by(f64::total_cmp);
+            taken[taken.len() / 2]
+        });
+        let key = (part.to_owned(), set.to_owned(), threads);
+        let ratio = self
+            .earlier
+            .get(&key)
+            .map_or_else(String::new, |saved| format!("{:.3}", seconds / saved));
+        let rate = unknowns as f64 / seconds;
+        println!("{part:24} {set:9} {threads:7} {seconds:12.3e} {rate:11.3e} {ratio:>17}");
+        self.seconds.insert(key, seconds);
+    }
+
+    fn save(&self) -> std::io::Result<()> {
+        let Some(path) = &self.wishes.save else {
+            return Ok(());
+        };
+        let lines = self
+            .seconds
+            .iter()
+            .map(|((part, set, threads), seconds)| format!("{part},{set},{threads},{seconds:e}\n"));
+        std::fs::write(path, lines.collect::<String>())
+    }
+}
+
+fn figure(line: &str) -> Option<(Key, f64)> {
+    let parts: Vec<&str> = line.split(',').collect();
+    let [part, set, threads, seconds] = parts.as_slice() else {
+        return None;
+    };
+    Some((
+        ((*part).to_owned(), (*set).to_owned(), threads.parse().ok()?),
+        seconds.parse().ok()?,
+    ))
+}
+
+/// The cube, incompressible, held at x0.
+struct Body {
+    mesh: Arc<Mesh>,
+    space: TaylorHood,
+    geometry: CellGeometry,
+    moduli: CellModuli,
+    held: Vec<u32>,
+}
+
+impl Body {
+    fn new(cells: usize) -> Self {
+        let mesh = meshes::mesh(meshes::cube(cells));
+        let (space, geometry) = (TaylorHood::new(&mesh), CellGeometry::new(&mesh, 1.0));
+        let count = geometry.cells();
+        let moduli = CellModuli {
+            shear: vec![1.0; count],
+            lame: vec![0.0; count],
+            inverse_lame: vec![0.0; count],
+        };
+        let held = held_at_x0(&mesh, &space);
+        Self {
+            mesh,
+            space,
+            geometry,
+            moduli,
+            held,
+        }
+    }
+
+    fn grid(&self) -> Grid {
+        Grid::new(
+            &self.mesh,
+            &self.space,
+            &self.geometry,
+            &self.moduli,
+            &self.held,
+        )
+    }
+
+    fn p1(&self) -> P1Blocks {
+        p1_blocks(&self.mesh, &self.space, &self.geometry, &self.moduli, 0.0)
+    }
+}
+
+/// Unknowns of the nodes on x0, ascending.
+fn held_at_x0(mesh: &Mesh, space: &TaylorHood) -> Vec<u32> {
+    let members = mesh
+        .group("x0", GroupKind::Facets)
+        .map(|group| group.members.clone());
+    let facets = members.unwrap_or_default();
+    let nodes = facets
+        .iter()
+        .flat_map(|&facet| space.facet_nodes(mesh.facet(facet as usize)));
+    let mut held: Vec<u32> = nodes
+        .flat_map(|node| (0..3).map(move |i| 3 * node + i))
+        .collect();
+    held.sort_unstable();
+    held.dedup();
+    held
+}
+
+const THREADS: [usize; 2] = [1, 2];
+
+/// A, B and B^T in every instruction set of the machine.
+fn kernels(notebook: &mut Notebook, body: &Body) {
+    let (size, vertices) = (body.space.displacement_unknowns(), body.space.vertices);
+    let (x, p) = (reproducible_noise(size), reproducible_noise(vertices));
+    let (mut y, mut r) = (vec![0.0; size], vec![0.0; vertices]);
+    let here = InstructionSet::ALL.into_iter().filter(|set| set.is_here());
+    for set in here {
+        let grid = body.grid().with_instruction_set(set);
+        let (name, mut work) = (set.name(), Workspace::new());
+        for threads in THREADS {
+            notebook.measure("operator, Lagrange", name, threads, size, || {
+                grid.stiffness(Basis::Lagrange, Rows::Free, &x, &mut y, &mut work);
+            });
+            notebook.measure("operator, hierarchical", name, threads, size, || {
+                grid.stiffness(Basis::Hierarchical, Rows::Free, &x, &mut y, &mut work);
+            });
+            notebook.measure("divergence", name, threads, size, || {
+                grid.divergence(Rows::Free, &x, &mut r, &mut work);
+            });
+            notebook.measure("divergence, transposed", name, threads, size, || {
+                grid.divergence_transposed(Rows::Free, &p, &mut y, &mut work);
+            });
+        }
+    }
+}
+
+/// Smoother, P1 solvers and vector updates.
+fn preconditioner(notebook: &mut Notebook, body: &Body) {
+    let set = InstructionSet::of_this_machine().name();
+    let (size, coarse) = (body.space.displacement_unknowns(), 3 * body.space.vertices);
+    let stiffness = node_blocks(
+        &body.mesh,
+        &body.space,
+        &body.geometry,
+        &body.moduli,
+        &body.held,
+    );
+    let smoother = NodeBlocks::invert(3, stiffness);
+    let (r, r1) = (reproducible_noise(size), reproducible_noise(coarse));
+    let (mut d, mut x, mut z) = (vec![0.0; size], vec![0.0; size], vec![0.0; coarse]);
+    let mut work = Workspace::new();
+    let blocks = body.p1();
+    let view = VertexBlocks {
+        components: 3,
+        coordinates: body.mesh.coordinates(),
+        edges: &body.space.edges,
+        diagonal: &blocks.diagonal,
+        off: &blocks.off,
+        held: &body.held,
+    };
+    let cycle = AmgP1::new(&view, Precision::Single).ok();
+    let matrix = blocks.lower_columns(&body.space, &body.held);
+    let order = vertex_order(body.mesh.coordinates(), &body.space.edges, &[]);
+    let factor = DirectP1::new(&matrix, &order, 3, Precision::Single).ok();
+    for threads in THREADS {
+        notebook.measure("Chebyshev update", set, threads, size, || {
+            smoother.chebyshev_update(0.3, 0.7, &r, &mut d, &mut x);
+        });
+        notebook.measure("P1 multigrid, set-up", set, threads, coarse, || {
+            let _built = AmgP1::new(&view, Precision::Single).ok();
+        });
+        if let Some(cycle) = &cycle {
+            notebook.measure("P1 multigrid, cycle", set, threads, coarse, || {
+                cycle.apply(&r1, &mut z, &mut work);
+            });
+        }
+        notebook.measure("P1 factor", set, threads, coarse, || {
+            let _built = DirectP1::new(&matrix, &order, 3, Precision::Single).ok();
+        });
+        if let Some(factor) = &factor {
+            notebook.measure("P1 factor, solution", set, threads, coarse, || {
+                factor.apply(&r1, &mut z, &mut work);
+            });
+        }
+    }
+}
+
+fn vectors(notebook: &mut Notebook, size: usize) {
+    let (x, mut y) = (reproducible_noise(size), vec![1.0; size]);
+    for threads in THREADS {
+        let mut sum = 0.0;
+        notebook.measure("dot product", "any", threads, size, || sum += dot(&x, &x));
+        notebook.measure("vector update", "any", threads, size, || {
+            add_scaled(&mut y, 1e-9, &x)
+        });
+        std::hint::black_box(sum);
+    }
+}
+
+/// The contact problem of some hundred vertices: a kernel 1 / (1 + distance).
+fn dense(notebook: &mut Notebook) {
+    for count in [300, 1000] {
+        let mut matrix = DenseMatrix::zeros(count, count);
+        for row in 0..count {
+            for column in 0..count {
+                *matrix.at_mut(row, column) = 1.0 / (1.0 + row.abs_diff(column) as f64);
+            }
+        }
+        let linear: Vec<f64> = (0..count)
+            .map(|i| (i as f64 / count as f64 - 0.3).signum() - 0.2)
+            .collect();
+        let guess = vec![true; count];
+        notebook.measure(&format!("dense QP of {count}"), "any", 1, count, || {
+            let _solved = dense_qp::solve(&matrix, &linear, &guess).ok();
+        });
+    }
+}
+
+fn bent_cube() -> Scene {
+    let model = MaterialModel::LinearElastic {
+        modulus: Modulus::Shear(1.0),
+        poisson_ratio: 0.5,
+        formulation: Formulation::Auto,
+    };
+    let group = "body".to_owned();
+    Scene {
+        materials: vec![Material { group, model }],
+        supports: vec![Support {
+            name: "wall".to_owned(),
+            on: vec!["x0".to_owned()],
+            displacement: [Some(0.0); 3],
+            profile: Profile::Constant,
+        }],
+        tractions: vec![Traction {
+            on: vec!["x1".to_owned()],
+            value: [0.0, 0.0, -1.0],
+        }],
+        ..Scene::default()
+    }
+}
+
+/// Preparation and step of cube-bend at 1e-8.
+fn whole(notebook: &mut Notebook, body: &Body) -> Result<(), Box<dyn std::error::Error>> {
+    let set = InstructionSet::of_this_machine().name();
+    let plan = Arc::new(Plan::new(&bent_cube(), &[], &body.mesh)?);
+    let prepared = Arc::new(Prepared::build(&plan, &body.mesh, &CancelToken::new())?);
+    let size = body.space.displacement_unknowns();
+    for threads in THREADS {
+        notebook.measure("preparation", set, threads, size, || {
+            let _built = Prepared::build(&plan, &body.mesh, &CancelToken::new()).ok();
+        });
+        notebook.measure("step, prepared", set, threads, size, || {
+            let mut session = Session::new(
+                plan.clone(),
+                body.mesh.clone(),
+                prepared.clone(),
+                Reuse::Reused,
+            );
+            if let Ok(mut run) = session.begin_step(&Step::default()) {
+                let _report = session.advance(&mut run, &mut Silent, &CancelToken::new());
+            }
+        });
+    }
+    Ok(())
+}
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let mut notebook = Notebook::new(Wishes::read());
+    let body = Body::new(notebook.wishes.cells);
+    kernels(&mut notebook, &body);
+    preconditioner(&mut notebook, &body);
+    vectors(&mut notebook, body.space.displacement_unknowns());
+    dense(&mut notebook);
+    whole(&mut notebook, &body)?;
+    notebook.save()?;
+    Ok(())
+}

@@ -1,0 +1,245 @@
+#!/usr/bin/env python3
+"""Measures Signorini and its peers by turns and writes peers.csv and paired.csv.
+
+usage: run.py --signorini PROGRAM [--sizes n6,n10,l1,l2] [--solvers NAME,..] [--repeats 3] [--limit 600] [--out DIR]
+
+Every run is a fresh process. In each round every case runs once, Signorini before each peer on the same scene and
+mesh, so that the noise of the machine spreads over both; a case is its run of median seconds. Keep the machine quiet.
+peers.csv is what `signorini bench --peers` draws; paired.csv has Signorini's rows of the same rounds beside it, and the
+end of the output the ratio of each pair. A solver that is not installed is left out with a line.
+"""
+import argparse
+import csv
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import time
+
+from report import COLUMNS, processor, threads
+from scenes import HERE, PREFIX, ROOT, SHIPPED, WHOLE_BODY, cube
+
+LINEAR, CONTACT = ("cube-bend", "A1m"), ("hertz-plane", "hertz-sphere")
+SCENE_FILES = {"A1m": "manufactured"}
+SYSTEM_PYTHON = "/usr/bin/python3"
+
+# Name, script, further arguments, scenes, interpreter, largest level worth trying.
+PEERS = {
+    "ngsolve-two-level": ("ngsolve_linear.py", ["two-level"], LINEAR, sys.executable, "n34"),
+    "ngsolve-pardiso": ("ngsolve_linear.py", ["pardiso"], LINEAR, sys.executable, "n16"),
+    "ngsolve-active-set": ("ngsolve_contact.py", [], CONTACT, sys.executable, "l5"),
+    "petsc-gamg": ("fenicsx_linear.py", [], LINEAR, SYSTEM_PYTHON, "n16"),
+    "getfem": ("getfem_contact.py", [], CONTACT, SYSTEM_PYTHON, "l4"),
+}
+ALL_SIZES = "n6,n10,n16,n24,n34,l1,l2,l3,l4,l5"
+
+HEADER = """\
+# What other solvers needed for scenes of `signorini bench` (give this file as --peers). Written by tests/benches/peers/run.py.
+# Machine: {processor}, {threads} cores; {date}; median of {repeats} runs, taken by turns with Signorini's; one process a run.
+# Seconds of wall time without mesh reading, output and error norms, with loads, assembly, set-up and solve. Peak memory of the process,
+# error norms not yet taken; that of Python-driven solvers holds 120 to 150 MB of interpreter and libraries.
+# NGSolve two-level: block-diagonal MINRES, displacement by node-block Gauss-Seidel / exact P1 solve / Gauss-Seidel, exact pressure mass,
+#   relative preconditioned residual 1e-8. NGSolve Pardiso: direct on the saddle point. NGSolve active set: semismooth Newton, a direct
+#   factor each iteration, exact P1 multiplier, to 1e-10. PETSc GAMG: MINRES, smoothed aggregation with six rigid modes, exact pressure
+#   mass, 1e-8, one thread by build. GetFEM: integral augmented Lagrangian (its discrete problem differs slightly), MUMPS, one thread.
+# Versions: {versions}.
+"""
+
+
+def of_size(level):
+    return int(level[1:])
+
+
+def cases(sizes, chosen):
+    """Scene, level and peers of each pair, small meshes first."""
+    for level in sorted(sizes, key=of_size):
+        for scene in LINEAR if level[0] == "n" else CONTACT:
+            fitting = [
+                name
+                for name in chosen
+                if scene in PEERS[name][2] and of_size(level) <= of_size(PEERS[name][4])
+            ]
+            if fitting:
+                yield scene, level, fitting
+
+
+def run(command, limit, folder=HERE):
+    """The output of a process; none when it fails or takes too long."""
+    environment = dict(os.environ, OMP_NUM_THREADS=str(threads()), MKL_NUM_THREADS=str(threads()))
+    try:
+        ended = subprocess.run(command, capture_output=True, text=True, timeout=limit, cwd=folder, env=environment, check=False)
+    except subprocess.TimeoutExpired:
+        return None, f"more than {limit} s"
+    if ended.returncode != 0:
+        lines = ended.stderr.strip().splitlines()
+        return None, lines[-1] if lines else f"exit code {ended.returncode}"
+    return ended.stdout, ""
+
+
+def peer(name, scene, level, arguments):
+    script, more, scenes, python, _ = PEERS[name]
+    options = more if scenes is LINEAR else (["--meshes", arguments.meshes] if arguments.meshes else [])
+    output, fault = run([python, script, scene, level, *options], arguments.limit)
+    if output is None:
+        return None, fault
+    rows = [line for line in output.splitlines() if line.startswith("{")]
+    return (json.loads(rows[-1]), "") if rows else (None, "no result")
+
+
+def msh_of(grid):
+    """A grid as text of the Gmsh format 2.2."""
+    names = sorted(set(grid.sides))
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(names) + 1)]
+    lines += [f'2 {11 + k} "{name}"' for k, name in enumerate(names)] + ['3 1 "body"', "$EndPhysicalNames"]
+    lines += ["$Nodes", str(len(grid.points))]
+    lines += [f"{k} {x!r} {y!r} {z!r}" for k, (x, y, z) in enumerate(grid.points.tolist(), start=1)]
+    lines += ["$EndNodes", "$Elements", str(len(grid.facets) + len(grid.cells))]
+    number = 0
+    for facet, side in zip((grid.facets + 1).tolist(), grid.sides):
+        number += 1
+        tag = 11 + names.index(side)
+        lines.append(f"{number} 2 2 {tag} {tag} {facet[0]} {facet[1]} {facet[2]}")
+    for cell in (grid.cells + 1).tolist():
+        number += 1
+        lines.append(f"{number} 4 2 1 1 {cell[0]} {cell[1]} {cell[2]} {cell[3]}")
+    return "\n".join([*lines, "$EndElements", ""])
+
+
+def mesh_file(scene, level, folder, meshes):
+    if level[0] == "l":
+        name = f"{PREFIX[scene]}_{level}.msh"
+        own = os.path.join(meshes, name) if meshes else ""
+        return own if os.path.exists(own) else os.path.join(SHIPPED, name)
+    path = os.path.join(folder, f"cube_{level}.msh")
+    if not os.path.exists(path):
+        with open(path, "w", encoding="ascii") as file:
+            file.write(msh_of(cube(of_size(level))))
+    return path
+
+
+def signorini(scene, level, folder, arguments):
+    """A cold solve: seconds of the step without error norms, as the bench takes them."""
+    file = os.path.join(ROOT, "client", "examples", f"{SCENE_FILES.get(scene, scene)}.toml")
+    mesh = mesh_file(scene, level, folder, arguments.meshes)
+    command = [arguments.signorini, "solve", "--json", "--quiet", file, "--set", f"mesh={mesh}", "--set", f"solver.tolerance={arguments.tolerance}"]
+    output, fault = run(command, arguments.limit, folder)
+    if output is None:
+        return None, fault
+    lines = [json.loads(line) for line in output.splitlines()]
+    step = [line for line in lines if line["event"] == "step"][-1]
+    summary = [line for line in lines if line["event"] == "summary"][-1]
+    seconds = summary["totals"]["seconds"]
+    row = {
+        "scene": scene,
+        "level": level,
+        "solver": "Signorini",
+        "unknowns": sum(step["unknowns"].values()),
+        "seconds": seconds["total"] - seconds.get("error_norms", 0.0),
+        "seconds_assembly": seconds["prepare"] + seconds["assemble"],
+        "seconds_setup": seconds["factorise"],
+        "seconds_solve": seconds["krylov"] + seconds["contact"],
+        "iterations": step["krylov_iterations"],
+        "peak_memory_mb": (summary["peak_memory_bytes"] or 0) * 1e-6,
+        "threads": threads(),
+        "version": step["instruction_set"],
+        "processor": processor(),
+    }
+    if scene in CONTACT:
+        obstacle = next(iter(step["obstacles"].values()))
+        row["value_force"] = WHOLE_BODY * abs(obstacle["force"][2])
+        row["value_strain_energy"] = WHOLE_BODY * step["strain_energy"]
+    return row, ""
+
+
+def median(rows):
+    """The row of median seconds, the faster one of an even number."""
+    rows = sorted(rows, key=lambda row: row["seconds"])
+    row = dict(rows[(len(rows) - 1) // 2])
+    row["runs"] = len(rows)
+    return row
+
+
+def measure(arguments, folder):
+    """Rows of each case, ours and theirs, round by round."""
+    found, dropped = {}, set()
+    plan = list(cases(arguments.sizes, arguments.solvers))
+    for turn in range(1, arguments.repeats + 1):
+        for scene, level, names in plan:
+            for name in names:
+                if (scene, name) in dropped:
+                    continue
+                for solver, task in (
+                    ("signorini", lambda: signorini(scene, level, folder, arguments)),
+                    (name, lambda: peer(name, scene, level, arguments)),
+                ):
+                    row, fault = task()
+                    told = f"{row['seconds']:.3f} s" if row else fault
+                    print(f"round {turn}: {scene} {level} {solver}: {told}", file=sys.stderr, flush=True)
+                    if row:
+                        found.setdefault((scene, level, solver), []).append(row)
+                    elif solver != "signorini":
+                        # Finer meshes will not do better.
+                        dropped.add((scene, name))
+    return {key: median(rows) for key, rows in found.items()}
+
+
+def text_of(value):
+    if value is None:
+        return ""
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+def write(path, rows, header=""):
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        file.write(header)
+        writer = csv.writer(file)
+        writer.writerow(COLUMNS)
+        writer.writerows([text_of(row.get(column)) for column in COLUMNS] for row in rows)
+
+
+def tell_pairs(found):
+    print("scene        level  solver                       peer s   ours s   ratio")
+    for (scene, level, solver), row in found.items():
+        ours = found.get((scene, level, "signorini"))
+        if solver != "signorini" and ours:
+            ratio = row["seconds"] / ours["seconds"]
+            print(f"{scene:12} {level:5} {row['solver']:28} {row['seconds']:8.3f} {ours['seconds']:8.3f} {ratio:7.1f}")
+
+
+def parsed():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--signorini", default=os.path.join(ROOT, "target", "release", "signorini"))
+    parser.add_argument("--sizes", default=ALL_SIZES, help=ALL_SIZES)
+    parser.add_argument("--solvers", default=",".join(PEERS), help=", ".join(PEERS))
+    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--limit", type=float, default=600.0, help="seconds of one run")
+    parser.add_argument("--tolerance", default="1e-8", help="of Signorini")
+    parser.add_argument("--meshes", help="folder of finer Gmsh meshes")
+    parser.add_argument("--out", default=HERE)
+    arguments = parser.parse_args()
+    arguments.signorini = os.path.abspath(arguments.signorini)
+    arguments.sizes = arguments.sizes.split(",")
+    arguments.solvers = arguments.solvers.split(",")
+    return arguments
+
+
+def main():
+    arguments = parsed()
+    with tempfile.TemporaryDirectory() as folder:
+        found = measure(arguments, folder)
+    peers = [row for (_, _, solver), row in found.items() if solver != "signorini"]
+    header = HEADER.format(
+        processor=processor(),
+        threads=threads(),
+        date=time.strftime("%Y-%m-%d"),
+        repeats=arguments.repeats,
+        versions="; ".join(sorted({row["version"] for row in peers})),
+    )
+    write(os.path.join(arguments.out, "peers.csv"), peers, header)
+    write(os.path.join(arguments.out, "paired.csv"), found.values())
+    tell_pairs(found)
+
+
+if __name__ == "__main__":
+    main()
