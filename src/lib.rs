@@ -75,6 +75,7 @@
 #![doc = include_str!("decisions/0014-contact-methods.md")]
 #![doc = include_str!("decisions/0015-comparison-elements.md")]
 #![doc = include_str!("decisions/0016-hard-bodies.md")]
+#![doc = include_str!("decisions/0017-pressure-metric.md")]
 
 pub mod assembly;
 pub mod contact;

@@ -30,8 +30,9 @@ pub(super) struct ContactSizes {
     pub(super) multipliers: u64,
     /// Vertices of candidate faces.
     pub(super) vertices: u64,
-    /// Whether supports leave rigid modes that only contact can hold.
-    pub(super) is_floating: bool,
+    /// Whether only one level serves: rigid modes that only contact holds, or an
+    /// element that has no other.
+    pub(super) needs_one_level: bool,
 }
 
 impl ContactSizes {
@@ -79,7 +80,7 @@ pub(super) fn choose(
         1e-9 * sizes.dense_bytes(metric)
     );
     let may_turn = matches!(asked, None | Some(ContactMethod::Mprgp));
-    if may_turn && asked_metric.is_none() && !sizes.is_floating {
+    if may_turn && asked_metric.is_none() && !sizes.needs_one_level {
         return Ok(ContactChoice {
             method: ContactMethod::Mprgp,
             metric: MetricKind::Mass,
@@ -141,7 +142,7 @@ mod tests {
             dimension: 3,
             multipliers,
             vertices: multipliers,
-            is_floating: false,
+            needs_one_level: false,
         }
     }
 
@@ -193,7 +194,7 @@ mod tests {
             assert!(fault.message.contains("GB"), "{}", fault.message);
         }
         let floating = ContactSizes {
-            is_floating: true,
+            needs_one_level: true,
             ..body(20_000)
         };
         let fault = choose(&asked("auto", "auto"), floating).expect_err("too large");

@@ -105,7 +105,8 @@ impl Plan {
             dimension: units.dimension as u64,
             multipliers: unknowns.contact,
             vertices: contact_vertices.len() as u64,
-            is_floating: !resolved.free_modes.is_empty(),
+            needs_one_level: !resolved.free_modes.is_empty()
+                || !matches!(element, Element::TaylorHood),
         };
         let contact = contact::choose(&scene.solver, sizes).map_err(SceneError::Unsupported)?;
         if contact.metric != MetricKind::Compliance {

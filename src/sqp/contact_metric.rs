@@ -157,33 +157,38 @@ impl ContactMetric {
         state: &State,
         work: &mut Workspace,
     ) -> f64 {
-        let Some(multiplier) = self.predicted(now, state) else {
-            return 0.0;
-        };
-        let mut load = vec![0.0; state.displacement.len()];
-        now.coupling.apply_transposed(&multiplier, &mut load, work);
-        norm(&load)
-    }
-
-    /// The multiplier of the small problem in the metric.
-    fn predicted(&self, now: &Evaluation, state: &State) -> Option<Vec<f64>> {
-        if self.matrix.rows() < now.gap.len() {
-            let entries = now.gap.iter().zip(&state.multiplier).zip(&self.weights);
-            return Some(
-                entries
-                    .map(|((gap, l), w)| (l - gap / w).max(0.0))
-                    .collect(),
-            );
+        if self.matrix.rows() == now.gap.len() {
+            return expected_contact_norm(&self.matrix, now, state, work);
         }
-        let mut linear = vec![0.0; now.gap.len()];
-        self.matrix.multiply(&state.multiplier, &mut linear);
-        linear
-            .iter_mut()
-            .zip(&now.gap)
-            .for_each(|(q, gap)| *q = gap - *q);
-        let solution = dense_qp::solve(&self.matrix, &linear, &state.active);
-        solution.ok().map(|solution| solution.values)
+        let entries = now.gap.iter().zip(&state.multiplier).zip(&self.weights);
+        let multiplier: Vec<f64> = entries.map(|((g, l), w)| (l - g / w).max(0.0)).collect();
+        contact_norm(&multiplier, now, state, work)
     }
+}
+
+/// Norm of the contact load that the dense problem in `metric` predicts.
+pub(super) fn expected_contact_norm(
+    metric: &DenseMatrix,
+    now: &Evaluation,
+    state: &State,
+    work: &mut Workspace,
+) -> f64 {
+    let mut linear = vec![0.0; now.gap.len()];
+    metric.multiply(&state.multiplier, &mut linear);
+    linear
+        .iter_mut()
+        .zip(&now.gap)
+        .for_each(|(q, gap)| *q = gap - *q);
+    match dense_qp::solve(metric, &linear, &state.active) {
+        Ok(solution) => contact_norm(&solution.values, now, state, work),
+        Err(_) => 0.0,
+    }
+}
+
+fn contact_norm(multiplier: &[f64], now: &Evaluation, state: &State, work: &mut Workspace) -> f64 {
+    let mut load = vec![0.0; state.displacement.len()];
+    now.coupling.apply_transposed(multiplier, &mut load, work);
+    norm(&load)
 }
 
 fn compliance_of(context: &Context<'_>, coupling: &SparseRows) -> DenseMatrix {

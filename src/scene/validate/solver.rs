@@ -201,6 +201,8 @@ pub(crate) fn check_element(scene: &Scene, mixed: bool, faults: &mut Faults) {
             &solver.displacement_preconditioner,
         ),
         ("saddle", &solver.saddle),
+        ("contact", &solver.contact),
+        ("contact_metric", &solver.contact_metric),
     ];
     for (key, _) in methods.iter().filter(|(_, method)| *method != "auto") {
         refuse(

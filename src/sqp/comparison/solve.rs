@@ -1,5 +1,6 @@
 //! One increment: residuals, the program, residuals again.
 
+use super::super::contact_metric::expected_contact_norm;
 use super::super::counters::Counters;
 use super::super::drive::Drive;
 use super::super::evaluate::{Evaluation, mask, norm_of};
@@ -10,10 +11,10 @@ use super::super::watch::Watch;
 use super::body::Body;
 use crate::inequality::{
     InequalitySolver, OneLevel, QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales,
-    QpTargets, dense_qp,
+    QpTargets,
 };
 use crate::linalg::vector::{add_scaled, norm};
-use crate::linalg::{DenseMatrix, LinearOperator, Workspace};
+use crate::linalg::{LinearOperator, Workspace};
 use crate::precond::Counted;
 use crate::report::{Cause, Termination};
 use crate::saddle::{BlockStep, MultiplierBlock};
@@ -223,27 +224,4 @@ impl Body<'_> {
         ending.max_penetration = now.max_penetration;
         ending.residuals = residuals(state, &now, 0.0);
     }
-}
-
-/// Norm of the contact load that the compliance predicts; the scale of the
-/// force residual before any contact pressure is there.
-fn expected_contact_norm(
-    compliance: &DenseMatrix,
-    now: &Evaluation,
-    state: &State,
-    work: &mut Workspace,
-) -> f64 {
-    let mut linear = vec![0.0; now.gap.len()];
-    compliance.multiply(&state.multiplier, &mut linear);
-    linear
-        .iter_mut()
-        .zip(&now.gap)
-        .for_each(|(q, gap)| *q = gap - *q);
-    let Ok(solution) = dense_qp::solve(compliance, &linear, &state.active) else {
-        return 0.0;
-    };
-    let mut load = vec![0.0; state.displacement.len()];
-    now.coupling
-        .apply_transposed(&solution.values, &mut load, work);
-    norm(&load)
 }
