@@ -362,8 +362,12 @@ fn methods_are_known_by_name() {
     scene.solver.saddle = "gccr".to_owned();
     assert_refused(&scene, "solver.saddle", &["`gccr`", "did you mean `gcr`"]);
     scene.solver.saddle = "gcr".to_owned();
-    scene.solver.contact_metric = "fractional".to_owned();
-    assert_unsupported(&scene, "solver.contact_metric");
+    scene.solver.contact_metric = "fractionel".to_owned();
+    assert_refused(
+        &scene,
+        "solver.contact_metric",
+        &["`fractionel`", "did you mean `fractional`"],
+    );
     scene.solver.contact_metric = "auto".to_owned();
     scene.solver.quadrature_degree = Some(0);
     assert_refused(&scene, "solver.quadrature_degree", &["between 1"]);

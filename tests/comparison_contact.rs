@@ -51,7 +51,12 @@ const METHODS: [Expected; 15] = [
     expected("mprgp", "fractional", [9, 24], [90, 360]),
     expected("mprgp", "mass", [14, 34], [160, 520]),
     expected("conjugate-projected-gradient", "mass", [10, 26], [140, 400]),
-    expected("projected-arrow-hurwicz", "compliance", [6, 60], [80, 600]),
+    expected(
+        "projected-arrow-hurwicz",
+        "compliance",
+        [60, 240],
+        [700, 3000],
+    ),
     expected(
         "projected-arrow-hurwicz",
         "fractional",

@@ -68,8 +68,10 @@ impl ContactSurface {
     }
 }
 
-/// Unit normals at `vertices` (ascending) of the surface made of `facets`: means
-/// by area; `scale` brings coordinates near one. Where both sides of a thin body are candidates, that of one facet.
+/// Unit normals at `vertices` (ascending; others are left out) of the surface made
+/// of `facets`: means
+/// by area; `scale` brings coordinates near one. Where both sides of a thin body
+/// are candidates, that of one facet.
 pub fn vertex_normals<'a>(
     mesh: &Mesh,
     scale: f64,
@@ -86,9 +88,10 @@ pub fn vertex_normals<'a>(
             _ => cross(first, sub(point(2), point(0))),
         };
         for vertex in facet {
-            let index = vertices.partition_point(|other| other < vertex);
-            sums[index] = add(sums[index], normal);
-            anyone[index] = normal;
+            if let Ok(index) = vertices.binary_search(vertex) {
+                sums[index] = add(sums[index], normal);
+                anyone[index] = normal;
+            }
         }
     }
     let unit = |(sum, one): ([f64; 3], [f64; 3])| {
