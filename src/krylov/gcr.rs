@@ -10,7 +10,7 @@
 //! product instead (Orthodir; D. Young and K. Jea, Linear Algebra Appl. 34, 1980).
 
 use super::{Monitor, Outcome, Verdict};
-use crate::linalg::vector::{add_scaled, dot, norm, scale};
+use crate::linalg::vector::{add_scaled, dot, dots, norm, scale, subtract_combination};
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
 /// Directions kept for orthogonalisation.
@@ -23,6 +23,10 @@ const LEAST_REDUCTION: f64 = 1e-13;
 const STALL: f64 = 5e-2;
 /// Successive iterations without reduction before giving up.
 const PATIENCE: usize = 4;
+/// A product that keeps less of its length is made orthogonal once more.
+const MOST_LOST: f64 = 0.5;
+/// A product this much shorter after orthogonalisation is rounding.
+const SPENT: f64 = 1e-10;
 /// A product this much shorter after orthogonalisation is dependent.
 const DEPENDENT: f64 = 1e-8;
 
@@ -112,9 +116,18 @@ pub fn solve(
         }
         let mut product = work.scratch(r.len());
         operator.apply(&direction, &mut product, work);
+        let before = norm(&product);
         let length = orthogonalise(directions, &mut direction, &mut product);
         if !length.is_finite() || !square.is_finite() {
             return Outcome::NotFinite;
+        }
+        if length < SPENT * before && !directions.pairs.is_empty() {
+            // The kept directions span the space: what is left is rounding.
+            directions.clear(work);
+            match monitor.judge(r) {
+                Verdict::Stop => return Outcome::Stopped,
+                Verdict::Continue => continue,
+            }
         }
         if length == 0.0 {
             return Outcome::Stagnation;
@@ -142,14 +155,24 @@ pub fn solve(
 }
 
 /// Makes `product` orthogonal to the kept products and of unit length; returns
-/// its length before scaling.
+/// its length before scaling. Classical Gram-Schmidt, which reads each kept vector
+/// once, and again where little is left of the product (J. Daniel, W. Gragg, L.
+/// Kaufman and G. Stewart, Math. Comp. 30, 1976).
 fn orthogonalise(directions: &Directions, direction: &mut [f64], product: &mut [f64]) -> f64 {
-    for (kept, its_product) in &directions.pairs {
-        let overlap = dot(product, its_product);
-        add_scaled(direction, -overlap, kept);
-        add_scaled(product, -overlap, its_product);
+    let pairs = &directions.pairs;
+    let kept: [&[f64]; KEPT] = std::array::from_fn(|k| pairs.get(k).map_or(&[][..], |p| &p.0));
+    let images: [&[f64]; KEPT] = std::array::from_fn(|k| pairs.get(k).map_or(&[][..], |p| &p.1));
+    let mut length = norm(product);
+    for _ in 0..2 {
+        let before = length;
+        let overlaps = dots(product, &images);
+        subtract_combination(direction, &overlaps, &kept);
+        subtract_combination(product, &overlaps, &images);
+        length = norm(product);
+        if length > MOST_LOST * before || length.is_nan() {
+            break;
+        }
     }
-    let length = dot(product, product).sqrt();
     if length > 0.0 {
         scale(direction, 1.0 / length);
         scale(product, 1.0 / length);

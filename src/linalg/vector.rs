@@ -88,7 +88,49 @@ pub fn multiply(y: &mut [f64], x: &[f64]) {
 
 /// `y *= a`.
 pub fn scale(y: &mut [f64], a: f64) {
-    y.iter_mut().for_each(|v| *v *= a);
+    let kernel = |y: &mut [f64]| y.iter_mut().for_each(|v| *v *= a);
+    match y.len() < PARALLEL {
+        true => kernel(y),
+        false => y.par_chunks_mut(BLOCK).for_each(kernel),
+    }
+}
+
+/// `x . y_k` for each of `ys`, with one sweep over `x`; the same bits as
+/// [`dot`].
+pub fn dots<const K: usize>(x: &[f64], ys: &[&[f64]; K]) -> [f64; K] {
+    if x.len() <= PARALLEL {
+        let mut sums = [0.0; K];
+        for (block, x) in x.chunks(BLOCK).enumerate() {
+            for (sum, y) in sums.iter_mut().zip(ys) {
+                let first = (block * BLOCK).min(y.len());
+                let y = &y[first..(first + x.len()).min(y.len())];
+                *sum += dot_block(x, y);
+            }
+        }
+        return sums;
+    }
+    let middle = x.len().div_ceil(2 * BLOCK) * BLOCK;
+    let (x_low, x_high) = x.split_at(middle);
+    let low = ys.map(|y| &y[..middle.min(y.len())]);
+    let high = ys.map(|y| &y[middle.min(y.len())..]);
+    let (low, high) = rayon::join(|| dots(x_low, &low), || dots(x_high, &high));
+    std::array::from_fn(|k| low[k] + high[k])
+}
+
+/// `y -= sum_k a_k x_k` with one sweep over `y`; empty vectors are left out.
+pub fn subtract_combination<const K: usize>(y: &mut [f64], a: &[f64; K], xs: &[&[f64]; K]) {
+    let kernel = |(block, y): (usize, &mut [f64])| {
+        let first = block * BLOCK;
+        for (factor, x) in a.iter().zip(xs).filter(|(_, x)| !x.is_empty()) {
+            for (value, x) in y.iter_mut().zip(&x[first..]) {
+                *value -= factor * x;
+            }
+        }
+    };
+    match y.len() < PARALLEL {
+        true => y.chunks_mut(BLOCK).enumerate().for_each(kernel),
+        false => y.par_chunks_mut(BLOCK).enumerate().for_each(kernel),
+    }
 }
 
 /// Largest absolute entry; zero for an empty vector, not a number if an entry
@@ -132,6 +174,32 @@ mod tests {
         assert_eq!(with(1).to_bits(), with(3).to_bits());
         let plain: f64 = x.iter().zip(&y).map(|(a, b)| a * b).sum();
         assert!((with(2) - plain).abs() < 1e-9);
+    }
+
+    #[test]
+    fn several_products_have_the_bits_of_one_each() {
+        for length in [0, 7, 5000, 100_003] {
+            let x = reproducible_noise(length);
+            let y: Vec<f64> = x.iter().rev().copied().collect();
+            let [first, second, none] = dots(&x, &[&x, &y, &[]]);
+            // An empty sum is a zero of either sign.
+            assert_eq!(first.to_bits(), (0.0 + dot(&x, &x)).to_bits());
+            assert_eq!(second.to_bits(), (0.0 + dot(&x, &y)).to_bits());
+            assert!(none.abs() < f64::MIN_POSITIVE);
+        }
+    }
+
+    #[test]
+    fn a_combination_is_taken_off_at_once() {
+        for length in [7, 40_000] {
+            let x = reproducible_noise(length);
+            let y: Vec<f64> = x.iter().rev().copied().collect();
+            let mut z = vec![1.0; length];
+            subtract_combination(&mut z, &[2.0, -0.5, 3.0], &[&x, &y, &[]]);
+            for ((z, x), y) in z.iter().zip(&x).zip(&y) {
+                assert!((z - (1.0 - 2.0 * x + 0.5 * y)).abs() < 1e-15);
+            }
+        }
     }
 
     #[test]
