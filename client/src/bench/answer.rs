@@ -194,10 +194,9 @@ fn same_error(scope: &Scope, strands: &[Strand<'_>]) -> Vec<String> {
             let told: Vec<String> = curves
                 .iter()
                 .zip(strands)
-                .map(|((label, curve), strand)| match seconds_at(curve, goal) {
-                    Some(seconds) => format!("{label} {}", in_seconds(seconds)),
-                    None if curve.is_empty() => format!("{label} – ({})", strand.fate()),
-                    None => format!("{label} does not reach it"),
+                .map(|((label, curve), strand)| match curve.is_empty() {
+                    true => format!("{label} – ({})", strand.fate()),
+                    false => format!("{label} {}", told_seconds(curve, goal)),
                 })
                 .collect();
             Some(format!(
@@ -208,6 +207,18 @@ fn same_error(scope: &Scope, strands: &[Strand<'_>]) -> Vec<String> {
             ))
         })
         .collect()
+}
+
+/// The seconds that a curve takes to an error, in words.
+fn told_seconds(curve: &[(f64, f64)], goal: f64) -> String {
+    match (seconds_at(curve, goal), curve.first()) {
+        (Some(seconds), _) => in_seconds(seconds),
+        (None, Some(&(error, seconds))) if error < goal => format!(
+            "at most {} (its coarsest mesh has {error:.1e})",
+            in_seconds(seconds)
+        ),
+        (None, _) => "does not reach it".to_owned(),
+    }
 }
 
 /// The smallest error that two curves reach.
@@ -294,6 +305,14 @@ mod tests {
         assert!((seconds_at(&curve, 0.05).unwrap() - 20.0).abs() < 1e-9);
         assert_eq!(seconds_at(&curve, 0.001), None);
         assert_eq!(seconds_at(&curve, 1.0), Some(1.0));
+    }
+
+    #[test]
+    fn a_curve_below_the_error_is_told_by_its_coarsest_mesh() {
+        let curve = [(1e-3, 2.0), (1e-4, 9.0)];
+        assert_eq!(told_seconds(&curve, 5e-5), "does not reach it");
+        let below = told_seconds(&curve, 1e-2);
+        assert!(below.starts_with("at most 2.00 s"), "{below}");
     }
 
     #[test]
