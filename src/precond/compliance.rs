@@ -3,10 +3,11 @@
 //!
 //! C1, C2: the coupling's columns at vertices and edges; A11^-1 only on the
 //! contact vertices and along the surface's normals, which is what a metric
-//! needs where the obstacle's normals are not far from them; D22: node blocks of the edges. The edge part keeps the
-//! metric regular where the rim of the surface is held. The factor brings the
-//! largest eigenvalue against the incompressible body near one. Condition 2 to
-//! 3, independent of the mesh size. Cost O(m^2) for m multipliers.
+//! needs where the obstacle's normals are not far from them; D22: node blocks of
+//! the edges. The edge part keeps the metric regular where the rim of the surface
+//! is held. The factor brings the largest eigenvalue against the incompressible
+//! body near one. Condition 2 to 3, independent of the mesh size. Cost O(m^2) for
+//! m multipliers.
 
 use rayon::prelude::*;
 

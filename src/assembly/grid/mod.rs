@@ -209,6 +209,25 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
     }
 
     fn stiffness(&self, basis: Basis, rows: Rows, x: &[f64], y: &mut [f64], work: &mut Workspace) {
+        self.stiffness_into(basis, rows, x, work, |local| {
+            self.copies.sum::<D>(local, y, set_displacement);
+        });
+    }
+
+    fn subtract_stiffness(&self, basis: Basis, x: &[f64], r: &mut [f64], work: &mut Workspace) {
+        self.stiffness_into(basis, Rows::Free, x, work, |local| {
+            self.copies.sum::<D>(local, r, add_displacement(-1.0));
+        });
+    }
+
+    fn stiffness_into(
+        &self,
+        basis: Basis,
+        rows: Rows,
+        x: &[f64],
+        work: &mut Workspace,
+        finish: impl FnOnce(&[Row]),
+    ) {
         self.pass(
             work,
             |block, x_rows| {
@@ -219,22 +238,7 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
                 simd::stiffness(self.instructions, &block.batches, x, y);
                 block.finish_result(basis, rows, y);
             },
-            |local| self.copies.sum::<D>(local, y, set_displacement),
-        );
-    }
-
-    fn subtract_stiffness(&self, basis: Basis, x: &[f64], r: &mut [f64], work: &mut Workspace) {
-        self.pass(
-            work,
-            |block, x_rows| {
-                block.gather_displacement(x, x_rows);
-                block.prepare_argument(basis, Rows::Free, x_rows);
-            },
-            |block, x, y| {
-                simd::stiffness(self.instructions, &block.batches, x, y);
-                block.finish_result(basis, Rows::Free, y);
-            },
-            |local| self.copies.sum::<D>(local, r, add_displacement(-1.0)),
+            finish,
         );
     }
 

@@ -1,0 +1,313 @@
+//! Gradients, stresses and forces at the points of an element, in one part of
+//! a batch; the equations stand in [`super`].
+
+use pulp::Simd;
+
+use super::{Batch, NodeLanes, PRESSURE, edge_pairs, rule};
+use crate::assembly::lanes::Pack;
+
+pub(super) type Vectors<S, const N: usize, const D: usize> = [[Pack<S>; D]; N];
+pub(super) type Tensor<S, const D: usize> = [[Pack<S>; D]; D];
+#[inline(always)]
+pub(super) fn zeros<S: Simd, const N: usize, const D: usize>(simd: S) -> Vectors<S, N, D> {
+    [[Pack::splat(simd, 0.0); D]; N]
+}
+
+/// Gradients of all barycentric coordinates in one part of a batch.
+#[inline(always)]
+pub(super) fn gradients<S: Simd, const V: usize, const D: usize, const E: usize>(
+    simd: S,
+    batch: &Batch<V, D, E>,
+    part: usize,
+) -> Vectors<S, V, D> {
+    let mut out = zeros::<S, V, D>(simd);
+    for j in 0..D {
+        for a in 0..D {
+            let slope = Pack::load(simd, &batch.gradients[a][j], part);
+            out[a + 1][j] = slope;
+            out[0][j] = out[0][j] - slope;
+        }
+    }
+    out
+}
+
+/// The edge between two vertices, by the order of [`edge_pairs`].
+#[inline(always)]
+pub(super) const fn edge_of<const V: usize>(a: usize, b: usize) -> usize {
+    let (low, high) = if a < b { (a, b) } else { (b, a) };
+    // Edges of lower first vertices come before.
+    low * V - low * (low + 1) / 2 + high - low - 1
+}
+
+/// Factor of edge corrections: in the kernels an edge carries
+/// 4 (alpha - beta) c.
+pub fn edge_factor(vertices: usize) -> f64 {
+    let (alpha, beta) = rule(vertices);
+    4.0 * (alpha - beta)
+}
+
+/// u_a + 4 beta sum_j c_aj, in one part of a batch.
+#[inline(always)]
+pub(super) fn bases<S: Simd, const V: usize, const D: usize, const E: usize>(
+    simd: S,
+    vertices: &NodeLanes<V>,
+    edges: &NodeLanes<E>,
+    part: usize,
+) -> Vectors<S, V, D> {
+    let (alpha, beta) = rule(V);
+    let shared = Pack::splat(simd, beta / (alpha - beta));
+    let mut sums = zeros::<S, V, D>(simd);
+    for (e, (a, b)) in edge_pairs::<E>().into_iter().enumerate() {
+        for i in 0..D {
+            let c = Pack::load(simd, &edges[e][i], part);
+            sums[a][i] += c;
+            sums[b][i] += c;
+        }
+    }
+    for a in 0..V {
+        for i in 0..D {
+            let vertex = Pack::load(simd, &vertices[a][i], part);
+            sums[a][i] = vertex.plus_product(sums[a][i], shared);
+        }
+    }
+    sums
+}
+
+/// Turns the displacement gradient at a point into a weighted stress. A trait
+/// and not a closure: only a method is sure to be inlined, and without that
+/// every sum is a call.
+pub(super) trait Law<S: Simd, const D: usize> {
+    fn stress(&mut self, point: usize, h: &Tensor<S, D>) -> Tensor<S, D>;
+}
+
+/// 2 mu eps + lambda div I.
+pub(super) struct Elastic<S: Simd> {
+    pub(super) shear: Pack<S>,
+    pub(super) lame: Pack<S>,
+}
+
+impl<S: Simd, const D: usize> Law<S, D> for Elastic<S> {
+    #[inline(always)]
+    fn stress(&mut self, _point: usize, h: &Tensor<S, D>) -> Tensor<S, D> {
+        stress(h, trace(h), self.shear, self.lame)
+    }
+}
+
+/// The same less the pressure; keeps the divergences.
+pub(super) struct Pressed<S: Simd, const V: usize> {
+    pub(super) elastic: Elastic<S>,
+    /// Weighted, at the points.
+    pub(super) pressure: [Pack<S>; V],
+    pub(super) traces: [Pack<S>; V],
+}
+
+impl<S: Simd, const V: usize, const D: usize> Law<S, D> for Pressed<S, V> {
+    #[inline(always)]
+    fn stress(&mut self, point: usize, h: &Tensor<S, D>) -> Tensor<S, D> {
+        let divergence = trace(h);
+        self.traces[point] = divergence;
+        let mut total = stress(h, divergence, self.elastic.shear, self.elastic.lame);
+        for i in 0..D {
+            total[i][i] = total[i][i] - self.pressure[point];
+        }
+        total
+    }
+}
+
+/// What the points of an element share, in one part of a batch.
+pub(super) struct Sweep<'a, S: Simd, const V: usize, const D: usize, const E: usize> {
+    g: &'a Vectors<S, V, D>,
+    edges: &'a NodeLanes<E>,
+    constant: Tensor<S, D>,
+    /// Stresses of the points so far.
+    sum: Tensor<S, D>,
+    /// What they add at edges.
+    at_edges: Vectors<S, E, D>,
+    part: usize,
+}
+
+impl<S: Simd, const V: usize, const D: usize, const E: usize> Sweep<'_, S, V, D, E> {
+    /// Visits point `Q`, a constant so that the loops unroll and the sums stay
+    /// in registers.
+    #[inline(always)]
+    fn visit<const Q: usize>(&mut self, simd: S, law: &mut impl Law<S, D>) {
+        let mut h = self.constant;
+        for k in 1..V {
+            let a = (Q + k) % V;
+            let edge = &self.edges[edge_of::<V>(a, Q)];
+            for i in 0..D {
+                let c = Pack::load(simd, &edge[i], self.part);
+                for j in 0..D {
+                    h[i][j] = h[i][j].plus_product(c, self.g[a][j]);
+                }
+            }
+        }
+        let stress = law.stress(Q, &h);
+        for i in 0..D {
+            for j in 0..D {
+                self.sum[i][j] += stress[i][j];
+            }
+        }
+        for k in 1..V {
+            let a = (Q + k) % V;
+            let force = &mut self.at_edges[edge_of::<V>(a, Q)];
+            for i in 0..D {
+                for j in 0..D {
+                    force[i] = force[i].plus_product(stress[i][j], self.g[a][j]);
+                }
+            }
+        }
+    }
+}
+
+/// Visits the points in one part of a batch: nodal forces of the stress that
+/// `law` gives replace the argument.
+#[inline(always)]
+pub(super) fn visit_points<S: Simd, const V: usize, const D: usize, const E: usize>(
+    simd: S,
+    g: &Vectors<S, V, D>,
+    (vertices, edges): (&mut NodeLanes<V>, &mut NodeLanes<E>),
+    part: usize,
+    law: &mut impl Law<S, D>,
+) {
+    let base = bases::<S, V, D, E>(simd, vertices, edges, part);
+    let mut constant = zeros::<S, D, D>(simd);
+    for a in 0..V {
+        for i in 0..D {
+            for j in 0..D {
+                constant[i][j] = constant[i][j].plus_product(base[a][i], g[a][j]);
+            }
+        }
+    }
+    let mut sweep = Sweep {
+        g,
+        edges: &*edges,
+        constant,
+        sum: zeros::<S, D, D>(simd),
+        at_edges: zeros::<S, E, D>(simd),
+        part,
+    };
+    sweep.visit::<0>(simd, law);
+    sweep.visit::<1>(simd, law);
+    sweep.visit::<2>(simd, law);
+    if V > 3 {
+        sweep.visit::<3>(simd, law);
+    }
+    let (sum, at_edges) = (sweep.sum, sweep.at_edges);
+    let mut totals = zeros::<S, V, D>(simd);
+    for a in 0..V {
+        totals[a] = traction(simd, &sum, &g[a]);
+    }
+    store_forces(simd, &totals, &at_edges, (vertices, edges), part);
+}
+
+/// Forces of vertices and edges from the sum over the points at vertices and
+/// what the points add at edges.
+#[inline(always)]
+pub(super) fn store_forces<S: Simd, const V: usize, const D: usize, const E: usize>(
+    simd: S,
+    totals: &Vectors<S, V, D>,
+    at_edges: &Vectors<S, E, D>,
+    (vertices, edges): (&mut NodeLanes<V>, &mut NodeLanes<E>),
+    part: usize,
+) {
+    let (alpha, beta) = rule(V);
+    let shared = Pack::splat(simd, beta / (alpha - beta));
+    for a in 0..V {
+        for i in 0..D {
+            totals[a][i].store(&mut vertices[a][i], part);
+        }
+    }
+    for (e, (a, b)) in edge_pairs::<E>().into_iter().enumerate() {
+        for i in 0..D {
+            let both = totals[a][i] + totals[b][i];
+            let force = at_edges[e][i].plus_product(both, shared);
+            force.store(&mut edges[e][i], part);
+        }
+    }
+}
+
+#[inline(always)]
+pub(super) fn traction<S: Simd, const D: usize>(
+    simd: S,
+    stress: &Tensor<S, D>,
+    direction: &[Pack<S>; D],
+) -> [Pack<S>; D] {
+    let mut out = [Pack::splat(simd, 0.0); D];
+    for i in 0..D {
+        for j in 0..D {
+            out[i] = out[i].plus_product(stress[i][j], direction[j]);
+        }
+    }
+    out
+}
+
+/// Weighted stress 2 mu eps + lambda div I from a displacement gradient.
+#[inline(always)]
+pub(super) fn stress<S: Simd, const D: usize>(
+    h: &Tensor<S, D>,
+    trace: Pack<S>,
+    shear: Pack<S>,
+    lame: Pack<S>,
+) -> Tensor<S, D> {
+    let volumetric = trace * lame;
+    let mut out = *h;
+    for i in 0..D {
+        for j in 0..D {
+            out[i][j] = (h[i][j] + h[j][i]) * shear;
+        }
+        out[i][i] += volumetric;
+    }
+    out
+}
+
+#[inline(always)]
+pub(super) fn trace<S: Simd, const D: usize>(h: &Tensor<S, D>) -> Pack<S> {
+    let mut sum = h[0][0];
+    for i in 1..D {
+        sum += h[i][i];
+    }
+    sum
+}
+
+/// -int lambda_a div u from the divergences at the points, in one part.
+#[inline(always)]
+pub(super) fn volumes<S: Simd, const V: usize>(
+    simd: S,
+    traces: &[Pack<S>; V],
+    weight: Pack<S>,
+    vertices: &mut NodeLanes<V>,
+    part: usize,
+) {
+    let (alpha, beta) = rule(V);
+    let mut sum = Pack::splat(simd, 0.0);
+    for &trace in traces {
+        sum += trace;
+    }
+    let shared = sum * (-beta) * weight;
+    let own = weight * (beta - alpha);
+    for a in 0..V {
+        let value = shared.plus_product(traces[a], own);
+        value.store(&mut vertices[a][PRESSURE], part);
+    }
+}
+
+/// Weighted pressures at the points, in one part.
+#[inline(always)]
+pub(super) fn pressures<S: Simd, const V: usize>(
+    simd: S,
+    vertices: &NodeLanes<V>,
+    weight: Pack<S>,
+    part: usize,
+) -> [Pack<S>; V] {
+    let (alpha, beta) = rule(V);
+    let mut values = [Pack::splat(simd, 0.0); V];
+    let mut sum = Pack::splat(simd, 0.0);
+    for a in 0..V {
+        values[a] = Pack::load(simd, &vertices[a][PRESSURE], part);
+        sum += values[a];
+    }
+    let shared = sum * beta * weight;
+    let own = weight * (alpha - beta);
+    values.map(|value| shared.plus_product(value, own))
+}
