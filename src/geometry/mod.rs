@@ -5,6 +5,7 @@
 //! a few flops and allocates nothing.
 
 pub mod rigid_motion;
+pub mod tensor;
 pub mod vector3;
 
 pub use rigid_motion::{Matrix3, RigidMotion, rotation_matrix};
