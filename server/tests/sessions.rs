@@ -84,7 +84,7 @@ async fn keys_of_later_capabilities_are_refused_by_path() {
         change(&mut scene);
         scene
     };
-    let cases: [(&str, wire::Scene); 5] = [
+    let cases: [(&str, wire::Scene); 4] = [
         (
             "obstacle.ball.friction",
             with(|scene| scene.obstacles[0].friction = Some(0.3)),
@@ -94,12 +94,12 @@ async fn keys_of_later_capabilities_are_refused_by_path() {
             with(|scene| scene.supports[0].normal = Some(0.0)),
         ),
         (
-            "pressure",
-            with(|scene| scene.pressures.push(wire::Pressure::default())),
-        ),
-        (
-            "kind",
-            with(|scene| scene.kind = wire::SceneKind::Axisymmetric.into()),
+            "pressure[0]",
+            with(|scene| {
+                let on = vec!["x0".to_owned()];
+                let value = Some(1.0);
+                scene.pressures.push(wire::Pressure { on, value });
+            }),
         ),
         (
             "material.body.model",

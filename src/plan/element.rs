@@ -82,6 +82,7 @@ impl Plan {
             (Element::TaylorHood, true) if self.resolved.is_flow() => {
                 "Stokes flow: u is a velocity, the modulus a viscosity (stress times time)"
             }
+            (Element::TaylorHood, true) if self.resolved.is_rubber() => "rubber is always mixed",
             (Element::TaylorHood, true) => "a material has a Poisson ratio of at least 0.45",
             (Element::TaylorHood, false) => "every Poisson ratio is below 0.45",
         }

@@ -10,6 +10,7 @@ mod estimate;
 mod p1;
 mod prepared;
 mod report;
+mod rubber;
 mod saddle;
 mod units;
 
@@ -22,7 +23,7 @@ use crate::linalg::cholesky::Precision;
 use crate::mesh::{Mesh, MeshId};
 use crate::report::Unknowns;
 use crate::scene::validate::{Resolved, resolve};
-use crate::scene::{Scene, SceneError, Step, Violation};
+use crate::scene::{Scene, SceneError, SceneKind, Step, Violation};
 use crate::space::TaylorHood;
 
 pub(crate) use comparison::ComparisonData;
@@ -177,7 +178,7 @@ impl Plan {
     }
 
     /// Key of the prepared data: mesh, held unknowns, non-dimensional
-    /// materials, formulation, candidate surface. Loads, obstacles, prescribed
+    /// materials, kind, formulation, candidate surface. Loads, obstacles, prescribed
     /// values and units are not part of it.
     pub fn key(&self) -> PreparedKey {
         let mut hash = Sha256::new();
@@ -191,11 +192,17 @@ impl Plan {
             hash.update(unknown.to_le_bytes());
         }
         hash.update(u64::MAX.to_le_bytes());
+        if self.resolved.kind == SceneKind::Axisymmetric {
+            hash.update(b"axisymmetric");
+        }
         for material in &self.resolved.materials {
             let shear = material.law.shear_modulus / self.units.stress;
             let inverse = material.law.inverse_lame * self.units.stress;
             hash.update(shear.to_le_bytes());
             hash.update(inverse.to_le_bytes());
+            if let Some(rubber) = &material.rubber {
+                rubber::hash(rubber, self.units.stress, &mut hash);
+            }
         }
         for material in &self.resolved.cell_material {
             hash.update(material.to_le_bytes());

@@ -31,7 +31,7 @@ pub struct LeftOut {
 pub struct PlanReport {
     /// Name of the scene.
     pub name: String,
-    /// `solid` or `plane-strain`.
+    /// `solid`, `plane-strain` or `axisymmetric`.
     pub kind: &'static str,
     /// Unknowns by kind.
     pub unknowns: Unknowns,
@@ -88,6 +88,7 @@ impl Plan {
             self.formulation_name(),
             self.formulation_reason(),
         );
+        self.push_rubber(&mut push);
         if self.enrichment().is_some() {
             push(
                 "displacement_preconditioner",
@@ -162,10 +163,12 @@ impl Plan {
             push("contact compliance", "the metric is another");
         }
         push("friction multipliers", "no friction");
-        push(
-            "reassembly and refactorisation",
-            "small strain, linear material",
-        );
+        if !self.resolved.is_nonlinear() {
+            push(
+                "reassembly and refactorisation",
+                "small strain, linear material",
+            );
+        }
         if !self.has_body_force() && self.scene.manufactured.is_none() {
             push("body force", "none given");
         }

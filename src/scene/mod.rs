@@ -6,9 +6,11 @@
 //! three components in two dimensions too, the third being zero.
 
 mod error;
+mod material;
 pub(crate) mod validate;
 
 pub use error::{SceneError, Violation};
+pub use material::{Formulation, Material, MaterialModel, Modulus, RubberModel};
 
 /// Geometry of the problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,6 +19,9 @@ pub enum SceneKind {
     Solid,
     /// Triangles in the plane z = 0, per unit thickness.
     PlaneStrain,
+    /// Triangles in the half plane x >= 0, turned about the axis x = 0: x is the
+    /// radius, y the height. Forces and volumes are of the full turn.
+    Axisymmetric,
 }
 
 impl SceneKind {
@@ -25,59 +30,9 @@ impl SceneKind {
         match self {
             Self::Solid => "solid",
             Self::PlaneStrain => "plane-strain",
+            Self::Axisymmetric => "axisymmetric",
         }
     }
-}
-
-/// Stiffness of a linear elastic material: one modulus and Poisson's ratio.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Modulus {
-    /// Shear modulus, stress.
-    Shear(f64),
-    /// Young's modulus, stress.
-    Young(f64),
-}
-
-/// Which unknowns carry the volume constraint.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Formulation {
-    /// `Mixed` for Poisson's ratio of at least 0.45, else `Displacement`.
-    #[default]
-    Auto,
-    /// Displacement and pressure.
-    Mixed,
-    /// Displacement only.
-    Displacement,
-}
-
-/// Constitutive law of one group of cells.
-#[derive(Clone, Debug, PartialEq)]
-pub enum MaterialModel {
-    /// σ = 2μ ε(u) − p I, −div u − p/λ = 0.
-    LinearElastic {
-        /// Stiffness.
-        modulus: Modulus,
-        /// At most ½; ½ is incompressible.
-        poisson_ratio: f64,
-        /// Unknowns.
-        formulation: Formulation,
-    },
-    /// σ = 2μ ε(u) − p I, −div u = 0, where u is a velocity.
-    Stokes {
-        /// μ, stress times time.
-        viscosity: f64,
-        /// A flow is always mixed.
-        formulation: Formulation,
-    },
-}
-
-/// A material and the cell group it fills.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material {
-    /// Physical group of cells.
-    pub group: String,
-    /// Law.
-    pub model: MaterialModel,
 }
 
 /// How the held values of a support vary over its surface.
@@ -112,6 +67,16 @@ pub struct Traction {
     pub on: Vec<String>,
     /// Stress `[3]`.
     pub value: [f64; 3],
+}
+
+/// Follower pressure on surface groups: per deformed area, against the deformed
+/// outward normal.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pressure {
+    /// Surface groups.
+    pub on: Vec<String>,
+    /// Stress; positive pushes on the body.
+    pub value: f64,
 }
 
 /// Shape of a rigid obstacle in its initial pose.
@@ -182,7 +147,8 @@ pub struct SolverOptions {
     pub tolerance_rule: ToleranceRule,
     /// `auto`: each converged increment reports one; `off`.
     pub error_estimate: String,
-    /// Degree of the volume rule for loads and norms; `None` chooses.
+    /// Degree of the volume rule: for loads and norms, and for the stress of
+    /// rubber (2 to 12 there); `None` chooses.
     pub quadrature_degree: Option<u32>,
     /// Seconds after which a step ends with its last good state.
     pub max_wall_time: Option<f64>,
@@ -244,6 +210,8 @@ pub struct Scene {
     pub supports: Vec<Support>,
     /// Dead loads.
     pub tractions: Vec<Traction>,
+    /// Follower loads; need rubber.
+    pub pressures: Vec<Pressure>,
     /// Force per undeformed volume `[3]`.
     pub body_force: [f64; 3],
     /// Rigid bodies.

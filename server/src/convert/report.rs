@@ -97,6 +97,7 @@ fn scene_kind(name: &str) -> wire::SceneKind {
     match name {
         "solid" => wire::SceneKind::Solid,
         "plane-strain" => wire::SceneKind::PlaneStrain,
+        "axisymmetric" => wire::SceneKind::Axisymmetric,
         _ => wire::SceneKind::Unspecified,
     }
 }

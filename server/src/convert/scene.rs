@@ -3,12 +3,12 @@
 use signorini::mesh::MeshId;
 use signorini::report::FieldName;
 use signorini::scene::{
-    Formulation, Material, MaterialModel, Modulus, Obstacle, Probe, Profile, Scene, SceneKind,
-    SolverOptions, Step, Support, ToleranceRule, Traction,
+    Obstacle, Pressure, Probe, Profile, Scene, SceneKind, SolverOptions, Step, Support,
+    ToleranceRule, Traction,
 };
 use signorini_proto::v1 as wire;
 
-use super::{Faults, components, field, mesh, named, shape, step};
+use super::{Faults, components, field, material, mesh, named, shape, step};
 use crate::fault::Fault;
 
 const MAXIMUM_LIST: usize = 4096;
@@ -16,7 +16,6 @@ const MAXIMUM_OBSTACLES: usize = 1000;
 const MAXIMUM_PROBES: usize = 10_000;
 const MAXIMUM_STEPS: usize = 10_000;
 const MAXIMUM_GROUPS: usize = 1000;
-const MAXIMUM_TERMS: usize = 16;
 const MAXIMUM_EVERY: u32 = 100_000;
 
 /// Everything that a scene message says.
@@ -66,9 +65,6 @@ fn limits(message: &wire::Scene, faults: &mut Faults) {
     faults.at_most(&message.obstacles, MAXIMUM_OBSTACLES, "obstacle");
     faults.at_most(&message.probes, MAXIMUM_PROBES, "probe");
     faults.at_most(&message.steps, MAXIMUM_STEPS, "step");
-    if !message.pressures.is_empty() {
-        faults.later("pressure", "follower pressure comes in a later version");
-    }
 }
 
 fn body(message: wire::Scene, faults: &mut Faults) -> Scene {
@@ -77,10 +73,11 @@ fn body(message: wire::Scene, faults: &mut Faults) -> Scene {
         mesh_scale: message.mesh_scale,
         kind: kind(message.kind, faults),
         materials: collect(message.materials, faults, |one, _, faults| {
-            material(one, faults)
+            material::material(one, faults)
         }),
         supports: collect(message.supports, faults, support),
         tractions: collect(message.tractions, faults, traction),
+        pressures: collect(message.pressures, faults, pressure),
         body_force: faults
             .optional_vector(&message.body_force, "body_force.value")
             .unwrap_or_default(),
@@ -108,103 +105,10 @@ fn kind(number: i32, faults: &mut Faults) -> Option<SceneKind> {
         Ok(wire::SceneKind::Unspecified) => None,
         Ok(wire::SceneKind::Solid) => Some(SceneKind::Solid),
         Ok(wire::SceneKind::PlaneStrain) => Some(SceneKind::PlaneStrain),
-        Ok(wire::SceneKind::Axisymmetric) => {
-            faults.later("kind", "`axisymmetric` comes in a later version");
-            None
-        }
+        Ok(wire::SceneKind::Axisymmetric) => Some(SceneKind::Axisymmetric),
         Err(_) => {
             faults.later("kind", format!("kind number {number} is not known here"));
             None
-        }
-    }
-}
-
-fn material(message: wire::Material, faults: &mut Faults) -> Material {
-    use wire::material::Model;
-    let path = format!("material.{}", faults.name(&message.group, "material"));
-    let formulation = formulation(message.formulation, &path, faults);
-    let model = match message.model {
-        Some(Model::LinearElastic(law)) => MaterialModel::LinearElastic {
-            modulus: modulus(law.modulus, &path, faults),
-            poisson_ratio: faults.required(law.poisson_ratio, &format!("{path}.poisson_ratio")),
-            formulation,
-        },
-        Some(Model::Stokes(law)) => MaterialModel::Stokes {
-            viscosity: faults.required(law.viscosity, &format!("{path}.viscosity")),
-            formulation,
-        },
-        Some(later) => {
-            terms(&later, &path, faults);
-            let reason = format!("`{}` comes in a later version", model_name(&later));
-            faults.later(format!("{path}.model"), reason);
-            return placeholder(message.group);
-        }
-        None => {
-            faults.add(format!("{path}.model"), "is required");
-            return placeholder(message.group);
-        }
-    };
-    Material {
-        group: message.group,
-        model,
-    }
-}
-
-fn terms(model: &wire::material::Model, path: &str, faults: &mut Faults) {
-    if let wire::material::Model::Ogden(law) = model {
-        faults.at_most(&law.mu, MAXIMUM_TERMS, &format!("{path}.mu"));
-        faults.at_most(&law.alpha, MAXIMUM_TERMS, &format!("{path}.alpha"));
-    }
-}
-
-/// Stands for a material whose fault or later model is noted already.
-fn placeholder(group: String) -> Material {
-    let model = MaterialModel::LinearElastic {
-        modulus: Modulus::Shear(1.0),
-        poisson_ratio: 0.0,
-        formulation: Formulation::Auto,
-    };
-    Material { group, model }
-}
-
-fn model_name(model: &wire::material::Model) -> &'static str {
-    use wire::material::Model;
-    match model {
-        Model::LinearElastic(_) => "linear-elastic",
-        Model::Stokes(_) => "stokes",
-        Model::MooneyRivlin(_) => "mooney-rivlin",
-        Model::NeoHookean(_) => "neo-hookean",
-        Model::Yeoh(_) => "yeoh",
-        Model::Ogden(_) => "ogden",
-    }
-}
-
-fn modulus(
-    value: Option<wire::linear_elastic::Modulus>,
-    path: &str,
-    faults: &mut Faults,
-) -> Modulus {
-    match value {
-        Some(wire::linear_elastic::Modulus::ShearModulus(value)) => Modulus::Shear(value),
-        Some(wire::linear_elastic::Modulus::YoungModulus(value)) => Modulus::Young(value),
-        None => {
-            faults.add(path, "needs `shear_modulus` or `young_modulus`");
-            Modulus::Shear(1.0)
-        }
-    }
-}
-
-fn formulation(number: i32, path: &str, faults: &mut Faults) -> Formulation {
-    match wire::Formulation::try_from(number) {
-        Ok(wire::Formulation::Unspecified) => Formulation::Auto,
-        Ok(wire::Formulation::Mixed) => Formulation::Mixed,
-        Ok(wire::Formulation::Displacement) => Formulation::Displacement,
-        Err(_) => {
-            faults.later(
-                format!("{path}.formulation"),
-                format!("number {number} is not known here"),
-            );
-            Formulation::Auto
         }
     }
 }
@@ -249,6 +153,14 @@ fn traction(message: wire::Traction, index: usize, faults: &mut Faults) -> Tract
     Traction {
         on: surfaces(message.on, &path, faults),
         value: faults.vector(&message.value, &format!("{path}.value")),
+    }
+}
+
+fn pressure(message: wire::Pressure, index: usize, faults: &mut Faults) -> Pressure {
+    let path = format!("pressure[{index}]");
+    Pressure {
+        on: surfaces(message.on, &path, faults),
+        value: faults.required(message.value, &format!("{path}.value")),
     }
 }
 
@@ -352,6 +264,8 @@ fn output(message: Option<&wire::Output>, faults: &mut Faults) -> Output {
 
 #[cfg(test)]
 mod tests {
+    use signorini::scene::{Formulation, MaterialModel};
+
     use super::*;
 
     #[test]

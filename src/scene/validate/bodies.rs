@@ -21,12 +21,13 @@ pub(crate) fn manufactured(
     let name = scene.manufactured.as_deref()?;
     let path = "manufactured.field";
     let others = !scene.tractions.is_empty()
+        || !scene.pressures.is_empty()
         || !scene.obstacles.is_empty()
         || scene.body_force.iter().any(|&x| x != 0.0);
     if others {
         faults.add(
             path,
-            "brings its own loads: leave out traction, body_force and obstacle",
+            "brings its own loads: leave out traction, pressure, body_force and obstacle",
         );
     }
     let moved = scene.supports.iter().find(|support| {
@@ -48,6 +49,7 @@ pub(crate) fn manufactured(
     let incompressible = scene.materials.iter().all(|material| match material.model {
         MaterialModel::LinearElastic { poisson_ratio, .. } => poisson_ratio >= 0.5,
         MaterialModel::Stokes { .. } => true,
+        MaterialModel::Rubber { bulk_modulus, .. } => bulk_modulus.is_none(),
     });
     if !incompressible {
         faults.add(

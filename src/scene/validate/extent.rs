@@ -18,11 +18,13 @@ const ALWAYS: usize = 100_000;
 pub(super) fn check(scene: &Scene, mesh: &Mesh, faults: &mut Faults) {
     let supports = scene.supports.iter().map(|one| &one.on);
     let tractions = scene.tractions.iter().map(|one| &one.on);
+    let pressures = scene.pressures.iter().map(|one| &one.on);
     let obstacles = scene.obstacles.iter().map(|one| &one.on);
     let lists = || {
         supports
             .clone()
             .chain(tractions.clone())
+            .chain(pressures.clone())
             .chain(obstacles.clone())
     };
     let names: usize = lists().map(Vec::len).sum();

@@ -1,7 +1,7 @@
 //! Materials: parameters, one per cell, and the formulation that follows.
 
-use super::{Faults, names};
-use crate::material::{LinearElastic, Stokes};
+use super::{Faults, names, rubber};
+use crate::material::{LinearElastic, Rubber, Stokes};
 use crate::mesh::{GroupKind, Mesh};
 use crate::scene::{Formulation, MaterialModel, Modulus, Scene};
 
@@ -12,12 +12,15 @@ const LEAST_MIXED: f64 = 0.01;
 const NO_MATERIAL: u16 = u16::MAX;
 
 /// A material with its law.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct ResolvedMaterial {
+    /// The law; of a rubber, its moduli at rest (1 / K in the place of 1 / lambda).
     pub(crate) law: LinearElastic,
     pub(crate) poisson_ratio: f64,
     /// Whether u is a velocity.
     pub(crate) is_flow: bool,
+    /// The law at finite strain.
+    pub(crate) rubber: Option<Rubber>,
 }
 
 impl ResolvedMaterial {
@@ -85,32 +88,52 @@ fn assign(index: u16, members: &[u32], of_cell: &mut [u16], path: &str, faults: 
 }
 
 fn law(model: &MaterialModel, path: &str, faults: &mut Faults) -> ResolvedMaterial {
-    let resolved = match *model {
+    let resolved = match model {
         MaterialModel::LinearElastic {
             modulus,
             poisson_ratio,
             ..
-        } => linear_elastic(modulus, poisson_ratio, path, faults),
+        } => linear_elastic(*modulus, *poisson_ratio, path, faults),
         MaterialModel::Stokes { viscosity, .. } => {
-            above_zero(viscosity, &format!("{path}.viscosity"), faults);
+            above_zero(*viscosity, &format!("{path}.viscosity"), faults);
+            let flow = Stokes {
+                viscosity: *viscosity,
+            };
             ResolvedMaterial {
-                law: Stokes { viscosity }.elastic(),
+                law: flow.elastic(),
                 poisson_ratio: 0.5,
                 is_flow: true,
+                rubber: None,
             }
         }
+        MaterialModel::Rubber {
+            model,
+            bulk_modulus,
+            ..
+        } => rubber::resolve(model, *bulk_modulus, path, faults),
     };
-    if formulation(model) == Formulation::Displacement && resolved.is_incompressible() {
-        let message = match resolved.is_flow {
-            true => "a flow needs the mixed formulation",
-            false => "an incompressible material needs the mixed formulation",
-        };
+    if formulation(model) == Formulation::Displacement
+        && let Some(message) = only_mixed(&resolved)
+    {
         faults.add(format!("{path}.formulation"), message);
     }
     resolved
 }
 
-fn above_zero(value: f64, path: &str, faults: &mut Faults) {
+/// Why a material has no displacement form.
+fn only_mixed(material: &ResolvedMaterial) -> Option<&'static str> {
+    if material.is_flow {
+        Some("a flow needs the mixed formulation")
+    } else if material.rubber.is_some() {
+        Some("rubber needs the mixed formulation")
+    } else if material.is_incompressible() {
+        Some("an incompressible material needs the mixed formulation")
+    } else {
+        None
+    }
+}
+
+pub(super) fn above_zero(value: f64, path: &str, faults: &mut Faults) {
     if !(value > 0.0 && value.is_finite()) {
         faults.add(path, format!("must be above zero and finite, not {value}"));
     }
@@ -143,13 +166,15 @@ fn linear_elastic(
         law,
         poisson_ratio,
         is_flow: false,
+        rubber: None,
     }
 }
 
 fn formulation(model: &MaterialModel) -> Formulation {
     match model {
         MaterialModel::LinearElastic { formulation, .. }
-        | MaterialModel::Stokes { formulation, .. } => *formulation,
+        | MaterialModel::Stokes { formulation, .. }
+        | MaterialModel::Rubber { formulation, .. } => *formulation,
     }
 }
 
@@ -184,7 +209,7 @@ pub(crate) fn mixed(scene: &Scene, materials: &[ResolvedMaterial], faults: &mut 
         .any(|(material, resolved)| match asked(material) {
             Formulation::Mixed => true,
             Formulation::Displacement => false,
-            Formulation::Auto => resolved.poisson_ratio >= MIXED_FROM,
+            Formulation::Auto => resolved.rubber.is_some() || resolved.poisson_ratio >= MIXED_FROM,
         });
     for (material, resolved) in scene.materials.iter().zip(materials) {
         let path = format!("material.{}", material.group);
@@ -194,9 +219,17 @@ pub(crate) fn mixed(scene: &Scene, materials: &[ResolvedMaterial], faults: &mut 
             faults.unsupported(format!("{path}.formulation"), message);
         }
         if mixed && resolved.poisson_ratio < LEAST_MIXED {
-            let message =
-                format!("below {LEAST_MIXED} a material cannot share a scene with a mixed one");
-            faults.unsupported(format!("{path}.poisson_ratio"), message);
+            let (key, message) = match resolved.rubber {
+                Some(_) => (
+                    "bulk_modulus",
+                    "is below two thirds of the shear modulus at rest".to_owned(),
+                ),
+                None => (
+                    "poisson_ratio",
+                    format!("below {LEAST_MIXED} a material cannot share a scene with a mixed one"),
+                ),
+            };
+            faults.unsupported(format!("{path}.{key}"), message);
         }
     }
     mixed

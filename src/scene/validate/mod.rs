@@ -10,6 +10,7 @@ mod names;
 mod obstacles;
 mod profiles;
 mod rigid_modes;
+mod rubber;
 mod solver;
 mod steps;
 mod surfaces;
@@ -89,6 +90,8 @@ pub(crate) struct Resolved {
     pub(crate) profiles: Vec<Option<Parabola>>,
     /// Facets of each traction.
     pub(crate) traction_facets: Vec<Vec<u32>>,
+    /// Facets of each follower pressure, all on the surface of the body.
+    pub(crate) pressure_facets: Vec<Vec<u32>>,
     /// Facets of each obstacle.
     pub(crate) obstacle_facets: Vec<Vec<u32>>,
     /// Cell and barycentric coordinates of each probe.
@@ -135,6 +138,7 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
     let support_facets = surfaces::supports(scene, mesh, &mut faults);
     let profiles = profiles::resolve(scene, mesh, &support_facets, &mut faults);
     let traction_facets = surfaces::tractions(scene, mesh, &mut faults);
+    let pressure_facets = surfaces::pressures(scene, mesh, &mut faults);
     let obstacle_facets = obstacles::resolve(scene, mesh, &mut faults);
     obstacles::refuse_held_faces(scene, mesh, &support_facets, &obstacle_facets, &mut faults);
     let manufactured = bodies::manufactured(scene, mesh, &mut faults);
@@ -146,10 +150,15 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
     };
     solver::check(scene, formulated, &mut faults);
     solver::check_element(scene, mixed, &mut faults);
-    let free_modes = rigid_modes::check(scene, mesh, &support_facets, &mut faults);
+    let free_modes = rigid_modes::check(scene, kind, mesh, &support_facets, &mut faults);
     solver::check_contact(scene, &free_modes, &mut faults);
+    rubber::check(scene, &materials, &mut faults);
     for (index, step) in steps.iter().enumerate() {
         steps::check(scene, step, &format!("step[{index}]"), mesh, &mut faults);
+    }
+    if let Some(material) = scene.materials.iter().find(|one| one.model.is_rubber()) {
+        let path = format!("material.{}.model", material.group);
+        faults.unsupported(path, "rubber is not supported yet");
     }
     faults.result()?;
     Ok(Resolved {
@@ -160,6 +169,7 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
         support_facets,
         profiles,
         traction_facets,
+        pressure_facets,
         obstacle_facets,
         probes,
         manufactured,
@@ -167,22 +177,42 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
     })
 }
 
+/// Vertices left of the axis by less than this part of the body lie on it.
+const ON_AXIS: f64 = 1e-9;
+
 fn kind(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> SceneKind {
-    let natural = match mesh.cell_kind() {
-        CellKind::Triangle => SceneKind::PlaneStrain,
-        CellKind::Tetrahedron => SceneKind::Solid,
+    let fitting: &[SceneKind] = match mesh.cell_kind() {
+        CellKind::Triangle => &[SceneKind::PlaneStrain, SceneKind::Axisymmetric],
+        CellKind::Tetrahedron => &[SceneKind::Solid],
     };
-    if let Some(asked) = scene.kind
-        && asked != natural
-    {
+    let asked = scene.kind.unwrap_or(fitting[0]);
+    if !fitting.contains(&asked) {
+        let names: Vec<&str> = fitting.iter().map(|kind| kind.name()).collect();
         let message = format!(
             "`{}` does not fit the mesh, whose cells ask for `{}`",
             asked.name(),
-            natural.name()
+            names.join("` or `")
+        );
+        faults.add("kind", message);
+        return fitting[0];
+    }
+    if asked == SceneKind::Axisymmetric {
+        right_of_axis(mesh, faults);
+    }
+    asked
+}
+
+/// An axisymmetric body lies in x >= 0.
+fn right_of_axis(mesh: &Mesh, faults: &mut Faults) {
+    let least = -ON_AXIS * mesh.extent();
+    let mut vertices = mesh.coordinates().iter().enumerate();
+    if let Some((vertex, x)) = vertices.find(|(_, x)| x[0] < least) {
+        let message = format!(
+            "an axisymmetric body lies in x >= 0, but vertex {} is at {x:?}",
+            mesh.used_vertices()[vertex]
         );
         faults.add("kind", message);
     }
-    natural
 }
 
 /// Faults of a vector that must lie in the plane z = 0 of a plane scene.

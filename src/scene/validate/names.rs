@@ -99,6 +99,17 @@ pub(crate) fn members(
     members
 }
 
+/// Reports a facet that has the body on both sides.
+pub(crate) fn refuse_inner_facets(mesh: &Mesh, facets: &[u32], path: String, faults: &mut Faults) {
+    let mut inner = facets
+        .iter()
+        .filter(|&&f| !mesh.facet_is_boundary(f as usize));
+    if let Some(facet) = inner.next() {
+        let message = format!("facet {facet} lies inside the body, not on its surface");
+        faults.add(path, message);
+    }
+}
+
 /// The message for a group that the mesh does not have.
 pub(crate) fn missing(mesh: &Mesh, kind: GroupKind, name: &str) -> String {
     let what = match kind {

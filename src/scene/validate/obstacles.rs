@@ -43,15 +43,7 @@ pub(crate) fn resolve(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<Ve
             check_plane(&obstacle.shape, mesh, &path, faults);
             let on = format!("{path}.on");
             let facets = names::members(mesh, GroupKind::Facets, &on, &obstacle.on, faults);
-            if let Some(inner) = facets
-                .iter()
-                .find(|&&f| !mesh.facet_is_boundary(f as usize))
-            {
-                faults.add(
-                    on,
-                    format!("facet {inner} lies inside the body, not on its surface"),
-                );
-            }
+            names::refuse_inner_facets(mesh, &facets, on, faults);
             facets
         })
         .collect()

@@ -1,11 +1,13 @@
 //! Rigid modes that supports leave free, part by part of a disconnected body.
 //!
 //! A mode is free when it vanishes at every held component. Rank by Gaussian
-//! elimination of the 6 by 6 (plane: 3 by 3) moment matrix of the held rows.
+//! elimination of the 6 by 6 (plane: 3 by 3) moment matrix of the held rows. Of
+//! the plane modes only the translation along its axis is rigid in a body of
+//! revolution: the others stretch its hoops.
 
 use super::Faults;
 use crate::mesh::Mesh;
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneKind};
 
 const NAMES_3: [&str; 6] = [
     "translation along x",
@@ -26,6 +28,7 @@ const ZERO: f64 = 1e-16;
 /// Names of the free modes; adds a fault when nothing can ever hold them.
 pub(crate) fn check(
     scene: &Scene,
+    kind: SceneKind,
     mesh: &Mesh,
     support_facets: &[Vec<u32>],
     faults: &mut Faults,
@@ -33,12 +36,14 @@ pub(crate) fn check(
     let parts = parts(mesh);
     let count = parts.iter().max().map_or(0, |&last| last as usize + 1);
     let frames = frames(mesh, &parts, count);
-    let moments = moments(scene, mesh, support_facets, &parts, &frames);
-    let names: &[&str] = if mesh.cell_kind().dimension() == 2 {
-        &NAMES_2
-    } else {
-        &NAMES_3
+    let mut moments = moments(scene, mesh, support_facets, &parts, &frames);
+    let names: &[&str] = match kind {
+        SceneKind::Solid => &NAMES_3,
+        SceneKind::PlaneStrain | SceneKind::Axisymmetric => &NAMES_2,
     };
+    if kind == SceneKind::Axisymmetric {
+        moments.iter_mut().for_each(hold_by_hoops);
+    }
     let mut free = Vec::new();
     for (part, moments) in moments.into_iter().enumerate() {
         let label = match count {
@@ -60,6 +65,13 @@ pub(crate) fn check(
         );
     }
     free
+}
+
+/// Holds the modes that stretch the hoops of a body of revolution.
+fn hold_by_hoops(moments: &mut Moments) {
+    for mode in [0, 2] {
+        moments[mode][mode] += 1.0;
+    }
 }
 
 /// Connected part of each vertex.

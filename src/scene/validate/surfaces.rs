@@ -1,4 +1,4 @@
-//! Supports and tractions: names, groups, values.
+//! Supports, tractions and pressures: names, groups, values.
 
 use super::{Faults, in_plane, names};
 use crate::mesh::{GroupKind, Mesh};
@@ -47,6 +47,23 @@ pub(crate) fn tractions(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<
                 &traction.on,
                 faults,
             )
+        })
+        .collect()
+}
+
+/// Facets of each follower pressure.
+pub(crate) fn pressures(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<Vec<u32>> {
+    scene
+        .pressures
+        .iter()
+        .enumerate()
+        .map(|(index, pressure)| {
+            let path = format!("pressure[{index}]");
+            faults.finite(&format!("{path}.value"), &[pressure.value]);
+            let on = format!("{path}.on");
+            let facets = names::members(mesh, GroupKind::Facets, &on, &pressure.on, faults);
+            names::refuse_inner_facets(mesh, &facets, on, faults);
+            facets
         })
         .collect()
 }

@@ -1,0 +1,122 @@
+//! Material messages into the library's laws.
+
+use signorini::scene::{Formulation, Material, MaterialModel, Modulus, RubberModel};
+use signorini_proto::v1 as wire;
+use signorini_proto::v1::material::Model;
+
+use super::Faults;
+
+/// Terms that are read of one law; the library takes fewer.
+const MAXIMUM_TERMS: usize = 16;
+
+/// Converts one material.
+pub(super) fn material(message: wire::Material, faults: &mut Faults) -> Material {
+    let path = format!("material.{}", faults.name(&message.group, "material"));
+    let formulation = formulation(message.formulation, &path, faults);
+    let model = match message.model {
+        Some(law) => model(law, formulation, &path, faults),
+        None => {
+            faults.add(format!("{path}.model"), "is required");
+            placeholder()
+        }
+    };
+    Material {
+        group: message.group,
+        model,
+    }
+}
+
+fn model(law: Model, formulation: Formulation, path: &str, faults: &mut Faults) -> MaterialModel {
+    let rubber = |model, bulk_modulus| MaterialModel::Rubber {
+        model,
+        bulk_modulus,
+        formulation,
+    };
+    match law {
+        Model::LinearElastic(law) => MaterialModel::LinearElastic {
+            modulus: modulus(law.modulus, path, faults),
+            poisson_ratio: faults.required(law.poisson_ratio, &format!("{path}.poisson_ratio")),
+            formulation,
+        },
+        Model::Stokes(law) => MaterialModel::Stokes {
+            viscosity: faults.required(law.viscosity, &format!("{path}.viscosity")),
+            formulation,
+        },
+        Model::MooneyRivlin(law) => rubber(mooney_rivlin(&law, path, faults), law.bulk_modulus),
+        Model::NeoHookean(law) => rubber(neo_hookean(&law, path, faults), law.bulk_modulus),
+        Model::Yeoh(law) => rubber(yeoh(&law, path, faults), law.bulk_modulus),
+        Model::Ogden(law) => {
+            let bulk_modulus = law.bulk_modulus;
+            rubber(ogden(law, path, faults), bulk_modulus)
+        }
+    }
+}
+
+fn mooney_rivlin(law: &wire::MooneyRivlin, path: &str, faults: &mut Faults) -> RubberModel {
+    RubberModel::MooneyRivlin {
+        c10: faults.required(law.c10, &format!("{path}.c10")),
+        c01: faults.required(law.c01, &format!("{path}.c01")),
+    }
+}
+
+fn neo_hookean(law: &wire::NeoHookean, path: &str, faults: &mut Faults) -> RubberModel {
+    RubberModel::NeoHookean {
+        shear_modulus: faults.required(law.shear_modulus, &format!("{path}.shear_modulus")),
+    }
+}
+
+fn yeoh(law: &wire::Yeoh, path: &str, faults: &mut Faults) -> RubberModel {
+    RubberModel::Yeoh {
+        c10: faults.required(law.c10, &format!("{path}.c10")),
+        c20: faults.required(law.c20, &format!("{path}.c20")),
+        c30: faults.required(law.c30, &format!("{path}.c30")),
+    }
+}
+
+fn ogden(law: wire::Ogden, path: &str, faults: &mut Faults) -> RubberModel {
+    faults.at_most(&law.mu, MAXIMUM_TERMS, &format!("{path}.mu"));
+    faults.at_most(&law.alpha, MAXIMUM_TERMS, &format!("{path}.alpha"));
+    RubberModel::Ogden {
+        mu: law.mu,
+        alpha: law.alpha,
+    }
+}
+
+/// Stands for a law whose fault is noted already.
+fn placeholder() -> MaterialModel {
+    MaterialModel::LinearElastic {
+        modulus: Modulus::Shear(1.0),
+        poisson_ratio: 0.0,
+        formulation: Formulation::Auto,
+    }
+}
+
+fn modulus(
+    value: Option<wire::linear_elastic::Modulus>,
+    path: &str,
+    faults: &mut Faults,
+) -> Modulus {
+    match value {
+        Some(wire::linear_elastic::Modulus::ShearModulus(value)) => Modulus::Shear(value),
+        Some(wire::linear_elastic::Modulus::YoungModulus(value)) => Modulus::Young(value),
+        None => {
+            faults.add(path, "needs `shear_modulus` or `young_modulus`");
+            Modulus::Shear(1.0)
+        }
+    }
+}
+
+fn formulation(number: i32, path: &str, faults: &mut Faults) -> Formulation {
+    match wire::Formulation::try_from(number) {
+        Ok(wire::Formulation::Unspecified) => Formulation::Auto,
+        Ok(wire::Formulation::Mixed) => Formulation::Mixed,
+        Ok(wire::Formulation::Displacement) => Formulation::Displacement,
+        Err(_) => {
+            faults.later(
+                format!("{path}.formulation"),
+                format!("number {number} is not known here"),
+            );
+            Formulation::Auto
+        }
+    }
+}

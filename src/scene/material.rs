@@ -1,0 +1,123 @@
+//! Constitutive laws as a caller writes them.
+
+/// Stiffness of a linear elastic material: one modulus and Poisson's ratio.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Modulus {
+    /// Shear modulus, stress.
+    Shear(f64),
+    /// Young's modulus, stress.
+    Young(f64),
+}
+
+/// Which unknowns carry the volume constraint.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Formulation {
+    /// `Mixed` for Poisson's ratio of at least 0.45 and for rubber, else
+    /// `Displacement`.
+    #[default]
+    Auto,
+    /// Displacement and pressure.
+    Mixed,
+    /// Displacement only.
+    Displacement,
+}
+
+/// Isochoric energy of a rubber; i1 and i2 are invariants of F / J^(1/3).
+#[derive(Clone, Debug, PartialEq)]
+pub enum RubberModel {
+    /// C10 (i1 − 3) + C01 (i2 − 3).
+    MooneyRivlin {
+        /// Stress.
+        c10: f64,
+        /// Stress.
+        c01: f64,
+    },
+    /// ½ μ (i1 − 3).
+    NeoHookean {
+        /// μ, stress.
+        shear_modulus: f64,
+    },
+    /// C10 (i1 − 3) + C20 (i1 − 3)² + C30 (i1 − 3)³.
+    Yeoh {
+        /// Stress.
+        c10: f64,
+        /// Stress.
+        c20: f64,
+        /// Stress.
+        c30: f64,
+    },
+    /// Σ (μ/α) (λ1^α + λ2^α + λ3^α − 3) in the stretches λ of F / J^(1/3).
+    Ogden {
+        /// μ of each term, stress; one to three.
+        mu: Vec<f64>,
+        /// α of each term, not zero; as many.
+        alpha: Vec<f64>,
+    },
+}
+
+impl RubberModel {
+    /// The name used in scenes.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::MooneyRivlin { .. } => "mooney-rivlin",
+            Self::NeoHookean { .. } => "neo-hookean",
+            Self::Yeoh { .. } => "yeoh",
+            Self::Ogden { .. } => "ogden",
+        }
+    }
+}
+
+/// Constitutive law of one group of cells.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MaterialModel {
+    /// σ = 2μ ε(u) − p I, −div u − p/λ = 0.
+    LinearElastic {
+        /// Stiffness.
+        modulus: Modulus,
+        /// At most ½; ½ is incompressible.
+        poisson_ratio: f64,
+        /// Unknowns.
+        formulation: Formulation,
+    },
+    /// σ = 2μ ε(u) − p I, −div u = 0, where u is a velocity.
+    Stokes {
+        /// μ, stress times time.
+        viscosity: f64,
+        /// A flow is always mixed.
+        formulation: Formulation,
+    },
+    /// Isochoric energy − p (J − 1) − p²/(2K): −(J − 1) − p/K = 0.
+    Rubber {
+        /// Isochoric energy.
+        model: RubberModel,
+        /// K, stress; `None` or infinite: the volume cannot change.
+        bulk_modulus: Option<f64>,
+        /// Rubber is always mixed.
+        formulation: Formulation,
+    },
+}
+
+impl MaterialModel {
+    /// The name used in scenes.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::LinearElastic { .. } => "linear-elastic",
+            Self::Stokes { .. } => "stokes",
+            Self::Rubber { model, .. } => model.name(),
+        }
+    }
+
+    /// Whether it is a rubber, for finite strain.
+    pub fn is_rubber(&self) -> bool {
+        matches!(self, Self::Rubber { .. })
+    }
+}
+
+/// A material and the cell group it fills.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Physical group of cells.
+    pub group: String,
+    /// Law.
+    pub model: MaterialModel,
+}

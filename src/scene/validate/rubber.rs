@@ -1,0 +1,217 @@
+//! Rubber: parameters, and what a scene of rubber can have beside it.
+//!
+//! The shear modulus at rest is 2 (c10 + c01), of Ogden's law the sum of
+//! mu alpha / 2; Poisson's ratio at rest (3 K - 2 mu) / (2 (3 K + mu)).
+
+use super::materials::{ResolvedMaterial, above_zero};
+use super::{Faults, Resolved};
+use crate::material::{InvariantLaw, Isochoric, LinearElastic, Rubber};
+use crate::scene::{RubberModel, Scene, SceneKind, SolverOptions, ToleranceRule};
+
+/// Terms of Ogden's law.
+const MOST_TERMS: usize = 3;
+/// Degrees of the volume rule that stress is integrated with.
+const DEGREES: std::ops::RangeInclusive<u32> = 2..=12;
+
+/// The material of a rubber.
+pub(super) fn resolve(
+    model: &RubberModel,
+    bulk_modulus: Option<f64>,
+    path: &str,
+    faults: &mut Faults,
+) -> ResolvedMaterial {
+    let inverse_bulk = inverse_bulk(bulk_modulus, path, faults);
+    let rubber = Rubber {
+        isochoric: isochoric(model, path, faults),
+        inverse_bulk,
+    };
+    let shear_modulus = rubber.shear_modulus();
+    ResolvedMaterial {
+        law: LinearElastic {
+            shear_modulus,
+            inverse_lame: inverse_bulk,
+        },
+        poisson_ratio: poisson_ratio(shear_modulus * inverse_bulk),
+        is_flow: false,
+        rubber: Some(rubber),
+    }
+}
+
+/// At rest, from mu / K.
+fn poisson_ratio(shear_over_bulk: f64) -> f64 {
+    (3.0 - 2.0 * shear_over_bulk) / (6.0 + 2.0 * shear_over_bulk)
+}
+
+fn inverse_bulk(bulk_modulus: Option<f64>, path: &str, faults: &mut Faults) -> f64 {
+    let Some(bulk_modulus) = bulk_modulus else {
+        return 0.0;
+    };
+    let inverse = bulk_modulus.recip();
+    if !(bulk_modulus > 0.0 && inverse.is_finite()) {
+        let message = format!("must be above zero, or left out for infinite, not {bulk_modulus}");
+        faults.add(format!("{path}.bulk_modulus"), message);
+    }
+    inverse
+}
+
+fn isochoric(model: &RubberModel, path: &str, faults: &mut Faults) -> Isochoric {
+    let [mut c10, mut c01, mut c20, mut c30] = [0.0; 4];
+    let first = format!("{path}.c10");
+    match model {
+        RubberModel::MooneyRivlin { c10: a, c01: b } => {
+            (c10, c01) = (*a, *b);
+            all_finite(&[("c10", c10), ("c01", c01)], path, faults);
+            at_rest(2.0 * (c10 + c01), "2 (c10 + c01)", &first, faults);
+        }
+        RubberModel::NeoHookean { shear_modulus } => {
+            c10 = 0.5 * shear_modulus;
+            above_zero(*shear_modulus, &format!("{path}.shear_modulus"), faults);
+        }
+        RubberModel::Yeoh {
+            c10: a,
+            c20: b,
+            c30: c,
+        } => {
+            (c10, c20, c30) = (*a, *b, *c);
+            all_finite(&[("c10", c10), ("c20", c20), ("c30", c30)], path, faults);
+            at_rest(2.0 * c10, "2 c10", &first, faults);
+        }
+        RubberModel::Ogden { mu, alpha } => {
+            ogden(mu, alpha, path, faults);
+            faults.unsupported(format!("{path}.model"), "`ogden`");
+        }
+    }
+    Isochoric::Invariants(InvariantLaw { c10, c01, c20, c30 })
+}
+
+fn all_finite(values: &[(&str, f64)], path: &str, faults: &mut Faults) {
+    for (key, value) in values {
+        if !value.is_finite() {
+            faults.add(
+                format!("{path}.{key}"),
+                format!("must be finite, not {value}"),
+            );
+        }
+    }
+}
+
+/// A body without shear stiffness at rest has no equilibrium to find; what is
+/// not finite has its own message.
+fn at_rest(shear_modulus: f64, formula: &str, path: &str, faults: &mut Faults) {
+    let is_usable = shear_modulus > 0.0 && shear_modulus.is_finite();
+    if !is_usable && !shear_modulus.is_nan() {
+        let message = format!(
+            "the shear modulus at rest, {formula}, must be above zero and finite, not {shear_modulus}"
+        );
+        faults.add(path, message);
+    }
+}
+
+/// Checks the terms of Ogden's law.
+fn ogden(mu: &[f64], alpha: &[f64], path: &str, faults: &mut Faults) {
+    let count = mu.len();
+    if !(1..=MOST_TERMS).contains(&count) {
+        let message = format!("must have 1 to {MOST_TERMS} terms, not {count}");
+        faults.add(format!("{path}.mu"), message);
+    }
+    if alpha.len() != count {
+        let message = format!(
+            "must have {count} exponents as `mu` has, not {}",
+            alpha.len()
+        );
+        faults.add(format!("{path}.alpha"), message);
+    }
+    faults.finite(&format!("{path}.mu"), mu);
+    faults.finite(&format!("{path}.alpha"), alpha);
+    if alpha.contains(&0.0) {
+        faults.add(format!("{path}.alpha"), "an exponent must not be zero");
+    }
+    let pairs = mu.iter().zip(alpha);
+    let shear_modulus: f64 = pairs.map(|(mu, alpha)| 0.5 * mu * alpha).sum();
+    let formula = "the sum of mu alpha / 2";
+    at_rest(shear_modulus, formula, &format!("{path}.mu"), faults);
+}
+
+/// Refuses what rubber is not solved with, and what only rubber has.
+pub(super) fn check(scene: &Scene, materials: &[ResolvedMaterial], faults: &mut Faults) {
+    let is_rubber = |material: &ResolvedMaterial| material.rubber.is_some();
+    let named = || scene.materials.iter().zip(materials);
+    if !materials.iter().any(is_rubber) {
+        return needs_rubber(scene, faults);
+    }
+    if let Some((other, _)) = named().find(|(_, material)| !is_rubber(material)) {
+        let path = format!("material.{}.model", other.group);
+        let message = format!("`{}` beside rubber in one scene", other.model.name());
+        faults.unsupported(path, message);
+    }
+    if scene.manufactured.is_some() {
+        let message = "the fields are of linear elasticity, not of rubber";
+        faults.unsupported("manufactured.field", message);
+    }
+    methods(&scene.solver, faults);
+}
+
+/// Methods that serve rubber.
+const METHODS: &[(&str, fn(&SolverOptions) -> &str, &[&str])] = &[
+    ("element", |solver| &solver.element, &["taylor-hood"]),
+    ("saddle", |solver| &solver.saddle, &["gcr"]),
+    ("contact", |solver| &solver.contact, &["one-level"]),
+    (
+        "displacement_preconditioner",
+        |solver| &solver.displacement_preconditioner,
+        &["p-multigrid"],
+    ),
+];
+
+fn methods(solver: &SolverOptions, faults: &mut Faults) {
+    for (key, asked, serving) in METHODS {
+        let asked = asked(solver);
+        if asked != "auto" && !serving.contains(&asked) {
+            let message = format!(
+                "`{asked}` with rubber; `{}` serves it",
+                serving.join("`, `")
+            );
+            faults.unsupported(format!("solver.{key}"), message);
+        }
+    }
+    if solver.penalty.is_some_and(|weight| weight > 0.0) {
+        faults.unsupported("solver.penalty", "a grad-div term with rubber");
+    }
+    if solver.tolerance_rule == ToleranceRule::Discretisation {
+        let message = "`discretisation` with rubber, which has no error estimate";
+        faults.unsupported("solver.tolerance", message);
+    }
+    if let Some(degree) = solver.quadrature_degree
+        && !DEGREES.contains(&degree)
+    {
+        let (least, most) = (DEGREES.start(), DEGREES.end());
+        let message = format!("must lie between {least} and {most} for rubber, not {degree}");
+        faults.add("solver.quadrature_degree", message);
+    }
+}
+
+fn needs_rubber(scene: &Scene, faults: &mut Faults) {
+    if !scene.pressures.is_empty() {
+        let message = "a follower pressure without rubber; `traction` is a dead load";
+        faults.unsupported("pressure[0]", message);
+    }
+    if scene.kind == Some(SceneKind::Axisymmetric) {
+        faults.unsupported("kind", "`axisymmetric` without rubber");
+    }
+}
+
+impl Resolved {
+    /// Whether the body is rubber.
+    pub(crate) fn is_rubber(&self) -> bool {
+        self.materials
+            .iter()
+            .any(|material| material.rubber.is_some())
+    }
+
+    /// Whether the equations are not linear in the displacement even without
+    /// contact.
+    pub(crate) fn is_nonlinear(&self) -> bool {
+        let is_axisymmetric = self.kind == SceneKind::Axisymmetric;
+        self.is_rubber() || is_axisymmetric || !self.pressure_facets.is_empty()
+    }
+}
