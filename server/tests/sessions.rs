@@ -96,7 +96,7 @@ async fn keys_of_later_capabilities_are_refused_by_path() {
         (
             "pressure[0]",
             with(|scene| {
-                let on = vec!["x0".to_owned()];
+                let on = vec!["top".to_owned()];
                 let value = Some(1.0);
                 scene.pressures.push(wire::Pressure { on, value });
             }),

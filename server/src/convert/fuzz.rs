@@ -149,15 +149,25 @@ fn good_scene(mesh: &Mesh) -> wire::Scene {
     }
 }
 
-/// Shapes and laws that come later are converted, too, as far as they go.
-fn later_scene(mesh: &Mesh) -> wire::Scene {
+/// Rubber under a follower pressure.
+fn rubber_scene(mesh: &Mesh) -> wire::Scene {
     let mut scene = good_scene(mesh);
     let law = wire::Ogden {
-        mu: vec![1.0, 2.0],
+        mu: vec![2.0, 1.0],
         alpha: vec![2.0, -2.0],
         bulk_modulus: Some(10.0),
     };
     scene.materials[0].model = Some(wire::material::Model::Ogden(law));
+    scene.pressures = vec![wire::Pressure {
+        on: vec!["top".into()],
+        value: Some(0.1),
+    }];
+    scene
+}
+
+/// Shapes and keys that come later are converted, too, as far as they go.
+fn later_scene(mesh: &Mesh) -> wire::Scene {
+    let mut scene = good_scene(mesh);
     let shape = scene.obstacles[0].shape.as_mut().unwrap();
     shape.kind = Some(wire::shape::Kind::Torus(wire::Torus::default()));
     scene.supports[0].normal = Some(0.0);
@@ -235,7 +245,7 @@ fn planned(message: wire::Scene, mesh: &Mesh) -> Result<(), Fault> {
 #[test]
 fn every_scene_is_planned_or_refused() {
     let mesh = Mesh::new(parts()).unwrap();
-    let seeds = [good_scene(&mesh), later_scene(&mesh)];
+    let seeds = [good_scene(&mesh), rubber_scene(&mesh), later_scene(&mesh)];
     assert_eq!(planned(seeds[0].clone(), &mesh), Ok(()));
     let corpus = Corpus::new(
         Form::Messages,

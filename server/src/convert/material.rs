@@ -6,8 +6,7 @@ use signorini_proto::v1::material::Model;
 
 use super::Faults;
 
-/// Terms that are read of one law; the library takes fewer.
-const MAXIMUM_TERMS: usize = 16;
+const MAXIMUM_TERMS: usize = 3;
 
 /// Converts one material.
 pub(super) fn material(message: wire::Material, faults: &mut Faults) -> Material {
@@ -118,5 +117,98 @@ fn formulation(number: i32, path: &str, faults: &mut Faults) -> Formulation {
             );
             Formulation::Auto
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn convert(model: Model) -> (MaterialModel, Faults) {
+        let message = wire::Material {
+            group: "body".into(),
+            model: Some(model),
+            ..Default::default()
+        };
+        let mut faults = Faults::default();
+        (material(message, &mut faults).model, faults)
+    }
+
+    #[test]
+    fn every_rubber_reaches_the_library_with_its_coefficients() {
+        let bulk_modulus = Some(9.0);
+        let cases = [
+            (
+                Model::MooneyRivlin(wire::MooneyRivlin {
+                    c10: Some(0.4),
+                    c01: Some(-0.1),
+                    bulk_modulus,
+                }),
+                RubberModel::MooneyRivlin {
+                    c10: 0.4,
+                    c01: -0.1,
+                },
+            ),
+            (
+                Model::NeoHookean(wire::NeoHookean {
+                    shear_modulus: Some(0.8),
+                    bulk_modulus,
+                }),
+                RubberModel::NeoHookean { shear_modulus: 0.8 },
+            ),
+            (
+                Model::Yeoh(wire::Yeoh {
+                    c10: Some(0.4),
+                    c20: Some(0.2),
+                    c30: Some(0.1),
+                    bulk_modulus,
+                }),
+                RubberModel::Yeoh {
+                    c10: 0.4,
+                    c20: 0.2,
+                    c30: 0.1,
+                },
+            ),
+            (
+                Model::Ogden(wire::Ogden {
+                    mu: vec![1.0, 0.5],
+                    alpha: vec![2.0, -2.0],
+                    bulk_modulus,
+                }),
+                RubberModel::Ogden {
+                    mu: vec![1.0, 0.5],
+                    alpha: vec![2.0, -2.0],
+                },
+            ),
+        ];
+        for (message, model) in cases {
+            let (found, faults) = convert(message);
+            let formulation = Formulation::Auto;
+            let expected = MaterialModel::Rubber {
+                model,
+                bulk_modulus,
+                formulation,
+            };
+            assert_eq!(found, expected);
+            assert_eq!(faults.outcome(), Ok(()));
+        }
+    }
+
+    #[test]
+    fn coefficients_are_required_and_a_bulk_modulus_is_not() {
+        let (found, faults) = convert(Model::Yeoh(wire::Yeoh::default()));
+        assert!(matches!(
+            found,
+            MaterialModel::Rubber {
+                bulk_modulus: None,
+                ..
+            }
+        ));
+        let Err(crate::fault::Fault::SceneInvalid(all)) = faults.outcome() else {
+            panic!("three coefficients are missing");
+        };
+        let paths: Vec<&str> = all.iter().map(|one| one.path.as_str()).collect();
+        let expected = ["c10", "c20", "c30"].map(|key| format!("material.body.{key}"));
+        assert_eq!(paths, expected);
     }
 }

@@ -22,7 +22,7 @@ fn solver(scene: &mut wire::Scene) -> &mut wire::SolverOptions {
 fn ogden(terms: usize) -> Option<wire::material::Model> {
     Some(wire::material::Model::Ogden(wire::Ogden {
         mu: vec![1.0; terms],
-        alpha: vec![2.0; terms.min(16)],
+        alpha: vec![2.0; terms.min(3)],
         bulk_modulus: None,
     }))
 }
@@ -76,7 +76,7 @@ pub(crate) const LISTS: [SceneCase; 14] = [
         let (on, value) = (words(n), vec![0.0; 3]);
         scene.tractions = vec![wire::Traction { on, value }];
     }),
-    ("material.body.mu", 16, |scene, n| {
+    ("material.body.mu", 3, |scene, n| {
         scene.materials[0].model = ogden(n)
     }),
     ("step[0].obstacle", 1000, |scene, n| {
