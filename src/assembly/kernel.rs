@@ -11,7 +11,7 @@
 //! that it moves as one register. Numbers that a kernel does not write carry
 //! what was gathered, and callers ignore them.
 
-mod points;
+pub(super) mod points;
 
 use pulp::Simd;
 
@@ -69,14 +69,14 @@ pub const fn edge_pairs<const E: usize>() -> [(usize, usize); E] {
 }
 
 /// Nodal values of a batch in memory: displacement, pressure in the last place.
-type NodeLanes<const N: usize> = [[Lanes; 4]; N];
+pub(super) type NodeLanes<const N: usize> = [[Lanes; 4]; N];
 
 /// Nodal values of the batch at work; made once for all batches of a pass, as
 /// clearing it takes as long as a third of a batch.
 #[derive(Clone, Debug)]
 pub struct Element<const V: usize, const E: usize> {
-    vertices: NodeLanes<V>,
-    edges: NodeLanes<E>,
+    pub(super) vertices: NodeLanes<V>,
+    pub(super) edges: NodeLanes<E>,
 }
 
 impl<const V: usize, const E: usize> Element<V, E> {
@@ -88,7 +88,7 @@ impl<const V: usize, const E: usize> Element<V, E> {
 }
 
 #[inline(always)]
-fn gather<T: Transpose, const N: usize>(
+pub(super) fn gather<T: Transpose, const N: usize>(
     transpose: T,
     nodes: &[[u16; WIDTH]; N],
     x: &[Row],
@@ -100,7 +100,7 @@ fn gather<T: Transpose, const N: usize>(
 }
 
 #[inline(always)]
-fn scatter<T: Transpose, const N: usize>(
+pub(super) fn scatter<T: Transpose, const N: usize>(
     transpose: T,
     nodes: &[[u16; WIDTH]; N],
     values: &NodeLanes<N>,

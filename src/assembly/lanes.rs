@@ -5,6 +5,8 @@ use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 use pulp::Simd;
 
+use crate::geometry::tensor::Number;
+
 /// Elements per batch; a multiple of every register width.
 pub const WIDTH: usize = 8;
 
@@ -120,5 +122,36 @@ impl<S: Simd> AddAssign for Pack<S> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;
+    }
+}
+
+impl<S: Simd> Pack<S> {
+    /// `change` of each number, one after the other.
+    #[inline(always)]
+    #[must_use]
+    pub fn each(self, change: impl Fn(f64) -> f64) -> Self {
+        let mut lanes = Lanes::ZERO;
+        self.store(&mut lanes, 0);
+        for value in &mut lanes.0[..S::F64_LANES] {
+            *value = change(*value);
+        }
+        Self::load(self.simd, &lanes, 0)
+    }
+}
+
+impl<S: Simd> Number for Pack<S> {
+    #[inline(always)]
+    fn constant(self, value: f64) -> Self {
+        Self::splat(self.simd, value)
+    }
+
+    #[inline(always)]
+    fn plus_product(self, a: Self, b: Self) -> Self {
+        Pack::plus_product(self, a, b)
+    }
+
+    #[inline(always)]
+    fn inverse(self) -> Self {
+        self.each(f64::recip)
     }
 }

@@ -1,5 +1,5 @@
 //! Integrates a material over a space: the matrix-free P2 operator and the
-//! divergence, the assembled P1 block, node blocks, masses and loads; the
+//! divergence, the same at finite strain, the assembled P1 block, node blocks, masses and loads; the
 //! assembled edge block for comparison methods.
 
 pub mod cells;
@@ -18,6 +18,7 @@ pub mod p1_stiffness;
 pub mod partition;
 pub mod recovery;
 pub mod simd;
+pub mod strain;
 pub mod transpose;
 
 pub use cells::{CellGeometry, CellModuli};

@@ -48,7 +48,7 @@ impl InstructionSet {
     }
 
     /// Runs `pass`, on the portable path where the machine lacks the set.
-    fn run<P: BatchPass>(self, pass: P) -> P::Output {
+    pub(super) fn run<P: BatchPass>(self, pass: P) -> P::Output {
         let narrow = level_3().filter(|_| self == Self::Avx2);
         let wide = level_4().filter(|_| self == Self::Avx512);
         match (narrow, wide) {
@@ -80,7 +80,7 @@ fn level_4() -> Option<pulp::Scalar> {
 }
 
 /// What runs on the registers and shuffles of one instruction set.
-trait BatchPass {
+pub(super) trait BatchPass {
     type Output;
     fn run<S: Simd, T: Transpose>(self, simd: S, transpose: T) -> Self::Output;
 }

@@ -13,6 +13,7 @@ use crate::space::TaylorHood;
 
 mod edges;
 mod loads;
+mod strain;
 
 const SCALE: f64 = 0.5;
 

@@ -158,6 +158,12 @@ impl<N: Number> Deformation<N> {
 }
 
 impl<N: Number> InvariantLaw<N> {
+    /// Shear modulus at rest.
+    #[inline(always)]
+    pub fn modulus(&self) -> N {
+        (self.c10 + self.c01) * 2.0
+    }
+
     /// dW/di1 and d2W/di1^2.
     #[inline(always)]
     fn slopes(&self, excess: N) -> (N, N) {

@@ -28,7 +28,7 @@ impl Rubber {
     /// Shear modulus at rest, stress.
     pub fn shear_modulus(&self) -> f64 {
         match &self.isochoric {
-            Isochoric::Invariants(law) => 2.0 * (law.c10 + law.c01),
+            Isochoric::Invariants(law) => law.modulus(),
         }
     }
 }

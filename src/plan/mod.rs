@@ -202,6 +202,7 @@ impl Plan {
             hash.update(inverse.to_le_bytes());
             if let Some(rubber) = &material.rubber {
                 rubber::hash(rubber, self.units.stress, &mut hash);
+                hash.update(self.strain_degree().to_le_bytes());
             }
         }
         for material in &self.resolved.cell_material {

@@ -11,7 +11,9 @@ use crate::assembly::grid::{Basis, Rows};
 use crate::assembly::mass::weighted_mass;
 use crate::assembly::node_moduli::softness;
 use crate::assembly::p1_stiffness::node_blocks;
+use crate::assembly::strain::{CellLaws, StrainGrid};
 use crate::assembly::{Body, CellGeometry, CellModuli, Divergence, Grid, Stiffness};
+use crate::element::quadrature::{Simplex, rule};
 use crate::linalg::vector::norm;
 use crate::linalg::{
     DenseMatrix, FactoriseError, LinearOperator, Preconditioner, SparseRows, Workspace,
@@ -60,6 +62,8 @@ pub(crate) struct Prepared {
     pub(crate) displacement: Arc<dyn Preconditioner>,
     pub(crate) node_blocks: NodeBlocks,
     pub(crate) pressure: Option<PressureBlock>,
+    /// Cells of finite strain; none for linear bodies.
+    pub(crate) strain: Option<Arc<StrainGrid>>,
     /// A11^-1 on the contact vertices along `contact_normals`; empty without contact.
     pub(crate) compliance: DenseMatrix,
     displacement_bytes: u64,
@@ -135,8 +139,13 @@ impl Prepared {
         let mut is_held = vec![false; space.displacement_unknowns()];
         held.iter()
             .for_each(|&index| is_held[index as usize] = true);
+        let strain = plan
+            .resolved
+            .is_rubber()
+            .then(|| Arc::new(strain_grid(plan, mesh, &grid)));
         let total = start.elapsed().as_secs_f64();
         Ok(Self {
+            strain,
             stiffness,
             space,
             geometry,
@@ -168,6 +177,7 @@ impl Prepared {
         });
         self.geometry.bytes()
             + self.grid.bytes()
+            + self.strain.as_ref().map_or(0, |strain| strain.bytes())
             + self.p1_bytes
             + self.displacement_bytes
             + self.node_blocks.bytes()
@@ -219,6 +229,21 @@ pub(super) fn moduli(plan: &Plan) -> CellModuli {
         moduli.inverse_lame.push(inverse);
     }
     moduli
+}
+
+/// The cells with their laws, non-dimensional.
+fn strain_grid(plan: &Plan, mesh: &Mesh, grid: &Arc<Grid>) -> StrainGrid {
+    let laws = plan.invariant_laws();
+    let cells = CellLaws {
+        laws: &laws,
+        of_cell: &plan.resolved.cell_material,
+    };
+    let simplex = match plan.units.dimension {
+        2 => Simplex::Triangle,
+        _ => Simplex::Tetrahedron,
+    };
+    let rule = rule(simplex, plan.strain_degree());
+    StrainGrid::new(mesh, grid.clone(), cells, rule)
 }
 
 /// Whether B^T 1 vanishes on free rows.

@@ -3,7 +3,7 @@
 use sha2::{Digest, Sha256};
 
 use super::Plan;
-use crate::material::{Isochoric, Rubber};
+use crate::material::{InvariantLaw, Isochoric, Rubber};
 use crate::scene::MaterialModel;
 
 /// Adds the coefficients of a law, in units of `stress`.
@@ -18,7 +18,36 @@ pub(super) fn hash(rubber: &Rubber, stress: f64, hash: &mut Sha256) {
     }
 }
 
+/// Degree of the rule for stress, volume and tangent where the scene names none:
+/// exact for linear elasticity, so that the order of convergence is that of exact
+/// integration, with the fewest points.
+const DEGREE: u32 = 2;
+
 impl Plan {
+    /// Degree of the rule for stress, volume and tangent.
+    pub(super) fn strain_degree(&self) -> u32 {
+        self.scene.solver.quadrature_degree.unwrap_or(DEGREE)
+    }
+
+    /// Isochoric laws by material, non-dimensional.
+    pub(super) fn invariant_laws(&self) -> Vec<InvariantLaw<f64>> {
+        let unit = self.units.stress;
+        let of = |rubber: &Rubber| match &rubber.isochoric {
+            Isochoric::Invariants(law) => InvariantLaw {
+                c10: law.c10 / unit,
+                c01: law.c01 / unit,
+                c20: law.c20 / unit,
+                c30: law.c30 / unit,
+            },
+        };
+        let rubbers = self
+            .resolved
+            .materials
+            .iter()
+            .filter_map(|m| m.rubber.as_ref());
+        rubbers.map(of).collect()
+    }
+
     /// Laws with their bulk moduli, each once.
     pub(super) fn rubber_laws(&self) -> String {
         let mut laws: Vec<String> = Vec::new();
@@ -44,9 +73,10 @@ impl Plan {
 
     /// The rule that integrates stress and tangent.
     pub(super) fn rubber_rule(&self) -> (String, &'static str) {
+        let rule = format!("degree {}", self.strain_degree());
         match self.scene.solver.quadrature_degree {
-            Some(degree) => (format!("degree {degree}"), "asked for"),
-            None => ("automatic degree".to_owned(), "error against run time"),
+            Some(_) => (rule, "asked for"),
+            None => (rule, "the fewest points that keep the order of convergence"),
         }
     }
 

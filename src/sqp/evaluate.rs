@@ -4,6 +4,7 @@ use super::constraints::Interfaces;
 use super::drive::Drive;
 use super::state::State;
 use crate::assembly::grid::{Basis, Rows};
+use crate::assembly::strain::Response;
 use crate::contact::gap::{Deformed, linearise};
 use crate::inequality::QpScales;
 use crate::linalg::vector::{add_scaled, dot, norm};
@@ -26,6 +27,11 @@ pub(crate) struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
+    /// Whether one program solves an increment.
+    pub(crate) fn is_linear(&self) -> bool {
+        self.prepared.strain.is_none() && self.interfaces.are_flat()
+    }
+
     /// The deformed body, for contact integrals.
     pub(crate) fn deformed(&self, displacement: &'a [f64]) -> Deformed<'a> {
         Deformed {
@@ -57,6 +63,8 @@ pub(crate) struct Evaluation {
     pub(crate) reaction_norm: f64,
     /// Deepest penetration at a point of the rule.
     pub(crate) max_penetration: f64,
+    /// Least J at the points of the rule; none for linear bodies.
+    pub(crate) least_jacobian: Option<f64>,
 }
 
 /// Zeroes held entries.
@@ -86,7 +94,8 @@ pub(crate) fn evaluate(
     force.iter_mut().for_each(|value| *value *= drive.load);
     mask(&prepared.held, &mut force);
     out.load_norm = norm(&force);
-    add_scaled(&mut force, -1.0, &internal_force(context, state, work));
+    let inside = internal(context, state, work);
+    add_scaled(&mut force, -1.0, &inside.force);
     if !state.multiplier.is_empty() {
         let mut contact = work.scratch(force.len());
         out.coupling
@@ -105,16 +114,45 @@ pub(crate) fn evaluate(
     }
     mask(&prepared.held, &mut force);
     out.force = force;
-    out.constraint = constraint(context, state, work);
+    out.constraint = inside.constraint;
+    out.least_jacobian = inside.response.map(|response| response.least_jacobian);
     out
 }
 
+/// What the body itself brings to the residuals.
+#[derive(Clone, Debug)]
+pub(crate) struct Internal {
+    /// A u + B^T p or what takes its place, all rows.
+    pub(crate) force: Vec<f64>,
+    /// -(B u - S p).
+    pub(crate) constraint: Vec<f64>,
+    /// None for linear bodies.
+    pub(crate) response: Option<Response>,
+}
+
+/// Forces and volumes of the body at a state.
+pub(crate) fn internal(context: &Context<'_>, state: &State, work: &mut Workspace) -> Internal {
+    let Some(cells) = &context.prepared.strain else {
+        return Internal {
+            force: linear_force(context, state, work),
+            constraint: constraint(context, state, work),
+            response: None,
+        };
+    };
+    let mut force = vec![0.0; state.displacement.len()];
+    let mut residual = vec![0.0; state.pressure.len()];
+    let fields = (&state.displacement[..], &state.pressure[..]);
+    let response = cells.respond(fields, (&mut force, &mut residual), work);
+    finish_constraint(context, state, &mut residual, work);
+    Internal {
+        force,
+        constraint: residual,
+        response: Some(response),
+    }
+}
+
 /// A u + B^T p, all rows.
-pub(crate) fn internal_force(
-    context: &Context<'_>,
-    state: &State,
-    work: &mut Workspace,
-) -> Vec<f64> {
+fn linear_force(context: &Context<'_>, state: &State, work: &mut Workspace) -> Vec<f64> {
     let grid = &context.prepared.grid;
     let mut force = vec![0.0; state.displacement.len()];
     grid.stiffness(
@@ -135,20 +173,30 @@ pub(crate) fn internal_force(
 
 /// -(B u - S p).
 fn constraint(context: &Context<'_>, state: &State, work: &mut Workspace) -> Vec<f64> {
-    let Some(block) = &context.prepared.pressure else {
-        return Vec::new();
-    };
     let mut residual = vec![0.0; state.pressure.len()];
-    let grid = &context.prepared.grid;
-    grid.divergence(Rows::All, &state.displacement, &mut residual, work);
-    residual.iter_mut().for_each(|value| *value = -*value);
-    if let Some(stabilisation) = &block.stabilisation {
-        let mut product = work.scratch(residual.len());
-        stabilisation.apply(&state.pressure, &mut product, work);
-        add_scaled(&mut residual, 1.0, &product);
-        work.give(product);
+    if !residual.is_empty() {
+        let grid = &context.prepared.grid;
+        grid.divergence(Rows::All, &state.displacement, &mut residual, work);
+        finish_constraint(context, state, &mut residual, work);
     }
     residual
+}
+
+/// From B u to -(B u - S p).
+fn finish_constraint(
+    context: &Context<'_>,
+    state: &State,
+    residual: &mut [f64],
+    work: &mut Workspace,
+) {
+    residual.iter_mut().for_each(|value| *value = -*value);
+    let block = context.prepared.pressure.as_ref();
+    if let Some(stabilisation) = block.and_then(|block| block.stabilisation.as_ref()) {
+        let mut product = work.scratch(residual.len());
+        stabilisation.apply(&state.pressure, &mut product, work);
+        add_scaled(residual, 1.0, &product);
+        work.give(product);
+    }
 }
 
 fn add_contact(context: &Context<'_>, state: &State, drive: &Drive, out: &mut Evaluation) {

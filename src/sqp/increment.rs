@@ -1,16 +1,18 @@
 //! Solves for equilibrium under one drive by sequential quadratic programs.
 //!
 //! Each program freezes the normals, keeps the curvature of the gap as a term
-//! of the stiffness, and is solved to a fraction of the present residual. The
-//! step is halved until a filter on (constraint violation, force residual)
-//! accepts it. A flat obstacle needs one program.
+//! of the stiffness, and is solved to a fraction of the present residual. A
+//! linear body before a flat obstacle needs one program. Supports of a linear
+//! body jump to where they shall be; those of rubber move with the step, so that
+//! the body follows and no element is turned inside out beside them.
 
 use super::constraints::prescribe;
 use super::counters::{Counters, timed};
 use super::drive::Drive;
 use super::estimate::Estimate;
-use super::evaluate::{Context, Evaluation, evaluate, ratio};
-use super::program::{Program, Step};
+use super::evaluate::{Context, Evaluation, evaluate};
+use super::program::Program;
+use super::search::{Refused, search};
 use super::state::State;
 use super::watch::Watch;
 use crate::inequality::QpStatus;
@@ -23,10 +25,9 @@ use crate::report::{Cause, Residuals, Termination};
 const MOST_PROGRAMS: u32 = 40;
 /// First reduction asked of a program with a curved gap.
 const FIRST_REDUCTION: f64 = 1e-2;
-/// Halvings of a step.
-const MOST_HALVINGS: u32 = 8;
-/// Least relative progress in one of the filter's measures.
-const LEAST_PROGRESS: f64 = 1e-4;
+
+/// Motion of a support, over the body's length, that rounding leaves.
+const SETTLED: f64 = 1e-14;
 
 /// How an increment ended.
 #[derive(Clone, Debug)]
@@ -64,23 +65,27 @@ pub(crate) fn solve(
     counters: &mut Counters,
     work: &mut Workspace,
 ) -> Ending {
-    let displacement = &mut state.displacement;
-    prescribe(
-        context.plan,
-        context.mesh,
-        context.prepared,
-        drive,
-        displacement,
-    );
+    if context.prepared.strain.is_none() {
+        let displacement = &mut state.displacement;
+        prescribe(
+            context.plan,
+            context.mesh,
+            context.prepared,
+            drive,
+            displacement,
+        );
+    }
     state.drive = drive.clone();
     let mut now = timed(&mut counters.seconds.contact, || {
         evaluate(context, state, drive, work)
     });
-    let first_force = norm(&now.force);
+    let mut first_force = norm(&now.force);
     let mut reduction = FIRST_REDUCTION;
     for _ in 0..MOST_PROGRAMS {
+        let motion = remaining_motion(context, state, drive);
         let worst = residuals(state, &now, first_force).largest();
-        if let Some((termination, cause)) = verdict(context, worst, watch, counters) {
+        let still = motion.is_none();
+        if let Some((termination, cause)) = verdict(context, worst, still, watch, counters) {
             return ending(
                 context.tolerance,
                 state,
@@ -91,12 +96,21 @@ pub(crate) fn solve(
             );
         }
         counters.sqp_iterations += 1;
-        let program = Program::new(context, state, drive, &now, first_force, counters, work);
-        let goal = match context.interfaces.are_flat() {
+        let program = Program::new(
+            context,
+            state,
+            drive,
+            (&now, motion),
+            &mut first_force,
+            counters,
+            work,
+        );
+        let worst = residuals(state, program.start(), first_force).largest();
+        let goal = match context.is_linear() {
             true => 0.0,
             false => reduction * worst,
         };
-        let (step, outcome) = program.solve(state, &now, goal, watch, counters, work);
+        let (step, outcome) = program.solve(state, goal, watch, counters, work);
         if let Some(ended) = stop_reason(outcome.status, watch) {
             if ended.0 == Termination::NotConverged {
                 // The best iterate is kept, and may be good enough after all.
@@ -126,16 +140,21 @@ pub(crate) fn solve(
             counters,
             work,
         );
-        let Some(next) = found else {
-            let cause = Some(Cause::LineSearch);
-            return ending(
-                context.tolerance,
-                state,
-                &now,
-                first_force,
-                Termination::NotConverged,
-                cause,
-            );
+        let next = match found {
+            Ok(next) => next,
+            Err(refused) => {
+                return ending(
+                    context.tolerance,
+                    state,
+                    &now,
+                    first_force,
+                    Termination::NotConverged,
+                    Some(match refused {
+                        Refused::Jacobian => Cause::LineSearch,
+                        Refused::Progress => Cause::LineSearch,
+                    }),
+                );
+            }
         };
         reduction = forcing(worst, residuals(state, &next, first_force).largest());
         now = next;
@@ -165,17 +184,38 @@ pub(crate) fn describe(
     ending.residuals = residuals(state, &now, 0.0);
 }
 
+/// How far held entries still are from where `drive` wants them; none where they
+/// are there, and always for linear bodies.
+fn remaining_motion(context: &Context<'_>, state: &State, drive: &Drive) -> Option<Vec<f64>> {
+    context.prepared.strain.as_ref()?;
+    let mut goal = state.displacement.clone();
+    prescribe(
+        context.plan,
+        context.mesh,
+        context.prepared,
+        drive,
+        &mut goal,
+    );
+    let mut motion = vec![0.0; goal.len()];
+    for &index in context.prepared.held.iter() {
+        motion[index as usize] = goal[index as usize] - state.displacement[index as usize];
+    }
+    let largest = motion.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+    (largest > SETTLED).then_some(motion)
+}
+
 /// Whether the present state ends the increment.
 fn verdict(
     context: &Context<'_>,
     worst: f64,
+    still: bool,
     watch: &Watch<'_>,
     counters: &Counters,
 ) -> Option<(Termination, Option<Cause>)> {
     if !worst.is_finite() {
         return Some((Termination::NotConverged, Some(Cause::NotFinite)));
     }
-    if worst <= context.tolerance {
+    if worst <= context.tolerance && still {
         return Some((Termination::Converged, None));
     }
     watch
@@ -234,51 +274,4 @@ pub(super) fn stop_reason(
         QpStatus::Krylov(Outcome::NotFinite) => failed(Cause::NotFinite),
         QpStatus::Krylov(Outcome::Indefinite) => failed(Cause::IndefiniteTangent),
     }
-}
-
-/// A filter line search: the largest step 1, 1/2, 1/4, .. that reduces the
-/// constraint violation or the force residual.
-#[allow(clippy::too_many_arguments)]
-fn search(
-    context: &Context<'_>,
-    state: &mut State,
-    drive: &Drive,
-    step: &Step,
-    now: &Evaluation,
-    first_force: f64,
-    counters: &mut Counters,
-    work: &mut Workspace,
-) -> Option<Evaluation> {
-    let old = state.snapshot();
-    let start = measures(state, now, first_force);
-    let mut length = 1.0;
-    for _ in 0..=MOST_HALVINGS {
-        step.apply(state, length);
-        let trial = timed(&mut counters.seconds.contact, || {
-            evaluate(context, state, drive, work)
-        });
-        let end = measures(state, &trial, first_force);
-        let better = end
-            .iter()
-            .zip(&start)
-            .any(|(after, before)| *after <= (1.0 - LEAST_PROGRESS) * before);
-        let tolerable = end.iter().all(|&m| m <= context.tolerance);
-        if context.interfaces.are_flat() || better || tolerable {
-            counters.step_length = length;
-            return Some(trial);
-        }
-        length *= 0.5;
-        state.restore(&old);
-    }
-    None
-}
-
-/// Constraint violation and force residual.
-fn measures(state: &State, now: &Evaluation, first_force: f64) -> [f64; 2] {
-    let violation = ratio(now.gap_norm(&state.active), state.scales.gap)
-        + ratio(norm(&now.constraint), state.scales.constraint);
-    [
-        violation,
-        ratio(norm(&now.force), now.force_scale(first_force)),
-    ]
 }

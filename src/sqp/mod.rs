@@ -24,8 +24,10 @@ mod linear;
 mod loads;
 mod program;
 mod results;
+mod search;
 mod session;
 mod state;
+mod tangent;
 mod verification;
 mod watch;
 

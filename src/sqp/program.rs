@@ -7,12 +7,13 @@ use super::drive::Drive;
 use super::evaluate::{Context, Evaluation};
 use super::linear::{Linear, Track};
 use super::state::State;
+use super::tangent::Tangent;
 use super::watch::Watch;
 use crate::contact::gap::curvature;
 use crate::inequality::{
     QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets, choose,
 };
-use crate::linalg::vector::{add_scaled, dot};
+use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::obstacle::Obstacle;
 use crate::plan::SaddleMethod;
@@ -45,33 +46,64 @@ impl Step {
 /// One quadratic program.
 pub(super) struct Program<'a> {
     context: Context<'a>,
+    /// None for a linear body.
+    tangent: Option<Tangent>,
+    /// What supports move in this program; none where they stand still.
+    motion: Option<Vec<f64>>,
+    /// Residuals after that motion.
+    now: Evaluation,
     curvature: Option<SparseRows>,
     metric: ContactMetric,
     force_scale: f64,
 }
 
 impl<'a> Program<'a> {
+    /// Takes `now` over; `first_force` grows with what the motion of supports asks
+    /// for.
     #[allow(clippy::too_many_arguments)]
     pub(super) fn new(
         context: &Context<'a>,
-        state: &State,
+        state: &mut State,
         drive: &Drive,
-        now: &Evaluation,
-        first_force: f64,
+        (now, motion): (&Evaluation, Option<Vec<f64>>),
+        first_force: &mut f64,
         counters: &mut Counters,
         work: &mut Workspace,
     ) -> Self {
+        let tangent = timed(&mut counters.seconds.assemble, || {
+            Tangent::new(context, state, work)
+        });
+        let now = match (&tangent, &motion) {
+            (Some(tangent), Some(motion)) => tangent.after(motion, context, state, now, work),
+            _ => now.clone(),
+        };
+        *first_force = first_force.max(norm(&now.force));
         timed(&mut counters.seconds.contact, || {
-            let metric = ContactMetric::new(context, now, work);
+            let metric = ContactMetric::new(context, &now, work);
             counters.applications += metric.applications;
-            let expected = metric.expected_contact_norm(now, state, work);
+            let expected = metric.expected_contact_norm(&now, state, work);
             Self {
                 context: *context,
                 curvature: curvature_of(context, state, drive),
                 metric,
-                force_scale: now.force_scale(first_force).max(expected),
+                force_scale: now.force_scale(*first_force).max(expected),
+                tangent,
+                motion,
+                now,
             }
         })
+    }
+
+    /// Residuals that the program starts from.
+    pub(super) fn start(&self) -> &Evaluation {
+        &self.now
+    }
+
+    fn stiffness(&self) -> &dyn LinearOperator {
+        match &self.tangent {
+            Some(tangent) => &tangent.stiffness,
+            None => &self.context.prepared.stiffness,
+        }
     }
 
     /// The tolerance, or `goal` where the gap is curved.
@@ -87,20 +119,19 @@ impl<'a> Program<'a> {
     pub(super) fn solve(
         &self,
         state: &mut State,
-        now: &Evaluation,
         goal: f64,
         watch: &mut Watch<'_>,
         counters: &mut Counters,
         work: &mut Workspace,
     ) -> (Step, QpOutcome) {
         if let Some(curvature) = &self.curvature {
-            let solved = self.solve_with(Some(curvature), state, now, goal, watch, counters, work);
+            let solved = self.solve_with(Some(curvature), state, goal, watch, counters, work);
             let failed = matches!(solved.1.status, QpStatus::Krylov(_));
             if !failed && self.has_positive_stiffness(curvature, &solved.0.displacement, work) {
                 return solved;
             }
         }
-        self.solve_with(None, state, now, goal, watch, counters, work)
+        self.solve_with(None, state, goal, watch, counters, work)
     }
 
     #[allow(clippy::too_many_arguments)]
@@ -108,7 +139,6 @@ impl<'a> Program<'a> {
         &self,
         curvature: Option<&SparseRows>,
         state: &mut State,
-        now: &Evaluation,
         goal: f64,
         watch: &mut Watch<'_>,
         counters: &mut Counters,
@@ -116,7 +146,12 @@ impl<'a> Program<'a> {
     ) -> (Step, QpOutcome) {
         let targets = self.targets(goal);
         let mut scales = state.scales;
-        let mut iterate = first_iterate(state, now);
+        if self.tangent.is_some() {
+            // Products with another tangent.
+            state.directions.clear(work);
+        }
+        let now = &self.now;
+        let mut iterate = first_iterate(state, now, self.motion.as_deref());
         let krylov = std::time::Instant::now();
         let displacement = Counted::new(&*self.context.prepared.displacement);
         let mut track = Track {
@@ -134,7 +169,7 @@ impl<'a> Program<'a> {
             | SaddleMethod::UzawaCg => {
                 let linear = Linear {
                     method: self.context.plan.saddle.method,
-                    stiffness: &self.context.prepared.stiffness,
+                    stiffness: self.stiffness(),
                     displacement: &displacement,
                     blocks: &blocks,
                     iterations: MOST_ITERATIONS as usize,
@@ -143,7 +178,7 @@ impl<'a> Program<'a> {
             }
             SaddleMethod::Gcr | SaddleMethod::ArrowHurwicz => {
                 let problem = QpProblem {
-                    stiffness: &self.context.prepared.stiffness,
+                    stiffness: self.stiffness(),
                     curvature,
                     displacement: &displacement,
                     step: self.block_step(&displacement, &blocks, now, work),
@@ -203,10 +238,7 @@ impl<'a> Program<'a> {
         work: &mut Workspace,
     ) -> bool {
         let mut product = work.scratch(step.len());
-        self.context
-            .prepared
-            .stiffness
-            .apply(step, &mut product, work);
+        self.stiffness().apply(step, &mut product, work);
         let stiff = dot(step, &product);
         curvature.apply(step, &mut product, work);
         let released = dot(step, &product);
@@ -216,23 +248,25 @@ impl<'a> Program<'a> {
 
     fn blocks(&self) -> Vec<MultiplierBlock<'_>> {
         let pressure = self.context.prepared.pressure.iter();
+        let tangent = self.tangent.as_ref();
         pressure
             .map(|block| MultiplierBlock {
-                coupling: &block.coupling,
+                coupling: tangent.map_or(&block.coupling as &dyn LinearOperator, |t| &t.coupling),
                 stabilisation: block
                     .stabilisation
                     .as_ref()
                     .map(|s| s as &dyn LinearOperator),
                 metric: &block.metric,
-                joint: Some(&block.body),
+                joint: Some(tangent.map_or(&block.body as &dyn LinearOperator, |t| &t.body)),
             })
             .collect()
     }
 }
 
-fn first_iterate(state: &State, now: &Evaluation) -> QpIterate {
+fn first_iterate(state: &State, now: &Evaluation, motion: Option<&[f64]>) -> QpIterate {
+    let still = || vec![0.0; state.displacement.len()];
     QpIterate {
-        displacement: vec![0.0; state.displacement.len()],
+        displacement: motion.map_or_else(still, <[f64]>::to_vec),
         equality: vec![0.0; state.pressure.len()],
         multiplier: state.multiplier.clone(),
         force: now.force.clone(),

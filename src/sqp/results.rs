@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::counters::{Counters, timed};
 use super::errors::manufactured_errors;
 use super::estimate::{Estimate, estimate, force_error};
-use super::evaluate::{Context, internal_force};
+use super::evaluate::{Context, Internal, internal};
 use super::increment::Ending;
 use super::state::State;
 use crate::assembly::grid::Rows;
@@ -25,7 +25,7 @@ pub(crate) fn report(
     work: &mut Workspace,
 ) -> StepReport {
     let units = &context.plan.units;
-    let internal = internal_force(context, state, work);
+    let inside = internal(context, state, work);
     let estimated = reported_estimate(context, state, ending);
     let mut seconds = counters.seconds;
     let errors = timed(&mut seconds.error_norms, || {
@@ -49,14 +49,14 @@ pub(crate) fn report(
         cut_backs: counters.cut_backs,
         factorisations: 0,
         active_vertices: state.active.iter().filter(|&&a| a).count() as u32,
-        strain_energy: strain_energy(context, state, &internal, work) * units.energy(),
-        volume_ratio: volume_ratio(context, state, work),
-        min_jacobian: None,
+        strain_energy: strain_energy(context, state, &inside, work) * units.energy(),
+        volume_ratio: volume_ratio(context, state, &inside, work),
+        min_jacobian: inside.response.map(|response| response.least_jacobian),
         max_penetration: ending.max_penetration * units.length,
         residuals: ending.residuals,
         tolerance: ending.tolerance,
         obstacles: obstacles(context, state, estimated.as_ref()),
-        supports: supports(context, state, internal),
+        supports: supports(context, state, inside.force),
         probes: probes(context, state),
         error_estimate: estimated.as_ref().map(|estimate| estimate.relative),
         errors,
@@ -71,43 +71,62 @@ pub(crate) fn report(
 
 /// The estimate of a converged state, unless the scene wants none.
 fn reported_estimate(context: &Context<'_>, state: &State, ending: &Ending) -> Option<Estimate> {
-    let is_wanted = context.plan.scene.solver.error_estimate != "off";
+    let is_wanted =
+        context.plan.scene.solver.error_estimate != "off" && context.prepared.strain.is_none();
     let is_there = ending.termination == Termination::Converged;
     (is_wanted && is_there).then(|| ending.estimate.unwrap_or_else(|| estimate(context, state)))
 }
 
-/// 1/2 int sigma : eps = 1/2 u.(A u) + 1/2 p.(S p).
+/// Stored energy: 1/2 u.(A u) + 1/2 p.(S p), or int W in the place of the first.
 fn strain_energy(
     context: &Context<'_>,
     state: &State,
-    internal: &[f64],
+    inside: &Internal,
     work: &mut Workspace,
 ) -> f64 {
-    let mut energy = 0.5 * dot(&state.displacement, internal);
-    if let Some(block) = &context.prepared.pressure {
+    let mut energy = match inside.response {
+        Some(response) => response.energy,
+        None => 0.5 * dot(&state.displacement, &inside.force),
+    };
+    let Some(block) = &context.prepared.pressure else {
+        return energy;
+    };
+    let mut product = work.scratch(state.pressure.len());
+    if inside.response.is_none() {
         // u.(B^T p) is taken off again: it vanishes at equilibrium only up to S.
-        let mut product = work.scratch(state.pressure.len());
         let grid = &context.prepared.grid;
         grid.divergence(Rows::All, &state.displacement, &mut product, work);
         energy -= 0.5 * dot(&product, &state.pressure);
-        if let Some(stabilisation) = &block.stabilisation {
-            stabilisation.apply(&state.pressure, &mut product, work);
-            energy += 0.5 * dot(&product, &state.pressure);
-        }
-        work.give(product);
     }
+    if let Some(stabilisation) = &block.stabilisation {
+        stabilisation.apply(&state.pressure, &mut product, work);
+        energy += 0.5 * dot(&product, &state.pressure);
+    }
+    work.give(product);
     energy
 }
 
-/// 1 + int div u / V; the hats sum to one, so the rows of B sum to -int div u.
-fn volume_ratio(context: &Context<'_>, state: &State, work: &mut Workspace) -> f64 {
-    let mut rows = work.scratch(context.prepared.space.vertices);
-    let grid = &context.prepared.grid;
-    grid.divergence(Rows::All, &state.displacement, &mut rows, work);
-    let change: f64 = rows.iter().sum();
-    work.give(rows);
+/// Deformed over undeformed volume.
+fn volume_ratio(
+    context: &Context<'_>,
+    state: &State,
+    inside: &Internal,
+    work: &mut Workspace,
+) -> f64 {
     let volume: f64 = context.prepared.geometry.volumes.iter().sum();
-    1.0 - change / volume
+    let change = match inside.response {
+        Some(response) => response.volume_change,
+        None => {
+            // The hats sum to one, so the rows of B sum to -int div u.
+            let mut rows = work.scratch(context.prepared.space.vertices);
+            let grid = &context.prepared.grid;
+            grid.divergence(Rows::All, &state.displacement, &mut rows, work);
+            let change = -rows.iter().sum::<f64>();
+            work.give(rows);
+            change
+        }
+    };
+    1.0 + change / volume
 }
 
 fn obstacles(

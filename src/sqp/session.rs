@@ -349,7 +349,7 @@ impl Session {
     /// A linear problem that fails as a whole fails in parts too, and so does a
     /// nested method that spends its products.
     fn cut_backs_help(&self, ending: &Ending) -> bool {
-        let is_linear = self.interfaces.are_flat();
+        let is_linear = self.context().is_linear();
         let is_spent =
             self.plan.contact.method.is_nested() && ending.cause == Some(Cause::IterationLimit);
         (!is_linear && !is_spent) || ending.cause == Some(Cause::ActiveSetCycle)

@@ -1,7 +1,10 @@
 //! What a session owns and changes: fields, multipliers, what drives them, and
 //! the scales of its residuals.
 
+use std::sync::Arc;
+
 use super::drive::Drive;
+use crate::assembly::strain::Linearised;
 use crate::inequality::QpScales;
 use crate::krylov::gcr::Directions;
 use crate::plan::Plan;
@@ -44,6 +47,8 @@ pub(crate) struct State {
     pub(crate) force_scale: f64,
     /// Krylov directions of earlier programs; products without contact.
     pub(crate) directions: Directions,
+    /// What the last tangent was taken about; empty for linear bodies.
+    pub(crate) linearised: Arc<Linearised>,
 }
 
 impl State {
@@ -58,6 +63,7 @@ impl State {
             scales: QpScales::default(),
             force_scale: 0.0,
             directions: Directions::default(),
+            linearised: Arc::default(),
         }
     }
 
@@ -85,6 +91,6 @@ impl State {
 
     pub(crate) fn bytes(&self) -> u64 {
         let numbers = self.displacement.len() + self.pressure.len() + self.multiplier.len();
-        (8 * numbers + self.active.len()) as u64 + self.directions.bytes()
+        (8 * numbers + self.active.len()) as u64 + self.directions.bytes() + self.linearised.bytes()
     }
 }

@@ -14,7 +14,7 @@ const AHEAD: usize = 24;
 
 /// Its nodes (vertices first), held entries, edge ends and batches.
 #[derive(Clone, Debug)]
-pub(super) struct Block<const V: usize, const D: usize, const E: usize> {
+pub(in crate::assembly) struct Block<const V: usize, const D: usize, const E: usize> {
     pub(super) nodes: Vec<u32>,
     /// Local vertices precede local edges.
     vertices: usize,
@@ -77,7 +77,7 @@ impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
     }
 
     /// Displacements of the block's nodes in its own rows.
-    pub(super) fn gather_displacement(&self, x: &[f64], rows: &mut [Row]) {
+    pub(in crate::assembly) fn gather_displacement(&self, x: &[f64], rows: &mut [Row]) {
         let (sources, _) = x.as_chunks::<D>();
         let ahead = self.nodes.iter().skip(AHEAD).chain(std::iter::repeat(&0));
         for ((row, &node), &later) in rows.iter_mut().zip(&self.nodes).zip(ahead) {
@@ -89,7 +89,7 @@ impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
     }
 
     /// Pressures of the block's vertices; the displacement is left alone.
-    pub(super) fn gather_pressure(&self, p: &[f64], rows: &mut [Row]) {
+    pub(in crate::assembly) fn gather_pressure(&self, p: &[f64], rows: &mut [Row]) {
         let vertices = &self.nodes[..self.vertices];
         for (row, &vertex) in rows.iter_mut().zip(vertices) {
             row[PRESSURE] = p[vertex as usize];
@@ -104,7 +104,7 @@ impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
         }
     }
 
-    pub(super) fn prepare_argument(&self, basis: Basis, rows: Rows, x: &mut [Row]) {
+    pub(in crate::assembly) fn prepare_argument(&self, basis: Basis, rows: Rows, x: &mut [Row]) {
         self.mask(rows, x);
         let factor = edge_factor(V);
         let (vertices, edges) = x.split_at_mut(self.vertices);
@@ -124,7 +124,7 @@ impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
         }
     }
 
-    pub(super) fn finish_result(&self, basis: Basis, rows: Rows, y: &mut [Row]) {
+    pub(in crate::assembly) fn finish_result(&self, basis: Basis, rows: Rows, y: &mut [Row]) {
         let factor = edge_factor(V);
         let (vertices, edges) = y.split_at_mut(self.vertices);
         edges

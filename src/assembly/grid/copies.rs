@@ -13,7 +13,7 @@ const PIECE: usize = 2048;
 
 /// Positions of the copies of each node.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Copies {
+pub(in crate::assembly) struct Copies {
     offsets: Vec<u32>,
     positions: Vec<u32>,
 }
@@ -49,7 +49,7 @@ impl Copies {
 
     /// Hands the sum of each node's rows to `take`, together with the node's
     /// `C` numbers of `y`; `y` may end before the last node.
-    pub(super) fn sum<const C: usize>(
+    pub(in crate::assembly) fn sum<const C: usize>(
         &self,
         local: &[Row],
         y: &mut [f64],

@@ -12,15 +12,16 @@ mod copies;
 use rayon::prelude::*;
 
 use super::cells::{CellGeometry, CellModuli};
-use super::kernel::PRESSURE;
+use super::kernel::{Batch, PRESSURE};
 use super::partition::blocks_of_cells;
 use super::simd::{self, InstructionSet};
 use super::transpose::Row;
 use crate::linalg::Workspace;
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
-use block::{Block, Source};
-use copies::Copies;
+pub(super) use block::Block;
+use block::Source;
+pub(super) use copies::Copies;
 
 /// Most groups of blocks that run at the same time.
 const MOST_GROUPS: usize = 64;
@@ -234,7 +235,7 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
                 block.gather_displacement(x, x_rows);
                 block.prepare_argument(basis, rows, x_rows);
             },
-            |block, x, y| {
+            |_, block, x, y| {
                 simd::stiffness(self.instructions, &block.batches, x, y);
                 block.finish_result(basis, rows, y);
             },
@@ -252,7 +253,7 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
         self.pass(
             work,
             |block, p_rows| block.gather_pressure(p, p_rows),
-            |block, p, y| {
+            |_, block, p, y| {
                 simd::divergence_transposed(self.instructions, &block.batches, p, y);
                 block.finish_result(Basis::Hierarchical, Rows::Free, y);
             },
@@ -267,7 +268,7 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
                 block.gather_displacement(x, x_rows);
                 block.prepare_argument(Basis::Hierarchical, rows, x_rows);
             },
-            |block, x, r| simd::divergence(self.instructions, &block.batches, x, r),
+            |_, block, x, r| simd::divergence(self.instructions, &block.batches, x, r),
             |local| self.copies.sum::<1>(local, r, set_pressure),
         );
     }
@@ -276,7 +277,7 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
         self.pass(
             work,
             |block, p_rows| block.gather_pressure(p, p_rows),
-            |block, p, y| {
+            |_, block, p, y| {
                 simd::divergence_transposed(self.instructions, &block.batches, p, y);
                 block.finish_result(Basis::Hierarchical, rows, y);
             },
@@ -297,7 +298,7 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
                 block.prepare_argument(Basis::Hierarchical, Rows::Free, x_rows);
                 block.gather_pressure(p, x_rows);
             },
-            |block, x, y| {
+            |_, block, x, y| {
                 simd::saddle(self.instructions, &block.batches, x, y);
                 block.finish_result(Basis::Hierarchical, Rows::Free, y);
             },
@@ -308,13 +309,45 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
         );
     }
 
+    /// Batches of a block.
+    pub(super) fn batches(&self, block: usize) -> &[Batch<V, D, E>] {
+        &self.blocks[block].batches
+    }
+
+    /// The kernels that run here.
+    pub(super) fn instructions(&self) -> InstructionSet {
+        self.instructions
+    }
+
+    /// Where the results of blocks belong.
+    pub(super) fn copies(&self) -> &Copies {
+        &self.copies
+    }
+
     /// One pass: `gather` fills the rows of a block, `run` adds to its results,
     /// `finish` takes the results of all blocks.
-    fn pass(
+    pub(super) fn pass(
         &self,
         work: &mut Workspace,
         gather: impl Fn(&Block<V, D, E>, &mut [Row]) + Sync,
-        run: impl Fn(&Block<V, D, E>, &[Row], &mut [Row]) + Sync,
+        run: impl Fn(usize, &Block<V, D, E>, &[Row], &mut [Row]) + Sync,
+        finish: impl FnOnce(&[Row]),
+    ) {
+        // Items without size take no memory.
+        let mut nothing = vec![(); self.blocks.len()];
+        let run = |index: usize, block: &Block<V, D, E>, _: &mut (), x: &[Row], y: &mut [Row]| {
+            run(index, block, x, y);
+        };
+        self.pass_over(&mut nothing, work, gather, run, finish);
+    }
+
+    /// [`Self::pass`] that also changes an item of each block.
+    pub(super) fn pass_over<I: Send>(
+        &self,
+        items: &mut [I],
+        work: &mut Workspace,
+        gather: impl Fn(&Block<V, D, E>, &mut [Row]) + Sync,
+        run: impl Fn(usize, &Block<V, D, E>, &mut I, &[Row], &mut [Row]) + Sync,
         finish: impl FnOnce(&[Row]),
     ) {
         let groups = self.blocks.len().div_ceil(self.group);
@@ -325,15 +358,17 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
         let (result_rows, _) = results.as_chunks_mut::<4>();
         self.blocks
             .par_chunks(self.group)
+            .zip(items.par_chunks_mut(self.group))
             .zip(argument_rows.par_chunks_mut(self.block_rows.max(1)))
             .zip(result_rows.par_chunks_mut(self.group_rows.max(1)))
-            .for_each(|((group, x), mut y)| {
-                for block in group {
+            .enumerate()
+            .for_each(|(number, (((group, items), x), mut y))| {
+                for (offset, (block, item)) in group.iter().zip(items).enumerate() {
                     let x = &mut x[..block.nodes.len()];
                     let (y_block, rest) = y.split_at_mut(block.nodes.len());
                     gather(block, x);
                     y_block.fill([0.0; 4]);
-                    run(block, x, y_block);
+                    run(number * self.group + offset, block, item, x, y_block);
                     y = rest;
                 }
             });
@@ -343,11 +378,11 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
     }
 }
 
-fn set_displacement<const D: usize>(target: &mut [f64; D], sum: Row) {
+pub(super) fn set_displacement<const D: usize>(target: &mut [f64; D], sum: Row) {
     target.copy_from_slice(&sum[..D]);
 }
 
-fn add_displacement<const D: usize>(factor: f64) -> impl Fn(&mut [f64; D], Row) + Sync {
+pub(super) fn add_displacement<const D: usize>(factor: f64) -> impl Fn(&mut [f64; D], Row) + Sync {
     move |target, sum| {
         for i in 0..D {
             target[i] += factor * sum[i];
@@ -355,6 +390,6 @@ fn add_displacement<const D: usize>(factor: f64) -> impl Fn(&mut [f64; D], Row) 
     }
 }
 
-fn set_pressure(target: &mut [f64; 1], sum: Row) {
+pub(super) fn set_pressure(target: &mut [f64; 1], sum: Row) {
     target[0] = sum[PRESSURE];
 }

@@ -6,16 +6,18 @@ use pulp::Simd;
 use super::{Batch, NodeLanes, PRESSURE, edge_pairs, rule};
 use crate::assembly::lanes::Pack;
 
-pub(super) type Vectors<S, const N: usize, const D: usize> = [[Pack<S>; D]; N];
-pub(super) type Tensor<S, const D: usize> = [[Pack<S>; D]; D];
+pub(in crate::assembly) type Vectors<S, const N: usize, const D: usize> = [[Pack<S>; D]; N];
+pub(in crate::assembly) type Tensor<S, const D: usize> = [[Pack<S>; D]; D];
 #[inline(always)]
-pub(super) fn zeros<S: Simd, const N: usize, const D: usize>(simd: S) -> Vectors<S, N, D> {
+pub(in crate::assembly) fn zeros<S: Simd, const N: usize, const D: usize>(
+    simd: S,
+) -> Vectors<S, N, D> {
     [[Pack::splat(simd, 0.0); D]; N]
 }
 
 /// Gradients of all barycentric coordinates in one part of a batch.
 #[inline(always)]
-pub(super) fn gradients<S: Simd, const V: usize, const D: usize, const E: usize>(
+pub(in crate::assembly) fn gradients<S: Simd, const V: usize, const D: usize, const E: usize>(
     simd: S,
     batch: &Batch<V, D, E>,
     part: usize,
@@ -228,7 +230,7 @@ pub(super) fn store_forces<S: Simd, const V: usize, const D: usize, const E: usi
 }
 
 #[inline(always)]
-pub(super) fn traction<S: Simd, const D: usize>(
+pub(in crate::assembly) fn traction<S: Simd, const D: usize>(
     simd: S,
     stress: &Tensor<S, D>,
     direction: &[Pack<S>; D],

@@ -156,9 +156,8 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
     for (index, step) in steps.iter().enumerate() {
         steps::check(scene, step, &format!("step[{index}]"), mesh, &mut faults);
     }
-    if let Some(material) = scene.materials.iter().find(|one| one.model.is_rubber()) {
-        let path = format!("material.{}.model", material.group);
-        faults.unsupported(path, "rubber is not supported yet");
+    if kind == SceneKind::Axisymmetric {
+        faults.unsupported("kind", "`axisymmetric` is not supported yet");
     }
     faults.result()?;
     Ok(Resolved {

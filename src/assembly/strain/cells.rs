@@ -1,0 +1,168 @@
+//! The laws of the cells in batches, and what a state leaves for products.
+
+use std::sync::Arc;
+
+use crate::assembly::grid::Grid;
+use crate::assembly::kernel::Batch;
+use crate::assembly::lanes::{Lanes, Pack, WIDTH};
+use crate::assembly::partition::blocks_of_cells;
+use crate::element::quadrature::Rule;
+use crate::material::InvariantLaw;
+use crate::mesh::Mesh;
+
+/// Numbers in the widest register.
+pub(super) const WIDEST: usize = WIDTH;
+
+/// Isochoric laws, non-dimensional, and the law of each cell.
+#[derive(Clone, Copy, Debug)]
+pub struct CellLaws<'a> {
+    /// By number.
+    pub laws: &'a [InvariantLaw<f64>],
+    /// Number of the law `[cells]`.
+    pub of_cell: &'a [u16],
+}
+
+/// Coefficients of a batch.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BatchLaw(InvariantLaw<Lanes>);
+
+impl BatchLaw {
+    /// Missing lanes repeat the last cell.
+    fn new(cells: &[u32], source: CellLaws<'_>) -> Self {
+        let law = |lane: usize| {
+            let cell = cells[lane.min(cells.len() - 1)] as usize;
+            &source.laws[usize::from(source.of_cell[cell])]
+        };
+        let lanes = |part: fn(&InvariantLaw<f64>) -> f64| {
+            Lanes(std::array::from_fn(|lane| part(law(lane))))
+        };
+        Self(InvariantLaw {
+            c10: lanes(|law| law.c10),
+            c01: lanes(|law| law.c01),
+            c20: lanes(|law| law.c20),
+            c30: lanes(|law| law.c30),
+        })
+    }
+
+    #[inline(always)]
+    pub(super) fn load<S: pulp::Simd>(&self, simd: S, part: usize) -> InvariantLaw<Pack<S>> {
+        let Self(law) = self;
+        InvariantLaw {
+            c10: Pack::load(simd, &law.c10, part),
+            c01: Pack::load(simd, &law.c01, part),
+            c20: Pack::load(simd, &law.c20, part),
+            c30: Pack::load(simd, &law.c30, part),
+        }
+    }
+}
+
+/// Cells of finite strain: the blocks of a grid with their laws and a rule.
+#[derive(Clone, Debug)]
+pub struct StrainGrid {
+    pub(super) grid: Arc<Grid>,
+    pub(super) rule: Rule,
+    /// Of each block, by batches.
+    pub(super) laws: Vec<Vec<BatchLaw>>,
+}
+
+impl StrainGrid {
+    /// The cells of `grid`, made from the same `mesh`.
+    pub fn new(mesh: &Mesh, grid: Arc<Grid>, laws: CellLaws<'_>, rule: Rule) -> Self {
+        let blocks = blocks_of_cells(mesh);
+        let of_block = |cells: &Vec<u32>| {
+            let batches = cells.chunks(WIDTH);
+            batches.map(|cells| BatchLaw::new(cells, laws)).collect()
+        };
+        Self {
+            laws: blocks.iter().map(of_block).collect(),
+            grid,
+            rule,
+        }
+    }
+
+    /// The same cells on another copy of their grid, to compare kernels.
+    #[must_use]
+    pub fn on(self, grid: Arc<Grid>) -> Self {
+        Self { grid, ..self }
+    }
+
+    /// Points of the rule.
+    pub fn points(&self) -> usize {
+        self.rule.len()
+    }
+
+    /// Bytes held beside the grid.
+    pub fn bytes(&self) -> u64 {
+        let batches: usize = self.laws.iter().map(Vec::len).sum();
+        (batches * size_of::<BatchLaw>()) as u64
+    }
+
+    /// Lanes that a state leaves for one batch.
+    pub(super) fn stride(&self) -> usize {
+        let (vertices, components) = match &*self.grid {
+            Grid::Triangles(_) => (3, 2),
+            Grid::Tetrahedra(_) => (4, 3),
+        };
+        vertices * components * components + vertices + self.points()
+    }
+}
+
+/// What a state leaves for products: vertex gradients, pressures and J^(-1/3).
+#[derive(Clone, Debug, Default)]
+pub struct Linearised {
+    /// Of each block, batch by batch.
+    pub(super) blocks: Vec<Vec<Lanes>>,
+}
+
+impl Linearised {
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        let lanes: usize = self.blocks.iter().map(Vec::len).sum();
+        (lanes * size_of::<Lanes>()) as u64
+    }
+}
+
+/// Lanes of one batch.
+pub(super) struct BatchState<'a, const V: usize, const D: usize>(pub(super) &'a [Lanes]);
+
+impl<'a, const V: usize, const D: usize> BatchState<'a, V, D> {
+    /// J^(-1/3) at the points.
+    #[inline(always)]
+    pub(super) fn roots(&self) -> &'a [Lanes] {
+        &self.0[V * D * D + V..]
+    }
+
+    #[inline(always)]
+    pub(super) fn gradients<S: pulp::Simd>(
+        &self,
+        simd: S,
+        part: usize,
+    ) -> super::kernel::VertexGradients<S, V, D> {
+        let mut out = [[[Pack::splat(simd, 0.0); D]; D]; V];
+        for (j, gradient) in out.iter_mut().enumerate() {
+            for i in 0..D {
+                for k in 0..D {
+                    gradient[i][k] = Pack::load(simd, &self.0[(j * D + i) * D + k], part);
+                }
+            }
+        }
+        out
+    }
+
+    #[inline(always)]
+    pub(super) fn pressures<S: pulp::Simd>(&self, simd: S, part: usize) -> [Pack<S>; V] {
+        let mut out = [Pack::splat(simd, 0.0); V];
+        for (value, lanes) in out.iter_mut().zip(&self.0[V * D * D..]) {
+            *value = Pack::load(simd, lanes, part);
+        }
+        out
+    }
+}
+
+/// Batches of a block with their laws.
+#[derive(Clone, Copy)]
+pub(super) struct Batches<'a, const V: usize, const D: usize, const E: usize> {
+    pub(super) batches: &'a [Batch<V, D, E>],
+    pub(super) laws: &'a [BatchLaw],
+    pub(super) rule: &'a Rule,
+}

@@ -1,0 +1,207 @@
+//! What happens at the points of an element in each pass.
+
+use pulp::Simd;
+
+use super::kernel::{PointLaw, VertexGradients, at_point};
+use crate::assembly::lanes::{Lanes, Pack};
+use crate::geometry::tensor::{Tensor, plus, volume_change};
+use crate::material::{Deformation, InvariantLaw};
+
+/// sum_j lambda_j p_j.
+#[inline(always)]
+fn interpolate<S: Simd, const V: usize>(hats: &[Pack<S>; V], values: &[Pack<S>; V]) -> Pack<S> {
+    let mut sum = hats[0] * values[0];
+    for j in 1..V {
+        sum = sum.plus_product(hats[j], values[j]);
+    }
+    sum
+}
+
+/// Adds `weight` lambda_j `value` to the moments.
+#[inline(always)]
+fn add_moments<S: Simd, const V: usize>(
+    moments: &mut [Pack<S>; V],
+    hats: &[Pack<S>; V],
+    value: Pack<S>,
+) {
+    for (moment, hat) in moments.iter_mut().zip(hats) {
+        *moment = moment.plus_product(*hat, value);
+    }
+}
+
+/// J^(-1/3) from J - 1; one where the element is turned inside out, and the
+/// least J tells.
+#[inline(always)]
+pub(super) fn root<S: Simd>(volume_change: Pack<S>) -> Pack<S> {
+    volume_change.each(|change| match change > -1.0 {
+        true => (1.0 + change).cbrt().recip(),
+        false => 1.0,
+    })
+}
+
+/// Stress, energy and volume at a state.
+pub(super) struct Respond<S: Simd, const V: usize> {
+    pub(super) law: InvariantLaw<Pack<S>>,
+    pub(super) pressures: [Pack<S>; V],
+    /// int lambda_j (J - 1).
+    pub(super) volumes: [Pack<S>; V],
+    pub(super) energy: Pack<S>,
+    /// Least J - 1 of each element.
+    pub(super) least: [f64; super::cells::WIDEST],
+}
+
+impl<S: Simd, const V: usize> PointLaw<S, V> for Respond<S, V> {
+    #[inline(always)]
+    fn stress(
+        &mut self,
+        _point: usize,
+        hats: &[Pack<S>; V],
+        weight: Pack<S>,
+        gradient: &Tensor<Pack<S>>,
+    ) -> Tensor<Pack<S>> {
+        let change = volume_change(gradient);
+        let mut lanes = Lanes::ZERO;
+        change.store(&mut lanes, 0);
+        for (least, value) in self.least.iter_mut().zip(lanes.0).take(S::F64_LANES) {
+            *least = least.min(value);
+        }
+        let at = Deformation::new(*gradient, root(change));
+        self.energy = self.energy.plus_product(weight, self.law.energy(&at));
+        add_moments(&mut self.volumes, hats, weight * at.volume_change);
+        let pressure = interpolate(hats, &self.pressures);
+        plus(&self.law.stress(&at), -pressure, &at.cofactor)
+    }
+}
+
+/// J^(-1/3) at the points.
+pub(super) struct Roots<'a> {
+    pub(super) part: usize,
+    /// Shared by the parts of a batch.
+    pub(super) roots: &'a std::cell::RefCell<&'a mut [Lanes]>,
+}
+
+impl<S: Simd, const V: usize> PointLaw<S, V> for Roots<'_> {
+    #[inline(always)]
+    fn stress(
+        &mut self,
+        point: usize,
+        _hats: &[Pack<S>; V],
+        _weight: Pack<S>,
+        gradient: &Tensor<Pack<S>>,
+    ) -> Tensor<Pack<S>> {
+        root(volume_change(gradient)).store(&mut self.roots.borrow_mut()[point], self.part);
+        *gradient
+    }
+}
+
+/// What a state leaves for products, in one part of a batch.
+pub(super) struct Frozen<'a, S: Simd, const V: usize, const D: usize> {
+    pub(super) simd: S,
+    pub(super) part: usize,
+    pub(super) gradients: VertexGradients<S, V, D>,
+    pub(super) pressures: [Pack<S>; V],
+    /// Of all points.
+    pub(super) roots: &'a [Lanes],
+}
+
+impl<S: Simd, const V: usize, const D: usize> Frozen<'_, S, V, D> {
+    #[inline(always)]
+    pub(super) fn at(&self, point: usize, hats: &[Pack<S>; V]) -> Deformation<Pack<S>> {
+        let gradient = at_point(self.simd, hats, &self.gradients);
+        let root = Pack::load(self.simd, &self.roots[point], self.part);
+        Deformation::new(gradient, root)
+    }
+}
+
+/// Tangent with changes of displacement and pressure.
+pub(super) struct Tangent<'a, S: Simd, const V: usize, const D: usize> {
+    pub(super) frozen: Frozen<'a, S, V, D>,
+    pub(super) law: InvariantLaw<Pack<S>>,
+    /// Changes of the pressure.
+    pub(super) changes: [Pack<S>; V],
+    /// int lambda_j dJ.
+    pub(super) volumes: [Pack<S>; V],
+}
+
+impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Tangent<'_, S, V, D> {
+    #[inline(always)]
+    fn stress(
+        &mut self,
+        point: usize,
+        hats: &[Pack<S>; V],
+        weight: Pack<S>,
+        gradient: &Tensor<Pack<S>>,
+    ) -> Tensor<Pack<S>> {
+        let at = self.frozen.at(point, hats);
+        let pressure = interpolate(hats, &self.frozen.pressures);
+        let (stress, volume) = self.law.tangent(&at, pressure, gradient);
+        add_moments(&mut self.volumes, hats, weight * volume);
+        plus(&stress, -interpolate(hats, &self.changes), &at.cofactor)
+    }
+}
+
+/// Tangent with changes of the displacement only.
+pub(super) struct Stiff<'a, S: Simd, const V: usize, const D: usize> {
+    pub(super) frozen: Frozen<'a, S, V, D>,
+    pub(super) law: InvariantLaw<Pack<S>>,
+    /// Times dJ cof F, added to the tangent.
+    pub(super) volumetric: Pack<S>,
+}
+
+impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Stiff<'_, S, V, D> {
+    #[inline(always)]
+    fn stress(
+        &mut self,
+        point: usize,
+        hats: &[Pack<S>; V],
+        _weight: Pack<S>,
+        gradient: &Tensor<Pack<S>>,
+    ) -> Tensor<Pack<S>> {
+        let at = self.frozen.at(point, hats);
+        let pressure = interpolate(hats, &self.frozen.pressures);
+        let (stress, volume) = self.law.tangent(&at, pressure, gradient);
+        plus(&stress, self.volumetric * volume, &at.cofactor)
+    }
+}
+
+/// cof F : grad v.
+pub(super) struct Volumes<'a, S: Simd, const V: usize, const D: usize> {
+    pub(super) frozen: Frozen<'a, S, V, D>,
+    pub(super) volumes: [Pack<S>; V],
+}
+
+impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Volumes<'_, S, V, D> {
+    #[inline(always)]
+    fn stress(
+        &mut self,
+        point: usize,
+        hats: &[Pack<S>; V],
+        weight: Pack<S>,
+        gradient: &Tensor<Pack<S>>,
+    ) -> Tensor<Pack<S>> {
+        let at = self.frozen.at(point, hats);
+        let volume = crate::geometry::tensor::contract(&at.cofactor, gradient);
+        add_moments(&mut self.volumes, hats, weight * volume);
+        *gradient
+    }
+}
+
+/// -p cof F for a pressure.
+pub(super) struct Pressures<'a, S: Simd, const V: usize, const D: usize> {
+    pub(super) frozen: Frozen<'a, S, V, D>,
+    pub(super) changes: [Pack<S>; V],
+}
+
+impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Pressures<'_, S, V, D> {
+    #[inline(always)]
+    fn stress(
+        &mut self,
+        point: usize,
+        hats: &[Pack<S>; V],
+        _weight: Pack<S>,
+        _gradient: &Tensor<Pack<S>>,
+    ) -> Tensor<Pack<S>> {
+        let at = self.frozen.at(point, hats);
+        crate::geometry::tensor::scaled(-interpolate(hats, &self.changes), &at.cofactor)
+    }
+}

@@ -1,0 +1,241 @@
+//! The passes of finite strain: against differences of themselves, against the
+//! linear operator at rest, and each instruction set against the others.
+
+use std::sync::Arc;
+
+use super::*;
+use crate::assembly::strain::{
+    CellLaws, Linearised, Response, StrainGrid, TangentDivergence, TangentStiffness,
+};
+use crate::linalg::vector::{add_scaled, scale};
+use crate::material::InvariantLaw;
+
+/// Shear moduli 1 and 2, so that a cell's law matters.
+const LAWS: [InvariantLaw<f64>; 2] = [
+    InvariantLaw {
+        c10: 0.3,
+        c01: 0.2,
+        c20: 0.0,
+        c30: 0.0,
+    },
+    InvariantLaw {
+        c10: 1.0,
+        c01: 0.0,
+        c20: 0.1,
+        c30: 0.05,
+    },
+];
+
+struct Body {
+    sample: Sample,
+    cells: StrainGrid,
+}
+
+fn bodies(degree: u32) -> Vec<Body> {
+    let bodies = samples().into_iter().map(|sample| {
+        let of_cell: Vec<u16> = (0..sample.mesh.cell_count() as u16)
+            .map(|cell| cell % 2)
+            .collect();
+        let laws = CellLaws {
+            laws: &LAWS,
+            of_cell: &of_cell,
+        };
+        let simplex = match sample.space.components {
+            2 => Simplex::Triangle,
+            _ => Simplex::Tetrahedron,
+        };
+        let grid = Arc::new(sample.grid.clone());
+        let cells = StrainGrid::new(&sample.mesh, grid, laws, rule(simplex, degree));
+        Body { sample, cells }
+    });
+    bodies.collect()
+}
+
+impl Body {
+    /// A deformed state with gradients of some tenths.
+    fn state(&self) -> (Vec<f64>, Vec<f64>) {
+        let mut u = reproducible_noise(self.sample.unknowns());
+        scale(&mut u, 0.002);
+        (u, reproducible_noise(self.sample.space.vertices))
+    }
+
+    fn respond(&self, u: &[f64], p: &[f64]) -> (Vec<f64>, Vec<f64>, Response) {
+        let (mut f, mut c) = (vec![f64::NAN; u.len()], vec![f64::NAN; p.len()]);
+        let work = &mut Workspace::new();
+        let response = self.cells.respond((u, p), (&mut f, &mut c), work);
+        (f, c, response)
+    }
+
+    fn linearised(&self, u: &[f64], p: &[f64]) -> Linearised {
+        let mut at = Linearised::default();
+        self.cells.linearise((u, p), &mut at, &mut Workspace::new());
+        at
+    }
+
+    fn tangent(&self, rows: Rows, u: &[f64], p: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let (at_u, at_p) = self.state();
+        let at = self.linearised(&at_u, &at_p);
+        let (mut y, mut r) = (vec![f64::NAN; u.len()], vec![f64::NAN; p.len()]);
+        let work = &mut Workspace::new();
+        self.cells
+            .tangent(&at, rows, (u, p), (&mut y, &mut r), work);
+        (y, r)
+    }
+}
+
+fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let mut difference = a.to_vec();
+    add_scaled(&mut difference, -1.0, b);
+    largest(&difference) / largest(b)
+}
+
+#[test]
+fn the_tangent_is_the_slope_of_the_forces() {
+    for degree in [2, 3] {
+        for body in bodies(degree) {
+            let (u, p) = body.state();
+            let mut du = reproducible_noise(u.len() + 1)[1..].to_vec();
+            scale(&mut du, 0.01);
+            let dp = reproducible_noise(p.len() + 1)[1..].to_vec();
+            let moved = |length: f64| {
+                let (mut u, mut p) = (u.clone(), p.clone());
+                add_scaled(&mut u, length, &du);
+                add_scaled(&mut p, length, &dp);
+                body.respond(&u, &p)
+            };
+            let (up, down) = (moved(1e-4), moved(-1e-4));
+            let slope = |a: &[f64], b: &[f64]| -> Vec<f64> {
+                a.iter().zip(b).map(|(a, b)| (a - b) / 2e-4).collect()
+            };
+            let (y, r) = body.tangent(Rows::All, &du, &dp);
+            let errors = [
+                distance(&y, &slope(&up.0, &down.0)),
+                distance(&r, &slope(&up.1, &down.1)),
+            ];
+            assert!(
+                errors.iter().all(|&e| e < 1e-7),
+                "{errors:?} {:?}",
+                body.respond(&u, &p).2
+            );
+        }
+    }
+}
+
+#[test]
+fn the_force_without_pressure_is_the_slope_of_the_energy() {
+    for body in bodies(2) {
+        let (u, _) = body.state();
+        let p = vec![0.0; body.sample.space.vertices];
+        let mut du = reproducible_noise(u.len() + 1)[1..].to_vec();
+        scale(&mut du, 0.01);
+        let energy = |length: f64| {
+            let mut u = u.clone();
+            add_scaled(&mut u, length, &du);
+            body.respond(&u, &p).2.energy
+        };
+        let slope = (energy(1e-5) - energy(-1e-5)) / 2e-5;
+        let work = dot(&body.respond(&u, &p).0, &du);
+        assert!((slope - work).abs() < 1e-7 * work.abs(), "{slope} {work}");
+    }
+}
+
+#[test]
+fn at_rest_the_tangent_is_that_of_linear_elasticity() {
+    for mut body in bodies(2) {
+        body.sample.moduli.shear = (0..body.sample.mesh.cell_count())
+            .map(|cell| 1.0 + (cell % 2) as f64)
+            .collect();
+        body.sample.moduli.lame.fill(0.0);
+        let sample = &body.sample;
+        let linear = Grid::new(
+            &sample.mesh,
+            &sample.space,
+            &sample.geometry,
+            &sample.moduli,
+            &sample.held,
+        );
+        let rest = vec![0.0; sample.unknowns()];
+        let at = Arc::new(body.linearised(&rest, &vec![0.0; sample.space.vertices]));
+        for basis in [Basis::Hierarchical, Basis::Lagrange] {
+            let tangent = TangentStiffness {
+                cells: Arc::new(body.cells.clone()),
+                at: at.clone(),
+                basis,
+                // 2 mu dev eps : dev eps + 2/3 mu (div u)^2 = 2 mu eps : eps.
+                volumetric: 2.0 / 3.0,
+                size: sample.unknowns(),
+                held: sample.held.clone().into(),
+            };
+            let x = sample.mask(Rows::Free, reproducible_noise(sample.unknowns()));
+            let (mut found, mut expected) = (x.clone(), x.clone());
+            let work = &mut Workspace::new();
+            tangent.apply(&x, &mut found, work);
+            linear.stiffness(basis, Rows::Free, &x, &mut expected, work);
+            assert!(distance(&found, &expected) < 1e-13);
+        }
+    }
+}
+
+#[test]
+fn the_divergence_and_its_transpose_are_parts_of_the_tangent() {
+    for body in bodies(3) {
+        let (u, p) = body.state();
+        let x = reproducible_noise(u.len() + 1)[1..].to_vec();
+        let q = reproducible_noise(p.len() + 1)[1..].to_vec();
+        let divergence = TangentDivergence {
+            at: Arc::new(body.linearised(&u, &p)),
+            cells: Arc::new(body.cells.clone()),
+            vertices: p.len(),
+            size: u.len(),
+        };
+        let work = &mut Workspace::new();
+        let (mut r, mut y) = (q.clone(), x.clone());
+        divergence.apply(&x, &mut r, work);
+        divergence.apply_transposed(&q, &mut y, work);
+        let zero_p = vec![0.0; p.len()];
+        let zero_u = vec![0.0; u.len()];
+        let masked = body.sample.mask(Rows::Free, x.clone());
+        assert!(distance(&r, &body.tangent(Rows::Free, &x, &zero_p).1) < 1e-13);
+        assert!(distance(&y, &body.tangent(Rows::Free, &zero_u, &q).0) < 1e-13);
+        assert!((dot(&r, &q) - dot(&y, &masked)).abs() < 1e-12 * dot(&r, &q).abs());
+    }
+}
+
+#[test]
+fn every_instruction_set_gives_the_same_response_and_tangent() {
+    for set in InstructionSet::ALL.into_iter().filter(|set| set.is_here()) {
+        for body in bodies(2) {
+            let (u, p) = body.state();
+            let x = reproducible_noise(u.len() + 1)[1..].to_vec();
+            let (f, c, first) = body.respond(&u, &p);
+            let expected = body.tangent(Rows::All, &x, &p);
+            let grid = body.sample.grid.clone().with_instruction_set(set);
+            let other = Body {
+                cells: body.cells.clone().on(Arc::new(grid)),
+                sample: body.sample,
+            };
+            let (g, d, second) = other.respond(&u, &p);
+            let errors = [distance(&g, &f), distance(&d, &c)];
+            assert!(
+                errors.iter().all(|&e| e < 1e-13),
+                "{errors:?} {first:?} {second:?}"
+            );
+            assert!((first.energy - second.energy).abs() < 1e-13 * first.energy);
+            assert!((first.least_jacobian - second.least_jacobian).abs() < 1e-13);
+            let found = other.tangent(Rows::All, &x, &p);
+            assert!(distance(&found.0, &expected.0) < 1e-13);
+            assert!(distance(&found.1, &expected.1) < 1e-13);
+        }
+    }
+}
+
+#[test]
+fn an_element_turned_inside_out_is_told_and_harms_nothing() {
+    for body in bodies(2) {
+        let (mut u, p) = body.state();
+        scale(&mut u, 500.0);
+        let (f, c, response) = body.respond(&u, &p);
+        assert!(response.least_jacobian < 0.0);
+        assert!(f.iter().chain(&c).all(|value| value.is_finite()));
+    }
+}

@@ -1,0 +1,82 @@
+//! Accepts a step of all unknowns: the largest length 1, 1/2, 1/4, .. that keeps
+//! every point of the body the right side out and passes a filter on (constraint
+//! violation, force residual).
+
+use super::counters::{Counters, timed};
+use super::drive::Drive;
+use super::evaluate::{Context, Evaluation, evaluate, ratio};
+use super::program::Step;
+use super::state::State;
+use crate::linalg::Workspace;
+use crate::linalg::vector::norm;
+
+/// Halvings of a step.
+const MOST_HALVINGS: u32 = 8;
+/// Least relative progress in one of the filter's measures.
+const LEAST_PROGRESS: f64 = 1e-4;
+/// Share of the least J that a step must leave.
+const JACOBIAN_SHARE: f64 = 0.2;
+
+/// Why no length was accepted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Refused {
+    /// Every length turned an element inside out.
+    Jacobian,
+    /// No length made progress.
+    Progress,
+}
+
+/// Moves `state` along `step`; the state stays where no length serves.
+#[allow(clippy::too_many_arguments)]
+pub(super) fn search(
+    context: &Context<'_>,
+    state: &mut State,
+    drive: &Drive,
+    step: &Step,
+    now: &Evaluation,
+    first_force: f64,
+    counters: &mut Counters,
+    work: &mut Workspace,
+) -> Result<Evaluation, Refused> {
+    let old = state.snapshot();
+    let start = measures(state, now, first_force);
+    let floor = now.least_jacobian.map(|least| JACOBIAN_SHARE * least);
+    let mut refused = Refused::Jacobian;
+    let mut length = 1.0;
+    for _ in 0..=MOST_HALVINGS {
+        step.apply(state, length);
+        let trial = timed(&mut counters.seconds.contact, || {
+            evaluate(context, state, drive, work)
+        });
+        let is_inside_out = match (trial.least_jacobian, floor) {
+            (Some(least), Some(floor)) => !(least > floor),
+            _ => false,
+        };
+        if !is_inside_out {
+            refused = Refused::Progress;
+            let end = measures(state, &trial, first_force);
+            let better = end
+                .iter()
+                .zip(&start)
+                .any(|(after, before)| *after <= (1.0 - LEAST_PROGRESS) * before);
+            let tolerable = end.iter().all(|&m| m <= context.tolerance);
+            if context.is_linear() || better || tolerable {
+                counters.step_length = length;
+                return Ok(trial);
+            }
+        }
+        length *= 0.5;
+        state.restore(&old);
+    }
+    Err(refused)
+}
+
+/// Constraint violation and force residual.
+fn measures(state: &State, now: &Evaluation, first_force: f64) -> [f64; 2] {
+    let violation = ratio(now.gap_norm(&state.active), state.scales.gap)
+        + ratio(norm(&now.constraint), state.scales.constraint);
+    [
+        violation,
+        ratio(norm(&now.force), now.force_scale(first_force)),
+    ]
+}
