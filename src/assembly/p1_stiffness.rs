@@ -13,6 +13,24 @@ use crate::space::TaylorHood;
 /// A coupling of two nodes; in two dimensions the last row and column are not read.
 pub type Block = [[f64; 3]; 3];
 
+/// A stiffness that is constant on each cell.
+pub trait CellStiffness: Sync {
+    /// Coupling of gradients `a` (rows) and `b` (columns) for unit volume.
+    fn coupling(&self, cell: usize, a: &[f64; 3], b: &[f64; 3]) -> Block;
+    /// Shear modulus.
+    fn shear(&self, cell: usize) -> f64;
+}
+
+impl CellStiffness for CellModuli {
+    fn coupling(&self, cell: usize, a: &[f64; 3], b: &[f64; 3]) -> Block {
+        coupling(self.shear[cell], self.lame[cell], a, b)
+    }
+
+    fn shear(&self, cell: usize) -> f64 {
+        self.shear[cell]
+    }
+}
+
 /// Coupling of gradients `a` and `b` for unit volume.
 pub(super) fn coupling(shear: f64, lame: f64, a: &[f64; 3], b: &[f64; 3]) -> Block {
     let product = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -61,7 +79,7 @@ pub fn p1_blocks(
     mesh: &Mesh,
     space: &TaylorHood,
     geometry: &CellGeometry,
-    moduli: &CellModuli,
+    stiffness: &dyn CellStiffness,
     shift: f64,
 ) -> P1Blocks {
     let mut diagonal = vec![[[0.0; 3]; 3]; space.vertices];
@@ -71,13 +89,12 @@ pub fn p1_blocks(
     for cell in 0..geometry.cells() {
         let g = geometry.gradients_of(cell);
         let volume = geometry.volumes[cell];
-        let (shear, lame) = (moduli.shear[cell], moduli.lame[cell]);
         let corners = &mesh.cells()[cell * vertices..(cell + 1) * vertices];
         for (a, &vertex) in corners.iter().enumerate() {
             let block = &mut diagonal[vertex as usize];
-            add(block, volume, &coupling(shear, lame, &g[a], &g[a]));
+            add(block, volume, &stiffness.coupling(cell, &g[a], &g[a]));
             for (i, row) in block.iter_mut().enumerate() {
-                row[i] += shift * shear * volume / vertices as f64;
+                row[i] += shift * stiffness.shear(cell) * volume / vertices as f64;
             }
         }
         for (local, &(a, b)) in pairs.iter().enumerate() {
@@ -90,7 +107,7 @@ pub fn p1_blocks(
             add(
                 &mut off[edge],
                 volume,
-                &coupling(shear, lame, &g[low], &g[high]),
+                &stiffness.coupling(cell, &g[low], &g[high]),
             );
         }
     }
@@ -158,7 +175,7 @@ pub fn node_blocks(
     mesh: &Mesh,
     space: &TaylorHood,
     geometry: &CellGeometry,
-    moduli: &CellModuli,
+    stiffness: &dyn CellStiffness,
     held: &[u32],
 ) -> Vec<f64> {
     let vertices = geometry.vertices;
@@ -172,8 +189,7 @@ pub fn node_blocks(
     for cell in 0..geometry.cells() {
         let g = geometry.gradients_of(cell);
         let volume = geometry.volumes[cell];
-        let (shear, lame) = (moduli.shear[cell], moduli.lame[cell]);
-        let couple = |a: usize, b: usize| coupling(shear, lame, &g[a], &g[b]);
+        let couple = |a: usize, b: usize| stiffness.coupling(cell, &g[a], &g[b]);
         for a in 0..vertices {
             let vertex = mesh.cells()[cell * vertices + a] as usize;
             add(&mut blocks[vertex], volume * corner, &couple(a, a));

@@ -97,7 +97,7 @@ impl ComparisonData {
                 mesh,
                 space: &trace,
                 geometry: &geometry,
-                moduli: &moduli,
+                stiffness: &moduli,
                 held: &held[..on_p1],
             },
             cancel,

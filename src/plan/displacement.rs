@@ -7,12 +7,14 @@
 use std::sync::Arc;
 
 use super::Plan;
+use super::approximation::{Deformed, VOLUMETRIC};
 use super::saddle::Demand;
 use crate::assembly::edge_stiffness::edge_blocks;
 use crate::assembly::grid::Basis;
 use crate::assembly::node_couplings::node_couplings;
+use crate::assembly::strain::TangentStiffness;
 use crate::assembly::{CellGeometry, CellModuli, Grid, Stiffness};
-use crate::linalg::{Preconditioner, Workspace};
+use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 use crate::mesh::Mesh;
 use crate::precond::hierarchical::{Additive, Multiplicative, Splitting, Symmetric, edge_sweep};
 use crate::precond::symmetric_blocks::NodePairs;
@@ -108,6 +110,8 @@ pub(super) struct DisplacementBody<'a> {
     pub(super) grid: &'a Arc<Grid>,
     pub(super) node_blocks: &'a NodeBlocks,
     pub(super) p1: Arc<dyn Preconditioner>,
+    /// None at rest.
+    pub(super) tangent: Option<Deformed<'a>>,
 }
 
 impl DisplacementBody<'_> {
@@ -119,6 +123,21 @@ impl DisplacementBody<'_> {
             size: self.space.displacement_unknowns(),
             held: self.held.clone(),
         }
+    }
+
+    /// A in the given basis, or the tangent with its volume term.
+    fn operator(&self, basis: Basis) -> Arc<dyn LinearOperator> {
+        let Some(state) = self.tangent else {
+            return Arc::new(self.stiffness(basis));
+        };
+        Arc::new(TangentStiffness {
+            cells: state.cells.clone(),
+            at: state.at.clone(),
+            basis,
+            volumetric: VOLUMETRIC,
+            size: self.space.displacement_unknowns(),
+            held: self.held.clone(),
+        })
     }
 }
 
@@ -149,7 +168,7 @@ fn p_multigrid(plan: &Plan, body: &DisplacementBody<'_>) -> (Arc<dyn Preconditio
         body.held.clone(),
     );
     let inner = Arc::new(PMultigrid::new(
-        Arc::new(body.stiffness(Basis::Lagrange)),
+        body.operator(Basis::Lagrange),
         body.node_blocks.clone(),
         body.p1.clone(),
         transfer.clone(),
@@ -190,7 +209,7 @@ fn lines_around(
         diagonal: &couplings.diagonal,
         held: body.held,
     };
-    let operator = Arc::new(body.stiffness(Basis::Hierarchical));
+    let operator = body.operator(Basis::Hierarchical);
     AlongLines::new(&nodes, operator, transfer, inner, &mut Workspace::new())
 }
 

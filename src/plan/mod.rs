@@ -1,6 +1,7 @@
 //! Decisions: what a scene needs, by which method, at what predicted cost, and
 //! what is left out. Cheap to make, printable, made before any expensive work.
 
+mod approximation;
 mod comparison;
 mod contact;
 mod data;
@@ -26,6 +27,7 @@ use crate::scene::validate::{Resolved, resolve};
 use crate::scene::{Scene, SceneError, SceneKind, Step, Violation};
 use crate::space::TaylorHood;
 
+pub(crate) use approximation::{Approximation, Deformed};
 pub(crate) use comparison::ComparisonData;
 use contact::ContactSizes;
 pub use data::Prepared;

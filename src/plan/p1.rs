@@ -10,8 +10,8 @@ use std::time::Instant;
 
 use super::saddle::Demand;
 use super::{Plan, PrepareError, estimate};
-use crate::assembly::p1_stiffness::{P1Blocks, p1_blocks};
-use crate::assembly::{CellGeometry, CellModuli};
+use crate::assembly::CellGeometry;
+use crate::assembly::p1_stiffness::{CellStiffness, P1Blocks, p1_blocks};
 use crate::contact::surface::vertex_normals;
 use crate::linalg::cholesky::Precision;
 use crate::linalg::{DenseMatrix, FactoriseError, Preconditioner};
@@ -166,7 +166,7 @@ pub(super) struct P1Body<'a> {
     pub(super) mesh: &'a Mesh,
     pub(super) space: &'a TaylorHood,
     pub(super) geometry: &'a CellGeometry,
-    pub(super) moduli: &'a CellModuli,
+    pub(super) stiffness: &'a dyn CellStiffness,
     pub(super) held: &'a [u32],
 }
 
@@ -179,7 +179,7 @@ pub(super) fn build(
 ) -> Result<P1Built, PrepareError> {
     let start = Instant::now();
     let shift = if plan.is_floating() { SHIFT } else { 0.0 };
-    let blocks = p1_blocks(body.mesh, body.space, body.geometry, body.moduli, shift);
+    let blocks = p1_blocks(body.mesh, body.space, body.geometry, body.stiffness, shift);
     let assemble = start.elapsed().as_secs_f64();
     let normals = contact_normals(plan, body);
     let traces = Traces {

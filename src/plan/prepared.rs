@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use super::Plan;
+use super::approximation::Approximation;
 use super::displacement::{self, DisplacementBody};
 use super::p1::{self, P1Body};
 use crate::assembly::grid::{Basis, Rows};
@@ -15,9 +16,7 @@ use crate::assembly::strain::{CellLaws, StrainGrid};
 use crate::assembly::{Body, CellGeometry, CellModuli, Divergence, Grid, Stiffness};
 use crate::element::quadrature::{Simplex, rule};
 use crate::linalg::vector::norm;
-use crate::linalg::{
-    DenseMatrix, FactoriseError, LinearOperator, Preconditioner, SparseRows, Workspace,
-};
+use crate::linalg::{FactoriseError, LinearOperator, SparseRows, Workspace};
 use crate::mesh::Mesh;
 use crate::precond::NodeBlocks;
 use crate::precond::schur::ChebyshevMass;
@@ -59,17 +58,11 @@ pub(crate) struct Prepared {
     pub(crate) held: Arc<[u32]>,
     pub(crate) is_held: Vec<bool>,
     pub(crate) stiffness: Stiffness,
-    pub(crate) displacement: Arc<dyn Preconditioner>,
-    pub(crate) node_blocks: NodeBlocks,
+    /// The approximate inverse at rest.
+    pub(crate) at_rest: Arc<Approximation>,
     pub(crate) pressure: Option<PressureBlock>,
     /// Cells of finite strain; none for linear bodies.
     pub(crate) strain: Option<Arc<StrainGrid>>,
-    /// A11^-1 on the contact vertices along `contact_normals`; empty without contact.
-    pub(crate) compliance: DenseMatrix,
-    displacement_bytes: u64,
-    pub(crate) contact_normals: Vec<[f64; 3]>,
-    p1_bytes: u64,
-    p1_part: &'static str,
     seconds: Seconds,
 }
 
@@ -107,7 +100,7 @@ impl Prepared {
             mesh,
             space: &space,
             geometry: &geometry,
-            moduli: &moduli,
+            stiffness: &moduli,
             held: &held,
         };
         let (p1, (grid, blocks)) = rayon::join(
@@ -129,6 +122,7 @@ impl Prepared {
             grid: &grid,
             node_blocks: &blocks,
             p1: p1.solver,
+            tangent: None,
         };
         let stiffness = body.stiffness(Basis::Hierarchical);
         let (displacement, displacement_bytes) = displacement::build(plan, body);
@@ -144,6 +138,13 @@ impl Prepared {
             .is_rubber()
             .then(|| Arc::new(strain_grid(plan, mesh, &grid)));
         let total = start.elapsed().as_secs_f64();
+        let seconds = Seconds {
+            prepare: (total - p1.assemble - p1.factorise).max(0.0),
+            assemble: p1.assemble,
+            factorise: p1.factorise,
+            total,
+            ..Seconds::default()
+        };
         Ok(Self {
             strain,
             stiffness,
@@ -152,21 +153,17 @@ impl Prepared {
             grid,
             held,
             is_held,
-            displacement,
-            node_blocks: blocks,
+            at_rest: Arc::new(Approximation {
+                displacement,
+                node_blocks: blocks,
+                compliance: p1.compliance,
+                contact_normals: p1.normals,
+                solver_bytes: p1.bytes + displacement_bytes,
+                p1_part: p1.part,
+                seconds,
+            }),
             pressure,
-            compliance: p1.compliance,
-            displacement_bytes,
-            contact_normals: p1.normals,
-            p1_bytes: p1.bytes,
-            p1_part: p1.part,
-            seconds: Seconds {
-                prepare: (total - p1.assemble - p1.factorise).max(0.0),
-                assemble: p1.assemble,
-                factorise: p1.factorise,
-                total,
-                ..Seconds::default()
-            },
+            seconds,
         })
     }
 
@@ -178,11 +175,7 @@ impl Prepared {
         self.geometry.bytes()
             + self.grid.bytes()
             + self.strain.as_ref().map_or(0, |strain| strain.bytes())
-            + self.p1_bytes
-            + self.displacement_bytes
-            + self.node_blocks.bytes()
-            + self.compliance.bytes()
-            + 24 * self.contact_normals.len() as u64
+            + self.at_rest.bytes()
             + pressure
             + (8 * self.space.edges.len() + 4 * self.held.len() + self.is_held.len()) as u64
     }
@@ -198,13 +191,13 @@ impl Prepared {
             "numbering",
             "geometry",
             "operator",
-            self.p1_part,
+            self.at_rest.p1_part,
             "smoother",
         ];
         if self.pressure.is_some() {
             parts.push("pressure_metric");
         }
-        if self.compliance.rows() > 0 {
+        if self.at_rest.compliance.rows() > 0 {
             parts.push("contact_compliance");
         }
         parts.into_iter().map(str::to_owned).collect()

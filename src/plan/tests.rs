@@ -103,6 +103,7 @@ fn the_displacement_preconditioner_is_symmetric_and_positive() {
         let apply = |r: &[f64]| {
             let mut z = vec![f64::NAN; r.len()];
             prepared
+                .at_rest
                 .displacement
                 .apply(r, &mut z, &mut Workspace::new());
             z
@@ -131,6 +132,7 @@ fn hierarchical_preconditioners_for_conjugate_gradients_are_symmetric_and_positi
             let apply = |r: &[f64]| {
                 let mut z = vec![f64::NAN; r.len()];
                 prepared
+                    .at_rest
                     .displacement
                     .apply(r, &mut z, &mut Workspace::new());
                 z
@@ -175,7 +177,7 @@ fn count(prepared: &Prepared) -> usize {
     };
     let outcome = cg::solve(
         &prepared.stiffness,
-        &*prepared.displacement,
+        &*prepared.at_rest.displacement,
         &mut x,
         &mut r,
         50,
@@ -209,7 +211,7 @@ fn multigrid_takes_as_many_iterations_as_the_factor() {
         assert!(multigrid.parts().contains(&"p1_multigrid".to_owned()));
         let counts = (count(&direct), count(&multigrid));
         assert!(counts.1 <= counts.0 + 2, "{counts:?}");
-        let (exact, found) = (&direct.compliance, &multigrid.compliance);
+        let (exact, found) = (&direct.at_rest.compliance, &multigrid.at_rest.compliance);
         assert_eq!(exact.rows(), found.rows());
         let diagonal = (0..exact.rows()).map(|i| exact.at(i, i));
         let largest = diagonal.fold(0.0, f64::max);
@@ -337,7 +339,7 @@ fn a_plan_leaves_out_what_the_scene_does_not_need() {
     );
     assert!(report.decisions.iter().any(|entry| entry.what == "contact"));
     let prepared = prepare(&clamped(0.3), samples::cube(2));
-    assert!(prepared.pressure.is_none() && prepared.compliance.rows() == 0);
+    assert!(prepared.pressure.is_none() && prepared.at_rest.compliance.rows() == 0);
 }
 
 #[test]

@@ -113,6 +113,7 @@ fn algebraic_error(
     let mut correction = work.zeros(now.force.len());
     let prepared = context.prepared;
     prepared
+        .at_rest
         .displacement
         .apply(&now.force, &mut correction, work);
     let mut square = dot(&now.force, &correction);

@@ -13,7 +13,7 @@ use crate::inequality::{MetricKind, dense_qp};
 use crate::linalg::vector::{norm, scale};
 use crate::linalg::{DenseCholesky, DenseMatrix, LinearOperator, SparseRows, Workspace};
 use crate::mesh::Mesh;
-use crate::plan::Plan;
+use crate::plan::{Approximation, Plan};
 use crate::precond::compliance::{ComplianceParts, compliance};
 use crate::precond::fractional::fractional;
 use crate::precond::p1::Traces;
@@ -95,28 +95,33 @@ pub(super) struct ContactMetric {
 }
 
 impl ContactMetric {
-    pub(super) fn new(context: &Context<'_>, now: &Evaluation, work: &mut Workspace) -> Self {
+    pub(super) fn new(
+        context: &Context<'_>,
+        inverse: &Approximation,
+        now: &Evaluation,
+        work: &mut Workspace,
+    ) -> Self {
         let surface = &context.interfaces.metric;
         let mut metric = Self {
             matrix: match context.plan.contact.metric {
-                MetricKind::Compliance => compliance_of(context, &now.coupling),
+                MetricKind::Compliance => compliance_of(context, inverse, &now.coupling),
                 MetricKind::Mass | MetricKind::Fractional => surface.matrix.clone(),
             },
             weights: surface.weights.clone(),
             applications: 0,
         };
-        metric.scale_weights(context, &now.coupling, work);
+        metric.scale_weights(inverse, &now.coupling, work);
         let is_scaled = context.plan.contact.metric == MetricKind::Compliance
             && !context.plan.contact.method.has_fixed_steps();
         if !is_scaled {
-            metric.scale_matrix(context, &now.coupling, work);
+            metric.scale_matrix(context, inverse, &now.coupling, work);
         }
         metric
     }
 
     fn scale_weights(
         &mut self,
-        context: &Context<'_>,
+        inverse: &Approximation,
         coupling: &SparseRows,
         work: &mut Workspace,
     ) {
@@ -124,22 +129,28 @@ impl ContactMetric {
             return;
         }
         let weights = &self.weights;
-        let inverse = |x: &mut [f64]| x.iter_mut().zip(weights).for_each(|(x, w)| *x /= w);
-        let displacement = &*context.prepared.displacement;
-        let ratio = largest_ratio(displacement, coupling, &inverse, work);
+        let divide = |x: &mut [f64]| x.iter_mut().zip(weights).for_each(|(x, w)| *x /= w);
+        let displacement = &*inverse.displacement;
+        let ratio = largest_ratio(displacement, coupling, &divide, work);
         self.applications += POWER_STEPS as u32;
         scale(&mut self.weights, ratio);
     }
 
     /// Leaves a matrix that is not positive definite as it is: the method refuses it.
-    fn scale_matrix(&mut self, context: &Context<'_>, coupling: &SparseRows, work: &mut Workspace) {
+    fn scale_matrix(
+        &mut self,
+        context: &Context<'_>,
+        inverse: &Approximation,
+        coupling: &SparseRows,
+        work: &mut Workspace,
+    ) {
         let factor = match DenseCholesky::new(&self.matrix) {
             Ok(factor) if self.matrix.rows() > 0 => factor,
             Ok(_) | Err(_) => return,
         };
-        let inverse = |x: &mut [f64]| factor.solve(x);
-        let displacement = &*context.prepared.displacement;
-        let ratio = largest_ratio(displacement, coupling, &inverse, work);
+        let solve = |x: &mut [f64]| factor.solve(x);
+        let displacement = &*inverse.displacement;
+        let ratio = largest_ratio(displacement, coupling, &solve, work);
         self.applications += POWER_STEPS as u32;
         let margin = match context.plan.contact.metric {
             // Its worst mode is not the smooth one that the iteration starts from.
@@ -191,14 +202,18 @@ fn contact_norm(multiplier: &[f64], now: &Evaluation, state: &State, work: &mut 
     norm(&load)
 }
 
-fn compliance_of(context: &Context<'_>, coupling: &SparseRows) -> DenseMatrix {
+fn compliance_of(
+    context: &Context<'_>,
+    inverse: &Approximation,
+    coupling: &SparseRows,
+) -> DenseMatrix {
     let parts = ComplianceParts {
-        vertex_inverse: &context.prepared.compliance,
+        vertex_inverse: &inverse.compliance,
         traces: Traces {
             vertices: &context.plan.contact_vertices,
-            directions: &context.prepared.contact_normals,
+            directions: &inverse.contact_normals,
         },
-        node_blocks: &context.prepared.node_blocks,
+        node_blocks: &inverse.node_blocks,
         vertex_count: context.prepared.space.vertices,
     };
     compliance(&parts, coupling)

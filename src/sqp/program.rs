@@ -1,6 +1,8 @@
 //! One quadratic program: the body with frozen normals, the curvature of the
 //! gap in its stiffness, and the metric of the candidate surface.
 
+use std::sync::Arc;
+
 use super::contact_metric::ContactMetric;
 use super::counters::{Counters, timed};
 use super::drive::Drive;
@@ -16,8 +18,9 @@ use crate::inequality::{
 use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::obstacle::Obstacle;
-use crate::plan::SaddleMethod;
+use crate::plan::{Approximation, Deformed, SaddleMethod};
 use crate::precond::Counted;
+use crate::report::CancelToken;
 use crate::saddle::{BlockStep, MultiplierBlock, arrow_hurwicz_ratio};
 
 /// Krylov iterations per program.
@@ -48,6 +51,7 @@ pub(super) struct Program<'a> {
     context: Context<'a>,
     /// None for a linear body.
     tangent: Option<Tangent>,
+    inverse: Arc<Approximation>,
     /// What supports move in this program; none where they stand still.
     motion: Option<Vec<f64>>,
     /// Residuals after that motion.
@@ -73,13 +77,14 @@ impl<'a> Program<'a> {
         let tangent = timed(&mut counters.seconds.assemble, || {
             Tangent::new(context, state, work)
         });
+        let inverse = inverse(context, state, tangent.as_ref(), counters);
         let now = match (&tangent, &motion) {
             (Some(tangent), Some(motion)) => tangent.after(motion, context, state, now, work),
             _ => now.clone(),
         };
         *first_force = first_force.max(norm(&now.force));
         timed(&mut counters.seconds.contact, || {
-            let metric = ContactMetric::new(context, &now, work);
+            let metric = ContactMetric::new(context, &inverse, &now, work);
             counters.applications += metric.applications;
             let expected = metric.expected_contact_norm(&now, state, work);
             Self {
@@ -88,6 +93,7 @@ impl<'a> Program<'a> {
                 metric,
                 force_scale: now.force_scale(*first_force).max(expected),
                 tangent,
+                inverse,
                 motion,
                 now,
             }
@@ -153,7 +159,7 @@ impl<'a> Program<'a> {
         let now = &self.now;
         let mut iterate = first_iterate(state, now, self.motion.as_deref());
         let krylov = std::time::Instant::now();
-        let displacement = Counted::new(&*self.context.prepared.displacement);
+        let displacement = Counted::new(&*self.inverse.displacement);
         let mut track = Track {
             before: counters.applications,
             force_scale: targets.force_scale,
@@ -306,4 +312,34 @@ fn curvature_of(context: &Context<'_>, state: &State, drive: &Drive) -> Option<S
         .collect();
     let body = context.deformed(&state.displacement);
     Some(curvature(&body, &surfaces, &context.prepared.is_held))
+}
+
+fn inverse(
+    context: &Context<'_>,
+    state: &mut State,
+    tangent: Option<&Tangent>,
+    counters: &mut Counters,
+) -> Arc<Approximation> {
+    let rest = &context.prepared.at_rest;
+    let Some(tangent) = tangent else {
+        return rest.clone();
+    };
+    if std::env::var("REGEN").is_ok() {
+        let start = std::time::Instant::now();
+        let s = Deformed {
+            cells: &tangent.stiffness.cells,
+            at: &tangent.stiffness.at,
+            displacement: &state.displacement,
+            pressure: &state.pressure,
+        };
+        match context
+            .prepared
+            .about(context.plan, context.mesh, s, &CancelToken::new())
+        {
+            Ok(a) => state.inverse = Some(Arc::new(a)),
+            Err(e) => eprintln!("{e}"),
+        }
+        counters.seconds.factorise += start.elapsed().as_secs_f64();
+    }
+    state.inverse.clone().unwrap_or_else(|| rest.clone())
 }

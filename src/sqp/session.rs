@@ -388,7 +388,7 @@ impl Session {
         report.factorisations = std::mem::take(&mut self.pending_factorisations);
         if report.factorisations > 0 {
             report.eigenvalue_applications = crate::precond::PMultigrid::estimate_applications();
-            report.compliance_columns = self.prepared.compliance.columns() as u32;
+            report.compliance_columns = self.prepared.at_rest.compliance.columns() as u32;
         }
         report.seconds.prepare += preparation.prepare;
         report.seconds.assemble += preparation.assemble;

@@ -7,7 +7,7 @@ use super::drive::Drive;
 use crate::assembly::strain::Linearised;
 use crate::inequality::QpScales;
 use crate::krylov::gcr::Directions;
-use crate::plan::Plan;
+use crate::plan::{Approximation, Plan};
 
 /// Fields, multipliers, what drove them there and their scales, to return to.
 #[derive(Clone, Debug)]
@@ -47,6 +47,8 @@ pub(crate) struct State {
     pub(crate) force_scale: f64,
     /// Krylov directions of earlier programs; products without contact.
     pub(crate) directions: Directions,
+    /// The approximate inverse in use; none for that at rest.
+    pub(crate) inverse: Option<Arc<Approximation>>,
     /// What the last tangent was taken about; empty for linear bodies.
     pub(crate) linearised: Arc<Linearised>,
 }
@@ -63,6 +65,7 @@ impl State {
             scales: QpScales::default(),
             force_scale: 0.0,
             directions: Directions::default(),
+            inverse: None,
             linearised: Arc::default(),
         }
     }
@@ -91,6 +94,9 @@ impl State {
 
     pub(crate) fn bytes(&self) -> u64 {
         let numbers = self.displacement.len() + self.pressure.len() + self.multiplier.len();
-        (8 * numbers + self.active.len()) as u64 + self.directions.bytes() + self.linearised.bytes()
+        (8 * numbers + self.active.len()) as u64
+            + self.directions.bytes()
+            + self.linearised.bytes()
+            + self.inverse.as_ref().map_or(0, |inverse| inverse.bytes())
     }
 }

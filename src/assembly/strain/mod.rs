@@ -16,12 +16,14 @@
 //! product with the tangent: some 2000 products per tetrahedron with four points,
 //! three to four times the linear one.
 
+mod cell_tangents;
 mod cells;
 mod kernel;
 mod laws;
 mod operator;
 mod pass;
 
+pub use cell_tangents::{CellStates, CellTangents};
 pub use cells::{CellLaws, Linearised, StrainGrid};
 pub use operator::{TangentBody, TangentDivergence, TangentStiffness};
 pub use pass::Response;
