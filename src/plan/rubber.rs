@@ -32,7 +32,7 @@ const DEGREE: u32 = 2;
 
 impl Plan {
     /// Degree of the rule for stress, volume and tangent.
-    pub(super) fn strain_degree(&self) -> u32 {
+    pub(crate) fn strain_degree(&self) -> u32 {
         self.scene.solver.quadrature_degree.unwrap_or(DEGREE)
     }
 
