@@ -6,9 +6,10 @@ mod common;
 use common::meshes::{cube, mesh, square};
 use common::scenes::{HELD, cube_bend, obstacle, support};
 use signorini::scene::{
-    Formulation, Material, MaterialModel, Pressure, RubberModel, SceneKind, Shape, ToleranceRule,
+    Formulation, Material, MaterialModel, Pressure, Profile, RubberModel, SceneKind, Shape,
+    SupportTarget, ToleranceRule,
 };
-use signorini::{Mesh, MeshParts, Plan, Scene, SceneError, Violation};
+use signorini::{Mesh, MeshParts, Plan, Scene, SceneError, Step, Violation};
 
 /// The bent cube of a law.
 fn rubber(model: RubberModel, bulk_modulus: Option<f64>) -> Scene {
@@ -271,4 +272,100 @@ fn rubber_that_touches_an_obstacle_is_refused_by_its_model_alone() {
     };
     scene.obstacles = vec![obstacle("lid", "z1", shape)];
     assert_unsupported(&scene, "material.body.model", "rubber is not supported yet");
+}
+
+fn moved(target: SupportTarget) -> [Step; 1] {
+    let target = SupportTarget {
+        name: "x0".to_owned(),
+        ..target
+    };
+    [Step {
+        supports: vec![target],
+        ..Step::default()
+    }]
+}
+
+fn turned(rotation: [f64; 3]) -> [Step; 1] {
+    moved(SupportTarget {
+        rotation: Some(rotation),
+        ..SupportTarget::default()
+    })
+}
+
+fn shifted(translation: [f64; 3]) -> [Step; 1] {
+    moved(SupportTarget {
+        translation: Some(translation),
+        ..SupportTarget::default()
+    })
+}
+
+#[test]
+fn a_linear_body_takes_no_large_rotation_of_a_support() {
+    let block = mesh(cube(2));
+    match Plan::new(&cube_bend(0.5), &turned([0.0, 0.0, 7.0]), &block) {
+        Err(SceneError::Unsupported(one)) => {
+            assert_eq!(one.path, "step[0].support.x0.rotation");
+            assert!(one.message.contains("not rubber"), "{one}");
+        }
+        other => panic!("{other:?}"),
+    }
+    assert!(Plan::new(&cube_bend(0.5), &turned([0.0; 3]), &block).is_ok());
+}
+
+#[test]
+fn motions_of_supports_are_finite_and_held() {
+    let mut scene = mooney_rivlin(0.4, 0.1);
+    scene.supports[0].displacement[1] = None;
+    scene.supports.push(support("y0", HELD));
+    let block = mesh(cube(2));
+    let refused = |scene: &Scene, step: &[Step], key: &str, word: &str| {
+        let Err(SceneError::Invalid(all)) = Plan::new(scene, step, &block) else {
+            panic!("{key} is faulty");
+        };
+        assert_eq!(all[0].path, format!("step[0].support.x0{key}"));
+        assert!(all[0].message.contains(word), "{}", all[0]);
+    };
+    let nan = f64::NAN;
+    refused(&scene, &turned([nan, 0.0, 0.0]), ".rotation", "finite");
+    refused(&scene, &shifted([nan, 0.0, 0.0]), ".translation", "finite");
+    refused(
+        &scene,
+        &shifted([0.0, 1.0, 0.0]),
+        ".translation",
+        "hold the y",
+    );
+    let about = moved(SupportTarget {
+        about: Some([0.0, 0.0, nan]),
+        ..SupportTarget::default()
+    });
+    refused(&scene, &about, ".about", "finite");
+    let both = moved(SupportTarget {
+        displacement: [Some(1.0), None, None],
+        translation: Some([1.0, 0.0, 0.0]),
+        ..SupportTarget::default()
+    });
+    refused(&scene, &both, "", "not both");
+    scene.supports[0].profile = Profile::Parabolic;
+    refused(&scene, &shifted([1.0, 0.0, 0.0]), "", "profile");
+}
+
+#[test]
+fn motions_of_supports_stay_in_the_plane() {
+    let mut scene = mooney_rivlin(0.4, 0.1);
+    (scene.tractions, scene.probes) = (Vec::new(), Vec::new());
+    scene.supports = vec![support("x0", [Some(0.0), Some(0.0), None])];
+    let square = mesh(square(2));
+    let paths = |scene: &Scene, step: &[Step]| match Plan::new(scene, step, &square) {
+        Err(SceneError::Invalid(all)) => all.into_iter().map(|one| one.path).collect(),
+        Err(SceneError::Unsupported(one)) => vec![one.path],
+        Ok(_) => Vec::new(),
+    };
+    let rotation = "step[0].support.x0.rotation";
+    assert_eq!(paths(&scene, &turned([1.0, 0.0, 0.0])), [rotation]);
+    let found = paths(&scene, &shifted([0.0, 0.0, 1.0]));
+    assert_eq!(found[0], "step[0].support.x0.translation");
+    let model = "material.body.model";
+    assert_eq!(paths(&scene, &turned([0.0, 0.0, 20.0])), [model]);
+    scene.kind = Some(SceneKind::Axisymmetric);
+    assert_eq!(paths(&scene, &turned([0.0, 0.0, 1.0])), [rotation]);
 }

@@ -180,8 +180,10 @@ fn supports(
     let nodal = space.node_forces(&reaction);
     let mut forces = vec![[0.0; 3]; context.plan.scene.supports.len()];
     for &(unknown, support) in &context.plan.held {
-        forces[usize::from(support)][unknown as usize % space.components] +=
-            nodal[unknown as usize];
+        // What the axis of a body of revolution holds is no support's.
+        if let Some(force) = forces.get_mut(usize::from(support)) {
+            force[unknown as usize % space.components] += nodal[unknown as usize];
+        }
     }
     let unit = context.plan.units.force();
     let names = context.plan.scene.supports.iter();

@@ -162,6 +162,14 @@ fn rubber_scene(mesh: &Mesh) -> wire::Scene {
         on: vec!["top".into()],
         value: Some(0.1),
     }];
+    scene.steps[0].supports[0] = wire::SupportTarget {
+        name: "base".into(),
+        translation: vec![0.0, 0.0, 0.1],
+        rotation: vec![0.0, 0.0, 20.0],
+        about: vec![0.5, 0.5, 0.0],
+        ..Default::default()
+    };
+    scene.supports[0].profile = 0;
     scene
 }
 

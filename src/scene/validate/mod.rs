@@ -176,8 +176,8 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
     })
 }
 
-/// Vertices left of the axis by less than this part of the body lie on it.
-const ON_AXIS: f64 = 1e-9;
+/// Vertices nearer to the axis than this part of the body lie on it.
+pub(crate) const ON_AXIS: f64 = 1e-9;
 
 fn kind(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> SceneKind {
     let fitting: &[SceneKind] = match mesh.cell_kind() {
