@@ -9,7 +9,7 @@ use signorini::scene::{
     Formulation, Material, MaterialModel, Pressure, Profile, RubberModel, SceneKind, Shape,
     SupportTarget, ToleranceRule,
 };
-use signorini::{Mesh, MeshParts, Plan, Scene, SceneError, Step, Violation};
+use signorini::{Mesh, MeshParts, Plan, PlanReport, Scene, SceneError, Step, Violation};
 
 /// The bent cube of a law.
 fn rubber(model: RubberModel, bulk_modulus: Option<f64>) -> Scene {
@@ -50,6 +50,13 @@ fn assert_refused(scene: &Scene, path: &str, word: &str) {
     assert!(found[0].message.contains(word), "{}", found[0]);
 }
 
+fn assert_planned(scene: &Scene) -> PlanReport {
+    match Plan::new(scene, &[], &mesh(cube(2))) {
+        Ok(plan) => plan.report(),
+        Err(error) => panic!("{error}"),
+    }
+}
+
 fn unsupported(scene: &Scene, mesh: &Mesh) -> Violation {
     match Plan::new(scene, &[], mesh) {
         Err(SceneError::Unsupported(violation)) => violation,
@@ -81,7 +88,7 @@ fn the_shear_modulus_at_rest_is_above_zero() {
 
 #[test]
 fn a_negative_second_coefficient_is_no_fault_while_the_sum_is_above_zero() {
-    assert_unsupported(&mooney_rivlin(0.5, -0.1), "material.body.model", "rubber");
+    assert_planned(&mooney_rivlin(0.5, -0.1));
 }
 
 #[test]
@@ -128,7 +135,7 @@ fn a_bulk_modulus_is_above_zero_or_infinite() {
     let path = "material.body.bulk_modulus";
     assert_unsupported(&soft, path, "two thirds of the shear modulus");
     let infinite = rubber(law(), Some(f64::INFINITY));
-    assert_unsupported(&infinite, "material.body.model", "rubber");
+    assert_planned(&infinite);
 }
 
 #[test]
@@ -227,6 +234,8 @@ fn a_follower_pressure_acts_on_the_surface_of_rubber() {
     scene.pressures = pressure("z1", 1.0);
     assert_unsupported(&scene, "pressure[0]", "without rubber");
     let mut scene = mooney_rivlin(0.4, 0.1);
+    scene.pressures = pressure("z1", 1.0);
+    assert_unsupported(&scene, "pressure[0]", "not supported yet");
     scene.pressures = pressure("top", 1.0);
     assert_refused(&scene, "pressure[0].on", "no group of surface facets");
     scene.pressures = pressure("z1", f64::NAN);
@@ -263,15 +272,47 @@ fn an_axisymmetric_body_is_made_of_triangles_right_of_its_axis() {
 }
 
 #[test]
-fn rubber_that_touches_an_obstacle_is_refused_by_its_model_alone() {
-    let mut scene = mooney_rivlin(0.4, 0.1);
+fn rubber_that_touches_an_obstacle_is_planned_with_its_law() {
+    let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, Some(50.0));
+    scene.tractions.clear();
     scene.supports = vec![support("z0", HELD)];
     let shape = Shape::HalfSpace {
         point: [0.0, 0.0, 1.0],
         normal: [0.0, 0.0, -1.0],
     };
     scene.obstacles = vec![obstacle("lid", "z1", shape)];
-    assert_unsupported(&scene, "material.body.model", "rubber is not supported yet");
+    scene.solver.quadrature_degree = Some(5);
+    let report = assert_planned(&scene);
+    let choice = |what: &str| {
+        let mut entries = report.decisions.iter();
+        let entry = entries.find(|entry| entry.what == what).expect(what);
+        entry.choice.clone()
+    };
+    assert_eq!(choice("material"), "neo-hookean, bulk modulus 50");
+    assert_eq!(choice("volume rule"), "degree 5");
+    let left_out = |what: &str| {
+        report
+            .left_out
+            .iter()
+            .any(|entry| entry.what.contains(what))
+    };
+    assert!(!left_out("refactorisation"));
+}
+
+#[test]
+fn a_linear_scene_pays_for_nothing_of_rubber() {
+    let report = assert_planned(&cube_bend(0.5));
+    let left_out = |what: &str| {
+        report
+            .left_out
+            .iter()
+            .any(|entry| entry.what.contains(what))
+    };
+    assert!(left_out("refactorisation"));
+    let names = report.decisions.iter().map(|entry| entry.what.as_str());
+    for what in ["material", "volume rule", "tangent"] {
+        assert!(!names.clone().any(|name| name == what), "{what}");
+    }
 }
 
 fn moved(target: SupportTarget) -> [Step; 1] {
@@ -364,8 +405,7 @@ fn motions_of_supports_stay_in_the_plane() {
     assert_eq!(paths(&scene, &turned([1.0, 0.0, 0.0])), [rotation]);
     let found = paths(&scene, &shifted([0.0, 0.0, 1.0]));
     assert_eq!(found[0], "step[0].support.x0.translation");
-    let model = "material.body.model";
-    assert_eq!(paths(&scene, &turned([0.0, 0.0, 20.0])), [model]);
+    assert_eq!(paths(&scene, &turned([0.0, 0.0, 20.0])), [""; 0]);
     scene.kind = Some(SceneKind::Axisymmetric);
     assert_eq!(paths(&scene, &turned([0.0, 0.0, 1.0])), [rotation]);
 }
