@@ -4,80 +4,15 @@
 //! Plain data in the caller's units; residuals are non-dimensional. Nothing
 //! here computes, so every module may depend on it.
 
+mod ending;
+mod field;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-/// How a step, an increment or an inner solve ended. Not converging is a
-/// result: the best iterate is kept and a [`Cause`] says why.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Termination {
-    /// All four criteria are at or below the tolerance.
-    Converged,
-    /// The method stopped without reaching the tolerance.
-    NotConverged,
-    /// The caller cancelled; the last good state is kept.
-    Cancelled,
-    /// `max_wall_time` or the caller's deadline passed.
-    DeadlineExceeded,
-    /// A defect of the solver; the session cannot go on.
-    InternalError,
-}
-
-impl Termination {
-    /// The name used on the wire and in result lines.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::NotConverged => "not_converged",
-            Self::Cancelled => "cancelled",
-            Self::DeadlineExceeded => "deadline_exceeded",
-            Self::InternalError => "internal_error",
-        }
-    }
-}
-
-/// Why a step did not converge.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Cause {
-    /// The Krylov method no longer reduces the residual.
-    Stagnation,
-    /// The Krylov method used up its iterations.
-    IterationLimit,
-    /// The active set returned to an earlier one.
-    ActiveSetCycle,
-    /// Cut-backs made the increment smaller than its floor.
-    StepTooSmall,
-    /// The line search found no acceptable step.
-    LineSearch,
-    /// Loads or free rigid modes admit no equilibrium.
-    NoEquilibrium,
-    /// Prescribed motion changes the volume of an enclosed incompressible body.
-    EnclosedVolume,
-    /// A residual or field became infinite or not a number.
-    NotFinite,
-    /// A factorisation met a pivot that is not positive.
-    IndefiniteTangent,
-}
-
-impl Cause {
-    /// The name used on the wire and in result lines.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Stagnation => "stagnation",
-            Self::IterationLimit => "iteration_limit",
-            Self::ActiveSetCycle => "active_set_cycle",
-            Self::StepTooSmall => "step_too_small",
-            Self::LineSearch => "line_search",
-            Self::NoEquilibrium => "no_equilibrium",
-            Self::EnclosedVolume => "enclosed_volume",
-            Self::NotFinite => "not_finite",
-            Self::IndefiniteTangent => "indefinite_tangent",
-        }
-    }
-}
+pub use ending::{Cause, Stability, Termination};
+pub use field::{FieldData, FieldName};
 
 /// The four convergence criteria, each relative to its load or first
 /// residual. A block the scene does not have reports zero.
@@ -171,8 +106,11 @@ pub struct ObstacleResult {
     pub moment: [f64; 3],
     /// Undeformed area carried by vertices in contact.
     pub contact_area: f64,
-    /// Largest vertex value of the contact pressure.
+    /// Largest vertex value of the contact pressure, per undeformed area.
     pub max_pressure: f64,
+    /// Largest vertex value of the contact pressure per deformed area; none for
+    /// linear kinematics.
+    pub max_pressure_deformed: Option<f64>,
     /// Pressure-weighted mean position in the deformed body `[3]`; zero without contact.
     pub centre_of_pressure: [f64; 3],
     /// Vertices that stick (zero without friction).
@@ -262,8 +200,14 @@ pub struct StepReport {
     pub strain_energy: f64,
     /// Deformed over undeformed volume.
     pub volume_ratio: f64,
-    /// Smallest det F; none for linear kinematics.
+    /// Smallest det F at a quadrature point; none for linear kinematics.
     pub min_jacobian: Option<f64>,
+    /// Least Bernstein coefficient of det F over all cells: det F is nowhere in
+    /// the body below it. None for linear kinematics.
+    pub min_jacobian_bound: Option<f64>,
+    /// What kind of equilibrium a converged increment is; none for linear
+    /// kinematics and where it was not found out.
+    pub stability: Option<Stability>,
     /// Deepest penetration at a quadrature point of the contact surface.
     pub max_penetration: f64,
     /// The four criteria at the end.
@@ -295,72 +239,6 @@ pub struct StepReport {
     pub instruction_set: String,
     /// Residuals recomputed by the independent assembled path, when asked for.
     pub verification: Option<Residuals>,
-}
-
-/// A field that a caller can ask for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub enum FieldName {
-    /// `[nodes, 3]`: vertices of the uploaded mesh, then edge midpoints.
-    Displacement,
-    /// `[vertices, 1]`: internal pressure; absent without a pressure unknown.
-    Pressure,
-    /// `[vertices, 1]`: contact pressure, zero off the contact surface.
-    ContactPressure,
-    /// `[vertices, 1]`: weighted gap over nodal weight, zero off the contact surface.
-    Gap,
-    /// `[vertices, 1]`: −1 not a candidate, 0 open, 1 in contact.
-    ContactState,
-    /// `[cells, 6]`: xx yy zz xy yz zx, mean over the cell.
-    Stress,
-    /// `[cells, 1]`: volume change of the cell, 1 + div u for linear kinematics.
-    Jacobian,
-    /// `[cells, 1]`: the cell's part of [`StepReport::error_estimate`], whose
-    /// square is the sum of the parts' squares.
-    ErrorEstimate,
-}
-
-impl FieldName {
-    /// Every field, in the order of the documentation.
-    pub const ALL: [Self; 8] = [
-        Self::Displacement,
-        Self::Pressure,
-        Self::ContactPressure,
-        Self::Gap,
-        Self::ContactState,
-        Self::Stress,
-        Self::Jacobian,
-        Self::ErrorEstimate,
-    ];
-
-    /// The name used in scenes, on the wire and in VTU files.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Displacement => "displacement",
-            Self::Pressure => "pressure",
-            Self::ContactPressure => "contact_pressure",
-            Self::Gap => "gap",
-            Self::ContactState => "contact_state",
-            Self::Stress => "stress",
-            Self::Jacobian => "jacobian",
-            Self::ErrorEstimate => "error_estimate",
-        }
-    }
-
-    /// The field of that name.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|field| field.name() == name)
-    }
-}
-
-/// One field of the current state, row-major `[rows, components]`.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FieldData {
-    /// Which field.
-    pub name: FieldName,
-    /// Values per row.
-    pub components: usize,
-    /// `rows * components` values in the caller's units.
-    pub values: Vec<f64>,
 }
 
 /// Receives reports while a step runs. Must be quick and must not block.

@@ -318,6 +318,7 @@ fn steps_move_held_components_only() {
         supports: vec![SupportTarget {
             name: name.to_owned(),
             displacement,
+            ..SupportTarget::default()
         }],
         ..Step::default()
     };

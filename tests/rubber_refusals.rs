@@ -6,9 +6,10 @@ mod common;
 use common::meshes::{cube, mesh, square};
 use common::scenes::{HELD, cube_bend, obstacle, support};
 use signorini::scene::{
-    Formulation, Material, MaterialModel, Pressure, RubberModel, SceneKind, Shape, ToleranceRule,
+    Formulation, Material, MaterialModel, Pressure, Profile, RubberModel, SceneKind, Shape,
+    SupportTarget, ToleranceRule,
 };
-use signorini::{Mesh, MeshParts, Plan, Scene, SceneError, Violation};
+use signorini::{Mesh, MeshParts, Plan, PlanReport, Scene, SceneError, Step, Violation};
 
 /// The bent cube of a law.
 fn rubber(model: RubberModel, bulk_modulus: Option<f64>) -> Scene {
@@ -49,6 +50,13 @@ fn assert_refused(scene: &Scene, path: &str, word: &str) {
     assert!(found[0].message.contains(word), "{}", found[0]);
 }
 
+fn assert_planned(scene: &Scene) -> PlanReport {
+    match Plan::new(scene, &[], &mesh(cube(2))) {
+        Ok(plan) => plan.report(),
+        Err(error) => panic!("{error}"),
+    }
+}
+
 fn unsupported(scene: &Scene, mesh: &Mesh) -> Violation {
     match Plan::new(scene, &[], mesh) {
         Err(SceneError::Unsupported(violation)) => violation,
@@ -80,7 +88,7 @@ fn the_shear_modulus_at_rest_is_above_zero() {
 
 #[test]
 fn a_negative_second_coefficient_is_no_fault_while_the_sum_is_above_zero() {
-    assert_unsupported(&mooney_rivlin(0.5, -0.1), "material.body.model", "rubber");
+    assert_planned(&mooney_rivlin(0.5, -0.1));
 }
 
 #[test]
@@ -127,7 +135,7 @@ fn a_bulk_modulus_is_above_zero_or_infinite() {
     let path = "material.body.bulk_modulus";
     assert_unsupported(&soft, path, "two thirds of the shear modulus");
     let infinite = rubber(law(), Some(f64::INFINITY));
-    assert_unsupported(&infinite, "material.body.model", "rubber");
+    assert_planned(&infinite);
 }
 
 #[test]
@@ -226,6 +234,8 @@ fn a_follower_pressure_acts_on_the_surface_of_rubber() {
     scene.pressures = pressure("z1", 1.0);
     assert_unsupported(&scene, "pressure[0]", "without rubber");
     let mut scene = mooney_rivlin(0.4, 0.1);
+    scene.pressures = pressure("z1", 1.0);
+    assert_unsupported(&scene, "pressure[0]", "not supported yet");
     scene.pressures = pressure("top", 1.0);
     assert_refused(&scene, "pressure[0].on", "no group of surface facets");
     scene.pressures = pressure("z1", f64::NAN);
@@ -262,13 +272,140 @@ fn an_axisymmetric_body_is_made_of_triangles_right_of_its_axis() {
 }
 
 #[test]
-fn rubber_that_touches_an_obstacle_is_refused_by_its_model_alone() {
-    let mut scene = mooney_rivlin(0.4, 0.1);
+fn rubber_that_touches_an_obstacle_is_planned_with_its_law() {
+    let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, Some(50.0));
+    scene.tractions.clear();
     scene.supports = vec![support("z0", HELD)];
     let shape = Shape::HalfSpace {
         point: [0.0, 0.0, 1.0],
         normal: [0.0, 0.0, -1.0],
     };
     scene.obstacles = vec![obstacle("lid", "z1", shape)];
-    assert_unsupported(&scene, "material.body.model", "rubber is not supported yet");
+    scene.solver.quadrature_degree = Some(5);
+    let report = assert_planned(&scene);
+    let choice = |what: &str| {
+        let mut entries = report.decisions.iter();
+        let entry = entries.find(|entry| entry.what == what).expect(what);
+        entry.choice.clone()
+    };
+    assert_eq!(choice("material"), "neo-hookean, bulk modulus 50");
+    assert_eq!(choice("volume rule"), "degree 5");
+    let left_out = |what: &str| {
+        report
+            .left_out
+            .iter()
+            .any(|entry| entry.what.contains(what))
+    };
+    assert!(!left_out("refactorisation"));
+}
+
+#[test]
+fn a_linear_scene_pays_for_nothing_of_rubber() {
+    let report = assert_planned(&cube_bend(0.5));
+    let left_out = |what: &str| {
+        report
+            .left_out
+            .iter()
+            .any(|entry| entry.what.contains(what))
+    };
+    assert!(left_out("refactorisation"));
+    let names = report.decisions.iter().map(|entry| entry.what.as_str());
+    for what in ["material", "volume rule", "tangent"] {
+        assert!(!names.clone().any(|name| name == what), "{what}");
+    }
+}
+
+fn moved(target: SupportTarget) -> [Step; 1] {
+    let target = SupportTarget {
+        name: "x0".to_owned(),
+        ..target
+    };
+    [Step {
+        supports: vec![target],
+        ..Step::default()
+    }]
+}
+
+fn turned(rotation: [f64; 3]) -> [Step; 1] {
+    moved(SupportTarget {
+        rotation: Some(rotation),
+        ..SupportTarget::default()
+    })
+}
+
+fn shifted(translation: [f64; 3]) -> [Step; 1] {
+    moved(SupportTarget {
+        translation: Some(translation),
+        ..SupportTarget::default()
+    })
+}
+
+#[test]
+fn a_linear_body_takes_no_large_rotation_of_a_support() {
+    let block = mesh(cube(2));
+    match Plan::new(&cube_bend(0.5), &turned([0.0, 0.0, 7.0]), &block) {
+        Err(SceneError::Unsupported(one)) => {
+            assert_eq!(one.path, "step[0].support.x0.rotation");
+            assert!(one.message.contains("not rubber"), "{one}");
+        }
+        other => panic!("{other:?}"),
+    }
+    assert!(Plan::new(&cube_bend(0.5), &turned([0.0; 3]), &block).is_ok());
+}
+
+#[test]
+fn motions_of_supports_are_finite_and_held() {
+    let mut scene = mooney_rivlin(0.4, 0.1);
+    scene.supports[0].displacement[1] = None;
+    scene.supports.push(support("y0", HELD));
+    let block = mesh(cube(2));
+    let refused = |scene: &Scene, step: &[Step], key: &str, word: &str| {
+        let Err(SceneError::Invalid(all)) = Plan::new(scene, step, &block) else {
+            panic!("{key} is faulty");
+        };
+        assert_eq!(all[0].path, format!("step[0].support.x0{key}"));
+        assert!(all[0].message.contains(word), "{}", all[0]);
+    };
+    let nan = f64::NAN;
+    refused(&scene, &turned([nan, 0.0, 0.0]), ".rotation", "finite");
+    refused(&scene, &shifted([nan, 0.0, 0.0]), ".translation", "finite");
+    refused(
+        &scene,
+        &shifted([0.0, 1.0, 0.0]),
+        ".translation",
+        "hold the y",
+    );
+    let about = moved(SupportTarget {
+        about: Some([0.0, 0.0, nan]),
+        ..SupportTarget::default()
+    });
+    refused(&scene, &about, ".about", "finite");
+    let both = moved(SupportTarget {
+        displacement: [Some(1.0), None, None],
+        translation: Some([1.0, 0.0, 0.0]),
+        ..SupportTarget::default()
+    });
+    refused(&scene, &both, "", "not both");
+    scene.supports[0].profile = Profile::Parabolic;
+    refused(&scene, &shifted([1.0, 0.0, 0.0]), "", "profile");
+}
+
+#[test]
+fn motions_of_supports_stay_in_the_plane() {
+    let mut scene = mooney_rivlin(0.4, 0.1);
+    (scene.tractions, scene.probes) = (Vec::new(), Vec::new());
+    scene.supports = vec![support("x0", [Some(0.0), Some(0.0), None])];
+    let square = mesh(square(2));
+    let paths = |scene: &Scene, step: &[Step]| match Plan::new(scene, step, &square) {
+        Err(SceneError::Invalid(all)) => all.into_iter().map(|one| one.path).collect(),
+        Err(SceneError::Unsupported(one)) => vec![one.path],
+        Ok(_) => Vec::new(),
+    };
+    let rotation = "step[0].support.x0.rotation";
+    assert_eq!(paths(&scene, &turned([1.0, 0.0, 0.0])), [rotation]);
+    let found = paths(&scene, &shifted([0.0, 0.0, 1.0]));
+    assert_eq!(found[0], "step[0].support.x0.translation");
+    assert_eq!(paths(&scene, &turned([0.0, 0.0, 20.0])), [""; 0]);
+    scene.kind = Some(SceneKind::Axisymmetric);
+    assert_eq!(paths(&scene, &turned([0.0, 0.0, 1.0])), [rotation]);
 }

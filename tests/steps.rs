@@ -159,6 +159,7 @@ fn slide(value: f64) -> Step {
         supports: vec![SupportTarget {
             name: "x1".to_owned(),
             displacement: [None, None, Some(value)],
+            ..SupportTarget::default()
         }],
         ..Step::default()
     }
@@ -177,6 +178,26 @@ fn a_moved_support_ends_where_a_displaced_one_starts() {
     assert!(difference(&displacement(&moved), &displacement(&direct)) < 1e-8);
     let force = reports[1].supports["x1"].force[2];
     assert!(close(force, report.supports["x1"].force[2], 1e-7) && force < 0.0);
+}
+
+#[test]
+fn a_translated_support_moves_like_a_displaced_one() {
+    let mut scene = elastic(0.5);
+    scene.supports = vec![support("x0", HELD), support("x1", [None, None, Some(0.0)])];
+    let mesh = block();
+    let translated = Step {
+        supports: vec![SupportTarget {
+            name: "x1".to_owned(),
+            translation: Some([0.0, 0.0, -0.2]),
+            ..SupportTarget::default()
+        }],
+        ..Step::default()
+    };
+    let (moved, reports) = run(&scene, &[translated, Step::default()], &mesh);
+    let (slid, same) = run(&scene, &[slide(-0.2), Step::default()], &mesh);
+    assert_converged(&reports[1]);
+    assert_eq!(displacement(&moved), displacement(&slid));
+    assert_eq!(reports[1].supports, same[1].supports);
 }
 
 /// Cancels its own solve after some iterations.

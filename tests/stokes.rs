@@ -109,6 +109,7 @@ fn a_step_changes_the_peak_of_a_profile() {
         supports: vec![SupportTarget {
             name: "x0".to_owned(),
             displacement: [Some(-1.0), None, None],
+            ..SupportTarget::default()
         }],
         ..Step::default()
     };

@@ -28,6 +28,12 @@ pub fn cause(cause: v1::Cause) -> Option<String> {
     known.then(|| word(cause.as_str_name(), "CAUSE_"))
 }
 
+/// The name of a kind of equilibrium; none where it was not found out.
+pub fn stability(stability: v1::Stability) -> Option<String> {
+    let known = stability != v1::Stability::Unspecified;
+    known.then(|| word(stability.as_str_name(), "STABILITY_"))
+}
+
 /// The name of a field, such as `contact_pressure`.
 pub fn field(field: v1::FieldName) -> String {
     word(field.as_str_name(), "FIELD_NAME_")
@@ -115,6 +121,7 @@ fn obstacle(result: &v1::ObstacleResult) -> Value {
         "moment": result.moment,
         "contact_area": result.contact_area,
         "max_pressure": result.max_pressure,
+        "max_pressure_deformed": result.max_pressure_deformed,
         "centre_of_pressure": result.centre_of_pressure,
         "stick_vertices": result.stick_vertices,
         "slip_vertices": result.slip_vertices,
@@ -158,6 +165,8 @@ pub fn step(report: &v1::StepReport) -> Value {
         "strain_energy": report.strain_energy,
         "volume_ratio": report.volume_ratio,
         "min_jacobian": report.min_jacobian,
+        "min_jacobian_bound": report.min_jacobian_bound,
+        "stability": stability(report.stability()),
         "max_penetration": report.max_penetration,
         "residuals": residuals(report.residuals.as_ref()),
         "tolerance": report.tolerance,

@@ -125,6 +125,12 @@ fn report(lines: &mut Lines, name: &str, report: &v1::StepReport) {
     }
     lines.add("strain energy", &number(report.strain_energy));
     lines.add("volume ratio", &format!("{:.9}", report.volume_ratio));
+    if let Some(least) = report.min_jacobian {
+        lines.add("det F", &jacobian(least, report.min_jacobian_bound));
+    }
+    if let Some(stability) = result_line::stability(report.stability()) {
+        lines.add("equilibrium", &format!("{stability} of the energy"));
+    }
     if let Some(errors) = &report.errors {
         lines.add("errors", &manufactured(errors));
     }
@@ -141,6 +147,12 @@ fn report(lines: &mut Lines, name: &str, report: &v1::StepReport) {
     }
 }
 
+/// Least det F at quadrature points, and what it is nowhere below.
+fn jacobian(least: f64, bound: Option<f64>) -> String {
+    let bound = bound.map(|bound| format!(", nowhere below {}", number(bound)));
+    format!("{} at least{}", number(least), bound.unwrap_or_default())
+}
+
 fn ending(report: &v1::StepReport) -> String {
     let termination = result_line::termination(report.termination());
     let cause = result_line::cause(report.cause());
@@ -154,7 +166,11 @@ fn loads(lines: &mut Lines, report: &v1::StepReport) {
     let obstacles = report.obstacles.iter().map(|(name, obstacle)| {
         let force = vector(&obstacle.force);
         let (area, pressure) = (number(obstacle.contact_area), number(obstacle.max_pressure));
-        let value = format!("force {force}, contact area {area}, pressure {pressure} at most");
+        let deformed = obstacle.max_pressure_deformed;
+        let deformed = deformed.map(|p| format!(" ({} per deformed area)", number(p)));
+        let deformed = deformed.unwrap_or_default();
+        let value =
+            format!("force {force}, contact area {area}, pressure {pressure}{deformed} at most");
         (name.as_str(), value)
     });
     lines.add_each("obstacle", obstacles);
@@ -265,6 +281,25 @@ mod tests {
             "not_converged (line_search): step 1, increment 2",
             "obstacle ball      force (0, 0, -0.0177), contact area 0.0375, pressure 0.6 at most",
             "left out           friction: no obstacle has it",
+        ] {
+            assert!(text.contains(part), "{part}\n{text}");
+        }
+    }
+
+    #[test]
+    fn finite_strain_says_how_far_cells_are_from_turning_inside_out() {
+        let mut report = report();
+        assert!(!results(&omission(), &[report.clone()]).contains("det F"));
+        report.min_jacobian = Some(0.9);
+        report.min_jacobian_bound = Some(0.85);
+        report.stability = v1::Stability::Minimum.into();
+        let obstacle = report.obstacles.get_mut("ball").unwrap();
+        obstacle.max_pressure_deformed = Some(0.55);
+        let text = results(&omission(), &[report]);
+        for part in [
+            "det F              0.9 at least, nowhere below 0.85",
+            "equilibrium        minimum of the energy",
+            "pressure 0.6 (0.55 per deformed area) at most",
         ] {
             assert!(text.contains(part), "{part}\n{text}");
         }

@@ -130,7 +130,7 @@ fn keys_of_later_capabilities_are_not_supported_yet() {
         "obstacle.ball.tresca=1.0",
         "support.base.normal=0.0",
         "pressure.0={ on = \"z1\", value = 1.0 }",
-        "material.body={ model = \"neo-hookean\", shear_modulus = 1.0 }",
+        "step.0.support.base={ rotation = [0, 0, 7] }",
         "obstacle.ball.shape={ kind = \"torus\", centre = [0, 0, 1], axis = [0, 0, 1], radius = 1, tube_radius = 0.1 }",
         "step.0.obstacle.ball={ force = { z = -1.0 } }",
     ] {

@@ -149,6 +149,31 @@ fn names_are_those_of_the_contract() {
 }
 
 #[test]
+fn every_cause_and_kind_of_equilibrium_keeps_to_the_schema() {
+    let schema = result_lines();
+    let causes = (0..).map_while(|number| v1::Cause::try_from(number).ok());
+    let kinds = (0..).map_while(|number| v1::Stability::try_from(number).ok());
+    let (causes, kinds): (Vec<_>, Vec<_>) = (causes.collect(), kinds.collect());
+    assert!(causes.contains(&v1::Cause::NegativeJacobian) && kinds.len() == 3);
+    for (cause, kind) in causes
+        .iter()
+        .flat_map(|c| kinds.iter().map(move |k| (c, k)))
+    {
+        let line = result_line::step(&v1::StepReport {
+            cause: (*cause).into(),
+            stability: (*kind).into(),
+            min_jacobian: Some(0.7),
+            min_jacobian_bound: Some(0.6),
+            ..report()
+        });
+        assert_eq!(fault(&schema, &line), None);
+        assert_eq!(line["min_jacobian_bound"], 0.6);
+        let is_known = *kind != v1::Stability::Unspecified;
+        assert_eq!(line["stability"].is_string(), is_known);
+    }
+}
+
+#[test]
 fn totals_add_up_over_increments() {
     let mut totals = Totals::default();
     totals.add(&report());

@@ -102,13 +102,16 @@ async fn keys_of_later_capabilities_are_refused_by_path() {
             }),
         ),
         (
-            "material.body.model",
+            "step[0].support.base.rotation",
             with(|scene| {
-                let law = wire::NeoHookean {
-                    shear_modulus: Some(1.0),
-                    bulk_modulus: None,
-                };
-                scene.materials[0].model = Some(wire::material::Model::NeoHookean(law));
+                scene.steps = vec![wire::LoadStep {
+                    supports: vec![wire::SupportTarget {
+                        name: "base".into(),
+                        rotation: vec![0.0, 0.0, 7.0],
+                        ..Default::default()
+                    }],
+                    ..Default::default()
+                }];
             }),
         ),
     ];

@@ -6,6 +6,7 @@ pub mod cells;
 pub mod edge_stiffness;
 pub mod eliminated;
 pub mod enriched;
+pub mod follower;
 pub mod grid;
 pub mod kernel;
 pub mod lanes;

@@ -5,6 +5,7 @@
 //! a few flops and allocates nothing.
 
 pub mod rigid_motion;
+pub mod symmetric;
 pub mod tensor;
 pub mod vector3;
 

@@ -5,7 +5,7 @@
 //! which keep full accuracy down to θ = 0. One matrix costs two sines and some
 //! forty flops; a caller that moves many points keeps the matrix.
 
-use super::vector3::{add, dot, norm, sub};
+use super::vector3::{add, cross, dot, norm, scale, sub};
 
 /// A 3×3 matrix, row by row.
 pub type Matrix3 = [[f64; 3]; 3];
@@ -44,6 +44,37 @@ impl RigidMotion {
         multiply_transposed(&self.matrix(), vector)
     }
 
+    /// How far a point moves `[3]`: (R − I)(x − c) + t, where a small rotation
+    /// keeps its digits.
+    pub fn displacement(&self, point: [f64; 3]) -> [f64; 3] {
+        let [first, second] = weights(self.rotation);
+        let once = cross(self.rotation, sub(point, self.about));
+        let twice = cross(self.rotation, once);
+        add(
+            add(scale(first, once), scale(second, twice)),
+            self.translation,
+        )
+    }
+
+    /// The same motion with another reference point.
+    pub fn expressed_about(&self, about: [f64; 3]) -> Self {
+        let turn = Self {
+            translation: [0.0; 3],
+            rotation: self.rotation,
+            about,
+        };
+        Self {
+            translation: sub(self.translation, turn.displacement(self.about)),
+            ..turn
+        }
+    }
+
+    /// Whether every point stays where it is by construction.
+    pub fn is_rest(&self) -> bool {
+        let mut all = self.translation.iter().chain(&self.rotation);
+        all.all(|&value| value == 0.0)
+    }
+
     /// R, orthogonal to rounding.
     pub fn matrix(&self) -> Matrix3 {
         rotation_matrix(self.rotation)
@@ -54,9 +85,7 @@ impl RigidMotion {
 /// R = I + (sin θ/θ) K + ½ (sin(θ/2)/(θ/2))² K², K² = r rᵀ − θ² I.
 pub fn rotation_matrix(rotation: [f64; 3]) -> Matrix3 {
     let [x, y, z] = rotation;
-    let angle = norm(rotation);
-    let first = cardinal_sine(angle);
-    let second = 0.5 * cardinal_sine(0.5 * angle).powi(2);
+    let [first, second] = weights(rotation);
     let (xx, yy, zz) = (x * x, y * y, z * z);
     [
         [
@@ -75,6 +104,13 @@ pub fn rotation_matrix(rotation: [f64; 3]) -> Matrix3 {
             1.0 - second * (xx + yy),
         ],
     ]
+}
+
+/// Of K and K² in R − I.
+fn weights(rotation: [f64; 3]) -> [f64; 2] {
+    let angle = norm(rotation);
+    let half = cardinal_sine(0.5 * angle);
+    [cardinal_sine(angle), 0.5 * half.powi(2)]
 }
 
 /// M v.
@@ -183,7 +219,33 @@ mod tests {
         assert!(distance(turned, rotation) < 1e-13);
     }
 
+    #[test]
+    fn tiny_rotations_move_points_by_their_arm() {
+        let motion = RigidMotion {
+            rotation: [0.0, 0.0, 1e-30],
+            about: [1.0, 0.0, 0.0],
+            ..RigidMotion::default()
+        };
+        assert_eq!(motion.displacement([3.0, 0.0, 0.0])[1], 2e-30);
+        assert!(RigidMotion::default().is_rest() && !motion.is_rest());
+    }
+
     proptest! {
+        #[test]
+        fn a_displacement_leads_from_a_point_to_its_image(motion in motion(), point in vector(10.0)) {
+            let moved = add(point, motion.displacement(point));
+            prop_assert!(distance(moved, motion.apply(point)) < 1e-12);
+        }
+
+        #[test]
+        fn another_reference_point_gives_the_same_motion(
+            motion in motion(), about in vector(3.0), point in vector(10.0),
+        ) {
+            let same = motion.expressed_about(about);
+            prop_assert_eq!(same.about, about);
+            prop_assert!(distance(same.apply(point), motion.apply(point)) < 1e-11);
+        }
+
         #[test]
         fn inverse_undoes_the_motion(motion in motion(), point in vector(10.0)) {
             prop_assert!(distance(motion.inverse_apply(motion.apply(point)), point) < 1e-12);
@@ -198,7 +260,7 @@ mod tests {
             let moved = distance(motion.apply(a), motion.apply(b));
             prop_assert!((moved - distance(a, b)).abs() < 1e-12);
             let [x, y, z] = motion.matrix();
-            let determinant = dot(x, crate::geometry::vector3::cross(y, z));
+            let determinant = dot(x, cross(y, z));
             prop_assert!((determinant - 1.0).abs() < 1e-13);
         }
 

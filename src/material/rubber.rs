@@ -4,15 +4,20 @@
 //! W(F) - p (J - 1) - p^2 / 2K,   so that P = dW/dF - p cof F,  -(J - 1) - p / K = 0
 //! ```
 //!
-//! with bulk modulus K, 1/K = 0 where the volume cannot change.
+//! with bulk modulus K, 1/K = 0 where the volume cannot change. All of it is given
+//! at a displacement gradient H = F - I, one point at a time; the kernels take the
+//! laws in invariants several elements at a time.
 
-use super::InvariantLaw;
+use super::{Deformation, InvariantLaw, Ogden, TangentMatrix};
+use crate::geometry::tensor::{Tensor, cross, plus, volume_change};
 
 /// The isochoric part.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Isochoric {
     /// Mooney-Rivlin, neo-Hookean, Yeoh.
     Invariants(InvariantLaw<f64>),
+    /// Powers of the principal stretches.
+    Ogden(Ogden),
 }
 
 /// A rubber.
@@ -24,11 +29,167 @@ pub struct Rubber {
     pub inverse_bulk: f64,
 }
 
+fn deformation(h: &Tensor<f64>) -> Deformation<f64> {
+    Deformation::new(*h, (1.0 + volume_change(h)).cbrt().recip())
+}
+
+/// The tensor with one in place 3 i + j.
+fn unit(place: usize) -> Tensor<f64> {
+    let mut change = [[0.0; 3]; 3];
+    change[place / 3][place % 3] = 1.0;
+    change
+}
+
+impl Isochoric {
+    /// Shear modulus at rest, stress.
+    pub fn shear_modulus(&self) -> f64 {
+        match self {
+            Self::Invariants(law) => law.modulus(),
+            Self::Ogden(law) => law.shear_modulus(),
+        }
+    }
+
+    /// W.
+    pub fn energy(&self, h: &Tensor<f64>) -> f64 {
+        match self {
+            Self::Invariants(law) => law.energy(&deformation(h)),
+            Self::Ogden(law) => law.energy(h),
+        }
+    }
+
+    /// dW/dF.
+    pub fn stress(&self, h: &Tensor<f64>) -> Tensor<f64> {
+        match self {
+            Self::Invariants(law) => law.stress(&deformation(h)),
+            Self::Ogden(law) => law.stress(h),
+        }
+    }
+
+    /// d2W/dF2.
+    pub fn tangent(&self, h: &Tensor<f64>) -> TangentMatrix {
+        match self {
+            Self::Invariants(law) => {
+                let at = deformation(h);
+                std::array::from_fn(|place| {
+                    let (change, _) = law.tangent(&at, 0.0, &unit(place));
+                    std::array::from_fn(|row| change[row / 3][row % 3])
+                })
+            }
+            Self::Ogden(law) => law.tangent(h),
+        }
+    }
+}
+
 impl Rubber {
     /// Shear modulus at rest, stress.
     pub fn shear_modulus(&self) -> f64 {
-        match &self.isochoric {
-            Isochoric::Invariants(law) => law.modulus(),
+        self.isochoric.shear_modulus()
+    }
+
+    /// W - p (J - 1) - p^2 / 2K.
+    pub fn energy(&self, h: &Tensor<f64>, pressure: f64) -> f64 {
+        let volumetric = volume_change(h) + 0.5 * pressure * self.inverse_bulk;
+        self.isochoric.energy(h) - pressure * volumetric
+    }
+
+    /// P = dW/dF - p cof F.
+    pub fn stress(&self, h: &Tensor<f64>, pressure: f64) -> Tensor<f64> {
+        let cofactor = deformation(h).cofactor;
+        plus(&self.isochoric.stress(h), -pressure, &cofactor)
+    }
+
+    /// dP/dF at fixed pressure.
+    pub fn tangent(&self, h: &Tensor<f64>, pressure: f64) -> TangentMatrix {
+        let gradient = deformation(h).gradient;
+        let mut tangent = self.isochoric.tangent(h);
+        for (row, unit_row) in tangent.iter_mut().zip((0..9).map(unit)) {
+            let turned = cross(&gradient, &unit_row);
+            for (entry, turn) in row.iter_mut().zip(turned.as_flattened()) {
+                *entry -= pressure * turn;
+            }
+        }
+        tangent
+    }
+
+    /// -(J - 1) - p / K.
+    pub fn volume_defect(&self, h: &Tensor<f64>, pressure: f64) -> f64 {
+        -volume_change(h) - pressure * self.inverse_bulk
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::tensor::{contract, plus_unit};
+    use crate::material::OgdenTerm;
+
+    const H: Tensor<f64> = [[0.3, -0.2, 0.3], [0.15, 0.2, -0.25], [-0.3, 0.1, -0.35]];
+
+    fn rubbers() -> [Rubber; 2] {
+        let invariants = Isochoric::Invariants(InvariantLaw {
+            c10: 0.4,
+            c01: 0.1,
+            c20: 0.05,
+            c30: 0.02,
+        });
+        let terms = vec![OgdenTerm {
+            modulus: 0.7,
+            exponent: 2.6,
+        }];
+        [invariants, Isochoric::Ogden(Ogden { terms })].map(|isochoric| Rubber {
+            isochoric,
+            inverse_bulk: 0.2,
+        })
+    }
+
+    fn moved(place: usize, length: f64) -> Tensor<f64> {
+        plus(&H, length, &unit(place))
+    }
+
+    #[test]
+    fn stress_and_volume_defect_are_the_slopes_of_the_energy() {
+        let pressure = 0.37;
+        for rubber in rubbers() {
+            let stress = rubber.stress(&H, pressure);
+            for (place, found) in stress.as_flattened().iter().enumerate() {
+                let energy = |length| rubber.energy(&moved(place, length), pressure);
+                let slope = (energy(1e-5) - energy(-1e-5)) / 2e-5;
+                assert!((slope - found).abs() < 1e-9, "{slope} {found}");
+            }
+            let energy = |pressure| rubber.energy(&H, pressure);
+            let slope = (energy(pressure + 1e-4) - energy(pressure - 1e-4)) / 2e-4;
+            assert!((slope - rubber.volume_defect(&H, pressure)).abs() < 1e-10);
+        }
+    }
+
+    #[test]
+    fn the_tangent_is_the_slope_of_the_stress_and_symmetric() {
+        let pressure = 0.37;
+        for rubber in rubbers() {
+            let tangent = rubber.tangent(&H, pressure);
+            for place in 0..9 {
+                let stress = |length| rubber.stress(&moved(place, length), pressure);
+                let (up, down) = (stress(1e-5), stress(-1e-5));
+                for row in 0..9 {
+                    let slope = (up[row / 3][row % 3] - down[row / 3][row % 3]) / 2e-5;
+                    let found = tangent[row][place];
+                    assert!(
+                        (slope - found).abs() < 1e-8 * (1.0 + found.abs()),
+                        "{slope} {found}"
+                    );
+                    assert!((found - tangent[place][row]).abs() < 1e-13);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_work_of_a_hydrostatic_change_is_that_of_the_pressure() {
+        for rubber in rubbers() {
+            // d/dt of (1 + t) F changes no isochoric energy; dJ/dt = 3 J.
+            let work = contract(&rubber.stress(&H, 0.37), &plus_unit(&H));
+            let exact = -0.37 * 3.0 * (1.0 + volume_change(&H));
+            assert!((work - exact).abs() < 1e-14);
         }
     }
 }

@@ -23,7 +23,7 @@ use crate::inequality::MetricKind;
 use crate::linalg::cholesky::Precision;
 use crate::mesh::{Mesh, MeshId};
 use crate::report::Unknowns;
-use crate::scene::validate::{Resolved, resolve};
+use crate::scene::validate::{ON_AXIS, Resolved, resolve};
 use crate::scene::{Scene, SceneError, SceneKind, Step, Violation};
 use crate::space::TaylorHood;
 
@@ -57,7 +57,8 @@ pub struct Plan {
     pub(crate) element: Element,
     pub(crate) vertices: usize,
     pub(crate) cells: usize,
-    /// Held unknown and the support that holds it, ascending by unknown.
+    /// Held unknown and the support that holds it ([`AXIS`] where none does),
+    /// ascending by unknown.
     pub(crate) held: Vec<(u32, u16)>,
     pub(crate) contact: contact::ContactChoice,
     /// Mesh vertices of all candidate faces, ascending; none where the metric is
@@ -246,6 +247,9 @@ fn vertices_of<'a>(mesh: &Mesh, facets: impl Iterator<Item = &'a Vec<u32>>) -> V
     vertices
 }
 
+/// In the place of a support: the axis of a body of revolution, where u_x = 0.
+pub(crate) const AXIS: u16 = u16::MAX;
+
 /// Held unknowns; where supports overlap, the first one named holds.
 fn held_unknowns(
     scene: &Scene,
@@ -271,7 +275,23 @@ fn held_unknowns(
             }
         }
     }
+    if resolved.kind == SceneKind::Axisymmetric {
+        for node in nodes_on_axis(mesh, space) {
+            // Of all supports and the axis, the axis holds.
+            held.insert(node * space.components as u32, AXIS);
+        }
+    }
     held.into_iter().collect()
+}
+
+/// Vertices on x = 0, and midpoints between two of them.
+fn nodes_on_axis(mesh: &Mesh, space: &TaylorHood) -> Vec<u32> {
+    let most = ON_AXIS * mesh.extent();
+    let is_on_axis = |vertex: u32| mesh.coordinates()[vertex as usize][0] <= most;
+    let vertices = (0..space.vertices as u32).filter(|&vertex| is_on_axis(vertex));
+    let edges = space.edges.iter().zip(space.vertices as u32..);
+    let edges = edges.filter(|([a, b], _)| is_on_axis(*a) && is_on_axis(*b));
+    vertices.chain(edges.map(|(_, node)| node)).collect()
 }
 
 /// Relative difference of prescribed values that counts as none.

@@ -33,6 +33,26 @@ fn scene(poisson_ratio: f64) -> Scene {
     }
 }
 
+#[test]
+fn the_axis_of_a_body_of_revolution_is_its_side_at_x_zero() {
+    let mesh = samples::rectangle(2, 2);
+    let space = crate::space::TaylorHood::new(&mesh);
+    let nodes = super::nodes_on_axis(&mesh, &space);
+    let on_axis = |vertex: &u32| mesh.coordinates()[*vertex as usize][0] <= 0.0;
+    let (vertices, edges): (Vec<u32>, Vec<u32>) = nodes
+        .iter()
+        .partition(|&&node| (node as usize) < space.vertices);
+    assert_eq!((vertices.len(), edges.len()), (3, 2));
+    assert!(vertices.iter().all(on_axis));
+    for node in edges {
+        assert!(
+            space.edges[node as usize - space.vertices]
+                .iter()
+                .all(on_axis)
+        );
+    }
+}
+
 /// [`scene`] with the third component held as well.
 fn clamped(poisson_ratio: f64) -> Scene {
     let mut scene = scene(poisson_ratio);

@@ -242,6 +242,21 @@ pub struct SupportTarget {
     pub name: String,
     /// New values of held components; `None` keeps the value.
     pub displacement: [Option<f64>; 3],
+    /// Rigid motion of the support, on top of the values: from the undeformed
+    /// body `[3]`, length.
+    pub translation: Option<[f64; 3]>,
+    /// Rotation vector `[3]`, radians; several turns allowed. Needs rubber.
+    pub rotation: Option<[f64; 3]>,
+    /// Point of the undeformed body that the rotation leaves in place `[3]`; the
+    /// origin at first.
+    pub about: Option<[f64; 3]>,
+}
+
+impl SupportTarget {
+    /// Whether it names a rigid motion.
+    pub fn names_motion(&self) -> bool {
+        self.translation.is_some() || self.rotation.is_some() || self.about.is_some()
+    }
 }
 
 /// One load step: everything ramps linearly from the end of the previous step.

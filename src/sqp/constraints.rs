@@ -128,7 +128,7 @@ pub(crate) fn prescribe(
 }
 
 /// What `support` prescribes for component `i` at a position in the coordinates
-/// of the mesh, non-dimensional.
+/// of the mesh, non-dimensional; zero for what the axis holds.
 pub(crate) fn prescribed_value(
     plan: &Plan,
     drive: &Drive,
@@ -137,19 +137,23 @@ pub(crate) fn prescribed_value(
     position: &dyn Fn() -> [f64; 3],
 ) -> f64 {
     let length = plan.units.length;
-    let peak = drive.supports[support][i];
+    let scale = plan.units.coordinate_scale * length;
+    let Some(values) = drive.supports.get(support) else {
+        return 0.0;
+    };
     let value = match (
         &plan.resolved.manufactured,
         &plan.resolved.profiles[support],
     ) {
-        (Some(field), _) => {
-            let scale = plan.units.coordinate_scale * length;
-            drive.load * field.displacement(position().map(|x| x * scale))[i]
-        }
-        (None, Some(profile)) => peak * profile.at(position()),
-        (None, None) => peak,
+        (Some(field), _) => drive.load * field.displacement(position().map(|x| x * scale))[i],
+        (None, Some(profile)) => values[i] * profile.at(position()),
+        (None, None) => values[i],
     };
-    value / length
+    let motion = &drive.motions[support];
+    match motion.is_rest() {
+        true => value / length,
+        false => (value + motion.displacement(position().map(|x| x * scale))[i]) / length,
+    }
 }
 
 /// Position of a node in the coordinates of the mesh.
@@ -160,6 +164,54 @@ fn mesh_position(mesh: &Mesh, prepared: &Prepared, node: usize) -> [f64; 3] {
         Some(edge) => {
             let [a, b] = prepared.space.edges[edge].map(|v| at(v as usize));
             std::array::from_fn(|i| 0.5 * (a[i] + b[i]))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::rigid_motion::RigidMotion;
+    use crate::mesh::samples;
+    use crate::scene::{Formulation, Material, MaterialModel, Modulus, Scene, Support};
+
+    #[test]
+    fn a_moving_support_carries_its_points_rigidly() {
+        let scene = Scene {
+            mesh_scale: Some(3.0),
+            materials: vec![Material {
+                group: "body".to_owned(),
+                model: MaterialModel::LinearElastic {
+                    modulus: Modulus::Shear(1.0),
+                    poisson_ratio: 0.5,
+                    formulation: Formulation::Auto,
+                },
+            }],
+            supports: vec![Support {
+                name: "wall".to_owned(),
+                on: vec!["x0".to_owned()],
+                displacement: [Some(0.5), Some(0.0), Some(0.0)],
+                profile: Default::default(),
+            }],
+            ..Scene::default()
+        };
+        let mesh = samples::cube(1);
+        let plan = Plan::new(&scene, &[], &mesh).expect("a valid scene");
+        let motion = RigidMotion {
+            translation: [0.1, 0.2, 0.3],
+            rotation: [7.0, -1.0, 2.0],
+            about: [0.0, 1.0, 0.0],
+        };
+        let mut drive = Drive::first_target(&scene);
+        drive.motions[0] = motion;
+        let point = [0.0, 0.25, 0.75];
+        let moved = motion.apply(point.map(|x| 3.0 * x));
+        for i in 0..3 {
+            let value = prescribed_value(&plan, &drive, 0, i, &|| point) * plan.units.length;
+            let held = [0.5, 0.0, 0.0][i];
+            assert!((value - (moved[i] - 3.0 * point[i] + held)).abs() < 1e-14);
+            let on_axis = prescribed_value(&plan, &drive, usize::from(u16::MAX), i, &|| point);
+            assert!(on_axis.abs() < f64::MIN_POSITIVE);
         }
     }
 }

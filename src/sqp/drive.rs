@@ -1,7 +1,8 @@
 //! What drives a body: load factor, obstacle poses, support values, in the
 //! caller's units, and their linear ramps.
 
-use crate::scene::{Scene, Step};
+use crate::geometry::rigid_motion::RigidMotion;
+use crate::scene::{ObstacleTarget, Scene, Step, SupportTarget};
 
 /// Pose of an obstacle from its initial one.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,6 +22,8 @@ pub(crate) struct Drive {
     pub(crate) poses: Vec<ObstaclePose>,
     /// Prescribed components of each support.
     pub(crate) supports: Vec<[f64; 3]>,
+    /// Rigid motion of each support, added to its components.
+    pub(crate) motions: Vec<RigidMotion>,
 }
 
 impl Drive {
@@ -37,6 +40,7 @@ impl Drive {
                 })
                 .collect(),
             supports: vec![[0.0; 3]; scene.supports.len()],
+            motions: vec![RigidMotion::default(); scene.supports.len()],
         }
     }
 
@@ -57,21 +61,36 @@ impl Drive {
     pub(crate) fn after(&self, scene: &Scene, step: &Step) -> Self {
         let mut end = self.clone();
         end.load = step.load.unwrap_or(end.load);
-        for target in &step.obstacles {
-            if let Some(pose) = end.poses.iter_mut().find(|pose| pose.name == target.name) {
-                pose.translation = target.translation.unwrap_or(pose.translation);
-                pose.rotation = target.rotation.unwrap_or(pose.rotation);
-            }
-        }
-        for target in &step.supports {
-            let index = scene.supports.iter().position(|s| s.name == target.name);
-            if let Some(values) = index.and_then(|index| end.supports.get_mut(index)) {
-                for (value, new) in values.iter_mut().zip(target.displacement) {
-                    *value = new.unwrap_or(*value);
-                }
-            }
-        }
+        step.obstacles.iter().for_each(|one| end.pose(one));
+        step.supports.iter().for_each(|one| end.hold(scene, one));
         end
+    }
+
+    fn pose(&mut self, target: &ObstacleTarget) {
+        if let Some(pose) = self.poses.iter_mut().find(|pose| pose.name == target.name) {
+            pose.translation = target.translation.unwrap_or(pose.translation);
+            pose.rotation = target.rotation.unwrap_or(pose.rotation);
+        }
+    }
+
+    fn hold(&mut self, scene: &Scene, target: &SupportTarget) {
+        let Some(index) = scene.supports.iter().position(|s| s.name == target.name) else {
+            return;
+        };
+        for (value, new) in self.supports[index].iter_mut().zip(target.displacement) {
+            *value = new.unwrap_or(*value);
+        }
+        let motion = &mut self.motions[index];
+        motion.translation = target.translation.unwrap_or(motion.translation);
+        motion.rotation = target.rotation.unwrap_or(motion.rotation);
+        motion.about = target.about.unwrap_or(motion.about);
+    }
+
+    /// Whether any support prescribes more than zeros.
+    pub(crate) fn moves_supports(&self) -> bool {
+        let values = self.supports.as_flattened();
+        values.iter().any(|&value| value != 0.0)
+            || self.motions.iter().any(|motion| !motion.is_rest())
     }
 
     /// A fraction of the way to `end`; exactly `end` at one.
@@ -99,14 +118,31 @@ impl Drive {
                 .zip(&end.supports)
                 .map(|(a, b)| mix3(*a, *b))
                 .collect(),
+            motions: self
+                .motions
+                .iter()
+                .zip(&end.motions)
+                .map(|(a, b)| {
+                    // About one point all the way: a turn stays a turn.
+                    let a = a.expressed_about(b.about);
+                    RigidMotion {
+                        translation: mix3(a.translation, b.translation),
+                        rotation: mix3(a.rotation, b.rotation),
+                        about: b.about,
+                    }
+                })
+                .collect(),
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::{PI, TAU};
+
     use super::*;
-    use crate::scene::{Obstacle, ObstacleTarget, Profile, Shape, Support, SupportTarget};
+    use crate::geometry::vector3::{norm, sub};
+    use crate::scene::{Obstacle, Profile, Shape, Support};
 
     fn scene() -> Scene {
         Scene {
@@ -139,6 +175,7 @@ mod tests {
             supports: vec![SupportTarget {
                 name: "wall".to_owned(),
                 displacement: [None, None, Some(4.0)],
+                ..SupportTarget::default()
             }],
             ..Step::default()
         }
@@ -178,5 +215,59 @@ mod tests {
         assert_eq!(bits(half.poses[0].translation), bits([0.5, 1.0, 1.5]));
         assert_eq!(start.towards(&end, 0.0), start);
         assert_eq!(start.towards(&end, 1.0), end);
+    }
+
+    /// A step that turns the wall about z through `turn`, then shifts it along x.
+    fn turning(turn: f64, about: [f64; 3], shift: f64) -> Step {
+        Step {
+            obstacles: vec![ObstacleTarget {
+                name: "ball".to_owned(),
+                translation: None,
+                rotation: Some([0.0, 0.0, turn]),
+            }],
+            supports: vec![SupportTarget {
+                name: "wall".to_owned(),
+                translation: Some([shift, 0.0, 0.0]),
+                rotation: Some([0.0, 0.0, turn]),
+                about: Some(about),
+                ..SupportTarget::default()
+            }],
+            ..Step::default()
+        }
+    }
+
+    #[test]
+    fn several_turns_of_supports_and_obstacles_survive_a_ramp() {
+        let start = Drive::undeformed(&scene());
+        let end = start.after(&scene(), &turning(3.0 * TAU, [1.0, 0.0, 0.0], 0.0));
+        let part = start.towards(&end, 0.25);
+        assert_eq!(bits(part.poses[0].rotation), bits([0.0, 0.0, 0.75 * TAU]));
+        // Three quarters of a turn about (1, 0, 0) lead from the origin to (1, 1, 0).
+        let moved = part.motions[0].apply([0.0; 3]);
+        assert!(norm(sub(moved, [1.0, 1.0, 0.0])) < 1e-15, "{moved:?}");
+        assert!(part.moves_supports() && !start.moves_supports());
+    }
+
+    #[test]
+    fn a_motion_is_kept_until_a_step_names_another() {
+        let first = Drive::first_target(&scene());
+        let turned = first.after(&scene(), &turning(PI, [1.0, 0.0, 0.0], 0.5));
+        let later = turned.after(&scene(), &step());
+        assert_eq!(later.motions, turned.motions);
+        assert_eq!(bits(later.supports[0]), bits([0.5, 0.0, 4.0]));
+    }
+
+    #[test]
+    fn a_motion_about_another_point_starts_where_the_last_one_ended() {
+        let start = Drive::undeformed(&scene());
+        let turned = start.after(&scene(), &turning(0.5 * PI, [1.0, 0.0, 0.0], 0.3));
+        let end = turned.after(&scene(), &turning(PI, [0.0, 2.0, 0.0], -0.2));
+        let point = [0.4, 0.7, -0.2];
+        let soon = turned.towards(&end, 1e-9).motions[0].apply(point);
+        let before = turned.motions[0].apply(point);
+        assert!(norm(sub(soon, before)) < 1e-8, "{soon:?} {before:?}");
+        let late = turned.towards(&end, 1.0 - 1e-9).motions[0].apply(point);
+        let after = end.motions[0].apply(point);
+        assert!(norm(sub(late, after)) < 1e-8, "{late:?} {after:?}");
     }
 }

@@ -104,12 +104,7 @@ pub(crate) fn evaluate(
         add_scaled(&mut force, -1.0, &contact);
         work.give(contact);
     }
-    if drive
-        .supports
-        .as_flattened()
-        .iter()
-        .any(|&value| value != 0.0)
-    {
+    if drive.moves_supports() {
         out.reaction_norm = norm_of(&prepared.held, &force);
     }
     mask(&prepared.held, &mut force);

@@ -46,6 +46,7 @@ pub(crate) fn field(context: &Context<'_>, state: &State, name: FieldName) -> Op
             per_cell(context, |cell| vec![jacobian(context, state, cell)]),
         ),
         FieldName::ErrorEstimate => (1, cell_estimates(context, state)),
+        FieldName::ContactPressureDeformed => return None,
     };
     Some(FieldData {
         name,

@@ -52,6 +52,8 @@ pub(crate) fn report(
         strain_energy: strain_energy(context, state, &inside, work) * units.energy(),
         volume_ratio: volume_ratio(context, state, &inside, work),
         min_jacobian: inside.response.map(|response| response.least_jacobian),
+        min_jacobian_bound: None,
+        stability: None,
         max_penetration: ending.max_penetration * units.length,
         residuals: ending.residuals,
         tolerance: ending.tolerance,
@@ -158,6 +160,7 @@ fn obstacles(
                 moment: found.moment.map(|x| x * units.energy()),
                 contact_area: found.area * units.area(),
                 max_pressure: found.max_pressure * units.stress,
+                max_pressure_deformed: None,
                 centre_of_pressure: found.centre.map(|x| x * units.length),
                 stick_vertices: 0,
                 slip_vertices: 0,
@@ -180,8 +183,10 @@ fn supports(
     let nodal = space.node_forces(&reaction);
     let mut forces = vec![[0.0; 3]; context.plan.scene.supports.len()];
     for &(unknown, support) in &context.plan.held {
-        forces[usize::from(support)][unknown as usize % space.components] +=
-            nodal[unknown as usize];
+        // What the axis of a body of revolution holds is no support's.
+        if let Some(force) = forces.get_mut(usize::from(support)) {
+            force[unknown as usize % space.components] += nodal[unknown as usize];
+        }
     }
     let unit = context.plan.units.force();
     let names = context.plan.scene.supports.iter();

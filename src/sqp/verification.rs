@@ -5,19 +5,22 @@
 //! Cost: one pass over the cells with some hundred flops per point.
 
 mod loads;
+mod pressures;
+mod rubber;
+mod volume;
+
+use std::f64::consts::TAU;
 
 use super::evaluate::{Context, ratio};
 use super::fields;
 use super::increment::Ending;
 use super::state::State;
-use crate::element::quadrature::{Rule, Simplex, rule};
+use crate::element::quadrature::{Simplex, rule};
 use crate::linalg::vector::norm;
-use crate::mesh::barycentric_gradients;
 use crate::obstacle::Obstacle;
 use crate::report::{FieldName, Residuals};
+use crate::scene::SceneKind;
 
-/// Exact for products of quadratic gradients and then some.
-const VOLUME_DEGREE: u32 = 4;
 /// Another rule on the faces than the solver's own would change the discrete
 /// problem; this is the degree that the contract names.
 const FACE_DEGREE: u32 = 8;
@@ -26,7 +29,7 @@ const FACE_DEGREE: u32 = 8;
 pub(crate) fn verify(context: &Context<'_>, state: &State, ending: &Ending) -> Residuals {
     let units = &context.plan.units;
     let nodal = nodal_displacement(context, state);
-    let (mut force, constraint) = volume_residuals(context, state, &nodal);
+    let (mut force, constraint) = volume::residuals(context, state, &nodal);
     let (gap, scaled_pressure) = contact_residuals(context, state, &nodal, &mut force);
     let force = free_hierarchical(context, &force);
     let gap_unit = units.area() * units.length;
@@ -89,100 +92,11 @@ fn shapes(l: &[f64], g: &[[f64; 3]], pairs: &[(usize, usize)]) -> (Vec<f64>, Vec
     (values, slopes)
 }
 
-/// Load minus internal force on Lagrange nodes, and the volume constraint.
-fn volume_residuals(
-    context: &Context<'_>,
-    state: &State,
-    nodal: &[[f64; 3]],
-) -> (Vec<[f64; 3]>, Vec<f64>) {
-    let kind = context.mesh.cell_kind();
-    let simplex = match kind.dimension() {
-        2 => Simplex::Triangle,
-        _ => Simplex::Tetrahedron,
-    };
-    let rule = rule(simplex, VOLUME_DEGREE);
-    let mut force = loads::external_load(context, state);
-    let mut constraint = vec![0.0; state.pressure.len()];
-    for cell in 0..context.mesh.cell_count() {
-        add_cell(
-            context,
-            state,
-            nodal,
-            &rule,
-            cell,
-            &mut force,
-            &mut constraint,
-        );
-    }
-    (force, constraint)
-}
-
-#[allow(clippy::too_many_arguments)]
-fn add_cell(
-    context: &Context<'_>,
-    state: &State,
-    nodal: &[[f64; 3]],
-    rule: &Rule,
-    cell: usize,
-    force: &mut [[f64; 3]],
-    constraint: &mut [f64],
-) {
-    let units = &context.plan.units;
-    let kind = context.mesh.cell_kind();
-    let scale = units.coordinate_scale * units.length;
-    let corners = context.mesh.corners(cell).map(|x| x.map(|x| x * scale));
-    let g = barycentric_gradients(kind, &corners);
-    let measure = kind.signed_measure(&corners);
-    let vertices = context.mesh.cell(cell);
-    let pairs = kind.edges();
-    let edges = &context.mesh.cell_edges()[cell * pairs.len()..(cell + 1) * pairs.len()];
-    let edge_nodes = edges
-        .iter()
-        .map(|&e| context.prepared.space.vertices + e as usize);
-    let nodes: Vec<usize> = vertices
-        .iter()
-        .map(|&v| v as usize)
-        .chain(edge_nodes)
-        .collect();
-    let material = usize::from(context.plan.resolved.cell_material[cell]);
-    let law = context.plan.resolved.materials[material].law;
-    for (point, weight) in rule.points.iter().zip(&rule.weights) {
-        let weight = weight * measure;
-        let (_, slopes) = shapes(&point[..vertices.len()], &g[..vertices.len()], pairs);
-        let mut gradient = [[0.0; 3]; 3];
-        for (&node, slope) in nodes.iter().zip(&slopes) {
-            for i in 0..3 {
-                for j in 0..3 {
-                    gradient[i][j] += nodal[node][i] * slope[j];
-                }
-            }
-        }
-        let dilation = gradient[0][0] + gradient[1][1] + gradient[2][2];
-        let pressure = match state.pressure.is_empty() {
-            true => law.pressure(dilation),
-            false => {
-                let at = vertices.iter().zip(point);
-                at.map(|(&v, l)| l * state.pressure[v as usize])
-                    .sum::<f64>()
-                    * units.stress
-            }
-        };
-        if !state.pressure.is_empty() {
-            let defect = dilation + pressure * law.inverse_lame;
-            for (&vertex, l) in vertices.iter().zip(point) {
-                constraint[vertex as usize] += weight * l * defect;
-            }
-        }
-        // The grad-div term takes part of the volume stress over.
-        let penalty = context.plan.penalty() * law.shear_modulus * dilation;
-        let stress = law.stress(&gradient, pressure - penalty);
-        for (&node, slope) in nodes.iter().zip(&slopes) {
-            for i in 0..3 {
-                for j in 0..3 {
-                    force[node][i] -= weight * stress[i][j] * slope[j];
-                }
-            }
-        }
+/// The way of a point at `radius` around the axis, where the body is turned.
+fn turn(context: &Context<'_>, radius: f64) -> f64 {
+    match context.plan.resolved.kind {
+        SceneKind::Axisymmetric => TAU * radius,
+        SceneKind::Solid | SceneKind::PlaneStrain => 1.0,
     }
 }
 
@@ -222,6 +136,7 @@ fn contact_residuals(
                     let corner = context.mesh.coordinates()[vertex as usize];
                     (0..3).for_each(|i| x[i] += l * corner[i] * scale);
                 }
+                let area = area * turn(context, x[0]);
                 for (&node, shape) in face.nodes.iter().zip(&values) {
                     (0..3).for_each(|i| x[i] += shape * nodal[node as usize][i]);
                 }

@@ -64,7 +64,25 @@ pub(crate) fn square(count: usize) -> MeshParts {
 
 /// Cook's membrane: the square on the corners (0,0) (48,44) (48,60) (0,44).
 pub(crate) fn cook(count: usize) -> MeshParts {
-    moved(square(count), |[x, y, _]| {
+    tapered(square(count))
+}
+
+/// [`cook`] with the other diagonals: the square is seen from behind.
+pub(crate) fn cook_turned(count: usize) -> MeshParts {
+    let mut behind = moved(square(count), |[x, y, z]| [1.0 - x, y, z]);
+    behind.cells.chunks_mut(3).for_each(|cell| cell.swap(1, 2));
+    for group in &mut behind.groups {
+        group.name = match group.name.as_str() {
+            "x0" => "x1".to_owned(),
+            "x1" => "x0".to_owned(),
+            other => other.to_owned(),
+        };
+    }
+    tapered(behind)
+}
+
+fn tapered(unit_square: MeshParts) -> MeshParts {
+    moved(unit_square, |[x, y, _]| {
         let (bottom, height) = (44.0 * x, 44.0 - 28.0 * x);
         [48.0 * x, bottom + y * height, 0.0]
     })

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use signorini::scene::{
-    Formulation, Material, MaterialModel, Modulus, Obstacle, ObstacleTarget, Probe, Profile, Shape,
-    Support, Traction,
+    Formulation, Material, MaterialModel, Modulus, Obstacle, ObstacleTarget, Probe, Profile,
+    RubberModel, Shape, Support, SupportTarget, Traction,
 };
 use signorini::{Mesh, Scene, Step};
 
@@ -32,6 +32,23 @@ pub(crate) fn material(modulus: Modulus, poisson_ratio: f64) -> Material {
             formulation: Formulation::Auto,
         },
     }
+}
+
+/// A body of rubber, without supports and loads.
+pub(crate) fn rubber(model: RubberModel, bulk_modulus: Option<f64>) -> Scene {
+    let mut scene = elastic(0.5);
+    scene.materials[0].model = MaterialModel::Rubber {
+        model,
+        bulk_modulus,
+        formulation: Formulation::Auto,
+    };
+    scene.solver.verify = false;
+    scene
+}
+
+/// The law of the reference problems, of shear modulus one.
+pub(crate) fn mooney_rivlin() -> RubberModel {
+    RubberModel::MooneyRivlin { c10: 0.4, c01: 0.1 }
 }
 
 /// A support named like its group.
@@ -79,6 +96,69 @@ pub(crate) fn push(name: &str, translation: [f64; 3]) -> Step {
         }],
         ..Step::default()
     }
+}
+
+/// A step that moves one support.
+pub(crate) fn pull(name: &str, displacement: [Option<f64>; 3], increments: u32) -> Step {
+    Step {
+        increments,
+        supports: vec![SupportTarget {
+            name: name.to_owned(),
+            displacement,
+        }],
+        ..Step::default()
+    }
+}
+
+/// A plane over the unit cube.
+pub(crate) fn press(on: &str) -> Obstacle {
+    let shape = Shape::HalfSpace {
+        point: [0.0, 0.0, 1.0],
+        normal: [0.0, 0.0, -1.0],
+    };
+    obstacle("press", on, shape)
+}
+
+/// Rollers on the three sides of the unit cube at the origin.
+pub(crate) fn rollers() -> Vec<Support> {
+    vec![
+        support("x0", [Some(0.0), None, None]),
+        support("y0", [None, Some(0.0), None]),
+        support("z0", [None, None, Some(0.0)]),
+    ]
+}
+
+/// A cube of rubber under a plane that presses by a quarter: between
+/// frictionless planes, and the increments of its reference.
+pub(crate) fn squeezed_cube() -> (Scene, Step) {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.supports = rollers();
+    scene.obstacles = vec![press("z1")];
+    (scene, in_parts(push("press", [0.0, 0.0, -0.25]), 5))
+}
+
+/// The same, bonded below with free sides.
+pub(crate) fn bonded_cube() -> (Scene, Step) {
+    let (mut scene, step) = squeezed_cube();
+    scene.supports = vec![support("z0", HELD)];
+    (scene, in_parts(step, 10))
+}
+
+/// A quarter of a block of rubber under a sphere.
+pub(crate) fn indented_block() -> (Scene, Step) {
+    let (block, _) = hertz_sphere(0.5);
+    let scene = Scene {
+        supports: block.supports,
+        obstacles: block.obstacles,
+        ..rubber(mooney_rivlin(), None)
+    };
+    (scene, in_parts(push("ball", [0.0, 0.0, -0.125]), 5))
+}
+
+/// `step` in equal parts.
+pub(crate) fn in_parts(mut step: Step, increments: u32) -> Step {
+    step.increments = increments;
+    step
 }
 
 /// The unit cube clamped at x0 and sheared at x1.

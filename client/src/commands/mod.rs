@@ -61,7 +61,10 @@ async fn open_session(client: &Client, name: &str) -> Result<(v1::Session, v1::S
 /// The smallest field of the scene's output: naming none asks for all of them.
 fn lightest_field(scene: &v1::Scene) -> Vec<v1::FieldName> {
     let weight = |field: &v1::FieldName| match field {
-        v1::FieldName::ContactState | v1::FieldName::Gap | v1::FieldName::ContactPressure => 1,
+        v1::FieldName::ContactState
+        | v1::FieldName::Gap
+        | v1::FieldName::ContactPressure
+        | v1::FieldName::ContactPressureDeformed => 1,
         v1::FieldName::Pressure | v1::FieldName::ErrorEstimate => 2,
         v1::FieldName::Unspecified
         | v1::FieldName::Displacement

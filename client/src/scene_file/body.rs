@@ -27,6 +27,10 @@ pub(crate) const FIELDS: &[(&str, v1::FieldName)] = &[
     ("stress", v1::FieldName::Stress),
     ("jacobian", v1::FieldName::Jacobian),
     ("error_estimate", v1::FieldName::ErrorEstimate),
+    (
+        "contact_pressure_deformed",
+        v1::FieldName::ContactPressureDeformed,
+    ),
 ];
 
 type ReadModel = fn(&Keys<'_>) -> Option<Model>;

@@ -131,6 +131,7 @@ pub(crate) fn name(field: FieldName) -> wire::FieldName {
         FieldName::Stress => wire::FieldName::Stress,
         FieldName::Jacobian => wire::FieldName::Jacobian,
         FieldName::ErrorEstimate => wire::FieldName::ErrorEstimate,
+        FieldName::ContactPressureDeformed => wire::FieldName::ContactPressureDeformed,
     }
 }
 

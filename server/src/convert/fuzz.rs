@@ -7,6 +7,7 @@ mod engine;
 use prost::Message;
 use signorini::mesh::{CellKind, Group, GroupKind, Mesh, MeshParts};
 use signorini::plan::Plan;
+use signorini::report::FieldName;
 use signorini_proto::array;
 use signorini_proto::v1::{self as wire, upload_mesh_request::Part};
 
@@ -162,6 +163,14 @@ fn rubber_scene(mesh: &Mesh) -> wire::Scene {
         on: vec!["top".into()],
         value: Some(0.1),
     }];
+    scene.steps[0].supports[0] = wire::SupportTarget {
+        name: "base".into(),
+        translation: vec![0.0, 0.0, 0.1],
+        rotation: vec![0.0, 0.0, 20.0],
+        about: vec![0.5, 0.5, 0.0],
+        ..Default::default()
+    };
+    scene.supports[0].profile = 0;
     scene
 }
 
@@ -358,7 +367,7 @@ fn every_upload_is_a_mesh_or_refused() {
 #[test]
 fn every_list_of_fields_is_taken_or_refused() {
     let numbers = wire::ReadStepRequest {
-        fields: vec![1, 2, 3, 4, 5, 6, 7],
+        fields: (1..=FieldName::ALL.len() as i32).collect(),
         ..Default::default()
     };
     let corpus = Corpus::new(Form::Messages, vec![numbers.encode_to_vec()], &WORDS);
@@ -367,7 +376,7 @@ fn every_list_of_fields_is_taken_or_refused() {
             return;
         };
         match field::names(&request.fields, "fields") {
-            Ok(fields) => assert!(fields.len() <= 7),
+            Ok(fields) => assert!(fields.len() <= FieldName::ALL.len()),
             Err(fault) => check(&fault),
         }
         field::encoding(request.element_type).ok();

@@ -4,7 +4,7 @@ use signorini::ObstaclePose;
 use signorini::plan::PlanReport;
 use signorini::report::{
     Cause, IterationRecord, ManufacturedErrors, ObstacleResult, ProbeResult, Residuals, Seconds,
-    StepReport, SupportResult, Termination, Unknowns,
+    Stability, StepReport, SupportResult, Termination, Unknowns,
 };
 use signorini_proto::v1 as wire;
 
@@ -32,6 +32,11 @@ pub(crate) fn step(report: StepReport, poses: Vec<ObstaclePose>) -> wire::StepRe
         strain_energy: report.strain_energy,
         volume_ratio: report.volume_ratio,
         min_jacobian: report.min_jacobian,
+        min_jacobian_bound: report.min_jacobian_bound,
+        stability: report
+            .stability
+            .map_or(wire::Stability::Unspecified, stability)
+            .into(),
         max_penetration: report.max_penetration,
         residuals: Some(residuals(report.residuals)),
         tolerance: report.tolerance,
@@ -121,6 +126,11 @@ fn cause(value: Cause) -> wire::Cause {
     wire::Cause::from_str_name(&name).unwrap_or_default()
 }
 
+fn stability(value: Stability) -> wire::Stability {
+    let name = format!("STABILITY_{}", value.name().to_uppercase());
+    wire::Stability::from_str_name(&name).unwrap_or_default()
+}
+
 fn by_name<D, W>(
     map: std::collections::BTreeMap<String, D>,
     convert: impl Fn(D) -> W,
@@ -146,6 +156,7 @@ fn obstacle(value: ObstacleResult) -> wire::ObstacleResult {
         moment: value.moment.to_vec(),
         contact_area: value.contact_area,
         max_pressure: value.max_pressure,
+        max_pressure_deformed: value.max_pressure_deformed,
         centre_of_pressure: value.centre_of_pressure.to_vec(),
         stick_vertices: narrow(value.stick_vertices),
         slip_vertices: narrow(value.slip_vertices),
@@ -207,7 +218,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_termination_and_cause_has_a_number_on_the_wire() {
+    fn every_word_of_a_report_has_a_number_on_the_wire() {
         for value in [
             Termination::Converged,
             Termination::NotConverged,
@@ -231,8 +242,14 @@ mod tests {
             Cause::EnclosedVolume,
             Cause::NotFinite,
             Cause::IndefiniteTangent,
+            Cause::LimitPoint,
+            Cause::UnstableEquilibrium,
+            Cause::NegativeJacobian,
         ] {
             assert_ne!(cause(value), wire::Cause::Unspecified, "{value:?}");
+        }
+        for value in [Stability::Minimum, Stability::Saddle] {
+            assert_ne!(stability(value), wire::Stability::Unspecified, "{value:?}");
         }
     }
 }

@@ -115,16 +115,12 @@ fn obstacle(target: &wire::ObstacleTarget, path: &str, faults: &mut Faults) -> O
 }
 
 fn support(target: &wire::SupportTarget, path: &str, faults: &mut Faults) -> SupportTarget {
-    for (values, key) in [
-        (&target.translation, "translation"),
-        (&target.rotation, "rotation"),
-        (&target.about, "about"),
-    ] {
-        faults.later_if(values.first(), path, key);
-    }
     SupportTarget {
         name: faults.name(&target.name, path),
         displacement: components(target.displacement),
+        translation: faults.optional_vector(&target.translation, &format!("{path}.translation")),
+        rotation: faults.optional_vector(&target.rotation, &format!("{path}.rotation")),
+        about: faults.optional_vector(&target.about, &format!("{path}.about")),
     }
 }
 
@@ -165,6 +161,35 @@ mod tests {
         for (seconds, nanos) in [(longest, 1), (i64::MAX, 0), (0, 0), (-1, 0)] {
             let fault = asked(seconds, nanos).unwrap_err();
             assert!(matches!(fault, Fault::RequestInvalid(one) if one.path == "ttl"));
+        }
+    }
+
+    #[test]
+    fn the_rigid_motion_of_a_support_reaches_the_library() {
+        let mut message = wire::LoadStep {
+            supports: vec![wire::SupportTarget {
+                name: "base".into(),
+                rotation: vec![0.0, 0.0, 20.0],
+                about: vec![1.0, 2.0, 3.0],
+                ..Default::default()
+            }],
+            ..Default::default()
+        };
+        let mut faults = Faults::default();
+        let found = step(&message, "step", &mut faults);
+        let expected = SupportTarget {
+            name: "base".into(),
+            rotation: Some([0.0, 0.0, 20.0]),
+            about: Some([1.0, 2.0, 3.0]),
+            ..SupportTarget::default()
+        };
+        assert_eq!((found.supports, faults.outcome()), (vec![expected], Ok(())));
+        message.supports[0].about.pop();
+        let mut faults = Faults::default();
+        step(&message, "step", &mut faults);
+        match faults.outcome() {
+            Err(Fault::SceneInvalid(all)) => assert_eq!(all[0].path, "step.support.base.about"),
+            other => panic!("{other:?}"),
         }
     }
 }

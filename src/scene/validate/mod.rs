@@ -159,6 +159,10 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
     if kind == SceneKind::Axisymmetric {
         faults.unsupported("kind", "`axisymmetric` is not supported yet");
     }
+    if !scene.pressures.is_empty() {
+        let message = "a follower pressure is not supported yet";
+        faults.unsupported("pressure[0]", message);
+    }
     faults.result()?;
     Ok(Resolved {
         kind,
@@ -176,8 +180,8 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
     })
 }
 
-/// Vertices left of the axis by less than this part of the body lie on it.
-const ON_AXIS: f64 = 1e-9;
+/// Vertices nearer to the axis than this part of the body lie on it.
+pub(crate) const ON_AXIS: f64 = 1e-9;
 
 fn kind(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> SceneKind {
     let fitting: &[SceneKind] = match mesh.cell_kind() {

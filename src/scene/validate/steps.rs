@@ -2,10 +2,13 @@
 
 use super::{Faults, in_plane, names};
 use crate::mesh::Mesh;
-use crate::scene::{Scene, SceneError, Step};
+use crate::scene::{
+    ObstacleTarget, Profile, Scene, SceneError, SceneKind, Step, Support, SupportTarget,
+};
 
 /// Most increments in one step.
 const MOST_INCREMENTS: u32 = 100_000;
+const AXES: [&str; 3] = ["x", "y", "z"];
 
 /// Checks one step on its own.
 pub(crate) fn check_step(scene: &Scene, step: &Step, mesh: &Mesh) -> Result<(), SceneError> {
@@ -31,64 +34,107 @@ pub(crate) fn check(scene: &Scene, step: &Step, path: &str, mesh: &Mesh, faults:
             return;
         }
         let path = format!("{path}.obstacle.{}", target.name);
-        if !scene
-            .obstacles
-            .iter()
-            .any(|obstacle| obstacle.name == target.name)
-        {
-            let known = scene
-                .obstacles
-                .iter()
-                .map(|obstacle| obstacle.name.as_str());
-            let hint = names::hint(&target.name, known);
-            faults.add(
-                &path,
-                format!("the scene has no obstacle `{}`{hint}", target.name),
-            );
-        }
-        if let Some(translation) = target.translation {
-            faults.finite(&format!("{path}.translation"), &translation);
-            in_plane(faults, mesh, &format!("{path}.translation"), translation);
-        }
-        if let Some(rotation) = target.rotation {
-            faults.finite(&format!("{path}.rotation"), &rotation);
-            let about_z = rotation[0] == 0.0 && rotation[1] == 0.0;
-            if mesh.cell_kind().dimension() == 2 && !about_z {
-                faults.add(
-                    format!("{path}.rotation"),
-                    "must be about z in a plane scene",
-                );
-            }
-        }
+        obstacle(scene, target, &path, mesh, faults);
     }
     for target in &step.supports {
         if faults.is_full() {
             return;
         }
         let path = format!("{path}.support.{}", target.name);
-        let Some(support) = scene.supports.iter().find(|s| s.name == target.name) else {
-            let known = scene.supports.iter().map(|support| support.name.as_str());
-            let hint = names::hint(&target.name, known);
-            faults.add(
-                &path,
-                format!("the scene has no support `{}`{hint}", target.name),
-            );
-            continue;
-        };
-        for (axis, (value, held)) in target
-            .displacement
-            .iter()
-            .zip(support.displacement)
-            .enumerate()
-        {
-            let key = format!("{path}.displacement.{}", ["x", "y", "z"][axis]);
-            match (value, held) {
-                (Some(value), Some(_)) => {
-                    faults.finite(&key, &[*value]);
-                }
-                (Some(_), None) => faults.add(key, "the support does not hold this component"),
-                (None, _) => (),
+        support(scene, target, &path, mesh, faults);
+    }
+}
+
+fn obstacle(scene: &Scene, target: &ObstacleTarget, path: &str, mesh: &Mesh, faults: &mut Faults) {
+    let known = scene.obstacles.iter().map(|one| one.name.as_str());
+    if !known.clone().any(|name| name == target.name) {
+        let hint = names::hint(&target.name, known);
+        let message = format!("the scene has no obstacle `{}`{hint}", target.name);
+        faults.add(path, message);
+    }
+    if let Some(translation) = target.translation {
+        let path = format!("{path}.translation");
+        faults.finite(&path, &translation);
+        in_plane(faults, mesh, &path, translation);
+    }
+    if let Some(rotation) = target.rotation {
+        in_plane_rotation(faults, mesh, &format!("{path}.rotation"), rotation);
+    }
+}
+
+fn in_plane_rotation(faults: &mut Faults, mesh: &Mesh, path: &str, rotation: [f64; 3]) {
+    faults.finite(path, &rotation);
+    let about_z = rotation[0] == 0.0 && rotation[1] == 0.0;
+    if mesh.cell_kind().dimension() == 2 && !about_z {
+        faults.add(path, "must be about z in a plane scene");
+    }
+}
+
+fn support(scene: &Scene, target: &SupportTarget, path: &str, mesh: &Mesh, faults: &mut Faults) {
+    let Some(support) = scene.supports.iter().find(|s| s.name == target.name) else {
+        let known = scene.supports.iter().map(|support| support.name.as_str());
+        let hint = names::hint(&target.name, known);
+        let message = format!("the scene has no support `{}`{hint}", target.name);
+        return faults.add(path, message);
+    };
+    let held = support.displacement;
+    for (axis, (value, held)) in target.displacement.iter().zip(held).enumerate() {
+        let key = format!("{path}.displacement.{}", AXES[axis]);
+        match (value, held) {
+            (Some(value), Some(_)) => {
+                faults.finite(&key, &[*value]);
+            }
+            (Some(_), None) => faults.add(key, "the support does not hold this component"),
+            (None, _) => (),
+        }
+    }
+    if target.names_motion() {
+        motion(scene, support, target, path, mesh, faults);
+    }
+}
+
+/// The rigid motion of a support.
+fn motion(
+    scene: &Scene,
+    support: &Support,
+    target: &SupportTarget,
+    path: &str,
+    mesh: &Mesh,
+    faults: &mut Faults,
+) {
+    if target.displacement.iter().any(Option::is_some) {
+        let message = "give either displacement, or translation and rotation, not both";
+        faults.add(path, message);
+    }
+    if support.profile != Profile::Constant {
+        faults.add(path, "the support has a profile, which no rigid motion has");
+    }
+    if scene.manufactured.is_some() {
+        faults.add(path, "the manufactured field prescribes the values");
+    }
+    if let Some(translation) = target.translation {
+        let path = format!("{path}.translation");
+        faults.finite(&path, &translation);
+        in_plane(faults, mesh, &path, translation);
+        for axis in (0..3).filter(|&axis| translation[axis] != 0.0) {
+            if support.displacement[axis].is_none() {
+                let message = format!("the support does not hold the {} component", AXES[axis]);
+                faults.add(&path, message);
             }
         }
+    }
+    if let Some(rotation) = target.rotation {
+        let path = format!("{path}.rotation");
+        in_plane_rotation(faults, mesh, &path, rotation);
+        if scene.kind == Some(SceneKind::Axisymmetric) {
+            faults.add(&path, "an axisymmetric body does not turn in its plane");
+        } else if rotation.iter().any(|&x| x != 0.0)
+            && !scene.materials.iter().any(|one| one.model.is_rubber())
+        {
+            faults.unsupported(&path, "a large rotation of a body that is not rubber");
+        }
+    }
+    if let Some(about) = target.about {
+        faults.finite(&format!("{path}.about"), &about);
     }
 }

@@ -131,6 +131,7 @@ impl Body<'_> {
                 moment: found.moment.map(|x| x * units.energy()),
                 contact_area: found.area * units.area(),
                 max_pressure: found.max_pressure * units.stress,
+                max_pressure_deformed: None,
                 centre_of_pressure: found.centre.map(|x| x * units.length),
                 stick_vertices: 0,
                 slip_vertices: 0,
@@ -166,7 +167,8 @@ impl Body<'_> {
             | FieldName::Pressure
             | FieldName::Stress
             | FieldName::Jacobian
-            | FieldName::ErrorEstimate => None,
+            | FieldName::ErrorEstimate
+            | FieldName::ContactPressureDeformed => None,
         }
     }
 

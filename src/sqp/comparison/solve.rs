@@ -58,8 +58,7 @@ impl Body<'_> {
         };
         add_scaled(&mut force, -1.0, &self.internal_force(state, work));
         self.add_contact(state, drive, &mut force, &mut out, work);
-        let prescribed = drive.supports.as_flattened();
-        if prescribed.iter().any(|&value| value != 0.0) {
+        if drive.moves_supports() {
             out.reaction_norm = norm_of(held, &force);
         }
         mask(held, &mut force);

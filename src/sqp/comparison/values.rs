@@ -148,6 +148,7 @@ impl Body<'_> {
             }
             // The recovery knows the shape functions of Taylor-Hood only.
             FieldName::ErrorEstimate => return None,
+            FieldName::ContactPressureDeformed => return None,
             FieldName::ContactPressure | FieldName::Gap | FieldName::ContactState => {
                 (1, self.contact_field(state, name)?)
             }

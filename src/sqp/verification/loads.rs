@@ -3,7 +3,7 @@
 
 use super::super::evaluate::Context;
 use super::super::state::State;
-use super::shapes;
+use super::{pressures, shapes, turn};
 use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::geometry::vector3::{cross, norm, scale, sub};
 
@@ -11,9 +11,15 @@ use crate::geometry::vector3::{cross, norm, scale, sub};
 const CONSTANT_DEGREE: u32 = 4;
 /// Degree of the rule for analytic loads, which are part of the discrete problem.
 const ANALYTIC_DEGREE: u32 = 8;
+/// Exact for cof F N times quadratic functions, at every radius.
+const PRESSURE_DEGREE: u32 = 5;
 
 /// All loads at the state's load factor, `[nodes, 3]`.
-pub(super) fn external_load(context: &Context<'_>, state: &State) -> Vec<[f64; 3]> {
+pub(super) fn external_load(
+    context: &Context<'_>,
+    state: &State,
+    nodal: &[[f64; 3]],
+) -> Vec<[f64; 3]> {
     let mut force = vec![[0.0; 3]; context.prepared.space.nodes()];
     let field = context.plan.resolved.manufactured.as_ref();
     let degree = match field {
@@ -33,6 +39,7 @@ pub(super) fn external_load(context: &Context<'_>, state: &State) -> Vec<[f64; 3
         add_volume(context, &rule(cell, degree), &mut force);
     }
     add_surfaces(context, &rule(facet, degree), &mut force);
+    pressures::add(context, &rule(facet, PRESSURE_DEGREE), nodal, &mut force);
     force
         .iter_mut()
         .for_each(|row| *row = scale(state.drive.load, *row));
@@ -45,7 +52,7 @@ fn shear_modulus(context: &Context<'_>, cell: usize) -> f64 {
 }
 
 /// Corner positions in the caller's units.
-fn positions(context: &Context<'_>, vertices: &[u32]) -> Vec<[f64; 3]> {
+pub(super) fn positions(context: &Context<'_>, vertices: &[u32]) -> Vec<[f64; 3]> {
     let factor = context.plan.units.coordinate_scale * context.plan.units.length;
     let corner = |&vertex: &u32| scale(factor, context.mesh.coordinates()[vertex as usize]);
     vertices.iter().map(corner).collect()
@@ -76,7 +83,9 @@ fn add_volume(context: &Context<'_>, rule: &Rule, force: &mut [[f64; 3]]) {
             .iter()
             .map(|&e| e + context.prepared.space.vertices as u32);
         let nodes: Vec<u32> = vertices.iter().copied().chain(edge_nodes).collect();
-        add_simplex(rule, &nodes, &corners, measure, pairs, &density, force);
+        add_simplex(
+            context, rule, &nodes, &corners, measure, pairs, &density, force,
+        );
     }
 }
 
@@ -125,10 +134,14 @@ fn add_facet(
     let normal = scale(1.0 / area, area_vector);
     let nodes = context.prepared.space.facet_nodes(vertices);
     let density = |x: [f64; 3]| traction(x, normal);
-    add_simplex(rule, &nodes, &corners, area, pairs, &density, force);
+    add_simplex(
+        context, rule, &nodes, &corners, area, pairs, &density, force,
+    );
 }
 
+#[allow(clippy::too_many_arguments)]
 fn add_simplex(
+    context: &Context<'_>,
     rule: &Rule,
     nodes: &[u32],
     corners: &[[f64; 3]],
@@ -139,11 +152,13 @@ fn add_simplex(
 ) {
     for (point, weight) in rule.points.iter().zip(&rule.weights) {
         let l = &point[..corners.len()];
-        let value = density(point_at(corners, l));
+        let place = point_at(corners, l);
+        let value = density(place);
+        let weight = weight * measure * turn(context, place[0]);
         let (values, _) = shapes(l, &[], pairs);
         for (&node, shape) in nodes.iter().zip(&values) {
             for i in 0..3 {
-                force[node as usize][i] += weight * measure * shape * value[i];
+                force[node as usize][i] += weight * shape * value[i];
             }
         }
     }

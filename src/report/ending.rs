@@ -1,0 +1,101 @@
+//! How a solve ended, and why; what kind of equilibrium it found.
+
+/// How a step, an increment or an inner solve ended. Not converging is a
+/// result: the best iterate is kept and a [`Cause`] says why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Termination {
+    /// All four criteria are at or below the tolerance.
+    Converged,
+    /// The method stopped without reaching the tolerance.
+    NotConverged,
+    /// The caller cancelled; the last good state is kept.
+    Cancelled,
+    /// `max_wall_time` or the caller's deadline passed.
+    DeadlineExceeded,
+    /// A defect of the solver; the session cannot go on.
+    InternalError,
+}
+
+impl Termination {
+    /// The name used on the wire and in result lines.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::NotConverged => "not_converged",
+            Self::Cancelled => "cancelled",
+            Self::DeadlineExceeded => "deadline_exceeded",
+            Self::InternalError => "internal_error",
+        }
+    }
+}
+
+/// Why a step did not converge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Cause {
+    /// The Krylov method no longer reduces the residual.
+    Stagnation,
+    /// The Krylov method used up its iterations.
+    IterationLimit,
+    /// The active set returned to an earlier one.
+    ActiveSetCycle,
+    /// Cut-backs made the increment smaller than its floor.
+    StepTooSmall,
+    /// The line search found no acceptable step.
+    LineSearch,
+    /// Loads or free rigid modes admit no equilibrium.
+    NoEquilibrium,
+    /// Prescribed motion changes the volume of an enclosed incompressible body.
+    EnclosedVolume,
+    /// A residual or field became infinite or not a number.
+    NotFinite,
+    /// A factorisation met a pivot that is not positive.
+    IndefiniteTangent,
+    /// No equilibrium lies beyond the load that was reached: the path turns back.
+    LimitPoint,
+    /// The equilibrium is no minimum of the energy: the body buckles or snaps.
+    UnstableEquilibrium,
+    /// det F falls to zero somewhere: cells would turn inside out.
+    NegativeJacobian,
+}
+
+impl Cause {
+    /// The name used on the wire and in result lines.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Stagnation => "stagnation",
+            Self::IterationLimit => "iteration_limit",
+            Self::ActiveSetCycle => "active_set_cycle",
+            Self::StepTooSmall => "step_too_small",
+            Self::LineSearch => "line_search",
+            Self::NoEquilibrium => "no_equilibrium",
+            Self::EnclosedVolume => "enclosed_volume",
+            Self::NotFinite => "not_finite",
+            Self::IndefiniteTangent => "indefinite_tangent",
+            Self::LimitPoint => "limit_point",
+            Self::UnstableEquilibrium => "unstable_equilibrium",
+            Self::NegativeJacobian => "negative_jacobian",
+        }
+    }
+}
+
+/// What kind of equilibrium a state is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Stability {
+    /// The energy is at a minimum among admissible states: stable.
+    Minimum,
+    /// Some admissible direction lowers the energy.
+    Saddle,
+}
+
+impl Stability {
+    /// The name used on the wire and in result lines.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Minimum => "minimum",
+            Self::Saddle => "saddle",
+        }
+    }
+}

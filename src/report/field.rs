@@ -1,0 +1,73 @@
+//! Fields of the current state: their names and shapes.
+
+/// A field that a caller can ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum FieldName {
+    /// `[nodes, 3]`: vertices of the uploaded mesh, then edge midpoints.
+    Displacement,
+    /// `[vertices, 1]`: internal pressure; absent without a pressure unknown.
+    Pressure,
+    /// `[vertices, 1]`: contact pressure per undeformed area, zero off the contact
+    /// surface.
+    ContactPressure,
+    /// `[vertices, 1]`: contact pressure per deformed area, zero off the contact
+    /// surface; absent for linear kinematics.
+    ContactPressureDeformed,
+    /// `[vertices, 1]`: weighted gap over nodal weight, zero off the contact surface.
+    Gap,
+    /// `[vertices, 1]`: −1 not a candidate, 0 open, 1 in contact.
+    ContactState,
+    /// `[cells, 6]`: xx yy zz xy yz zx, mean over the cell.
+    Stress,
+    /// `[cells, 1]`: volume change of the cell, 1 + div u for linear kinematics.
+    Jacobian,
+    /// `[cells, 1]`: the cell's part of [`super::StepReport::error_estimate`], whose
+    /// square is the sum of the parts' squares.
+    ErrorEstimate,
+}
+
+impl FieldName {
+    /// Every field, in the order of the documentation.
+    pub const ALL: [Self; 9] = [
+        Self::Displacement,
+        Self::Pressure,
+        Self::ContactPressure,
+        Self::Gap,
+        Self::ContactState,
+        Self::Stress,
+        Self::Jacobian,
+        Self::ErrorEstimate,
+        Self::ContactPressureDeformed,
+    ];
+
+    /// The name used in scenes, on the wire and in VTU files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Displacement => "displacement",
+            Self::Pressure => "pressure",
+            Self::ContactPressure => "contact_pressure",
+            Self::Gap => "gap",
+            Self::ContactState => "contact_state",
+            Self::Stress => "stress",
+            Self::Jacobian => "jacobian",
+            Self::ErrorEstimate => "error_estimate",
+            Self::ContactPressureDeformed => "contact_pressure_deformed",
+        }
+    }
+
+    /// The field of that name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|field| field.name() == name)
+    }
+}
+
+/// One field of the current state, row-major `[rows, components]`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldData {
+    /// Which field.
+    pub name: FieldName,
+    /// Values per row.
+    pub components: usize,
+    /// `rows * components` values in the caller's units.
+    pub values: Vec<f64>,
+}
