@@ -7,32 +7,30 @@ use super::*;
 use crate::assembly::strain::{CellLaws, Linearised, Response, StrainGrid};
 use crate::geometry::tensor::{Tensor, cofactor, contract, plus_unit, volume_change};
 use crate::linalg::vector::{add_scaled, scale};
-use crate::material::{InvariantLaw, Isochoric, Rubber};
+use crate::material::{InvariantLaw, Isochoric, Ogden, OgdenTerm, Rubber};
 
-const NEO_HOOKEAN: InvariantLaw<f64> = InvariantLaw {
-    c10: 0.5,
-    c01: 0.0,
-    c20: 0.0,
-    c30: 0.0,
-};
-const MOONEY_RIVLIN: InvariantLaw<f64> = InvariantLaw {
-    c10: 0.3,
-    c01: 0.4,
-    c20: 0.0,
-    c30: 0.0,
-};
-const YEOH: InvariantLaw<f64> = InvariantLaw {
-    c10: 1.0,
-    c01: 0.0,
-    c20: 0.2,
-    c30: 0.1,
-};
-const LAWS: [InvariantLaw<f64>; 3] = [NEO_HOOKEAN, MOONEY_RIVLIN, YEOH];
+fn invariants([c10, c01, c20, c30]: [f64; 4]) -> Isochoric {
+    Isochoric::Invariants(InvariantLaw { c10, c01, c20, c30 })
+}
+
+/// Neo-Hookean, Mooney-Rivlin, Yeoh, Ogden.
+fn laws() -> [Isochoric; 4] {
+    let terms = [(0.7, 2.6), (-0.2, -1.3)];
+    let terms = terms.map(|(modulus, exponent)| OgdenTerm { modulus, exponent });
+    [
+        invariants([0.5, 0.0, 0.0, 0.0]),
+        invariants([0.3, 0.4, 0.0, 0.0]),
+        invariants([1.0, 0.0, 0.2, 0.1]),
+        Isochoric::Ogden(Ogden {
+            terms: terms.to_vec(),
+        }),
+    ]
+}
 
 /// The law of a cell.
 fn rubber(cell: usize) -> Rubber {
     Rubber {
-        isochoric: Isochoric::Invariants(LAWS[cell % 3]),
+        isochoric: laws()[cell % 4].clone(),
         inverse_bulk: 0.0,
     }
 }
@@ -62,9 +60,9 @@ impl State {
 
 impl Sample {
     fn strain(&self, set: InstructionSet) -> StrainGrid {
-        let of_cell: Vec<u16> = (0..self.mesh.cell_count() as u16).map(|c| c % 3).collect();
+        let of_cell: Vec<u16> = (0..self.mesh.cell_count() as u16).map(|c| c % 4).collect();
         let laws = CellLaws {
-            laws: &LAWS,
+            laws: &laws(),
             of_cell: &of_cell,
         };
         let grid = Arc::new(self.grid.clone().with_instruction_set(set));
