@@ -126,6 +126,13 @@ impl<S: Simd> AddAssign for Pack<S> {
 }
 
 impl<S: Simd> Pack<S> {
+    /// The first numbers of `lanes`, as many as of `self`.
+    #[inline(always)]
+    #[must_use]
+    pub fn first_of(self, lanes: &Lanes) -> Self {
+        Self::load(self.simd, lanes, 0)
+    }
+
     /// `change` of each number, one after the other.
     #[inline(always)]
     #[must_use]

@@ -14,6 +14,7 @@ use crate::space::TaylorHood;
 mod edges;
 mod loads;
 mod strain;
+mod strain_reference;
 
 const SCALE: f64 = 0.5;
 

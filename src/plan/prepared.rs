@@ -226,7 +226,7 @@ pub(super) fn moduli(plan: &Plan) -> CellModuli {
 
 /// The cells with their laws, non-dimensional.
 fn strain_grid(plan: &Plan, mesh: &Mesh, grid: &Arc<Grid>) -> StrainGrid {
-    let laws = plan.invariant_laws();
+    let laws = plan.isochoric_laws();
     let cells = CellLaws {
         laws: &laws,
         of_cell: &plan.resolved.cell_material,

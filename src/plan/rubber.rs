@@ -3,7 +3,7 @@
 use sha2::{Digest, Sha256};
 
 use super::Plan;
-use crate::material::{InvariantLaw, Isochoric, Rubber};
+use crate::material::{InvariantLaw, Isochoric, Ogden, OgdenTerm, Rubber};
 use crate::scene::MaterialModel;
 
 /// Adds the coefficients of a law, in units of `stress`.
@@ -37,22 +37,24 @@ impl Plan {
     }
 
     /// Isochoric laws by material, non-dimensional.
-    pub(super) fn invariant_laws(&self) -> Vec<InvariantLaw<f64>> {
+    pub(super) fn isochoric_laws(&self) -> Vec<Isochoric> {
         let unit = self.units.stress;
         let of = |rubber: &Rubber| match &rubber.isochoric {
-            Isochoric::Invariants(law) => InvariantLaw {
+            Isochoric::Invariants(law) => Isochoric::Invariants(InvariantLaw {
                 c10: law.c10 / unit,
                 c01: law.c01 / unit,
                 c20: law.c20 / unit,
                 c30: law.c30 / unit,
-            },
-            // Refused by validation: the kernels know no stretches yet.
-            Isochoric::Ogden(law) => InvariantLaw {
-                c10: 0.5 * law.shear_modulus() / unit,
-                c01: 0.0,
-                c20: 0.0,
-                c30: 0.0,
-            },
+            }),
+            Isochoric::Ogden(law) => {
+                let terms = law.terms.iter().map(|term| OgdenTerm {
+                    modulus: term.modulus / unit,
+                    exponent: term.exponent,
+                });
+                Isochoric::Ogden(Ogden {
+                    terms: terms.collect(),
+                })
+            }
         };
         let rubbers = self
             .resolved

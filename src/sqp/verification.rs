@@ -181,3 +181,6 @@ fn free_hierarchical(context: &Context<'_>, lagrange: &[[f64; 3]]) -> Vec<f64> {
         .map(|(_, value)| value)
         .collect()
 }
+
+#[cfg(test)]
+mod tests;

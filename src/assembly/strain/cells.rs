@@ -7,7 +7,7 @@ use crate::assembly::kernel::Batch;
 use crate::assembly::lanes::{Lanes, Pack, WIDTH};
 use crate::assembly::partition::blocks_of_cells;
 use crate::element::quadrature::Rule;
-use crate::material::InvariantLaw;
+use crate::material::{InvariantLaw, Isochoric, Ogden};
 use crate::mesh::Mesh;
 
 /// Numbers in the widest register.
@@ -17,36 +17,97 @@ pub(super) const WIDEST: usize = WIDTH;
 #[derive(Clone, Copy, Debug)]
 pub struct CellLaws<'a> {
     /// By number.
-    pub laws: &'a [InvariantLaw<f64>],
+    pub laws: &'a [Isochoric],
     /// Number of the law `[cells]`.
     pub of_cell: &'a [u16],
 }
 
+/// A law in principal stretches; none in lanes of a law in invariants.
+pub(super) type Stretches = Option<Arc<Ogden>>;
+
+/// Numbers of a symmetric tangent matrix.
+pub(super) const TANGENT: usize = 45;
+
+/// A law as kernels take it: one of the parts is zero.
+struct Split {
+    invariants: InvariantLaw<f64>,
+    stretches: Stretches,
+    modulus: f64,
+}
+
+impl Split {
+    fn new(law: &Isochoric) -> Self {
+        let none = InvariantLaw {
+            c10: 0.0,
+            c01: 0.0,
+            c20: 0.0,
+            c30: 0.0,
+        };
+        let modulus = law.shear_modulus();
+        match law {
+            Isochoric::Invariants(law) => Self {
+                invariants: *law,
+                stretches: None,
+                modulus,
+            },
+            Isochoric::Ogden(law) => Self {
+                invariants: none,
+                stretches: Some(Arc::new(law.clone())),
+                modulus,
+            },
+        }
+    }
+}
+
 /// Coefficients of a batch.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct BatchLaw(InvariantLaw<Lanes>);
+#[derive(Clone, Debug)]
+pub(super) struct BatchLaw {
+    invariants: InvariantLaw<Lanes>,
+    /// Absent where every lane has a law in invariants.
+    stretches: Option<Box<[Stretches; WIDTH]>>,
+    modulus: Lanes,
+}
 
 impl BatchLaw {
     /// Missing lanes repeat the last cell.
-    fn new(cells: &[u32], source: CellLaws<'_>) -> Self {
+    fn new(cells: &[u32], laws: &[Split], of_cell: &[u16]) -> Self {
         let law = |lane: usize| {
             let cell = cells[lane.min(cells.len() - 1)] as usize;
-            &source.laws[usize::from(source.of_cell[cell])]
+            &laws[usize::from(of_cell[cell])]
         };
-        let lanes = |part: fn(&InvariantLaw<f64>) -> f64| {
-            Lanes(std::array::from_fn(|lane| part(law(lane))))
-        };
-        Self(InvariantLaw {
-            c10: lanes(|law| law.c10),
-            c01: lanes(|law| law.c01),
-            c20: lanes(|law| law.c20),
-            c30: lanes(|law| law.c30),
-        })
+        let lanes = |part: fn(&Split) -> f64| Lanes(std::array::from_fn(|lane| part(law(lane))));
+        let stretches: [Stretches; WIDTH] = std::array::from_fn(|lane| law(lane).stretches.clone());
+        Self {
+            invariants: InvariantLaw {
+                c10: lanes(|law| law.invariants.c10),
+                c01: lanes(|law| law.invariants.c01),
+                c20: lanes(|law| law.invariants.c20),
+                c30: lanes(|law| law.invariants.c30),
+            },
+            stretches: (stretches.iter().any(Option::is_some)).then(|| Box::new(stretches)),
+            modulus: lanes(|law| law.modulus),
+        }
+    }
+
+    /// Laws in stretches of one part's lanes; none where there are none at all.
+    #[inline(always)]
+    pub(super) fn stretches<S: pulp::Simd>(&self, part: usize) -> &[Stretches] {
+        let lanes = part * S::F64_LANES..(part + 1) * S::F64_LANES;
+        match &self.stretches {
+            Some(stretches) => &stretches[lanes],
+            None => &[],
+        }
+    }
+
+    /// Shear modulus at rest.
+    #[inline(always)]
+    pub(super) fn modulus<S: pulp::Simd>(&self, simd: S, part: usize) -> Pack<S> {
+        Pack::load(simd, &self.modulus, part)
     }
 
     #[inline(always)]
     pub(super) fn load<S: pulp::Simd>(&self, simd: S, part: usize) -> InvariantLaw<Pack<S>> {
-        let Self(law) = self;
+        let law = &self.invariants;
         InvariantLaw {
             c10: Pack::load(simd, &law.c10, part),
             c01: Pack::load(simd, &law.c01, part),
@@ -63,17 +124,24 @@ pub struct StrainGrid {
     pub(super) rule: Rule,
     /// Of each block, by batches.
     pub(super) laws: Vec<Vec<BatchLaw>>,
+    /// Numbers of the tangent kept at each point; none for laws in invariants,
+    /// which make it anew.
+    tangents: usize,
 }
 
 impl StrainGrid {
     /// The cells of `grid`, made from the same `mesh`.
     pub fn new(mesh: &Mesh, grid: Arc<Grid>, laws: CellLaws<'_>, rule: Rule) -> Self {
         let blocks = blocks_of_cells(mesh);
+        let split: Vec<Split> = laws.laws.iter().map(Split::new).collect();
         let of_block = |cells: &Vec<u32>| {
             let batches = cells.chunks(WIDTH);
-            batches.map(|cells| BatchLaw::new(cells, laws)).collect()
+            let laws = batches.map(|cells| BatchLaw::new(cells, &split, laws.of_cell));
+            laws.collect()
         };
+        let keeps_tangents = split.iter().any(|law| law.stretches.is_some());
         Self {
+            tangents: if keeps_tangents { TANGENT } else { 0 },
             laws: blocks.iter().map(of_block).collect(),
             grid,
             rule,
@@ -103,11 +171,12 @@ impl StrainGrid {
             Grid::Triangles(_) => (3, 2),
             Grid::Tetrahedra(_) => (4, 3),
         };
-        vertices * components * components + vertices + self.points()
+        vertices * components * components + vertices + (1 + self.tangents) * self.points()
     }
 }
 
-/// What a state leaves for products: vertex gradients, pressures and J^(-1/3).
+/// What a state leaves for products: vertex gradients, pressures, J^(-1/3) and,
+/// for laws in stretches, the tangent at the points.
 #[derive(Clone, Debug, Default)]
 pub struct Linearised {
     /// Of each block, batch by batch.
@@ -128,8 +197,14 @@ pub(super) struct BatchState<'a, const V: usize, const D: usize>(pub(super) &'a 
 impl<'a, const V: usize, const D: usize> BatchState<'a, V, D> {
     /// J^(-1/3) at the points.
     #[inline(always)]
-    pub(super) fn roots(&self) -> &'a [Lanes] {
-        &self.0[V * D * D + V..]
+    pub(super) fn roots(&self, points: usize) -> &'a [Lanes] {
+        &self.0[V * D * D + V..][..points]
+    }
+
+    /// Tangents at the points, if any.
+    #[inline(always)]
+    pub(super) fn tangents(&self, points: usize) -> &'a [Lanes] {
+        &self.0[V * D * D + V + points..]
     }
 
     #[inline(always)]
@@ -165,4 +240,6 @@ pub(super) struct Batches<'a, const V: usize, const D: usize, const E: usize> {
     pub(super) batches: &'a [Batch<V, D, E>],
     pub(super) laws: &'a [BatchLaw],
     pub(super) rule: &'a Rule,
+    /// Lanes that a state leaves for one batch.
+    pub(super) stride: usize,
 }

@@ -2,7 +2,9 @@
 
 use pulp::Simd;
 
+use super::cells::Stretches;
 use super::kernel::{PointLaw, VertexGradients, at_point};
+use super::stretches;
 use crate::assembly::lanes::{Lanes, Pack};
 use crate::geometry::tensor::{Tensor, plus, volume_change};
 use crate::material::{Deformation, InvariantLaw};
@@ -40,8 +42,9 @@ pub(super) fn root<S: Simd>(volume_change: Pack<S>) -> Pack<S> {
 }
 
 /// Stress, energy and volume at a state.
-pub(super) struct Respond<S: Simd, const V: usize> {
+pub(super) struct Respond<'a, S: Simd, const V: usize> {
     pub(super) law: InvariantLaw<Pack<S>>,
+    pub(super) stretches: &'a [Stretches],
     pub(super) pressures: [Pack<S>; V],
     /// int lambda_j (J - 1).
     pub(super) volumes: [Pack<S>; V],
@@ -50,7 +53,7 @@ pub(super) struct Respond<S: Simd, const V: usize> {
     pub(super) least: [f64; super::cells::WIDEST],
 }
 
-impl<S: Simd, const V: usize> PointLaw<S, V> for Respond<S, V> {
+impl<S: Simd, const V: usize> PointLaw<S, V> for Respond<'_, S, V> {
     #[inline(always)]
     fn stress(
         &mut self,
@@ -69,15 +72,22 @@ impl<S: Simd, const V: usize> PointLaw<S, V> for Respond<S, V> {
         self.energy = self.energy.plus_product(weight, self.law.energy(&at));
         add_moments(&mut self.volumes, hats, weight * at.volume_change);
         let pressure = interpolate(hats, &self.pressures);
-        plus(&self.law.stress(&at), -pressure, &at.cofactor)
+        let mut stress = plus(&self.law.stress(&at), -pressure, &at.cofactor);
+        if !self.stretches.is_empty() {
+            let energy = stretches::add_response(self.stretches, gradient, &mut stress);
+            self.energy = self.energy.plus_product(weight, energy);
+        }
+        stress
     }
 }
 
-/// J^(-1/3) at the points.
+/// J^(-1/3) at the points, and the tangents of laws in stretches.
 pub(super) struct Roots<'a> {
     pub(super) part: usize,
     /// Shared by the parts of a batch.
     pub(super) roots: &'a std::cell::RefCell<&'a mut [Lanes]>,
+    pub(super) tangents: &'a std::cell::RefCell<&'a mut [Lanes]>,
+    pub(super) stretches: &'a [Stretches],
 }
 
 impl<S: Simd, const V: usize> PointLaw<S, V> for Roots<'_> {
@@ -90,6 +100,10 @@ impl<S: Simd, const V: usize> PointLaw<S, V> for Roots<'_> {
         gradient: &Tensor<Pack<S>>,
     ) -> Tensor<Pack<S>> {
         root(volume_change(gradient)).store(&mut self.roots.borrow_mut()[point], self.part);
+        if !self.stretches.is_empty() {
+            let tangents = &mut self.tangents.borrow_mut();
+            stretches::store_tangent(self.stretches, gradient, point, tangents, self.part);
+        }
         *gradient
     }
 }
@@ -102,6 +116,8 @@ pub(super) struct Frozen<'a, S: Simd, const V: usize, const D: usize> {
     pub(super) pressures: [Pack<S>; V],
     /// Of all points.
     pub(super) roots: &'a [Lanes],
+    /// Of laws in stretches at all points; empty where there are none.
+    pub(super) tangents: &'a [Lanes],
 }
 
 impl<S: Simd, const V: usize, const D: usize> Frozen<'_, S, V, D> {
@@ -110,6 +126,14 @@ impl<S: Simd, const V: usize, const D: usize> Frozen<'_, S, V, D> {
         let gradient = at_point(self.simd, hats, &self.gradients);
         let root = Pack::load(self.simd, &self.roots[point], self.part);
         Deformation::new(gradient, root)
+    }
+
+    /// Adds the tangent of laws in stretches in the direction `change`.
+    #[inline(always)]
+    fn add_stretches(&self, point: usize, change: &Tensor<Pack<S>>, stress: &mut Tensor<Pack<S>>) {
+        if !self.tangents.is_empty() {
+            stretches::add_tangent(self.simd, self.tangents, point, self.part, change, stress);
+        }
     }
 }
 
@@ -134,7 +158,8 @@ impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Tangent<'_, S, 
     ) -> Tensor<Pack<S>> {
         let at = self.frozen.at(point, hats);
         let pressure = interpolate(hats, &self.frozen.pressures);
-        let (stress, volume) = self.law.tangent(&at, pressure, gradient);
+        let (mut stress, volume) = self.law.tangent(&at, pressure, gradient);
+        self.frozen.add_stretches(point, gradient, &mut stress);
         add_moments(&mut self.volumes, hats, weight * volume);
         plus(&stress, -interpolate(hats, &self.changes), &at.cofactor)
     }
@@ -159,7 +184,8 @@ impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Stiff<'_, S, V,
     ) -> Tensor<Pack<S>> {
         let at = self.frozen.at(point, hats);
         let pressure = interpolate(hats, &self.frozen.pressures);
-        let (stress, volume) = self.law.tangent(&at, pressure, gradient);
+        let (mut stress, volume) = self.law.tangent(&at, pressure, gradient);
+        self.frozen.add_stretches(point, gradient, &mut stress);
         plus(&stress, self.volumetric * volume, &at.cofactor)
     }
 }

@@ -132,6 +132,7 @@ impl StrainGrid {
             batches: grid.batches(block),
             laws: &self.laws[block],
             rule: &self.rule,
+            stride: self.stride(),
         }
     }
 
@@ -346,6 +347,7 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for RespondPass<'
                 (self.x, self.y),
                 |part, _, vertices| Respond {
                     law: law.load(simd, part),
+                    stretches: law.stretches::<S>(part),
                     pressures: vertex_pressures(simd, vertices, part),
                     volumes: [zero; V],
                     energy: zero,
@@ -379,11 +381,13 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for LinearisePass
     #[inline(always)]
     fn run<S: Simd, T: Transpose>(self, simd: S, transpose: T) {
         let mut element = Element::ZERO;
-        let stride = V * D * D + V + self.cells.rule.len();
-        let states = self.states.chunks_exact_mut(stride);
-        for (batch, state) in self.cells.batches.iter().zip(states) {
-            let (fields, roots) = state.split_at_mut(V * D * D + V);
+        let states = self.states.chunks_exact_mut(self.cells.stride);
+        let cells = self.cells.batches.iter().zip(self.cells.laws);
+        for ((batch, law), state) in cells.zip(states) {
+            let (fields, rest) = state.split_at_mut(V * D * D + V);
+            let (roots, tangents) = rest.split_at_mut(self.cells.rule.len());
             let roots = std::cell::RefCell::new(roots);
+            let tangents = std::cell::RefCell::new(tangents);
             run_batch(
                 simd,
                 transpose,
@@ -406,6 +410,8 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for LinearisePass
                     Roots {
                         part,
                         roots: &roots,
+                        tangents: &tangents,
+                        stretches: law.stretches::<S>(part),
                     }
                 },
                 |_, _, _| (),
@@ -431,7 +437,7 @@ macro_rules! frozen_pass {
             #[inline(always)]
             fn run<S: Simd, T: Transpose>(self, simd: S, transpose: T) {
                 let mut element = Element::ZERO;
-                let stride = V * D * D + V + self.cells.rule.len();
+                let (stride, points) = (self.cells.stride, self.cells.rule.len());
                 let cells = self.cells.batches.iter().zip(self.cells.laws);
                 for (index, ((batch, law), state)) in
                     cells.zip(self.states.chunks_exact(stride)).enumerate()
@@ -451,7 +457,8 @@ macro_rules! frozen_pass {
                                 part,
                                 gradients: state.gradients(simd, part),
                                 pressures: state.pressures(simd, part),
-                                roots: state.roots(),
+                                roots: state.roots(points),
+                                tangents: state.tangents(points),
                             };
                             let at = At { simd, part, law, vertices };
                             $make(frozen, at $(, self.$field)*)
@@ -486,11 +493,10 @@ frozen_pass!(
 frozen_pass!(
     StiffPass { volumetric: f64 },
     |frozen, at: At<'_, S, V>, volumetric| {
-        let law = at.law.load(at.simd, at.part);
         Stiff {
             frozen,
-            volumetric: law.modulus() * volumetric,
-            law,
+            volumetric: at.law.modulus(at.simd, at.part) * volumetric,
+            law: at.law.load(at.simd, at.part),
         }
     },
     |_, _, _| ()

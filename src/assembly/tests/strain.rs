@@ -8,22 +8,22 @@ use crate::assembly::strain::{
     CellLaws, Linearised, Response, StrainGrid, TangentDivergence, TangentStiffness,
 };
 use crate::linalg::vector::{add_scaled, scale};
-use crate::material::InvariantLaw;
+use crate::material::{InvariantLaw, Isochoric};
 
 /// Shear moduli 1 and 2, so that a cell's law matters.
-const LAWS: [InvariantLaw<f64>; 2] = [
-    InvariantLaw {
+const LAWS: [Isochoric; 2] = [
+    Isochoric::Invariants(InvariantLaw {
         c10: 0.3,
         c01: 0.2,
         c20: 0.0,
         c30: 0.0,
-    },
-    InvariantLaw {
+    }),
+    Isochoric::Invariants(InvariantLaw {
         c10: 1.0,
         c01: 0.0,
         c20: 0.1,
         c30: 0.05,
-    },
+    }),
 ];
 
 struct Body {

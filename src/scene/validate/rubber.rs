@@ -5,7 +5,7 @@
 
 use super::materials::{ResolvedMaterial, above_zero};
 use super::{Faults, Resolved};
-use crate::material::{InvariantLaw, Isochoric, LinearElastic, Rubber};
+use crate::material::{InvariantLaw, Isochoric, LinearElastic, Ogden, OgdenTerm, Rubber};
 use crate::scene::{RubberModel, Scene, SceneKind, SolverOptions, ToleranceRule};
 
 /// Terms of Ogden's law.
@@ -55,32 +55,24 @@ fn inverse_bulk(bulk_modulus: Option<f64>, path: &str, faults: &mut Faults) -> f
 }
 
 fn isochoric(model: &RubberModel, path: &str, faults: &mut Faults) -> Isochoric {
-    let [mut c10, mut c01, mut c20, mut c30] = [0.0; 4];
     let first = format!("{path}.c10");
-    match model {
-        RubberModel::MooneyRivlin { c10: a, c01: b } => {
-            (c10, c01) = (*a, *b);
+    let [c10, c01, c20, c30] = match model {
+        &RubberModel::MooneyRivlin { c10, c01 } => {
             all_finite(&[("c10", c10), ("c01", c01)], path, faults);
             at_rest(2.0 * (c10 + c01), "2 (c10 + c01)", &first, faults);
+            [c10, c01, 0.0, 0.0]
         }
-        RubberModel::NeoHookean { shear_modulus } => {
-            c10 = 0.5 * shear_modulus;
-            above_zero(*shear_modulus, &format!("{path}.shear_modulus"), faults);
+        &RubberModel::NeoHookean { shear_modulus } => {
+            above_zero(shear_modulus, &format!("{path}.shear_modulus"), faults);
+            [0.5 * shear_modulus, 0.0, 0.0, 0.0]
         }
-        RubberModel::Yeoh {
-            c10: a,
-            c20: b,
-            c30: c,
-        } => {
-            (c10, c20, c30) = (*a, *b, *c);
+        &RubberModel::Yeoh { c10, c20, c30 } => {
             all_finite(&[("c10", c10), ("c20", c20), ("c30", c30)], path, faults);
             at_rest(2.0 * c10, "2 c10", &first, faults);
+            [c10, 0.0, c20, c30]
         }
-        RubberModel::Ogden { mu, alpha } => {
-            ogden(mu, alpha, path, faults);
-            faults.unsupported(format!("{path}.model"), "`ogden`");
-        }
-    }
+        RubberModel::Ogden { mu, alpha } => return ogden(mu, alpha, path, faults),
+    };
     Isochoric::Invariants(InvariantLaw { c10, c01, c20, c30 })
 }
 
@@ -107,8 +99,8 @@ fn at_rest(shear_modulus: f64, formula: &str, path: &str, faults: &mut Faults) {
     }
 }
 
-/// Checks the terms of Ogden's law.
-fn ogden(mu: &[f64], alpha: &[f64], path: &str, faults: &mut Faults) {
+/// Ogden's law, its terms checked.
+fn ogden(mu: &[f64], alpha: &[f64], path: &str, faults: &mut Faults) -> Isochoric {
     let count = mu.len();
     if !(1..=MOST_TERMS).contains(&count) {
         let message = format!("must have 1 to {MOST_TERMS} terms, not {count}");
@@ -126,10 +118,14 @@ fn ogden(mu: &[f64], alpha: &[f64], path: &str, faults: &mut Faults) {
     if alpha.contains(&0.0) {
         faults.add(format!("{path}.alpha"), "an exponent must not be zero");
     }
-    let pairs = mu.iter().zip(alpha);
-    let shear_modulus: f64 = pairs.map(|(mu, alpha)| 0.5 * mu * alpha).sum();
+    let terms = mu.iter().zip(alpha);
+    let terms = terms.map(|(&modulus, &exponent)| OgdenTerm { modulus, exponent });
+    let law = Ogden {
+        terms: terms.collect(),
+    };
     let formula = "the sum of mu alpha / 2";
-    at_rest(shear_modulus, formula, &format!("{path}.mu"), faults);
+    at_rest(law.shear_modulus(), formula, &format!("{path}.mu"), faults);
+    Isochoric::Ogden(law)
 }
 
 /// Refuses what rubber is not solved with, and what only rubber has.

@@ -1,0 +1,103 @@
+//! Laws in principal stretches at the points of an element, one lane after the
+//! other: eigenvalues are not a matter of registers. Products take the tangent that
+//! the state left, 45 products and sums a point in registers again.
+
+use pulp::Simd;
+
+use super::cells::{Stretches, TANGENT};
+use crate::assembly::lanes::{Lanes, Pack};
+use crate::geometry::tensor::{Tensor, volume_change};
+
+/// The displacement gradients of all lanes, one after the other, that are the
+/// right side out and have a law in stretches.
+#[inline(always)]
+fn each_lane<S: Simd>(
+    laws: &[Stretches],
+    gradient: &Tensor<Pack<S>>,
+    mut visit: impl FnMut(usize, &crate::material::Ogden, &Tensor<f64>),
+) {
+    let mut lanes = [[Lanes::ZERO; 3]; 3];
+    for (row, packs) in lanes.iter_mut().zip(gradient) {
+        let pairs = row.iter_mut().zip(packs);
+        pairs.for_each(|(lanes, pack)| pack.store(lanes, 0));
+    }
+    for (lane, law) in laws.iter().enumerate() {
+        let h: Tensor<f64> = lanes.map(|row| row.map(|lanes| lanes.0[lane]));
+        if let Some(law) = law
+            && volume_change(&h) > -1.0
+        {
+            visit(lane, law, &h);
+        }
+    }
+}
+
+/// Adds dW/dF to `stress`; W.
+#[inline(always)]
+pub(super) fn add_response<S: Simd>(
+    laws: &[Stretches],
+    gradient: &Tensor<Pack<S>>,
+    stress: &mut Tensor<Pack<S>>,
+) -> Pack<S> {
+    let mut energies = Lanes::ZERO;
+    let mut stresses = [[Lanes::ZERO; 3]; 3];
+    each_lane(laws, gradient, |lane, law, h| {
+        energies.0[lane] = law.energy(h);
+        let found = law.stress(h);
+        for (row, values) in stresses.iter_mut().zip(found) {
+            (0..3).for_each(|j| row[j].0[lane] = values[j]);
+        }
+    });
+    for (row, lanes) in stress.iter_mut().zip(&stresses) {
+        for (sum, lanes) in row.iter_mut().zip(lanes) {
+            *sum += sum.first_of(lanes);
+        }
+    }
+    gradient[0][0].first_of(&energies)
+}
+
+/// Writes d2W/dF2 at `point`, row by row from the diagonal on.
+#[inline(always)]
+pub(super) fn store_tangent<S: Simd>(
+    laws: &[Stretches],
+    gradient: &Tensor<Pack<S>>,
+    point: usize,
+    tangents: &mut [Lanes],
+    part: usize,
+) {
+    let mut entries = [Lanes::ZERO; TANGENT];
+    each_lane(laws, gradient, |lane, law, h| {
+        let tangent = law.tangent(h);
+        let upper = tangent.iter().enumerate().flat_map(|(i, row)| &row[i..]);
+        for (entry, value) in entries.iter_mut().zip(upper) {
+            entry.0[lane] = *value;
+        }
+    });
+    let like = gradient[0][0];
+    for (lanes, entry) in tangents[point * TANGENT..].iter_mut().zip(&entries) {
+        like.first_of(entry).store(lanes, part);
+    }
+}
+
+/// Adds d2W/dF2 : `change` to `stress`.
+#[inline(always)]
+pub(super) fn add_tangent<S: Simd>(
+    simd: S,
+    tangents: &[Lanes],
+    point: usize,
+    part: usize,
+    change: &Tensor<Pack<S>>,
+    stress: &mut Tensor<Pack<S>>,
+) {
+    let mut entries = tangents[point * TANGENT..].iter();
+    for row in 0..9 {
+        let (i, j) = (row / 3, row % 3);
+        for (column, lanes) in (row..9).zip(&mut entries) {
+            let (k, l) = (column / 3, column % 3);
+            let entry = Pack::load(simd, lanes, part);
+            stress[i][j] = stress[i][j].plus_product(entry, change[k][l]);
+            if column > row {
+                stress[k][l] = stress[k][l].plus_product(entry, change[i][j]);
+            }
+        }
+    }
+}
