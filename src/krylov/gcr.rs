@@ -13,8 +13,10 @@ use super::{Monitor, Outcome, Verdict};
 use crate::linalg::vector::{add_scaled, dot, dots, norm, scale, subtract_combination};
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
-/// Directions kept for orthogonalisation.
+/// Directions kept for orthogonalisation where nothing else is said.
 const KEPT: usize = 10;
+/// Directions that one sweep makes a product orthogonal to.
+const GROUP: usize = 10;
 /// A relative reduction below this counts as none.
 const LEAST_REDUCTION: f64 = 1e-13;
 /// A reduction of the squared residual below this takes the last product as the
@@ -32,12 +34,28 @@ const DEPENDENT: f64 = 1e-8;
 
 /// Directions and their products, kept between calls that continue the same
 /// system.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Directions {
     pairs: std::collections::VecDeque<(Vec<f64>, Vec<f64>)>,
+    most: usize,
+}
+
+impl Default for Directions {
+    fn default() -> Self {
+        Self::keeping(KEPT)
+    }
 }
 
 impl Directions {
+    /// None yet, and at most `most`: a system with a few eigenvalues far from the
+    /// others takes as many more as there are of those.
+    pub fn keeping(most: usize) -> Self {
+        Self {
+            pairs: std::collections::VecDeque::new(),
+            most,
+        }
+    }
+
     /// Forgets all directions, for a new system.
     pub fn clear(&mut self, work: &mut Workspace) {
         for (direction, product) in self.pairs.drain(..) {
@@ -81,7 +99,7 @@ impl Directions {
     }
 
     fn push(&mut self, direction: Vec<f64>, product: Vec<f64>, work: &mut Workspace) {
-        if self.pairs.len() == KEPT
+        if self.pairs.len() == self.most
             && let Some((oldest, its_product)) = self.pairs.pop_front()
         {
             work.give(oldest);
@@ -160,14 +178,19 @@ pub fn solve(
 /// Kaufman and G. Stewart, Math. Comp. 30, 1976).
 fn orthogonalise(directions: &Directions, direction: &mut [f64], product: &mut [f64]) -> f64 {
     let pairs = &directions.pairs;
-    let kept: [&[f64]; KEPT] = std::array::from_fn(|k| pairs.get(k).map_or(&[][..], |p| &p.0));
-    let images: [&[f64]; KEPT] = std::array::from_fn(|k| pairs.get(k).map_or(&[][..], |p| &p.1));
     let mut length = norm(product);
     for _ in 0..2 {
         let before = length;
-        let overlaps = dots(product, &images);
-        subtract_combination(direction, &overlaps, &kept);
-        subtract_combination(product, &overlaps, &images);
+        for first in (0..pairs.len()).step_by(GROUP) {
+            let pair = |k: usize| pairs.get(first + k);
+            let kept: [&[f64]; GROUP] =
+                std::array::from_fn(|k| pair(k).map_or(&[][..], |pair| &pair.0));
+            let images: [&[f64]; GROUP] =
+                std::array::from_fn(|k| pair(k).map_or(&[][..], |pair| &pair.1));
+            let overlaps = dots(product, &images);
+            subtract_combination(direction, &overlaps, &kept);
+            subtract_combination(product, &overlaps, &images);
+        }
         length = norm(product);
         if length > MOST_LOST * before || length.is_nan() {
             break;

@@ -27,6 +27,13 @@ pub use uzawa::Uzawa;
 pub enum BlockStep {
     /// [`BlockTriangular`]: one displacement application.
     UpperTriangular,
+    /// The same for a displacement preconditioner of A + gamma B1^T M1^-1 B1, whose
+    /// right-hand side is f + gamma B1^T M1^-1 g1: the system is the same one, and
+    /// so is the step but for the share of B1^T dx1 that moves the displacement.
+    Augmented {
+        /// 1 + gamma over the whole pressure step.
+        share: f64,
+    },
     /// [`ArrowHurwicz`]: two of them.
     ArrowHurwicz {
         /// Of the first block.
@@ -108,6 +115,8 @@ pub struct BlockTriangular<'a> {
     pub displacement: &'a dyn Preconditioner,
     /// As in the operator.
     pub blocks: &'a [MultiplierBlock<'a>],
+    /// Of B1^T dx1 that moves the displacement; one without augmentation.
+    pub share: f64,
 }
 
 impl Preconditioner for BlockTriangular<'_> {
@@ -116,14 +125,15 @@ impl Preconditioner for BlockTriangular<'_> {
         let (r_u, mut r_rest) = r.split_at(r.len() - multipliers);
         let (z_u, mut z_rest) = z.split_at_mut(r_u.len());
         let mut force = work.copy(r_u);
-        for block in self.blocks {
+        for (index, block) in self.blocks.iter().enumerate() {
+            let share = if index == 0 { self.share } else { 1.0 };
             let (r_block, r_next) = r_rest.split_at(block.coupling.rows());
             let (z_block, z_next) = z_rest.split_at_mut(block.coupling.rows());
             block.metric.apply(r_block, z_block, work);
             z_block.iter_mut().for_each(|value| *value = -*value);
             block
                 .coupling
-                .add_transposed(-1.0, z_block, &mut force, work);
+                .add_transposed(-share, z_block, &mut force, work);
             (r_rest, z_rest) = (r_next, z_next);
         }
         self.displacement.apply(&force, z_u, work);
@@ -143,6 +153,12 @@ impl BlockStep {
             Self::UpperTriangular => Box::new(BlockTriangular {
                 displacement,
                 blocks,
+                share: 1.0,
+            }),
+            Self::Augmented { share } => Box::new(BlockTriangular {
+                displacement,
+                blocks,
+                share,
             }),
             Self::ArrowHurwicz { ratio } => Box::new(ArrowHurwicz {
                 stiffness,
@@ -218,6 +234,7 @@ mod tests {
         let triangular = BlockTriangular {
             displacement: &Scaled(0.25),
             blocks: &blocks,
+            share: 1.0,
         };
         let mut z = [0.0; 3];
         triangular.apply(&[1.0, 2.0, 4.0], &mut z, &mut Workspace::new());

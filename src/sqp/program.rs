@@ -233,6 +233,9 @@ impl<'a> Program<'a> {
                     work,
                 ),
             },
+            _ if self.tangent.is_some() => BlockStep::Augmented {
+                share: self.context.plan.augmented_share(),
+            },
             _ => BlockStep::UpperTriangular,
         }
     }

@@ -11,7 +11,6 @@ use super::loads::reference_load;
 use super::state::{Snapshot, State};
 use super::watch::Watch;
 use super::{accuracy, fields, results, verification};
-use crate::krylov::gcr::Directions;
 use crate::linalg::vector::dot;
 use crate::linalg::{LinearOperator, Workspace};
 use crate::mesh::Mesh;
@@ -238,7 +237,7 @@ impl Session {
             true => self.state.drive.clone(),
             false => Drive::first_target(self.plan.scene()),
         };
-        self.state.directions = Directions::default();
+        self.state.directions = self.plan.directions();
     }
 
     /// Undoes the last increment, if it is not undone yet, and stops its step.

@@ -64,7 +64,7 @@ impl State {
             drive: Drive::undeformed(plan.scene()),
             scales: QpScales::default(),
             force_scale: 0.0,
-            directions: Directions::default(),
+            directions: plan.directions(),
             inverse: None,
             linearised: Arc::default(),
         }

@@ -12,8 +12,8 @@ use rayon::prelude::*;
 use super::cells::CellLaws;
 use crate::assembly::CellGeometry;
 use crate::assembly::p1_stiffness::{Block, CellStiffness};
-use crate::geometry::tensor::{Tensor, plus, volume_change};
-use crate::material::{Deformation, InvariantLaw};
+use crate::geometry::tensor::{Tensor, cross, volume_change};
+use crate::material::{Deformation, Isochoric};
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
@@ -53,7 +53,7 @@ impl CellTangents {
             tensors: (cells.clone().into_par_iter())
                 .map(|cell| states.tangent(cell, law(cell), volumetric))
                 .collect(),
-            shear: cells.map(|cell| law(cell).modulus()).collect(),
+            shear: cells.map(|cell| law(cell).shear_modulus()).collect(),
         }
     }
 }
@@ -85,22 +85,28 @@ impl CellStates<'_> {
         out
     }
 
-    fn tangent(&self, cell: usize, law: &InvariantLaw<f64>, volumetric: f64) -> [f64; ENTRIES] {
-        let h = self.gradient(cell);
-        let change = volume_change(&h).max(LEAST_CHANGE);
-        let at = Deformation::new(h, (1.0 + change).cbrt().recip());
+    fn tangent(&self, cell: usize, law: &Isochoric, volumetric: f64) -> [f64; ENTRIES] {
+        let mut h = self.gradient(cell);
+        if volume_change(&h) < LEAST_CHANGE {
+            // A centroid that is turned inside out has no tangent of its own.
+            h = [[0.0; 3]; 3];
+        }
+        let at = Deformation::new(h, (1.0 + volume_change(&h)).cbrt().recip());
         let corners = self.mesh.cell(cell);
         let sum: f64 = corners.iter().map(|&v| self.pressure[v as usize]).sum();
         let pressure = sum / corners.len() as f64;
+        let matrix = law.tangent(&h);
         let mut out = [0.0; ENTRIES];
         let mut entry = 0;
         for row in 0..9 {
             let mut unit = [[0.0; 3]; 3];
             unit[row / 3][row % 3] = 1.0;
-            let (stress, volume) = law.tangent(&at, pressure, &unit);
-            let stress = plus(&stress, volumetric * law.modulus() * volume, &at.cofactor);
-            for value in &stress.as_flattened()[row..] {
-                out[entry] = *value;
+            let turned = cross(&at.gradient, &unit);
+            let volume = volumetric * law.shear_modulus() * at.cofactor[row / 3][row % 3];
+            for column in row..9 {
+                let (k, n) = (column / 3, column % 3);
+                let pushed = volume * at.cofactor[k][n] - pressure * turned[k][n];
+                out[entry] = matrix[row][column] + pushed;
                 entry += 1;
             }
         }
@@ -108,7 +114,7 @@ impl CellStates<'_> {
     }
 }
 
-/// A centroid that is turned inside out has no tangent of its own.
+/// Change of volume below which the tangent at rest takes the place of a cell's own.
 const LEAST_CHANGE: f64 = -0.9;
 
 impl CellStiffness for CellTangents {
