@@ -61,7 +61,7 @@ fn bytes_of_an_iteration(scene: &Scene, step: &Step, mesh: &Arc<Mesh>) -> f64 {
 fn scene_is_compressible(scene: &Scene) -> bool {
     scene.materials.iter().any(|material| match material.model {
         MaterialModel::LinearElastic { poisson_ratio, .. } => poisson_ratio < 0.45,
-        MaterialModel::Stokes { .. } => false,
+        MaterialModel::Stokes { .. } | MaterialModel::Rubber { .. } => false,
     })
 }
 

@@ -6,7 +6,7 @@ mod common;
 use common::meshes::{cube, file_parts, irregular, mesh, moved, square};
 use common::scenes::{cube_bend, elastic, hertz_plane, hertz_sphere, obstacle, support, traction};
 use common::solve_one;
-use signorini::scene::{MaterialModel, Modulus, Shape};
+use signorini::scene::{MaterialModel, Modulus, RubberModel, Shape};
 use signorini::{MeshParts, Scene, Step, StepReport};
 
 /// New units: factors of lengths and of stresses.
@@ -20,24 +20,48 @@ fn scaled(vector: [f64; 3], factor: f64) -> [f64; 3] {
     vector.map(|x| x * factor)
 }
 
+/// All parameters of a law that are stresses.
+fn moduli(model: &mut MaterialModel) -> Vec<&mut f64> {
+    match model {
+        MaterialModel::LinearElastic {
+            modulus: Modulus::Shear(value) | Modulus::Young(value),
+            ..
+        }
+        | MaterialModel::Stokes {
+            viscosity: value, ..
+        } => vec![value],
+        MaterialModel::Rubber {
+            model,
+            bulk_modulus,
+            ..
+        } => {
+            let coefficients = match model {
+                RubberModel::MooneyRivlin { c10, c01 } => vec![c10, c01],
+                RubberModel::NeoHookean { shear_modulus } => vec![shear_modulus],
+                RubberModel::Yeoh { c10, c20, c30 } => vec![c10, c20, c30],
+                RubberModel::Ogden { mu, .. } => mu.iter_mut().collect(),
+            };
+            coefficients.into_iter().chain(bulk_modulus).collect()
+        }
+    }
+}
+
 impl Factors {
     fn scene(self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
         for material in &mut scene.materials {
-            let (MaterialModel::LinearElastic {
-                modulus: Modulus::Shear(value) | Modulus::Young(value),
-                ..
+            for value in moduli(&mut material.model) {
+                *value *= self.stress;
             }
-            | MaterialModel::Stokes {
-                viscosity: value, ..
-            }) = &mut material.model;
-            *value *= self.stress;
         }
         for support in &mut scene.supports {
             support.displacement = support.displacement.map(|x| x.map(|x| x * self.length));
         }
         for traction in &mut scene.tractions {
             traction.value = scaled(traction.value, self.stress);
+        }
+        for pressure in &mut scene.pressures {
+            pressure.value *= self.stress;
         }
         scene.body_force = scaled(scene.body_force, self.stress / self.length);
         for obstacle in &mut scene.obstacles {

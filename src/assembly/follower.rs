@@ -123,7 +123,7 @@ fn face_points(measure: SurfaceMeasure) -> Vec<FacePoint> {
 }
 
 /// Of [`shape_values`] along s = l_1 and t = l_2.
-fn shape_slopes(l: &[f64]) -> Vec<[f64; 2]> {
+pub fn shape_slopes(l: &[f64]) -> Vec<[f64; 2]> {
     let hats = [[-1.0, -1.0], [1.0, 0.0], [0.0, 1.0]];
     let hats = match l.len() {
         2 => [[-1.0, 0.0], [1.0, 0.0], [0.0, 0.0]],

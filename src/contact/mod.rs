@@ -6,6 +6,7 @@
 //! and vertex; never nodal P2 multipliers, whose vertex functions have zero
 //! mean on a quadratic face. d > 0 outside the obstacle.
 
+mod deformed_area;
 pub mod gap;
 pub mod resultant;
 pub mod surface;

@@ -2,6 +2,7 @@
 
 use super::estimate::cell_estimates;
 use super::evaluate::Context;
+use super::finite_strain;
 use super::results::gradient_at;
 use super::state::State;
 use crate::contact::gap::evaluate_gaps;
@@ -21,7 +22,12 @@ pub(crate) fn field(context: &Context<'_>, state: &State, name: FieldName) -> Op
             let values = state.pressure.iter().map(|p| p * units.stress);
             (1, on_uploaded(context, values))
         }
-        FieldName::ContactPressure | FieldName::Gap | FieldName::ContactState if !has_contact => {
+        FieldName::ContactPressure
+        | FieldName::ContactPressureDeformed
+        | FieldName::Gap
+        | FieldName::ContactState
+            if !has_contact =>
+        {
             return None;
         }
         FieldName::ContactPressure => {
@@ -45,8 +51,12 @@ pub(crate) fn field(context: &Context<'_>, state: &State, name: FieldName) -> Op
             1,
             per_cell(context, |cell| vec![jacobian(context, state, cell)]),
         ),
+        FieldName::ErrorEstimate if context.plan.resolved.is_rubber() => return None,
         FieldName::ErrorEstimate => (1, cell_estimates(context, state)),
-        FieldName::ContactPressureDeformed => return None,
+        FieldName::ContactPressureDeformed => {
+            let pressure = finite_strain::deformed_pressure(context, state)?;
+            (1, on_surface(context, &pressure, 0.0, f64::max))
+        }
     };
     Some(FieldData {
         name,
@@ -140,6 +150,9 @@ fn centre(context: &Context<'_>) -> [f64; 4] {
 }
 
 fn jacobian(context: &Context<'_>, state: &State, cell: usize) -> f64 {
+    if context.plan.resolved.is_rubber() {
+        return finite_strain::volume_ratio(context, state, cell);
+    }
     let gradient = gradient_at(context, state, cell, &centre(context));
     1.0 + gradient[0][0] + gradient[1][1] + gradient[2][2]
 }
@@ -157,6 +170,9 @@ fn stress(context: &Context<'_>, state: &State, cell: usize) -> [f64; 6] {
             sum / corners.len() as f64 * context.plan.units.stress
         }
     };
-    let s = law.stress(&gradient, pressure);
+    let s = match finite_strain::rubber(context, cell) {
+        Some(rubber) => finite_strain::true_stress(rubber, &gradient, pressure),
+        None => law.stress(&gradient, pressure),
+    };
     [s[0][0], s[1][1], s[2][2], s[0][1], s[1][2], s[2][0]]
 }

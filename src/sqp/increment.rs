@@ -135,7 +135,7 @@ pub(crate) fn solve(
             state,
             drive,
             &step,
-            &now,
+            program.start(),
             first_force,
             counters,
             work,

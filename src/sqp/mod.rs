@@ -19,6 +19,7 @@ mod errors;
 mod estimate;
 mod evaluate;
 mod fields;
+mod finite_strain;
 mod increment;
 mod linear;
 mod loads;

@@ -6,6 +6,7 @@ use super::counters::{Counters, timed};
 use super::errors::manufactured_errors;
 use super::estimate::{Estimate, estimate, force_error};
 use super::evaluate::{Context, Internal, internal};
+use super::finite_strain::{deformed_pressure, jacobian_bound};
 use super::increment::Ending;
 use super::state::State;
 use crate::assembly::grid::Rows;
@@ -52,7 +53,7 @@ pub(crate) fn report(
         strain_energy: strain_energy(context, state, &inside, work) * units.energy(),
         volume_ratio: volume_ratio(context, state, &inside, work),
         min_jacobian: inside.response.map(|response| response.least_jacobian),
-        min_jacobian_bound: None,
+        min_jacobian_bound: jacobian_bound(context, state),
         stability: None,
         max_penetration: ending.max_penetration * units.length,
         residuals: ending.residuals,
@@ -140,6 +141,7 @@ fn obstacles(
     let body = context.deformed(&state.displacement);
     let obstacles = context.interfaces.obstacles(&state.drive, units.length);
     let list = context.interfaces.list.iter().zip(&obstacles);
+    let deformed = deformed_pressure(context, state);
     list.enumerate()
         .map(|(index, (interface, obstacle))| {
             let pressure = &state.multiplier[interface.range()];
@@ -160,7 +162,10 @@ fn obstacles(
                 moment: found.moment.map(|x| x * units.energy()),
                 contact_area: found.area * units.area(),
                 max_pressure: found.max_pressure * units.stress,
-                max_pressure_deformed: None,
+                max_pressure_deformed: deformed.as_ref().map(|all| {
+                    let own = all[interface.range()].iter().copied();
+                    own.fold(0.0, f64::max)
+                }),
                 centre_of_pressure: found.centre.map(|x| x * units.length),
                 stick_vertices: 0,
                 slip_vertices: 0,

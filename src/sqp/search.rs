@@ -49,7 +49,7 @@ pub(super) fn search(
             evaluate(context, state, drive, work)
         });
         let is_inside_out = match (trial.least_jacobian, floor) {
-            (Some(least), Some(floor)) => !(least > floor),
+            (Some(least), Some(floor)) => least.is_nan() || least <= floor,
             _ => false,
         };
         if !is_inside_out {

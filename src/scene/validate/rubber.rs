@@ -147,26 +147,26 @@ pub(super) fn check(scene: &Scene, materials: &[ResolvedMaterial], faults: &mut 
     methods(&scene.solver, faults);
 }
 
+/// Key, what a scene asks there, and what serves rubber.
+type Method = (&'static str, fn(&SolverOptions) -> &str, &'static str);
+
 /// Methods that serve rubber.
-const METHODS: &[(&str, fn(&SolverOptions) -> &str, &[&str])] = &[
-    ("element", |solver| &solver.element, &["taylor-hood"]),
-    ("saddle", |solver| &solver.saddle, &["gcr"]),
-    ("contact", |solver| &solver.contact, &["one-level"]),
+const METHODS: [Method; 4] = [
+    ("element", |solver| &solver.element, "taylor-hood"),
+    ("saddle", |solver| &solver.saddle, "gcr"),
+    ("contact", |solver| &solver.contact, "one-level"),
     (
         "displacement_preconditioner",
         |solver| &solver.displacement_preconditioner,
-        &["p-multigrid"],
+        "p-multigrid",
     ),
 ];
 
 fn methods(solver: &SolverOptions, faults: &mut Faults) {
     for (key, asked, serving) in METHODS {
         let asked = asked(solver);
-        if asked != "auto" && !serving.contains(&asked) {
-            let message = format!(
-                "`{asked}` with rubber; `{}` serves it",
-                serving.join("`, `")
-            );
+        if asked != "auto" && asked != serving {
+            let message = format!("`{asked}` with rubber; `{serving}` serves it");
             faults.unsupported(format!("solver.{key}"), message);
         }
     }

@@ -1,0 +1,120 @@
+//! Deformed areas of the contact surface: int phi_i da with x = X + u on quadratic
+//! faces, da = |x_s x x_t| ds dt (|x_s| ds in the plane), by the rule of the gap.
+//!
+//! A contact pressure l per undeformed area is l_i int phi_i dS / int phi_i da per
+//! deformed area. Shapes: `[multipliers]`. Cost: some 100 flops a point.
+
+use super::gap::Deformed;
+use super::surface::{ContactFace, ContactSurface};
+use crate::assembly::follower::shape_slopes;
+use crate::geometry::vector3::{add, cross, norm, scale};
+
+impl ContactSurface {
+    /// int phi_i da over the deformed surface `[multipliers]`.
+    pub fn deformed_weights(&self, body: &Deformed<'_>) -> Vec<f64> {
+        let mut weights = vec![0.0; self.multipliers()];
+        for face in &self.faces {
+            for (point, weight) in body.rule.points.iter().zip(&body.rule.weights) {
+                let hats = &point[..face.corners.len()];
+                let area = weight * area_element(body, face, hats);
+                for (&multiplier, hat) in face.multipliers.iter().zip(hats) {
+                    weights[multiplier as usize] += hat * area;
+                }
+            }
+        }
+        weights
+    }
+
+    /// Contact pressure per deformed area, from that per undeformed area
+    /// `[multipliers]`.
+    pub fn deformed_pressure(&self, body: &Deformed<'_>, pressure: &[f64]) -> Vec<f64> {
+        let deformed = self.deformed_weights(body);
+        let weights = self.weights.iter().zip(deformed);
+        let ratios = weights.map(|(undeformed, deformed)| undeformed / deformed);
+        pressure.iter().zip(ratios).map(|(p, r)| p * r).collect()
+    }
+}
+
+/// Area of the deformed face were it everywhere as at the point `hats`.
+fn area_element(body: &Deformed<'_>, face: &ContactFace, hats: &[f64]) -> f64 {
+    let c = body.space.components;
+    let mut along = [[0.0; 3]; 2];
+    for (shape, (&node, slopes)) in face.nodes.iter().zip(shape_slopes(hats)).enumerate() {
+        let mut value = match face.corners.get(shape) {
+            Some(&corner) => body.mesh.coordinates()[corner as usize].map(|x| body.scale * x),
+            None => [0.0; 3],
+        };
+        for (i, x) in value.iter_mut().enumerate().take(c) {
+            *x += body.displacement[node as usize * c + i];
+        }
+        for (tangent, slope) in along.iter_mut().zip(slopes) {
+            *tangent = add(*tangent, scale(slope, value));
+        }
+    }
+    match face.corners.len() {
+        2 => norm(along[0]),
+        _ => 0.5 * norm(cross(along[0], along[1])),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::element::quadrature::{Simplex, rule};
+    use crate::mesh::{GroupKind, samples};
+    use crate::space::TaylorHood;
+
+    #[test]
+    fn a_stretched_face_has_its_stretched_area_and_less_pressure() {
+        let mesh = samples::cube(2);
+        let space = TaylorHood::new(&mesh);
+        let group = mesh.group("z1", GroupKind::Facets).expect("a side");
+        let facets = group.members.iter();
+        let facets: Vec<Vec<u32>> = facets.map(|&f| mesh.facet(f as usize).to_vec()).collect();
+        let surface = ContactSurface::new(&mesh, &space, 1.0, &facets);
+        let mut displacement = vec![0.0; space.displacement_unknowns()];
+        for (u, x) in displacement.chunks_exact_mut(3).zip(mesh.coordinates()) {
+            (u[0], u[1], u[2]) = (0.5 * x[0] + 0.25 * x[1], 0.2 * x[1], 0.3 * x[0]);
+        }
+        let body = Deformed {
+            mesh: &mesh,
+            scale: 1.0,
+            space: &space,
+            displacement: &displacement,
+            rule: &rule(Simplex::Triangle, 2),
+        };
+        // (1.5, 0, 0.3) x (0.25, 1.2, 0)
+        let area = norm(cross([1.5, 0.0, 0.3], [0.25, 1.2, 0.0]));
+        let pairs = surface.weights.iter().zip(surface.deformed_weights(&body));
+        for (undeformed, deformed) in pairs {
+            assert!((deformed - area * undeformed).abs() < 1e-15);
+        }
+        let ones = vec![1.0; surface.multipliers()];
+        for pressure in surface.deformed_pressure(&body, &ones) {
+            assert!((pressure * area - 1.0).abs() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn a_face_bent_by_its_middle_node_has_the_length_of_a_parabola() {
+        let mesh = samples::rectangle(1, 1);
+        let space = TaylorHood::new(&mesh);
+        let group = mesh.group("y1", GroupKind::Facets).expect("a side");
+        let facet = mesh.facet(group.members[0] as usize).to_vec();
+        let nodes = space.facet_nodes(&facet);
+        let surface = ContactSurface::new(&mesh, &space, 1.0, &[facet]);
+        let mut displacement = vec![0.0; space.displacement_unknowns()];
+        displacement[nodes[2] as usize * 2 + 1] = 0.25;
+        let body = Deformed {
+            mesh: &mesh,
+            scale: 1.0,
+            space: &space,
+            displacement: &displacement,
+            rule: &rule(Simplex::Segment, 20),
+        };
+        // y = x (1 - x): int sqrt(1 + (1 - 2 x)^2) dx over 0 .. 1.
+        let length = 0.5 * (2.0_f64.sqrt() + 1.0_f64.asinh());
+        let found: f64 = surface.deformed_weights(&body).iter().sum();
+        assert!((found - length).abs() < 1e-9, "{found} {length}");
+    }
+}
