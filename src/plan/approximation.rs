@@ -85,7 +85,7 @@ impl Prepared {
         cancel: &CancelToken,
     ) -> Result<Approximation, PrepareError> {
         let start = std::time::Instant::now();
-        let laws = plan.invariant_laws();
+        let laws = plan.isochoric_laws();
         let states = CellStates {
             mesh,
             space: &self.space,

@@ -12,8 +12,8 @@ use rayon::prelude::*;
 use super::cells::CellLaws;
 use crate::assembly::CellGeometry;
 use crate::assembly::p1_stiffness::{Block, CellStiffness};
-use crate::geometry::tensor::{Tensor, plus, volume_change};
-use crate::material::{Deformation, InvariantLaw};
+use crate::geometry::tensor::{Tensor, cofactor, cross, plus_unit, volume_change};
+use crate::material::Isochoric;
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
@@ -53,7 +53,7 @@ impl CellTangents {
             tensors: (cells.clone().into_par_iter())
                 .map(|cell| states.tangent(cell, law(cell), volumetric))
                 .collect(),
-            shear: cells.map(|cell| law(cell).modulus()).collect(),
+            shear: cells.map(|cell| law(cell).shear_modulus()).collect(),
         }
     }
 }
@@ -85,22 +85,33 @@ impl CellStates<'_> {
         out
     }
 
-    fn tangent(&self, cell: usize, law: &InvariantLaw<f64>, volumetric: f64) -> [f64; ENTRIES] {
-        let h = self.gradient(cell);
-        let change = volume_change(&h).max(LEAST_CHANGE);
-        let at = Deformation::new(h, (1.0 + change).cbrt().recip());
+    fn pressure(&self, cell: usize) -> f64 {
         let corners = self.mesh.cell(cell);
         let sum: f64 = corners.iter().map(|&v| self.pressure[v as usize]).sum();
-        let pressure = sum / corners.len() as f64;
+        sum / corners.len() as f64
+    }
+
+    fn tangent(&self, cell: usize, law: &Isochoric, volumetric: f64) -> [f64; ENTRIES] {
+        let mut h = self.gradient(cell);
+        if volume_change(&h) < LEAST_CHANGE {
+            h = [[0.0; 3]; 3];
+        }
+        let f = plus_unit(&h);
+        let volume = cofactor(&f);
+        let pressure = self.pressure(cell);
+        let factor = volumetric * law.shear_modulus();
+        let isochoric = law.tangent(&h);
         let mut out = [0.0; ENTRIES];
         let mut entry = 0;
         for row in 0..9 {
             let mut unit = [[0.0; 3]; 3];
             unit[row / 3][row % 3] = 1.0;
-            let (stress, volume) = law.tangent(&at, pressure, &unit);
-            let stress = plus(&stress, volumetric * law.modulus() * volume, &at.cofactor);
-            for value in &stress.as_flattened()[row..] {
-                out[entry] = *value;
+            let turned = cross(&f, &unit);
+            let across = factor * volume[row / 3][row % 3];
+            for column in row..9 {
+                let (k, l) = (column / 3, column % 3);
+                out[entry] =
+                    isochoric[row][column] - pressure * turned[k][l] + across * volume[k][l];
                 entry += 1;
             }
         }
@@ -108,7 +119,8 @@ impl CellStates<'_> {
     }
 }
 
-/// A centroid that is turned inside out has no tangent of its own.
+/// A centroid that is turned inside out, or nearly, has no tangent of its own: it
+/// takes the one at rest.
 const LEAST_CHANGE: f64 = -0.9;
 
 impl CellStiffness for CellTangents {
