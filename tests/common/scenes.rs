@@ -105,6 +105,7 @@ pub(crate) fn pull(name: &str, displacement: [Option<f64>; 3], increments: u32) 
         supports: vec![SupportTarget {
             name: name.to_owned(),
             displacement,
+            ..SupportTarget::default()
         }],
         ..Step::default()
     }

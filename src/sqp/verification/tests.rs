@@ -8,7 +8,7 @@ use super::*;
 use crate::assembly::follower::{FollowerPressure, PressedBody, SurfaceMeasure, add_follower_load};
 use crate::element::quadrature::rule;
 use crate::linalg::vector::reproducible_noise;
-use crate::mesh::{Mesh, samples};
+use crate::mesh::{GroupKind, Mesh, samples};
 use crate::plan::{Plan, TaylorHoodData as Prepared};
 use crate::report::CancelToken;
 use crate::scene::{
@@ -47,18 +47,21 @@ impl Body {
                     formulation: Formulation::Auto,
                 },
             }],
-            pressures: vec![Pressure {
-                on: vec!["x1".to_owned(), "y0".to_owned()],
-                value: 0.7,
-            }],
             ..Scene::default()
         };
         let mesh = Arc::new(mesh);
         let mut plan = Plan::new(&scene, &[Step::default()], &mesh).expect("a valid scene");
         let prepared = Prepared::build(&plan, &mesh, &CancelToken::new()).expect("a solvable body");
         let interfaces = Interfaces::new(&plan, &mesh, &prepared.space);
-        // Only the independent path reads it from here on.
+        // Only the independent path reads what is set from here on.
         plan.resolved.kind = kind;
+        plan.scene.pressures = vec![Pressure {
+            on: vec!["x1".to_owned(), "y0".to_owned()],
+            value: 0.7,
+        }];
+        let facets = ["x1", "y0"].map(|name| mesh.group(name, GroupKind::Facets));
+        let facets = facets.iter().flatten().flat_map(|group| &group.members);
+        plan.resolved.pressure_facets = vec![facets.copied().collect()];
         let load = vec![0.0; prepared.space.displacement_unknowns()];
         Self {
             mesh,
