@@ -1,4 +1,4 @@
-//! Meshes of round bodies: a triangulated surface in layers, each prism split
+//! Meshes of round and of thin bodies: a triangulated surface in layers, each prism split
 //! into three tetrahedra by the numbers of its vertices, so that neighbours fit.
 //! All cells are straight-sided: the geometry itself converges with order two.
 
@@ -215,6 +215,25 @@ pub(crate) fn thick_sphere(count: usize, layers: usize) -> MeshParts {
             ("x0", &|x| near(x[0], 0.0)),
             ("y0", &|x| near(x[1], 0.0)),
             ("z0", &|x| near(x[2], 0.0)),
+        ],
+    )
+}
+
+/// A slab over the z plane in equal boxes, groups x0 .. z1.
+pub(crate) fn slab([across, deep, high]: [usize; 3], size: [f64; 3]) -> MeshParts {
+    let place = |[x, y]: [f64; 2], z: f64| [size[0] * x, size[1] * y, size[2] * z];
+    let (points, cells) = layered(&square(across, deep), high, place);
+    body(
+        CellKind::Tetrahedron,
+        points,
+        cells,
+        &[
+            ("x0", &|x| near(x[0], 0.0)),
+            ("x1", &|x| near(x[0], size[0])),
+            ("y0", &|x| near(x[1], 0.0)),
+            ("y1", &|x| near(x[1], size[1])),
+            ("z0", &|x| near(x[2], 0.0)),
+            ("z1", &|x| near(x[2], size[2])),
         ],
     )
 }
