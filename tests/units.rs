@@ -4,7 +4,10 @@
 mod common;
 
 use common::meshes::{cube, file_parts, irregular, mesh, moved, square};
-use common::scenes::{cube_bend, elastic, hertz_plane, hertz_sphere, obstacle, support, traction};
+use common::scenes::{
+    cube_bend, elastic, hertz_plane, hertz_sphere, mooney_rivlin, obstacle, push, rubber,
+    small_indentation, support, traction,
+};
 use common::solve_one;
 use signorini::scene::{MaterialModel, Modulus, RubberModel, Shape};
 use signorini::{MeshParts, Scene, Step, StepReport};
@@ -20,38 +23,26 @@ fn scaled(vector: [f64; 3], factor: f64) -> [f64; 3] {
     vector.map(|x| x * factor)
 }
 
-/// All parameters of a law that are stresses.
-fn moduli(model: &mut MaterialModel) -> Vec<&mut f64> {
-    match model {
-        MaterialModel::LinearElastic {
-            modulus: Modulus::Shear(value) | Modulus::Young(value),
-            ..
-        }
-        | MaterialModel::Stokes {
-            viscosity: value, ..
-        } => vec![value],
-        MaterialModel::Rubber {
-            model,
-            bulk_modulus,
-            ..
-        } => {
-            let coefficients = match model {
-                RubberModel::MooneyRivlin { c10, c01 } => vec![c10, c01],
-                RubberModel::NeoHookean { shear_modulus } => vec![shear_modulus],
-                RubberModel::Yeoh { c10, c20, c30 } => vec![c10, c20, c30],
-                RubberModel::Ogden { mu, .. } => mu.iter_mut().collect(),
-            };
-            coefficients.into_iter().chain(bulk_modulus).collect()
-        }
-    }
-}
-
 impl Factors {
     fn scene(self, scene: &Scene) -> Scene {
         let mut scene = scene.clone();
         for material in &mut scene.materials {
-            for value in moduli(&mut material.model) {
-                *value *= self.stress;
+            match &mut material.model {
+                MaterialModel::LinearElastic {
+                    modulus: Modulus::Shear(value) | Modulus::Young(value),
+                    ..
+                }
+                | MaterialModel::Stokes {
+                    viscosity: value, ..
+                } => *value *= self.stress,
+                MaterialModel::Rubber {
+                    model,
+                    bulk_modulus,
+                    ..
+                } => {
+                    bulk_modulus.iter_mut().for_each(|k| *k *= self.stress);
+                    self.law(model);
+                }
             }
         }
         for support in &mut scene.supports {
@@ -59,9 +50,6 @@ impl Factors {
         }
         for traction in &mut scene.tractions {
             traction.value = scaled(traction.value, self.stress);
-        }
-        for pressure in &mut scene.pressures {
-            pressure.value *= self.stress;
         }
         scene.body_force = scaled(scene.body_force, self.stress / self.length);
         for obstacle in &mut scene.obstacles {
@@ -81,6 +69,19 @@ impl Factors {
             probe.point = scaled(probe.point, self.length);
         }
         scene
+    }
+
+    fn law(self, law: &mut RubberModel) {
+        match law {
+            RubberModel::MooneyRivlin { c10, c01 } => {
+                [c10, c01].into_iter().for_each(|c| *c *= self.stress);
+            }
+            RubberModel::NeoHookean { shear_modulus } => *shear_modulus *= self.stress,
+            RubberModel::Yeoh { c10, c20, c30 } => {
+                [c10, c20, c30].into_iter().for_each(|c| *c *= self.stress);
+            }
+            RubberModel::Ogden { mu, .. } => mu.iter_mut().for_each(|mu| *mu *= self.stress),
+        }
     }
 
     fn step(self, step: &Step) -> Step {
@@ -125,6 +126,8 @@ fn quantities(report: &StepReport, dimension: i32) -> Vec<Quantity> {
     };
     push("energy", &[report.strain_energy], dimension, 1, None);
     push("volume", &[report.volume_ratio], 0, 0, None);
+    let jacobian: Vec<f64> = report.min_jacobian.into_iter().collect();
+    push("jacobian", &jacobian, 0, 0, None);
     push("penetration", &[report.max_penetration], 1, 0, None);
     for obstacle in report.obstacles.values() {
         let area = dimension - 1;
@@ -172,12 +175,27 @@ fn cases() -> Vec<(Scene, Step, MeshParts)> {
         scene
     };
     let with = |(scene, step): (Scene, Step), parts| (scene, step, parts);
+    let of_rubber = |scene: Scene, law, bulk_modulus| Scene {
+        materials: rubber(law, bulk_modulus).materials,
+        ..scene
+    };
+    let neo_hookean = RubberModel::NeoHookean { shear_modulus: 1.3 };
     vec![
         (cube_bend(0.5), Step::default(), irregular(cube(3), 3)),
         (cube_bend(0.3), Step::default(), irregular(cube(3), 3)),
         with(hertz_sphere(0.5), file_parts("indent_l1")),
         with(hertz_plane(0.3), file_parts("hemi_l1")),
         (plane(), Step::default(), irregular(square(6), 6)),
+        (
+            of_rubber(small_indentation(3).0, mooney_rivlin(), None),
+            push("ball", [0.0, 0.0, -0.1]),
+            irregular(cube(3), 3),
+        ),
+        (
+            of_rubber(plane(), neo_hookean, Some(40.0)),
+            Step::default(),
+            irregular(square(6), 6),
+        ),
     ]
 }
 

@@ -2,6 +2,7 @@
 //! library. Each story compiles its own copy and uses a part of it.
 #![allow(dead_code)]
 
+pub(crate) mod curved;
 pub(crate) mod meshes;
 pub(crate) mod scenes;
 

@@ -42,7 +42,6 @@ pub(crate) fn rubber(model: RubberModel, bulk_modulus: Option<f64>) -> Scene {
         bulk_modulus,
         formulation: Formulation::Auto,
     };
-    scene.solver.verify = false;
     scene
 }
 
@@ -108,6 +107,16 @@ pub(crate) fn pull(name: &str, displacement: [Option<f64>; 3], increments: u32) 
             ..SupportTarget::default()
         }],
         ..Step::default()
+    }
+}
+
+/// Step data that turns one support by a rotation vector about a point.
+pub(crate) fn turned(name: &str, rotation: [f64; 3], about: [f64; 3]) -> SupportTarget {
+    SupportTarget {
+        name: name.to_owned(),
+        rotation: Some(rotation),
+        about: Some(about),
+        ..SupportTarget::default()
     }
 }
 

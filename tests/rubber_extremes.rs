@@ -1,0 +1,232 @@
+//! Rubber pressed as far as it goes: the step converges, or it ends with a cause
+//! that names what happened to the body, where it happened, and the last good
+//! state kept.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::curved::slab;
+use common::meshes::{cube, file, irregular, mesh};
+use common::scenes::{
+    HELD, bonded_cube, cube_bend, in_parts, indented_block, mooney_rivlin, press, pull, push,
+    rubber, support, traction,
+};
+use common::{assert_converged, close, open, run, solve, solve_one, take, values};
+use signorini::scene::{RubberModel, Shape};
+use signorini::{Cause, FieldName, Mesh, Scene, Session, Step, StepReport, Termination};
+
+fn block() -> Arc<Mesh> {
+    mesh(irregular(cube(3), 3))
+}
+
+/// What may end the loading of a body: it loses its equilibrium or its shape.
+fn is_of_the_body(cause: Option<Cause>) -> bool {
+    matches!(
+        cause,
+        Some(Cause::LimitPoint | Cause::UnstableEquilibrium | Cause::NegativeJacobian)
+    )
+}
+
+/// The part of the loading reached; fails unless the end is an allowed one with a
+/// state that is good.
+fn reached(reports: &[StepReport]) -> f64 {
+    let last = reports.last().expect("an increment");
+    assert!(
+        reports[..reports.len() - 1]
+            .iter()
+            .all(|r| r.cause.is_none())
+    );
+    let is_converged = last.termination == Termination::Converged;
+    assert!(
+        is_converged || is_of_the_body(last.cause),
+        "{:?} at {}",
+        last.cause,
+        last.time
+    );
+    assert!(last.strain_energy.is_finite());
+    assert!(last.min_jacobian.is_some_and(|least| least > 0.0));
+    last.time
+}
+
+/// A ball of another radius over the quarter block, pressed to `depth`.
+fn indented(radius: f64, depth: f64, increments: u32) -> Vec<StepReport> {
+    let (mut scene, _) = indented_block();
+    scene.obstacles[0].shape = Shape::Sphere {
+        centre: [0.0, 0.0, radius],
+        radius,
+    };
+    let step = in_parts(push("ball", [0.0, 0.0, -depth]), increments);
+    solve(&scene, &[step], &file("indent_l1"))
+}
+
+#[test]
+fn a_small_ball_is_pressed_in_by_a_tenth_at_least() {
+    let depth = 0.25;
+    let part = reached(&indented(0.5, depth, 10));
+    assert!(part * depth >= 0.1, "{part}");
+}
+
+#[test]
+fn a_large_ball_is_pressed_in_by_0_175_at_least() {
+    let depth = 0.4;
+    let part = reached(&indented(1.0, depth, 16));
+    assert!(part * depth >= 0.175, "{part}");
+}
+
+#[test]
+fn a_bonded_cube_is_pressed_to_two_fifths_at_least() {
+    let (scene, _) = bonded_cube();
+    let step = in_parts(push("press", [0.0, 0.0, -0.6]), 24);
+    let part = reached(&solve(&scene, &[step], &mesh(cube(4))));
+    assert!(0.6 * part >= 0.4, "{part}");
+}
+
+#[test]
+fn a_bonded_layer_of_32_to_1_is_pressed_by_a_tenth() {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.supports = vec![
+        support("z0", HELD),
+        support("z1", HELD),
+        support("y0", [None, Some(0.0), None]),
+        support("y1", [None, Some(0.0), None]),
+    ];
+    let step = pull("z1", [None, None, Some(-0.1)], 5);
+    let layer = mesh(slab([64, 1, 3], [32.0, 0.5, 1.0]));
+    let reports = solve(&scene, &[step], &layer);
+    reports.iter().for_each(assert_converged);
+    // Like layers of bonded rubber in plane strain: pressure grows as the square of
+    // the width, force as its cube.
+    let nominal = -reports[4].supports["z1"].force[2] / (32.0 * 0.5);
+    assert!(nominal > 10.0, "{nominal}");
+}
+
+/// The cube with five clamped faces under what presses on the sixth.
+fn enclosed(bulk_modulus: Option<f64>) -> Scene {
+    let mut scene = rubber(mooney_rivlin(), bulk_modulus);
+    let sides = ["x0", "x1", "y0", "y1", "z0"];
+    scene.supports = sides.map(|side| support(side, HELD)).to_vec();
+    scene.obstacles = vec![press("z1")];
+    scene
+}
+
+#[test]
+fn a_lid_cannot_compress_what_fills_its_box() {
+    let scene = enclosed(None);
+    let reports = solve(&scene, &[push("press", [0.0, 0.0, -0.05])], &block());
+    let last = reports.last().expect("an increment");
+    assert_eq!(last.termination, Termination::NotConverged);
+    assert_eq!(last.cause, Some(Cause::EnclosedVolume));
+}
+
+#[test]
+fn a_lid_compresses_what_fills_its_box_and_can_give_way() {
+    let scene = enclosed(Some(10.0));
+    let step = in_parts(push("press", [0.0, 0.0, -0.02]), 2);
+    let reports = solve(&scene, &[step], &block());
+    reports.iter().for_each(assert_converged);
+    assert!(reports[1].volume_ratio < 1.0);
+}
+
+#[test]
+fn half_of_the_body_inside_the_obstacle_at_first_is_pushed_out() {
+    let (mut scene, _) = bonded_cube();
+    scene.obstacles[0].shape = Shape::HalfSpace {
+        point: [0.0, 0.0, 0.5],
+        normal: [0.0, 0.0, -1.0],
+    };
+    let at_once = solve_one(&scene, &Step::default(), &mesh(cube(3)));
+    let (scene, _) = bonded_cube();
+    let step = in_parts(push("press", [0.0, 0.0, -0.5]), 20);
+    let reports = solve(&scene, &[step], &mesh(cube(3)));
+    let travelled = reports.last().expect("an increment");
+    assert_converged(travelled);
+    let force = |report: &StepReport| report.obstacles["press"].force[2];
+    assert!(close(force(&at_once), force(travelled), 1e-6));
+}
+
+/// A bonded block under a dead load on its top.
+fn loaded(load: [f64; 3]) -> Scene {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.supports = vec![support("z0", HELD)];
+    scene.tractions = vec![traction("z1", load)];
+    scene
+}
+
+#[test]
+fn absurd_loads_end_with_the_body_as_it_was() {
+    for load in [[0.0, 0.0, -1e6], [0.0, 0.0, 1e6], [1e6, 0.0, 0.0]] {
+        let (session, reports) = run(&loaded(load), &[], &block());
+        let cause = reports[0].cause;
+        assert!(is_of_the_body(cause), "{load:?} {cause:?}");
+        assert!(reports[0].residuals.largest() <= 1e-8);
+        let largest = largest_displacement(&session);
+        assert!(largest.is_finite(), "{largest}");
+    }
+}
+
+fn largest_displacement(session: &Session) -> f64 {
+    let all = values(session, FieldName::Displacement);
+    all.iter().fold(0.0, |most: f64, x| most.max(x.abs()))
+}
+
+#[test]
+fn a_session_goes_on_after_a_load_that_was_too_much() {
+    let mut session = open(&loaded([0.0, 0.0, -1e6]), &block());
+    let failed = take(&mut session, &Step::default());
+    assert_eq!(failed[0].termination, Termination::NotConverged);
+    let small = Step {
+        load: Some(1e-7),
+        ..Step::default()
+    };
+    let reports = take(&mut session, &small);
+    assert_converged(&reports[0]);
+    assert!(largest_displacement(&session) > 0.0);
+}
+
+#[test]
+fn a_load_taken_back_leaves_no_displacement() {
+    let mut scene = loaded([0.3, 0.0, -0.1]);
+    scene.solver.tolerance = 1e-10;
+    let mut session = open(&scene, &block());
+    let load = |factor, increments| Step {
+        load: Some(factor),
+        increments,
+        ..Step::default()
+    };
+    for step in [load(1.0, 2), load(-1.0, 2), load(0.0, 2)] {
+        let reports = take(&mut session, &step);
+        reports.iter().for_each(assert_converged);
+    }
+    let left = largest_displacement(&session);
+    assert!(left <= 1e-10, "{left:e}");
+}
+
+#[test]
+fn an_obstacle_taken_back_leaves_no_displacement() {
+    let (mut scene, _) = bonded_cube();
+    scene.solver.tolerance = 1e-10;
+    let mut session = open(&scene, &block());
+    for travel in [-0.2, 0.0, 0.1] {
+        let step = in_parts(push("press", [0.0, 0.0, travel]), 2);
+        let reports = take(&mut session, &step);
+        reports.iter().for_each(assert_converged);
+    }
+    let left = largest_displacement(&session);
+    assert!(left <= 1e-10, "{left:e}");
+}
+
+#[test]
+fn an_increment_a_hundred_times_too_large_ends_where_small_ones_do() {
+    let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, None);
+    let bent = cube_bend(0.5);
+    scene.supports = bent.supports;
+    scene.tractions = bent.tractions;
+    let at_once = solve_one(&scene, &Step::default(), &block());
+    let parts = in_parts(Step::default(), 100);
+    let reports = solve(&scene, &[parts], &block());
+    assert_eq!(reports.len(), 100);
+    reports.iter().for_each(assert_converged);
+    let slowly = reports[99].strain_energy;
+    assert!(close(at_once.strain_energy, slowly, 1e-6), "{slowly}");
+}

@@ -1,0 +1,144 @@
+//! Bodies of rubber blown up by a pressure that follows their inner surface, with
+//! a the inner radius, A and B the radii at rest and b^3 = B^3 + a^3 - A^3 or
+//! b^2 = B^2 + a^2 - A^2 (Rivlin):
+//!
+//! ```text
+//! sphere    p = f(a / A) - f(b / B), f(s) = C10 (-4 / s - s^-4) + C01 (4 s - 2 s^-2)
+//! cylinder  p = mu (ln(a B / (A b)) + (a^2 - A^2) / 2 (a^-2 - b^-2))
+//! ```
+//!
+//! Cells are straight-sided, so that the geometry alone allows order two.
+
+mod common;
+
+use common::curved::{quarter_ring, thick_cylinder, thick_sphere};
+use common::meshes::mesh;
+use common::scenes::{in_parts, mooney_rivlin, probe, rubber, support};
+use common::{assert_converged, close, solve};
+use signorini::scene::{Pressure, SceneKind};
+use signorini::{MeshParts, Scene, Step};
+
+/// What the finest mesh of a test may miss.
+const FINEST: f64 = 1e-3;
+
+/// A body under inner pressure, held by its planes of symmetry.
+fn inflated(pressure: f64, planes: &[(&str, usize)]) -> Scene {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.pressures = vec![Pressure {
+        on: vec!["inner".to_owned()],
+        value: pressure,
+    }];
+    let held = |&(name, axis): &(&str, usize)| {
+        let mut values = [None; 3];
+        values[axis] = Some(0.0);
+        support(name, values)
+    };
+    scene.supports = planes.iter().map(held).collect();
+    scene.probes = vec![
+        probe("inner", [1.0, 0.0, 0.0]),
+        probe("top", [0.0, 1.0, 0.0]),
+    ];
+    scene
+}
+
+/// Relative error of the inner radius, which should be `radius`.
+fn error_of(scene: &Scene, increments: u32, parts: MeshParts, radius: f64) -> f64 {
+    let steps = [in_parts(Step::default(), increments)];
+    let reports = solve(scene, &steps, &mesh(parts));
+    reports.iter().for_each(assert_converged);
+    let moved = reports.last().expect("an increment").probes["inner"].displacement;
+    (moved[0] - (radius - 1.0)).abs() / (radius - 1.0)
+}
+
+fn assert_second_order(errors: &[f64]) {
+    let is_fast = errors.windows(2).all(|pair| pair[1] <= pair[0] / 3.8);
+    assert!(is_fast, "{errors:?}");
+    assert!(
+        errors.last().is_some_and(|&last| last <= FINEST),
+        "{errors:?}"
+    );
+}
+
+#[test]
+fn a_thick_sphere_is_blown_up_as_rivlin_says() {
+    let planes = [("x0", 0), ("y0", 1), ("z0", 2)];
+    for (radius, pressure) in [(1.1, 0.293659139), (1.5, 0.847426758)] {
+        let scene = inflated(pressure, &planes);
+        let errors = [4, 8, 16].map(|n| error_of(&scene, 4, thick_sphere(n, n / 2), radius));
+        assert_second_order(&errors);
+    }
+}
+
+#[test]
+fn a_thick_cylinder_is_blown_up_as_rivlin_says() {
+    let planes = [("x0", 0), ("y0", 1), ("z0", 2), ("z1", 2)];
+    for (radius, pressure) in [(1.1, 0.131562278), (1.5, 0.428228409)] {
+        let scene = inflated(pressure, &planes);
+        let body = |n: usize| thick_cylinder(n, n / 2, 2.0 / n as f64);
+        let errors = [4, 8, 16].map(|n| error_of(&scene, 4, body(n), radius));
+        assert_second_order(&errors);
+    }
+}
+
+#[test]
+fn a_thick_ring_in_plane_strain_is_a_thick_cylinder() {
+    for (radius, pressure) in [(1.1, 0.131562278), (1.5, 0.428228409), (2.0, 0.574053572)] {
+        let scene = inflated(pressure, &[("x0", 0), ("y0", 1)]);
+        let errors = [8, 16, 32].map(|n| error_of(&scene, 4, quarter_ring(n, n / 2), radius));
+        assert_second_order(&errors);
+    }
+}
+
+/// The section x from 1 to 2 of a tall tube, turned about the axis.
+fn tube(count: usize) -> MeshParts {
+    let parts = common::meshes::square(count);
+    let mut parts = common::meshes::moved(parts, |[x, y, z]| [1.0 + x, 0.5 * y, z]);
+    for group in &mut parts.groups {
+        if group.name == "x0" {
+            group.name = "inner".to_owned();
+        }
+    }
+    parts
+}
+
+#[test]
+fn an_axisymmetric_tube_is_a_thick_cylinder() {
+    for (radius, pressure) in [(1.1, 0.131562278), (1.5, 0.428228409), (2.0, 0.574053572)] {
+        let mut scene = inflated(pressure, &[("y0", 1), ("y1", 1)]);
+        scene.kind = Some(SceneKind::Axisymmetric);
+        scene.probes.truncate(1);
+        let errors = [2, 4, 8].map(|n| error_of(&scene, 4, tube(n), radius));
+        assert_second_order(&errors);
+    }
+}
+
+#[test]
+fn an_axisymmetric_ball_is_a_thick_sphere() {
+    for (radius, pressure) in [(1.1, 0.293659139), (1.5, 0.847426758)] {
+        let mut scene = inflated(pressure, &[("x0", 0), ("y0", 1)]);
+        scene.kind = Some(SceneKind::Axisymmetric);
+        let errors = [8, 16, 32].map(|n| error_of(&scene, 4, quarter_ring(n, n / 2), radius));
+        assert_second_order(&errors);
+    }
+}
+
+#[test]
+fn supports_balance_the_pressure_on_the_deformed_opening() {
+    let (radius, pressure) = (1.5, 0.428228409);
+    let scene = inflated(pressure, &[("x0", 0), ("y0", 1)]);
+    let reports = solve(
+        &scene,
+        &[in_parts(Step::default(), 2)],
+        &mesh(quarter_ring(16, 8)),
+    );
+    let report = reports.last().expect("an increment");
+    assert_converged(report);
+    // A pressure on an arc is one on its chord: the force along an axis is that on
+    // the height of the arc along the other.
+    for (support, axis, end) in [("x0", 0, "top"), ("y0", 1, "inner")] {
+        let opening = 1.0 + report.probes[end].displacement[1 - axis];
+        assert!(close(opening, radius, 5e-3), "{opening}");
+        let force = report.supports[support].force[axis];
+        assert!(close(force, -pressure * opening, 1e-6), "{support} {force}");
+    }
+}
