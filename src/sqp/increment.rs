@@ -150,7 +150,7 @@ pub(crate) fn solve(
                     first_force,
                     Termination::NotConverged,
                     Some(match refused {
-                        Refused::Jacobian => Cause::LineSearch,
+                        Refused::Jacobian => Cause::NegativeJacobian,
                         Refused::Progress => Cause::LineSearch,
                     }),
                 );
