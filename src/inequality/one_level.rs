@@ -140,6 +140,32 @@ impl InequalitySolver for OneLevel<'_> {
 }
 
 impl OneLevel<'_> {
+    /// Solves on the face of the iterate's own set, whatever the signs say; returns
+    /// why it ended early.
+    pub fn solve_on_face(
+        &self,
+        iterate: &mut QpIterate,
+        run: &mut QpRun<'_, '_>,
+    ) -> Option<QpStatus> {
+        let active = iterate.active.clone();
+        let Ok(metric) = ActiveMetric::new(self.problem.metric, &active) else {
+            return Some(QpStatus::IndefiniteMetric);
+        };
+        let face = self.run_face(
+            &metric,
+            &active,
+            iterate,
+            &run.targets,
+            run.scales,
+            Review::AtTheEnd,
+            run.iterations,
+            run.directions,
+            run.progress,
+            run.work,
+        );
+        face.failed
+    }
+
     /// Adds this program's coupling on the face `active` to the products of
     /// kept directions: what they learned about A and B stays of use.
     fn attach(&self, directions: &mut gcr::Directions, active: &[bool], work: &mut Workspace) {

@@ -21,7 +21,7 @@ use crate::assembly::strain::{CellLaws, CellStates, CellTangents, Linearised, St
 use crate::linalg::{DenseMatrix, Preconditioner};
 use crate::mesh::Mesh;
 use crate::precond::NodeBlocks;
-use crate::report::{CancelToken, Seconds};
+use crate::report::CancelToken;
 
 /// Weight of the volume term, in units of the shear modulus.
 pub(crate) const VOLUMETRIC: f64 = 2.0 / 3.0;
@@ -37,7 +37,6 @@ pub(crate) struct Approximation {
     pub(super) solver_bytes: u64,
     /// Name of the P1 solver's data.
     pub(super) p1_part: &'static str,
-    pub(super) seconds: Seconds,
 }
 
 impl std::fmt::Debug for Approximation {
@@ -55,11 +54,6 @@ impl Approximation {
             + self.node_blocks.bytes()
             + self.compliance.bytes()
             + 24 * self.contact_normals.len() as u64
-    }
-
-    /// Wall seconds that it took.
-    pub(crate) fn seconds(&self) -> Seconds {
-        self.seconds
     }
 }
 
@@ -84,7 +78,6 @@ impl Prepared {
         state: Deformed<'_>,
         cancel: &CancelToken,
     ) -> Result<Approximation, PrepareError> {
-        let start = std::time::Instant::now();
         let laws = plan.isochoric_laws();
         let states = CellStates {
             mesh,
@@ -121,7 +114,6 @@ impl Prepared {
             tangent: Some(state),
         };
         let (displacement, displacement_bytes) = displacement::build(plan, body);
-        let total = start.elapsed().as_secs_f64();
         Ok(Approximation {
             displacement,
             node_blocks,
@@ -129,12 +121,6 @@ impl Prepared {
             contact_normals: p1.normals,
             solver_bytes: p1.bytes + displacement_bytes,
             p1_part: p1.part,
-            seconds: Seconds {
-                assemble: total - p1.factorise,
-                factorise: p1.factorise,
-                total,
-                ..Seconds::default()
-            },
         })
     }
 }

@@ -160,7 +160,6 @@ impl Prepared {
                 contact_normals: p1.normals,
                 solver_bytes: p1.bytes + displacement_bytes,
                 p1_part: p1.part,
-                seconds,
             }),
             pressure,
             seconds,

@@ -10,6 +10,10 @@ pub(crate) struct Counters {
     pub(crate) krylov_iterations: u32,
     /// Applications of the displacement preconditioner.
     pub(crate) applications: u32,
+    /// Of those, apart: of the search for the softest motion.
+    pub(crate) eigenvalue_applications: u32,
+    /// Approximate inverses made anew.
+    pub(crate) factorisations: u32,
     /// Products with the exact compliance, one inner solve each.
     pub(crate) contact_products: u32,
     pub(crate) set_changes: u32,
@@ -25,6 +29,8 @@ impl Counters {
             sqp_iterations: 0,
             krylov_iterations: 0,
             applications: 0,
+            eigenvalue_applications: 0,
+            factorisations: 0,
             contact_products: 0,
             set_changes: 0,
             cut_backs: 0,

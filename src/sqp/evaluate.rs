@@ -22,6 +22,8 @@ pub(crate) struct Context<'a> {
     pub(crate) interfaces: &'a Interfaces,
     /// Load at factor one.
     pub(crate) load: &'a [f64],
+    /// Weighted gaps that count as closed beside zero; empty where none does.
+    pub(crate) relief: &'a [f64],
     /// Bound on all four residuals.
     pub(crate) tolerance: f64,
 }
@@ -206,6 +208,9 @@ fn add_contact(context: &Context<'_>, state: &State, drive: &Drive, out: &mut Ev
         out.gap.append(&mut part.gap);
         out.max_penetration = out.max_penetration.max(part.max_penetration);
         part.rows.iter_mut().for_each(|row| builder.push_row(row));
+    }
+    if !context.relief.is_empty() {
+        add_scaled(&mut out.gap, 1.0, context.relief);
     }
     out.coupling = builder.finish();
 }

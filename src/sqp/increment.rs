@@ -19,7 +19,7 @@ use crate::inequality::QpStatus;
 use crate::krylov::Outcome;
 use crate::linalg::Workspace;
 use crate::linalg::vector::norm;
-use crate::report::{Cause, Residuals, Termination};
+use crate::report::{Cause, Residuals, Stability, Termination};
 
 /// Quadratic programs per increment.
 const MOST_PROGRAMS: u32 = 40;
@@ -42,6 +42,8 @@ pub(crate) struct Ending {
     pub(crate) tolerance: f64,
     /// Of the discretisation error, where the increment's end depended on it.
     pub(crate) estimate: Option<Estimate>,
+    /// Of a certified equilibrium.
+    pub(crate) stability: Option<Stability>,
 }
 
 impl Ending {
@@ -102,6 +104,7 @@ pub(crate) fn solve(
             drive,
             (&now, motion),
             &mut first_force,
+            watch,
             counters,
             work,
         );
@@ -110,7 +113,14 @@ pub(crate) fn solve(
             true => 0.0,
             false => reduction * worst,
         };
+        let before = counters.applications;
         let (step, outcome) = program.solve(state, goal, watch, counters, work);
+        if context.prepared.strain.is_some() {
+            let reached = goal.max(context.tolerance);
+            state
+                .upkeep
+                .note(counters.applications - before, worst, reached);
+        }
         if let Some(ended) = stop_reason(outcome.status, watch) {
             if ended.0 == Termination::NotConverged {
                 // The best iterate is kept, and may be good enough after all.
@@ -240,6 +250,7 @@ pub(super) fn ending(
         force_scale: state.force_scale,
         tolerance,
         estimate: None,
+        stability: None,
     }
 }
 

@@ -27,8 +27,10 @@ mod program;
 mod results;
 mod search;
 mod session;
+mod stability;
 mod state;
 mod tangent;
+mod upkeep;
 mod verification;
 mod watch;
 

@@ -10,21 +10,29 @@ use super::evaluate::{Context, Evaluation};
 use super::linear::{Linear, Track};
 use super::state::State;
 use super::tangent::Tangent;
+use super::upkeep::inverse;
 use super::watch::Watch;
 use crate::contact::gap::curvature;
 use crate::inequality::{
-    QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets, choose,
+    OneLevel, QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
+    choose,
 };
+use crate::krylov::Verdict;
 use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::obstacle::Obstacle;
-use crate::plan::{Approximation, Deformed, SaddleMethod};
+use crate::plan::{Approximation, SaddleMethod};
 use crate::precond::Counted;
-use crate::report::CancelToken;
 use crate::saddle::{BlockStep, MultiplierBlock, arrow_hurwicz_ratio};
 
 /// Krylov iterations per program.
 const MOST_ITERATIONS: u32 = 600;
+/// Of a body of finite strain: what takes longer has no stable solution near.
+const MOST_AT_FINITE_STRAIN: u32 = 300;
+/// Accuracy of one step of inverse iteration.
+const PROBE_LEVEL: f64 = 0.1;
+/// Krylov iterations of one step of inverse iteration.
+const PROBE_ITERATIONS: u32 = 40;
 /// Aim of a program below the tolerance, for what the recomputed residual adds.
 const MARGIN: f64 = 0.95;
 
@@ -71,13 +79,14 @@ impl<'a> Program<'a> {
         drive: &Drive,
         (now, motion): (&Evaluation, Option<Vec<f64>>),
         first_force: &mut f64,
+        watch: &Watch<'_>,
         counters: &mut Counters,
         work: &mut Workspace,
     ) -> Self {
         let tangent = timed(&mut counters.seconds.assemble, || {
             Tangent::new(context, state, work)
         });
-        let inverse = inverse(context, state, tangent.as_ref(), counters);
+        let inverse = inverse(context, state, tangent.as_ref(), watch, counters);
         let now = match (&tangent, &motion) {
             (Some(tangent), Some(motion)) => tangent.after(motion, context, state, now, work),
             _ => now.clone(),
@@ -199,7 +208,10 @@ impl<'a> Program<'a> {
                 let mut run = QpRun {
                     targets,
                     scales: &mut scales,
-                    iterations: MOST_ITERATIONS,
+                    iterations: match self.tangent {
+                        Some(_) => MOST_AT_FINITE_STRAIN,
+                        None => MOST_ITERATIONS,
+                    },
                     directions: &mut state.directions,
                     progress: &mut progress,
                     work,
@@ -238,6 +250,75 @@ impl<'a> Program<'a> {
             },
             _ => BlockStep::UpperTriangular,
         }
+    }
+
+    /// K^-1 `force` to [`PROBE_LEVEL`] among the motions that volume and the present
+    /// contacts admit; none where it was stopped.
+    pub(super) fn invert(
+        &self,
+        state: &mut State,
+        force: Vec<f64>,
+        watch: &mut Watch<'_>,
+        counters: &mut Counters,
+        work: &mut Workspace,
+    ) -> Option<Vec<f64>> {
+        let mut iterate = QpIterate {
+            displacement: vec![0.0; force.len()],
+            equality: vec![0.0; state.pressure.len()],
+            multiplier: vec![0.0; state.multiplier.len()],
+            constraint: vec![0.0; state.pressure.len()],
+            gap: vec![0.0; state.multiplier.len()],
+            active: state.active.clone(),
+            force,
+        };
+        let targets = QpTargets {
+            force_scale: norm(&iterate.force),
+            level: PROBE_LEVEL,
+        };
+        let displacement = Counted::new(&*self.inverse.displacement);
+        let blocks = self.blocks();
+        let problem = QpProblem {
+            stiffness: self.stiffness(),
+            curvature: self.curvature.as_ref(),
+            displacement: &displacement,
+            step: self.block_step(&displacement, &blocks, &self.now, work),
+            equality: &blocks,
+            coupling: &self.now.coupling,
+            metric: &self.metric.matrix,
+            weights: &self.metric.weights,
+        };
+        let mut progress = |_: &QpNorms, _: &QpScales, _: usize| match watch.stopped(counters) {
+            Some(_) => Verdict::Stop,
+            None => Verdict::Continue,
+        };
+        state.directions.clear(work);
+        let mut run = QpRun {
+            targets,
+            scales: &mut QpScales::default(),
+            iterations: PROBE_ITERATIONS,
+            directions: &mut state.directions,
+            progress: &mut progress,
+            work,
+        };
+        let status = OneLevel::new(problem).solve_on_face(&mut iterate, &mut run);
+        counters.eigenvalue_applications += displacement.applications();
+        match status {
+            Some(QpStatus::Interrupted | QpStatus::IndefiniteMetric) => None,
+            _ => Some(iterate.displacement),
+        }
+    }
+
+    /// x.(A - curvature) x.
+    pub(super) fn curvature_along(&self, x: &[f64], work: &mut Workspace) -> f64 {
+        let mut product = work.scratch(x.len());
+        self.stiffness().apply(x, &mut product, work);
+        let mut sum = dot(x, &product);
+        if let Some(curvature) = &self.curvature {
+            curvature.apply(x, &mut product, work);
+            sum -= dot(x, &product);
+        }
+        work.give(product);
+        sum
     }
 
     fn has_positive_stiffness(
@@ -315,34 +396,4 @@ fn curvature_of(context: &Context<'_>, state: &State, drive: &Drive) -> Option<S
         .collect();
     let body = context.deformed(&state.displacement);
     Some(curvature(&body, &surfaces, &context.prepared.is_held))
-}
-
-fn inverse(
-    context: &Context<'_>,
-    state: &mut State,
-    tangent: Option<&Tangent>,
-    counters: &mut Counters,
-) -> Arc<Approximation> {
-    let rest = &context.prepared.at_rest;
-    let Some(tangent) = tangent else {
-        return rest.clone();
-    };
-    if std::env::var("REGEN").is_ok() {
-        let start = std::time::Instant::now();
-        let s = Deformed {
-            cells: &tangent.stiffness.cells,
-            at: &tangent.stiffness.at,
-            displacement: &state.displacement,
-            pressure: &state.pressure,
-        };
-        match context
-            .prepared
-            .about(context.plan, context.mesh, s, &CancelToken::new())
-        {
-            Ok(a) => state.inverse = Some(Arc::new(a)),
-            Err(e) => eprintln!("{e}"),
-        }
-        counters.seconds.factorise += start.elapsed().as_secs_f64();
-    }
-    state.inverse.clone().unwrap_or_else(|| rest.clone())
 }

@@ -1,5 +1,7 @@
 //! A session: one state on shared prepared data, moved by load steps.
 
+mod approach;
+
 use std::sync::Arc;
 
 use super::constraints::Interfaces;
@@ -10,24 +12,15 @@ use super::increment::{self, Ending};
 use super::loads::reference_load;
 use super::state::{Snapshot, State};
 use super::watch::Watch;
-use super::{accuracy, fields, results, verification};
-use crate::linalg::vector::dot;
-use crate::linalg::{LinearOperator, Workspace};
+use super::{fields, results, verification};
+use crate::linalg::Workspace;
 use crate::mesh::Mesh;
 use crate::plan::{Plan, TaylorHoodData as Prepared};
 use crate::report::{
-    CancelToken, Cause, FieldData, FieldName, IterationRecord, Observer, Seconds, StepReport,
-    Termination,
+    CancelToken, FieldData, FieldName, IterationRecord, Observer, Seconds, StepReport, Termination,
 };
 use crate::scene::validate::check_step;
 use crate::scene::{SceneError, Step};
-
-/// Smallest part of an increment that cut-backs try.
-const LEAST_FRACTION: f64 = 1.0 / 64.0;
-/// Residual below which an iterate that did not converge is kept.
-const MEANINGFUL: f64 = 1e-3;
-/// Growth of the part after success.
-const GROWTH: f64 = 1.5;
 
 /// Where the prepared data came from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,15 +62,6 @@ pub struct StepRun {
     increments: u32,
     done: u32,
     finished: bool,
-}
-
-/// Whether an iterate that did not converge is still of use.
-fn is_meaningful(ending: &Ending) -> bool {
-    let is_unbounded = matches!(
-        ending.cause,
-        Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
-    );
-    !is_unbounded && ending.residuals.largest() < MEANINGFUL
 }
 
 impl StepRun {
@@ -237,7 +221,7 @@ impl Session {
             true => self.state.drive.clone(),
             false => Drive::first_target(self.plan.scene()),
         };
-        self.state.directions = self.plan.directions();
+        self.state.forget(&self.plan);
     }
 
     /// Undoes the last increment, if it is not undone yet, and stops its step.
@@ -250,110 +234,6 @@ impl Session {
         self.stop();
     }
 
-    /// Moves `state` to `goal`, in parts where the whole fails; returns how it
-    /// ended and the part reached.
-    fn approach(
-        &self,
-        state: &mut State,
-        goal: &Drive,
-        watch: &mut Watch<'_>,
-        counters: &mut Counters,
-        work: &mut Workspace,
-    ) -> (Ending, f64) {
-        let context = self.context();
-        let start = state.drive.clone();
-        let (mut reached, mut part) = (0.0, 1.0);
-        loop {
-            let next = if reached + part >= 1.0 - 1e-12 {
-                1.0
-            } else {
-                reached + part
-            };
-            let good = state.snapshot();
-            let drive = start.towards(goal, next);
-            let mut ending = accuracy::solve(&context, state, &drive, watch, counters, work);
-            self.explain(&mut ending, state);
-            self.centre_pressure(state);
-            match ending.termination {
-                Termination::Converged if next >= 1.0 => return (ending, 1.0),
-                Termination::Converged => {
-                    reached = next;
-                    part *= GROWTH;
-                }
-                Termination::NotConverged if self.cut_backs_help(&ending) => {
-                    state.restore(&good);
-                    part = 0.5 * (next - reached);
-                    counters.cut_backs += 1;
-                    if part < LEAST_FRACTION {
-                        ending.cause = ending.cause.or(Some(Cause::StepTooSmall));
-                        increment::describe(&context, state, &mut ending, work);
-                        return (ending, reached);
-                    }
-                }
-                // Far from equilibrium an iterate is of no use; close to it, it
-                // is the best there is.
-                Termination::NotConverged if is_meaningful(&ending) => return (ending, next),
-                Termination::NotConverged => {
-                    state.restore(&good);
-                    increment::describe(&context, state, &mut ending, work);
-                    return (ending, reached);
-                }
-                Termination::Cancelled
-                | Termination::DeadlineExceeded
-                | Termination::InternalError => return (ending, 0.0),
-            }
-        }
-    }
-
-    /// Names what the Krylov method could only notice as stagnation.
-    fn explain(&self, ending: &mut Ending, state: &State) {
-        let stuck = matches!(
-            ending.cause,
-            Some(Cause::Stagnation | Cause::IterationLimit)
-        );
-        let touches = state.active.iter().any(|&active| active);
-        let is_enclosed = self
-            .prepared
-            .pressure
-            .as_ref()
-            .is_some_and(|p| p.is_enclosed);
-        if stuck && self.plan.is_floating() && !touches {
-            ending.cause = Some(Cause::NoEquilibrium);
-        } else if stuck && is_enclosed {
-            ending.cause = Some(Cause::EnclosedVolume);
-        }
-    }
-
-    /// An enclosed incompressible body fixes its pressure up to a constant:
-    /// the mean is set to zero.
-    fn centre_pressure(&self, state: &mut State) {
-        let Some(block) = self
-            .prepared
-            .pressure
-            .as_ref()
-            .filter(|block| block.is_enclosed)
-        else {
-            return;
-        };
-        let mut weights = vec![0.0; state.pressure.len()];
-        let ones = vec![1.0; weights.len()];
-        block
-            .metric
-            .mass()
-            .apply(&ones, &mut weights, &mut Workspace::new());
-        let mean = dot(&weights, &state.pressure) / weights.iter().sum::<f64>();
-        state.pressure.iter_mut().for_each(|p| *p -= mean);
-    }
-
-    /// A linear problem that fails as a whole fails in parts too, and so does a
-    /// nested method that spends its products.
-    fn cut_backs_help(&self, ending: &Ending) -> bool {
-        let is_linear = self.context().is_linear();
-        let is_spent =
-            self.plan.contact.method.is_nested() && ending.cause == Some(Cause::IterationLimit);
-        (!is_linear && !is_spent) || ending.cause == Some(Cause::ActiveSetCycle)
-    }
-
     fn context(&self) -> Context<'_> {
         Context {
             plan: &self.plan,
@@ -361,6 +241,7 @@ impl Session {
             prepared: &self.prepared,
             interfaces: &self.interfaces,
             load: &self.load,
+            relief: &[],
             tolerance: self.plan.scene.solver.tolerance,
         }
     }
@@ -384,9 +265,10 @@ impl Session {
         }
         let preparation = std::mem::take(&mut self.preparation);
         report.reused = std::mem::take(&mut self.reused);
-        report.factorisations = std::mem::take(&mut self.pending_factorisations);
-        if report.factorisations > 0 {
-            report.eigenvalue_applications = crate::precond::PMultigrid::estimate_applications();
+        let built = std::mem::take(&mut self.pending_factorisations);
+        report.factorisations += built;
+        if built > 0 {
+            report.eigenvalue_applications += crate::precond::PMultigrid::estimate_applications();
             report.compliance_columns = self.prepared.at_rest.compliance.columns() as u32;
         }
         report.seconds.prepare += preparation.prepare;

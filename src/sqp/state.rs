@@ -4,10 +4,12 @@
 use std::sync::Arc;
 
 use super::drive::Drive;
+use super::stability::Softest;
+use super::upkeep::Upkeep;
 use crate::assembly::strain::Linearised;
 use crate::inequality::QpScales;
 use crate::krylov::gcr::Directions;
-use crate::plan::{Approximation, Plan};
+use crate::plan::Plan;
 
 /// Fields, multipliers, what drove them there and their scales, to return to.
 #[derive(Clone, Debug)]
@@ -47,8 +49,10 @@ pub(crate) struct State {
     pub(crate) force_scale: f64,
     /// Krylov directions of earlier programs; products without contact.
     pub(crate) directions: Directions,
-    /// The approximate inverse in use; none for that at rest.
-    pub(crate) inverse: Option<Arc<Approximation>>,
+    /// The approximate inverse in use.
+    pub(crate) upkeep: Upkeep,
+    /// Of the last equilibrium; none for linear bodies.
+    pub(crate) softest: Option<Softest>,
     /// What the last tangent was taken about; empty for linear bodies.
     pub(crate) linearised: Arc<Linearised>,
 }
@@ -65,9 +69,17 @@ impl State {
             scales: QpScales::default(),
             force_scale: 0.0,
             directions: plan.directions(),
-            inverse: None,
+            upkeep: Upkeep::default(),
+            softest: None,
             linearised: Arc::default(),
         }
+    }
+
+    /// Forgets what the solver has learnt beside the state itself.
+    pub(crate) fn forget(&mut self, plan: &Plan) {
+        self.directions = plan.directions();
+        self.upkeep = Upkeep::default();
+        self.softest = None;
     }
 
     pub(crate) fn snapshot(&self) -> Snapshot {
@@ -97,6 +109,7 @@ impl State {
         (8 * numbers + self.active.len()) as u64
             + self.directions.bytes()
             + self.linearised.bytes()
-            + self.inverse.as_ref().map_or(0, |inverse| inverse.bytes())
+            + self.upkeep.bytes()
+            + self.softest.as_ref().map_or(0, Softest::bytes)
     }
 }

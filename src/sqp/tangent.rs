@@ -89,6 +89,9 @@ impl Tangent {
             let mut displacement = state.displacement.clone();
             add_scaled(&mut displacement, 1.0, motion);
             moved.gap = gaps(context, &state.drive, &displacement);
+            if !context.relief.is_empty() {
+                add_scaled(&mut moved.gap, 1.0, context.relief);
+            }
         }
         moved
     }

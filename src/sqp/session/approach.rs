@@ -1,0 +1,288 @@
+//! Moves a state to where an increment leads: at once, or in parts where the whole
+//! fails. A body that starts inside an obstacle is let in by as much as it is
+//! inside, and pushed out over the parts. Equilibria of rubber are certified; one
+//! that is no minimum is not kept, and where parts become too small the cause says
+//! whether the body is about to snap.
+
+use super::Session;
+use crate::contact::gap::evaluate_gaps;
+use crate::linalg::vector::{add_scaled, dot, norm, scale};
+use crate::linalg::{LinearOperator, Workspace};
+use crate::report::{Cause, Stability, Termination};
+use crate::sqp::counters::Counters;
+use crate::sqp::drive::Drive;
+use crate::sqp::evaluate::{Context, evaluate};
+use crate::sqp::increment::{self, Ending};
+use crate::sqp::state::State;
+use crate::sqp::tangent::Tangent;
+use crate::sqp::watch::Watch;
+use crate::sqp::{accuracy, stability};
+
+/// Smallest part of an increment that cut-backs try.
+const LEAST_FRACTION: f64 = 1.0 / 64.0;
+/// Smallest part of an increment that looks for the last minimum.
+const LEAST_UNSTABLE_FRACTION: f64 = 1.0 / 8.0;
+/// Residual below which an iterate that did not converge is kept.
+const MEANINGFUL: f64 = 1e-3;
+/// Growth of the part after success.
+const GROWTH: f64 = 1.5;
+/// Penetration at the start, over the body's length, that one part resolves.
+const LARGEST_RELIEF: f64 = 0.05;
+/// Least eigenvalue over that at rest below which a body is about to snap.
+const SOFT: f64 = 0.1;
+/// Share of a constant pressure's forces that contact may leave.
+const CLOSED: f64 = 1e-6;
+
+/// Whether an iterate that did not converge is still of use.
+fn is_meaningful(ending: &Ending) -> bool {
+    let is_unbounded = matches!(
+        ending.cause,
+        Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
+    );
+    !is_unbounded && ending.residuals.largest() < MEANINGFUL
+}
+
+/// By how much a start lies inside its obstacles.
+struct Relief {
+    /// Weighted penetration `[multipliers]`; empty where one part resolves it.
+    penetration: Vec<f64>,
+    /// Deepest, non-dimensional.
+    depth: f64,
+}
+
+impl Relief {
+    fn of(context: &Context<'_>, state: &State, start: &Drive) -> Self {
+        let mut relief = Self {
+            penetration: Vec::new(),
+            depth: 0.0,
+        };
+        if context.prepared.strain.is_none() {
+            return relief;
+        }
+        let body = context.deformed(&state.displacement);
+        let length = context.plan.units.length;
+        let obstacles = context.interfaces.obstacles(start, length);
+        for (interface, obstacle) in context.interfaces.list.iter().zip(&obstacles) {
+            let (gaps, _) = evaluate_gaps(&body, &interface.surface, obstacle);
+            for (gap, weight) in gaps.iter().zip(&interface.surface.weights) {
+                relief.depth = relief.depth.max(-gap / weight);
+                relief.penetration.push((-gap).max(0.0));
+            }
+        }
+        if relief.depth <= LARGEST_RELIEF {
+            relief.penetration.clear();
+        }
+        relief
+    }
+
+    fn first_part(&self) -> f64 {
+        match self.penetration.is_empty() {
+            true => 1.0,
+            false => LARGEST_RELIEF / self.depth,
+        }
+    }
+
+    /// What is still allowed where a fraction of the way is done.
+    fn left(&self, fraction: f64) -> Vec<f64> {
+        let mut left = self.penetration.clone();
+        scale(&mut left, 1.0 - fraction);
+        left
+    }
+}
+
+impl Session {
+    /// Moves `state` to `goal`, in parts where the whole fails; returns how it
+    /// ended and the part reached.
+    pub(super) fn approach(
+        &self,
+        state: &mut State,
+        goal: &Drive,
+        watch: &mut Watch<'_>,
+        counters: &mut Counters,
+        work: &mut Workspace,
+    ) -> (Ending, f64) {
+        let whole = self.context();
+        let start = state.drive.clone();
+        let relief = Relief::of(&whole, state, &start);
+        let (mut reached, mut part) = (0.0, relief.first_part());
+        loop {
+            let next = if reached + part >= 1.0 - 1e-12 {
+                1.0
+            } else {
+                reached + part
+            };
+            let left = relief.left(next);
+            let context = Context {
+                relief: &left,
+                ..whole
+            };
+            let good = (state.snapshot(), state.softest.clone());
+            let drive = start.towards(goal, next);
+            let mut ending = accuracy::solve(&context, state, &drive, watch, counters, work);
+            self.explain(&mut ending, state, work);
+            self.centre_pressure(state);
+            certify(&context, &mut ending, state, watch, counters, work);
+            match ending.termination {
+                Termination::Converged if next >= 1.0 => return (ending, 1.0),
+                Termination::Converged => {
+                    reached = next;
+                    part *= GROWTH;
+                }
+                Termination::NotConverged if self.cut_backs_help(&ending) => {
+                    state.restore(&good.0);
+                    state.softest = good.1;
+                    part = 0.5 * (next - reached);
+                    counters.cut_backs += 1;
+                    if part < least_fraction(&ending) {
+                        name_the_end(&mut ending, state);
+                        increment::describe(&whole, state, &mut ending, work);
+                        return (ending, reached);
+                    }
+                }
+                // Far from equilibrium an iterate is of no use; close to it, it
+                // is the best there is.
+                Termination::NotConverged if is_meaningful(&ending) => return (ending, next),
+                Termination::NotConverged => {
+                    state.restore(&good.0);
+                    increment::describe(&whole, state, &mut ending, work);
+                    return (ending, reached);
+                }
+                Termination::Cancelled
+                | Termination::DeadlineExceeded
+                | Termination::InternalError => return (ending, 0.0),
+            }
+        }
+    }
+
+    /// Names what the Krylov method could only notice as stagnation.
+    fn explain(&self, ending: &mut Ending, state: &mut State, work: &mut Workspace) {
+        let stuck = matches!(
+            ending.cause,
+            Some(Cause::Stagnation | Cause::IterationLimit | Cause::LineSearch)
+        );
+        let touches = state.active.iter().any(|&active| active);
+        let is_enclosed = self
+            .prepared
+            .pressure
+            .as_ref()
+            .is_some_and(|p| p.is_enclosed);
+        if stuck && self.plan.is_floating() && !touches {
+            ending.cause = Some(Cause::NoEquilibrium);
+        } else if stuck && (is_enclosed || self.is_closed_by_contact(state, work)) {
+            ending.cause = Some(Cause::EnclosedVolume);
+        }
+    }
+
+    /// Whether a constant pressure is held by the contacts alone, so that they fix
+    /// a volume which the material fixes too.
+    fn is_closed_by_contact(&self, state: &mut State, work: &mut Workspace) -> bool {
+        let context = self.context();
+        let can_change = context
+            .prepared
+            .pressure
+            .as_ref()
+            .is_none_or(|block| block.stabilisation.is_some());
+        let Some(tangent) = Tangent::new(&context, state, work).filter(|_| !can_change) else {
+            return false;
+        };
+        let size = state.displacement.len();
+        let (mut pushed, mut held) = (vec![0.0; size], vec![0.0; size]);
+        let ones = vec![1.0; state.pressure.len()];
+        tangent.coupling.apply_transposed(&ones, &mut pushed, work);
+        let drive = state.drive.clone();
+        let now = evaluate(&context, state, &drive, work);
+        let contacts: Vec<f64> = state
+            .active
+            .iter()
+            .map(|&active| f64::from(u8::from(active)))
+            .collect();
+        now.coupling.apply_transposed(&contacts, &mut held, work);
+        let before = norm(&pushed);
+        let share = dot(&pushed, &held) / dot(&held, &held).max(f64::MIN_POSITIVE);
+        add_scaled(&mut pushed, -share, &held);
+        before > 0.0 && norm(&pushed) <= CLOSED * before
+    }
+
+    /// An enclosed incompressible body fixes its pressure up to a constant:
+    /// the mean is set to zero.
+    fn centre_pressure(&self, state: &mut State) {
+        let Some(block) = self
+            .prepared
+            .pressure
+            .as_ref()
+            .filter(|block| block.is_enclosed)
+        else {
+            return;
+        };
+        let mut weights = vec![0.0; state.pressure.len()];
+        let ones = vec![1.0; weights.len()];
+        block
+            .metric
+            .mass()
+            .apply(&ones, &mut weights, &mut Workspace::new());
+        let mean = dot(&weights, &state.pressure) / weights.iter().sum::<f64>();
+        state.pressure.iter_mut().for_each(|p| *p -= mean);
+    }
+
+    /// A linear problem that fails as a whole fails in parts too, and so does a
+    /// nested method that spends its products, and a volume that cannot change.
+    fn cut_backs_help(&self, ending: &Ending) -> bool {
+        let is_linear = self.context().is_linear();
+        let is_spent =
+            self.plan.contact.method.is_nested() && ending.cause == Some(Cause::IterationLimit);
+        let is_hopeless = is_spent || ending.cause == Some(Cause::EnclosedVolume);
+        (!is_linear && !is_hopeless) || ending.cause == Some(Cause::ActiveSetCycle)
+    }
+}
+
+/// Looks whether a converged state of rubber is a minimum; a saddle is no end.
+fn certify(
+    context: &Context<'_>,
+    ending: &mut Ending,
+    state: &mut State,
+    watch: &mut Watch<'_>,
+    counters: &mut Counters,
+    work: &mut Workspace,
+) {
+    if ending.termination != Termination::Converged {
+        return;
+    }
+    state.softest = stability::follow(context, state, watch, counters, work);
+    ending.stability = state.softest.as_ref().map(|softest| softest.stability());
+    if ending.stability == Some(Stability::Saddle) {
+        ending.termination = Termination::NotConverged;
+        ending.cause = Some(Cause::UnstableEquilibrium);
+    }
+}
+
+fn least_fraction(ending: &Ending) -> f64 {
+    match ending.cause {
+        Some(Cause::UnstableEquilibrium) => LEAST_UNSTABLE_FRACTION,
+        _ => LEAST_FRACTION,
+    }
+}
+
+/// The cause of an increment whose parts became too small: a body that has grown
+/// soft meets a limit of its load.
+fn name_the_end(ending: &mut Ending, state: &State) {
+    let is_soft = state
+        .softest
+        .as_ref()
+        .is_some_and(|softest| softest.eigenvalue < SOFT);
+    ending.cause = match ending.cause {
+        Some(
+            Cause::Stagnation
+            | Cause::IterationLimit
+            | Cause::LineSearch
+            | Cause::IndefiniteTangent
+            | Cause::NegativeJacobian,
+        )
+        | None
+            if is_soft =>
+        {
+            Some(Cause::LimitPoint)
+        }
+        None => Some(Cause::StepTooSmall),
+        named => named,
+    };
+}
