@@ -5,16 +5,16 @@
 //! whether the body is about to snap.
 
 use super::Session;
-use crate::contact::gap::evaluate_gaps;
+use crate::contact::gap::{evaluate_gaps, linearise};
 use crate::linalg::vector::{add_scaled, dot, norm, scale};
 use crate::linalg::{LinearOperator, Workspace};
 use crate::report::{Cause, Stability, Termination};
 use crate::sqp::counters::Counters;
 use crate::sqp::drive::Drive;
-use crate::sqp::evaluate::{Context, evaluate};
+use crate::sqp::evaluate::Context;
 use crate::sqp::increment::{self, Ending};
+use crate::sqp::stability::Softest;
 use crate::sqp::state::State;
-use crate::sqp::tangent::Tangent;
 use crate::sqp::watch::Watch;
 use crate::sqp::{accuracy, stability};
 
@@ -133,8 +133,9 @@ impl Session {
                     state.softest = good.1;
                     part = 0.5 * (next - reached);
                     counters.cut_backs += 1;
-                    if part < least_fraction(&ending) {
+                    if part < least_fraction(&ending, state) {
                         name_the_end(&mut ending, state);
+                        ending.stability = state.softest.as_ref().map(Softest::stability);
                         increment::describe(&whole, state, &mut ending, work);
                         return (ending, reached);
                     }
@@ -155,7 +156,7 @@ impl Session {
     }
 
     /// Names what the Krylov method could only notice as stagnation.
-    fn explain(&self, ending: &mut Ending, state: &mut State, work: &mut Workspace) {
+    fn explain(&self, ending: &mut Ending, state: &State, work: &mut Workspace) {
         let stuck = matches!(
             ending.cause,
             Some(Cause::Stagnation | Cause::IterationLimit | Cause::LineSearch)
@@ -168,35 +169,33 @@ impl Session {
             .is_some_and(|p| p.is_enclosed);
         if stuck && self.plan.is_floating() && !touches {
             ending.cause = Some(Cause::NoEquilibrium);
-        } else if stuck && (is_enclosed || self.is_closed_by_contact(state, work)) {
+        } else if stuck && (is_enclosed || self.is_closed_by_contact(&state.drive, work)) {
             ending.cause = Some(Cause::EnclosedVolume);
         }
     }
 
-    /// Whether a constant pressure is held by the contacts alone, so that they fix
-    /// a volume which the material fixes too.
-    fn is_closed_by_contact(&self, state: &mut State, work: &mut Workspace) -> bool {
+    /// Whether contact everywhere would hold a constant pressure at rest: obstacles
+    /// then fix a volume which the material fixes too.
+    fn is_closed_by_contact(&self, drive: &Drive, work: &mut Workspace) -> bool {
         let context = self.context();
-        let can_change = context
-            .prepared
-            .pressure
-            .as_ref()
-            .is_none_or(|block| block.stabilisation.is_some());
-        let Some(tangent) = Tangent::new(&context, state, work).filter(|_| !can_change) else {
+        let fixed = self.prepared.pressure.as_ref();
+        let Some(block) = fixed.filter(|block| block.stabilisation.is_none()) else {
             return false;
         };
-        let size = state.displacement.len();
+        let size = block.coupling.size;
         let (mut pushed, mut held) = (vec![0.0; size], vec![0.0; size]);
-        let ones = vec![1.0; state.pressure.len()];
-        tangent.coupling.apply_transposed(&ones, &mut pushed, work);
-        let drive = state.drive.clone();
-        let now = evaluate(&context, state, &drive, work);
-        let contacts: Vec<f64> = state
-            .active
-            .iter()
-            .map(|&active| f64::from(u8::from(active)))
-            .collect();
-        now.coupling.apply_transposed(&contacts, &mut held, work);
+        let ones = vec![1.0; block.coupling.vertices];
+        block.coupling.apply_transposed(&ones, &mut pushed, work);
+        let rest = vec![0.0; size];
+        let body = context.deformed(&rest);
+        let obstacles = self.interfaces.obstacles(drive, self.plan.units.length);
+        for (interface, obstacle) in self.interfaces.list.iter().zip(&obstacles) {
+            let is_held = &self.prepared.is_held;
+            let part = linearise(&body, &interface.surface, obstacle, is_held);
+            for (index, value) in part.rows.into_iter().flatten() {
+                held[index as usize] += value;
+            }
+        }
         let before = norm(&pushed);
         let share = dot(&pushed, &held) / dot(&held, &held).max(f64::MIN_POSITIVE);
         add_scaled(&mut pushed, -share, &held);
@@ -255,20 +254,23 @@ fn certify(
     }
 }
 
-fn least_fraction(ending: &Ending) -> f64 {
+/// Near the end of stability every part is dear, and none leads far.
+fn least_fraction(ending: &Ending, state: &State) -> f64 {
     match ending.cause {
         Some(Cause::UnstableEquilibrium) => LEAST_UNSTABLE_FRACTION,
+        _ if is_soft(state) => LEAST_UNSTABLE_FRACTION,
         _ => LEAST_FRACTION,
     }
+}
+
+fn is_soft(state: &State) -> bool {
+    let softest = state.softest.as_ref();
+    softest.is_some_and(|softest| softest.eigenvalue < SOFT)
 }
 
 /// The cause of an increment whose parts became too small: a body that has grown
 /// soft meets a limit of its load.
 fn name_the_end(ending: &mut Ending, state: &State) {
-    let is_soft = state
-        .softest
-        .as_ref()
-        .is_some_and(|softest| softest.eigenvalue < SOFT);
     ending.cause = match ending.cause {
         Some(
             Cause::Stagnation
@@ -278,7 +280,7 @@ fn name_the_end(ending: &mut Ending, state: &State) {
             | Cause::NegativeJacobian,
         )
         | None
-            if is_soft =>
+            if is_soft(state) =>
         {
             Some(Cause::LimitPoint)
         }
