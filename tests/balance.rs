@@ -4,10 +4,11 @@ mod common;
 
 use common::meshes::{cube, file, irregular, mesh, square};
 use common::scenes::{
-    cube_bend, elastic, hertz_plane, hertz_sphere, obstacle, small_indentation, support, traction,
+    cube_bend, elastic, hertz_plane, hertz_sphere, mooney_rivlin, obstacle, rubber,
+    small_indentation, support, traction,
 };
 use common::{close, run_one, values};
-use signorini::scene::Shape;
+use signorini::scene::{Pressure, Shape};
 use signorini::{FieldName, GroupKind, Mesh, Scene, Step, StepReport};
 
 /// Obstacles, supports and `applied` must cancel to ten times the tolerance of
@@ -67,6 +68,30 @@ fn forces_balance_in_the_plane() {
     let (_, report) = run_one(&scene, &Step::default(), &mesh);
     assert!(report.obstacles["roll"].force[1] < -1e-3);
     assert_balanced(&report, [0.1, -0.2, 0.0], scene.solver.tolerance);
+}
+
+#[test]
+fn forces_balance_under_a_pressure_that_follows() {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.supports = vec![support("x0", [Some(0.0); 3])];
+    scene.pressures = vec![Pressure {
+        on: ["x1", "y0", "y1", "z0", "z1"].map(str::to_owned).to_vec(),
+        value: 0.2,
+    }];
+    let ball = Shape::Sphere {
+        centre: [0.6, 0.5, 1.5],
+        radius: 0.5,
+    };
+    scene.obstacles = vec![obstacle("ball", "z1", ball)];
+    let step = common::scenes::push("ball", [0.0, 0.0, -0.1]);
+    // On a closed surface a pressure has no resultant: what is left is that on the
+    // bonded side.
+    check(
+        &scene,
+        &step,
+        &mesh(irregular(cube(4), 4)),
+        [-0.2, 0.0, 0.0],
+    );
 }
 
 /// Vertices and area of each facet of a group.

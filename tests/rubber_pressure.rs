@@ -15,8 +15,8 @@ use common::curved::{quarter_ring, thick_cylinder, thick_sphere};
 use common::meshes::mesh;
 use common::scenes::{in_parts, mooney_rivlin, probe, rubber, support};
 use common::{assert_converged, close, solve};
-use signorini::scene::{Pressure, SceneKind};
-use signorini::{MeshParts, Scene, Step};
+use signorini::scene::{Pressure, RubberModel, SceneKind};
+use signorini::{Cause, MeshParts, Scene, Step, Termination};
 
 /// What the finest mesh of a test may miss.
 const FINEST: f64 = 1e-3;
@@ -90,6 +90,20 @@ fn a_thick_ring_in_plane_strain_is_a_thick_cylinder() {
         let errors = [8, 16, 32].map(|n| error_of(&scene, 4, quarter_ring(n, n / 2), radius));
         assert_second_order(&errors);
     }
+}
+
+/// A neo-Hookean sphere bears no more than 0.816 mu, at a / A = 1.8.
+#[test]
+fn a_balloon_bears_no_more_than_its_limit() {
+    let mut scene = inflated(1.0, &[("x0", 0), ("y0", 1), ("z0", 2)]);
+    scene.materials = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, None).materials;
+    let steps = [in_parts(Step::default(), 10)];
+    let reports = solve(&scene, &steps, &mesh(thick_sphere(4, 2)));
+    let (last, borne) = reports.split_last().expect("an increment");
+    borne.iter().for_each(assert_converged);
+    let found = (last.termination, last.cause);
+    assert_eq!(found, (Termination::NotConverged, Some(Cause::LimitPoint)));
+    assert!((0.81..0.83).contains(&last.load), "{}", last.load);
 }
 
 /// The section x from 1 to 2 of a tall tube, turned about the axis.

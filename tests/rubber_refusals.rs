@@ -235,7 +235,7 @@ fn a_follower_pressure_acts_on_the_surface_of_rubber() {
     assert_unsupported(&scene, "pressure[0]", "without rubber");
     let mut scene = mooney_rivlin(0.4, 0.1);
     scene.pressures = pressure("z1", 1.0);
-    assert_unsupported(&scene, "pressure[0]", "not supported yet");
+    assert!(Plan::new(&scene, &[], &mesh(cube(1))).is_ok());
     scene.pressures = pressure("top", 1.0);
     assert_refused(&scene, "pressure[0].on", "no group of surface facets");
     scene.pressures = pressure("z1", f64::NAN);

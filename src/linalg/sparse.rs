@@ -99,6 +99,20 @@ impl SparseRows {
         (&self.indices[range.clone()], &self.values[range])
     }
 
+    /// The sum of two matrices of the same shape.
+    pub fn plus(&self, other: &Self) -> Self {
+        let mut builder = SparseRowsBuilder::new(self.columns);
+        let mut entries = Vec::new();
+        for row in 0..self.offsets.len() - 1 {
+            entries.clear();
+            for (columns, values) in [self.row(row), other.row(row)] {
+                entries.extend(columns.iter().copied().zip(values.iter().copied()));
+            }
+            builder.push_row(&mut entries);
+        }
+        builder.finish()
+    }
+
     /// The diagonal of a square matrix.
     pub fn diagonal(&self) -> Vec<f64> {
         (0..self.rows())
@@ -196,6 +210,19 @@ mod tests {
         let mut x = [9.0; 3];
         matrix.apply_transposed(&[2.0, 5.0], &mut x, &mut work);
         assert_eq!(x, [4.0, 0.0, 8.0]);
+    }
+
+    #[test]
+    fn a_sum_holds_the_entries_of_both() {
+        let matrix = |rows: [&mut [(u32, f64)]; 2]| {
+            let mut builder = SparseRowsBuilder::new(3);
+            rows.into_iter().for_each(|row| builder.push_row(row));
+            builder.finish()
+        };
+        let a = matrix([&mut [(0, 1.0), (2, 2.0)], &mut []]);
+        let b = matrix([&mut [(1, 5.0), (2, 3.0)], &mut [(0, 4.0)]]);
+        let sum = matrix([&mut [(0, 1.0), (1, 5.0), (2, 5.0)], &mut [(0, 4.0)]]);
+        assert_eq!(a.plus(&b), sum);
     }
 
     #[test]

@@ -131,6 +131,13 @@ impl Plan {
         push("material", self.rubber_laws(), reason);
         let (rule, reason) = self.rubber_rule();
         push("volume rule", rule, reason);
+        if !self.scene.pressures.is_empty() {
+            push(
+                "pressure load",
+                "on the deformed faces, its change in the tangent".into(),
+                "it follows the body; not symmetric where the pressed surface has an edge",
+            );
+        }
         push(
             "tangent",
             "from F and p at quadrature points, never stored as a matrix".into(),

@@ -2,6 +2,7 @@
 
 use super::constraints::Interfaces;
 use super::drive::Drive;
+use super::pressures::add_pressures;
 use super::state::State;
 use crate::assembly::grid::{Basis, Rows};
 use crate::assembly::strain::Response;
@@ -20,7 +21,7 @@ pub(crate) struct Context<'a> {
     pub(crate) mesh: &'a Mesh,
     pub(crate) prepared: &'a Prepared,
     pub(crate) interfaces: &'a Interfaces,
-    /// Load at factor one.
+    /// Dead load at factor one.
     pub(crate) load: &'a [f64],
     /// Weighted gaps that count as closed beside zero; empty where none does.
     pub(crate) relief: &'a [f64],
@@ -94,6 +95,7 @@ pub(crate) fn evaluate(
     let prepared = context.prepared;
     let mut force = context.load.to_vec();
     force.iter_mut().for_each(|value| *value *= drive.load);
+    add_pressures(context, &state.displacement, drive.load, &mut force);
     mask(&prepared.held, &mut force);
     out.load_norm = norm(&force);
     let inside = internal(context, state, work);

@@ -8,6 +8,7 @@ use super::counters::{Counters, timed};
 use super::drive::Drive;
 use super::evaluate::{Context, Evaluation};
 use super::linear::{Linear, Track};
+use super::pressures::pressure_tangent;
 use super::state::State;
 use super::tangent::Tangent;
 use super::upkeep::inverse;
@@ -64,6 +65,9 @@ pub(super) struct Program<'a> {
     motion: Option<Vec<f64>>,
     /// Residuals after that motion.
     now: Evaluation,
+    /// What pressures that follow the body take off its stiffness.
+    released: Option<SparseRows>,
+    /// What the curvature of the gaps takes off, with `released`.
     curvature: Option<SparseRows>,
     metric: ContactMetric,
     force_scale: f64,
@@ -96,9 +100,15 @@ impl<'a> Program<'a> {
             let metric = ContactMetric::new(context, &inverse, &now, work);
             counters.applications += metric.applications;
             let expected = metric.expected_contact_norm(&now, state, work);
+            let released = pressure_tangent(context, &state.displacement, drive.load);
+            let curvature = curvature_of(context, state, drive).map(|own| match &released {
+                Some(released) => own.plus(released),
+                None => own,
+            });
             Self {
                 context: *context,
-                curvature: curvature_of(context, state, drive),
+                released,
+                curvature,
                 metric,
                 force_scale: now.force_scale(*first_force).max(expected),
                 tangent,
@@ -121,6 +131,11 @@ impl<'a> Program<'a> {
         }
     }
 
+    /// All that loads and contacts take off the stiffness.
+    fn taken_off(&self) -> Option<&SparseRows> {
+        self.curvature.as_ref().or(self.released.as_ref())
+    }
+
     /// The tolerance, or `goal` where the gap is curved.
     fn targets(&self, goal: f64) -> QpTargets {
         QpTargets {
@@ -129,8 +144,8 @@ impl<'a> Program<'a> {
         }
     }
 
-    /// Solves the program; without the curvature term where it fails or the
-    /// step has no positive stiffness with it.
+    /// Solves the program; without the curvature of the gaps where it fails or
+    /// the step has no positive stiffness with it.
     pub(super) fn solve(
         &self,
         state: &mut State,
@@ -146,7 +161,7 @@ impl<'a> Program<'a> {
                 return solved;
             }
         }
-        self.solve_with(None, state, goal, watch, counters, work)
+        self.solve_with(self.released.as_ref(), state, goal, watch, counters, work)
     }
 
     #[allow(clippy::too_many_arguments)]
@@ -279,7 +294,7 @@ impl<'a> Program<'a> {
         let blocks = self.blocks();
         let problem = QpProblem {
             stiffness: self.stiffness(),
-            curvature: self.curvature.as_ref(),
+            curvature: self.taken_off(),
             displacement: &displacement,
             step: self.block_step(&displacement, &blocks, &self.now, work),
             equality: &blocks,
@@ -308,13 +323,13 @@ impl<'a> Program<'a> {
         }
     }
 
-    /// x.(A - curvature) x.
+    /// x.(A - what is taken off) x.
     pub(super) fn curvature_along(&self, x: &[f64], work: &mut Workspace) -> f64 {
         let mut product = work.scratch(x.len());
         self.stiffness().apply(x, &mut product, work);
         let mut sum = dot(x, &product);
-        if let Some(curvature) = &self.curvature {
-            curvature.apply(x, &mut product, work);
+        if let Some(taken_off) = self.taken_off() {
+            taken_off.apply(x, &mut product, work);
             sum -= dot(x, &product);
         }
         work.give(product);

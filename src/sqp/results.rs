@@ -8,6 +8,7 @@ use super::estimate::{Estimate, estimate, force_error};
 use super::evaluate::{Context, Internal, internal};
 use super::finite_strain::{deformed_pressure, jacobian_bound};
 use super::increment::Ending;
+use super::pressures::add_pressures;
 use super::state::State;
 use crate::assembly::grid::Rows;
 use crate::contact::gap::linearise;
@@ -182,7 +183,9 @@ fn supports(
     state: &State,
     mut reaction: Vec<f64>,
 ) -> BTreeMap<String, SupportResult> {
-    add_scaled(&mut reaction, -state.drive.load, context.load);
+    let load = state.drive.load;
+    add_scaled(&mut reaction, -load, context.load);
+    add_pressures(context, &state.displacement, -load, &mut reaction);
     add_contact_force(context, state, &mut reaction);
     let space = &context.prepared.space;
     let nodal = space.node_forces(&reaction);

@@ -159,10 +159,6 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
     if kind == SceneKind::Axisymmetric {
         faults.unsupported("kind", "`axisymmetric` is not supported yet");
     }
-    if !scene.pressures.is_empty() {
-        let message = "a follower pressure is not supported yet";
-        faults.unsupported("pressure[0]", message);
-    }
     faults.result()?;
     Ok(Resolved {
         kind,

@@ -79,6 +79,7 @@ impl Body {
             prepared: &self.prepared,
             interfaces: &self.interfaces,
             load: &self.load,
+            relief: &[],
             tolerance: 1e-8,
         }
     }
