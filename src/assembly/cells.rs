@@ -1,6 +1,8 @@
 //! Geometry and moduli of straight-sided cells: barycentric gradients and
 //! volume, constant on a cell.
 
+use std::f64::consts::TAU;
+
 use crate::mesh::Mesh;
 
 /// Per cell: gradients of the barycentric coordinates and the volume.
@@ -10,8 +12,10 @@ pub struct CellGeometry {
     pub vertices: usize,
     /// `[cells * vertices]`, each `[3]`; the third component is zero in 2D.
     pub gradients: Vec<[f64; 3]>,
-    /// Volume (area in 2D) `[cells]`.
+    /// Volume (area in 2D, that of the full turn about an axis) `[cells]`.
     pub volumes: Vec<f64>,
+    /// Mean radius `[cells]`; empty where the body is not one of revolution.
+    pub radii: Vec<f64>,
 }
 
 /// Per cell: the moduli that enter the operators, non-dimensional.
@@ -34,6 +38,7 @@ impl CellGeometry {
             vertices,
             gradients: Vec::with_capacity(mesh.cells().len()),
             volumes: Vec::with_capacity(cells.len()),
+            radii: Vec::new(),
         };
         for cell in cells {
             let mut points = [[0.0; 3]; 4];
@@ -45,6 +50,24 @@ impl CellGeometry {
                 _ => tetrahedron(&points, &mut geometry.gradients),
             };
             geometry.volumes.push(volume);
+        }
+        geometry
+    }
+
+    /// Geometry of `mesh` as the section of a body of revolution about x = 0: the
+    /// volume of a cell is its area times the way of its centroid around the axis.
+    pub fn about_axis(mesh: &Mesh, scale: f64) -> Self {
+        let mut geometry = Self::new(mesh, scale);
+        let cells = mesh.cells().chunks_exact(geometry.vertices);
+        let radius = |cell: &[u32]| {
+            let radii = cell
+                .iter()
+                .map(|&v| scale * mesh.coordinates()[v as usize][0]);
+            radii.sum::<f64>() / cell.len() as f64
+        };
+        geometry.radii = cells.map(radius).collect();
+        for (volume, radius) in geometry.volumes.iter_mut().zip(&geometry.radii) {
+            *volume *= TAU * radius;
         }
         geometry
     }
@@ -61,7 +84,7 @@ impl CellGeometry {
 
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
-        (24 * self.gradients.len() + 8 * self.volumes.len()) as u64
+        (24 * self.gradients.len() + 8 * (self.volumes.len() + self.radii.len())) as u64
     }
 }
 

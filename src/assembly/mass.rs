@@ -5,6 +5,17 @@ use super::cells::CellGeometry;
 use crate::linalg::SparseRows;
 use crate::mesh::Mesh;
 
+/// Mean of l_i l_j over a triangle, at point weights x over their mean.
+fn ring_mean(x: [f64; 3], i: usize, j: usize) -> f64 {
+    let moment = |k: usize| match (i == j, k == i || k == j) {
+        (true, true) => 1.0 / 10.0,
+        (true, false) | (false, true) => 1.0 / 30.0,
+        (false, false) => 1.0 / 60.0,
+    };
+    let sum: f64 = (0..3).map(|k| x[k] * moment(k)).sum();
+    3.0 * sum / (x[0] + x[1] + x[2])
+}
+
 /// `M_ij = sum over cells of weight * int l_i l_j` `[vertices, vertices]`.
 pub fn weighted_mass(
     mesh: &Mesh,
@@ -18,7 +29,11 @@ pub fn weighted_mass(
         mesh.cells(),
         vertices,
         |cell, i, j| {
-            let mean = if i == j { 2.0 } else { 1.0 } / denominator;
+            let mean = match geometry.radii.is_empty() {
+                true if i == j => 2.0 / denominator,
+                true => 1.0 / denominator,
+                false => ring_mean([0, 1, 2].map(|k| mesh.corners(cell)[k][0]), i, j),
+            };
             weight(cell) * geometry.volumes[cell] * mean
         },
     )

@@ -1,12 +1,15 @@
 //! Deformed areas of the contact surface: int phi_i da with x = X + u on quadratic
-//! faces, da = |x_s x x_t| ds dt (|x_s| ds in the plane), by the rule of the gap.
+//! faces, da = |x_s x x_t| ds dt (|x_s| ds in the plane, times 2 pi (x + u_x) about an axis), by the rule of the gap.
 //!
 //! A contact pressure l per undeformed area is l_i int phi_i dS / int phi_i da per
 //! deformed area. Shapes: `[multipliers]`. Cost: some 100 flops a point.
 
+use std::f64::consts::TAU;
+
 use super::gap::Deformed;
 use super::surface::{ContactFace, ContactSurface};
 use crate::assembly::follower::shape_slopes;
+use crate::assembly::load::shape_values;
 use crate::geometry::vector3::{add, cross, norm, scale};
 
 impl ContactSurface {
@@ -39,6 +42,8 @@ impl ContactSurface {
 fn area_element(body: &Deformed<'_>, face: &ContactFace, hats: &[f64]) -> f64 {
     let c = body.space.components;
     let mut along = [[0.0; 3]; 2];
+    let mut radius = 0.0;
+    let values = shape_values(hats);
     for (shape, (&node, slopes)) in face.nodes.iter().zip(shape_slopes(hats)).enumerate() {
         let mut value = match face.corners.get(shape) {
             Some(&corner) => body.mesh.coordinates()[corner as usize].map(|x| body.scale * x),
@@ -47,12 +52,14 @@ fn area_element(body: &Deformed<'_>, face: &ContactFace, hats: &[f64]) -> f64 {
         for (i, x) in value.iter_mut().enumerate().take(c) {
             *x += body.displacement[node as usize * c + i];
         }
+        radius += values[shape] * value[0];
         for (tangent, slope) in along.iter_mut().zip(slopes) {
             *tangent = add(*tangent, scale(slope, value));
         }
     }
-    match face.corners.len() {
-        2 => norm(along[0]),
+    match (face.corners.len(), face.radii) {
+        (2, None) => norm(along[0]),
+        (2, Some(_)) => norm(along[0]) * TAU * radius,
         _ => 0.5 * norm(cross(along[0], along[1])),
     }
 }

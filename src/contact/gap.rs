@@ -56,7 +56,7 @@ impl Deformed<'_> {
                     }
                 }
                 SurfacePoint {
-                    weight: weight * face.area,
+                    weight: weight * face.area_at(&hats),
                     hats,
                     shapes,
                     deformed,

@@ -1,5 +1,7 @@
 //! The faces of the body that may touch one obstacle.
 
+use std::f64::consts::TAU;
+
 use crate::assembly::load::facet_measure;
 use crate::geometry::vector3::{add, cross, norm, normalised, sub};
 use crate::mesh::Mesh;
@@ -14,8 +16,21 @@ pub struct ContactFace {
     pub multipliers: Vec<u32>,
     /// Displacement nodes: corners, then edges.
     pub nodes: Vec<u32>,
-    /// Area (length in 2D), undeformed, non-dimensional.
+    /// Area (length in 2D, the area of its full turn about an axis), undeformed,
+    /// non-dimensional.
     pub area: f64,
+    /// Radii of the ends of a segment that is turned about the axis x = 0.
+    pub radii: Option<[f64; 2]>,
+}
+
+impl ContactFace {
+    /// Area per weight of a rule at `hats`.
+    pub fn area_at(&self, hats: &[f64]) -> f64 {
+        match self.radii {
+            None => self.area,
+            Some([a, b]) => self.area * (hats[0] * a + hats[1] * b) / (0.5 * (a + b)),
+        }
+    }
 }
 
 /// The candidate surface of one obstacle.
@@ -52,6 +67,7 @@ impl ContactSurface {
                     corners: corners.clone(),
                     multipliers,
                     area,
+                    radii: None,
                 }
             })
             .collect();
@@ -60,6 +76,23 @@ impl ContactSurface {
             faces,
             weights,
         }
+    }
+
+    /// The surface that `facets` (segments) sweep about the axis x = 0.
+    pub fn about_axis(mesh: &Mesh, space: &TaylorHood, scale: f64, facets: &[Vec<u32>]) -> Self {
+        let mut surface = Self::new(mesh, space, scale, facets);
+        surface.weights.fill(0.0);
+        for face in &mut surface.faces {
+            let radius = |end: usize| scale * mesh.coordinates()[face.corners[end] as usize][0];
+            let [a, b] = [radius(0), radius(1)];
+            let way = TAU * face.area;
+            for (&multiplier, mean) in face.multipliers.iter().zip([2.0 * a + b, a + 2.0 * b]) {
+                surface.weights[multiplier as usize] += way * mean / 6.0;
+            }
+            face.area = way * 0.5 * (a + b);
+            face.radii = Some([a, b]);
+        }
+        surface
     }
 
     /// Number of multipliers.

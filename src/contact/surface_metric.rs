@@ -7,6 +7,8 @@
 //! `[multipliers, multipliers]`, undeformed, non-dimensional; gradients along the
 //! surface. Cost: the entries.
 
+use std::f64::consts::PI;
+
 use super::surface::{ContactFace, ContactSurface};
 use crate::assembly::load::position;
 use crate::linalg::DenseMatrix;
@@ -41,8 +43,10 @@ pub fn add_laplacian(
         let opposite = opposite_edges(face, mesh, scale);
         // A segment's hats have slopes of 1 / length, a triangle's of
         // edge / (2 area).
-        let denominator = match face.corners.len() {
-            2 => face.area,
+        let denominator = match (face.corners.len(), face.radii) {
+            (2, None) => face.area,
+            // Its length over the way around.
+            (2, Some([a, b])) => face.area / (PI * (a + b)).powi(2),
             _ => 4.0 * face.area,
         };
         add_local(face, offset, matrix, |i, j| {

@@ -4,6 +4,9 @@
 //! C = d2W/dF2 - p d(cof F)/dF + volumetric mu cof F (x) cof F
 //! ```
 //!
+//! About an axis a displacement u along the radius x changes F_33 by u / x, with the
+//! mean of a vertex function, 1/3, over the mean radius on the whole cell.
+//!
 //! One point a cell is enough there: the tangent varies over a cell by what its
 //! size leaves. 360 bytes and nine tangent products a cell; cells in parallel.
 
@@ -42,6 +45,14 @@ pub struct CellStates<'a> {
 pub struct CellTangents {
     tensors: Vec<[f64; ENTRIES]>,
     shear: Vec<f64>,
+    /// Change of F_33 with a vertex's displacement along the radius `[cells]`;
+    /// empty where the body is not one of revolution.
+    hoops: Vec<f64>,
+}
+
+/// Place of C_ij33 in [`ENTRIES`], `row` being 3 i + j.
+fn around(row: usize) -> usize {
+    row * (17 - row) / 2 + 8
 }
 
 impl CellTangents {
@@ -54,6 +65,9 @@ impl CellTangents {
                 .map(|cell| states.tangent(cell, law(cell), volumetric))
                 .collect(),
             shear: cells.map(|cell| law(cell).shear_modulus()).collect(),
+            hoops: (states.geometry.radii.iter())
+                .map(|radius| 1.0 / (3.0 * radius))
+                .collect(),
         }
     }
 }
@@ -81,6 +95,13 @@ impl CellStates<'_> {
             let node = self.space.vertices + edge as usize;
             add(node, 4.0 * hat, &g[a]);
             add(node, 4.0 * hat, &g[b]);
+        }
+        if let Some(radius) = self.geometry.radii.get(cell) {
+            let at = |node: usize| self.displacement[node * c];
+            let corners = self.mesh.cell(cell).iter().map(|&v| at(v as usize));
+            let middles = edges.iter().map(|&e| at(self.space.vertices + e as usize));
+            let moved = hat * corners.sum::<f64>() + 4.0 * hat * hat * middles.sum::<f64>();
+            out[2][2] = moved / radius;
         }
         out
     }
@@ -114,6 +135,17 @@ impl CellStates<'_> {
     }
 }
 
+/// Adds what the stretch around the axis contributes, `hoop` for both nodes.
+fn add_hoops(tensor: &[f64; ENTRIES], hoop: f64, a: &[f64; 3], b: &[f64; 3], block: &mut Block) {
+    for row in 0..6 {
+        let (i, m) = (row / 3, row % 3);
+        let value = hoop * tensor[around(row)];
+        block[i][0] += value * a[m];
+        block[0][i] += value * b[m];
+    }
+    block[0][0] += hoop * hoop * tensor[around(8)];
+}
+
 /// Change of volume below which the tangent at rest takes the place of a cell's own.
 const LEAST_CHANGE: f64 = -0.9;
 
@@ -133,6 +165,9 @@ impl CellStiffness for CellTangents {
                     block[k][i] += value * a[n] * b[m];
                 }
             }
+        }
+        if let Some(&hoop) = self.hoops.get(cell) {
+            add_hoops(tensor, hoop, a, b, &mut block);
         }
         block
     }

@@ -127,6 +127,9 @@ pub struct StrainGrid {
     /// Numbers of the tangent kept at each point; none for laws in invariants,
     /// which make it anew.
     tangents: usize,
+    /// Radii of the vertices of each block, batch by batch; empty where the body
+    /// is not one of revolution.
+    pub(super) radii: Vec<Vec<Lanes>>,
 }
 
 impl StrainGrid {
@@ -145,6 +148,30 @@ impl StrainGrid {
             laws: blocks.iter().map(of_block).collect(),
             grid,
             rule,
+            radii: Vec::new(),
+        }
+    }
+
+    /// The same cells as sections of a body of revolution about x = 0; `scale`
+    /// multiplies the coordinates. Volumes of the grid are those of full turns.
+    #[must_use]
+    pub fn about_axis(self, mesh: &Mesh, scale: f64) -> Self {
+        let radius = |cell: u32, corner: usize| {
+            let vertex = mesh.cell(cell as usize)[corner] as usize;
+            (scale * mesh.coordinates()[vertex][0]).max(0.0)
+        };
+        let of_batch = |cells: &[u32]| {
+            let lane = |lane: usize| cells[lane.min(cells.len() - 1)];
+            let corners = 0..mesh.cell_kind().vertices();
+            let lanes = corners
+                .map(|corner| Lanes(std::array::from_fn(|index| radius(lane(index), corner))));
+            lanes.collect::<Vec<_>>()
+        };
+        let blocks = blocks_of_cells(mesh);
+        let of_block = |cells: &Vec<u32>| cells.chunks(WIDTH).flat_map(of_batch).collect();
+        Self {
+            radii: blocks.iter().map(of_block).collect(),
+            ..self
         }
     }
 
@@ -162,7 +189,16 @@ impl StrainGrid {
     /// Bytes held beside the grid.
     pub fn bytes(&self) -> u64 {
         let batches: usize = self.laws.iter().map(Vec::len).sum();
-        (batches * size_of::<BatchLaw>()) as u64
+        let radii: usize = self.radii.iter().map(Vec::len).sum();
+        (batches * size_of::<BatchLaw>() + radii * size_of::<Lanes>()) as u64
+    }
+
+    /// Points that a stretch around the axis is kept at.
+    pub(super) fn hoops(&self) -> usize {
+        match self.radii.is_empty() {
+            true => 0,
+            false => self.points(),
+        }
     }
 
     /// Lanes that a state leaves for one batch.
@@ -171,12 +207,16 @@ impl StrainGrid {
             Grid::Triangles(_) => (3, 2),
             Grid::Tetrahedra(_) => (4, 3),
         };
-        vertices * components * components + vertices + (1 + self.tangents) * self.points()
+        vertices * components * components
+            + vertices
+            + self.hoops()
+            + (1 + self.tangents) * self.points()
     }
 }
 
-/// What a state leaves for products: vertex gradients, pressures, J^(-1/3) and,
-/// for laws in stretches, the tangent at the points.
+/// What a state leaves for products: vertex gradients, pressures, J^(-1/3) at the
+/// points and, about an axis, the stretch around it, for laws in stretches the
+/// tangent.
 #[derive(Clone, Debug, Default)]
 pub struct Linearised {
     /// Of each block, batch by batch.
@@ -201,10 +241,16 @@ impl<'a, const V: usize, const D: usize> BatchState<'a, V, D> {
         &self.0[V * D * D + V..][..points]
     }
 
+    /// Stretches around the axis less one at the points, if any.
+    #[inline(always)]
+    pub(super) fn hoops(&self, points: usize, hoops: usize) -> &'a [Lanes] {
+        &self.0[V * D * D + V + points..][..hoops]
+    }
+
     /// Tangents at the points, if any.
     #[inline(always)]
-    pub(super) fn tangents(&self, points: usize) -> &'a [Lanes] {
-        &self.0[V * D * D + V + points..]
+    pub(super) fn tangents(&self, points: usize, hoops: usize) -> &'a [Lanes] {
+        &self.0[V * D * D + V + points + hoops..]
     }
 
     #[inline(always)]
@@ -242,4 +288,31 @@ pub(super) struct Batches<'a, const V: usize, const D: usize, const E: usize> {
     pub(super) rule: &'a Rule,
     /// Lanes that a state leaves for one batch.
     pub(super) stride: usize,
+    /// Of the vertices, batch by batch, or empty.
+    radii: &'a [Lanes],
+    /// Points that a stretch around the axis is kept at.
+    pub(super) hoops: usize,
+}
+
+impl<'a, const V: usize, const D: usize, const E: usize> Batches<'a, V, D, E> {
+    /// The block of `cells` that has `batches`.
+    pub(super) fn new(cells: &'a StrainGrid, batches: &'a [Batch<V, D, E>], block: usize) -> Self {
+        Self {
+            batches,
+            laws: &cells.laws[block],
+            rule: &cells.rule,
+            stride: cells.stride(),
+            radii: cells.radii.get(block).map_or(&[], Vec::as_slice),
+            hoops: cells.hoops(),
+        }
+    }
+
+    /// Radii of the vertices of a batch, or none.
+    #[inline(always)]
+    pub(super) fn radii(&self, batch: usize) -> &'a [Lanes] {
+        match self.radii.is_empty() {
+            true => &[],
+            false => &self.radii[V * batch..V * (batch + 1)],
+        }
+    }
 }

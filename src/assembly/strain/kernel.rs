@@ -3,11 +3,12 @@
 
 use pulp::Simd;
 
+use super::ring::{Ring, RingForces};
 use crate::assembly::kernel::points::{Tensor as Square, Vectors, gradients, traction, zeros};
 use crate::assembly::kernel::{
     Batch, Element, NodeLanes, PRESSURE, edge_pairs, gather, rule, scatter,
 };
-use crate::assembly::lanes::Pack;
+use crate::assembly::lanes::{Lanes, Pack};
 use crate::assembly::transpose::{Row, Transpose};
 use crate::element::quadrature::Rule;
 use crate::geometry::tensor::Tensor;
@@ -40,7 +41,7 @@ pub(super) fn in_space<S: Simd, const D: usize>(simd: S, plane: &Square<S, D>) -
 }
 
 /// Edge corrections are gathered times this.
-fn edge_share<const V: usize>() -> f64 {
+pub(super) fn edge_share<const V: usize>() -> f64 {
     let (alpha, beta) = rule(V);
     1.0 / (alpha - beta)
 }
@@ -139,20 +140,32 @@ pub(super) fn hats<S: Simd, const V: usize>(simd: S, point: &[f64; 4]) -> [Pack<
     out
 }
 
-/// Moments of the stresses that `law` gives where the gradients are `vertex`.
+/// Moments of the stresses that `law` gives where the gradients are `vertex`, and
+/// the forces of those around an axis.
 #[inline(always)]
-pub(super) fn moments<S: Simd, const V: usize, const D: usize>(
+pub(super) fn moments<S: Simd, const V: usize, const D: usize, const E: usize>(
     simd: S,
     rule: &Rule,
     volume: Pack<S>,
     vertex: &VertexGradients<S, V, D>,
+    ring: Option<&Ring<S, V, E>>,
     law: &mut impl PointLaw<S, V>,
-) -> VertexGradients<S, V, D> {
+) -> (VertexGradients<S, V, D>, RingForces<S, V, E>) {
     let mut out = [zeros::<S, D, D>(simd); V];
+    let mut forces = RingForces::zero(simd);
     for (index, (point, weight)) in rule.points.iter().zip(&rule.weights).enumerate() {
         let hats = hats::<S, V>(simd, point);
-        let weight = volume * *weight;
-        let stress = law.stress(index, &hats, weight, &at_point(simd, &hats, vertex));
+        let mut weight = volume * *weight;
+        let mut gradient = at_point(simd, &hats, vertex);
+        let around = ring.map(|ring| ring.at(&hats));
+        if let Some(around) = &around {
+            weight = weight * around.share;
+            gradient[2][2] = around.hoop;
+        }
+        let stress = law.stress(index, &hats, weight, &gradient);
+        if let Some(around) = &around {
+            forces.add(around, &hats, weight, stress[2][2]);
+        }
         for (hat, moment) in hats.iter().zip(&mut out) {
             let factor = *hat * weight;
             for i in 0..D {
@@ -162,7 +175,7 @@ pub(super) fn moments<S: Simd, const V: usize, const D: usize>(
             }
         }
     }
-    out
+    (out, forces)
 }
 
 /// One batch: nodal values in, forces of the law's stresses out; `begin` makes
@@ -173,7 +186,7 @@ pub(super) fn run_batch<S, T, L, const V: usize, const D: usize, const E: usize>
     simd: S,
     transpose: T,
     rule: &Rule,
-    batch: &Batch<V, D, E>,
+    (batch, radii): (&Batch<V, D, E>, &[Lanes]),
     element: &mut Element<V, E>,
     (x, y): (&[Row], &mut [Row]),
     mut begin: impl FnMut(usize, &VertexGradients<S, V, D>, &NodeLanes<V>) -> L,
@@ -191,8 +204,12 @@ pub(super) fn run_batch<S, T, L, const V: usize, const D: usize, const E: usize>
         let vertex = vertex_gradients(simd, &g, (&*vertices, &*edges), part);
         let mut law = begin(part, &vertex, vertices);
         let volume = Pack::load(simd, &batch.weight, part) * V as f64;
-        let moments = moments(simd, rule, volume, &vertex, &mut law);
+        let ring = Ring::load(simd, radii, (&*vertices, &*edges), part);
+        let (moments, forces) = moments(simd, rule, volume, &vertex, ring.as_ref(), &mut law);
         store_moments(simd, &g, &moments, (&mut *vertices, &mut *edges), part);
+        if ring.is_some() {
+            forces.store(simd, (&mut *vertices, &mut *edges), part);
+        }
         end(part, law, vertices);
     }
     scatter(transpose, &batch.vertices, vertices, y);

@@ -86,6 +86,8 @@ pub(super) struct Roots<'a> {
     pub(super) part: usize,
     /// Shared by the parts of a batch.
     pub(super) roots: &'a std::cell::RefCell<&'a mut [Lanes]>,
+    /// Stretches around an axis less one; empty where there is none.
+    pub(super) hoops: &'a std::cell::RefCell<&'a mut [Lanes]>,
     pub(super) tangents: &'a std::cell::RefCell<&'a mut [Lanes]>,
     pub(super) stretches: &'a [Stretches],
 }
@@ -100,6 +102,9 @@ impl<S: Simd, const V: usize> PointLaw<S, V> for Roots<'_> {
         gradient: &Tensor<Pack<S>>,
     ) -> Tensor<Pack<S>> {
         root(volume_change(gradient)).store(&mut self.roots.borrow_mut()[point], self.part);
+        if let Some(hoop) = self.hoops.borrow_mut().get_mut(point) {
+            gradient[2][2].store(hoop, self.part);
+        }
         if !self.stretches.is_empty() {
             let tangents = &mut self.tangents.borrow_mut();
             stretches::store_tangent(self.stretches, gradient, point, tangents, self.part);
@@ -116,6 +121,8 @@ pub(super) struct Frozen<'a, S: Simd, const V: usize, const D: usize> {
     pub(super) pressures: [Pack<S>; V],
     /// Of all points.
     pub(super) roots: &'a [Lanes],
+    /// Stretches around an axis less one; empty where there is none.
+    pub(super) hoops: &'a [Lanes],
     /// Of laws in stretches at all points; empty where there are none.
     pub(super) tangents: &'a [Lanes],
 }
@@ -123,7 +130,10 @@ pub(super) struct Frozen<'a, S: Simd, const V: usize, const D: usize> {
 impl<S: Simd, const V: usize, const D: usize> Frozen<'_, S, V, D> {
     #[inline(always)]
     pub(super) fn at(&self, point: usize, hats: &[Pack<S>; V]) -> Deformation<Pack<S>> {
-        let gradient = at_point(self.simd, hats, &self.gradients);
+        let mut gradient = at_point(self.simd, hats, &self.gradients);
+        if let Some(hoop) = self.hoops.get(point) {
+            gradient[2][2] = Pack::load(self.simd, hoop, self.part);
+        }
         let root = Pack::load(self.simd, &self.roots[point], self.part);
         Deformation::new(gradient, root)
     }

@@ -12,6 +12,7 @@
 //! J^(-1/3) at the points: 380 bytes per tetrahedron with four points; stresses and
 //! tangents are computed anew in every product. Laws in principal stretches are
 //! taken lane by lane; they leave their tangent at the points too, 360 bytes each.
+//! About an axis the stretch around it is kept at each point too.
 //!
 //! Vectors are hierarchical or Lagrange like those of the linear passes. Cost of a
 //! product with the tangent: some 2000 products per tetrahedron with four points,
@@ -23,6 +24,7 @@ mod kernel;
 mod laws;
 mod operator;
 mod pass;
+mod ring;
 mod stretches;
 
 pub use cell_tangents::{CellStates, CellTangents};

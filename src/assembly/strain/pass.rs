@@ -128,12 +128,7 @@ impl StrainGrid {
         grid: &'a CellGrid<V, D, E>,
         block: usize,
     ) -> Batches<'a, V, D, E> {
-        Batches {
-            batches: grid.batches(block),
-            laws: &self.laws[block],
-            rule: &self.rule,
-            stride: self.stride(),
-        }
+        Batches::new(self, grid.batches(block), block)
     }
 
     fn respond_on<const V: usize, const D: usize, const E: usize>(
@@ -336,13 +331,14 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for RespondPass<'
         let zero = Pack::splat(simd, 0.0);
         let mut least: f64 = f64::INFINITY;
         let mut energy = 0.0;
-        for (batch, law) in self.cells.batches.iter().zip(self.cells.laws) {
+        let cells = self.cells.batches.iter().zip(self.cells.laws);
+        for (index, (batch, law)) in cells.enumerate() {
             let mut energies = Lanes::ZERO;
             run_batch(
                 simd,
                 transpose,
                 self.cells.rule,
-                batch,
+                (batch, self.cells.radii(index)),
                 &mut element,
                 (self.x, self.y),
                 |part, _, vertices| Respond {
@@ -383,16 +379,18 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for LinearisePass
         let mut element = Element::ZERO;
         let states = self.states.chunks_exact_mut(self.cells.stride);
         let cells = self.cells.batches.iter().zip(self.cells.laws);
-        for ((batch, law), state) in cells.zip(states) {
+        for (index, ((batch, law), state)) in cells.zip(states).enumerate() {
             let (fields, rest) = state.split_at_mut(V * D * D + V);
-            let (roots, tangents) = rest.split_at_mut(self.cells.rule.len());
+            let (roots, rest) = rest.split_at_mut(self.cells.rule.len());
+            let (hoops, tangents) = rest.split_at_mut(self.cells.hoops);
             let roots = std::cell::RefCell::new(roots);
+            let hoops = std::cell::RefCell::new(hoops);
             let tangents = std::cell::RefCell::new(tangents);
             run_batch(
                 simd,
                 transpose,
                 self.cells.rule,
-                batch,
+                (batch, self.cells.radii(index)),
                 &mut element,
                 (self.x, self.y),
                 |part, gradients, vertices| {
@@ -410,6 +408,7 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for LinearisePass
                     Roots {
                         part,
                         roots: &roots,
+                        hoops: &hoops,
                         tangents: &tangents,
                         stretches: law.stretches::<S>(part),
                     }
@@ -438,6 +437,7 @@ macro_rules! frozen_pass {
             fn run<S: Simd, T: Transpose>(self, simd: S, transpose: T) {
                 let mut element = Element::ZERO;
                 let (stride, points) = (self.cells.stride, self.cells.rule.len());
+                let hoops = self.cells.hoops;
                 let cells = self.cells.batches.iter().zip(self.cells.laws);
                 for (index, ((batch, law), state)) in
                     cells.zip(self.states.chunks_exact(stride)).enumerate()
@@ -448,7 +448,7 @@ macro_rules! frozen_pass {
                         simd,
                         transpose,
                         self.cells.rule,
-                        batch,
+                        (batch, self.cells.radii(index)),
                         &mut element,
                         (self.x, &mut *self.y),
                         |part, _, vertices| {
@@ -458,7 +458,8 @@ macro_rules! frozen_pass {
                                 gradients: state.gradients(simd, part),
                                 pressures: state.pressures(simd, part),
                                 roots: state.roots(points),
-                                tangents: state.tangents(points),
+                                hoops: state.hoops(points, hoops),
+                                tangents: state.tangents(points, hoops),
                             };
                             let at = At { simd, part, law, vertices };
                             $make(frozen, at $(, self.$field)*)

@@ -51,6 +51,21 @@ fn bodies(degree: u32) -> Vec<Body> {
     bodies.collect()
 }
 
+/// The plane ones as sections of bodies of revolution.
+fn turned(degree: u32) -> impl Iterator<Item = Body> {
+    let plane = bodies(degree).into_iter();
+    let plane = plane.filter(|body| body.sample.space.components == 2);
+    plane.map(|body| Body {
+        cells: body.cells.about_axis(&body.sample.mesh, SCALE),
+        sample: body.sample,
+    })
+}
+
+/// [`bodies`] and [`turned`] ones.
+fn all_bodies(degree: u32) -> impl Iterator<Item = Body> {
+    bodies(degree).into_iter().chain(turned(degree))
+}
+
 impl Body {
     /// A deformed state with gradients of some tenths.
     fn state(&self) -> (Vec<f64>, Vec<f64>) {
@@ -92,7 +107,7 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 #[test]
 fn the_tangent_is_the_slope_of_the_forces() {
     for degree in [2, 3] {
-        for body in bodies(degree) {
+        for body in all_bodies(degree) {
             let (u, p) = body.state();
             let mut du = reproducible_noise(u.len() + 1)[1..].to_vec();
             scale(&mut du, 0.01);
@@ -123,7 +138,7 @@ fn the_tangent_is_the_slope_of_the_forces() {
 
 #[test]
 fn the_force_without_pressure_is_the_slope_of_the_energy() {
-    for body in bodies(2) {
+    for body in all_bodies(2) {
         let (u, _) = body.state();
         let p = vec![0.0; body.sample.space.vertices];
         let mut du = reproducible_noise(u.len() + 1)[1..].to_vec();
@@ -178,7 +193,7 @@ fn at_rest_the_tangent_is_that_of_linear_elasticity() {
 
 #[test]
 fn the_divergence_and_its_transpose_are_parts_of_the_tangent() {
-    for body in bodies(3) {
+    for body in all_bodies(3) {
         let (u, p) = body.state();
         let x = reproducible_noise(u.len() + 1)[1..].to_vec();
         let q = reproducible_noise(p.len() + 1)[1..].to_vec();
@@ -204,7 +219,7 @@ fn the_divergence_and_its_transpose_are_parts_of_the_tangent() {
 #[test]
 fn every_instruction_set_gives_the_same_response_and_tangent() {
     for set in InstructionSet::ALL.into_iter().filter(|set| set.is_here()) {
-        for body in bodies(2) {
+        for body in all_bodies(2) {
             let (u, p) = body.state();
             let x = reproducible_noise(u.len() + 1)[1..].to_vec();
             let (f, c, first) = body.respond(&u, &p);
@@ -231,11 +246,61 @@ fn every_instruction_set_gives_the_same_response_and_tangent() {
 
 #[test]
 fn an_element_turned_inside_out_is_told_and_harms_nothing() {
-    for body in bodies(2) {
+    for body in all_bodies(2) {
         let (mut u, p) = body.state();
         scale(&mut u, 500.0);
         let (f, c, response) = body.respond(&u, &p);
         assert!(response.least_jacobian < 0.0);
         assert!(f.iter().chain(&c).all(|value| value.is_finite()));
+    }
+}
+
+#[test]
+fn a_shift_along_the_axis_strains_nothing_and_one_across_it_does() {
+    for body in turned(4) {
+        let vertices = 2 * body.sample.space.vertices;
+        let p = vec![0.0; body.sample.space.vertices];
+        let shifted = |component: usize| {
+            let mut u = vec![0.0; body.sample.unknowns()];
+            u[..vertices]
+                .iter_mut()
+                .skip(component)
+                .step_by(2)
+                .for_each(|u| *u = 0.1);
+            body.respond(&u, &p)
+        };
+        let (force, volume, response) = shifted(1);
+        assert!(largest(&force) < 1e-14 && largest(&volume) < 1e-14);
+        assert!(response.energy.abs() < 1e-14);
+        assert!(shifted(0).2.energy > 1e-3);
+    }
+}
+
+#[test]
+fn a_section_that_opens_along_its_radius_grows_like_its_rings() {
+    // u_x = x / 4, u_y = 0: stretched by 5/4 along and around the radius.
+    for mut body in turned(4) {
+        body.sample.geometry = CellGeometry::about_axis(&body.sample.mesh, SCALE);
+        let sample = &body.sample;
+        let grid = Grid::new(
+            &sample.mesh,
+            &sample.space,
+            &sample.geometry,
+            &sample.moduli,
+            &sample.held,
+        );
+        let cells = body.cells.clone().on(Arc::new(grid));
+        let mut u = vec![0.0; sample.unknowns()];
+        for (u, x) in u.chunks_exact_mut(2).zip(sample.mesh.coordinates()) {
+            u[0] = 0.25 * SCALE * x[0];
+        }
+        let p = vec![0.0; sample.space.vertices];
+        let (mut f, mut c) = (vec![0.0; u.len()], p.clone());
+        let response = cells.respond((&u, &p), (&mut f, &mut c), &mut Workspace::new());
+        let volume: f64 = sample.geometry.volumes.iter().sum();
+        // That of a cylinder of radius and height SCALE.
+        assert!((volume - std::f64::consts::PI * SCALE.powi(3)).abs() < 1e-13);
+        assert!((response.volume_change - (1.5625 - 1.0) * volume).abs() < 1e-12);
+        assert!((response.least_jacobian - 1.5625).abs() < 1e-13);
     }
 }
