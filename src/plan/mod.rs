@@ -11,6 +11,7 @@ mod estimate;
 mod p1;
 mod prepared;
 mod report;
+mod rings;
 mod rubber;
 mod saddle;
 mod units;

@@ -8,10 +8,11 @@ use super::Plan;
 use super::approximation::Approximation;
 use super::displacement::{self, DisplacementBody};
 use super::p1::{self, P1Body};
+use super::rings::{Rest, rings_at_rest};
 use crate::assembly::grid::{Basis, Rows};
 use crate::assembly::mass::weighted_mass;
 use crate::assembly::node_moduli::softness;
-use crate::assembly::p1_stiffness::node_blocks;
+use crate::assembly::p1_stiffness::{CellStiffness, node_blocks};
 use crate::assembly::strain::{CellLaws, StrainGrid};
 use crate::assembly::{Body, CellGeometry, CellModuli, Divergence, Grid, Stiffness};
 use crate::element::quadrature::{Simplex, rule};
@@ -92,27 +93,38 @@ impl Prepared {
                 .map_or(Ok(()), |t| Err(PrepareError::Stopped(t)))
         };
         let space = TaylorHood::new(mesh);
-        let geometry = CellGeometry::new(mesh, plan.units.coordinate_scale);
+        let geometry = geometry_of(plan, mesh);
         let moduli = moduli(plan);
         let held: Arc<[u32]> = plan.held.iter().map(|&(unknown, _)| unknown).collect();
         poll()?;
+        let rings = (plan.is_axisymmetric()).then(|| rings_at_rest(plan, mesh, &space, &geometry));
+        let cells: &dyn CellStiffness = match &rings {
+            Some(rings) => rings,
+            None => &moduli,
+        };
         let body = P1Body {
             mesh,
             space: &space,
             geometry: &geometry,
-            stiffness: &moduli,
+            stiffness: cells,
             held: &held,
         };
         let (p1, (grid, blocks)) = rayon::join(
             || p1::build(plan, body, cancel),
             || {
                 let grid = Arc::new(Grid::new(mesh, &space, &geometry, &moduli, &held));
-                let blocks = node_blocks(mesh, &space, &geometry, &moduli, &held);
+                let blocks = node_blocks(mesh, &space, &geometry, cells, &held);
                 (grid, NodeBlocks::invert(space.components, blocks))
             },
         );
         let p1 = p1?;
         poll()?;
+        let strain = plan
+            .resolved
+            .is_rubber()
+            .then(|| Arc::new(strain_grid(plan, mesh, &grid)));
+        let turned = strain.as_ref().filter(|_| plan.is_axisymmetric());
+        let rest = turned.map(|cells| Rest::new(cells.clone(), &space));
         let body = DisplacementBody {
             mesh,
             space: &space,
@@ -122,21 +134,20 @@ impl Prepared {
             grid: &grid,
             node_blocks: &blocks,
             p1: p1.solver,
-            tangent: None,
+            tangent: rest.as_ref().map(Rest::state),
         };
         let stiffness = body.stiffness(Basis::Hierarchical);
         let (displacement, displacement_bytes) = displacement::build(plan, body);
         poll()?;
-        let pressure = plan
+        let mut pressure = plan
             .is_mixed()
             .then(|| pressure_block(plan, mesh, &space, &geometry, &moduli, &stiffness));
+        if let (Some(block), Some(rest)) = (&mut pressure, &rest) {
+            block.is_enclosed = block.stabilisation.is_none() && rest.is_enclosed(&held);
+        }
         let mut is_held = vec![false; space.displacement_unknowns()];
         held.iter()
             .for_each(|&index| is_held[index as usize] = true);
-        let strain = plan
-            .resolved
-            .is_rubber()
-            .then(|| Arc::new(strain_grid(plan, mesh, &grid)));
         let total = start.elapsed().as_secs_f64();
         let seconds = Seconds {
             prepare: (total - p1.assemble - p1.factorise).max(0.0),
@@ -235,7 +246,19 @@ fn strain_grid(plan: &Plan, mesh: &Mesh, grid: &Arc<Grid>) -> StrainGrid {
         _ => Simplex::Tetrahedron,
     };
     let rule = rule(simplex, plan.strain_degree());
-    StrainGrid::new(mesh, grid.clone(), cells, rule)
+    let cells = StrainGrid::new(mesh, grid.clone(), cells, rule);
+    match plan.is_axisymmetric() {
+        true => cells.about_axis(mesh, plan.units.coordinate_scale),
+        false => cells,
+    }
+}
+
+fn geometry_of(plan: &Plan, mesh: &Mesh) -> CellGeometry {
+    let scale = plan.units.coordinate_scale;
+    match plan.is_axisymmetric() {
+        true => CellGeometry::about_axis(mesh, scale),
+        false => CellGeometry::new(mesh, scale),
+    }
 }
 
 /// Whether B^T 1 vanishes on free rows.

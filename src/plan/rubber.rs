@@ -6,7 +6,7 @@ use super::Plan;
 use super::approximation::VOLUMETRIC;
 use crate::krylov::gcr::Directions;
 use crate::material::{InvariantLaw, Isochoric, Ogden, OgdenTerm, Rubber};
-use crate::scene::MaterialModel;
+use crate::scene::{MaterialModel, SceneKind};
 
 /// Adds the coefficients of a law, in units of `stress`.
 pub(super) fn hash(rubber: &Rubber, stress: f64, hash: &mut Sha256) {
@@ -31,6 +31,9 @@ pub(super) fn hash(rubber: &Rubber, stress: f64, hash: &mut Sha256) {
 /// exact for linear elasticity, so that the order of convergence is that of exact
 /// integration, with the fewest points.
 const DEGREE: u32 = 2;
+
+/// About an axis, where the stretch around it is no polynomial.
+const DEGREE_ABOUT_AXIS: u32 = 4;
 
 /// Krylov directions kept: near a limit of stability a few eigenvalues are far from
 /// the others, and ten directions forget them (mr-sphere l2: 312 applications in
@@ -59,7 +62,16 @@ impl Plan {
 
     /// Degree of the rule for stress, volume and tangent.
     pub(crate) fn strain_degree(&self) -> u32 {
-        self.scene.solver.quadrature_degree.unwrap_or(DEGREE)
+        let degree = match self.is_axisymmetric() {
+            true => DEGREE_ABOUT_AXIS,
+            false => DEGREE,
+        };
+        self.scene.solver.quadrature_degree.unwrap_or(degree)
+    }
+
+    /// Whether the mesh is the section of a body of revolution.
+    pub(crate) fn is_axisymmetric(&self) -> bool {
+        self.resolved.kind == SceneKind::Axisymmetric
     }
 
     /// Isochoric laws by material, non-dimensional.
@@ -118,6 +130,9 @@ impl Plan {
         let rule = format!("degree {}", self.strain_degree());
         match self.scene.solver.quadrature_degree {
             Some(_) => (rule, "asked for"),
+            None if self.is_axisymmetric() => {
+                (rule, "the stretch around the axis is no polynomial")
+            }
             None => (rule, "the fewest points that keep the order of convergence"),
         }
     }
@@ -131,6 +146,13 @@ impl Plan {
         push("material", self.rubber_laws(), reason);
         let (rule, reason) = self.rubber_rule();
         push("volume rule", rule, reason);
+        if self.is_axisymmetric() {
+            push(
+                "measure",
+                "full turns about the axis x = 0".into(),
+                "every point of the section is a ring",
+            );
+        }
         if !self.scene.pressures.is_empty() {
             push(
                 "pressure load",

@@ -3,8 +3,8 @@
 //! powers of two, to rounding otherwise.
 
 use crate::mesh::Mesh;
-use crate::scene::Scene;
 use crate::scene::validate::Resolved;
+use crate::scene::{Scene, SceneKind};
 
 /// Reference quantities in the caller's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,8 +16,10 @@ pub struct Units {
     pub stress: f64,
     /// Multiplies uploaded coordinates to make them non-dimensional.
     pub coordinate_scale: f64,
-    /// 2 or 3; forces in two dimensions are per unit thickness.
+    /// 2 or 3; forces in the plane are per unit thickness.
     pub dimension: usize,
+    /// Lengths in a volume: 3 where the body, or its full turn, fills space.
+    pub extents: usize,
 }
 
 impl Units {
@@ -28,6 +30,10 @@ impl Units {
             stress: shear.fold(f64::INFINITY, f64::min),
             coordinate_scale: 1.0 / mesh.extent(),
             dimension: mesh.cell_kind().dimension(),
+            extents: match resolved.kind {
+                SceneKind::Solid | SceneKind::Axisymmetric => 3,
+                SceneKind::PlaneStrain => 2,
+            },
         }
     }
 
@@ -46,14 +52,14 @@ impl Units {
         derived.iter().all(|value| value.is_normal())
     }
 
-    /// Area, or length in two dimensions.
+    /// Area, or length in the plane.
     pub fn area(&self) -> f64 {
-        self.length.powi(self.dimension as i32 - 1)
+        self.length.powi(self.extents as i32 - 1)
     }
 
-    /// Volume, or area in two dimensions.
+    /// Volume, or area in the plane.
     pub fn volume(&self) -> f64 {
-        self.length.powi(self.dimension as i32)
+        self.length.powi(self.extents as i32)
     }
 
     /// Force, or force per thickness.

@@ -63,7 +63,11 @@ impl Interfaces {
                 .iter()
                 .map(|&f| mesh.facet(f as usize).to_vec())
                 .collect();
-            let surface = ContactSurface::new(mesh, space, plan.units.coordinate_scale, &facets);
+            let scale = plan.units.coordinate_scale;
+            let surface = match plan.is_axisymmetric() {
+                true => ContactSurface::about_axis(mesh, space, scale, &facets),
+                false => ContactSurface::new(mesh, space, scale, &facets),
+            };
             let multipliers = surface.multipliers();
             list.push(Interface {
                 name: obstacle.name.clone(),

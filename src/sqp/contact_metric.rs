@@ -70,7 +70,7 @@ impl SurfaceMetric {
         let coordinates = plan.units.coordinate_scale;
         add_laplacian(surface, mesh, coordinates, 0, &mut laplacian);
         let area: f64 = surface.weights.iter().sum();
-        let extent = match plan.units.dimension {
+        let extent = match plan.units.extents {
             2 => area * area,
             _ => area,
         };

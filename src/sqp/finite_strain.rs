@@ -9,12 +9,13 @@
 
 use super::evaluate::Context;
 use super::loads::simplices;
-use super::results::gradient_at;
+use super::results::{gradient_at, radius_at};
 use super::state::State;
 use crate::element::jacobian::{least_jacobian_bound, sharper_jacobian_bound};
 use crate::element::quadrature::rule;
 use crate::geometry::tensor::{Tensor, plus_unit, product, scaled, transposed, volume_change};
 use crate::material::Rubber;
+use crate::scene::validate::ON_AXIS;
 
 /// J is a cubic polynomial on a cell.
 const JACOBIAN_DEGREE: u32 = 3;
@@ -37,30 +38,83 @@ pub(super) fn true_stress(rubber: &Rubber, h: &Tensor<f64>, pressure: f64) -> Te
 pub(super) fn volume_ratio(context: &Context<'_>, state: &State, cell: usize) -> f64 {
     let (simplex, _) = simplices(context.plan.units.dimension);
     let rule = rule(simplex, JACOBIAN_DEGREE);
+    let mean = context.prepared.geometry.radii.get(cell);
     let points = rule.points.iter().zip(&rule.weights);
-    let change = points
-        .map(|(point, weight)| weight * volume_change(&gradient_at(context, state, cell, point)));
+    let change = points.map(|(point, weight)| {
+        let share = mean.map_or(1.0, |mean| radius_at(context, cell, point) / mean);
+        weight * share * volume_change(&gradient_at(context, state, cell, point))
+    });
     1.0 + change.sum::<f64>()
 }
 
-/// A number that J is nowhere in the body below; none in linear scenes.
+/// A number that J is nowhere in the body below; none in linear scenes, and where
+/// the two bounds of a body of revolution do not show that J is above zero.
 pub(super) fn jacobian_bound(context: &Context<'_>, state: &State) -> Option<f64> {
     if !context.plan.resolved.is_rubber() {
         return None;
     }
+    let is_turned = context.plan.is_axisymmetric();
     let cells = 0..context.mesh.cell_count();
-    let bounds = cells.map(|cell| cell_bound(context, state, cell));
-    bounds.reduce(|a, b| if a.is_nan() || a < b { a } else { b })
+    let bounds = cells.map(|cell| match is_turned {
+        true => ring_bound(context, state, cell),
+        false => cell_bound(context, state, cell, plus_unit),
+    });
+    let bound = bounds.reduce(|a, b| if a.is_nan() || a < b { a } else { b });
+    bound.filter(|bound| !is_turned || !bound.is_nan())
+}
+
+/// The bound of the section times that of the stretch around the axis; NaN where one
+/// of them is not above zero.
+fn ring_bound(context: &Context<'_>, state: &State, cell: usize) -> f64 {
+    let section = cell_bound(context, state, cell, |h| {
+        let mut gradient = plus_unit(h);
+        gradient[2][2] = 1.0;
+        gradient
+    });
+    let stretch = least_stretch(context, state, cell);
+    match section > 0.0 && stretch > 0.0 {
+        true => section * stretch,
+        false => f64::NAN,
+    }
+}
+
+/// A number that (x + u_x) / x is nowhere in a cell below: the least ratio of the
+/// Bernstein coefficients of both, those on the axis left out.
+fn least_stretch(context: &Context<'_>, state: &State, cell: usize) -> f64 {
+    let space = &context.prepared.space;
+    let u = |node: usize| state.displacement[node * space.components];
+    let scale = context.plan.units.coordinate_scale;
+    let corners = context.mesh.cell(cell);
+    let x = |corner: usize| scale * context.mesh.coordinates()[corners[corner] as usize][0];
+    let at_corners = (0..corners.len()).map(|a| (x(a), u(corners[a] as usize)));
+    let pairs = context.mesh.cell_kind().edges();
+    let edges = &context.mesh.cell_edges()[cell * pairs.len()..(cell + 1) * pairs.len()];
+    let at_edges = edges.iter().zip(pairs).map(|(&edge, &(a, b))| {
+        let ends = u(corners[a] as usize) + u(corners[b] as usize);
+        let middle = 2.0 * u(space.vertices + edge as usize);
+        (0.5 * (x(a) + x(b)), 0.5 * ends + middle)
+    });
+    let off_axis = at_corners.chain(at_edges).filter(|(x, _)| *x > ON_AXIS);
+    let stretches = off_axis.map(|(x, moved)| (x + moved) / x);
+    stretches.fold(
+        f64::INFINITY,
+        |a, b| if a.is_nan() || a < b { a } else { b },
+    )
 }
 
 /// The plain bound where it shows that J is above zero, else the sharper one.
-fn cell_bound(context: &Context<'_>, state: &State, cell: usize) -> f64 {
+fn cell_bound(
+    context: &Context<'_>,
+    state: &State,
+    cell: usize,
+    deformation: impl Fn(&Tensor<f64>) -> Tensor<f64>,
+) -> f64 {
     let corners = context.mesh.cell(cell).len();
     let mut gradients = [[[0.0; 3]; 3]; 4];
     for (corner, gradient) in gradients.iter_mut().enumerate().take(corners) {
         let mut at = [0.0; 4];
         at[corner] = 1.0;
-        *gradient = plus_unit(&gradient_at(context, state, cell, &at));
+        *gradient = deformation(&gradient_at(context, state, cell, &at));
     }
     let plain = least_jacobian_bound(&gradients[..corners]);
     match plain > 0.0 {

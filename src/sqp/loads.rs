@@ -1,5 +1,7 @@
 //! The load vector at load factor one, non-dimensional, hierarchical.
 
+use std::f64::consts::TAU;
+
 use crate::assembly::load::{add_body_force, add_traction, facet_measure};
 use crate::element::manufactured::Manufactured;
 use crate::element::quadrature::{Simplex, rule};
@@ -10,6 +12,8 @@ use crate::plan::{Plan, TaylorHoodData as Prepared};
 pub(super) const MANUFACTURED_DEGREE: u32 = 8;
 /// Constant loads times quadratic functions.
 const CONSTANT_DEGREE: u32 = 2;
+/// Times the radius.
+const DEGREE_ABOUT_AXIS: u32 = 3;
 
 /// Cell and facet simplex of a dimension.
 pub(super) fn simplices(dimension: usize) -> (Simplex, Simplex) {
@@ -32,7 +36,16 @@ pub(crate) fn reference_load(plan: &Plan, mesh: &Mesh, prepared: &Prepared) -> V
 fn add_constant(plan: &Plan, mesh: &Mesh, prepared: &Prepared, load: &mut [f64]) {
     let (cell, facet) = simplices(plan.units.dimension);
     let scale = plan.units.coordinate_scale;
-    let surface_rule = rule(facet, CONSTANT_DEGREE);
+    let is_turned = plan.is_axisymmetric();
+    let degree = match is_turned {
+        true => DEGREE_ABOUT_AXIS,
+        false => CONSTANT_DEGREE,
+    };
+    let turn = |value: [f64; 3], x: [f64; 3]| match is_turned {
+        true => value.map(|t| t * TAU * x[0]),
+        false => value,
+    };
+    let surface_rule = rule(facet, degree);
     for (traction, facets) in plan
         .scene
         .tractions
@@ -51,7 +64,7 @@ fn add_constant(plan: &Plan, mesh: &Mesh, prepared: &Prepared, load: &mut [f64])
                 area,
                 scale,
                 &surface_rule,
-                &|_| value,
+                &|x| turn(value, x),
                 load,
             );
         }
@@ -59,14 +72,19 @@ fn add_constant(plan: &Plan, mesh: &Mesh, prepared: &Prepared, load: &mut [f64])
     if plan.has_body_force() {
         let value = plan.scene.body_force.map(|f| f / plan.units.body_force());
         let volumes = &prepared.geometry.volumes;
-        let volume_rule = rule(cell, CONSTANT_DEGREE);
+        let volume_rule = rule(cell, degree);
+        let radii = &prepared.geometry.radii;
+        let density = |cell: usize, x: [f64; 3]| match radii.get(cell) {
+            Some(radius) => value.map(|f| f * x[0] / radius),
+            None => value,
+        };
         add_body_force(
             mesh,
             &prepared.space,
             volumes,
             scale,
             &volume_rule,
-            &|_, _| value,
+            &density,
             load,
         );
     }

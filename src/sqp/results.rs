@@ -17,6 +17,7 @@ use crate::linalg::vector::{add_scaled, dot};
 use crate::linalg::{LinearOperator, SparseRowsBuilder, Workspace};
 use crate::obstacle::Obstacle;
 use crate::report::{ObstacleResult, ProbeResult, StepReport, SupportResult, Termination};
+use crate::scene::validate::ON_AXIS;
 
 /// The report, without what only the session knows.
 pub(crate) fn report(
@@ -304,5 +305,21 @@ pub(super) fn gradient_at(
             std::array::from_fn(|j| 4.0 * (barycentric[a] * g[b][j] + barycentric[b] * g[a][j]));
         add(space.vertices + edge as usize, slope);
     }
+    if context.plan.is_axisymmetric() {
+        gradient[2][2] = match radius_at(context, cell, barycentric) {
+            radius if radius > ON_AXIS => {
+                displacement_at(context, state, cell, barycentric)[0] / radius
+            }
+            // Its limit.
+            _ => gradient[0][0],
+        };
+    }
     gradient
+}
+
+/// x at barycentric coordinates of a cell, non-dimensional.
+pub(super) fn radius_at(context: &Context<'_>, cell: usize, barycentric: &[f64; 4]) -> f64 {
+    let corners = context.mesh.corners(cell);
+    let sum: f64 = corners.iter().zip(barycentric).map(|(x, l)| l * x[0]).sum();
+    context.plan.units.coordinate_scale * sum
 }

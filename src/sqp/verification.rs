@@ -127,7 +127,11 @@ fn contact_residuals(
     let scale = units.coordinate_scale * units.length;
     for (interface, obstacle) in context.interfaces.list.iter().zip(&obstacles) {
         for face in &interface.surface.faces {
-            let area = face.area * units.area();
+            let area = match face.radii {
+                None => face.area * units.area(),
+                // Its length; the way around is that of each point.
+                Some([a, b]) => face.area / (0.5 * TAU * (a + b)) * units.length,
+            };
             for (point, weight) in rule.points.iter().zip(&rule.weights) {
                 let l = &point[..dimension];
                 let (values, _) = shapes(l, &[], pairs);

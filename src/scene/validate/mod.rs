@@ -156,9 +156,6 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
     for (index, step) in steps.iter().enumerate() {
         steps::check(scene, step, &format!("step[{index}]"), mesh, &mut faults);
     }
-    if kind == SceneKind::Axisymmetric {
-        faults.unsupported("kind", "`axisymmetric` is not supported yet");
-    }
     faults.result()?;
     Ok(Resolved {
         kind,
