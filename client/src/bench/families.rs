@@ -92,7 +92,7 @@ pub(crate) const FAMILIES: &[Family] = &[
     },
     Family {
         name: "mr-sphere",
-        about: "A rigid sphere pressed deep into a Mooney-Rivlin block (a quarter is solved), five increments, meshes refined under the contact.",
+        about: "A rigid sphere pressed deep into a Mooney-Rivlin block (a quarter is solved), five increments, meshes refined under the contact. The travel ends close to the limit of stability, which comes earlier on finer meshes: l4 does not reach it.",
         scene: include_str!("../../examples/mr-sphere.toml"),
         source: MeshSource::Gmsh("indent"),
         full: &[1, 2, 3, 4],
