@@ -76,6 +76,9 @@
 #![doc = include_str!("decisions/0015-comparison-elements.md")]
 #![doc = include_str!("decisions/0016-hard-bodies.md")]
 #![doc = include_str!("decisions/0017-pressure-metric.md")]
+#![doc = include_str!("decisions/0018-rule-of-rubber.md")]
+#![doc = include_str!("decisions/0019-inverse-at-rest.md")]
+#![doc = include_str!("decisions/0020-vertex-gradients.md")]
 
 pub mod assembly;
 pub mod contact;

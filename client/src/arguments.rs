@@ -11,7 +11,7 @@ use crate::bench::family::{self, Family, Level};
 use crate::bench::method::Method;
 use crate::bench::study::{self, Study};
 
-/// Contact of nearly incompressible bodies: solve scenes, serve, look at servers.
+/// Contact of nearly incompressible bodies, rubber included: solve scenes, serve, look at servers.
 #[derive(Debug, Parser)]
 #[command(name = "signorini", version, after_help = EXIT_CODES)]
 pub(crate) struct Arguments {
@@ -120,7 +120,8 @@ pub(crate) struct BenchArguments {
     /// Folder for bench.csv, index.html and the figures
     #[arg(long, value_name = "DIR", default_value = "results/bench")]
     pub(crate) out: PathBuf,
-    /// A1m, cube-bend, hertz-sphere or hertz-plane, several times; default: all
+    /// A1m, cube-bend, hertz-sphere, hertz-plane, mr-uniax, mr-block or mr-sphere, several
+    /// times; default: all
     #[arg(long = "scene", value_name = "NAME", value_parser = family::find)]
     pub(crate) scenes: Vec<&'static Family>,
     /// Question to answer by its own runs, such as element or saddle, several times; default:

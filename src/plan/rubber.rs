@@ -44,12 +44,7 @@ impl Plan {
     /// No more Krylov directions than the body makes use of.
     pub(crate) fn directions(&self) -> Directions {
         match self.resolved.is_rubber() {
-            true => Directions::keeping(
-                std::env::var("KEEP")
-                    .ok()
-                    .and_then(|x| x.parse().ok())
-                    .unwrap_or(KEPT_DIRECTIONS),
-            ),
+            true => Directions::keeping(KEPT_DIRECTIONS),
             false => Directions::default(),
         }
     }

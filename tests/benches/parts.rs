@@ -13,19 +13,22 @@
 #[path = "../common/meshes.rs"]
 #[allow(dead_code)]
 mod meshes;
+mod notebook;
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
+use notebook::{Notebook, Wishes};
 use signorini::assembly::grid::{Basis, Grid, Rows};
 use signorini::assembly::p1_stiffness::{P1Blocks, node_blocks, p1_blocks};
 use signorini::assembly::simd::InstructionSet;
+use signorini::assembly::strain::{CellLaws, Linearised, StrainGrid};
 use signorini::assembly::{CellGeometry, CellModuli};
+use signorini::element::quadrature::{Simplex, rule};
 use signorini::inequality::dense_qp;
 use signorini::linalg::cholesky::Precision;
 use signorini::linalg::vector::{add_scaled, dot, reproducible_noise};
 use signorini::linalg::{DenseMatrix, Preconditioner, Workspace};
+use signorini::material::{InvariantLaw, Isochoric};
 use signorini::precond::NodeBlocks;
 use signorini::precond::p1::{AmgP1, DirectP1, VertexBlocks, vertex_order};
 use signorini::scene::{Formulation, Material, MaterialModel, Modulus, Profile, Support, Traction};
@@ -33,130 +36,6 @@ use signorini::space::TaylorHood;
 use signorini::{
     CancelToken, GroupKind, Mesh, Plan, Prepared, Reuse, Scene, Session, Silent, Step,
 };
-
-/// A part is repeated for this long, and at least [`FEWEST`] times.
-const LONG_ENOUGH: Duration = Duration::from_millis(500);
-const FEWEST: usize = 3;
-
-/// What the command line asks for.
-struct Wishes {
-    cells: usize,
-    only: Option<String>,
-    save: Option<String>,
-    against: Option<String>,
-}
-
-impl Wishes {
-    fn read() -> Self {
-        let arguments: Vec<String> = std::env::args().collect();
-        let value = |name: &str| {
-            let at = arguments.iter().position(|argument| argument == name)?;
-            arguments.get(at + 1).cloned()
-        };
-        Self {
-            cells: value("--cells")
-                .and_then(|text| text.parse().ok())
-                .unwrap_or(24),
-            only: value("--only"),
-            save: value("--save"),
-            against: value("--against"),
-        }
-    }
-}
-
-/// A figure by part, instruction set and threads.
-type Key = (String, String, usize);
-
-/// Prints figures as they come and keeps them.
-struct Notebook {
-    wishes: Wishes,
-    earlier: BTreeMap<Key, f64>,
-    seconds: BTreeMap<Key, f64>,
-}
-
-impl Notebook {
-    fn new(wishes: Wishes) -> Self {
-        let text = wishes
-            .against
-            .as_ref()
-            .and_then(|path| std::fs::read_to_string(path).ok());
-        let earlier = text
-            .iter()
-            .flat_map(|text| text.lines())
-            .filter_map(figure)
-            .collect();
-        println!(
-            "part                     set       threads     median s  unknowns/s    ratio to saved"
-        );
-        Self {
-            wishes,
-            earlier,
-            seconds: BTreeMap::new(),
-        }
-    }
-
-    /// Measures `task`, which handles `unknowns` numbers, in a pool of its own.
-    fn measure(
-        &mut self,
-        part: &str,
-        set: &str,
-        threads: usize,
-        unknowns: usize,
-        mut task: impl FnMut() + Send,
-    ) {
-        if self
-            .wishes
-            .only
-            .as_ref()
-            .is_some_and(|only| !part.contains(only.as_str()))
-        {
-            return;
-        }
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-        let Ok(pool) = pool else { return };
-        let seconds = pool.install(|| {
-            task();
-            let (start, mut taken) = (Instant::now(), Vec::new());
-            while taken.len() < FEWEST || start.elapsed() < LONG_ENOUGH {
-                let one = Instant::now();
-                task();
-                taken.push(one.elapsed().as_secs_f64());
-            }
-            taken.sort_by(f64::total_cmp);
-            taken[taken.len() / 2]
-        });
-        let key = (part.to_owned(), set.to_owned(), threads);
-        let ratio = self
-            .earlier
-            .get(&key)
-            .map_or_else(String::new, |saved| format!("{:.3}", seconds / saved));
-        let rate = unknowns as f64 / seconds;
-        println!("{part:24} {set:9} {threads:7} {seconds:12.3e} {rate:11.3e} {ratio:>17}");
-        self.seconds.insert(key, seconds);
-    }
-
-    fn save(&self) -> std::io::Result<()> {
-        let Some(path) = &self.wishes.save else {
-            return Ok(());
-        };
-        let lines = self
-            .seconds
-            .iter()
-            .map(|((part, set, threads), seconds)| format!("{part},{set},{threads},{seconds:e}\n"));
-        std::fs::write(path, lines.collect::<String>())
-    }
-}
-
-fn figure(line: &str) -> Option<(Key, f64)> {
-    let parts: Vec<&str> = line.split(',').collect();
-    let [part, set, threads, seconds] = parts.as_slice() else {
-        return None;
-    };
-    Some((
-        ((*part).to_owned(), (*set).to_owned(), threads.parse().ok()?),
-        seconds.parse().ok()?,
-    ))
-}
 
 /// The cube, incompressible, held at x0.
 struct Body {
@@ -243,6 +122,50 @@ fn kernels(notebook: &mut Notebook, body: &Body) {
             notebook.measure("divergence, transposed", name, threads, size, || {
                 grid.divergence_transposed(Rows::Free, &p, &mut y, &mut work);
             });
+        }
+    }
+}
+
+/// A law of Mooney and Rivlin.
+const RUBBER: Isochoric = Isochoric::Invariants(InvariantLaw {
+    c10: 0.4,
+    c01: 0.1,
+    c20: 0.0,
+    c30: 0.0,
+});
+
+/// A and B of the tangent of rubber at strains of some per cent, and the residual,
+/// by rules of degree 2 and 4.
+fn rubber(notebook: &mut Notebook, body: &Body) {
+    let (size, vertices) = (body.space.displacement_unknowns(), body.space.vertices);
+    let (x, p) = (reproducible_noise(size), reproducible_noise(vertices));
+    let state: Vec<f64> = x.iter().map(|x| 0.002 * x).collect();
+    let (mut y, mut r) = (vec![0.0; size], vec![0.0; vertices]);
+    let of_cell = vec![0; body.geometry.cells()];
+    let laws = CellLaws {
+        laws: &[RUBBER],
+        of_cell: &of_cell,
+    };
+    for set in InstructionSet::ALL.into_iter().filter(|set| set.is_here()) {
+        let grid = Arc::new(body.grid().with_instruction_set(set));
+        let (name, mut work) = (set.name(), Workspace::new());
+        for degree in [2, 4] {
+            let rule = rule(Simplex::Tetrahedron, degree);
+            let cells = StrainGrid::new(&body.mesh, grid.clone(), laws, rule);
+            let mut at = Linearised::default();
+            cells.linearise((&state, &p), &mut at, &mut work);
+            for threads in THREADS {
+                let mut measure = |part: &str, task: &mut (dyn FnMut() + Send)| {
+                    let part = format!("rubber {degree}, {part}");
+                    notebook.measure(&part, name, threads, size, task);
+                };
+                measure("tangent", &mut || {
+                    cells.tangent(&at, Rows::Free, (&x, &p), (&mut y, &mut r), &mut work);
+                });
+                measure("residual", &mut || {
+                    let _sums = cells.respond((&state, &p), (&mut y, &mut r), &mut work);
+                });
+            }
         }
     }
 }
@@ -381,6 +304,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut notebook = Notebook::new(Wishes::read());
     let body = Body::new(notebook.wishes.cells);
     kernels(&mut notebook, &body);
+    rubber(&mut notebook, &body);
     preconditioner(&mut notebook, &body);
     vectors(&mut notebook, body.space.displacement_unknowns());
     dense(&mut notebook);

@@ -4,7 +4,9 @@ use std::collections::BTreeSet;
 
 use super::chart::{Bar, Bars, Curve, Diagram, Kind, Level, Point, State, Stroke};
 use super::estimates;
-use super::family::{FAMILIES, Family, Quantity};
+use super::families::FAMILIES;
+use super::family::{Family, Quantity};
+use super::increments;
 use super::limit::Limit;
 use super::machine::Machine;
 use super::measure::PHASES;
@@ -119,6 +121,10 @@ impl Results {
         diagrams.push((
             format!("{}-iterations", family.name),
             self.iterations(family),
+        ));
+        diagrams.push((
+            format!("{}-increments", family.name),
+            increments::diagram(self, family),
         ));
         diagrams.push((
             format!("{}-estimate", family.name),
@@ -236,7 +242,7 @@ impl Results {
             x: (Kind::Logarithmic, cost.label().to_owned()),
             y: (Kind::Logarithmic, "relative error".to_owned()),
             curves: self.curves(family, point, peer_point),
-            level: limit.map(|limit| Level {
+            level: limit.filter(|limit| !limit.is_exact()).map(|limit| Level {
                 value: limit.relative(),
                 label: "uncertainty of the limit".to_owned(),
             }),
@@ -331,6 +337,9 @@ pub(super) const UNKNOWNS: &str = "unknowns (displacement, pressure, contact)";
 
 fn limit_note(limit: &Limit, finest: &str) -> String {
     let (value, uncertainty) = (number(limit.value), limit.uncertainty);
+    if limit.is_exact() {
+        return format!("Error against the exact value {value}.");
+    }
     format!(
         "Error against the limit {value} ± {uncertainty:.1e}, extrapolated from the meshes of the family (to {finest})."
     )

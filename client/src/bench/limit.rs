@@ -42,14 +42,24 @@ impl Limit {
         ((value - self.value) / self.value).abs()
     }
 
+    /// Whether it is the exact solution, not an extrapolated one.
+    pub(crate) fn is_exact(&self) -> bool {
+        self.uncertainty == 0.0
+    }
+
     /// Relative uncertainty.
     pub(crate) fn relative(&self) -> f64 {
         (self.uncertainty / self.value).abs()
     }
 }
 
-/// The limit of samples, coarsest first; none for fewer than three.
+/// The limit of samples, coarsest first; none for fewer than three. A last one of
+/// size zero is the limit itself.
 pub(crate) fn extrapolate(samples: &[Sample]) -> Option<Limit> {
+    if let Some(&Sample { value, h: 0.0 }) = samples.last() {
+        let uncertainty = 0.0;
+        return Some(Limit { value, uncertainty });
+    }
     let finest = samples.get(samples.len().saturating_sub(FINEST)..)?;
     let mut estimates = free_orders(finest);
     if estimates.len() < 3 {
@@ -166,6 +176,16 @@ mod tests {
         let limit = extrapolate(&samples).unwrap();
         assert!(limit.uncertainty > 0.004, "{limit:?}");
         assert!((limit.value - 1.0).abs() < 0.05, "{limit:?}");
+    }
+
+    #[test]
+    fn an_exact_solution_is_its_own_limit() {
+        let mut samples = sequence(|h| 1.0 + h);
+        samples.push(Sample { h: 0.0, value: 1.0 });
+        let limit = extrapolate(&samples).unwrap();
+        assert!(limit.is_exact());
+        assert!((limit.error(1.5) - 0.5).abs() < 1e-15);
+        assert!(!extrapolate(&sequence(|h| 1.0 + h)).unwrap().is_exact());
     }
 
     #[test]

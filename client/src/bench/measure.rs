@@ -81,6 +81,9 @@ pub(crate) struct Numbers {
     pub(crate) phases: [f64; 5],
     /// Displacement, pressure and contact unknowns.
     pub(crate) unknowns: [i64; 3],
+    /// Those that have a result, and the quadratic programs of all of them.
+    pub(crate) increments: i64,
+    pub(crate) programs: i64,
     pub(crate) iterations: i64,
     pub(crate) applications: i64,
     pub(crate) peak_memory_bytes: Option<i64>,
@@ -208,6 +211,8 @@ fn numbers(step: &Value, summary: &Value, case: &Case) -> Numbers {
         error_norm_seconds,
         phases: PHASES.map(|phase| seconds(summary, phase)),
         unknowns: blocks.map(|block| count(step, &format!("/unknowns/{block}"))),
+        increments: count(summary, "/totals/increments"),
+        programs: count(summary, "/totals/sqp_iterations"),
         iterations: count(summary, "/totals/krylov_iterations"),
         applications: count(summary, "/totals/preconditioner_applications"),
         peak_memory_bytes: summary.get("peak_memory_bytes").and_then(Value::as_i64),
@@ -258,7 +263,7 @@ mod tests {
     fn result_lines_become_numbers() {
         let lines = r#"{"event":"plan"}
 {"event":"step","termination":"not_converged","cause":"stagnation","strain_energy":0.5,"unknowns":{"displacement":30,"pressure":4,"contact":2},"error_estimate":0.01,"obstacles":{"floor":{"force":[0,0,2.0],"force_error":0.1,"max_pressure":0.6}},"instruction_set":"avx2"}
-{"event":"summary","peak_memory_bytes":1000,"totals":{"krylov_iterations":7,"preconditioner_applications":8,"seconds":{"krylov":0.25,"error_norms":0.5,"total":1.0}}}
+{"event":"summary","peak_memory_bytes":1000,"totals":{"increments":2,"sqp_iterations":5,"krylov_iterations":7,"preconditioner_applications":8,"seconds":{"krylov":0.25,"error_norms":0.5,"total":1.0}}}
 "#;
         let run = read(&output(3, lines, ""), &case()).unwrap();
         assert_eq!(
@@ -267,6 +272,7 @@ mod tests {
         );
         assert_eq!(run.numbers.unknowns, [30, 4, 2]);
         assert_eq!((run.numbers.seconds, run.numbers.phases[3]), (0.5, 0.25));
+        assert_eq!((run.numbers.increments, run.numbers.programs), (2, 5));
         assert!(run.numbers.values.contains(&(Quantity::Force, 8.0)));
         assert_eq!(run.numbers.peak_memory_bytes, Some(1000));
         assert_eq!(run.numbers.estimate, Some(0.01));

@@ -3,7 +3,8 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::family::{FAMILIES, Family, Level, MeshSource};
+use super::families::FAMILIES;
+use super::family::{Family, Level, MeshSource};
 use super::method::Method;
 use super::study::{Measure, STUDIES, Study};
 
@@ -342,8 +343,12 @@ mod tests {
             [
                 "A1m n6, auto, tolerance 1e-6",
                 "cube-bend n6, auto, tolerance 1e-6",
+                "mr-uniax n6, auto, tolerance 1e-6",
+                "mr-block n6, auto, tolerance 1e-6",
                 "A1m n10, auto, tolerance 1e-6",
                 "cube-bend n10, auto, tolerance 1e-6",
+                "mr-uniax n10, auto, tolerance 1e-6",
+                "mr-block n10, auto, tolerance 1e-6",
             ]
         );
     }

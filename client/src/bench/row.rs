@@ -92,6 +92,8 @@ fn titles() -> Vec<String> {
         "unknowns_displacement",
         "unknowns_pressure",
         "unknowns_contact",
+        "increments",
+        "programs",
         "krylov_iterations",
         "applications",
         "repeats",
@@ -121,7 +123,13 @@ fn fields(row: &Row, machine: &Machine) -> Vec<String> {
         row.outcome.detail().to_owned(),
     ];
     fields.extend(numbers.unknowns.map(|count| count.to_string()));
-    fields.extend([numbers.iterations, numbers.applications].map(|count| count.to_string()));
+    let counts = [
+        numbers.increments,
+        numbers.programs,
+        numbers.iterations,
+        numbers.applications,
+    ];
+    fields.extend(counts.map(|count| count.to_string()));
     fields.push(row.repeats.to_string());
     fields.extend([numbers.seconds, row.least_seconds].map(|seconds| format!("{seconds:.6}")));
     fields.push(format!("{:.6}", numbers.error_norm_seconds));

@@ -300,6 +300,22 @@ pub(crate) const STUDIES: &[Study] = &[
         measure: Measure::SameMesh,
     },
     Study {
+        name: "rule",
+        question: "Rubber: how exactly must stress be integrated?",
+        about: "The rule of degree 2 has four points a tetrahedron, as linear elasticity needs; degree 4 has 14 and degree 8 has 150. The work of a product with the tangent grows with the points, the order of convergence does not depend on them.",
+        scopes: &[
+            scope("mr-block", &[6, 10], &[6]),
+            scope("mr-sphere", &[1, 2, 3], &[1]),
+        ],
+        choices: &[
+            choice("degree 2", "auto"),
+            choice("degree 4", "quadrature_degree=4"),
+            choice("degree 8", "quadrature_degree=8"),
+        ],
+        tolerances: TIGHT,
+        measure: Measure::SameError,
+    },
+    Study {
         name: "tolerance",
         question: "How tight must the algebra be?",
         about: "One mesh, tolerances from loose to tight, and the choice that stops the algebra at a tenth of the estimated error of the discretisation.",

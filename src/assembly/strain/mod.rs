@@ -16,7 +16,7 @@
 //!
 //! Vectors are hierarchical or Lagrange like those of the linear passes. Cost of a
 //! product with the tangent: some 2000 products per tetrahedron with four points,
-//! three to four times the linear one.
+//! six (scalars) to twelve (wide vectors) times the linear one (decision 20).
 
 mod cell_tangents;
 mod cells;

@@ -94,9 +94,10 @@ def main():
     with clock.phase("solve"):
         model.solve("max_res", TOLERANCE, "max_iter", 60, "lsolver", "mumps")
     memory = report.peak_memory_mb()
+    whole_body = WHOLE_BODY[arguments.scene]
     integral = lambda text, region: getfem.asm_generic(rule, 0, text, region, model)
-    force = WHOLE_BODY * abs(integral(f"l*{slope}", CONTACT))
-    energy = WHOLE_BODY * integral("Sym(Grad_u):Sym(Grad_u)", -1)
+    force = whole_body * abs(integral(f"l*{slope}", CONTACT))
+    energy = whole_body * integral("Sym(Grad_u):Sym(Grad_u)", -1)
     multipliers = model.variable("l")
     unknowns = spaces[0].nbdof() + spaces[1].nbdof() + len(multipliers)
     version = "GetFEM " + debian_version("python3-getfem")

@@ -68,16 +68,23 @@ def energy_form(space, obstacle):
 
 
 def solve(mesh, space, obstacle, clock):
+    with clock.phase("assembly"):
+        form = energy_form(space, obstacle)
+    both = GridFunction(space)
+    both.vec[:] = 0
+    return both, equilibrium(mesh, form, both, obstacle, clock)
+
+
+def equilibrium(mesh, form, both, obstacle, clock):
+    """Newton's method on the active set from the state `both`; gives its iterations."""
+    space = both.space
     offset = space.components[0].ndof + space.components[1].ndof
     candidates = contact_dofs(mesh, space, obstacle)
     with clock.phase("assembly"):
-        form = energy_form(space, obstacle)
         test = space.components[2].TestFunction()
         weights = ng.LinearForm(space.components[2])
         weights += test * ds(obstacle.contact)
         weights.Assemble()
-    both = GridFunction(space)
-    both.vec[:] = 0
     residual, step = both.vec.CreateVector(), both.vec.CreateVector()
     active, first, iterations = None, None, 0
     while iterations < MOST_ITERATIONS:
@@ -117,7 +124,7 @@ def solve(mesh, space, obstacle, clock):
             both.vec.data -= step
         first = size if first is None else max(first, size)
         active, iterations = chosen, iterations + 1
-    return both, iterations
+    return iterations
 
 
 def contact_dofs(mesh, space, obstacle):
@@ -129,7 +136,7 @@ def contact_dofs(mesh, space, obstacle):
     return sorted(found)
 
 
-def results(mesh, obstacle, both):
+def results(mesh, obstacle, both, whole_body):
     u, _, l = both.components
     place = CF((ng.x, ng.y, ng.z)) + u
     distance = obstacle.distance(place)
@@ -142,8 +149,8 @@ def results(mesh, obstacle, both):
     force = ng.Integrate(l * slope * obstacle.upwards, mesh, ng.BND, definedon=surface, order=8)
     energy = ng.Integrate(InnerProduct(strain(u), strain(u)), mesh, order=4)
     return {
-        "value_force": WHOLE_BODY * abs(force),
-        "value_strain_energy": WHOLE_BODY * energy,
+        "value_force": whole_body * abs(force),
+        "value_strain_energy": whole_body * energy,
         "value_contact_pressure": max(l.vec),
     }
 
@@ -167,7 +174,7 @@ def main():
             space = spaces(mesh, obstacle)
         both, iterations = solve(mesh, space, obstacle, clock)
         memory = report.peak_memory_mb()
-        found = results(mesh, obstacle, both)
+        found = results(mesh, obstacle, both, WHOLE_BODY[arguments.scene])
     unknowns = sum(space.components[k].ndof for k in (0, 1)) + len(contact_dofs(mesh, space, obstacle))
     print(f"{arguments.scene} {arguments.level}: {iterations} iterations of the active set", file=sys.stderr)
     report.emit(arguments.scene, arguments.level, "NGSolve active set", unknowns, clock, used, VERSION,

@@ -147,8 +147,8 @@ def signorini(scene, level, folder, arguments):
     }
     if scene in CONTACT:
         obstacle = next(iter(step["obstacles"].values()))
-        row["value_force"] = WHOLE_BODY * abs(obstacle["force"][2])
-        row["value_strain_energy"] = WHOLE_BODY * step["strain_energy"]
+        row["value_force"] = WHOLE_BODY[scene] * abs(obstacle["force"][2])
+        row["value_strain_energy"] = WHOLE_BODY[scene] * step["strain_energy"]
     return row, ""
 
 
