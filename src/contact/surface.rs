@@ -102,19 +102,17 @@ impl ContactSurface {
 }
 
 /// Unit normals at `vertices` (ascending; others are left out) of the surface made
-/// of `facets`: means
-/// by area; `scale` brings coordinates near one. Where both sides of a thin body
-/// are candidates, that of one facet.
+/// of `facets`, whose vertices are at `position`, coordinates near one: means by
+/// area. Where both sides of a thin body are candidates, that of one facet.
 pub fn vertex_normals<'a>(
-    mesh: &Mesh,
-    scale: f64,
+    position: impl Fn(u32) -> [f64; 3],
     facets: impl Iterator<Item = &'a [u32]>,
     vertices: &[u32],
 ) -> Vec<[f64; 3]> {
     let mut sums = vec![[0.0; 3]; vertices.len()];
     let mut anyone = sums.clone();
     for facet in facets {
-        let point = |corner: usize| mesh.coordinates()[facet[corner] as usize].map(|x| scale * x);
+        let point = |corner: usize| position(facet[corner]);
         let first = sub(point(1), point(0));
         let normal = match facet.len() {
             2 => [first[1], -first[0], 0.0],

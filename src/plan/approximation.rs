@@ -97,6 +97,7 @@ impl Prepared {
             geometry: &self.geometry,
             stiffness: &tangents,
             held: &self.held,
+            moved: state.displacement,
         };
         let p1 = p1::build(plan, body, cancel)?;
         let blocks = node_blocks(mesh, &self.space, &self.geometry, &tangents, &self.held);

@@ -99,6 +99,7 @@ impl ComparisonData {
                 geometry: &geometry,
                 stiffness: &moduli,
                 held: &held[..on_p1],
+                moved: &[],
             },
             cancel,
         )?;

@@ -168,6 +168,8 @@ pub(super) struct P1Body<'a> {
     pub(super) geometry: &'a CellGeometry,
     pub(super) stiffness: &'a dyn CellStiffness,
     pub(super) held: &'a [u32],
+    /// Hierarchical displacement of the surface; empty at rest.
+    pub(super) moved: &'a [f64],
 }
 
 /// Assembles A11 and builds the solver that `plan` chose, or the factor where
@@ -203,13 +205,24 @@ pub(super) fn build(
 /// Normals of the candidate surface, zero in held components.
 fn contact_normals(plan: &Plan, body: P1Body<'_>) -> Vec<[f64; 3]> {
     let facets = plan.resolved.obstacle_facets.iter().flatten();
+    let scale = plan.units.coordinate_scale;
+    let c = body.space.components;
+    let position = |vertex: u32| {
+        let mut at = body.mesh.coordinates()[vertex as usize].map(|x| scale * x);
+        let moved = body
+            .moved
+            .get(vertex as usize * c..(vertex as usize + 1) * c);
+        for (x, by) in at.iter_mut().zip(moved.unwrap_or_default()) {
+            *x += by;
+        }
+        at
+    };
     let mut normals = vertex_normals(
-        body.mesh,
-        plan.units.coordinate_scale,
+        position,
         facets.map(|&facet| body.mesh.facet(facet as usize)),
         &plan.contact_vertices,
     );
-    let c = body.space.components as u32;
+    let c = c as u32;
     for (normal, &vertex) in normals.iter_mut().zip(&plan.contact_vertices) {
         for (component, unknown) in normal.iter_mut().zip(vertex * c..(vertex + 1) * c) {
             if body.held.binary_search(&unknown).is_ok() {

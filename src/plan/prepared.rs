@@ -108,6 +108,7 @@ impl Prepared {
             geometry: &geometry,
             stiffness: cells,
             held: &held,
+            moved: &[],
         };
         let (p1, (grid, blocks)) = rayon::join(
             || p1::build(plan, body, cancel),

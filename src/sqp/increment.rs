@@ -98,6 +98,7 @@ pub(crate) fn solve(
             );
         }
         counters.sqp_iterations += 1;
+        let made = counters.factorisations;
         let program = Program::new(
             context,
             state,
@@ -122,6 +123,13 @@ pub(crate) fn solve(
                 .note(counters.applications - before, worst, reached);
         }
         if let Some(ended) = stop_reason(outcome.status, watch) {
+            if ended.0 == Termination::NotConverged
+                && context.prepared.strain.is_some()
+                && state.upkeep.failed(counters.factorisations > made)
+            {
+                // The same program again, with an inverse of its own.
+                continue;
+            }
             if ended.0 == Termination::NotConverged {
                 // The best iterate is kept, and may be good enough after all.
                 step.apply(state, 1.0);

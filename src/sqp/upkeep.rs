@@ -27,6 +27,8 @@ pub(crate) struct Upkeep {
     fresh: Option<f64>,
     /// Applications a decade of the last program.
     last: f64,
+    /// Whether the last tangent had no factor.
+    refused: bool,
 }
 
 impl Upkeep {
@@ -43,6 +45,17 @@ impl Upkeep {
         }
         self.last = f64::from(applications) / decades;
         self.fresh.get_or_insert(self.last);
+    }
+
+    /// Asks for a new one after a program that failed; whether there may be a better
+    /// one than that which failed.
+    pub(super) fn failed(&mut self, was_new: bool) -> bool {
+        let may_help = !was_new && !self.refused;
+        if may_help {
+            self.last = f64::INFINITY;
+            self.fresh.get_or_insert(1.0);
+        }
+        may_help
     }
 
     fn is_stale(&self) -> bool {
@@ -87,8 +100,12 @@ fn make(
             counters.factorisations += 1;
             state.upkeep.made = Some(Arc::new(made));
             state.upkeep.fresh = None;
+            state.upkeep.refused = false;
         }
         // A cancelled one is noticed by the next iteration.
-        Err(_) => state.upkeep.fresh = Some(state.upkeep.last),
+        Err(_) => {
+            state.upkeep.fresh = Some(state.upkeep.last);
+            state.upkeep.refused = true;
+        }
     }
 }
