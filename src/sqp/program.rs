@@ -9,6 +9,7 @@ use super::drive::Drive;
 use super::evaluate::{Context, Evaluation};
 use super::linear::{Linear, Track};
 use super::pressures::pressure_tangent;
+use super::stability::Accuracy;
 use super::state::State;
 use super::tangent::Tangent;
 use super::upkeep::inverse;
@@ -30,10 +31,6 @@ use crate::saddle::{BlockStep, MultiplierBlock, arrow_hurwicz_ratio};
 const MOST_ITERATIONS: u32 = 600;
 /// Of a body of finite strain: what takes longer has no stable solution near.
 const MOST_AT_FINITE_STRAIN: u32 = 300;
-/// Accuracy of one step of inverse iteration.
-const PROBE_LEVEL: f64 = 0.1;
-/// Krylov iterations of one step of inverse iteration.
-const PROBE_ITERATIONS: u32 = 40;
 /// Aim of a program below the tolerance, for what the recomputed residual adds.
 const MARGIN: f64 = 0.95;
 
@@ -267,13 +264,14 @@ impl<'a> Program<'a> {
         }
     }
 
-    /// K^-1 `force` to [`PROBE_LEVEL`] among the motions that volume and the present
+    /// K^-1 `force` among the motions that volume and the present
     /// contacts admit; none where it was stopped.
     pub(super) fn invert(
         &self,
         state: &mut State,
         force: Vec<f64>,
-        watch: &mut Watch<'_>,
+        accuracy: Accuracy,
+        watch: &Watch<'_>,
         counters: &mut Counters,
         work: &mut Workspace,
     ) -> Option<Vec<f64>> {
@@ -288,7 +286,7 @@ impl<'a> Program<'a> {
         };
         let targets = QpTargets {
             force_scale: norm(&iterate.force),
-            level: PROBE_LEVEL,
+            level: accuracy.level,
         };
         let displacement = Counted::new(&*self.inverse.displacement);
         let blocks = self.blocks();
@@ -310,7 +308,7 @@ impl<'a> Program<'a> {
         let mut run = QpRun {
             targets,
             scales: &mut QpScales::default(),
-            iterations: PROBE_ITERATIONS,
+            iterations: accuracy.iterations,
             directions: &mut state.directions,
             progress: &mut progress,
             work,

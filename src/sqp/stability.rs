@@ -20,9 +20,31 @@ use crate::linalg::{LinearOperator, Workspace};
 use crate::report::Stability;
 
 /// Steps from noise.
-const FIRST_STEPS: u32 = 2;
+const FIRST_STEPS: usize = 2;
 /// Steps from the motion of the increment before.
-const LATER_STEPS: u32 = 1;
+const LATER_STEPS: usize = 1;
+/// Accuracy of a step.
+const ROUGH: Accuracy = Accuracy {
+    level: 0.1,
+    iterations: 40,
+};
+/// Of one step more where the sign is in doubt: what is left of volume and gap has
+/// a stiffness of its own, negative under pressure.
+const SHARP: Accuracy = Accuracy {
+    level: 1e-4,
+    iterations: 200,
+};
+/// Least eigenvalue that a rough step vouches for.
+const DOUBTFUL: f64 = 0.1;
+
+/// How far one step of inverse iteration is solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Accuracy {
+    /// Of the residual.
+    pub(super) level: f64,
+    /// Krylov iterations.
+    pub(super) iterations: u32,
+}
 
 /// The softest motion.
 #[derive(Clone, Debug)]
@@ -52,7 +74,7 @@ impl Softest {
 pub(super) fn follow(
     context: &Context<'_>,
     state: &mut State,
-    watch: &mut Watch<'_>,
+    watch: &Watch<'_>,
     counters: &mut Counters,
     work: &mut Workspace,
 ) -> Option<Softest> {
@@ -75,9 +97,10 @@ pub(super) fn follow(
         None => (first_motion(context, state), FIRST_STEPS),
     };
     let mut eigenvalue = 0.0;
-    for _ in 0..steps {
+    let mut accuracies = vec![ROUGH; steps];
+    while let Some(accuracy) = accuracies.pop() {
         let force = at_rest(context, &motion, work);
-        let found = program.invert(state, force, watch, counters, work)?;
+        let found = program.invert(state, force, accuracy, watch, counters, work)?;
         let length = dot(&found, &at_rest(context, &found, work)).sqrt();
         if !(length > 0.0 && length.is_finite()) {
             return None;
@@ -85,6 +108,9 @@ pub(super) fn follow(
         motion = found;
         scale(&mut motion, 1.0 / length);
         eigenvalue = program.curvature_along(&motion, work);
+        if accuracies.is_empty() && eigenvalue < DOUBTFUL && accuracy == ROUGH {
+            accuracies.push(SHARP);
+        }
     }
     Some(Softest { motion, eigenvalue })
 }

@@ -40,11 +40,10 @@ impl Upkeep {
     /// Notes what a program took to reduce its residual from `start` to `end`.
     pub(super) fn note(&mut self, applications: u32, start: f64, end: f64) {
         let decades = (start / end).log10();
-        if !(decades > LEAST_DECADES) {
-            return;
+        if decades > LEAST_DECADES {
+            self.last = f64::from(applications) / decades;
+            self.fresh.get_or_insert(self.last);
         }
-        self.last = f64::from(applications) / decades;
-        self.fresh.get_or_insert(self.last);
     }
 
     /// Asks for a new one after a program that failed; whether there may be a better
