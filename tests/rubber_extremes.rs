@@ -10,7 +10,7 @@ use common::curved::slab;
 use common::meshes::{cube, file, irregular, mesh};
 use common::scenes::{
     HELD, bonded_cube, cube_bend, in_parts, indented_block, mooney_rivlin, obstacle, press, pull,
-    push, rubber, support, traction,
+    push, rubber, squeezed_cube, support, traction,
 };
 use common::{assert_converged, close, open, run, solve, solve_one, take, values};
 use signorini::scene::{RubberModel, Shape};
