@@ -15,7 +15,7 @@ use common::curved::{quarter_ring, thick_cylinder, thick_sphere};
 use common::meshes::mesh;
 use common::scenes::{in_parts, mooney_rivlin, probe, rubber, support};
 use common::{assert_converged, close, solve};
-use signorini::scene::{Pressure, RubberModel};
+use signorini::scene::{Pressure, RubberModel, SceneKind};
 use signorini::{Cause, MeshParts, Scene, Step, Termination};
 
 /// What the finest mesh of a test may miss.
@@ -104,6 +104,39 @@ fn a_balloon_bears_no_more_than_its_limit() {
     let found = (last.termination, last.cause);
     assert_eq!(found, (Termination::NotConverged, Some(Cause::LimitPoint)));
     assert!((0.81..0.83).contains(&last.load), "{}", last.load);
+}
+
+/// The section x from 1 to 2 of a tall tube, turned about the axis.
+fn tube(count: usize) -> MeshParts {
+    let parts = common::meshes::square(count);
+    let mut parts = common::meshes::moved(parts, |[x, y, z]| [1.0 + x, 0.5 * y, z]);
+    for group in &mut parts.groups {
+        if group.name == "x0" {
+            group.name = "inner".to_owned();
+        }
+    }
+    parts
+}
+
+#[test]
+fn an_axisymmetric_tube_is_a_thick_cylinder() {
+    for (radius, pressure) in [(1.1, 0.131562278), (1.5, 0.428228409), (2.0, 0.574053572)] {
+        let mut scene = inflated(pressure, &[("y0", 1), ("y1", 1)]);
+        scene.kind = Some(SceneKind::Axisymmetric);
+        scene.probes.truncate(1);
+        let errors = [2, 4, 8].map(|n| error_of(&scene, 4, tube(n), radius));
+        assert_second_order(&errors);
+    }
+}
+
+#[test]
+fn an_axisymmetric_ball_is_a_thick_sphere() {
+    for (radius, pressure) in [(1.1, 0.293659139), (1.5, 0.847426758)] {
+        let mut scene = inflated(pressure, &[("x0", 0), ("y0", 1)]);
+        scene.kind = Some(SceneKind::Axisymmetric);
+        let errors = [8, 16, 32].map(|n| error_of(&scene, 4, quarter_ring(n, n / 2), radius));
+        assert_second_order(&errors);
+    }
 }
 
 #[test]
