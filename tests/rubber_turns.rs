@@ -113,7 +113,7 @@ fn a_stretched_body_turns_ten_times_with_its_supports() {
 }
 
 #[test]
-fn a_pressed_body_turns_with_its_support_and_its_obstacle() {
+fn a_pressed_body_turns_ten_times_with_its_support_and_its_obstacle() {
     let mut scene = rubber(mooney_rivlin(), None);
     scene.solver.tolerance = 1e-11;
     scene.supports = vec![support("z0", HELD)];
@@ -121,5 +121,5 @@ fn a_pressed_body_turns_with_its_support_and_its_obstacle() {
     let mut session = open(&scene, &mesh(irregular(cube(2), 2)));
     let pressed = take(&mut session, &push("press", [0.0, 0.0, -0.15]));
     assert_converged(&pressed[0]);
-    turn(&mut session, &pressed[0], 1.0, 144);
+    turn(&mut session, &pressed[0], 10.0, 360);
 }
