@@ -9,8 +9,8 @@ use std::sync::Arc;
 use common::curved::slab;
 use common::meshes::{cube, file, irregular, mesh};
 use common::scenes::{
-    HELD, bonded_cube, cube_bend, in_parts, indented_block, mooney_rivlin, press, pull, push,
-    rubber, support, traction,
+    HELD, bonded_cube, cube_bend, in_parts, indented_block, mooney_rivlin, obstacle, press, pull,
+    push, rubber, squeezed_cube, support, traction,
 };
 use common::{assert_converged, close, open, run, solve, solve_one, take, values};
 use signorini::scene::{RubberModel, Shape};
@@ -74,32 +74,55 @@ fn a_large_ball_is_pressed_in_by_0_175_at_least() {
     assert!(part * depth >= 0.175, "{part}");
 }
 
+/// Nothing but friction, which there is not, holds the top sideways: from 0.31 on the
+/// block sways, whatever the mesh and the rule.
 #[test]
-fn a_bonded_cube_is_pressed_to_three_tenths_at_least() {
+fn a_bonded_cube_under_a_smooth_press_stands_until_it_sways() {
     let (scene, _) = bonded_cube();
     let step = in_parts(push("press", [0.0, 0.0, -0.6]), 24);
     let part = reached(&solve(&scene, &[step], &mesh(cube(4))));
-    // Its softest motion has lost its stiffness at a third.
-    assert!(0.6 * part >= 0.3, "{part}");
+    assert!(0.6 * part >= 0.29, "{part}");
 }
 
-#[test]
-fn a_bonded_layer_of_32_to_1_is_pressed_by_four_parts_in_a_hundred() {
-    let mut scene = rubber(mooney_rivlin(), None);
+/// A strip of a layer of 32 to 1, bonded below.
+fn layer(bulk_modulus: Option<f64>) -> (Scene, Arc<Mesh>) {
+    let mut scene = rubber(mooney_rivlin(), bulk_modulus);
     scene.supports = vec![
         support("z0", HELD),
-        support("z1", HELD),
         support("y0", [None, Some(0.0), None]),
         support("y1", [None, Some(0.0), None]),
     ];
-    let step = pull("z1", [None, None, Some(-0.04)], 2);
-    let layer = mesh(slab([64, 1, 3], [32.0, 0.5, 1.0]));
+    (scene, mesh(slab([64, 1, 3], [32.0, 0.5, 1.0])))
+}
+
+#[test]
+fn a_layer_of_32_to_1_bonded_on_both_sides_is_pressed_by_a_tenth() {
+    let (mut scene, layer) = layer(Some(100.0));
+    scene.supports.push(support("z1", HELD));
+    let step = pull("z1", [None, None, Some(-0.1)], 5);
     let reports = solve(&scene, &[step], &layer);
     reports.iter().for_each(assert_converged);
-    // Like layers of bonded rubber in plane strain: pressure grows as the square of
-    // the width, force as its cube.
-    let nominal = -reports[1].supports["z1"].force[2] / (32.0 * 0.5);
-    assert!(nominal > 4.0, "{nominal}");
+    let last = &reports[4];
+    assert!(last.volume_ratio > 0.9 && last.volume_ratio < 0.95);
+    // Of a soft spring between its bulk modulus and its shear modulus.
+    let nominal = -last.supports["z1"].force[2] / (32.0 * 0.5);
+    assert!(nominal > 5.0 && nominal < 12.0, "{nominal}");
+}
+
+#[test]
+fn an_incompressible_layer_of_32_to_1_bears_a_roller_a_tenth_deep() {
+    let (mut scene, layer) = layer(None);
+    let shape = Shape::Cylinder {
+        point: [16.0, 0.0, 9.0],
+        axis: [0.0, 1.0, 0.0],
+        radius: 8.0,
+    };
+    scene.obstacles = vec![obstacle("roller", "z1", shape)];
+    let step = in_parts(push("roller", [0.0, 0.0, -0.1]), 5);
+    let reports = solve(&scene, &[step], &layer);
+    reports.iter().for_each(assert_converged);
+    let [across, _, up] = reports[4].obstacles["roller"].force;
+    assert!(up < -0.1 && across.abs() < 1e-2 * up.abs(), "{across} {up}");
 }
 
 /// The cube with five clamped faces under what presses on the sixth.
@@ -129,21 +152,21 @@ fn a_lid_compresses_what_fills_its_box_and_can_give_way() {
     assert!(reports[1].volume_ratio < 1.0);
 }
 
+/// Homogeneous, so exact on any mesh; finer ones buckle before one half, pushed or
+/// pressed.
 #[test]
-fn a_quarter_of_the_body_inside_the_obstacle_at_first_is_pushed_out() {
-    let (mut scene, _) = bonded_cube();
-    scene.obstacles[0].shape = Shape::HalfSpace {
-        point: [0.0, 0.0, 0.75],
-        normal: [0.0, 0.0, -1.0],
-    };
-    let at_once = solve_one(&scene, &Step::default(), &mesh(cube(3)));
-    let (scene, _) = bonded_cube();
-    let step = in_parts(push("press", [0.0, 0.0, -0.25]), 10);
-    let reports = solve(&scene, &[step], &mesh(cube(3)));
-    let travelled = reports.last().expect("an increment");
-    assert_converged(travelled);
-    let force = |report: &StepReport| report.obstacles["press"].force[2];
-    assert!(close(force(&at_once), force(travelled), 1e-6));
+fn a_body_half_inside_its_obstacle_at_first_is_pushed_out() {
+    for (cells, height) in [(1, 0.5_f64), (2, 0.6)] {
+        let (mut scene, _) = squeezed_cube();
+        scene.obstacles[0].shape = Shape::HalfSpace {
+            point: [0.0, 0.0, height],
+            normal: [0.0, 0.0, -1.0],
+        };
+        let report = solve_one(&scene, &Step::default(), &mesh(cube(cells)));
+        let force = -report.obstacles["press"].force[2];
+        let exact = 2.0 * (height.powi(-2) - height) * (0.4 + 0.1 / height);
+        assert!(close(force, exact, 1e-6), "{height} {force} {exact}");
+    }
 }
 
 /// A bonded block under a dead load on its top.

@@ -11,14 +11,16 @@ use std::f64::consts::{PI, TAU};
 
 use common::curved::cylinder;
 use common::meshes::{cube, irregular, mesh};
-use common::scenes::{HELD, mooney_rivlin, press, push, rubber, support, turned};
+use common::scenes::{HELD, mooney_rivlin, press, pull, push, rubber, support, turned};
 use common::{assert_converged, close, open, solve, take};
 use signorini::scene::ObstacleTarget;
-use signorini::{Step, StepReport};
+use signorini::{Session, Step, StepReport};
 
 const TWIST: f64 = 0.5;
-/// Parts of ten turns: ten degrees each.
-const INCREMENTS: u32 = 360;
+/// Along this axis, so that turns leave a stretch along it as it is,
+const AXIS: [f64; 3] = [12.0 / 13.0, 3.0 / 13.0, 4.0 / 13.0];
+/// the body turns about the point that the plane of an obstacle has when it presses.
+const PIVOT: [f64; 3] = [0.0, 0.0, 0.85];
 
 /// Relative errors of energy and axial force for a mesh.
 fn torsion((rings, layers): (usize, usize)) -> [f64; 2] {
@@ -58,19 +60,60 @@ fn a_twisted_cylinder_has_the_exact_torque_and_axial_force() {
 }
 
 /// What a rotation of everything leaves as it is.
-fn invariants(report: &StepReport) -> [f64; 5] {
-    let force = report.obstacles["press"].force;
-    [
-        report.strain_energy,
-        report.volume_ratio,
-        report.min_jacobian.expect("a rubber"),
-        report.obstacles["press"].max_pressure,
-        force.iter().map(|x| x * x).sum::<f64>().sqrt(),
-    ]
+fn invariants(report: &StepReport) -> Vec<f64> {
+    let size = |force: [f64; 3]| force.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let jacobian = report.min_jacobian.expect("a rubber");
+    let mut all = vec![report.strain_energy, report.volume_ratio, jacobian];
+    all.extend(report.supports.values().map(|support| size(support.force)));
+    for obstacle in report.obstacles.values() {
+        all.extend([size(obstacle.force), obstacle.max_pressure]);
+    }
+    all
+}
+
+/// Turns a stressed body about a slanted axis and compares every increment with
+/// the state before.
+fn turn(session: &mut Session, stressed: &StepReport, turns: f64, increments: u32) {
+    let rotation = AXIS.map(|x| turns * TAU * x);
+    let scene = session.plan().scene();
+    let held = scene.supports.iter();
+    let supports = held.map(|support| turned(&support.name, rotation, PIVOT));
+    let touching = scene.obstacles.iter();
+    let obstacles = touching.map(|obstacle| ObstacleTarget {
+        name: obstacle.name.clone(),
+        translation: None,
+        rotation: Some(rotation),
+    });
+    let step = Step {
+        increments,
+        supports: supports.collect(),
+        obstacles: obstacles.collect(),
+        ..Step::default()
+    };
+    let reports = take(session, &step);
+    assert_eq!(reports.len(), increments as usize);
+    let expected = invariants(stressed);
+    for report in &reports {
+        assert_converged(report);
+        for (value, expected) in invariants(report).into_iter().zip(&expected) {
+            assert!(close(value, *expected, 1e-9), "{report:?}");
+        }
+    }
 }
 
 #[test]
-fn a_stressed_body_turns_ten_times_with_its_support_and_its_obstacle() {
+fn a_stretched_body_turns_ten_times_with_its_supports() {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.solver.tolerance = 1e-11;
+    scene.supports = vec![support("z0", HELD), support("z1", HELD)];
+    let mut session = open(&scene, &mesh(irregular(cube(2), 2)));
+    let stretched = take(&mut session, &pull("z1", AXIS.map(|x| Some(0.4 * x)), 1));
+    assert_converged(&stretched[0]);
+    turn(&mut session, &stretched[0], 10.0, 360);
+}
+
+#[test]
+fn a_pressed_body_turns_ten_times_with_its_support_and_its_obstacle() {
     let mut scene = rubber(mooney_rivlin(), None);
     scene.solver.tolerance = 1e-11;
     scene.supports = vec![support("z0", HELD)];
@@ -78,23 +121,5 @@ fn a_stressed_body_turns_ten_times_with_its_support_and_its_obstacle() {
     let mut session = open(&scene, &mesh(irregular(cube(2), 2)));
     let pressed = take(&mut session, &push("press", [0.0, 0.0, -0.15]));
     assert_converged(&pressed[0]);
-    let rotation = [12.0 / 13.0, 3.0 / 13.0, 4.0 / 13.0].map(|x| 10.0 * TAU * x);
-    let turns = Step {
-        increments: INCREMENTS,
-        obstacles: vec![ObstacleTarget {
-            name: "press".to_owned(),
-            translation: None,
-            rotation: Some(rotation),
-        }],
-        supports: vec![turned("z0", rotation, [0.0, 0.0, 0.85])],
-        ..Step::default()
-    };
-    let reports = take(&mut session, &turns);
-    let at_rest = invariants(&pressed[0]);
-    for report in &reports {
-        assert_converged(report);
-        for (value, expected) in invariants(report).into_iter().zip(at_rest) {
-            assert!(close(value, expected, 1e-9), "{report:?}");
-        }
-    }
+    turn(&mut session, &pressed[0], 10.0, 360);
 }
