@@ -239,7 +239,7 @@ fn certify(
     context: &Context<'_>,
     ending: &mut Ending,
     state: &mut State,
-    watch: &mut Watch<'_>,
+    watch: &Watch<'_>,
     counters: &mut Counters,
     work: &mut Workspace,
 ) {
