@@ -90,6 +90,7 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
         + cell_bytes * plan.cells as u64
         + edge_block
         + 200 * vertices
+        + plan.rubber_bytes(vertices)
 }
 
 /// Applications of the displacement preconditioner to reach the tolerance.

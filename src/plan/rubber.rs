@@ -4,6 +4,8 @@ use sha2::{Digest, Sha256};
 
 use super::Plan;
 use super::approximation::VOLUMETRIC;
+use super::estimate;
+use crate::element::quadrature::{Simplex, rule};
 use crate::krylov::gcr::Directions;
 use crate::material::{InvariantLaw, Isochoric, Ogden, OgdenTerm, Rubber};
 use crate::scene::{MaterialModel, SceneKind};
@@ -39,6 +41,11 @@ const DEGREE_ABOUT_AXIS: u32 = 4;
 /// the others, and ten directions forget them (mr-sphere l2: 312 applications in
 /// the last increment instead of 228).
 const KEPT_DIRECTIONS: usize = 40;
+
+/// Vertex gradients and pressures of a tetrahedron.
+const VERTEX_NUMBERS: u64 = 40;
+/// Bytes per cell of its laws and of its tangent while an inverse is made.
+const CELL_TANGENT_BYTES: u64 = 400;
 
 impl Plan {
     /// No more Krylov directions than the body makes use of.
@@ -95,6 +102,32 @@ impl Plan {
             .iter()
             .filter_map(|m| m.rubber.as_ref());
         rubbers.map(of).collect()
+    }
+
+    /// What rubber holds at its peak beside a linear body: kept directions, two
+    /// states with their tangents, and an approximate inverse of its own.
+    pub(super) fn rubber_bytes(&self, vertices: u64) -> u64 {
+        if !self.resolved.is_rubber() {
+            return 0;
+        }
+        let mut rubbers = self
+            .resolved
+            .materials
+            .iter()
+            .filter_map(|m| m.rubber.as_ref());
+        let in_stretches = rubbers.any(|rubber| matches!(rubber.isochoric, Isochoric::Ogden(_)));
+        let simplex = match self.units.dimension {
+            2 => Simplex::Triangle,
+            _ => Simplex::Tetrahedron,
+        };
+        let points = rule(simplex, self.strain_degree()).len() as u64;
+        let of_point = if in_stretches { 46 } else { 1 };
+        let of_cell = 16 * (VERTEX_NUMBERS + of_point * points) + CELL_TANGENT_BYTES;
+        let unknowns = self.unknowns.displacement + self.unknowns.pressure + self.unknowns.contact;
+        let directions = 16 * KEPT_DIRECTIONS as u64 * unknowns;
+        let inverse =
+            estimate::p1_solver(self, vertices).0 as u64 + 24 * self.unknowns.displacement;
+        of_cell * self.cells as u64 + directions + inverse
     }
 
     /// Laws with their bulk moduli, each once.
@@ -162,7 +195,8 @@ impl Plan {
         );
         push(
             "refactorisation",
-            "when a solve takes 1.5 times the applications of the first with this factor".into(),
+            "when a program takes three times the applications a decade of the first, or fails"
+                .into(),
             "a rule on counts, the same on every machine",
         );
     }
