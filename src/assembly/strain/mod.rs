@@ -18,6 +18,7 @@
 //! product with the tangent: some 2000 products per tetrahedron with four points,
 //! six (scalars) to twelve (wide vectors) times the linear one (decision 20).
 
+mod batch_pass;
 mod cell_tangents;
 mod cells;
 mod kernel;
