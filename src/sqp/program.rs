@@ -1,6 +1,9 @@
 //! One quadratic program: the body with frozen normals, the curvature of the
 //! gap in its stiffness, and the metric of the candidate surface.
 
+mod step;
+mod stiffness;
+
 use std::sync::Arc;
 
 use super::contact_metric::ContactMetric;
@@ -9,23 +12,22 @@ use super::drive::Drive;
 use super::evaluate::{Context, Evaluation};
 use super::linear::{Linear, Track};
 use super::pressures::pressure_tangent;
-use super::stability::Accuracy;
 use super::state::State;
 use super::tangent::Tangent;
 use super::upkeep::inverse;
 use super::watch::Watch;
 use crate::contact::gap::curvature;
 use crate::inequality::{
-    OneLevel, QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
-    choose,
+    QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets, choose,
 };
-use crate::krylov::Verdict;
-use crate::linalg::vector::{add_scaled, dot, norm};
+use crate::linalg::vector::norm;
 use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::obstacle::Obstacle;
 use crate::plan::{Approximation, SaddleMethod};
 use crate::precond::Counted;
 use crate::saddle::{BlockStep, MultiplierBlock, arrow_hurwicz_ratio};
+pub(super) use step::Step;
+use step::{first_iterate, step_from};
 
 /// Krylov iterations per program.
 const MOST_ITERATIONS: u32 = 600;
@@ -33,24 +35,6 @@ const MOST_ITERATIONS: u32 = 600;
 const MOST_AT_FINITE_STRAIN: u32 = 300;
 /// Aim of a program below the tolerance, for what the recomputed residual adds.
 const MARGIN: f64 = 0.95;
-
-/// A step of all unknowns.
-pub(super) struct Step {
-    pub(super) displacement: Vec<f64>,
-    pressure: Vec<f64>,
-    /// New multipliers minus old ones.
-    multiplier: Vec<f64>,
-    active: Vec<bool>,
-}
-
-impl Step {
-    pub(super) fn apply(&self, state: &mut State, length: f64) {
-        add_scaled(&mut state.displacement, length, &self.displacement);
-        add_scaled(&mut state.pressure, length, &self.pressure);
-        add_scaled(&mut state.multiplier, length, &self.multiplier);
-        state.active.copy_from_slice(&self.active);
-    }
-}
 
 /// One quadratic program.
 pub(super) struct Program<'a> {
@@ -204,16 +188,7 @@ impl<'a> Program<'a> {
                 linear.solve(&mut iterate, &targets, &mut scales, &mut track, work)
             }
             SaddleMethod::Gcr | SaddleMethod::ArrowHurwicz => {
-                let problem = QpProblem {
-                    stiffness: self.stiffness(),
-                    curvature,
-                    displacement: &displacement,
-                    step: self.block_step(&displacement, &blocks, now, work),
-                    equality: &blocks,
-                    coupling: &now.coupling,
-                    metric: &self.metric.matrix,
-                    weights: &self.metric.weights,
-                };
+                let problem = self.problem(curvature, &displacement, &blocks, work);
                 let mut progress = |norms: &QpNorms, scales: &QpScales, active: usize| {
                     track.iteration(norms, scales, active)
                 };
@@ -239,12 +214,31 @@ impl<'a> Program<'a> {
         (step_from(iterate, state), outcome)
     }
 
+    /// The body less `curvature`, on this program's contacts.
+    fn problem<'p>(
+        &'p self,
+        curvature: Option<&'p SparseRows>,
+        displacement: &'p dyn Preconditioner,
+        blocks: &'p [MultiplierBlock<'p>],
+        work: &mut Workspace,
+    ) -> QpProblem<'p> {
+        QpProblem {
+            stiffness: self.stiffness(),
+            curvature,
+            displacement,
+            step: self.block_step(displacement, blocks, work),
+            equality: blocks,
+            coupling: &self.now.coupling,
+            metric: &self.metric.matrix,
+            weights: &self.metric.weights,
+        }
+    }
+
     /// The step of GCR; Arrow-Hurwicz takes its ratio from the first residual.
     fn block_step(
         &self,
         displacement: &dyn Preconditioner,
         blocks: &[MultiplierBlock<'_>],
-        now: &Evaluation,
         work: &mut Workspace,
     ) -> BlockStep {
         match (self.context.plan.saddle.method, blocks.first()) {
@@ -252,8 +246,8 @@ impl<'a> Program<'a> {
                 ratio: arrow_hurwicz_ratio(
                     displacement,
                     pressure,
-                    &now.force,
-                    &now.constraint,
+                    &self.now.force,
+                    &self.now.constraint,
                     work,
                 ),
             },
@@ -262,91 +256,6 @@ impl<'a> Program<'a> {
             },
             _ => BlockStep::UpperTriangular,
         }
-    }
-
-    /// K^-1 `force` among the motions that volume and the present
-    /// contacts admit; none where it was stopped.
-    pub(super) fn invert(
-        &self,
-        state: &mut State,
-        force: Vec<f64>,
-        accuracy: Accuracy,
-        watch: &Watch<'_>,
-        counters: &mut Counters,
-        work: &mut Workspace,
-    ) -> Option<Vec<f64>> {
-        let mut iterate = QpIterate {
-            displacement: vec![0.0; force.len()],
-            equality: vec![0.0; state.pressure.len()],
-            multiplier: vec![0.0; state.multiplier.len()],
-            constraint: vec![0.0; state.pressure.len()],
-            gap: vec![0.0; state.multiplier.len()],
-            active: state.active.clone(),
-            force,
-        };
-        let targets = QpTargets {
-            force_scale: norm(&iterate.force),
-            level: accuracy.level,
-        };
-        let displacement = Counted::new(&*self.inverse.displacement);
-        let blocks = self.blocks();
-        let problem = QpProblem {
-            stiffness: self.stiffness(),
-            curvature: self.taken_off(),
-            displacement: &displacement,
-            step: self.block_step(&displacement, &blocks, &self.now, work),
-            equality: &blocks,
-            coupling: &self.now.coupling,
-            metric: &self.metric.matrix,
-            weights: &self.metric.weights,
-        };
-        let mut progress = |_: &QpNorms, _: &QpScales, _: usize| match watch.stopped(counters) {
-            Some(_) => Verdict::Stop,
-            None => Verdict::Continue,
-        };
-        state.directions.clear(work);
-        let mut run = QpRun {
-            targets,
-            scales: &mut QpScales::default(),
-            iterations: accuracy.iterations,
-            directions: &mut state.directions,
-            progress: &mut progress,
-            work,
-        };
-        let status = OneLevel::new(problem).solve_on_face(&mut iterate, &mut run);
-        counters.eigenvalue_applications += displacement.applications();
-        match status {
-            Some(QpStatus::Interrupted | QpStatus::IndefiniteMetric) => None,
-            _ => Some(iterate.displacement),
-        }
-    }
-
-    /// x.(A - what is taken off) x.
-    pub(super) fn curvature_along(&self, x: &[f64], work: &mut Workspace) -> f64 {
-        let mut product = work.scratch(x.len());
-        self.stiffness().apply(x, &mut product, work);
-        let mut sum = dot(x, &product);
-        if let Some(taken_off) = self.taken_off() {
-            taken_off.apply(x, &mut product, work);
-            sum -= dot(x, &product);
-        }
-        work.give(product);
-        sum
-    }
-
-    fn has_positive_stiffness(
-        &self,
-        curvature: &SparseRows,
-        step: &[f64],
-        work: &mut Workspace,
-    ) -> bool {
-        let mut product = work.scratch(step.len());
-        self.stiffness().apply(step, &mut product, work);
-        let stiff = dot(step, &product);
-        curvature.apply(step, &mut product, work);
-        let released = dot(step, &product);
-        work.give(product);
-        stiff >= released
     }
 
     fn blocks(&self) -> Vec<MultiplierBlock<'_>> {
@@ -363,29 +272,6 @@ impl<'a> Program<'a> {
                 joint: Some(tangent.map_or(&block.body as &dyn LinearOperator, |t| &t.body)),
             })
             .collect()
-    }
-}
-
-fn first_iterate(state: &State, now: &Evaluation, motion: Option<&[f64]>) -> QpIterate {
-    let still = || vec![0.0; state.displacement.len()];
-    QpIterate {
-        displacement: motion.map_or_else(still, <[f64]>::to_vec),
-        equality: vec![0.0; state.pressure.len()],
-        multiplier: state.multiplier.clone(),
-        force: now.force.clone(),
-        constraint: now.constraint.clone(),
-        gap: now.gap.clone(),
-        active: state.active.clone(),
-    }
-}
-
-fn step_from(iterate: QpIterate, state: &State) -> Step {
-    let multiplier = iterate.multiplier.iter().zip(&state.multiplier);
-    Step {
-        multiplier: multiplier.map(|(new, old)| new - old).collect(),
-        displacement: iterate.displacement,
-        pressure: iterate.equality,
-        active: iterate.active,
     }
 }
 
