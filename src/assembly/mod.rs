@@ -24,7 +24,7 @@ pub mod transpose;
 
 pub use cells::{CellGeometry, CellModuli};
 pub use grid::Grid;
-pub use operator::{Body, Divergence, Stiffness};
+pub use operator::{Body, Constrained, Divergence, Stiffness};
 
 #[cfg(test)]
 mod tests;

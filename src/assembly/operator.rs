@@ -1,11 +1,52 @@
 //! The grid's passes as linear operators on eliminated systems: rows and
-//! columns of held unknowns are the identity in the stiffness and zero in the
-//! divergence.
+//! columns of held unknowns are zero in the stiffness and the divergence;
+//! [`Constrained`] makes them the identity.
 
 use std::sync::Arc;
 
 use super::grid::{Basis, Grid, Rows};
 use crate::linalg::{LinearOperator, Workspace};
+
+/// An operator on free unknowns, the identity on held ones.
+#[derive(Clone, Debug)]
+pub struct Constrained<O> {
+    /// Held rows and columns are zero: products have zeros there, and what is
+    /// subtracted leaves such entries alone.
+    pub free: O,
+    /// Ascending indices of held entries.
+    pub held: Arc<[u32]>,
+}
+
+impl<O: LinearOperator> LinearOperator for Constrained<O> {
+    fn rows(&self) -> usize {
+        self.free.rows()
+    }
+
+    fn columns(&self) -> usize {
+        self.free.columns()
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
+        self.free.apply(x, y, work);
+        for &index in self.held.iter() {
+            y[index as usize] = x[index as usize];
+        }
+    }
+
+    fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
+        self.free.apply_transposed(y, x, work);
+        for &index in self.held.iter() {
+            x[index as usize] = y[index as usize];
+        }
+    }
+
+    fn subtract_product(&self, x: &[f64], r: &mut [f64], work: &mut Workspace) {
+        self.free.subtract_product(x, r, work);
+        for &index in self.held.iter() {
+            r[index as usize] -= x[index as usize];
+        }
+    }
+}
 
 /// A of the displacement block.
 #[derive(Clone, Debug)]
@@ -16,8 +57,6 @@ pub struct Stiffness {
     pub basis: Basis,
     /// Displacement unknowns.
     pub size: usize,
-    /// Ascending indices of held entries.
-    pub held: Arc<[u32]>,
 }
 
 impl LinearOperator for Stiffness {
@@ -31,9 +70,6 @@ impl LinearOperator for Stiffness {
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
         self.grid.stiffness(self.basis, Rows::Free, x, y, work);
-        for &index in self.held.iter() {
-            y[index as usize] = x[index as usize];
-        }
     }
 
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
@@ -42,9 +78,6 @@ impl LinearOperator for Stiffness {
 
     fn subtract_product(&self, x: &[f64], r: &mut [f64], work: &mut Workspace) {
         self.grid.subtract_stiffness(self.basis, x, r, work);
-        for &index in self.held.iter() {
-            r[index as usize] -= x[index as usize];
-        }
     }
 }
 
@@ -90,8 +123,6 @@ pub struct Body {
     pub vertices: usize,
     /// Displacement unknowns.
     pub size: usize,
-    /// Ascending indices of held entries.
-    pub held: Arc<[u32]>,
 }
 
 impl LinearOperator for Body {
@@ -104,12 +135,8 @@ impl LinearOperator for Body {
     }
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        let (force, volume) = y.split_at_mut(self.size);
-        self.grid
-            .saddle(x.split_at(self.size), (force, volume), work);
-        for &index in self.held.iter() {
-            y[index as usize] = x[index as usize];
-        }
+        let (x, y) = (x.split_at(self.size), y.split_at_mut(self.size));
+        self.grid.saddle(x, y, work);
     }
 
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {

@@ -13,7 +13,7 @@ use crate::assembly::edge_stiffness::edge_blocks;
 use crate::assembly::grid::Basis;
 use crate::assembly::node_couplings::node_couplings;
 use crate::assembly::strain::TangentStiffness;
-use crate::assembly::{CellGeometry, CellModuli, Grid, Stiffness};
+use crate::assembly::{CellGeometry, CellModuli, Constrained, Grid, Stiffness};
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 use crate::mesh::Mesh;
 use crate::precond::hierarchical::{Additive, Multiplicative, Splitting, Symmetric, edge_sweep};
@@ -116,11 +116,13 @@ pub(super) struct DisplacementBody<'a> {
 
 impl DisplacementBody<'_> {
     /// A in the given basis.
-    pub(super) fn stiffness(&self, basis: Basis) -> Stiffness {
-        Stiffness {
-            grid: self.grid.clone(),
-            basis,
-            size: self.space.displacement_unknowns(),
+    pub(super) fn stiffness(&self, basis: Basis) -> Constrained<Stiffness> {
+        Constrained {
+            free: Stiffness {
+                grid: self.grid.clone(),
+                basis,
+                size: self.space.displacement_unknowns(),
+            },
             held: self.held.clone(),
         }
     }
@@ -130,12 +132,14 @@ impl DisplacementBody<'_> {
         let Some(state) = self.tangent else {
             return Arc::new(self.stiffness(basis));
         };
-        Arc::new(TangentStiffness {
-            cells: state.cells.clone(),
-            at: state.at.clone(),
-            basis,
-            volumetric: VOLUMETRIC,
-            size: self.space.displacement_unknowns(),
+        Arc::new(Constrained {
+            free: TangentStiffness {
+                cells: state.cells.clone(),
+                at: state.at.clone(),
+                basis,
+                volumetric: VOLUMETRIC,
+                size: self.space.displacement_unknowns(),
+            },
             held: self.held.clone(),
         })
     }

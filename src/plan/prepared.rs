@@ -14,7 +14,7 @@ use crate::assembly::mass::weighted_mass;
 use crate::assembly::node_moduli::softness;
 use crate::assembly::p1_stiffness::{CellStiffness, node_blocks};
 use crate::assembly::strain::{CellLaws, StrainGrid};
-use crate::assembly::{Body, CellGeometry, CellModuli, Divergence, Grid, Stiffness};
+use crate::assembly::{Body, CellGeometry, CellModuli, Constrained, Divergence, Grid, Stiffness};
 use crate::element::quadrature::{Simplex, rule};
 use crate::linalg::vector::norm;
 use crate::linalg::{FactoriseError, LinearOperator, SparseRows, Workspace};
@@ -43,7 +43,7 @@ pub enum PrepareError {
 pub(crate) struct PressureBlock {
     pub(crate) coupling: Divergence,
     /// Displacement and pressure in one product.
-    pub(crate) body: Body,
+    pub(crate) body: Constrained<Body>,
     /// C = M / lambda; none when every material is incompressible.
     pub(crate) stabilisation: Option<SparseRows>,
     pub(crate) metric: ChebyshevMass,
@@ -58,7 +58,7 @@ pub(crate) struct Prepared {
     pub(crate) grid: Arc<Grid>,
     pub(crate) held: Arc<[u32]>,
     pub(crate) is_held: Vec<bool>,
-    pub(crate) stiffness: Stiffness,
+    pub(crate) stiffness: Constrained<Stiffness>,
     /// The approximate inverse at rest.
     pub(crate) at_rest: Arc<Approximation>,
     pub(crate) pressure: Option<PressureBlock>,
@@ -280,7 +280,7 @@ fn pressure_block(
     space: &TaylorHood,
     geometry: &CellGeometry,
     moduli: &CellModuli,
-    stiffness: &Stiffness,
+    stiffness: &Constrained<Stiffness>,
 ) -> PressureBlock {
     let step = plan.displacement.pressure_step() + plan.penalty();
     let is_homogeneous = moduli
@@ -296,15 +296,18 @@ fn pressure_block(
         false => softness[cell] / step + moduli.inverse_lame[cell],
     };
     let compressible = moduli.inverse_lame.iter().any(|&inverse| inverse != 0.0);
+    let Stiffness { grid, size, .. } = &stiffness.free;
     let coupling = Divergence {
-        grid: stiffness.grid.clone(),
+        grid: grid.clone(),
         vertices: space.vertices,
-        size: stiffness.size,
+        size: *size,
     };
-    let body = Body {
-        grid: stiffness.grid.clone(),
-        vertices: space.vertices,
-        size: stiffness.size,
+    let body = Constrained {
+        free: Body {
+            grid: grid.clone(),
+            vertices: space.vertices,
+            size: *size,
+        },
         held: stiffness.held.clone(),
     };
     PressureBlock {

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::drive::Drive;
 use super::evaluate::{Context, Evaluation, mask};
 use super::state::State;
+use crate::assembly::Constrained;
 use crate::assembly::grid::{Basis, Rows};
 use crate::assembly::strain::{TangentBody, TangentDivergence, TangentStiffness};
 use crate::contact::gap::evaluate_gaps;
@@ -14,9 +15,9 @@ use crate::linalg::vector::add_scaled;
 
 /// A and B about one state.
 pub(super) struct Tangent {
-    pub(super) stiffness: TangentStiffness,
+    pub(super) stiffness: Constrained<TangentStiffness>,
     pub(super) coupling: TangentDivergence,
-    pub(super) body: TangentBody,
+    pub(super) body: Constrained<TangentBody>,
 }
 
 impl Tangent {
@@ -34,12 +35,14 @@ impl Tangent {
         let (size, vertices) = (state.displacement.len(), state.pressure.len());
         let held = context.prepared.held.clone();
         Some(Self {
-            stiffness: TangentStiffness {
-                cells: cells.clone(),
-                at: at.clone(),
-                basis: Basis::Hierarchical,
-                volumetric: 0.0,
-                size,
+            stiffness: Constrained {
+                free: TangentStiffness {
+                    cells: cells.clone(),
+                    at: at.clone(),
+                    basis: Basis::Hierarchical,
+                    volumetric: 0.0,
+                    size,
+                },
                 held: held.clone(),
             },
             coupling: TangentDivergence {
@@ -48,11 +51,13 @@ impl Tangent {
                 vertices,
                 size,
             },
-            body: TangentBody {
-                cells,
-                at,
-                vertices,
-                size,
+            body: Constrained {
+                free: TangentBody {
+                    cells,
+                    at,
+                    vertices,
+                    size,
+                },
                 held,
             },
         })
@@ -72,8 +77,8 @@ impl Tangent {
         let pressure = work.zeros(state.pressure.len());
         let mut force = work.scratch(motion.len());
         let mut volume = work.scratch(pressure.len());
-        self.body.cells.tangent(
-            &self.body.at,
+        self.body.free.cells.tangent(
+            &self.body.free.at,
             Rows::All,
             (motion, &pressure),
             (&mut force, &mut volume),

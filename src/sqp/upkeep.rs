@@ -85,8 +85,8 @@ fn make(
     counters: &mut Counters,
 ) {
     let deformed = Deformed {
-        cells: &tangent.stiffness.cells,
-        at: &tangent.stiffness.at,
+        cells: &tangent.stiffness.free.cells,
+        at: &tangent.stiffness.free.at,
         displacement: &state.displacement,
         pressure: &state.pressure,
     };

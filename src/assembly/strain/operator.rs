@@ -1,5 +1,7 @@
 //! The tangent as linear operators on eliminated systems: rows and columns of
-//! held unknowns are the identity in A and zero in B.
+//! held unknowns are zero in A and B, as [`Constrained`] takes them.
+//!
+//! [`Constrained`]: crate::assembly::Constrained
 
 use std::sync::Arc;
 
@@ -20,8 +22,6 @@ pub struct TangentStiffness {
     pub volumetric: f64,
     /// Displacement unknowns.
     pub size: usize,
-    /// Ascending indices of held entries.
-    pub held: Arc<[u32]>,
 }
 
 impl TangentStiffness {
@@ -44,9 +44,6 @@ impl LinearOperator for TangentStiffness {
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
         y.fill(0.0);
         self.add(1.0, x, y, work);
-        for &index in self.held.iter() {
-            y[index as usize] = x[index as usize];
-        }
     }
 
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
@@ -55,9 +52,6 @@ impl LinearOperator for TangentStiffness {
 
     fn subtract_product(&self, x: &[f64], r: &mut [f64], work: &mut Workspace) {
         self.add(-1.0, x, r, work);
-        for &index in self.held.iter() {
-            r[index as usize] -= x[index as usize];
-        }
     }
 }
 
@@ -109,8 +103,6 @@ pub struct TangentBody {
     pub vertices: usize,
     /// Displacement unknowns.
     pub size: usize,
-    /// Ascending indices of held entries.
-    pub held: Arc<[u32]>,
 }
 
 impl LinearOperator for TangentBody {
@@ -123,13 +115,8 @@ impl LinearOperator for TangentBody {
     }
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        let (force, volume) = y.split_at_mut(self.size);
-        let x_parts = x.split_at(self.size);
-        self.cells
-            .tangent(&self.at, Rows::Free, x_parts, (force, volume), work);
-        for &index in self.held.iter() {
-            y[index as usize] = x[index as usize];
-        }
+        let (x, y) = (x.split_at(self.size), y.split_at_mut(self.size));
+        self.cells.tangent(&self.at, Rows::Free, x, y, work);
     }
 
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {

@@ -179,7 +179,6 @@ fn at_rest_the_tangent_is_that_of_linear_elasticity() {
                 // 2 mu dev eps : dev eps + 2/3 mu (div u)^2 = 2 mu eps : eps.
                 volumetric: 2.0 / 3.0,
                 size: sample.unknowns(),
-                held: sample.held.clone().into(),
             };
             let x = sample.mask(Rows::Free, reproducible_noise(sample.unknowns()));
             let (mut found, mut expected) = (x.clone(), x.clone());
