@@ -13,7 +13,7 @@
 //! Arrow, Hurwicz and Uzawa, Studies in Linear and Nonlinear Programming, 1958.
 
 use super::condensed::Condensed;
-use super::metric::projected;
+use super::metric::nearest;
 use super::{InequalitySolver, QpIterate, QpOutcome, QpProblem, QpRun, QpStatus};
 
 /// Products per problem. In the mass they do not suffice for six digits on more
@@ -46,7 +46,7 @@ impl ProjectedArrowHurwicz<'_> {
             if let Some(status) = condensed.ended(iterate) {
                 return Ok(status);
             }
-            let target = projected(self.problem.metric, iterate)?;
+            let target = nearest(self.problem.metric, iterate)?.values;
             let pairs = target.iter().zip(&iterate.multiplier);
             let change: Vec<f64> = pairs.map(|(x, l)| x - l).collect();
             condensed.shift(iterate, &change)?;

@@ -1,24 +1,25 @@
 //! Metrics H of the multiplier: projections in them, and the scale that makes
 //! H >= C A^-1 C^T about.
 
-use super::{QpIterate, QpStatus, dense_qp};
+use super::dense_qp::{self, DenseSolution};
+use super::{QpIterate, QpStatus};
 use crate::linalg::vector::{dot, norm, scale};
 use crate::linalg::{DenseMatrix, LinearOperator, Preconditioner, SparseRows, Workspace};
 
 /// Steps of the power iteration; the first vector is nearly right.
 pub const POWER_STEPS: usize = 5;
 
-/// argmin { 1/2 |x - l|_H^2 + gap.x : x >= 0 }.
-pub(super) fn projected(metric: &DenseMatrix, iterate: &QpIterate) -> Result<Vec<f64>, QpStatus> {
+/// argmin { 1/2 |x - l|_H^2 + gap.x : x >= 0 } and its free set.
+pub(super) fn nearest(
+    metric: &DenseMatrix,
+    iterate: &QpIterate,
+) -> Result<DenseSolution, QpStatus> {
     let mut linear = vec![0.0; iterate.gap.len()];
     metric.multiply(&iterate.multiplier, &mut linear);
     for (q, gap) in linear.iter_mut().zip(&iterate.gap) {
         *q = gap - *q;
     }
-    match dense_qp::solve(metric, &linear, &iterate.active) {
-        Ok(solution) => Ok(solution.values),
-        Err(_) => Err(QpStatus::IndefiniteMetric),
-    }
+    dense_qp::solve(metric, &linear, &iterate.active).map_err(|_| QpStatus::IndefiniteMetric)
 }
 
 /// The largest eigenvalue of H^-1 C A^ C^T by power iteration from a constant

@@ -13,7 +13,7 @@
 //! Comput. Mech. 2017). One product a step, whatever the mesh size.
 
 use super::condensed::{Condensed, Response};
-use super::metric::projected;
+use super::metric::nearest;
 use super::{InequalitySolver, QpIterate, QpOutcome, QpProblem, QpRun, QpStatus};
 use crate::krylov::Outcome;
 use crate::linalg::DenseMatrix;
@@ -49,7 +49,7 @@ impl Nested<'_> {
             if let Some(status) = condensed.ended(iterate) {
                 return Ok(status);
             }
-            let target = projected(&metric, iterate)?;
+            let target = nearest(&metric, iterate)?.values;
             let pairs = target.iter().zip(&iterate.multiplier);
             let change: Vec<f64> = pairs.map(|(x, l)| x - l).collect();
             let slope = dot(&iterate.gap, &change);
