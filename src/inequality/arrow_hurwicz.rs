@@ -14,7 +14,8 @@
 
 use super::condensed::Condensed;
 use super::metric::nearest;
-use super::{InequalitySolver, QpIterate, QpOutcome, QpProblem, QpRun, QpStatus};
+use super::{InequalitySolver, QpIterate, QpOutcome, QpProblem, QpRun};
+use crate::linalg::vector::add_scaled;
 
 /// Products per problem. In the mass they do not suffice for six digits on more
 /// than some tens of candidates; the outcome then says so.
@@ -27,30 +28,20 @@ pub struct ProjectedArrowHurwicz<'a> {
 
 impl InequalitySolver for ProjectedArrowHurwicz<'_> {
     fn solve(&self, iterate: &mut QpIterate, run: &mut QpRun<'_, '_>) -> QpOutcome {
-        let mut condensed = match Condensed::start(&self.problem, run, MOST_PRODUCTS, iterate) {
-            Ok(condensed) => condensed,
-            Err(outcome) => return outcome,
-        };
-        let status = self.steps(iterate, &mut condensed);
-        condensed.finish(status.unwrap_or_else(|failed| failed))
-    }
-}
-
-impl ProjectedArrowHurwicz<'_> {
-    fn steps(
-        &self,
-        iterate: &mut QpIterate,
-        condensed: &mut Condensed<'_, '_, '_>,
-    ) -> Result<QpStatus, QpStatus> {
-        loop {
-            if let Some(status) = condensed.ended(iterate) {
-                return Ok(status);
-            }
-            let target = nearest(self.problem.metric, iterate)?.values;
-            let pairs = target.iter().zip(&iterate.multiplier);
-            let change: Vec<f64> = pairs.map(|(x, l)| x - l).collect();
-            condensed.shift(iterate, &change)?;
-            iterate.multiplier.copy_from_slice(&target);
-        }
+        let metric = self.problem.metric;
+        Condensed::solve(
+            &self.problem,
+            run,
+            MOST_PRODUCTS,
+            iterate,
+            |iterate, condensed| {
+                let target = nearest(metric, iterate)?.values;
+                let mut change = target.clone();
+                add_scaled(&mut change, -1.0, &iterate.multiplier);
+                condensed.shift(iterate, &change)?;
+                iterate.multiplier.copy_from_slice(&target);
+                Ok(())
+            },
+        )
     }
 }

@@ -9,11 +9,14 @@
 //! starts from the directions that earlier solves kept. All residuals are carried
 //! along, so that the iterate is judged as it is, whatever the inner accuracy.
 
-use super::qp::{Progress, QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus};
-use crate::krylov::{Monitor, Outcome, Verdict, gcr};
+mod inner;
+
+use super::qp::{QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpStatus};
+use crate::krylov::{Outcome, gcr};
 use crate::linalg::LinearOperator;
 use crate::linalg::vector::{add_scaled, largest, norm};
 use crate::saddle::SaddleOperator;
+use inner::{Bounds, InnerMonitor};
 
 /// Accuracy of an inner solve against the target of the outer one: at a tenth,
 /// conjugate directions lose each other and take five times the products.
@@ -57,27 +60,44 @@ pub(super) struct Condensed<'c, 'a, 'b> {
 }
 
 impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
+    /// Settles `iterate` under its multiplier and takes steps until it is solved, a
+    /// step fails or the products are spent.
+    pub(super) fn solve(
+        problem: &'c QpProblem<'c>,
+        run: &'c mut QpRun<'a, 'b>,
+        most_products: u32,
+        iterate: &mut QpIterate,
+        mut step: impl FnMut(&mut QpIterate, &mut Self) -> Result<(), QpStatus>,
+    ) -> QpOutcome {
+        let mut condensed = match Self::start(problem, run, most_products, iterate) {
+            Ok(condensed) => condensed,
+            Err(outcome) => return outcome,
+        };
+        let status = loop {
+            if let Some(status) = condensed.ended(iterate) {
+                break status;
+            }
+            if let Err(failed) = step(iterate, &mut condensed) {
+                break failed;
+            }
+        };
+        condensed.finish(status)
+    }
+
     /// Starts at `iterate`, settled under its multiplier.
     ///
     /// # Errors
     /// Why the first inner solve failed, with the counts.
-    pub(super) fn start(
+    fn start(
         problem: &'c QpProblem<'c>,
         run: &'c mut QpRun<'a, 'b>,
         most_products: u32,
         iterate: &mut QpIterate,
     ) -> Result<Self, QpOutcome> {
-        let outcome = QpOutcome {
-            status: QpStatus::Krylov(Outcome::IterationLimit),
-            iterations: 0,
-            predictions: 0,
-            products: 0,
-            set_changes: 0,
-        };
         let mut condensed = Self {
             problem,
             run,
-            outcome,
+            outcome: QpOutcome::new(QpStatus::Krylov(Outcome::IterationLimit)),
             most_products,
             norms: QpNorms::default(),
             active: 0,
@@ -98,7 +118,7 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
     }
 
     /// The outcome.
-    pub(super) fn finish(mut self, status: QpStatus) -> QpOutcome {
+    fn finish(mut self, status: QpStatus) -> QpOutcome {
         self.forget_curved();
         self.outcome.status = status;
         self.outcome
@@ -112,7 +132,7 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
 
     /// Measures the iterate; tells how to end when it is solved or the products
     /// are spent.
-    pub(super) fn ended(&mut self, iterate: &mut QpIterate) -> Option<QpStatus> {
+    fn ended(&mut self, iterate: &mut QpIterate) -> Option<QpStatus> {
         self.measure(iterate);
         if !(self.relative + self.run.scales.gap).is_finite() {
             return Some(QpStatus::Krylov(Outcome::NotFinite));
@@ -148,7 +168,7 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
     ///
     /// # Errors
     /// Why the inner solve failed.
-    pub(super) fn settle(&mut self, iterate: &mut QpIterate) -> Result<(), QpStatus> {
+    fn settle(&mut self, iterate: &mut QpIterate) -> Result<(), QpStatus> {
         let level = INNER * self.run.targets.level;
         let bounds = Bounds {
             force: level * self.run.targets.force_scale,
@@ -325,72 +345,11 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
             &mut monitor,
             self.run.work,
         );
-        let (peak, iterations) = (monitor.peak, monitor.iterations);
-        let ended = monitor.ended(outcome);
-        self.outcome.iterations += iterations;
-        match ended {
-            None => Ok((x, peak)),
-            Some(status) => Err(status),
-        }
-    }
-}
-
-/// Of the force residual, and of the constraint against its largest value.
-#[derive(Clone, Copy)]
-struct Bounds {
-    force: f64,
-    constraint: f64,
-}
-
-struct InnerMonitor<'a, 'b> {
-    displacement: usize,
-    bounds: Bounds,
-    /// Largest constraint residual so far.
-    peak: f64,
-    iterations: u32,
-    reached: bool,
-    interrupted: bool,
-    /// Of the outer iterate.
-    outer: QpNorms,
-    active: usize,
-    scales: QpScales,
-    progress: &'a mut Progress<'b>,
-}
-
-impl InnerMonitor<'_, '_> {
-    /// Whether the bounds are reached.
-    fn measure(&mut self, residual: &[f64]) -> bool {
-        let (force, constraint) = residual.split_at(self.displacement);
-        (self.outer.force, self.outer.constraint) = (norm(force), norm(constraint));
-        self.peak = self.peak.max(self.outer.constraint);
-        self.outer.force <= self.bounds.force
-            && self.outer.constraint <= self.bounds.constraint * self.peak
-    }
-
-    /// The failure, if it is one.
-    fn ended(&self, outcome: Outcome) -> Option<QpStatus> {
-        match outcome {
-            _ if self.interrupted => Some(QpStatus::Interrupted),
-            Outcome::Stopped => None,
-            Outcome::IterationLimit
-            | Outcome::Stagnation
-            | Outcome::NotFinite
-            | Outcome::Indefinite => Some(QpStatus::Krylov(outcome)),
-        }
-    }
-}
-
-impl Monitor for InnerMonitor<'_, '_> {
-    fn judge(&mut self, residual: &[f64]) -> Verdict {
-        self.iterations += 1;
-        self.reached = self.measure(residual);
-        if (self.progress)(&self.outer, &self.scales, self.active) == Verdict::Stop {
-            self.interrupted = true;
-            return Verdict::Stop;
-        }
-        match self.reached {
-            true => Verdict::Stop,
-            false => Verdict::Continue,
-        }
+        self.outcome.iterations += monitor.iterations;
+        let failed = match monitor.interrupted {
+            true => Some(QpStatus::Interrupted),
+            false => QpStatus::failure(outcome),
+        };
+        failed.map_or(Ok((x, monitor.peak)), Err)
     }
 }

@@ -31,17 +31,19 @@ pub struct Mprgp<'a> {
 
 impl InequalitySolver for Mprgp<'_> {
     fn solve(&self, iterate: &mut QpIterate, run: &mut QpRun<'_, '_>) -> QpOutcome {
-        let mut condensed = match Condensed::start(&self.problem, run, MOST_PRODUCTS, iterate) {
-            Ok(condensed) => condensed,
-            Err(outcome) => return outcome,
-        };
         let mut preconditioner = InFace {
             problem: &self.problem,
             selected: Vec::new(),
             factor: None,
         };
-        let status = steps(&mut preconditioner, iterate, &mut condensed);
-        condensed.finish(status.unwrap_or_else(|failed| failed))
+        let mut conjugate = None;
+        Condensed::solve(
+            &self.problem,
+            run,
+            MOST_PRODUCTS,
+            iterate,
+            |iterate, condensed| step(&mut preconditioner, &mut conjugate, iterate, condensed),
+        )
     }
 }
 
@@ -82,40 +84,36 @@ impl Split {
     }
 }
 
-fn steps(
+/// One step; `conjugate` is the direction that the last one leaves to the next.
+fn step(
     preconditioner: &mut InFace<'_, '_>,
+    conjugate: &mut Option<Vec<f64>>,
     iterate: &mut QpIterate,
     condensed: &mut Condensed<'_, '_, '_>,
-) -> Result<QpStatus, QpStatus> {
+) -> Result<(), QpStatus> {
     let weights = preconditioner.problem.weights;
-    let mut conjugate: Option<Vec<f64>> = None;
-    loop {
-        if let Some(status) = condensed.ended(iterate) {
-            return Ok(status);
+    let split = Split::new(iterate, weights);
+    let known = conjugate.take();
+    if !split.is_proportional(weights) {
+        let pairs = split.chopped.iter().zip(weights);
+        let direction = pairs.map(|(c, w)| -c / w).collect();
+        return descend(iterate, condensed, direction).map(|_| ());
+    }
+    let direction = match known {
+        Some(direction) => direction,
+        None => preconditioner.apply(iterate, &split.free)?,
+    };
+    match descend(iterate, condensed, direction)? {
+        Descent::Minimum { direction, opening } => {
+            let free = Split::new(iterate, weights).free;
+            let mut next = preconditioner.apply(iterate, &free)?;
+            let beta = -dot(&next, &opening) / dot(&direction, &opening);
+            let scaled = std::mem::replace(&mut next, direction);
+            scale_and_add(&mut next, beta, &scaled);
+            *conjugate = Some(next);
+            Ok(())
         }
-        let split = Split::new(iterate, weights);
-        if !split.is_proportional(weights) {
-            let pairs = split.chopped.iter().zip(weights);
-            let direction = pairs.map(|(c, w)| -c / w).collect();
-            descend(iterate, condensed, direction)?;
-            conjugate = None;
-            continue;
-        }
-        let direction = match conjugate.take() {
-            Some(direction) => direction,
-            None => preconditioner.apply(iterate, &split.free)?,
-        };
-        match descend(iterate, condensed, direction)? {
-            Descent::Minimum { direction, opening } => {
-                let free = Split::new(iterate, weights).free;
-                let mut next = preconditioner.apply(iterate, &free)?;
-                let beta = -dot(&next, &opening) / dot(&direction, &opening);
-                let scaled = std::mem::replace(&mut next, direction);
-                scale_and_add(&mut next, beta, &scaled);
-                conjugate = Some(next);
-            }
-            Descent::Edge => expand(iterate, condensed, weights)?,
-        }
+        Descent::Edge => expand(iterate, condensed, weights),
     }
 }
 

@@ -17,7 +17,7 @@ use super::metric::nearest;
 use super::{InequalitySolver, QpIterate, QpOutcome, QpProblem, QpRun, QpStatus};
 use crate::krylov::Outcome;
 use crate::linalg::DenseMatrix;
-use crate::linalg::vector::dot;
+use crate::linalg::vector::{add_scaled, dot};
 
 /// Products per problem; a tenth of it is usual.
 const MOST_PRODUCTS: u32 = 200;
@@ -29,41 +29,35 @@ pub struct Nested<'a> {
 
 impl InequalitySolver for Nested<'_> {
     fn solve(&self, iterate: &mut QpIterate, run: &mut QpRun<'_, '_>) -> QpOutcome {
-        let mut condensed = match Condensed::start(&self.problem, run, MOST_PRODUCTS, iterate) {
-            Ok(condensed) => condensed,
-            Err(outcome) => return outcome,
-        };
-        let status = self.steps(iterate, &mut condensed);
-        condensed.finish(status.unwrap_or_else(|failed| failed))
+        let mut metric = self.problem.metric.clone();
+        Condensed::solve(
+            &self.problem,
+            run,
+            MOST_PRODUCTS,
+            iterate,
+            |iterate, condensed| step(&mut metric, iterate, condensed),
+        )
     }
 }
 
-impl Nested<'_> {
-    fn steps(
-        &self,
-        iterate: &mut QpIterate,
-        condensed: &mut Condensed<'_, '_, '_>,
-    ) -> Result<QpStatus, QpStatus> {
-        let mut metric = self.problem.metric.clone();
-        loop {
-            if let Some(status) = condensed.ended(iterate) {
-                return Ok(status);
-            }
-            let target = nearest(&metric, iterate)?.values;
-            let pairs = target.iter().zip(&iterate.multiplier);
-            let change: Vec<f64> = pairs.map(|(x, l)| x - l).collect();
-            let slope = dot(&iterate.gap, &change);
-            let response = condensed.product(change)?;
-            let curvature = dot(&response.direction, &response.opening);
-            if slope >= 0.0 || curvature.is_nan() || curvature <= 0.0 {
-                return Err(QpStatus::Krylov(Outcome::Stagnation));
-            }
-            let length = (-slope / curvature).min(longest(iterate, &response.direction));
-            learn(&mut metric, &response, curvature);
-            condensed.advance(iterate, response, length);
-            condensed.clip(iterate)?;
-        }
+fn step(
+    metric: &mut DenseMatrix,
+    iterate: &mut QpIterate,
+    condensed: &mut Condensed<'_, '_, '_>,
+) -> Result<(), QpStatus> {
+    let mut change = nearest(metric, iterate)?.values;
+    add_scaled(&mut change, -1.0, &iterate.multiplier);
+    let slope = dot(&iterate.gap, &change);
+    let response = condensed.product(change)?;
+    let curvature = dot(&response.direction, &response.opening);
+    if slope >= 0.0 || curvature.is_nan() || curvature <= 0.0 {
+        return Err(QpStatus::Krylov(Outcome::Stagnation));
     }
+    let length = (-slope / curvature).min(longest(iterate, &response.direction));
+    learn(metric, &response, curvature);
+    condensed.advance(iterate, response, length);
+    condensed.clip(iterate)?;
+    Ok(())
 }
 
 /// The longest step along `direction` that keeps the multiplier non-negative;

@@ -66,13 +66,7 @@ impl InequalitySolver for OneLevel<'_> {
         let directions = &mut *run.directions;
         let progress = &mut *run.progress;
         let work = &mut *run.work;
-        let mut outcome = QpOutcome {
-            status: QpStatus::Krylov(Outcome::IterationLimit),
-            iterations: 0,
-            predictions: 0,
-            products: 0,
-            set_changes: 0,
-        };
+        let mut outcome = QpOutcome::new(QpStatus::Krylov(Outcome::IterationLimit));
         if !self.choose_first_set(iterate, &mut outcome, work) {
             outcome.status = QpStatus::IndefiniteMetric;
             return outcome;
@@ -281,13 +275,9 @@ impl OneLevel<'_> {
                 &mut monitor,
                 work,
             );
-            failed = match outcome {
-                _ if monitor.interrupted => Some(QpStatus::Interrupted),
-                Outcome::Stopped => None,
-                Outcome::IterationLimit
-                | Outcome::Stagnation
-                | Outcome::NotFinite
-                | Outcome::Indefinite => Some(QpStatus::Krylov(outcome)),
+            failed = match monitor.interrupted {
+                true => Some(QpStatus::Interrupted),
+                false => QpStatus::failure(outcome),
             };
         }
         let face = Face {

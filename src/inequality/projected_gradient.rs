@@ -33,38 +33,36 @@ struct Last {
 
 impl InequalitySolver for ConjugateProjectedGradient<'_> {
     fn solve(&self, iterate: &mut QpIterate, run: &mut QpRun<'_, '_>) -> QpOutcome {
-        let mut condensed = match Condensed::start(&self.problem, run, MOST_PRODUCTS, iterate) {
-            Ok(condensed) => condensed,
-            Err(outcome) => return outcome,
-        };
-        let status = self.steps(iterate, &mut condensed);
-        condensed.finish(status.unwrap_or_else(|failed| failed))
+        let mut last = None;
+        Condensed::solve(
+            &self.problem,
+            run,
+            MOST_PRODUCTS,
+            iterate,
+            |iterate, condensed| self.step(&mut last, iterate, condensed),
+        )
     }
 }
 
 impl ConjugateProjectedGradient<'_> {
-    fn steps(
+    fn step(
         &self,
+        last: &mut Option<Last>,
         iterate: &mut QpIterate,
         condensed: &mut Condensed<'_, '_, '_>,
-    ) -> Result<QpStatus, QpStatus> {
-        let mut last = None;
-        loop {
-            if let Some(status) = condensed.ended(iterate) {
-                return Ok(status);
-            }
-            let next = self.direction(iterate, last.take());
-            let response = condensed.product(next.direction.clone())?;
-            let curvature = dot(&response.direction, &response.opening);
-            if curvature.is_nan() || curvature <= 0.0 {
-                return Err(QpStatus::Krylov(Outcome::Stagnation));
-            }
-            let length = dot(&next.residual, &next.direction) / curvature;
-            condensed.advance(iterate, response, length);
-            if !condensed.clip(iterate)? {
-                last = Some(next);
-            }
+    ) -> Result<(), QpStatus> {
+        let next = self.direction(iterate, last.take());
+        let response = condensed.product(next.direction.clone())?;
+        let curvature = dot(&response.direction, &response.opening);
+        if curvature.is_nan() || curvature <= 0.0 {
+            return Err(QpStatus::Krylov(Outcome::Stagnation));
         }
+        let length = dot(&next.residual, &next.direction) / curvature;
+        condensed.advance(iterate, response, length);
+        if !condensed.clip(iterate)? {
+            *last = Some(next);
+        }
+        Ok(())
     }
 
     fn direction(&self, iterate: &QpIterate, last: Option<Last>) -> Last {

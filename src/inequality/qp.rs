@@ -128,6 +128,19 @@ pub enum QpStatus {
     Krylov(Outcome),
 }
 
+impl QpStatus {
+    /// How a Krylov solve failed; none where its monitor stopped it.
+    pub fn failure(outcome: Outcome) -> Option<Self> {
+        match outcome {
+            Outcome::Stopped => None,
+            Outcome::IterationLimit
+            | Outcome::Stagnation
+            | Outcome::NotFinite
+            | Outcome::Indefinite => Some(Self::Krylov(outcome)),
+        }
+    }
+}
+
 /// Outcome and counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct QpOutcome {
@@ -141,6 +154,19 @@ pub struct QpOutcome {
     pub products: u32,
     /// Revisions of the first set.
     pub set_changes: u32,
+}
+
+impl QpOutcome {
+    /// Nothing counted.
+    pub fn new(status: QpStatus) -> Self {
+        Self {
+            status,
+            iterations: 0,
+            predictions: 0,
+            products: 0,
+            set_changes: 0,
+        }
+    }
 }
 
 /// Sees every iteration; returns whether to go on.

@@ -93,20 +93,13 @@ impl Linear<'_> {
         iterate.displacement = x;
         iterate.constraint = r.split_off(unknowns);
         iterate.force = r;
-        let status = match outcome {
-            Outcome::Stopped if monitor.reached => QpStatus::Solved,
-            Outcome::Stopped => QpStatus::Interrupted,
-            Outcome::IterationLimit
-            | Outcome::Stagnation
-            | Outcome::NotFinite
-            | Outcome::Indefinite => QpStatus::Krylov(outcome),
+        let stopped = match monitor.reached {
+            true => QpStatus::Solved,
+            false => QpStatus::Interrupted,
         };
         QpOutcome {
-            products: 0,
-            status,
             iterations: monitor.iterations,
-            predictions: 0,
-            set_changes: 0,
+            ..QpOutcome::new(QpStatus::failure(outcome).unwrap_or(stopped))
         }
     }
 
