@@ -8,6 +8,7 @@ mod data;
 mod displacement;
 mod element;
 mod estimate;
+mod held;
 mod p1;
 mod prepared;
 mod report;
@@ -16,15 +17,13 @@ mod rubber;
 mod saddle;
 mod units;
 
-use std::collections::BTreeMap;
-
 use sha2::{Digest, Sha256};
 
 use crate::inequality::MetricKind;
 use crate::linalg::cholesky::Precision;
 use crate::mesh::{Mesh, MeshId};
 use crate::report::Unknowns;
-use crate::scene::validate::{ON_AXIS, Resolved, resolve};
+use crate::scene::validate::{Resolved, resolve};
 use crate::scene::{Scene, SceneError, SceneKind, Step, Violation};
 use crate::space::TaylorHood;
 
@@ -35,6 +34,7 @@ pub use data::Prepared;
 pub(crate) use data::PreparedBody;
 use displacement::DisplacementMethod;
 use element::Element;
+use held::{conflicts, held_unknowns};
 use p1::P1Sizes;
 pub use prepared::PrepareError;
 pub(crate) use prepared::Prepared as TaylorHoodData;
@@ -58,7 +58,7 @@ pub struct Plan {
     pub(crate) element: Element,
     pub(crate) vertices: usize,
     pub(crate) cells: usize,
-    /// Held unknown and the support that holds it ([`AXIS`] where none does),
+    /// Held unknown and the support that holds it ([`held::AXIS`] where none does),
     /// ascending by unknown.
     pub(crate) held: Vec<(u32, u16)>,
     pub(crate) contact: contact::ContactChoice,
@@ -246,97 +246,6 @@ fn vertices_of<'a>(mesh: &Mesh, facets: impl Iterator<Item = &'a Vec<u32>>) -> V
     vertices.sort_unstable();
     vertices.dedup();
     vertices
-}
-
-/// In the place of a support: the axis of a body of revolution, where u_x = 0.
-pub(crate) const AXIS: u16 = u16::MAX;
-
-/// Held unknowns; where supports overlap, the first one named holds.
-fn held_unknowns(
-    scene: &Scene,
-    resolved: &Resolved,
-    mesh: &Mesh,
-    space: &TaylorHood,
-) -> Vec<(u32, u16)> {
-    let mut held = BTreeMap::new();
-    for (index, (support, facets)) in scene
-        .supports
-        .iter()
-        .zip(&resolved.support_facets)
-        .enumerate()
-    {
-        for &facet in facets {
-            for node in space.facet_nodes(mesh.facet(facet as usize)) {
-                for i in 0..space.components {
-                    if support.displacement[i].is_some() {
-                        let unknown = node * space.components as u32 + i as u32;
-                        held.entry(unknown).or_insert(index as u16);
-                    }
-                }
-            }
-        }
-    }
-    if resolved.kind == SceneKind::Axisymmetric {
-        for node in nodes_on_axis(mesh, space) {
-            // Of all supports and the axis, the axis holds.
-            held.insert(node * space.components as u32, AXIS);
-        }
-    }
-    held.into_iter().collect()
-}
-
-/// Vertices on x = 0, and midpoints between two of them.
-fn nodes_on_axis(mesh: &Mesh, space: &TaylorHood) -> Vec<u32> {
-    let most = ON_AXIS * mesh.extent();
-    let is_on_axis = |vertex: u32| mesh.coordinates()[vertex as usize][0] <= most;
-    let vertices = (0..space.vertices as u32).filter(|&vertex| is_on_axis(vertex));
-    let edges = space.edges.iter().zip(space.vertices as u32..);
-    let edges = edges.filter(|([a, b], _)| is_on_axis(*a) && is_on_axis(*b));
-    vertices.chain(edges.map(|(_, node)| node)).collect()
-}
-
-/// Relative difference of prescribed values that counts as none.
-const SAME: f64 = 1e-9;
-
-/// Supports that prescribe different values on shared vertices.
-fn conflicts(scene: &Scene, resolved: &Resolved, mesh: &Mesh) -> Vec<String> {
-    let mut holder: BTreeMap<(u32, usize), usize> = BTreeMap::new();
-    let mut found: BTreeMap<(usize, usize), usize> = BTreeMap::new();
-    for (index, facets) in resolved.support_facets.iter().enumerate() {
-        let values = scene.supports[index].displacement;
-        let at = |support: usize, vertex: u32, value: f64| {
-            let point = mesh.coordinates()[vertex as usize];
-            let profile = resolved.profiles[support].as_ref();
-            profile.map_or(value, |profile| value * profile.at(point))
-        };
-        let vertices = vertices_of(mesh, std::iter::once(facets));
-        for (component, value) in values.into_iter().enumerate() {
-            let Some(value) = value else { continue };
-            for &vertex in &vertices {
-                let first = *holder.entry((vertex, component)).or_insert(index);
-                let held = scene.supports[first].displacement[component];
-                let differs = |held: f64| {
-                    let difference = at(first, vertex, held) - at(index, vertex, value);
-                    difference.abs() > SAME * held.abs().max(value.abs())
-                };
-                if held.is_some_and(differs) {
-                    *found.entry((first, index)).or_default() += 1;
-                }
-            }
-        }
-    }
-    let name = |index: usize| &scene.supports[index].name;
-    found
-        .into_iter()
-        .map(|((first, second), count)| {
-            format!(
-                "supports `{}` and `{}` prescribe different values {count} times; `{}` holds",
-                name(first),
-                name(second),
-                name(first)
-            )
-        })
-        .collect()
 }
 
 /// Mean quality of cells below which smoothing follows the short edges: cells

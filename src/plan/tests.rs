@@ -37,7 +37,7 @@ fn scene(poisson_ratio: f64) -> Scene {
 fn the_axis_of_a_body_of_revolution_is_its_side_at_x_zero() {
     let mesh = samples::rectangle(2, 2);
     let space = crate::space::TaylorHood::new(&mesh);
-    let nodes = super::nodes_on_axis(&mesh, &space);
+    let nodes = super::held::nodes_on_axis(&mesh, &space);
     let on_axis = |vertex: &u32| mesh.coordinates()[*vertex as usize][0] <= 0.0;
     let (vertices, edges): (Vec<u32>, Vec<u32>) = nodes
         .iter()
