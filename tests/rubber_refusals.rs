@@ -4,12 +4,13 @@
 mod common;
 
 use common::meshes::{cube, mesh, square};
+use common::refusals::{block, unsupported, violations};
 use common::scenes::{HELD, cube_bend, obstacle, support};
 use signorini::scene::{
     Formulation, Material, MaterialModel, Pressure, Profile, RubberModel, SceneKind, Shape,
     SupportTarget, ToleranceRule,
 };
-use signorini::{Mesh, MeshParts, Plan, PlanReport, Scene, SceneError, Step, Violation};
+use signorini::{MeshParts, Plan, PlanReport, Scene, SceneError, Step};
 
 /// The bent cube of a law.
 fn rubber(model: RubberModel, bulk_modulus: Option<f64>) -> Scene {
@@ -35,37 +36,23 @@ fn ogden(mu: &[f64], alpha: &[f64]) -> Scene {
     rubber(RubberModel::Ogden { mu, alpha }, None)
 }
 
-fn faults(scene: &Scene) -> Vec<Violation> {
-    match Plan::new(scene, &[], &mesh(cube(2))) {
-        Err(SceneError::Invalid(violations)) => violations,
-        other => panic!("{other:?}"),
-    }
-}
-
 /// One fault, on `path`, whose message has `word`.
 fn assert_refused(scene: &Scene, path: &str, word: &str) {
-    let found = faults(scene);
+    let found = violations(scene, &[], &block());
     assert_eq!(found.len(), 1, "{found:?}");
     assert_eq!(found[0].path, path);
     assert!(found[0].message.contains(word), "{}", found[0]);
 }
 
 fn assert_planned(scene: &Scene) -> PlanReport {
-    match Plan::new(scene, &[], &mesh(cube(2))) {
+    match Plan::new(scene, &[], &block()) {
         Ok(plan) => plan.report(),
         Err(error) => panic!("{error}"),
     }
 }
 
-fn unsupported(scene: &Scene, mesh: &Mesh) -> Violation {
-    match Plan::new(scene, &[], mesh) {
-        Err(SceneError::Unsupported(violation)) => violation,
-        other => panic!("{other:?}"),
-    }
-}
-
 fn assert_unsupported(scene: &Scene, path: &str, word: &str) {
-    let found = unsupported(scene, &mesh(cube(2)));
+    let found = unsupported(scene, &block());
     assert_eq!(found.path, path);
     assert!(found.message.contains(word), "{found}");
 }

@@ -4,6 +4,7 @@
 
 pub(crate) mod curved;
 pub(crate) mod meshes;
+pub(crate) mod refusals;
 pub(crate) mod scenes;
 
 use std::sync::Arc;
