@@ -160,6 +160,52 @@ pub(crate) struct Family {
     pub(crate) quantities: &'static [Quantity],
 }
 
+impl Family {
+    /// For studies only, of a whole body.
+    pub(crate) const fn new(
+        name: &'static str,
+        scene: &'static str,
+        source: MeshSource,
+        about: &'static str,
+    ) -> Self {
+        Self {
+            name,
+            about,
+            scene,
+            source,
+            full: &[],
+            quick: &[],
+            settings: &[],
+            whole_body: 1.0,
+            quantities: &[],
+        }
+    }
+
+    /// With changes of the scene file.
+    pub(crate) const fn with(mut self, settings: &'static [&'static str]) -> Self {
+        self.settings = settings;
+        self
+    }
+
+    /// The model is a quarter of the body.
+    pub(crate) const fn of_a_quarter(mut self) -> Self {
+        self.whole_body = 4.0;
+        self
+    }
+
+    /// With a chapter of its own: levels of a full and of a quick run, and what
+    /// the errors are measured in.
+    pub(crate) const fn measured(
+        mut self,
+        full: &'static [u32],
+        quick: &'static [u32],
+        quantities: &'static [Quantity],
+    ) -> Self {
+        (self.full, self.quick, self.quantities) = (full, quick, quantities);
+        self
+    }
+}
+
 /// A family by name.
 ///
 /// # Errors
