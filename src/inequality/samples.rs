@@ -1,25 +1,13 @@
 //! Small random problems and their optimality conditions, for the tests.
 
-use super::{InequalitySolver, QpIterate, QpOutcome, QpRun, QpScales, QpTargets};
+use super::qp::Progress;
+use super::{InequalitySolver, QpIterate, QpOutcome, QpProblem, QpRun, QpScales, QpTargets};
 use crate::krylov::Verdict;
 use crate::krylov::gcr::Directions;
+use crate::linalg::samples::rows;
 use crate::linalg::vector::{dot, reproducible_noise};
-use crate::linalg::{
-    DenseCholesky, DenseMatrix, Preconditioner, SparseRows, SparseRowsBuilder, Workspace,
-};
-
-/// A matrix from rows.
-pub(super) fn sparse(rows: &[Vec<f64>]) -> SparseRows {
-    let mut builder = SparseRowsBuilder::new(rows[0].len());
-    for row in rows {
-        let entries = row
-            .iter()
-            .enumerate()
-            .map(|(column, &value)| (column as u32, value));
-        builder.push_row(&mut entries.collect::<Vec<_>>());
-    }
-    builder.finish()
-}
+use crate::linalg::{DenseCholesky, DenseMatrix, Preconditioner, SparseRows, Workspace};
+use crate::saddle::{BlockStep, MultiplierBlock};
 
 /// The inverse of a dense matrix as a preconditioner.
 pub(super) struct Exact(DenseCholesky);
@@ -73,15 +61,8 @@ impl Problem {
         let noise = reproducible_noise(1000 * (seed + 1));
         let mut noise = noise[1000 * seed..].iter().copied();
         let mut take = |count: usize| noise.by_ref().take(count).collect::<Vec<f64>>();
-        let stiffness = (0..SIZE)
-            .map(|i| {
-                (0..SIZE)
-                    .map(|j| spring(i, j) + if i == j { 0.1 } else { 0.0 })
-                    .collect()
-            })
-            .collect();
         Self {
-            stiffness,
+            stiffness: springs(0.1),
             coupling: (0..CONTACTS).map(|_| take(SIZE)).collect(),
             force: take(SIZE),
             gap: take(CONTACTS),
@@ -101,8 +82,80 @@ impl Problem {
     }
 }
 
+impl Problem {
+    pub(super) fn matrices(&self) -> Matrices {
+        self.matrices_about(Exact::new(&self.stiffness))
+    }
+
+    /// With an inverse that is not that of the stiffness.
+    pub(super) fn matrices_about(&self, inverse: Exact) -> Matrices {
+        Matrices {
+            stiffness: rows(&self.stiffness),
+            coupling: rows(&self.coupling),
+            metric: schur(&inverse, &self.coupling),
+            weights: Vec::new(),
+            inverse,
+        }
+    }
+}
+
+/// A problem as the methods take it; the metric is the exact compliance.
+pub(super) struct Matrices {
+    stiffness: SparseRows,
+    coupling: SparseRows,
+    pub(super) inverse: Exact,
+    pub(super) metric: DenseMatrix,
+    pub(super) weights: Vec<f64>,
+}
+
+impl Matrices {
+    /// Without equalities and curvature.
+    pub(super) fn problem(&self) -> QpProblem<'_> {
+        QpProblem {
+            stiffness: &self.stiffness,
+            curvature: None,
+            displacement: &self.inverse,
+            step: BlockStep::UpperTriangular,
+            equality: &[],
+            coupling: &self.coupling,
+            metric: &self.metric,
+            weights: &self.weights,
+        }
+    }
+}
+
+/// One row that sums some unknowns.
+pub(super) fn equality() -> Vec<Vec<f64>> {
+    vec![(0..SIZE).map(|i| 1.0 + (i % 3) as f64).collect()]
+}
+
+/// The block of an equality.
+pub(super) fn block<'a>(coupling: &'a SparseRows, metric: &'a Exact) -> MultiplierBlock<'a> {
+    MultiplierBlock {
+        coupling,
+        stabilisation: None,
+        metric,
+        joint: None,
+    }
+}
+
+/// A multiple of the identity.
+pub(super) fn identity(factor: f64) -> SparseRows {
+    let entry = |i, j| if i == j { factor } else { 0.0 };
+    let row = |i| (0..SIZE).map(|j| entry(i, j)).collect();
+    rows(&(0..SIZE).map(row).collect::<Vec<Vec<f64>>>())
+}
+
+/// A chain of springs with free ends, each node held by one more of stiffness
+/// `hold`.
+pub(super) fn springs(hold: f64) -> Vec<Vec<f64>> {
+    let entry = |i, j| spring(i, j) + if i == j { hold } else { 0.0 };
+    let row = |i| (0..SIZE).map(|j| entry(i, j)).collect();
+    (0..SIZE).map(row).collect()
+}
+
 /// Entry of a chain with free ends.
-pub(super) fn spring(i: usize, j: usize) -> f64 {
+fn spring(i: usize, j: usize) -> f64 {
     match i.abs_diff(j) {
         0 if i == 0 || i == SIZE - 1 => 1.0,
         0 => 2.0,
@@ -112,6 +165,14 @@ pub(super) fn spring(i: usize, j: usize) -> f64 {
 }
 
 pub(super) fn solve(method: &dyn InequalitySolver, iterate: &mut QpIterate) -> QpOutcome {
+    solve_watched(method, iterate, &mut |_, _, _| Verdict::Continue)
+}
+
+pub(super) fn solve_watched(
+    method: &dyn InequalitySolver,
+    iterate: &mut QpIterate,
+    progress: &mut Progress<'_>,
+) -> QpOutcome {
     let mut run = QpRun {
         targets: QpTargets {
             force_scale: 1.0,
@@ -123,7 +184,7 @@ pub(super) fn solve(method: &dyn InequalitySolver, iterate: &mut QpIterate) -> Q
         },
         iterations: 400,
         directions: &mut Directions::default(),
-        progress: &mut |_, _, _| Verdict::Continue,
+        progress,
         work: &mut Workspace::new(),
     };
     method.solve(iterate, &mut run)

@@ -56,27 +56,9 @@ pub fn solve(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::vector::norm;
+    use crate::krylov::samples::Below;
+    use crate::linalg::samples::Scaled;
     use crate::linalg::{SparseRows, SparseRowsBuilder};
-
-    struct Plain;
-    impl Preconditioner for Plain {
-        fn apply(&self, r: &[f64], z: &mut [f64], _work: &mut Workspace) {
-            z.copy_from_slice(r);
-        }
-    }
-
-    struct Below(f64, usize);
-    impl Monitor for Below {
-        fn judge(&mut self, residual: &[f64]) -> Verdict {
-            self.1 += 1;
-            if norm(residual) < self.0 {
-                Verdict::Stop
-            } else {
-                Verdict::Continue
-            }
-        }
-    }
 
     fn diagonal(entries: &[f64]) -> SparseRows {
         let mut builder = SparseRowsBuilder::new(entries.len());
@@ -89,10 +71,18 @@ mod tests {
     fn run(entries: &[f64], iterations: usize) -> (Outcome, Vec<f64>, usize) {
         let matrix = diagonal(entries);
         let (mut x, mut r) = (vec![0.0; entries.len()], vec![1.0; entries.len()]);
-        let mut stop = Below(1e-12, 0);
+        let mut stop = Below::new(1e-12);
         let work = &mut Workspace::new();
-        let outcome = solve(&matrix, &Plain, &mut x, &mut r, iterations, &mut stop, work);
-        (outcome, x, stop.1)
+        let outcome = solve(
+            &matrix,
+            &Scaled(1.0),
+            &mut x,
+            &mut r,
+            iterations,
+            &mut stop,
+            work,
+        );
+        (outcome, x, stop.iterations)
     }
 
     #[test]

@@ -206,36 +206,15 @@ fn orthogonalise(directions: &Directions, direction: &mut [f64], product: &mut [
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::krylov::samples::Below;
+    use crate::linalg::SparseRows;
+    use crate::linalg::samples::{Scaled, rows};
 
-    struct Saddle;
-    impl LinearOperator for Saddle {
-        fn rows(&self) -> usize {
-            3
-        }
-        fn columns(&self) -> usize {
-            3
-        }
-        fn apply(&self, x: &[f64], y: &mut [f64], _work: &mut Workspace) {
-            y.copy_from_slice(&[2.0 * x[0] + x[2], 3.0 * x[1] + x[2], x[0] + x[1]]);
-        }
-        fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
-            self.apply(y, x, work);
-        }
-    }
-    struct Plain;
-    impl Preconditioner for Plain {
-        fn apply(&self, r: &[f64], z: &mut [f64], _work: &mut Workspace) {
-            z.copy_from_slice(r);
-        }
-    }
-    struct Below(f64);
-    impl Monitor for Below {
-        fn judge(&mut self, residual: &[f64]) -> Verdict {
-            match dot(residual, residual).sqrt() < self.0 {
-                true => Verdict::Stop,
-                false => Verdict::Continue,
-            }
-        }
+    const PLAIN: Scaled = Scaled(1.0);
+
+    /// Indefinite.
+    fn saddle() -> SparseRows {
+        rows(&[[2.0, 0.0, 1.0], [0.0, 3.0, 1.0], [1.0, 1.0, 0.0]])
     }
 
     #[test]
@@ -243,18 +222,18 @@ mod tests {
         let mut work = Workspace::new();
         let (mut x, mut r) = (vec![0.0; 3], vec![1.0, 2.0, 3.0]);
         let outcome = solve(
-            &Saddle,
-            &Plain,
+            &saddle(),
+            &PLAIN,
             &mut x,
             &mut r,
             4,
             &mut Directions::default(),
-            &mut Below(1e-12),
+            &mut Below::new(1e-12),
             &mut work,
         );
         assert_eq!(outcome, Outcome::Stopped);
         let mut product = vec![0.0; 3];
-        Saddle.apply(&x, &mut product, &mut work);
+        saddle().apply(&x, &mut product, &mut work);
         for (value, exact) in product.iter().zip([1.0, 2.0, 3.0]) {
             assert!((value - exact).abs() < 1e-12);
         }
@@ -271,13 +250,13 @@ mod tests {
         }
         let (mut x, mut r) = (vec![0.0; 3], vec![0.0, 0.0, 1.0]);
         let outcome = solve(
-            &Saddle,
+            &saddle(),
             &Orthogonal,
             &mut x,
             &mut r,
             50,
             &mut Directions::default(),
-            &mut Below(1e-12),
+            &mut Below::new(1e-12),
             &mut Workspace::new(),
         );
         assert_eq!(outcome, Outcome::Stagnation);
@@ -286,30 +265,21 @@ mod tests {
     #[test]
     fn a_turned_plane_is_solved_from_the_last_product() {
         // Every residual is orthogonal to its own image: no step from it helps.
-        struct Quarter;
-        impl LinearOperator for Quarter {
-            fn rows(&self) -> usize {
-                4
-            }
-            fn columns(&self) -> usize {
-                4
-            }
-            fn apply(&self, x: &[f64], y: &mut [f64], _work: &mut Workspace) {
-                y.copy_from_slice(&[-x[1], x[0], -2.0 * x[3], 2.0 * x[2]]);
-            }
-            fn apply_transposed(&self, y: &[f64], x: &mut [f64], _work: &mut Workspace) {
-                x.copy_from_slice(&[y[1], -y[0], 2.0 * y[3], -2.0 * y[2]]);
-            }
-        }
+        let quarter = rows(&[
+            [0.0, -1.0, 0.0, 0.0],
+            [1.0, 0.0, 0.0, 0.0],
+            [0.0, 0.0, 0.0, -2.0],
+            [0.0, 0.0, 2.0, 0.0],
+        ]);
         let (mut x, mut r) = (vec![0.0; 4], vec![1.0, 2.0, 3.0, -1.0]);
         let outcome = solve(
-            &Quarter,
-            &Plain,
+            &quarter,
+            &PLAIN,
             &mut x,
             &mut r,
             8,
             &mut Directions::default(),
-            &mut Below(1e-12),
+            &mut Below::new(1e-12),
             &mut Workspace::new(),
         );
         assert_eq!(outcome, Outcome::Stopped);
@@ -324,9 +294,16 @@ mod tests {
         let mut work = Workspace::new();
         let mut solve_for = |rhs: [f64; 3], most: usize, directions: &mut Directions| {
             let (mut x, mut r) = (vec![0.0; 3], rhs.to_vec());
-            let stop = &mut Below(1e-12);
+            let stop = &mut Below::new(1e-12);
             solve(
-                &Saddle, &Plain, &mut x, &mut r, most, directions, stop, &mut work,
+                &saddle(),
+                &PLAIN,
+                &mut x,
+                &mut r,
+                most,
+                directions,
+                stop,
+                &mut work,
             );
             norm(&r)
         };
@@ -339,10 +316,10 @@ mod tests {
         let mut directions = Directions::default();
         let mut work = Workspace::new();
         let (mut x, mut r) = (vec![0.0; 3], vec![1.0, 2.0, 3.0]);
-        let stop = &mut Below(1e-12);
+        let stop = &mut Below::new(1e-12);
         solve(
-            &Saddle,
-            &Plain,
+            &saddle(),
+            &PLAIN,
             &mut x,
             &mut r,
             4,
@@ -357,7 +334,7 @@ mod tests {
         assert_eq!(directions.pairs.len(), kept);
         for (index, (direction, product)) in directions.pairs.iter().enumerate() {
             let mut image = vec![0.0; 3];
-            Saddle.apply(direction, &mut image, &mut work);
+            saddle().apply(direction, &mut image, &mut work);
             image[0] += direction[2];
             for (a, b) in image.iter().zip(product) {
                 assert!((a - b).abs() < 1e-12);

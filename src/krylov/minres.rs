@@ -174,52 +174,24 @@ impl Rotations {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::krylov::samples::Below;
+    use crate::linalg::SparseRows;
+    use crate::linalg::samples::{Scaled, rows};
     use crate::linalg::vector::norm;
-    use crate::linalg::{SparseRows, SparseRowsBuilder};
 
-    struct Scaled(f64);
-    impl Preconditioner for Scaled {
-        fn apply(&self, r: &[f64], z: &mut [f64], _work: &mut Workspace) {
-            z.iter_mut().zip(r).for_each(|(z, r)| *z = self.0 * r);
-        }
-    }
-
-    struct Below(f64, usize);
-    impl Monitor for Below {
-        fn judge(&mut self, residual: &[f64]) -> Verdict {
-            self.1 += 1;
-            match norm(residual) < self.0 {
-                true => Verdict::Stop,
-                false => Verdict::Continue,
-            }
-        }
-    }
-
-    /// [2 0 1; 0 3 1; 1 1 0], indefinite.
+    /// Indefinite.
     fn saddle() -> SparseRows {
-        let mut builder = SparseRowsBuilder::new(3);
-        builder.push_row(&mut [(0, 2.0), (2, 1.0)]);
-        builder.push_row(&mut [(1, 3.0), (2, 1.0)]);
-        builder.push_row(&mut [(0, 1.0), (1, 1.0)]);
-        builder.finish()
+        rows(&[[2.0, 0.0, 1.0], [0.0, 3.0, 1.0], [1.0, 1.0, 0.0]])
     }
 
     fn run(factor: f64, iterations: usize) -> (Outcome, Vec<f64>, Vec<f64>, usize) {
         let (mut x, mut r) = (vec![0.0; 3], vec![1.0, 2.0, 3.0]);
-        let mut stop = Below(1e-12, 0);
-        let work = &mut Workspace::new();
-        let matrix = saddle();
-        let preconditioner = Scaled(factor);
+        let (mut stop, work) = (Below::new(1e-12), &mut Workspace::new());
+        let (matrix, scaled) = (saddle(), Scaled(factor));
         let outcome = solve(
-            &matrix,
-            &preconditioner,
-            &mut x,
-            &mut r,
-            iterations,
-            &mut stop,
-            work,
+            &matrix, &scaled, &mut x, &mut r, iterations, &mut stop, work,
         );
-        (outcome, x, r, stop.1)
+        (outcome, x, r, stop.iterations)
     }
 
     #[test]

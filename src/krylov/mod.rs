@@ -9,6 +9,8 @@
 pub mod cg;
 pub mod gcr;
 pub mod minres;
+#[cfg(test)]
+pub(crate) mod samples;
 pub mod stationary;
 
 /// What the monitor says after an iteration.

@@ -52,41 +52,15 @@ pub fn solve(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::SparseRowsBuilder;
-
-    struct Plain;
-    impl Preconditioner for Plain {
-        fn apply(&self, r: &[f64], z: &mut [f64], _work: &mut Workspace) {
-            z.copy_from_slice(r);
-        }
-    }
-
-    struct Below(f64, usize);
-    impl Monitor for Below {
-        fn judge(&mut self, residual: &[f64]) -> Verdict {
-            self.1 += 1;
-            match norm(residual) < self.0 {
-                true => Verdict::Stop,
-                false => Verdict::Continue,
-            }
-        }
-    }
+    use crate::krylov::samples::Below;
+    use crate::linalg::samples::{Scaled, rows};
 
     fn run(eigenvalue: f64) -> (Outcome, f64, usize) {
-        let mut builder = SparseRowsBuilder::new(1);
-        builder.push_row(&mut [(0, eigenvalue)]);
-        let (mut x, mut r, mut stop) = (vec![0.0], vec![1.0], Below(1e-6, 0));
-        let work = &mut Workspace::new();
-        let outcome = solve(
-            &builder.finish(),
-            &Plain,
-            &mut x,
-            &mut r,
-            100,
-            &mut stop,
-            work,
-        );
-        (outcome, x[0], stop.1)
+        let matrix = rows(&[[eigenvalue]]);
+        let (mut x, mut r, mut stop) = ([0.0], [1.0], Below::new(1e-6));
+        let (plain, work) = (Scaled(1.0), &mut Workspace::new());
+        let outcome = solve(&matrix, &plain, &mut x, &mut r, 100, &mut stop, work);
+        (outcome, x[0], stop.iterations)
     }
 
     #[test]

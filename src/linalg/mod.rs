@@ -8,6 +8,8 @@ pub mod cholesky;
 pub mod dense;
 pub mod eigen;
 pub mod ordering;
+#[cfg(test)]
+pub(crate) mod samples;
 pub mod sparse;
 pub mod vector;
 pub mod workspace;

@@ -117,32 +117,12 @@ impl Preconditioner for ArrowHurwicz<'_> {
 #[allow(clippy::float_cmp)] // These values are exact.
 mod tests {
     use super::*;
-    use crate::linalg::SparseRowsBuilder;
-
-    struct Scaled(f64);
-    impl Preconditioner for Scaled {
-        fn apply(&self, r: &[f64], z: &mut [f64], _work: &mut Workspace) {
-            z.iter_mut().zip(r).for_each(|(z, r)| *z = self.0 * r);
-        }
-    }
-
-    fn rows(columns: usize, entries: &[&[f64]]) -> crate::linalg::SparseRows {
-        let mut builder = SparseRowsBuilder::new(columns);
-        for row in entries {
-            let entries = row.iter().enumerate();
-            let mut entries: Vec<_> = entries.map(|(j, &value)| (j as u32, value)).collect();
-            builder.push_row(&mut entries);
-        }
-        builder.finish()
-    }
+    use crate::linalg::samples::{Scaled, rows};
 
     /// A = 4 I with its exact inverse, B = (1, 3): the Schur complement is 10 / 4.
     #[test]
     fn exact_blocks_and_the_computed_ratio_solve_the_system_in_one_step() {
-        let (stiffness, coupling) = (
-            rows(2, &[&[4.0, 0.0], &[0.0, 4.0]]),
-            rows(2, &[&[1.0, 3.0]]),
-        );
+        let (stiffness, coupling) = (rows(&[[4.0, 0.0], [0.0, 4.0]]), rows(&[[1.0, 3.0]]));
         let blocks = [MultiplierBlock {
             coupling: &coupling,
             stabilisation: None,
@@ -170,7 +150,7 @@ mod tests {
 
     #[test]
     fn a_residual_of_zero_takes_the_metric_as_it_is() {
-        let coupling = rows(2, &[&[1.0, 3.0]]);
+        let coupling = rows(&[[1.0, 3.0]]);
         let block = MultiplierBlock {
             coupling: &coupling,
             stabilisation: None,

@@ -174,34 +174,14 @@ impl BlockStep {
 #[allow(clippy::float_cmp)] // These values are exact.
 mod tests {
     use super::*;
+    use crate::linalg::samples::{Scaled, rows};
     use crate::linalg::vector::dot;
-    use crate::linalg::{SparseRows, SparseRowsBuilder};
-
-    fn rows(columns: usize, rows: &[&[f64]]) -> SparseRows {
-        let mut builder = SparseRowsBuilder::new(columns);
-        for row in rows {
-            let mut entries: Vec<(u32, f64)> = row
-                .iter()
-                .enumerate()
-                .map(|(j, &v)| (j as u32, v))
-                .collect();
-            builder.push_row(&mut entries);
-        }
-        builder.finish()
-    }
-
-    struct Scaled(f64);
-    impl Preconditioner for Scaled {
-        fn apply(&self, r: &[f64], z: &mut [f64], _work: &mut Workspace) {
-            z.iter_mut().zip(r).for_each(|(z, r)| *z = self.0 * r);
-        }
-    }
 
     #[test]
     fn the_operator_is_symmetric_and_matches_its_blocks() {
-        let stiffness = rows(2, &[&[2.0, -1.0], &[-1.0, 2.0]]);
-        let coupling = rows(2, &[&[1.0, 3.0]]);
-        let stabilisation = rows(1, &[&[0.5]]);
+        let stiffness = rows(&[[2.0, -1.0], [-1.0, 2.0]]);
+        let coupling = rows(&[[1.0, 3.0]]);
+        let stabilisation = rows(&[[0.5]]);
         let blocks = [MultiplierBlock {
             coupling: &coupling,
             stabilisation: Some(&stabilisation),
@@ -224,7 +204,7 @@ mod tests {
 
     #[test]
     fn the_preconditioner_solves_its_own_triangle() {
-        let coupling = rows(2, &[&[1.0, 3.0]]);
+        let coupling = rows(&[[1.0, 3.0]]);
         let blocks = [MultiplierBlock {
             coupling: &coupling,
             stabilisation: None,

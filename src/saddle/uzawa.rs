@@ -234,14 +234,7 @@ impl Monitor for Inner<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::linalg::{SparseRows, SparseRowsBuilder};
-
-    struct Plain;
-    impl Preconditioner for Plain {
-        fn apply(&self, r: &[f64], z: &mut [f64], _work: &mut Workspace) {
-            z.copy_from_slice(r);
-        }
-    }
+    use crate::linalg::samples::{Scaled, rows};
 
     /// Stops below a bound, or at an inner iteration.
     struct Below {
@@ -267,26 +260,16 @@ mod tests {
         }
     }
 
-    fn rows(entries: &[[f64; 3]]) -> SparseRows {
-        let mut builder = SparseRowsBuilder::new(3);
-        for row in entries {
-            let entries = row.iter().enumerate();
-            let mut entries: Vec<_> = entries.map(|(j, &value)| (j as u32, value)).collect();
-            builder.push_row(&mut entries);
-        }
-        builder.finish()
-    }
-
     fn run(most_inner: usize) -> (Outcome, Vec<f64>, Below) {
         let stiffness = rows(&[[2.0, 1.0, 0.0], [1.0, 3.0, 0.5], [0.0, 0.5, 4.0]]);
         let coupling = rows(&[[1.0, 1.0, 0.0], [0.0, 1.0, -1.0]]);
         let uzawa = Uzawa {
             stiffness: &stiffness,
-            displacement: &Plain,
+            displacement: &Scaled(1.0),
             block: MultiplierBlock {
                 coupling: &coupling,
                 stabilisation: None,
-                metric: &Plain,
+                metric: &Scaled(1.0),
                 joint: None,
             },
             inner_bound: 1e-12,
