@@ -208,6 +208,9 @@ pub struct StepReport {
     /// What kind of equilibrium a converged increment is; none for linear
     /// kinematics and where it was not found out.
     pub stability: Option<Stability>,
+    /// Weight of the volume penalty in units of the shear modulus; zero where there
+    /// is none.
+    pub penalty: f64,
     /// Deepest penetration at a quadrature point of the contact surface.
     pub max_penetration: f64,
     /// The four criteria at the end.

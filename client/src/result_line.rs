@@ -167,6 +167,7 @@ pub fn step(report: &v1::StepReport) -> Value {
         "min_jacobian": report.min_jacobian,
         "min_jacobian_bound": report.min_jacobian_bound,
         "stability": stability(report.stability()),
+        "penalty": report.penalty,
         "max_penetration": report.max_penetration,
         "residuals": residuals(report.residuals.as_ref()),
         "tolerance": report.tolerance,

@@ -131,6 +131,9 @@ fn report(lines: &mut Lines, name: &str, report: &v1::StepReport) {
     if let Some(stability) = result_line::stability(report.stability()) {
         lines.add("equilibrium", &format!("{stability} of the energy"));
     }
+    if report.penalty > 0.0 {
+        lines.add("penalty", &format!("{} mu on volume changes", number(report.penalty)));
+    }
     if let Some(errors) = &report.errors {
         lines.add("errors", &manufactured(errors));
     }

@@ -78,7 +78,7 @@ impl Prepared {
         state: Deformed<'_>,
         cancel: &CancelToken,
     ) -> Result<Approximation, PrepareError> {
-        let laws = plan.isochoric_laws();
+        let laws = plan.laws();
         let states = CellStates {
             mesh,
             space: &self.space,
@@ -90,7 +90,8 @@ impl Prepared {
             displacement: state.displacement,
             pressure: state.pressure,
         };
-        let tangents = CellTangents::new(&states, VOLUMETRIC);
+        let weight = VOLUMETRIC + state.cells.penalty();
+        let tangents = CellTangents::new(&states, weight);
         let body = P1Body {
             mesh,
             space: &self.space,

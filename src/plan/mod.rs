@@ -218,9 +218,12 @@ impl Plan {
         PreparedKey(hash.finalize().into())
     }
 
-    /// Weight r of the grad-div term, in units of the shear modulus.
+    /// Weight r of the grad-div term of a linear body, in units of the shear modulus.
     pub(crate) fn penalty(&self) -> f64 {
-        self.scene.solver.penalty.unwrap_or(0.0)
+        match self.resolved.is_rubber() {
+            true => 0.0,
+            false => self.scene.solver.penalty.unwrap_or(0.0),
+        }
     }
 
     pub(crate) fn has_body_force(&self) -> bool {

@@ -237,7 +237,7 @@ pub(super) fn moduli(plan: &Plan) -> CellModuli {
 
 /// The cells with their laws, non-dimensional.
 fn strain_grid(plan: &Plan, mesh: &Mesh, grid: &Arc<Grid>) -> StrainGrid {
-    let laws = plan.isochoric_laws();
+    let laws = plan.laws();
     let cells = CellLaws {
         laws: &laws,
         of_cell: &plan.resolved.cell_material,

@@ -21,7 +21,7 @@ pub(super) fn rings_at_rest(
     space: &TaylorHood,
     geometry: &CellGeometry,
 ) -> CellTangents {
-    let laws = plan.isochoric_laws();
+    let laws = plan.laws();
     let states = CellStates {
         mesh,
         space,

@@ -42,6 +42,10 @@ const DEGREE_ABOUT_AXIS: u32 = 4;
 /// the last increment instead of 228).
 const KEPT_DIRECTIONS: usize = 40;
 
+/// Weight of the volume term where an equilibrium is lost without it, in units of
+/// the shear modulus (decision 21).
+const PENALTY: f64 = 4.0;
+
 /// Vertex gradients and pressures of a tetrahedron.
 const VERTEX_NUMBERS: u64 = 40;
 /// Bytes per cell of its laws and of its tangent while an inverse is made.
@@ -62,6 +66,17 @@ impl Plan {
         1.0 + VOLUMETRIC / self.displacement.pressure_step()
     }
 
+    /// Weight of the volume term at the start, in units of the shear modulus.
+    pub(crate) fn first_penalty(&self) -> f64 {
+        self.scene.solver.penalty.unwrap_or(0.0)
+    }
+
+    /// Its weight where an equilibrium is lost without it.
+    pub(crate) fn next_penalty(&self) -> Option<f64> {
+        let is_free = self.resolved.is_rubber() && self.scene.solver.penalty.is_none();
+        is_free.then_some(PENALTY)
+    }
+
     /// Degree of the rule for stress, volume and tangent.
     pub(crate) fn strain_degree(&self) -> u32 {
         let degree = match self.is_axisymmetric() {
@@ -76,10 +91,10 @@ impl Plan {
         self.resolved.kind == SceneKind::Axisymmetric
     }
 
-    /// Isochoric laws by material, non-dimensional.
-    pub(super) fn isochoric_laws(&self) -> Vec<Isochoric> {
+    /// Laws by material, non-dimensional.
+    pub(super) fn laws(&self) -> Vec<Rubber> {
         let unit = self.units.stress;
-        let of = |rubber: &Rubber| match &rubber.isochoric {
+        let isochoric = |rubber: &Rubber| match &rubber.isochoric {
             Isochoric::Invariants(law) => Isochoric::Invariants(InvariantLaw {
                 c10: law.c10 / unit,
                 c01: law.c01 / unit,
@@ -95,6 +110,10 @@ impl Plan {
                     terms: terms.collect(),
                 })
             }
+        };
+        let of = |rubber: &Rubber| Rubber {
+            isochoric: isochoric(rubber),
+            inverse_bulk: rubber.inverse_bulk * unit,
         };
         let rubbers = self
             .resolved
@@ -193,6 +212,14 @@ impl Plan {
             "from F and p at quadrature points, never stored as a matrix".into(),
             "both change with every iteration",
         );
+        let (penalty, reason) = match self.scene.solver.penalty {
+            Some(weight) => (format!("{weight} mu of pointwise volume change"), "asked for"),
+            None => (
+                format!("none; {PENALTY} mu of pointwise volume change from where an equilibrium is lost"),
+                "the element pair loses stability before the body does",
+            ),
+        };
+        push("penalty", penalty, reason);
         push(
             "refactorisation",
             "when a program takes three times the applications a decade of the first, or fails"

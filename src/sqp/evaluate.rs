@@ -131,7 +131,7 @@ pub(crate) struct Internal {
 
 /// Forces and volumes of the body at a state.
 pub(crate) fn internal(context: &Context<'_>, state: &State, work: &mut Workspace) -> Internal {
-    let Some(cells) = &context.prepared.strain else {
+    let Some(cells) = state.cells(context.prepared) else {
         return Internal {
             force: linear_force(context, state, work),
             constraint: constraint(context, state, work),

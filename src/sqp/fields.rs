@@ -171,7 +171,7 @@ fn stress(context: &Context<'_>, state: &State, cell: usize) -> [f64; 6] {
         }
     };
     let s = match finite_strain::rubber(context, cell) {
-        Some(rubber) => finite_strain::true_stress(rubber, &gradient, pressure),
+        Some(rubber) => finite_strain::true_stress(rubber, &gradient, pressure, state.penalty()),
         None => law.stress(&gradient, pressure),
     };
     [s[0][0], s[1][1], s[2][2], s[0][1], s[1][2], s[2][0]]

@@ -27,10 +27,17 @@ pub(super) fn rubber<'a>(context: &Context<'a>, cell: usize) -> Option<&'a Rubbe
     material.rubber.as_ref()
 }
 
-/// True stress at displacement gradient `h` under internal pressure `pressure`.
-pub(super) fn true_stress(rubber: &Rubber, h: &Tensor<f64>, pressure: f64) -> Tensor<f64> {
+/// True stress at displacement gradient `h` under internal pressure `pressure`, with
+/// `penalty` shear moduli of the volume defect.
+pub(super) fn true_stress(
+    rubber: &Rubber,
+    h: &Tensor<f64>,
+    pressure: f64,
+    penalty: f64,
+) -> Tensor<f64> {
     let (gradient, jacobian) = (plus_unit(h), 1.0 + volume_change(h));
-    let nominal = rubber.stress(h, pressure);
+    let share = penalty * rubber.shear_modulus() * rubber.volume_defect(h, pressure);
+    let nominal = rubber.stress(h, pressure + share);
     scaled(jacobian.recip(), &product(&nominal, &transposed(&gradient)))
 }
 

@@ -51,6 +51,7 @@ pub(crate) fn report(
         active_set_changes: counters.set_changes,
         cut_backs: counters.cut_backs,
         factorisations: counters.factorisations,
+        penalty: context.plan.penalty() + state.penalty(),
         active_vertices: state.active.iter().filter(|&&a| a).count() as u32,
         strain_energy: strain_energy(context, state, &inside, work) * units.energy(),
         volume_ratio: volume_ratio(context, state, &inside, work),

@@ -120,8 +120,12 @@ impl Session {
         };
         preparation.assemble += own;
         preparation.total += own;
+        let mut state = State::undeformed(&plan);
+        if plan.first_penalty() > 0.0 {
+            state.penalise(&prepared, plan.first_penalty());
+        }
         Self {
-            state: State::undeformed(&plan),
+            state,
             previous: None,
             moved: false,
             target: Drive::first_target(plan.scene()),

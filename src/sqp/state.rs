@@ -6,10 +6,10 @@ use std::sync::Arc;
 use super::drive::Drive;
 use super::stability::Softest;
 use super::upkeep::Upkeep;
-use crate::assembly::strain::Linearised;
+use crate::assembly::strain::{Linearised, StrainGrid};
 use crate::inequality::QpScales;
 use crate::krylov::gcr::Directions;
-use crate::plan::Plan;
+use crate::plan::{Plan, TaylorHoodData};
 
 /// Fields, multipliers, what drove them there and their scales, to return to.
 #[derive(Clone, Debug)]
@@ -21,6 +21,7 @@ pub(crate) struct Snapshot {
     drive: Drive,
     scales: QpScales,
     force_scale: f64,
+    penalised: Option<Arc<StrainGrid>>,
 }
 
 impl Snapshot {
@@ -51,6 +52,9 @@ pub(crate) struct State {
     pub(crate) directions: Directions,
     /// The approximate inverse in use.
     pub(crate) upkeep: Upkeep,
+    /// Cells of finite strain with a volume term; none where those of the prepared
+    /// data serve.
+    penalised: Option<Arc<StrainGrid>>,
     /// Of the last equilibrium; none for linear bodies.
     pub(crate) softest: Option<Softest>,
     /// What the last tangent was taken about; empty for linear bodies.
@@ -71,8 +75,25 @@ impl State {
             directions: plan.directions(),
             upkeep: Upkeep::default(),
             softest: None,
+            penalised: None,
             linearised: Arc::default(),
         }
+    }
+
+    /// Cells of finite strain; none for linear bodies.
+    pub(crate) fn cells<'a>(&'a self, prepared: &'a TaylorHoodData) -> Option<&'a Arc<StrainGrid>> {
+        self.penalised.as_ref().or(prepared.strain.as_ref())
+    }
+
+    /// Weight of the volume term of rubber, in units of the shear modulus.
+    pub(crate) fn penalty(&self) -> f64 {
+        self.penalised.as_ref().map_or(0.0, |cells| cells.penalty())
+    }
+
+    /// Sets that weight.
+    pub(crate) fn penalise(&mut self, prepared: &TaylorHoodData, weight: f64) {
+        let cells = prepared.strain.as_ref();
+        self.penalised = cells.map(|cells| Arc::new(cells.penalised(weight)));
     }
 
     /// Forgets what the solver has learnt beside the state itself.
@@ -91,6 +112,7 @@ impl State {
             drive: self.drive.clone(),
             scales: self.scales,
             force_scale: self.force_scale,
+            penalised: self.penalised.clone(),
         }
     }
 
@@ -102,6 +124,7 @@ impl State {
         self.drive = snapshot.drive.clone();
         self.scales = snapshot.scales;
         self.force_scale = snapshot.force_scale;
+        self.penalised = snapshot.penalised.clone();
     }
 
     pub(crate) fn bytes(&self) -> u64 {

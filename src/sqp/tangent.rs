@@ -27,11 +27,11 @@ impl Tangent {
         state: &mut State,
         work: &mut Workspace,
     ) -> Option<Self> {
-        let cells = context.prepared.strain.as_ref()?;
+        let cells = state.cells(context.prepared)?.clone();
         // In place once the tangent before is gone.
         let at = Arc::make_mut(&mut state.linearised);
         cells.linearise((&state.displacement, &state.pressure), at, work);
-        let (cells, at) = (cells.clone(), state.linearised.clone());
+        let at = state.linearised.clone();
         let (size, vertices) = (state.displacement.len(), state.pressure.len());
         let held = context.prepared.held.clone();
         Some(Self {

@@ -33,6 +33,7 @@ pub(crate) fn step(report: StepReport, poses: Vec<ObstaclePose>) -> wire::StepRe
         volume_ratio: report.volume_ratio,
         min_jacobian: report.min_jacobian,
         min_jacobian_bound: report.min_jacobian_bound,
+        penalty: report.penalty,
         stability: report
             .stability
             .map_or(wire::Stability::Unspecified, stability)

@@ -39,6 +39,7 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for RespondPass<'
                 |part, _, vertices| Respond {
                     law: law.load(simd, part),
                     stretches: law.stretches::<S>(part),
+                    volume: law.volume(simd, part, self.cells.penalty),
                     pressures: vertex_pressures(simd, vertices, part),
                     volumes: [zero; V],
                     energy: zero,
@@ -152,6 +153,7 @@ macro_rules! frozen_pass {
                                 part,
                                 gradients: state.gradients(simd, part),
                                 pressures: state.pressures(simd, part),
+                                volume: law.volume(simd, part, self.cells.penalty),
                                 roots: state.roots(points),
                                 hoops: state.hoops(points, hoops),
                                 tangents: state.tangents(points, hoops),

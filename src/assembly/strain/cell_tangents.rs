@@ -16,7 +16,7 @@ use super::cells::CellLaws;
 use crate::assembly::CellGeometry;
 use crate::assembly::p1_stiffness::{Block, CellStiffness};
 use crate::geometry::tensor::{Tensor, cross, volume_change};
-use crate::material::{Deformation, Isochoric};
+use crate::material::{Deformation, Rubber};
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
@@ -106,7 +106,7 @@ impl CellStates<'_> {
         out
     }
 
-    fn tangent(&self, cell: usize, law: &Isochoric, volumetric: f64) -> [f64; ENTRIES] {
+    fn tangent(&self, cell: usize, law: &Rubber, volumetric: f64) -> [f64; ENTRIES] {
         let mut h = self.gradient(cell);
         if volume_change(&h) < LEAST_CHANGE {
             // A centroid that is turned inside out has no tangent of its own.
@@ -116,7 +116,7 @@ impl CellStates<'_> {
         let corners = self.mesh.cell(cell);
         let sum: f64 = corners.iter().map(|&v| self.pressure[v as usize]).sum();
         let pressure = sum / corners.len() as f64;
-        let matrix = law.tangent(&h);
+        let matrix = law.isochoric.tangent(&h);
         let mut out = [0.0; ENTRIES];
         let mut entry = 0;
         for row in 0..9 {

@@ -2,22 +2,23 @@
 
 use std::sync::Arc;
 
+use super::laws::VolumeTerm;
 use crate::assembly::grid::Grid;
 use crate::assembly::kernel::Batch;
 use crate::assembly::lanes::{Lanes, Pack, WIDTH};
 use crate::assembly::partition::blocks_of_cells;
 use crate::element::quadrature::Rule;
-use crate::material::{InvariantLaw, Isochoric, Ogden};
+use crate::material::{InvariantLaw, Isochoric, Ogden, Rubber};
 use crate::mesh::Mesh;
 
 /// Numbers in the widest register.
 pub(super) const WIDEST: usize = WIDTH;
 
-/// Isochoric laws, non-dimensional, and the law of each cell.
+/// Laws, non-dimensional, and the law of each cell.
 #[derive(Clone, Copy, Debug)]
 pub struct CellLaws<'a> {
     /// By number.
-    pub laws: &'a [Isochoric],
+    pub laws: &'a [Rubber],
     /// Number of the law `[cells]`.
     pub of_cell: &'a [u16],
 }
@@ -33,28 +34,26 @@ struct Split {
     invariants: InvariantLaw<f64>,
     stretches: Stretches,
     modulus: f64,
+    compliance: f64,
 }
 
 impl Split {
-    fn new(law: &Isochoric) -> Self {
+    fn new(rubber: &Rubber) -> Self {
         let none = InvariantLaw {
             c10: 0.0,
             c01: 0.0,
             c20: 0.0,
             c30: 0.0,
         };
-        let modulus = law.shear_modulus();
-        match law {
-            Isochoric::Invariants(law) => Self {
-                invariants: *law,
-                stretches: None,
-                modulus,
-            },
-            Isochoric::Ogden(law) => Self {
-                invariants: none,
-                stretches: Some(Arc::new(law.clone())),
-                modulus,
-            },
+        let (invariants, stretches) = match &rubber.isochoric {
+            Isochoric::Invariants(law) => (*law, None),
+            Isochoric::Ogden(law) => (none, Some(Arc::new(law.clone()))),
+        };
+        Self {
+            invariants,
+            stretches,
+            modulus: rubber.shear_modulus(),
+            compliance: rubber.inverse_bulk,
         }
     }
 }
@@ -66,6 +65,8 @@ pub(super) struct BatchLaw {
     /// Absent where every lane has a law in invariants.
     stretches: Option<Box<[Stretches; WIDTH]>>,
     modulus: Lanes,
+    /// 1 / K.
+    compliance: Lanes,
 }
 
 impl BatchLaw {
@@ -86,6 +87,7 @@ impl BatchLaw {
             },
             stretches: (stretches.iter().any(Option::is_some)).then(|| Box::new(stretches)),
             modulus: lanes(|law| law.modulus),
+            compliance: lanes(|law| law.compliance),
         }
     }
 
@@ -103,6 +105,20 @@ impl BatchLaw {
     #[inline(always)]
     pub(super) fn modulus<S: pulp::Simd>(&self, simd: S, part: usize) -> Pack<S> {
         Pack::load(simd, &self.modulus, part)
+    }
+
+    /// The volume term of one part's lanes.
+    #[inline(always)]
+    pub(super) fn volume<S: pulp::Simd>(
+        &self,
+        simd: S,
+        part: usize,
+        stiffness: f64,
+    ) -> VolumeTerm<S> {
+        VolumeTerm {
+            stiffness: self.modulus(simd, part) * stiffness,
+            compliance: Pack::load(simd, &self.compliance, part),
+        }
     }
 
     #[inline(always)]
@@ -123,13 +139,15 @@ pub struct StrainGrid {
     pub(super) grid: Arc<Grid>,
     pub(super) rule: Rule,
     /// Of each block, by batches.
-    pub(super) laws: Vec<Vec<BatchLaw>>,
+    pub(super) laws: Arc<Vec<Vec<BatchLaw>>>,
     /// Numbers of the tangent kept at each point; none for laws in invariants,
     /// which make it anew.
     tangents: usize,
     /// Radii of the vertices of each block, batch by batch; empty where the body
     /// is not one of revolution.
-    pub(super) radii: Vec<Vec<Lanes>>,
+    pub(super) radii: Arc<Vec<Vec<Lanes>>>,
+    /// s.
+    pub(super) penalty: f64,
 }
 
 impl StrainGrid {
@@ -145,10 +163,11 @@ impl StrainGrid {
         let keeps_tangents = split.iter().any(|law| law.stretches.is_some());
         Self {
             tangents: if keeps_tangents { TANGENT } else { 0 },
-            laws: blocks.iter().map(of_block).collect(),
+            laws: Arc::new(blocks.iter().map(of_block).collect()),
             grid,
             rule,
-            radii: Vec::new(),
+            radii: Arc::default(),
+            penalty: 0.0,
         }
     }
 
@@ -170,8 +189,17 @@ impl StrainGrid {
         let blocks = blocks_of_cells(mesh);
         let of_block = |cells: &Vec<u32>| cells.chunks(WIDTH).flat_map(of_batch).collect();
         Self {
-            radii: blocks.iter().map(of_block).collect(),
+            radii: Arc::new(blocks.iter().map(of_block).collect()),
             ..self
+        }
+    }
+
+    /// The same cells with another s; laws and radii are shared.
+    #[must_use]
+    pub fn penalised(&self, penalty: f64) -> Self {
+        Self {
+            penalty,
+            ..self.clone()
         }
     }
 
@@ -179,6 +207,11 @@ impl StrainGrid {
     #[must_use]
     pub fn on(self, grid: Arc<Grid>) -> Self {
         Self { grid, ..self }
+    }
+
+    /// s.
+    pub fn penalty(&self) -> f64 {
+        self.penalty
     }
 
     /// Points of the rule.
@@ -292,6 +325,8 @@ pub(super) struct Batches<'a, const V: usize, const D: usize, const E: usize> {
     radii: &'a [Lanes],
     /// Points that a stretch around the axis is kept at.
     pub(super) hoops: usize,
+    /// s.
+    pub(super) penalty: f64,
 }
 
 impl<'a, const V: usize, const D: usize, const E: usize> Batches<'a, V, D, E> {
@@ -304,6 +339,7 @@ impl<'a, const V: usize, const D: usize, const E: usize> Batches<'a, V, D, E> {
             stride: cells.stride(),
             radii: cells.radii.get(block).map_or(&[], Vec::as_slice),
             hoops: cells.hoops(),
+            penalty: cells.penalty,
         }
     }
 

@@ -41,10 +41,34 @@ pub(super) fn root<S: Simd>(volume_change: Pack<S>) -> Pack<S> {
     })
 }
 
+/// s mu / 2 (J - 1 + p / K)^2, whose p is a number.
+#[derive(Clone, Copy)]
+pub(super) struct VolumeTerm<S: Simd> {
+    /// s mu.
+    pub(super) stiffness: Pack<S>,
+    /// 1 / K.
+    pub(super) compliance: Pack<S>,
+}
+
+impl<S: Simd> VolumeTerm<S> {
+    /// s mu (J - 1 + p / K), and its change with those of J and p.
+    #[inline(always)]
+    fn pressure(&self, volume_change: Pack<S>, pressure: Pack<S>) -> Pack<S> {
+        self.stiffness * volume_change.plus_product(self.compliance, pressure)
+    }
+
+    #[inline(always)]
+    fn energy(&self, volume_change: Pack<S>, pressure: Pack<S>) -> Pack<S> {
+        let defect = volume_change.plus_product(self.compliance, pressure);
+        self.stiffness * defect * defect * 0.5
+    }
+}
+
 /// Stress, energy and volume at a state.
 pub(super) struct Respond<'a, S: Simd, const V: usize> {
     pub(super) law: InvariantLaw<Pack<S>>,
     pub(super) stretches: &'a [Stretches],
+    pub(super) volume: VolumeTerm<S>,
     pub(super) pressures: [Pack<S>; V],
     /// int lambda_j (J - 1).
     pub(super) volumes: [Pack<S>; V],
@@ -69,9 +93,11 @@ impl<S: Simd, const V: usize> PointLaw<S, V> for Respond<'_, S, V> {
             *least = least.min(value);
         }
         let at = Deformation::new(*gradient, root(change));
-        self.energy = self.energy.plus_product(weight, self.law.energy(&at));
-        add_moments(&mut self.volumes, hats, weight * at.volume_change);
         let pressure = interpolate(hats, &self.pressures);
+        let energy = self.law.energy(&at) + self.volume.energy(change, pressure);
+        self.energy = self.energy.plus_product(weight, energy);
+        add_moments(&mut self.volumes, hats, weight * at.volume_change);
+        let pressure = pressure - self.volume.pressure(change, pressure);
         let mut stress = plus(&self.law.stress(&at), -pressure, &at.cofactor);
         if !self.stretches.is_empty() {
             let energy = stretches::add_response(self.stretches, gradient, &mut stress);
@@ -119,6 +145,7 @@ pub(super) struct Frozen<'a, S: Simd, const V: usize, const D: usize> {
     pub(super) part: usize,
     pub(super) gradients: VertexGradients<S, V, D>,
     pub(super) pressures: [Pack<S>; V],
+    pub(super) volume: VolumeTerm<S>,
     /// Of all points.
     pub(super) roots: &'a [Lanes],
     /// Stretches around an axis less one; empty where there is none.
@@ -136,6 +163,13 @@ impl<S: Simd, const V: usize, const D: usize> Frozen<'_, S, V, D> {
         }
         let root = Pack::load(self.simd, &self.roots[point], self.part);
         Deformation::new(gradient, root)
+    }
+
+    /// What pushes on the volume: p - s mu (J - 1 + p / K).
+    #[inline(always)]
+    fn pressure(&self, hats: &[Pack<S>; V], at: &Deformation<Pack<S>>) -> Pack<S> {
+        let pressure = interpolate(hats, &self.pressures);
+        pressure - self.volume.pressure(at.volume_change, pressure)
     }
 
     /// Adds the tangent of laws in stretches in the direction `change`.
@@ -167,11 +201,13 @@ impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Tangent<'_, S, 
         gradient: &Tensor<Pack<S>>,
     ) -> Tensor<Pack<S>> {
         let at = self.frozen.at(point, hats);
-        let pressure = interpolate(hats, &self.frozen.pressures);
+        let pressure = self.frozen.pressure(hats, &at);
         let (mut stress, volume) = self.law.tangent(&at, pressure, gradient);
         self.frozen.add_stretches(point, gradient, &mut stress);
         add_moments(&mut self.volumes, hats, weight * volume);
-        plus(&stress, -interpolate(hats, &self.changes), &at.cofactor)
+        let change = interpolate(hats, &self.changes);
+        let pushed = self.frozen.volume.pressure(volume, change) - change;
+        plus(&stress, pushed, &at.cofactor)
     }
 }
 
@@ -193,10 +229,11 @@ impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Stiff<'_, S, V,
         gradient: &Tensor<Pack<S>>,
     ) -> Tensor<Pack<S>> {
         let at = self.frozen.at(point, hats);
-        let pressure = interpolate(hats, &self.frozen.pressures);
+        let pressure = self.frozen.pressure(hats, &at);
         let (mut stress, volume) = self.law.tangent(&at, pressure, gradient);
         self.frozen.add_stretches(point, gradient, &mut stress);
-        plus(&stress, self.volumetric * volume, &at.cofactor)
+        let stiffness = self.volumetric + self.frozen.volume.stiffness;
+        plus(&stress, stiffness * volume, &at.cofactor)
     }
 }
 
@@ -222,7 +259,7 @@ impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Volumes<'_, S, 
     }
 }
 
-/// -p cof F for a pressure.
+/// -(1 - s mu / K) p cof F for a pressure.
 pub(super) struct Pressures<'a, S: Simd, const V: usize, const D: usize> {
     pub(super) frozen: Frozen<'a, S, V, D>,
     pub(super) changes: [Pack<S>; V],
@@ -238,6 +275,9 @@ impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Pressures<'_, S
         _gradient: &Tensor<Pack<S>>,
     ) -> Tensor<Pack<S>> {
         let at = self.frozen.at(point, hats);
-        crate::geometry::tensor::scaled(-interpolate(hats, &self.changes), &at.cofactor)
+        let change = interpolate(hats, &self.changes);
+        let volume = &self.frozen.volume;
+        let pushed = volume.stiffness * volume.compliance * change - change;
+        crate::geometry::tensor::scaled(pushed, &at.cofactor)
     }
 }

@@ -14,6 +14,11 @@
 //! taken lane by lane; they leave their tangent at the points too, 360 bytes each.
 //! About an axis the stretch around it is kept at each point too.
 //!
+//! [`StrainGrid::penalised`] adds s mu / 2 int (J - 1 + p / K)^2 to the energy, p / K
+//! being the mean of 1 - J that the pressures see: nothing in the exact solution, and
+//! what keeps the pair from moving volume where its pressures do not look (the energy
+//! loses convexity there once p is some mu; Auricchio et al., Comput. Mech. 52, 2013).
+//!
 //! Vectors are hierarchical or Lagrange like those of the linear passes. Cost of a
 //! product with the tangent: some 2000 products per tetrahedron with four points,
 //! six (scalars) to twelve (wide vectors) times the linear one (decision 20).

@@ -170,9 +170,6 @@ fn methods(solver: &SolverOptions, faults: &mut Faults) {
             faults.unsupported(format!("solver.{key}"), message);
         }
     }
-    if solver.penalty.is_some_and(|weight| weight > 0.0) {
-        faults.unsupported("solver.penalty", "a grad-div term with rubber");
-    }
     if solver.tolerance_rule == ToleranceRule::Discretisation {
         let message = "`discretisation` with rubber, which has no error estimate";
         faults.unsupported("solver.tolerance", message);

@@ -41,6 +41,7 @@ impl Body<'_> {
             strain_energy: self.strain_energy(state, work) * self.plan.units.energy(),
             volume_ratio: self.volume_ratio(state, work),
             min_jacobian: None,
+            penalty: 0.0,
             min_jacobian_bound: None,
             stability: None,
             max_penetration: ending.max_penetration * self.plan.units.length,

@@ -30,6 +30,8 @@ const GROWTH: f64 = 1.5;
 const LARGEST_RELIEF: f64 = 0.05;
 /// Least eigenvalue over that at rest below which a body is about to snap.
 const SOFT: f64 = 0.1;
+/// Failures of one part after another that bring the volume term in.
+const PATIENCE: u32 = 2;
 /// Share of a constant pressure's forces that contact may leave.
 const CLOSED: f64 = 1e-6;
 
@@ -105,6 +107,7 @@ impl Session {
         let start = state.drive.clone();
         let relief = Relief::of(&whole, state, &start);
         let (mut reached, mut part) = (0.0, relief.first_part());
+        let mut failures = 0;
         loop {
             let next = if reached + part >= 1.0 - 1e-12 {
                 1.0
@@ -127,10 +130,15 @@ impl Session {
                 Termination::Converged => {
                     reached = next;
                     part *= GROWTH;
+                    failures = 0;
                 }
                 Termination::NotConverged if self.cut_backs_help(&ending) => {
                     state.restore(&good.0);
                     state.softest = good.1;
+                    failures += 1;
+                    if self.penalise(state, &ending, failures) {
+                        continue;
+                    }
                     part = 0.5 * (next - reached);
                     counters.cut_backs += 1;
                     if part < least_fraction(&ending, state) {
@@ -152,6 +160,23 @@ impl Session {
                 | Termination::DeadlineExceeded
                 | Termination::InternalError => return (ending, 0.0),
             }
+        }
+    }
+
+    /// Adds the volume term where its absence may be what loses the equilibrium;
+    /// whether it did.
+    fn penalise(&self, state: &mut State, ending: &Ending, failures: u32) -> bool {
+        let weight = self.plan.next_penalty();
+        let is_lost = ending.cause == Some(Cause::UnstableEquilibrium)
+            || is_soft(state)
+            || failures >= PATIENCE;
+        match weight {
+            Some(weight) if is_lost && weight > state.penalty() => {
+                state.penalise(&self.prepared, weight);
+                state.upkeep.failed(false);
+                true
+            }
+            _ => false,
         }
     }
 

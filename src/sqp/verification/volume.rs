@@ -145,6 +145,7 @@ impl Point {
 /// pressure.
 fn response(
     context: &Context<'_>,
+    penalty: f64,
     material: &ResolvedMaterial,
     gradient: &Tensor<f64>,
     pressure: Option<f64>,
@@ -152,8 +153,9 @@ fn response(
     if let Some(rubber) = &material.rubber {
         let pressure = pressure.unwrap_or(0.0);
         let deformed = Deformed::new(gradient);
-        let stress = deformed.stress(rubber, pressure);
-        return (stress, deformed.volume_defect(rubber, pressure));
+        let defect = deformed.volume_defect(rubber, pressure);
+        let share = penalty * rubber.shear_modulus() * defect;
+        return (deformed.stress(rubber, pressure - share), defect);
     }
     let law = &material.law;
     let dilation = gradient[0][0] + gradient[1][1] + gradient[2][2];
@@ -186,7 +188,7 @@ fn add_cell(
             let sum: f64 = at.map(|(&v, l)| l * state.pressure[v as usize]).sum();
             sum * context.plan.units.stress
         });
-        let (stress, defect) = response(context, material, &point.gradient, pressure);
+        let (stress, defect) = response(context, state.penalty(), material, &point.gradient, pressure);
         if is_mixed {
             for (&vertex, l) in vertices.iter().zip(l) {
                 constraint[vertex as usize] += weight * l * defect;
