@@ -17,8 +17,9 @@ use crate::assembly::{CellGeometry, CellModuli, Constrained, Grid, Stiffness};
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 use crate::mesh::Mesh;
 use crate::precond::hierarchical::{Additive, Multiplicative, Splitting, Symmetric, edge_sweep};
+use crate::precond::lines::LagrangeNodes;
 use crate::precond::symmetric_blocks::NodePairs;
-use crate::precond::{AlongLines, NodeBlocks, PMultigrid, Transfer, lines};
+use crate::precond::{AlongLines, NodeBlocks, PMultigrid, Transfer};
 use crate::space::TaylorHood;
 
 /// Preconditioners of the displacement block.
@@ -205,12 +206,14 @@ fn lines_around(
     let coordinates: Vec<[f64; 3]> = (0..body.space.nodes())
         .map(|node| node_position(body.mesh, body.space, node).map(|x| x * scale))
         .collect();
-    let nodes = lines::NodePairs {
+    let nodes = LagrangeNodes {
         components: body.space.components,
         coordinates: &coordinates,
-        pairs: &couplings.pairs,
-        off: &couplings.off,
-        diagonal: &couplings.diagonal,
+        blocks: NodePairs {
+            diagonal: &couplings.diagonal,
+            pairs: &couplings.pairs,
+            off: &couplings.off,
+        },
         held: body.held,
     };
     let operator = body.operator(Basis::Hierarchical);

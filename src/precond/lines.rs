@@ -13,6 +13,7 @@ use std::sync::Arc;
 
 use super::Transfer;
 use super::spectrum::ritz_interval;
+use super::symmetric_blocks::{Block, NodePairs};
 use crate::linalg::cholesky::{LowerColumns, Precision};
 use crate::linalg::ordering::{Graph, nested_dissection};
 use crate::linalg::vector::add_scaled;
@@ -32,21 +33,15 @@ const LANCZOS_STEPS: usize = 12;
 /// The Lanczos process approaches it from below.
 const SAFETY: f64 = 1.05;
 
-type Block = [[f64; 3]; 3];
-
 /// The stiffness by Lagrange nodes.
 #[derive(Clone, Copy, Debug)]
-pub struct NodePairs<'a> {
+pub struct LagrangeNodes<'a> {
     /// Components per node.
     pub components: usize,
     /// Position of each node.
     pub coordinates: &'a [[f64; 3]],
-    /// Lower and upper node of each pair, ascending.
-    pub pairs: &'a [[u32; 2]],
-    /// Rows of the lower node, columns of the upper one `[pairs]`.
-    pub off: &'a [Block],
-    /// Block of each node.
-    pub diagonal: &'a [Block],
+    /// Blocks of nodes and couplings.
+    pub blocks: NodePairs<'a>,
     /// Held unknowns, ascending.
     pub held: &'a [u32],
 }
@@ -69,7 +64,7 @@ impl AlongLines {
     /// Around `inner`; none where the nodes do not fall into groups. `operator`
     /// acts on hierarchical values.
     pub fn new(
-        nodes: &NodePairs<'_>,
+        nodes: &LagrangeNodes<'_>,
         operator: Arc<dyn LinearOperator>,
         transfer: Transfer,
         inner: Arc<dyn Preconditioner>,
@@ -154,20 +149,21 @@ impl Preconditioner for Groups {
     }
 }
 
-fn size(block: &Block) -> f64 {
+fn size(block: &Block<3>) -> f64 {
     let squares = block.iter().flatten().map(|value| value * value);
     squares.sum::<f64>().sqrt()
 }
 
 /// The lowest node of each node's group.
-fn groups(nodes: &NodePairs<'_>, threshold: f64) -> Vec<u32> {
+fn groups(nodes: &LagrangeNodes<'_>, threshold: f64) -> Vec<u32> {
     let own: Vec<f64> = nodes
+        .blocks
         .diagonal
         .iter()
         .map(|block| size(block).sqrt())
         .collect();
     let mut parent: Vec<u32> = (0..own.len() as u32).collect();
-    for (&[a, b], block) in nodes.pairs.iter().zip(nodes.off) {
+    for (&[a, b], block) in nodes.blocks.pairs.iter().zip(nodes.blocks.off) {
         if size(block) > threshold * own[a as usize] * own[b as usize] {
             let (a, b) = (root(&mut parent, a), root(&mut parent, b));
             parent[a.max(b) as usize] = a.min(b);
@@ -197,9 +193,9 @@ fn are_small(group_of: &[u32]) -> bool {
 }
 
 /// F: held components are the identity, pairs across groups are left out.
-fn restricted(nodes: &NodePairs<'_>, group_of: &[u32]) -> LowerColumns {
+fn restricted(nodes: &LagrangeNodes<'_>, group_of: &[u32]) -> LowerColumns {
     let c = nodes.components;
-    let mut is_held = vec![false; c * nodes.diagonal.len()];
+    let mut is_held = vec![false; c * nodes.blocks.diagonal.len()];
     nodes
         .held
         .iter()
@@ -208,8 +204,8 @@ fn restricted(nodes: &NodePairs<'_>, group_of: &[u32]) -> LowerColumns {
         offsets: vec![0],
         ..LowerColumns::default()
     };
-    let mut pairs = nodes.pairs.iter().zip(nodes.off).peekable();
-    for (node, diagonal) in nodes.diagonal.iter().enumerate() {
+    let mut pairs = nodes.blocks.pairs.iter().zip(nodes.blocks.off).peekable();
+    for (node, diagonal) in nodes.blocks.diagonal.iter().enumerate() {
         let mut below = Vec::new();
         while let Some((ends, block)) = pairs.next_if(|(ends, _)| ends[0] as usize == node) {
             if group_of[ends[0] as usize] == group_of[ends[1] as usize] {
@@ -238,9 +234,9 @@ fn restricted(nodes: &NodePairs<'_>, group_of: &[u32]) -> LowerColumns {
 
 /// Elimination order of the unknowns: groups are dissected together, since they
 /// do not touch each other.
-fn order(nodes: &NodePairs<'_>, group_of: &[u32]) -> Vec<u32> {
+fn order(nodes: &LagrangeNodes<'_>, group_of: &[u32]) -> Vec<u32> {
     let within = |pair: &&[u32; 2]| group_of[pair[0] as usize] == group_of[pair[1] as usize];
-    let pairs: Vec<[u32; 2]> = nodes.pairs.iter().filter(within).copied().collect();
+    let pairs: Vec<[u32; 2]> = nodes.blocks.pairs.iter().filter(within).copied().collect();
     let graph = Graph::from_edges(group_of.len(), &pairs);
     let c = nodes.components as u32;
     nested_dissection(nodes.coordinates, &graph, &[])
