@@ -26,7 +26,7 @@ MORE_ORDER = 4
 class Plane:
     """Half space that rises: d(x) = z - (-1 + depth)."""
 
-    contact, held, symmetric = "contact", "top", ("x0", "y0")
+    contact, held, symmetric = "contact", "top", ("x0", "y0", "")
     upwards = 1.0
 
     def distance(self, place):
@@ -36,7 +36,7 @@ class Plane:
 class Sphere:
     """Sphere of radius 1 that sinks: d(x) = |x - c| - 1."""
 
-    contact, held, symmetric = "z1", "z0", ("x0", "y0")
+    contact, held, symmetric = "z1", "z0", ("x0", "y0", "")
     upwards = -1.0
 
     def distance(self, place):
@@ -45,11 +45,9 @@ class Sphere:
 
 
 def spaces(mesh, obstacle):
-    x, y = obstacle.symmetric
-    held = obstacle.held
-    displacement = ng.VectorH1(
-        mesh, order=2, dirichletx=f"{held}|{x}", dirichlety=f"{held}|{y}", dirichletz=held
-    )
+    # Sides that hold all components, and the one that holds each.
+    x, y, z = ("|".join(side for side in (obstacle.held, own) if side) for own in obstacle.symmetric)
+    displacement = ng.VectorH1(mesh, order=2, dirichletx=x, dirichlety=y, dirichletz=z)
     pressure = ng.H1(mesh, order=1)
     multiplier = ng.H1(mesh, order=1, definedon=mesh.Boundaries(obstacle.contact))
     return ng.FESpace([displacement, pressure, multiplier])

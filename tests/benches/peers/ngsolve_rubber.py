@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""NGSolve on mr-block and mr-sphere. usage: ngsolve_rubber.py SCENE LEVEL [--meshes DIR]
+"""NGSolve on mr-uniax, mr-block and mr-sphere. usage: ngsolve_rubber.py SCENE LEVEL [--meshes DIR]
 Needs: pip install ngsolve mkl numpy gmsh
 
 The increments of the scene, each from the state before by the Newton method of ngsolve_contact.py: the stationary
@@ -24,7 +24,7 @@ MORE_DEGREE = 2
 class Plane:
     """Half space that sinks on the cube: d(x) = 1 - travel - z."""
 
-    contact, held, symmetric = "z1", "z0", ("", "")
+    contact, held, symmetric = "z1", "z0", ("", "", "")
 
     def __init__(self):
         self.travel = ng.Parameter(0.0)
@@ -36,10 +36,16 @@ class Plane:
         return CF(-1.0)
 
 
+class PlaneOnSlidingCube(Plane):
+    """The same on a cube that slides on its base."""
+
+    held, symmetric = "", ("x0", "y0", "z0")
+
+
 class Sphere:
     """Sphere of radius 1 that sinks: d(x) = |x - c| - 1."""
 
-    contact, held, symmetric = "z1", "z0", ("x0", "y0")
+    contact, held, symmetric = "z1", "z0", ("x0", "y0", "")
 
     def __init__(self):
         self.travel = ng.Parameter(0.0)
@@ -55,7 +61,7 @@ class Sphere:
         return self.from_centre(place)[2] / (self.distance(place) + 1.0)
 
 
-SCENES = {"mr-block": Plane, "mr-sphere": Sphere}
+SCENES = {"mr-uniax": PlaneOnSlidingCube, "mr-block": Plane, "mr-sphere": Sphere}
 
 
 def isochoric(gradient):
@@ -108,7 +114,7 @@ def results(mesh, obstacle, both, whole_body):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("scene", choices=sorted(SCENES))
-    parser.add_argument("level", help="n6, n10, .. of mr-block, l1, l2, .. of mr-sphere")
+    parser.add_argument("level", help="n6, n10, .. of the cubes, l1, l2, .. of mr-sphere")
     parser.add_argument("--meshes", help="folder of finer meshes")
     arguments = parser.parse_args()
     scene, used = arguments.scene, report.threads()

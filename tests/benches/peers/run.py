@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures Signorini and its peers by turns and writes peers.csv and paired.csv.
 
-usage: run.py --signorini PROGRAM [--sizes n6,n10,l1,l2] [--solvers NAME,..] [--repeats 3] [--limit 600] [--out DIR]
+usage: run.py --signorini PROGRAM [--sizes n6,n10,l1,l2] [--scenes NAME,..] [--solvers NAME,..] [--repeats 3] [--limit 600] [--out DIR] [--add]
 
 Every run is a fresh process. In each round every case runs once, Signorini before each peer on the same scene and
 mesh, so that the noise of the machine spreads over both; a case is its run of median seconds. Keep the machine quiet.
@@ -20,17 +20,20 @@ import time
 from report import COLUMNS, processor, threads
 from scenes import HERE, PREFIX, ROOT, SHIPPED, WHOLE_BODY, cube
 
-LINEAR, CONTACT = ("cube-bend", "A1m"), ("hertz-plane", "hertz-sphere")
+LINEAR, CONTACT, RUBBER = ("cube-bend", "A1m"), ("hertz-plane", "hertz-sphere"), ("mr-uniax", "mr-block", "mr-sphere")
+# Scenes by the letter of their levels.
+SCENES = {"n": (*LINEAR, "mr-uniax", "mr-block"), "l": (*CONTACT, "mr-sphere")}
 SCENE_FILES = {"A1m": "manufactured"}
 SYSTEM_PYTHON = "/usr/bin/python3"
 
-# Name, script, further arguments, scenes, interpreter, largest level worth trying.
+# Name, script, further arguments, scenes, interpreter, largest levels worth trying.
 PEERS = {
-    "ngsolve-two-level": ("ngsolve_linear.py", ["two-level"], LINEAR, sys.executable, "n34"),
-    "ngsolve-pardiso": ("ngsolve_linear.py", ["pardiso"], LINEAR, sys.executable, "n16"),
-    "ngsolve-active-set": ("ngsolve_contact.py", [], CONTACT, sys.executable, "l5"),
-    "petsc-gamg": ("fenicsx_linear.py", [], LINEAR, SYSTEM_PYTHON, "n16"),
-    "getfem": ("getfem_contact.py", [], CONTACT, SYSTEM_PYTHON, "l4"),
+    "ngsolve-two-level": ("ngsolve_linear.py", ["two-level"], LINEAR, sys.executable, ["n34"]),
+    "ngsolve-pardiso": ("ngsolve_linear.py", ["pardiso"], LINEAR, sys.executable, ["n16"]),
+    "ngsolve-active-set": ("ngsolve_contact.py", [], CONTACT, sys.executable, ["l5"]),
+    "ngsolve-rubber": ("ngsolve_rubber.py", [], RUBBER, sys.executable, ["n10", "l3"]),
+    "petsc-gamg": ("fenicsx_linear.py", [], LINEAR, SYSTEM_PYTHON, ["n16"]),
+    "getfem": ("getfem_contact.py", [], CONTACT, SYSTEM_PYTHON, ["l4"]),
 }
 ALL_SIZES = "n6,n10,n16,n24,n34,l1,l2,l3,l4,l5"
 
@@ -41,25 +44,28 @@ HEADER = """\
 # error norms not yet taken; that of Python-driven solvers holds 120 to 150 MB of interpreter and libraries.
 # NGSolve two-level: block-diagonal MINRES, displacement by node-block Gauss-Seidel / exact P1 solve / Gauss-Seidel, exact pressure mass,
 #   relative preconditioned residual 1e-8. NGSolve Pardiso: direct on the saddle point. NGSolve active set: semismooth Newton, a direct
-#   factor each iteration, exact P1 multiplier, to 1e-10. PETSc GAMG: MINRES, smoothed aggregation with six rigid modes, exact pressure
-#   mass, 1e-8, one thread by build. GetFEM: integral augmented Lagrangian (its discrete problem differs slightly), MUMPS, one thread.
+#   factor each iteration, exact P1 multiplier, to 1e-10; of rubber all increments. PETSc GAMG: MINRES, smoothed aggregation with six
+#   rigid modes, exact pressure mass, 1e-8, one thread by build. GetFEM: integral augmented Lagrangian (its discrete problem differs
+#   slightly), MUMPS, one thread.
 # Versions: {versions}.
 """
+ADDED = "# {scenes}: {processor}, {threads} cores; {date}; median of {repeats} runs, taken by turns; {versions}.\n"
 
 
 def of_size(level):
     return int(level[1:])
 
 
-def cases(sizes, chosen):
+def is_worth_trying(name, scene, level):
+    _, _, scenes, _, largest = PEERS[name]
+    return scene in scenes and any(level[0] == most[0] and of_size(level) <= of_size(most) for most in largest)
+
+
+def cases(sizes, scenes, chosen):
     """Scene, level and peers of each pair, small meshes first."""
     for level in sorted(sizes, key=of_size):
-        for scene in LINEAR if level[0] == "n" else CONTACT:
-            fitting = [
-                name
-                for name in chosen
-                if scene in PEERS[name][2] and of_size(level) <= of_size(PEERS[name][4])
-            ]
+        for scene in SCENES[level[0]]:
+            fitting = [name for name in chosen if scene in scenes and is_worth_trying(name, scene, level)]
             if fitting:
                 yield scene, level, fitting
 
@@ -139,14 +145,13 @@ def signorini(scene, level, folder, arguments):
         "seconds_assembly": seconds["prepare"] + seconds["assemble"],
         "seconds_setup": seconds["factorise"],
         "seconds_solve": seconds["krylov"] + seconds["contact"],
-        "iterations": step["krylov_iterations"],
+        "iterations": summary["totals"]["krylov_iterations"],
         "peak_memory_mb": (summary["peak_memory_bytes"] or 0) * 1e-6,
         "threads": threads(),
         "version": step["instruction_set"],
         "processor": processor(),
     }
-    if scene in CONTACT:
-        obstacle = next(iter(step["obstacles"].values()))
+    for obstacle in step["obstacles"].values():
         row["value_force"] = WHOLE_BODY[scene] * abs(obstacle["force"][2])
         row["value_strain_energy"] = WHOLE_BODY[scene] * step["strain_energy"]
     return row, ""
@@ -163,7 +168,7 @@ def median(rows):
 def measure(arguments, folder):
     """Rows of each case, ours and theirs, round by round."""
     found, dropped = {}, set()
-    plan = list(cases(arguments.sizes, arguments.solvers))
+    plan = list(cases(arguments.sizes, arguments.scenes, arguments.solvers))
     for turn in range(1, arguments.repeats + 1):
         for scene, level, names in plan:
             for name in names:
@@ -184,10 +189,13 @@ def measure(arguments, folder):
     return {key: median(rows) for key, rows in found.items()}
 
 
-def text_of(value):
+def text_of(row, column):
+    value = row.get(column)
     if value is None:
         return ""
-    return f"{value:.10g}" if isinstance(value, float) else str(value)
+    # The error of mr-uniax is the rounding of its values.
+    digits = 16 if column.startswith("value_") else 10
+    return f"{value:.{digits}g}" if isinstance(value, float) else str(value)
 
 
 def write(path, rows, header=""):
@@ -195,7 +203,18 @@ def write(path, rows, header=""):
         file.write(header)
         writer = csv.writer(file)
         writer.writerow(COLUMNS)
-        writer.writerows([text_of(row.get(column)) for column in COLUMNS] for row in rows)
+        writer.writerows([text_of(row, column) for column in COLUMNS] for row in rows)
+
+
+def kept(path, new):
+    """The comments of a file, and its rows but those that `new` has anew."""
+    with open(path, encoding="utf-8") as file:
+        lines = file.readlines()
+    comments = [line for line in lines if line.startswith("#")]
+    name = lambda row: (row["scene"], row["level"], row["solver"])
+    anew = {name(row) for row in new}
+    rows = csv.DictReader(line for line in lines if not line.startswith("#"))
+    return "".join(comments), [row for row in rows if name(row) not in anew]
 
 
 def tell_pairs(found):
@@ -211,15 +230,18 @@ def parsed():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--signorini", default=os.path.join(ROOT, "target", "release", "signorini"))
     parser.add_argument("--sizes", default=ALL_SIZES, help=ALL_SIZES)
+    parser.add_argument("--scenes", default=",".join(LINEAR + CONTACT + RUBBER))
     parser.add_argument("--solvers", default=",".join(PEERS), help=", ".join(PEERS))
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--limit", type=float, default=600.0, help="seconds of one run")
     parser.add_argument("--tolerance", default="1e-8", help="of Signorini")
     parser.add_argument("--meshes", help="folder of finer Gmsh meshes")
     parser.add_argument("--out", default=HERE)
+    parser.add_argument("--add", action="store_true", help="to the rows that peers.csv has")
     arguments = parser.parse_args()
     arguments.signorini = os.path.abspath(arguments.signorini)
     arguments.sizes = arguments.sizes.split(",")
+    arguments.scenes = arguments.scenes.split(",")
     arguments.solvers = arguments.solvers.split(",")
     return arguments
 
@@ -229,14 +251,20 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         found = measure(arguments, folder)
     peers = [row for (_, _, solver), row in found.items() if solver != "signorini"]
-    header = HEADER.format(
-        processor=processor(),
-        threads=threads(),
-        date=time.strftime("%Y-%m-%d"),
-        repeats=arguments.repeats,
-        versions="; ".join(sorted({row["version"] for row in peers})),
-    )
-    write(os.path.join(arguments.out, "peers.csv"), peers, header)
+    about = {
+        "scenes": ", ".join(sorted({row["scene"] for row in peers})),
+        "processor": processor(),
+        "threads": threads(),
+        "date": time.strftime("%Y-%m-%d"),
+        "repeats": arguments.repeats,
+        "versions": "; ".join(sorted({row["version"] for row in peers})),
+    }
+    path = os.path.join(arguments.out, "peers.csv")
+    if arguments.add:
+        comments, rows = kept(path, peers)
+        write(path, rows + peers, comments + ADDED.format(**about))
+    else:
+        write(path, peers, HEADER.format(**about))
     write(os.path.join(arguments.out, "paired.csv"), found.values())
     tell_pairs(found)
 

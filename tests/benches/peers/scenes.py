@@ -5,6 +5,9 @@ A1m         the same cube with u = curl(0, x^3 y z^2, x^3 sin(pi y) cos z), p = 
             follow, u = 0 on x0; sigma = 2 eps(u) - p I, p > 0 in compression
 hertz-plane quarter of half a ball, flat top held, a rigid plane pressed up by 0.05
 hertz-sphere quarter of a block, base held, a rigid sphere of radius 1 pressed down by 0.05
+mr-uniax    unit cube of Mooney and Rivlin between frictionless planes, the upper one pressed down by 0.25 in 5 increments
+mr-block    the same cube with its base held, in 10 increments
+mr-sphere   the block of hertz-sphere of that material, pressed by 0.125 in 5 increments
 """
 import itertools
 import os
@@ -21,9 +24,9 @@ SHIPPED = os.path.join(ROOT, "client", "examples", "meshes")
 A1M_NORMS = {"displacement_l2": 1.2205366, "displacement_h1": 5.3737919, "pressure_l2": 0.2357023}
 DEPTH = 0.05
 # How many times the model fills the body.
-WHOLE_BODY = {"hertz-plane": 4.0, "hertz-sphere": 4.0, "mr-sphere": 4.0, "mr-block": 1.0}
+WHOLE_BODY = {"hertz-plane": 4.0, "hertz-sphere": 4.0, "mr-sphere": 4.0, "mr-block": 1.0, "mr-uniax": 1.0}
 # Travel and increments of the scenes of rubber, and their coefficients of Mooney and Rivlin.
-TRAVEL = {"mr-sphere": (0.125, 5), "mr-block": (0.25, 10)}
+TRAVEL = {"mr-sphere": (0.125, 5), "mr-block": (0.25, 10), "mr-uniax": (0.25, 5)}
 C10, C01 = 0.4, 0.1
 
 
