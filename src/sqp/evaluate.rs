@@ -4,6 +4,7 @@ use super::constraints::Interfaces;
 use super::drive::Drive;
 use super::pressures::add_pressures;
 use super::state::State;
+use super::touching::Touching;
 use crate::assembly::grid::{Basis, Rows};
 use crate::assembly::strain::Response;
 use crate::contact::gap::{Deformed, linearise};
@@ -43,6 +44,16 @@ impl<'a> Context<'a> {
             space: &self.prepared.space,
             displacement,
             rule: &self.interfaces.rule,
+        }
+    }
+
+    /// The body at `state` on its obstacles.
+    pub(super) fn touching(&self, state: &'a State) -> Touching<'a> {
+        Touching {
+            plan: self.plan,
+            interfaces: self.interfaces,
+            state,
+            body: self.deformed(&state.displacement),
         }
     }
 }

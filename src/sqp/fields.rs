@@ -5,11 +5,7 @@ use super::evaluate::Context;
 use super::finite_strain;
 use super::results::gradient_at;
 use super::state::State;
-use crate::contact::gap::evaluate_gaps;
 use crate::report::{FieldData, FieldName};
-
-/// Contact state of vertices that carry no multiplier.
-const NOT_A_CANDIDATE: f64 = -1.0;
 
 /// The field `name`; none if the scene has no such field.
 pub(crate) fn field(context: &Context<'_>, state: &State, name: FieldName) -> Option<FieldData> {
@@ -30,19 +26,9 @@ pub(crate) fn field(context: &Context<'_>, state: &State, name: FieldName) -> Op
         {
             return None;
         }
-        FieldName::ContactPressure => {
-            let scaled: Vec<f64> = state.multiplier.iter().map(|l| l * units.stress).collect();
-            (1, on_surface(context, &scaled, 0.0, f64::max))
-        }
-        FieldName::Gap => (1, gap(context, state)),
-        FieldName::ContactState => {
-            let flags: Vec<f64> = state
-                .active
-                .iter()
-                .map(|&a| f64::from(u8::from(a)))
-                .collect();
-            (1, on_surface(context, &flags, NOT_A_CANDIDATE, f64::max))
-        }
+        FieldName::ContactPressure => (1, context.touching(state).pressure()),
+        FieldName::Gap => (1, context.touching(state).gap()),
+        FieldName::ContactState => (1, context.touching(state).contact_state()),
         FieldName::Stress => (
             6,
             per_cell(context, |cell| stress(context, state, cell).to_vec()),
@@ -55,7 +41,8 @@ pub(crate) fn field(context: &Context<'_>, state: &State, name: FieldName) -> Op
         FieldName::ErrorEstimate => (1, cell_estimates(context, state)),
         FieldName::ContactPressureDeformed => {
             let pressure = finite_strain::deformed_pressure(context, state)?;
-            (1, on_surface(context, &pressure, 0.0, f64::max))
+            let touching = context.touching(state);
+            (1, touching.on_surface(&pressure, 0.0, f64::max))
         }
     };
     Some(FieldData {
@@ -91,51 +78,6 @@ fn displacement(context: &Context<'_>, state: &State) -> Vec<f64> {
         }
     }
     out
-}
-
-/// Multiplier values on uploaded vertices; `merge` joins several obstacles.
-fn on_surface(
-    context: &Context<'_>,
-    values: &[f64],
-    elsewhere: f64,
-    merge: fn(f64, f64) -> f64,
-) -> Vec<f64> {
-    let mut out = vec![None; context.mesh.vertex_count()];
-    for interface in &context.interfaces.list {
-        for (&vertex, &value) in interface
-            .surface
-            .vertices
-            .iter()
-            .zip(&values[interface.range()])
-        {
-            let slot: &mut Option<f64> =
-                &mut out[context.mesh.used_vertices()[vertex as usize] as usize];
-            *slot = Some(slot.map_or(value, |old| merge(old, value)));
-        }
-    }
-    out.into_iter()
-        .map(|value| value.unwrap_or(elsewhere))
-        .collect()
-}
-
-/// Weighted gap over nodal weight: a length.
-fn gap(context: &Context<'_>, state: &State) -> Vec<f64> {
-    let body = context.deformed(&state.displacement);
-    let obstacles = context
-        .interfaces
-        .obstacles(&state.drive, context.plan.units.length);
-    let mut gaps = Vec::with_capacity(state.multiplier.len());
-    for (interface, obstacle) in context.interfaces.list.iter().zip(&obstacles) {
-        let (weighted, _) = evaluate_gaps(&body, &interface.surface, obstacle);
-        let weights = interface.surface.weights.iter();
-        gaps.extend(
-            weighted
-                .iter()
-                .zip(weights)
-                .map(|(g, w)| g / w * context.plan.units.length),
-        );
-    }
-    on_surface(context, &gaps, 0.0, f64::min)
 }
 
 fn centre(context: &Context<'_>) -> [f64; 4] {

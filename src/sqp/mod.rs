@@ -31,6 +31,7 @@ mod session;
 mod stability;
 mod state;
 mod tangent;
+mod touching;
 mod upkeep;
 mod verification;
 mod watch;

@@ -12,10 +12,9 @@ use super::pressures::add_pressures;
 use super::state::State;
 use crate::assembly::grid::Rows;
 use crate::contact::gap::linearise;
-use crate::contact::resultant::resultant;
 use crate::linalg::vector::{add_scaled, dot};
 use crate::linalg::{LinearOperator, SparseRowsBuilder, Workspace};
-use crate::obstacle::Obstacle;
+use crate::plan::Plan;
 use crate::report::{ObstacleResult, ProbeResult, StepReport, SupportResult, Termination};
 use crate::scene::validate::ON_AXIS;
 
@@ -140,42 +139,17 @@ fn obstacles(
     state: &State,
     estimated: Option<&Estimate>,
 ) -> BTreeMap<String, ObstacleResult> {
-    let units = &context.plan.units;
-    let body = context.deformed(&state.displacement);
-    let obstacles = context.interfaces.obstacles(&state.drive, units.length);
-    let list = context.interfaces.list.iter().zip(&obstacles);
+    let force_unit = context.plan.units.force();
     let deformed = deformed_pressure(context, state);
-    list.enumerate()
-        .map(|(index, (interface, obstacle))| {
-            let pressure = &state.multiplier[interface.range()];
-            let active = &state.active[interface.range()];
-            let reference = obstacle.reference_point();
-            let found = resultant(
-                &body,
-                &interface.surface,
-                obstacle,
-                reference,
-                pressure,
-                active,
-            );
-            let result = ObstacleResult {
-                force: found.force.map(|x| x * units.force()),
-                force_error: estimated
-                    .map(|estimate| force_error(context, index, &found, estimate) * units.force()),
-                moment: found.moment.map(|x| x * units.energy()),
-                contact_area: found.area * units.area(),
-                max_pressure: found.max_pressure * units.stress,
-                max_pressure_deformed: deformed.as_ref().map(|all| {
-                    let own = all[interface.range()].iter().copied();
-                    own.fold(0.0, f64::max)
-                }),
-                centre_of_pressure: found.centre.map(|x| x * units.length),
-                stick_vertices: 0,
-                slip_vertices: 0,
-            };
-            (interface.name.clone(), result)
-        })
-        .collect()
+    let touching = context.touching(state);
+    touching.results(|index, interface, found, result| {
+        result.force_error =
+            estimated.map(|estimate| force_error(context, index, found, estimate) * force_unit);
+        result.max_pressure_deformed = deformed.as_ref().map(|all| {
+            let own = all[interface.range()].iter().copied();
+            own.fold(0.0, f64::max)
+        });
+    })
 }
 
 /// Reactions: internal force plus contact minus load at held unknowns, given
@@ -191,15 +165,25 @@ fn supports(
     add_contact_force(context, state, &mut reaction);
     let space = &context.prepared.space;
     let nodal = space.node_forces(&reaction);
-    let mut forces = vec![[0.0; 3]; context.plan.scene.supports.len()];
-    for &(unknown, support) in &context.plan.held {
+    given_to_supports(context.plan, space.components, &nodal)
+}
+
+/// Forces on nodes, given to the supports that hold them.
+pub(super) fn given_to_supports(
+    plan: &Plan,
+    components: usize,
+    nodal: &[f64],
+) -> BTreeMap<String, SupportResult> {
+    let mut forces = vec![[0.0; 3]; plan.scene.supports.len()];
+    for &(unknown, support) in &plan.held {
+        let nodal = nodal.get(unknown as usize);
         // What the axis of a body of revolution holds is no support's.
-        if let Some(force) = forces.get_mut(usize::from(support)) {
-            force[unknown as usize % space.components] += nodal[unknown as usize];
+        if let (Some(force), Some(nodal)) = (forces.get_mut(usize::from(support)), nodal) {
+            force[unknown as usize % components] += nodal;
         }
     }
-    let unit = context.plan.units.force();
-    let names = context.plan.scene.supports.iter();
+    let unit = plan.units.force();
+    let names = plan.scene.supports.iter();
     names
         .zip(forces)
         .map(|(support, force)| {

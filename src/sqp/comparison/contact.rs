@@ -7,19 +7,16 @@ use std::collections::BTreeMap;
 use super::super::drive::Drive;
 use super::super::evaluate::Evaluation;
 use super::super::state::State;
+use super::super::touching::Touching;
 use super::body::Body;
-use crate::contact::gap::{Deformed, evaluate_gaps, linearise};
-use crate::contact::resultant::resultant;
+use crate::contact::gap::{Deformed, linearise};
 use crate::linalg::vector::{add_scaled, norm};
 use crate::linalg::{DenseMatrix, LinearOperator, SparseRows, SparseRowsBuilder, Workspace};
-use crate::obstacle::{Moving, Obstacle};
+use crate::obstacle::Moving;
 use crate::precond::NodeBlocks;
 use crate::precond::compliance::{ComplianceParts, compliance};
 use crate::precond::p1::Traces;
 use crate::report::{FieldName, ObstacleResult};
-
-/// Contact state of vertices that carry no multiplier.
-const NOT_A_CANDIDATE: f64 = -1.0;
 
 impl Body<'_> {
     /// P1 values with edge corrections of zero.
@@ -112,34 +109,17 @@ impl Body<'_> {
     }
 
     pub(super) fn obstacle_results(&self, state: &State) -> BTreeMap<String, ObstacleResult> {
-        let units = &self.plan.units;
         let trace = self.trace(state);
-        let body = self.deformed(&trace);
-        let obstacles = self.obstacles(&state.drive);
-        let list = self.interfaces.list.iter().zip(&obstacles);
-        list.map(|(interface, obstacle)| {
-            let found = resultant(
-                &body,
-                &interface.surface,
-                obstacle,
-                obstacle.reference_point(),
-                &state.multiplier[interface.range()],
-                &state.active[interface.range()],
-            );
-            let result = ObstacleResult {
-                force: found.force.map(|x| x * units.force()),
-                moment: found.moment.map(|x| x * units.energy()),
-                contact_area: found.area * units.area(),
-                max_pressure: found.max_pressure * units.stress,
-                max_pressure_deformed: None,
-                centre_of_pressure: found.centre.map(|x| x * units.length),
-                stick_vertices: 0,
-                slip_vertices: 0,
-                force_error: None,
-            };
-            (interface.name.clone(), result)
-        })
-        .collect()
+        self.touching(state, &trace).results(|_, _, _, _| ())
+    }
+
+    fn touching<'b>(&'b self, state: &'b State, trace: &'b [f64]) -> Touching<'b> {
+        Touching {
+            plan: self.plan,
+            interfaces: self.interfaces,
+            state,
+            body: self.deformed(trace),
+        }
     }
 
     /// Contact pressure, gap or state on uploaded vertices; none for other fields
@@ -148,21 +128,12 @@ impl Body<'_> {
         if self.interfaces.list.is_empty() {
             return None;
         }
+        let trace = self.trace(state);
+        let touching = self.touching(state, &trace);
         match name {
-            FieldName::ContactPressure => {
-                let scaled: Vec<f64> = state
-                    .multiplier
-                    .iter()
-                    .map(|l| l * self.plan.units.stress)
-                    .collect();
-                Some(self.on_surface(&scaled, 0.0, f64::max))
-            }
-            FieldName::Gap => Some(self.on_surface(&self.gaps(state), 0.0, f64::min)),
-            FieldName::ContactState => {
-                let flags = state.active.iter().map(|&a| f64::from(u8::from(a)));
-                let flags: Vec<f64> = flags.collect();
-                Some(self.on_surface(&flags, NOT_A_CANDIDATE, f64::max))
-            }
+            FieldName::ContactPressure => Some(touching.pressure()),
+            FieldName::Gap => Some(touching.gap()),
+            FieldName::ContactState => Some(touching.contact_state()),
             FieldName::Displacement
             | FieldName::Pressure
             | FieldName::Stress
@@ -170,36 +141,5 @@ impl Body<'_> {
             | FieldName::ErrorEstimate
             | FieldName::ContactPressureDeformed => None,
         }
-    }
-
-    /// Weighted gap over nodal weight: a length.
-    fn gaps(&self, state: &State) -> Vec<f64> {
-        let trace = self.trace(state);
-        let body = self.deformed(&trace);
-        let obstacles = self.obstacles(&state.drive);
-        let mut gaps = Vec::with_capacity(state.multiplier.len());
-        for (interface, obstacle) in self.interfaces.list.iter().zip(&obstacles) {
-            let (weighted, _) = evaluate_gaps(&body, &interface.surface, obstacle);
-            let weights = interface.surface.weights.iter();
-            let length = self.plan.units.length;
-            gaps.extend(weighted.iter().zip(weights).map(|(g, w)| g / w * length));
-        }
-        gaps
-    }
-
-    /// Multiplier values on uploaded vertices; `merge` joins several obstacles.
-    fn on_surface(&self, values: &[f64], elsewhere: f64, merge: fn(f64, f64) -> f64) -> Vec<f64> {
-        let mut out = vec![None; self.mesh.vertex_count()];
-        for interface in &self.interfaces.list {
-            let vertices = interface.surface.vertices.iter();
-            for (&vertex, &value) in vertices.zip(&values[interface.range()]) {
-                let uploaded = self.mesh.used_vertices()[vertex as usize];
-                let slot: &mut Option<f64> = &mut out[uploaded as usize];
-                *slot = Some(slot.map_or(value, |old| merge(old, value)));
-            }
-        }
-        out.into_iter()
-            .map(|value| value.unwrap_or(elsewhere))
-            .collect()
     }
 }

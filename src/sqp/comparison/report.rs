@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::super::counters::Counters;
 use super::super::increment::Ending;
+use super::super::results::given_to_supports;
 use super::super::state::State;
 use super::body::Body;
 use crate::linalg::vector::{add_scaled, dot};
@@ -102,23 +103,9 @@ impl Body<'_> {
         let mut reaction = self.internal_force(state, work);
         add_scaled(&mut reaction, -state.drive.load, load);
         self.add_contact_force(state, &mut reaction);
-        let mut forces = vec![[0.0; 3]; self.plan.scene.supports.len()];
-        let on_vertices = self.plan.held.iter();
-        for &(unknown, support) in
-            on_vertices.filter(|held| (held.0 as usize) < space.p1_unknowns())
-        {
-            let force = &mut forces[usize::from(support)];
-            force[unknown as usize % space.components] += reaction[unknown as usize];
-        }
-        let unit = self.plan.units.force();
-        let names = self.plan.scene.supports.iter();
-        names
-            .zip(forces)
-            .map(|(support, force)| {
-                let force = force.map(|x| x * unit);
-                (support.name.clone(), SupportResult { force })
-            })
-            .collect()
+        // Bubbles are numbered behind the vertices.
+        let nodal = &reaction[..space.p1_unknowns()];
+        given_to_supports(self.plan, space.components, nodal)
     }
 
     fn probes(&self, state: &State) -> BTreeMap<String, ProbeResult> {
