@@ -123,7 +123,7 @@ fn uniaxial_stretch() {
 #[test]
 fn equibiaxial_stretch() {
     for law in laws() {
-        for s in [1.5, 0.8] {
+        for s in [2.0, 1.5, 0.8] {
             let scene = stretched(
                 &law,
                 vec![
@@ -138,6 +138,28 @@ fn equibiaxial_stretch() {
             assert_close("force y", report.supports["y1"].force[1], exact);
             assert_inside(&report, w, 2.0 * exact * s);
         }
+    }
+}
+
+#[test]
+fn a_penalty_changes_nothing_where_the_pressure_accounts_for_the_volume() {
+    for bulk_modulus in [None, Some(20.0)] {
+        let [plain, penalised] = [0.0, 4.0].map(|penalty| {
+            let stretch = support("x1", [Some(-0.4), None, None]);
+            let mut scene = rubber(laws()[0].clone(), bulk_modulus);
+            scene.supports = rollers();
+            scene.supports.push(stretch);
+            scene.probes = vec![probe("inside", [0.4, 0.45, 0.3])];
+            scene.solver.tolerance = TOLERANCE;
+            scene.solver.penalty = Some(penalty);
+            last(&scene, &parts(4), &solid())
+        });
+        assert_eq!((plain.penalty, penalised.penalty), (0.0, 4.0));
+        let force = |report: &StepReport| report.supports["x1"].force[0];
+        let pressure = |report: &StepReport| report.probes["inside"].pressure.expect("one");
+        assert_close("force", force(&penalised), force(&plain));
+        assert_close("pressure", pressure(&penalised), pressure(&plain));
+        assert_close("volume", penalised.volume_ratio, plain.volume_ratio);
     }
 }
 

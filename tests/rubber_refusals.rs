@@ -147,7 +147,7 @@ fn rubber_is_always_mixed() {
 #[test]
 fn methods_that_do_not_serve_rubber_are_refused_by_name() {
     type Change = fn(&mut Scene);
-    let cases: [(&str, &str, Change); 7] = [
+    let cases: [(&str, &str, Change); 6] = [
         ("solver.element", "mini", |scene| {
             scene.solver.element = "mini".into()
         }),
@@ -164,9 +164,6 @@ fn methods_that_do_not_serve_rubber_are_refused_by_name() {
                 scene.solver.displacement_preconditioner = "hierarchical-ssor".into();
             },
         ),
-        ("solver.penalty", "grad-div", |scene| {
-            scene.solver.penalty = Some(1.0)
-        }),
         ("solver.tolerance", "discretisation", |scene| {
             scene.solver.tolerance_rule = ToleranceRule::Discretisation;
         }),

@@ -132,7 +132,10 @@ fn report(lines: &mut Lines, name: &str, report: &v1::StepReport) {
         lines.add("equilibrium", &format!("{stability} of the energy"));
     }
     if report.penalty > 0.0 {
-        lines.add("penalty", &format!("{} mu on volume changes", number(report.penalty)));
+        lines.add(
+            "penalty",
+            &format!("{} mu on volume changes", number(report.penalty)),
+        );
     }
     if let Some(errors) = &report.errors {
         lines.add("errors", &manufactured(errors));

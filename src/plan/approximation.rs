@@ -18,7 +18,7 @@ use super::p1::{self, P1Body};
 use super::prepared::{PrepareError, Prepared, moduli};
 use crate::assembly::p1_stiffness::node_blocks;
 use crate::assembly::strain::{CellLaws, CellStates, CellTangents, Linearised, StrainGrid};
-use crate::linalg::{DenseMatrix, Preconditioner};
+use crate::linalg::{DenseMatrix, Preconditioner, Workspace};
 use crate::mesh::Mesh;
 use crate::precond::NodeBlocks;
 use crate::report::CancelToken;
@@ -67,11 +67,38 @@ pub(crate) struct Deformed<'a> {
 }
 
 impl Prepared {
-    /// The approximation about a deformed state.
+    /// The approximation about a deformed state; without the pressure's part of the
+    /// tangent where that has no factor with it: free of what holds it in contact, a
+    /// surface under pressure may be unstable.
     ///
     /// # Errors
-    /// [`PrepareError`]: the tangent may have no factor.
+    /// [`PrepareError`]: the tangent may have no factor at all.
     pub(crate) fn about(
+        &self,
+        plan: &Plan,
+        mesh: &Mesh,
+        state: Deformed<'_>,
+        cancel: &CancelToken,
+    ) -> Result<Approximation, PrepareError> {
+        let found = self.with_pressure(plan, mesh, state, cancel);
+        if found.is_ok() || cancel.stopped().is_some() {
+            return found;
+        }
+        let pressure = vec![0.0; state.pressure.len()];
+        let mut at = Linearised::default();
+        let fields = (state.displacement, &pressure[..]);
+        state
+            .cells
+            .linearise(fields, &mut at, &mut Workspace::new());
+        let without = Deformed {
+            at: &Arc::new(at),
+            pressure: &pressure,
+            ..state
+        };
+        self.with_pressure(plan, mesh, without, cancel)
+    }
+
+    fn with_pressure(
         &self,
         plan: &Plan,
         mesh: &Mesh,

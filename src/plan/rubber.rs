@@ -213,9 +213,14 @@ impl Plan {
             "both change with every iteration",
         );
         let (penalty, reason) = match self.scene.solver.penalty {
-            Some(weight) => (format!("{weight} mu of pointwise volume change"), "asked for"),
+            Some(weight) => (
+                format!("{weight} mu of pointwise volume change"),
+                "asked for",
+            ),
             None => (
-                format!("none; {PENALTY} mu of pointwise volume change from where an equilibrium is lost"),
+                format!(
+                    "none; {PENALTY} mu of pointwise volume change from where an equilibrium is lost"
+                ),
                 "the element pair loses stability before the body does",
             ),
         };

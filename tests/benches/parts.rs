@@ -28,7 +28,7 @@ use signorini::inequality::dense_qp;
 use signorini::linalg::cholesky::Precision;
 use signorini::linalg::vector::{add_scaled, dot, reproducible_noise};
 use signorini::linalg::{DenseMatrix, Preconditioner, Workspace};
-use signorini::material::{InvariantLaw, Isochoric};
+use signorini::material::{InvariantLaw, Isochoric, Rubber};
 use signorini::precond::NodeBlocks;
 use signorini::precond::p1::{AmgP1, DirectP1, VertexBlocks, vertex_order};
 use signorini::scene::{Formulation, Material, MaterialModel, Modulus, Profile, Support, Traction};
@@ -127,12 +127,15 @@ fn kernels(notebook: &mut Notebook, body: &Body) {
 }
 
 /// A law of Mooney and Rivlin.
-const RUBBER: Isochoric = Isochoric::Invariants(InvariantLaw {
-    c10: 0.4,
-    c01: 0.1,
-    c20: 0.0,
-    c30: 0.0,
-});
+const RUBBER: Rubber = Rubber {
+    isochoric: Isochoric::Invariants(InvariantLaw {
+        c10: 0.4,
+        c01: 0.1,
+        c20: 0.0,
+        c30: 0.0,
+    }),
+    inverse_bulk: 0.0,
+};
 
 /// A and B of the tangent of rubber at strains of some per cent, and the residual,
 /// by rules of degree 2 and 4.

@@ -61,8 +61,9 @@ impl State {
 impl Sample {
     fn strain(&self, set: InstructionSet) -> StrainGrid {
         let of_cell: Vec<u16> = (0..self.mesh.cell_count() as u16).map(|c| c % 4).collect();
+        let laws: Vec<Rubber> = (0..4).map(rubber).collect();
         let laws = CellLaws {
-            laws: &laws(),
+            laws: &laws,
             of_cell: &of_cell,
         };
         let grid = Arc::new(self.grid.clone().with_instruction_set(set));

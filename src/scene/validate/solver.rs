@@ -3,7 +3,8 @@
 use super::{Faults, names};
 use crate::element::quadrature::MAXIMUM_DEGREE;
 use crate::inequality::{ContactMethod, MetricKind};
-use crate::scene::{Scene, ToleranceRule};
+use crate::scene::{MaterialModel, Scene, ToleranceRule};
+
 const PRECONDITIONERS: &[&str] = &[
     "p-multigrid",
     "hierarchical-ssor",
@@ -140,6 +141,13 @@ fn misplaced(saddle: &str, mixed: bool, has_contact: bool) -> Option<&'static st
     }
 }
 
+/// Rubber takes its penalty on the volume change that its pressure does not account
+/// for.
+fn has_rubber(scene: &Scene) -> bool {
+    let mut models = scene.materials.iter().map(|material| &material.model);
+    models.any(|model| matches!(model, MaterialModel::Rubber { .. }))
+}
+
 fn penalty(scene: &Scene, formulated: Formulated, faults: &mut Faults) {
     let path = "solver.penalty";
     let Some(weight) = scene.solver.penalty else {
@@ -150,7 +158,7 @@ fn penalty(scene: &Scene, formulated: Formulated, faults: &mut Faults) {
         faults.add(path, message);
     } else if weight > 0.0 && !formulated.mixed {
         faults.add(path, "needs a pressure unknown; this scene has none");
-    } else if weight > 0.0 && !formulated.incompressible {
+    } else if weight > 0.0 && !formulated.incompressible && !has_rubber(scene) {
         let message =
             "acts on the volume of incompressible materials; a Poisson ratio is below 0.5";
         faults.add(path, message);

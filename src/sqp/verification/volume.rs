@@ -188,7 +188,13 @@ fn add_cell(
             let sum: f64 = at.map(|(&v, l)| l * state.pressure[v as usize]).sum();
             sum * context.plan.units.stress
         });
-        let (stress, defect) = response(context, state.penalty(), material, &point.gradient, pressure);
+        let (stress, defect) = response(
+            context,
+            state.penalty(),
+            material,
+            &point.gradient,
+            pressure,
+        );
         if is_mixed {
             for (&vertex, l) in vertices.iter().zip(l) {
                 constraint[vertex as usize] += weight * l * defect;
