@@ -23,6 +23,7 @@ mod finite_strain;
 mod increment;
 mod linear;
 mod loads;
+mod predictor;
 mod pressures;
 mod program;
 mod results;

@@ -15,7 +15,7 @@ const MOST_HALVINGS: u32 = 8;
 /// Least relative progress in one of the filter's measures.
 const LEAST_PROGRESS: f64 = 1e-4;
 /// Share of the least J that a step must leave.
-const JACOBIAN_SHARE: f64 = 0.2;
+pub(super) const JACOBIAN_SHARE: f64 = 0.2;
 
 /// Why no length was accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
