@@ -10,6 +10,7 @@
 
 mod accuracy;
 mod any_session;
+mod carry;
 mod comparison;
 mod constraints;
 mod contact_metric;

@@ -9,7 +9,9 @@
 //! line through two where there are no more). What drives the body moved on by 1/q
 //! and 1 between them and goes r further in the same direction; another direction has
 //! no such start. Boundary and interior go on together, so that no cell beside a
-//! moving support is turned inside out.
+//! moving support is turned inside out. Where supports share a rigid motion
+//! ([`super::carry`]) the states are compared in the frame that it carries, and the
+//! prediction is carried along, so that a turn needs no small increments.
 //!
 //! The residual decides. A predicted state is taken where its residual is less than
 //! that of the plain start after the motion of its supports to first order, and
@@ -18,6 +20,8 @@
 //! evaluations, a product with the tangent where supports move, and two changes of
 //! the state kept.
 
+use super::carry::Carry;
+use super::constraints::prescribe;
 use super::counters::{Counters, timed};
 use super::drive::Drive;
 use super::evaluate::{Context, Evaluation, evaluate, ratio};
@@ -31,6 +35,9 @@ use crate::linalg::vector::{add_scaled, norm};
 /// Residual of the gaps, over its scale, up to which contact counts as followed.
 const GAPS_HOLD: f64 = 0.05;
 
+/// Distance of a support, over the body's length, that a prediction leaves by rounding.
+const ROUND_OFF: f64 = 1e-12;
+
 /// Difference of two states.
 #[derive(Clone, Debug)]
 struct Change {
@@ -40,12 +47,12 @@ struct Change {
 }
 
 impl Change {
-    fn between(before: &Snapshot, state: &State) -> Self {
+    fn between(displacement: &[f64], before: &Snapshot, state: &State) -> Self {
         let change = |new: &[f64], old: &[f64]| -> Vec<f64> {
             new.iter().zip(old).map(|(new, old)| new - old).collect()
         };
         Self {
-            displacement: change(&state.displacement, &before.displacement),
+            displacement: change(&state.displacement, displacement),
             pressure: change(&state.pressure, &before.pressure),
             multiplier: change(&state.multiplier, &before.multiplier),
         }
@@ -89,15 +96,23 @@ impl Trend {
             return known;
         }
         let earlier = known.filter(|known| known.to == from);
-        let earlier = earlier.and_then(|known| {
+        let mut earlier = earlier.and_then(|known| {
             let longer = to.continues(&known.from, &known.to);
             let longer = longer.filter(|&longer| longer > 0.0);
             longer.map(|longer| (longer, known.last))
         });
+        let mut displacement = before.displacement.clone();
+        if let Some(carry) = Carry::between(context, &before.drive, &state.drive) {
+            carry.apply(context, &mut displacement);
+            if let Some((_, change)) = &mut earlier {
+                let components = context.prepared.space.components;
+                carry.turn(components, &mut change.displacement);
+            }
+        }
         Some(Self {
             from,
             to,
-            last: Change::between(before, state),
+            last: Change::between(&displacement, before, state),
             earlier,
         })
     }
@@ -176,11 +191,8 @@ pub(super) fn start(
     work: &mut Workspace,
 ) -> (Evaluation, f64) {
     let mut before = state.snapshot();
-    let trend = state.trend.take();
-    let [here, there] = [&before.drive, drive].map(|drive| drive.felt_by(context.plan.scene()));
-    let predict = |trend: &Trend| trend.continue_to(state, &here, &there);
-    let is_predicted = trend.as_ref().is_some_and(predict);
-    state.trend = trend;
+    let carry = Carry::between(context, &before.drive, drive);
+    let is_predicted = predict(context, state, carry.as_ref(), drive);
     state.drive = drive.clone();
     if !is_predicted {
         let plain = evaluated(context, state, counters, work);
@@ -197,7 +209,38 @@ pub(super) fn start(
         return (plain.now, force);
     }
     state.restore(&after);
+    let [_, constraint, gap] = plain.sizes(&state.active);
+    state.scales.see(constraint, gap);
+    if let (Some(carry), Some(softest)) = (&carry, &mut state.softest) {
+        carry.turn(context.prepared.space.components, softest.motion_mut());
+    }
     (predicted.now, force)
+}
+
+/// Moves the fields of `state` on towards `drive`; whether there is a way to.
+fn predict(context: &Context<'_>, state: &mut State, carry: Option<&Carry>, drive: &Drive) -> bool {
+    let [here, there] = [&state.drive, drive].map(|drive| drive.felt_by(context.plan.scene()));
+    let trend = state.trend.take();
+    let goes_on = |trend: &Trend| trend.continue_to(state, &here, &there);
+    let is_continued = trend.as_ref().is_some_and(goes_on);
+    state.trend = trend;
+    if let Some(carry) = carry {
+        carry.apply(context, &mut state.displacement);
+    }
+    settle(context, state, drive);
+    is_continued || carry.is_some()
+}
+
+/// Puts supports where they shall be if only rounding is between.
+fn settle(context: &Context<'_>, state: &mut State, drive: &Drive) {
+    let mut goal = state.displacement.clone();
+    let prepared = context.prepared;
+    prescribe(context.plan, context.mesh, prepared, drive, &mut goal);
+    let held = prepared.held.iter().map(|&index| index as usize);
+    let mut distances = held.map(|index| (goal[index] - state.displacement[index]).abs());
+    if distances.all(|distance| distance <= ROUND_OFF) {
+        state.displacement = goal;
+    }
 }
 
 fn evaluated(
