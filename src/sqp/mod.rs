@@ -24,6 +24,7 @@ mod finite_strain;
 mod increment;
 mod linear;
 mod loads;
+mod longest_step;
 mod predictor;
 mod pressures;
 mod program;
