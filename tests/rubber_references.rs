@@ -7,12 +7,9 @@ use std::sync::Arc;
 
 use common::meshes::{cube, file, mesh};
 use common::scenes::{bonded_cube, in_parts, indented_block, push, squeezed_cube};
-use common::{assert_converged, close, open, solve, take, values};
+use common::{assert_converged, close, open, solve};
 use serde_json::Value;
-use signorini::{
-    CancelToken, FieldName, IterationRecord, Mesh, Observer, Scene, Session, Silent, Step, StepRun,
-    Termination,
-};
+use signorini::{CancelToken, IterationRecord, Mesh, Observer, Scene, Step};
 
 /// Largest relative difference that the default rule may make.
 const DEFAULT_RULE: f64 = 2e-3;
@@ -144,47 +141,4 @@ fn a_body_led_back_the_way_it_came_needs_no_program() {
     assert_eq!(reports[2].sqp_iterations, 0);
     let energies = [reports[0].strain_energy, reports[2].strain_energy];
     assert!(close(energies[0], energies[1], 1e-7), "{energies:?}");
-}
-
-/// Cancels at its first record.
-struct Impatient(CancelToken);
-
-impl Observer for Impatient {
-    fn iteration(&mut self, _record: &IterationRecord) {
-        self.0.cancel();
-    }
-}
-
-#[test]
-fn what_follows_a_cancelled_increment_does_not_depend_on_what_it_did() {
-    let (scene, step) = bonded_cube();
-    let mesh = mesh(cube(3));
-    let goes_on = |is_stopped: fn(&mut Session, &mut StepRun)| {
-        let mut session = open(&scene, &mesh);
-        let mut run = session.begin_step(&step).expect("a valid step");
-        for _ in 0..3 {
-            session.advance(&mut run, &mut Silent, &CancelToken::new());
-        }
-        is_stopped(&mut session, &mut run);
-        let deeper = push("press", [0.0, 0.0, -0.1]);
-        take(&mut session, &deeper)
-            .iter()
-            .for_each(assert_converged);
-        let moved = values(&session, FieldName::Displacement);
-        moved.into_iter().map(f64::to_bits).collect::<Vec<_>>()
-    };
-    let before_it = goes_on(|session, _| session.stop());
-    let in_it = goes_on(|session, run| {
-        let token = CancelToken::new();
-        let report = session.advance(run, &mut Impatient(token.clone()), &token);
-        assert_eq!(
-            report.map(|report| report.termination),
-            Some(Termination::Cancelled)
-        );
-    });
-    let after_it = goes_on(|session, run| {
-        session.advance(run, &mut Silent, &CancelToken::new());
-        session.take_back();
-    });
-    assert!(before_it == in_it && before_it == after_it);
 }

@@ -212,9 +212,11 @@ pub(crate) fn describe(
 ) {
     let drive = state.drive.clone();
     let now = evaluate(context, state, &drive, work);
-    ending.force_scale = now.force_scale(0.0);
+    // That of the increment which led there.
+    let known = state.force_scale;
+    ending.force_scale = now.force_scale(known);
     ending.max_penetration = now.max_penetration;
-    ending.residuals = residuals(state, &now, 0.0);
+    ending.residuals = residuals(state, &now, known);
 }
 
 /// How far held entries still are from where `drive` wants them; none where they

@@ -158,6 +158,11 @@ impl Session {
                     increment::describe(&whole, state, &mut ending, work);
                     return (ending, reached);
                 }
+                Termination::DeadlineExceeded if relief.penetration.is_empty() => {
+                    state.restore(&good.0);
+                    ending.stability = state.softest.as_ref().map(Softest::stability);
+                    return (ending, reached);
+                }
                 Termination::Cancelled
                 | Termination::DeadlineExceeded
                 | Termination::InternalError => return (ending, 0.0),
