@@ -79,6 +79,7 @@
 #![doc = include_str!("decisions/0018-rule-of-rubber.md")]
 #![doc = include_str!("decisions/0019-inverse-at-rest.md")]
 #![doc = include_str!("decisions/0020-vertex-gradients.md")]
+#![doc = include_str!("decisions/0021-where-programs-start.md")]
 
 pub mod assembly;
 pub mod contact;

@@ -6,7 +6,7 @@ mod common;
 use std::sync::Arc;
 
 use common::meshes::{cube, file, mesh};
-use common::scenes::{bonded_cube, indented_block, squeezed_cube};
+use common::scenes::{bonded_cube, in_parts, indented_block, push, squeezed_cube};
 use common::{assert_converged, close, open, solve};
 use serde_json::Value;
 use signorini::{CancelToken, IterationRecord, Mesh, Observer, Scene, Step};
@@ -104,11 +104,13 @@ impl Observer for FirstRecords {
 
 #[test]
 fn every_program_near_the_end_squares_the_residual() {
-    let (mut scene, step) = bonded_cube();
+    let (mut scene, _) = bonded_cube();
     scene.solver.tolerance = 1e-12;
-    let mut session = open(&scene, &mesh(cube(3)));
-    let mut run = session.begin_step(&step).expect("a valid step");
-    for _ in 0..4 {
+    // From rest, where nothing is predicted.
+    for travel in [-0.025, -0.05, -0.075, -0.1] {
+        let mut session = open(&scene, &mesh(cube(3)));
+        let step = push("press", [0.0, 0.0, travel]);
+        let mut run = session.begin_step(&step).expect("a valid step");
         let mut seen = FirstRecords::default();
         let report = session.advance(&mut run, &mut seen, &CancelToken::new());
         assert_converged(&report.expect("an increment"));
@@ -117,4 +119,26 @@ fn every_program_near_the_end_squares_the_residual() {
         let is_squared = tail.windows(2).all(|pair| pair[1] <= pair[0].powi(2));
         assert!(is_squared, "{tail:?}");
     }
+}
+
+#[test]
+fn increments_in_one_direction_start_where_the_last_ones_lead() {
+    let (scene, step) = bonded_cube();
+    let reports = solve(&scene, &[step], &mesh(cube(4)));
+    reports.iter().for_each(assert_converged);
+    let programs: Vec<u32> = reports.iter().map(|r| r.sqp_iterations).collect();
+    // Three each without a prediction.
+    assert!(programs.iter().sum::<u32>() <= 24, "{programs:?}");
+}
+
+#[test]
+fn a_body_led_back_the_way_it_came_needs_no_program() {
+    let (scene, _) = bonded_cube();
+    let out = in_parts(push("press", [0.0, 0.0, -0.1]), 2);
+    let back = push("press", [0.0, 0.0, -0.05]);
+    let reports = solve(&scene, &[out, back], &mesh(cube(3)));
+    reports.iter().for_each(assert_converged);
+    assert_eq!(reports[2].sqp_iterations, 0);
+    let energies = [reports[0].strain_energy, reports[2].strain_energy];
+    assert!(close(energies[0], energies[1], 1e-7), "{energies:?}");
 }

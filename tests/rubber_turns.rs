@@ -1,5 +1,5 @@
 //! Rotations of rubber: the torsion of a cylinder, and a stressed body that turns
-//! with all that holds it.
+//! with all that holds it, 60 and 90 degrees at once.
 //!
 //! Rivlin's torsion by tau per length of a cylinder of radius A that keeps its
 //! height: torque pi A^4 tau (C10 + C01), so that the energy is half of torque
@@ -12,8 +12,8 @@ use std::f64::consts::{PI, TAU};
 use common::curved::cylinder;
 use common::meshes::{cube, irregular, mesh};
 use common::scenes::{HELD, mooney_rivlin, press, pull, push, rubber, support, turned};
-use common::{assert_converged, close, open, solve, take};
-use signorini::scene::ObstacleTarget;
+use common::{assert_converged, close, open, solve, solve_one, take};
+use signorini::scene::{ObstacleTarget, SupportTarget};
 use signorini::{Session, Step, StepReport};
 
 const TWIST: f64 = 0.5;
@@ -95,6 +95,7 @@ fn turn(session: &mut Session, stressed: &StepReport, turns: f64, increments: u3
     let expected = invariants(stressed);
     for report in &reports {
         assert_converged(report);
+        assert_eq!(report.sqp_iterations, 0, "nothing is left to solve");
         for (value, expected) in invariants(report).into_iter().zip(&expected) {
             assert!(close(value, *expected, 1e-9), "{report:?}");
         }
@@ -109,7 +110,7 @@ fn a_stretched_body_turns_ten_times_with_its_supports() {
     let mut session = open(&scene, &mesh(irregular(cube(2), 2)));
     let stretched = take(&mut session, &pull("z1", AXIS.map(|x| Some(0.4 * x)), 1));
     assert_converged(&stretched[0]);
-    turn(&mut session, &stretched[0], 10.0, 360);
+    turn(&mut session, &stretched[0], 10.0, 60);
 }
 
 #[test]
@@ -121,5 +122,55 @@ fn a_pressed_body_turns_ten_times_with_its_support_and_its_obstacle() {
     let mut session = open(&scene, &mesh(irregular(cube(2), 2)));
     let pressed = take(&mut session, &push("press", [0.0, 0.0, -0.15]));
     assert_converged(&pressed[0]);
-    turn(&mut session, &pressed[0], 10.0, 360);
+    turn(&mut session, &pressed[0], 10.0, 40);
+}
+
+/// A support that turns by `angle` about the axis and goes on along it.
+fn screwed(name: &str, angle: f64, travel: f64) -> SupportTarget {
+    SupportTarget {
+        translation: Some(AXIS.map(|x| travel * x)),
+        ..turned(name, AXIS.map(|x| angle * x), PIVOT)
+    }
+}
+
+#[test]
+fn a_body_is_stretched_while_it_turns_by_a_right_angle() {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.supports = vec![support("z0", HELD), support("z1", HELD)];
+    let stretched = |angle| {
+        let step = Step {
+            supports: vec![screwed("z0", angle, 0.0), screwed("z1", angle, 0.3)],
+            ..Step::default()
+        };
+        let report = solve_one(&scene, &step, &mesh(irregular(cube(2), 2)));
+        assert_eq!(report.cut_backs, 0);
+        report
+    };
+    let (straight, slanted) = (stretched(0.0), stretched(0.5 * PI));
+    let [straight, slanted] = [straight, slanted].map(|report| invariants(&report));
+    for (value, expected) in slanted.into_iter().zip(straight) {
+        assert!(close(value, expected, 1e-7), "{value} {expected}");
+    }
+}
+
+/// Nothing turns with the plane of a press: its normal is the axis.
+#[test]
+fn a_pressed_body_turns_under_a_press_that_stands_still() {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.supports = vec![support("z0", HELD)];
+    scene.obstacles = vec![press("z1")];
+    let mut session = open(&scene, &mesh(irregular(cube(2), 2)));
+    let pressed = take(&mut session, &push("press", [0.0, 0.0, -0.15]));
+    let step = Step {
+        increments: 4,
+        supports: vec![turned("z0", [0.0, 0.0, TAU], [0.5, 0.5, 0.0])],
+        ..Step::default()
+    };
+    let expected = invariants(&pressed[0]);
+    for report in take(&mut session, &step) {
+        assert_converged(&report);
+        for (value, expected) in invariants(&report).into_iter().zip(&expected) {
+            assert!(close(value, *expected, 1e-7), "{report:?}");
+        }
+    }
 }

@@ -4,6 +4,9 @@
 use crate::geometry::rigid_motion::RigidMotion;
 use crate::scene::{ObstacleTarget, Scene, Step, SupportTarget};
 
+/// Difference of two ways, over the values' own size, that rounding leaves.
+const PARALLEL: f64 = 1e-9;
+
 /// Pose of an obstacle from its initial one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObstaclePose {
@@ -91,6 +94,50 @@ impl Drive {
         let values = self.supports.as_flattened();
         values.iter().any(|&value| value != 0.0)
             || self.motions.iter().any(|motion| !motion.is_rest())
+    }
+
+    /// r where the way from `to` to this drive is r times that from `from` to `to`,
+    /// to round-off; none where it is another way, or one of them has no length.
+    pub(crate) fn continues(&self, from: &Self, to: &Self) -> Option<f64> {
+        let [a, b, c] = [from, to, self].map(|drive| drive.values(self));
+        // Each value over its own size: loads, lengths and angles have no common one.
+        let ways = a.iter().zip(&b).zip(&c).map(|((a, b), c)| {
+            let size = a.abs().max(b.abs()).max(c.abs()).max(f64::MIN_POSITIVE);
+            ((b - a) / size, (c - b) / size)
+        });
+        let ways: Vec<_> = ways.collect();
+        let length: f64 = ways.iter().map(|(last, _)| last * last).sum();
+        let ratio = ways.iter().map(|(last, next)| last * next).sum::<f64>() / length;
+        let is_parallel = ways
+            .iter()
+            .all(|(last, next)| (next - ratio * last).abs() <= PARALLEL);
+        (length > 0.0 && ratio != 0.0 && is_parallel).then_some(ratio)
+    }
+
+    /// All numbers, motions expressed about the reference points of `other`.
+    fn values(&self, other: &Self) -> Vec<f64> {
+        let poses = self.poses.iter();
+        let poses = poses.flat_map(|pose| [pose.translation, pose.rotation]);
+        let motions = self.motions.iter().zip(&other.motions);
+        let motions = motions.flat_map(|(motion, other)| {
+            let motion = motion.expressed_about(other.about);
+            [motion.translation, motion.rotation]
+        });
+        let vectors = poses.chain(self.supports.iter().copied()).chain(motions);
+        std::iter::once(self.load)
+            .chain(vectors.flatten())
+            .collect()
+    }
+
+    /// This drive with no load factor where `scene` has no load.
+    pub(crate) fn felt_by(&self, scene: &Scene) -> Self {
+        let is_loaded = scene.manufactured.is_some()
+            || scene.body_force != [0.0; 3]
+            || !scene.tractions.is_empty()
+            || !scene.pressures.is_empty();
+        let mut felt = self.clone();
+        felt.load = if is_loaded { self.load } else { 0.0 };
+        felt
     }
 
     /// A fraction of the way to `end`; exactly `end` at one.
@@ -269,5 +316,46 @@ mod tests {
         let late = turned.towards(&end, 1.0 - 1e-9).motions[0].apply(point);
         let after = end.motions[0].apply(point);
         assert!(norm(sub(late, after)) < 1e-8, "{late:?} {after:?}");
+    }
+
+    #[test]
+    fn equal_increments_of_a_ramp_continue_each_other() {
+        let start = Drive::undeformed(&scene());
+        let end = start.after(&scene(), &turning(PI, [1.0, 0.0, 0.0], 0.3));
+        let [a, b, c] = [0.1, 0.3, 0.8].map(|fraction| start.towards(&end, fraction));
+        let further = c.continues(&a, &b).expect("the same direction");
+        assert!((further - 2.5).abs() < 1e-12, "{further}");
+        let back = a.continues(&b, &c).expect("the way back");
+        assert!((back + 1.4).abs() < 1e-12, "{back}");
+    }
+
+    #[test]
+    fn another_direction_and_rest_continue_nothing() {
+        let start = Drive::undeformed(&scene());
+        let turned = start.after(&scene(), &turning(PI, [1.0, 0.0, 0.0], 0.3));
+        let loaded = Drive {
+            load: 1.0,
+            ..turned.clone()
+        };
+        let further = loaded.towards(
+            &turned.after(&scene(), &turning(2.0 * PI, [1.0, 0.0, 0.0], 0.6)),
+            0.5,
+        );
+        assert_eq!(loaded.continues(&start, &turned), None);
+        assert_eq!(further.continues(&turned, &loaded), None);
+        assert_eq!(turned.continues(&start, &start), None);
+        assert_eq!(turned.continues(&start, &turned), None);
+    }
+
+    #[test]
+    fn units_do_not_change_how_far_a_ramp_goes_on() {
+        for unit in [1e-6, 1.0, 1e6] {
+            let shifted = |by: f64| Drive {
+                load: 0.5 * by,
+                ..Drive::undeformed(&scene()).after(&scene(), &turning(by, [0.0; 3], unit * by))
+            };
+            let further = shifted(0.7).continues(&shifted(0.1), &shifted(0.3));
+            assert!(further.is_some_and(|further| (further - 2.0).abs() < 1e-12));
+        }
     }
 }

@@ -11,6 +11,7 @@ use super::counters::{Counters, timed};
 use super::drive::Drive;
 use super::estimate::Estimate;
 use super::evaluate::{Context, Evaluation, evaluate};
+use super::predictor;
 use super::program::Program;
 use super::search::{Refused, search};
 use super::state::State;
@@ -67,21 +68,7 @@ pub(crate) fn solve(
     counters: &mut Counters,
     work: &mut Workspace,
 ) -> Ending {
-    if context.prepared.strain.is_none() {
-        let displacement = &mut state.displacement;
-        prescribe(
-            context.plan,
-            context.mesh,
-            context.prepared,
-            drive,
-            displacement,
-        );
-    }
-    state.drive = drive.clone();
-    let mut now = timed(&mut counters.seconds.contact, || {
-        evaluate(context, state, drive, work)
-    });
-    let mut first_force = norm(&now.force);
+    let (mut now, mut first_force) = start(context, state, drive, counters, work);
     let mut reduction = FIRST_REDUCTION;
     for _ in 0..MOST_PROGRAMS {
         let motion = remaining_motion(context, state, drive);
@@ -188,6 +175,34 @@ pub(crate) fn solve(
     )
 }
 
+/// Moves `state` to where the first program starts; what holds there, and the force
+/// that is out of balance before.
+fn start(
+    context: &Context<'_>,
+    state: &mut State,
+    drive: &Drive,
+    counters: &mut Counters,
+    work: &mut Workspace,
+) -> (Evaluation, f64) {
+    if context.prepared.strain.is_some() {
+        return predictor::start(context, state, drive, counters, work);
+    }
+    let displacement = &mut state.displacement;
+    prescribe(
+        context.plan,
+        context.mesh,
+        context.prepared,
+        drive,
+        displacement,
+    );
+    state.drive = drive.clone();
+    let now = timed(&mut counters.seconds.contact, || {
+        evaluate(context, state, drive, work)
+    });
+    let force = norm(&now.force);
+    (now, force)
+}
+
 /// Makes `ending` describe the state that is kept.
 pub(crate) fn describe(
     context: &Context<'_>,
@@ -197,14 +212,20 @@ pub(crate) fn describe(
 ) {
     let drive = state.drive.clone();
     let now = evaluate(context, state, &drive, work);
-    ending.force_scale = now.force_scale(0.0);
+    // That of the increment which led there.
+    let known = state.force_scale;
+    ending.force_scale = now.force_scale(known);
     ending.max_penetration = now.max_penetration;
-    ending.residuals = residuals(state, &now, 0.0);
+    ending.residuals = residuals(state, &now, known);
 }
 
 /// How far held entries still are from where `drive` wants them; none where they
 /// are there, and always for linear bodies.
-fn remaining_motion(context: &Context<'_>, state: &State, drive: &Drive) -> Option<Vec<f64>> {
+pub(super) fn remaining_motion(
+    context: &Context<'_>,
+    state: &State,
+    drive: &Drive,
+) -> Option<Vec<f64>> {
     context.prepared.strain.as_ref()?;
     let mut goal = state.displacement.clone();
     prescribe(

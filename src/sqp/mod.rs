@@ -10,6 +10,7 @@
 
 mod accuracy;
 mod any_session;
+mod carry;
 mod comparison;
 mod constraints;
 mod contact_metric;
@@ -23,6 +24,8 @@ mod finite_strain;
 mod increment;
 mod linear;
 mod loads;
+mod longest_step;
+mod predictor;
 mod pressures;
 mod program;
 mod results;

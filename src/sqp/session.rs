@@ -168,9 +168,11 @@ impl Session {
     }
 
     /// Does the next increment; none when the step is finished. A result that
-    /// did not converge finishes the step, with the last good state kept; one that
-    /// was stopped leaves the state before the increment, so that no later bit
-    /// depends on when that was. After a panic inside, [`Session::take_back`].
+    /// did not converge finishes the step, with the last good state kept. One that
+    /// was cancelled leaves the state before the increment, so that no later bit
+    /// depends on when that was; one whose time is up the last part of the increment
+    /// that converged, which the report names: nothing else depends on the clock.
+    /// After a panic inside, [`Session::take_back`].
     pub(super) fn advance(
         &mut self,
         run: &mut StepRun,
@@ -197,12 +199,15 @@ impl Session {
         let mut state = std::mem::replace(&mut self.state, State::undeformed(&self.plan));
         let (mut ending, part) =
             self.approach(&mut state, &goal, &mut watch, &mut counters, &mut work);
-        if ending.is_stopped() {
+        let is_left = ending.is_stopped() && part == 0.0;
+        if is_left {
             state.restore(&before);
-            increment::describe(&self.context(), &mut state, &mut ending, &mut work);
             self.previous = None;
         } else {
             self.moved = true;
+        }
+        if ending.is_stopped() {
+            increment::describe(&self.context(), &mut state, &mut ending, &mut work);
         }
         self.state = state;
         if ending.is_stopped() {

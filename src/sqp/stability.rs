@@ -63,6 +63,11 @@ impl Softest {
         }
     }
 
+    /// The motion, to be turned with the body.
+    pub(super) fn motion_mut(&mut self) -> &mut [f64] {
+        &mut self.motion
+    }
+
     /// Bytes held.
     pub(crate) fn bytes(&self) -> u64 {
         8 * self.motion.len() as u64

@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::drive::Drive;
+use super::predictor::Trend;
 use super::stability::Softest;
 use super::upkeep::Upkeep;
 use crate::assembly::strain::{Linearised, StrainGrid};
@@ -14,11 +15,11 @@ use crate::plan::{Plan, TaylorHoodData};
 /// Fields, multipliers, what drove them there and their scales, to return to.
 #[derive(Clone, Debug)]
 pub(crate) struct Snapshot {
-    displacement: Vec<f64>,
-    pressure: Vec<f64>,
-    multiplier: Vec<f64>,
+    pub(super) displacement: Vec<f64>,
+    pub(super) pressure: Vec<f64>,
+    pub(super) multiplier: Vec<f64>,
     active: Vec<bool>,
-    drive: Drive,
+    pub(super) drive: Drive,
     scales: QpScales,
     force_scale: f64,
     penalised: Option<Arc<StrainGrid>>,
@@ -57,6 +58,8 @@ pub(crate) struct State {
     penalised: Option<Arc<StrainGrid>>,
     /// Of the last equilibrium; none for linear bodies.
     pub(crate) softest: Option<Softest>,
+    /// How the last part moved it; none for linear bodies.
+    pub(crate) trend: Option<Trend>,
     /// What the last tangent was taken about; empty for linear bodies.
     pub(crate) linearised: Arc<Linearised>,
 }
@@ -76,6 +79,7 @@ impl State {
             upkeep: Upkeep::default(),
             softest: None,
             penalised: None,
+            trend: None,
             linearised: Arc::default(),
         }
     }
@@ -101,6 +105,7 @@ impl State {
         self.directions = plan.directions();
         self.upkeep = Upkeep::default();
         self.softest = None;
+        self.trend = None;
     }
 
     pub(crate) fn snapshot(&self) -> Snapshot {
@@ -134,5 +139,6 @@ impl State {
             + self.linearised.bytes()
             + self.upkeep.bytes()
             + self.softest.as_ref().map_or(0, Softest::bytes)
+            + self.trend.as_ref().map_or(0, Trend::bytes)
     }
 }

@@ -214,6 +214,11 @@ impl StrainGrid {
         self.penalty
     }
 
+    /// The rule.
+    pub fn rule(&self) -> &Rule {
+        &self.rule
+    }
+
     /// Points of the rule.
     pub fn points(&self) -> usize {
         self.rule.len()

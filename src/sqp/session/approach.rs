@@ -13,8 +13,9 @@ use crate::sqp::counters::Counters;
 use crate::sqp::drive::Drive;
 use crate::sqp::evaluate::Context;
 use crate::sqp::increment::{self, Ending};
+use crate::sqp::predictor::Trend;
 use crate::sqp::stability::Softest;
-use crate::sqp::state::State;
+use crate::sqp::state::{Snapshot, State};
 use crate::sqp::watch::Watch;
 use crate::sqp::{accuracy, stability};
 
@@ -125,6 +126,7 @@ impl Session {
             self.explain(&mut ending, state, work);
             self.centre_pressure(state);
             certify(&context, &mut ending, state, watch, counters, work);
+            note_trend(&context, &ending, &good.0, state);
             match ending.termination {
                 Termination::Converged if next >= 1.0 => return (ending, 1.0),
                 Termination::Converged => {
@@ -154,6 +156,11 @@ impl Session {
                 Termination::NotConverged => {
                     state.restore(&good.0);
                     increment::describe(&whole, state, &mut ending, work);
+                    return (ending, reached);
+                }
+                Termination::DeadlineExceeded if relief.penetration.is_empty() => {
+                    state.restore(&good.0);
+                    ending.stability = state.softest.as_ref().map(Softest::stability);
                     return (ending, reached);
                 }
                 Termination::Cancelled
@@ -276,6 +283,15 @@ fn certify(
     if ending.stability == Some(Stability::Saddle) {
         ending.termination = Termination::NotConverged;
         ending.cause = Some(Cause::UnstableEquilibrium);
+    }
+}
+
+/// Keeps how rubber moved in a part that converged.
+fn note_trend(context: &Context<'_>, ending: &Ending, before: &Snapshot, state: &mut State) {
+    let is_rubber = context.prepared.strain.is_some();
+    if is_rubber && ending.termination == Termination::Converged {
+        let known = state.trend.take();
+        state.trend = Trend::noted(context, known, before, state);
     }
 }
 
