@@ -42,9 +42,11 @@ const DEGREE_ABOUT_AXIS: u32 = 4;
 /// the last increment instead of 228).
 const KEPT_DIRECTIONS: usize = 40;
 
-/// Weight of the volume term where an equilibrium is lost without it, in units of
-/// the shear modulus (decision 21).
-const PENALTY: f64 = 4.0;
+/// Weights of the volume term where an equilibrium is lost without it, in units of
+/// the shear modulus: as much as the pressure (decision 22).
+const PENALTIES: [f64; 2] = [4.0, 16.0];
+/// Under larger pressures.
+const LARGEST_PENALTY: f64 = 64.0;
 
 /// Vertex gradients and pressures of a tetrahedron.
 const VERTEX_NUMBERS: u64 = 40;
@@ -71,10 +73,13 @@ impl Plan {
         self.scene.solver.penalty.unwrap_or(0.0)
     }
 
-    /// Its weight where an equilibrium is lost without it.
-    pub(crate) fn next_penalty(&self) -> Option<f64> {
+    /// Its weight where an equilibrium is lost with less under pressures up to
+    /// `largest`, in units of the shear modulus; none where the scene says.
+    pub(crate) fn next_penalty(&self, largest: f64) -> Option<f64> {
         let is_free = self.resolved.is_rubber() && self.scene.solver.penalty.is_none();
-        is_free.then_some(PENALTY)
+        let mut weights = PENALTIES.into_iter();
+        let enough = weights.find(|&weight| weight >= largest);
+        is_free.then(|| enough.unwrap_or(LARGEST_PENALTY))
     }
 
     /// Degree of the rule for stress, volume and tangent.
@@ -218,9 +223,8 @@ impl Plan {
                 "asked for",
             ),
             None => (
-                format!(
-                    "none; {PENALTY} mu of pointwise volume change from where an equilibrium is lost"
-                ),
+                "none; 4 mu or more of pointwise volume change from where an equilibrium is lost"
+                    .into(),
                 "the element pair loses stability before the body does",
             ),
         };

@@ -33,6 +33,8 @@ const LARGEST_RELIEF: f64 = 0.05;
 const SOFT: f64 = 0.1;
 /// Failures of one part after another that bring the volume term in.
 const PATIENCE: u32 = 2;
+/// First share of a penalty: what the pair has moved wrongly comes back by degrees.
+const GENTLE: f64 = 0.25;
 /// Share of a constant pressure's forces that contact may leave.
 const CLOSED: f64 = 1e-6;
 
@@ -93,6 +95,63 @@ impl Relief {
     }
 }
 
+/// A state to go back to.
+struct Good {
+    fields: Snapshot,
+    softest: Option<Softest>,
+}
+
+impl Good {
+    fn of(state: &State) -> Self {
+        Self {
+            fields: state.snapshot(),
+            softest: state.softest.clone(),
+        }
+    }
+
+    fn restore(&self, state: &mut State) {
+        state.restore(&self.fields);
+        state.softest = self.softest.clone();
+    }
+}
+
+/// Parts of the way.
+struct Parts {
+    reached: f64,
+    part: f64,
+    /// One after the other.
+    failures: u32,
+    /// Largest penalty that led nowhere.
+    tried: f64,
+}
+
+impl Parts {
+    fn new(part: f64) -> Self {
+        Self {
+            reached: 0.0,
+            part,
+            failures: 0,
+            tried: 0.0,
+        }
+    }
+
+    /// End of the next part.
+    fn next(&self) -> f64 {
+        let next = self.reached + self.part;
+        if next >= 1.0 - 1e-12 { 1.0 } else { next }
+    }
+
+    fn succeed(&mut self) {
+        self.reached = self.next();
+        self.part *= GROWTH;
+        self.failures = 0;
+    }
+
+    fn cut_back(&mut self) {
+        self.part = 0.5 * (self.next() - self.reached);
+    }
+}
+
 impl Session {
     /// Moves `state` to `goal`, in parts where the whole fails; returns how it
     /// ended and the part reached.
@@ -107,61 +166,58 @@ impl Session {
         let whole = self.context();
         let start = state.drive.clone();
         let relief = Relief::of(&whole, state, &start);
-        let (mut reached, mut part) = (0.0, relief.first_part());
-        let mut failures = 0;
+        let mut parts = Parts::new(relief.first_part());
         loop {
-            let next = if reached + part >= 1.0 - 1e-12 {
-                1.0
-            } else {
-                reached + part
-            };
+            let next = parts.next();
             let left = relief.left(next);
             let context = Context {
                 relief: &left,
                 ..whole
             };
-            let good = (state.snapshot(), state.softest.clone());
+            let good = Good::of(state);
             let drive = start.towards(goal, next);
-            let mut ending = accuracy::solve(&context, state, &drive, watch, counters, work);
-            self.explain(&mut ending, state, work);
-            self.centre_pressure(state);
-            certify(&context, &mut ending, state, watch, counters, work);
-            note_trend(&context, &ending, &good.0, state);
+            let mut ending = self.attempt(&context, state, &drive, watch, counters, work);
+            note_trend(&context, &ending, &good.fields, state);
             match ending.termination {
                 Termination::Converged if next >= 1.0 => return (ending, 1.0),
-                Termination::Converged => {
-                    reached = next;
-                    part *= GROWTH;
-                    failures = 0;
-                }
+                Termination::Converged => parts.succeed(),
                 Termination::NotConverged if self.cut_backs_help(&ending) => {
-                    state.restore(&good.0);
-                    state.softest = good.1;
-                    failures += 1;
-                    if self.penalise(state, &ending, failures) {
+                    good.restore(state);
+                    parts.failures += 1;
+                    let left = relief.left(parts.reached);
+                    let context = Context {
+                        relief: &left,
+                        ..whole
+                    };
+                    let weight = self.next_penalty(&ending, state, &parts);
+                    if let Some(weight) = weight
+                        && self.penalise(&context, state, weight, watch, counters, work)
+                    {
+                        parts.failures = 0;
                         continue;
                     }
-                    part = 0.5 * (next - reached);
+                    parts.tried = weight.unwrap_or(parts.tried);
+                    parts.cut_back();
                     counters.cut_backs += 1;
-                    if part < least_fraction(&ending, state) {
+                    if parts.part < least_fraction(&ending, state) {
                         name_the_end(&mut ending, state);
                         ending.stability = state.softest.as_ref().map(Softest::stability);
                         increment::describe(&whole, state, &mut ending, work);
-                        return (ending, reached);
+                        return (ending, parts.reached);
                     }
                 }
                 // Far from equilibrium an iterate is of no use; close to it, it
                 // is the best there is.
                 Termination::NotConverged if is_meaningful(&ending) => return (ending, next),
                 Termination::NotConverged => {
-                    state.restore(&good.0);
+                    good.restore(state);
                     increment::describe(&whole, state, &mut ending, work);
-                    return (ending, reached);
+                    return (ending, parts.reached);
                 }
                 Termination::DeadlineExceeded if relief.penetration.is_empty() => {
-                    state.restore(&good.0);
+                    good.restore(state);
                     ending.stability = state.softest.as_ref().map(Softest::stability);
-                    return (ending, reached);
+                    return (ending, parts.reached);
                 }
                 Termination::Cancelled
                 | Termination::DeadlineExceeded
@@ -170,21 +226,58 @@ impl Session {
         }
     }
 
-    /// Adds the volume term where its absence may be what loses the equilibrium;
-    /// whether it did.
-    fn penalise(&self, state: &mut State, ending: &Ending, failures: u32) -> bool {
-        let weight = self.plan.next_penalty();
+    /// Solves one part and says what kind of equilibrium it led to.
+    fn attempt(
+        &self,
+        context: &Context<'_>,
+        state: &mut State,
+        drive: &Drive,
+        watch: &mut Watch<'_>,
+        counters: &mut Counters,
+        work: &mut Workspace,
+    ) -> Ending {
+        let mut ending = accuracy::solve(context, state, drive, watch, counters, work);
+        self.explain(&mut ending, state, work);
+        self.centre_pressure(state);
+        certify(context, &mut ending, state, watch, counters, work);
+        ending
+    }
+
+    /// The weight of the volume penalty where less of it may be what loses the
+    /// equilibrium.
+    fn next_penalty(&self, ending: &Ending, state: &State, parts: &Parts) -> Option<f64> {
         let is_lost = ending.cause == Some(Cause::UnstableEquilibrium)
             || is_soft(state)
-            || failures >= PATIENCE;
-        match weight {
-            Some(weight) if is_lost && weight > state.penalty() => {
-                state.penalise(&self.prepared, weight);
-                state.upkeep.failed(false);
-                true
+            || parts.failures >= PATIENCE;
+        let pressures = state.pressure.iter();
+        let largest = pressures.fold(0.0, |most: f64, p| most.max(p.abs()));
+        let weight = self.plan.next_penalty(largest).filter(|_| is_lost);
+        weight.filter(|&weight| weight > state.penalty().max(parts.tried))
+    }
+
+    /// Moves a good state to where a larger penalty has its equilibrium; whether
+    /// that was found, and the state left as it was where not.
+    fn penalise(
+        &self,
+        context: &Context<'_>,
+        state: &mut State,
+        weight: f64,
+        watch: &mut Watch<'_>,
+        counters: &mut Counters,
+        work: &mut Workspace,
+    ) -> bool {
+        let good = Good::of(state);
+        let drive = state.drive.clone();
+        for weight in [GENTLE * weight, weight] {
+            state.penalise(&self.prepared, weight);
+            state.upkeep.failed(false);
+            let ending = self.attempt(context, state, &drive, watch, counters, work);
+            if ending.termination != Termination::Converged {
+                good.restore(state);
+                return false;
             }
-            _ => false,
         }
+        true
     }
 
     /// Names what the Krylov method could only notice as stagnation.
