@@ -132,14 +132,15 @@ fn a_layer_of_32_to_1_bonded_on_both_sides_is_pressed_by_a_tenth() {
     assert!(nominal > 5.0 && nominal < 12.0, "{nominal}");
 }
 
+/// Plane, so that what is pressed out leaves by two sides: sheared by two at the rims.
 #[test]
-fn an_incompressible_layer_of_32_to_1_bonded_on_both_sides_is_pressed_by_a_tenth() {
+fn an_incompressible_strip_of_32_to_1_bonded_on_both_sides_is_pressed_by_a_25th() {
     let (mut scene, layer) = layer(None);
     scene.supports.push(support("z1", HELD));
-    let step = pull("z1", [None, None, Some(-0.1)], 5);
+    let step = pull("z1", [None, None, Some(-0.04)], 2);
     let reports = solve(&scene, &[step], &layer);
     reports.iter().for_each(assert_converged);
-    assert!(close(reports[4].volume_ratio, 1.0, 1e-8));
+    assert!(close(reports[1].volume_ratio, 1.0, 1e-8));
 }
 
 #[test]
