@@ -132,7 +132,7 @@ impl Drive {
     /// This drive with no load factor where `scene` has no load.
     pub(crate) fn felt_by(&self, scene: &Scene) -> Self {
         let is_loaded = scene.manufactured.is_some()
-            || scene.body_force.iter().any(|&force| force != 0.0)
+            || scene.body_force.iter().any(|&value| value != 0.0)
             || !scene.tractions.is_empty()
             || !scene.pressures.is_empty();
         let mut felt = self.clone();
