@@ -97,11 +97,11 @@ fn a_bonded_cube_under_a_smooth_press_stands_until_it_sways() {
 fn an_evenly_pressed_cube_is_stable_to_two_fifths() {
     let (scene, _) = squeezed_cube();
     let step = in_parts(push("press", [0.0, 0.0, -0.6]), 16);
-    let reports = solve(&scene, &[step.clone()], &mesh(cube(4)));
+    let reports = solve(&scene, std::slice::from_ref(&step), &mesh(cube(4)));
     let part = reached(&reports);
     assert!(0.6 * part >= 0.4, "{part}");
     assert!(reports.iter().any(|r| r.penalty > 0.0));
-    let mut plain = scene.clone();
+    let mut plain = scene;
     plain.solver.penalty = Some(0.0);
     let part = reached(&solve(&plain, &[step], &mesh(cube(4))));
     assert!(0.6 * part < 0.38, "{part}");
