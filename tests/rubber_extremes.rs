@@ -274,6 +274,17 @@ fn an_obstacle_taken_back_leaves_no_displacement() {
     assert!(left <= 1e-10, "{left:e}");
 }
 
+/// The last increment ends without a contact pressure to measure it by.
+#[test]
+fn a_press_taken_back_in_small_increments_lets_go() {
+    let (scene, _) = bonded_cube();
+    let step = |travel| in_parts(push("press", [0.0, 0.0, travel]), 5);
+    let reports = solve(&scene, &[step(-0.25), step(0.0)], &mesh(cube(4)));
+    assert_eq!(reports.len(), 10);
+    reports.iter().for_each(assert_converged);
+    assert!(reports[9].strain_energy < 1e-16);
+}
+
 #[test]
 fn an_increment_a_hundred_times_too_large_ends_where_small_ones_do() {
     let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, None);

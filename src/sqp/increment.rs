@@ -24,6 +24,8 @@ use crate::report::{Cause, Residuals, Stability, Termination};
 
 /// Quadratic programs per increment.
 const MOST_PROGRAMS: u32 = 40;
+/// Share of the residual that a program may leave which did not end.
+const WORTHWHILE: f64 = 0.1;
 /// First reduction asked of a program with a curved gap.
 const FIRST_REDUCTION: f64 = 1e-2;
 
@@ -122,7 +124,7 @@ pub(crate) fn solve(
                 step.apply(state, 1.0);
                 now = evaluate(context, state, drive, work);
                 let after = residuals(state, &now, first_force).largest();
-                if after <= context.tolerance {
+                if after <= context.tolerance || serves(context, &now, after / worst) {
                     continue;
                 }
             }
@@ -173,6 +175,12 @@ pub(crate) fn solve(
         Termination::NotConverged,
         cause,
     )
+}
+
+/// Whether a step of rubber whose program did not end brought enough for another.
+fn serves(context: &Context<'_>, now: &Evaluation, share: f64) -> bool {
+    let is_right_side_out = now.least_jacobian.is_some_and(|least| least > 0.0);
+    context.prepared.strain.is_some() && is_right_side_out && share <= WORTHWHILE
 }
 
 /// Moves `state` to where the first program starts; what holds there, and the force

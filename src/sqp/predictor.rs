@@ -35,6 +35,9 @@ use crate::linalg::vector::{add_scaled, norm};
 /// Residual of the gaps, over its scale, up to which contact counts as followed.
 const GAPS_HOLD: f64 = 0.05;
 
+/// Share of the contact pressure that a prediction must leave.
+const FADED: f64 = 0.1;
+
 /// Distance of a support, over the body's length, that a prediction leaves by rounding.
 const ROUND_OFF: f64 = 1e-12;
 
@@ -127,7 +130,8 @@ impl Trend {
     }
 
     /// Continues `state`, driven from `here`, towards `drive`; whether that is in the
-    /// same direction.
+    /// same direction and leaves contact pressure where there is some: that of a body
+    /// at the end of contact is rounding, and no measure of itself.
     fn continue_to(&self, state: &mut State, here: &Drive, drive: &Drive) -> bool {
         let Some(further) = drive.continues(&self.from, &self.to) else {
             return false;
@@ -135,6 +139,7 @@ impl Trend {
         if self.to != *here {
             return false;
         }
+        let before = norm(&state.multiplier);
         self.last.add_to(state, further);
         if let Some((longer, earlier)) = &self.earlier {
             let bend = further * (further + 1.0) * longer / (1.0 + longer);
@@ -143,7 +148,7 @@ impl Trend {
         }
         let pressures = state.multiplier.iter_mut();
         pressures.for_each(|pressure| *pressure = pressure.max(0.0));
-        true
+        before == 0.0 || norm(&state.multiplier) > FADED * before
     }
 }
 
@@ -220,10 +225,14 @@ pub(super) fn start(
 /// Moves the fields of `state` on towards `drive`; whether there is a way to.
 fn predict(context: &Context<'_>, state: &mut State, carry: Option<&Carry>, drive: &Drive) -> bool {
     let [here, there] = [&state.drive, drive].map(|drive| drive.felt_by(context.plan.scene()));
+    let before = state.snapshot();
     let trend = state.trend.take();
     let goes_on = |trend: &Trend| trend.continue_to(state, &here, &there);
     let is_continued = trend.as_ref().is_some_and(goes_on);
     state.trend = trend;
+    if !is_continued {
+        state.restore(&before);
+    }
     if let Some(carry) = carry {
         carry.apply(context, &mut state.displacement);
     }
