@@ -168,7 +168,8 @@ pub struct SolverOptions {
     /// `auto`, `compliance`, `mass`, `fractional`.
     pub contact_metric: String,
     /// Weight of a grad-div term in the displacement block, in units of the shear
-    /// modulus; for incompressible materials. `None`: none.
+    /// modulus; for incompressible materials. `None`: none. Of rubber: of the volume
+    /// change that the pressure does not see; `None`: where an equilibrium is lost.
     pub penalty: Option<f64>,
     /// Recompute the residuals by the independent path after each increment.
     pub verify: bool,

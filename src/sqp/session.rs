@@ -1,6 +1,8 @@
 //! A session: one state on shared prepared data, moved by load steps.
 
 mod approach;
+mod parts;
+mod relief;
 
 use std::sync::Arc;
 

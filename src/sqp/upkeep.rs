@@ -1,7 +1,7 @@
 //! When the approximate inverse of the tangent is made anew: where a program takes
 //! more than three times the applications a decade of the first program with the
 //! present one. A rule on counts, the same on every machine. A tangent whose P1
-//! block has no factor leaves things as they are, with the present count as the
+//! block has no factor leaves things as they are, with the next count as the
 //! new measure, so that it is not asked for again and again.
 
 use std::sync::Arc;
@@ -57,6 +57,13 @@ impl Upkeep {
         may_help
     }
 
+    /// Asks for a new one, for another operator.
+    pub(super) fn renew(&mut self) {
+        self.last = f64::INFINITY;
+        self.fresh = Some(1.0);
+        self.refused = false;
+    }
+
     fn is_stale(&self) -> bool {
         self.fresh.is_some_and(|fresh| self.last > DEAR * fresh)
     }
@@ -103,7 +110,7 @@ fn make(
         }
         // A cancelled one is noticed by the next iteration.
         Err(_) => {
-            state.upkeep.fresh = Some(state.upkeep.last);
+            state.upkeep.fresh = None;
             state.upkeep.refused = true;
         }
     }

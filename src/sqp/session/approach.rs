@@ -5,8 +5,10 @@
 //! whether the body is about to snap.
 
 use super::Session;
-use crate::contact::gap::{evaluate_gaps, linearise};
-use crate::linalg::vector::{add_scaled, dot, norm, scale};
+use super::parts::{Good, Parts};
+use super::relief::Relief;
+use crate::contact::gap::linearise;
+use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::linalg::{LinearOperator, Workspace};
 use crate::report::{Cause, Stability, Termination};
 use crate::sqp::counters::Counters;
@@ -25,16 +27,12 @@ const LEAST_FRACTION: f64 = 1.0 / 64.0;
 const LEAST_UNSTABLE_FRACTION: f64 = 1.0 / 8.0;
 /// Residual below which an iterate that did not converge is kept.
 const MEANINGFUL: f64 = 1e-3;
-/// Growth of the part after success.
-const GROWTH: f64 = 1.5;
-/// Penetration at the start, over the body's length, that one part resolves.
-const LARGEST_RELIEF: f64 = 0.05;
 /// Least eigenvalue over that at rest below which a body is about to snap.
 const SOFT: f64 = 0.1;
 /// Failures of one part after another that bring the volume term in.
 const PATIENCE: u32 = 2;
-/// First share of a penalty: what the pair has moved wrongly comes back by degrees.
-const GENTLE: f64 = 0.25;
+/// Shares of a penalty: what the pair has moved wrongly comes back by degrees.
+const GENTLE: [f64; 3] = [0.0625, 0.25, 1.0];
 /// Share of a constant pressure's forces that contact may leave.
 const CLOSED: f64 = 1e-6;
 
@@ -45,111 +43,6 @@ fn is_meaningful(ending: &Ending) -> bool {
         Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
     );
     !is_unbounded && ending.residuals.largest() < MEANINGFUL
-}
-
-/// By how much a start lies inside its obstacles.
-struct Relief {
-    /// Weighted penetration `[multipliers]`; empty where one part resolves it.
-    penetration: Vec<f64>,
-    /// Deepest, non-dimensional.
-    depth: f64,
-}
-
-impl Relief {
-    fn of(context: &Context<'_>, state: &State, start: &Drive) -> Self {
-        let mut relief = Self {
-            penetration: Vec::new(),
-            depth: 0.0,
-        };
-        if context.prepared.strain.is_none() {
-            return relief;
-        }
-        let body = context.deformed(&state.displacement);
-        let length = context.plan.units.length;
-        let obstacles = context.interfaces.obstacles(start, length);
-        for (interface, obstacle) in context.interfaces.list.iter().zip(&obstacles) {
-            let (gaps, _) = evaluate_gaps(&body, &interface.surface, obstacle);
-            for (gap, weight) in gaps.iter().zip(&interface.surface.weights) {
-                relief.depth = relief.depth.max(-gap / weight);
-                relief.penetration.push((-gap).max(0.0));
-            }
-        }
-        if relief.depth <= LARGEST_RELIEF {
-            relief.penetration.clear();
-        }
-        relief
-    }
-
-    fn first_part(&self) -> f64 {
-        match self.penetration.is_empty() {
-            true => 1.0,
-            false => LARGEST_RELIEF / self.depth,
-        }
-    }
-
-    /// What is still allowed where a fraction of the way is done.
-    fn left(&self, fraction: f64) -> Vec<f64> {
-        let mut left = self.penetration.clone();
-        scale(&mut left, 1.0 - fraction);
-        left
-    }
-}
-
-/// A state to go back to.
-struct Good {
-    fields: Snapshot,
-    softest: Option<Softest>,
-}
-
-impl Good {
-    fn of(state: &State) -> Self {
-        Self {
-            fields: state.snapshot(),
-            softest: state.softest.clone(),
-        }
-    }
-
-    fn restore(&self, state: &mut State) {
-        state.restore(&self.fields);
-        state.softest = self.softest.clone();
-    }
-}
-
-/// Parts of the way.
-struct Parts {
-    reached: f64,
-    part: f64,
-    /// One after the other.
-    failures: u32,
-    /// Largest penalty that led nowhere.
-    tried: f64,
-}
-
-impl Parts {
-    fn new(part: f64) -> Self {
-        Self {
-            reached: 0.0,
-            part,
-            failures: 0,
-            tried: 0.0,
-        }
-    }
-
-    /// End of the next part.
-    fn next(&self) -> f64 {
-        let next = self.reached + self.part;
-        if next >= 1.0 - 1e-12 { 1.0 } else { next }
-    }
-
-    fn succeed(&mut self) {
-        self.reached = self.next();
-        self.part *= GROWTH;
-        self.failures = 0;
-    }
-
-    fn cut_back(&mut self) {
-        self.part = 0.5 * (self.next() - self.reached);
-    }
 }
 
 impl Session {
@@ -190,13 +83,17 @@ impl Session {
                         ..whole
                     };
                     let weight = self.next_penalty(&ending, state, &parts);
-                    if let Some(weight) = weight
-                        && self.penalise(&context, state, weight, watch, counters, work)
-                    {
-                        parts.failures = 0;
-                        continue;
+                    if let Some(weight) = weight {
+                        let settled = self.penalise(&context, state, weight, watch, counters, work);
+                        if settled.is_stopped() {
+                            return stopped(settled, &relief, &parts, state);
+                        }
+                        if settled.termination == Termination::Converged {
+                            parts.failures = 0;
+                            continue;
+                        }
+                        parts.tried = weight;
                     }
-                    parts.tried = weight.unwrap_or(parts.tried);
                     parts.cut_back();
                     counters.cut_backs += 1;
                     if parts.part < least_fraction(&ending, state) {
@@ -214,14 +111,12 @@ impl Session {
                     increment::describe(&whole, state, &mut ending, work);
                     return (ending, parts.reached);
                 }
-                Termination::DeadlineExceeded if relief.penetration.is_empty() => {
-                    good.restore(state);
-                    ending.stability = state.softest.as_ref().map(Softest::stability);
-                    return (ending, parts.reached);
-                }
                 Termination::Cancelled
                 | Termination::DeadlineExceeded
-                | Termination::InternalError => return (ending, 0.0),
+                | Termination::InternalError => {
+                    good.restore(state);
+                    return stopped(ending, &relief, &parts, state);
+                }
             }
         }
     }
@@ -255,8 +150,8 @@ impl Session {
         weight.filter(|&weight| weight > state.penalty().max(parts.tried))
     }
 
-    /// Moves a good state to where a larger penalty has its equilibrium; whether
-    /// that was found, and the state left as it was where not.
+    /// Moves a good state to where a larger penalty has its equilibrium; leaves it
+    /// as it was where that is not found.
     fn penalise(
         &self,
         context: &Context<'_>,
@@ -265,19 +160,24 @@ impl Session {
         watch: &mut Watch<'_>,
         counters: &mut Counters,
         work: &mut Workspace,
-    ) -> bool {
+    ) -> Ending {
         let good = Good::of(state);
         let drive = state.drive.clone();
-        for weight in [GENTLE * weight, weight] {
+        let mut to = |weight: f64| {
             state.penalise(&self.prepared, weight);
-            state.upkeep.failed(false);
-            let ending = self.attempt(context, state, &drive, watch, counters, work);
-            if ending.termination != Termination::Converged {
-                good.restore(state);
-                return false;
+            state.upkeep.renew();
+            self.attempt(context, state, &drive, watch, counters, work)
+        };
+        let mut ending = to(GENTLE[0] * weight);
+        for share in &GENTLE[1..] {
+            if ending.termination == Termination::Converged {
+                ending = to(share * weight);
             }
         }
-        true
+        if ending.termination != Termination::Converged {
+            good.restore(state);
+        }
+        ending
     }
 
     /// Names what the Krylov method could only notice as stagnation.
@@ -359,6 +259,15 @@ impl Session {
     }
 }
 
+/// The end of a step that something outside ended: when the time is up, with the last
+/// part that converged.
+fn stopped(mut ending: Ending, relief: &Relief, parts: &Parts, state: &State) -> (Ending, f64) {
+    let is_kept =
+        ending.termination == Termination::DeadlineExceeded && relief.penetration.is_empty();
+    ending.stability = state.softest.as_ref().map(Softest::stability);
+    (ending, if is_kept { parts.reached } else { 0.0 })
+}
+
 /// Looks whether a converged state of rubber is a minimum; a saddle is no end.
 fn certify(
     context: &Context<'_>,
@@ -372,6 +281,11 @@ fn certify(
         return;
     }
     state.softest = stability::follow(context, state, watch, counters, work);
+    let is_unknown = state.softest.is_none() && context.prepared.strain.is_some();
+    if let Some(termination) = watch.stopped(counters).filter(|_| is_unknown) {
+        ending.termination = termination;
+        return;
+    }
     ending.stability = state.softest.as_ref().map(|softest| softest.stability());
     if ending.stability == Some(Stability::Saddle) {
         ending.termination = Termination::NotConverged;
