@@ -4,7 +4,9 @@
 mod common;
 
 use common::meshes::{cube, irregular, mesh};
-use common::scenes::{HELD, bonded_cube, mooney_rivlin, push, rubber, support, turned};
+use common::scenes::{
+    HELD, bonded_cube, in_parts, mooney_rivlin, push, rubber, squeezed_cube, support, turned,
+};
 use common::{assert_converged, close, open, take, values};
 use signorini::{
     CancelToken, FieldName, IterationRecord, Observer, Scene, Session, Silent, Step, StepReport,
@@ -136,4 +138,38 @@ fn a_cancelled_step_keeps_the_state_before_its_increment() {
     assert!(stopped.time == 0.0, "{}", stopped.time);
     let left = values(&session, FieldName::Displacement);
     assert!(left.iter().all(|&u| u == 0.0));
+}
+
+/// The bits of a body after it was squeezed to where it needs a penalty; its next
+/// increment cancelled at record `left` if that comes.
+fn squeezed_until(left: u32) -> (StepReport, u32, Vec<u64>) {
+    let (scene, _) = squeezed_cube();
+    let mut session = open(&scene, &mesh(cube(4)));
+    let step = in_parts(push("press", [0.0, 0.0, -0.32]), 8);
+    take(&mut session, &step).iter().for_each(assert_converged);
+    session.stop();
+    let on = push("press", [0.0, 0.0, -0.36]);
+    let mut run = session.begin_step(&on).expect("a valid step");
+    let (report, seen) = until(left, CancelToken::cancel, &mut session, &mut run);
+    if report.termination == Termination::Cancelled {
+        let again = take(&mut session, &on).pop().expect("an increment");
+        assert_converged(&again);
+        assert!(again.penalty > 0.0);
+    }
+    let moved = values(&session, FieldName::Displacement);
+    let bits = moved.into_iter().map(f64::to_bits);
+    (report, seen, bits.collect())
+}
+
+#[test]
+fn a_cancel_while_a_penalty_comes_in_leaves_no_trace() {
+    let (whole, records, expected) = squeezed_until(u32::MAX);
+    assert_converged(&whole);
+    assert!(whole.penalty > 0.0);
+    for share in [0.2, 0.4, 0.6, 0.8] {
+        let (stopped, _, found) = squeezed_until((share * f64::from(records)) as u32);
+        assert_eq!(stopped.termination, Termination::Cancelled);
+        assert!((stopped.time - 1.0).abs() < 1e-12 && stopped.penalty == 0.0);
+        assert!(found == expected, "{share}");
+    }
 }

@@ -8,7 +8,8 @@
 //! by inverse iteration, one inexact solve on the present face a step. The motion of
 //! the last increment is where the next starts, so that one step follows it; the
 //! first takes a few from noise. Where l has become negative another equilibrium is
-//! lower, and the body will snap or buckle into it.
+//! lower, and the body will snap or buckle into it. Found is the eigenvalue nearest to
+//! zero: one that falls far below it within one increment may be missed.
 
 use super::counters::Counters;
 use super::evaluate::{Context, evaluate, mask};
@@ -20,7 +21,7 @@ use crate::linalg::{LinearOperator, Workspace};
 use crate::report::Stability;
 
 /// Steps from noise.
-const FIRST_STEPS: usize = 2;
+const FIRST_STEPS: usize = 4;
 /// Steps from the motion of the increment before.
 const LATER_STEPS: usize = 1;
 /// Accuracy of a step.

@@ -82,25 +82,10 @@ impl Session {
                         relief: &left,
                         ..whole
                     };
-                    let weight = self.next_penalty(&ending, state, &parts);
-                    if let Some(weight) = weight {
-                        let settled = self.penalise(&context, state, weight, watch, counters, work);
-                        if settled.is_stopped() {
-                            return stopped(settled, &relief, &parts, state);
-                        }
-                        if settled.termination == Termination::Converged {
-                            parts.failures = 0;
-                            continue;
-                        }
-                        parts.tried = weight;
-                    }
-                    parts.cut_back();
-                    counters.cut_backs += 1;
-                    if parts.part < least_fraction(&ending, state) {
-                        name_the_end(&mut ending, state);
-                        ending.stability = state.softest.as_ref().map(Softest::stability);
-                        increment::describe(&whole, state, &mut ending, work);
-                        return (ending, parts.reached);
+                    let ended = self
+                        .after_failure(&context, state, ending, &mut parts, watch, counters, work);
+                    if let Some(ending) = ended {
+                        return finished(ending, &relief, &parts, state);
                     }
                 }
                 // Far from equilibrium an iterate is of no use; close to it, it
@@ -115,10 +100,44 @@ impl Session {
                 | Termination::DeadlineExceeded
                 | Termination::InternalError => {
                     good.restore(state);
-                    return stopped(ending, &relief, &parts, state);
+                    return finished(ending, &relief, &parts, state);
                 }
             }
         }
+    }
+
+    /// Brings a penalty in or makes the next part smaller; how the way ends where
+    /// neither leads on. `state` is the last good one.
+    #[allow(clippy::too_many_arguments)]
+    fn after_failure(
+        &self,
+        context: &Context<'_>,
+        state: &mut State,
+        mut ending: Ending,
+        parts: &mut Parts,
+        watch: &mut Watch<'_>,
+        counters: &mut Counters,
+        work: &mut Workspace,
+    ) -> Option<Ending> {
+        if let Some(weight) = self.next_penalty(&ending, state, parts) {
+            let settled = self.penalise(context, state, weight, watch, counters, work);
+            if settled.is_stopped() {
+                return Some(settled);
+            }
+            if settled.termination == Termination::Converged {
+                parts.failures = 0;
+                return None;
+            }
+            parts.tried = weight;
+        }
+        parts.cut_back();
+        counters.cut_backs += 1;
+        if parts.part >= least_fraction(&ending, state) {
+            return None;
+        }
+        name_the_end(&mut ending, state);
+        increment::describe(&self.context(), state, &mut ending, work);
+        Some(ending)
     }
 
     /// Solves one part and says what kind of equilibrium it led to.
@@ -259,11 +278,14 @@ impl Session {
     }
 }
 
-/// The end of a step that something outside ended: when the time is up, with the last
-/// part that converged.
-fn stopped(mut ending: Ending, relief: &Relief, parts: &Parts, state: &State) -> (Ending, f64) {
-    let is_kept =
-        ending.termination == Termination::DeadlineExceeded && relief.penetration.is_empty();
+/// The end of a way that leads no further than its last good part; a step that was
+/// cancelled keeps none, one whose time is up all that are equilibria.
+fn finished(mut ending: Ending, relief: &Relief, parts: &Parts, state: &State) -> (Ending, f64) {
+    let is_kept = match ending.termination {
+        Termination::Converged | Termination::NotConverged => true,
+        Termination::DeadlineExceeded => relief.penetration.is_empty(),
+        Termination::Cancelled | Termination::InternalError => false,
+    };
     ending.stability = state.softest.as_ref().map(Softest::stability);
     (ending, if is_kept { parts.reached } else { 0.0 })
 }
