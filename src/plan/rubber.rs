@@ -43,10 +43,8 @@ const DEGREE_ABOUT_AXIS: u32 = 4;
 const KEPT_DIRECTIONS: usize = 40;
 
 /// Weights of the volume term where an equilibrium is lost without it, in units of
-/// the shear modulus: as much as the pressure (decision 22).
-const PENALTIES: [f64; 2] = [4.0, 16.0];
-/// Under larger pressures.
-const LARGEST_PENALTY: f64 = 64.0;
+/// the shear modulus: the first, and more up to the pressure (decision 22).
+const PENALTIES: [f64; 3] = [4.0, 16.0, 64.0];
 
 /// Vertex gradients and pressures of a tetrahedron.
 const VERTEX_NUMBERS: u64 = 40;
@@ -73,13 +71,14 @@ impl Plan {
         self.scene.solver.penalty.unwrap_or(0.0)
     }
 
-    /// Its weight where an equilibrium is lost with less under pressures up to
-    /// `largest`, in units of the shear modulus; none where the scene says.
-    pub(crate) fn next_penalty(&self, largest: f64) -> Option<f64> {
+    /// Its weight where an equilibrium is lost with `present` under pressures up to
+    /// `largest`, in units of the shear modulus; none where that is enough and where
+    /// the scene says.
+    pub(crate) fn next_penalty(&self, present: f64, largest: f64) -> Option<f64> {
         let is_free = self.resolved.is_rubber() && self.scene.solver.penalty.is_none();
-        let mut weights = PENALTIES.into_iter();
-        let enough = weights.find(|&weight| weight >= largest);
-        is_free.then(|| enough.unwrap_or(LARGEST_PENALTY))
+        let may_help = is_free && (present == 0.0 || present < largest);
+        let mut weights = PENALTIES.into_iter().filter(|_| may_help);
+        weights.find(|&weight| weight > present)
     }
 
     /// Degree of the rule for stress, volume and tangent.

@@ -165,8 +165,9 @@ impl Session {
             || parts.failures >= PATIENCE;
         let pressures = state.pressure.iter();
         let largest = pressures.fold(0.0, |most: f64, p| most.max(p.abs()));
-        let weight = self.plan.next_penalty(largest).filter(|_| is_lost);
-        weight.filter(|&weight| weight > state.penalty().max(parts.tried))
+        let present = state.penalty().max(parts.tried);
+        let weight = self.plan.next_penalty(present, largest);
+        weight.filter(|_| is_lost)
     }
 
     /// Moves a good state to where a larger penalty has its equilibrium; leaves it
