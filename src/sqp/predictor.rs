@@ -197,7 +197,7 @@ pub(super) fn start(
 ) -> (Evaluation, f64) {
     let mut before = state.snapshot();
     let carry = Carry::between(context, &before.drive, drive);
-    let is_predicted = predict(context, state, carry.as_ref(), drive);
+    let is_predicted = predict(context, state, &before, carry.as_ref(), drive);
     state.drive = drive.clone();
     if !is_predicted {
         let plain = evaluated(context, state, counters, work);
@@ -222,16 +222,22 @@ pub(super) fn start(
     (predicted.now, force)
 }
 
-/// Moves the fields of `state` on towards `drive`; whether there is a way to.
-fn predict(context: &Context<'_>, state: &mut State, carry: Option<&Carry>, drive: &Drive) -> bool {
+/// Moves the fields of `state`, which are those of `before`, on towards `drive`;
+/// whether there is a way to.
+fn predict(
+    context: &Context<'_>,
+    state: &mut State,
+    before: &Snapshot,
+    carry: Option<&Carry>,
+    drive: &Drive,
+) -> bool {
     let [here, there] = [&state.drive, drive].map(|drive| drive.felt_by(context.plan.scene()));
-    let before = state.snapshot();
     let trend = state.trend.take();
     let goes_on = |trend: &Trend| trend.continue_to(state, &here, &there);
     let is_continued = trend.as_ref().is_some_and(goes_on);
     state.trend = trend;
     if !is_continued {
-        state.restore(&before);
+        state.restore(before);
     }
     if let Some(carry) = carry {
         carry.apply(context, &mut state.displacement);

@@ -31,8 +31,8 @@ const MEANINGFUL: f64 = 1e-3;
 const SOFT: f64 = 0.1;
 /// Failures of one part after another that bring the volume term in.
 const PATIENCE: u32 = 2;
-/// Shares of a penalty: what the pair has moved wrongly comes back by degrees.
-const GENTLE: [f64; 3] = [0.0625, 0.25, 1.0];
+/// First shares of a penalty: what the pair has moved wrongly comes back by degrees.
+const GENTLE: [f64; 2] = [0.0625, 0.25];
 /// Share of a constant pressure's forces that contact may leave.
 const CLOSED: f64 = 1e-6;
 
@@ -183,21 +183,20 @@ impl Session {
     ) -> Ending {
         let good = Good::of(state);
         let drive = state.drive.clone();
-        let mut to = |weight: f64| {
-            state.penalise(&self.prepared, weight);
+        let mut shares = GENTLE.into_iter();
+        loop {
+            let share = shares.next().unwrap_or(1.0);
+            state.penalise(&self.prepared, share * weight);
             state.upkeep.renew();
-            self.attempt(context, state, &drive, watch, counters, work)
-        };
-        let mut ending = to(GENTLE[0] * weight);
-        for share in &GENTLE[1..] {
-            if ending.termination == Termination::Converged {
-                ending = to(share * weight);
+            let ending = self.attempt(context, state, &drive, watch, counters, work);
+            if ending.termination != Termination::Converged {
+                good.restore(state);
+                return ending;
+            }
+            if share >= 1.0 {
+                return ending;
             }
         }
-        if ending.termination != Termination::Converged {
-            good.restore(state);
-        }
-        ending
     }
 
     /// Names what the Krylov method could only notice as stagnation.
