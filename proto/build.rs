@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use prost::Message as _;
+use tonic_prost_build::Builder;
 
 const ROOT: &str = "signorini/v1";
 
@@ -18,7 +19,11 @@ fn main() -> Outcome<()> {
     let descriptors = protox::compile(proto_files()?, ["."])?;
     let out = PathBuf::from(std::env::var("OUT_DIR")?);
     std::fs::write(out.join("signorini.binpb"), descriptors.encode_to_vec())?;
-    tonic_prost_build::configure()
+    let mut builder = tonic_prost_build::configure();
+    if feature("SERDE") {
+        builder = serialised(builder);
+    }
+    builder
         .build_client(feature("CLIENT"))
         .build_server(feature("SERVER"))
         .build_transport(false)
@@ -28,6 +33,53 @@ fn main() -> Outcome<()> {
         .emit_rerun_if_changed(false)
         .compile_fds(descriptors)?;
     Ok(())
+}
+
+/// Messages that become JSON as they are.
+const SERIALISED: [&str; 13] = [
+    "IterationReport",
+    "ManufacturedErrors",
+    "ObstaclePose",
+    "ObstacleResult",
+    "Plan",
+    "PlanEntry",
+    "PlanOmission",
+    "ProbeResult",
+    "Residuals",
+    "Seconds",
+    "StepReport",
+    "SupportResult",
+    "Unknowns",
+];
+
+/// Fields that JSON spells otherwise than the wire; see `src/serialised.rs`.
+const SPELLED: [(&str, &str); 9] = [
+    ("StepReport.termination", "termination"),
+    ("StepReport.cause", "cause"),
+    ("StepReport.stability", "stability"),
+    ("StepReport.seconds", "or_default"),
+    ("StepReport.unknowns", "or_default"),
+    ("StepReport.obstacle_poses", "poses"),
+    ("Plan.kind", "scene_kind"),
+    ("Plan.formulation", "formulation"),
+    ("Plan.unknowns", "or_default"),
+];
+
+fn serialised(mut builder: Builder) -> Builder {
+    for message in SERIALISED {
+        let path = format!("signorini.v1.{message}");
+        builder = builder.type_attribute(path, "#[derive(serde::Serialize)]");
+    }
+    for (field, function) in SPELLED {
+        let attribute = format!("#[serde(serialize_with = \"crate::serialised::{function}\")]");
+        builder = builder.field_attribute(format!("signorini.v1.{field}"), attribute);
+    }
+    builder
+        .field_attribute("signorini.v1.ObstaclePose.name", "#[serde(skip)]")
+        .field_attribute(
+            "signorini.v1.StepReport.obstacle_poses",
+            "#[serde(rename = \"poses\")]",
+        )
 }
 
 fn proto_files() -> Outcome<Vec<PathBuf>> {

@@ -8,8 +8,11 @@
 //! g(u) >= 0, l >= 0, l g(u) = 0    on the candidate surface, l the contact pressure
 //! ```
 //!
-//! with P2 displacements, P1 pressure and P1 contact multipliers; in hierarchical
-//! form P2 = P1 + edge corrections, with a P1 solve inside every preconditioner.
+//! with P2 displacements, P1 pressure and P1 contact pressure; a support that holds the
+//! normal component does so by P2 multipliers of either sign. The spaces are
+//! hierarchical, P2 = P1 + edge corrections, with a P1 solve inside every
+//! preconditioner. Rubber at finite strain puts its stress in the place of the first
+//! line, its tangent in the place of A, and det F - 1 in the place of div u.
 //! The method grew out of M. Fortin and A. El Maliki, *A hierarchical
 //! preconditioner for Stokes and connected problems* (2007).
 //!
@@ -18,18 +21,29 @@
 //! | part | rooms |
 //! |---|---|
 //! | ground | [`report`] words of all reports; [`linalg`] vectors, sparse and dense factors, the only door to faer; [`geometry`] points, tensors, rigid motions |
-//! | numbers wing | [`precond`] p-multigrid, P1 solvers, Schur metrics; [`krylov`] CG and GCR; [`saddle`] multiplier blocks; [`inequality`] the same with admissible sets |
-//! | mechanics wing | [`mesh`]; [`element`] rules and analytic fields; [`space`] numbering; [`material`]; [`obstacle`]; [`assembly`] operators, masses, loads; [`contact`] gaps and resultants |
-//! | hall | [`scene`] the problem as data; [`plan`] decisions and prepared data; [`sqp`] load steps |
+//! | numbers wing | [`precond`] p-multigrid, P1 solvers, Schur metrics; [`krylov`] CG and GCR; [`saddle`] multiplier blocks and their admissible sets; [`inequality`] methods for blocks whose sets are not free |
+//! | mechanics wing | [`mesh`]; [`element`] rules and analytic fields; [`space`] numbering and interpolation; [`material`]; [`obstacle`]; [`assembly`] operators, masses, loads; [`contact`] gaps, guides and resultants |
+//! | the problem | [`scene`] as data, its choices enums; [`plan`] resolved items, decisions with reasons; [`prepare`] what is expensive and shared |
+//! | the solver | `model` the body at a state, its residuals and tangent; `sqp` increments: step control, programs, search, what is learnt; [`session`] states that steps move |
+//! | the answer | `results` reports, fields, error estimates; `verify` the same residuals by an independent path |
+//! | beside it | `compare`, what the solver is compared with; only choosers name it, and it is built with the feature `comparisons` |
 //!
-//! The wings never import each other; `tests/architecture.rs` holds the table.
+//! The wings never import each other, and no two files import each other in a circle;
+//! `tests/architecture` holds both.
 //!
 //! # From a scene to a result
 //!
-//! [`Mesh::new`] checks arrays. [`Plan::new`] validates a [`Scene`] and decides.
-//! [`Prepared::build`] does what is expensive, once for all sessions with the
-//! same [`PreparedKey`]. A [`Session`] owns the state; [`Session::begin_step`]
-//! and [`Session::advance`] return one [`StepReport`] per increment.
+//! [`Mesh::new`] checks arrays. [`Plan::new`] validates a [`Scene`], resolves its names
+//! into items with facets and built shapes, and decides. [`Prepared::build`] does what
+//! is expensive, once for all sessions with the same [`PreparedKey`]. A [`Session`] owns
+//! a state; [`Session::begin_step`] makes a [`StepRun`], and each [`Session::advance`]
+//! solves one increment of it and returns its [`StepReport`]. [`Session::export`] and
+//! [`Session::import`] carry a session to another process.
+//!
+//! Inside, an increment is one `sqp::run::Run`: the model, the state that it moves, what
+//! earlier programs have taught, who watches, counts and scratch. `sqp::approach` parts
+//! the way to its drive where one part is too long; `sqp::increment` solves one part by
+//! quadratic programs; `results::step` reads the state into the report.
 //!
 //! # Notation
 //!
@@ -38,21 +52,63 @@
 //! | u | `displacement` | nodes x components, vertices first | length of the body |
 //! | c_e | edge correction: midpoint minus mean of the ends | as u | as u |
 //! | p | `pressure`, positive in compression | vertices | smallest shear modulus |
-//! | l | `multiplier`, contact pressure | candidates of all obstacles | as p |
-//! | g_i = int phi_i d(x + u) dS | `gap` | as l | length^dimension |
+//! | l | `multiplier`: contact pressure, normal traction of guides | multipliers of all interfaces | as p |
+//! | g_i = int psi_i d(x + u) dS | `gap`, weighted by a multiplier function | as l | length^dimension |
 //! | A, A11 | `stiffness`, its P1 block | | |
 //! | B | `divergence`: (B u)_i = -int lambda_i div u | vertices x unknowns | |
-//! | C = -dg/du | `coupling` | candidates x unknowns | |
+//! | C = -dg/du | `coupling`, `rows` of a block | multipliers x unknowns | |
 //! | S | `stabilisation`: mass over lambda | vertices x vertices | |
-//! | K | `compliance`: metric of l | candidates x candidates | |
+//! | K | `compliance`: metric of l | multipliers x multipliers | |
+//! | D | `columns` of a block: the forces of its multipliers, transposed; D = C without friction | as C | as C |
+//! | x in X | `AdmissibleSet`: `Free`, `NonNegative`, `Discs` | a run of multipliers | |
+//! | | `Status`: `Open` x = 0, `Stick` residual zero, `Slip` on the edge of the set | as l | |
 //! | A^ | `PMultigrid`, the displacement preconditioner | | |
+//! | m(X) | `RigidMotion` of an obstacle or a support | rotation, translation | radians, length |
+//! | s | `penalty`: weight of the volume term of rubber | one number | shear moduli |
+//! | | `Run`: one increment under way | | |
+//! | | `State`: fields, multipliers, statuses, drive, scales; exactly the checkpoint | | |
+//! | | `Learned`: directions, inverse, lowest mode, trend; may be dropped | | |
+//!
+//! # Vocabulary
+//!
+//! | term of the field | name in code | where |
+//! |---|---|---|
+//! | active set, set of closed constraints | `Status`, `closed` | `saddle::set` |
+//! | admissible set, convex set of constraints | `AdmissibleSet`, `ProductSet` | `saddle::set` |
+//! | approximate inverse about a deformed state | `ApproximateInverse` | `prepare::approximate_inverse` |
+//! | bilateral contact, rollers on any surface | `Guide`, `support.normal` | `contact::counterpart` |
+//! | candidate face of a contact surface | `ContactFace` | `contact::face` |
+//! | certificate of stability, second-order condition | `Stability` | `sqp::certificate` |
+//! | checkpoint, restart data | `State` | `model::state` |
+//! | compliance, Steklov-Poincare operator of the surface | `compliance` | `precond::compliance` |
+//! | contact surface with its multipliers and what it meets | `Interface` | `model::interfaces` |
+//! | continuation, extrapolation along the load | `Trend` | `sqp::trend` |
+//! | counterpart: what a face meets, master surface | `Counterpart`, `Obstacle` | `contact::counterpart`, `obstacle` |
+//! | cut-back, adaptive load stepping | `Parts`, `KeptState` | `sqp::step_control` |
+//! | estimate of the discretisation error by recovery | `estimate` | `results::estimate` |
+//! | face of the feasible polyhedron | `Face` | `inequality::one_level` |
+//! | forcing term of an inexact Newton method | `goal` | `sqp::increment` |
+//! | initial penetration, overclosure at the start | `InitialPenetration` | `sqp::initial_penetration` |
+//! | line search | `search` | `sqp::search` |
+//! | load factor, poses, prescribed motion | `Drive` | `model::drive` |
+//! | lowest mode, softest motion of the tangent | `LowestMode` | `sqp::lowest_mode` |
+//! | multiplier space: hats, quadratic Bernstein functions | `ContactBasis` | `contact::basis` |
+//! | preconditioner refresh | `PreconditionerRefresh` | `sqp::preconditioner_refresh` |
+//! | quadratic program of an SQP iteration | `QuadraticProgram` | `sqp::program` |
+//! | recycled Krylov directions | `Directions` | `krylov::gcr` |
+//! | rigid predictor, co-rotated start | `RigidPredictor` | `sqp::rigid_predictor` |
+//! | static condensation on the multiplier | `Condensed` | `inequality::condensed` |
+//! | trace directions of the compliance | `TraceDirections` | `prepare::traces` |
+//! | weighted gap | `gap` | `contact::gap` |
 //!
 //! # Invariants
 //!
 //! 1. The library does no input or output, starts no thread, and reads the
 //!    clock for reports and deadlines only.
-//! 2. [`Prepared`] is never changed; a session's only mutable thing is its state.
-//! 3. The wings do not import each other; only `linalg` names faer.
+//! 2. [`Prepared`] is never changed. A session changes its state, which is all that a
+//!    resumed session needs, and what it has learnt, which may be dropped.
+//! 3. The wings do not import each other; only `linalg` names faer; only choosers name
+//!    `compare`.
 //! 4. Displacement vectors are ordered vertices, then edges.
 //! 5. Every loop has a typed outcome, and every outcome keeps the best state.
 //! 6. What a scene does not use is absent from [`Prepared`].
@@ -80,8 +136,15 @@
 #![doc = include_str!("decisions/0019-inverse-at-rest.md")]
 #![doc = include_str!("decisions/0020-vertex-gradients.md")]
 #![doc = include_str!("decisions/0021-where-programs-start.md")]
+#![doc = include_str!("decisions/0022-penalty-of-rubber.md")]
+#![doc = include_str!("decisions/0023-run-state-learned.md")]
+#![doc = include_str!("decisions/0024-admissible-sets.md")]
+#![doc = include_str!("decisions/0025-normal-supports.md")]
+#![doc = include_str!("decisions/0026-comparisons-apart.md")]
 
 pub mod assembly;
+#[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]
+mod compare;
 pub mod contact;
 pub mod element;
 pub mod geometry;
@@ -90,20 +153,26 @@ pub mod krylov;
 pub mod linalg;
 pub mod material;
 pub mod mesh;
+mod model;
 pub mod obstacle;
 pub mod plan;
 pub mod precond;
+pub mod prepare;
 pub mod report;
+mod results;
 pub mod saddle;
 pub mod scene;
+pub mod session;
 pub mod space;
-pub mod sqp;
+mod sqp;
+mod verify;
 
 pub use mesh::{CellKind, Group, GroupKind, Mesh, MeshError, MeshId, MeshParts};
-pub use plan::{LeftOut, Plan, PlanEntry, PlanReport, PrepareError, Prepared, PreparedKey};
+pub use plan::{LeftOut, Plan, PlanEntry, PlanReport, PreparedKey};
+pub use prepare::{PrepareError, Prepared};
 pub use report::{
     CancelToken, Cause, FieldData, FieldName, IterationRecord, Observer, Residuals, Silent,
     StepReport, Termination,
 };
 pub use scene::{Scene, SceneError, Step, Violation};
-pub use sqp::{ObstaclePose, Reuse, Session, StepRun};
+pub use session::{CheckpointError, ObstaclePose, Origin, Reuse, Session, StepRun};

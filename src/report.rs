@@ -18,11 +18,12 @@ pub use field::{FieldData, FieldName};
 /// residual. A block the scene does not have reports zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Residuals {
-    /// Force balance of the displacement equations.
+    /// Norm of the force residual over that of the load: balance of the displacement
+    /// equations.
     pub equilibrium: f64,
-    /// Volume constraint.
+    /// Norm of the volume constraint's residual, over the largest seen.
     pub incompressibility: f64,
-    /// Contact pressure times gap.
+    /// Norm of what is left of contact pressure times gap.
     pub complementarity: f64,
     /// Weighted gap: negative anywhere, or non-zero under contact pressure.
     pub gap: f64,
@@ -47,30 +48,30 @@ impl Residuals {
 /// One line per Krylov iteration.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct IterationRecord {
-    /// Step, from 1.
+    /// Number of the step, from 1.
     pub step: u32,
-    /// Increment within the step, from 1.
+    /// Number of the increment within the step, from 1.
     pub increment: u32,
-    /// Cut-backs so far in this increment.
+    /// Number of cut-backs so far in this increment.
     pub attempt: u32,
-    /// Load factor of the increment being solved.
+    /// Load factor of the increment being solved; 1 is the full load of the scene.
     pub load: f64,
-    /// SQP iteration, from 1.
+    /// Number of the SQP iteration, from 1.
     pub sqp_iteration: u32,
-    /// Krylov iterations so far in this increment.
+    /// Number of Krylov iterations so far in this increment.
     pub krylov_iterations: u32,
     /// Applications of the displacement preconditioner so far.
     pub preconditioner_applications: u32,
     /// Residuals of the current iterate; complementarity is measured between
     /// quadratic programs only and zero here.
     pub residuals: Residuals,
-    /// Vertices in contact.
+    /// Number of vertices in contact on the present face.
     pub active_vertices: u32,
-    /// Revisions of the active set so far.
+    /// Number of revisions of the active set so far.
     pub active_set_changes: u32,
-    /// Accepted step length of the line search.
+    /// Accepted step length of the line search, in (0, 1]; 1 is the whole step.
     pub step_length: f64,
-    /// Seconds since the step was accepted.
+    /// Wall seconds since the step was accepted.
     pub seconds: f64,
 }
 
@@ -79,11 +80,12 @@ pub struct IterationRecord {
 pub struct Seconds {
     /// Numbering, geometry, patterns, eigenvalue estimates.
     pub prepare: f64,
-    /// Integrating A11, masses, loads.
+    /// Wall seconds of assembling: A11, masses, loads, and the forces of the body
+    /// itself.
     pub assemble: f64,
-    /// Ordering and factorising the P1 block.
+    /// Wall seconds of ordering and factorising the P1 block.
     pub factorise: f64,
-    /// Krylov iterations.
+    /// Wall seconds of Krylov iterations with their preconditioner.
     pub krylov: f64,
     /// Gap integrals, compliance, small dense problems.
     pub contact: f64,
@@ -113,9 +115,9 @@ pub struct ObstacleResult {
     pub max_pressure_deformed: Option<f64>,
     /// Pressure-weighted mean position in the deformed body `[3]`; zero without contact.
     pub centre_of_pressure: [f64; 3],
-    /// Vertices that stick (zero without friction).
+    /// Number of vertices that stick; zero without friction.
     pub stick_vertices: u32,
-    /// Vertices that slip (zero without friction).
+    /// Number of vertices that slip; zero without friction.
     pub slip_vertices: u32,
 }
 
@@ -129,7 +131,7 @@ pub struct SupportResult {
 /// Values at one probe.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ProbeResult {
-    /// Displacement `[3]`.
+    /// Displacement of the point `[3]`, length.
     pub displacement: [f64; 3],
     /// Internal pressure; none when the scene has no pressure unknown.
     pub pressure: Option<f64>,
@@ -138,9 +140,9 @@ pub struct ProbeResult {
 /// Error norms against a manufactured field.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ManufacturedErrors {
-    /// ‖u_h − u‖ in L2.
+    /// Norm of the displacement error, ‖u_h − u‖ in L2.
     pub displacement_l2: f64,
-    /// ‖∇(u_h − u)‖ in L2.
+    /// Norm of the gradient's error, ‖∇(u_h − u)‖ in L2.
     pub displacement_h1: f64,
     /// ‖p_h − p‖ in L2; none without a pressure unknown.
     pub pressure_l2: Option<f64>,
@@ -154,51 +156,54 @@ pub struct ManufacturedErrors {
 pub struct Unknowns {
     /// Displacement components (P2), held ones included.
     pub displacement: u64,
-    /// Internal pressure (P1).
+    /// Number of internal pressures (P1); zero in displacement form.
     pub pressure: u64,
     /// Contact multipliers (P1 on the contact surface).
     pub contact: u64,
 }
 
-/// The result of one increment.
-#[derive(Clone, Debug, PartialEq)]
+/// The result of one increment. The default is the report of nothing done: counts
+/// and results zero or absent, not converged.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepReport {
-    /// Step, from 1.
+    /// Number of the step, from 1.
     pub step: u32,
-    /// Increment within the step, from 1.
+    /// Number of the increment within the step, from 1.
     pub increment: u32,
-    /// step − 1 + fraction of the step reached.
+    /// Step − 1 + the fraction of the step reached, so that 1.5 is the middle of the
+    /// second.
     pub time: f64,
-    /// Load factor reached.
+    /// Load factor reached; 1 is the full load of the scene.
     pub load: f64,
-    /// How it ended.
+    /// How the increment ended.
     pub termination: Termination,
-    /// Why it did not converge; none when it did.
+    /// Why the increment did not converge; none when it did.
     pub cause: Option<Cause>,
-    /// SQP iterations.
+    /// Number of SQP iterations: quadratic programs solved.
     pub sqp_iterations: u32,
-    /// Krylov iterations.
+    /// Number of Krylov iterations over all programs.
     pub krylov_iterations: u32,
     /// Applications of the displacement preconditioner inside Krylov methods.
     pub preconditioner_applications: u32,
     /// Operator applications spent on eigenvalue estimates.
     pub eigenvalue_applications: u32,
-    /// Compliance columns computed.
+    /// Number of compliance columns computed, each one solve with the P1 block.
     pub compliance_columns: u32,
     /// Products with the exact compliance of contact, one inner solve each; none
     /// for methods on one level.
     pub contact_products: u32,
-    /// Revisions of the active set.
+    /// Number of revisions of the active set.
     pub active_set_changes: u32,
-    /// Cut-backs inside this increment.
+    /// Number of cut-backs inside this increment: parts that were tried and halved.
     pub cut_backs: u32,
-    /// Factorisations of the P1 block.
+    /// Number of factorisations of the P1 block.
     pub factorisations: u32,
-    /// Vertices in contact.
+    /// Number of vertices in contact.
     pub active_vertices: u32,
-    /// Stored energy.
+    /// Stored elastic energy, force times length; of a fluid, half of the dissipated
+    /// power.
     pub strain_energy: f64,
-    /// Deformed over undeformed volume.
+    /// Deformed over undeformed volume of the body.
     pub volume_ratio: f64,
     /// Smallest det F at a quadrature point; none for linear kinematics.
     pub min_jacobian: Option<f64>,
@@ -213,16 +218,16 @@ pub struct StepReport {
     pub penalty: f64,
     /// Deepest penetration at a quadrature point of the contact surface.
     pub max_penetration: f64,
-    /// The four criteria at the end.
+    /// The four convergence criteria at the end.
     pub residuals: Residuals,
     /// Bound on them that counts as converged: the scene's, or what the estimated
     /// discretisation error deserves.
     pub tolerance: f64,
-    /// By obstacle name.
+    /// What each obstacle does to the body, by its name.
     pub obstacles: BTreeMap<String, ObstacleResult>,
-    /// By support name.
+    /// Reaction of each support, by its name.
     pub supports: BTreeMap<String, SupportResult>,
-    /// By probe name.
+    /// Values at each probe, by its name.
     pub probes: BTreeMap<String, ProbeResult>,
     /// Estimate of the discretisation error: energy norm of u_h − u over that of
     /// u, without the volume energy where a pressure unknown carries it. None for
@@ -232,7 +237,7 @@ pub struct StepReport {
     pub errors: Option<ManufacturedErrors>,
     /// Wall seconds by phase.
     pub seconds: Seconds,
-    /// Unknowns by kind.
+    /// Number of unknowns by kind.
     pub unknowns: Unknowns,
     /// Bytes held by the prepared data and the session state.
     pub memory_bytes: u64,
@@ -256,8 +261,11 @@ pub struct Silent;
 
 impl Observer for Silent {}
 
+/// State of a token that nobody has stopped.
 const RUNNING: u8 = 0;
+/// State of a token that a caller has cancelled.
 const CANCELLED: u8 = 1;
+/// State of a token whose deadline has passed.
 const DEADLINE: u8 = 2;
 
 /// Tells a running solve to stop; clones share one flag. Solvers poll it every
@@ -281,6 +289,7 @@ impl CancelToken {
         self.stop(DEADLINE);
     }
 
+    /// Stops the token for that reason, unless it has one already.
     fn stop(&self, reason: u8) {
         // Losing the race means that another reason already stands.
         let _first = self

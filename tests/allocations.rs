@@ -10,8 +10,15 @@ use cap::Cap;
 use common::meshes::{cube, file, mesh};
 use common::scenes::{HELD, cube_bend, hertz_plane, obstacle, support};
 use common::{assert_converged, open};
-use signorini::scene::{MaterialModel, Shape};
-use signorini::{CancelToken, FieldName, Mesh, Scene, Session, Silent, Step, StepReport};
+use signorini::contact::gap::Deformed;
+use signorini::contact::{ContactSurface, evaluate_gaps};
+use signorini::element::quadrature::{Simplex, rule};
+use signorini::obstacle::Sphere;
+use signorini::scene::{Choice, MaterialModel, P1Solver, Shape};
+use signorini::space::TaylorHood;
+use signorini::{
+    CancelToken, FieldName, GroupKind, Mesh, Scene, Session, Silent, Step, StepReport,
+};
 
 #[global_allocator]
 static HEAP: Cap<System> = Cap::new(System, usize::MAX);
@@ -88,7 +95,7 @@ fn an_iteration_of_an_incompressible_body_takes_no_vector_from_the_heap() {
 fn an_iteration_with_multigrid_takes_nothing_from_the_heap() {
     counted(|| {
         let (mut scene, mesh) = (cube_bend(0.5), mesh(cube(6)));
-        scene.solver.p1_solver = "amg".to_owned();
+        scene.solver.p1_solver = Choice::Named(P1Solver::Amg);
         let bytes = bytes_of_an_iteration(&scene, &Step::default(), &mesh);
         assert!(bytes < 600.0, "{bytes} bytes");
     });
@@ -115,6 +122,32 @@ fn an_iteration_of_a_contact_takes_no_vector_from_the_heap() {
         let vector = vector_bytes(&open(&scene, &mesh));
         let bytes = bytes_of_an_iteration(&scene, &step, &mesh);
         assert!(bytes < 0.5 * vector, "{bytes} bytes, a vector has {vector}");
+    });
+}
+
+#[test]
+fn a_contact_integral_takes_nothing_from_the_heap_for_a_point() {
+    counted(|| {
+        let mesh = mesh(cube(8));
+        let space = TaylorHood::new(&mesh);
+        let group = mesh.group("z1", GroupKind::Facets).expect("a side");
+        let facets = group.members.iter();
+        let facets: Vec<Vec<u32>> = facets.map(|&f| mesh.facet(f as usize).to_vec()).collect();
+        let surface = ContactSurface::new(&mesh, &space, 1.0, &facets);
+        let body = Deformed {
+            mesh: &mesh,
+            scale: 1.0,
+            space: &space,
+            displacement: &vec![0.0; space.displacement_unknowns()],
+            rule: &rule(Simplex::Triangle, 8),
+        };
+        let ball = Sphere::new([0.5, 0.5, 2.0], 1.0).expect("a ball");
+        let before = HEAP.total_allocated();
+        let (gaps, _) = evaluate_gaps(&body, &surface, &ball);
+        let bytes = (HEAP.total_allocated() - before) as f64;
+        // What each of three functions gains at each point is kept until it is summed.
+        let kept = 8 * (facets.len() * (1 + 3 * body.rule.len()) + gaps.len());
+        assert!(bytes < 1.3 * kept as f64, "{bytes} bytes, {kept} kept");
     });
 }
 

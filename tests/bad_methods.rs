@@ -6,19 +6,21 @@ mod common;
 use common::refusals::{assert_refused, block, sphere, unsupported};
 use common::scenes::{cube_bend, obstacle};
 use signorini::Scene;
+use signorini::scene::{Choice, ElementKind, MetricKind, SaddleMethod, UnknownName};
+
 #[test]
 fn methods_are_known_by_name() {
+    let unknown = |read: Result<(), UnknownName>, nearest: [&str; 2]| {
+        let message = read.expect_err("no such method").to_string();
+        let [name, known] = nearest;
+        let expected = format!("unknown method `{name}`; did you mean `{known}`?");
+        assert_eq!(message, expected);
+    };
+    let saddle = "gccr".parse::<Choice<SaddleMethod>>();
+    unknown(saddle.map(drop), ["gccr", "gcr"]);
+    let metric = "fractionel".parse::<Choice<MetricKind>>();
+    unknown(metric.map(drop), ["fractionel", "fractional"]);
     let mut scene = cube_bend(0.5);
-    scene.solver.saddle = "gccr".to_owned();
-    assert_refused(&scene, "solver.saddle", &["`gccr`", "did you mean `gcr`"]);
-    scene.solver.saddle = "gcr".to_owned();
-    scene.solver.contact_metric = "fractionel".to_owned();
-    assert_refused(
-        &scene,
-        "solver.contact_metric",
-        &["`fractionel`", "did you mean `fractional`"],
-    );
-    scene.solver.contact_metric = "auto".to_owned();
     scene.solver.quadrature_degree = Some(0);
     assert_refused(&scene, "solver.quadrature_degree", &["between 1"]);
 }
@@ -26,10 +28,10 @@ fn methods_are_known_by_name() {
 /// [`cube_bend`] by other methods.
 fn with_methods(poisson_ratio: f64, methods: [&str; 3]) -> Scene {
     let mut scene = cube_bend(poisson_ratio);
-    let [displacement, p1, saddle] = methods.map(str::to_owned);
-    scene.solver.displacement_preconditioner = displacement;
-    scene.solver.p1_solver = p1;
-    scene.solver.saddle = saddle;
+    let [displacement, p1, saddle] = methods;
+    scene.solver.displacement_preconditioner = displacement.parse().expect("a preconditioner");
+    scene.solver.p1_solver = p1.parse().expect("a solver");
+    scene.solver.saddle = saddle.parse().expect("a method");
     scene
 }
 
@@ -105,7 +107,33 @@ fn a_penalty_needs_incompressible_materials() {
     }
     let mut scene = cube_bend(0.5);
     scene.solver.verify = false;
-    scene.solver.element = "mini".to_owned();
+    scene.solver.element = Choice::Named(ElementKind::Mini);
     scene.solver.penalty = Some(1.0);
     assert_eq!(unsupported(&scene, &block()).path, "solver.penalty");
+}
+
+#[test]
+#[cfg(not(feature = "comparisons"))]
+fn methods_to_compare_with_are_refused_where_they_are_not_built_in() {
+    for (key, name) in [
+        ("element", "mini"),
+        ("displacement_preconditioner", "hierarchical-ssor"),
+        ("p1_solver", "ic-cg"),
+        ("saddle", "minres"),
+        ("contact", "nested"),
+    ] {
+        let mut scene = cube_bend(0.5);
+        let solver = &mut scene.solver;
+        match key {
+            "element" => solver.element = name.parse().expect("an element"),
+            "p1_solver" => solver.p1_solver = name.parse().expect("a solver"),
+            "saddle" => solver.saddle = name.parse().expect("a method"),
+            "contact" => solver.contact = name.parse().expect("a method"),
+            _ => solver.displacement_preconditioner = name.parse().expect("a method"),
+        }
+        let refused = unsupported(&scene, &block());
+        assert_eq!(refused.path, format!("solver.{key}"));
+        assert!(refused.message.contains(name), "{refused}");
+        assert!(refused.message.contains("not built into"), "{refused}");
+    }
 }

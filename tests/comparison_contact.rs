@@ -9,7 +9,7 @@ use common::meshes::{cube, file, irregular, mesh};
 use common::scenes::{elastic, hertz_plane, hertz_sphere, obstacle, support};
 use common::{close, difference, solve, solve_one, values};
 use serde_json::Value;
-use signorini::scene::Shape;
+use signorini::scene::{Choice, ContactMethod, Shape};
 use signorini::{Cause, FieldName, Mesh, Plan, Scene, SceneError, Step, StepReport, Termination};
 
 const TOLERANCE: f64 = 1e-6;
@@ -78,8 +78,8 @@ fn reference_force(case: &str, mesh: &str) -> f64 {
 
 fn with_method(scene: &Scene, contact: &str, metric: &str) -> Scene {
     let mut scene = scene.clone();
-    scene.solver.contact = contact.to_owned();
-    scene.solver.contact_metric = metric.to_owned();
+    scene.solver.contact = contact.parse().expect("a method");
+    scene.solver.contact_metric = metric.parse().expect("a metric");
     scene
 }
 
@@ -229,8 +229,8 @@ fn combinations_that_make_no_sense_are_refused_with_path_and_reason() {
     let (path, message) = refusal(&seed, &mesh);
     assert_eq!(path, "solver.contact_metric");
     assert!(message.contains("`mass`"), "{message}");
-    let (path, message) = refusal(&with_method(&scene, "nestd", "auto"), &mesh);
-    assert_eq!(path, "solver.contact");
+    let misspelt = "nestd".parse::<Choice<ContactMethod>>();
+    let message = misspelt.expect_err("no such method").to_string();
     assert!(message.contains("did you mean `nested`"), "{message}");
     let mut floating = with_method(&scene, "nested", "auto");
     floating.supports.truncate(2);
@@ -238,7 +238,7 @@ fn combinations_that_make_no_sense_are_refused_with_path_and_reason() {
     let (path, message) = refusal(&floating, &mesh);
     assert_eq!(path, "solver.contact");
     assert!(message.contains("one-level"), "{message}");
-    floating.solver.contact = "one-level".to_owned();
+    floating.solver.contact = Choice::Named(ContactMethod::OneLevel);
     Plan::new(&floating, &[], &mesh).expect("one level holds it by contact");
 }
 

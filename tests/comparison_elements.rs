@@ -6,7 +6,7 @@ mod common;
 use common::meshes::{cube, file, irregular, mesh, square};
 use common::scenes::{HELD, cube_bend, elastic, hertz_sphere, obstacle, push, support, traction};
 use common::{close, run_one, solve_one, values};
-use signorini::scene::{Profile, Shape, Support};
+use signorini::scene::{Choice, DisplacementMethod, Profile, Shape, Support};
 use signorini::{FieldName, MeshParts, Plan, Scene, SceneError, Step, StepReport};
 
 const MINI: &str = "mini";
@@ -14,7 +14,7 @@ const BERNARDI_RAUGEL: &str = "bernardi-raugel";
 
 /// `scene` on another element.
 fn on(element: &str, mut scene: Scene) -> Scene {
-    scene.solver.element = element.to_owned();
+    scene.solver.element = element.parse().expect("an element");
     scene.solver.verify = false;
     scene
 }
@@ -193,7 +193,7 @@ fn what_the_comparison_elements_do_not_serve_is_refused_by_its_key() {
     let mut verified = on(MINI, cube_bend(0.5));
     verified.solver.verify = true;
     let mut method = on(MINI, cube_bend(0.5));
-    method.solver.displacement_preconditioner = "p-multigrid".to_owned();
+    method.solver.displacement_preconditioner = Choice::Named(DisplacementMethod::PMultigrid);
     let cases = [
         (on(MINI, cube_bend(0.3)), "solver.element"),
         (contact, "obstacle.floor"),

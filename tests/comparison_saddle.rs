@@ -9,6 +9,7 @@ use common::meshes::{cube, file, mesh, square};
 use common::scenes::{HELD, cube_bend, elastic, hertz_plane, support, traction};
 use common::{run_one, values};
 use signorini::report::ManufacturedErrors;
+use signorini::scene::{Choice, Named};
 use signorini::{FieldName, Mesh, Plan, Scene, Step, StepReport};
 
 /// `[solver]` keys of a method.
@@ -21,19 +22,16 @@ struct Method {
 
 impl Method {
     fn asked_of(self, mut scene: Scene) -> Scene {
-        let set = |key: &mut String, name: Option<&str>| {
-            if let Some(name) = name {
-                name.clone_into(key);
-            }
-        };
-        set(
-            &mut scene.solver.displacement_preconditioner,
-            self.displacement,
-        );
-        set(&mut scene.solver.p1_solver, self.p1);
-        set(&mut scene.solver.saddle, self.saddle);
+        let solver = &mut scene.solver;
+        solver.displacement_preconditioner = choice(self.displacement);
+        solver.p1_solver = choice(self.p1);
+        solver.saddle = choice(self.saddle);
         scene
     }
+}
+
+fn choice<T: Named>(name: Option<&str>) -> Choice<T> {
+    name.map_or(Choice::Auto, |name| name.parse().expect("a method"))
 }
 
 fn solved(scene: &Scene, step: &Step, mesh: &Arc<Mesh>) -> (Vec<f64>, StepReport) {

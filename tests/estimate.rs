@@ -11,7 +11,7 @@ use common::scenes::{
 };
 use common::{assert_converged, open, run_one, solve, solve_one, values};
 use serde_json::Value;
-use signorini::scene::{Modulus, ToleranceRule};
+use signorini::scene::{Choice, ErrorEstimate, Modulus, ToleranceRule};
 use signorini::{
     CancelToken, FieldName, Group, GroupKind, Mesh, MeshParts, Plan, Scene, Silent, Step,
     StepReport, Termination,
@@ -266,7 +266,7 @@ fn an_increment_without_a_result_has_no_estimate() {
 #[test]
 fn an_estimate_that_is_off_is_not_there() {
     let (mut scene, step) = hertz_sphere(0.5);
-    scene.solver.error_estimate = "off".to_owned();
+    scene.solver.error_estimate = Choice::Named(ErrorEstimate::Off);
     let report = solve_one(&scene, &step, &file("indent_l1"));
     assert_eq!(report.error_estimate, None);
     assert!(report.obstacles.values().all(|o| o.force_error.is_none()));
@@ -276,7 +276,7 @@ fn an_estimate_that_is_off_is_not_there() {
 fn a_tolerance_by_the_estimate_needs_the_estimate() {
     let mut scene = cube_bend(0.5);
     scene.solver.tolerance_rule = ToleranceRule::Discretisation;
-    scene.solver.error_estimate = "off".to_owned();
+    scene.solver.error_estimate = Choice::Named(ErrorEstimate::Off);
     let fault = Plan::new(&scene, &[], &mesh(cube(2))).expect_err("a contradiction");
     let text = fault.to_string();
     assert!(

@@ -7,8 +7,8 @@ use common::meshes::{cube, mesh, square};
 use common::refusals::{block, unsupported, violations};
 use common::scenes::{HELD, cube_bend, obstacle, support};
 use signorini::scene::{
-    Formulation, Material, MaterialModel, Pressure, Profile, RubberModel, SceneKind, Shape,
-    SupportTarget, ToleranceRule,
+    Choice, ContactMethod, DisplacementMethod, ElementKind, Formulation, Material, MaterialModel,
+    Pressure, Profile, RubberModel, SaddleMethod, SceneKind, Shape, SupportTarget, ToleranceRule,
 };
 use signorini::{MeshParts, Plan, PlanReport, Scene, SceneError, Step};
 
@@ -149,19 +149,20 @@ fn methods_that_do_not_serve_rubber_are_refused_by_name() {
     type Change = fn(&mut Scene);
     let cases: [(&str, &str, Change); 6] = [
         ("solver.element", "mini", |scene| {
-            scene.solver.element = "mini".into()
+            scene.solver.element = Choice::Named(ElementKind::Mini)
         }),
         ("solver.saddle", "minres", |scene| {
-            scene.solver.saddle = "minres".into()
+            scene.solver.saddle = Choice::Named(SaddleMethod::Minres)
         }),
         ("solver.contact", "mprgp", |scene| {
-            scene.solver.contact = "mprgp".into()
+            scene.solver.contact = Choice::Named(ContactMethod::Mprgp)
         }),
         (
             "solver.displacement_preconditioner",
             "hierarchical-ssor",
             |scene| {
-                scene.solver.displacement_preconditioner = "hierarchical-ssor".into();
+                scene.solver.displacement_preconditioner =
+                    Choice::Named(DisplacementMethod::HierarchicalSsor);
             },
         ),
         ("solver.tolerance", "discretisation", |scene| {

@@ -46,6 +46,7 @@ fn inflow(on: &str, peak: f64) -> Support {
 /// velocity is along x and the normal stress zero.
 fn channel() -> (Scene, Arc<Mesh>) {
     let plane = |support: Support| Support {
+        normal: None,
         displacement: [support.displacement[0], support.displacement[1], None],
         ..support
     };
@@ -160,6 +161,7 @@ fn a_square_duct_takes_the_product_of_two_parabolas_and_loses_no_mass() {
 fn a_closed_channel_has_a_pressure_of_mean_zero() {
     let (mut scene, mesh) = channel();
     scene.supports[3] = Support {
+        normal: None,
         displacement: [Some(PEAK), Some(0.0), None],
         ..inflow("x1", PEAK)
     };

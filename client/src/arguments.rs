@@ -7,10 +7,6 @@ use clap_complete::Shell;
 use signorini_client::ServerAddress;
 use signorini_client::scene_file::Override;
 
-use crate::bench::family::{self, Family, Level};
-use crate::bench::method::Method;
-use crate::bench::study::{self, Study};
-
 /// Contact of nearly incompressible bodies, rubber included: solve scenes, serve, look at servers.
 #[derive(Debug, Parser)]
 #[command(name = "signorini", version, after_help = EXIT_CODES)]
@@ -41,7 +37,8 @@ pub(crate) enum Command {
     /// Start a server
     Serve(ServeArguments),
     /// Measure error against run time: table, figures and a page
-    Bench(BenchArguments),
+    #[cfg(feature = "bench")]
+    Bench(signorini_bench::Arguments),
     /// Meshes of a server
     #[command(subcommand)]
     Mesh(MeshCommand),
@@ -110,48 +107,6 @@ pub(crate) struct ServeArguments {
     /// Where the metrics page is served: HOST:PORT, or empty for nowhere
     #[arg(long, value_name = "ADDRESS")]
     pub(crate) metrics_listen: Option<String>,
-}
-
-#[derive(Args, Debug)]
-pub(crate) struct BenchArguments {
-    /// Small meshes only, two minutes at most
-    #[arg(long)]
-    pub(crate) quick: bool,
-    /// Folder for bench.csv, index.html and the figures
-    #[arg(long, value_name = "DIR", default_value = "results/bench")]
-    pub(crate) out: PathBuf,
-    /// A1m, cube-bend, hertz-sphere, hertz-plane, mr-uniax, mr-block or mr-sphere, several
-    /// times; default: all
-    #[arg(long = "scene", value_name = "NAME", value_parser = family::find)]
-    pub(crate) scenes: Vec<&'static Family>,
-    /// Question to answer by its own runs, such as element or saddle, several times; default:
-    /// all, unless scenes, levels, methods or tolerances are named
-    #[arg(long = "study", value_name = "NAME", value_parser = study::find)]
-    pub(crate) studies: Vec<&'static Study>,
-    /// Meshes, such as n6,n10,l1: cells an edge of the cubes, numbers of the Gmsh meshes
-    #[arg(long, value_name = "LEVELS", value_delimiter = ',')]
-    pub(crate) levels: Vec<Level>,
-    /// auto or KEY=VALUE[,KEY=VALUE] of [solver] (of the scene where KEY has a dot), several times
-    #[arg(long = "method", value_name = "METHOD")]
-    pub(crate) methods: Vec<Method>,
-    /// Tolerances, such as 1e-8,1e-3
-    #[arg(long = "tolerances", value_name = "TOLERANCES", value_delimiter = ',')]
-    pub(crate) tolerances: Vec<f64>,
-    /// Runs of each case, whose median counts; default: 3
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
-    pub(crate) repeats: Option<u8>,
-    /// Time after which a run is stopped and counts as failed
-    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..))]
-    pub(crate) run_limit: Option<u64>,
-    /// Time after which no more is measured; default: 2300, with --quick 105
-    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..))]
-    pub(crate) budget: Option<u64>,
-    /// Folder of Gmsh meshes that replace or add to those of this program
-    #[arg(long, value_name = "DIR")]
-    pub(crate) meshes: Option<PathBuf>,
-    /// CSV file with figures of other solvers, drawn beside ours
-    #[arg(long, value_name = "FILE")]
-    pub(crate) peers: Option<PathBuf>,
 }
 
 /// A server that runs already.
@@ -256,5 +211,12 @@ mod tests {
     #[test]
     fn the_definition_of_arguments_is_consistent() {
         Arguments::command().debug_assert();
+    }
+
+    #[test]
+    fn a_build_without_the_bench_has_no_such_command() {
+        let command = Arguments::command();
+        let bench = command.find_subcommand("bench");
+        assert_eq!(bench.is_some(), cfg!(feature = "bench"));
     }
 }

@@ -1,5 +1,5 @@
 //! The command line tool `signorini`: solves scenes through the service, starts
-//! servers and measures error against run time.
+//! servers and, with the feature `bench`, measures error against run time.
 //!
 //! Data go to stdout, everything else to stderr. Exit codes: see [`exit::Exit`].
 #![cfg_attr(
@@ -13,7 +13,6 @@
 )]
 
 mod arguments;
-mod bench;
 mod commands;
 mod connection;
 mod exit;

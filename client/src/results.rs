@@ -5,12 +5,11 @@ use std::path::{Path, PathBuf};
 
 use signorini_client::formats::msh::MeshFile;
 use signorini_client::formats::pvd::{self, PvdEntry};
-use signorini_client::formats::vtp::{self, BoundingBox, Pose, Surface};
+use signorini_client::formats::vtp::{self, BoundingBox, Outline, Pose};
 use signorini_client::formats::vtu::{Grid, GridField};
-use signorini_client::result_line;
+use signorini_client::scene_file::outline;
 use signorini_client::solve::{Field, Increment};
-use signorini_proto::v1;
-use signorini_proto::v1::shape::Kind;
+use signorini_proto::{v1, words};
 
 use crate::exit::{Exit, Failure};
 
@@ -19,8 +18,7 @@ pub(crate) struct ResultFolder {
     folder: PathBuf,
     stem: String,
     grid: Grid,
-    body: BoundingBox,
-    obstacles: Vec<(String, Surface)>,
+    obstacles: Vec<(String, Outline)>,
     entries: Vec<PvdEntry>,
     written: usize,
 }
@@ -37,15 +35,16 @@ impl ResultFolder {
             .collect();
         let grid = Grid::new(mesh.vertices_per_cell, &points, &mesh.cells)
             .map_err(|error| Failure::new(Exit::Invalid, error.to_string()))?;
-        let obstacles = scene.obstacles.iter();
+        let body = BoundingBox::of(&points);
+        let drawn = |obstacle: &v1::Obstacle| {
+            let outline = outline(obstacle.shape.as_ref()?, &body)?;
+            Some((obstacle.name.clone(), outline))
+        };
         Ok(Self {
             folder: folder.to_owned(),
             stem: file_stem(&scene.name),
             grid,
-            body: BoundingBox::of(&points),
-            obstacles: obstacles
-                .filter_map(|obstacle| Some((obstacle.name.clone(), surface(obstacle)?)))
-                .collect(),
+            obstacles: scene.obstacles.iter().filter_map(drawn).collect(),
             entries: Vec::new(),
             written: 0,
         })
@@ -82,7 +81,7 @@ impl ResultFolder {
     fn body_file(&self, fields: &[Field]) -> Result<Vec<u8>, Failure> {
         let names: Vec<String> = fields
             .iter()
-            .map(|field| result_line::field(field.name))
+            .map(|field| words::field(field.name))
             .collect();
         let fields: Vec<GridField<'_>> = names
             .iter()
@@ -103,12 +102,12 @@ impl ResultFolder {
         report: &v1::StepReport,
         number: usize,
     ) -> Result<(), Failure> {
-        let Some((name, surface)) = self.obstacles.get(part) else {
+        let Some((name, outline)) = self.obstacles.get(part) else {
             return Ok(());
         };
         let pose = report.obstacle_poses.iter().find(|pose| pose.name == *name);
         let pose = pose.map(pose_of).unwrap_or_default();
-        let drawn = vtp::write(surface, &pose, &self.body);
+        let drawn = vtp::write(outline, &pose);
         let file = format!("{}_{}_{number:04}.vtp", self.stem, file_stem(name));
         self.put(report.time, part + 1, file, &drawn)
     }
@@ -132,32 +131,6 @@ fn pose_of(pose: &v1::ObstaclePose) -> Pose {
     Pose {
         translation: three(&pose.translation),
         rotation: three(&pose.rotation),
-    }
-}
-
-/// The surface of an obstacle whose shape can be drawn.
-fn surface(obstacle: &v1::Obstacle) -> Option<Surface> {
-    match obstacle.shape.as_ref()?.kind.as_ref()? {
-        Kind::HalfSpace(shape) => Some(Surface::Plane {
-            point: three(&shape.point),
-            normal: three(&shape.normal),
-        }),
-        Kind::Sphere(shape) => Some(Surface::Sphere {
-            centre: three(&shape.centre),
-            radius: shape.radius?,
-        }),
-        Kind::Cylinder(shape) => Some(Surface::Cylinder {
-            point: three(&shape.point),
-            axis: three(&shape.axis),
-            radius: shape.radius?,
-        }),
-        Kind::CappedCylinder(_)
-        | Kind::Box(_)
-        | Kind::Torus(_)
-        | Kind::Cone(_)
-        | Kind::Surface(_)
-        | Kind::HeightField(_)
-        | Kind::DistanceGrid(_) => None,
     }
 }
 

@@ -14,12 +14,14 @@
 //! stream as a typed error.
 
 mod backoff;
-mod desk;
 mod events;
 mod incoming;
 mod journal;
+mod link;
+mod options;
 mod pump;
 mod source;
+mod user_channels;
 mod watch;
 
 use std::time::Duration;
@@ -30,53 +32,19 @@ use tokio::sync::mpsc;
 
 pub(crate) use events::Collector;
 pub use events::{Event, Field, Increment};
-pub use watch::{Watch, WatchOptions};
+pub use options::{Attach, PATIENCE, WatchOptions};
+pub use watch::Watch;
 
 use crate::connect::{Client, answer};
 use crate::error::ClientError;
 use crate::session::resource;
-use desk::Desk;
 use journal::{Journal, Order};
 use pump::Pump;
 use source::{Kind, Source, wire};
+use user_channels::UserChannels;
 
 /// Updates and events that may wait in the client.
 const QUEUE: usize = 16;
-
-/// How long a broken connection is tried again unless it is said otherwise.
-pub const PATIENCE: Duration = Duration::from_secs(60);
-
-/// How to attach to a session.
-#[derive(Clone, Debug)]
-pub struct Attach {
-    /// Results after this event that the server still keeps are sent again;
-    /// `None`: none is.
-    pub last_seen_event: Option<i64>,
-    /// Fields wanted with each result; empty: those of the scene.
-    pub fields: Vec<v1::FieldName>,
-    /// At most one iteration event in this time; `None`: as fast as they are read.
-    pub iteration_interval: Option<Duration>,
-    /// What a broken connection means for the step that runs. With
-    /// `CANCEL_STEP` a break cancels it, and updates behind it are sent again.
-    pub on_disconnect: v1::DisconnectPolicy,
-    /// How long a broken connection is tried again, with pauses of 50 ms that
-    /// double to 2 s; zero: never. Results of a break have the fields of the
-    /// scene's output only.
-    pub patience: Duration,
-}
-
-impl Default for Attach {
-    /// No earlier results, the scene's fields, [`PATIENCE`].
-    fn default() -> Self {
-        Self {
-            last_seen_event: None,
-            fields: Vec::new(),
-            iteration_interval: None,
-            on_disconnect: v1::DisconnectPolicy::Unspecified,
-            patience: PATIENCE,
-        }
-    }
-}
 
 /// An open stream.
 #[derive(Debug)]
@@ -147,7 +115,7 @@ impl Client {
         let (opened, link) = answer(source.clone().attach(last_seen)).await?;
         let journal = Journal::new(last_seen, &opened);
         let (sender, events) = mpsc::channel(QUEUE);
-        let pump = Pump::new(source, journal, Desk::new(orders, sender));
+        let pump = Pump::new(source, journal, UserChannels::new(orders, sender));
         tokio::spawn(pump.run(link));
         Ok((opened, Events(events)))
     }

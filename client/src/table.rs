@@ -2,8 +2,7 @@
 
 use std::fmt::Write as _;
 
-use signorini_client::result_line;
-use signorini_proto::v1;
+use signorini_proto::{v1, words};
 
 use crate::text::{bytes, number, vector};
 
@@ -27,8 +26,8 @@ impl Lines {
 /// A plan: what is built, what is left out and why.
 pub(crate) fn plan(plan: &v1::Plan) -> String {
     let mut lines = Lines::default();
-    let kind = result_line::kind(plan.kind());
-    let formulation = result_line::formulation(plan.formulation());
+    let kind = words::scene_kind(plan.kind());
+    let formulation = words::formulation(plan.formulation());
     lines.add("scene", &format!("{} ({kind}, {formulation})", plan.name));
     lines.add("unknowns", &unknowns(plan.unknowns.as_ref()));
     for entry in &plan.decisions {
@@ -98,7 +97,7 @@ fn increments(reports: &[v1::StepReport]) -> String {
             "{:>4} {:>9}  {:<17} {:>4} {:>6}  {:<14} {:>7.3}",
             report.step,
             report.increment,
-            result_line::termination(report.termination()),
+            words::termination(report.termination()),
             report.sqp_iterations,
             report.krylov_iterations,
             number(force.iter().sum()),
@@ -128,7 +127,7 @@ fn report(lines: &mut Lines, name: &str, report: &v1::StepReport) {
     if let Some(least) = report.min_jacobian {
         lines.add("det F", &jacobian(least, report.min_jacobian_bound));
     }
-    if let Some(stability) = result_line::stability(report.stability()) {
+    if let Some(stability) = words::stability(report.stability()) {
         lines.add("equilibrium", &format!("{stability} of the energy"));
     }
     if report.penalty > 0.0 {
@@ -160,8 +159,8 @@ fn jacobian(least: f64, bound: Option<f64>) -> String {
 }
 
 fn ending(report: &v1::StepReport) -> String {
-    let termination = result_line::termination(report.termination());
-    let cause = result_line::cause(report.cause());
+    let termination = words::termination(report.termination());
+    let cause = words::cause(report.cause());
     let cause = cause.map(|cause| format!(" ({cause})")).unwrap_or_default();
     let (step, increment, load) = (report.step, report.increment, number(report.load));
     format!("{termination}{cause}: step {step}, increment {increment}, load {load}")

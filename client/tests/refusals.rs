@@ -128,7 +128,6 @@ fn keys_of_later_capabilities_are_not_supported_yet() {
     for change in [
         "obstacle.ball.friction=0.3",
         "obstacle.ball.tresca=1.0",
-        "support.base.normal=0.0",
         "pressure.0={ on = \"z1\", value = 1.0 }",
         "step.0.support.base={ rotation = [0, 0, 7] }",
         "obstacle.ball.shape={ kind = \"torus\", centre = [0, 0, 1], axis = [0, 0, 1], radius = 1, tube_radius = 0.1 }",
@@ -142,6 +141,14 @@ fn keys_of_later_capabilities_are_not_supported_yet() {
     assert_refused(
         &solve_set("cook.toml", &["kind=axisymmetric"]),
         &["not supported yet", "kind"],
+    );
+}
+
+#[test]
+fn a_normal_component_stands_alone() {
+    assert_refused(
+        &solve_set("hertz-sphere.toml", &["support.base.normal=0.0"]),
+        &["support.base.normal", "displacement"],
     );
 }
 

@@ -200,3 +200,24 @@ fn numbers_survive_printing_bit_for_bit() {
         Some((0.1_f64 + 0.2).to_bits())
     );
 }
+
+#[test]
+fn the_keys_of_a_result_keep_their_order() {
+    let expected = [
+        r#"{"event":"step","step":0,"increment":0,"time":0.0,"load":0.0,"#,
+        r#""termination":"unspecified","cause":null,"sqp_iterations":0,"#,
+        r#""krylov_iterations":0,"preconditioner_applications":0,"#,
+        r#""eigenvalue_applications":0,"compliance_columns":0,"contact_products":0,"#,
+        r#""active_set_changes":0,"cut_backs":0,"factorisations":0,"active_vertices":0,"#,
+        r#""strain_energy":0.0,"volume_ratio":0.0,"min_jacobian":null,"#,
+        r#""min_jacobian_bound":null,"stability":null,"penalty":0.0,"#,
+        r#""max_penetration":0.0,"residuals":null,"tolerance":0.0,"obstacles":{},"#,
+        r#""supports":{},"probes":{},"error_estimate":null,"errors":null,"#,
+        r#""seconds":{"prepare":0.0,"assemble":0.0,"factorise":0.0,"krylov":0.0,"#,
+        r#""contact":0.0,"error_norms":0.0,"total":0.0},"unknowns":{"displacement":0,"#,
+        r#""pressure":0,"contact":0},"memory_bytes":0,"reused":[],"instruction_set":"","#,
+        r#""verification":null,"poses":{}}"#,
+    ];
+    let line = result_line::step(&v1::StepReport::default());
+    assert_eq!(line.to_string(), expected.concat());
+}

@@ -1,9 +1,11 @@
 //! The wire format of the Signorini service: generated messages and services,
-//! the codec of bulk arrays, and the digest that names a mesh.
+//! the codec of bulk arrays, the digest that names a mesh, and the words of enum
+//! values.
 //!
 //! No logic lives here. Scenes and reports are plain messages; arrays travel as
 //! little-endian, row-major bytes (see [`mod@array`]). The features `client` and
-//! `server` add the two sides of the services to [`v1`].
+//! `server` add the two sides of the services to [`v1`], the feature `serde` lets
+//! reports and plans be written as JSON.
 
 #![cfg_attr(
     not(test),
@@ -17,6 +19,9 @@
 
 pub mod array;
 pub mod digest;
+#[cfg(feature = "serde")]
+mod serialised;
+pub mod words;
 
 /// Messages and services of the package `signorini.v1`; documented in the
 /// `.proto` files.

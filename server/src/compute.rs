@@ -1,5 +1,5 @@
-//! The workshop: a fixed number of solver threads, each with its own rayon pool,
-//! fed by one queue that is fair between clients.
+//! The solver threads: a fixed number, each with its own rayon pool, fed by one
+//! queue that is fair between clients.
 //!
 //! A job is the building of prepared data or one increment of one session, so
 //! sessions take turns. A slot that has ended a job waits a moment for the same
@@ -29,22 +29,24 @@ struct Waiting {
     since: Instant,
 }
 
+/// Jobs that no slot has taken yet.
 #[derive(Default)]
-struct State {
+struct Backlog {
     jobs: FairQueue<ClientKey, Waiting>,
     closed: bool,
 }
 
-struct Queue {
-    state: Mutex<State>,
+/// Between those who submit jobs and the slots that take them.
+struct JobQueue {
+    backlog: Mutex<Backlog>,
     arrived: Condvar,
     metrics: Arc<Metrics>,
 }
 
-impl Queue {
-    fn lock(&self) -> MutexGuard<'_, State> {
+impl JobQueue {
+    fn lock(&self) -> MutexGuard<'_, Backlog> {
         // Jobs run outside the lock, so a poisoned state is whole.
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        self.backlog.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The next job for a slot that has just served `last`.
@@ -68,10 +70,10 @@ impl Queue {
     /// Waits a moment for a job of `last`, if that one would be next.
     fn linger<'a>(
         &self,
-        state: MutexGuard<'a, State>,
+        state: MutexGuard<'a, Backlog>,
         last: Option<ClientKey>,
-    ) -> MutexGuard<'a, State> {
-        let awaited = |state: &mut State| {
+    ) -> MutexGuard<'a, Backlog> {
+        let awaited = |state: &mut Backlog| {
             !state.closed && last.is_some_and(|client| state.jobs.would_be_next(client))
         };
         let waited = self.arrived.wait_timeout_while(state, LINGER, awaited);
@@ -89,24 +91,24 @@ impl Queue {
 pub(crate) struct Panicked(pub(crate) String);
 
 /// The solver threads.
-pub(crate) struct Workshop {
-    queue: Arc<Queue>,
+pub(crate) struct SolverThreads {
+    queue: Arc<JobQueue>,
     threads: Mutex<Vec<JoinHandle<()>>>,
 }
 
-impl Workshop {
+impl SolverThreads {
     /// Starts `slots` solver threads with a pool of `threads` each.
     ///
     /// # Errors
     /// When the system gives no more threads.
     pub(crate) fn start(slots: usize, threads: usize, metrics: &Arc<Metrics>) -> io::Result<Self> {
-        let queue = Arc::new(Queue {
-            state: Mutex::default(),
+        let queue = Arc::new(JobQueue {
+            backlog: Mutex::default(),
             arrived: Condvar::new(),
             metrics: Arc::clone(metrics),
         });
         // Exists before its threads, so that a failure below ends those that run.
-        let workshop = Self {
+        let started = Self {
             queue: Arc::clone(&queue),
             threads: Mutex::default(),
         };
@@ -119,9 +121,9 @@ impl Workshop {
             let queue = Arc::clone(&queue);
             let run = move || serve_slot(&queue, &pool);
             let builder = std::thread::Builder::new().name(format!("slot-{slot}"));
-            workshop.lock_threads().push(builder.spawn(run)?);
+            started.lock_threads().push(builder.spawn(run)?);
         }
-        Ok(workshop)
+        Ok(started)
     }
 
     /// Jobs of `client` that wait for a slot.
@@ -171,13 +173,13 @@ impl Workshop {
     }
 }
 
-impl Drop for Workshop {
+impl Drop for SolverThreads {
     fn drop(&mut self) {
         self.stop();
     }
 }
 
-fn serve_slot(queue: &Queue, pool: &rayon::ThreadPool) {
+fn serve_slot(queue: &JobQueue, pool: &rayon::ThreadPool) {
     let mut last = None;
     while let Some((client, waiting)) = queue.next(last) {
         let start = Instant::now();
@@ -207,34 +209,34 @@ mod tests {
 
     #[test]
     fn a_panic_is_reported_and_the_slot_goes_on() {
-        let workshop = Workshop::start(1, 1, &Metrics::new().unwrap()).unwrap();
+        let solvers = SolverThreads::start(1, 1, &Metrics::new().unwrap()).unwrap();
         let (sender, receiver) = mpsc::channel();
         let other = sender.clone();
-        workshop.submit(
+        solvers.submit(
             ClientKey::Unknown,
             || -> u32 { panic!("broken") },
             move |outcome| other.send(outcome).unwrap(),
         );
-        workshop.submit(
+        solvers.submit(
             ClientKey::Unknown,
             || 7,
             move |outcome| sender.send(outcome).unwrap(),
         );
         assert_eq!(receiver.recv().unwrap(), Err(Panicked("broken".into())));
         assert_eq!(receiver.recv().unwrap(), Ok(7));
-        workshop.close();
+        solvers.close();
     }
 
     #[test]
     fn jobs_run_in_the_pool_of_their_slot() {
-        let workshop = Workshop::start(1, 3, &Metrics::new().unwrap()).unwrap();
+        let solvers = SolverThreads::start(1, 3, &Metrics::new().unwrap()).unwrap();
         let (sender, receiver) = mpsc::channel();
-        workshop.submit(
+        solvers.submit(
             ClientKey::Unknown,
             rayon::current_num_threads,
             move |outcome| sender.send(outcome).unwrap(),
         );
         assert_eq!(receiver.recv().unwrap(), Ok(3));
-        workshop.close();
+        solvers.close();
     }
 }

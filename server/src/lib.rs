@@ -1,10 +1,12 @@
 //! The gRPC server of the Signorini solver: [`serve`] is used by the binary, by
 //! programs that embed the server and by tests alike.
 //!
-//! The way of a request: `service` (door) → `convert` (wire to domain) →
-//! `registry` and `session` (mailbox, one actor each) → `compute` (solver
-//! threads) → `outbox` → `service`. Handlers never compute, solver threads never
-//! wait, the outbox is the only place where the two speeds meet. Only `status`
+//! The way of a request: `service` and `streams` (door) → `convert` (wire to
+//! domain) → `registry` and `session` (mailbox, one actor each) → `compute` (solver
+//! threads) → `results` → `streams`. Handlers never compute, solver threads never
+//! wait, the outbox of `results` is the only place where the two speeds meet. A
+//! room knows those behind it, never those before it: `results` no session, `session`
+//! no registry, `registry` no stream. Only `status`
 //! makes a gRPC status, only `metrics` names a metric, only `convert` sees both
 //! wire and domain types. The server reads and writes no files.
 
@@ -28,13 +30,14 @@ mod listen;
 mod memory;
 mod metrics;
 mod metrics_page;
-mod outbox;
 mod registry;
+mod results;
 mod serve;
 mod service;
 mod session;
 mod status;
 mod store;
+mod streams;
 mod transport;
 
 pub use config::{Config, ConfigError};

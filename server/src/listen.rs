@@ -40,8 +40,9 @@ pub enum ListenError {
     },
 }
 
+/// The socket on which the service listens.
 #[derive(Debug)]
-pub(crate) enum Door {
+pub(crate) enum Socket {
     Tcp(TcpListener),
     Unix(UnixListener, SocketFile),
 }
@@ -60,7 +61,7 @@ impl Drop for SocketFile {
 /// Bound sockets of one server.
 #[derive(Debug)]
 pub struct Listener {
-    pub(crate) door: Door,
+    pub(crate) socket: Socket,
     pub(crate) metrics: Option<TcpListener>,
     url: String,
 }
@@ -71,19 +72,23 @@ impl Listener {
     /// # Errors
     /// [`ListenError`], naming the address and what to write instead.
     pub async fn bind(config: &Config) -> Result<Self, ListenError> {
-        let (door, url) = match config.listen.strip_prefix(UNIX_PREFIX) {
+        let (socket, url) = match config.listen.strip_prefix(UNIX_PREFIX) {
             Some(path) => bind_unix(Path::new(path)).await?,
             None => {
                 let listener = bind_loopback(&config.listen).await?;
                 let address = local_address(&listener, &config.listen)?;
-                (Door::Tcp(listener), format!("http://{address}"))
+                (Socket::Tcp(listener), format!("http://{address}"))
             }
         };
         let metrics = match config.metrics_listen.as_str() {
             "" => None,
             address => Some(bind_loopback(address).await?),
         };
-        Ok(Self { door, metrics, url })
+        Ok(Self {
+            socket,
+            metrics,
+            url,
+        })
     }
 
     /// What a client connects to: `http://127.0.0.1:PORT` or `unix:/path`.
@@ -122,7 +127,7 @@ fn local_address(listener: &TcpListener, asked: &str) -> Result<SocketAddr, List
         .map_err(|source| system(asked, source))
 }
 
-async fn bind_unix(path: &Path) -> Result<(Door, String), ListenError> {
+async fn bind_unix(path: &Path) -> Result<(Socket, String), ListenError> {
     let address = format!("{UNIX_PREFIX}{}", path.display());
     if path.as_os_str().is_empty() {
         return Err(ListenError::Address(address));
@@ -130,7 +135,7 @@ async fn bind_unix(path: &Path) -> Result<(Door, String), ListenError> {
     remove_stale(path).await?;
     let listener = open_private(path).map_err(|source| system(&address, source))?;
     let file = SocketFile(path.to_owned());
-    Ok((Door::Unix(listener, file), address))
+    Ok((Socket::Unix(listener, file), address))
 }
 
 /// Takes the permissions away before listening, so that nobody can connect in between.

@@ -11,7 +11,7 @@ use tokio::sync::{Notify, watch};
 
 use crate::fault::Fault;
 use crate::metrics::Metrics;
-use crate::session::{self, Ending, Handle, Seed, Shop};
+use crate::session::{self, Handle, Services, SessionEnd, SessionSpec};
 use crate::status;
 
 const PREFIX: &str = "sessions/";
@@ -22,8 +22,9 @@ const LONGEST_NAME: usize = 256;
 const SHORTEST_ID: usize = 4;
 const LONGEST_ID: usize = 63;
 
+/// The sessions by name, and by the requests that made them.
 #[derive(Default)]
-struct Inner {
+struct Directory {
     /// `None` while a session is being made.
     sessions: BTreeMap<String, Option<Handle>>,
     /// Session name by request identifier.
@@ -31,7 +32,7 @@ struct Inner {
     expired: VecDeque<String>,
 }
 
-impl Inner {
+impl Directory {
     /// The session of a request, if one is made or being made (`None` inside).
     fn of_request(&self, request_id: &str) -> Option<Option<&Handle>> {
         let name = self.requests.get(request_id)?;
@@ -46,37 +47,37 @@ impl Inner {
 
 /// All sessions.
 pub(crate) struct Registry {
-    inner: Mutex<Inner>,
+    directory: Mutex<Directory>,
     draining: AtomicBool,
     /// Some session started or will not start.
     settled: Notify,
     streams: watch::Sender<usize>,
-    shop: Arc<Shop>,
+    services: Arc<Services>,
 }
 
 impl Registry {
-    pub(crate) fn new(shop: &Arc<Shop>) -> Arc<Self> {
+    pub(crate) fn new(services: &Arc<Services>) -> Arc<Self> {
         Arc::new(Self {
-            inner: Mutex::default(),
+            directory: Mutex::default(),
             draining: AtomicBool::new(false),
             settled: Notify::new(),
             streams: watch::Sender::new(0),
-            shop: Arc::clone(shop),
+            services: Arc::clone(services),
         })
     }
 
     /// Counts a refused request.
     pub(crate) fn refused(&self, fault: &Fault) {
-        self.shop.metrics.refused(status::reason(fault));
+        self.services.metrics.refused(status::reason(fault));
     }
 
     /// Time of silence after which a stream gets a heartbeat.
     pub(crate) fn heartbeat(&self) -> Duration {
-        self.shop.config.heartbeat()
+        self.services.config.heartbeat()
     }
 
     pub(crate) fn metrics(&self) -> &Metrics {
-        &self.shop.metrics
+        &self.services.metrics
     }
 
     /// Counts a stream as long as the guard lives.
@@ -146,7 +147,7 @@ impl Registry {
         if let Some(made) = inner.of_request(request_id) {
             return Ok(made.cloned().map(Claimed::Made));
         }
-        let limit = self.shop.config.maximum_sessions;
+        let limit = self.services.config.maximum_sessions;
         if inner.sessions.len() >= limit {
             return Err(Fault::SessionLimit { limit });
         }
@@ -184,21 +185,23 @@ impl Registry {
         }
     }
 
-    fn ended(&self, name: &str, ending: Ending) {
+    fn ended(&self, name: &str, ending: SessionEnd) {
         let mut inner = self.lock();
         inner.forget(name);
-        if ending == Ending::Expired {
+        if ending == SessionEnd::Expired {
             inner.expired.push_back(name.to_owned());
             if inner.expired.len() > REMEMBERED {
                 inner.expired.pop_front();
             }
         }
-        self.shop.metrics.sessions(inner.sessions.len());
+        self.services.metrics.sessions(inner.sessions.len());
     }
 
-    fn lock(&self) -> MutexGuard<'_, Inner> {
+    fn lock(&self) -> MutexGuard<'_, Directory> {
         // No code of others runs under the lock, so a poisoned state is whole.
-        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+        self.directory
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
     }
 }
 
@@ -231,17 +234,17 @@ impl Claim {
     }
 
     /// Starts the session.
-    pub(crate) fn start(self, seed: Seed) -> Handle {
+    pub(crate) fn start(self, spec: SessionSpec) -> Handle {
         let registry = Arc::clone(&self.registry);
         let (by_name, name) = (Arc::clone(&registry), self.name.clone());
         // The lock keeps an actor that ends at once from being entered afterwards.
         let mut inner = registry.lock();
         let ended = move |ending| by_name.ended(&name, ending);
-        let handle = session::start(Arc::clone(&registry.shop), seed, ended);
+        let handle = session::start(Arc::clone(&registry.services), spec, ended);
         inner
             .sessions
             .insert(self.name.clone(), Some(handle.clone()));
-        registry.shop.metrics.sessions(inner.sessions.len());
+        registry.services.metrics.sessions(inner.sessions.len());
         drop(inner);
         registry.settled.notify_waiters();
         handle

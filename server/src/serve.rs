@@ -19,15 +19,15 @@ use tonic::transport::server::{Router, TcpIncoming};
 use tonic_health::ServingStatus;
 use tonic_health::server::HealthReporter;
 
-use crate::compute::Workshop;
+use crate::compute::SolverThreads;
 use crate::config::{Config, ConfigError};
-use crate::listen::{Door, Listener};
+use crate::listen::{Listener, Socket};
 use crate::metrics::Metrics;
 use crate::metrics_page;
 use crate::registry::Registry;
 use crate::service::mesh::Meshes;
 use crate::service::session::Sessions;
-use crate::session::Shop;
+use crate::session::Services;
 use crate::store::Store;
 use crate::transport::{MESSAGE_BYTES, Reasoned};
 
@@ -74,12 +74,12 @@ pub async fn serve(
 ) -> Result<(), ServeError> {
     config.check()?;
     let drain_time = config.drain();
-    let shop = shop(config)?;
-    let registry = Registry::new(&shop);
-    let (health, router) = router(&shop, &registry).await?;
-    let helpers = helpers(&shop, listener.metrics);
+    let services = services(config)?;
+    let registry = Registry::new(&services);
+    let (health, router) = router(&services, &registry).await?;
+    let helpers = helpers(&services, listener.metrics);
     let (stop, stopped) = oneshot::channel();
-    let mut server = tokio::spawn(run(router, listener.door, stopped));
+    let mut server = tokio::spawn(run(router, listener.socket, stopped));
     tracing::info!("serving");
     tokio::select! {
         ended = &mut server => {
@@ -105,7 +105,7 @@ pub async fn serve(
     drop(stop);
     let ended = tokio::time::timeout(LAST_CALL, &mut server).await;
     abort(&helpers);
-    close(&shop, drain_time).await;
+    close(&services, drain_time).await;
     match ended {
         Ok(ended) => joined(ended),
         Err(_) => {
@@ -115,30 +115,30 @@ pub async fn serve(
     }
 }
 
-fn shop(config: Config) -> Result<Arc<Shop>, ServeError> {
+fn services(config: Config) -> Result<Arc<Services>, ServeError> {
     let metrics = Metrics::new().map_err(|error| setup("metrics", &error))?;
-    let workshop = Workshop::start(config.solver_slots, config.threads(), &metrics)
+    let solvers = SolverThreads::start(config.solver_slots, config.threads(), &metrics)
         .map_err(ServeError::Threads)?;
-    Ok(Arc::new(Shop {
+    Ok(Arc::new(Services {
         store: Store::new(config.budget(), &metrics),
         config,
         metrics,
-        workshop,
+        solvers,
     }))
 }
 
 async fn router(
-    shop: &Arc<Shop>,
+    services: &Arc<Services>,
     registry: &Arc<Registry>,
 ) -> Result<(HealthReporter, Router), ServeError> {
     let (health, health_service) = tonic_health::server::health_reporter();
     set_health(&health, ServingStatus::Serving).await;
     let meshes = Meshes {
-        shop: Arc::clone(shop),
+        services: Arc::clone(services),
         registry: Arc::clone(registry),
     };
     let sessions = Sessions {
-        shop: Arc::clone(shop),
+        services: Arc::clone(services),
         registry: Arc::clone(registry),
     };
     let meshes = MeshServiceServer::new(meshes).max_decoding_message_size(MESSAGE_BYTES);
@@ -184,27 +184,27 @@ fn service_name<S: tonic::server::NamedService>() -> &'static str {
 
 async fn run(
     router: Router,
-    door: Door,
+    socket: Socket,
     stopped: oneshot::Receiver<()>,
 ) -> Result<(), tonic::transport::Error> {
     let stopped = async {
         // Dropping the sender is the signal.
         let _signal = stopped.await;
     };
-    match door {
-        Door::Tcp(listener) => {
+    match socket {
+        Socket::Tcp(listener) => {
             let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
             router.serve_with_incoming_shutdown(incoming, stopped).await
         }
-        Door::Unix(listener, _file) => {
+        Socket::Unix(listener, _file) => {
             let incoming = UnixListenerStream::new(listener);
             router.serve_with_incoming_shutdown(incoming, stopped).await
         }
     }
 }
 
-fn helpers(shop: &Arc<Shop>, page: Option<tokio::net::TcpListener>) -> Vec<JoinHandle<()>> {
-    let metrics = Arc::clone(&shop.metrics);
+fn helpers(services: &Arc<Services>, page: Option<tokio::net::TcpListener>) -> Vec<JoinHandle<()>> {
+    let metrics = Arc::clone(&services.metrics);
     let upkeep = tokio::spawn(async move {
         let mut ticks = tokio::time::interval(UPKEEP);
         loop {
@@ -212,7 +212,7 @@ fn helpers(shop: &Arc<Shop>, page: Option<tokio::net::TcpListener>) -> Vec<JoinH
             metrics.upkeep();
         }
     });
-    let metrics = Arc::clone(&shop.metrics);
+    let metrics = Arc::clone(&services.metrics);
     let page = page.map(|listener| tokio::spawn(metrics_page::serve(listener, metrics)));
     std::iter::once(upkeep).chain(page).collect()
 }
@@ -225,11 +225,11 @@ fn abort(helpers: &[JoinHandle<()>]) {
 
 /// Joins the solver threads; one that cannot be interrupted is left behind, in a
 /// thread that no runtime waits for.
-async fn close(shop: &Arc<Shop>, patience: Duration) {
-    let shop = Arc::clone(shop);
+async fn close(services: &Arc<Services>, patience: Duration) {
+    let services = Arc::clone(services);
     let (closed, joined) = oneshot::channel();
     let joiner = std::thread::Builder::new().spawn(move || {
-        shop.workshop.close();
+        services.solvers.close();
         // Nobody waits any more when it took too long.
         let _late = closed.send(());
     });

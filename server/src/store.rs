@@ -10,7 +10,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
 
 use signorini::mesh::{Mesh, MeshId};
-use signorini::plan::{Prepared, PreparedKey};
+use signorini::plan::PreparedKey;
+use signorini::prepare::Prepared;
 
 use crate::convert::mesh::{MeshUse, name};
 use crate::fault::Fault;
@@ -56,13 +57,20 @@ impl<T> Lease<T> {
     }
 }
 
+impl<T> AsRef<T> for Lease<T> {
+    fn as_ref(&self) -> &T {
+        &self.value
+    }
+}
+
 struct PreparedEntry {
     mesh: MeshId,
     entry: Entry<Prepared>,
 }
 
+/// What the store holds.
 #[derive(Default)]
-struct Inner {
+struct Contents {
     meshes: BTreeMap<MeshId, Entry<Mesh>>,
     prepared: HashMap<PreparedKey, PreparedEntry>,
     turns: HashMap<PreparedKey, Arc<tokio::sync::Mutex<()>>>,
@@ -70,7 +78,7 @@ struct Inner {
     tick: u64,
 }
 
-impl Inner {
+impl Contents {
     fn mesh_bytes(&self) -> u64 {
         self.meshes.values().map(|entry| entry.bytes).sum()
     }
@@ -123,7 +131,7 @@ impl Inner {
 
 /// The store.
 pub(crate) struct Store {
-    inner: Mutex<Inner>,
+    inner: Mutex<Contents>,
     budget: u64,
     metrics: Arc<Metrics>,
 }
@@ -262,7 +270,7 @@ impl Store {
         })
     }
 
-    fn make_room(&self, inner: &mut Inner, bytes: u64) -> Result<(), Fault> {
+    fn make_room(&self, inner: &mut Contents, bytes: u64) -> Result<(), Fault> {
         let held = inner.in_use();
         if held.saturating_add(bytes) > self.budget {
             return Err(Fault::MemoryBudget {
@@ -314,14 +322,14 @@ impl Store {
         }
     }
 
-    fn report(&self, inner: &Inner) {
+    fn report(&self, inner: &Contents) {
         self.metrics.store(inner.meshes.len(), inner.prepared.len());
         self.metrics.memory(Kind::Mesh, inner.mesh_bytes());
         self.metrics.memory(Kind::Prepared, inner.prepared_bytes());
         self.metrics.memory(Kind::Session, inner.reserved);
     }
 
-    fn lock(&self) -> MutexGuard<'_, Inner> {
+    fn lock(&self) -> MutexGuard<'_, Contents> {
         // No code of others runs under the lock, so a poisoned state is whole.
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }

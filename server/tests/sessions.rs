@@ -84,14 +84,10 @@ async fn keys_of_later_capabilities_are_refused_by_path() {
         change(&mut scene);
         scene
     };
-    let cases: [(&str, wire::Scene); 4] = [
+    let cases: [(&str, wire::Scene); 3] = [
         (
             "obstacle.ball.friction",
             with(|scene| scene.obstacles[0].friction = Some(0.3)),
-        ),
-        (
-            "support.base.normal",
-            with(|scene| scene.supports[0].normal = Some(0.0)),
         ),
         (
             "pressure[0]",

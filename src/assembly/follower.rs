@@ -286,7 +286,7 @@ pub fn follower_tangent(
         for &(_, number, k) in shares.iter() {
             let face = &faces[number as usize];
             let slopes = face.slopes(body.measure, &points, k);
-            add_rows(face, &slopes, c, held, &mut rows);
+            add_rows((face, &slopes), c, held, &mut rows);
         }
         (shares[0].0 as usize, rows)
     });
@@ -300,8 +300,7 @@ pub fn follower_tangent(
 
 /// Appends one face's part in the rows of a node.
 fn add_rows(
-    face: &Face,
-    slopes: &[[[f64; 3]; 3]; NODES],
+    (face, slopes): (&Face, &[[[f64; 3]; 3]; NODES]),
     components: usize,
     held: &[bool],
     rows: &mut NodeRows,

@@ -51,6 +51,12 @@ pub fn rule(vertices: usize) -> (f64, f64) {
     }
 }
 
+/// What edge corrections are gathered times.
+pub(super) fn edge_share<const V: usize>() -> f64 {
+    let (alpha, beta) = rule(V);
+    1.0 / (alpha - beta)
+}
+
 /// Local vertex pairs of the edges, in the order (0,1), (0,2), .. of the mesh.
 pub const fn edge_pairs<const E: usize>() -> [(usize, usize); E] {
     let tetrahedron = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];

@@ -92,63 +92,82 @@ fn scatter(
 /// Cells whose integrals are held at a time.
 const BLOCK: usize = 4096;
 
-/// Adds `int f . v` over all cells; `f` takes a cell and a position. Integrals run
-/// in parallel, sums in the order of the cells.
-pub fn add_body_force(
-    mesh: &Mesh,
-    space: &TaylorHood,
-    volumes: &[f64],
-    scale: f64,
-    rule: &Rule,
-    force: &(dyn Fn(usize, [f64; 3]) -> [f64; 3] + Sync),
-    load: &mut [f64],
-) {
-    let vertices = mesh.cell_kind().vertices();
-    let edges = mesh.cell_kind().edges().len();
-    let table = Tabulated::new(rule, vertices);
-    let corners = |cell: usize| &mesh.cells()[cell * vertices..(cell + 1) * vertices];
-    let mut local = vec![[0.0; 3]; BLOCK.min(volumes.len()) * table.nodes()];
-    for first in (0..volumes.len()).step_by(BLOCK) {
-        let count = BLOCK.min(volumes.len() - first);
-        let block = &mut local[..count * table.nodes()];
-        let cells = block.par_chunks_mut(table.nodes()).enumerate();
-        cells.for_each(|(index, sums)| {
-            let cell = first + index;
-            sums.fill([0.0; 3]);
-            let value = |l: &[f64]| force(cell, position(mesh, scale, corners(cell), l));
-            table.integrate(volumes[cell], &value, sums);
-        });
-        for (index, sums) in block.chunks_exact(table.nodes()).enumerate() {
-            let cell = first + index;
-            let own_edges = &mesh.cell_edges()[cell * edges..(cell + 1) * edges];
-            let own_edges = own_edges.iter().map(|&edge| edge + space.vertices as u32);
-            scatter(
-                space,
-                corners(cell).iter().copied().chain(own_edges),
-                sums,
-                load,
-            );
-        }
-    }
+/// Loads on a body: where they act and by which rule they are integrated.
+#[derive(Clone, Copy, Debug)]
+pub struct Integral<'a> {
+    /// Mesh.
+    pub mesh: &'a Mesh,
+    /// Numbering.
+    pub space: &'a TaylorHood,
+    /// Multiplies the coordinates.
+    pub scale: f64,
+    /// Rule on the cells or on the facets.
+    pub rule: &'a Rule,
 }
 
-/// Adds `int t . v` over one facet; `traction` takes a position.
-#[allow(clippy::too_many_arguments)]
-pub fn add_traction(
-    mesh: &Mesh,
-    space: &TaylorHood,
-    facet: &[u32],
-    area: f64,
-    scale: f64,
-    rule: &Rule,
-    traction: &dyn Fn([f64; 3]) -> [f64; 3],
-    load: &mut [f64],
-) {
-    let table = Tabulated::new(rule, facet.len());
-    let value = |l: &[f64]| traction(position(mesh, scale, facet, l));
-    let mut local = [[0.0; 3]; 6];
-    table.integrate(area, &value, &mut local);
-    scatter(space, space.facet_nodes(facet).into_iter(), &local, load);
+/// A loaded facet.
+#[derive(Clone, Copy, Debug)]
+pub struct LoadedFacet<'a> {
+    /// Its corners.
+    pub vertices: &'a [u32],
+    /// Area, or length in two dimensions.
+    pub area: f64,
+}
+
+impl Integral<'_> {
+    /// Adds `int f . v` over all cells of these `volumes`; `force` takes a cell and a
+    /// position. Integrals run in parallel, sums in the order of the cells.
+    pub fn add_body_force(
+        &self,
+        volumes: &[f64],
+        force: &(dyn Fn(usize, [f64; 3]) -> [f64; 3] + Sync),
+        load: &mut [f64],
+    ) {
+        let (mesh, scale) = (self.mesh, self.scale);
+        let vertices = mesh.cell_kind().vertices();
+        let table = Tabulated::new(self.rule, vertices);
+        let corners = |cell: usize| &mesh.cells()[cell * vertices..(cell + 1) * vertices];
+        let mut local = vec![[0.0; 3]; BLOCK.min(volumes.len()) * table.nodes()];
+        for first in (0..volumes.len()).step_by(BLOCK) {
+            let count = BLOCK.min(volumes.len() - first);
+            let block = &mut local[..count * table.nodes()];
+            let cells = block.par_chunks_mut(table.nodes()).enumerate();
+            cells.for_each(|(index, sums)| {
+                let cell = first + index;
+                sums.fill([0.0; 3]);
+                let value = |l: &[f64]| force(cell, position(mesh, scale, corners(cell), l));
+                table.integrate(volumes[cell], &value, sums);
+            });
+            for (index, sums) in block.chunks_exact(table.nodes()).enumerate() {
+                scatter(self.space, self.nodes(first + index), sums, load);
+            }
+        }
+    }
+
+    /// Vertices, then edges of a cell.
+    fn nodes(&self, cell: usize) -> impl Iterator<Item = u32> {
+        let edges = self.mesh.cell_kind().edges().len();
+        let own_edges = &self.mesh.cell_edges()[cell * edges..(cell + 1) * edges];
+        let first = self.space.vertices as u32;
+        let own_edges = own_edges.iter().map(move |&edge| edge + first);
+        self.mesh.cell(cell).iter().copied().chain(own_edges)
+    }
+
+    /// Adds `int t . v` over one facet; `traction` takes a position.
+    pub fn add_traction(
+        &self,
+        facet: LoadedFacet<'_>,
+        traction: &dyn Fn([f64; 3]) -> [f64; 3],
+        load: &mut [f64],
+    ) {
+        let vertices = facet.vertices;
+        let table = Tabulated::new(self.rule, vertices.len());
+        let value = |l: &[f64]| traction(position(self.mesh, self.scale, vertices, l));
+        let mut local = [[0.0; 3]; 6];
+        table.integrate(facet.area, &value, &mut local);
+        let nodes = self.space.facet_nodes(vertices).into_iter();
+        scatter(self.space, nodes, &local, load);
+    }
 }
 
 /// Measure (area, or length in 2D) and unit normal of a facet. The normal

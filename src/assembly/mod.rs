@@ -1,11 +1,8 @@
 //! Integrates a material over a space: the matrix-free P2 operator and the
-//! divergence, the same at finite strain, the assembled P1 block, node blocks, masses and loads; the
-//! assembled edge block for comparison methods.
+//! divergence, the same at finite strain, the assembled P1 block, node blocks, masses
+//! and loads.
 
 pub mod cells;
-pub mod edge_stiffness;
-pub mod eliminated;
-pub mod enriched;
 pub mod follower;
 pub mod grid;
 pub mod kernel;

@@ -67,7 +67,7 @@ pub fn node_couplings(
     let terms = terms(vertices, edges);
     let mut pairs = Vec::new();
     for cell in 0..geometry.cells() {
-        let nodes = nodes_of(mesh, space, vertices, edges.len(), cell);
+        let nodes = nodes_of(mesh, space, cell);
         for (i, &a) in nodes.iter().enumerate() {
             pairs.extend(nodes[..i].iter().map(|&b| [a.min(b), a.max(b)]));
         }
@@ -80,7 +80,7 @@ pub fn node_couplings(
         pairs,
     };
     for cell in 0..geometry.cells() {
-        let nodes = nodes_of(mesh, space, vertices, edges.len(), cell);
+        let nodes = nodes_of(mesh, space, cell);
         let g = geometry.gradients_of(cell);
         let (shear, lame) = (moduli.shear[cell], moduli.lame[cell]);
         for (i, &row) in nodes.iter().enumerate() {
@@ -109,14 +109,10 @@ pub fn node_couplings(
     blocks
 }
 
-fn nodes_of(
-    mesh: &Mesh,
-    space: &TaylorHood,
-    vertices: usize,
-    edges: usize,
-    cell: usize,
-) -> Vec<u32> {
-    let corners = mesh.cells()[cell * vertices..(cell + 1) * vertices].iter();
+/// Vertices, then edges of a cell.
+fn nodes_of(mesh: &Mesh, space: &TaylorHood, cell: usize) -> Vec<u32> {
+    let edges = mesh.cell_kind().edges().len();
+    let corners = mesh.cell(cell).iter();
     let middles = mesh.cell_edges()[cell * edges..(cell + 1) * edges].iter();
     corners
         .copied()
@@ -127,7 +123,7 @@ fn nodes_of(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::assembly::p1_stiffness::node_blocks;
+    use crate::assembly::p1_stiffness::StiffCells;
     use crate::mesh::samples;
 
     fn couplings(mesh: &Mesh) -> (TaylorHood, NodeCouplings, Vec<f64>) {
@@ -141,7 +137,13 @@ mod tests {
             inverse_lame: Vec::new(),
         };
         let blocks = node_couplings(mesh, &space, &geometry, &moduli);
-        let diagonal = node_blocks(mesh, &space, &geometry, &moduli, &[]);
+        let cells = StiffCells {
+            mesh,
+            space: &space,
+            geometry: &geometry,
+            stiffness: &moduli,
+        };
+        let diagonal = cells.node_blocks(&[]);
         (space, blocks, diagonal)
     }
 

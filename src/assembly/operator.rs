@@ -69,7 +69,7 @@ impl LinearOperator for Stiffness {
     }
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        self.grid.stiffness(self.basis, Rows::Free, x, y, work);
+        self.grid.stiffness((self.basis, Rows::Free), x, y, work);
     }
 
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {

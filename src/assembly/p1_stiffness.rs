@@ -32,7 +32,7 @@ impl CellStiffness for CellModuli {
 }
 
 /// Coupling of gradients `a` and `b` for unit volume.
-pub(super) fn coupling(shear: f64, lame: f64, a: &[f64; 3], b: &[f64; 3]) -> Block {
+pub(crate) fn coupling(shear: f64, lame: f64, a: &[f64; 3], b: &[f64; 3]) -> Block {
     let product = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     let mut block = [[0.0; 3]; 3];
     for i in 0..3 {
@@ -44,7 +44,7 @@ pub(super) fn coupling(shear: f64, lame: f64, a: &[f64; 3], b: &[f64; 3]) -> Blo
     block
 }
 
-pub(super) fn add(target: &mut Block, factor: f64, block: &Block) {
+pub(crate) fn add(target: &mut Block, factor: f64, block: &Block) {
     for i in 0..3 {
         for j in 0..3 {
             target[i][j] += factor * block[i][j];
@@ -61,61 +61,98 @@ pub struct P1Blocks {
     pub off: Vec<Block>,
 }
 
-/// A11, lower triangle, unknowns vertex by vertex. `shift` adds a multiple of
-/// the lumped mass, for bodies whose supports leave rigid modes.
-pub fn p1_stiffness(
-    mesh: &Mesh,
-    space: &TaylorHood,
-    geometry: &CellGeometry,
-    moduli: &CellModuli,
-    held: &[u32],
-    shift: f64,
-) -> LowerColumns {
-    p1_blocks(mesh, space, geometry, moduli, shift).lower_columns(space, held)
+/// Cells and the stiffness of each.
+#[derive(Clone, Copy)]
+pub struct StiffCells<'a> {
+    /// Mesh.
+    pub mesh: &'a Mesh,
+    /// Numbering.
+    pub space: &'a TaylorHood,
+    /// Gradients and volumes.
+    pub geometry: &'a CellGeometry,
+    /// Stiffness.
+    pub stiffness: &'a dyn CellStiffness,
 }
 
-/// [`p1_stiffness`] by blocks.
-pub fn p1_blocks(
-    mesh: &Mesh,
-    space: &TaylorHood,
-    geometry: &CellGeometry,
-    stiffness: &dyn CellStiffness,
-    shift: f64,
-) -> P1Blocks {
-    let mut diagonal = vec![[[0.0; 3]; 3]; space.vertices];
-    let mut off = vec![[[0.0; 3]; 3]; space.edges.len()];
-    let vertices = geometry.vertices;
-    let pairs = mesh.cell_kind().edges();
-    for cell in 0..geometry.cells() {
-        let g = geometry.gradients_of(cell);
-        let volume = geometry.volumes[cell];
-        let corners = &mesh.cells()[cell * vertices..(cell + 1) * vertices];
-        for (a, &vertex) in corners.iter().enumerate() {
-            let block = &mut diagonal[vertex as usize];
-            add(block, volume, &stiffness.coupling(cell, &g[a], &g[a]));
-            for (i, row) in block.iter_mut().enumerate() {
-                row[i] += shift * stiffness.shear(cell) * volume / vertices as f64;
+impl StiffCells<'_> {
+    /// A11 by blocks. `shift` adds a multiple of the lumped mass, for bodies whose
+    /// supports leave rigid modes.
+    pub fn p1_blocks(&self, shift: f64) -> P1Blocks {
+        let Self {
+            mesh,
+            space,
+            geometry,
+            stiffness,
+        } = *self;
+        let mut diagonal = vec![[[0.0; 3]; 3]; space.vertices];
+        let mut off = vec![[[0.0; 3]; 3]; space.edges.len()];
+        let vertices = geometry.vertices;
+        let pairs = mesh.cell_kind().edges();
+        for cell in 0..geometry.cells() {
+            let g = geometry.gradients_of(cell);
+            let volume = geometry.volumes[cell];
+            let corners = &mesh.cells()[cell * vertices..(cell + 1) * vertices];
+            for (a, &vertex) in corners.iter().enumerate() {
+                let block = &mut diagonal[vertex as usize];
+                add(block, volume, &stiffness.coupling(cell, &g[a], &g[a]));
+                for (i, row) in block.iter_mut().enumerate() {
+                    row[i] += shift * stiffness.shear(cell) * volume / vertices as f64;
+                }
+            }
+            for (local, &(a, b)) in pairs.iter().enumerate() {
+                let edge = mesh.cell_edges()[cell * pairs.len() + local] as usize;
+                let (low, high) = if corners[a] < corners[b] {
+                    (a, b)
+                } else {
+                    (b, a)
+                };
+                let block = stiffness.coupling(cell, &g[low], &g[high]);
+                add(&mut off[edge], volume, &block);
             }
         }
-        for (local, &(a, b)) in pairs.iter().enumerate() {
-            let edge = mesh.cell_edges()[cell * pairs.len() + local] as usize;
-            let (low, high) = if corners[a] < corners[b] {
-                (a, b)
-            } else {
-                (b, a)
-            };
-            add(
-                &mut off[edge],
-                volume,
-                &stiffness.coupling(cell, &g[low], &g[high]),
-            );
-        }
+        P1Blocks { diagonal, off }
     }
-    P1Blocks { diagonal, off }
+
+    /// Diagonal blocks of the P2 stiffness on Lagrange nodes
+    /// `[nodes, components, components]`, identity for held components.
+    pub fn node_blocks(&self, held: &[u32]) -> Vec<f64> {
+        let Self {
+            mesh,
+            space,
+            geometry,
+            stiffness,
+        } = *self;
+        let vertices = geometry.vertices;
+        let pairs = mesh.cell_kind().edges();
+        let d = (vertices - 1) as f64;
+        // Means over the cell of (4 l - 1)^2, l_a^2 and l_a l_b.
+        let square = 2.0 / ((d + 1.0) * (d + 2.0));
+        let mixed = 0.5 * square;
+        let corner = 16.0 * square - 8.0 / (d + 1.0) + 1.0;
+        let mut blocks = vec![[[0.0; 3]; 3]; space.nodes()];
+        for cell in 0..geometry.cells() {
+            let g = geometry.gradients_of(cell);
+            let volume = geometry.volumes[cell];
+            let couple = |a: usize, b: usize| stiffness.coupling(cell, &g[a], &g[b]);
+            for a in 0..vertices {
+                let vertex = mesh.cells()[cell * vertices + a] as usize;
+                add(&mut blocks[vertex], volume * corner, &couple(a, a));
+            }
+            for (local, &(a, b)) in pairs.iter().enumerate() {
+                let edge = mesh.cell_edges()[cell * pairs.len() + local] as usize;
+                let block = &mut blocks[space.vertices + edge];
+                add(block, 16.0 * volume * square, &couple(a, a));
+                add(block, 16.0 * volume * square, &couple(b, b));
+                add(block, 16.0 * volume * mixed, &couple(a, b));
+                add(block, 16.0 * volume * mixed, &couple(b, a));
+            }
+        }
+        flatten(&blocks, space.components, held)
+    }
 }
 
 impl P1Blocks {
-    /// The lower triangle with identity rows and columns at `held` unknowns.
+    /// The lower triangle, unknowns vertex by vertex, with identity rows and columns at `held` unknowns.
     pub fn lower_columns(&self, space: &TaylorHood, held: &[u32]) -> LowerColumns {
         lower_columns(space, &self.diagonal, &self.off, held)
     }
@@ -167,43 +204,6 @@ fn lower_columns(
         }
     }
     matrix
-}
-
-/// Diagonal blocks of the P2 stiffness on Lagrange nodes
-/// `[nodes, components, components]`, identity for held components.
-pub fn node_blocks(
-    mesh: &Mesh,
-    space: &TaylorHood,
-    geometry: &CellGeometry,
-    stiffness: &dyn CellStiffness,
-    held: &[u32],
-) -> Vec<f64> {
-    let vertices = geometry.vertices;
-    let pairs = mesh.cell_kind().edges();
-    let d = (vertices - 1) as f64;
-    // Means over the cell of (4 l - 1)^2, l_a^2 and l_a l_b.
-    let square = 2.0 / ((d + 1.0) * (d + 2.0));
-    let mixed = 0.5 * square;
-    let corner = 16.0 * square - 8.0 / (d + 1.0) + 1.0;
-    let mut blocks = vec![[[0.0; 3]; 3]; space.nodes()];
-    for cell in 0..geometry.cells() {
-        let g = geometry.gradients_of(cell);
-        let volume = geometry.volumes[cell];
-        let couple = |a: usize, b: usize| stiffness.coupling(cell, &g[a], &g[b]);
-        for a in 0..vertices {
-            let vertex = mesh.cells()[cell * vertices + a] as usize;
-            add(&mut blocks[vertex], volume * corner, &couple(a, a));
-        }
-        for (local, &(a, b)) in pairs.iter().enumerate() {
-            let edge = mesh.cell_edges()[cell * pairs.len() + local] as usize;
-            let block = &mut blocks[space.vertices + edge];
-            add(block, 16.0 * volume * square, &couple(a, a));
-            add(block, 16.0 * volume * square, &couple(b, b));
-            add(block, 16.0 * volume * mixed, &couple(a, b));
-            add(block, 16.0 * volume * mixed, &couple(b, a));
-        }
-    }
-    flatten(&blocks, space.components, held)
 }
 
 fn flatten(blocks: &[Block], components: usize, held: &[u32]) -> Vec<f64> {

@@ -1,8 +1,8 @@
 //! The matrix-free operators against element integrals written plainly.
 
-use super::grid::{Basis, Rows};
+use super::grid::{Basis, GridSource, Rows};
 use super::mass::weighted_mass;
-use super::p1_stiffness::{node_blocks, p1_stiffness};
+use super::p1_stiffness::StiffCells;
 use super::simd::InstructionSet;
 use super::{CellGeometry, CellModuli, Grid};
 use crate::element::quadrature::{Rule, Simplex, rule};
@@ -11,6 +11,7 @@ use crate::linalg::{LinearOperator, Workspace};
 use crate::mesh::{Mesh, MeshParts, barycentric_gradients, samples};
 use crate::space::TaylorHood;
 
+#[cfg(feature = "comparisons")]
 mod edges;
 mod loads;
 mod strain;
@@ -53,7 +54,13 @@ impl Sample {
         let held: Vec<u32> = (0..space.displacement_unknowns() as u32)
             .step_by(7)
             .collect();
-        let grid = Grid::new(&mesh, &space, &geometry, &moduli, &held);
+        let grid = Grid::new(GridSource {
+            mesh: &mesh,
+            space: &space,
+            geometry: &geometry,
+            moduli: &moduli,
+            held: &held,
+        });
         Self {
             mesh,
             space,
@@ -64,6 +71,15 @@ impl Sample {
         }
     }
 
+    fn stiff_cells(&self) -> StiffCells<'_> {
+        StiffCells {
+            mesh: &self.mesh,
+            space: &self.space,
+            geometry: &self.geometry,
+            stiffness: &self.moduli,
+        }
+    }
+
     fn unknowns(&self) -> usize {
         self.space.displacement_unknowns()
     }
@@ -71,7 +87,7 @@ impl Sample {
     fn stiffness(&self, basis: Basis, rows: Rows, x: &[f64]) -> Vec<f64> {
         let mut y = vec![f64::NAN; x.len()];
         self.grid
-            .stiffness(basis, rows, x, &mut y, &mut Workspace::new());
+            .stiffness((basis, rows), x, &mut y, &mut Workspace::new());
         y
     }
 
@@ -357,14 +373,10 @@ fn passes_have_the_same_bits_for_every_number_of_threads() {
 fn the_p1_block_is_the_hierarchical_prefix() {
     for sample in samples() {
         let size = sample.space.vertices * sample.space.components;
-        let lower = p1_stiffness(
-            &sample.mesh,
-            &sample.space,
-            &sample.geometry,
-            &sample.moduli,
-            &sample.held,
-            0.0,
-        );
+        let lower = sample
+            .stiff_cells()
+            .p1_blocks(0.0)
+            .lower_columns(&sample.space, &sample.held);
         let mut x = reproducible_noise(sample.unknowns());
         x[size..].fill(0.0);
         let mut product = vec![0.0; size];
@@ -390,13 +402,7 @@ fn node_blocks_are_the_diagonal_blocks_of_the_lagrange_stiffness() {
     for parts in [samples::cube_parts(2), samples::rectangle_parts(3, 2)] {
         let sample = Sample::new(parts);
         let c = sample.space.components;
-        let blocks = node_blocks(
-            &sample.mesh,
-            &sample.space,
-            &sample.geometry,
-            &sample.moduli,
-            &sample.held,
-        );
+        let blocks = sample.stiff_cells().node_blocks(&sample.held);
         for column in 0..sample.unknowns() {
             let mut unit = vec![0.0; sample.unknowns()];
             unit[column] = 1.0;
@@ -446,7 +452,7 @@ fn every_instruction_set_gives_the_portable_result() {
             let mut work = Workspace::new();
             let (mut force, mut gradient) = (vec![0.0; size], vec![0.0; size]);
             let mut volume = vec![0.0; sample.space.vertices];
-            grid.stiffness(Basis::Lagrange, Rows::Free, &x, &mut force, &mut work);
+            grid.stiffness((Basis::Lagrange, Rows::Free), &x, &mut force, &mut work);
             grid.divergence(Rows::All, &x, &mut volume, &mut work);
             grid.divergence_transposed(Rows::All, &p, &mut gradient, &mut work);
             let (mut joint, mut rate) = (vec![0.0; size], vec![0.0; p.len()]);

@@ -1,27 +1,39 @@
-//! Deformed areas of the contact surface: int phi_i da with x = X + u on quadratic
+//! Deformed areas of the contact surface: int psi_i da with x = X + u on quadratic
 //! faces, da = |x_s x x_t| ds dt (|x_s| ds in the plane, times 2 pi (x + u_x) about an axis), by the rule of the gap.
 //!
-//! A contact pressure l per undeformed area is l_i int phi_i dS / int phi_i da per
+//! A contact pressure l per undeformed area is l_i int psi_i dS / int psi_i da per
 //! deformed area. Shapes: `[multipliers]`. Cost: some 100 flops a point.
 
 use std::f64::consts::TAU;
 
-use super::gap::Deformed;
-use super::surface::{ContactFace, ContactSurface};
+use super::deformed::{Deformed, Table};
+use super::face::ContactFace;
+use super::surface::ContactSurface;
 use crate::assembly::follower::shape_slopes;
-use crate::assembly::load::shape_values;
 use crate::geometry::vector3::{add, cross, norm, scale};
 
 impl ContactSurface {
-    /// int phi_i da over the deformed surface `[multipliers]`.
+    /// int psi_i da over the deformed surface `[multipliers]`.
     pub fn deformed_weights(&self, body: &Deformed<'_>) -> Vec<f64> {
+        let table = Table::new(body, self.basis);
+        let slopes: Vec<Vec<[f64; 2]>> = (0..table.points())
+            .map(|point| shape_slopes(table.coordinates(point)))
+            .collect();
+        let size = table.points();
+        let areas = body.on_faces(&table, &self.faces, size, |points, face, areas| {
+            let nodes = node_positions(body, face);
+            let rule = points.table;
+            for (point, area) in areas.iter_mut().enumerate() {
+                let (values, slopes) = (rule.shapes(point), slopes[point].iter());
+                let functions = values.iter().zip(slopes);
+                *area = rule.rule.weights[point] * area_element(face, &nodes, functions);
+            }
+        });
         let mut weights = vec![0.0; self.multipliers()];
-        for face in &self.faces {
-            for (point, weight) in body.rule.points.iter().zip(&body.rule.weights) {
-                let hats = &point[..face.corners.len()];
-                let area = weight * area_element(body, face, hats);
-                for (&multiplier, hat) in face.multipliers.iter().zip(hats) {
-                    weights[multiplier as usize] += hat * area;
+        for (face, areas) in self.faces.iter().zip(areas.chunks_exact(size)) {
+            for (point, area) in areas.iter().enumerate() {
+                for (&multiplier, value) in face.multipliers.iter().zip(table.values(point)) {
+                    weights[multiplier as usize] += value * area;
                 }
             }
         }
@@ -38,23 +50,35 @@ impl ContactSurface {
     }
 }
 
-/// Area of the deformed face were it everywhere as at the point `hats`.
-fn area_element(body: &Deformed<'_>, face: &ContactFace, hats: &[f64]) -> f64 {
+/// Coefficients of x + u at the nodes of a face: positions of the corners, those of
+/// the edges in the hierarchical basis; zero beyond the face's nodes.
+fn node_positions(body: &Deformed<'_>, face: &ContactFace) -> [[f64; 3]; 6] {
     let c = body.space.components;
-    let mut along = [[0.0; 3]; 2];
-    let mut radius = 0.0;
-    let values = shape_values(hats);
-    for (shape, (&node, slopes)) in face.nodes.iter().zip(shape_slopes(hats)).enumerate() {
-        let mut value = match face.corners.get(shape) {
-            Some(&corner) => body.mesh.coordinates()[corner as usize].map(|x| body.scale * x),
-            None => [0.0; 3],
-        };
+    let mut values = [[0.0; 3]; 6];
+    for (shape, (&node, value)) in face.nodes.iter().zip(&mut values).enumerate() {
+        if let Some(&corner) = face.corners.get(shape) {
+            *value = body.mesh.coordinates()[corner as usize].map(|x| body.scale * x);
+        }
         for (i, x) in value.iter_mut().enumerate().take(c) {
             *x += body.displacement[node as usize * c + i];
         }
-        radius += values[shape] * value[0];
-        for (tangent, slope) in along.iter_mut().zip(slopes) {
-            *tangent = add(*tangent, scale(slope, value));
+    }
+    values
+}
+
+/// Area of the deformed face were it everywhere as at a point, given the value and
+/// the slopes there of the function of each node.
+fn area_element<'a>(
+    face: &ContactFace,
+    nodes: &[[f64; 3]],
+    functions: impl Iterator<Item = (&'a f64, &'a [f64; 2])>,
+) -> f64 {
+    let mut along = [[0.0; 3]; 2];
+    let mut radius = 0.0;
+    for (position, (value, slopes)) in nodes.iter().zip(functions) {
+        radius += value * position[0];
+        for (tangent, &slope) in along.iter_mut().zip(slopes) {
+            *tangent = add(*tangent, scale(slope, *position));
         }
     }
     match (face.corners.len(), face.radii) {
@@ -67,6 +91,7 @@ fn area_element(body: &Deformed<'_>, face: &ContactFace, hats: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::basis::Bernstein;
     use crate::element::quadrature::{Simplex, rule};
     use crate::mesh::{GroupKind, samples};
     use crate::space::TaylorHood;
@@ -96,9 +121,11 @@ mod tests {
         for (undeformed, deformed) in pairs {
             assert!((deformed - area * undeformed).abs() < 1e-15);
         }
-        let ones = vec![1.0; surface.multipliers()];
-        for pressure in surface.deformed_pressure(&body, &ones) {
-            assert!((pressure * area - 1.0).abs() < 1e-13);
+        for surface in [surface.clone(), surface.with_basis(&Bernstein)] {
+            let ones = vec![1.0; surface.multipliers()];
+            for pressure in surface.deformed_pressure(&body, &ones) {
+                assert!((pressure * area - 1.0).abs() < 1e-13);
+            }
         }
     }
 

@@ -1,213 +1,177 @@
-//! Weighted gaps, their first derivative (the coupling C = -dg/du) and the
-//! curvature term of the Lagrangian, by one rule on the undeformed faces.
+//! Weighted gaps and their first derivative, the coupling:
 //!
-//! Cost: (rule points) * (faces) distance evaluations.
+//! ```text
+//! g_i = int psi_i d(x + u) dS,   C_ik = -dg_i/du_k = -int psi_i N_k n dS
+//! ```
+//!
+//! by one rule on the undeformed faces. Faces run in parallel, then rows; each row
+//! adds up its faces and their points in their order. Cost: (rule points) * (faces)
+//! distance evaluations.
 
-use super::surface::{ContactFace, ContactSurface};
-use crate::assembly::load::{position, shape_values};
-use crate::element::quadrature::Rule;
-use crate::linalg::{SparseRows, SparseRowsBuilder};
-use crate::mesh::Mesh;
-use crate::obstacle::Obstacle;
-use crate::space::TaylorHood;
+use rayon::prelude::*;
 
-/// What every contact integral reads.
-#[derive(Clone, Copy)]
-pub struct Deformed<'a> {
-    /// Mesh.
-    pub mesh: &'a Mesh,
-    /// Multiplies the coordinates.
-    pub scale: f64,
-    /// Numbering.
-    pub space: &'a TaylorHood,
-    /// Hierarchical displacement.
-    pub displacement: &'a [f64],
-    /// Rule on a face.
-    pub rule: &'a Rule,
-}
+use super::counterpart::Counterpart;
+pub use super::deformed::Deformed;
+use super::deformed::{FacePoints, Table};
+use super::surface::ContactSurface;
+use crate::obstacle::What;
 
-/// One point of the rule on a deformed face.
-pub struct SurfacePoint {
-    /// Weight times area.
-    pub weight: f64,
-    /// P1 values at the corners.
-    pub hats: Vec<f64>,
-    /// P2 hierarchical values at the face's nodes.
-    pub shapes: Vec<f64>,
-    /// x + u.
-    pub deformed: [f64; 3],
-}
-
-impl Deformed<'_> {
-    /// The rule's points on `face`.
-    pub fn points<'b>(&'b self, face: &'b ContactFace) -> impl Iterator<Item = SurfacePoint> + 'b {
-        self.rule
-            .points
-            .iter()
-            .zip(&self.rule.weights)
-            .map(move |(point, weight)| {
-                let hats = point[..face.corners.len()].to_vec();
-                let shapes = shape_values(&hats);
-                let mut deformed = position(self.mesh, self.scale, &face.corners, &hats);
-                let c = self.space.components;
-                for (&node, shape) in face.nodes.iter().zip(&shapes) {
-                    for i in 0..c {
-                        deformed[i] += shape * self.displacement[node as usize * c + i];
-                    }
-                }
-                SurfacePoint {
-                    weight: weight * face.area_at(&hats),
-                    hats,
-                    shapes,
-                    deformed,
-                }
-            })
-    }
-}
+/// Fewer rows are not worth a second thread.
+const PARALLEL_ROWS: usize = 64;
 
 /// Gap and coupling of one surface.
 #[derive(Clone, Debug, Default)]
 pub struct Linearisation {
-    /// Weighted gap `[multipliers]`.
+    /// Integral of each multiplier function times the distance `[multipliers]`,
+    /// length^dimension; negative in penetration.
     pub gap: Vec<f64>,
-    /// Rows of C = -dg/du, held columns left out `[multipliers]`, unsorted.
+    /// Rows of C = -dg/du, held columns left out `[multipliers]`, columns ascending.
     pub rows: Vec<Vec<(u32, f64)>>,
-    /// Deepest penetration at a point of the rule.
+    /// Deepest penetration at a point of the rule, in units of the scaled body; zero
+    /// where there is none.
     pub max_penetration: f64,
 }
 
 /// Weighted gaps only; also the deepest penetration.
-pub fn evaluate_gaps(
+pub fn evaluate_gaps<C: Counterpart + ?Sized>(
     body: &Deformed<'_>,
     surface: &ContactSurface,
-    obstacle: &dyn Obstacle,
+    counterpart: &C,
 ) -> (Vec<f64>, f64) {
-    let mut gap = vec![0.0; surface.multipliers()];
-    let mut deepest: f64 = 0.0;
-    for face in &surface.faces {
-        for point in body.points(face) {
-            let distance = obstacle.distance(point.deformed).distance;
-            deepest = deepest.max(-distance);
-            for (&multiplier, hat) in face.multipliers.iter().zip(&point.hats) {
-                gap[multiplier as usize] += point.weight * hat * distance;
-            }
-        }
-    }
-    (gap, deepest)
+    let table = Table::new(body, surface.basis);
+    let size = 1 + table.functions * table.points();
+    let numbers = body.on_faces(&table, &surface.faces, size, |points, face, numbers| {
+        points.probe(counterpart, face, What::Gap);
+        fill_gaps(points, numbers);
+    });
+    let numbers = FaceNumbers { numbers, size };
+    (surface.summed(&table, &numbers), numbers.deepest())
 }
 
 /// Gaps and coupling; `held[k]` says that unknown k is prescribed.
-pub fn linearise(
+pub fn linearise<C: Counterpart + ?Sized>(
     body: &Deformed<'_>,
     surface: &ContactSurface,
-    obstacle: &dyn Obstacle,
+    counterpart: &C,
     held: &[bool],
 ) -> Linearisation {
+    let table = Table::new(body, surface.basis);
+    let gaps = 1 + table.functions * table.points();
+    let size = gaps + table.functions * 3 * table.nodes;
+    let numbers = body.on_faces(&table, &surface.faces, size, |points, face, numbers| {
+        let (first, couplings) = numbers.split_at_mut(gaps);
+        points.probe(counterpart, face, What::Normal);
+        fill_gaps(points, first);
+        match table.corners {
+            2 => add_couplings::<3>(points, couplings),
+            _ => add_couplings::<6>(points, couplings),
+        }
+    });
+    let numbers = FaceNumbers { numbers, size };
     let c = body.space.components;
-    let mut out = Linearisation {
-        gap: vec![0.0; surface.multipliers()],
-        rows: vec![Vec::new(); surface.multipliers()],
-        max_penetration: 0.0,
-    };
-    for face in &surface.faces {
-        let mut couplings = vec![[0.0; 3]; face.corners.len() * face.nodes.len()];
-        for point in body.points(face) {
-            let contact = obstacle.distance(point.deformed);
-            out.max_penetration = out.max_penetration.max(-contact.distance);
-            for (corner, hat) in point.hats.iter().enumerate() {
-                let weight = point.weight * hat;
-                out.gap[face.multipliers[corner] as usize] += weight * contact.distance;
-                for (node, shape) in point.shapes.iter().enumerate() {
-                    let entry = &mut couplings[corner * face.nodes.len() + node];
-                    for i in 0..c {
-                        entry[i] -= weight * shape * contact.normal[i];
-                    }
-                }
-            }
-        }
-        for (corner, &multiplier) in face.multipliers.iter().enumerate() {
-            let row = &mut out.rows[multiplier as usize];
-            for (slot, &node) in face.nodes.iter().enumerate() {
-                for i in 0..c {
-                    let unknown = node as usize * c + i;
-                    if !held[unknown] {
-                        let value = couplings[corner * face.nodes.len() + slot][i];
-                        row.push((unknown as u32, value));
-                    }
-                }
-            }
-        }
+    let row = |index: usize| surface.row(index, &table, &numbers, (c, held));
+    let rows = (0..surface.multipliers()).into_par_iter();
+    Linearisation {
+        gap: surface.summed(&table, &numbers),
+        rows: rows.with_min_len(PARALLEL_ROWS).map(row).collect(),
+        max_penetration: numbers.deepest(),
     }
-    out
 }
 
-/// int lambda (Hessian of d) psi_k psi_l: what the contact pressure takes off
-/// the stiffness `[unknowns, unknowns]`, held rows and columns left out.
-pub fn curvature(
-    body: &Deformed<'_>,
-    surfaces: &[(&ContactSurface, &dyn Obstacle, &[f64])],
-    held: &[bool],
-) -> SparseRows {
-    let unknowns = body.space.displacement_unknowns();
-    let mut rows: std::collections::BTreeMap<u32, Vec<(u32, f64)>> = Default::default();
-    for &(surface, obstacle, pressure) in surfaces {
-        for face in &surface.faces {
-            let under_pressure = face
-                .multipliers
-                .iter()
-                .any(|&m| pressure[m as usize] != 0.0);
-            if under_pressure {
-                add_face_curvature(body, face, obstacle, pressure, held, &mut rows);
-            }
-        }
-    }
-    let mut builder = SparseRowsBuilder::new(unknowns);
-    for unknown in 0..unknowns as u32 {
-        match rows.get_mut(&unknown) {
-            Some(entries) => builder.push_row(entries),
-            None => builder.push_row(&mut []),
-        }
-    }
-    builder.finish()
+/// Numbers of all faces `[faces, size]`: the deepest penetration, what each function
+/// gains at each point `[functions, points]`, the couplings `[functions, 3, nodes]`.
+struct FaceNumbers {
+    /// The numbers of all faces side by side, row-major `[faces, size]`.
+    numbers: Vec<f64>,
+    /// Numbers of one face.
+    size: usize,
 }
 
-fn add_face_curvature(
-    body: &Deformed<'_>,
-    face: &ContactFace,
-    obstacle: &dyn Obstacle,
-    pressure: &[f64],
-    held: &[bool],
-    rows: &mut std::collections::BTreeMap<u32, Vec<(u32, f64)>>,
-) {
-    let c = body.space.components;
-    let n = face.nodes.len();
-    let mut blocks = vec![[[0.0; 3]; 3]; n * n];
-    for point in body.points(face) {
-        let hessian = obstacle.distance(point.deformed).curvature;
-        let at_corners = face.multipliers.iter().zip(&point.hats);
-        let local: f64 = at_corners.map(|(&m, hat)| hat * pressure[m as usize]).sum();
-        for (k, a) in point.shapes.iter().enumerate() {
-            for (l, b) in point.shapes.iter().enumerate() {
-                let factor = point.weight * local * a * b;
-                for i in 0..c {
-                    for j in 0..c {
-                        blocks[k * n + l][i][j] += factor * hessian[i][j];
-                    }
+impl FaceNumbers {
+    /// The numbers of one face `[size]`.
+    fn of(&self, face: u32) -> &[f64] {
+        &self.numbers[face as usize * self.size..(face as usize + 1) * self.size]
+    }
+
+    /// Deepest penetration over all faces, at least zero, in units of the scaled body.
+    fn deepest(&self) -> f64 {
+        let faces = self.numbers.chunks_exact(self.size);
+        faces.map(|numbers| numbers[0]).fold(0.0, f64::max)
+    }
+}
+
+/// The deepest penetration, then weight * psi * d of each function at each point.
+fn fill_gaps(points: &FacePoints<'_>, numbers: &mut [f64]) {
+    numbers[0] = points.deepest();
+    let count = points.table.points();
+    for (point, contact) in points.contacts.iter().enumerate() {
+        for (k, value) in points.table.values(point).iter().enumerate() {
+            numbers[1 + k * count + point] = points.weights[point] * value * contact.distance;
+        }
+    }
+}
+
+/// -int psi N n of every function, direction and node; `N` nodes a face.
+fn add_couplings<const N: usize>(points: &FacePoints<'_>, couplings: &mut [f64]) {
+    for (point, contact) in points.contacts.iter().enumerate() {
+        let Some(shapes) = points.table.shapes(point).first_chunk::<N>() else {
+            return;
+        };
+        let values = points.table.values(point);
+        for (value, block) in values.iter().zip(couplings.chunks_exact_mut(3 * N)) {
+            let weight = points.weights[point] * value;
+            let weighted = shapes.map(|shape| weight * shape);
+            for (normal, entries) in contact.normal.iter().zip(block.as_chunks_mut::<N>().0) {
+                for (entry, part) in entries.iter_mut().zip(weighted) {
+                    *entry -= part * normal;
                 }
             }
         }
     }
-    for (k, &row_node) in face.nodes.iter().enumerate() {
-        for (l, &column_node) in face.nodes.iter().enumerate() {
-            for i in 0..c {
-                for j in 0..c {
-                    let (row, column) = (row_node as usize * c + i, column_node as usize * c + j);
-                    if !held[row] && !held[column] {
-                        let entries = rows.entry(row as u32).or_default();
-                        entries.push((column as u32, blocks[k * n + l][i][j]));
-                    }
+}
+
+impl ContactSurface {
+    /// Per multiplier, the sum of what its functions gain `[multipliers]`.
+    fn summed(&self, table: &Table<'_>, numbers: &FaceNumbers) -> Vec<f64> {
+        let count = table.points();
+        let gain = |index: usize| {
+            let places = self.at_multipliers.of(index).iter();
+            places.fold(0.0, |sum, place| {
+                let first = 1 + place.slot as usize * count;
+                let own = &numbers.of(place.face)[first..first + count];
+                own.iter().fold(sum, |sum, part| sum + part)
+            })
+        };
+        let rows = (0..self.multipliers()).into_par_iter();
+        rows.with_min_len(PARALLEL_ROWS).map(gain).collect()
+    }
+
+    /// One row of C for `components` of the displacement, without what is `held`.
+    fn row(
+        &self,
+        index: usize,
+        table: &Table<'_>,
+        numbers: &FaceNumbers,
+        (components, held): (usize, &[bool]),
+    ) -> Vec<(u32, f64)> {
+        let nodes = self.couplings.nodes(index);
+        let mut row = Vec::with_capacity(nodes.len() * components);
+        for &node in nodes {
+            let first = node * components as u32;
+            row.extend((first..first + components as u32).map(|unknown| (unknown, 0.0)));
+        }
+        let places = self.at_multipliers.of(index).iter();
+        let positions = self.couplings.positions(index).chunks_exact(table.nodes);
+        for (place, positions) in places.zip(positions) {
+            let first = numbers.size - (table.functions - place.slot as usize) * 3 * table.nodes;
+            let block = &numbers.of(place.face)[first..first + 3 * table.nodes];
+            for (slot, &position) in positions.iter().enumerate() {
+                for i in 0..components {
+                    row[position as usize * components + i].1 += block[i * table.nodes + slot];
                 }
             }
         }
+        row.retain(|&(unknown, _)| !held[unknown as usize]);
+        row
     }
 }

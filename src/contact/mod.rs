@@ -1,20 +1,32 @@
 //! Contact of the body's surface with rigid obstacles: the weighted gap
-//! g_i = int phi_i d(x + u) dS over the undeformed surface, its derivative, and
-//! the resultants of the contact pressure.
+//! g_i = int psi_i d(x + u) dS over the undeformed surface, its derivative, and
+//! the resultants of the contact pressure lambda = sum Lam_i psi_i.
 //!
-//! phi_i are the P1 hats of the contact surface, one multiplier per obstacle
-//! and vertex; never nodal P2 multipliers, whose vertex functions have zero
-//! mean on a quadratic face. d > 0 outside the obstacle.
+//! psi_i are the functions of a [`ContactBasis`], one multiplier per obstacle and
+//! node that carries one: P1 hats at the vertices, or quadratic Bernstein polynomials
+//! at all nodes; never nodal P2 functions, whose vertex functions have zero mean on a
+//! quadratic face. d > 0 outside the obstacle.
 
+pub mod basis;
+mod counterpart;
+pub mod curvature;
+mod deformed;
 mod deformed_area;
+mod face;
 pub mod gap;
+mod incidence;
+pub mod patches;
 pub mod resultant;
 pub mod surface;
 pub mod surface_metric;
 
-pub use gap::{Linearisation, curvature, evaluate_gaps, linearise};
-pub use resultant::{Resultant, resultant};
-pub use surface::{ContactFace, ContactSurface};
+pub use basis::ContactBasis;
+pub use counterpart::{Counterpart, Guide};
+pub use curvature::curvature;
+pub use face::ContactFace;
+pub use gap::{Linearisation, evaluate_gaps, linearise};
+pub use resultant::{Acting, Resultant, resultant};
+pub use surface::ContactSurface;
 
 #[cfg(test)]
 mod tests;

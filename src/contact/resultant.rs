@@ -1,69 +1,114 @@
 //! Force, moment, area and centre of the contact pressure of one obstacle, by
 //! the gap's own rule, so that they balance the multipliers exactly.
+//!
+//! ```text
+//! F = int lambda n dS,   M = int (x + u - reference) x lambda n dS
+//! ```
+//!
+//! over the undeformed surface, n the normal of what is met, out of it. Cost: one probe a
+//! quadrature point of a face under pressure.
 
-use super::gap::Deformed;
+use super::counterpart::Counterpart;
+use super::deformed::{Deformed, FacePoints, Table};
 use super::surface::ContactSurface;
-use crate::obstacle::Obstacle;
+use crate::obstacle::What;
 
 /// Resultants on the body, non-dimensional.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Resultant {
-    /// int lambda n dS.
+    /// Force of the counterpart on the body, int lambda n dS `[3]`, non-dimensional.
     pub force: [f64; 3],
-    /// int (x + u - reference) x lambda n dS.
+    /// Moment about the reference point, int (x + u - reference) x lambda n dS `[3]`,
+    /// non-dimensional.
     pub moment: [f64; 3],
-    /// Undeformed area of active vertices.
+    /// Undeformed area that belongs to active multipliers: the sum of their weights, in
+    /// units of the scaled body.
     pub area: f64,
-    /// Largest lambda.
+    /// Largest coefficient of the pressure, in units of the smallest shear modulus.
     pub max_pressure: f64,
     /// int lambda (x + u) dS / int lambda dS; zero without pressure.
     pub centre: [f64; 3],
 }
 
-/// Resultants of `pressure` `[multipliers]`; `active` marks vertices in contact.
-pub fn resultant(
+/// Of a point: int lambda dS, then force, moment and lambda (x + u) `[3]`.
+const NUMBERS: usize = 10;
+
+/// A contact pressure and what its moment refers to.
+#[derive(Clone, Copy, Debug)]
+pub struct Acting<'a> {
+    /// Point of reference of the moment, non-dimensional `[3]`.
+    pub reference: [f64; 3],
+    /// Coefficients of the pressure `[multipliers]`.
+    pub pressure: &'a [f64],
+    /// Which multipliers are in contact `[multipliers]`.
+    pub active: &'a [bool],
+}
+
+/// Resultants of `pressure` `[multipliers]`; `active` marks multipliers in contact.
+pub fn resultant<C: Counterpart + ?Sized>(
     body: &Deformed<'_>,
     surface: &ContactSurface,
-    obstacle: &dyn Obstacle,
-    reference: [f64; 3],
-    pressure: &[f64],
-    active: &[bool],
+    counterpart: &C,
+    at: Acting<'_>,
 ) -> Resultant {
-    let mut out = Resultant::default();
-    let mut total = 0.0;
-    for face in &surface.faces {
+    let Acting {
+        reference,
+        pressure,
+        active,
+    } = at;
+    let table = Table::new(body, surface.basis);
+    let size = NUMBERS * table.points();
+    let numbers = body.on_faces(&table, &surface.faces, size, |points, face, numbers| {
         if face
             .multipliers
             .iter()
             .all(|&m| pressure[m as usize] == 0.0)
         {
-            continue;
+            return;
         }
-        for point in body.points(face) {
-            let at_corners = face.multipliers.iter().zip(&point.hats);
-            let local: f64 = at_corners.map(|(&m, hat)| hat * pressure[m as usize]).sum();
-            let weight = point.weight * local;
-            let normal = obstacle.distance(point.deformed).normal;
-            let force = normal.map(|n| weight * n);
-            let arm: [f64; 3] = std::array::from_fn(|i| point.deformed[i] - reference[i]);
-            total += weight;
-            for i in 0..3 {
-                let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-                out.force[i] += force[i];
-                out.moment[i] += arm[j] * force[k] - arm[k] * force[j];
-                out.centre[i] += weight * point.deformed[i];
-            }
+        points.probe(counterpart, face, What::Normal);
+        for (point, numbers) in numbers.chunks_exact_mut(NUMBERS).enumerate() {
+            let lambda = points.pressure(face, point, pressure);
+            fill(points, point, (lambda, reference), numbers);
         }
+    });
+    let mut sums = [0.0; NUMBERS];
+    for numbers in numbers.chunks_exact(NUMBERS) {
+        sums.iter_mut().zip(numbers).for_each(|(sum, x)| *sum += x);
     }
-    out.centre = match total > 0.0 {
-        true => out.centre.map(|x| x / total),
-        false => [0.0; 3],
-    };
-    for (index, &is_active) in active.iter().enumerate() {
-        if is_active {
-            out.area += surface.weights[index];
-        }
-        out.max_pressure = out.max_pressure.max(pressure[index]);
+    let [total, f0, f1, f2, m0, m1, m2, c0, c1, c2] = sums;
+    let weights = surface.weights.iter().zip(active);
+    Resultant {
+        force: [f0, f1, f2],
+        moment: [m0, m1, m2],
+        area: weights.fold(0.0, |sum, (weight, &is_active)| match is_active {
+            true => sum + weight,
+            false => sum,
+        }),
+        max_pressure: pressure.iter().fold(0.0, |most, &l| most.max(l)),
+        centre: match total > 0.0 {
+            true => [c0, c1, c2].map(|x| x / total),
+            false => [0.0; 3],
+        },
     }
-    out
+}
+
+/// The numbers of one point under the pressure `lambda`.
+fn fill(
+    points: &FacePoints<'_>,
+    point: usize,
+    (lambda, reference): (f64, [f64; 3]),
+    numbers: &mut [f64],
+) {
+    let weight = points.weights[point] * lambda;
+    let position = points.deformed[point];
+    let force = points.contacts[point].normal.map(|n| weight * n);
+    let arm: [f64; 3] = std::array::from_fn(|i| position[i] - reference[i]);
+    numbers[0] = weight;
+    for i in 0..3 {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        numbers[1 + i] = force[i];
+        numbers[4 + i] = arm[j] * force[k] - arm[k] * force[j];
+        numbers[7 + i] = weight * position[i];
+    }
 }

@@ -1,104 +1,136 @@
-//! The faces of the body that may touch one obstacle.
+//! The faces of the body that may touch one obstacle, and their multipliers.
+//!
+//! Faces that share a node share its multiplier; multipliers are numbered by their nodes,
+//! ascending. Incidence and the pattern of the coupling are found once, so that rows are
+//! added up face by face in one order, whatever the number of threads. Cost: one sort of
+//! the nodes.
 
 use std::f64::consts::TAU;
 
+use super::basis::{ContactBasis, Hats};
+use super::face::ContactFace;
+use super::incidence::{Couplings, Incidence};
 use crate::assembly::load::facet_measure;
 use crate::geometry::vector3::{add, cross, norm, normalised, sub};
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
-/// One face (segment in 2D).
-#[derive(Clone, Debug)]
-pub struct ContactFace {
-    /// Mesh vertices.
-    pub corners: Vec<u32>,
-    /// Multiplier of each corner, counted within the surface.
-    pub multipliers: Vec<u32>,
-    /// Displacement nodes: corners, then edges.
-    pub nodes: Vec<u32>,
-    /// Area (length in 2D, the area of its full turn about an axis), undeformed,
-    /// non-dimensional.
-    pub area: f64,
-    /// Radii of the ends of a segment that is turned about the axis x = 0.
-    pub radii: Option<[f64; 2]>,
-}
-
-impl ContactFace {
-    /// Area per weight of a rule at `hats`.
-    pub fn area_at(&self, hats: &[f64]) -> f64 {
-        match self.radii {
-            None => self.area,
-            Some([a, b]) => self.area * (hats[0] * a + hats[1] * b) / (0.5 * (a + b)),
-        }
-    }
-}
-
 /// The candidate surface of one obstacle.
 #[derive(Clone, Debug)]
 pub struct ContactSurface {
-    /// Mesh vertices that carry a multiplier, ascending.
-    pub vertices: Vec<u32>,
-    /// Faces.
+    /// Displacement nodes that carry a multiplier, ascending `[multipliers]`; nodes
+    /// below the number of vertices are mesh vertices.
+    pub carriers: Vec<u32>,
+    /// Candidate faces, in the order in which the surface was given.
     pub faces: Vec<ContactFace>,
-    /// int phi_i dS `[vertices]`.
+    /// Integral of each multiplier function over the undeformed surface
+    /// `[multipliers]`, area of the scaled body.
     pub weights: Vec<f64>,
+    /// Functions of the contact pressure on a face: vertex hats or quadratic Bernstein
+    /// functions.
+    pub(super) basis: &'static dyn ContactBasis,
+    /// Displacement nodes of all faces, ascending and each once.
+    pub(super) nodes: Vec<u32>,
+    /// The faces around each multiplier, along which rows of gap and coupling are added
+    /// up.
+    pub(super) at_multipliers: Incidence,
+    /// The faces around each of `nodes`, along which rows of the curvature are added
+    /// up.
+    pub(super) at_nodes: Incidence,
+    /// Displacement nodes that each row of the coupling meets: the pattern of C, found
+    /// once.
+    pub(super) couplings: Couplings,
 }
 
 impl ContactSurface {
-    /// The surface made of `facets` (vertex lists).
+    /// The surface made of `facets` (vertex lists), with hats.
     pub fn new(mesh: &Mesh, space: &TaylorHood, scale: f64, facets: &[Vec<u32>]) -> Self {
-        let mut vertices: Vec<u32> = facets.iter().flatten().copied().collect();
-        vertices.sort_unstable();
-        vertices.dedup();
-        let mut weights = vec![0.0; vertices.len()];
-        let faces = facets
-            .iter()
-            .map(|corners| {
-                let (area, _) = facet_measure(mesh, corners, scale);
-                let multipliers: Vec<u32> = corners
-                    .iter()
-                    .map(|&v| vertices.partition_point(|&other| other < v) as u32)
-                    .collect();
-                for &multiplier in &multipliers {
-                    weights[multiplier as usize] += area / corners.len() as f64;
-                }
-                ContactFace {
-                    nodes: space.facet_nodes(corners),
-                    corners: corners.clone(),
-                    multipliers,
-                    area,
-                    radii: None,
-                }
-            })
-            .collect();
-        Self {
-            vertices,
-            faces,
-            weights,
-        }
+        let face = |corners: &Vec<u32>| {
+            let (area, normal) = facet_measure(mesh, corners, scale);
+            let first = mesh.coordinates()[corners[0] as usize];
+            ContactFace {
+                nodes: space.facet_nodes(corners),
+                corners: corners.clone(),
+                multipliers: Vec::new(),
+                area,
+                radii: None,
+                flat_area: area,
+                point: first.map(|x| x * scale),
+                normal,
+            }
+        };
+        Self::of(facets.iter().map(face).collect(), &Hats)
     }
 
-    /// The surface that `facets` (segments) sweep about the axis x = 0.
+    /// The surface that `facets` (segments) sweep about the axis x = 0, with hats.
     pub fn about_axis(mesh: &Mesh, space: &TaylorHood, scale: f64, facets: &[Vec<u32>]) -> Self {
-        let mut surface = Self::new(mesh, space, scale, facets);
-        surface.weights.fill(0.0);
-        for face in &mut surface.faces {
+        let mut faces = Self::new(mesh, space, scale, facets).faces;
+        for face in &mut faces {
             let radius = |end: usize| scale * mesh.coordinates()[face.corners[end] as usize][0];
             let [a, b] = [radius(0), radius(1)];
-            let way = TAU * face.area;
-            for (&multiplier, mean) in face.multipliers.iter().zip([2.0 * a + b, a + 2.0 * b]) {
-                surface.weights[multiplier as usize] += way * mean / 6.0;
-            }
-            face.area = way * 0.5 * (a + b);
+            face.area = TAU * face.flat_area * 0.5 * (a + b);
             face.radii = Some([a, b]);
         }
-        surface
+        Self::of(faces, &Hats)
+    }
+
+    /// The same surface with other multipliers.
+    pub fn with_basis(self, basis: &'static dyn ContactBasis) -> Self {
+        Self::of(self.faces, basis)
+    }
+
+    /// Numbers the multipliers by the nodes that carry them, ascending, and finds
+    /// incidence and pattern. Cost: one sort of the nodes.
+    fn of(mut faces: Vec<ContactFace>, basis: &'static dyn ContactBasis) -> Self {
+        let own = |face: &ContactFace| basis.functions(face.corners.len());
+        let carriers = ascending(faces.iter().flat_map(|face| &face.nodes[..own(face)]));
+        let mut weights = vec![0.0; carriers.len()];
+        for face in &mut faces {
+            let nodes = face.nodes[..own(face)].iter();
+            face.multipliers = nodes.map(|node| place(&carriers, node)).collect();
+            for (k, &multiplier) in face.multipliers.iter().enumerate() {
+                weights[multiplier as usize] += basis.weight(face, k);
+            }
+        }
+        let nodes = ascending(faces.iter().flat_map(|face| &face.nodes));
+        let of_faces: Vec<Vec<u32>> = faces
+            .iter()
+            .map(|face| face.nodes.iter().map(|node| place(&nodes, node)).collect())
+            .collect();
+        let multipliers = faces.iter().map(|face| &face.multipliers[..]);
+        let at_multipliers = Incidence::new(carriers.len(), multipliers);
+        let couplings = Couplings::new(carriers.len(), &at_multipliers, |face| {
+            &faces[face as usize].nodes
+        });
+        Self {
+            at_nodes: Incidence::new(nodes.len(), of_faces.iter().map(|own| &own[..])),
+            at_multipliers,
+            couplings,
+            carriers,
+            faces,
+            weights,
+            basis,
+            nodes,
+        }
     }
 
     /// Number of multipliers.
     pub fn multipliers(&self) -> usize {
-        self.vertices.len()
+        self.carriers.len()
     }
+}
+
+/// The values that occur, ascending.
+fn ascending<'a>(values: impl Iterator<Item = &'a u32>) -> Vec<u32> {
+    let mut values: Vec<u32> = values.copied().collect();
+    values.sort_unstable();
+    values.dedup();
+    values
+}
+
+/// Where `value` stands among `ascending`.
+fn place(ascending: &[u32], value: &u32) -> u32 {
+    ascending.partition_point(|other| other < value) as u32
 }
 
 /// Unit normals at `vertices` (ascending; others are left out) of the surface made

@@ -1,7 +1,7 @@
-//! Dense mass and stiffness of the P1 multipliers of one surface:
+//! Dense mass and stiffness of the multiplier functions of one surface:
 //!
 //! ```text
-//! M_ij = int phi_i phi_j dS,   L_ij = int grad phi_i . grad phi_j dS
+//! M_ij = int psi_i psi_j dS,   L_ij = int grad psi_i . grad psi_j dS
 //! ```
 //!
 //! `[multipliers, multipliers]`, undeformed, non-dimensional; gradients along the
@@ -9,7 +9,8 @@
 
 use std::f64::consts::PI;
 
-use super::surface::{ContactFace, ContactSurface};
+use super::face::ContactFace;
+use super::surface::ContactSurface;
 use crate::assembly::load::position;
 use crate::linalg::DenseMatrix;
 use crate::mesh::Mesh;
@@ -17,16 +18,8 @@ use crate::mesh::Mesh;
 /// Adds M into the block of `matrix` that starts at `offset`.
 pub fn add_mass(surface: &ContactSurface, offset: usize, matrix: &mut DenseMatrix) {
     for face in &surface.faces {
-        let corners = face.corners.len();
-        let mean = face.area / (corners * (corners + 1)) as f64;
-        add_local(
-            face,
-            offset,
-            matrix,
-            |i, j| {
-                if i == j { 2.0 * mean } else { mean }
-            },
-        );
+        let entry = |i, j| surface.basis.mass(face, i, j);
+        add_local(face, offset, matrix, entry);
     }
 }
 
@@ -49,10 +42,13 @@ pub fn add_laplacian(
             (2, Some([a, b])) => face.area / (PI * (a + b)).powi(2),
             _ => 4.0 * face.area,
         };
-        add_local(face, offset, matrix, |i, j| {
-            let product: f64 = (0..3).map(|k| opposite[i][k] * opposite[j][k]).sum();
+        let hats = |a: usize, b: usize| {
+            let product: f64 = (0..3).map(|k| opposite[a][k] * opposite[b][k]).sum();
             product / denominator
-        });
+        };
+        let corners = face.corners.len();
+        let entry = |i, j| surface.basis.laplacian(corners, &hats, [i, j]);
+        add_local(face, offset, matrix, entry);
     }
 }
 
@@ -73,6 +69,8 @@ fn opposite_edges(face: &ContactFace, mesh: &Mesh, scale: f64) -> Vec<[f64; 3]> 
     }
 }
 
+/// Adds the local matrix of one face to `matrix`; the multipliers of the surface begin
+/// at row and column `offset`.
 fn add_local(
     face: &ContactFace,
     offset: usize,

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use super::basis::Bernstein;
 use super::gap::Deformed;
-use super::{ContactSurface, curvature, evaluate_gaps, linearise, resultant};
+use super::{Acting, ContactSurface, curvature, evaluate_gaps, linearise, resultant};
+use crate::assembly::load::shape_values;
 use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::linalg::vector::{dot, largest, norm, reproducible_noise};
 use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, Workspace};
@@ -47,6 +49,14 @@ impl Sample {
             mesh,
             space,
             surface,
+        }
+    }
+
+    /// With quadratic multipliers.
+    fn quadratic(self) -> Self {
+        Self {
+            surface: self.surface.with_basis(&Bernstein),
+            ..self
         }
     }
 
@@ -129,15 +139,24 @@ fn plane_obstacles() -> Vec<Arc<dyn Obstacle>> {
     vec![Arc::new(roll), Arc::new(disc)]
 }
 
-fn cases() -> Vec<(Sample, Arc<dyn Obstacle>)> {
-    let solids = obstacles().into_iter().map(|obstacle| (solid(), obstacle));
-    solids
-        .chain(
-            plane_obstacles()
-                .into_iter()
-                .map(|obstacle| (plane(), obstacle)),
-        )
-        .collect()
+/// A sample on an obstacle.
+type Case = (Sample, Arc<dyn Obstacle>);
+
+/// Solid and plane samples on every obstacle, with hats and with quadratic
+/// multipliers.
+fn cases() -> Vec<Case> {
+    let on = |sample: fn() -> Sample, obstacles: Vec<Arc<dyn Obstacle>>| -> Vec<Case> {
+        let both = |obstacle: Arc<dyn Obstacle>| {
+            [
+                (sample(), obstacle.clone()),
+                (sample().quadratic(), obstacle),
+            ]
+        };
+        obstacles.into_iter().flat_map(both).collect()
+    };
+    let mut cases = on(solid, obstacles());
+    cases.extend(on(plane, plane_obstacles()));
+    cases
 }
 
 #[test]
@@ -222,14 +241,115 @@ fn linearising_gives_the_gaps_and_the_penetration_of_evaluating() {
 
 #[test]
 fn weights_sum_to_the_area_and_weigh_a_uniform_gap() {
-    let mut sample = solid();
-    let area: f64 = sample.surface.weights.iter().sum();
-    assert!((area - SCALE * SCALE).abs() < 1e-14);
-    sample.displacement.fill(0.0);
-    let floor = HalfSpace::new([0.0, 0.0, 0.8 - 0.25], [0.0, 0.0, 1.0]).expect("a half-space");
-    let gap = sample.gaps(&sample.displacement, &floor);
-    for (gap, weight) in gap.iter().zip(&sample.surface.weights) {
-        assert!((gap - 0.25 * weight).abs() < 1e-15);
+    for mut sample in [solid(), solid().quadratic()] {
+        let area: f64 = sample.surface.weights.iter().sum();
+        assert!((area - SCALE * SCALE).abs() < 1e-14);
+        sample.displacement.fill(0.0);
+        let floor = HalfSpace::new([0.0, 0.0, 0.8 - 0.25], [0.0, 0.0, 1.0]).expect("a half-space");
+        let gap = sample.gaps(&sample.displacement, &floor);
+        for (gap, weight) in gap.iter().zip(&sample.surface.weights) {
+            assert!((gap - 0.25 * weight).abs() < 1e-15);
+        }
+    }
+}
+
+#[test]
+fn quadratic_multipliers_stand_on_every_node_of_the_surface() {
+    let (hats, quadratic) = (solid(), solid().quadratic());
+    // 2 x 2 squares of two triangles: 9 vertices and 16 edges.
+    assert_eq!(hats.surface.multipliers(), 9);
+    assert_eq!(quadratic.surface.multipliers(), 9 + 16);
+    assert_eq!(quadratic.surface.carriers[..9], hats.surface.carriers[..]);
+    for face in &quadratic.surface.faces {
+        let at = face.multipliers.iter();
+        let carriers: Vec<u32> = at
+            .map(|&m| quadratic.surface.carriers[m as usize])
+            .collect();
+        assert_eq!(carriers, face.nodes);
+    }
+}
+
+/// A larger surface, worth more than one thread.
+fn wide() -> Sample {
+    Sample::new(samples::cube_parts(9), "z1")
+}
+
+fn in_threads<T: Send>(threads: usize, task: impl FnOnce() -> T + Send) -> T {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.expect("a pool").install(task)
+}
+
+#[test]
+fn contact_integrals_have_the_same_bits_on_one_and_on_two_threads() {
+    for sample in [wide(), wide().quadratic()] {
+        let (obstacle, pressure) = (&obstacles()[3], sample.pressure());
+        let held = vec![false; sample.displacement.len()];
+        let integrals = || {
+            let body = sample.body(&sample.displacement);
+            let part = linearise(&body, &sample.surface, &**obstacle, &held);
+            let surfaces = [(&sample.surface, &**obstacle, &pressure[..])];
+            let active = vec![true; pressure.len()];
+            let origin = [0.0; 3];
+            let found = resultant(
+                &body,
+                &sample.surface,
+                &**obstacle,
+                Acting {
+                    reference: origin,
+                    pressure: &pressure,
+                    active: &active,
+                },
+            );
+            (
+                part.gap,
+                part.rows,
+                curvature(&body, &surfaces, &held),
+                found,
+                sample.surface.deformed_weights(&body),
+            )
+        };
+        // Equal numbers are equal bits here: none is a negative zero or NaN.
+        assert_eq!(in_threads(1, integrals), in_threads(2, integrals));
+    }
+}
+
+/// The gap face by face and point by point, as the formula stands.
+fn plain_gaps(sample: &Sample, obstacle: &dyn Obstacle) -> Vec<f64> {
+    let mut gap = vec![0.0; sample.surface.multipliers()];
+    let coordinates = sample.mesh.coordinates();
+    for face in &sample.surface.faces {
+        for (l, weight) in sample.rule.points.iter().zip(&sample.rule.weights) {
+            let l = &l[..face.corners.len()];
+            let mut position = [0.0; 3];
+            for (&corner, l) in face.corners.iter().zip(l) {
+                (0..3).for_each(|i| position[i] += l * SCALE * coordinates[corner as usize][i]);
+            }
+            for (&node, shape) in face.nodes.iter().zip(shape_values(l)) {
+                let c = sample.space.components;
+                (0..c).for_each(|i| {
+                    position[i] += shape * sample.displacement[node as usize * c + i];
+                });
+            }
+            let distance = obstacle.distance(position).distance;
+            for (&multiplier, hat) in face.multipliers.iter().zip(l) {
+                gap[multiplier as usize] += weight * face.area_at(l) * hat * distance;
+            }
+        }
+    }
+    gap
+}
+
+#[test]
+fn gaps_have_the_bits_of_the_plain_sum_over_faces_and_points() {
+    let hats = |obstacle: Arc<dyn Obstacle>| [(wide(), obstacle.clone()), (solid(), obstacle)];
+    let solids = obstacles().into_iter().flat_map(hats);
+    let planes = plane_obstacles()
+        .into_iter()
+        .map(|obstacle| (plane(), obstacle));
+    for (sample, obstacle) in solids.chain(planes) {
+        let gaps = sample.gaps(&sample.displacement, &*obstacle);
+        let bits = |gaps: &[f64]| gaps.iter().map(|gap| gap.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&gaps), bits(&plain_gaps(&sample, &*obstacle)));
     }
 }
 
@@ -244,9 +364,11 @@ fn the_resultant_is_the_work_of_the_contact_force_on_rigid_motions() {
             &body,
             &sample.surface,
             &*obstacle,
-            reference,
-            &pressure,
-            &active,
+            Acting {
+                reference,
+                pressure: &pressure,
+                active: &active,
+            },
         );
         let c = sample.space.components;
         for axis in 0..c {
@@ -294,7 +416,16 @@ fn the_centre_of_a_uniform_pressure_is_the_centre_of_the_face() {
     let pressure = vec![2.0; sample.surface.multipliers()];
     let active = vec![false; pressure.len()];
     let body = sample.body(&sample.displacement);
-    let found = resultant(&body, &sample.surface, &floor, [0.0; 3], &pressure, &active);
+    let found = resultant(
+        &body,
+        &sample.surface,
+        &floor,
+        Acting {
+            reference: [0.0; 3],
+            pressure: &pressure,
+            active: &active,
+        },
+    );
     let error: Vec<f64> = found
         .centre
         .iter()

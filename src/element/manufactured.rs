@@ -11,23 +11,35 @@ use std::f64::consts::PI;
 
 use crate::geometry::Matrix3;
 
+/// A vector or a point with three components; the third is zero in the plane.
 type Vector = [f64; 3];
 
 /// A named analytic field.
 #[derive(Clone, Copy, Debug)]
 pub struct Manufactured(&'static Formulas);
 
+/// The functions of one field, at a position in the unit body; all derivatives are by
+/// hand.
 #[derive(Debug)]
 struct Formulas {
+    /// Name by which scenes ask for the field.
     name: &'static str,
+    /// Dimension of the bodies that the field is for: 2 or 3.
     dimension: usize,
+    /// Displacement `[3]` at a position; its divergence is zero.
     displacement: fn(Vector) -> Vector,
+    /// Gradient of the displacement at a position: row i holds the derivatives of
+    /// component i.
     gradient: fn(Vector) -> Matrix3,
+    /// Laplacian of each component of the displacement `[3]`.
     laplacian: fn(Vector) -> Vector,
+    /// Internal pressure at a position, positive in compression.
     pressure: fn(Vector) -> f64,
+    /// Gradient of the pressure at a position `[3]`.
     pressure_gradient: fn(Vector) -> Vector,
 }
 
+/// All fields, in the order in which error messages list them.
 static FIELDS: [Formulas; 5] = [
     Formulas {
         name: "A1m",
@@ -179,6 +191,7 @@ impl Manufactured {
 mod a1m {
     use super::{Matrix3, PI, Vector};
 
+    /// Displacement of the field; polynomial in x, of waves in y and z.
     pub(super) fn displacement([x, y, z]: Vector) -> Vector {
         let (sine, cosine) = (PI * y).sin_cos();
         [
@@ -188,6 +201,7 @@ mod a1m {
         ]
     }
 
+    /// Gradient of that displacement: row i holds the derivatives of component i.
     pub(super) fn gradient([x, y, z]: Vector) -> Matrix3 {
         let ((sine_y, cosine_y), (sine_z, cosine_z)) = ((PI * y).sin_cos(), z.sin_cos());
         let (square, cube) = (x * x, x.powi(3));
@@ -210,6 +224,7 @@ mod a1m {
         ]
     }
 
+    /// Laplacian of each component of that displacement.
     pub(super) fn laplacian([x, y, z]: Vector) -> Vector {
         let ((sine, cosine), cosine_z) = ((PI * y).sin_cos(), z.cos());
         let cube = x.powi(3);
@@ -225,12 +240,15 @@ mod a1m {
 mod vortex {
     use super::{Matrix3, PI, Vector};
 
+    /// Displacement of the vortex, the curl of a squared stream function: zero on the
+    /// boundary of the unit square.
     pub(super) fn displacement([x, y, _]: Vector) -> Vector {
         let square = |value: f64| (PI * value).sin().powi(2);
         let double = |value: f64| (2.0 * PI * value).sin();
         [PI * square(x) * double(y), -PI * double(x) * square(y), 0.0]
     }
 
+    /// Gradient of that displacement: row i holds the derivatives of component i.
     pub(super) fn gradient([x, y, _]: Vector) -> Matrix3 {
         let square = |value: f64| (PI * value).sin().powi(2);
         let double = |value: f64| (2.0 * PI * value).sin_cos();
@@ -244,6 +262,7 @@ mod vortex {
         ]
     }
 
+    /// Laplacian of each component of that displacement.
     pub(super) fn laplacian([x, y, _]: Vector) -> Vector {
         let double = |value: f64| (2.0 * PI * value).sin_cos();
         let ((sine_x, cosine_x), (sine_y, cosine_y)) = (double(x), double(y));
@@ -261,6 +280,7 @@ mod vortex {
 mod trigonometric {
     use super::{Matrix3, PI, Vector};
 
+    /// Sines and cosines of pi times each coordinate.
     fn waves(point: Vector) -> (Vector, Vector) {
         (
             point.map(|value| (PI * value).sin()),
@@ -268,15 +288,20 @@ mod trigonometric {
         )
     }
 
+    /// The product of the sines of pi times the coordinates: the pressure of several
+    /// fields.
     pub(super) fn sines(point: Vector) -> f64 {
         waves(point).0.iter().product()
     }
 
+    /// Displacement of products of waves; the derivatives along the axes cancel in the
+    /// divergence.
     pub(super) fn displacement(point: Vector) -> Vector {
         let ([sx, sy, sz], [cx, cy, cz]) = waves(point);
         [sx * cy * cz, cx * sy * cz, -2.0 * cx * cy * sz]
     }
 
+    /// Gradient of that displacement: row i holds the derivatives of component i.
     pub(super) fn gradient(point: Vector) -> Matrix3 {
         let ([sx, sy, sz], [cx, cy, cz]) = waves(point);
         let (all, xy, xz, yz) = (cx * cy * cz, sx * sy * cz, sx * cy * sz, cx * sy * sz);
@@ -287,6 +312,7 @@ mod trigonometric {
         ]
     }
 
+    /// Gradient of the product of sines.
     pub(super) fn pressure_gradient(point: Vector) -> Vector {
         let ([sx, sy, sz], [cx, cy, cz]) = waves(point);
         [PI * cx * sy * sz, PI * sx * cy * sz, PI * sx * sy * cz]

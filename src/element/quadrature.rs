@@ -14,11 +14,11 @@ pub const MAXIMUM_DEGREE: u32 = 20;
 /// The reference cells.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Simplex {
-    /// Two vertices.
+    /// A segment with two vertices.
     Segment,
-    /// Three vertices.
+    /// A triangle with three vertices.
     Triangle,
-    /// Four vertices.
+    /// A tetrahedron with four vertices.
     Tetrahedron,
 }
 
@@ -54,6 +54,7 @@ impl Rule {
         self.weights.is_empty()
     }
 
+    /// Adds one point, by its barycentric coordinates `[4]`, with its weight.
     fn push(&mut self, point: [f64; 4], weight: f64) {
         self.points.push(point);
         self.weights.push(weight);
@@ -135,6 +136,8 @@ fn walkington() -> Rule {
     rule
 }
 
+/// Gauss's rule on the segment, exact for polynomials of that degree; its weights add
+/// up to one.
 fn segment(degree: u32) -> Rule {
     let mut rule = empty();
     for (a, weight) in gauss(degree) {
@@ -171,6 +174,7 @@ fn collapsed_tetrahedron(degree: u32) -> Rule {
     rule
 }
 
+/// A rule without points, to be filled.
 fn empty() -> Rule {
     Rule {
         points: Vec::new(),

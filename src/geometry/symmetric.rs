@@ -16,9 +16,9 @@ const SWEEPS: usize = 12;
 /// Eigenvalues in no order; column k of `directions` belongs to value k.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spectrum {
-    /// d.
+    /// Eigenvalues d_k `[3]`, in no order.
     pub values: [f64; 3],
-    /// Q.
+    /// Orthonormal directions as the columns of Q, one for each value.
     pub directions: Tensor<f64>,
 }
 

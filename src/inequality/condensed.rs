@@ -1,21 +1,23 @@
 //! The problem condensed on the multiplier:
 //!
 //! ```text
-//! min 1/2 l^T K l + q^T l,  l >= 0,   K = C S^-1 C^T,   gap(l) = q + K l,
+//! min 1/2 l^T K l + q^T l,  l in its set,   K = C S^-1 C^T,   gap(l) = q + K l,
 //! ```
 //!
-//! S the saddle operator of displacement and equality blocks. K is never made:
+//! S the saddle operator of displacement and equalities. K is never made:
 //! a product is one inner solve by the GCR of the problem without contact, which
 //! starts from the directions that earlier solves kept. All residuals are carried
 //! along, so that the iterate is judged as it is, whatever the inner accuracy.
 
 mod inner;
 
+use super::blocks::{Blocks, ContactBlock};
 use super::qp::{QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpStatus};
-use crate::krylov::{Outcome, gcr};
+use crate::krylov::Outcome;
+use crate::krylov::gcr::Gcr;
 use crate::linalg::LinearOperator;
-use crate::linalg::vector::{add_scaled, largest, norm};
-use crate::saddle::SaddleOperator;
+use crate::linalg::vector::{add_scaled, norm};
+use crate::saddle::{EqualityBlock, SaddleOperator};
 use inner::{Bounds, InnerMonitor};
 
 /// Accuracy of an inner solve against the target of the outer one: at a tenth,
@@ -27,33 +29,41 @@ const ACCURACIES: [f64; 2] = [1e-12, 1e-4];
 
 /// Reduction by kept directions beyond which there is nothing new beside them.
 const EXHAUSTED: f64 = 1e-8;
-/// Growth of the gap that no step within l >= 0 explains.
+/// Growth of the gap that no step within the set explains.
 const DIVERGED: f64 = 1e6;
-/// Negative multipliers this small against the largest are rounding.
-const ROUNDING: f64 = 1e-14;
 
 /// What a unit step along a change of the multiplier does.
-pub(super) struct Response {
-    /// The change d.
-    pub(super) direction: Vec<f64>,
-    /// K d.
-    pub(super) opening: Vec<f64>,
-    /// Displacement, then equality unknowns.
+pub(crate) struct Response {
+    /// The change d of the multiplier `[multipliers]`.
+    pub(crate) direction: Vec<f64>,
+    /// K d, by how much the gap opens along d `[multipliers]`.
+    pub(crate) opening: Vec<f64>,
+    /// Change of the displacement and of the equality unknowns, one after the other.
     unknowns: Vec<f64>,
     /// Change of the force residual, then of the constraint.
     residual: Vec<f64>,
-    /// Largest constraint residual on the way.
+    /// Largest norm of the constraint residual on the way, which bounds what rounding
+    /// may leave of it.
     peak: f64,
 }
 
 /// A problem under way.
-pub(super) struct Condensed<'c, 'a, 'b> {
+pub(crate) struct Condensed<'c, 'a, 'b> {
+    /// The whole problem with all its blocks.
     problem: &'c QpProblem<'c>,
+    /// Equalities and contact of the problem, told apart.
+    blocks: Blocks<'c>,
+    /// What the solve may use, and who follows it.
     run: &'c mut QpRun<'a, 'b>,
+    /// Counts so far; its status is set at the end.
     outcome: QpOutcome,
+    /// Products with the exact compliance at most; beyond them the method has failed.
     most_products: u32,
+    /// Norms of the residual blocks at the iterate last measured.
     norms: QpNorms,
+    /// Number of closed multipliers at the iterate last measured.
     active: usize,
+    /// Largest of the norms over their scales, which the inner tolerance follows.
     relative: f64,
     /// Norm of the gap when the first inner solve was done.
     first_gap: f64,
@@ -62,7 +72,7 @@ pub(super) struct Condensed<'c, 'a, 'b> {
 impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
     /// Settles `iterate` under its multiplier and takes steps until it is solved, a
     /// step fails or the products are spent.
-    pub(super) fn solve(
+    pub(crate) fn solve(
         problem: &'c QpProblem<'c>,
         run: &'c mut QpRun<'a, 'b>,
         most_products: u32,
@@ -94,8 +104,10 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
         most_products: u32,
         iterate: &mut QpIterate,
     ) -> Result<Self, QpOutcome> {
+        let blocks = Blocks::of(problem, iterate).map_err(QpOutcome::new)?;
         let mut condensed = Self {
             problem,
+            blocks,
             run,
             outcome: QpOutcome::new(QpStatus::Krylov(Outcome::IterationLimit)),
             most_products,
@@ -124,6 +136,8 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
         self.outcome
     }
 
+    /// Drops stored Krylov directions where the problem has curvature: their products
+    /// would be those of another operator.
     fn forget_curved(&mut self) {
         if self.problem.curvature.is_some() {
             self.run.directions.clear(self.run.work);
@@ -147,17 +161,21 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
             .then_some(QpStatus::Krylov(Outcome::IterationLimit))
     }
 
+    /// Takes statuses, norms and scales of the iterate; a change of any status counts
+    /// as one change of the set.
     fn measure(&mut self, iterate: &mut QpIterate) {
-        let active: Vec<bool> = iterate.multiplier.iter().map(|&l| l > 0.0).collect();
-        self.outcome.set_changes += u32::from(active != iterate.active);
-        self.active = active.iter().filter(|&&a| a).count();
-        iterate.active = active;
-        let wrong = |(g, &active): (&f64, &bool)| if active { *g } else { g.min(0.0) };
-        let gaps: Vec<f64> = iterate.gap.iter().zip(&iterate.active).map(wrong).collect();
+        let (equalities, contact) = iterate.blocks.split_at_mut(self.blocks.place());
+        let contact = &mut contact[0];
+        let set = self.blocks.contact.set;
+        let status = set.status(&contact.multiplier);
+        self.outcome.set_changes += u32::from(status != contact.status);
+        contact.status = status;
+        self.active = contact.closed();
+        let constraints = equalities.iter().map(|block| norm(&block.residual));
         self.norms = QpNorms {
             force: norm(&iterate.force),
-            constraint: norm(&iterate.constraint),
-            gap: norm(&gaps),
+            constraint: constraints.fold(0.0, f64::hypot),
+            gap: norm(&set.misfit(contact.point())),
         };
         let scales = &mut *self.run.scales;
         scales.see(self.norms.constraint, self.norms.gap);
@@ -175,18 +193,23 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
             constraint: level,
         };
         let mut r = self.run.work.copy(&iterate.force);
-        r.extend_from_slice(&iterate.constraint);
+        let place = self.blocks.place();
+        for block in &iterate.blocks[..place] {
+            r.extend_from_slice(&block.residual);
+        }
         let known = self.run.scales.constraint;
         let (x, peak) = self.inner(&mut r, bounds, known)?;
         self.run.scales.see(peak, 0.0);
-        let unknowns = iterate.force.len();
-        let mut opening = vec![0.0; iterate.gap.len()];
-        self.opening(&x, &mut opening);
-        add_scaled(&mut iterate.displacement, 1.0, &x[..unknowns]);
-        add_scaled(&mut iterate.equality, 1.0, &x[unknowns..]);
-        add_scaled(&mut iterate.gap, 1.0, &opening);
-        iterate.force.copy_from_slice(&r[..unknowns]);
-        iterate.constraint.copy_from_slice(&r[unknowns..]);
+        let opening = self.opening(&x);
+        advance_equalities(iterate, place, &x, 1.0);
+        add_scaled(&mut iterate.blocks[place].residual, 1.0, &opening);
+        let (force, mut rest) = r.split_at(iterate.force.len());
+        iterate.force.copy_from_slice(force);
+        for block in &mut iterate.blocks[..place] {
+            let (part, next) = rest.split_at(block.residual.len());
+            block.residual.copy_from_slice(part);
+            rest = next;
+        }
         self.run.work.give(x);
         self.run.work.give(r);
         Ok(())
@@ -196,22 +219,21 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
     ///
     /// # Errors
     /// Why the inner solve failed.
-    pub(super) fn product(&mut self, direction: Vec<f64>) -> Result<Response, QpStatus> {
+    pub(crate) fn product(&mut self, direction: Vec<f64>) -> Result<Response, QpStatus> {
         let [least, most] = ACCURACIES;
         let accuracy = (INNER * self.run.targets.level / self.relative).clamp(least, most);
         let unknowns = self.problem.stiffness.rows();
         let mut load = self.run.work.zeros(unknowns);
-        let coupling = self.problem.coupling;
-        coupling.apply_transposed(&direction, &mut load, self.run.work);
+        let columns = self.blocks.contact.columns;
+        columns.apply_transposed(&direction, &mut load, self.run.work);
         load.iter_mut().for_each(|value| *value = -*value);
         let bounds = Bounds {
             force: accuracy * norm(&load),
             constraint: accuracy,
         };
-        load.resize(unknowns + self.equalities(), 0.0);
+        load.resize(unknowns + self.blocks.equality_unknowns(), 0.0);
         let (x, peak) = self.inner(&mut load, bounds, 0.0)?;
-        let mut opening = vec![0.0; direction.len()];
-        self.opening(&x, &mut opening);
+        let opening = self.opening(&x);
         Ok(Response {
             direction,
             opening,
@@ -222,24 +244,23 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
     }
 
     /// Moves `iterate` along a response.
-    pub(super) fn advance(&mut self, iterate: &mut QpIterate, response: Response, length: f64) {
-        let unknowns = iterate.force.len();
-        let (du, dx) = response.unknowns.split_at(unknowns);
-        let (force, constraint) = response.residual.split_at(unknowns);
-        add_scaled(&mut iterate.displacement, length, du);
-        add_scaled(&mut iterate.equality, length, dx);
-        let pairs = iterate.multiplier.iter_mut().zip(&response.direction);
-        for (l, d) in pairs {
-            let change = length * d;
-            *l += change;
-            // What leaves the set leaves it whole.
-            if change < 0.0 && l.abs() <= 4.0 * f64::EPSILON * change.abs() {
-                *l = 0.0;
-            }
-        }
+    pub(crate) fn advance(&mut self, iterate: &mut QpIterate, response: Response, length: f64) {
+        let place = self.blocks.place();
+        advance_equalities(iterate, place, &response.unknowns, length);
+        let (force, mut rest) = response.residual.split_at(iterate.force.len());
         add_scaled(&mut iterate.force, length, force);
-        add_scaled(&mut iterate.constraint, length, constraint);
-        add_scaled(&mut iterate.gap, length, &response.opening);
+        for block in &mut iterate.blocks[..place] {
+            let (part, next) = rest.split_at(block.residual.len());
+            add_scaled(&mut block.residual, length, part);
+            rest = next;
+        }
+        let contact = &mut iterate.blocks[place];
+        let change: Vec<f64> = response.direction.iter().map(|d| length * d).collect();
+        add_scaled(&mut contact.multiplier, 1.0, &change);
+        // What leaves the set leaves it whole.
+        let set = self.blocks.contact.set;
+        set.drop_rounding(&mut contact.multiplier, &change);
+        add_scaled(&mut contact.residual, length, &response.opening);
         self.run.scales.see(length.abs() * response.peak, 0.0);
         self.run.work.give(response.unknowns);
         self.run.work.give(response.residual);
@@ -249,45 +270,39 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
     ///
     /// # Errors
     /// Why the inner solve failed.
-    pub(super) fn shift(
+    pub(crate) fn shift(
         &mut self,
         iterate: &mut QpIterate,
         change: &[f64],
     ) -> Result<(), QpStatus> {
         let mut load = self.run.work.zeros(iterate.force.len());
-        let coupling = self.problem.coupling;
-        coupling.apply_transposed(change, &mut load, self.run.work);
+        let columns = self.blocks.contact.columns;
+        columns.apply_transposed(change, &mut load, self.run.work);
         add_scaled(&mut iterate.force, -1.0, &load);
         self.run.work.give(load);
-        add_scaled(&mut iterate.multiplier, 1.0, change);
+        let contact = &mut iterate.blocks[self.blocks.place()];
+        add_scaled(&mut contact.multiplier, 1.0, change);
         self.settle(iterate)
     }
 
-    /// Projects negative multipliers to zero; one product where there are any.
-    /// Returns whether there were.
-    ///
-    /// # Errors
-    /// Why the inner solve failed.
-    pub(super) fn clip(&mut self, iterate: &mut QpIterate) -> Result<bool, QpStatus> {
-        let excess: Vec<f64> = iterate.multiplier.iter().map(|l| (-l).max(0.0)).collect();
-        let counts = largest(&excess) > ROUNDING * largest(&iterate.multiplier);
-        if counts {
-            self.shift(iterate, &excess)?;
-        }
-        iterate.multiplier.iter_mut().for_each(|l| *l = l.max(0.0));
-        Ok(counts)
+    /// The block of contact.
+    pub(crate) fn contact(&self) -> ContactBlock<'c> {
+        self.blocks.contact
     }
 
-    fn equalities(&self) -> usize {
-        let blocks = self.problem.equality.iter();
-        blocks.map(|block| block.coupling.rows()).sum()
+    /// Place of contact among the blocks of the iterate.
+    pub(crate) fn place(&self) -> usize {
+        self.blocks.place()
     }
 
     /// -C du of packed unknowns.
-    fn opening(&mut self, x: &[f64], opening: &mut [f64]) {
+    fn opening(&mut self, x: &[f64]) -> Vec<f64> {
+        let rows = self.blocks.contact.rows;
+        let mut opening = vec![0.0; rows.rows()];
         let u = &x[..self.problem.stiffness.rows()];
-        self.problem.coupling.apply(u, opening, self.run.work);
+        rows.apply(u, &mut opening, self.run.work);
         opening.iter_mut().for_each(|value| *value = -*value);
+        opening
     }
 
     /// Solves S x = r to the bounds; `r` becomes the residual. Also the largest
@@ -327,29 +342,39 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
             self.run.directions.clear(self.run.work);
         }
         let released = problem.curvature.map(|c| c as &dyn LinearOperator);
-        let blocks = problem.equality;
-        let displacement = problem.displacement;
-        let outcome = gcr::solve(
-            &SaddleOperator {
-                stiffness: problem.stiffness,
-                released,
-                blocks,
-            },
-            &*problem
+        let blocks: &[EqualityBlock<'_>] = &self.blocks.equalities;
+        let operator = SaddleOperator {
+            stiffness: problem.stiffness,
+            released,
+            blocks,
+        };
+        let preconditioner =
+            problem
                 .step
-                .preconditioner(problem.stiffness, displacement, blocks),
-            &mut x,
-            r,
-            self.run.iterations as usize,
-            self.run.directions,
-            &mut monitor,
-            self.run.work,
-        );
+                .preconditioner(problem.stiffness, problem.displacement, blocks);
+        let method = Gcr {
+            operator: &operator,
+            preconditioner: &*preconditioner,
+            directions: self.run.directions,
+            iterations: self.run.iterations as usize,
+        };
+        let outcome = method.solve((&mut x, &mut *r), &mut monitor, self.run.work);
         self.outcome.iterations += monitor.iterations;
         let failed = match monitor.interrupted {
             true => Some(QpStatus::Interrupted),
             false => QpStatus::failure(outcome),
         };
         failed.map_or(Ok((x, monitor.peak)), Err)
+    }
+}
+
+/// Moves displacement and equality unknowns along packed ones.
+fn advance_equalities(iterate: &mut QpIterate, place: usize, unknowns: &[f64], length: f64) {
+    let (du, mut dx) = unknowns.split_at(iterate.displacement.len());
+    add_scaled(&mut iterate.displacement, length, du);
+    for block in &mut iterate.blocks[..place] {
+        let (step, next) = dx.split_at(block.multiplier.len());
+        add_scaled(&mut block.multiplier, length, step);
+        dx = next;
     }
 }

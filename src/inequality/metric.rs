@@ -1,25 +1,28 @@
 //! Metrics H of the multiplier: projections in them, and the scale that makes
-//! H >= C A^-1 C^T about.
+//! H >= B A^-1 D^T about.
 
-use super::dense_qp::{self, DenseSolution};
-use super::{QpIterate, QpStatus};
+use super::dense_cone::{self, DenseSolution};
+use super::{BlockIterate, QpStatus};
 use crate::linalg::vector::{dot, norm, scale};
 use crate::linalg::{DenseMatrix, LinearOperator, Preconditioner, SparseRows, Workspace};
+use crate::saddle::ProductSet;
 
 /// Steps of the power iteration; the first vector is nearly right.
 pub const POWER_STEPS: usize = 5;
 
-/// argmin { 1/2 |x - l|_H^2 + gap.x : x >= 0 } and its free set.
-pub(super) fn nearest(
+/// argmin { 1/2 |x - l|_H^2 + gap.x : x in the set } and what each x does.
+pub(crate) fn nearest(
     metric: &DenseMatrix,
-    iterate: &QpIterate,
+    set: ProductSet<'_>,
+    contact: &BlockIterate,
 ) -> Result<DenseSolution, QpStatus> {
-    let mut linear = vec![0.0; iterate.gap.len()];
-    metric.multiply(&iterate.multiplier, &mut linear);
-    for (q, gap) in linear.iter_mut().zip(&iterate.gap) {
+    let mut linear = vec![0.0; contact.residual.len()];
+    metric.multiply(&contact.multiplier, &mut linear);
+    for (q, gap) in linear.iter_mut().zip(&contact.residual) {
         *q = gap - *q;
     }
-    dense_qp::solve(metric, &linear, &iterate.active).map_err(|_| QpStatus::IndefiniteMetric)
+    let solution = dense_cone::solve(metric, &linear, set, &contact.status);
+    solution.map_err(|_| QpStatus::IndefiniteMetric)
 }
 
 /// The largest eigenvalue of H^-1 C A^ C^T by power iteration from a constant

@@ -1,30 +1,25 @@
-//! The saddle point with non-negative multipliers: small dense problems, and
+//! The saddle point with multipliers in admissible sets: small dense problems, and
 //! the methods for the large ones behind one trait, one file each.
 //!
-//! | file | method | products with the compliance |
-//! |---|---|---|
-//! | [`one_level`] | all unknowns together, set by the dense problem | none |
-//! | [`active_set`] | primal-dual active set, each set solved to the end | none |
-//! | [`nested`] | projected steps in a metric that learns | one a step |
-//! | [`mprgp`] | proportioning with reduced gradient projection | one to two |
-//! | [`projected_gradient`] | conjugate projected gradient | one to two |
-//! | [`arrow_hurwicz`] | fixed projected steps in the metric | one a step |
+//! | file | method | products with the compliance | sets |
+//! |---|---|---|---|
+//! | [`one_level`] | all unknowns together, set by the dense problem | none | all |
+//! | [`mprgp`] | proportioning with reduced gradient projection | one to two | bounds |
+//!
+//! Bounds are products of lines and half lines: contact and bilateral supports.
 
-pub mod active_set;
-pub mod arrow_hurwicz;
-mod condensed;
-pub mod dense_qp;
-pub mod method;
+pub(crate) mod blocks;
+pub(crate) mod condensed;
+pub mod dense_cone;
 pub mod metric;
 pub mod mprgp;
-pub mod nested;
 pub mod one_level;
-pub mod projected_gradient;
 pub mod qp;
 
-pub use method::{ContactMethod, MetricKind, choose};
 pub use one_level::OneLevel;
-pub use qp::{QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets};
+pub use qp::{
+    BlockIterate, QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
+};
 
 /// A method for the quadratic program of [`one_level`].
 pub trait InequalitySolver {
@@ -35,5 +30,6 @@ pub trait InequalitySolver {
 
 #[cfg(test)]
 mod samples;
+#[cfg(feature = "comparisons")]
 #[cfg(test)]
 mod tests;

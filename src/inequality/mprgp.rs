@@ -8,15 +8,16 @@
 //! else:                 steepest descent along c releases the set
 //! ```
 //!
-//! Norms and projected steps in the lumped mass W, scaled so that W >= K about: the
-//! rate then depends on the condition of W^-1 K alone. Z. Dostal and J. Schoeberl,
-//! Comput. Optim. Appl. 30, 2005. With a dense metric the conjugate gradients are
+//! For sets that lower bounds make; written above for those of contact. Norms and
+//! projected steps in the lumped mass W, scaled so that W >= K about: the rate then
+//! depends on the condition of W^-1 K alone. Z. Dostal and J. Schoeberl, Comput.
+//! Optim. Appl. 30, 2005. With a dense metric the conjugate gradients are
 //! preconditioned by its part on the free set (Kruzik and Horak 2025). One product
 //! a step, two where it projects. Holds no dense matrix without a metric.
 
+use super::blocks::ContactBlock;
 use super::condensed::Condensed;
-use super::nested::longest;
-use super::{InequalitySolver, QpIterate, QpOutcome, QpProblem, QpRun, QpStatus};
+use super::{BlockIterate, InequalitySolver, QpIterate, QpOutcome, QpProblem, QpRun, QpStatus};
 use crate::krylov::Outcome;
 use crate::linalg::DenseCholesky;
 use crate::linalg::vector::{dot, scale_and_add};
@@ -26,49 +27,72 @@ const MOST_PRODUCTS: u32 = 600;
 
 /// The method on a problem.
 pub struct Mprgp<'a> {
-    pub(super) problem: QpProblem<'a>,
+    /// The quadratic program; its contact set must be one of lower bounds.
+    pub problem: QpProblem<'a>,
 }
 
 impl InequalitySolver for Mprgp<'_> {
     fn solve(&self, iterate: &mut QpIterate, run: &mut QpRun<'_, '_>) -> QpOutcome {
-        let mut preconditioner = InFace {
-            problem: &self.problem,
-            selected: Vec::new(),
-            factor: None,
-        };
-        let mut conjugate = None;
+        let mut memory = Memory::default();
         Condensed::solve(
             &self.problem,
             run,
             MOST_PRODUCTS,
             iterate,
-            |iterate, condensed| step(&mut preconditioner, &mut conjugate, iterate, condensed),
+            |iterate, condensed| step(&mut memory, iterate, condensed),
         )
     }
 }
 
+/// What a step leaves to the next.
+#[derive(Default)]
+struct Memory {
+    /// Inverse of the metric on the free set, kept as long as the set stays.
+    preconditioner: InFace,
+    /// The next direction of the multiplier; none behind a projection, where conjugacy
+    /// starts anew.
+    conjugate: Option<Vec<f64>>,
+}
+
+/// The block of contact and the least admissible multipliers.
+struct Bounded<'a> {
+    /// The contact block with its metric and weights.
+    block: ContactBlock<'a>,
+    /// Least admissible value of each multiplier `[multipliers]`.
+    least: Vec<f64>,
+}
+
 /// The gradient's parts.
 struct Split {
+    /// Part of the gradient at multipliers that are off their bounds `[multipliers]`;
+    /// zero elsewhere.
     free: Vec<f64>,
+    /// Part of the gradient that would push multipliers off their bounds
+    /// `[multipliers]`; zero elsewhere.
     chopped: Vec<f64>,
     /// The free gradient that a projected unit step can use.
     reduced: Vec<f64>,
 }
 
 impl Split {
-    fn new(iterate: &QpIterate, weights: &[f64]) -> Self {
+    /// Splits the gradient at an iterate by which multipliers are at their bounds.
+    /// Cost: one pass.
+    fn new(contact: &BlockIterate, bounded: &Bounded<'_>) -> Self {
         let select = |wanted: bool, value: f64| if wanted { value } else { 0.0 };
-        let pairs = || iterate.gap.iter().zip(&iterate.multiplier);
-        let free: Vec<f64> = pairs().map(|(g, l)| select(*l > 0.0, *g)).collect();
-        let room = iterate.multiplier.iter().zip(weights);
+        let least = &bounded.least;
+        let pairs = || contact.residual.iter().zip(&contact.multiplier).zip(least);
+        let free: Vec<f64> = pairs()
+            .map(|((g, l), least)| select(l > least, *g))
+            .collect();
+        let room = contact.multiplier.iter().zip(least);
         Self {
             reduced: free
                 .iter()
-                .zip(room)
-                .map(|(f, (l, w))| f.min(l * w))
+                .zip(room.zip(bounded.block.weights))
+                .map(|(f, ((l, least), w))| f.min((l - least) * w))
                 .collect(),
             chopped: pairs()
-                .map(|(g, l)| select(*l <= 0.0, g.min(0.0)))
+                .map(|((g, l), least)| select(l <= least, g.min(0.0)))
                 .collect(),
             free,
         }
@@ -84,71 +108,75 @@ impl Split {
     }
 }
 
-/// One step; `conjugate` is the direction that the last one leaves to the next.
+/// One step.
 fn step(
-    preconditioner: &mut InFace<'_, '_>,
-    conjugate: &mut Option<Vec<f64>>,
+    memory: &mut Memory,
     iterate: &mut QpIterate,
     condensed: &mut Condensed<'_, '_, '_>,
 ) -> Result<(), QpStatus> {
-    let weights = preconditioner.problem.weights;
-    let split = Split::new(iterate, weights);
-    let known = conjugate.take();
-    if !split.is_proportional(weights) {
-        let pairs = split.chopped.iter().zip(weights);
+    let (block, place) = (condensed.contact(), condensed.place());
+    let least = block.set.lower_bounds().ok_or(QpStatus::Unsupported)?;
+    let bounded = Bounded { block, least };
+    let split = Split::new(&iterate.blocks[place], &bounded);
+    let known = memory.conjugate.take();
+    if !split.is_proportional(block.weights) {
+        let pairs = split.chopped.iter().zip(block.weights);
         let direction = pairs.map(|(c, w)| -c / w).collect();
         return descend(iterate, condensed, direction).map(|_| ());
     }
+    let preconditioner = &mut memory.preconditioner;
     let direction = match known {
         Some(direction) => direction,
-        None => preconditioner.apply(iterate, &split.free)?,
+        None => preconditioner.apply(&iterate.blocks[place], &bounded, &split.free)?,
     };
     match descend(iterate, condensed, direction)? {
         Descent::Minimum { direction, opening } => {
-            let free = Split::new(iterate, weights).free;
-            let mut next = preconditioner.apply(iterate, &free)?;
+            let contact = &iterate.blocks[place];
+            let free = Split::new(contact, &bounded).free;
+            let mut next = preconditioner.apply(contact, &bounded, &free)?;
             let beta = -dot(&next, &opening) / dot(&direction, &opening);
             let scaled = std::mem::replace(&mut next, direction);
             scale_and_add(&mut next, beta, &scaled);
-            *conjugate = Some(next);
+            memory.conjugate = Some(next);
             Ok(())
         }
-        Descent::Edge => expand(iterate, condensed, weights),
+        Descent::Edge => expand(iterate, condensed, &bounded),
     }
 }
 
 /// How a step along a direction ended.
 enum Descent {
-    /// At the minimum of the energy along it.
+    /// The step reached the minimum of the energy along the direction.
     Minimum {
         direction: Vec<f64>,
         opening: Vec<f64>,
     },
-    /// Where a multiplier became zero.
+    /// The step ended early, where a multiplier met its bound.
     Edge,
 }
 
-/// Minimises along `direction` within l >= 0.
+/// Minimises along `direction` within the set.
 fn descend(
     iterate: &mut QpIterate,
     condensed: &mut Condensed<'_, '_, '_>,
     direction: Vec<f64>,
 ) -> Result<Descent, QpStatus> {
-    let slope = dot(&iterate.gap, &direction);
+    let (set, place) = (condensed.contact().set, condensed.place());
+    let slope = dot(&iterate.blocks[place].residual, &direction);
     let response = condensed.product(direction)?;
     let curvature = dot(&response.direction, &response.opening);
     if slope >= 0.0 || curvature.is_nan() || curvature <= 0.0 {
         return Err(QpStatus::Krylov(Outcome::Stagnation));
     }
     let length = -slope / curvature;
-    let edge = longest(iterate, &response.direction);
+    let edge = set.longest_step(&iterate.blocks[place].multiplier, &response.direction);
     let (direction, opening) = (response.direction.clone(), response.opening.clone());
     if length < edge {
         condensed.advance(iterate, response, length);
         return Ok(Descent::Minimum { direction, opening });
     }
     condensed.advance(iterate, response, edge);
-    iterate.multiplier.iter_mut().for_each(|l| *l = l.max(0.0));
+    set.project(&mut iterate.blocks[place].multiplier);
     Ok(Descent::Edge)
 }
 
@@ -156,34 +184,50 @@ fn descend(
 fn expand(
     iterate: &mut QpIterate,
     condensed: &mut Condensed<'_, '_, '_>,
-    weights: &[f64],
+    bounded: &Bounded<'_>,
 ) -> Result<(), QpStatus> {
-    let split = Split::new(iterate, weights);
-    let pairs = split.free.iter().zip(weights).zip(&iterate.multiplier);
-    let change: Vec<f64> = pairs.map(|((f, w), l)| (-f / w).max(-l)).collect();
+    let place = condensed.place();
+    let contact = &iterate.blocks[place];
+    let split = Split::new(contact, bounded);
+    let pairs = split.free.iter().zip(bounded.block.weights);
+    let room = contact.multiplier.iter().zip(&bounded.least);
+    let change: Vec<f64> = pairs
+        .zip(room)
+        .map(|((f, w), (l, least))| (-f / w).max(least - l))
+        .collect();
     condensed.shift(iterate, &change)?;
-    iterate.multiplier.iter_mut().for_each(|l| *l = l.max(0.0));
+    let set = bounded.block.set;
+    set.project(&mut iterate.blocks[place].multiplier);
     Ok(())
 }
 
 /// The metric on the free set, factorised anew when the set changes.
-struct InFace<'c, 'a> {
-    problem: &'c QpProblem<'a>,
+#[derive(Default)]
+struct InFace {
+    /// Indices of the free multipliers that the factor stands for, ascending.
     selected: Vec<usize>,
+    /// Factor of the metric's principal part on them; none before the first set and for
+    /// an empty one.
     factor: Option<DenseCholesky>,
 }
 
-impl InFace<'_, '_> {
+impl InFace {
     /// Minus the preconditioned free gradient.
-    fn apply(&mut self, iterate: &QpIterate, free: &[f64]) -> Result<Vec<f64>, QpStatus> {
-        if self.problem.metric.rows() == 0 {
-            let pairs = free.iter().zip(self.problem.weights);
+    fn apply(
+        &mut self,
+        contact: &BlockIterate,
+        bounded: &Bounded<'_>,
+        free: &[f64],
+    ) -> Result<Vec<f64>, QpStatus> {
+        let (matrix, weights) = (bounded.block.matrix, bounded.block.weights);
+        if matrix.rows() == 0 {
+            let pairs = free.iter().zip(weights);
             return Ok(pairs.map(|(f, w)| -f / w).collect());
         }
-        let multiplier = &iterate.multiplier;
-        let selected: Vec<usize> = (0..free.len()).filter(|&i| multiplier[i] > 0.0).collect();
+        let is_free = |&i: &usize| contact.multiplier[i] > bounded.least[i];
+        let selected: Vec<usize> = (0..free.len()).filter(is_free).collect();
         if self.factor.is_none() || selected != self.selected {
-            let part = self.problem.metric.principal(&selected);
+            let part = matrix.principal(&selected);
             self.factor = DenseCholesky::new(&part).ok();
             self.selected = selected;
         }

@@ -2,27 +2,33 @@
 //! the admissible set, the face chosen by the dense problem in the compliance
 //! metric and reviewed whenever the residual has fallen tenfold.
 //!
-//! Solves for increments (du, dx) and the multiplier l >= 0:
+//! Solves for increments (du, dx) and the multiplier l in its set; of contact
+//! l >= 0, and then
 //!
 //! ```text
 //! A du + B^T dx + C^T l = f,   B du - S dx = g,   gap - C du >= 0,   l (gap - C du) = 0
 //! ```
 //!
+//! A face is what each multiplier does: those that stick are unknowns, their
+//! residuals zero; the others keep the value that the dense problem gives them.
 //! Costs about what the same problem costs without contact; a review costs one
 //! small dense solve and no application of the displacement preconditioner.
 
 mod face;
+mod kept;
 mod sets;
 
 use std::collections::HashSet;
+use std::ops::ControlFlow;
 
 use super::InequalitySolver;
-use super::qp::{Progress, QpIterate, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets};
-use crate::krylov::{Outcome, gcr};
-use crate::linalg::vector::{add_scaled, scale};
-use crate::linalg::{LinearOperator, Workspace};
-use crate::saddle::{MultiplierBlock, SaddleOperator};
-use face::{ActiveCoupling, ActiveMetric, Face, FaceMonitor, Review};
+use super::blocks::{Blocks, ContactBlock};
+use super::dense_cone::DenseSolution;
+use super::metric::nearest;
+use super::qp::{BlockIterate, QpIterate, QpOutcome, QpProblem, QpRun, QpStatus};
+use crate::krylov::Outcome;
+use crate::saddle::Status;
+use face::{Face, Review};
 
 /// Reduction of the face residual between reviews of the set.
 const REVIEW: f64 = 0.1;
@@ -32,20 +38,46 @@ const REVIEW: f64 = 0.1;
 /// 1 contact costs 1.5 times the same problem under traction, above 60 it stalls.
 const GAP_WEIGHT: f64 = 10.0;
 
-/// How the next set follows from an iterate that the present one has led to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum SetRule {
-    /// The free set of the dense problem in the metric, asked for early.
-    DenseProblem,
-    /// Where pressure over the metric's diagonal outweighs the gap, asked for
-    /// when the present face is solved.
-    PrimalDual,
+/// How the next face follows from an iterate that the present one has led to.
+pub(crate) trait FaceRule {
+    /// The next face, with the values of the multipliers that are no unknowns on it.
+    ///
+    /// # Errors
+    /// Where the metric is not positive definite or the set has no such faces.
+    fn next(
+        &self,
+        block: &ContactBlock<'_>,
+        contact: &BlockIterate,
+    ) -> Result<DenseSolution, QpStatus>;
+
+    /// Whether the present face is solved to the end before the next one is asked for;
+    /// else it is as soon as the residual is reduced.
+    fn solves_to_the_end(&self) -> bool;
+}
+
+/// The face of the dense problem in the metric, asked for early.
+struct DenseProblem;
+
+impl FaceRule for DenseProblem {
+    fn next(
+        &self,
+        block: &ContactBlock<'_>,
+        contact: &BlockIterate,
+    ) -> Result<DenseSolution, QpStatus> {
+        nearest(block.matrix, block.set, contact)
+    }
+
+    fn solves_to_the_end(&self) -> bool {
+        false
+    }
 }
 
 /// The method on a problem.
 pub struct OneLevel<'a> {
-    pub(super) problem: QpProblem<'a>,
-    pub(super) rule: SetRule,
+    /// The quadratic program; its contact block has a dense metric.
+    pub(crate) problem: QpProblem<'a>,
+    /// The rule by which the next face follows from an iterate.
+    pub(crate) rule: &'static dyn FaceRule,
 }
 
 impl<'a> OneLevel<'a> {
@@ -53,88 +85,10 @@ impl<'a> OneLevel<'a> {
     pub fn new(problem: QpProblem<'a>) -> Self {
         Self {
             problem,
-            rule: SetRule::DenseProblem,
+            rule: &DenseProblem,
         }
     }
-}
 
-impl InequalitySolver for OneLevel<'_> {
-    fn solve(&self, iterate: &mut QpIterate, run: &mut QpRun<'_, '_>) -> QpOutcome {
-        let targets = &run.targets;
-        let iterations = run.iterations;
-        let scales = &mut *run.scales;
-        let directions = &mut *run.directions;
-        let progress = &mut *run.progress;
-        let work = &mut *run.work;
-        let mut outcome = QpOutcome::new(QpStatus::Krylov(Outcome::IterationLimit));
-        if !self.choose_first_set(iterate, &mut outcome, work) {
-            outcome.status = QpStatus::IndefiniteMetric;
-            return outcome;
-        }
-        let mut visited = HashSet::from([iterate.active.clone()]);
-        self.attach(directions, &iterate.active, work);
-        let mut review = match (self.rule, iterate.gap.is_empty()) {
-            (SetRule::DenseProblem, false) => Review::WhenReduced,
-            (SetRule::DenseProblem, true) | (SetRule::PrimalDual, _) => Review::AtTheEnd,
-        };
-        while outcome.iterations < iterations {
-            let active = iterate.active.clone();
-            let Ok(metric) = ActiveMetric::new(self.problem.metric, &active) else {
-                outcome.status = QpStatus::IndefiniteMetric;
-                break;
-            };
-            let face = self.run_face(
-                &metric,
-                &active,
-                iterate,
-                targets,
-                scales,
-                review,
-                iterations - outcome.iterations,
-                directions,
-                progress,
-                work,
-            );
-            outcome.iterations += face.iterations;
-            if let Some(status) = face.failed {
-                outcome.status = status;
-                break;
-            }
-            let Some(next) = self.next_set(iterate) else {
-                outcome.status = QpStatus::IndefiniteMetric;
-                break;
-            };
-            if next == iterate.active
-                || (face.reached && self.acceptable(iterate, targets.level * scales.gap))
-            {
-                if face.reached {
-                    outcome.status = QpStatus::Solved;
-                    break;
-                }
-                continue;
-            }
-            outcome.set_changes += 1;
-            if !visited.insert(next.clone()) {
-                if matches!(review, Review::AtTheEnd) && face.reached {
-                    outcome.status = QpStatus::ActiveSetCycle;
-                    break;
-                }
-                review = Review::AtTheEnd;
-            }
-            self.detach(directions, work);
-            if self.rule == SetRule::PrimalDual {
-                // A set solved to the end leaves directions of rounding.
-                directions.clear(work);
-            }
-            self.change_set(iterate, next, work);
-            self.attach(directions, &iterate.active, work);
-        }
-        self.detach(directions, work);
-        outcome
-    }
-}
-
-impl OneLevel<'_> {
     /// Solves on the face of the iterate's own set, whatever the signs say; returns
     /// why it ended early.
     pub fn solve_on_face(
@@ -142,191 +96,152 @@ impl OneLevel<'_> {
         iterate: &mut QpIterate,
         run: &mut QpRun<'_, '_>,
     ) -> Option<QpStatus> {
-        let active = iterate.active.clone();
-        let Ok(metric) = ActiveMetric::new(self.problem.metric, &active) else {
-            return Some(QpStatus::IndefiniteMetric);
+        let blocks = match Blocks::of(&self.problem, iterate) {
+            Ok(blocks) => blocks,
+            Err(status) => return Some(status),
         };
-        let face = self.run_face(
-            &metric,
-            &active,
-            iterate,
-            &run.targets,
-            run.scales,
-            Review::AtTheEnd,
-            run.iterations,
-            run.directions,
-            run.progress,
-            run.work,
-        );
-        face.failed
+        let faces = Faces {
+            problem: &self.problem,
+            rule: self.rule,
+            blocks,
+        };
+        let iterations = run.iterations;
+        let face = faces.run_face(iterate, run, Review::AtTheEnd, iterations);
+        face.map_or_else(Some, |face| face.failed)
     }
+}
 
-    /// Adds this program's coupling on the face `active` to the products of
-    /// kept directions: what they learned about A and B stays of use.
-    fn attach(&self, directions: &mut gcr::Directions, active: &[bool], work: &mut Workspace) {
-        self.adapt(directions, 1.0, work, |multiplier, closing| {
-            for ((l, g), &active) in multiplier.iter_mut().zip(closing).zip(active) {
-                if !active {
-                    (*l, *g) = (0.0, 0.0);
-                }
-            }
+impl InequalitySolver for OneLevel<'_> {
+    fn solve(&self, iterate: &mut QpIterate, run: &mut QpRun<'_, '_>) -> QpOutcome {
+        let mut outcome = QpOutcome::new(QpStatus::Krylov(Outcome::IterationLimit));
+        let solved = Blocks::of(&self.problem, iterate).and_then(|blocks| {
+            let faces = Faces {
+                problem: &self.problem,
+                rule: self.rule,
+                blocks,
+            };
+            faces.solve(iterate, run, &mut outcome)
         });
+        outcome.status = solved.unwrap_or_else(|status| status);
+        outcome
     }
+}
 
-    /// Takes the coupling off again.
-    fn detach(&self, directions: &mut gcr::Directions, work: &mut Workspace) {
-        self.adapt(directions, -1.0, work, |_, closing| closing.fill(0.0));
-    }
+/// A problem on its way from face to face.
+struct Faces<'c, 'a> {
+    /// The whole problem with all its blocks.
+    problem: &'c QpProblem<'a>,
+    /// The rule by which the next face follows from an iterate.
+    rule: &'static dyn FaceRule,
+    /// Equalities and contact of the problem, told apart.
+    blocks: Blocks<'a>,
+}
 
-    fn adapt(
+/// Faces seen, and when the present one is reviewed.
+struct History {
+    /// Statuses of all faces so far, by which a cycle is seen.
+    visited: HashSet<Vec<Status>>,
+    /// When the present face is reviewed; at the end once a face has come back.
+    review: Review,
+}
+
+impl Faces<'_, '_> {
+    /// Faces until one holds the solution.
+    ///
+    /// # Errors
+    /// Where there is no first face.
+    fn solve(
         &self,
-        directions: &mut gcr::Directions,
-        sign: f64,
-        work: &mut Workspace,
-        restrict: impl Fn(&mut [f64], &mut [f64]),
-    ) {
-        let unknowns = self.problem.stiffness.rows();
-        let mut part = work.scratch(unknowns);
-        let mut inner = Workspace::new();
-        directions.adapt(work, |direction, product| {
-            let multipliers = direction.len() - self.problem.coupling.rows();
-            let (known, multiplier) = direction.split_at_mut(multipliers);
-            let (force, closing) = product.split_at_mut(multipliers);
-            let (force, u) = (&mut force[..unknowns], &known[..unknowns]);
-            self.problem.coupling.apply(u, closing, &mut inner);
-            scale(closing, GAP_WEIGHT);
-            restrict(multiplier, closing);
-            self.problem
-                .coupling
-                .apply_transposed(multiplier, &mut part, &mut inner);
-            add_scaled(force, sign * GAP_WEIGHT, &part);
-            if let Some(curvature) = self.problem.curvature {
-                curvature.apply(u, &mut part, &mut inner);
-                add_scaled(force, -sign, &part);
-            }
-        });
-        work.give(part);
-    }
-
-    #[allow(clippy::too_many_arguments)]
-    fn run_face(
-        &self,
-        metric: &ActiveMetric,
-        active: &[bool],
         iterate: &mut QpIterate,
-        targets: &QpTargets,
-        scales: &mut QpScales,
-        review: Review,
-        iterations: u32,
-        directions: &mut gcr::Directions,
-        progress: &mut Progress<'_>,
-        work: &mut Workspace,
-    ) -> Face {
-        let coupling = ActiveCoupling {
-            coupling: self.problem.coupling,
-            active,
+        run: &mut QpRun<'_, '_>,
+        outcome: &mut QpOutcome,
+    ) -> Result<QpStatus, QpStatus> {
+        self.choose_first_face(iterate, outcome, run.work)?;
+        let first = &self.blocks.contact_of(iterate).status;
+        let mut history = History {
+            visited: HashSet::from([first.clone()]),
+            review: match first.is_empty() || self.rule.solves_to_the_end() {
+                false => Review::WhenReduced,
+                true => Review::AtTheEnd,
+            },
         };
-        let mut blocks = self.problem.equality.to_vec();
-        if !active.is_empty() {
-            blocks.push(MultiplierBlock {
-                coupling: &coupling,
-                stabilisation: None,
-                metric,
-                joint: None,
-            });
+        // Kept directions carry the products of the body alone; those of contact on this
+        // face are put on, and taken off behind the last face.
+        self.attach(run, first);
+        let mut status = outcome.status;
+        while outcome.iterations < run.iterations {
+            if let ControlFlow::Break(end) = self.turn(iterate, run, outcome, &mut history) {
+                status = end;
+                break;
+            }
         }
-        let (mut x, mut r) = self.pack(iterate, active, work);
-        let mut monitor = FaceMonitor {
-            displacement: iterate.force.len(),
-            equality: iterate.constraint.len(),
-            targets: *targets,
-            scales,
-            review,
-            start: 0.0,
-            iterations: 0,
-            reached: false,
-            interrupted: false,
-            active: active.iter().filter(|&&a| a).count(),
-            progress,
+        self.detach(run);
+        Ok(status)
+    }
+
+    /// Works on the present face, reviews it and moves to the next.
+    fn turn(
+        &self,
+        iterate: &mut QpIterate,
+        run: &mut QpRun<'_, '_>,
+        outcome: &mut QpOutcome,
+        history: &mut History,
+    ) -> ControlFlow<QpStatus> {
+        let left = run.iterations - outcome.iterations;
+        let face = match self.run_face(iterate, run, history.review, left) {
+            Ok(face) => face,
+            Err(status) => return ControlFlow::Break(status),
         };
-        monitor.start = monitor.measure(&r).1;
-        let mut failed = None;
-        if monitor.start <= targets.level {
-            monitor.reached = true;
-        } else {
-            let outcome = gcr::solve(
-                &SaddleOperator {
-                    stiffness: self.problem.stiffness,
-                    released: self
-                        .problem
-                        .curvature
-                        .map(|curvature| curvature as &dyn LinearOperator),
-                    blocks: &blocks,
-                },
-                &*self.problem.step.preconditioner(
-                    self.problem.stiffness,
-                    self.problem.displacement,
-                    &blocks,
-                ),
-                &mut x,
-                &mut r,
-                iterations as usize,
-                directions,
-                &mut monitor,
-                work,
-            );
-            failed = match monitor.interrupted {
-                true => Some(QpStatus::Interrupted),
-                false => QpStatus::failure(outcome),
+        outcome.iterations += face.iterations;
+        if let Some(status) = face.failed {
+            return ControlFlow::Break(status);
+        }
+        // Solved, or reduced enough for a look at the signs: the dense problem in the
+        // metric says which face the solution lies on.
+        let next = match self.next_face(iterate) {
+            Ok(next) => next,
+            Err(status) => return ControlFlow::Break(status),
+        };
+        let bound = run.targets.level * run.scales.gap;
+        let is_kept = self.is_present(iterate, &next);
+        // The same face again: it is solved to its end, or is already the solution.
+        if is_kept || (face.reached && self.is_acceptable(iterate, bound)) {
+            return match face.reached {
+                true => ControlFlow::Break(QpStatus::Solved),
+                false => ControlFlow::Continue(()),
             };
         }
-        let face = Face {
-            iterations: monitor.iterations,
-            reached: monitor.reached,
-            failed,
-        };
-        self.unpack(iterate, &x, &r, work);
-        work.give(x);
-        work.give(r);
-        face
+        if next.status != self.blocks.contact_of(iterate).status {
+            outcome.set_changes += 1;
+            history.enter(&next, &face)?;
+        }
+        self.move_to(iterate, next, run);
+        ControlFlow::Continue(())
     }
 
-    fn pack(
-        &self,
-        iterate: &QpIterate,
-        active: &[bool],
-        work: &mut Workspace,
-    ) -> (Vec<f64>, Vec<f64>) {
-        let length = iterate.force.len() + iterate.constraint.len() + active.len();
-        let x = work.zeros(length);
-        let mut r = work.zeros(length);
-        let (force, rest) = r.split_at_mut(iterate.force.len());
-        let (constraint, gap) = rest.split_at_mut(iterate.constraint.len());
-        force.copy_from_slice(&iterate.force);
-        constraint.copy_from_slice(&iterate.constraint);
-        for (index, value) in gap.iter_mut().enumerate() {
-            if active[index] {
-                *value = GAP_WEIGHT * iterate.gap[index];
+    /// Moves to the next face, the kept directions with it.
+    fn move_to(&self, iterate: &mut QpIterate, next: DenseSolution, run: &mut QpRun<'_, '_>) {
+        self.detach(run);
+        if self.rule.solves_to_the_end() {
+            // A set solved to the end leaves directions of rounding.
+            run.directions.clear(run.work);
+        }
+        self.change_face(iterate, next, run.work);
+        self.attach(run, &self.blocks.contact_of(iterate).status);
+    }
+}
+
+impl History {
+    /// Notes the next face; one that returns is solved to the end, and ends the
+    /// solve if that was done already.
+    fn enter(&mut self, next: &DenseSolution, face: &Face) -> ControlFlow<QpStatus> {
+        if !self.visited.insert(next.status.clone()) {
+            if self.review == Review::AtTheEnd && face.reached {
+                return ControlFlow::Break(QpStatus::ActiveSetCycle);
             }
+            self.review = Review::AtTheEnd;
         }
-        (x, r)
-    }
-
-    fn unpack(&self, iterate: &mut QpIterate, x: &[f64], r: &[f64], work: &mut Workspace) {
-        let (du, rest) = x.split_at(iterate.force.len());
-        let (dx, dl) = rest.split_at(iterate.constraint.len());
-        add_scaled(&mut iterate.displacement, 1.0, du);
-        add_scaled(&mut iterate.equality, 1.0, dx);
-        add_scaled(&mut iterate.multiplier, GAP_WEIGHT, dl);
-        let (force, rest) = r.split_at(iterate.force.len());
-        iterate.force.copy_from_slice(force);
-        iterate.constraint.copy_from_slice(&rest[..dx.len()]);
-        if !iterate.gap.is_empty() {
-            let mut closing = work.scratch(iterate.gap.len());
-            self.problem.coupling.apply(du, &mut closing, work);
-            add_scaled(&mut iterate.gap, -1.0, &closing);
-            work.give(closing);
-        }
+        ControlFlow::Continue(())
     }
 }
 

@@ -1,85 +1,116 @@
-//! The words of a quadratic program with non-negative multipliers: problem,
+//! The words of a quadratic program with multipliers in admissible sets: problem,
 //! iterate, norms, scales, targets, outcome.
+//!
+//! Shapes and signs are those of the equation of [`super::one_level`]; an equality is a
+//! block whose set is free, with a residual of zero. Norms are taken over scales: of the
+//! force, that of the load; of a block, the largest norm seen.
 
 use crate::krylov::{Outcome, Verdict, gcr};
-use crate::linalg::{DenseMatrix, LinearOperator, Preconditioner, SparseRows, Workspace};
-use crate::saddle::{BlockStep, MultiplierBlock};
+use crate::linalg::vector::{ratio, worst};
+use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
+use crate::saddle::{BlockStep, MultiplierBlock, SetPoint, Status};
 
 /// The problem; shapes as in the equation of [`super::one_level`].
 #[derive(Clone, Copy)]
 pub struct QpProblem<'a> {
-    /// A without `curvature`.
+    /// A without `curvature` `[displacement, displacement]`.
     pub stiffness: &'a dyn LinearOperator,
     /// What the multipliers take off A; none where the gap is linear.
     pub curvature: Option<&'a SparseRows>,
-    /// Approximate inverse of A.
+    /// Approximate inverse of A, fixed during the solve.
     pub displacement: &'a dyn Preconditioner,
-    /// How multipliers and displacement are stepped.
-    pub step: BlockStep,
-    /// Equality blocks: the internal pressure, or none.
-    pub equality: &'a [MultiplierBlock<'a>],
-    /// C.
-    pub coupling: &'a SparseRows,
-    /// Metric of the multiplier; without rows where the weights are all of it.
-    pub metric: &'a DenseMatrix,
-    /// Lumped mass of the multiplier, scaled like the metric `[multipliers]`;
-    /// empty for methods that do not read it.
-    pub weights: &'a [f64],
+    /// How multipliers and displacement are stepped by the preconditioner of the whole
+    /// system.
+    pub step: &'a dyn BlockStep,
+    /// The equalities, such as the internal pressure, then one block with a dense
+    /// metric: all multipliers of contact, whose sets may differ part by part. It may
+    /// be without rows.
+    pub blocks: &'a [MultiplierBlock<'a>],
 }
 
 /// What a solve may use, and who follows it.
 pub struct QpRun<'a, 'b> {
     /// When the problem counts as solved.
     pub targets: QpTargets,
-    /// Grow with the norms seen.
+    /// Scales of the blocks that have no load of their own; they grow with the norms
+    /// seen.
     pub scales: &'a mut QpScales,
     /// Krylov iterations: of the whole solve on one level, of each inner solve
     /// of a nested method.
     pub iterations: u32,
-    /// Kept from earlier problems with the same A and equality blocks.
+    /// Kept from earlier problems with the same A and equalities.
     pub directions: &'a mut gcr::Directions,
-    /// Called after every Krylov iteration.
+    /// Called after every Krylov iteration with norms and counts; its answer may stop
+    /// the solve.
     pub progress: &'a mut Progress<'b>,
-    /// Scratch.
+    /// Scratch vectors, handed back after use.
     pub work: &'a mut Workspace,
 }
 
 /// Iterate and residuals; on entry the increments are zero.
 #[derive(Clone, Debug, Default)]
 pub struct QpIterate {
-    /// du.
+    /// Increment du of the displacement `[displacement]`, non-dimensional.
     pub displacement: Vec<f64>,
-    /// dx.
-    pub equality: Vec<f64>,
-    /// l.
-    pub multiplier: Vec<f64>,
-    /// f - A du - B^T dx - C^T l; on entry with the entry's l taken off.
+    /// f - A du - sum of D^T x `[displacement]`; on entry with the entry's x taken off.
     pub force: Vec<f64>,
-    /// g - B du + S dx.
-    pub constraint: Vec<f64>,
-    /// gap - C du.
-    pub gap: Vec<f64>,
-    /// Vertices in contact.
-    pub active: Vec<bool>,
+    /// One for each block of the problem, in its order.
+    pub blocks: Vec<BlockIterate>,
+}
+
+/// The multipliers of one block.
+#[derive(Clone, Debug, Default)]
+pub struct BlockIterate {
+    /// x `[block]`; of an equality, its increment will do.
+    pub multiplier: Vec<f64>,
+    /// g - B du + C dx `[block]`: of contact the gap.
+    pub residual: Vec<f64>,
+    /// What each multiplier does `[block]`; of an equality it is not read.
+    pub status: Vec<Status>,
+}
+
+impl BlockIterate {
+    /// Of an equality with that residual, before the first increment.
+    pub fn of_equality(residual: Vec<f64>) -> Self {
+        Self {
+            multiplier: vec![0.0; residual.len()],
+            residual,
+            status: Vec::new(),
+        }
+    }
+
+    /// As its set asks for it.
+    pub fn point(&self) -> SetPoint<'_> {
+        SetPoint {
+            multiplier: &self.multiplier,
+            residual: &self.residual,
+            status: &self.status,
+        }
+    }
+
+    /// Number of multipliers at work.
+    pub fn closed(&self) -> usize {
+        self.status.iter().filter(|s| s.is_closed()).count()
+    }
 }
 
 /// Norms of the residual blocks on the current face.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct QpNorms {
-    /// Of the force.
+    /// Norm of the force residual, non-dimensional.
     pub force: f64,
-    /// Of the equality constraint.
+    /// Norm of the residual of the equality constraint, non-dimensional.
     pub constraint: f64,
-    /// Of the gap on the active set.
+    /// Norm of the gap on the multipliers that stick, non-dimensional.
     pub gap: f64,
 }
 
 /// Scales of the blocks that have no load of their own: the largest norms seen.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct QpScales {
-    /// Of the equality constraint.
+    /// Largest norm of the equality constraint so far, which stands for one.
     pub constraint: f64,
-    /// Of the gap.
+    /// Largest norm of the gap so far, which stands for one.
     pub gap: f64,
 }
 
@@ -94,37 +125,39 @@ impl QpScales {
 /// When the problem counts as solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct QpTargets {
-    /// Norm of the force that counts as one.
+    /// Norm of the force that counts as one: that of the load.
     pub force_scale: f64,
-    /// Bound on all norms over their scales.
+    /// Bound on all norms over their scales, at which the problem counts as solved.
     pub level: f64,
 }
 
 impl QpNorms {
-    /// The largest norm over its scale.
+    /// The largest norm over its scale; not a number if a norm is not.
     pub fn relative(&self, force_scale: f64, scales: &QpScales) -> f64 {
-        let ratio = |value: f64, scale: f64| match value == 0.0 {
-            true => 0.0,
-            false => value / scale.max(f64::MIN_POSITIVE),
-        };
-        ratio(self.force, force_scale)
-            .max(ratio(self.constraint, scales.constraint))
-            .max(ratio(self.gap, scales.gap))
+        worst(&[
+            ratio(self.force, force_scale),
+            ratio(self.constraint, scales.constraint),
+            ratio(self.gap, scales.gap),
+        ])
     }
 }
 
 /// Why the solve ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QpStatus {
-    /// Targets reached on the right set.
+    /// The targets were reached on the right set.
     Solved,
-    /// The caller asked to stop.
+    /// The caller asked to stop; the iterate is the best so far.
     Interrupted,
     /// The set returned to an earlier one at full accuracy.
     ActiveSetCycle,
-    /// The compliance is not positive definite.
+    /// The compliance is not positive definite on some face, so that no multiplier is
+    /// determined by it.
     IndefiniteMetric,
-    /// The Krylov method failed.
+    /// The method does not take such blocks or sets; the plan asks for none of these
+    /// combinations.
+    Unsupported,
+    /// The Krylov method failed in the way that its outcome tells.
     Krylov(Outcome),
 }
 
@@ -144,15 +177,15 @@ impl QpStatus {
 /// Outcome and counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct QpOutcome {
-    /// Why it ended.
+    /// Why the solve ended.
     pub status: QpStatus,
     /// Krylov iterations, one displacement preconditioner application each.
     pub iterations: u32,
     /// Preconditioner applications outside the Krylov iterations.
     pub predictions: u32,
-    /// Products with C S^-1 C^T, one inner solve each; none on one level.
+    /// Products with B S^-1 D^T, one inner solve each; none on one level.
     pub products: u32,
-    /// Revisions of the first set.
+    /// How often the statuses were revised after the first set.
     pub set_changes: u32,
 }
 
@@ -171,3 +204,29 @@ impl QpOutcome {
 
 /// Sees every iteration; returns whether to go on.
 pub type Progress<'a> = dyn FnMut(&QpNorms, &QpScales, usize) -> Verdict + 'a;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_norm_that_is_not_a_number_never_counts_as_small() {
+        let scales = QpScales {
+            constraint: 1.0,
+            gap: 1.0,
+        };
+        for place in 0..3 {
+            let mut norms = [1e-20; 3];
+            norms[place] = f64::NAN;
+            let [force, constraint, gap] = norms;
+            let norms = QpNorms {
+                force,
+                constraint,
+                gap,
+            };
+            assert!(norms.relative(1.0, &scales).is_nan(), "{place}");
+        }
+        let zero = QpNorms::default().relative(0.0, &QpScales::default());
+        assert!(zero.abs() < f64::MIN_POSITIVE);
+    }
+}

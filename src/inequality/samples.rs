@@ -1,13 +1,20 @@
 //! Small random problems and their optimality conditions, for the tests.
 
 use super::qp::Progress;
-use super::{InequalitySolver, QpIterate, QpOutcome, QpProblem, QpRun, QpScales, QpTargets};
+use super::{
+    BlockIterate, InequalitySolver, QpIterate, QpOutcome, QpProblem, QpRun, QpScales, QpTargets,
+};
 use crate::krylov::Verdict;
 use crate::krylov::gcr::Directions;
 use crate::linalg::samples::rows;
 use crate::linalg::vector::{dot, reproducible_noise};
-use crate::linalg::{DenseCholesky, DenseMatrix, Preconditioner, SparseRows, Workspace};
-use crate::saddle::{BlockStep, MultiplierBlock};
+use crate::linalg::{
+    DenseCholesky, DenseMatrix, LinearOperator, Preconditioner, SparseRows, Workspace,
+};
+use crate::saddle::{
+    AdmissibleSet, EqualityBlock, Metric, MultiplierBlock, ProductSet, SetPart, Status,
+    UpperTriangular,
+};
 
 /// The inverse of a dense matrix as a preconditioner.
 pub(super) struct Exact(DenseCholesky);
@@ -69,15 +76,19 @@ impl Problem {
         }
     }
 
+    /// With that many equality blocks of one row before contact.
     pub(super) fn iterate(&self, equalities: usize) -> QpIterate {
+        let pressure = (0..equalities).map(|_| BlockIterate::of_equality(vec![0.1]));
         QpIterate {
             displacement: vec![0.0; SIZE],
-            equality: vec![0.0; equalities],
-            multiplier: vec![0.0; self.gap.len()],
             force: self.force.clone(),
-            constraint: vec![0.1; equalities],
-            gap: self.gap.clone(),
-            active: vec![false; self.gap.len()],
+            blocks: pressure
+                .chain([BlockIterate {
+                    multiplier: vec![0.0; self.gap.len()],
+                    residual: self.gap.clone(),
+                    status: vec![Status::Open; self.gap.len()],
+                }])
+                .collect(),
         }
     }
 }
@@ -109,18 +120,36 @@ pub(super) struct Matrices {
 }
 
 impl Matrices {
-    /// Without equalities and curvature.
-    pub(super) fn problem(&self) -> QpProblem<'_> {
+    /// Without curvature.
+    pub(super) fn problem<'a>(&'a self, blocks: &'a [MultiplierBlock<'a>]) -> QpProblem<'a> {
         QpProblem {
             stiffness: &self.stiffness,
             curvature: None,
             displacement: &self.inverse,
-            step: BlockStep::UpperTriangular,
-            equality: &[],
-            coupling: &self.coupling,
-            metric: &self.metric,
-            weights: &self.weights,
+            step: &UpperTriangular { share: 1.0 },
+            blocks,
         }
+    }
+
+    /// Contact whose multipliers are all in `set`.
+    pub(super) fn contact<'a>(&'a self, set: AdmissibleSet<'a>) -> MultiplierBlock<'a> {
+        let size = self.coupling.rows();
+        MultiplierBlock {
+            rows: &self.coupling,
+            columns: &self.coupling,
+            stabilisation: None,
+            metric: Metric::Dense {
+                matrix: &self.metric,
+                weights: &self.weights,
+            },
+            set: ProductSet::Uniform(SetPart { size, set }),
+            joint: None,
+        }
+    }
+
+    /// Contact that pushes and never pulls.
+    pub(super) fn unilateral(&self) -> MultiplierBlock<'_> {
+        self.contact(AdmissibleSet::NonNegative)
     }
 }
 
@@ -131,12 +160,13 @@ pub(super) fn equality() -> Vec<Vec<f64>> {
 
 /// The block of an equality.
 pub(super) fn block<'a>(coupling: &'a SparseRows, metric: &'a Exact) -> MultiplierBlock<'a> {
-    MultiplierBlock {
-        coupling,
+    MultiplierBlock::from(EqualityBlock {
+        rows: coupling,
+        columns: coupling,
         stabilisation: None,
         metric,
         joint: None,
-    }
+    })
 }
 
 /// A multiple of the identity.
@@ -190,28 +220,67 @@ pub(super) fn solve_watched(
     method.solve(iterate, &mut run)
 }
 
+/// [A D^T; B 0]^-1 (f, g) by elimination with pivots: displacement, then multipliers.
+pub(super) fn saddle_solution(
+    stiffness: &[Vec<f64>],
+    constraints: &[Vec<f64>],
+    columns: &[Vec<f64>],
+    right: &[f64],
+) -> Vec<f64> {
+    let count = SIZE + constraints.len();
+    let entry = |i: usize, j: usize| match (i < SIZE, j < SIZE) {
+        (true, true) => stiffness[i][j],
+        (true, false) => columns[j - SIZE][i],
+        (false, true) => constraints[i - SIZE][j],
+        (false, false) => 0.0,
+    };
+    let row = |i| (0..count).map(|j| entry(i, j)).chain([right[i]]).collect();
+    let mut rows: Vec<Vec<f64>> = (0..count).map(row).collect();
+    for k in 0..count {
+        let size = |i: &usize| rows[*i][k].abs();
+        let pivot = (k..count).max_by(|i, j| size(i).total_cmp(&size(j)));
+        rows.swap(k, pivot.unwrap_or(k));
+        let lead = rows[k].clone();
+        for row in rows.iter_mut().skip(k + 1) {
+            let factor = row[k] / lead[k];
+            row.iter_mut()
+                .zip(&lead)
+                .for_each(|(a, b)| *a -= factor * b);
+        }
+    }
+    let mut x = vec![0.0; count];
+    for k in (0..count).rev() {
+        let known: f64 = (k + 1..count).map(|j| rows[k][j] * x[j]).sum();
+        x[k] = (rows[k][count] - known) / rows[k][k];
+    }
+    x
+}
+
 /// Force balance with everything put in again, and complementarity.
 pub(super) fn assert_optimal(problem: &Problem, equality: &[Vec<f64>], iterate: &QpIterate) {
     let u = &iterate.displacement;
+    let [pressure @ .., contact] = &iterate.blocks[..] else {
+        unreachable!("contact is there")
+    };
     for i in 0..SIZE {
-        let contact: f64 = (0..problem.gap.len())
-            .map(|k| problem.coupling[k][i] * iterate.multiplier[k])
+        let pushed: f64 = (0..problem.gap.len())
+            .map(|k| problem.coupling[k][i] * contact.multiplier[k])
             .sum();
         let constraint: f64 = equality
             .iter()
-            .zip(&iterate.equality)
-            .map(|(row, x)| row[i] * x)
+            .zip(pressure)
+            .map(|(row, block)| row[i] * block.multiplier[0])
             .sum();
-        let balance = problem.force[i] - dot(&problem.stiffness[i], u) - contact - constraint;
+        let balance = problem.force[i] - dot(&problem.stiffness[i], u) - pushed - constraint;
         assert!(balance.abs() < 1e-10, "{balance}");
     }
     for row in equality {
         assert!((dot(row, u) - 0.1).abs() < 1e-10);
     }
     for (k, row) in problem.coupling.iter().enumerate() {
-        let (gap, pressure) = (problem.gap[k] - dot(row, u), iterate.multiplier[k]);
+        let (gap, pressure) = (problem.gap[k] - dot(row, u), contact.multiplier[k]);
         assert!(gap > -1e-10 && pressure > -1e-10, "{gap} {pressure}");
         assert!((gap * pressure).abs() < 1e-10);
-        assert!((gap - iterate.gap[k]).abs() < 1e-10);
+        assert!((gap - contact.residual[k]).abs() < 1e-10);
     }
 }

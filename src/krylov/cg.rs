@@ -8,49 +8,63 @@ use super::{Monitor, Outcome, Verdict};
 use crate::linalg::vector::{add_scaled, dot, scale_and_add};
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
-/// Improves `x` until the monitor stops; `r = b - A x` on entry and exit.
-pub fn solve(
-    operator: &dyn LinearOperator,
-    preconditioner: &dyn Preconditioner,
-    x: &mut [f64],
-    r: &mut [f64],
-    iterations: usize,
-    monitor: &mut dyn Monitor,
-    work: &mut Workspace,
-) -> Outcome {
-    let mut z = work.zeros(r.len());
-    preconditioner.apply(r, &mut z, work);
-    let mut p = work.copy(&z);
-    let mut product = work.zeros(r.len());
-    let mut rz = dot(r, &z);
-    let mut outcome = Outcome::IterationLimit;
-    for _ in 0..iterations {
-        operator.apply(&p, &mut product, work);
-        let curvature = dot(&p, &product);
-        if !curvature.is_finite() || !rz.is_finite() {
-            outcome = Outcome::NotFinite;
-            break;
-        }
-        if curvature <= 0.0 {
-            outcome = Outcome::Indefinite;
-            break;
-        }
-        let alpha = rz / curvature;
-        add_scaled(x, alpha, &p);
-        add_scaled(r, -alpha, &product);
-        if monitor.judge(r) == Verdict::Stop {
-            outcome = Outcome::Stopped;
-            break;
-        }
+/// Conjugate gradients for one system.
+pub struct Cg<'a> {
+    /// A, symmetric and positive definite.
+    pub operator: &'a dyn LinearOperator,
+    /// Its approximate inverse, symmetric, positive definite and fixed.
+    pub preconditioner: &'a dyn Preconditioner,
+    /// Most iterations.
+    pub iterations: usize,
+}
+
+impl Cg<'_> {
+    /// Improves `x` until the monitor stops; `r = b - A x` on entry and exit.
+    pub fn solve(
+        &self,
+        (x, r): (&mut [f64], &mut [f64]),
+        monitor: &mut dyn Monitor,
+        work: &mut Workspace,
+    ) -> Outcome {
+        let Self {
+            operator,
+            preconditioner,
+            iterations,
+        } = *self;
+        let mut z = work.zeros(r.len());
         preconditioner.apply(r, &mut z, work);
-        let next = dot(r, &z);
-        scale_and_add(&mut p, next / rz, &z);
-        rz = next;
+        let mut p = work.copy(&z);
+        let mut product = work.zeros(r.len());
+        let mut rz = dot(r, &z);
+        let mut outcome = Outcome::IterationLimit;
+        for _ in 0..iterations {
+            operator.apply(&p, &mut product, work);
+            let curvature = dot(&p, &product);
+            if !curvature.is_finite() || !rz.is_finite() {
+                outcome = Outcome::NotFinite;
+                break;
+            }
+            if curvature <= 0.0 {
+                outcome = Outcome::Indefinite;
+                break;
+            }
+            let alpha = rz / curvature;
+            add_scaled(x, alpha, &p);
+            add_scaled(r, -alpha, &product);
+            if monitor.judge(r) == Verdict::Stop {
+                outcome = Outcome::Stopped;
+                break;
+            }
+            preconditioner.apply(r, &mut z, work);
+            let next = dot(r, &z);
+            scale_and_add(&mut p, next / rz, &z);
+            rz = next;
+        }
+        work.give(z);
+        work.give(p);
+        work.give(product);
+        outcome
     }
-    work.give(z);
-    work.give(p);
-    work.give(product);
-    outcome
 }
 
 #[cfg(test)]
@@ -73,15 +87,12 @@ mod tests {
         let (mut x, mut r) = (vec![0.0; entries.len()], vec![1.0; entries.len()]);
         let mut stop = Below::new(1e-12);
         let work = &mut Workspace::new();
-        let outcome = solve(
-            &matrix,
-            &Scaled(1.0),
-            &mut x,
-            &mut r,
+        let method = Cg {
+            operator: &matrix,
+            preconditioner: &Scaled(1.0),
             iterations,
-            &mut stop,
-            work,
-        );
+        };
+        let outcome = method.solve((&mut x, &mut r), &mut stop, work);
         (outcome, x, stop.iterations)
     }
 

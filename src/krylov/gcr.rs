@@ -109,67 +109,84 @@ impl Directions {
     }
 }
 
-/// Improves `x` until the monitor stops; `r = b - A x` on entry and exit. Starts
-/// with the best combination of the directions kept from earlier calls.
-#[allow(clippy::too_many_arguments)]
-pub fn solve(
-    operator: &dyn LinearOperator,
-    preconditioner: &dyn Preconditioner,
-    x: &mut [f64],
-    r: &mut [f64],
-    iterations: usize,
-    directions: &mut Directions,
-    monitor: &mut dyn Monitor,
-    work: &mut Workspace,
-) -> Outcome {
-    directions.project(x, r);
-    let mut idle = 0;
-    let mut stalled = false;
-    let mut square = dot(r, r);
-    for _ in 0..iterations {
-        let mut direction = work.scratch(r.len());
-        match directions.pairs.back() {
-            Some((_, product)) if stalled => preconditioner.apply(product, &mut direction, work),
-            _ => preconditioner.apply(r, &mut direction, work),
-        }
-        let mut product = work.scratch(r.len());
-        operator.apply(&direction, &mut product, work);
-        let before = norm(&product);
-        let length = orthogonalise(directions, &mut direction, &mut product);
-        if !length.is_finite() || !square.is_finite() {
-            return Outcome::NotFinite;
-        }
-        if length < SPENT * before && !directions.pairs.is_empty() {
-            // The kept directions span the space: what is left is rounding.
-            directions.clear(work);
-            match monitor.judge(r) {
-                Verdict::Stop => return Outcome::Stopped,
-                Verdict::Continue => continue,
+/// The method for one system.
+pub struct Gcr<'a> {
+    /// A.
+    pub operator: &'a dyn LinearOperator,
+    /// Its approximate inverse, which may change from call to call.
+    pub preconditioner: &'a dyn Preconditioner,
+    /// Those of the same A kept from earlier calls, and those kept from now on.
+    pub directions: &'a mut Directions,
+    /// Most iterations.
+    pub iterations: usize,
+}
+
+impl Gcr<'_> {
+    /// Improves `x` until the monitor stops; `r = b - A x` on entry and exit. Starts
+    /// with the best combination of the directions kept from earlier calls.
+    pub fn solve(
+        self,
+        (x, r): (&mut [f64], &mut [f64]),
+        monitor: &mut dyn Monitor,
+        work: &mut Workspace,
+    ) -> Outcome {
+        self.directions.project(x, r);
+        let mut idle = 0;
+        let mut stalled = false;
+        let mut square = dot(r, r);
+        for _ in 0..self.iterations {
+            let mut direction = self.direction(r, stalled, work);
+            let mut product = work.scratch(r.len());
+            self.operator.apply(&direction, &mut product, work);
+            let before = norm(&product);
+            let length = orthogonalise(self.directions, &mut direction, &mut product);
+            if !length.is_finite() || !square.is_finite() {
+                return Outcome::NotFinite;
             }
+            if length < SPENT * before && !self.directions.pairs.is_empty() {
+                // The kept directions span the space: what is left is rounding.
+                self.directions.clear(work);
+                match monitor.judge(r) {
+                    Verdict::Stop => return Outcome::Stopped,
+                    Verdict::Continue => continue,
+                }
+            }
+            if length == 0.0 {
+                return Outcome::Stagnation;
+            }
+            let step = dot(r, &product);
+            add_scaled(x, step, &direction);
+            add_scaled(r, -step, &product);
+            self.directions.push(direction, product, work);
+            if monitor.judge(r) == Verdict::Stop {
+                return Outcome::Stopped;
+            }
+            let next = dot(r, r);
+            stalled = !stalled && next > square * (1.0 - STALL);
+            idle = if next < square * (1.0 - LEAST_REDUCTION) {
+                0
+            } else {
+                idle + 1
+            };
+            if idle == PATIENCE {
+                return Outcome::Stagnation;
+            }
+            square = next;
         }
-        if length == 0.0 {
-            return Outcome::Stagnation;
-        }
-        let step = dot(r, &product);
-        add_scaled(x, step, &direction);
-        add_scaled(r, -step, &product);
-        directions.push(direction, product, work);
-        if monitor.judge(r) == Verdict::Stop {
-            return Outcome::Stopped;
-        }
-        let next = dot(r, r);
-        stalled = !stalled && next > square * (1.0 - STALL);
-        idle = if next < square * (1.0 - LEAST_REDUCTION) {
-            0
-        } else {
-            idle + 1
-        };
-        if idle == PATIENCE {
-            return Outcome::Stagnation;
-        }
-        square = next;
+        Outcome::IterationLimit
     }
-    Outcome::IterationLimit
+
+    /// The next direction, from the residual or, where that changes nothing, from the
+    /// last product.
+    fn direction(&self, r: &[f64], stalled: bool, work: &mut Workspace) -> Vec<f64> {
+        let mut direction = work.scratch(r.len());
+        let source = match self.directions.pairs.back() {
+            Some((_, product)) if stalled => product,
+            _ => r,
+        };
+        self.preconditioner.apply(source, &mut direction, work);
+        direction
+    }
 }
 
 /// Makes `product` orthogonal to the kept products and of unit length; returns
@@ -221,16 +238,13 @@ mod tests {
     fn an_indefinite_system_of_three_takes_three_directions() {
         let mut work = Workspace::new();
         let (mut x, mut r) = (vec![0.0; 3], vec![1.0, 2.0, 3.0]);
-        let outcome = solve(
-            &saddle(),
-            &PLAIN,
-            &mut x,
-            &mut r,
-            4,
-            &mut Directions::default(),
-            &mut Below::new(1e-12),
-            &mut work,
-        );
+        let outcome = Gcr {
+            operator: &saddle(),
+            preconditioner: &PLAIN,
+            directions: &mut Directions::default(),
+            iterations: 4,
+        }
+        .solve((&mut x, &mut r), &mut Below::new(1e-12), &mut work);
         assert_eq!(outcome, Outcome::Stopped);
         let mut product = vec![0.0; 3];
         saddle().apply(&x, &mut product, &mut work);
@@ -249,13 +263,14 @@ mod tests {
             }
         }
         let (mut x, mut r) = (vec![0.0; 3], vec![0.0, 0.0, 1.0]);
-        let outcome = solve(
-            &saddle(),
-            &Orthogonal,
-            &mut x,
-            &mut r,
-            50,
-            &mut Directions::default(),
+        let outcome = Gcr {
+            operator: &saddle(),
+            preconditioner: &Orthogonal,
+            directions: &mut Directions::default(),
+            iterations: 50,
+        }
+        .solve(
+            (&mut x, &mut r),
             &mut Below::new(1e-12),
             &mut Workspace::new(),
         );
@@ -272,13 +287,14 @@ mod tests {
             [0.0, 0.0, 2.0, 0.0],
         ]);
         let (mut x, mut r) = (vec![0.0; 4], vec![1.0, 2.0, 3.0, -1.0]);
-        let outcome = solve(
-            &quarter,
-            &PLAIN,
-            &mut x,
-            &mut r,
-            8,
-            &mut Directions::default(),
+        let outcome = Gcr {
+            operator: &quarter,
+            preconditioner: &PLAIN,
+            directions: &mut Directions::default(),
+            iterations: 8,
+        }
+        .solve(
+            (&mut x, &mut r),
             &mut Below::new(1e-12),
             &mut Workspace::new(),
         );
@@ -295,16 +311,13 @@ mod tests {
         let mut solve_for = |rhs: [f64; 3], most: usize, directions: &mut Directions| {
             let (mut x, mut r) = (vec![0.0; 3], rhs.to_vec());
             let stop = &mut Below::new(1e-12);
-            solve(
-                &saddle(),
-                &PLAIN,
-                &mut x,
-                &mut r,
-                most,
+            Gcr {
+                operator: &saddle(),
+                preconditioner: &PLAIN,
                 directions,
-                stop,
-                &mut work,
-            );
+                iterations: most,
+            }
+            .solve((&mut x, &mut r), stop, &mut work);
             norm(&r)
         };
         assert!(solve_for([1.0, 2.0, 3.0], 4, &mut directions) < 1e-12);
@@ -317,16 +330,13 @@ mod tests {
         let mut work = Workspace::new();
         let (mut x, mut r) = (vec![0.0; 3], vec![1.0, 2.0, 3.0]);
         let stop = &mut Below::new(1e-12);
-        solve(
-            &saddle(),
-            &PLAIN,
-            &mut x,
-            &mut r,
-            4,
-            &mut directions,
-            stop,
-            &mut work,
-        );
+        Gcr {
+            operator: &saddle(),
+            preconditioner: &PLAIN,
+            directions: &mut directions,
+            iterations: 4,
+        }
+        .solve((&mut x, &mut r), stop, &mut work);
         let kept = directions.pairs.len();
         assert_eq!(kept, 3);
         // The new operator is the old one plus e_1 e_3^T.

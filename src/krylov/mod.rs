@@ -1,17 +1,14 @@
 //! Krylov methods over [`crate::linalg::LinearOperator`] and
 //! [`crate::linalg::Preconditioner`]: conjugate gradients for symmetric
-//! positive definite systems, truncated flexible GCR for saddle points; MINRES
-//! and the stationary iteration to compare them with.
+//! positive definite systems, truncated flexible GCR for saddle points.
 //!
 //! A [`Monitor`] sees every residual and decides when to stop; no method
 //! prints, and every loop has a typed outcome.
 
 pub mod cg;
 pub mod gcr;
-pub mod minres;
 #[cfg(test)]
 pub(crate) mod samples;
-pub mod stationary;
 
 /// What the monitor says after an iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

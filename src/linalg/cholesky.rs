@@ -18,18 +18,7 @@ use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::traits::RealField;
 use faer::{Conj, MatMut, Par, Side};
 
-use super::{DenseMatrix, Workspace};
-
-/// Why a factorisation failed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum FactoriseError {
-    /// A pivot is zero, negative or not a number.
-    #[error("the matrix is not positive definite")]
-    NotPositiveDefinite,
-    /// The factor does not fit into memory or its indices overflow.
-    #[error("the factor does not fit into memory")]
-    OutOfMemory,
-}
+use super::{DenseMatrix, FactoriseError, Workspace};
 
 /// The lower triangle of a symmetric matrix, column by column, rows ascending.
 #[derive(Clone, Debug, Default)]

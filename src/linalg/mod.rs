@@ -7,6 +7,7 @@
 pub mod cholesky;
 pub mod dense;
 pub mod eigen;
+mod factorise_error;
 pub mod ordering;
 #[cfg(test)]
 pub(crate) mod samples;
@@ -14,8 +15,9 @@ pub mod sparse;
 pub mod vector;
 pub mod workspace;
 
-pub use cholesky::{FactoriseError, SparseCholesky};
+pub use cholesky::SparseCholesky;
 pub use dense::{DenseCholesky, DenseMatrix};
+pub use factorise_error::FactoriseError;
 pub use sparse::{SparseRows, SparseRowsBuilder};
 pub use workspace::Workspace;
 

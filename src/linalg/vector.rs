@@ -142,6 +142,24 @@ pub fn largest(x: &[f64]) -> f64 {
     }
 }
 
+/// value / scale; zero where there is nothing to scale, not a number where one of
+/// them is not.
+pub fn ratio(value: f64, scale: f64) -> f64 {
+    match value == 0.0 && !scale.is_nan() {
+        true => 0.0,
+        false if scale < f64::MIN_POSITIVE => value / f64::MIN_POSITIVE,
+        false => value / scale,
+    }
+}
+
+/// The largest of values that are zero at best; not a number if one is not.
+pub fn worst(values: &[f64]) -> f64 {
+    match values.iter().any(|value| value.is_nan()) {
+        true => f64::NAN,
+        false => values.iter().copied().fold(0.0, f64::max),
+    }
+}
+
 /// A fixed vector that excites all modes: entries in `[-1, 1]` from a linear
 /// congruential sequence, the same in every run.
 pub fn reproducible_noise(length: usize) -> Vec<f64> {

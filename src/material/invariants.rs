@@ -19,6 +19,8 @@
 //! registers. Cost at a point: some 150 products for the stress, 300 for stress
 //! direction and tangent together.
 
+use sha2::{Digest, Sha256};
+
 use crate::geometry::tensor::{
     Number, Tensor, cofactor, contract, cross, plus, plus_unit, scaled, trace, unit_cross,
 };
@@ -26,32 +28,52 @@ use crate::geometry::tensor::{
 /// Coefficients, stress; several elements at a time where `N` does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InvariantLaw<N> {
-    /// Of i1 - 3.
+    /// Coefficient of i1 - 3, stress.
     pub c10: N,
-    /// Of i2 - 3.
+    /// Coefficient of i2 - 3, stress; zero but for Mooney-Rivlin.
     pub c01: N,
-    /// Of (i1 - 3)^2.
+    /// Coefficient of (i1 - 3)^2, stress; zero but for Yeoh.
     pub c20: N,
-    /// Of (i1 - 3)^3.
+    /// Coefficient of (i1 - 3)^3, stress; zero but for Yeoh.
     pub c30: N,
+}
+
+impl InvariantLaw<f64> {
+    /// The law in units of `stress`.
+    pub fn over(&self, stress: f64) -> Self {
+        Self {
+            c10: self.c10 / stress,
+            c01: self.c01 / stress,
+            c20: self.c20 / stress,
+            c30: self.c30 / stress,
+        }
+    }
+
+    /// Adds the law to a digest that tells laws apart.
+    pub(super) fn hash_into(&self, hash: &mut Sha256) {
+        hash.update(b"invariants");
+        for coefficient in [self.c10, self.c01, self.c20, self.c30] {
+            hash.update(coefficient.to_le_bytes());
+        }
+    }
 }
 
 /// The deformation at a point, as the law needs it.
 #[derive(Clone, Copy, Debug)]
 pub struct Deformation<N> {
-    /// F.
+    /// F, the deformation gradient.
     pub gradient: Tensor<N>,
-    /// cof F.
+    /// cof F, the derivative of J by F.
     pub cofactor: Tensor<N>,
-    /// J - 1.
+    /// J - 1, found without the loss of digits that J itself would bring.
     pub volume_change: N,
-    /// H = F - I.
+    /// H = F - I, the displacement gradient.
     displacement_gradient: Tensor<N>,
-    /// cof F - I.
+    /// cof F - I, found from H so that small strains keep their digits.
     cofactor_change: Tensor<N>,
     /// 1 / J.
     inverse: N,
-    /// J^(-1/3).
+    /// J^(-1/3), which takes the change of volume out of the stretches.
     root: N,
 }
 
@@ -79,20 +101,21 @@ impl<N: Number> Deformation<N> {
 
 /// Invariants and their directions at a deformation.
 struct Response<N> {
-    /// n1.
+    /// n1 = F - e1 cof F, along which the first invariant changes with F.
     first: Tensor<N>,
-    /// e1.
+    /// e1 = F:F / 3 J.
     first_ratio: N,
-    /// i1 - 3.
+    /// i1 - 3, zero at rest.
     first_excess: N,
 }
 
+/// The second invariant and its direction at a deformation.
 struct SecondResponse<N> {
-    /// n2.
+    /// n2 = cof F x F - 2 e2 cof F, along which the second invariant changes with F.
     second: Tensor<N>,
-    /// e2.
+    /// e2 = cof F : cof F / 3 J.
     second_ratio: N,
-    /// i2 - 3.
+    /// i2 - 3, zero at rest.
     second_excess: N,
 }
 
@@ -112,6 +135,8 @@ impl<N: Number> Deformation<N> {
         self.volume_change * square * (one + self.root + square).inverse()
     }
 
+    /// The first invariant and its derivative, from H so that small strains keep their
+    /// digits.
     #[inline(always)]
     fn first(&self) -> Response<N> {
         let h = &self.displacement_gradient;
@@ -133,6 +158,7 @@ impl<N: Number> Deformation<N> {
         }
     }
 
+    /// The second invariant and its derivative; laws without c01 never ask for it.
     #[inline(always)]
     fn second(&self) -> SecondResponse<N> {
         let h = &self.displacement_gradient;

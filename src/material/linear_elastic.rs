@@ -7,7 +7,7 @@
 /// Moduli of one material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearElastic {
-    /// mu, above zero.
+    /// Shear modulus mu, stress, above zero.
     pub shear_modulus: f64,
     /// 1 / lambda, zero for an incompressible material; may be negative for
     /// Poisson ratios below zero and infinite at zero.

@@ -22,23 +22,47 @@
 //! Cost at a point: some 600 flops and a dozen transcendental functions for the
 //! stress, twice that with the tangent.
 
+use sha2::{Digest, Sha256};
+
 use crate::geometry::symmetric::Spectrum;
 use crate::geometry::tensor::{Tensor, plus_unit, product, transposed};
 
 /// One term of the sum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct OgdenTerm {
-    /// mu_i, stress.
+    /// Modulus mu_i of the term, stress; its product with the exponent is positive.
     pub modulus: f64,
-    /// alpha_i, not zero.
+    /// Exponent alpha_i of the stretches, not zero, without unit.
     pub exponent: f64,
 }
 
 /// The law; stable where every product mu_i alpha_i is positive.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ogden {
-    /// One to three terms.
+    /// One to three terms, added up.
     pub terms: Vec<OgdenTerm>,
+}
+
+impl Ogden {
+    /// The law in units of `stress`.
+    pub fn over(&self, stress: f64) -> Self {
+        let terms = self.terms.iter().map(|term| OgdenTerm {
+            modulus: term.modulus / stress,
+            exponent: term.exponent,
+        });
+        Self {
+            terms: terms.collect(),
+        }
+    }
+
+    /// Adds the law to a digest that tells laws apart.
+    pub(super) fn hash_into(&self, hash: &mut Sha256) {
+        hash.update(b"ogden");
+        for term in &self.terms {
+            hash.update(term.modulus.to_le_bytes());
+            hash.update(term.exponent.to_le_bytes());
+        }
+    }
 }
 
 /// Derivatives of an energy, row and column 3 i + j for entry (i, j) of F.
@@ -46,19 +70,21 @@ pub type TangentMatrix = [[f64; 9]; 9];
 
 /// Stretches and their directions at a deformation.
 struct Stretches {
-    /// d_k = l_k^2 - 1.
+    /// d_k = l_k^2 - 1, the eigenvalues of 2 E, exact for small strains.
     excess: [f64; 3],
-    /// c_k = l_k^2.
+    /// c_k = l_k^2, the squares of the principal stretches.
     square: [f64; 3],
-    /// ln m_k, of sum zero.
+    /// ln m_k of the stretches without the change of volume; their sum is zero.
     logarithm: [f64; 3],
-    /// q_k.
+    /// q_k, orthonormal principal directions in the undeformed body.
     directions: [[f64; 3]; 3],
-    /// F q_k.
+    /// F q_k, the principal directions as the deformation carries them.
     pushed: [[f64; 3]; 3],
 }
 
 impl Stretches {
+    /// Stretches of I + H by the eigenvalues of H + H^T + H^T H, which keeps the digits
+    /// of small strains.
     fn new(h: &Tensor<f64>) -> Self {
         let turned = transposed(h);
         let mut strain = product(&turned, h);
@@ -231,6 +257,8 @@ fn initial_stress(stress: &Tensor<f64>) -> TangentMatrix {
     tangent
 }
 
+/// Adds `factor` times the outer product of two flattened tensors to the tangent `[9,
+/// 9]`.
 fn add_product(tangent: &mut TangentMatrix, factor: f64, left: &[f64; 9], right: &[f64; 9]) {
     for (row, a) in tangent.iter_mut().zip(left) {
         for (entry, b) in row.iter_mut().zip(right) {

@@ -8,27 +8,30 @@
 //! at a displacement gradient H = F - I, one point at a time; the kernels take the
 //! laws in invariants several elements at a time.
 
+use sha2::Sha256;
+
 use super::{Deformation, InvariantLaw, Ogden, TangentMatrix};
 use crate::geometry::tensor::{Tensor, cross, plus, volume_change};
 
 /// The isochoric part.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Isochoric {
-    /// Mooney-Rivlin, neo-Hookean, Yeoh.
+    /// The invariants' law: Mooney-Rivlin, neo-Hookean or Yeoh.
     Invariants(InvariantLaw<f64>),
-    /// Powers of the principal stretches.
+    /// Ogden's law: powers of the principal stretches.
     Ogden(Ogden),
 }
 
 /// A rubber.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rubber {
-    /// W.
+    /// W, the energy of a change of shape per undeformed volume.
     pub isochoric: Isochoric,
     /// 1 / K, one over stress; zero where the volume cannot change.
     pub inverse_bulk: f64,
 }
 
+/// The deformation with displacement gradient H, its cube root of J taken once.
 fn deformation(h: &Tensor<f64>) -> Deformation<f64> {
     Deformation::new(*h, (1.0 + volume_change(h)).cbrt().recip())
 }
@@ -41,6 +44,30 @@ fn unit(place: usize) -> Tensor<f64> {
 }
 
 impl Isochoric {
+    /// The law in units of `stress`.
+    fn over(&self, stress: f64) -> Self {
+        match self {
+            Self::Invariants(law) => Self::Invariants(law.over(stress)),
+            Self::Ogden(law) => Self::Ogden(law.over(stress)),
+        }
+    }
+
+    /// Adds the law to a digest that tells laws apart.
+    pub fn hash_into(&self, hash: &mut Sha256) {
+        match self {
+            Self::Invariants(law) => law.hash_into(hash),
+            Self::Ogden(law) => law.hash_into(hash),
+        }
+    }
+
+    /// Whether kernels take it in principal stretches, point by point.
+    pub fn is_in_stretches(&self) -> bool {
+        match self {
+            Self::Invariants(_) => false,
+            Self::Ogden(_) => true,
+        }
+    }
+
     /// Shear modulus at rest, stress.
     pub fn shear_modulus(&self) -> f64 {
         match self {
@@ -81,6 +108,14 @@ impl Isochoric {
 }
 
 impl Rubber {
+    /// The rubber in units of `stress`.
+    pub fn over(&self, stress: f64) -> Self {
+        Self {
+            isochoric: self.isochoric.over(stress),
+            inverse_bulk: self.inverse_bulk * stress,
+        }
+    }
+
     /// Shear modulus at rest, stress.
     pub fn shear_modulus(&self) -> f64 {
         self.isochoric.shear_modulus()

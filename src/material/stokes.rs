@@ -10,7 +10,7 @@ use super::LinearElastic;
 /// A viscous fluid without inertia.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stokes {
-    /// mu, stress times time, above zero.
+    /// Dynamic viscosity mu, stress times time, above zero.
     pub viscosity: f64,
 }
 

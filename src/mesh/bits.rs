@@ -3,6 +3,7 @@
 /// The set.
 #[derive(Debug)]
 pub(super) struct Bits {
+    /// 64 members a word, the lowest number in the lowest bit.
     words: Vec<u64>,
 }
 
@@ -23,14 +24,17 @@ impl Bits {
         is_new
     }
 
+    /// Takes `index` out of the set.
     pub(super) fn remove(&mut self, index: usize) {
         self.words[index / 64] &= !(1 << (index % 64));
     }
 
+    /// Whether `index` is in the set.
     pub(super) fn contains(&self, index: usize) -> bool {
         self.words[index / 64] & (1 << (index % 64)) != 0
     }
 
+    /// Number of members. Cost: one pass over the words.
     pub(super) fn count(&self) -> usize {
         let ones = self.words.iter().map(|word| word.count_ones() as usize);
         ones.sum()

@@ -4,6 +4,8 @@
 pub(super) struct Buckets {
     /// Start of each key's group in `members` `[keys + 1]`.
     starts: Vec<u32>,
+    /// Members of all groups, one group after the other; within a group in the order
+    /// given.
     members: Vec<u32>,
 }
 
@@ -32,6 +34,7 @@ impl Buckets {
         Self { starts, members }
     }
 
+    /// The members of the group of `key`.
     pub(super) fn group(&self, key: usize) -> &[u32] {
         &self.members[self.starts[key] as usize..self.starts[key + 1] as usize]
     }

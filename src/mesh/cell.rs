@@ -93,11 +93,11 @@ impl CellKind {
 /// Sizes of one cell after scaling; see [`CellKind::scaled_measures`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ScaledMeasures {
-    /// Signed area or volume.
+    /// Signed area or volume of the scaled cell; negative where the cell is inverted.
     pub(crate) measure: f64,
-    /// Σ l² over the edges.
+    /// Sum of the squared lengths of the edges, Σ l² after scaling.
     pub(crate) sum_of_squares: f64,
-    /// Longest edge, between 1 and √3.
+    /// Length of the longest edge after scaling, between 1 and √3.
     pub(crate) longest: f64,
 }
 

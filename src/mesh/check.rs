@@ -44,6 +44,7 @@ pub(crate) fn check_arrays(parts: &MeshParts) -> Result<(), MeshError> {
     check_groups(&parts.groups, cell_count, facet_count)
 }
 
+/// Refuses an array whose length is no multiple of its row.
 fn check_rows(array: &'static str, length: usize, row: usize) -> Result<(), MeshError> {
     if length.is_multiple_of(row) {
         Ok(())
@@ -52,6 +53,7 @@ fn check_rows(array: &'static str, length: usize, row: usize) -> Result<(), Mesh
     }
 }
 
+/// Refuses more entities than indices of 31 bits can name.
 fn check_count(what: &'static str, count: usize) -> Result<(), MeshError> {
     if count > LIMIT {
         return Err(MeshError::TooLarge {
@@ -63,6 +65,8 @@ fn check_count(what: &'static str, count: usize) -> Result<(), MeshError> {
     Ok(())
 }
 
+/// Refuses coordinates that are not finite, with the first vertex and how many there
+/// are.
 fn check_finite(coordinates: &[[f64; 3]]) -> Result<(), MeshError> {
     match first_and_count(coordinates.iter().map(|&point| !is_finite(point))) {
         Some((first, count)) => Err(MeshError::NotFinite { first, count }),
@@ -70,6 +74,7 @@ fn check_finite(coordinates: &[[f64; 3]]) -> Result<(), MeshError> {
     }
 }
 
+/// Refuses cells and facets that name vertices which do not exist.
 fn check_ranges(parts: &MeshParts) -> Result<(), MeshError> {
     let kind = parts.cell_kind;
     let outside = |row: &[u32]| {
@@ -90,11 +95,14 @@ fn check_ranges(parts: &MeshParts) -> Result<(), MeshError> {
     }
 }
 
+/// Whether a cell names one vertex more than once.
 fn repeats_a_vertex(cell: &[u32]) -> bool {
     let later = |position: usize| &cell[position + 1..];
     (0..cell.len()).any(|position| later(position).contains(&cell[position]))
 }
 
+/// Refuses groups without a name, with a name twice, or with members that do not exist
+/// or repeat.
 fn check_groups(groups: &[Group], cells: usize, facets: usize) -> Result<(), MeshError> {
     let mut names = HashSet::new();
     let mut seen = Bits::new(cells.max(facets));
@@ -133,6 +141,7 @@ fn member_fault(members: &[u32], limit: usize, seen: &mut Bits) -> Option<GroupF
     None
 }
 
+/// The error of a group, with as much of its name as fits into a message.
 pub(crate) fn group_error(fault: GroupFault, index: usize, group: &Group) -> MeshError {
     MeshError::Group {
         fault,
@@ -172,11 +181,14 @@ pub(crate) fn check_shapes(
 /// Faulty cells met on a pass.
 #[derive(Default)]
 struct Found {
+    /// First faulty cell, 0-based.
     first: usize,
+    /// Number of faulty cells so far.
     count: usize,
 }
 
 impl Found {
+    /// Counts a cell if it is faulty.
     fn note_if(&mut self, is_faulty: bool, cell: usize) {
         if is_faulty {
             if self.count == 0 {
@@ -186,6 +198,7 @@ impl Found {
         }
     }
 
+    /// The error of the cells counted, if there are any.
     fn refuse(&self, fault: CellFault) -> Result<(), MeshError> {
         match (self.first, self.count) {
             (_, 0) => Ok(()),
@@ -198,6 +211,8 @@ impl Found {
     }
 }
 
+/// Refuses triangles that leave the plane z = 0 by more than rounding of the body's
+/// size.
 fn check_plane(coordinates: &[[f64; 3]], numbering: &Numbering) -> Result<(), MeshError> {
     let allowed = OFF_PLANE * extent(coordinates);
     let height = |point: &[f64; 3]| point[2].abs();
@@ -225,6 +240,8 @@ pub(crate) fn extent(coordinates: &[[f64; 3]]) -> f64 {
         .fold(0.0, f64::max)
 }
 
+/// The error of the cells that the iterator calls faulty, if there are any; one entry a
+/// cell, in order.
 pub(crate) fn refuse_cells(
     fault: CellFault,
     faulty: impl Iterator<Item = bool>,

@@ -55,6 +55,7 @@ impl fmt::Debug for MeshId {
     }
 }
 
+/// Value of one lower-case hexadecimal digit.
 fn hexadecimal(digit: u8) -> Option<u8> {
     match digit {
         b'0'..=b'9' => Some(digit - b'0'),
@@ -90,6 +91,7 @@ pub(crate) fn digest(parts: &MeshParts) -> MeshId {
     MeshId(hasher.finalize().into())
 }
 
+/// Dimension of the members of a group: that of the cells, or one less.
 fn dimension(kind: GroupKind, of_cells: usize) -> u8 {
     match kind {
         GroupKind::Cells => of_cells as u8,

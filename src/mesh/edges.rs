@@ -15,7 +15,10 @@ const FEW_EDGES: usize = 16;
 
 /// Collects the edges of one lower vertex after the other.
 pub(super) struct EdgeCollector {
+    /// Edges found so far, as ascending pairs of vertices in lexicographic order.
     pairs: Vec<[u32; 2]>,
+    /// Higher ends of the edges of the present lower vertex, sorted before they are
+    /// kept.
     higher: Vec<u32>,
 }
 
@@ -97,6 +100,7 @@ fn place(pairs: &[[u32; 2]], high: u32) -> u32 {
     pairs.iter().map(|pair| u32::from(pair[1] < high)).sum()
 }
 
+/// The two vertices in ascending order.
 fn sorted_pair(first: u32, second: u32) -> (u32, u32) {
     (first.min(second), first.max(second))
 }

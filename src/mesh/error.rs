@@ -9,21 +9,22 @@ use super::GroupKind;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CellFault {
-    /// Names a vertex that does not exist.
+    /// The cell names a vertex that does not exist.
     VertexOutOfRange,
-    /// Names one vertex twice.
+    /// The cell names one vertex twice.
     RepeatedVertex,
-    /// Has no volume (area) to speak of.
+    /// The cell has no volume (area) to speak of beside its edges.
     Degenerate,
-    /// Has negative volume (area).
+    /// The cell has negative volume (area).
     Inverted,
-    /// Has the same vertices as an earlier cell.
+    /// The cell has the same vertices as an earlier one.
     Duplicate,
     /// Is at least the third cell at one of its facets.
     CrowdedFacet,
 }
 
 impl CellFault {
+    /// What is wrong, as the predicate of a sentence about the cell.
     fn description(self) -> &'static str {
         match self {
             Self::VertexOutOfRange => "names a vertex that does not exist",
@@ -40,13 +41,14 @@ impl CellFault {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FacetFault {
-    /// Names a vertex that does not exist.
+    /// The facet names a vertex that does not exist.
     VertexOutOfRange,
-    /// Is not a facet of any cell.
+    /// The facet is not a facet of any cell.
     Detached,
 }
 
 impl FacetFault {
+    /// What is wrong, as the predicate of a sentence about the facet.
     fn description(self) -> &'static str {
         match self {
             Self::VertexOutOfRange => "names a vertex that does not exist",
@@ -59,17 +61,18 @@ impl FacetFault {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum GroupFault {
-    /// The name is empty.
+    /// The name of the group is empty.
     Unnamed,
     /// An earlier group of the same kind has the name.
     RepeatedName,
-    /// A member does not exist.
+    /// A member names a cell or facet that does not exist.
     MemberOutOfRange,
     /// A cell or facet is in the group twice.
     RepeatedMember,
 }
 
 impl GroupFault {
+    /// What is wrong, as the predicate of a sentence about the group.
     fn description(self) -> &'static str {
         match self {
             Self::Unnamed => "has no name",
@@ -84,7 +87,7 @@ impl GroupFault {
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum MeshError {
-    /// There is nothing to solve on.
+    /// The mesh has no cells: there is nothing to solve on.
     #[error("the mesh has no cells: neither triangles nor tetrahedra")]
     NoCells,
     /// A connectivity array is not a whole number of rows.
@@ -97,7 +100,7 @@ pub enum MeshError {
         /// Entries per row.
         row: usize,
     },
-    /// More than indices of 31 bits can name.
+    /// An array has more entries than indices of 31 bits can name.
     #[error("the mesh has {count} {what}, more than {limit}")]
     TooLarge {
         /// `vertices`, `cells`, `facets`, `groups` or `edges`.
@@ -115,7 +118,7 @@ pub enum MeshError {
         /// Number of such vertices.
         count: usize,
     },
-    /// A triangle mesh leaves the plane z = 0.
+    /// A vertex of a triangle mesh leaves the plane z = 0.
     #[error("vertex {first} of a triangle mesh lies outside the plane z = 0{}", others(*.count, "vertices"))]
     OffPlane {
         /// First such vertex.
@@ -123,7 +126,7 @@ pub enum MeshError {
         /// Number of such vertices.
         count: usize,
     },
-    /// Cells with a common fault.
+    /// Some cells have a fault in common; the first and their number are named.
     #[error("cell {first} {}{}", .fault.description(), others(*.count, "cells"))]
     Cells {
         /// What is wrong.
@@ -133,7 +136,7 @@ pub enum MeshError {
         /// Number of such cells.
         count: usize,
     },
-    /// Facets with a common fault.
+    /// Some facets have a fault in common; the first and their number are named.
     #[error("facet {first} {}{}", .fault.description(), others(*.count, "facets"))]
     Facets {
         /// What is wrong.
@@ -143,7 +146,7 @@ pub enum MeshError {
         /// Number of such facets.
         count: usize,
     },
-    /// A faulty group.
+    /// One group is faulty.
     #[error("{kind} group {index} \"{name}\" {}", .fault.description())]
     Group {
         /// What is wrong.

@@ -16,7 +16,8 @@ pub(crate) struct FacetParent {
     pub(crate) cell: u32,
     /// Local number of the cell's vertex that is not on the facet.
     pub(crate) opposite: u8,
-    /// Whether the facet belongs to this cell only.
+    /// Whether the facet belongs to this cell only, so that it lies on the surface of
+    /// the body.
     pub(crate) is_boundary: bool,
 }
 
@@ -36,7 +37,8 @@ pub(super) struct Matched {
 /// One cell's share in a facet of the current lowest vertex.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Share {
-    /// The higher vertices.
+    /// The higher vertices of the facet, packed so that shares of one facet compare as
+    /// equal.
     rest: u64,
     /// Cell times vertices per cell, plus the local number of the vertex
     /// opposite the facet.
@@ -45,11 +47,19 @@ struct Share {
 
 /// Matches the facets of one lowest vertex after the other.
 pub(super) struct FacetMatcher<'mesh, const WIDTH: usize> {
+    /// Shape of all cells.
     kind: CellKind,
+    /// Vertices of the cells `[cells]`, ascending or as uploaded; the local number
+    /// tells the opposite vertex.
     cells: &'mesh [[u32; WIDTH]],
+    /// Facets that the mesh came with, which look for their cells.
     uploaded: Uploaded<'mesh>,
+    /// Shares in facets of the present lowest vertex, sorted by their higher vertices.
     shares: Vec<Share>,
+    /// Vertex opposite the present facet and place of each of its shares: cells that
+    /// agree in both are duplicates.
     apexes: Vec<(u32, u32)>,
+    /// What has been found so far.
     matched: Matched,
 }
 
@@ -89,6 +99,7 @@ impl<'mesh, const WIDTH: usize> FacetMatcher<'mesh, WIDTH> {
         self.find_uploaded(vertex);
     }
 
+    /// What was found, all lowest vertices done; gives spare memory back.
     pub(super) fn finish(mut self) -> Matched {
         self.matched.boundary.shrink_to_fit();
         self.matched
@@ -113,6 +124,8 @@ impl<'mesh, const WIDTH: usize> FacetMatcher<'mesh, WIDTH> {
         std::mem::swap(&mut self.shares, &mut shares);
     }
 
+    /// Keeps a facet that one cell alone has, in the order in which the cell names its
+    /// vertices.
     fn keep_boundary(&mut self, place: u32) {
         let (cell, opposite) = (cell_of::<WIDTH>(place), place as usize % WIDTH);
         let local = self.kind.facets()[opposite];
@@ -147,6 +160,7 @@ impl<'mesh, const WIDTH: usize> FacetMatcher<'mesh, WIDTH> {
         self.cells[cell_of::<WIDTH>(place)][place as usize % WIDTH]
     }
 
+    /// Finds the cells of those uploaded facets whose lowest vertex is `vertex`.
     fn find_uploaded(&mut self, vertex: u32) {
         while let Some((facet, rest)) = self.uploaded.take(vertex) {
             let first = self.shares.partition_point(|share| share.rest < rest);
@@ -161,6 +175,7 @@ impl<'mesh, const WIDTH: usize> FacetMatcher<'mesh, WIDTH> {
     }
 }
 
+/// The cell to which a place in the flat array of cells belongs.
 fn cell_of<const WIDTH: usize>(place: u32) -> usize {
     place as usize / WIDTH
 }
@@ -192,15 +207,18 @@ fn key(low: u32, high: u32) -> u64 {
 
 /// The uploaded facets, taken in order of their lowest vertices.
 struct Uploaded<'mesh> {
+    /// Vertices of the uploaded facets, flat `[facets, width]`.
     facets: &'mesh [u32],
+    /// Vertices of one facet: 3 in space, 2 in the plane.
     width: usize,
-    /// (lowest vertex, facet), sorted.
+    /// Lowest vertex and number of each facet, sorted by that vertex.
     order: Vec<(u32, u32)>,
-    /// Those before are taken.
+    /// Position in `order` of the next facet; those before it are taken.
     next: usize,
 }
 
 impl<'mesh> Uploaded<'mesh> {
+    /// Sorts the facets by their lowest vertices. Cost: one sort.
     fn new(facets: &'mesh [u32], width: usize) -> Self {
         let rows = facets.chunks_exact(width);
         let mut order: Vec<_> = rows.map(|facet| facet_key(facet).0).zip(0..).collect();

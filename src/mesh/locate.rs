@@ -19,7 +19,7 @@ const ENTRIES_PER_CELL: usize = 64;
 /// A point within a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Located {
-    /// The cell, 0-based.
+    /// The cell that holds the point, 0-based.
     pub cell: u32,
     /// Barycentric coordinates `[vertices]`, sum 1; as low as −1e-9 of the
     /// extent over the height just outside; unused ones are zero.
@@ -29,10 +29,13 @@ pub struct Located {
 /// The bins over one mesh.
 #[derive(Debug)]
 pub struct Locator {
+    /// The bins.
     grid: Grid,
     /// Start of each bin in `cells` `[bins + 1]`.
     starts: Vec<usize>,
+    /// Cells whose boxes meet a bin, bin after bin, ascending within one.
     cells: Vec<u32>,
+    /// How far outside a cell a point may lie and still count as within, length.
     tolerance: f64,
 }
 
@@ -69,6 +72,8 @@ impl Locator {
             .find_map(|&cell| self.within(mesh, cell, point))
     }
 
+    /// The point within that cell by its barycentric coordinates, or none where one of
+    /// them is below zero by more than rounding.
     fn within(&self, mesh: &Mesh, cell: u32, point: [f64; 3]) -> Option<Located> {
         let kind = mesh.cell_kind();
         let corners = mesh.corners(cell as usize);
@@ -91,11 +96,14 @@ impl Locator {
 /// An axis-parallel box.
 #[derive(Clone, Copy, Debug)]
 struct Bounds {
+    /// Least coordinate along each axis `[3]`, length.
     low: [f64; 3],
+    /// Largest coordinate along each axis `[3]`, length.
     high: [f64; 3],
 }
 
 impl Bounds {
+    /// The smallest box around all points.
     fn around(points: impl Iterator<Item = [f64; 3]>) -> Self {
         let mut bounds = Self {
             low: [f64::INFINITY; 3],
@@ -110,11 +118,13 @@ impl Bounds {
         bounds
     }
 
+    /// The smallest box around one cell.
     fn of_cell(mesh: &Mesh, cell: usize) -> Self {
         let corners = mesh.corners(cell);
         Self::around(corners.into_iter().take(mesh.cell_kind().vertices()))
     }
 
+    /// The box made larger by `margin`, a length, on every side.
     fn grown(mut self, margin: f64) -> Self {
         for axis in 0..3 {
             self.low[axis] -= margin;
@@ -127,8 +137,9 @@ impl Bounds {
 /// Equal bins over a box.
 #[derive(Debug)]
 struct Grid {
+    /// The box that the bins fill.
     bounds: Bounds,
-    /// Bins along each axis, at least one.
+    /// Number of bins along each axis `[3]`, at least one.
     shape: [usize; 3],
 }
 
@@ -154,6 +165,7 @@ impl Grid {
         Self { bounds, shape }
     }
 
+    /// Number of bins in all.
     fn bin_count(&self) -> usize {
         self.shape.iter().product()
     }
@@ -166,6 +178,7 @@ impl Grid {
         position.min(self.shape[axis] - 1)
     }
 
+    /// The bin of a point, or none outside the box.
     fn bin_of(&self, point: [f64; 3]) -> Option<usize> {
         let inside =
             |axis: usize| (self.bounds.low[axis]..=self.bounds.high[axis]).contains(&point[axis]);
@@ -176,6 +189,7 @@ impl Grid {
         Some(self.bin(x, y, z))
     }
 
+    /// Number of a bin by its position along the axes; x runs fastest.
     fn bin(&self, x: usize, y: usize, z: usize) -> usize {
         (z * self.shape[1] + y) * self.shape[0] + x
     }
@@ -188,6 +202,7 @@ impl Grid {
         })
     }
 
+    /// Calls `visit` with every bin that meets `bounds`.
     fn for_each_bin(&self, bounds: Bounds, mut visit: impl FnMut(usize)) {
         let [along_x, along_y, along_z] = self.span(bounds);
         for z in along_z.0..=along_z.1 {

@@ -57,9 +57,9 @@ impl fmt::Display for GroupKind {
 /// A named set of cells or facets.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Group {
-    /// Not empty, unique among groups of its kind.
+    /// Name of the group: not empty, unique among groups of its kind.
     pub name: String,
-    /// What the members are.
+    /// What the members are: cells or facets.
     pub kind: GroupKind,
     /// 0-based indices of cells or of facets, each once.
     pub members: Vec<u32>,
@@ -70,13 +70,13 @@ pub struct Group {
 pub struct MeshParts {
     /// Shape of all cells.
     pub cell_kind: CellKind,
-    /// `[vertices, 3]`, length; z = 0 for triangles.
+    /// Coordinates `[vertices, 3]` in the caller's unit of length; z = 0 for triangles.
     pub coordinates: Vec<[f64; 3]>,
-    /// Vertices of the cells, flat `[cells, 3 | 4]`.
+    /// Vertices of the cells, flat `[cells, 3 | 4]`, 0-based.
     pub cells: Vec<u32>,
     /// Vertices of tagged boundary lines or surface triangles, flat `[facets, 2 | 3]`.
     pub facets: Vec<u32>,
-    /// Named sets.
+    /// Named sets of cells or facets, which scenes refer to.
     pub groups: Vec<Group>,
 }
 
@@ -85,7 +85,7 @@ pub struct MeshParts {
 pub struct BoundaryFacet {
     /// Used vertices, oriented outwards; the third repeats the second in two dimensions.
     pub vertices: [u32; 3],
-    /// Its cell.
+    /// The cell that the facet belongs to, 0-based.
     pub cell: u32,
     /// Local number of the cell's vertex that is not on the facet.
     pub opposite: u8,
@@ -94,19 +94,34 @@ pub struct BoundaryFacet {
 /// A checked mesh.
 #[derive(Debug)]
 pub struct Mesh {
+    /// Digest of the uploaded arrays, which names the mesh.
     id: MeshId,
+    /// Shape of all cells.
     kind: CellKind,
+    /// Mean-ratio quality of the cells, minimum and mean.
     quality: Quality,
+    /// Number of vertices as uploaded, used or not.
     uploaded_vertex_count: usize,
+    /// Uploaded number of each used vertex, ascending `[vertices]`.
     used: Vec<u32>,
+    /// Coordinates of the used vertices `[vertices][3]`, in the caller's unit of
+    /// length.
     coordinates: Vec<[f64; 3]>,
+    /// Vertices of the cells by their own numbers, flat `[cells, vertices of a cell]`.
     cells: Vec<u32>,
+    /// End vertices of each edge, ascending and in lexicographic order `[edges]`.
     edges: Vec<[u32; 2]>,
+    /// Edges of the cells, flat `[cells, edges of a cell]`.
     cell_edges: Vec<u32>,
+    /// Vertices of the uploaded facets, flat `[facets, vertices of a facet]`.
     facets: Vec<u32>,
+    /// Cell of each uploaded facet `[facets]`.
     facet_parents: Vec<FacetParent>,
+    /// Facets that belong to one cell only, in the order of their lowest vertices.
     boundary: Vec<BoundaryFacet>,
+    /// Named sets of cells or facets.
     groups: Vec<Group>,
+    /// Sentences about what was dropped or looks doubtful, for the plan to show.
     warnings: Vec<String>,
 }
 
@@ -296,6 +311,7 @@ impl Mesh {
     }
 }
 
+/// Corners of one cell, padded to four with zeros, length.
 fn corners_of(coordinates: &[[f64; 3]], cell: &[u32]) -> [[f64; 3]; 4] {
     let mut corners = [[0.0; 3]; 4];
     for (corner, &vertex) in corners.iter_mut().zip(cell) {
@@ -322,6 +338,7 @@ fn oriented(
     facets
 }
 
+/// Bytes that the entries of an array take.
 fn array_bytes<T>(array: &[T]) -> u64 {
     size_of_val(array) as u64
 }

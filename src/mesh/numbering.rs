@@ -5,13 +5,19 @@ use super::bits::Bits;
 
 /// Which uploaded vertices cells use.
 pub(super) struct Numbering {
+    /// The used vertices as a set.
     used: Bits,
+    /// How many used vertices stand before each word of the set, so that a number is
+    /// found at once.
     ranks: Vec<u32>,
+    /// Number of used vertices.
     used_count: usize,
+    /// Number of uploaded vertices.
     vertex_count: usize,
 }
 
 impl Numbering {
+    /// Marks the vertices that cells name. Cost: one pass over the cells.
     pub(super) fn new(cells: &[u32], vertex_count: usize) -> Self {
         let mut used = Bits::new(vertex_count);
         for &vertex in cells {
@@ -25,10 +31,12 @@ impl Numbering {
         }
     }
 
+    /// Whether every vertex is used, so that numbers stay as uploaded.
     fn is_identity(&self) -> bool {
         self.used_count == self.vertex_count
     }
 
+    /// The coordinates of the used vertices, in their order.
     pub(super) fn select(&self, mut coordinates: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
         if !self.is_identity() {
             let mut vertices = 0..self.vertex_count;
@@ -66,6 +74,7 @@ impl Numbering {
         used
     }
 
+    /// A sentence about vertices that are dropped, or none.
     pub(super) fn warnings(&self) -> Vec<String> {
         match self.vertex_count - self.used_count {
             0 => Vec::new(),

@@ -8,7 +8,7 @@ use super::cell::{CellKind, ScaledMeasures};
 /// Mean-ratio quality of a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quality {
-    /// Smallest mean ratio, in (0, 1].
+    /// Smallest mean ratio of a cell, in (0, 1]; one is the regular simplex.
     pub minimum: f64,
     /// Arithmetic mean of the cells' mean ratios, in (0, 1].
     pub mean: f64,
@@ -21,6 +21,8 @@ pub fn mean_ratio(kind: CellKind, corners: &[[f64; 3]; 4]) -> f64 {
     ratio(kind, &kind.scaled_measures(corners))
 }
 
+/// Mean ratio of one cell from its scaled sizes: one for the regular simplex, zero
+/// without volume.
 fn ratio(kind: CellKind, sizes: &ScaledMeasures) -> f64 {
     let numerator = match kind {
         CellKind::Triangle => 4.0 * 3_f64.sqrt() * sizes.measure,
@@ -32,9 +34,13 @@ fn ratio(kind: CellKind, sizes: &ScaledMeasures) -> f64 {
 /// The quality of the cells added so far.
 #[derive(Debug)]
 pub(super) struct Mean {
+    /// Smallest ratio so far.
     minimum: f64,
+    /// Sum of the ratios so far, in the order of the cells.
     sum: f64,
+    /// Cell with the smallest ratio so far, 0-based.
     worst_cell: u32,
+    /// Number of cells so far.
     count: u32,
 }
 

@@ -15,7 +15,7 @@ use super::facets::{FacetMatcher, Matched};
 pub(super) struct Topology {
     /// Edges as (low, high) vertex pairs in lexicographic order.
     pub(super) edges: Vec<[u32; 2]>,
-    /// Which cells share which facets.
+    /// Which cells share which facets, and which facets lie on the surface.
     pub(super) facets: Matched,
 }
 
@@ -48,6 +48,8 @@ pub(super) fn cell_edges(
     }
 }
 
+/// Walks the vertices in ascending order and matches the edges and facets whose lowest
+/// vertex is the present one. Cost: linear but for small sorts around each vertex.
 fn walk<const WIDTH: usize>(
     kind: CellKind,
     cells: &[[u32; WIDTH]],

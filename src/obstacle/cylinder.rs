@@ -2,20 +2,24 @@
 //! d(x) = |w| − R, n = w/|w|, H = (I − a aᵀ − n nᵀ)/|w|.
 
 use super::{
-    Contact, Obstacle, ObstacleError, check_direction, check_point, check_radius, is_central,
-    round_curvature,
+    Contact, Obstacle, ObstacleError, What, check_direction, check_length, check_plane,
+    check_point, is_central, orthogonal, round_curvature,
 };
-use crate::geometry::vector3::{dot, norm, normalised, scale, sub};
+use crate::geometry::vector3::{dot, norm, scale, sub};
 
 /// An infinite cylinder whose axis passes through its reference point. On the
 /// axis the normal is the coordinate direction farthest from the axis, made
 /// orthogonal to it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cylinder {
+    /// A point of the axis and the reference point, length.
     point: [f64; 3],
+    /// Unit vector along the axis.
     axis: [f64; 3],
+    /// Radius, length, above zero.
     radius: f64,
-    /// The normal on the axis.
+    /// The unit normal where a point lies on the axis, orthogonal to it: every other
+    /// choice would be as good, this one is fixed.
     sideways: [f64; 3],
 }
 
@@ -29,11 +33,12 @@ impl Cylinder {
         Ok(Self {
             point: check_point("point", point)?,
             axis,
-            radius: check_radius(radius)?,
+            radius: check_length("radius", radius)?,
             sideways: orthogonal(axis),
         })
     }
 
+    /// The part of a point's offset from the axis that is orthogonal to it, length.
     fn across(&self, point: [f64; 3]) -> [f64; 3] {
         let offset = sub(point, self.point);
         sub(offset, scale(dot(offset, self.axis), self.axis))
@@ -41,43 +46,37 @@ impl Cylinder {
 }
 
 impl Obstacle for Cylinder {
-    fn distance(&self, point: [f64; 3]) -> Contact {
-        let across = self.across(point);
-        let length = norm(across);
-        if is_central(length, self.radius) {
-            return Contact {
-                distance: length - self.radius,
-                normal: self.sideways,
-                curvature: [[0.0; 3]; 3],
+    fn probe(&self, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
+        for (contact, &point) in out.iter_mut().zip(points) {
+            let across = self.across(point);
+            let length = norm(across);
+            contact.distance = length - self.radius;
+            if what == What::Gap {
+                continue;
+            }
+            let is_central = is_central(length, self.radius);
+            contact.normal = match is_central {
+                true => self.sideways,
+                false => scale(1.0 / length, across),
             };
-        }
-        let normal = scale(1.0 / length, across);
-        Contact {
-            distance: length - self.radius,
-            normal,
-            curvature: round_curvature(normal, self.axis, length),
+            if what == What::Curvature {
+                contact.curvature = match is_central {
+                    true => [[0.0; 3]; 3],
+                    false => round_curvature(contact.normal, self.axis, length),
+                };
+            }
         }
     }
 
     fn reference_point(&self) -> [f64; 3] {
         self.point
     }
-}
 
-/// The coordinate direction with the smallest share in `axis`, made orthogonal
-/// to it and unit.
-fn orthogonal(axis: [f64; 3]) -> [f64; 3] {
-    let share = |direction: usize| axis[direction].abs();
-    let least = if share(0) <= share(1) && share(0) <= share(2) {
-        0
-    } else if share(1) <= share(2) {
-        1
-    } else {
-        2
-    };
-    let mut direction = [0.0; 3];
-    direction[least] = 1.0;
-    let across = sub(direction, scale(axis[least], axis));
-    // The smallest component of a unit vector is below 0.6, so something is left.
-    normalised(across).unwrap_or(direction)
+    fn is_flat(&self) -> bool {
+        false
+    }
+
+    fn lies_in_plane(&self) -> Result<(), ObstacleError> {
+        check_plane("axis", self.axis[0]).and_then(|()| check_plane("axis", self.axis[1]))
+    }
 }

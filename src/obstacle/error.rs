@@ -6,13 +6,13 @@ use thiserror::Error;
 #[derive(Clone, Copy, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ObstacleError {
-    /// NaN or infinite.
+    /// A parameter is NaN or infinite.
     #[error("{parameter} is not finite")]
     NotFinite {
         /// Name of the parameter.
         parameter: &'static str,
     },
-    /// Zero or negative where a length is needed.
+    /// A length is zero or negative where one above zero is needed.
     #[error("{parameter} must be above zero, not {value}")]
     NotPositive {
         /// Name of the parameter.
@@ -20,9 +20,15 @@ pub enum ObstacleError {
         /// What was given.
         value: f64,
     },
-    /// The zero vector where a direction is needed.
+    /// A direction is the zero vector.
     #[error("{parameter} is the zero vector and has no direction")]
     ZeroLength {
+        /// Name of the parameter.
+        parameter: &'static str,
+    },
+    /// A shape that would push a flat body out of its plane.
+    #[error("does not lie in the plane z = 0 of the body (a cylinder's axis must be z)")]
+    OutOfPlane {
         /// Name of the parameter.
         parameter: &'static str,
     },
@@ -34,7 +40,8 @@ impl ObstacleError {
         match self {
             Self::NotFinite { parameter }
             | Self::NotPositive { parameter, .. }
-            | Self::ZeroLength { parameter } => parameter,
+            | Self::ZeroLength { parameter }
+            | Self::OutOfPlane { parameter } => parameter,
         }
     }
 }

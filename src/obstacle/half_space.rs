@@ -1,12 +1,17 @@
 //! All points behind a plane: d(x) = n · (x − p), H = 0.
+//!
+//! n the unit normal towards the free side, p a point of the plane, lengths those of the
+//! caller of the shape. Exact and linear: it adds no curvature to a tangent.
 
-use super::{Contact, Obstacle, ObstacleError, check_direction, check_point};
+use super::{Contact, Obstacle, ObstacleError, What, check_direction, check_plane, check_point};
 use crate::geometry::vector3::{dot, sub};
 
 /// A half-space whose plane passes through its reference point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfSpace {
+    /// A point of the plane and the reference point, length.
     point: [f64; 3],
+    /// Unit normal towards the free side.
     normal: [f64; 3],
 }
 
@@ -24,15 +29,27 @@ impl HalfSpace {
 }
 
 impl Obstacle for HalfSpace {
-    fn distance(&self, point: [f64; 3]) -> Contact {
-        Contact {
-            distance: dot(self.normal, sub(point, self.point)),
-            normal: self.normal,
-            curvature: [[0.0; 3]; 3],
+    fn probe(&self, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
+        for (contact, &point) in out.iter_mut().zip(points) {
+            contact.distance = dot(self.normal, sub(point, self.point));
+            if what >= What::Normal {
+                contact.normal = self.normal;
+            }
+            if what >= What::Curvature {
+                contact.curvature = [[0.0; 3]; 3];
+            }
         }
     }
 
     fn reference_point(&self) -> [f64; 3] {
         self.point
+    }
+
+    fn is_flat(&self) -> bool {
+        true
+    }
+
+    fn lies_in_plane(&self) -> Result<(), ObstacleError> {
+        check_plane("normal", self.normal[2])
     }
 }

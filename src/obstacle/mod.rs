@@ -5,7 +5,11 @@
 //! shape along a rigid motion. Where the nearest point is not unique (the
 //! centre of a sphere, the axis of a cylinder) the normal is a fixed direction
 //! that the shape documents and the Hessian is zero, so all values are finite.
-//! Lengths are the caller's. Cost: some tens of flops per point.
+//! A shape computes what is asked for, for a batch of points at a time. Lengths are
+//! the caller's. Cost: some tens of flops per point.
+//!
+//! A new shape is a file beside this one, a variant of [`Shape`] and a line in
+//! [`Shape::build`]; nothing else in the library knows which shapes there are.
 
 mod cylinder;
 mod error;
@@ -14,6 +18,7 @@ mod moving;
 mod sphere;
 
 use std::fmt;
+use std::sync::Arc;
 
 pub use cylinder::Cylinder;
 pub use error::ObstacleError;
@@ -22,7 +27,7 @@ pub use moving::Moving;
 pub use sphere::Sphere;
 
 use crate::geometry::Matrix3;
-use crate::geometry::vector3::{is_finite, normalised};
+use crate::geometry::vector3::{is_finite, normalised, scale, sub};
 
 /// What an obstacle is to a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,23 +40,97 @@ pub struct Contact {
     pub curvature: Matrix3,
 }
 
+/// How much of a [`Contact`] is computed; each includes what stands before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum What {
+    /// The distance alone; normal and curvature keep what they held.
+    Gap,
+    /// The distance and the unit normal.
+    Normal,
+    /// The distance, the normal and the curvature, as tangents of curved shapes need
+    /// them.
+    Curvature,
+}
+
 /// A rigid body that points cannot enter.
 pub trait Obstacle: fmt::Debug + Send + Sync {
-    /// Signed distance, normal and curvature at a point `[3]`.
-    fn distance(&self, point: [f64; 3]) -> Contact;
+    /// What the obstacle is to each of `points` `[points][3]`, into `out`
+    /// `[points]`; what is not asked for stays there as it was. The numbers of a
+    /// point depend on that point alone.
+    fn probe(&self, points: &[[f64; 3]], what: What, out: &mut [Contact]);
 
     /// The point `[3]` that rotations leave in place and moments refer to.
     fn reference_point(&self) -> [f64; 3];
 
-    /// [`Obstacle::distance`] at each of `points` into `out`, of equal length.
-    fn probe(&self, points: &[[f64; 3]], out: &mut [Contact]) {
-        debug_assert_eq!(points.len(), out.len(), "one result per point");
-        for (contact, &point) in out.iter_mut().zip(points) {
-            *contact = self.distance(point);
-        }
+    /// Whether the distance is linear in the point.
+    fn is_flat(&self) -> bool;
+
+    /// Whether a body in the plane z = 0 meets the shape in that plane only: its
+    /// normals there have no z.
+    ///
+    /// # Errors
+    /// [`ObstacleError::OutOfPlane`] with the parameter that says otherwise.
+    fn lies_in_plane(&self) -> Result<(), ObstacleError>;
+
+    /// Signed distance, normal and curvature at one point `[3]`.
+    fn distance(&self, point: [f64; 3]) -> Contact {
+        let mut out = [Contact::default()];
+        self.probe(&[point], What::Curvature, &mut out);
+        let [contact] = out;
+        contact
     }
 }
 
+/// A shape as scenes give it, in its initial pose and in the caller's lengths.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// All points behind a plane, which the body may touch from the free side.
+    HalfSpace {
+        /// A point of the plane, and the reference point.
+        point: [f64; 3],
+        /// Towards the free side; any length above zero.
+        normal: [f64; 3],
+    },
+    /// A ball, which the body may touch from outside.
+    Sphere {
+        /// Centre, and the reference point.
+        centre: [f64; 3],
+        /// Above zero.
+        radius: f64,
+    },
+    /// An infinite circular cylinder, which the body may touch from outside.
+    Cylinder {
+        /// A point of the axis, and the reference point.
+        point: [f64; 3],
+        /// Any length above zero.
+        axis: [f64; 3],
+        /// Above zero.
+        radius: f64,
+    },
+}
+
+impl Shape {
+    /// The obstacle with all lengths divided by `length`.
+    ///
+    /// # Errors
+    /// The first parameter that has no meaning.
+    pub fn build(&self, length: f64) -> Result<Arc<dyn Obstacle>, ObstacleError> {
+        let place = |point: &[f64; 3]| point.map(|x| x / length);
+        Ok(match self {
+            Self::HalfSpace { point, normal } => Arc::new(HalfSpace::new(place(point), *normal)?),
+            Self::Sphere { centre, radius } => {
+                Arc::new(Sphere::new(place(centre), radius / length)?)
+            }
+            Self::Cylinder {
+                point,
+                axis,
+                radius,
+            } => Arc::new(Cylinder::new(place(point), *axis, radius / length)?),
+        })
+    }
+}
+
+/// The point, refused by the name of its parameter where it is not finite.
 fn check_point(parameter: &'static str, point: [f64; 3]) -> Result<[f64; 3], ObstacleError> {
     if is_finite(point) {
         Ok(point)
@@ -60,6 +139,7 @@ fn check_point(parameter: &'static str, point: [f64; 3]) -> Result<[f64; 3], Obs
     }
 }
 
+/// The direction as a unit vector, refused where it is not finite or has no length.
 fn check_direction(
     parameter: &'static str,
     direction: [f64; 3],
@@ -68,23 +148,49 @@ fn check_direction(
     normalised(direction).ok_or(ObstacleError::ZeroLength { parameter })
 }
 
-fn check_radius(radius: f64) -> Result<f64, ObstacleError> {
-    let parameter = "radius";
-    if !radius.is_finite() {
+/// The length, refused where it is not finite or not above zero.
+fn check_length(parameter: &'static str, length: f64) -> Result<f64, ObstacleError> {
+    if !length.is_finite() {
         Err(ObstacleError::NotFinite { parameter })
-    } else if radius > 0.0 {
-        Ok(radius)
+    } else if length > 0.0 {
+        Ok(length)
     } else {
         Err(ObstacleError::NotPositive {
             parameter,
-            value: radius,
+            value: length,
         })
+    }
+}
+
+/// Refuses a `component` off the plane of a flat body.
+fn check_plane(parameter: &'static str, component: f64) -> Result<(), ObstacleError> {
+    match component == 0.0 {
+        true => Ok(()),
+        false => Err(ObstacleError::OutOfPlane { parameter }),
     }
 }
 
 /// Whether a distance from a centre or axis is too small for a direction.
 fn is_central(distance: f64, radius: f64) -> bool {
     distance <= f64::EPSILON * radius
+}
+
+/// The coordinate direction with the smallest share in `axis`, made orthogonal
+/// to it and unit.
+fn orthogonal(axis: [f64; 3]) -> [f64; 3] {
+    let share = |direction: usize| axis[direction].abs();
+    let least = if share(0) <= share(1) && share(0) <= share(2) {
+        0
+    } else if share(1) <= share(2) {
+        1
+    } else {
+        2
+    };
+    let mut direction = [0.0; 3];
+    direction[least] = 1.0;
+    let across = sub(direction, scale(axis[least], axis));
+    // The smallest component of a unit vector is below 0.6, so something is left.
+    normalised(across).unwrap_or(direction)
 }
 
 /// (P − n nᵀ)/r with P = I − a aᵀ: curvature of a round surface at distance r

@@ -3,16 +3,22 @@
 
 use std::sync::Arc;
 
-use super::{Contact, Obstacle};
+use super::{Contact, Obstacle, ObstacleError, What};
 use crate::geometry::rigid_motion::{conjugate, multiply, multiply_transposed};
 use crate::geometry::vector3::{add, sub};
 use crate::geometry::{Matrix3, RigidMotion};
 
+/// Points that are turned back at a time, on the stack.
+const BATCH: usize = 32;
+
 /// A shape away from its initial pose.
 #[derive(Clone, Debug)]
 pub struct Moving {
+    /// The shape in its initial pose.
     shape: Arc<dyn Obstacle>,
+    /// How the shape has moved from its initial pose.
     motion: RigidMotion,
+    /// Rotation of that motion as a matrix, made once for all points.
     rotation: Matrix3,
 }
 
@@ -33,6 +39,13 @@ impl Moving {
         }
     }
 
+    /// m^-1 of a point `[3]`.
+    fn own_frame(&self, point: [f64; 3]) -> [f64; 3] {
+        let about = self.motion.about;
+        let offset = sub(sub(point, about), self.motion.translation);
+        add(about, multiply_transposed(&self.rotation, offset))
+    }
+
     /// The motion from the shape's own pose.
     pub fn motion(&self) -> RigidMotion {
         self.motion
@@ -40,20 +53,37 @@ impl Moving {
 }
 
 impl Obstacle for Moving {
-    fn distance(&self, point: [f64; 3]) -> Contact {
-        let about = self.motion.about;
-        let offset = sub(sub(point, about), self.motion.translation);
-        let still = self
-            .shape
-            .distance(add(about, multiply_transposed(&self.rotation, offset)));
-        Contact {
-            distance: still.distance,
-            normal: multiply(&self.rotation, still.normal),
-            curvature: conjugate(&self.rotation, &still.curvature),
+    fn probe(&self, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
+        let mut own = [[0.0; 3]; BATCH];
+        for (points, out) in points.chunks(BATCH).zip(out.chunks_mut(BATCH)) {
+            let own = &mut own[..points.len()];
+            for (own, &point) in own.iter_mut().zip(points) {
+                *own = self.own_frame(point);
+            }
+            self.shape.probe(own, what, out);
+            if what >= What::Normal {
+                out.iter_mut()
+                    .for_each(|contact| contact.normal = multiply(&self.rotation, contact.normal));
+            }
+            if what >= What::Curvature {
+                out.iter_mut().for_each(|contact| {
+                    contact.curvature = conjugate(&self.rotation, &contact.curvature);
+                });
+            }
         }
     }
 
     fn reference_point(&self) -> [f64; 3] {
         add(self.motion.about, self.motion.translation)
+    }
+
+    fn is_flat(&self) -> bool {
+        self.shape.is_flat()
+    }
+
+    /// As the shape does in its own pose: scenes move a flat body's obstacles in the
+    /// plane only.
+    fn lies_in_plane(&self) -> Result<(), ObstacleError> {
+        self.shape.lies_in_plane()
     }
 }

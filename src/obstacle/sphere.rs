@@ -1,14 +1,20 @@
 //! A ball: d(x) = |x − c| − R, n = (x − c)/|x − c|, H = (I − n nᵀ)/|x − c|.
+//!
+//! c the centre, R the radius. H grows like 1/|x − c| inwards; a body does not get there
+//! unless it has passed through the surface.
 
 use super::{
-    Contact, Obstacle, ObstacleError, check_point, check_radius, is_central, round_curvature,
+    Contact, Obstacle, ObstacleError, What, check_length, check_plane, check_point, is_central,
+    round_curvature,
 };
 use crate::geometry::vector3::{norm, scale, sub};
 
 /// A ball with its centre as reference point. At the centre the normal is +x.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
+    /// Centre and reference point, length.
     centre: [f64; 3],
+    /// Radius, length, above zero.
     radius: f64,
 }
 
@@ -20,31 +26,43 @@ impl Sphere {
     pub fn new(centre: [f64; 3], radius: f64) -> Result<Self, ObstacleError> {
         Ok(Self {
             centre: check_point("centre", centre)?,
-            radius: check_radius(radius)?,
+            radius: check_length("radius", radius)?,
         })
     }
 }
 
 impl Obstacle for Sphere {
-    fn distance(&self, point: [f64; 3]) -> Contact {
-        let offset = sub(point, self.centre);
-        let length = norm(offset);
-        if is_central(length, self.radius) {
-            return Contact {
-                distance: length - self.radius,
-                normal: [1.0, 0.0, 0.0],
-                curvature: [[0.0; 3]; 3],
+    fn probe(&self, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
+        for (contact, &point) in out.iter_mut().zip(points) {
+            let offset = sub(point, self.centre);
+            let length = norm(offset);
+            contact.distance = length - self.radius;
+            if what == What::Gap {
+                continue;
+            }
+            let is_central = is_central(length, self.radius);
+            contact.normal = match is_central {
+                true => [1.0, 0.0, 0.0],
+                false => scale(1.0 / length, offset),
             };
-        }
-        let normal = scale(1.0 / length, offset);
-        Contact {
-            distance: length - self.radius,
-            normal,
-            curvature: round_curvature(normal, [0.0; 3], length),
+            if what == What::Curvature {
+                contact.curvature = match is_central {
+                    true => [[0.0; 3]; 3],
+                    false => round_curvature(contact.normal, [0.0; 3], length),
+                };
+            }
         }
     }
 
     fn reference_point(&self) -> [f64; 3] {
         self.centre
+    }
+
+    fn is_flat(&self) -> bool {
+        false
+    }
+
+    fn lies_in_plane(&self) -> Result<(), ObstacleError> {
+        check_plane("centre", self.centre[2])
     }
 }

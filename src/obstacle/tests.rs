@@ -55,6 +55,46 @@ fn difference_errors(obstacle: &dyn Obstacle, point: [f64; 3]) -> (f64, f64) {
     (normal_error, curvature_error)
 }
 
+/// Bits that a probe leaves over what was there before.
+fn probed(obstacle: &dyn Obstacle, points: &[[f64; 3]], what: What) -> Vec<[u64; 13]> {
+    let mut out = vec![UNTOUCHED; points.len()];
+    obstacle.probe(points, what, &mut out);
+    out.iter().map(bits).collect()
+}
+
+/// Bits of what was asked for, beside what was there before.
+fn asked(contacts: &[Contact], what: What) -> Vec<[u64; 13]> {
+    let part = |contact: &Contact| Contact {
+        distance: contact.distance,
+        normal: match what {
+            What::Gap => UNTOUCHED.normal,
+            What::Normal | What::Curvature => contact.normal,
+        },
+        curvature: match what {
+            What::Gap | What::Normal => UNTOUCHED.curvature,
+            What::Curvature => contact.curvature,
+        },
+    };
+    contacts
+        .iter()
+        .map(|contact| bits(&part(contact)))
+        .collect()
+}
+
+/// What stands in a result before it is filled.
+const UNTOUCHED: Contact = Contact {
+    distance: 7.0,
+    normal: [8.0; 3],
+    curvature: [[9.0; 3]; 3],
+};
+
+fn bits(contact: &Contact) -> [u64; 13] {
+    let mut numbers = std::iter::once(&contact.distance)
+        .chain(&contact.normal)
+        .chain(contact.curvature.as_flattened());
+    std::array::from_fn(|_| numbers.next().map_or(0, |x| x.to_bits()))
+}
+
 proptest! {
     #[test]
     fn normal_and_curvature_are_derivatives_of_the_distance(
@@ -87,6 +127,25 @@ proptest! {
         prop_assert!((carried.distance - still.distance).abs() < 1e-12);
         let moved_reference = add(shape.reference_point(), translation);
         prop_assert!(norm(sub(moving.reference_point(), moved_reference)) < 1e-14);
+    }
+
+    #[test]
+    fn a_batch_has_the_bits_of_its_points_for_whatever_is_asked(
+        shape in shape(), translation in vector(2.0), rotation in vector(7.0),
+        points in prop::collection::vec(vector(4.0), 1..80),
+    ) {
+        let moving = Moving::new(Arc::clone(&shape), translation, rotation);
+        // A place where no direction leads away from a ball or a roller.
+        let mut points = points;
+        points.push(shape.reference_point());
+        points.push(moving.reference_point());
+        let obstacles: [&dyn Obstacle; 2] = [&*shape, &moving];
+        for obstacle in obstacles {
+            let single: Vec<Contact> = points.iter().map(|&x| obstacle.distance(x)).collect();
+            for what in [What::Gap, What::Normal, What::Curvature] {
+                prop_assert_eq!(probed(obstacle, &points, what), asked(&single, what));
+            }
+        }
     }
 }
 
@@ -124,13 +183,71 @@ fn centre_and_axis_have_finite_values_and_a_fixed_normal() {
 }
 
 #[test]
-fn probing_many_points_equals_probing_each() {
-    let ball = Sphere::new([0.1, 0.2, 0.3], 0.5).expect("valid");
-    let moving = Moving::new(Arc::new(ball), [1.0, 0.0, 0.0], [0.0, 2.0, 0.0]);
-    let points = [[0.0; 3], [1.0, 2.0, 3.0], [1.1, 0.2, 0.3]];
-    let mut out = [Contact::default(); 3];
-    moving.probe(&points, &mut out);
-    assert_eq!(out, points.map(|point| moving.distance(point)));
+fn only_a_half_space_is_flat_wherever_it_moves() {
+    let flat = [
+        (half_space([0.0, 0.6, 0.8]), true),
+        (ball([0.0; 3]), false),
+        (roller([0.0, 0.0, 1.0]), false),
+    ];
+    for (shape, is_flat) in flat {
+        let built = shape.build(2.0).expect("valid");
+        assert_eq!(built.is_flat(), is_flat);
+        assert_eq!(Moving::new(built, [1.0; 3], [0.5; 3]).is_flat(), is_flat);
+    }
+}
+
+#[test]
+fn a_shape_off_the_plane_names_the_parameter() {
+    let cases = [
+        (
+            half_space([0.6, 0.8, 0.0]),
+            half_space([0.6, 0.0, 0.8]),
+            "normal",
+        ),
+        (ball([5.0, 1.0, 0.0]), ball([0.0, 0.0, 0.1]), "centre"),
+        (roller([0.0, 0.0, -3.0]), roller([0.0, 1e-9, 1.0]), "axis"),
+    ];
+    for (inside, outside, key) in cases {
+        let lies = |shape: &Shape| shape.build(1.0).expect("valid").lies_in_plane();
+        assert_eq!(lies(&inside), Ok(()));
+        let error = lies(&outside).expect_err("off the plane");
+        assert_eq!(error.parameter(), key);
+        assert!(error.to_string().starts_with("does not lie in the plane"));
+    }
+}
+
+#[test]
+fn a_shape_is_built_in_the_length_asked_for() {
+    let place = [3.0, 1.0, -2.0];
+    let shapes = [
+        half_space([0.6, 0.0, 0.8]),
+        ball([1.0; 3]),
+        roller([0.0, 1.0, 0.5]),
+    ];
+    for shape in shapes {
+        let [plain, in_units] = [1.0, 4.0].map(|length| shape.build(length).expect("valid"));
+        let far = plain.distance(place).distance;
+        let near = in_units.distance(scale(0.25, place)).distance;
+        assert!((far - 4.0 * near).abs() < 1e-14, "{shape:?}");
+    }
+}
+
+fn half_space(normal: [f64; 3]) -> Shape {
+    let point = [0.5, 0.25, 0.125];
+    Shape::HalfSpace { point, normal }
+}
+
+fn ball(centre: [f64; 3]) -> Shape {
+    let radius = 0.75;
+    Shape::Sphere { centre, radius }
+}
+
+fn roller(axis: [f64; 3]) -> Shape {
+    Shape::Cylinder {
+        point: [0.5, 0.25, 0.125],
+        axis,
+        radius: 0.75,
+    }
 }
 
 #[test]

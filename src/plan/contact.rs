@@ -5,8 +5,7 @@
 //! lumped mass takes over, which holds nothing dense. Both rest on the number of
 //! candidates alone.
 
-use crate::inequality::{ContactMethod, MetricKind};
-use crate::scene::{SolverOptions, Violation};
+use crate::scene::{ContactMethod, MetricKind, Named, SolverOptions, Violation};
 
 /// Bytes of dense matrices that a metric may take.
 const MOST_DENSE: f64 = 1.5e9;
@@ -20,30 +19,33 @@ const DEAREST_COMPLIANCE: f64 = 1.5e11;
 /// A choice with its reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct ContactChoice {
+    /// The method for contact.
     pub(crate) method: ContactMethod,
+    /// The metric in which the method steps the contact pressure.
     pub(crate) metric: MetricKind,
-    pub(super) reason: String,
+    /// Why these were chosen, as a phrase that a plan shows.
+    pub(crate) reason: String,
 }
 
 /// What the choice rests on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct ContactSizes {
-    /// 2 or 3.
-    pub(super) dimension: u64,
-    /// Contact multipliers of all obstacles.
-    pub(super) multipliers: u64,
-    /// Vertices of candidate faces.
-    pub(super) vertices: u64,
+pub(crate) struct ContactSizes {
+    /// Dimension of the body: 2 or 3.
+    pub(crate) dimension: u64,
+    /// Number of contact multipliers of all obstacles.
+    pub(crate) multipliers: u64,
+    /// Number of vertices of candidate faces, each once.
+    pub(crate) vertices: u64,
     /// Flops of the factor that gives the compliance.
-    pub(super) factor_flops: f64,
+    pub(crate) factor_flops: f64,
     /// Whether only one level serves: rigid modes that only contact holds, or an
     /// element that has no other.
-    pub(super) needs_one_level: bool,
+    pub(crate) needs_one_level: bool,
 }
 
 impl ContactSizes {
     /// Bytes of the dense matrices of a metric at their peak.
-    pub(super) fn dense_bytes(self, metric: MetricKind) -> f64 {
+    pub(crate) fn dense_bytes(self, metric: MetricKind) -> f64 {
         let square = |n: u64| (n as f64).powi(2);
         // The metric, its part on a face and that part's factor.
         let own = 24.0 * square(self.multipliers);
@@ -54,25 +56,28 @@ impl ContactSizes {
         }
     }
 
+    /// Whether the dense matrices of the method in that metric fit their bounds of
+    /// memory and work.
     fn fits(self, method: ContactMethod, metric: MetricKind) -> bool {
         let is_small = metric != MetricKind::Fractional || self.multipliers <= MOST_FRACTIONAL;
         !method.needs_dense(metric) || (is_small && self.dense_bytes(metric) <= MOST_DENSE)
     }
 }
 
-/// Chooses from the names in `options`, which validation has checked.
+/// Chooses by what `options` ask for.
 ///
 /// # Errors
 /// When the metric is too large, with the numbers.
-pub(super) fn choose(
+pub(crate) fn choose(
     options: &SolverOptions,
     sizes: ContactSizes,
 ) -> Result<ContactChoice, Violation> {
-    let asked = ContactMethod::from_name(&options.contact);
-    let asked_metric = MetricKind::from_name(&options.contact_metric);
+    let asked = options.contact.named();
+    let asked_metric = options.contact_metric.named();
     let method = asked.unwrap_or(ContactMethod::OneLevel);
     let metric = asked_metric.unwrap_or(method.natural_metric());
-    let is_free = asked_metric.is_none() && options.p1_solver == "auto" && !sizes.needs_one_level;
+    let is_free =
+        asked_metric.is_none() && options.p1_solver.named().is_none() && !sizes.needs_one_level;
     if is_free
         && metric == MetricKind::Compliance
         && sizes.factor_flops > DEAREST_COMPLIANCE
@@ -121,6 +126,7 @@ pub(super) fn choose(
     })
 }
 
+/// Why a choice that the scene made, in whole or in part, is what it is.
 fn reason(asked: Option<ContactMethod>, metric: Option<MetricKind>) -> String {
     match (asked, metric) {
         (None, None) => "pressure and contact pressure are solved together",
@@ -133,7 +139,7 @@ fn reason(asked: Option<ContactMethod>, metric: Option<MetricKind>) -> String {
 
 impl ContactChoice {
     /// Method and metric in words.
-    pub(super) fn describe(&self) -> String {
+    pub(crate) fn describe(&self) -> String {
         let method = match self.method {
             ContactMethod::OneLevel => "one level",
             ContactMethod::ActiveSet => "primal-dual active set, each set solved to the end",
@@ -190,8 +196,8 @@ mod tests {
 
     fn asked(contact: &str, contact_metric: &str) -> SolverOptions {
         SolverOptions {
-            contact: contact.to_owned(),
-            contact_metric: contact_metric.to_owned(),
+            contact: contact.parse().expect("a method"),
+            contact_metric: contact_metric.parse().expect("a metric"),
             ..SolverOptions::default()
         }
     }
@@ -245,7 +251,7 @@ mod tests {
 
     #[test]
     fn every_method_has_a_metric_that_it_takes() {
-        for method in ContactMethod::ALL {
+        for &method in ContactMethod::ALL {
             let (taken, metric) = chosen(&asked(method.name(), "auto"), body(100));
             assert_eq!(taken, method);
             assert!(method.takes(metric));

@@ -4,13 +4,16 @@
 //! 2.4 Gflop for 4096 vertices of a cube; entries grow like n^1.43, flops like
 //! n^2.06. Plane meshes: n log n and n^1.5.
 
-use super::Plan;
-use super::p1::P1Solver;
 use crate::linalg::cholesky::Precision;
+use crate::plan::Plan;
 use crate::scene::ToleranceRule;
+use crate::scene::{ElementKind, P1Solver};
 
+/// Vertices of the cube that the other figures were measured on.
 const CUBE_VERTICES: f64 = 4096.0;
+/// Entries of its scalar Cholesky factor.
 const CUBE_ENTRIES: f64 = 4.9e6;
+/// Floating-point operations of that factor.
 const CUBE_FLOPS: f64 = 2.4e9;
 /// Vectors of displacement length that a step holds at its peak.
 const VECTORS: u64 = 40;
@@ -28,6 +31,7 @@ const AMG_FLOPS: f64 = 3e4;
 
 /// Bytes per vertex of A11 and its incomplete factor, and flops to make it.
 const IC_BYTES: f64 = 1600.0;
+/// Floating-point operations per vertex to make that factor.
 const IC_FLOPS: f64 = 3e3;
 /// Bytes per cell that assembling and holding the edge block takes at its peak.
 const EDGE_BLOCK_BYTES: u64 = 2400;
@@ -77,9 +81,9 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
     let dense = 3 * contact * contact + own;
     let vectors = VECTORS * (plan.unknowns.displacement + plan.unknowns.pressure);
     let blocks = plan.unknowns.displacement * components;
-    let cell_bytes = match plan.enrichment() {
-        None => CELL_BYTES,
-        Some(_) => ENRICHED_CELL_BYTES,
+    let cell_bytes = match plan.element {
+        ElementKind::TaylorHood => CELL_BYTES,
+        ElementKind::Mini | ElementKind::BernardiRaugel => ENRICHED_CELL_BYTES,
     };
     let edge_block = match plan.displacement.is_hierarchical() {
         true => EDGE_BLOCK_BYTES * plan.cells as u64,
@@ -95,7 +99,7 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
 
 /// Applications of the displacement preconditioner to reach the tolerance.
 pub(super) fn applications(plan: &Plan) -> u32 {
-    let solver = &plan.scene.solver;
+    let solver = &plan.settings;
     let tolerance = match solver.tolerance_rule {
         ToleranceRule::Fixed => solver.tolerance,
         ToleranceRule::Discretisation => solver.tolerance.max(DISCRETISATION_TOLERANCE),

@@ -3,30 +3,24 @@
 
 use std::collections::BTreeMap;
 
-use super::vertices_of;
 use crate::mesh::Mesh;
+use crate::plan::vertices_of;
+use crate::scene::SceneKind;
 use crate::scene::validate::{ON_AXIS, Resolved};
-use crate::scene::{Scene, SceneKind};
 use crate::space::TaylorHood;
 
 /// In the place of a support: the axis of a body of revolution, where u_x = 0.
-pub(super) const AXIS: u16 = u16::MAX;
+pub(crate) const AXIS: u16 = u16::MAX;
 
 /// Held unknowns; where supports overlap, the first one named holds.
-pub(super) fn held_unknowns(
-    scene: &Scene,
+pub(crate) fn held_unknowns(
     resolved: &Resolved,
     mesh: &Mesh,
     space: &TaylorHood,
 ) -> Vec<(u32, u16)> {
     let mut held = BTreeMap::new();
-    for (index, (support, facets)) in scene
-        .supports
-        .iter()
-        .zip(&resolved.support_facets)
-        .enumerate()
-    {
-        for &facet in facets {
+    for (index, support) in resolved.supports.iter().enumerate() {
+        for &facet in &support.facets {
             for node in space.facet_nodes(mesh.facet(facet as usize)) {
                 for i in 0..space.components {
                     if support.displacement[i].is_some() {
@@ -47,7 +41,7 @@ pub(super) fn held_unknowns(
 }
 
 /// Vertices on x = 0, and midpoints between two of them.
-pub(super) fn nodes_on_axis(mesh: &Mesh, space: &TaylorHood) -> Vec<u32> {
+pub(crate) fn nodes_on_axis(mesh: &Mesh, space: &TaylorHood) -> Vec<u32> {
     let most = ON_AXIS * mesh.extent();
     let is_on_axis = |vertex: u32| mesh.coordinates()[vertex as usize][0] <= most;
     let vertices = (0..space.vertices as u32).filter(|&vertex| is_on_axis(vertex));
@@ -60,22 +54,22 @@ pub(super) fn nodes_on_axis(mesh: &Mesh, space: &TaylorHood) -> Vec<u32> {
 const SAME: f64 = 1e-9;
 
 /// Supports that prescribe different values on shared vertices.
-pub(super) fn conflicts(scene: &Scene, resolved: &Resolved, mesh: &Mesh) -> Vec<String> {
+pub(crate) fn conflicts(resolved: &Resolved, mesh: &Mesh) -> Vec<String> {
     let mut holder: BTreeMap<(u32, usize), usize> = BTreeMap::new();
     let mut found: BTreeMap<(usize, usize), usize> = BTreeMap::new();
-    for (index, facets) in resolved.support_facets.iter().enumerate() {
-        let values = scene.supports[index].displacement;
+    let supports = &resolved.supports;
+    for (index, support) in supports.iter().enumerate() {
         let at = |support: usize, vertex: u32, value: f64| {
             let point = mesh.coordinates()[vertex as usize];
-            let profile = resolved.profiles[support].as_ref();
+            let profile = supports[support].profile.as_ref();
             profile.map_or(value, |profile| value * profile.at(point))
         };
-        let vertices = vertices_of(mesh, std::iter::once(facets));
-        for (component, value) in values.into_iter().enumerate() {
+        let vertices = vertices_of(mesh, std::iter::once(&support.facets));
+        for (component, value) in support.displacement.into_iter().enumerate() {
             let Some(value) = value else { continue };
             for &vertex in &vertices {
                 let first = *holder.entry((vertex, component)).or_insert(index);
-                let held = scene.supports[first].displacement[component];
+                let held = supports[first].displacement[component];
                 let differs = |held: f64| {
                     let difference = at(first, vertex, held) - at(index, vertex, value);
                     difference.abs() > SAME * held.abs().max(value.abs())
@@ -86,7 +80,7 @@ pub(super) fn conflicts(scene: &Scene, resolved: &Resolved, mesh: &Mesh) -> Vec<
             }
         }
     }
-    let name = |index: usize| &scene.supports[index].name;
+    let name = |index: usize| &supports[index].name;
     found
         .into_iter()
         .map(|((first, second), count)| {

@@ -1,76 +1,93 @@
 //! Decisions: what a scene needs, by which method, at what predicted cost, and
 //! what is left out. Cheap to make, printable, made before any expensive work.
+//!
+//! A plan holds the scene, its names resolved into items with facets and built shapes, the
+//! units, and every choice with its reason; whatever reads names or positions of lists of
+//! the scene does so here, once. Nothing later validates. Cost: one pass over cells, facets
+//! and groups.
 
-mod approximation;
-mod comparison;
-mod contact;
-mod data;
-mod displacement;
-mod element;
+mod chooser;
+pub(crate) mod contact;
+pub(crate) mod displacement;
+pub(crate) mod element;
 mod estimate;
-mod held;
-mod p1;
-mod prepared;
+pub(crate) mod held;
+pub(crate) mod p1;
 mod report;
-mod rings;
-mod rubber;
-mod saddle;
+pub(crate) mod rubber;
+pub(crate) mod saddle;
+mod settings;
 mod units;
 
 use sha2::{Digest, Sha256};
 
-use crate::inequality::MetricKind;
 use crate::linalg::cholesky::Precision;
 use crate::mesh::{Mesh, MeshId};
 use crate::report::Unknowns;
-use crate::scene::validate::{Resolved, resolve};
-use crate::scene::{Scene, SceneError, SceneKind, Step, Violation};
+use crate::scene::validate::{Resolved, ResolvedObstacle, build, resolve};
+use crate::scene::{
+    DisplacementMethod, ElementKind, MetricKind, Scene, SceneError, SceneKind, Step, Violation,
+};
 use crate::space::TaylorHood;
 
-pub(crate) use approximation::{Approximation, Deformed};
-pub(crate) use comparison::ComparisonData;
 use contact::ContactSizes;
-pub use data::Prepared;
-pub(crate) use data::PreparedBody;
-use displacement::DisplacementMethod;
-use element::Element;
 use held::{conflicts, held_unknowns};
 use p1::P1Sizes;
-pub use prepared::PrepareError;
-pub(crate) use prepared::Prepared as TaylorHoodData;
 pub use report::{LeftOut, PlanEntry, PlanReport};
-pub(crate) use saddle::SaddleMethod;
 use saddle::{Demand, SaddleChoice, SaddleNeeds};
+use settings::Settings;
 pub use units::Units;
 
-/// Names everything that [`Prepared`] depends on; equal keys share it.
+/// Names everything that [`Prepared`](crate::Prepared) depends on; equal keys share it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct PreparedKey(pub [u8; 32]);
 
 /// A validated scene with its decisions.
 #[derive(Clone, Debug)]
 pub struct Plan {
+    /// The scene as it was given.
     pub(crate) scene: Scene,
+    /// What the scene's names stand for: items with facets, values and built shapes.
     pub(crate) resolved: Resolved,
+    /// Obstacles in the order of the scene, shapes non-dimensional.
+    pub(crate) obstacles: Vec<ResolvedObstacle>,
+    /// What the scene asks of every increment: tolerance, limits, options.
+    pub(crate) settings: Settings,
+    /// Reference length and stress, by which everything is made non-dimensional.
     pub(crate) units: Units,
+    /// Digest of the mesh that the plan was made for.
     pub(crate) mesh_id: MeshId,
+    /// Number of unknowns by kind.
     pub(crate) unknowns: Unknowns,
-    pub(crate) element: Element,
+    /// Spaces of displacement and pressure.
+    pub(crate) element: ElementKind,
+    /// Number of mesh vertices.
     pub(crate) vertices: usize,
+    /// Number of mesh cells.
     pub(crate) cells: usize,
     /// Held unknown and the support that holds it ([`held::AXIS`] where none does),
     /// ascending by unknown.
     pub(crate) held: Vec<(u32, u16)>,
+    /// Multipliers of supports that hold their normal component, behind those of
+    /// obstacles.
+    pub(crate) guided_multipliers: usize,
+    /// Method and metric for contact.
     pub(crate) contact: contact::ContactChoice,
     /// Mesh vertices of all candidate faces, ascending; none where the metric is
     /// not their compliance.
     pub(crate) contact_vertices: Vec<u32>,
+    /// Preconditioner of the displacement block.
     pub(crate) displacement: DisplacementMethod,
+    /// Degree of the Chebyshev smoother in the preconditioner.
     pub(crate) smoother_degree: usize,
-    /// Mean quality of the cells.
+    /// Mean quality of the cells, in (0, 1]; low values ask for smoothing along short
+    /// edges.
     quality: f64,
+    /// Solver of the P1 block.
     pub(crate) p1: p1::P1Choice,
+    /// Method of the linear systems.
     pub(crate) saddle: SaddleChoice,
+    /// Sentences about what the caller should know, for reports of the plan.
     pub(crate) warnings: Vec<String>,
 }
 
@@ -81,45 +98,31 @@ impl Plan {
     /// [`SceneError`] with the path of every faulty key, or of the first one
     /// that this version does not support.
     pub fn new(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Self, SceneError> {
-        let resolved = resolve(scene, steps, mesh)?;
-        let units = Units::new(scene, &resolved, mesh);
-        if !units.are_usable() {
-            return Err(SceneError::Invalid(vec![Violation {
-                path: "mesh_scale".to_owned(),
-                message: format!(
-                    "a body of length {:e} with a {} of {:e} leaves the range of numbers",
-                    units.length,
-                    resolved.modulus_name(),
-                    units.stress
-                ),
-            }]));
-        }
+        let (resolved, obstacles) = resolve(scene, steps, mesh)?;
+        chooser::check(&scene.solver)?;
+        let units = usable_units(scene, &resolved, mesh)?;
+        let obstacles = build(obstacles, units.length)?;
         let space = TaylorHood::new(mesh);
-        let mut contact_vertices = vertices_of(mesh, resolved.obstacle_facets.iter());
-        let multipliers: usize = resolved
-            .obstacle_facets
-            .iter()
-            .map(|facets| vertices_of(mesh, std::iter::once(facets)).len())
-            .sum();
-        let element = Element::from_name(&scene.solver.element);
+        let surfaces = Surfaces::of(mesh, &space, &obstacles, &resolved);
+        let element = element::choose(scene.solver.element);
         let unknowns = Unknowns {
-            contact: multipliers as u64,
+            contact: (surfaces.contacts + surfaces.guided) as u64,
             ..element.unknowns(mesh, &resolved)
         };
         let sizes = ContactSizes {
             dimension: units.dimension as u64,
             multipliers: unknowns.contact,
-            vertices: contact_vertices.len() as u64,
+            vertices: surfaces.vertices.len() as u64,
             factor_flops: estimate::factor(units.dimension, space.vertices as u64).1,
             needs_one_level: !resolved.free_modes.is_empty()
-                || !matches!(element, Element::TaylorHood),
+                || surfaces.guided > 0
+                || !matches!(element, ElementKind::TaylorHood),
         };
         let contact = contact::choose(&scene.solver, sizes).map_err(SceneError::Unsupported)?;
-        if contact.metric != MetricKind::Compliance {
-            contact_vertices.clear();
-        }
-        let held = held_unknowns(scene, &resolved, mesh, &space);
-        let smoother_degree = smoother_degree(&resolved, mesh);
+        let contact_vertices = match contact.metric {
+            MetricKind::Compliance => surfaces.vertices,
+            MetricKind::Mass | MetricKind::Fractional => Vec::new(),
+        };
         let sizes = P1Sizes {
             dimension: units.dimension,
             vertices: space.vertices as u64,
@@ -127,38 +130,41 @@ impl Plan {
             contrast: contrast(&resolved),
             quality: mesh.quality().mean,
         };
-        let p1 = p1::choose(&scene.solver.p1_solver, sizes);
-        let displacement = DisplacementMethod::choose(&scene.solver.displacement_preconditioner);
-        let demands = [displacement.demand(), p1.solver.demand()];
-        let needs = SaddleNeeds {
-            has_multipliers: unknowns.pressure + unknowns.contact > 0,
-            demand: match demands.contains(&Demand::Flexible) {
-                true => Demand::Flexible,
-                false => Demand::None,
-            },
-        };
-        let saddle = saddle::choose(&scene.solver.saddle, needs);
-        let mut warnings = mesh.warnings().to_vec();
-        warnings.extend(conflicts(scene, &resolved, mesh));
+        let p1 = p1::choose(scene.solver.p1_solver, sizes);
+        let displacement = displacement::choose(scene.solver.displacement_preconditioner);
+        let saddle = saddle_for(scene, unknowns, [displacement.demand(), p1.solver.demand()]);
+        let own = conflicts(&resolved, mesh).into_iter();
         Ok(Self {
+            warnings: mesh.warnings().iter().cloned().chain(own).collect(),
             units,
             mesh_id: mesh.id(),
             unknowns,
             element,
             vertices: space.vertices,
             cells: mesh.cell_count(),
-            held,
+            held: held_unknowns(&resolved, mesh, &space),
+            guided_multipliers: surfaces.guided,
             contact,
             contact_vertices,
             displacement,
-            smoother_degree,
+            smoother_degree: smoother_degree(&resolved, mesh),
             quality: mesh.quality().mean,
             p1,
             saddle,
-            warnings,
+            settings: Settings::new(&scene.solver),
             scene: scene.clone(),
             resolved,
+            obstacles,
         })
+    }
+
+    /// Facets of the surfaces that carry multipliers, in their order: those that may
+    /// touch each obstacle, then the smooth patches of supports along their normal.
+    pub(crate) fn surfaces(&self) -> impl Iterator<Item = &[u32]> {
+        let candidates = self.obstacles.iter().map(|obstacle| &obstacle.facets[..]);
+        let supports = self.resolved.supports.iter();
+        candidates
+            .chain(supports.flat_map(|support| support.patches.iter().map(|patch| &patch[..])))
     }
 
     /// Unknowns by kind.
@@ -205,7 +211,10 @@ impl Plan {
             hash.update(shear.to_le_bytes());
             hash.update(inverse.to_le_bytes());
             if let Some(rubber) = &material.rubber {
-                rubber::hash(rubber, self.units.stress, &mut hash);
+                rubber
+                    .over(self.units.stress)
+                    .isochoric
+                    .hash_into(&mut hash);
                 hash.update(self.strain_degree().to_le_bytes());
             }
         }
@@ -215,6 +224,13 @@ impl Plan {
         for vertex in &self.contact_vertices {
             hash.update(vertex.to_le_bytes());
         }
+        let supports = self.resolved.supports.iter();
+        for patch in supports.flat_map(|support| &support.patches) {
+            hash.update(b"guided");
+            patch
+                .iter()
+                .for_each(|facet| hash.update(facet.to_le_bytes()));
+        }
         PreparedKey(hash.finalize().into())
     }
 
@@ -222,12 +238,8 @@ impl Plan {
     pub(crate) fn penalty(&self) -> f64 {
         match self.resolved.is_rubber() {
             true => 0.0,
-            false => self.scene.solver.penalty.unwrap_or(0.0),
+            false => self.settings.penalty.unwrap_or(0.0),
         }
-    }
-
-    pub(crate) fn has_body_force(&self) -> bool {
-        self.scene.body_force.iter().any(|&force| force != 0.0)
     }
 
     /// Whether cells are so stretched that node blocks do not smooth.
@@ -241,6 +253,79 @@ impl Plan {
     }
 }
 
+/// The units of a scene.
+///
+/// # Errors
+/// [`SceneError::Invalid`] where they leave the range of numbers.
+fn usable_units(scene: &Scene, resolved: &Resolved, mesh: &Mesh) -> Result<Units, SceneError> {
+    let units = Units::new(scene, resolved, mesh);
+    if units.are_usable() {
+        return Ok(units);
+    }
+    Err(SceneError::Invalid(vec![Violation {
+        path: "mesh_scale".to_owned(),
+        message: format!(
+            "a body of length {:e} with a {} of {:e} leaves the range of numbers",
+            units.length,
+            resolved.modulus_name(),
+            units.stress
+        ),
+    }]))
+}
+
+/// The method of the linear systems, from what both preconditioners ask of it.
+fn saddle_for(scene: &Scene, unknowns: Unknowns, demands: [Demand; 2]) -> SaddleChoice {
+    let needs = SaddleNeeds {
+        has_multipliers: unknowns.pressure + unknowns.contact > 0,
+        demand: match demands.contains(&Demand::Flexible) {
+            true => Demand::Flexible,
+            false => Demand::None,
+        },
+    };
+    saddle::choose(scene.solver.saddle, needs)
+}
+
+/// The surfaces that carry multipliers, counted.
+struct Surfaces {
+    /// Mesh vertices of all of them, ascending.
+    vertices: Vec<u32>,
+    /// Multipliers of obstacles: one a vertex of each.
+    contacts: usize,
+    /// Multipliers of supports along their normal: one a node of each patch.
+    guided: usize,
+}
+
+impl Surfaces {
+    fn of(
+        mesh: &Mesh,
+        space: &TaylorHood,
+        obstacles: &[ResolvedObstacle],
+        resolved: &Resolved,
+    ) -> Self {
+        let candidates = obstacles.iter().map(|obstacle| &obstacle.facets);
+        let supports = resolved.supports.iter();
+        let patches = supports.flat_map(|support| &support.patches);
+        let vertices = |facets| vertices_of(mesh, std::iter::once(facets)).len();
+        Self {
+            vertices: vertices_of(mesh, candidates.clone().chain(patches.clone())),
+            contacts: candidates.map(vertices).sum(),
+            guided: patches.map(|patch| nodes_of(mesh, space, patch)).sum(),
+        }
+    }
+}
+
+/// Number of displacement nodes on a patch.
+fn nodes_of(mesh: &Mesh, space: &TaylorHood, patch: &[u32]) -> usize {
+    let facets = patch.iter();
+    let mut nodes: Vec<u32> = facets
+        .flat_map(|&facet| space.facet_nodes(mesh.facet(facet as usize)))
+        .collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes.len()
+}
+
+/// The vertices of those facets, ascending and each once.
 fn vertices_of<'a>(mesh: &Mesh, facets: impl Iterator<Item = &'a Vec<u32>>) -> Vec<u32> {
     let mut vertices: Vec<u32> = facets
         .flatten()

@@ -1,53 +1,56 @@
 //! The plan as people and clients read it.
+//!
+//! Decisions come with their reasons, what is left out with the reason why it is not
+//! needed, memory as predicted bytes. The order is fixed, so that two plans can be compared
+//! line by line.
 
-use super::p1::P1Solver;
 use super::{Plan, estimate};
-use crate::inequality::MetricKind;
 use crate::linalg::cholesky::Precision;
 use crate::report::Unknowns;
+use crate::scene::{ElementKind, MetricKind, P1Solver};
 
 /// One decision.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PlanEntry {
-    /// What was decided.
+    /// What was decided, as a key of the scene or a word.
     pub what: String,
-    /// The choice.
+    /// What was chosen.
     pub choice: String,
-    /// Why.
+    /// Why it was chosen, as a phrase.
     pub reason: String,
 }
 
 /// One thing that this scene does not pay for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LeftOut {
-    /// What is absent.
+    /// What is absent, as a phrase.
     pub what: String,
-    /// Why it is not needed.
+    /// Why the scene does not need it, as a phrase.
     pub reason: String,
 }
 
 /// A printable plan.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PlanReport {
-    /// Name of the scene.
+    /// Name of the scene, for people.
     pub name: String,
-    /// `solid`, `plane-strain` or `axisymmetric`.
+    /// Geometry of the scene: `solid`, `plane-strain` or `axisymmetric`.
     pub kind: &'static str,
-    /// Unknowns by kind.
+    /// Number of unknowns by kind.
     pub unknowns: Unknowns,
-    /// `mixed` or `displacement`.
+    /// Which unknowns carry the volume constraint: `mixed` or `displacement`.
     pub formulation: String,
-    /// Methods with reasons.
+    /// Methods with the reasons for them.
     pub decisions: Vec<PlanEntry>,
-    /// What is absent.
+    /// What this scene does not pay for, with the reasons.
     pub left_out: Vec<LeftOut>,
-    /// Bytes of prepared data and state.
+    /// Predicted bytes of prepared data and state, from models of their sizes.
     pub predicted_bytes: u64,
     /// Floating point operations to build the P1 solver.
     pub predicted_factor_flops: f64,
     /// Displacement preconditioner applications per increment.
     pub predicted_applications: u32,
-    /// Things the caller should know.
+    /// Sentences about what the caller should know.
     pub warnings: Vec<String>,
 }
 
@@ -74,6 +77,7 @@ impl Plan {
         }
     }
 
+    /// All decisions of the plan, in the order in which they are shown.
     fn decisions(&self) -> Vec<PlanEntry> {
         let mut entries = Vec::new();
         let mut push = |what: &str, choice: String, reason: &str| {
@@ -89,7 +93,7 @@ impl Plan {
             self.formulation_reason(),
         );
         self.push_rubber(&mut push);
-        if self.enrichment().is_some() {
+        if self.element != ElementKind::TaylorHood {
             push(
                 "displacement_preconditioner",
                 "bubbles, P1 solver, bubbles (block Gauss-Seidel)".into(),
@@ -116,6 +120,7 @@ impl Plan {
         entries
     }
 
+    /// The preconditioner of the displacement block, with its smoother.
     fn push_smoother(&self, push: &mut dyn FnMut(&str, String, &str)) {
         let (mut name, reason) = self.displacement.describe(self.smoother_degree);
         if self.smooths_along_lines() {
@@ -136,6 +141,7 @@ impl Plan {
         }
     }
 
+    /// Everything that this scene leaves out, in the order in which it is shown.
     fn left_out(&self) -> Vec<LeftOut> {
         let mut entries = Vec::new();
         let mut push = |what: &str, reason: &str| {
@@ -169,7 +175,7 @@ impl Plan {
                 "small strain, linear material",
             );
         }
-        if !self.has_body_force() && self.scene.manufactured.is_none() {
+        if !self.resolved.has_body_force() && self.resolved.manufactured.is_none() {
             push("body force", "none given");
         }
         if !self.is_floating() {

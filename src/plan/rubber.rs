@@ -1,33 +1,14 @@
-//! What a plan says of rubber, and what it adds to the key of prepared data.
+//! What a plan decides and says of rubber.
 
-use sha2::{Digest, Sha256};
-
-use super::Plan;
-use super::approximation::VOLUMETRIC;
-use super::estimate;
 use crate::element::quadrature::{Simplex, rule};
 use crate::krylov::gcr::Directions;
-use crate::material::{InvariantLaw, Isochoric, Ogden, OgdenTerm, Rubber};
+use crate::material::Rubber;
+use crate::plan::Plan;
+use crate::plan::estimate;
 use crate::scene::{MaterialModel, SceneKind};
 
-/// Adds the coefficients of a law, in units of `stress`.
-pub(super) fn hash(rubber: &Rubber, stress: f64, hash: &mut Sha256) {
-    match &rubber.isochoric {
-        Isochoric::Invariants(law) => {
-            hash.update(b"invariants");
-            for coefficient in [law.c10, law.c01, law.c20, law.c30] {
-                hash.update((coefficient / stress).to_le_bytes());
-            }
-        }
-        Isochoric::Ogden(law) => {
-            hash.update(b"ogden");
-            for term in &law.terms {
-                hash.update((term.modulus / stress).to_le_bytes());
-                hash.update(term.exponent.to_le_bytes());
-            }
-        }
-    }
-}
+/// Weight of the volume term, in units of the shear modulus.
+pub(crate) const VOLUMETRIC: f64 = 2.0 / 3.0;
 
 /// Degree of the rule for stress, volume and tangent where the scene names none:
 /// exact for linear elasticity, so that the order of convergence is that of exact
@@ -68,14 +49,14 @@ impl Plan {
 
     /// Weight of the volume term at the start, in units of the shear modulus.
     pub(crate) fn first_penalty(&self) -> f64 {
-        self.scene.solver.penalty.unwrap_or(0.0)
+        self.settings.penalty.unwrap_or(0.0)
     }
 
     /// Its weight where an equilibrium is lost with `present` under pressures up to
     /// `largest`, in units of the shear modulus; none where that is enough and where
     /// the scene says.
     pub(crate) fn next_penalty(&self, present: f64, largest: f64) -> Option<f64> {
-        let is_free = self.resolved.is_rubber() && self.scene.solver.penalty.is_none();
+        let is_free = self.resolved.is_rubber() && self.settings.penalty.is_none();
         let may_help = is_free && (present == 0.0 || present < largest);
         let mut weights = PENALTIES.into_iter().filter(|_| may_help);
         weights.find(|&weight| weight > present)
@@ -87,7 +68,7 @@ impl Plan {
             true => DEGREE_ABOUT_AXIS,
             false => DEGREE,
         };
-        self.scene.solver.quadrature_degree.unwrap_or(degree)
+        self.settings.quadrature_degree.unwrap_or(degree)
     }
 
     /// Whether the mesh is the section of a body of revolution.
@@ -96,40 +77,16 @@ impl Plan {
     }
 
     /// Laws by material, non-dimensional.
-    pub(super) fn laws(&self) -> Vec<Rubber> {
+    pub(crate) fn laws(&self) -> Vec<Rubber> {
+        let materials = self.resolved.materials.iter();
+        let rubbers = materials.filter_map(|material| material.rubber.as_ref());
         let unit = self.units.stress;
-        let isochoric = |rubber: &Rubber| match &rubber.isochoric {
-            Isochoric::Invariants(law) => Isochoric::Invariants(InvariantLaw {
-                c10: law.c10 / unit,
-                c01: law.c01 / unit,
-                c20: law.c20 / unit,
-                c30: law.c30 / unit,
-            }),
-            Isochoric::Ogden(law) => {
-                let terms = law.terms.iter().map(|term| OgdenTerm {
-                    modulus: term.modulus / unit,
-                    exponent: term.exponent,
-                });
-                Isochoric::Ogden(Ogden {
-                    terms: terms.collect(),
-                })
-            }
-        };
-        let of = |rubber: &Rubber| Rubber {
-            isochoric: isochoric(rubber),
-            inverse_bulk: rubber.inverse_bulk * unit,
-        };
-        let rubbers = self
-            .resolved
-            .materials
-            .iter()
-            .filter_map(|m| m.rubber.as_ref());
-        rubbers.map(of).collect()
+        rubbers.map(|rubber| rubber.over(unit)).collect()
     }
 
     /// What rubber holds at its peak beside a linear body: kept directions, two
     /// states with their tangents, and an approximate inverse of its own.
-    pub(super) fn rubber_bytes(&self, vertices: u64) -> u64 {
+    pub(crate) fn rubber_bytes(&self, vertices: u64) -> u64 {
         if !self.resolved.is_rubber() {
             return 0;
         }
@@ -138,7 +95,7 @@ impl Plan {
             .materials
             .iter()
             .filter_map(|m| m.rubber.as_ref());
-        let in_stretches = rubbers.any(|rubber| matches!(rubber.isochoric, Isochoric::Ogden(_)));
+        let in_stretches = rubbers.any(|rubber| rubber.isochoric.is_in_stretches());
         let simplex = match self.units.dimension {
             2 => Simplex::Triangle,
             _ => Simplex::Tetrahedron,
@@ -154,7 +111,7 @@ impl Plan {
     }
 
     /// Laws with their bulk moduli, each once.
-    pub(super) fn rubber_laws(&self) -> String {
+    pub(crate) fn rubber_laws(&self) -> String {
         let mut laws: Vec<String> = Vec::new();
         for material in &self.scene.materials {
             let MaterialModel::Rubber {
@@ -177,9 +134,9 @@ impl Plan {
     }
 
     /// The rule that integrates stress and tangent.
-    pub(super) fn rubber_rule(&self) -> (String, &'static str) {
+    pub(crate) fn rubber_rule(&self) -> (String, &'static str) {
         let rule = format!("degree {}", self.strain_degree());
-        match self.scene.solver.quadrature_degree {
+        match self.settings.quadrature_degree {
             Some(_) => (rule, "asked for"),
             None if self.is_axisymmetric() => {
                 (rule, "the stretch around the axis is no polynomial")
@@ -189,7 +146,7 @@ impl Plan {
     }
 
     /// Decisions that only rubber needs.
-    pub(super) fn push_rubber(&self, push: &mut dyn FnMut(&str, String, &str)) {
+    pub(crate) fn push_rubber(&self, push: &mut dyn FnMut(&str, String, &str)) {
         if !self.resolved.is_rubber() {
             return;
         }
@@ -204,7 +161,7 @@ impl Plan {
                 "every point of the section is a ring",
             );
         }
-        if !self.scene.pressures.is_empty() {
+        if !self.resolved.pressures.is_empty() {
             push(
                 "pressure load",
                 "on the deformed faces, its change in the tangent".into(),
@@ -216,7 +173,7 @@ impl Plan {
             "from F and p at quadrature points, never stored as a matrix".into(),
             "both change with every iteration",
         );
-        let (penalty, reason) = match self.scene.solver.penalty {
+        let (penalty, reason) = match self.settings.penalty {
             Some(weight) => (
                 format!("{weight} mu of pointwise volume change"),
                 "asked for",

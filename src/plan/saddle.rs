@@ -5,6 +5,8 @@
 //! block-triangular step, the fewest applications of the displacement
 //! preconditioner. The others stand beside them for comparison.
 
+use crate::scene::{Choice, SaddleMethod};
+
 /// What a preconditioner asks of the method around it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Demand {
@@ -14,56 +16,36 @@ pub(crate) enum Demand {
     Flexible,
 }
 
-/// Methods of the linear systems.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum SaddleMethod {
-    /// Conjugate gradients on the displacement.
-    ConjugateGradients,
-    /// The preconditioner on its own, on the displacement.
-    Stationary,
-    /// Flexible GCR, upper block-triangular step.
-    Gcr,
-    /// Flexible GCR, symmetric Arrow-Hurwicz step.
-    ArrowHurwicz,
-    /// Nested conjugate gradients on the pressure Schur complement.
-    UzawaCg,
-    /// MINRES, block-diagonal preconditioner.
-    Minres,
-}
-
 /// A choice with its reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct SaddleChoice {
+    /// The method of the linear systems.
     pub(crate) method: SaddleMethod,
-    pub(super) reason: &'static str,
+    /// Why it was chosen, as a phrase that a plan shows.
+    pub(crate) reason: &'static str,
 }
 
 /// What the choice rests on.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SaddleNeeds {
+pub(crate) struct SaddleNeeds {
     /// Whether the scene has a pressure or contact block.
-    pub(super) has_multipliers: bool,
+    pub(crate) has_multipliers: bool,
     /// What the displacement preconditioner and its P1 solver ask for.
-    pub(super) demand: Demand,
+    pub(crate) demand: Demand,
 }
 
 /// Chooses; `asked` is the scene's `solver.saddle`.
-pub(super) fn choose(asked: &str, needs: SaddleNeeds) -> SaddleChoice {
-    let method = match asked {
-        "cg" => SaddleMethod::ConjugateGradients,
-        "stationary" => SaddleMethod::Stationary,
-        "gcr" => SaddleMethod::Gcr,
-        "arrow-hurwicz" => SaddleMethod::ArrowHurwicz,
-        "uzawa-cg" => SaddleMethod::UzawaCg,
-        "minres" => SaddleMethod::Minres,
-        _ => return automatic(needs),
-    };
-    SaddleChoice {
-        method,
-        reason: "asked for",
+pub(crate) fn choose(asked: Choice<SaddleMethod>, needs: SaddleNeeds) -> SaddleChoice {
+    match asked {
+        Choice::Auto => automatic(needs),
+        Choice::Named(method) => SaddleChoice {
+            method,
+            reason: "asked for",
+        },
     }
 }
 
+/// The usual method for what the scene's blocks and preconditioner ask for.
 fn automatic(needs: SaddleNeeds) -> SaddleChoice {
     let (method, reason) = match (needs.has_multipliers, needs.demand) {
         (false, Demand::None) => (
@@ -84,7 +66,7 @@ fn automatic(needs: SaddleNeeds) -> SaddleChoice {
 
 impl SaddleMethod {
     /// The name in plans.
-    pub(super) fn describe(self, has_multipliers: bool) -> &'static str {
+    pub(crate) fn describe(self, has_multipliers: bool) -> &'static str {
         match self {
             Self::ConjugateGradients => "conjugate gradients",
             Self::Stationary => "stationary iteration",
@@ -98,7 +80,7 @@ impl SaddleMethod {
 
     /// Applications of the displacement preconditioner beside the automatic
     /// choice's.
-    pub(super) fn relative_applications(self) -> f64 {
+    pub(crate) fn relative_applications(self) -> f64 {
         match self {
             Self::ConjugateGradients | Self::Gcr => 1.0,
             Self::Stationary => 4.0,
@@ -112,8 +94,9 @@ impl SaddleMethod {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::scene::Named;
 
-    fn chosen(asked: &str, has_multipliers: bool, demand: Demand) -> SaddleMethod {
+    fn chosen(asked: Choice<SaddleMethod>, has_multipliers: bool, demand: Demand) -> SaddleMethod {
         let needs = SaddleNeeds {
             has_multipliers,
             demand,
@@ -124,20 +107,15 @@ mod tests {
     #[test]
     fn conjugate_gradients_serve_only_fixed_symmetric_preconditioners() {
         let (cg, gcr) = (SaddleMethod::ConjugateGradients, SaddleMethod::Gcr);
-        assert_eq!(chosen("auto", false, Demand::None), cg);
-        assert_eq!(chosen("auto", false, Demand::Flexible), gcr);
-        assert_eq!(chosen("auto", true, Demand::None), gcr);
+        assert_eq!(chosen(Choice::Auto, false, Demand::None), cg);
+        assert_eq!(chosen(Choice::Auto, false, Demand::Flexible), gcr);
+        assert_eq!(chosen(Choice::Auto, true, Demand::None), gcr);
     }
 
     #[test]
     fn the_scene_has_the_last_word() {
-        for (name, method) in [
-            ("stationary", SaddleMethod::Stationary),
-            ("arrow-hurwicz", SaddleMethod::ArrowHurwicz),
-            ("uzawa-cg", SaddleMethod::UzawaCg),
-            ("minres", SaddleMethod::Minres),
-        ] {
-            assert_eq!(chosen(name, true, Demand::None), method);
+        for &method in SaddleMethod::ALL {
+            assert_eq!(chosen(Choice::Named(method), true, Demand::None), method);
         }
     }
 }

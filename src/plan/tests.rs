@@ -2,12 +2,16 @@
 
 use std::sync::Arc;
 
-use super::{Plan, TaylorHoodData as Prepared};
-use crate::krylov::{Monitor, Outcome, Verdict, cg};
+use super::Plan;
+use crate::krylov::cg::Cg;
+use crate::krylov::{Monitor, Outcome, Verdict};
 use crate::linalg::vector::{dot, norm, reproducible_noise};
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 use crate::mesh::{Mesh, samples};
+use crate::prepare::TaylorHoodData as Prepared;
 use crate::report::CancelToken;
+#[cfg(feature = "comparisons")]
+use crate::scene::{Choice, DisplacementMethod, P1Solver, SaddleMethod};
 use crate::scene::{
     Formulation, Material, MaterialModel, Modulus, Obstacle, Profile, Scene, Shape, Support,
     Traction,
@@ -26,6 +30,7 @@ fn scene(poisson_ratio: f64) -> Scene {
         supports: vec![Support {
             name: "wall".to_owned(),
             on: vec!["x0".to_owned()],
+            normal: None,
             displacement: [Some(0.0), Some(0.0), None],
             profile: Profile::Constant,
         }],
@@ -37,7 +42,7 @@ fn scene(poisson_ratio: f64) -> Scene {
 fn the_axis_of_a_body_of_revolution_is_its_side_at_x_zero() {
     let mesh = samples::rectangle(2, 2);
     let space = crate::space::TaylorHood::new(&mesh);
-    let nodes = super::held::nodes_on_axis(&mesh, &space);
+    let nodes = crate::plan::held::nodes_on_axis(&mesh, &space);
     let on_axis = |vertex: &u32| mesh.coordinates()[*vertex as usize][0] <= 0.0;
     let (vertices, edges): (Vec<u32>, Vec<u32>) = nodes
         .iter()
@@ -137,11 +142,12 @@ fn the_displacement_preconditioner_is_symmetric_and_positive() {
 }
 
 #[test]
+#[cfg(feature = "comparisons")]
 fn hierarchical_preconditioners_for_conjugate_gradients_are_symmetric_and_positive() {
     for name in ["hierarchical-ssor", "hierarchical-additive"] {
         for mesh in [samples::cube(3), samples::rectangle(5, 4)] {
             let mut scene = clamped(0.3);
-            name.clone_into(&mut scene.solver.displacement_preconditioner);
+            scene.solver.displacement_preconditioner = name.parse().expect("a method");
             let prepared = prepare(&scene, mesh);
             let x = noise(&prepared);
             let mut y: Vec<f64> = x.iter().rev().copied().collect();
@@ -167,6 +173,7 @@ fn hierarchical_preconditioners_for_conjugate_gradients_are_symmetric_and_positi
 }
 
 #[test]
+#[cfg(feature = "comparisons")]
 fn methods_and_penalty_have_keys_of_their_own() {
     let mesh = samples::cube(2);
     let base = plan(&clamped(0.5), &mesh).key();
@@ -177,14 +184,15 @@ fn methods_and_penalty_have_keys_of_their_own() {
     };
     let others = [
         changed(|scene| {
-            "hierarchical-ssor".clone_into(&mut scene.solver.displacement_preconditioner);
+            scene.solver.displacement_preconditioner =
+                Choice::Named(DisplacementMethod::HierarchicalSsor);
         }),
-        changed(|scene| "ic-cg".clone_into(&mut scene.solver.p1_solver)),
+        changed(|scene| scene.solver.p1_solver = Choice::Named(P1Solver::IcCg)),
         changed(|scene| scene.solver.penalty = Some(1.0)),
     ];
     assert!(others.iter().all(|key| *key != base));
     // The Krylov method needs nothing of its own.
-    assert!(changed(|scene| "minres".clone_into(&mut scene.solver.saddle)) == base);
+    assert!(changed(|scene| scene.solver.saddle = Choice::Named(SaddleMethod::Minres)) == base);
 }
 
 /// Conjugate gradients on the displacement block to a reduction of 1e-8.
@@ -195,15 +203,12 @@ fn count(prepared: &Prepared) -> usize {
         bound: 1e-8 * norm(&r),
         iterations: 0,
     };
-    let outcome = cg::solve(
-        &prepared.stiffness,
-        &*prepared.at_rest.displacement,
-        &mut x,
-        &mut r,
-        50,
-        &mut monitor,
-        &mut Workspace::new(),
-    );
+    let method = Cg {
+        operator: &prepared.stiffness,
+        preconditioner: &*prepared.at_rest.displacement,
+        iterations: 50,
+    };
+    let outcome = method.solve((&mut x, &mut r), &mut monitor, &mut Workspace::new());
     assert_eq!(outcome, Outcome::Stopped);
     monitor.iterations
 }
@@ -219,7 +224,7 @@ fn conjugate_gradients_on_the_displacement_block_take_at_most_14() {
 /// [`clamped`] above a floor, with the named P1 solver.
 fn solved_by(p1_solver: &str, poisson_ratio: f64) -> Scene {
     let mut scene = with_floor(clamped(poisson_ratio));
-    scene.solver.p1_solver = p1_solver.to_owned();
+    scene.solver.p1_solver = p1_solver.parse().expect("a P1 solver");
     scene
 }
 
@@ -362,18 +367,27 @@ fn a_plan_leaves_out_what_the_scene_does_not_need() {
     assert!(prepared.pressure.is_none() && prepared.at_rest.compliance.rows() == 0);
 }
 
+fn assert_predicted(scene: &Scene) {
+    let mesh = samples::cube(8);
+    let predicted = plan(scene, &mesh).report().predicted_bytes;
+    let held = prepare(scene, mesh).bytes();
+    assert!(
+        held < predicted && predicted < 20 * held,
+        "{held} {predicted}"
+    );
+}
+
 #[test]
 fn predicted_bytes_bound_the_prepared_data() {
-    let mut compared = clamped(0.5);
-    "hierarchical-ssor".clone_into(&mut compared.solver.displacement_preconditioner);
-    "ic-cg".clone_into(&mut compared.solver.p1_solver);
-    for scene in [clamped(0.5), with_floor(clamped(0.5)), compared] {
-        let mesh = samples::cube(8);
-        let predicted = plan(&scene, &mesh).report().predicted_bytes;
-        let held = prepare(&scene, mesh).bytes();
-        assert!(
-            held < predicted && predicted < 20 * held,
-            "{held} {predicted}"
-        );
-    }
+    assert_predicted(&clamped(0.5));
+    assert_predicted(&with_floor(clamped(0.5)));
+}
+
+#[test]
+#[cfg(feature = "comparisons")]
+fn predicted_bytes_bound_the_data_of_comparison_methods() {
+    let mut scene = clamped(0.5);
+    scene.solver.displacement_preconditioner = Choice::Named(DisplacementMethod::HierarchicalSsor);
+    scene.solver.p1_solver = Choice::Named(P1Solver::IcCg);
+    assert_predicted(&scene);
 }

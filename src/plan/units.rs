@@ -9,7 +9,7 @@ use crate::scene::{Scene, SceneKind};
 /// Reference quantities in the caller's units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Units {
-    /// Longest side of the scaled body.
+    /// Longest side of the body after `mesh_scale`, in the caller's unit of length.
     pub length: f64,
     /// Smallest shear modulus: the displacement residual is then not small beside
     /// the volume residual anywhere in the body, and both fall together.
@@ -23,6 +23,8 @@ pub struct Units {
 }
 
 impl Units {
+    /// The units of a scene on a mesh: the body becomes one long, the softest material
+    /// one stiff.
     pub(crate) fn new(scene: &Scene, resolved: &Resolved, mesh: &Mesh) -> Self {
         let shear = resolved.materials.iter().map(|m| m.law.shear_modulus);
         Self {

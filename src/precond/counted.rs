@@ -7,7 +7,9 @@ use crate::linalg::{Preconditioner, Workspace};
 
 /// A preconditioner with a counter.
 pub struct Counted<'a> {
+    /// The preconditioner whose applications are counted.
     inner: &'a dyn Preconditioner,
+    /// Applications so far.
     applications: AtomicU32,
 }
 

@@ -12,8 +12,8 @@
 use std::sync::Arc;
 
 use super::Transfer;
-use super::spectrum::ritz_interval;
-use super::symmetric_blocks::{Block, NodePairs};
+use super::node_pairs::{Block, NodePairs};
+use super::spectrum::Lanczos;
 use crate::linalg::cholesky::{LowerColumns, Precision};
 use crate::linalg::ordering::{Graph, nested_dissection};
 use crate::linalg::vector::add_scaled;
@@ -36,27 +36,34 @@ const SAFETY: f64 = 1.05;
 /// The stiffness by Lagrange nodes.
 #[derive(Clone, Copy, Debug)]
 pub struct LagrangeNodes<'a> {
-    /// Components per node.
+    /// Components of a node: 2 or 3.
     pub components: usize,
-    /// Position of each node.
+    /// Undeformed position of each node `[nodes]`: vertices, then midpoints of edges.
     pub coordinates: &'a [[f64; 3]],
-    /// Blocks of nodes and couplings.
+    /// Diagonal blocks of the nodes and couplings of pairs of them.
     pub blocks: NodePairs<'a>,
-    /// Held unknowns, ascending.
+    /// Indices of held unknowns, ascending.
     pub held: &'a [u32],
 }
 
 /// `inner` between two smoothings along strongly coupled nodes.
 pub struct AlongLines {
+    /// A `[unknowns, unknowns]`.
     operator: Arc<dyn LinearOperator>,
+    /// The preconditioner between the two smoothings.
     inner: Arc<dyn Preconditioner>,
+    /// Exact inverses on groups of strongly coupled nodes.
     groups: Groups,
+    /// Largest eigenvalue of the groups' product with A, by which a smoothing is
+    /// damped.
     largest: f64,
 }
 
 /// F^-1 in the hierarchical basis.
 struct Groups {
+    /// Cholesky factor of A restricted to the groups, in Lagrange's basis.
     factor: SparseCholesky,
+    /// The way between the hierarchical basis and Lagrange's.
     transfer: Transfer,
 }
 
@@ -68,7 +75,6 @@ impl AlongLines {
         operator: Arc<dyn LinearOperator>,
         transfer: Transfer,
         inner: Arc<dyn Preconditioner>,
-        work: &mut Workspace,
     ) -> Option<Self> {
         let group_of = THRESHOLDS
             .iter()
@@ -78,8 +84,13 @@ impl AlongLines {
         let order = order(nodes, &group_of);
         let factor = SparseCholesky::new(&matrix, &order, Precision::Double).ok()?;
         let groups = Groups { factor, transfer };
-        let held = groups.transfer.held();
-        let interval = ritz_interval(&*operator, &groups, held, LANCZOS_STEPS, work);
+        let lanczos = Lanczos {
+            operator: &*operator,
+            preconditioner: &groups,
+            held: groups.transfer.held(),
+            steps: LANCZOS_STEPS,
+        };
+        let interval = lanczos.interval(&mut Workspace::new());
         Some(Self {
             operator,
             inner,
@@ -149,6 +160,7 @@ impl Preconditioner for Groups {
     }
 }
 
+/// Frobenius norm of a block.
 fn size(block: &Block<3>) -> f64 {
     let squares = block.iter().flatten().map(|value| value * value);
     squares.sum::<f64>().sqrt()
@@ -174,6 +186,7 @@ fn groups(nodes: &LagrangeNodes<'_>, threshold: f64) -> Vec<u32> {
         .collect()
 }
 
+/// The representative of the group that holds `node`; halves the path on its way.
 fn root(parent: &mut [u32], mut node: u32) -> u32 {
     while parent[node as usize] != node {
         let above = parent[parent[node as usize] as usize];
@@ -183,6 +196,8 @@ fn root(parent: &mut [u32], mut node: u32) -> u32 {
     node
 }
 
+/// Whether groups are worth factorising: none is a large part of the body, and one has
+/// several nodes.
 fn are_small(group_of: &[u32]) -> bool {
     let mut sizes = vec![0_usize; group_of.len()];
     group_of

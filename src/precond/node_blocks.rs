@@ -15,6 +15,7 @@ const PIECE: usize = 2048;
 /// Inverted symmetric node blocks.
 #[derive(Clone, Debug)]
 pub struct NodeBlocks {
+    /// Components of a node: 2 or 3, which is the size of a block.
     components: usize,
     /// Row-major blocks `[nodes, components, components]`.
     inverse: Vec<f64>,
@@ -49,17 +50,24 @@ impl NodeBlocks {
 
     /// One step of the Chebyshev recurrence:
     /// `d = keep d + gain D^-1 r`, `x += d`.
-    pub fn chebyshev_update(&self, keep: f64, gain: f64, r: &[f64], d: &mut [f64], x: &mut [f64]) {
+    pub fn chebyshev_update(
+        &self,
+        (keep, gain): (f64, f64),
+        r: &[f64],
+        d: &mut [f64],
+        x: &mut [f64],
+    ) {
         match self.components {
-            2 => self.update::<2>(keep, gain, r, d, x),
-            _ => self.update::<3>(keep, gain, r, d, x),
+            2 => self.update::<2>((keep, gain), r, d, x),
+            _ => self.update::<3>((keep, gain), r, d, x),
         }
     }
 
+    /// One Chebyshev step on nodes of C components: d = keep d + gain D^-1 r, x += d,
+    /// in parallel pieces of fixed size.
     fn update<const C: usize>(
         &self,
-        keep: f64,
-        gain: f64,
+        (keep, gain): (f64, f64),
         r: &[f64],
         d: &mut [f64],
         x: &mut [f64],
@@ -99,11 +107,13 @@ impl Preconditioner for NodeBlocks {
     fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace) {
         z.fill(0.0);
         let mut d = work.zeros(r.len());
-        self.chebyshev_update(0.0, 1.0, r, &mut d, z);
+        self.chebyshev_update((0.0, 1.0), r, &mut d, z);
         work.give(d);
     }
 }
 
+/// Inverts a symmetric block of two rows in place, or its diagonal where the
+/// determinant is not positive.
 fn invert_2(b: &mut [f64]) {
     let determinant = b[0] * b[3] - b[1] * b[2];
     if determinant > 0.0 && determinant.is_finite() {
@@ -114,6 +124,8 @@ fn invert_2(b: &mut [f64]) {
     }
 }
 
+/// Inverts a symmetric block of three rows in place by cofactors, or its diagonal where
+/// the determinant is not positive.
 fn invert_3(b: &mut [f64]) {
     let minor = |i: usize, j: usize, k: usize, l: usize| b[i] * b[l] - b[j] * b[k];
     let cofactors = [
@@ -135,6 +147,8 @@ fn invert_3(b: &mut [f64]) {
     }
 }
 
+/// Inverts the diagonal of a block in place; entries that are not positive become one,
+/// all others zero.
 fn invert_diagonal(b: &mut [f64], size: usize) {
     for i in 0..size {
         for j in 0..size {

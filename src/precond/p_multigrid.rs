@@ -10,7 +10,7 @@
 
 use std::sync::Arc;
 
-use super::spectrum::ritz_interval;
+use super::spectrum::Lanczos;
 use super::{NodeBlocks, Transfer};
 use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
@@ -32,26 +32,37 @@ const SAFETY: f64 = 1.05;
 
 /// The preconditioner of the displacement block.
 pub struct PMultigrid {
+    /// A in the hierarchical basis `[unknowns, unknowns]`.
     operator: Arc<dyn LinearOperator>,
+    /// Inverted Lagrange node blocks, which the Chebyshev smoother steps in.
     smoother: NodeBlocks,
+    /// Approximate inverse of A11 for the coarse correction.
     coarse: Arc<dyn Preconditioner>,
+    /// The way between the hierarchical basis and Lagrange's, and to the vertices.
     transfer: Transfer,
+    /// Degree of the Chebyshev smoother before and behind the correction.
     degree: usize,
+    /// Largest eigenvalue of the smoother's product with A, the upper end of its
+    /// interval.
     largest: f64,
 }
 
 impl PMultigrid {
     /// `operator` acts on Lagrange values; `smoother` holds its inverted node
-    /// blocks; `coarse` solves P1. Estimates the largest eigenvalue.
+    /// blocks and takes steps of `degree`; `coarse` solves P1. Estimates the largest eigenvalue.
     pub fn new(
         operator: Arc<dyn LinearOperator>,
-        smoother: NodeBlocks,
+        (smoother, degree): (NodeBlocks, usize),
         coarse: Arc<dyn Preconditioner>,
         transfer: Transfer,
-        degree: usize,
-        work: &mut Workspace,
     ) -> Self {
-        let interval = ritz_interval(&*operator, &smoother, transfer.held(), LANCZOS_STEPS, work);
+        let lanczos = Lanczos {
+            operator: &*operator,
+            preconditioner: &smoother,
+            held: transfer.held(),
+            steps: LANCZOS_STEPS,
+        };
+        let interval = lanczos.interval(&mut Workspace::new());
         Self {
             operator,
             smoother,
@@ -83,7 +94,7 @@ impl PMultigrid {
         let mut direction = work.zeros(r.len());
         for step in 0..self.degree {
             self.smoother
-                .chebyshev_update(keep, gain, r, &mut direction, x);
+                .chebyshev_update((keep, gain), r, &mut direction, x);
             if step < products {
                 self.operator.subtract_product(&direction, r, work);
             }
@@ -94,6 +105,8 @@ impl PMultigrid {
         work.give(direction);
     }
 
+    /// Adds the correction of the P1 block to `x` and takes its product off the
+    /// residual `r`. Cost: one P1 solve and one product with A.
     fn correct_coarse(&self, x: &mut [f64], r: &mut [f64], work: &mut Workspace) {
         let size = self.transfer.coarse_size();
         let mut coarse_residual = work.scratch(size);

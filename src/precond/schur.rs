@@ -12,9 +12,13 @@ use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
 /// Inverse of a P1 mass matrix by a fixed Chebyshev polynomial.
 #[derive(Clone, Debug)]
 pub struct ChebyshevMass {
+    /// The P1 mass matrix `[vertices, vertices]`, weighted by cells.
     mass: SparseRows,
+    /// Reciprocal diagonal of the mass `[vertices]`.
     inverse_diagonal: Vec<f64>,
+    /// Upper end of the interval that holds the spectrum of the scaled mass.
     largest: f64,
+    /// Number of Chebyshev steps, each one product with the mass.
     steps: usize,
 }
 
@@ -41,6 +45,7 @@ impl ChebyshevMass {
         self.mass.bytes() + 8 * self.inverse_diagonal.len() as u64
     }
 
+    /// One Chebyshev step of the direction: d = keep d + gain D^-1 r.
     fn update(&self, keep: f64, gain: f64, r: &[f64], d: &mut [f64]) {
         for ((d, r), inverse) in d.iter_mut().zip(r).zip(&self.inverse_diagonal) {
             *d = keep * *d + gain * inverse * r;

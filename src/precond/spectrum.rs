@@ -11,53 +11,66 @@ use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 /// Smallest and largest Ritz value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
-    /// Smallest Ritz value.
+    /// Smallest Ritz value, at least the smallest eigenvalue.
     pub smallest: f64,
-    /// Largest Ritz value.
+    /// Largest Ritz value, at most the largest eigenvalue.
     pub largest: f64,
 }
 
-/// Ritz interval of `preconditioner * operator` after `steps` Lanczos steps,
-/// on vectors that vanish at `held` entries.
-pub fn ritz_interval(
-    operator: &dyn LinearOperator,
-    preconditioner: &dyn Preconditioner,
-    held: &[u32],
-    steps: usize,
-    work: &mut Workspace,
-) -> Interval {
-    let mut r = reproducible_noise(operator.rows());
-    for &index in held {
-        r[index as usize] = 0.0;
-    }
-    let mut z = work.zeros(r.len());
-    preconditioner.apply(&r, &mut z, work);
-    let mut p = work.copy(&z);
-    let mut product = work.zeros(r.len());
-    let mut rz = dot(&r, &z);
-    let (mut diagonal, mut off) = (Vec::new(), Vec::new());
-    let mut previous: Option<(f64, f64)> = None;
-    for _ in 0..steps {
-        operator.apply(&p, &mut product, work);
-        let curvature = dot(&p, &product);
-        if !(curvature > 0.0 && rz > 0.0) {
-            break;
+/// The Lanczos process for M^-1 A.
+pub struct Lanczos<'a> {
+    /// A.
+    pub operator: &'a dyn LinearOperator,
+    /// M^-1.
+    pub preconditioner: &'a dyn Preconditioner,
+    /// Entries where all vectors vanish.
+    pub held: &'a [u32],
+    /// Its steps.
+    pub steps: usize,
+}
+
+impl Lanczos<'_> {
+    /// Smallest and largest Ritz value.
+    pub fn interval(&self, work: &mut Workspace) -> Interval {
+        let Self {
+            operator,
+            preconditioner,
+            held,
+            steps,
+        } = *self;
+        let mut r = reproducible_noise(operator.rows());
+        for &index in held {
+            r[index as usize] = 0.0;
         }
-        let alpha = rz / curvature;
-        diagonal.push(1.0 / alpha + previous.map_or(0.0, |(alpha, beta)| beta / alpha));
-        add_scaled(&mut r, -alpha, &product);
+        let mut z = work.zeros(r.len());
         preconditioner.apply(&r, &mut z, work);
-        let next = dot(&r, &z);
-        let beta = next / rz;
-        off.push(beta.max(0.0).sqrt() / alpha);
-        scale_and_add(&mut p, beta, &z);
-        rz = next;
-        previous = Some((alpha, beta));
+        let mut p = work.copy(&z);
+        let mut product = work.zeros(r.len());
+        let mut rz = dot(&r, &z);
+        let (mut diagonal, mut off) = (Vec::new(), Vec::new());
+        let mut previous: Option<(f64, f64)> = None;
+        for _ in 0..steps {
+            operator.apply(&p, &mut product, work);
+            let curvature = dot(&p, &product);
+            if !(curvature > 0.0 && rz > 0.0) {
+                break;
+            }
+            let alpha = rz / curvature;
+            diagonal.push(1.0 / alpha + previous.map_or(0.0, |(alpha, beta)| beta / alpha));
+            add_scaled(&mut r, -alpha, &product);
+            preconditioner.apply(&r, &mut z, work);
+            let next = dot(&r, &z);
+            let beta = next / rz;
+            off.push(beta.max(0.0).sqrt() / alpha);
+            scale_and_add(&mut p, beta, &z);
+            rz = next;
+            previous = Some((alpha, beta));
+        }
+        work.give(z);
+        work.give(p);
+        work.give(product);
+        tridiagonal_extremes(&diagonal, &off)
     }
-    work.give(z);
-    work.give(p);
-    work.give(product);
-    tridiagonal_extremes(&diagonal, &off)
 }
 
 /// Smallest and largest eigenvalue of a symmetric tridiagonal matrix by
@@ -140,7 +153,13 @@ mod tests {
             matrix = builder.finish();
         }
         let mut work = Workspace::new();
-        let interval = ritz_interval(&matrix, &Scaled(1.0), &[], 20, &mut work);
+        let lanczos = Lanczos {
+            operator: &matrix,
+            preconditioner: &Scaled(1.0),
+            held: &[],
+            steps: 20,
+        };
+        let interval = lanczos.interval(&mut work);
         let exact = |k: f64| 2.0 - 2.0 * (k * std::f64::consts::PI / 21.0).cos();
         assert!((interval.smallest - exact(1.0)).abs() < 1e-8);
         assert!((interval.largest - exact(20.0)).abs() < 1e-8);

@@ -3,7 +3,7 @@
 use super::NodeBlocks;
 use super::compliance::{ComplianceParts, compliance};
 use super::p1::{DirectP1, Traces, vertex_order};
-use crate::assembly::p1_stiffness::{node_blocks, p1_stiffness};
+use crate::assembly::p1_stiffness::StiffCells;
 use crate::assembly::{CellGeometry, CellModuli};
 use crate::linalg::cholesky::Precision;
 use crate::linalg::vector::reproducible_noise;
@@ -35,7 +35,13 @@ fn sample(mesh: &Mesh, side: &str) -> Sample {
     // The first vertices are held, and one component on the contact side.
     let mut held: Vec<u32> = (0..3 * space.components as u32).collect();
     held.push((space.vertices * space.components - 2) as u32);
-    let lower = p1_stiffness(mesh, &space, &geometry, &moduli, &held, 0.0);
+    let cells = StiffCells {
+        mesh,
+        space: &space,
+        geometry: &geometry,
+        stiffness: &moduli,
+    };
+    let lower = cells.p1_blocks(0.0).lower_columns(&space, &held);
     let mut matrix = DenseMatrix::zeros(lower.size(), lower.size());
     for column in 0..lower.size() {
         for entry in lower.offsets[column] as usize..lower.offsets[column + 1] as usize {
@@ -53,7 +59,7 @@ fn sample(mesh: &Mesh, side: &str) -> Sample {
     contact.sort_unstable();
     contact.dedup();
     let order = vertex_order(mesh.coordinates(), &space.edges, &contact);
-    let blocks = node_blocks(mesh, &space, &geometry, &moduli, &held);
+    let blocks = cells.node_blocks(&held);
     Sample {
         factor: DirectP1::new(&lower, &order, space.components, Precision::Double)
             .expect("positive definite"),
@@ -186,6 +192,7 @@ fn the_compliance_is_that_of_vertices_and_edges_apart() {
             traces,
             node_blocks: &sample.blocks,
             vertex_count: sample.space.vertices,
+            edge_ends: None,
         };
         let found = compliance(&parts, &coupling);
         let inverse = sample.inverse();

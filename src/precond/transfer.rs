@@ -21,15 +21,17 @@ const PIECE: usize = 2048;
 /// The edges of a mesh with their incidence.
 #[derive(Clone, Debug)]
 pub struct Transfer {
+    /// Number of vertices, whose unknowns come first.
     vertices: usize,
+    /// Components of a node: 2 or 3.
     components: usize,
-    /// End vertices of each edge `[edges]`.
+    /// End vertices of each edge `[edges]`, in the order of the unknowns.
     edges: Arc<[[u32; 2]]>,
     /// Where the edges of each vertex begin in `incident` `[vertices + 1]`.
     offsets: Vec<u32>,
-    /// Ascending for each vertex.
+    /// Edges at each vertex, ascending for each, so that sums keep one order.
     incident: Vec<u32>,
-    /// Indices of held entries, ascending.
+    /// Indices of held entries, ascending; they stay zero on every level.
     held: Arc<[u32]>,
 }
 
@@ -83,6 +85,8 @@ impl Transfer {
         4 * (self.offsets.len() + self.incident.len()) as u64
     }
 
+    /// Sets the held entries of `x` to zero; `x` may be shorter, for the vertices
+    /// alone.
     fn mask(&self, x: &mut [f64]) {
         let inside = self
             .held

@@ -1,13 +1,17 @@
 //! How a solve ended, and why; what kind of equilibrium it found.
+//!
+//! The enums are exhaustive: whoever maps them, as the server does onto the wire,
+//! names every value, so that a new one does not compile until it has its place.
 
 /// How a step, an increment or an inner solve ended. Not converging is a
-/// result: the best iterate is kept and a [`Cause`] says why.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
+/// result: the best iterate is kept and a [`Cause`] says why. The default claims
+/// nothing: only a solver that met its tolerance says that it converged.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Termination {
     /// All four criteria are at or below the tolerance.
     Converged,
     /// The method stopped without reaching the tolerance.
+    #[default]
     NotConverged,
     /// The caller cancelled; the last good state is kept.
     Cancelled,
@@ -32,17 +36,17 @@ impl Termination {
 
 /// Why a step did not converge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum Cause {
     /// The Krylov method no longer reduces the residual.
     Stagnation,
-    /// The Krylov method used up its iterations.
+    /// The Krylov method used up its iterations before the residual was small.
     IterationLimit,
-    /// The active set returned to an earlier one.
+    /// The active set returned to an earlier one, so that vertices would open and close
+    /// by turns.
     ActiveSetCycle,
     /// Cut-backs made the increment smaller than its floor.
     StepTooSmall,
-    /// The line search found no acceptable step.
+    /// The line search found no step length that makes progress.
     LineSearch,
     /// Loads or free rigid modes admit no equilibrium.
     NoEquilibrium,
@@ -82,11 +86,11 @@ impl Cause {
 
 /// What kind of equilibrium a state is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
 pub enum Stability {
     /// The energy is at a minimum among admissible states: stable.
     Minimum,
-    /// Some admissible direction lowers the energy.
+    /// Some admissible direction lowers the energy: the body would snap or buckle from
+    /// here.
     Saddle,
 }
 

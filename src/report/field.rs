@@ -64,9 +64,9 @@ impl FieldName {
 /// One field of the current state, row-major `[rows, components]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldData {
-    /// Which field.
+    /// Which field it is.
     pub name: FieldName,
-    /// Values per row.
+    /// Number of values in a row.
     pub components: usize,
     /// `rows * components` values in the caller's units.
     pub values: Vec<f64>,

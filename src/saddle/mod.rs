@@ -1,58 +1,65 @@
 //! The displacement problem with multiplier blocks:
 //!
 //! ```text
-//! [ A   B1^T  B2^T ] [u ]   [f ]
-//! [ B1  -C1        ] [x1] = [g1]
+//! [ A   D1^T  D2^T ] [u ]   [f ]
+//! [ B1  -C1        ] [x1] = [g1]      x_i in its admissible set
 //! [ B2        -C2  ] [x2]   [g2]
 //! ```
 //!
-//! Internal pressure and contact pressure are blocks of the same kind; what a
-//! scene does not need is a shorter list. Vectors are the concatenation of
+//! B_i are the rows of a block, D_i its columns: how its multipliers act. They are
+//! the same matrix where the problem has an energy. Internal pressure and contact
+//! pressure are blocks of the same kind; what a scene does not need is a shorter
+//! list. On a face of the admissible sets every block is an equality, and the
+//! system above is linear: [`SaddleOperator`]. Vectors are the concatenation of
 //! displacement and blocks. The preconditioner is the upper block triangle:
 //! multipliers first, by their metrics, then one application of the
-//! displacement preconditioner. The other files hold what it is compared with.
+//! displacement preconditioner.
 
-mod arrow_hurwicz;
-mod block_diagonal;
-mod uzawa;
+mod block;
+mod set;
 
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
-pub use arrow_hurwicz::{ArrowHurwicz, ratio as arrow_hurwicz_ratio};
-pub use block_diagonal::BlockDiagonal;
-pub use uzawa::Uzawa;
+pub use block::{EqualityBlock, Metric, MultiplierBlock};
+pub use set::{
+    Admissible, AdmissibleSet, Components, Discs, Kind, PairProblem, PointSet, ProductSet, SetPart,
+    SetPoint, Status,
+};
 
-/// The block step that preconditions a flexible method.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum BlockStep {
-    /// [`BlockTriangular`]: one displacement application.
-    UpperTriangular,
-    /// The same for a displacement preconditioner of A + gamma B1^T M1^-1 B1, whose
-    /// right-hand side is f + gamma B1^T M1^-1 g1: the system is the same one, and
-    /// so is the step but for the share of B1^T dx1 that moves the displacement.
-    Augmented {
-        /// 1 + gamma over the whole pressure step.
-        share: f64,
-    },
-    /// [`ArrowHurwicz`]: two of them.
-    ArrowHurwicz {
-        /// Of the first block.
-        ratio: f64,
-    },
+/// A block step that preconditions a flexible method.
+pub trait BlockStep {
+    /// The step on the given blocks.
+    fn preconditioner<'a>(
+        &'a self,
+        stiffness: &'a dyn LinearOperator,
+        displacement: &'a dyn Preconditioner,
+        blocks: &'a [EqualityBlock<'a>],
+    ) -> Box<dyn Preconditioner + 'a>;
 }
 
-/// One multiplier block.
-#[derive(Clone, Copy)]
-pub struct MultiplierBlock<'a> {
-    /// B `[block, displacement]`.
-    pub coupling: &'a dyn LinearOperator,
-    /// C `[block, block]`, positive semi-definite; none for an exact constraint.
-    pub stabilisation: Option<&'a dyn LinearOperator>,
-    /// Approximate inverse of B A^-1 B^T + C, positive.
-    pub metric: &'a dyn Preconditioner,
-    /// [A B^T; B 0] in one product, where there is one that costs less than its
-    /// parts; used for the first block.
-    pub joint: Option<&'a dyn LinearOperator>,
+/// The step of [`BlockTriangular`]: one displacement application.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UpperTriangular {
+    /// Share of D1^T dx1 that moves the displacement. One, but 1 + gamma over the
+    /// whole pressure step for a displacement preconditioner of
+    /// A + gamma D1^T M1^-1 B1, whose right-hand side is f + gamma D1^T M1^-1 g1: the
+    /// system is the same one, and so is the step but for this share.
+    pub share: f64,
+}
+
+impl BlockStep for UpperTriangular {
+    fn preconditioner<'a>(
+        &'a self,
+        _stiffness: &'a dyn LinearOperator,
+        displacement: &'a dyn Preconditioner,
+        blocks: &'a [EqualityBlock<'a>],
+    ) -> Box<dyn Preconditioner + 'a> {
+        Box::new(BlockTriangular {
+            displacement,
+            blocks,
+            share: self.share,
+        })
+    }
 }
 
 /// The block operator.
@@ -61,13 +68,13 @@ pub struct SaddleOperator<'a> {
     pub stiffness: &'a dyn LinearOperator,
     /// What is taken off A: the curvature of a gap, or nothing.
     pub released: Option<&'a dyn LinearOperator>,
-    /// In the order of the unknowns.
-    pub blocks: &'a [MultiplierBlock<'a>],
+    /// The blocks, in the order of their unknowns behind the displacement.
+    pub blocks: &'a [EqualityBlock<'a>],
 }
 
 impl LinearOperator for SaddleOperator<'_> {
     fn rows(&self) -> usize {
-        let multipliers: usize = self.blocks.iter().map(|b| b.coupling.rows()).sum();
+        let multipliers: usize = self.blocks.iter().map(|b| b.size()).sum();
         self.stiffness.rows() + multipliers
     }
 
@@ -90,11 +97,11 @@ impl LinearOperator for SaddleOperator<'_> {
             released.subtract_product(u, force, work);
         }
         for (index, block) in self.blocks.iter().enumerate() {
-            let (x_block, x_rest) = multipliers.split_at(block.coupling.rows());
-            let (y_block, y_rest) = constraints.split_at_mut(block.coupling.rows());
+            let (x_block, x_rest) = multipliers.split_at(block.size());
+            let (y_block, y_rest) = constraints.split_at_mut(block.size());
             if index > 0 || joint.is_none() {
-                block.coupling.apply(u, y_block, work);
-                block.coupling.add_transposed(1.0, x_block, force, work);
+                block.rows.apply(u, y_block, work);
+                block.columns.add_transposed(1.0, x_block, force, work);
             }
             if let Some(stabilisation) = block.stabilisation {
                 stabilisation.subtract_product(x_block, y_block, work);
@@ -104,69 +111,55 @@ impl LinearOperator for SaddleOperator<'_> {
     }
 
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
-        self.apply(y, x, work);
+        let (u, mut constraints) = y.split_at(self.stiffness.rows());
+        let (force, mut multipliers) = x.split_at_mut(self.stiffness.rows());
+        self.stiffness.apply_transposed(u, force, work);
+        if let Some(released) = self.released {
+            released.add_transposed(-1.0, u, force, work);
+        }
+        for block in self.blocks {
+            let (y_block, y_rest) = constraints.split_at(block.size());
+            let (x_block, x_rest) = multipliers.split_at_mut(block.size());
+            block.rows.add_transposed(1.0, y_block, force, work);
+            block.columns.apply(u, x_block, work);
+            if let Some(stabilisation) = block.stabilisation {
+                stabilisation.add_transposed(-1.0, y_block, x_block, work);
+            }
+            (constraints, multipliers) = (y_rest, x_rest);
+        }
     }
 }
 
 /// Upper block-triangular preconditioner:
-/// `dx_i = -M_i^-1 r_i`, `du = A^ (r_u - sum B_i^T dx_i)`.
+/// `dx_i = -M_i^-1 r_i`, `du = A^ (r_u - sum D_i^T dx_i)`.
 pub struct BlockTriangular<'a> {
-    /// Approximate inverse of A.
+    /// Approximate inverse of A, applied once a step.
     pub displacement: &'a dyn Preconditioner,
-    /// As in the operator.
-    pub blocks: &'a [MultiplierBlock<'a>],
-    /// Of B1^T dx1 that moves the displacement; one without augmentation.
+    /// The blocks in the order of the operator's unknowns.
+    pub blocks: &'a [EqualityBlock<'a>],
+    /// Of D1^T dx1 that moves the displacement; one without augmentation.
     pub share: f64,
 }
 
 impl Preconditioner for BlockTriangular<'_> {
     fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace) {
-        let multipliers: usize = self.blocks.iter().map(|b| b.coupling.rows()).sum();
+        let multipliers: usize = self.blocks.iter().map(|b| b.size()).sum();
         let (r_u, mut r_rest) = r.split_at(r.len() - multipliers);
         let (z_u, mut z_rest) = z.split_at_mut(r_u.len());
         let mut force = work.copy(r_u);
         for (index, block) in self.blocks.iter().enumerate() {
             let share = if index == 0 { self.share } else { 1.0 };
-            let (r_block, r_next) = r_rest.split_at(block.coupling.rows());
-            let (z_block, z_next) = z_rest.split_at_mut(block.coupling.rows());
+            let (r_block, r_next) = r_rest.split_at(block.size());
+            let (z_block, z_next) = z_rest.split_at_mut(block.size());
             block.metric.apply(r_block, z_block, work);
             z_block.iter_mut().for_each(|value| *value = -*value);
             block
-                .coupling
+                .columns
                 .add_transposed(-share, z_block, &mut force, work);
             (r_rest, z_rest) = (r_next, z_next);
         }
         self.displacement.apply(&force, z_u, work);
         work.give(force);
-    }
-}
-
-impl BlockStep {
-    /// The step on the given blocks.
-    pub fn preconditioner<'a>(
-        self,
-        stiffness: &'a dyn LinearOperator,
-        displacement: &'a dyn Preconditioner,
-        blocks: &'a [MultiplierBlock<'a>],
-    ) -> Box<dyn Preconditioner + 'a> {
-        match self {
-            Self::UpperTriangular => Box::new(BlockTriangular {
-                displacement,
-                blocks,
-                share: 1.0,
-            }),
-            Self::Augmented { share } => Box::new(BlockTriangular {
-                displacement,
-                blocks,
-                share,
-            }),
-            Self::ArrowHurwicz { ratio } => Box::new(ArrowHurwicz {
-                stiffness,
-                displacement,
-                blocks,
-                ratio,
-            }),
-        }
     }
 }
 
@@ -178,12 +171,13 @@ mod tests {
     use crate::linalg::vector::dot;
 
     #[test]
-    fn the_operator_is_symmetric_and_matches_its_blocks() {
+    fn the_operator_matches_its_blocks_and_is_as_symmetric_as_they_are() {
         let stiffness = rows(&[[2.0, -1.0], [-1.0, 2.0]]);
         let coupling = rows(&[[1.0, 3.0]]);
         let stabilisation = rows(&[[0.5]]);
-        let blocks = [MultiplierBlock {
-            coupling: &coupling,
+        let blocks = [EqualityBlock {
+            rows: &coupling,
+            columns: &coupling,
             stabilisation: Some(&stabilisation),
             metric: &Scaled(1.0),
             joint: None,
@@ -203,10 +197,41 @@ mod tests {
     }
 
     #[test]
+    fn the_transposed_operator_is_the_adjoint_where_rows_and_columns_differ() {
+        let stiffness = rows(&[[2.0, -1.0], [0.5, 3.0]]);
+        let released = rows(&[[0.1, 0.2], [0.0, 0.3]]);
+        let (constraints, columns) = (rows(&[[1.0, 3.0]]), rows(&[[-2.0, 0.5]]));
+        let stabilisation = rows(&[[0.5]]);
+        let blocks = [EqualityBlock {
+            rows: &constraints,
+            columns: &columns,
+            stabilisation: Some(&stabilisation),
+            metric: &Scaled(1.0),
+            joint: None,
+        }];
+        let saddle = SaddleOperator {
+            stiffness: &stiffness,
+            released: Some(&released),
+            blocks: &blocks,
+        };
+        let mut work = Workspace::new();
+        let (x, y) = ([1.0, 2.0, 3.0], [-0.5, 0.25, 4.0]);
+        let (mut kx, mut ky) = ([0.0; 3], [0.0; 3]);
+        saddle.apply(&x, &mut kx, &mut work);
+        saddle.apply_transposed(&y, &mut ky, &mut work);
+        assert!((dot(&kx, &y) - dot(&x, &ky)).abs() < 1e-14);
+        // K is not symmetric, and the columns are what acts on the body.
+        saddle.apply(&y, &mut ky, &mut work);
+        assert!((dot(&kx, &y) - dot(&x, &ky)).abs() > 1.0);
+        assert!((kx[0] - (2.0 - 2.0 - 0.1 - 0.4 - 6.0)).abs() < 1e-14);
+    }
+
+    #[test]
     fn the_preconditioner_solves_its_own_triangle() {
         let coupling = rows(&[[1.0, 3.0]]);
-        let blocks = [MultiplierBlock {
-            coupling: &coupling,
+        let blocks = [EqualityBlock {
+            rows: &coupling,
+            columns: &coupling,
             stabilisation: None,
             metric: &Scaled(0.5),
             joint: None,

@@ -1,11 +1,14 @@
 //! Constitutive laws as a caller writes them.
+//!
+//! Moduli are stresses in the caller's unit, Poisson's ratio is at most 1/2. A bulk modulus
+//! that is left out means that the volume cannot change.
 
 /// Stiffness of a linear elastic material: one modulus and Poisson's ratio.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Modulus {
-    /// Shear modulus, stress.
+    /// Shear modulus mu, stress, above zero.
     Shear(f64),
-    /// Young's modulus, stress.
+    /// Young's modulus E, stress, above zero.
     Young(f64),
 }
 
@@ -16,28 +19,29 @@ pub enum Formulation {
     /// `Displacement`.
     #[default]
     Auto,
-    /// Displacement and pressure.
+    /// Displacement and pressure: right for every compressibility, the incompressible
+    /// included.
     Mixed,
-    /// Displacement only.
+    /// Displacement only, for compressible materials.
     Displacement,
 }
 
 /// Isochoric energy of a rubber; i1 and i2 are invariants of F / J^(1/3).
 #[derive(Clone, Debug, PartialEq)]
 pub enum RubberModel {
-    /// C10 (i1 − 3) + C01 (i2 − 3).
+    /// Mooney-Rivlin: C10 (i1 − 3) + C01 (i2 − 3).
     MooneyRivlin {
         /// Stress.
         c10: f64,
         /// Stress.
         c01: f64,
     },
-    /// ½ μ (i1 − 3).
+    /// Neo-Hookean: ½ μ (i1 − 3).
     NeoHookean {
         /// μ, stress.
         shear_modulus: f64,
     },
-    /// C10 (i1 − 3) + C20 (i1 − 3)² + C30 (i1 − 3)³.
+    /// Yeoh: C10 (i1 − 3) + C20 (i1 − 3)² + C30 (i1 − 3)³.
     Yeoh {
         /// Stress.
         c10: f64,
@@ -70,7 +74,7 @@ impl RubberModel {
 /// Constitutive law of one group of cells.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MaterialModel {
-    /// σ = 2μ ε(u) − p I, −div u − p/λ = 0.
+    /// Linear elasticity: σ = 2μ ε(u) − p I, −div u − p/λ = 0.
     LinearElastic {
         /// Stiffness.
         modulus: Modulus,
@@ -116,8 +120,8 @@ impl MaterialModel {
 /// A material and the cell group it fills.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// Physical group of cells.
+    /// Name of the group of cells that the material fills.
     pub group: String,
-    /// Law.
+    /// Its constitutive law.
     pub model: MaterialModel,
 }

@@ -6,7 +6,7 @@
 //! is a prefix of the P2 displacement. The correction on an edge is the value
 //! at its midpoint minus the mean of its ends.
 
-pub mod enriched;
+mod values;
 
 use std::sync::Arc;
 
@@ -15,11 +15,11 @@ use crate::mesh::Mesh;
 /// Sizes and edge ends of a space.
 #[derive(Clone, Debug)]
 pub struct TaylorHood {
-    /// Components of the displacement: 2 or 3.
+    /// Components of the displacement: 3 in space, 2 in the plane.
     pub components: usize,
-    /// Vertices of the mesh.
+    /// Number of mesh vertices, whose unknowns come first.
     pub vertices: usize,
-    /// End vertices of each edge, lexicographic.
+    /// End vertices of each edge, ascending and in lexicographic order `[edges]`.
     pub edges: Arc<[[u32; 2]]>,
 }
 

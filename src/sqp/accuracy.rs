@@ -11,22 +11,24 @@
 //! r, c, g: residuals of force, volume and gap; A^ the displacement
 //! preconditioner, M the pressure metric, so that the first two terms are squares
 //! of energy norms; w_i = int phi_i and k_i the stiffness of a punch of that area
-//! (larger than the true one for smooth gaps); theta: [`super::estimate`].
+//! (larger than the true one for smooth gaps); theta: [`crate::results::estimate`].
 //!
 //! Solves to a coarse tolerance, estimates, and goes on from there with the kept
 //! directions to the tolerance that follows, until it holds. Cost beside the
 //! iterations saved: an estimate and one preconditioner application a round.
 
-use super::counters::Counters;
-use super::drive::Drive;
-use super::estimate::{Estimate, contact_modulus, estimate, punch_stiffness};
-use super::evaluate::{Context, Evaluation, evaluate};
-use super::increment::{self, Ending};
-use super::state::State;
-use super::watch::Watch;
+use super::increment;
+use super::run::Run;
+use crate::linalg::Preconditioner;
 use crate::linalg::vector::dot;
-use crate::linalg::{Preconditioner, Workspace};
+use crate::model::Model;
+use crate::model::drive::Drive;
+use crate::model::ending::{Ending, Estimate};
+use crate::model::evaluate::Evaluation;
+use crate::model::state::State;
 use crate::report::Termination;
+use crate::results::estimate::{contact_modulus, estimate, punch_stiffness};
+use crate::saddle::SetPoint;
 use crate::scene::ToleranceRule;
 
 /// Tolerance of the first round.
@@ -38,64 +40,51 @@ const LEAST_REDUCTION: f64 = 0.5;
 /// Aim below what is needed, for what a round does not reduce evenly.
 const MARGIN: f64 = 0.8;
 
-/// Moves `state` to equilibrium under `drive`, as accurately as the scene asks.
-pub(crate) fn solve(
-    context: &Context<'_>,
-    state: &mut State,
-    drive: &Drive,
-    watch: &mut Watch<'_>,
-    counters: &mut Counters,
-    work: &mut Workspace,
-) -> Ending {
-    match context.plan.scene.solver.tolerance_rule {
-        ToleranceRule::Fixed => increment::solve(context, state, drive, watch, counters, work),
+/// Moves the state to equilibrium under `drive`, as accurately as the scene asks.
+pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
+    match run.model.plan.settings.tolerance_rule {
+        ToleranceRule::Fixed => increment::solve(run, drive),
         ToleranceRule::Discretisation => {
-            by_discretisation(context, state, drive, watch, counters, work)
+            let floor = run.model.tolerance;
+            let ending = by_discretisation(run, drive, floor);
+            run.model.tolerance = floor;
+            ending
         }
     }
 }
 
-fn by_discretisation(
-    context: &Context<'_>,
-    state: &mut State,
-    drive: &Drive,
-    watch: &mut Watch<'_>,
-    counters: &mut Counters,
-    work: &mut Workspace,
-) -> Ending {
-    let floor = context.tolerance;
-    let mut level = COARSE.max(floor);
+/// Solves to a coarse bound first and lowers it until the algebraic error is small
+/// beside the estimated discretisation error, or the floor is met.
+fn by_discretisation(run: &mut Run<'_>, drive: &Drive, floor: f64) -> Ending {
+    run.model.tolerance = COARSE.max(floor);
     loop {
-        let round = Context {
-            tolerance: level,
-            ..*context
-        };
-        let mut ending = increment::solve(&round, state, drive, watch, counters, work);
+        let mut ending = increment::solve(run, drive);
         if ending.termination != Termination::Converged {
             return ending;
         }
-        let estimated = estimate(context, state);
+        let estimated = estimate(&run.model, run.state);
         ending.estimate = Some(estimated);
-        counters.applications += 1;
-        let algebraic = algebraic_error(context, state, drive, work);
-        let allowed = allowed_error(context, state, &estimated);
+        run.counters.applications += 1;
+        let algebraic = algebraic_error(run);
+        let allowed = allowed_error(&run.model, run.state, &estimated);
+        let level = run.model.tolerance;
         if algebraic <= allowed || level <= floor {
             return ending;
         }
         let needed = level * (MARGIN * allowed / algebraic);
-        level = needed.min(LEAST_REDUCTION * level).max(floor);
+        run.model.tolerance = needed.min(LEAST_REDUCTION * level).max(floor);
     }
 }
 
 /// Algebraic error that neither the L2 norm of u nor the contact forces notice.
-fn allowed_error(context: &Context<'_>, state: &State, estimated: &Estimate) -> f64 {
-    let dimension = context.plan.units.dimension;
-    let volume: f64 = context.prepared.geometry.volumes.iter().sum();
+fn allowed_error(model: &Model<'_>, state: &State, estimated: &Estimate) -> f64 {
+    let dimension = model.plan.units.dimension;
+    let volume: f64 = model.prepared.geometry.volumes.iter().sum();
     // A cell's edge, were all cells halves of squares or sixths of cubes.
     let corner_cells = if dimension == 2 { 2.0 } else { 6.0 };
-    let cells = context.mesh.cell_count() as f64;
+    let cells = model.mesh.cell_count() as f64;
     let size = (corner_cells * volume / cells).powf(1.0 / dimension as f64);
-    let finest = match state.active.contains(&true) {
+    let finest = match state.status.iter().any(|status| status.is_closed()) {
         true => size.min(estimated.relative),
         false => size,
     };
@@ -103,19 +92,12 @@ fn allowed_error(context: &Context<'_>, state: &State, estimated: &Estimate) -> 
 }
 
 /// Energy norm of what the residuals leave undone.
-fn algebraic_error(
-    context: &Context<'_>,
-    state: &State,
-    drive: &Drive,
-    work: &mut Workspace,
-) -> f64 {
-    let now = evaluate(context, state, drive, work);
+fn algebraic_error(run: &mut Run<'_>) -> f64 {
+    let now = run.evaluate();
+    let (prepared, work) = (run.model.prepared, &mut run.work);
     let mut correction = work.zeros(now.force.len());
-    let prepared = context.prepared;
-    prepared
-        .at_rest
-        .displacement
-        .apply(&now.force, &mut correction, work);
+    let inverse = &prepared.at_rest.displacement;
+    inverse.apply(&now.force, &mut correction, work);
     let mut square = dot(&now.force, &correction);
     work.give(correction);
     if let Some(block) = &prepared.pressure {
@@ -124,19 +106,23 @@ fn algebraic_error(
         square += dot(&now.constraint, &correction);
         work.give(correction);
     }
-    (square + gap_square(context, state, &now)).max(0.0).sqrt()
+    let square = square + gap_square(&run.model, run.state, &now);
+    square.max(0.0).sqrt()
 }
 
 /// What springs in the place of the body take to close the wrong gaps.
-fn gap_square(context: &Context<'_>, state: &State, now: &Evaluation) -> f64 {
+fn gap_square(model: &Model<'_>, state: &State, now: &Evaluation) -> f64 {
+    let wrong = now.contact_set().misfit(SetPoint {
+        multiplier: &state.multiplier,
+        residual: &now.gap,
+        status: &state.status,
+    });
     let mut square = 0.0;
-    for (index, interface) in context.interfaces.list.iter().enumerate() {
-        let modulus = contact_modulus(context, index);
-        let range = interface.range();
-        let gaps = now.gap[range.clone()].iter().zip(&state.active[range]);
-        for ((&gap, &active), &weight) in gaps.zip(&interface.surface.weights) {
-            let wrong = if active { gap } else { gap.min(0.0) };
-            let stiffness = punch_stiffness(context.plan.units.dimension, modulus, weight);
+    for interface in &model.interfaces.list {
+        let modulus = contact_modulus(model, interface);
+        let wrong = wrong[interface.range()].iter();
+        for (&wrong, &weight) in wrong.zip(&interface.surface.weights) {
+            let stiffness = punch_stiffness(model.plan.units.dimension, modulus, weight);
             square += stiffness * (wrong / weight).powi(2);
         }
     }

@@ -4,124 +4,64 @@
 //! the surface: made once in a session, scaled at each linearisation by power
 //! iteration so that H >= C A^-1 C^T about.
 
-use super::constraints::Interface;
-use super::evaluate::{Context, Evaluation};
-use super::state::State;
-use crate::contact::surface_metric::{add_laplacian, add_mass};
+use crate::inequality::dense_cone;
 use crate::inequality::metric::{POWER_STEPS, largest_ratio};
-use crate::inequality::{MetricKind, dense_qp};
 use crate::linalg::vector::{norm, scale};
 use crate::linalg::{DenseCholesky, DenseMatrix, LinearOperator, SparseRows, Workspace};
-use crate::mesh::Mesh;
-use crate::plan::{Approximation, Plan};
+use crate::model::Model;
+use crate::model::evaluate::Evaluation;
+use crate::model::state::State;
 use crate::precond::compliance::{ComplianceParts, compliance};
-use crate::precond::fractional::fractional;
 use crate::precond::p1::Traces;
+use crate::prepare::ApproximateInverse;
+use crate::scene::MetricKind;
 
 /// What the power iteration may miss of the compliance's largest ratio: without it
 /// fixed steps diverge on a compressible block.
 const MARGIN: f64 = 1.5;
 
-/// What a metric takes from the undeformed surfaces; empty where the plan needs
-/// none of it.
-#[derive(Debug, Default)]
-pub(crate) struct SurfaceMetric {
-    /// Block by block, up to a factor.
-    matrix: DenseMatrix,
-    /// int phi_i dS.
-    weights: Vec<f64>,
-}
-
-impl SurfaceMetric {
-    pub(crate) fn new(plan: &Plan, mesh: &Mesh, list: &[Interface]) -> Self {
-        let (method, kind) = (plan.contact.method, plan.contact.metric);
-        let mut surface = Self::default();
-        if method.reads_weights() {
-            let weights = list.iter().flat_map(|interface| &interface.surface.weights);
-            surface.weights = weights.copied().collect();
-        }
-        let size: usize = list.iter().map(|i| i.surface.multipliers()).sum();
-        match kind {
-            MetricKind::Mass if method.needs_dense(kind) => {
-                surface.matrix = DenseMatrix::zeros(size, size);
-                for interface in list {
-                    add_mass(&interface.surface, interface.offset, &mut surface.matrix);
-                }
-            }
-            MetricKind::Fractional => {
-                surface.matrix = DenseMatrix::zeros(size, size);
-                for interface in list {
-                    surface.add_fractional(plan, mesh, interface);
-                }
-            }
-            MetricKind::Compliance | MetricKind::Mass => (),
-        }
-        surface
-    }
-
-    /// The block of one surface. It stays zero, which no factor accepts, where the
-    /// surface has no area.
-    fn add_fractional(&mut self, plan: &Plan, mesh: &Mesh, interface: &Interface) {
-        let surface = &interface.surface;
-        let size = surface.multipliers();
-        let mut mass = DenseMatrix::zeros(size, size);
-        add_mass(surface, 0, &mut mass);
-        let mut laplacian = DenseMatrix::zeros(size, size);
-        let coordinates = plan.units.coordinate_scale;
-        add_laplacian(surface, mesh, coordinates, 0, &mut laplacian);
-        let area: f64 = surface.weights.iter().sum();
-        let extent = match plan.units.extents {
-            2 => area * area,
-            _ => area,
-        };
-        let Ok(block) = fractional(&mass, laplacian, extent) else {
-            return;
-        };
-        for j in 0..size {
-            let column = self.matrix.column_mut(interface.offset + j);
-            column[interface.range()].copy_from_slice(block.column(j));
-        }
-    }
-}
-
 /// The metric at one linearisation.
-pub(super) struct ContactMetric {
+pub(crate) struct ContactMetric {
     /// H; without rows where the method reads the weights alone.
-    pub(super) matrix: DenseMatrix,
+    pub(crate) matrix: DenseMatrix,
     /// Scaled lumped mass; empty where the method does not read it.
-    pub(super) weights: Vec<f64>,
+    pub(crate) weights: Vec<f64>,
     /// Applications of the displacement preconditioner that it took.
-    pub(super) applications: u32,
+    pub(crate) applications: u32,
 }
 
 impl ContactMetric {
-    pub(super) fn new(
-        context: &Context<'_>,
-        inverse: &Approximation,
+    /// The metric that the plan asks for, about the present linearisation; methods that
+    /// step in weights have them scaled by a power iteration.
+    pub(crate) fn new(
+        model: &Model<'_>,
+        inverse: &ApproximateInverse,
         now: &Evaluation,
         work: &mut Workspace,
     ) -> Self {
-        let surface = &context.interfaces.metric;
+        let surface = &model.interfaces.metric;
         let mut metric = Self {
-            matrix: match context.plan.contact.metric {
-                MetricKind::Compliance => compliance_of(context, inverse, &now.coupling),
+            matrix: match model.plan.contact.metric {
+                MetricKind::Compliance => compliance_of(model, inverse, &now.coupling),
                 MetricKind::Mass | MetricKind::Fractional => surface.matrix.clone(),
             },
             weights: surface.weights.clone(),
             applications: 0,
         };
         metric.scale_weights(inverse, &now.coupling, work);
-        let is_scaled = context.plan.contact.metric == MetricKind::Compliance
-            && !context.plan.contact.method.has_fixed_steps();
+        let is_scaled = model.plan.contact.metric == MetricKind::Compliance
+            && !model.plan.contact.method.has_fixed_steps();
         if !is_scaled {
-            metric.scale_matrix(context, inverse, &now.coupling, work);
+            metric.scale_matrix(model, inverse, &now.coupling, work);
         }
         metric
     }
 
+    /// Scales the weights so that the largest eigenvalue of the compliance in them is
+    /// one. Cost: five applications of the displacement preconditioner.
     fn scale_weights(
         &mut self,
-        inverse: &Approximation,
+        inverse: &ApproximateInverse,
         coupling: &SparseRows,
         work: &mut Workspace,
     ) {
@@ -139,8 +79,8 @@ impl ContactMetric {
     /// Leaves a matrix that is not positive definite as it is: the method refuses it.
     fn scale_matrix(
         &mut self,
-        context: &Context<'_>,
-        inverse: &Approximation,
+        model: &Model<'_>,
+        inverse: &ApproximateInverse,
         coupling: &SparseRows,
         work: &mut Workspace,
     ) {
@@ -152,7 +92,7 @@ impl ContactMetric {
         let displacement = &*inverse.displacement;
         let ratio = largest_ratio(displacement, coupling, &solve, work);
         self.applications += POWER_STEPS as u32;
-        let margin = match context.plan.contact.metric {
+        let margin = match model.plan.contact.metric {
             // Its worst mode is not the smooth one that the iteration starts from.
             MetricKind::Compliance => MARGIN,
             MetricKind::Mass | MetricKind::Fractional => 1.0,
@@ -162,7 +102,7 @@ impl ContactMetric {
 
     /// Norm of the contact load that the metric predicts; the scale of the force
     /// residual before any contact pressure is there.
-    pub(super) fn expected_contact_norm(
+    pub(crate) fn expected_contact_norm(
         &self,
         now: &Evaluation,
         state: &State,
@@ -172,13 +112,14 @@ impl ContactMetric {
             return expected_contact_norm(&self.matrix, now, state, work);
         }
         let entries = now.gap.iter().zip(&state.multiplier).zip(&self.weights);
-        let multiplier: Vec<f64> = entries.map(|((g, l), w)| (l - g / w).max(0.0)).collect();
+        let mut multiplier: Vec<f64> = entries.map(|((g, l), w)| l - g / w).collect();
+        now.contact_set().project(&mut multiplier);
         contact_norm(&multiplier, now, state, work)
     }
 }
 
 /// Norm of the contact load that the dense problem in `metric` predicts.
-pub(super) fn expected_contact_norm(
+pub(crate) fn expected_contact_norm(
     metric: &DenseMatrix,
     now: &Evaluation,
     state: &State,
@@ -190,31 +131,35 @@ pub(super) fn expected_contact_norm(
         .iter_mut()
         .zip(&now.gap)
         .for_each(|(q, gap)| *q = gap - *q);
-    match dense_qp::solve(metric, &linear, &state.active) {
+    match dense_cone::solve(metric, &linear, now.contact_set(), &state.status) {
         Ok(solution) => contact_norm(&solution.values, now, state, work),
         Err(_) => 0.0,
     }
 }
 
+/// Norm of the force that those multipliers exert on the body, non-dimensional.
 fn contact_norm(multiplier: &[f64], now: &Evaluation, state: &State, work: &mut Workspace) -> f64 {
     let mut load = vec![0.0; state.displacement.len()];
     now.coupling.apply_transposed(multiplier, &mut load, work);
     norm(&load)
 }
 
+/// The approximate compliance C A^-1 C^T of all multipliers, from the inverse at the
+/// contact vertices and the node blocks of the edges.
 fn compliance_of(
-    context: &Context<'_>,
-    inverse: &Approximation,
+    model: &Model<'_>,
+    inverse: &ApproximateInverse,
     coupling: &SparseRows,
 ) -> DenseMatrix {
     let parts = ComplianceParts {
         vertex_inverse: &inverse.compliance,
         traces: Traces {
-            vertices: &context.plan.contact_vertices,
-            directions: &inverse.contact_normals,
+            vertices: &inverse.traces.vertices,
+            directions: &inverse.traces.directions,
         },
         node_blocks: &inverse.node_blocks,
-        vertex_count: context.prepared.space.vertices,
+        vertex_count: model.prepared.space.vertices,
+        edge_ends: (model.plan.guided_multipliers > 0).then_some(&*model.prepared.space.edges),
     };
     compliance(&parts, coupling)
 }

@@ -6,21 +6,18 @@
 //! body jump to where they shall be; those of rubber move with the step, so that
 //! the body follows and no element is turned inside out beside them.
 
-use super::constraints::prescribe;
-use super::counters::{Counters, timed};
-use super::drive::Drive;
-use super::estimate::Estimate;
-use super::evaluate::{Context, Evaluation, evaluate};
 use super::predictor;
-use super::program::Program;
+use super::program::{QuadraticProgram, Step};
+use super::run::Run;
 use super::search::{Refused, search};
-use super::state::State;
-use super::watch::Watch;
-use crate::inequality::QpStatus;
-use crate::krylov::Outcome;
-use crate::linalg::Workspace;
+use super::verdict::{Verdict, of_status, verdict};
 use crate::linalg::vector::norm;
-use crate::report::{Cause, Residuals, Stability, Termination};
+use crate::model::drive::Drive;
+use crate::model::ending::Ending;
+use crate::model::evaluate::Evaluation;
+use crate::model::prescribed::{prescribe, remaining_motion};
+use crate::model::state::State;
+use crate::report::{Cause, Residuals, Termination};
 
 /// Quadratic programs per increment.
 const MOST_PROGRAMS: u32 = 40;
@@ -29,259 +26,155 @@ const WORTHWHILE: f64 = 0.1;
 /// First reduction asked of a program with a curved gap.
 const FIRST_REDUCTION: f64 = 1e-2;
 
-/// Motion of a support, over the body's length, that rounding leaves.
-const SETTLED: f64 = 1e-14;
-
-/// How an increment ended.
-#[derive(Clone, Debug)]
-pub(crate) struct Ending {
-    pub(crate) termination: Termination,
-    pub(crate) cause: Option<Cause>,
-    pub(crate) residuals: Residuals,
-    pub(crate) max_penetration: f64,
-    /// Scale of the equilibrium residual.
-    pub(crate) force_scale: f64,
-    /// Bound on the residuals that counted.
-    pub(crate) tolerance: f64,
-    /// Of the discretisation error, where the increment's end depended on it.
-    pub(crate) estimate: Option<Estimate>,
-    /// Of a certified equilibrium.
-    pub(crate) stability: Option<Stability>,
-}
-
-impl Ending {
-    /// Whether something outside the solver ended it.
-    pub(crate) fn is_stopped(&self) -> bool {
-        match self.termination {
-            Termination::Converged | Termination::NotConverged => false,
-            Termination::Cancelled | Termination::DeadlineExceeded | Termination::InternalError => {
-                true
-            }
-        }
-    }
-}
-
-/// Moves `state` to equilibrium under `drive`.
-pub(crate) fn solve(
-    context: &Context<'_>,
-    state: &mut State,
-    drive: &Drive,
-    watch: &mut Watch<'_>,
-    counters: &mut Counters,
-    work: &mut Workspace,
-) -> Ending {
-    let (mut now, mut first_force) = start(context, state, drive, counters, work);
-    let mut reduction = FIRST_REDUCTION;
-    for _ in 0..MOST_PROGRAMS {
-        let motion = remaining_motion(context, state, drive);
-        let worst = residuals(state, &now, first_force).largest();
-        let still = motion.is_none();
-        if let Some((termination, cause)) = verdict(context, worst, still, watch, counters) {
-            return ending(
-                context.tolerance,
-                state,
-                &now,
-                first_force,
-                termination,
-                cause,
-            );
-        }
-        counters.sqp_iterations += 1;
-        let made = counters.factorisations;
-        let program = Program::new(
-            context,
-            state,
-            drive,
-            (&now, motion),
-            &mut first_force,
-            watch,
-            counters,
-            work,
-        );
-        let worst = residuals(state, program.start(), first_force).largest();
-        let goal = match context.is_linear() {
-            true => 0.0,
-            false => reduction * worst,
-        };
-        let before = counters.applications;
-        let (step, outcome) = program.solve(state, goal, watch, counters, work);
-        if context.prepared.strain.is_some() {
-            let reached = goal.max(context.tolerance);
-            state
-                .upkeep
-                .note(counters.applications - before, worst, reached);
-        }
-        if let Some(ended) = stop_reason(outcome.status, watch) {
-            if ended.0 == Termination::NotConverged
-                && context.prepared.strain.is_some()
-                && state.upkeep.failed(counters.factorisations > made)
-            {
-                // The same program again, with an inverse of its own.
-                continue;
-            }
-            if ended.0 == Termination::NotConverged {
-                // The best iterate is kept, and may be good enough after all.
-                step.apply(state, 1.0);
-                now = evaluate(context, state, drive, work);
-                let after = residuals(state, &now, first_force).largest();
-                if after <= context.tolerance || serves(context, &now, after / worst) {
-                    continue;
-                }
-            }
-            return ending(
-                context.tolerance,
-                state,
-                &now,
-                first_force,
-                ended.0,
-                ended.1,
-            );
-        }
-        let found = search(
-            context,
-            state,
-            drive,
-            &step,
-            program.start(),
-            first_force,
-            counters,
-            work,
-        );
-        let next = match found {
-            Ok(next) => next,
-            Err(refused) => {
-                return ending(
-                    context.tolerance,
-                    state,
-                    &now,
-                    first_force,
-                    Termination::NotConverged,
-                    Some(match refused {
-                        Refused::Jacobian => Cause::NegativeJacobian,
-                        Refused::Progress => Cause::LineSearch,
-                    }),
-                );
-            }
-        };
-        reduction = forcing(worst, residuals(state, &next, first_force).largest());
-        now = next;
-    }
-    let cause = Some(Cause::IterationLimit);
-    ending(
-        context.tolerance,
-        state,
-        &now,
-        first_force,
-        Termination::NotConverged,
-        cause,
-    )
-}
-
-/// Whether a step of rubber whose program did not end brought enough for another.
-fn serves(context: &Context<'_>, now: &Evaluation, share: f64) -> bool {
-    let is_right_side_out = now.least_jacobian.is_some_and(|least| least > 0.0);
-    context.prepared.strain.is_some() && is_right_side_out && share <= WORTHWHILE
-}
-
-/// Moves `state` to where the first program starts; what holds there, and the force
-/// that is out of balance before.
-fn start(
-    context: &Context<'_>,
-    state: &mut State,
-    drive: &Drive,
-    counters: &mut Counters,
-    work: &mut Workspace,
-) -> (Evaluation, f64) {
-    if context.prepared.strain.is_some() {
-        return predictor::start(context, state, drive, counters, work);
-    }
-    let displacement = &mut state.displacement;
-    prescribe(
-        context.plan,
-        context.mesh,
-        context.prepared,
-        drive,
-        displacement,
-    );
-    state.drive = drive.clone();
-    let now = timed(&mut counters.seconds.contact, || {
-        evaluate(context, state, drive, work)
-    });
-    let force = norm(&now.force);
-    (now, force)
-}
-
-/// Makes `ending` describe the state that is kept.
-pub(crate) fn describe(
-    context: &Context<'_>,
-    state: &mut State,
-    ending: &mut Ending,
-    work: &mut Workspace,
-) {
-    let drive = state.drive.clone();
-    let now = evaluate(context, state, &drive, work);
-    // That of the increment which led there.
-    let known = state.force_scale;
-    ending.force_scale = now.force_scale(known);
-    ending.max_penetration = now.max_penetration;
-    ending.residuals = residuals(state, &now, known);
-}
-
-/// How far held entries still are from where `drive` wants them; none where they
-/// are there, and always for linear bodies.
-pub(super) fn remaining_motion(
-    context: &Context<'_>,
-    state: &State,
-    drive: &Drive,
-) -> Option<Vec<f64>> {
-    context.prepared.strain.as_ref()?;
-    let mut goal = state.displacement.clone();
-    prescribe(
-        context.plan,
-        context.mesh,
-        context.prepared,
-        drive,
-        &mut goal,
-    );
-    let mut motion = vec![0.0; goal.len()];
-    for &index in context.prepared.held.iter() {
-        motion[index as usize] = goal[index as usize] - state.displacement[index as usize];
-    }
-    let largest = motion.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
-    (largest > SETTLED).then_some(motion)
-}
-
-/// Whether the present state ends the increment.
-fn verdict(
-    context: &Context<'_>,
-    worst: f64,
-    still: bool,
-    watch: &Watch<'_>,
-    counters: &Counters,
-) -> Option<(Termination, Option<Cause>)> {
-    if !worst.is_finite() {
-        return Some((Termination::NotConverged, Some(Cause::NotFinite)));
-    }
-    if worst <= context.tolerance && still {
-        return Some((Termination::Converged, None));
-    }
-    watch
-        .stopped(counters)
-        .map(|termination| (termination, None))
-}
-
-pub(super) fn ending(
-    tolerance: f64,
-    state: &mut State,
-    now: &Evaluation,
+/// Where the programs of an increment have come to.
+struct Iterate {
+    /// Residuals at the present state.
+    now: Evaluation,
+    /// Largest force out of balance that the increment began with: a scale.
     first_force: f64,
-    termination: Termination,
-    cause: Option<Cause>,
+    /// Share of the residual that the next program may leave.
+    reduction: f64,
+}
+
+/// What a program that did not end leads to.
+enum AfterFailure {
+    /// Another program: from here, or the same one with an inverse of its own.
+    Another,
+    /// The increment ends with that verdict.
+    End(Verdict),
+}
+
+/// Moves the state to equilibrium under `drive`.
+pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
+    let mut at = start(run, drive);
+    for _ in 0..MOST_PROGRAMS {
+        let motion = remaining_motion(&run.model, run.state, drive);
+        let worst = at.residuals(run.state).largest();
+        if let Some(verdict) = verdict(run, worst, motion.is_none()) {
+            return at.ending(run, verdict);
+        }
+        run.counters.sqp_iterations += 1;
+        let made = run.counters.factorisations;
+        let program = QuadraticProgram::new(run, &at.now, motion, &mut at.first_force);
+        let worst = residuals(run.state, program.start(), at.first_force).largest();
+        let (step, outcome) = solve_program(run, &program, worst, at.reduction);
+        if let Some(verdict) = of_status(outcome, &run.watch) {
+            let is_new = run.counters.factorisations > made;
+            match at.after_failure(run, verdict, (&step, worst), is_new) {
+                AfterFailure::Another => continue,
+                AfterFailure::End(verdict) => return at.ending(run, verdict),
+            }
+        }
+        match search(run, &step, program.start(), at.first_force) {
+            Ok(next) => at.advance(run.state, next, worst),
+            Err(refused) => return at.ending(run, refused.verdict()),
+        }
+    }
+    at.ending(run, Verdict::failed(Cause::IterationLimit))
+}
+
+/// Solves a program as far as its linearisation is worth, and notes what that cost.
+fn solve_program(
+    run: &mut Run<'_>,
+    program: &QuadraticProgram<'_>,
+    worst: f64,
+    reduction: f64,
+) -> (Step, crate::inequality::QpStatus) {
+    let goal = match run.model.is_linear() {
+        true => 0.0,
+        false => reduction * worst,
+    };
+    let before = run.counters.applications;
+    let (step, outcome) = program.solve(run, goal);
+    if run.model.is_rubber() {
+        let applications = run.counters.applications - before;
+        let reached = goal.max(run.model.tolerance);
+        run.learned.refresh.note(applications, worst, reached);
+    }
+    (step, outcome.status)
+}
+
+/// Moves the state to where the first program starts.
+fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
+    let (now, first_force) = match run.model.is_rubber() {
+        true => predictor::start(run, drive),
+        false => {
+            prescribe(&run.model, drive, &mut run.state.displacement);
+            run.state.drive = drive.clone();
+            let now = run.evaluate();
+            let force = norm(&now.force);
+            (now, force)
+        }
+    };
+    Iterate {
+        now,
+        first_force,
+        reduction: FIRST_REDUCTION,
+    }
+}
+
+impl Iterate {
+    /// The four residuals at the present state; the state's scales grow with what they
+    /// see.
+    fn residuals(&self, state: &mut State) -> Residuals {
+        residuals(state, &self.now, self.first_force)
+    }
+
+    /// Takes an accepted step over, which started from the residual `worst`.
+    fn advance(&mut self, state: &mut State, next: Evaluation, worst: f64) {
+        self.now = next;
+        self.reduction = forcing(worst, self.residuals(state).largest());
+    }
+
+    /// Goes on after a program that did not end, where that leads further.
+    fn after_failure(
+        &mut self,
+        run: &mut Run<'_>,
+        verdict: Verdict,
+        (step, worst): (&Step, f64),
+        inverse_is_new: bool,
+    ) -> AfterFailure {
+        if verdict.termination != Termination::NotConverged {
+            return AfterFailure::End(verdict);
+        }
+        if run.model.is_rubber() && run.learned.refresh.failed(inverse_is_new) {
+            return AfterFailure::Another;
+        }
+        // The best iterate is kept, and may be good enough after all.
+        step.apply(run.state, 1.0);
+        self.now = run.evaluate();
+        let after = self.residuals(run.state).largest();
+        match after <= run.model.tolerance || self.serves(run, after / worst) {
+            true => AfterFailure::Another,
+            false => AfterFailure::End(verdict),
+        }
+    }
+
+    /// Whether a step of rubber whose program did not end brought enough for another.
+    fn serves(&self, run: &Run<'_>, share: f64) -> bool {
+        let is_right_side_out = self.now.least_jacobian.is_some_and(|least| least > 0.0);
+        run.model.is_rubber() && is_right_side_out && share <= WORTHWHILE
+    }
+
+    /// The ending of the increment at the present state, for that verdict.
+    fn ending(&self, run: &mut Run<'_>, verdict: Verdict) -> Ending {
+        let at = (&self.now, self.first_force);
+        ending(run.state, at, verdict, run.model.tolerance)
+    }
+}
+
+/// The end of an increment at residuals `now`; notes the scale of the force residual,
+/// of which `first_force` is one.
+pub(crate) fn ending(
+    state: &mut State,
+    (now, first_force): (&Evaluation, f64),
+    verdict: Verdict,
+    tolerance: f64,
 ) -> Ending {
     state.force_scale = now.force_scale(first_force);
     Ending {
-        termination,
-        cause,
+        termination: verdict.termination,
+        cause: verdict.cause,
         residuals: residuals(state, now, first_force),
         max_penetration: now.max_penetration,
         force_scale: state.force_scale,
@@ -291,9 +184,30 @@ pub(super) fn ending(
     }
 }
 
+impl Refused {
+    /// What a refused step means for the increment: a cause of failure.
+    fn verdict(self) -> Verdict {
+        Verdict::failed(match self {
+            Self::Jacobian => Cause::NegativeJacobian,
+            Self::Progress => Cause::LineSearch,
+        })
+    }
+}
+
+/// Makes `ending` describe the state that is kept.
+pub(crate) fn describe(run: &mut Run<'_>, ending: &mut Ending) {
+    run.admit_no_penetration();
+    let now = run.evaluate();
+    // That of the increment which led there.
+    let known = run.state.force_scale;
+    ending.force_scale = now.force_scale(known);
+    ending.max_penetration = now.max_penetration;
+    ending.residuals = residuals(run.state, &now, known);
+}
+
 /// Residuals, after the scales have seen the present norms.
-pub(super) fn residuals(state: &mut State, now: &Evaluation, first_force: f64) -> Residuals {
-    let gap = now.gap_norm(&state.active);
+pub(crate) fn residuals(state: &mut State, now: &Evaluation, first_force: f64) -> Residuals {
+    let gap = now.gap_norm(state);
     state.scales.see(norm(&now.constraint), gap);
     now.residuals(state, first_force, &state.scales)
 }
@@ -302,24 +216,4 @@ pub(super) fn residuals(state: &mut State, now: &Evaluation, first_force: f64) -
 /// the more is asked of the next.
 fn forcing(before: f64, after: f64) -> f64 {
     (0.5 * (after / before).powi(2)).clamp(1e-6, FIRST_REDUCTION)
-}
-
-pub(super) fn stop_reason(
-    status: QpStatus,
-    watch: &Watch<'_>,
-) -> Option<(Termination, Option<Cause>)> {
-    let failed = |cause| Some((Termination::NotConverged, Some(cause)));
-    match status {
-        QpStatus::Solved => None,
-        QpStatus::Interrupted => Some((
-            watch.cancel.stopped().unwrap_or(Termination::Cancelled),
-            None,
-        )),
-        QpStatus::ActiveSetCycle => failed(Cause::ActiveSetCycle),
-        QpStatus::IndefiniteMetric => failed(Cause::IndefiniteTangent),
-        QpStatus::Krylov(Outcome::IterationLimit) => failed(Cause::IterationLimit),
-        QpStatus::Krylov(Outcome::Stagnation | Outcome::Stopped) => failed(Cause::Stagnation),
-        QpStatus::Krylov(Outcome::NotFinite) => failed(Cause::NotFinite),
-        QpStatus::Krylov(Outcome::Indefinite) => failed(Cause::IndefiniteTangent),
-    }
 }

@@ -1,35 +1,35 @@
-//! Programs without contact by the methods that know no inequality: conjugate
-//! gradients and the stationary iteration on the displacement, MINRES and nested
-//! Uzawa on displacement and pressure.
+//! Programs without contact by methods that know no inequality, behind one trait:
+//! conjugate gradients on the displacement.
 //!
 //! Unknowns (du, dx) and residuals are those of the quadratic program.
 
-use super::counters::Counters;
-use super::watch::Watch;
 use crate::inequality::{QpIterate, QpNorms, QpOutcome, QpScales, QpStatus, QpTargets};
-use crate::krylov::{Monitor, Outcome, Verdict, cg, minres, stationary};
+use crate::krylov::cg::Cg;
+use crate::krylov::{Monitor, Outcome, Verdict};
 use crate::linalg::vector::norm;
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
-use crate::plan::SaddleMethod;
+use crate::model::counters::Counters;
 use crate::precond::Counted;
-use crate::saddle::{BlockDiagonal, MultiplierBlock, SaddleOperator, Uzawa};
-
-/// Share of the force target that one inner solve of Uzawa may leave.
-const INNER_SHARE: f64 = 0.1;
+use crate::saddle::EqualityBlock;
+use crate::sqp::watch::Watch;
 
 /// Counts, reports and stops the iterations of one program.
-pub(super) struct Track<'a, 'w> {
-    pub(super) watch: &'a mut Watch<'w>,
-    pub(super) counters: &'a mut Counters,
-    pub(super) displacement: &'a Counted<'a>,
-    /// Applications before this program.
-    pub(super) before: u32,
-    pub(super) force_scale: f64,
+pub(crate) struct Track<'a, 'w> {
+    /// Who follows the increment, and what stops it.
+    pub(crate) watch: &'a mut Watch<'w>,
+    /// Counts of the increment, which the iterations add to.
+    pub(crate) counters: &'a mut Counters,
+    /// Approximate inverse of A, which counts its own applications.
+    pub(crate) displacement: &'a Counted<'a>,
+    /// Number of applications before this program, so that they are not counted twice.
+    pub(crate) before: u32,
+    /// Norm of the force that counts as one, for reports.
+    pub(crate) force_scale: f64,
 }
 
 impl Track<'_, '_> {
     /// One iteration; says whether to go on.
-    pub(super) fn iteration(
+    pub(crate) fn iteration(
         &mut self,
         norms: &QpNorms,
         scales: &QpScales,
@@ -43,10 +43,11 @@ impl Track<'_, '_> {
     }
 
     /// Takes over the applications so far.
-    pub(super) fn count(&mut self) {
+    pub(crate) fn count(&mut self) {
         self.counters.applications = self.before + self.displacement.applications();
     }
 
+    /// Stops where the caller, a deadline or the wall limit asks for it.
     fn poll(&self) -> Verdict {
         match self.watch.stopped(self.counters) {
             Some(_) => Verdict::Stop,
@@ -55,22 +56,60 @@ impl Track<'_, '_> {
     }
 }
 
+/// A method for linear systems.
+pub(crate) trait LinearSolver {
+    /// Improves (du, dx) until the monitor stops; the residuals (f, g) are those of
+    /// the unknowns on entry and exit.
+    fn solve(
+        &self,
+        system: &Linear<'_>,
+        unknowns: (&mut [f64], &mut [f64]),
+        monitor: &mut dyn Monitor,
+        work: &mut Workspace,
+    ) -> Outcome;
+}
+
+/// Conjugate gradients on the displacement.
+pub(crate) struct ConjugateGradients;
+
+impl LinearSolver for ConjugateGradients {
+    fn solve(
+        &self,
+        system: &Linear<'_>,
+        unknowns: (&mut [f64], &mut [f64]),
+        monitor: &mut dyn Monitor,
+        work: &mut Workspace,
+    ) -> Outcome {
+        let method = Cg {
+            operator: system.stiffness,
+            preconditioner: system.displacement,
+            iterations: system.iterations,
+        };
+        method.solve(unknowns, monitor, work)
+    }
+}
+
 /// A linear system and the method for it.
-pub(super) struct Linear<'a> {
-    pub(super) method: SaddleMethod,
-    pub(super) stiffness: &'a dyn LinearOperator,
-    pub(super) displacement: &'a dyn Preconditioner,
-    /// The internal pressure, or none.
-    pub(super) blocks: &'a [MultiplierBlock<'a>],
-    pub(super) iterations: usize,
+pub(crate) struct Linear<'a> {
+    /// The method for the system.
+    pub(crate) method: &'a dyn LinearSolver,
+    /// A `[displacement, displacement]`.
+    pub(crate) stiffness: &'a dyn LinearOperator,
+    /// Approximate inverse of A.
+    pub(crate) displacement: &'a dyn Preconditioner,
+    /// The internal pressure as an equality block; none in displacement form.
+    pub(crate) pressure: Option<&'a EqualityBlock<'a>>,
+    /// When the system counts as solved.
+    pub(crate) targets: QpTargets,
+    /// Number of iterations at most.
+    pub(crate) iterations: usize,
 }
 
 impl Linear<'_> {
     /// Improves `iterate` until the targets are reached.
-    pub(super) fn solve(
+    pub(crate) fn solve(
         &self,
         iterate: &mut QpIterate,
-        targets: &QpTargets,
         scales: &mut QpScales,
         track: &mut Track<'_, '_>,
         work: &mut Workspace,
@@ -78,20 +117,28 @@ impl Linear<'_> {
         let unknowns = iterate.force.len();
         let mut monitor = LinearMonitor {
             displacement: unknowns,
-            targets: *targets,
+            targets: self.targets,
             scales,
             track,
             iterations: 0,
             reached: false,
         };
         let mut x = std::mem::take(&mut iterate.displacement);
-        x.extend_from_slice(&iterate.equality);
         let mut r = std::mem::take(&mut iterate.force);
-        r.extend_from_slice(&iterate.constraint);
-        let outcome = self.run(&mut x, &mut r, &mut monitor, work);
-        iterate.equality = x.split_off(unknowns);
+        // Where there is a pressure, its block is the first.
+        let mut pressure = self.pressure.and_then(|_| iterate.blocks.first_mut());
+        if let Some(block) = &pressure {
+            x.extend_from_slice(&block.multiplier);
+            r.extend_from_slice(&block.residual);
+        }
+        let outcome = self
+            .method
+            .solve(self, (&mut x, &mut r), &mut monitor, work);
+        if let Some(block) = &mut pressure {
+            block.multiplier = x.split_off(unknowns);
+            block.residual = r.split_off(unknowns);
+        }
         iterate.displacement = x;
-        iterate.constraint = r.split_off(unknowns);
         iterate.force = r;
         let stopped = match monitor.reached {
             true => QpStatus::Solved,
@@ -102,56 +149,21 @@ impl Linear<'_> {
             ..QpOutcome::new(QpStatus::failure(outcome).unwrap_or(stopped))
         }
     }
-
-    fn run(
-        &self,
-        x: &mut [f64],
-        r: &mut [f64],
-        monitor: &mut LinearMonitor<'_, '_, '_>,
-        work: &mut Workspace,
-    ) -> Outcome {
-        let (a, approximate) = (self.stiffness, self.displacement);
-        let inner_bound = INNER_SHARE * monitor.targets.level * monitor.targets.force_scale;
-        match (self.method, self.blocks) {
-            (SaddleMethod::Stationary, _) => {
-                stationary::solve(a, approximate, x, r, self.iterations, monitor, work)
-            }
-            (SaddleMethod::UzawaCg, [block]) => Uzawa {
-                stiffness: a,
-                displacement: approximate,
-                block: *block,
-                inner_bound,
-            }
-            .solve(x, r, self.iterations, monitor, work),
-            (SaddleMethod::Minres, blocks) => {
-                let system = SaddleOperator {
-                    stiffness: a,
-                    released: None,
-                    blocks,
-                };
-                let diagonal = BlockDiagonal {
-                    displacement: approximate,
-                    blocks,
-                };
-                minres::solve(&system, &diagonal, x, r, self.iterations, monitor, work)
-            }
-            (
-                SaddleMethod::ConjugateGradients
-                | SaddleMethod::UzawaCg
-                | SaddleMethod::Gcr
-                | SaddleMethod::ArrowHurwicz,
-                _,
-            ) => cg::solve(a, approximate, x, r, self.iterations, monitor, work),
-        }
-    }
 }
 
+/// Follows the iterations of a linear system: norms, targets, reports.
 struct LinearMonitor<'a, 'b, 'w> {
+    /// Number of displacement unknowns, which come first in the residual.
     displacement: usize,
+    /// When the system counts as solved.
     targets: QpTargets,
+    /// Scales of the blocks without a load of their own; they grow with the norms seen.
     scales: &'a mut QpScales,
+    /// Counts, reports and stops.
     track: &'a mut Track<'b, 'w>,
+    /// Number of iterations so far.
     iterations: u32,
+    /// Whether the targets were reached.
     reached: bool,
 }
 

@@ -8,26 +8,26 @@
 //! ([`crate::element::jacobian::largest_step`]). Cost: two gradients and some hundred
 //! flops a point, asked for only where the whole step leads too far.
 
-use super::evaluate::Context;
-use super::results::gradient_at;
-use super::state::State;
 use crate::element::jacobian::largest_step;
 use crate::geometry::tensor::{Tensor, plus_unit};
+use crate::model::Model;
+use crate::model::state::State;
+use crate::model::values::gradient_at;
 
 /// F at the rule's points, cell by cell; empty for linear bodies.
-pub(super) fn deformation_gradients(context: &Context<'_>, state: &State) -> Vec<Tensor<f64>> {
-    let Some(strain) = &context.prepared.strain else {
+pub(crate) fn deformation_gradients(model: &Model<'_>, state: &State) -> Vec<Tensor<f64>> {
+    let Some(strain) = &model.prepared.strain else {
         return Vec::new();
     };
     let points = &strain.rule().points;
-    let cells = 0..context.mesh.cell_count();
+    let cells = 0..model.mesh.cell_count();
     let all = cells.flat_map(|cell| points.iter().map(move |point| (cell, point)));
-    all.map(|(cell, point)| plus_unit(&gradient_at(context, state, cell, point)))
+    all.map(|(cell, point)| plus_unit(&gradient_at(model, state, cell, point)))
         .collect()
 }
 
 /// The part of the way between two states at which every J is still above `floor`.
-pub(super) fn longest_step(start: &[Tensor<f64>], end: &[Tensor<f64>], floor: f64) -> f64 {
+pub(crate) fn longest_step(start: &[Tensor<f64>], end: &[Tensor<f64>], floor: f64) -> f64 {
     let ways = start.iter().zip(end);
     let lengths = ways.map(|(f, f_1)| {
         let change = std::array::from_fn(|i| std::array::from_fn(|j| f_1[i][j] - f[i][j]));

@@ -1,44 +1,45 @@
-//! The outer loop: load steps in increments with cut-back; in each increment
-//! the gap is linearised, the inequality problem solved inexactly, the step
-//! accepted by a filter, until all four criteria hold.
+//! The outer loop: an increment in parts with cut-back; in each part the gap is
+//! linearised, the inequality problem solved inexactly, the step accepted by a filter,
+//! until all four criteria hold.
 //!
 //! ```text
 //! f - A u - B^T p - C(u)^T l = 0,   B u - S p = 0,   g(u) >= 0, l >= 0, l g(u) = 0
 //! ```
 //!
-//! Everything is non-dimensional inside; [`Session`] speaks the caller's units.
+//! | file | station |
+//! |---|---|
+//! | [`run`] | everything that one increment reads and changes |
+//! | [`approach`] | the way to the increment's end, in parts: [`step_control`], [`initial_penetration`], [`penalty`] |
+//! | [`attempt`] | one part, solved and judged |
+//! | [`accuracy`] | how far residuals are reduced |
+//! | [`increment`] | programs until the four criteria hold: [`predictor`], [`program`], [`search`], [`verdict`] |
+//! | [`certificate`] | whether the equilibrium is a minimum |
+//! | [`diagnosis`] | causes that only the end shows |
+//! | [`learned`] | what is kept for the next increment: [`trend`], [`lowest_mode`], [`preconditioner_refresh`] |
+//!
+//! Everything is non-dimensional inside.
 
 mod accuracy;
-mod any_session;
-mod carry;
-mod comparison;
-mod constraints;
-mod contact_metric;
-mod counters;
-mod drive;
-mod errors;
-mod estimate;
-mod evaluate;
-mod fields;
-mod finite_strain;
-mod increment;
-mod linear;
-mod loads;
+pub(crate) mod approach;
+mod attempt;
+mod certificate;
+pub(crate) mod chooser;
+pub(crate) mod contact_metric;
+mod diagnosis;
+pub(crate) mod increment;
+mod initial_penetration;
+pub(crate) mod learned;
+pub(crate) mod linear;
 mod longest_step;
+mod lowest_mode;
+mod penalty;
+mod preconditioner_refresh;
 mod predictor;
-mod pressures;
-mod program;
-mod results;
+pub(crate) mod program;
+mod rigid_predictor;
+pub(crate) mod run;
 mod search;
-mod session;
-mod stability;
-mod state;
-mod tangent;
-mod touching;
-mod upkeep;
-mod verification;
-mod watch;
-
-pub use any_session::Session;
-pub use drive::ObstaclePose;
-pub use session::{Reuse, StepRun};
+mod step_control;
+mod trend;
+pub(crate) mod verdict;
+pub(crate) mod watch;

@@ -1,20 +1,29 @@
 //! Who sees an increment while it runs, and what stops it.
+//!
+//! Polled once a Krylov iteration: a cancel, a deadline or the wall limit of the step ends
+//! the increment at its last good state. The clock is read for limits and reports only, so
+//! that no number of a result depends on it.
 
-use super::counters::Counters;
-use super::evaluate::ratio;
 use crate::inequality::{QpNorms, QpScales};
+use crate::linalg::vector::ratio;
+use crate::model::counters::Counters;
 use crate::report::{CancelToken, IterationRecord, Observer, Residuals, Termination};
 
 /// Who watches, and what stops an increment.
 pub(crate) struct Watch<'a> {
+    /// Told of every Krylov iteration; must be quick.
     pub(crate) observer: &'a mut dyn Observer,
+    /// Polled after every Krylov iteration; says whether to stop.
     pub(crate) cancel: &'a CancelToken,
-    pub(crate) max_wall_time: Option<f64>,
+    /// Wall seconds that the increment may take; what is left of the step's.
+    pub(crate) seconds_left: Option<f64>,
+    /// The record of the last iteration, filled anew for each.
     pub(crate) record: IterationRecord,
 }
 
 impl Watch<'_> {
-    pub(super) fn report(
+    /// Tells the observer of one Krylov iteration.
+    pub(crate) fn report(
         &mut self,
         norms: &QpNorms,
         scales: &QpScales,
@@ -40,9 +49,9 @@ impl Watch<'_> {
     }
 
     /// Polls the token and the wall time.
-    pub(super) fn stopped(&self, counters: &Counters) -> Option<Termination> {
+    pub(crate) fn stopped(&self, counters: &Counters) -> Option<Termination> {
         let seconds = counters.start.elapsed().as_secs_f64();
-        if self.max_wall_time.is_some_and(|most| seconds > most) {
+        if self.seconds_left.is_some_and(|most| seconds > most) {
             self.cancel.expire();
         }
         self.cancel.stopped()

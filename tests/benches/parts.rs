@@ -18,19 +18,23 @@ mod notebook;
 use std::sync::Arc;
 
 use notebook::{Notebook, Wishes};
-use signorini::assembly::grid::{Basis, Grid, Rows};
-use signorini::assembly::p1_stiffness::{P1Blocks, node_blocks, p1_blocks};
+use signorini::assembly::grid::{Basis, Grid, GridSource, Rows};
+use signorini::assembly::p1_stiffness::{P1Blocks, StiffCells};
 use signorini::assembly::simd::InstructionSet;
 use signorini::assembly::strain::{CellLaws, Linearised, StrainGrid};
 use signorini::assembly::{CellGeometry, CellModuli};
+use signorini::contact::gap::Deformed;
+use signorini::contact::{ContactSurface, curvature, evaluate_gaps, linearise};
 use signorini::element::quadrature::{Simplex, rule};
-use signorini::inequality::dense_qp;
+use signorini::inequality::dense_cone;
 use signorini::linalg::cholesky::Precision;
 use signorini::linalg::vector::{add_scaled, dot, reproducible_noise};
 use signorini::linalg::{DenseMatrix, Preconditioner, Workspace};
 use signorini::material::{InvariantLaw, Isochoric, Rubber};
+use signorini::obstacle::{Moving, Obstacle, Sphere};
 use signorini::precond::NodeBlocks;
 use signorini::precond::p1::{AmgP1, DirectP1, VertexBlocks, vertex_order};
+use signorini::saddle::{AdmissibleSet, ProductSet, SetPart, Status};
 use signorini::scene::{Formulation, Material, MaterialModel, Modulus, Profile, Support, Traction};
 use signorini::space::TaylorHood;
 use signorini::{
@@ -67,17 +71,26 @@ impl Body {
     }
 
     fn grid(&self) -> Grid {
-        Grid::new(
-            &self.mesh,
-            &self.space,
-            &self.geometry,
-            &self.moduli,
-            &self.held,
-        )
+        Grid::new(GridSource {
+            mesh: &self.mesh,
+            space: &self.space,
+            geometry: &self.geometry,
+            moduli: &self.moduli,
+            held: &self.held,
+        })
+    }
+
+    fn cells(&self) -> StiffCells<'_> {
+        StiffCells {
+            mesh: &self.mesh,
+            space: &self.space,
+            geometry: &self.geometry,
+            stiffness: &self.moduli,
+        }
     }
 
     fn p1(&self) -> P1Blocks {
-        p1_blocks(&self.mesh, &self.space, &self.geometry, &self.moduli, 0.0)
+        self.cells().p1_blocks(0.0)
     }
 }
 
@@ -111,10 +124,10 @@ fn kernels(notebook: &mut Notebook, body: &Body) {
         let (name, mut work) = (set.name(), Workspace::new());
         for threads in THREADS {
             notebook.measure("operator, Lagrange", name, threads, size, || {
-                grid.stiffness(Basis::Lagrange, Rows::Free, &x, &mut y, &mut work);
+                grid.stiffness((Basis::Lagrange, Rows::Free), &x, &mut y, &mut work);
             });
             notebook.measure("operator, hierarchical", name, threads, size, || {
-                grid.stiffness(Basis::Hierarchical, Rows::Free, &x, &mut y, &mut work);
+                grid.stiffness((Basis::Hierarchical, Rows::Free), &x, &mut y, &mut work);
             });
             notebook.measure("divergence", name, threads, size, || {
                 grid.divergence(Rows::Free, &x, &mut r, &mut work);
@@ -163,7 +176,8 @@ fn rubber(notebook: &mut Notebook, body: &Body) {
                     notebook.measure(&part, name, threads, size, task);
                 };
                 measure("tangent", &mut || {
-                    cells.tangent(&at, Rows::Free, (&x, &p), (&mut y, &mut r), &mut work);
+                    let tangent = cells.about(&at);
+                    tangent.apply(Rows::Free, (&x, &p), (&mut y, &mut r), &mut work);
                 });
                 measure("residual", &mut || {
                     let _sums = cells.respond((&state, &p), (&mut y, &mut r), &mut work);
@@ -177,13 +191,7 @@ fn rubber(notebook: &mut Notebook, body: &Body) {
 fn preconditioner(notebook: &mut Notebook, body: &Body) {
     let set = InstructionSet::of_this_machine().name();
     let (size, coarse) = (body.space.displacement_unknowns(), 3 * body.space.vertices);
-    let stiffness = node_blocks(
-        &body.mesh,
-        &body.space,
-        &body.geometry,
-        &body.moduli,
-        &body.held,
-    );
+    let stiffness = body.cells().node_blocks(&body.held);
     let smoother = NodeBlocks::invert(3, stiffness);
     let (r, r1) = (reproducible_noise(size), reproducible_noise(coarse));
     let (mut d, mut x, mut z) = (vec![0.0; size], vec![0.0; size], vec![0.0; coarse]);
@@ -203,7 +211,7 @@ fn preconditioner(notebook: &mut Notebook, body: &Body) {
     let factor = DirectP1::new(&matrix, &order, 3, Precision::Single).ok();
     for threads in THREADS {
         notebook.measure("Chebyshev update", set, threads, size, || {
-            smoother.chebyshev_update(0.3, 0.7, &r, &mut d, &mut x);
+            smoother.chebyshev_update((0.3, 0.7), &r, &mut d, &mut x);
         });
         notebook.measure("P1 multigrid, set-up", set, threads, coarse, || {
             let _built = AmgP1::new(&view, Precision::Single).ok();
@@ -221,6 +229,56 @@ fn preconditioner(notebook: &mut Notebook, body: &Body) {
                 factor.apply(&r1, &mut z, &mut work);
             });
         }
+    }
+}
+
+/// A ball of radius one in the middle of z1, a little deep and turned.
+fn ball() -> Option<Moving> {
+    let ball = Sphere::new([0.5, 0.5, 2.0], 1.0).ok()?;
+    Some(Moving::new(
+        Arc::new(ball),
+        [0.0, 0.0, -0.02],
+        [0.1, 0.2, 0.3],
+    ))
+}
+
+/// Gaps, coupling and curvature of the contact of z1 with a ball.
+fn contact(notebook: &mut Notebook, body: &Body) {
+    let members = body
+        .mesh
+        .group("z1", GroupKind::Facets)
+        .map_or(&[][..], |group| &group.members);
+    let facets: Vec<Vec<u32>> = members
+        .iter()
+        .map(|&facet| body.mesh.facet(facet as usize).to_vec())
+        .collect();
+    let surface = ContactSurface::new(&body.mesh, &body.space, 1.0, &facets);
+    let unknowns = body.space.displacement_unknowns();
+    let displacement: Vec<f64> = (reproducible_noise(unknowns).into_iter())
+        .map(|x| 1e-3 * x)
+        .collect();
+    let deformed = Deformed {
+        mesh: &body.mesh,
+        scale: 1.0,
+        space: &body.space,
+        displacement: &displacement,
+        rule: &rule(Simplex::Triangle, 8),
+    };
+    let Some(ball) = ball() else { return };
+    let held = vec![false; unknowns];
+    let size = surface.multipliers();
+    let pressure = vec![1.0; size];
+    for threads in THREADS {
+        notebook.measure("contact, gaps", "any", threads, size, || {
+            std::hint::black_box(evaluate_gaps(&deformed, &surface, &ball));
+        });
+        notebook.measure("contact, linearisation", "any", threads, size, || {
+            std::hint::black_box(linearise(&deformed, &surface, &ball, &held));
+        });
+        notebook.measure("contact, curvature", "any", threads, size, || {
+            let surfaces = [(&surface, &ball as &dyn Obstacle, &pressure[..])];
+            std::hint::black_box(curvature(&deformed, &surfaces, &held));
+        });
     }
 }
 
@@ -248,9 +306,13 @@ fn dense(notebook: &mut Notebook) {
         let linear: Vec<f64> = (0..count)
             .map(|i| (i as f64 / count as f64 - 0.3).signum() - 0.2)
             .collect();
-        let guess = vec![true; count];
+        let guess = vec![Status::Stick; count];
+        let set = ProductSet::Uniform(SetPart {
+            size: count,
+            set: AdmissibleSet::NonNegative,
+        });
         notebook.measure(&format!("dense QP of {count}"), "any", 1, count, || {
-            let _solved = dense_qp::solve(&matrix, &linear, &guess).ok();
+            let _solved = dense_cone::solve(&matrix, &linear, set, &guess).ok();
         });
     }
 }
@@ -267,6 +329,7 @@ fn bent_cube() -> Scene {
         supports: vec![Support {
             name: "wall".to_owned(),
             on: vec!["x0".to_owned()],
+            normal: None,
             displacement: [Some(0.0); 3],
             profile: Profile::Constant,
         }],
@@ -309,6 +372,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     kernels(&mut notebook, &body);
     rubber(&mut notebook, &body);
     preconditioner(&mut notebook, &body);
+    contact(&mut notebook, &body);
     vectors(&mut notebook, body.space.displacement_unknowns());
     dense(&mut notebook);
     whole(&mut notebook, &body)?;

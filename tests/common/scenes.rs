@@ -55,6 +55,7 @@ pub(crate) fn support(on: &str, displacement: [Option<f64>; 3]) -> Support {
     Support {
         name: on.to_owned(),
         on: vec![on.to_owned()],
+        normal: None,
         displacement,
         profile: Profile::Constant,
     }

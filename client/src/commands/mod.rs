@@ -1,5 +1,6 @@
 //! The commands, one module each.
 
+#[cfg(feature = "bench")]
 mod bench;
 mod cancel;
 mod completions;
@@ -32,6 +33,7 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         Command::Cancel(arguments) => runtime.block_on(cancel::run(arguments)),
         Command::Plan(arguments) => runtime.block_on(plan::run(arguments)),
         Command::Serve(arguments) => runtime.block_on(serve::run(arguments)),
+        #[cfg(feature = "bench")]
         Command::Bench(arguments) => runtime.block_on(Box::pin(bench::run(arguments))),
         Command::Mesh(command) => runtime.block_on(mesh::run(command)),
         Command::Session(command) => runtime.block_on(session::run(command)),

@@ -1,48 +1,14 @@
 //! Writes the surface of a rigid obstacle in its current pose as VTP.
 //!
-//! Infinite shapes are drawn as the piece that a body of the given bounding box
-//! can meet: a half-space as a square, a cylinder as a tube as long as the
-//! diagonal. The pose is x -> R (x - c) + c + t with the reference point c of
-//! the shape, the translation t and the rotation vector of R. Cost: some
-//! thousand triangles, whatever the scene.
-
-use std::f64::consts::{PI, TAU};
+//! The pose is x -> R (x - c) + c + t with the reference point c of the shape, the
+//! translation t and the rotation vector of R. What a shape looks like in its initial
+//! pose is said where its keys are read. Cost: some thousand triangles, whatever the
+//! scene.
 
 use super::vtk_xml::Writer;
 
-type Vector = [f64; 3];
-
-/// Lines of latitude and half the lines of longitude of a sphere; a third of
-/// the facets around a cylinder.
-const DIVISIONS: usize = 32;
-
-/// A shape that can be drawn, in its initial pose.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Surface {
-    /// The plane that bounds a half-space.
-    Plane {
-        /// On the plane; reference point.
-        point: Vector,
-        /// Any length above zero.
-        normal: Vector,
-    },
-    /// A sphere.
-    Sphere {
-        /// Reference point.
-        centre: Vector,
-        /// Length.
-        radius: f64,
-    },
-    /// An infinite circular cylinder.
-    Cylinder {
-        /// On the axis; reference point.
-        point: Vector,
-        /// Any length above zero.
-        axis: Vector,
-        /// Length.
-        radius: f64,
-    },
-}
+/// A point or a direction `[3]`.
+pub(crate) type Vector = [f64; 3];
 
 /// Where a shape is.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -76,11 +42,13 @@ impl BoundingBox {
         })
     }
 
-    fn diagonal(&self) -> f64 {
+    /// Distance between the two corners.
+    pub(crate) fn diagonal(&self) -> f64 {
         length(subtract(self.high, self.low))
     }
 
-    fn centre(&self) -> Vector {
+    /// Half way between its corners.
+    pub(crate) fn centre(&self) -> Vector {
         map2(self.low, self.high, |low, high| 0.5 * (low + high))
     }
 }
@@ -94,9 +62,30 @@ pub struct Triangulation {
     pub triangles: Vec<[i64; 3]>,
 }
 
-/// The bytes of a VTP file with the surface in its pose.
-pub fn write(surface: &Surface, pose: &Pose, body: &BoundingBox) -> Vec<u8> {
-    let surface = triangulate(surface, pose, body);
+/// A shape as it is drawn in its initial pose.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outline {
+    /// The surface, or the piece of it that the body can meet.
+    pub surface: Triangulation,
+    /// The point that rotations leave in place.
+    pub reference: Vector,
+}
+
+impl Outline {
+    /// The surface in another pose.
+    pub fn posed(&self, pose: &Pose) -> Triangulation {
+        let mut drawn = self.surface.clone();
+        for point in &mut drawn.points {
+            let turned = rotate(subtract(*point, self.reference), pose.rotation);
+            *point = add(add(turned, self.reference), pose.translation);
+        }
+        drawn
+    }
+}
+
+/// The bytes of a VTP file with the outline in its pose.
+pub fn write(outline: &Outline, pose: &Pose) -> Vec<u8> {
+    let surface = outline.posed(pose);
     let points: Vec<f64> = surface.points.iter().flatten().copied().collect();
     let connectivity: Vec<i64> = surface.triangles.iter().flatten().copied().collect();
     let ends: Vec<i64> = (1..=surface.triangles.len() as i64)
@@ -120,76 +109,12 @@ pub fn write(surface: &Surface, pose: &Pose, body: &BoundingBox) -> Vec<u8> {
     file.finish("PolyData")
 }
 
-/// The surface in its pose, as triangles.
-pub fn triangulate(surface: &Surface, pose: &Pose, body: &BoundingBox) -> Triangulation {
-    let (mut drawn, reference) = match *surface {
-        Surface::Plane { point, normal } => (plane(point, normal, body), point),
-        Surface::Sphere { centre, radius } => (sphere(centre, radius), centre),
-        Surface::Cylinder {
-            point,
-            axis,
-            radius,
-        } => (cylinder(point, axis, radius, body), point),
-    };
-    for point in &mut drawn.points {
-        let turned = rotate(subtract(*point, reference), pose.rotation);
-        *point = add(add(turned, reference), pose.translation);
-    }
-    drawn
-}
-
-/// A square around the body's centre, as wide as its diagonal.
-fn plane(point: Vector, normal: Vector, body: &BoundingBox) -> Triangulation {
-    let normal = unit(normal);
-    let (first, second) = tangents(normal);
-    let middle = body.centre();
-    let foot = subtract(middle, scale(normal, dot(subtract(middle, point), normal)));
-    let half = 0.5 * body.diagonal();
-    let corner = |a: f64, b: f64| add(foot, add(scale(first, a * half), scale(second, b * half)));
-    Triangulation {
-        points: vec![
-            corner(-1.0, -1.0),
-            corner(1.0, -1.0),
-            corner(1.0, 1.0),
-            corner(-1.0, 1.0),
-        ],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-    }
-}
-
-fn sphere(centre: Vector, radius: f64) -> Triangulation {
-    let columns = 2 * DIVISIONS;
-    let point = |row: usize, column: usize| {
-        let polar = PI * row as f64 / DIVISIONS as f64;
-        let around = TAU * column as f64 / columns as f64;
-        let ring = polar.sin();
-        let direction = [ring * around.cos(), ring * around.sin(), polar.cos()];
-        add(centre, scale(direction, radius))
-    };
-    grid(DIVISIONS, columns, point)
-}
-
-/// A tube around the point of its axis nearest to the body's centre.
-fn cylinder(point: Vector, axis: Vector, radius: f64, body: &BoundingBox) -> Triangulation {
-    let axis = unit(axis);
-    let (first, second) = tangents(axis);
-    let along = dot(subtract(body.centre(), point), axis);
-    let extent = body.diagonal();
-    let columns = 3 * DIVISIONS;
-    let place = |row: usize, column: usize| {
-        let around = TAU * column as f64 / columns as f64;
-        let ring = add(
-            scale(first, radius * around.cos()),
-            scale(second, radius * around.sin()),
-        );
-        let offset = along + extent * (row as f64 - 0.5);
-        add(point, add(ring, scale(axis, offset)))
-    };
-    grid(1, columns, place)
-}
-
 /// Rows of quadrilaterals, closed around, each cut in two.
-fn grid(rows: usize, columns: usize, place: impl Fn(usize, usize) -> Vector) -> Triangulation {
+pub(crate) fn grid(
+    rows: usize,
+    columns: usize,
+    place: impl Fn(usize, usize) -> Vector,
+) -> Triangulation {
     let mut drawn = Triangulation::default();
     for row in 0..=rows {
         drawn
@@ -222,7 +147,7 @@ fn rotate(point: Vector, rotation: Vector) -> Vector {
 }
 
 /// Two unit vectors normal to a unit vector and to each other.
-fn tangents(normal: Vector) -> (Vector, Vector) {
+pub(crate) fn tangents(normal: Vector) -> (Vector, Vector) {
     let [x, y, z] = normal.map(f64::abs);
     let helper = if x <= y && x <= z {
         [1.0, 0.0, 0.0]
@@ -240,19 +165,23 @@ fn map2(a: Vector, b: Vector, combine: impl Fn(f64, f64) -> f64) -> Vector {
     [combine(ax, bx), combine(ay, by), combine(az, bz)]
 }
 
-fn add(a: Vector, b: Vector) -> Vector {
+/// a + b.
+pub(crate) fn add(a: Vector, b: Vector) -> Vector {
     map2(a, b, |a, b| a + b)
 }
 
-fn subtract(a: Vector, b: Vector) -> Vector {
+/// a - b.
+pub(crate) fn subtract(a: Vector, b: Vector) -> Vector {
     map2(a, b, |a, b| a - b)
 }
 
-fn scale(a: Vector, factor: f64) -> Vector {
+/// `factor` a.
+pub(crate) fn scale(a: Vector, factor: f64) -> Vector {
     a.map(|value| value * factor)
 }
 
-fn dot(a: Vector, b: Vector) -> f64 {
+/// a . b.
+pub(crate) fn dot(a: Vector, b: Vector) -> f64 {
     map2(a, b, |a, b| a * b).iter().sum()
 }
 
@@ -260,7 +189,8 @@ fn length(a: Vector) -> f64 {
     dot(a, a).sqrt()
 }
 
-fn unit(a: Vector) -> Vector {
+/// a / |a|; +z for the zero vector.
+pub(crate) fn unit(a: Vector) -> Vector {
     let length = length(a);
     if length > 0.0 {
         scale(a, 1.0 / length)
@@ -276,63 +206,12 @@ fn cross(a: Vector, b: Vector) -> Vector {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use std::f64::consts::PI;
 
-    const BODY: BoundingBox = BoundingBox {
-        low: [0.0; 3],
-        high: [1.0, 2.0, 2.0],
-    };
+    use super::*;
 
     fn distance(a: Vector, b: Vector) -> f64 {
         length(subtract(a, b))
-    }
-
-    #[test]
-    fn sphere_points_lie_on_the_moved_sphere() {
-        let surface = Surface::Sphere {
-            centre: [1.0, 2.0, 3.0],
-            radius: 0.5,
-        };
-        let pose = Pose {
-            translation: [0.0, 0.0, -1.0],
-            rotation: [0.3, 0.2, 9.0],
-        };
-        let drawn = triangulate(&surface, &pose, &BODY);
-        for point in drawn.points {
-            assert!((distance(point, [1.0, 2.0, 2.0]) - 0.5).abs() < 1e-14);
-        }
-    }
-
-    #[test]
-    fn plane_is_a_square_of_the_body_diagonal_on_the_plane() {
-        let surface = Surface::Plane {
-            point: [5.0, 5.0, -1.0],
-            normal: [0.0, 0.0, 2.0],
-        };
-        let drawn = triangulate(&surface, &Pose::default(), &BODY);
-        assert_eq!(drawn.triangles.len(), 2);
-        for point in &drawn.points {
-            assert!((point[2] + 1.0).abs() < 1e-14);
-            let from_centre = distance(*point, [0.5, 1.0, -1.0]);
-            assert!((from_centre - 1.5 * 2.0_f64.sqrt()).abs() < 1e-12);
-        }
-    }
-
-    #[test]
-    fn cylinder_points_keep_the_radius_from_the_turned_axis() {
-        let surface = Surface::Cylinder {
-            point: [0.0; 3],
-            axis: [1.0, 0.0, 0.0],
-            radius: 2.0,
-        };
-        let pose = Pose {
-            translation: [0.0; 3],
-            rotation: [0.0, 0.0, PI / 2.0],
-        };
-        let drawn = triangulate(&surface, &pose, &BODY);
-        for [x, _, z] in drawn.points {
-            assert!((x.hypot(z) - 2.0).abs() < 1e-14);
-        }
     }
 
     #[test]
@@ -341,13 +220,32 @@ mod tests {
         assert!(distance(turned, [0.0, 1.0, 0.0]) < 1e-15);
     }
 
+    fn triangle() -> Outline {
+        Outline {
+            surface: Triangulation {
+                points: vec![[2.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 1.0]],
+                triangles: vec![[0, 1, 2]],
+            },
+            reference: [1.0, 0.0, 0.0],
+        }
+    }
+
+    #[test]
+    fn an_outline_turns_about_its_reference_point_and_shifts() {
+        let pose = Pose {
+            translation: [0.0, 0.0, 5.0],
+            rotation: [0.0, 0.0, PI / 2.0],
+        };
+        let drawn = triangle().posed(&pose);
+        let expected = [[1.0, 1.0, 5.0], [0.0, 0.0, 5.0], [1.0, 0.0, 6.0]];
+        for (found, expected) in drawn.points.iter().zip(expected) {
+            assert!(distance(*found, expected) < 1e-15);
+        }
+    }
+
     #[test]
     fn file_is_well_formed_around_its_data() {
-        let surface = Surface::Sphere {
-            centre: [0.0; 3],
-            radius: 1.0,
-        };
-        let bytes = write(&surface, &Pose::default(), &BODY);
+        let bytes = write(&triangle(), &Pose::default());
         assert!(bytes.starts_with(b"<?xml"));
         assert!(bytes.ends_with(b"</VTKFile>\n"));
     }

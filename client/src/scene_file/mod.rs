@@ -9,6 +9,7 @@ mod body;
 mod keys;
 mod obstacle;
 mod overrides;
+mod shape;
 mod step;
 mod suggest;
 
@@ -21,6 +22,7 @@ use signorini_proto::v1;
 use toml::Table;
 
 pub use overrides::Override;
+pub use shape::outline;
 
 use crate::error::Violation;
 use keys::{Faults, Keys};

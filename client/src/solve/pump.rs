@@ -10,30 +10,21 @@ use std::pin::pin;
 use std::time::{Duration, Instant};
 
 use signorini_proto::v1;
-use signorini_proto::v1::solve_request::Message as Request;
 use signorini_proto::v1::solve_response::Message as Response;
 use tokio::sync::mpsc;
 use tokio::time::{sleep, timeout};
 
 use super::backoff::Backoff;
-use super::desk::{Desk, Turn};
-use super::events::{Collector, Event};
-use super::incoming::{Incoming, Stop};
+use super::events::Event;
+use super::incoming::Stop;
 use super::journal::Journal;
+use super::link::{Link, request};
 use super::source::Source;
+use super::user_channels::{Activity, UserChannels};
 use crate::error::ClientError;
 
-/// One connection.
-#[derive(Debug)]
-pub(super) struct Link {
-    /// `None` when it is half-closed or only reads.
-    pub(super) requests: Option<mpsc::Sender<v1::SolveRequest>>,
-    pub(super) incoming: Incoming,
-    pub(super) collector: Collector,
-}
-
 /// How a stream ended.
-enum End {
+enum StreamEnd {
     Done,
     /// Nobody takes events any more.
     Left,
@@ -41,27 +32,27 @@ enum End {
 }
 
 /// How a connection ended.
-enum Ending {
+enum LinkEnd {
     Broken(ClientError),
     /// And the stream with it.
-    Over(End),
+    Over(StreamEnd),
 }
 
 /// Everything that outlives a connection.
 pub(super) struct Pump {
     source: Source,
     journal: Journal,
-    desk: Desk,
+    user: UserChannels,
     /// Of breaks without a sign of life between them.
     backoff: Option<Backoff>,
 }
 
 impl Pump {
-    pub(super) fn new(source: Source, journal: Journal, desk: Desk) -> Self {
+    pub(super) fn new(source: Source, journal: Journal, user: UserChannels) -> Self {
         Self {
             source,
             journal,
-            desk,
+            user,
             backoff: None,
         }
     }
@@ -70,31 +61,31 @@ impl Pump {
     pub(super) async fn run(mut self, mut link: Link) {
         loop {
             let ending = match self.carry(link).await {
-                Ending::Broken(cause) => self.reconnect(cause).await,
-                Ending::Over(end) => Err(end),
+                LinkEnd::Broken(cause) => self.reconnect(cause).await,
+                LinkEnd::Over(end) => Err(end),
             };
             match ending {
                 Ok(next) => link = next,
-                Err(End::Done) => return self.desk.finish().await,
-                Err(End::Left) => return,
-                Err(End::Fault(error)) => return self.desk.fail(error).await,
+                Err(StreamEnd::Done) => return self.user.finish().await,
+                Err(StreamEnd::Left) => return,
+                Err(StreamEnd::Fault(error)) => return self.user.fail(error).await,
             }
         }
     }
 
-    async fn carry(&mut self, mut link: Link) -> Ending {
+    async fn carry(&mut self, mut link: Link) -> LinkEnd {
         loop {
             self.half_close(&mut link);
             let room = link.requests.clone().filter(|_| self.journal.has_request());
             let ended = tokio::select! {
-                turn = self.desk.turn() => {
-                    (!self.order(turn)).then_some(Ending::Over(End::Left))
+                activity = self.user.activity() => {
+                    (!self.order(activity)).then_some(LinkEnd::Over(StreamEnd::Left))
                 }
                 room = reserve(room.clone()), if room.is_some() => {
                     self.send(&mut link, room);
                     None
                 }
-                answer = link.incoming.next(), if self.desk.ready.is_empty() => {
+                answer = link.incoming.next(), if self.user.ready.is_empty() => {
                     self.answer(&mut link, answer)
                 }
             };
@@ -106,17 +97,17 @@ impl Pump {
 
     /// No order follows and the server has them all: it may end the stream.
     fn half_close(&self, link: &mut Link) {
-        if !self.desk.open && self.journal.is_sent() {
+        if !self.user.open && self.journal.is_sent() {
             link.requests = None;
         }
     }
 
     /// Whether anybody still takes events.
-    fn order(&mut self, turn: Turn) -> bool {
-        match turn {
-            Turn::Order(order) => self.desk.ready.extend(self.journal.order(order)),
-            Turn::Closed | Turn::Delivered => {}
-            Turn::Left => return false,
+    fn order(&mut self, activity: Activity) -> bool {
+        match activity {
+            Activity::Order(order) => self.user.ready.extend(self.journal.order(order)),
+            Activity::Closed | Activity::Delivered => {}
+            Activity::Left => return false,
         }
         true
     }
@@ -137,33 +128,35 @@ impl Pump {
         &mut self,
         link: &mut Link,
         answer: Result<Option<Response>, Stop>,
-    ) -> Option<Ending> {
+    ) -> Option<LinkEnd> {
         let message = match answer {
             Ok(Some(message)) => message,
-            Ok(None) if self.source.ends(&self.journal) => return Some(Ending::Over(End::Done)),
+            Ok(None) if self.source.ends(&self.journal) => {
+                return Some(LinkEnd::Over(StreamEnd::Done));
+            }
             Ok(None) => {
                 let message = "the stream ended before its answers".to_owned();
-                return Some(Ending::Broken(ClientError::Broken { message }));
+                return Some(LinkEnd::Broken(ClientError::Broken { message }));
             }
-            Err(Stop::Broken(cause)) => return Some(Ending::Broken(cause)),
-            Err(Stop::Fault(error)) => return Some(Ending::Over(End::Fault(error))),
+            Err(Stop::Broken(cause)) => return Some(LinkEnd::Broken(cause)),
+            Err(Stop::Fault(error)) => return Some(LinkEnd::Over(StreamEnd::Fault(error))),
         };
         self.backoff = None;
         match self.collect(link, message) {
             Ok(()) => None,
-            Err(error) => Some(Ending::Over(End::Fault(error))),
+            Err(error) => Some(LinkEnd::Over(StreamEnd::Fault(error))),
         }
     }
 
     fn collect(&mut self, link: &mut Link, message: Response) -> Result<(), ClientError> {
         if let Some(event) = link.collector.take(message)? {
-            self.desk.ready.extend(self.journal.take(event)?);
+            self.user.ready.extend(self.journal.take(event)?);
         }
         Ok(())
     }
 
     /// Tries until a connection stands or the patience is used up.
-    async fn reconnect(&mut self, mut cause: ClientError) -> Result<Link, End> {
+    async fn reconnect(&mut self, mut cause: ClientError) -> Result<Link, StreamEnd> {
         let (patience, now) = (self.source.patience(), Instant::now());
         let mut backoff = match self.backoff.take() {
             Some(backoff) => backoff,
@@ -171,50 +164,50 @@ impl Pump {
         };
         if !patience.is_zero() {
             let cause = cause.to_string();
-            self.desk.ready.push_back(Event::ConnectionLost { cause });
+            self.user.ready.push_back(Event::ConnectionLost { cause });
         }
         while let Some(pause) = backoff.pause(Instant::now()) {
             self.meanwhile(sleep(pause)).await?;
             match self.attempt(backoff.attempt(Instant::now())).await? {
                 Ok(link) => {
                     let attempts = backoff.attempts();
-                    self.desk.ready.push_back(Event::Reconnected { attempts });
+                    self.user.ready.push_back(Event::Reconnected { attempts });
                     self.backoff = Some(backoff);
                     return Ok(link);
                 }
                 Err(again) => cause = again,
             }
         }
-        Err(End::Fault(cause))
+        Err(StreamEnd::Fault(cause))
     }
 
     /// One new connection, or why there is none yet.
-    async fn attempt(&mut self, limit: Duration) -> Result<Result<Link, ClientError>, End> {
+    async fn attempt(&mut self, limit: Duration) -> Result<Result<Link, ClientError>, StreamEnd> {
         let (source, seen) = (self.source.clone(), self.journal.seen());
         let attached = timeout(limit, source.attach(Some(seen)));
         match self.meanwhile(attached).await? {
             Ok(Ok((opened, link))) => {
-                self.journal.resume(&opened).map_err(End::Fault)?;
+                self.journal.resume(&opened).map_err(StreamEnd::Fault)?;
                 Ok(Ok(link))
             }
             Ok(Err(Stop::Broken(cause))) => Ok(Err(cause)),
             // The server has not noticed the break yet.
             Ok(Err(Stop::Fault(error))) if error.is_reason("SESSION_BUSY") => Ok(Err(error)),
-            Ok(Err(Stop::Fault(error))) => Err(End::Fault(error)),
+            Ok(Err(Stop::Fault(error))) => Err(StreamEnd::Fault(error)),
             Err(_) => Ok(Err(ClientError::Silent(self.source.patience()))),
         }
     }
 
     /// Waits for `work` while orders come and events go.
-    async fn meanwhile<T>(&mut self, work: impl Future<Output = T>) -> Result<T, End> {
+    async fn meanwhile<T>(&mut self, work: impl Future<Output = T>) -> Result<T, StreamEnd> {
         let mut work = pin!(work);
         loop {
-            let turn = tokio::select! {
+            let activity = tokio::select! {
                 done = &mut work => return Ok(done),
-                turn = self.desk.turn() => turn,
+                activity = self.user.activity() => activity,
             };
-            if !self.order(turn) {
-                return Err(End::Left);
+            if !self.order(activity) {
+                return Err(StreamEnd::Left);
             }
         }
     }
@@ -224,10 +217,4 @@ async fn reserve(
     requests: Option<mpsc::Sender<v1::SolveRequest>>,
 ) -> Option<mpsc::OwnedPermit<v1::SolveRequest>> {
     requests?.reserve_owned().await.ok()
-}
-
-pub(super) fn request(message: Request) -> v1::SolveRequest {
-    v1::SolveRequest {
-        message: Some(message),
-    }
 }

@@ -9,10 +9,11 @@ use signorini_proto::v1::solve_request::Message as Request;
 use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 
+use super::QUEUE;
 use super::incoming::{Incoming, Stop};
 use super::journal::Journal;
-use super::pump::{Link, request};
-use super::{Attach, QUEUE, WatchOptions};
+use super::link::{Link, request};
+use super::options::{Attach, WatchOptions};
 use crate::connect::Client;
 use crate::error::ClientError;
 

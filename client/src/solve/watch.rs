@@ -1,43 +1,13 @@
 //! The stream that follows a session without driving it.
 
-use std::time::Duration;
-
 use signorini_proto::v1;
 use tokio::sync::mpsc;
 
+use super::Events;
+use super::options::WatchOptions;
 use super::source::Kind;
-use super::{Events, PATIENCE};
 use crate::connect::Client;
 use crate::error::ClientError;
-
-/// How to watch a session.
-#[derive(Clone, Debug)]
-pub struct WatchOptions {
-    /// Results after this event that the server still keeps come first; `None`:
-    /// none does.
-    pub last_seen_event: Option<i64>,
-    /// Fields wanted with each result; empty: those of the scene.
-    pub fields: Vec<v1::FieldName>,
-    /// At most one iteration event in this time; `None`: as fast as they are read.
-    pub iteration_interval: Option<Duration>,
-    /// When the stream ends well.
-    pub until: v1::WatchEnd,
-    /// As in [`super::Attach::patience`].
-    pub patience: Duration,
-}
-
-impl Default for WatchOptions {
-    /// From the first kept result to the end of the session, with [`PATIENCE`].
-    fn default() -> Self {
-        Self {
-            last_seen_event: Some(0),
-            fields: Vec::new(),
-            iteration_interval: None,
-            until: v1::WatchEnd::Session,
-            patience: PATIENCE,
-        }
-    }
-}
 
 /// An open stream.
 #[derive(Debug)]

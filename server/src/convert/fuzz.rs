@@ -4,6 +4,7 @@
 #[path = "../../../client/tests/fuzz/engine.rs"]
 mod engine;
 
+use bytes::Bytes;
 use prost::Message;
 use signorini::mesh::{CellKind, Group, GroupKind, Mesh, MeshParts};
 use signorini::plan::Plan;
@@ -246,7 +247,7 @@ fn check(fault: &Fault) {
 
 fn planned(message: wire::Scene, mesh: &Mesh) -> Result<(), Fault> {
     let request = scene::scene(message)?;
-    let plan = Plan::new(&request.scene, &request.steps, mesh)?;
+    let plan = request.plan(mesh)?;
     report::plan(plan.report());
     Ok(())
 }
@@ -301,8 +302,10 @@ fn every_update_is_checked_or_refused() {
     );
     let (mut taken, mut refused) = (0, 0);
     Campaign::from_environment().run(&corpus, |input, _| {
-        let load = wire::LoadStepUpdate::decode(input).map(|message| step::load_step(&message));
-        let moved = wire::ObstacleUpdate::decode(input).map(step::obstacle_update);
+        let load = wire::LoadStepUpdate::decode(input)
+            .map(|message| step::load_step(&message, Bytes::new()));
+        let moved = wire::ObstacleUpdate::decode(input)
+            .map(|message| step::obstacle_update(message, Bytes::new()));
         for update in [load, moved].into_iter().flatten() {
             let checked = update.and_then(|update| {
                 let one = std::slice::from_ref(&update.step);

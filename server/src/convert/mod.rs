@@ -29,6 +29,7 @@ const MOST_FAULTS: usize = 100;
 pub(crate) struct Faults {
     invalid: Vec<Violation>,
     unsupported: Option<Violation>,
+    misnamed: Vec<Violation>,
 }
 
 impl Faults {
@@ -36,6 +37,12 @@ impl Faults {
         if self.invalid.len() < MOST_FAULTS {
             self.invalid.push(violation(path, message));
         }
+    }
+
+    /// A name that nobody knows. Such a message is well formed: the fault is told
+    /// with those that planning finds.
+    pub(crate) fn misnamed(&mut self, path: impl Into<String>, message: impl Into<String>) {
+        self.misnamed.push(violation(path, message));
     }
 
     /// A key of a capability that is not there yet; the first one is reported.
@@ -110,7 +117,7 @@ impl Faults {
     }
 
     /// What was found, if anything: as in the library, faults come before keys
-    /// of later versions.
+    /// of later versions. Names that nobody knows are not among it.
     pub(crate) fn outcome(mut self) -> Result<(), Fault> {
         self.refuse()?;
         self.unsupported

@@ -1,14 +1,15 @@
 //! The scene message into the library's scene.
 
-use signorini::mesh::MeshId;
+use signorini::Plan;
+use signorini::mesh::{Mesh, MeshId};
 use signorini::report::FieldName;
 use signorini::scene::{
-    Obstacle, Pressure, Probe, Profile, Scene, SceneKind, SolverOptions, Step, Support,
-    ToleranceRule, Traction,
+    Choice, Named, Obstacle, Pressure, Probe, Profile, Scene, SceneError, SceneKind, SolverOptions,
+    Step, Support, ToleranceRule, Traction, UnknownName, Violation,
 };
 use signorini_proto::v1 as wire;
 
-use super::{Faults, components, field, material, mesh, named, shape, step};
+use super::{Faults, MOST_FAULTS, components, field, material, mesh, named, shape, step};
 use crate::fault::Fault;
 
 const MAXIMUM_LIST: usize = 4096;
@@ -25,6 +26,29 @@ pub(crate) struct SceneRequest {
     pub(crate) scene: Scene,
     pub(crate) steps: Vec<Step>,
     pub(crate) output: Output,
+    /// Methods that nobody knows; the scene leaves these choices to the plan.
+    misnamed: Vec<Violation>,
+}
+
+impl SceneRequest {
+    /// Plans on `mesh`. Whatever is wrong is told at once, unknown methods after
+    /// the faults that the library finds.
+    ///
+    /// # Errors
+    /// `SceneInvalid`, `Unsupported`.
+    pub(crate) fn plan(&self, mesh: &Mesh) -> Result<Plan, Fault> {
+        let planned = Plan::new(&self.scene, &self.steps, mesh);
+        if self.misnamed.is_empty() {
+            return Ok(planned?);
+        }
+        let mut faults = match planned {
+            Err(SceneError::Invalid(faults)) => faults,
+            Ok(_) | Err(SceneError::Unsupported(_)) => Vec::new(),
+        };
+        faults.extend_from_slice(&self.misnamed);
+        faults.truncate(MOST_FAULTS);
+        Err(Fault::SceneInvalid(faults))
+    }
 }
 
 /// Fields that come with results.
@@ -48,12 +72,14 @@ pub(crate) fn scene(message: wire::Scene) -> Result<SceneRequest, Fault> {
     let output = output(message.output.as_ref(), &mut faults);
     let steps = steps(message.steps.iter(), &mut faults);
     let scene = body(message, &mut faults);
+    let misnamed = std::mem::take(&mut faults.misnamed);
     faults.outcome()?;
     Ok(SceneRequest {
         mesh,
         scene,
         steps,
         output,
+        misnamed,
     })
 }
 
@@ -125,11 +151,11 @@ fn surfaces(groups: Vec<String>, path: &str, faults: &mut Faults) -> Vec<String>
 
 fn support(message: wire::Support, index: usize, faults: &mut Faults) -> Support {
     let path = named("support", &message.name, index);
-    faults.later_if(message.normal, &path, "normal");
     Support {
         name: faults.name(&message.name, &path),
         on: surfaces(message.on, &path, faults),
         displacement: components(message.displacement),
+        normal: message.normal,
         profile: profile(message.profile, &path, faults),
     }
 }
@@ -194,32 +220,20 @@ fn steps<'a>(list: impl Iterator<Item = &'a wire::LoadStep>, faults: &mut Faults
 fn solver(message: wire::SolverOptions, faults: &mut Faults) -> SolverOptions {
     let default = SolverOptions::default();
     let tolerance_rule = tolerance_rule(message.tolerance_rule, faults);
-    let mut method = |name: String, key: &str, default: String| match name.is_empty() {
-        true => default,
-        false => faults.name(&name, &format!("solver.{key}")),
-    };
     SolverOptions {
         tolerance: message.tolerance.unwrap_or(default.tolerance),
         tolerance_rule,
-        error_estimate: method(
-            message.error_estimate,
-            "error_estimate",
-            default.error_estimate,
-        ),
-        element: method(message.element, "element", default.element),
+        error_estimate: method(&message.error_estimate, "error_estimate", faults),
+        element: method(&message.element, "element", faults),
         displacement_preconditioner: method(
-            message.displacement_preconditioner,
+            &message.displacement_preconditioner,
             "displacement_preconditioner",
-            default.displacement_preconditioner,
+            faults,
         ),
-        p1_solver: method(message.p1_solver, "p1_solver", default.p1_solver),
-        saddle: method(message.saddle, "saddle", default.saddle),
-        contact: method(message.contact, "contact", default.contact),
-        contact_metric: method(
-            message.contact_metric,
-            "contact_metric",
-            default.contact_metric,
-        ),
+        p1_solver: method(&message.p1_solver, "p1_solver", faults),
+        saddle: method(&message.saddle, "saddle", faults),
+        contact: method(&message.contact, "contact", faults),
+        contact_metric: method(&message.contact_metric, "contact_metric", faults),
         quadrature_degree: message.quadrature_degree.map(|degree| {
             // The library's range check names a negative degree as zero.
             u32::try_from(degree).unwrap_or(0)
@@ -228,6 +242,19 @@ fn solver(message: wire::SolverOptions, faults: &mut Faults) -> SolverOptions {
         penalty: message.penalty,
         verify: message.verify,
     }
+}
+
+/// The method of that name; empty leaves the choice to the plan.
+fn method<T: Named>(name: &str, key: &str, faults: &mut Faults) -> Choice<T> {
+    let path = format!("solver.{key}");
+    let name = faults.name(name, &path);
+    if name.is_empty() {
+        return Choice::Auto;
+    }
+    name.parse().unwrap_or_else(|unknown: UnknownName| {
+        faults.misnamed(path, unknown.to_string());
+        Choice::Auto
+    })
 }
 
 fn tolerance_rule(number: i32, faults: &mut Faults) -> ToleranceRule {
@@ -264,7 +291,8 @@ fn output(message: Option<&wire::Output>, faults: &mut Faults) -> Output {
 
 #[cfg(test)]
 mod tests {
-    use signorini::scene::{Formulation, MaterialModel};
+    use signorini::mesh::{CellKind, MeshParts};
+    use signorini::scene::{ElementKind, ErrorEstimate, Formulation, MaterialModel};
 
     use super::*;
 
@@ -282,7 +310,7 @@ mod tests {
         };
         let fixed = convert(0).expect("the default rule");
         assert_eq!(fixed.tolerance_rule, ToleranceRule::Fixed);
-        assert_eq!(fixed.error_estimate, "off");
+        assert_eq!(fixed.error_estimate, Choice::Named(ErrorEstimate::Off));
         let other = convert(wire::ToleranceRule::Discretisation.into()).expect("a known rule");
         assert_eq!(other.tolerance_rule, ToleranceRule::Discretisation);
         assert!(matches!(convert(7), Err(Fault::Unsupported(_))));
@@ -321,7 +349,34 @@ mod tests {
         };
         assert_eq!(scene.materials[0].model, law);
         assert_eq!(scene.supports[0].profile, Profile::Parabolic);
-        assert_eq!(scene.solver.element, "mini");
+        assert_eq!(scene.solver.element, Choice::Named(ElementKind::Mini));
+    }
+
+    #[test]
+    fn unknown_methods_are_told_with_the_faults_that_planning_finds() {
+        let mut message = flow();
+        message.solver = Some(wire::SolverOptions {
+            saddle: "gccr".into(),
+            contact: "auto".into(),
+            ..Default::default()
+        });
+        let cell = MeshParts {
+            coordinates: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            cell_kind: CellKind::Triangle,
+            cells: vec![0, 1, 2],
+            facets: Vec::new(),
+            groups: Vec::new(),
+        };
+        let mesh = Mesh::new(cell).unwrap();
+        match scene(message).unwrap().plan(&mesh) {
+            Err(Fault::SceneInvalid(all)) => {
+                let last = all.last().expect("a fault");
+                assert_eq!(last.path, "solver.saddle");
+                assert_eq!(last.message, "unknown method `gccr`; did you mean `gcr`?");
+                assert!(all.iter().any(|one| one.path == "material.body"), "{all:?}");
+            }
+            other => panic!("{other:?}"),
+        }
     }
 
     #[test]

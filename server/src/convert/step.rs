@@ -2,6 +2,7 @@
 
 use std::time::Duration;
 
+use bytes::Bytes;
 use signorini::scene::{ObstacleTarget, Step, SupportTarget};
 use signorini_proto::v1 as wire;
 
@@ -12,19 +13,21 @@ use crate::fault::Fault;
 const MAXIMUM_INCREMENTS: i32 = 100_000;
 const MAXIMUM_TARGETS: usize = 1000;
 
-/// One update of a session, converted.
+/// One update of a session: converted, and as it came.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Update {
     pub(crate) sequence: i64,
     pub(crate) step: Step,
     pub(crate) max_wall_time: Option<Duration>,
+    /// The `SolveRequest` that brought it, encoded.
+    pub(crate) encoded: Bytes,
 }
 
-/// Converts a `load_step`.
+/// Converts a `load_step` that came as `encoded`.
 ///
 /// # Errors
 /// Paths of malformed keys.
-pub(crate) fn load_step(message: &wire::LoadStepUpdate) -> Result<Update, Fault> {
+pub(crate) fn load_step(message: &wire::LoadStepUpdate, encoded: Bytes) -> Result<Update, Fault> {
     let mut faults = Faults::default();
     let default = wire::LoadStep::default();
     let step = step(
@@ -37,14 +40,18 @@ pub(crate) fn load_step(message: &wire::LoadStepUpdate) -> Result<Update, Fault>
         sequence: message.sequence,
         step,
         max_wall_time: duration(message.max_wall_time.as_ref(), "max_wall_time")?,
+        encoded,
     })
 }
 
-/// Converts an `obstacle_update`: a step that keeps the load.
+/// Converts an `obstacle_update` that came as `encoded`: a step that keeps the load.
 ///
 /// # Errors
 /// Paths of malformed keys.
-pub(crate) fn obstacle_update(message: wire::ObstacleUpdate) -> Result<Update, Fault> {
+pub(crate) fn obstacle_update(
+    message: wire::ObstacleUpdate,
+    encoded: Bytes,
+) -> Result<Update, Fault> {
     if message.obstacles.is_empty() {
         return Err(Fault::request(
             "obstacle_update.obstacles",
@@ -56,11 +63,12 @@ pub(crate) fn obstacle_update(message: wire::ObstacleUpdate) -> Result<Update, F
         obstacles: message.obstacles,
         ..wire::LoadStep::default()
     };
-    load_step(&wire::LoadStepUpdate {
+    let update = wire::LoadStepUpdate {
         sequence: message.sequence,
         step: Some(step),
         max_wall_time: message.max_wall_time,
-    })
+    };
+    load_step(&update, encoded)
 }
 
 /// Converts a step; `path` is its key.

@@ -14,7 +14,7 @@ use super::{aside, page_size, respond};
 use crate::convert::mesh::{self as convert, Header, Upload};
 use crate::fault::Fault;
 use crate::registry::Registry;
-use crate::session::Shop;
+use crate::session::Services;
 use crate::store::{Lease, Reservation};
 use crate::transport;
 
@@ -28,7 +28,7 @@ const PAGE_BYTES: usize = 1 << 20;
 
 /// The service.
 pub(crate) struct Meshes {
-    pub(crate) shop: Arc<Shop>,
+    pub(crate) services: Arc<Services>,
     pub(crate) registry: Arc<Registry>,
 }
 
@@ -51,7 +51,7 @@ impl MeshService for Meshes {
     ) -> Result<Response<wire::GetMeshResponse>, Status> {
         respond(&self.registry, async {
             let id = convert::id_from_name(&request.into_inner().name, "name")?;
-            let mesh = Some(self.describe(self.shop.store.mesh(id)?)?);
+            let mesh = Some(self.describe(self.services.store.mesh(id)?)?);
             Ok(wire::GetMeshResponse { mesh })
         })
         .await
@@ -72,7 +72,7 @@ impl MeshService for Meshes {
     ) -> Result<Response<Self::ReadMeshStream>, Status> {
         respond(&self.registry, async {
             let id = convert::id_from_name(&request.into_inner().name, "name")?;
-            let messages = convert::messages(self.shop.store.mesh(id)?);
+            let messages = convert::messages(self.services.store.mesh(id)?);
             let stream: Self::ReadMeshStream = Box::pin(tokio_stream::iter(messages.map(Ok)));
             Ok(stream)
         })
@@ -86,7 +86,7 @@ impl MeshService for Meshes {
     ) -> Result<Response<wire::DeleteMeshResponse>, Status> {
         respond(&self.registry, async {
             let id = convert::id_from_name(&request.into_inner().name, "name")?;
-            self.shop.store.delete_mesh(id)?;
+            self.services.store.delete_mesh(id)?;
             Ok(wire::DeleteMeshResponse {})
         })
         .await
@@ -104,12 +104,12 @@ impl Meshes {
             return Err(Fault::request("header", "must be the first message"));
         };
         let header = Header::new(header)?;
-        if let Ok(found) = self.shop.store.mesh(header.id) {
+        if let Ok(found) = self.services.store.mesh(header.id) {
             return self.uploaded(found, Presence::Before);
         }
         let id = header.id;
         // Held until the mesh itself is counted.
-        let reservation = self.shop.store.reserve(header.predicted_bytes())?;
+        let reservation = self.services.store.reserve(header.predicted_bytes())?;
         let most = IDLE + Duration::from_secs(header.array_bytes() / LEAST_BYTES_PER_SECOND);
         let end = Instant::now() + most;
         let mut upload = Upload::new(header);
@@ -127,7 +127,7 @@ impl Meshes {
         }
         let mesh = aside(move || build(upload, id)).await??;
         let _excess = self.reserve_excess(&mesh, &reservation)?;
-        self.uploaded(self.shop.store.insert_mesh(mesh), Presence::New)
+        self.uploaded(self.services.store.insert_mesh(mesh), Presence::New)
     }
 
     /// Takes what a mesh needs beyond its prediction, if anything.
@@ -138,7 +138,7 @@ impl Meshes {
     ) -> Result<Option<Reservation>, Fault> {
         match mesh.bytes().saturating_sub(taken.bytes()) {
             0 => Ok(None),
-            excess => self.shop.store.reserve(excess).map(Some),
+            excess => self.services.store.reserve(excess).map(Some),
         }
     }
 
@@ -157,7 +157,10 @@ impl Meshes {
     fn describe(&self, lease: Lease<Mesh>) -> Result<wire::Mesh, Fault> {
         let mesh = Arc::clone(lease.value());
         drop(lease);
-        Ok(convert::mesh(&mesh, &self.shop.store.mesh_use(mesh.id())?))
+        Ok(convert::mesh(
+            &mesh,
+            &self.services.store.mesh_use(mesh.id())?,
+        ))
     }
 
     fn list(&self, request: &wire::ListMeshesRequest) -> Result<wire::ListMeshesResponse, Fault> {
@@ -166,7 +169,7 @@ impl Meshes {
             "" => None,
             token => Some(convert::id_from_name(token, "page_token")?),
         };
-        let found = self.shop.store.meshes(after, size);
+        let found = self.services.store.meshes(after, size);
         let (mut meshes, mut bytes) = (Vec::new(), 0);
         for (mesh, uses) in &found {
             let mesh = convert::mesh(mesh, uses);

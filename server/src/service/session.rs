@@ -5,7 +5,8 @@ use std::sync::{Arc, Mutex};
 use std::time::SystemTime;
 
 use prost::Message;
-use signorini::plan::{Plan, Prepared};
+use signorini::plan::Plan;
+use signorini::prepare::Prepared;
 use signorini_proto::v1::{self as wire, session_service_server::SessionService};
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
@@ -18,8 +19,10 @@ use crate::convert::scene::SceneRequest;
 use crate::convert::{report, scene, step};
 use crate::fault::Fault;
 use crate::registry::{Claimed, Registry};
-use crate::session::{self, Call, Handle, ReadRequest, Seed, Shop};
+use crate::results::kept::messages;
+use crate::session::{Handle, ReadRequest, Services, SessionSpec};
 use crate::store::{Lease, Reservation};
+use crate::streams;
 
 const MAXIMUM_REQUEST_ID_BYTES: usize = 64;
 const MAXIMUM_SCENE_BYTES: usize = 3 << 20;
@@ -30,7 +33,7 @@ type Messages<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;
 
 /// The service.
 pub(crate) struct Sessions {
-    pub(crate) shop: Arc<Shop>,
+    pub(crate) services: Arc<Services>,
     pub(crate) registry: Arc<Registry>,
 }
 
@@ -92,11 +95,11 @@ impl SessionService for Sessions {
         request: Request<Streaming<wire::SolveRequest>>,
     ) -> Result<Response<Self::SolveStream>, Status> {
         // Answered before anything is read: a client may wait for the headers.
-        let call = Call {
+        let call = streams::Call {
             client: ClientKey::of(&request),
             timeout: timeout::of(request.metadata()),
         };
-        let answers = session::open_stream(&self.registry, request.into_inner(), call);
+        let answers = streams::open_solve(&self.registry, request.into_inner(), call);
         Ok(Response::new(ReceiverStream::new(answers)))
     }
 
@@ -104,7 +107,7 @@ impl SessionService for Sessions {
         &self,
         request: Request<wire::WatchRequest>,
     ) -> Result<Response<Self::WatchStream>, Status> {
-        let answers = session::open_watch(&self.registry, request.into_inner());
+        let answers = streams::open_watch(&self.registry, request.into_inner());
         Ok(Response::new(ReceiverStream::new(answers)))
     }
 
@@ -195,7 +198,7 @@ impl Sessions {
         let plan_report = report::plan(planned.plan.report());
         let own_bytes = OWN_FACTOR * (kept.encoded_len() + plan_report.encoded_len()) as u64;
         let taken = self.reserve(&planned, own_bytes)?;
-        let seed = Seed {
+        let spec = SessionSpec {
             name: claim.name().to_owned(),
             reservation: Arc::new(Mutex::new(taken.reservation)),
             prepared: taken.prepared,
@@ -207,17 +210,17 @@ impl Sessions {
             on_disconnect,
             mesh: planned.mesh,
             output: planned.request.output,
-            ttl: ttl.unwrap_or_else(|| self.shop.config.ttl()),
+            ttl: ttl.unwrap_or_else(|| self.services.config.ttl()),
             created: SystemTime::now(),
         };
-        created(&claim.start(seed)).await
+        created(&claim.start(spec)).await
     }
 
     async fn plan(&self, message: wire::Scene) -> Result<Planned, Fault> {
         let request = scene::scene(message)?;
-        let mesh = self.shop.store.mesh(request.mesh)?;
+        let mesh = self.services.store.mesh(request.mesh)?;
         let planned = aside(move || {
-            let plan = Plan::new(&request.scene, &request.steps, mesh.value())?;
+            let plan = request.plan(mesh.value())?;
             Ok::<_, Fault>(Planned {
                 request,
                 mesh,
@@ -229,8 +232,8 @@ impl Sessions {
 
     /// Refuses a client that has too much waiting already.
     fn check_queue(&self, client: ClientKey) -> Result<(), Fault> {
-        let limit = self.shop.config.maximum_queued;
-        match self.shop.workshop.waiting(client) < limit {
+        let limit = self.services.config.maximum_queued;
+        match self.services.solvers.waiting(client) < limit {
             true => Ok(()),
             false => Err(Fault::QueueFull { limit }),
         }
@@ -239,7 +242,7 @@ impl Sessions {
     /// Takes the predicted memory with one result, less what another session has
     /// prepared, and keeps that from being dropped.
     fn reserve(&self, planned: &Planned, own_bytes: u64) -> Result<Taken, Fault> {
-        let (store, report) = (&self.shop.store, planned.plan.report());
+        let (store, report) = (&self.services.store, planned.plan.report());
         let prepared = store.hold_prepared(&planned.plan.key());
         let there = prepared.as_ref().map_or(0, |lease| lease.value().bytes());
         let fields = planned.request.output.fields.len() as u64;
@@ -298,7 +301,7 @@ impl Sessions {
             false => fields,
         };
         let all = answer.results.into_iter().flat_map(move |result| {
-            let (finished, chunks) = session::messages(&result, &wanted, encoding);
+            let (finished, chunks) = messages(&result, &wanted, encoding);
             let first = wire::read_step_response::Message::StepFinished(finished);
             std::iter::once(first).chain(chunks.map(wire::read_step_response::Message::Field))
         });

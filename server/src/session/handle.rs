@@ -8,13 +8,13 @@ use signorini_proto::v1 as wire;
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio::time::Instant;
 
-use super::iterations::IterationReader;
-use super::kept::KeptResult;
 use crate::client_key::ClientKey;
 use crate::convert::field::Encoding;
 use crate::convert::step::Update;
 use crate::fault::Fault;
-use crate::outbox::Outbox;
+use crate::results::iterations::IterationReader;
+use crate::results::kept::KeptResult;
+use crate::results::outbox::Outbox;
 
 /// Updates that may wait between a stream and its actor.
 const INBOX: usize = 16;
@@ -45,15 +45,15 @@ pub(crate) enum Role {
 }
 
 /// State and running sequence, for heartbeats.
-pub(super) type Pulse = (wire::SessionState, i64);
+pub(crate) type Pulse = (wire::SessionState, i64);
 
 /// A stream attached to a session.
-pub(super) struct Attachment {
+pub(crate) struct Attachment {
     /// Of the stream in its session.
-    pub(super) number: u64,
-    pub(super) outbox: Arc<Outbox>,
-    pub(super) iterations: IterationReader,
-    pub(super) pulse: watch::Receiver<Pulse>,
+    pub(crate) number: u64,
+    pub(crate) outbox: Arc<Outbox>,
+    pub(crate) iterations: IterationReader,
+    pub(crate) pulse: watch::Receiver<Pulse>,
 }
 
 /// Which results to read again.
@@ -70,7 +70,7 @@ pub(crate) struct ReadAnswer {
 }
 
 /// What can be asked of an actor.
-pub(super) enum Command {
+pub(crate) enum Command {
     Attach(Box<OpenRequest>, oneshot::Sender<Result<Attachment, Fault>>),
     Detach(u64),
     HalfClose(u64),
@@ -97,7 +97,7 @@ pub(crate) struct Handle {
 }
 
 impl Handle {
-    pub(super) fn new(name: &str, scene: &Arc<wire::Scene>) -> (Self, mpsc::Receiver<Command>) {
+    pub(crate) fn new(name: &str, scene: &Arc<wire::Scene>) -> (Self, mpsc::Receiver<Command>) {
         let (inbox, commands) = mpsc::channel(INBOX);
         let (name, scene) = (Arc::from(name), Arc::clone(scene));
         (Self { name, scene, inbox }, commands)
@@ -113,7 +113,7 @@ impl Handle {
         self.inbox.closed().await;
     }
 
-    pub(super) async fn attach(&self, request: OpenRequest) -> Result<Attachment, Fault> {
+    pub(crate) async fn attach(&self, request: OpenRequest) -> Result<Attachment, Fault> {
         self.ask(|reply| Command::Attach(Box::new(request), reply))
             .await?
     }
@@ -129,7 +129,7 @@ impl Handle {
     }
 
     /// Returns when every command sent before is handled.
-    pub(super) async fn handled(&self) {
+    pub(crate) async fn handled(&self) {
         // An actor that is over handles nothing more.
         let _over = self.ask(Command::Handled).await;
     }
@@ -154,13 +154,13 @@ impl Handle {
         self.send(Command::ShutDown).await;
     }
 
-    pub(super) async fn send(&self, command: Command) {
+    pub(crate) async fn send(&self, command: Command) {
         // An actor that is over has told its stream why.
         let _over = self.inbox.send(command).await;
     }
 
     /// Sends from where nothing can wait.
-    pub(super) fn post(&self, command: Command) {
+    pub(crate) fn post(&self, command: Command) {
         let Err(mpsc::error::TrySendError::Full(command)) = self.inbox.try_send(command) else {
             return;
         };

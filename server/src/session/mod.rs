@@ -3,119 +3,123 @@
 //!
 //! The actor never computes and never waits for a socket or a solver: solver
 //! threads answer by events, readers by the room in their outbox. Updates are
-//! taken in sequence; each is one step, each increment one job of the workshop.
+//! taken in sequence; each is one step, each increment one job of the solver threads.
 //! One stream writes, any number watches.
 
 mod actor;
-pub(crate) mod blank;
 mod handle;
-mod iterations;
-mod kept;
-mod pump;
 mod queue;
-mod readers;
-mod stream;
-mod watch;
 mod work;
 
 use std::future::Future;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, SystemTime};
 
-use signorini::plan::{Plan, Prepared};
+use signorini::plan::Plan;
+use signorini::prepare::Prepared;
 use signorini_proto::v1 as wire;
 
 use crate::client_key::ClientKey;
-use crate::compute::Workshop;
+use crate::compute::SolverThreads;
 use crate::config::Config;
 use crate::convert::scene::Output;
 use crate::metrics::Metrics;
 use crate::store::{Lease, Reservation, Store};
 
-pub(crate) use handle::{Handle, ReadRequest};
-#[cfg(test)]
-pub(crate) use iterations::Iterations;
-pub(crate) use iterations::{IterationReader, Newest};
-pub(crate) use kept::{KeptResult, messages};
-pub(crate) use stream::{Call, open as open_stream};
-pub(crate) use watch::open as open_watch;
+pub(crate) use handle::{Attachment, Command, Handle, OpenRequest, ReadRequest, Role};
 
 /// What every session of a server shares.
-pub(crate) struct Shop {
+pub(crate) struct Services {
+    /// The settings, checked.
     pub(crate) config: Config,
+    /// Where everything is counted.
     pub(crate) metrics: Arc<Metrics>,
+    /// Meshes and prepared data, under one byte budget.
     pub(crate) store: Arc<Store>,
-    pub(crate) workshop: Workshop,
+    /// The threads on which sessions compute.
+    pub(crate) solvers: SolverThreads,
 }
 
 /// Everything that a new session starts from.
-pub(crate) struct Seed {
+pub(crate) struct SessionSpec {
     /// `sessions/{id}`.
     pub(crate) name: String,
+    /// What the solver will build and do.
     pub(crate) plan: Arc<Plan>,
+    /// The plan as clients read it.
     pub(crate) plan_report: wire::Plan,
+    /// The scene as it was asked for.
     pub(crate) scene: Arc<wire::Scene>,
     /// Who asked for it.
     pub(crate) client: ClientKey,
+    /// What becomes of a running step when its stream leaves, unless that says so.
     pub(crate) on_disconnect: wire::DisconnectPolicy,
+    /// The mesh, kept in the store as long as the session lives.
     pub(crate) mesh: Lease<signorini::mesh::Mesh>,
+    /// The fields that come with results, and how often.
     pub(crate) output: Output,
+    /// The session's part of the byte budget.
     pub(crate) reservation: Arc<Mutex<Reservation>>,
     /// Keeps prepared data that are there already until the session has them.
     pub(crate) prepared: Option<Lease<Prepared>>,
     /// Held by the scene and the plan, bytes.
     pub(crate) own_bytes: u64,
+    /// Time without a call after which the session expires.
     pub(crate) ttl: Duration,
+    /// When it was asked for.
     pub(crate) created: SystemTime,
 }
 
 /// How a session's actor ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Ending {
+pub(crate) enum SessionEnd {
+    /// A client deleted it.
     Deleted,
+    /// Nobody called for its time to live.
     Expired,
+    /// The server shuts down.
     ShutDown,
     /// A defect ended the actor itself.
     Died,
 }
 
 /// Calls `ended` once, also when the actor panics.
-struct Farewell<F: FnOnce(Ending)>(Option<F>);
+struct EndGuard<F: FnOnce(SessionEnd)>(Option<F>);
 
-impl<F: FnOnce(Ending)> Farewell<F> {
-    fn say(&mut self, ending: Ending) {
+impl<F: FnOnce(SessionEnd)> EndGuard<F> {
+    fn end(&mut self, ending: SessionEnd) {
         if let Some(ended) = self.0.take() {
             ended(ending);
         }
     }
 }
 
-impl<F: FnOnce(Ending)> Drop for Farewell<F> {
+impl<F: FnOnce(SessionEnd)> Drop for EndGuard<F> {
     fn drop(&mut self) {
         if std::thread::panicking() {
             tracing::error!("the actor of a session panicked");
         }
-        self.say(Ending::Died);
+        self.end(SessionEnd::Died);
     }
 }
 
-async fn watched(run: impl Future<Output = Ending>, ended: impl FnOnce(Ending)) {
+async fn watched(run: impl Future<Output = SessionEnd>, ended: impl FnOnce(SessionEnd)) {
     // Made at the first poll: a task that a closing runtime refuses is dropped
     // inside `start`, where the caller may hold the lock that `ended` takes.
-    let mut farewell = Farewell(Some(ended));
-    farewell.say(run.await);
+    let mut guard = EndGuard(Some(ended));
+    guard.end(run.await);
 }
 
 /// Starts the actor of a session; `ended` is called when it is over.
 pub(crate) fn start(
-    shop: Arc<Shop>,
-    seed: Seed,
-    ended: impl FnOnce(Ending) + Send + 'static,
+    services: Arc<Services>,
+    spec: SessionSpec,
+    ended: impl FnOnce(SessionEnd) + Send + 'static,
 ) -> Handle {
     use tracing::Instrument;
-    let span = tracing::info_span!("session", name = %seed.name);
-    let (handle, inbox) = Handle::new(&seed.name, &seed.scene);
-    let run = watched(actor::run(shop, seed, inbox), ended);
+    let span = tracing::info_span!("session", name = %spec.name);
+    let (handle, inbox) = Handle::new(&spec.name, &spec.scene);
+    let run = watched(actor::run(services, spec, inbox), ended);
     tokio::spawn(run.instrument(span));
     handle
 }
@@ -130,6 +134,6 @@ mod tests {
         let run = async { panic!("broken") };
         let ended = move |ending| sender.send(ending).unwrap();
         assert!(tokio::spawn(watched(run, ended)).await.is_err());
-        assert_eq!(receiver.await, Ok(Ending::Died));
+        assert_eq!(receiver.await, Ok(SessionEnd::Died));
     }
 }

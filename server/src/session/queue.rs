@@ -45,6 +45,12 @@ impl Accepted {
         }
     }
 
+    /// Number of the step, from 1: every update is one, also one that stops before
+    /// it begins, so the sequence counts them.
+    pub(super) fn step_number(&self) -> u32 {
+        u32::try_from(self.sequence).unwrap_or(u32::MAX)
+    }
+
     /// Asks the step to stop.
     pub(super) fn cancel(&mut self) {
         self.cancelled_at.get_or_insert_with(Instant::now);
@@ -121,14 +127,14 @@ fn post_after(time: Duration, events: &mpsc::UnboundedSender<Event>, event: Even
     clock.abort_handle()
 }
 
-/// Accepted updates.
+/// The accepted updates of a session.
 #[derive(Default)]
-pub(super) struct Queue {
+pub(super) struct UpdateQueue {
     waiting: VecDeque<Accepted>,
     last_accepted: i64,
 }
 
-impl Queue {
+impl UpdateQueue {
     pub(super) fn last_accepted(&self) -> i64 {
         self.last_accepted
     }

@@ -4,7 +4,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 
 use signorini::mesh::Mesh;
-use signorini::plan::{Plan, PrepareError, Prepared};
+use signorini::plan::Plan;
+use signorini::prepare::{PrepareError, Prepared};
 use signorini::report::{
     CancelToken, FieldName, IterationRecord, Observer, StepReport, Termination,
 };
@@ -12,14 +13,15 @@ use signorini::scene::{SceneError, Step};
 use signorini::{ObstaclePose, Reuse, Session, StepRun};
 use tokio::sync::{mpsc, oneshot};
 
-use super::Shop;
-use super::iterations::Iterations;
+use super::Services;
 use crate::client_key::ClientKey;
 use crate::compute::{Panicked, said};
 use crate::convert::field::KeptField;
 use crate::convert::report;
 use crate::memory::{self, OutOfMemory};
 use crate::metrics::Metrics;
+use crate::results::iterations::Iterations;
+use crate::results::unfinished;
 use crate::store::{Lease, Reservation};
 
 /// The state of a session with the step under way; where it is, nobody else is.
@@ -48,17 +50,23 @@ impl Work {
     }
 }
 
-/// State waiting for a solver thread; whoever takes it first has it.
-pub(super) type Parcel = Arc<Mutex<Option<Box<Work>>>>;
+/// A session's state between its actor and a solver thread; whoever takes it
+/// first has it.
+pub(super) type Handoff = Arc<Mutex<Option<Box<Work>>>>;
 
-/// Takes what is in a parcel.
-pub(super) fn take(parcel: &Parcel) -> Option<Box<Work>> {
-    parcel.lock().unwrap_or_else(PoisonError::into_inner).take()
+/// Takes what is in a handoff.
+pub(super) fn take(handoff: &Handoff) -> Option<Box<Work>> {
+    handoff
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .take()
 }
 
 /// One increment to do.
 pub(super) struct Task {
     pub(super) sequence: i64,
+    /// Number of the step, from 1.
+    pub(super) number: u32,
     pub(super) step: Step,
     pub(super) cancel: CancelToken,
     pub(super) wanted: Vec<FieldName>,
@@ -125,8 +133,8 @@ pub(super) enum Unprepared {
 }
 
 /// Does the next increment of a task.
-pub(super) fn advance(parcel: &Parcel, task: &Task) -> Outcome {
-    let Some(mut work) = take(parcel) else {
+pub(super) fn advance(handoff: &Handoff, task: &Task) -> Outcome {
+    let Some(mut work) = take(handoff) else {
         return Outcome::Withdrawn;
     };
     let _span = tracing::info_span!("step", sequence = task.sequence).entered();
@@ -153,10 +161,11 @@ pub(super) fn advance(parcel: &Parcel, task: &Task) -> Outcome {
 fn increment(work: &mut Work, mut run: StepRun, task: &Task) -> Increment {
     let mut reporter = Reporter { task };
     let done = work.session.advance(&mut run, &mut reporter, &task.cancel);
-    let report = done.unwrap_or_else(|| {
+    let report = match done {
+        Some(report) => numbered(report, task.number),
         // Only a step that is finished has no further increment.
-        super::blank::report(0, run.done(), Termination::InternalError)
-    });
+        None => unfinished::report(task.number, run.done(), Termination::InternalError),
+    };
     work.run = Some(run);
     let asked = is_due(&report, task).then(|| task.wanted.clone());
     Increment {
@@ -165,6 +174,16 @@ fn increment(work: &mut Work, mut run: StepRun, task: &Task) -> Increment {
         fields: gather(&work.session, asked.as_deref().unwrap_or_default()),
         asked,
         state_bytes: work.session.bytes(),
+    }
+}
+
+/// The report under the number of its update: the library counts the steps that
+/// began, and does not know of those that stopped before.
+fn numbered(report: StepReport, step: u32) -> StepReport {
+    StepReport {
+        time: report.time + (f64::from(step) - f64::from(report.step)),
+        step,
+        ..report
     }
 }
 
@@ -188,15 +207,17 @@ impl Observer for Reporter<'_> {
     fn iteration(&mut self, record: &IterationRecord) {
         fail::fail_point!("iteration");
         self.task.metrics.iteration();
-        let mut report = report::iteration(record);
-        report.step = i32::try_from(self.task.sequence).unwrap_or(i32::MAX);
+        let report = report::iteration(&IterationRecord {
+            step: self.task.number,
+            ..record.clone()
+        });
         let (sequence, after) = (self.task.sequence, self.task.after_event);
         self.task.iterations.publish(sequence, after, report);
     }
 }
 
 /// What [`prepare`] builds from.
-pub(super) struct Order {
+pub(super) struct Preparation {
     pub(super) plan: Arc<Plan>,
     pub(super) mesh: Arc<Mesh>,
     pub(super) client: ClientKey,
@@ -206,23 +227,27 @@ pub(super) struct Order {
 }
 
 /// Builds what the plan needs, or finds it, and tells the actor.
-pub(super) async fn prepare(shop: Arc<Shop>, order: Order, events: mpsc::UnboundedSender<Event>) {
-    let outcome = ready(&shop, order).await;
+pub(super) async fn prepare(
+    services: Arc<Services>,
+    preparation: Preparation,
+    events: mpsc::UnboundedSender<Event>,
+) {
+    let outcome = ready(&services, preparation).await;
     // A session that is gone needs nothing.
     let _gone = events.send(Event::Prepared(outcome.map(Box::new)));
 }
 
-async fn ready(shop: &Arc<Shop>, order: Order) -> Result<Ready, Unprepared> {
-    let Order {
+async fn ready(services: &Arc<Services>, preparation: Preparation) -> Result<Ready, Unprepared> {
+    let Preparation {
         plan,
         mesh,
         client,
         cancel,
         reservation,
-    } = order;
-    let turn = shop.store.turn(plan.key());
+    } = preparation;
+    let turn = services.store.turn(plan.key());
     let guard = turn.lock().await;
-    let (prepared, reuse) = match shop.store.prepared(&plan.key()) {
+    let (prepared, reuse) = match services.store.prepared(&plan.key()) {
         Some(lease) => (lease, Reuse::Reused),
         None => {
             memory::probe(plan.report().predicted_bytes)?;
@@ -233,9 +258,9 @@ async fn ready(shop: &Arc<Shop>, order: Order) -> Result<Ready, Unprepared> {
                 drop(held);
                 built
             };
-            let built = on_solver(shop, client, build).await??;
+            let built = on_solver(services, client, build).await??;
             (
-                shop.store.insert_prepared(plan.key(), mesh.id(), built),
+                services.store.insert_prepared(plan.key(), mesh.id(), built),
                 Reuse::Built,
             )
         }
@@ -243,7 +268,7 @@ async fn ready(shop: &Arc<Shop>, order: Order) -> Result<Ready, Unprepared> {
     drop(guard);
     let shared = Arc::clone(prepared.value());
     let begin = move || Session::new(plan, mesh, shared, reuse);
-    let session = on_solver(shop, client, begin).await?;
+    let session = on_solver(services, client, begin).await?;
     drop(reservation);
     Ok(Ready {
         state_bytes: session.bytes(),
@@ -254,12 +279,12 @@ async fn ready(shop: &Arc<Shop>, order: Order) -> Result<Ready, Unprepared> {
 }
 
 async fn on_solver<T: Send + 'static>(
-    shop: &Shop,
+    services: &Services,
     client: ClientKey,
     work: impl FnOnce() -> T + Send + 'static,
 ) -> Result<T, Unprepared> {
     let (sender, receiver) = oneshot::channel();
-    shop.workshop.submit(client, work, move |outcome| {
+    services.solvers.submit(client, work, move |outcome| {
         // The session may be gone; its value is dropped then.
         let _gone = sender.send(outcome);
     });

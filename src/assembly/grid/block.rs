@@ -27,18 +27,22 @@ pub(in crate::assembly) struct Block<const V: usize, const D: usize, const E: us
 
 /// What the blocks of a mesh are made from.
 #[derive(Clone, Copy)]
-pub(super) struct Source<'a> {
-    pub(super) mesh: &'a Mesh,
-    pub(super) space: &'a TaylorHood,
-    pub(super) geometry: &'a CellGeometry,
-    pub(super) moduli: &'a CellModuli,
-    /// Ascending.
-    pub(super) held: &'a [u32],
+pub struct GridSource<'a> {
+    /// Mesh.
+    pub mesh: &'a Mesh,
+    /// Numbering.
+    pub space: &'a TaylorHood,
+    /// Gradients and volumes.
+    pub geometry: &'a CellGeometry,
+    /// Elasticity.
+    pub moduli: &'a CellModuli,
+    /// Indices of held entries, ascending.
+    pub held: &'a [u32],
 }
 
 impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
     /// The block of `cells`; at most `u16::MAX` nodes.
-    pub(super) fn new(cells: &[u32], source: Source<'_>) -> Self {
+    pub(super) fn new(cells: &[u32], source: GridSource<'_>) -> Self {
         let space = source.space;
         let cell_nodes: Vec<([u32; V], [u32; E])> = cells
             .iter()
@@ -176,7 +180,7 @@ fn nodes_of_cell<const V: usize, const E: usize>(
 fn batch<const V: usize, const D: usize, const E: usize>(
     cells: &[u32],
     cell_nodes: &[([u32; V], [u32; E])],
-    source: Source<'_>,
+    source: GridSource<'_>,
     local: &impl Fn(u32) -> u16,
 ) -> Batch<V, D, E> {
     let mut out = Batch {

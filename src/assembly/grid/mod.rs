@@ -11,16 +11,13 @@ mod copies;
 
 use rayon::prelude::*;
 
-use super::cells::{CellGeometry, CellModuli};
 use super::kernel::{Batch, PRESSURE};
 use super::partition::blocks_of_cells;
 use super::simd::{self, InstructionSet};
 use super::transpose::Row;
 use crate::linalg::Workspace;
-use crate::mesh::Mesh;
-use crate::space::TaylorHood;
 pub(super) use block::Block;
-use block::Source;
+pub use block::GridSource;
 pub(super) use copies::Copies;
 
 /// Most groups of blocks that run at the same time.
@@ -78,22 +75,9 @@ macro_rules! either {
 }
 
 impl Grid {
-    /// Blocks of `mesh`; `held` are the ascending indices of held entries.
-    pub fn new(
-        mesh: &Mesh,
-        space: &TaylorHood,
-        geometry: &CellGeometry,
-        moduli: &CellModuli,
-        held: &[u32],
-    ) -> Self {
-        let source = Source {
-            mesh,
-            space,
-            geometry,
-            moduli,
-            held,
-        };
-        match geometry.vertices {
+    /// Blocks of the cells of `source`.
+    pub fn new(source: GridSource<'_>) -> Self {
+        match source.geometry.vertices {
             3 => Self::Triangles(CellGrid::new(source)),
             _ => Self::Tetrahedra(CellGrid::new(source)),
         }
@@ -102,13 +86,12 @@ impl Grid {
     /// `y = A x` on all nodes.
     pub fn stiffness(
         &self,
-        basis: Basis,
-        rows: Rows,
+        (basis, rows): (Basis, Rows),
         x: &[f64],
         y: &mut [f64],
         work: &mut Workspace,
     ) {
-        either!(self, grid => grid.stiffness(basis, rows, x, y, work));
+        either!(self, grid => grid.stiffness((basis, rows), x, y, work));
     }
 
     /// `r -= A x` on all nodes, held entries of both left out.
@@ -173,7 +156,7 @@ impl Grid {
 }
 
 impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
-    fn new(source: Source<'_>) -> Self {
+    fn new(source: GridSource<'_>) -> Self {
         let blocks: Vec<Block<V, D, E>> = blocks_of_cells(source.mesh)
             .par_iter()
             .map(|cells| Block::new(cells, source))
@@ -209,22 +192,21 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
         (blocks + self.copies.bytes()) as u64
     }
 
-    fn stiffness(&self, basis: Basis, rows: Rows, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        self.stiffness_into(basis, rows, x, work, |local| {
+    fn stiffness(&self, on: (Basis, Rows), x: &[f64], y: &mut [f64], work: &mut Workspace) {
+        self.stiffness_into(on, x, work, |local| {
             self.copies.sum::<D>(local, y, set_displacement);
         });
     }
 
     fn subtract_stiffness(&self, basis: Basis, x: &[f64], r: &mut [f64], work: &mut Workspace) {
-        self.stiffness_into(basis, Rows::Free, x, work, |local| {
+        self.stiffness_into((basis, Rows::Free), x, work, |local| {
             self.copies.sum::<D>(local, r, add_displacement(-1.0));
         });
     }
 
     fn stiffness_into(
         &self,
-        basis: Basis,
-        rows: Rows,
+        (basis, rows): (Basis, Rows),
         x: &[f64],
         work: &mut Workspace,
         finish: impl FnOnce(&[Row]),

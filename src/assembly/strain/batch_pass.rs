@@ -3,12 +3,12 @@
 
 use pulp::Simd;
 
-use super::cells::{BatchLaw, BatchState, Batches, WIDEST};
-use super::kernel::{run_batch, store_volumes, vertex_pressures};
+use super::cells::{BatchLaw, BatchState, Batches};
+use super::kernel::{BatchRun, store_volumes, vertex_pressures};
 use super::laws::{Frozen, Pressures, Respond, Roots, Stiff, Tangent, Volumes};
-use super::pass::Response;
+use super::response::Response;
 use crate::assembly::kernel::{Element, NodeLanes};
-use crate::assembly::lanes::{Lanes, Pack};
+use crate::assembly::lanes::{Lanes, Pack, WIDTH};
 use crate::assembly::simd::{BatchPass, prefetch_at};
 use crate::assembly::transpose::{Row, Transpose};
 
@@ -29,13 +29,16 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for RespondPass<'
         let cells = self.cells.batches.iter().zip(self.cells.laws);
         for (index, (batch, law)) in cells.enumerate() {
             let mut energies = Lanes::ZERO;
-            run_batch(
+            BatchRun {
                 simd,
                 transpose,
-                self.cells.rule,
+                rule: self.cells.rule,
+                x: self.x,
+                y: &mut *self.y,
+            }
+            .run(
                 (batch, self.cells.radii(index)),
                 &mut element,
-                (self.x, self.y),
                 |part, _, vertices| Respond {
                     law: law.load(simd, part),
                     stretches: law.stretches::<S>(part),
@@ -43,7 +46,7 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for RespondPass<'
                     pressures: vertex_pressures(simd, vertices, part),
                     volumes: [zero; V],
                     energy: zero,
-                    least: [f64::INFINITY; WIDEST],
+                    least: [f64::INFINITY; WIDTH],
                 },
                 |part, done, vertices| {
                     store_volumes(&done.volumes, vertices, part);
@@ -82,13 +85,16 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for LinearisePass
             let roots = std::cell::RefCell::new(roots);
             let hoops = std::cell::RefCell::new(hoops);
             let tangents = std::cell::RefCell::new(tangents);
-            run_batch(
+            BatchRun {
                 simd,
                 transpose,
-                self.cells.rule,
+                rule: self.cells.rule,
+                x: self.x,
+                y: &mut *self.y,
+            }
+            .run(
                 (batch, self.cells.radii(index)),
                 &mut element,
-                (self.x, self.y),
                 |part, gradients, vertices| {
                     for (j, gradient) in gradients.iter().enumerate() {
                         for i in 0..D {
@@ -140,13 +146,9 @@ macro_rules! frozen_pass {
                 {
                     prefetch_at(self.cells.batches, index + 1);
                     let state = BatchState::<V, D>(state);
-                    run_batch(
-                        simd,
-                        transpose,
-                        self.cells.rule,
-                        (batch, self.cells.radii(index)),
-                        &mut element,
-                        (self.x, &mut *self.y),
+                    BatchRun { simd, transpose, rule: self.cells.rule, x: self.x, y: &mut *self.y }.run(
+(batch, self.cells.radii(index)),
+&mut element,
                         |part, _, vertices| {
                             let frozen = Frozen {
                                 simd,

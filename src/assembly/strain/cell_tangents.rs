@@ -136,7 +136,7 @@ impl CellStates<'_> {
 }
 
 /// Adds what the stretch around the axis contributes, `hoop` for both nodes.
-fn add_hoops(tensor: &[f64; ENTRIES], hoop: f64, a: &[f64; 3], b: &[f64; 3], block: &mut Block) {
+fn add_hoops(tensor: &[f64; ENTRIES], hoop: f64, [a, b]: [&[f64; 3]; 2], block: &mut Block) {
     for row in 0..6 {
         let (i, m) = (row / 3, row % 3);
         let value = hoop * tensor[around(row)];
@@ -167,7 +167,7 @@ impl CellStiffness for CellTangents {
             }
         }
         if let Some(&hoop) = self.hoops.get(cell) {
-            add_hoops(tensor, hoop, a, b, &mut block);
+            add_hoops(tensor, hoop, [a, b], &mut block);
         }
         block
     }

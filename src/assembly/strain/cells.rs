@@ -3,16 +3,14 @@
 use std::sync::Arc;
 
 use super::laws::VolumeTerm;
+use super::stretches::{Stretches, TANGENT};
 use crate::assembly::grid::Grid;
 use crate::assembly::kernel::Batch;
 use crate::assembly::lanes::{Lanes, Pack, WIDTH};
 use crate::assembly::partition::blocks_of_cells;
 use crate::element::quadrature::Rule;
-use crate::material::{InvariantLaw, Isochoric, Ogden, Rubber};
+use crate::material::{InvariantLaw, Isochoric, Rubber};
 use crate::mesh::Mesh;
-
-/// Numbers in the widest register.
-pub(super) const WIDEST: usize = WIDTH;
 
 /// Laws, non-dimensional, and the law of each cell.
 #[derive(Clone, Copy, Debug)]
@@ -22,12 +20,6 @@ pub struct CellLaws<'a> {
     /// Number of the law `[cells]`.
     pub of_cell: &'a [u16],
 }
-
-/// A law in principal stretches; none in lanes of a law in invariants.
-pub(super) type Stretches = Option<Arc<Ogden>>;
-
-/// Numbers of a symmetric tangent matrix.
-pub(super) const TANGENT: usize = 45;
 
 /// A law as kernels take it: one of the parts is zero.
 struct Split {

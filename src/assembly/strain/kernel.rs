@@ -6,7 +6,7 @@ use pulp::Simd;
 use super::ring::{Ring, RingForces};
 use crate::assembly::kernel::points::{Tensor as Square, Vectors, gradients, traction, zeros};
 use crate::assembly::kernel::{
-    Batch, Element, NodeLanes, PRESSURE, edge_pairs, gather, rule, scatter,
+    Batch, Element, NodeLanes, PRESSURE, edge_pairs, edge_share, gather, scatter,
 };
 use crate::assembly::lanes::{Lanes, Pack};
 use crate::assembly::transpose::{Row, Transpose};
@@ -38,12 +38,6 @@ pub(super) fn in_space<S: Simd, const D: usize>(simd: S, plane: &Square<S, D>) -
         }
     }
     out
-}
-
-/// Edge corrections are gathered times this.
-pub(super) fn edge_share<const V: usize>() -> f64 {
-    let (alpha, beta) = rule(V);
-    1.0 / (alpha - beta)
 }
 
 /// Gradients at the vertices of one part of a batch.
@@ -178,42 +172,59 @@ pub(super) fn moments<S: Simd, const V: usize, const D: usize, const E: usize>(
     (out, forces)
 }
 
-/// One batch: nodal values in, forces of the law's stresses out; `begin` makes
-/// the law of each part from the gathered values, `end` takes it back.
-#[allow(clippy::too_many_arguments)]
-#[inline(always)]
-pub(super) fn run_batch<S, T, L, const V: usize, const D: usize, const E: usize>(
-    simd: S,
-    transpose: T,
-    rule: &Rule,
-    (batch, radii): (&Batch<V, D, E>, &[Lanes]),
-    element: &mut Element<V, E>,
-    (x, y): (&[Row], &mut [Row]),
-    mut begin: impl FnMut(usize, &VertexGradients<S, V, D>, &NodeLanes<V>) -> L,
-    mut end: impl FnMut(usize, L, &mut NodeLanes<V>),
-) where
-    S: Simd,
-    T: Transpose,
-    L: PointLaw<S, V>,
-{
-    let Element { vertices, edges } = element;
-    gather(transpose, &batch.vertices, x, vertices);
-    gather(transpose, &batch.edges, x, edges);
-    for part in 0..Pack::<S>::PARTS {
-        let g = gradients(simd, batch, part);
-        let vertex = vertex_gradients(simd, &g, (&*vertices, &*edges), part);
-        let mut law = begin(part, &vertex, vertices);
-        let volume = Pack::load(simd, &batch.weight, part) * V as f64;
-        let ring = Ring::load(simd, radii, (&*vertices, &*edges), part);
-        let (moments, forces) = moments(simd, rule, volume, &vertex, ring.as_ref(), &mut law);
-        store_moments(simd, &g, &moments, (&mut *vertices, &mut *edges), part);
-        if ring.is_some() {
-            forces.store(simd, (&mut *vertices, &mut *edges), part);
+/// What all batches of a block take.
+pub(super) struct BatchRun<'a, S, T> {
+    /// Instructions.
+    pub(super) simd: S,
+    /// How rows become lanes.
+    pub(super) transpose: T,
+    /// Points.
+    pub(super) rule: &'a Rule,
+    /// Nodal values of the block.
+    pub(super) x: &'a [Row],
+    /// Forces of the block.
+    pub(super) y: &'a mut [Row],
+}
+
+impl<S: Simd, T: Transpose> BatchRun<'_, S, T> {
+    /// One batch: nodal values in, forces of the law's stresses out; `begin` makes
+    /// the law of each part from the gathered values, `end` takes it back.
+    #[inline(always)]
+    pub(super) fn run<L, const V: usize, const D: usize, const E: usize>(
+        self,
+        (batch, radii): (&Batch<V, D, E>, &[Lanes]),
+        element: &mut Element<V, E>,
+        mut begin: impl FnMut(usize, &VertexGradients<S, V, D>, &NodeLanes<V>) -> L,
+        mut end: impl FnMut(usize, L, &mut NodeLanes<V>),
+    ) where
+        L: PointLaw<S, V>,
+    {
+        let Self {
+            simd,
+            transpose,
+            rule,
+            x,
+            y,
+        } = self;
+        let Element { vertices, edges } = element;
+        gather(transpose, &batch.vertices, x, vertices);
+        gather(transpose, &batch.edges, x, edges);
+        for part in 0..Pack::<S>::PARTS {
+            let g = gradients(simd, batch, part);
+            let vertex = vertex_gradients(simd, &g, (&*vertices, &*edges), part);
+            let mut law = begin(part, &vertex, vertices);
+            let volume = Pack::load(simd, &batch.weight, part) * V as f64;
+            let ring = Ring::load(simd, radii, (&*vertices, &*edges), part);
+            let (moments, forces) = moments(simd, rule, volume, &vertex, ring.as_ref(), &mut law);
+            store_moments(simd, &g, &moments, (&mut *vertices, &mut *edges), part);
+            if ring.is_some() {
+                forces.store(simd, (&mut *vertices, &mut *edges), part);
+            }
+            end(part, law, vertices);
         }
-        end(part, law, vertices);
+        scatter(transpose, &batch.vertices, vertices, y);
+        scatter(transpose, &batch.edges, edges, y);
     }
-    scatter(transpose, &batch.vertices, vertices, y);
-    scatter(transpose, &batch.edges, edges, y);
 }
 
 /// Pressures at the vertices of one part.

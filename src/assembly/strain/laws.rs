@@ -2,10 +2,9 @@
 
 use pulp::Simd;
 
-use super::cells::Stretches;
 use super::kernel::{PointLaw, VertexGradients, at_point};
-use super::stretches;
-use crate::assembly::lanes::{Lanes, Pack};
+use super::stretches::{self, Stretches, TANGENT};
+use crate::assembly::lanes::{Lanes, Pack, WIDTH};
 use crate::geometry::tensor::{Tensor, plus, volume_change};
 use crate::material::{Deformation, InvariantLaw};
 
@@ -74,7 +73,7 @@ pub(super) struct Respond<'a, S: Simd, const V: usize> {
     pub(super) volumes: [Pack<S>; V],
     pub(super) energy: Pack<S>,
     /// Least J - 1 of each element.
-    pub(super) least: [f64; super::cells::WIDEST],
+    pub(super) least: [f64; WIDTH],
 }
 
 impl<S: Simd, const V: usize> PointLaw<S, V> for Respond<'_, S, V> {
@@ -132,8 +131,8 @@ impl<S: Simd, const V: usize> PointLaw<S, V> for Roots<'_> {
             gradient[2][2].store(hoop, self.part);
         }
         if !self.stretches.is_empty() {
-            let tangents = &mut self.tangents.borrow_mut();
-            stretches::store_tangent(self.stretches, gradient, point, tangents, self.part);
+            let tangents = &mut self.tangents.borrow_mut()[point * TANGENT..];
+            stretches::store_tangent(self.stretches, gradient, tangents, self.part);
         }
         *gradient
     }
@@ -176,7 +175,8 @@ impl<S: Simd, const V: usize, const D: usize> Frozen<'_, S, V, D> {
     #[inline(always)]
     fn add_stretches(&self, point: usize, change: &Tensor<Pack<S>>, stress: &mut Tensor<Pack<S>>) {
         if !self.tangents.is_empty() {
-            stretches::add_tangent(self.simd, self.tangents, point, self.part, change, stress);
+            let tangents = &self.tangents[point * TANGENT..];
+            stretches::add_tangent((self.simd, self.part), tangents, change, stress);
         }
     }
 }

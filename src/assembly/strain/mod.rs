@@ -30,10 +30,13 @@ mod kernel;
 mod laws;
 mod operator;
 mod pass;
+mod response;
 mod ring;
 mod stretches;
+mod tangent;
 
 pub use cell_tangents::{CellStates, CellTangents};
 pub use cells::{CellLaws, Linearised, StrainGrid};
 pub use operator::{TangentBody, TangentDivergence, TangentStiffness};
-pub use pass::Response;
+pub use response::Response;
+pub use tangent::{StiffnessTerm, TangentAt};

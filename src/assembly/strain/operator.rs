@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use super::cells::{Linearised, StrainGrid};
+use super::tangent::StiffnessTerm;
 use crate::assembly::grid::{Basis, Rows};
 use crate::linalg::{LinearOperator, Workspace};
 
@@ -26,9 +27,12 @@ pub struct TangentStiffness {
 
 impl TangentStiffness {
     fn add(&self, factor: f64, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        let (basis, volumetric) = (self.basis, self.volumetric);
-        self.cells
-            .add_stiffness(&self.at, basis, volumetric, factor, x, y, work);
+        let term = StiffnessTerm {
+            basis: self.basis,
+            volumetric: self.volumetric,
+            factor,
+        };
+        self.cells.about(&self.at).add_stiffness(term, x, y, work);
     }
 }
 
@@ -78,7 +82,7 @@ impl LinearOperator for TangentDivergence {
     }
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        self.cells.divergence(&self.at, x, y, work);
+        self.cells.about(&self.at).divergence(x, y, work);
     }
 
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
@@ -87,8 +91,8 @@ impl LinearOperator for TangentDivergence {
     }
 
     fn add_transposed(&self, factor: f64, y: &[f64], x: &mut [f64], work: &mut Workspace) {
-        self.cells
-            .add_divergence_transposed(&self.at, factor, y, x, work);
+        let tangent = self.cells.about(&self.at);
+        tangent.add_divergence_transposed(factor, y, x, work);
     }
 }
 
@@ -116,7 +120,7 @@ impl LinearOperator for TangentBody {
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
         let (x, y) = (x.split_at(self.size), y.split_at_mut(self.size));
-        self.cells.tangent(&self.at, Rows::Free, x, y, work);
+        self.cells.about(&self.at).apply(Rows::Free, x, y, work);
     }
 
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {

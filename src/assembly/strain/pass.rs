@@ -1,42 +1,12 @@
-//! The passes over all cells.
+//! The passes over all cells that take a state.
 
-use super::batch_pass::{
-    LinearisePass, PressurePass, RespondPass, StiffPass, TangentPass, VolumePass,
-};
+use super::batch_pass::{LinearisePass, RespondPass};
 use super::cells::{Batches, Linearised, StrainGrid};
-use crate::assembly::grid::{
-    Basis, Block, CellGrid, Grid, Rows, add_displacement, set_displacement, set_pressure,
-};
+use super::response::Response;
+use crate::assembly::grid::{Basis, Block, CellGrid, Grid, Rows, set_displacement, set_pressure};
 use crate::assembly::lanes::Lanes;
 use crate::assembly::transpose::Row;
 use crate::linalg::Workspace;
-
-/// What a state amounts to beside its forces.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Response {
-    /// int W, non-dimensional.
-    pub energy: f64,
-    /// int J - 1.
-    pub volume_change: f64,
-    /// Least J over all points.
-    pub least_jacobian: f64,
-}
-
-impl Response {
-    const NONE: Self = Self {
-        energy: 0.0,
-        volume_change: 0.0,
-        least_jacobian: f64::INFINITY,
-    };
-
-    fn with(self, other: Self) -> Self {
-        Self {
-            energy: self.energy + other.energy,
-            volume_change: self.volume_change + other.volume_change,
-            least_jacobian: self.least_jacobian.min(other.least_jacobian),
-        }
-    }
-}
 
 impl StrainGrid {
     /// `(f, c)` at the state `(u, p)`, hierarchical, held rows included.
@@ -60,67 +30,8 @@ impl StrainGrid {
         }
     }
 
-    /// `(y, r) = (A u + B^T p, B u)`, hierarchical.
-    pub fn tangent(
-        &self,
-        at: &Linearised,
-        rows: Rows,
-        (u, p): (&[f64], &[f64]),
-        (y, r): (&mut [f64], &mut [f64]),
-        work: &mut Workspace,
-    ) {
-        match &*self.grid {
-            Grid::Triangles(grid) => self.tangent_on(grid, at, rows, (u, p), (y, r), work),
-            Grid::Tetrahedra(grid) => self.tangent_on(grid, at, rows, (u, p), (y, r), work),
-        }
-    }
-
-    /// `y += factor (A + volumetric int dJ cof F) u`, held rows left alone.
-    #[allow(clippy::too_many_arguments)]
-    pub fn add_stiffness(
-        &self,
-        at: &Linearised,
-        basis: Basis,
-        volumetric: f64,
-        factor: f64,
-        u: &[f64],
-        y: &mut [f64],
-        work: &mut Workspace,
-    ) {
-        match &*self.grid {
-            Grid::Triangles(grid) => {
-                self.stiffness_on(grid, at, (basis, volumetric, factor), u, y, work)
-            }
-            Grid::Tetrahedra(grid) => {
-                self.stiffness_on(grid, at, (basis, volumetric, factor), u, y, work)
-            }
-        }
-    }
-
-    /// `r = B u`, hierarchical.
-    pub fn divergence(&self, at: &Linearised, u: &[f64], r: &mut [f64], work: &mut Workspace) {
-        match &*self.grid {
-            Grid::Triangles(grid) => self.divergence_on(grid, at, u, r, work),
-            Grid::Tetrahedra(grid) => self.divergence_on(grid, at, u, r, work),
-        }
-    }
-
-    /// `y += factor B^T p`, hierarchical, held rows left alone.
-    pub fn add_divergence_transposed(
-        &self,
-        at: &Linearised,
-        factor: f64,
-        p: &[f64],
-        y: &mut [f64],
-        work: &mut Workspace,
-    ) {
-        match &*self.grid {
-            Grid::Triangles(grid) => self.transposed_on(grid, at, factor, p, y, work),
-            Grid::Tetrahedra(grid) => self.transposed_on(grid, at, factor, p, y, work),
-        }
-    }
-
-    fn batches<'a, const V: usize, const D: usize, const E: usize>(
+    /// Batches of a block of `grid` with their laws.
+    pub(super) fn batches<'a, const V: usize, const D: usize, const E: usize>(
         &'a self,
         grid: &'a CellGrid<V, D, E>,
         block: usize,
@@ -181,129 +92,10 @@ impl StrainGrid {
             |_| (),
         );
     }
-
-    fn tangent_on<const V: usize, const D: usize, const E: usize>(
-        &self,
-        grid: &CellGrid<V, D, E>,
-        at: &Linearised,
-        rows: Rows,
-        (u, p): (&[f64], &[f64]),
-        (y, r): (&mut [f64], &mut [f64]),
-        work: &mut Workspace,
-    ) {
-        grid.pass(
-            work,
-            |block, x| gather_state(block, rows, (u, p), x),
-            |index, block, x, y| {
-                let cells = self.batches(grid, index);
-                let states = &at.blocks[index];
-                grid.instructions().run(TangentPass {
-                    cells,
-                    states,
-                    x,
-                    y,
-                });
-                block.finish_result(Basis::Hierarchical, rows, y);
-            },
-            |local| {
-                grid.copies().sum::<D>(local, y, set_displacement);
-                grid.copies().sum::<1>(local, r, set_pressure);
-            },
-        );
-    }
-
-    fn stiffness_on<const V: usize, const D: usize, const E: usize>(
-        &self,
-        grid: &CellGrid<V, D, E>,
-        at: &Linearised,
-        (basis, volumetric, factor): (Basis, f64, f64),
-        u: &[f64],
-        y: &mut [f64],
-        work: &mut Workspace,
-    ) {
-        grid.pass(
-            work,
-            |block, x| {
-                block.gather_displacement(u, x);
-                block.prepare_argument(basis, Rows::Free, x);
-            },
-            |index, block, x, y| {
-                let cells = self.batches(grid, index);
-                let states = &at.blocks[index];
-                grid.instructions().run(StiffPass {
-                    cells,
-                    states,
-                    volumetric,
-                    x,
-                    y,
-                });
-                block.finish_result(basis, Rows::Free, y);
-            },
-            |local| grid.copies().sum::<D>(local, y, add_displacement(factor)),
-        );
-    }
-
-    fn divergence_on<const V: usize, const D: usize, const E: usize>(
-        &self,
-        grid: &CellGrid<V, D, E>,
-        at: &Linearised,
-        u: &[f64],
-        r: &mut [f64],
-        work: &mut Workspace,
-    ) {
-        grid.pass(
-            work,
-            |block, x| {
-                block.gather_displacement(u, x);
-                block.prepare_argument(Basis::Hierarchical, Rows::Free, x);
-            },
-            |index, _, x, y| {
-                let cells = self.batches(grid, index);
-                let states = &at.blocks[index];
-                grid.instructions().run(VolumePass {
-                    cells,
-                    states,
-                    x,
-                    y,
-                });
-            },
-            |local| grid.copies().sum::<1>(local, r, set_pressure),
-        );
-    }
-
-    fn transposed_on<const V: usize, const D: usize, const E: usize>(
-        &self,
-        grid: &CellGrid<V, D, E>,
-        at: &Linearised,
-        factor: f64,
-        p: &[f64],
-        y: &mut [f64],
-        work: &mut Workspace,
-    ) {
-        grid.pass(
-            work,
-            |block, x| {
-                x.fill([0.0; 4]);
-                block.gather_pressure(p, x);
-            },
-            |index, block, x, y| {
-                let cells = self.batches(grid, index);
-                let states = &at.blocks[index];
-                grid.instructions().run(PressurePass {
-                    cells,
-                    states,
-                    x,
-                    y,
-                });
-                block.finish_result(Basis::Hierarchical, Rows::Free, y);
-            },
-            |local| grid.copies().sum::<D>(local, y, add_displacement(factor)),
-        );
-    }
 }
 
 /// Displacements and pressures of a block, hierarchical.
-fn gather_state<const V: usize, const D: usize, const E: usize>(
+pub(super) fn gather_state<const V: usize, const D: usize, const E: usize>(
     block: &Block<V, D, E>,
     rows: Rows,
     (u, p): (&[f64], &[f64]),

@@ -11,8 +11,7 @@
 
 use pulp::Simd;
 
-use super::kernel::edge_share;
-use crate::assembly::kernel::{NodeLanes, edge_pairs};
+use crate::assembly::kernel::{NodeLanes, edge_pairs, edge_share};
 use crate::assembly::lanes::{Lanes, Pack};
 use crate::geometry::tensor::Number;
 

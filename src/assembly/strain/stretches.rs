@@ -2,11 +2,19 @@
 //! other: eigenvalues are not a matter of registers. Products take the tangent that
 //! the state left, 45 products and sums a point in registers again.
 
+use std::sync::Arc;
+
 use pulp::Simd;
 
-use super::cells::{Stretches, TANGENT};
 use crate::assembly::lanes::{Lanes, Pack};
 use crate::geometry::tensor::{Tensor, volume_change};
+use crate::material::Ogden;
+
+/// A law in principal stretches; none in lanes of a law in invariants.
+pub(super) type Stretches = Option<Arc<Ogden>>;
+
+/// Numbers of a symmetric tangent matrix; those of a point lie together.
+pub(super) const TANGENT: usize = 45;
 
 /// The displacement gradients of all lanes, one after the other, that are the
 /// right side out and have a law in stretches.
@@ -14,7 +22,7 @@ use crate::geometry::tensor::{Tensor, volume_change};
 fn each_lane<S: Simd>(
     laws: &[Stretches],
     gradient: &Tensor<Pack<S>>,
-    mut visit: impl FnMut(usize, &crate::material::Ogden, &Tensor<f64>),
+    mut visit: impl FnMut(usize, &Ogden, &Tensor<f64>),
 ) {
     let mut lanes = [[Lanes::ZERO; 3]; 3];
     for (row, packs) in lanes.iter_mut().zip(gradient) {
@@ -55,12 +63,12 @@ pub(super) fn add_response<S: Simd>(
     gradient[0][0].first_of(&energies)
 }
 
-/// Writes d2W/dF2 at `point`, row by row from the diagonal on.
+/// Writes d2W/dF2 at a point to the front of `tangents`, row by row from the diagonal
+/// on.
 #[inline(always)]
 pub(super) fn store_tangent<S: Simd>(
     laws: &[Stretches],
     gradient: &Tensor<Pack<S>>,
-    point: usize,
     tangents: &mut [Lanes],
     part: usize,
 ) {
@@ -73,22 +81,20 @@ pub(super) fn store_tangent<S: Simd>(
         }
     });
     let like = gradient[0][0];
-    for (lanes, entry) in tangents[point * TANGENT..].iter_mut().zip(&entries) {
+    for (lanes, entry) in tangents.iter_mut().zip(&entries) {
         like.first_of(entry).store(lanes, part);
     }
 }
 
-/// Adds d2W/dF2 : `change` to `stress`.
+/// Adds d2W/dF2 : `change` to `stress`; `tangents` begin with those of the point.
 #[inline(always)]
 pub(super) fn add_tangent<S: Simd>(
-    simd: S,
+    (simd, part): (S, usize),
     tangents: &[Lanes],
-    point: usize,
-    part: usize,
     change: &Tensor<Pack<S>>,
     stress: &mut Tensor<Pack<S>>,
 ) {
-    let mut entries = tangents[point * TANGENT..].iter();
+    let mut entries = tangents.iter();
     for row in 0..9 {
         let (i, j) = (row / 3, row % 3);
         for (column, lanes) in (row..9).zip(&mut entries) {

@@ -1,8 +1,9 @@
 //! The assembled edge block against the matrix-free operator.
 
 use super::*;
-use crate::assembly::edge_stiffness::edge_blocks;
-use crate::precond::symmetric_blocks::{NodePairs, SymmetricBlocks};
+use crate::compare::assembly::edge_stiffness::edge_blocks;
+use crate::compare::precond::symmetric_blocks::SymmetricBlocks;
+use crate::precond::node_pairs::NodePairs;
 
 /// A22 times `x` by the assembled blocks.
 fn assembled<const C: usize>(sample: &Sample, x: &[f64]) -> Vec<f64> {

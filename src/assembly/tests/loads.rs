@@ -1,8 +1,8 @@
 //! Loads do exact work on quadratic fields.
 
 use super::{SCALE, Sample, samples};
-use crate::assembly::load::{add_body_force, add_traction, facet_measure};
-use crate::element::quadrature::{Simplex, rule};
+use crate::assembly::load::{Integral, LoadedFacet, facet_measure};
+use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::linalg::vector::dot;
 use crate::mesh::GroupKind;
 
@@ -22,6 +22,15 @@ fn quadratic(sample: &Sample, i: usize) -> Vec<f64> {
     field
 }
 
+fn integral<'a>(sample: &'a Sample, rule: &'a Rule) -> Integral<'a> {
+    Integral {
+        mesh: &sample.mesh,
+        space: &sample.space,
+        scale: SCALE,
+        rule,
+    }
+}
+
 #[test]
 fn a_body_force_does_exact_work_on_quadratic_fields() {
     for sample in samples() {
@@ -29,15 +38,7 @@ fn a_body_force_does_exact_work_on_quadratic_fields() {
         let (rule, volumes) = (sample.volume_rule(), &sample.geometry.volumes);
         // Linear in position: f = (x, 3, ..).
         let force = |_: usize, x: [f64; 3]| [x[0], 3.0, 0.0];
-        add_body_force(
-            &sample.mesh,
-            &sample.space,
-            volumes,
-            SCALE,
-            &rule,
-            &force,
-            &mut load,
-        );
+        integral(&sample, &rule).add_body_force(volumes, &force, &mut load);
         // The body is [0, 1/2]^d: int x (x^2 + 2 x y) and 3 int (x^2 + 2 x y).
         let depth = SCALE.powi(sample.space.components as i32 - 2);
         let along = SCALE.powi(5) * (0.25 + 1.0 / 3.0);
@@ -58,16 +59,16 @@ fn a_traction_does_exact_work_on_quadratic_fields() {
         let group = sample.mesh.group("x1", GroupKind::Facets).expect("a side");
         let mut total = 0.0;
         for &facet in &group.members {
-            let facet = sample.mesh.facet(facet as usize);
-            let (area, normal) = facet_measure(&sample.mesh, facet, SCALE);
+            let vertices = sample.mesh.facet(facet as usize);
+            let (area, normal) = facet_measure(&sample.mesh, vertices, SCALE);
             assert!(
                 (normal[0] - 1.0).abs() < 1e-14,
                 "{normal:?} points outwards"
             );
             total += area;
             let value = |x: [f64; 3]| [1.0, x[1], 0.0];
-            let (mesh, space, rule) = (&sample.mesh, &sample.space, rule(simplex, 4));
-            add_traction(mesh, space, facet, area, SCALE, &rule, &value, &mut load);
+            let facet = LoadedFacet { vertices, area };
+            integral(&sample, &rule(simplex, 4)).add_traction(facet, &value, &mut load);
         }
         let depth = SCALE.powi(sample.space.components as i32 - 2);
         assert!((total - SCALE * depth).abs() < 1e-14);

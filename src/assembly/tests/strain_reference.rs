@@ -190,8 +190,7 @@ fn products_with_the_tangent_are_the_sums_over_cells_and_points() {
             let mut at = Linearised::default();
             cells.linearise((&state.u, &state.p), &mut at, work);
             let mut found = sample.zeros();
-            cells.tangent(
-                &at,
+            cells.about(&at).apply(
                 Rows::All,
                 (&state.du, &state.dp),
                 (&mut found.0, &mut found.1),

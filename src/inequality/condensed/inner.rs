@@ -7,22 +7,34 @@ use crate::linalg::vector::norm;
 /// Of the force residual, and of the constraint against its largest value.
 #[derive(Clone, Copy)]
 pub(super) struct Bounds {
+    /// Bound on the norm of the force residual, non-dimensional.
     pub(super) force: f64,
+    /// Bound on the norm of the constraint residual over its largest value so far.
     pub(super) constraint: f64,
 }
 
+/// Follows the inner Krylov iterations of one product with the exact compliance.
 pub(super) struct InnerMonitor<'a, 'b> {
+    /// Number of displacement unknowns, which come first in the packed residual.
     pub(super) displacement: usize,
+    /// Where the inner solve ends.
     pub(super) bounds: Bounds,
-    /// Largest constraint residual so far.
+    /// Largest norm of the constraint residual so far, non-dimensional.
     pub(super) peak: f64,
+    /// Krylov iterations of this product so far.
     pub(super) iterations: u32,
+    /// Whether the bounds were reached.
     pub(super) reached: bool,
+    /// Whether the caller has asked to stop.
     pub(super) interrupted: bool,
-    /// Of the outer iterate.
+    /// Norms for reports: the gap is that of the outer iterate, force and constraint
+    /// are those of the inner solve.
     pub(super) outer: QpNorms,
+    /// Number of closed multipliers of the outer iterate, for reports.
     pub(super) active: usize,
+    /// Scales of the blocks, for reports.
     pub(super) scales: QpScales,
+    /// Told of every Krylov iteration; its answer may stop the solve.
     pub(super) progress: &'a mut Progress<'b>,
 }
 

@@ -1,76 +1,106 @@
-//! One face of the admissible set: operators restricted to the active
-//! multipliers, their metric, and the monitor of its Krylov iterations.
+//! One face of the admissible set: operators restricted to the multipliers that
+//! stick, their metric, the Krylov solve and its monitor.
+//!
+//! ```text
+//! face:    x_i = 0 where open,   s_i = 0 where it sticks
+//! metric:  K on the multipliers that stick, by its Cholesky factor
+//! ```
+//!
+//! On a face the problem is linear. Rows and columns of multipliers that do not stick are
+//! zero, so that vectors keep their length from face to face and kept directions stay of
+//! use. Cost: the factor, m^3 / 3 for m multipliers that stick, and the Krylov iterations.
 
-use super::super::qp::{Progress, QpNorms, QpScales, QpStatus, QpTargets};
-use super::{GAP_WEIGHT, REVIEW};
-use crate::krylov::{Monitor, Verdict};
-use crate::linalg::vector::{norm, scale};
+use super::super::blocks::Blocks;
+use super::super::qp::{Progress, QpIterate, QpNorms, QpRun, QpScales, QpStatus, QpTargets};
+use super::{Faces, GAP_WEIGHT, REVIEW};
+use crate::krylov::gcr::{self, Gcr};
+use crate::krylov::{Monitor, Outcome, Verdict};
+use crate::linalg::vector::{add_scaled, norm, scale};
 use crate::linalg::{
-    DenseCholesky, DenseMatrix, FactoriseError, LinearOperator, Preconditioner, SparseRows,
-    Workspace,
+    DenseCholesky, DenseMatrix, FactoriseError, LinearOperator, Preconditioner, Workspace,
 };
+use crate::saddle::{EqualityBlock, SaddleOperator, Status};
 
 /// When the active set is reviewed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Review {
+    /// As soon as the residual has fallen by a fixed factor: the first faces are rarely
+    /// the right ones.
     WhenReduced,
+    /// Only when the linear system of the face is solved to its target.
     AtTheEnd,
 }
 
+/// How the work on a face ended.
 pub(super) struct Face {
+    /// Krylov iterations spent on the face.
     pub(super) iterations: u32,
+    /// Whether the targets were reached on the face.
     pub(super) reached: bool,
+    /// Why the method cannot go on, where it cannot.
     pub(super) failed: Option<QpStatus>,
 }
 
-/// Rows of the coupling that belong to the active set, weighted.
-pub(super) struct ActiveCoupling<'a> {
-    pub(super) coupling: &'a SparseRows,
-    pub(super) active: &'a [bool],
+/// Rows or columns of the constraints that hold on the face, weighted.
+struct OnFace<'a> {
+    /// The constraints, or the forces transposed, of all multipliers.
+    operator: &'a dyn LinearOperator,
+    /// Status of each multiplier; rows of those that do not stick count as zero.
+    status: &'a [Status],
 }
 
-impl LinearOperator for ActiveCoupling<'_> {
+impl LinearOperator for OnFace<'_> {
     fn rows(&self) -> usize {
-        self.coupling.rows()
+        self.operator.rows()
     }
 
     fn columns(&self) -> usize {
-        self.coupling.columns()
+        self.operator.columns()
     }
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        self.coupling.apply(x, y, work);
-        for (value, &active) in y.iter_mut().zip(self.active) {
-            *value *= if active { GAP_WEIGHT } else { 0.0 };
+        self.operator.apply(x, y, work);
+        for (value, &status) in y.iter_mut().zip(self.status) {
+            *value *= match status {
+                Status::Stick => GAP_WEIGHT,
+                Status::Open | Status::Slip => 0.0,
+            };
         }
     }
 
+    /// Of a `y` that is zero off the face.
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
-        self.coupling.apply_transposed(y, x, work);
+        self.operator.apply_transposed(y, x, work);
         scale(x, GAP_WEIGHT);
     }
 
+    /// Of a `y` that is zero off the face.
     fn add_transposed(&self, factor: f64, y: &[f64], x: &mut [f64], work: &mut Workspace) {
-        self.coupling
+        self.operator
             .add_transposed(factor * GAP_WEIGHT, y, x, work);
     }
 }
 
-/// The weighted compliance's inverse on the active set.
-pub(super) struct ActiveMetric {
-    pub(super) selected: Vec<usize>,
-    pub(super) factor: DenseCholesky,
+/// The weighted compliance's inverse on the face.
+struct FaceMetric {
+    /// Indices of the multipliers that stick, ascending.
+    selected: Vec<usize>,
+    /// Factor of the compliance's principal part on them.
+    factor: DenseCholesky,
 }
 
-impl ActiveMetric {
-    pub(super) fn new(compliance: &DenseMatrix, active: &[bool]) -> Result<Self, FactoriseError> {
-        let selected: Vec<usize> = (0..active.len()).filter(|&i| active[i]).collect();
+impl FaceMetric {
+    /// Factorises the compliance on the multipliers that stick. Cost: a third of the
+    /// cube of their number.
+    fn new(compliance: &DenseMatrix, status: &[Status]) -> Result<Self, FactoriseError> {
+        let sticks = |&i: &usize| status[i] == Status::Stick;
+        let selected: Vec<usize> = (0..status.len()).filter(sticks).collect();
         let factor = DenseCholesky::new(&compliance.principal(&selected))?;
         Ok(Self { selected, factor })
     }
 }
 
-impl Preconditioner for ActiveMetric {
+impl Preconditioner for FaceMetric {
     fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace) {
         let mut small = work.scratch(self.selected.len());
         for (value, &index) in small.iter_mut().zip(&self.selected) {
@@ -85,18 +115,226 @@ impl Preconditioner for ActiveMetric {
     }
 }
 
+/// What contact adds to the linear system on a face.
+struct Restricted<'a> {
+    /// Constraints on the face.
+    rows: OnFace<'a>,
+    /// Forces on the face, transposed.
+    columns: OnFace<'a>,
+    /// Inverse of the compliance on the face, the metric of the block.
+    metric: FaceMetric,
+}
+
+impl<'a> Restricted<'a> {
+    /// The contact block as an equality on the face that `status` describes; fails
+    /// where the compliance has no factor there.
+    fn new(blocks: &Blocks<'a>, status: &'a [Status]) -> Result<Self, FactoriseError> {
+        let contact = &blocks.contact;
+        let on_face = |operator| OnFace { operator, status };
+        Ok(Self {
+            rows: on_face(contact.rows),
+            columns: on_face(contact.columns),
+            metric: FaceMetric::new(contact.matrix, status)?,
+        })
+    }
+
+    /// The equalities, then contact where there is any.
+    fn system<'s>(&'s self, blocks: &'s Blocks<'a>) -> Vec<EqualityBlock<'s>> {
+        let mut system: Vec<EqualityBlock<'s>> = blocks.equalities.clone();
+        if self.rows.rows() > 0 {
+            system.push(EqualityBlock {
+                rows: &self.rows,
+                columns: &self.columns,
+                stabilisation: None,
+                metric: &self.metric,
+                joint: None,
+            });
+        }
+        system
+    }
+}
+
+/// Increments of all unknowns and the residual that they leave.
+struct Packed {
+    /// Increments of displacement, equality unknowns and multipliers, one after the
+    /// other.
+    x: Vec<f64>,
+    /// The residual that these increments leave, in the same order.
+    r: Vec<f64>,
+}
+
+/// What the Krylov method may use.
+struct Means<'r> {
+    /// Krylov directions of earlier faces and solves, which this one may use and adds
+    /// to.
+    directions: &'r mut gcr::Directions,
+    /// Krylov iterations at most.
+    iterations: u32,
+    /// Scratch vectors.
+    work: &'r mut Workspace,
+}
+
+impl Faces<'_, '_> {
+    /// Solves on the iterate's own face until the targets or a review.
+    ///
+    /// # Errors
+    /// Where the metric on the face is not positive definite.
+    pub(super) fn run_face(
+        &self,
+        iterate: &mut QpIterate,
+        run: &mut QpRun<'_, '_>,
+        review: Review,
+        iterations: u32,
+    ) -> Result<Face, QpStatus> {
+        let status = self.blocks.contact_of(iterate).status.clone();
+        let restricted =
+            Restricted::new(&self.blocks, &status).map_err(|_| QpStatus::IndefiniteMetric)?;
+        let mut packed = self.pack(iterate, run.work);
+        let mut monitor = FaceMonitor {
+            displacement: iterate.force.len(),
+            equality: self.blocks.equality_unknowns(),
+            targets: run.targets,
+            scales: run.scales,
+            review,
+            start: 0.0,
+            iterations: 0,
+            reached: false,
+            interrupted: false,
+            active: self.blocks.contact_of(iterate).closed(),
+            progress: run.progress,
+        };
+        monitor.start = monitor.measure(&packed.r).1;
+        monitor.reached = monitor.start <= run.targets.level;
+        let mut failed = None;
+        if !monitor.reached {
+            let means = Means {
+                directions: run.directions,
+                iterations,
+                work: run.work,
+            };
+            let outcome = self.krylov(&restricted, &mut packed, &mut monitor, means);
+            failed = match monitor.interrupted {
+                true => Some(QpStatus::Interrupted),
+                false => QpStatus::failure(outcome),
+            };
+        }
+        let face = Face {
+            iterations: monitor.iterations,
+            reached: monitor.reached,
+            failed,
+        };
+        self.unpack(iterate, &packed, run.work);
+        run.work.give(packed.x);
+        run.work.give(packed.r);
+        Ok(face)
+    }
+
+    /// Runs GCR on the face from where `packed` stands; the directions that it finds
+    /// stay for the next face.
+    fn krylov(
+        &self,
+        restricted: &Restricted<'_>,
+        packed: &mut Packed,
+        monitor: &mut FaceMonitor<'_, '_>,
+        means: Means<'_>,
+    ) -> Outcome {
+        let problem = self.problem;
+        let blocks = restricted.system(&self.blocks);
+        let preconditioner =
+            problem
+                .step
+                .preconditioner(problem.stiffness, problem.displacement, &blocks);
+        let operator = SaddleOperator {
+            stiffness: problem.stiffness,
+            released: problem.curvature.map(|c| c as &dyn LinearOperator),
+            blocks: &blocks,
+        };
+        let method = Gcr {
+            operator: &operator,
+            preconditioner: &*preconditioner,
+            directions: means.directions,
+            iterations: means.iterations as usize,
+        };
+        method.solve((&mut packed.x, &mut packed.r), monitor, means.work)
+    }
+
+    /// Residuals in one vector, those of contact weighted and only where they count.
+    fn pack(&self, iterate: &QpIterate, work: &mut Workspace) -> Packed {
+        let blocks = iterate.blocks.iter();
+        let multipliers: usize = blocks.map(|block| block.residual.len()).sum();
+        let length = iterate.force.len() + multipliers;
+        let x = work.zeros(length);
+        let mut r = work.zeros(length);
+        let (force, mut rest) = r.split_at_mut(iterate.force.len());
+        force.copy_from_slice(&iterate.force);
+        for block in &iterate.blocks[..self.blocks.place()] {
+            let (part, next) = rest.split_at_mut(block.residual.len());
+            part.copy_from_slice(&block.residual);
+            rest = next;
+        }
+        let contact = self.blocks.contact_of(iterate);
+        let gaps = contact.residual.iter().zip(&contact.status);
+        for (value, (gap, &status)) in rest.iter_mut().zip(gaps) {
+            if status == Status::Stick {
+                *value = GAP_WEIGHT * gap;
+            }
+        }
+        Packed { x, r }
+    }
+
+    /// Adds the increments to the iterate, and takes over the residuals that belong to
+    /// them.
+    fn unpack(&self, iterate: &mut QpIterate, packed: &Packed, work: &mut Workspace) {
+        let unknowns = iterate.force.len();
+        let (du, mut dx) = packed.x.split_at(unknowns);
+        let (force, mut r) = packed.r.split_at(unknowns);
+        add_scaled(&mut iterate.displacement, 1.0, du);
+        iterate.force.copy_from_slice(force);
+        let place = self.blocks.place();
+        for block in &mut iterate.blocks[..place] {
+            let (step, next) = dx.split_at(block.multiplier.len());
+            let (residual, rest) = r.split_at(block.multiplier.len());
+            add_scaled(&mut block.multiplier, 1.0, step);
+            block.residual.copy_from_slice(residual);
+            (dx, r) = (next, rest);
+        }
+        let contact = &mut iterate.blocks[place];
+        add_scaled(&mut contact.multiplier, GAP_WEIGHT, dx);
+        if !contact.residual.is_empty() {
+            // The packed residual knows the gaps of the face only.
+            let mut closing = work.scratch(contact.residual.len());
+            self.blocks.contact.rows.apply(du, &mut closing, work);
+            add_scaled(&mut contact.residual, -1.0, &closing);
+            work.give(closing);
+        }
+    }
+}
+
+/// Follows the Krylov iterations of one face and says when it has been solved, or
+/// reviewed early.
 pub(super) struct FaceMonitor<'a, 'b> {
+    /// Number of displacement unknowns, which come first in the packed residual.
     pub(super) displacement: usize,
+    /// Number of equality unknowns, which follow them.
     pub(super) equality: usize,
+    /// When the problem counts as solved.
     pub(super) targets: QpTargets,
+    /// Scales of the blocks; they grow with the norms that this face shows.
     pub(super) scales: &'a mut QpScales,
+    /// When the face is reviewed.
     pub(super) review: Review,
-    /// Relative residual at the start of the face.
+    /// Largest relative norm at the start of the face, which a review while reducing is
+    /// measured against.
     pub(super) start: f64,
+    /// Krylov iterations on the face so far.
     pub(super) iterations: u32,
+    /// Whether the targets were reached.
     pub(super) reached: bool,
+    /// Whether the caller has asked to stop.
     pub(super) interrupted: bool,
+    /// Number of closed multipliers of the face, for reports.
     pub(super) active: usize,
+    /// Told of every Krylov iteration; its answer may stop the solve.
     pub(super) progress: &'a mut Progress<'b>,
 }
 

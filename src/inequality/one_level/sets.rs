@@ -1,111 +1,119 @@
-//! Active sets: the first one, the one that an iterate asks for next, and the
-//! move from one to another.
+//! Faces: the first one, the one that an iterate asks for next, and the move from
+//! one to another.
 //!
 //! A choice costs one small dense problem, the first one of a body that nothing
 //! touches an application of the displacement preconditioner besides.
 
-use super::super::dense_qp;
-use super::super::metric::nearest;
-use super::super::qp::{QpIterate, QpOutcome};
-use super::{OneLevel, SetRule};
+use super::super::dense_cone::{self, DenseSolution};
+use super::super::qp::{QpIterate, QpOutcome, QpStatus};
+use super::Faces;
+use crate::linalg::Workspace;
 use crate::linalg::vector::add_scaled;
-use crate::linalg::{LinearOperator, Workspace};
+use crate::saddle::Status;
 
-impl OneLevel<'_> {
-    /// Moves to the set that the gaps ask for or, where they ask for none, that
+impl Faces<'_, '_> {
+    /// Moves to the face that the gaps ask for or, where they ask for none, that
     /// the load does: a body that only contact holds has no solution without.
-    /// Returns whether the metric is positive definite.
-    pub(super) fn choose_first_set(
+    ///
+    /// # Errors
+    /// Where the metric is not positive definite or the set has no such faces.
+    pub(super) fn choose_first_face(
         &self,
         iterate: &mut QpIterate,
         outcome: &mut QpOutcome,
         work: &mut Workspace,
-    ) -> bool {
-        let Some(first) = self.next_set(iterate) else {
-            return false;
-        };
-        self.change_set(iterate, first, work);
-        if iterate.gap.is_empty() || iterate.active.contains(&true) {
-            return true;
+    ) -> Result<(), QpStatus> {
+        let first = self.next_face(iterate)?;
+        self.change_face(iterate, first, work);
+        let contact = self.blocks.contact_of(iterate);
+        if contact.residual.is_empty() || contact.closed() > 0 {
+            return Ok(());
         }
         outcome.predictions += 1;
+        let linear = self.gap_under_load(iterate, work);
+        let block = &self.blocks.contact;
+        let solution = dense_cone::solve(block.matrix, &linear, block.set, &contact.status)
+            .map_err(|_| QpStatus::IndefiniteMetric)?;
+        self.change_face(iterate, solution, work);
+        Ok(())
+    }
+
+    /// The gap that the load would leave without contact, about.
+    fn gap_under_load(&self, iterate: &QpIterate, work: &mut Workspace) -> Vec<f64> {
+        let contact = self.blocks.contact_of(iterate);
         let mut move_by_load = work.zeros(iterate.force.len());
-        let mut closing = work.zeros(iterate.gap.len());
+        let mut closing = work.zeros(contact.residual.len());
         self.problem
             .displacement
             .apply(&iterate.force, &mut move_by_load, work);
-        self.problem
-            .coupling
-            .apply(&move_by_load, &mut closing, work);
-        let mut linear = iterate.gap.clone();
+        let rows = self.blocks.contact.rows;
+        rows.apply(&move_by_load, &mut closing, work);
+        let mut linear = contact.residual.clone();
         add_scaled(&mut linear, -1.0, &closing);
         work.give(move_by_load);
         work.give(closing);
-        let Ok(solution) = dense_qp::solve(self.problem.metric, &linear, &iterate.active) else {
-            return false;
-        };
-        self.change_set(iterate, solution.free, work);
-        true
+        linear
     }
 
-    /// The active set that the rule asks for at the current iterate.
-    pub(super) fn next_set(&self, iterate: &QpIterate) -> Option<Vec<bool>> {
-        if iterate.gap.is_empty() {
-            return Some(Vec::new());
+    /// The face that the rule asks for at the current iterate, with the values of
+    /// the multipliers that are no unknowns on it.
+    ///
+    /// # Errors
+    /// Where the metric is not positive definite or the set has no such faces.
+    pub(super) fn next_face(&self, iterate: &QpIterate) -> Result<DenseSolution, QpStatus> {
+        let (block, contact) = (&self.blocks.contact, self.blocks.contact_of(iterate));
+        if contact.residual.is_empty() {
+            return Ok(DenseSolution::default());
         }
-        match self.rule {
-            SetRule::DenseProblem => self.dense_set(iterate),
-            SetRule::PrimalDual => Some(self.primal_dual_set(iterate)),
-        }
+        self.rule.next(block, contact)
     }
 
-    fn primal_dual_set(&self, iterate: &QpIterate) -> Vec<bool> {
-        let pairs = iterate.multiplier.iter().zip(&iterate.gap).enumerate();
-        pairs
-            .map(|(i, (l, gap))| self.problem.metric.at(i, i) * l > *gap)
-            .collect()
+    /// Whether `next` is where the iterate is already. Multipliers that slip are to
+    /// follow the dense problem each time.
+    pub(super) fn is_present(&self, iterate: &QpIterate, next: &DenseSolution) -> bool {
+        next.status == self.blocks.contact_of(iterate).status
+            && !next.status.contains(&Status::Slip)
     }
 
-    /// The free set of the dense problem around the current iterate.
-    fn dense_set(&self, iterate: &QpIterate) -> Option<Vec<bool>> {
-        let solution = nearest(self.problem.metric, iterate).ok()?;
-        Some(solution.free)
-    }
-
-    /// Moves to another set: multipliers that leave it become zero.
-    pub(super) fn change_set(
+    /// Moves to another face: multipliers that are no unknowns there take its values,
+    /// which of open ones are zero.
+    pub(super) fn change_face(
         &self,
         iterate: &mut QpIterate,
-        next: Vec<bool>,
+        next: DenseSolution,
         work: &mut Workspace,
     ) {
-        let mut dropped = work.zeros(next.len());
-        for (index, &stays) in next.iter().enumerate() {
-            if !stays {
-                dropped[index] = std::mem::take(&mut iterate.multiplier[index]);
+        let contact = &mut iterate.blocks[self.blocks.place()];
+        let mut dropped = work.zeros(next.status.len());
+        for (index, &status) in next.status.iter().enumerate() {
+            if status != Status::Stick {
+                let value = next.values[index];
+                dropped[index] = std::mem::replace(&mut contact.multiplier[index], value) - value;
             }
         }
         if dropped.iter().any(|&value| value != 0.0) {
             let mut force = work.scratch(iterate.force.len());
-            self.problem
-                .coupling
-                .apply_transposed(&dropped, &mut force, work);
+            let columns = self.blocks.contact.columns;
+            columns.apply_transposed(&dropped, &mut force, work);
             add_scaled(&mut iterate.force, 1.0, &force);
             work.give(force);
         }
         work.give(dropped);
-        iterate.active = next;
+        contact.status = next.status;
     }
 
-    /// Whether what speaks against the current set is below the targets.
-    pub(super) fn acceptable(&self, iterate: &QpIterate, bound: f64) -> bool {
+    /// Whether what speaks against the current face is below the targets.
+    pub(super) fn is_acceptable(&self, iterate: &QpIterate, bound: f64) -> bool {
+        let (block, contact) = (&self.blocks.contact, self.blocks.contact_of(iterate));
+        let violation = block.set.violation(&contact.multiplier);
+        let misfit = block.set.misfit(contact.point());
         let mut square = 0.0;
-        for (index, &active) in iterate.active.iter().enumerate() {
-            let violation = match active {
-                true => iterate.multiplier[index].min(0.0) * self.problem.metric.at(index, index),
-                false => iterate.gap[index].min(0.0),
+        for (index, &status) in contact.status.iter().enumerate() {
+            let wrong = match status {
+                Status::Stick => violation[index] * block.matrix.at(index, index),
+                Status::Open | Status::Slip => misfit[index],
             };
-            square += violation * violation;
+            square += wrong * wrong;
         }
         square.sqrt() <= bound
     }

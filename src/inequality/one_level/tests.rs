@@ -2,21 +2,23 @@
 
 use super::*;
 use crate::inequality::samples::{
-    CONTACTS, Exact, Problem, SIZE, assert_optimal, block, equality, identity, schur, solve,
-    solve_watched, springs,
+    CONTACTS, Exact, Problem, SIZE, assert_optimal, block, equality, identity, saddle_solution,
+    schur, solve, solve_watched, springs,
 };
 use crate::krylov::Verdict;
 use crate::linalg::DenseMatrix;
 use crate::linalg::samples::rows;
-use crate::linalg::vector::largest;
+use crate::linalg::vector::{largest, reproducible_noise};
+use crate::saddle::{AdmissibleSet, EqualityBlock, MultiplierBlock};
 
 #[test]
 fn random_problems_end_optimal_without_equalities() {
     for seed in 0..20 {
         let problem = Problem::new(seed);
         let matrices = problem.matrices();
+        let blocks = [matrices.unilateral()];
         let mut iterate = problem.iterate(0);
-        let outcome = solve(&OneLevel::new(matrices.problem()), &mut iterate);
+        let outcome = solve(&OneLevel::new(matrices.problem(&blocks)), &mut iterate);
         assert_eq!(outcome.status, QpStatus::Solved, "{seed}");
         assert_optimal(&problem, &[], &iterate);
     }
@@ -33,12 +35,9 @@ fn random_problems_end_optimal_with_an_equality_and_poor_metrics() {
         let mut compliance = DenseMatrix::zeros(CONTACTS, CONTACTS);
         (0..CONTACTS).for_each(|k| *compliance.at_mut(k, k) = matrices.metric.at(k, k));
         matrices.metric = compliance;
-        let parts = QpProblem {
-            equality: &[block(&coupling, &metric)],
-            ..matrices.problem()
-        };
+        let blocks = [block(&coupling, &metric), matrices.unilateral()];
         let mut iterate = problem.iterate(1);
-        let outcome = solve(&OneLevel::new(parts), &mut iterate);
+        let outcome = solve(&OneLevel::new(matrices.problem(&blocks)), &mut iterate);
         assert_eq!(outcome.status, QpStatus::Solved, "{seed}");
         assert_optimal(&problem, &equality, &iterate);
     }
@@ -48,9 +47,10 @@ fn random_problems_end_optimal_with_an_equality_and_poor_metrics() {
 fn the_curvature_term_is_taken_off_the_stiffness() {
     let mut problem = Problem::new(3);
     let matrices = problem.matrices();
+    let blocks = [matrices.unilateral()];
     let parts = QpProblem {
         curvature: Some(&identity(0.02)),
-        ..matrices.problem()
+        ..matrices.problem(&blocks)
     };
     let mut iterate = problem.iterate(0);
     let outcome = solve(&OneLevel::new(parts), &mut iterate);
@@ -70,19 +70,21 @@ fn a_body_that_only_contact_holds_finds_its_support() {
     problem.force = vec![0.0; SIZE];
     problem.force[SIZE - 1] = 1.0;
     let matrices = problem.matrices_about(Exact::new(&springs(0.01)));
+    let blocks = [matrices.unilateral()];
     let mut iterate = problem.iterate(0);
-    let outcome = solve(&OneLevel::new(matrices.problem()), &mut iterate);
+    let outcome = solve(&OneLevel::new(matrices.problem(&blocks)), &mut iterate);
     assert_eq!(outcome.status, QpStatus::Solved);
     assert_optimal(&problem, &[], &iterate);
-    assert!((iterate.multiplier[0] - 1.0).abs() < 1e-10);
+    assert!((iterate.blocks[0].multiplier[0] - 1.0).abs() < 1e-10);
 }
 
 #[test]
 fn the_observer_can_interrupt() {
     let problem = Problem::new(1);
     let matrices = problem.matrices();
+    let blocks = [matrices.unilateral()];
     let mut iterate = problem.iterate(0);
-    let one_level = OneLevel::new(matrices.problem());
+    let one_level = OneLevel::new(matrices.problem(&blocks));
     let outcome = solve_watched(&one_level, &mut iterate, &mut |_, _, _| Verdict::Stop);
     assert_eq!(
         (outcome.status, outcome.iterations),
@@ -97,8 +99,98 @@ fn an_indefinite_metric_is_a_typed_failure() {
     let mut matrices = problem.matrices();
     matrices.metric = DenseMatrix::zeros(CONTACTS, CONTACTS);
     (0..CONTACTS).for_each(|k| *matrices.metric.at_mut(k, k) = -1.0);
+    let blocks = [matrices.unilateral()];
     let mut iterate = problem.iterate(0);
-    iterate.active.fill(true);
-    let outcome = solve(&OneLevel::new(matrices.problem()), &mut iterate);
+    iterate.blocks[0].status.fill(Status::Stick);
+    let outcome = solve(&OneLevel::new(matrices.problem(&blocks)), &mut iterate);
     assert_eq!(outcome.status, QpStatus::IndefiniteMetric);
+}
+
+/// Displacement and multipliers of all blocks.
+fn unknowns(iterate: &QpIterate) -> Vec<f64> {
+    let multipliers = iterate.blocks.iter().flat_map(|block| &block.multiplier);
+    iterate
+        .displacement
+        .iter()
+        .chain(multipliers)
+        .copied()
+        .collect()
+}
+
+fn assert_near(found: &[f64], exact: &[f64]) {
+    assert_eq!(found.len(), exact.len());
+    for (found, exact) in found.iter().zip(exact) {
+        assert!((found - exact).abs() < 1e-9, "{found} {exact}");
+    }
+}
+
+#[test]
+fn free_multipliers_hold_in_both_directions_like_an_equality() {
+    for seed in 0..20 {
+        let problem = Problem::new(seed);
+        let matrices = problem.matrices();
+        let blocks = [matrices.contact(AdmissibleSet::Free)];
+        let mut iterate = problem.iterate(0);
+        let outcome = solve(&OneLevel::new(matrices.problem(&blocks)), &mut iterate);
+        assert_eq!((outcome.status, outcome.set_changes), (QpStatus::Solved, 0));
+        let right = [&problem.force[..], &problem.gap].concat();
+        let (rows, stiffness) = (&problem.coupling, &problem.stiffness);
+        let exact = saddle_solution(stiffness, rows, rows, &right);
+        assert_near(&unknowns(&iterate), &exact);
+        assert_eq!(iterate.blocks[0].closed(), CONTACTS);
+    }
+}
+
+#[test]
+fn multipliers_may_act_otherwise_than_they_constrain() {
+    for seed in 0..20 {
+        let problem = Problem::new(seed);
+        let (matrices, equality) = (problem.matrices(), equality());
+        let noise = reproducible_noise((CONTACTS + 1) * SIZE);
+        let turned = |row: &Vec<f64>, k: usize| -> Vec<f64> {
+            let noise = &noise[k * SIZE..(k + 1) * SIZE];
+            row.iter().zip(noise).map(|(r, n)| r + 0.3 * n).collect()
+        };
+        let contact_columns: Vec<_> = (0..CONTACTS)
+            .map(|k| turned(&problem.coupling[k], k))
+            .collect();
+        let equality_columns = vec![turned(&equality[0], CONTACTS)];
+        let (constraint, acts) = (rows(&equality), rows(&equality_columns));
+        let metric = Exact::new(&[vec![schur(&matrices.inverse, &equality).at(0, 0)]]);
+        let pushes = rows(&contact_columns);
+        let blocks = [
+            MultiplierBlock::from(EqualityBlock {
+                rows: &constraint,
+                columns: &acts,
+                stabilisation: None,
+                metric: &metric,
+                joint: None,
+            }),
+            MultiplierBlock {
+                columns: &pushes,
+                ..matrices.contact(AdmissibleSet::Free)
+            },
+        ];
+        let mut iterate = problem.iterate(1);
+        let outcome = solve(&OneLevel::new(matrices.problem(&blocks)), &mut iterate);
+        assert_eq!(outcome.status, QpStatus::Solved, "{seed}");
+        let exact = saddle_solution(
+            &problem.stiffness,
+            &[equality, problem.coupling].concat(),
+            &[equality_columns, contact_columns].concat(),
+            &[&problem.force[..], &[0.1], &problem.gap].concat(),
+        );
+        assert_near(&unknowns(&iterate), &exact);
+    }
+}
+
+#[test]
+fn a_force_that_is_not_a_number_is_no_solution() {
+    let mut problem = Problem::new(1);
+    problem.force[3] = f64::NAN;
+    let matrices = problem.matrices();
+    let blocks = [matrices.unilateral()];
+    let mut iterate = problem.iterate(0);
+    let outcome = solve(&OneLevel::new(matrices.problem(&blocks)), &mut iterate);
+    assert_eq!(outcome.status, QpStatus::Krylov(Outcome::NotFinite));
 }

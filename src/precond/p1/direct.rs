@@ -12,6 +12,7 @@ use crate::linalg::{DenseMatrix, FactoriseError, Preconditioner, SparseCholesky,
 /// A factor of A11.
 #[derive(Debug)]
 pub struct DirectP1 {
+    /// The sparse Cholesky factor, held components eliminated.
     factor: SparseCholesky,
 }
 
@@ -44,14 +45,18 @@ impl DirectP1 {
 
     /// A11^-1 on `traces`, whose vertices must be the last in elimination order.
     pub fn compliance(&self, traces: &Traces<'_>, components: usize) -> DenseMatrix {
-        let count = traces.vertices.len();
-        let mut directions = DenseMatrix::zeros(count * components, count);
-        for (column, direction) in traces.directions.iter().enumerate() {
+        let mut vertices = traces.vertices.to_vec();
+        vertices.dedup();
+        let size = vertices.len() * components;
+        let mut directions = DenseMatrix::zeros(size, traces.vertices.len());
+        let pairs = traces.vertices.iter().zip(traces.directions);
+        for (column, (vertex, direction)) in pairs.enumerate() {
+            let place = vertices.partition_point(|other| other < vertex);
             for i in 0..components {
-                *directions.at_mut(column * components + i, column) = direction[i];
+                *directions.at_mut(place * components + i, column) = direction[i];
             }
         }
-        let last = self.factor.trailing_block(count * components);
+        let last = self.factor.trailing_block(size);
         last.inverse_of_product_on(directions)
     }
 

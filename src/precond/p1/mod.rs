@@ -5,17 +5,15 @@
 
 pub mod amg;
 mod direct;
-mod incomplete;
 
 pub use amg::{AmgError, AmgP1, VertexBlocks};
 pub use direct::{DirectP1, vertex_order};
-pub use incomplete::{IncompleteCholeskyCg, incomplete_cholesky_cg};
 
-/// Displacements of surface vertices along one direction each.
+/// Displacements of surface vertices along the directions that their multipliers have.
 #[derive(Clone, Copy, Debug)]
 pub struct Traces<'a> {
-    /// Vertices.
+    /// Vertex of each trace, ascending; as often as it has directions `[traces]`.
     pub vertices: &'a [u32],
-    /// Unit vectors, zero in held components `[vertices]`.
+    /// Unit vectors, zero in held components `[traces]`.
     pub directions: &'a [[f64; 3]],
 }

@@ -1,9 +1,10 @@
 //! Body force, manufactured field, probes.
 
-use super::{Faults, in_plane, names};
+use super::{Faults, ResolvedProbe, in_plane, names};
 use crate::element::manufactured::Manufactured;
 use crate::mesh::Mesh;
-use crate::mesh::locate::{Located, Locator};
+use crate::mesh::locate::Locator;
+use crate::scene::names::hint;
 use crate::scene::{MaterialModel, Profile, Scene, Support};
 
 /// Checks the body force.
@@ -60,7 +61,7 @@ pub(crate) fn manufactured(
     let dimension = mesh.cell_kind().dimension();
     let field = Manufactured::from_name(name, dimension);
     if field.is_none() {
-        let hint = names::hint(name, Manufactured::names().iter().copied());
+        let hint = hint(name, Manufactured::names().iter().copied());
         faults.add(
             path,
             format!("no field `{name}` in {dimension} dimensions{hint}"),
@@ -70,7 +71,7 @@ pub(crate) fn manufactured(
 }
 
 /// Finds the probes in the body.
-pub(crate) fn probes(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<Located> {
+pub(crate) fn probes(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<ResolvedProbe> {
     names::check_unique(
         faults,
         "probe",
@@ -89,7 +90,10 @@ pub(crate) fn probes(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<Loc
             continue;
         }
         match locator.find(mesh, probe.point.map(|x| x / scale)) {
-            Some(located) => found.push(located),
+            Some(place) => found.push(ResolvedProbe {
+                name: probe.name.clone(),
+                place,
+            }),
             // A faulty scale has its own message.
             None if !scale_is_usable => (),
             None => faults.add(path, format!("{:?} lies outside the body", probe.point)),

@@ -1,7 +1,7 @@
 //! Materials: parameters, one per cell, and the formulation that follows.
 
-use super::{Faults, names, rubber};
-use crate::material::{LinearElastic, Rubber, Stokes};
+use super::{Faults, ResolvedMaterial, names, rubber};
+use crate::material::{LinearElastic, Stokes};
 use crate::mesh::{GroupKind, Mesh};
 use crate::scene::{Formulation, MaterialModel, Modulus, Scene};
 
@@ -10,25 +10,6 @@ const MIXED_FROM: f64 = 0.45;
 /// Below, the volume compliance of a mixed cell is no longer well scaled.
 const LEAST_MIXED: f64 = 0.01;
 const NO_MATERIAL: u16 = u16::MAX;
-
-/// A material with its law.
-#[derive(Clone, Debug)]
-pub(crate) struct ResolvedMaterial {
-    /// The law; of a rubber, its moduli at rest (1 / K in the place of 1 / lambda).
-    pub(crate) law: LinearElastic,
-    pub(crate) poisson_ratio: f64,
-    /// Whether u is a velocity.
-    pub(crate) is_flow: bool,
-    /// The law at finite strain.
-    pub(crate) rubber: Option<Rubber>,
-}
-
-impl ResolvedMaterial {
-    /// Whether the volume cannot change at all.
-    pub(crate) fn is_incompressible(&self) -> bool {
-        self.poisson_ratio >= 0.5
-    }
-}
 
 /// Laws, and the law of each cell.
 pub(crate) fn resolve(
@@ -59,7 +40,11 @@ pub(crate) fn resolve(
                 &path,
                 names::missing(mesh, GroupKind::Cells, &material.group),
             ),
-            Some(group) => assign(index as u16, &group.members, &mut of_cell, &path, faults),
+            Some(group) => {
+                if let Some(cell) = assign(index as u16, &group.members, &mut of_cell) {
+                    faults.add(path, format!("cell {cell} has another material already"));
+                }
+            }
         }
     }
     let bare = of_cell.iter().filter(|&&m| m == NO_MATERIAL).count();
@@ -73,7 +58,8 @@ pub(crate) fn resolve(
     (materials, of_cell)
 }
 
-fn assign(index: u16, members: &[u32], of_cell: &mut [u16], path: &str, faults: &mut Faults) {
+/// Gives the cells `members` the material `index`; the first of them that had another.
+fn assign(index: u16, members: &[u32], of_cell: &mut [u16]) -> Option<u32> {
     let mut taken = None;
     for &cell in members {
         let slot = &mut of_cell[cell as usize];
@@ -82,9 +68,7 @@ fn assign(index: u16, members: &[u32], of_cell: &mut [u16], path: &str, faults: 
         }
         *slot = index;
     }
-    if let Some(cell) = taken {
-        faults.add(path, format!("cell {cell} has another material already"));
-    }
+    taken
 }
 
 fn law(model: &MaterialModel, path: &str, faults: &mut Faults) -> ResolvedMaterial {
@@ -95,7 +79,7 @@ fn law(model: &MaterialModel, path: &str, faults: &mut Faults) -> ResolvedMateri
             ..
         } => linear_elastic(*modulus, *poisson_ratio, path, faults),
         MaterialModel::Stokes { viscosity, .. } => {
-            above_zero(*viscosity, &format!("{path}.viscosity"), faults);
+            faults.above_zero(&format!("{path}.viscosity"), *viscosity);
             let flow = Stokes {
                 viscosity: *viscosity,
             };
@@ -133,12 +117,6 @@ fn only_mixed(material: &ResolvedMaterial) -> Option<&'static str> {
     }
 }
 
-pub(super) fn above_zero(value: f64, path: &str, faults: &mut Faults) {
-    if !(value > 0.0 && value.is_finite()) {
-        faults.add(path, format!("must be above zero and finite, not {value}"));
-    }
-}
-
 fn linear_elastic(
     modulus: Modulus,
     poisson_ratio: f64,
@@ -157,7 +135,7 @@ fn linear_elastic(
             LinearElastic::from_young_modulus(value, poisson_ratio),
         ),
     };
-    above_zero(value, &format!("{path}.{key}"), faults);
+    faults.above_zero(&format!("{path}.{key}"), value);
     if !(poisson_ratio > -1.0 && poisson_ratio <= 0.5) {
         let message = format!("must lie above -1 and at most 0.5, not {poisson_ratio}");
         faults.add(format!("{path}.poisson_ratio"), message);

@@ -8,21 +8,24 @@ mod extent;
 mod materials;
 mod names;
 mod obstacles;
+mod parabola;
 mod profiles;
+mod resolved;
 mod rigid_modes;
 mod rubber;
 mod solver;
 mod steps;
 mod surfaces;
 
-use super::{Scene, SceneError, SceneKind, Step, Violation};
-use crate::element::manufactured::Manufactured;
-use crate::mesh::locate::Located;
+use super::{Obstacle, Scene, SceneError, SceneKind, Step, Violation};
 use crate::mesh::{CellKind, Mesh};
 
-pub(crate) use materials::ResolvedMaterial;
-pub(crate) use obstacles::shape;
-pub(crate) use profiles::Parabola;
+pub(crate) use obstacles::build;
+pub(crate) use parabola::Parabola;
+pub(crate) use resolved::{
+    Placed, Resolved, ResolvedMaterial, ResolvedObstacle, ResolvedPressure, ResolvedProbe,
+    ResolvedSupport, ResolvedTraction,
+};
 pub(crate) use steps::check_step;
 
 /// Most faults that are told of one scene or step: more help nobody, and the
@@ -67,6 +70,13 @@ impl Faults {
         finite
     }
 
+    /// Adds a fault where `value`, that of the key `path`, is not above zero and finite.
+    pub(crate) fn above_zero(&mut self, path: &str, value: f64) {
+        if !(value > 0.0 && value.is_finite()) {
+            self.add(path, format!("must be above zero and finite, not {value}"));
+        }
+    }
+
     pub(crate) fn result(self) -> Result<(), SceneError> {
         match (self.violations.is_empty(), self.unsupported) {
             (false, _) => Err(SceneError::Invalid(self.violations)),
@@ -76,48 +86,13 @@ impl Faults {
     }
 }
 
-/// The scene's names as indices.
-#[derive(Clone, Debug)]
-pub(crate) struct Resolved {
-    pub(crate) kind: SceneKind,
-    /// Material of each cell.
-    pub(crate) cell_material: Vec<u16>,
-    pub(crate) materials: Vec<ResolvedMaterial>,
-    pub(crate) mixed: bool,
-    /// Facets of each support.
-    pub(crate) support_facets: Vec<Vec<u32>>,
-    /// Variation of the values of each support; none where they are constant.
-    pub(crate) profiles: Vec<Option<Parabola>>,
-    /// Facets of each traction.
-    pub(crate) traction_facets: Vec<Vec<u32>>,
-    /// Facets of each follower pressure, all on the surface of the body.
-    pub(crate) pressure_facets: Vec<Vec<u32>>,
-    /// Facets of each obstacle.
-    pub(crate) obstacle_facets: Vec<Vec<u32>>,
-    /// Cell and barycentric coordinates of each probe.
-    pub(crate) probes: Vec<Located>,
-    pub(crate) manufactured: Option<Manufactured>,
-    /// Rigid modes that no support holds.
-    pub(crate) free_modes: Vec<String>,
-}
-
-impl Resolved {
-    /// Whether u is a velocity.
-    pub(crate) fn is_flow(&self) -> bool {
-        self.materials.iter().any(|material| material.is_flow)
-    }
-
-    /// What μ is.
-    pub(crate) fn modulus_name(&self) -> &'static str {
-        match self.is_flow() {
-            true => "viscosity",
-            false => "shear modulus",
-        }
-    }
-}
-
-/// Checks everything and resolves names.
-pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Resolved, SceneError> {
+/// Checks everything and resolves names. Obstacles are left to [`build`], which needs
+/// the reference length.
+pub(crate) fn resolve<'a>(
+    scene: &'a Scene,
+    steps: &[Step],
+    mesh: &Mesh,
+) -> Result<(Resolved, Vec<Placed<'a, Obstacle>>), SceneError> {
     let mut faults = Faults::default();
     extent::check(scene, mesh, &mut faults);
     if !faults.violations.is_empty() {
@@ -135,12 +110,12 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
     let (materials, cell_material) = materials::resolve(scene, mesh, &mut faults);
     let mixed = materials::mixed(scene, &materials, &mut faults);
     materials::check_flow(scene, &materials, &mut faults);
-    let support_facets = surfaces::supports(scene, mesh, &mut faults);
-    let profiles = profiles::resolve(scene, mesh, &support_facets, &mut faults);
-    let traction_facets = surfaces::tractions(scene, mesh, &mut faults);
-    let pressure_facets = surfaces::pressures(scene, mesh, &mut faults);
-    let obstacle_facets = obstacles::resolve(scene, mesh, &mut faults);
-    obstacles::refuse_held_faces(scene, mesh, &support_facets, &obstacle_facets, &mut faults);
+    let supports = surfaces::supports(scene, mesh, &mut faults);
+    let supports = profiles::resolve(supports, mesh, &mut faults);
+    let tractions = surfaces::tractions(scene, mesh, &mut faults);
+    let pressures = surfaces::pressures(scene, mesh, &mut faults);
+    let obstacles = obstacles::resolve(scene, mesh, &mut faults);
+    obstacles::refuse_held_faces(mesh, &supports, &obstacles, &mut faults);
     let manufactured = bodies::manufactured(scene, mesh, &mut faults);
     bodies::body_force(scene, mesh, &mut faults);
     let probes = bodies::probes(scene, mesh, &mut faults);
@@ -150,27 +125,27 @@ pub(crate) fn resolve(scene: &Scene, steps: &[Step], mesh: &Mesh) -> Result<Reso
     };
     solver::check(scene, formulated, &mut faults);
     solver::check_element(scene, mixed, &mut faults);
-    let free_modes = rigid_modes::check(scene, kind, mesh, &support_facets, &mut faults);
+    let free_modes = rigid_modes::check(scene, kind, mesh, &supports, &mut faults);
     solver::check_contact(scene, &free_modes, &mut faults);
     rubber::check(scene, &materials, &mut faults);
     for (index, step) in steps.iter().enumerate() {
-        steps::check(scene, step, &format!("step[{index}]"), mesh, &mut faults);
+        steps::Steps { scene, mesh }.check(step, &format!("step[{index}]"), &mut faults);
     }
     faults.result()?;
-    Ok(Resolved {
+    let resolved = Resolved {
         kind,
         cell_material,
         materials,
         mixed,
-        support_facets,
-        profiles,
-        traction_facets,
-        pressure_facets,
-        obstacle_facets,
+        supports,
+        tractions,
+        pressures,
+        body_force: scene.body_force,
         probes,
         manufactured,
         free_modes,
-    })
+    };
+    Ok((resolved, obstacles))
 }
 
 /// Vertices nearer to the axis than this part of the body lie on it.

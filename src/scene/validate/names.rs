@@ -1,56 +1,10 @@
-//! Names: uniqueness, look-up, and the nearest name for a misspelt one.
+//! Names of a scene: uniqueness, and look-up in the mesh.
 
 use std::collections::BTreeSet;
 
 use super::Faults;
 use crate::mesh::{GroupKind, Mesh};
-
-/// Names that a hint looks at, and of these the ones that it lists.
-const HINT_CANDIDATES: usize = 1000;
-const HINT_LISTED: usize = 20;
-/// Longest name that is compared letter by letter, bytes.
-const HINT_BYTES: usize = 64;
-
-/// `; did you mean ...` for the nearest of `known`, or the first of them.
-pub(crate) fn hint<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
-    let known: Vec<&str> = known.take(HINT_CANDIDATES).collect();
-    let short = |candidate: &&&str| name.len().max(candidate.len()) <= HINT_BYTES;
-    let nearest = known
-        .iter()
-        .filter(short)
-        .map(|candidate| (distance(name, candidate), candidate))
-        .filter(|(distance, candidate)| 2 * distance <= name.len().max(candidate.len()))
-        .min();
-    match nearest {
-        Some((_, candidate)) => format!("; did you mean `{candidate}`?"),
-        None if known.is_empty() => "; there are none".to_owned(),
-        None => format!("; known: {}", listed(&known)),
-    }
-}
-
-fn listed(known: &[&str]) -> String {
-    let (listed, rest) = known.split_at(known.len().min(HINT_LISTED));
-    match rest.len() {
-        0 => listed.join(", "),
-        count => format!("{} and {count} more", listed.join(", ")),
-    }
-}
-
-/// Levenshtein distance.
-fn distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let replace = diagonal + usize::from(x != *y);
-            diagonal = row[j + 1];
-            row[j + 1] = replace.min(row[j] + 1).min(row[j + 1] + 1);
-        }
-    }
-    row[b.len()]
-}
+use crate::scene::names::hint;
 
 /// Reports empty and repeated names.
 pub(crate) fn check_unique<'a>(
@@ -71,32 +25,26 @@ pub(crate) fn check_unique<'a>(
     }
 }
 
-/// Members of the groups `on`, ascending and without repeats.
-pub(crate) fn members(
-    mesh: &Mesh,
-    kind: GroupKind,
-    path: &str,
-    on: &[String],
-    faults: &mut Faults,
-) -> Vec<u32> {
+/// Facets of the groups `on`, ascending and without repeats.
+pub(crate) fn facets(mesh: &Mesh, path: &str, on: &[String], faults: &mut Faults) -> Vec<u32> {
     if on.is_empty() {
         faults.add(path, "names no group");
     }
-    let mut members = Vec::new();
+    let mut facets = Vec::new();
     // Each group once: a repeated one would take its memory again.
     let on: BTreeSet<&String> = on.iter().collect();
     for name in on {
         if faults.is_full() {
             break;
         }
-        match mesh.group(name, kind) {
-            Some(group) => members.extend_from_slice(&group.members),
-            None => faults.add(path, missing(mesh, kind, name)),
+        match mesh.group(name, GroupKind::Facets) {
+            Some(group) => facets.extend_from_slice(&group.members),
+            None => faults.add(path, missing(mesh, GroupKind::Facets, name)),
         }
     }
-    members.sort_unstable();
-    members.dedup();
-    members
+    facets.sort_unstable();
+    facets.dedup();
+    facets
 }
 
 /// Reports a facet that has the body on both sides.
@@ -124,31 +72,6 @@ pub(crate) fn missing(mesh: &Mesh, kind: GroupKind, name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_misspelt_name_gets_the_nearest_one() {
-        let known = ["contact", "top", "body"];
-        assert_eq!(
-            hint("contct", known.into_iter()),
-            "; did you mean `contact`?"
-        );
-        assert_eq!(
-            hint("zzz", known.into_iter()),
-            "; known: contact, top, body"
-        );
-    }
-
-    #[test]
-    fn long_lists_and_long_names_are_cut_short() {
-        let known: Vec<String> = (0..500).map(|index| format!("group-{index}")).collect();
-        let hint = hint("zzz", known.iter().map(String::as_str));
-        assert!(hint.ends_with("group-19 and 480 more"), "{hint}");
-        let long = "z".repeat(HINT_BYTES + 1);
-        assert_eq!(
-            super::hint(&long, [long.as_str()].into_iter()),
-            format!("; known: {long}")
-        );
-    }
 
     #[test]
     fn a_scene_full_of_faults_tells_the_first_hundred() {

@@ -1,29 +1,46 @@
 //! Obstacles: names, shapes, candidate faces.
 
 use std::collections::BTreeSet;
-use std::sync::Arc;
 
-use super::{Faults, names};
-use crate::mesh::{CellKind, GroupKind, Mesh};
-use crate::obstacle::{Cylinder, HalfSpace, Obstacle, ObstacleError, Sphere};
-use crate::scene::{Scene, Shape};
+use super::{Faults, Placed, ResolvedObstacle, ResolvedSupport, names};
+use crate::mesh::{CellKind, Mesh};
+use crate::obstacle::ObstacleError;
+use crate::scene::{self, Scene, SceneError};
 
-/// The obstacle of `shape` with lengths divided by `length`.
-pub(crate) fn shape(shape: &Shape, length: f64) -> Result<Arc<dyn Obstacle>, ObstacleError> {
-    let scaled = |v: &[f64; 3]| v.map(|x| x / length);
-    Ok(match shape {
-        Shape::HalfSpace { point, normal } => Arc::new(HalfSpace::new(scaled(point), *normal)?),
-        Shape::Sphere { centre, radius } => Arc::new(Sphere::new(scaled(centre), radius / length)?),
-        Shape::Cylinder {
-            point,
-            axis,
-            radius,
-        } => Arc::new(Cylinder::new(scaled(point), *axis, radius / length)?),
-    })
+/// The obstacles with their shapes in units of `length`.
+///
+/// # Errors
+/// [`SceneError::Invalid`] where a shape leaves the range of numbers in these units.
+pub(crate) fn build(
+    obstacles: Vec<Placed<'_, scene::Obstacle>>,
+    length: f64,
+) -> Result<Vec<ResolvedObstacle>, SceneError> {
+    let mut faults = Faults::default();
+    let mut built = Vec::new();
+    for Placed { item, facets } in obstacles {
+        match item.shape.build(length) {
+            Ok(shape) => built.push(ResolvedObstacle {
+                name: item.name.clone(),
+                facets,
+                shape,
+            }),
+            Err(error) => misshapen(item, &error, &mut faults),
+        }
+    }
+    faults.result().map(|()| built)
 }
 
-/// Facets of each obstacle.
-pub(crate) fn resolve(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<Vec<u32>> {
+fn misshapen(obstacle: &scene::Obstacle, error: &ObstacleError, faults: &mut Faults) {
+    let path = format!("obstacle.{}.shape.{}", obstacle.name, error.parameter());
+    faults.add(path, error.to_string());
+}
+
+/// The obstacles on the facets that may touch them.
+pub(crate) fn resolve<'a>(
+    scene: &'a Scene,
+    mesh: &Mesh,
+    faults: &mut Faults,
+) -> Vec<Placed<'a, scene::Obstacle>> {
     let all = scene
         .obstacles
         .iter()
@@ -34,67 +51,73 @@ pub(crate) fn resolve(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<Ve
         .iter()
         .map(|obstacle| {
             let path = format!("obstacle.{}", obstacle.name);
-            if let Err(error) = shape(&obstacle.shape, 1.0) {
-                faults.add(
-                    format!("{path}.shape.{}", error.parameter()),
-                    error.to_string(),
-                );
-            }
-            check_plane(&obstacle.shape, mesh, &path, faults);
+            check_shape(obstacle, mesh, faults);
             let on = format!("{path}.on");
-            let facets = names::members(mesh, GroupKind::Facets, &on, &obstacle.on, faults);
+            let facets = names::facets(mesh, &on, &obstacle.on, faults);
             names::refuse_inner_facets(mesh, &facets, on, faults);
-            facets
+            Placed {
+                item: obstacle,
+                facets,
+            }
         })
         .collect()
 }
 
-fn check_plane(shape: &Shape, mesh: &Mesh, path: &str, faults: &mut Faults) {
-    if mesh.cell_kind() != CellKind::Triangle {
-        return;
-    }
-    let (key, wrong) = match shape {
-        Shape::HalfSpace { normal, .. } => ("normal", normal[2] != 0.0),
-        Shape::Sphere { centre, .. } => ("centre", centre[2] != 0.0),
-        Shape::Cylinder { axis, .. } => ("axis", axis[0] != 0.0 || axis[1] != 0.0),
-    };
-    if wrong {
-        let message = "does not lie in the plane z = 0 of the body (a cylinder's axis must be z)";
-        faults.add(format!("{path}.shape.{key}"), message);
+/// Refuses parameters without meaning and shapes that leave the plane of a flat body.
+fn check_shape(obstacle: &scene::Obstacle, mesh: &Mesh, faults: &mut Faults) {
+    let is_flat = mesh.cell_kind() == CellKind::Triangle;
+    let built = obstacle.shape.build(1.0);
+    let checked = built.and_then(|built| match is_flat {
+        true => built.lies_in_plane(),
+        false => Ok(()),
+    });
+    if let Err(error) = checked {
+        misshapen(obstacle, &error, faults);
     }
 }
 
-/// A face whose components are all held cannot move to meet an obstacle.
+/// A face whose components are all held cannot move to meet an obstacle, and has no
+/// normal component left to hold.
 pub(crate) fn refuse_held_faces(
-    scene: &Scene,
     mesh: &Mesh,
-    support_facets: &[Vec<u32>],
-    obstacle_facets: &[Vec<u32>],
+    supports: &[ResolvedSupport],
+    obstacles: &[Placed<'_, scene::Obstacle>],
     faults: &mut Faults,
 ) {
     let dimension = mesh.cell_kind().dimension();
     let mut held: Vec<BTreeSet<&[u32]>> = vec![BTreeSet::new(); dimension];
-    let mut sorted = Vec::new();
-    for facets in support_facets {
-        sorted.push(facets.iter().map(|&f| key(mesh, f)).collect::<Vec<_>>());
-    }
-    for (support, keys) in scene.supports.iter().zip(&sorted) {
+    let keys_of = |support: &ResolvedSupport| {
+        let keys = support.facets.iter().map(|&facet| key(mesh, facet));
+        (support.displacement, keys.collect::<Vec<_>>())
+    };
+    let sorted: Vec<_> = supports.iter().map(keys_of).collect();
+    for (displacement, keys) in &sorted {
         for (component, set) in held.iter_mut().enumerate() {
-            if support.displacement[component].is_some() {
+            if displacement[component].is_some() {
                 set.extend(keys.iter().map(Vec::as_slice));
             }
         }
     }
-    for (obstacle, facets) in scene.obstacles.iter().zip(obstacle_facets) {
-        let stuck = |&&facet: &&u32| {
+    let stuck = |facets: &[u32]| -> Option<u32> {
+        let is_stuck = |&&facet: &&u32| {
             let key = key(mesh, facet);
             held.iter().all(|set| set.contains(key.as_slice()))
         };
-        if let Some(facet) = facets.iter().find(stuck) {
+        facets.iter().find(is_stuck).copied()
+    };
+    for Placed { item, facets } in obstacles {
+        if let Some(facet) = stuck(facets) {
             let message = format!(
                 "facet {facet} may touch the obstacle, but supports hold all its components"
             );
-            faults.add(format!("obstacle.{}.on", obstacle.name), message);
+            faults.add(format!("obstacle.{}.on", item.name), message);
+        }
+    }
+    for support in supports.iter().filter(|support| support.normal.is_some()) {
+        if let Some(facet) = stuck(&support.facets) {
+            let message =
+                format!("facet {facet} has a normal to hold, but supports hold all its components");
+            faults.add(format!("support.{}.normal", support.name), message);
         }
     }
 }

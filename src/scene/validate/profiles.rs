@@ -1,72 +1,45 @@
-//! Prescribed values that vary over a surface: the parabola of a channel,
-//! product over the axes along the surface of 4 s (1 - s), s = (x - low) / (high - low).
+//! Supports whose prescribed values vary over their surface.
 
-use super::Faults;
+use super::{Faults, Parabola, Placed, ResolvedSupport};
+use crate::contact::patches::smooth_patches;
 use crate::mesh::Mesh;
-use crate::scene::{Profile, Scene};
+use crate::scene::{Profile, Support};
 
-/// Thickness of a flat surface relative to the mesh.
-const FLAT: f64 = 1e-9;
-
-/// One at the middle of a box of mesh coordinates, zero on its rim.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Parabola {
-    low: [f64; 3],
-    high: [f64; 3],
-    /// Axes along the surface.
-    axes: Vec<usize>,
-}
-
-impl Parabola {
-    /// Value at a point of the mesh.
-    pub(crate) fn at(&self, point: [f64; 3]) -> f64 {
-        let along = |&axis: &usize| {
-            let s = (point[axis] - self.low[axis]) / (self.high[axis] - self.low[axis]);
-            4.0 * s * (1.0 - s)
-        };
-        self.axes.iter().map(along).product()
-    }
-}
-
-/// The profile of each support.
+/// The supports with their profiles.
 pub(crate) fn resolve(
-    scene: &Scene,
+    supports: Vec<Placed<'_, Support>>,
     mesh: &Mesh,
-    support_facets: &[Vec<u32>],
     faults: &mut Faults,
-) -> Vec<Option<Parabola>> {
-    let supports = scene.supports.iter().zip(support_facets);
+) -> Vec<ResolvedSupport> {
+    let supports = supports.into_iter();
     supports
-        .map(|(support, facets)| match support.profile {
-            Profile::Constant => None,
-            // A group that is missing has its own message.
-            Profile::Parabolic if facets.is_empty() => None,
-            Profile::Parabolic => {
-                let path = format!("support.{}.profile", support.name);
-                parabola(mesh, facets, &path, faults)
-            }
+        .map(|Placed { item, facets }| ResolvedSupport {
+            name: item.name.clone(),
+            displacement: item.displacement,
+            normal: item.normal,
+            patches: match item.normal {
+                Some(_) => smooth_patches(mesh, &facets),
+                None => Vec::new(),
+            },
+            profile: profile(item, &facets, mesh, faults),
+            facets,
         })
         .collect()
 }
 
-fn parabola(mesh: &Mesh, facets: &[u32], path: &str, faults: &mut Faults) -> Option<Parabola> {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for &facet in facets {
-        for &vertex in mesh.facet(facet as usize) {
-            let point = mesh.coordinates()[vertex as usize];
-            for i in 0..3 {
-                low[i] = low[i].min(point[i]);
-                high[i] = high[i].max(point[i]);
-            }
+fn profile(
+    support: &Support,
+    facets: &[u32],
+    mesh: &Mesh,
+    faults: &mut Faults,
+) -> Option<Parabola> {
+    match support.profile {
+        Profile::Constant => None,
+        // A group that is missing has its own message.
+        Profile::Parabolic if facets.is_empty() => None,
+        Profile::Parabolic => {
+            let path = format!("support.{}.profile", support.name);
+            Parabola::over(mesh, facets, &path, faults)
         }
     }
-    let dimension = mesh.cell_kind().dimension();
-    let is_wide = |axis: &usize| high[*axis] - low[*axis] > FLAT * mesh.extent();
-    let axes: Vec<usize> = (0..dimension).filter(is_wide).collect();
-    if axes.len() + 1 != dimension {
-        let message = "`parabolic` needs one flat surface perpendicular to an axis";
-        faults.add(path, message);
-        return None;
-    }
-    Some(Parabola { low, high, axes })
 }

@@ -5,7 +5,9 @@
 //! the plane modes only the translation along its axis is rigid in a body of
 //! revolution: the others stretch its hoops.
 
-use super::Faults;
+use super::{Faults, ResolvedSupport};
+use crate::assembly::load::facet_measure;
+use crate::contact::patches::outward;
 use crate::mesh::Mesh;
 use crate::scene::{Scene, SceneKind};
 
@@ -30,34 +32,31 @@ pub(crate) fn check(
     scene: &Scene,
     kind: SceneKind,
     mesh: &Mesh,
-    support_facets: &[Vec<u32>],
+    supports: &[ResolvedSupport],
     faults: &mut Faults,
 ) -> Vec<String> {
-    let parts = parts(mesh);
-    let count = parts.iter().max().map_or(0, |&last| last as usize + 1);
-    let frames = frames(mesh, &parts, count);
-    let mut moments = moments(scene, mesh, support_facets, &parts, &frames);
+    let parts = Parts::new(mesh);
+    let count = parts.frames.len();
+    let mut moments = parts.moments(supports);
+    let mut guided = moments.clone();
+    parts.add_normals(supports, &mut guided);
     let names: &[&str] = match kind {
         SceneKind::Solid => &NAMES_3,
         SceneKind::PlaneStrain | SceneKind::Axisymmetric => &NAMES_2,
     };
     if kind == SceneKind::Axisymmetric {
         moments.iter_mut().for_each(hold_by_hoops);
+        guided.iter_mut().for_each(hold_by_hoops);
     }
-    let mut free = Vec::new();
-    for (part, moments) in moments.into_iter().enumerate() {
-        let label = match count {
-            1 => String::new(),
-            _ => format!(" of part {part}"),
-        };
-        let found = name_null_space(moments, names);
-        free.extend(found.into_iter().map(|name| format!("{name}{label}")));
-    }
-    if !free.is_empty() && scene.obstacles.is_empty() {
-        let list = free.join(", ");
+    let free = free_modes(moments, names);
+    let loose = free_modes(guided, names);
+    if !loose.is_empty() && scene.obstacles.is_empty() {
+        let list = loose.join(", ");
         faults.add("support", format!("nothing holds the body against {list}"));
     }
-    if !free.is_empty() && !scene.obstacles.is_empty() && count > 1 {
+    let has_multipliers =
+        !scene.obstacles.is_empty() || scene.supports.iter().any(|s| s.normal.is_some());
+    if !free.is_empty() && has_multipliers && count > 1 {
         let list = free.join(", ");
         faults.unsupported(
             "support",
@@ -65,6 +64,20 @@ pub(crate) fn check(
         );
     }
     free
+}
+
+/// Names of the free modes of all parts.
+fn free_modes(moments: Vec<Moments>, names: &[&str]) -> Vec<String> {
+    let count = moments.len();
+    let of_part = |(part, moments): (usize, Moments)| {
+        let label = match count {
+            1 => String::new(),
+            _ => format!(" of part {part}"),
+        };
+        let found = name_null_space(moments, names).into_iter();
+        found.map(move |name| format!("{name}{label}"))
+    };
+    moments.into_iter().enumerate().flat_map(of_part).collect()
 }
 
 /// Holds the modes that stretch the hoops of a body of revolution.
@@ -107,35 +120,81 @@ fn parts(mesh: &Mesh) -> Vec<u32> {
 
 type Moments = [[f64; 6]; 6];
 
-/// Moment matrix of the held rows of each part.
-fn moments(
-    scene: &Scene,
-    mesh: &Mesh,
-    support_facets: &[Vec<u32>],
-    parts: &[u32],
-    frames: &[([f64; 3], f64)],
-) -> Vec<Moments> {
-    let dimension = mesh.cell_kind().dimension();
-    let mut moments = vec![[[0.0; 6]; 6]; frames.len()];
-    for (support, facets) in scene.supports.iter().zip(support_facets) {
-        for &facet in facets {
-            for &vertex in mesh.facet(facet as usize) {
-                let part = parts[vertex as usize] as usize;
-                let (centre, radius) = frames[part];
-                let x = mesh.coordinates()[vertex as usize];
-                let arm: [f64; 3] = std::array::from_fn(|i| (x[i] - centre[i]) / radius);
-                for component in (0..dimension).filter(|&i| support.displacement[i].is_some()) {
-                    let row = mode_row(dimension, component, arm);
-                    for (i, a) in row.iter().enumerate() {
-                        for (j, b) in row.iter().enumerate() {
-                            moments[part][i][j] += a * b;
-                        }
+/// The connected parts of a body.
+struct Parts<'a> {
+    mesh: &'a Mesh,
+    /// Part of each vertex.
+    of_vertex: Vec<u32>,
+    /// Centre and size of each part.
+    frames: Vec<([f64; 3], f64)>,
+}
+
+impl<'a> Parts<'a> {
+    fn new(mesh: &'a Mesh) -> Self {
+        let of_vertex = parts(mesh);
+        let count = of_vertex.iter().max().map_or(0, |&last| last as usize + 1);
+        Self {
+            mesh,
+            frames: frames(mesh, &of_vertex, count),
+            of_vertex,
+        }
+    }
+
+    /// The part of a vertex and where in its frame the vertex lies.
+    fn arm(&self, vertex: u32) -> (usize, [f64; 3]) {
+        let part = self.of_vertex[vertex as usize] as usize;
+        let (centre, radius) = self.frames[part];
+        let x = self.mesh.coordinates()[vertex as usize];
+        (part, std::array::from_fn(|i| (x[i] - centre[i]) / radius))
+    }
+
+    /// Moment matrix of the held rows of each part.
+    fn moments(&self, supports: &[ResolvedSupport]) -> Vec<Moments> {
+        let dimension = self.mesh.cell_kind().dimension();
+        let mut moments = vec![[[0.0; 6]; 6]; self.frames.len()];
+        for support in supports {
+            for &facet in &support.facets {
+                for &vertex in self.mesh.facet(facet as usize) {
+                    let (part, arm) = self.arm(vertex);
+                    for component in (0..dimension).filter(|&i| support.displacement[i].is_some()) {
+                        add_product(&mode_row(dimension, component, arm), &mut moments[part]);
                     }
                 }
             }
         }
+        moments
     }
-    moments
+
+    /// Adds the rows of supports that hold a normal component.
+    fn add_normals(&self, supports: &[ResolvedSupport], moments: &mut [Moments]) {
+        let dimension = self.mesh.cell_kind().dimension();
+        for &facet in supports
+            .iter()
+            .flat_map(|support| support.patches.iter().flatten())
+        {
+            let corners = outward(self.mesh, facet);
+            let (_, normal) = facet_measure(self.mesh, &corners, 1.0);
+            for &vertex in &corners {
+                let (part, arm) = self.arm(vertex);
+                let mut row = vec![0.0; moments[part].len()];
+                for component in 0..dimension {
+                    for (sum, value) in row.iter_mut().zip(mode_row(dimension, component, arm)) {
+                        *sum += normal[component] * value;
+                    }
+                }
+                add_product(&row, &mut moments[part]);
+            }
+        }
+    }
+}
+
+/// Adds the product of a row with itself.
+fn add_product(row: &[f64], moments: &mut Moments) {
+    for (i, a) in row.iter().enumerate() {
+        for (j, b) in row.iter().enumerate() {
+            moments[i][j] += a * b;
+        }
+    }
 }
 
 /// Values of all modes at one component.

@@ -3,10 +3,12 @@
 //! The shear modulus at rest is 2 (c10 + c01), of Ogden's law the sum of
 //! mu alpha / 2; Poisson's ratio at rest (3 K - 2 mu) / (2 (3 K + mu)).
 
-use super::materials::{ResolvedMaterial, above_zero};
-use super::{Faults, Resolved};
+use super::{Faults, Resolved, ResolvedMaterial};
 use crate::material::{InvariantLaw, Isochoric, LinearElastic, Ogden, OgdenTerm, Rubber};
-use crate::scene::{RubberModel, Scene, SceneKind, SolverOptions, ToleranceRule};
+use crate::scene::{
+    Choice, ContactMethod, DisplacementMethod, ElementKind, Named, RubberModel, SaddleMethod,
+    Scene, SceneKind, SolverOptions, ToleranceRule,
+};
 
 /// Terms of Ogden's law.
 const MOST_TERMS: usize = 3;
@@ -63,7 +65,7 @@ fn isochoric(model: &RubberModel, path: &str, faults: &mut Faults) -> Isochoric 
             [c10, c01, 0.0, 0.0]
         }
         &RubberModel::NeoHookean { shear_modulus } => {
-            above_zero(shear_modulus, &format!("{path}.shear_modulus"), faults);
+            faults.above_zero(&format!("{path}.shear_modulus"), shear_modulus);
             [0.5 * shear_modulus, 0.0, 0.0, 0.0]
         }
         &RubberModel::Yeoh { c10, c20, c30 } => {
@@ -147,29 +149,25 @@ pub(super) fn check(scene: &Scene, materials: &[ResolvedMaterial], faults: &mut 
     methods(&scene.solver, faults);
 }
 
-/// Key, what a scene asks there, and what serves rubber.
-type Method = (&'static str, fn(&SolverOptions) -> &str, &'static str);
-
-/// Methods that serve rubber.
-const METHODS: [Method; 4] = [
-    ("element", |solver| &solver.element, "taylor-hood"),
-    ("saddle", |solver| &solver.saddle, "gcr"),
-    ("contact", |solver| &solver.contact, "one-level"),
-    (
-        "displacement_preconditioner",
-        |solver| &solver.displacement_preconditioner,
-        "p-multigrid",
-    ),
-];
+/// Refuses a method that is asked for and does not serve rubber.
+fn serves<T: Named>(key: &str, asked: Choice<T>, serving: T, faults: &mut Faults) {
+    if let Some(method) = asked.named().filter(|method| *method != serving) {
+        let (asked, serving) = (method.name(), serving.name());
+        let message = format!("`{asked}` with rubber; `{serving}` serves it");
+        faults.unsupported(format!("solver.{key}"), message);
+    }
+}
 
 fn methods(solver: &SolverOptions, faults: &mut Faults) {
-    for (key, asked, serving) in METHODS {
-        let asked = asked(solver);
-        if asked != "auto" && asked != serving {
-            let message = format!("`{asked}` with rubber; `{serving}` serves it");
-            faults.unsupported(format!("solver.{key}"), message);
-        }
-    }
+    serves("element", solver.element, ElementKind::TaylorHood, faults);
+    serves("saddle", solver.saddle, SaddleMethod::Gcr, faults);
+    serves("contact", solver.contact, ContactMethod::OneLevel, faults);
+    let preconditioner = solver.displacement_preconditioner;
+    let (key, serving) = (
+        "displacement_preconditioner",
+        DisplacementMethod::PMultigrid,
+    );
+    serves(key, preconditioner, serving, faults);
     if solver.tolerance_rule == ToleranceRule::Discretisation {
         let message = "`discretisation` with rubber, which has no error estimate";
         faults.unsupported("solver.tolerance", message);
@@ -205,6 +203,6 @@ impl Resolved {
     /// contact.
     pub(crate) fn is_nonlinear(&self) -> bool {
         let is_axisymmetric = self.kind == SceneKind::Axisymmetric;
-        self.is_rubber() || is_axisymmetric || !self.pressure_facets.is_empty()
+        self.is_rubber() || is_axisymmetric || !self.pressures.is_empty()
     }
 }

@@ -1,25 +1,12 @@
-//! Numerical settings: ranges and names of methods.
+//! Numerical settings: ranges, and methods that make no sense together.
 
-use super::{Faults, names};
+use super::Faults;
 use crate::element::quadrature::MAXIMUM_DEGREE;
-use crate::inequality::{ContactMethod, MetricKind};
-use crate::scene::{MaterialModel, Scene, ToleranceRule};
+use crate::scene::{
+    Choice, DisplacementMethod, ElementKind, ErrorEstimate, MaterialModel, Named, P1Solver,
+    SaddleMethod, Scene, ToleranceRule,
+};
 
-const PRECONDITIONERS: &[&str] = &[
-    "p-multigrid",
-    "hierarchical-ssor",
-    "hierarchical-multiplicative",
-    "hierarchical-additive",
-];
-const P1_SOLVERS: &[&str] = &["cholesky", "amg", "ic-cg"];
-const SADDLES: &[&str] = &[
-    "gcr",
-    "cg",
-    "stationary",
-    "arrow-hurwicz",
-    "uzawa-cg",
-    "minres",
-];
 /// Larger weights make the displacement block as stiff in volume as the
 /// constraint itself.
 const LARGEST_PENALTY: f64 = 100.0;
@@ -36,37 +23,6 @@ pub(crate) struct Formulated {
 /// Checks `[solver]`.
 pub(crate) fn check(scene: &Scene, formulated: Formulated, faults: &mut Faults) {
     ranges(scene, faults);
-    let solver = &scene.solver;
-    let contact_methods = ContactMethod::ALL.map(ContactMethod::name);
-    let contact_metrics = MetricKind::ALL.map(MetricKind::name);
-    let methods = [
-        (
-            "element",
-            &solver.element,
-            &["taylor-hood", "mini", "bernardi-raugel"][..],
-        ),
-        (
-            "displacement_preconditioner",
-            &solver.displacement_preconditioner,
-            PRECONDITIONERS,
-        ),
-        ("p1_solver", &solver.p1_solver, P1_SOLVERS),
-        ("saddle", &solver.saddle, SADDLES),
-        ("contact", &solver.contact, &contact_methods),
-        ("contact_metric", &solver.contact_metric, &contact_metrics),
-        ("error_estimate", &solver.error_estimate, &["off"]),
-    ];
-    for (key, asked, available) in methods {
-        let path = format!("solver.{key}");
-        match asked.as_str() {
-            "auto" => (),
-            name if available.contains(&name) => (),
-            name => {
-                let hint = names::hint(name, available.iter().copied().chain(["auto"]));
-                faults.add(path, format!("unknown method `{name}`{hint}"));
-            }
-        }
-    }
     combinations(scene, formulated, faults);
     penalty(scene, formulated, faults);
 }
@@ -77,7 +33,8 @@ fn ranges(scene: &Scene, faults: &mut Faults) {
         let message = format!("must lie between 1e-14 and 0.1, not {}", solver.tolerance);
         faults.add("solver.tolerance", message);
     }
-    if solver.tolerance_rule == ToleranceRule::Discretisation && solver.error_estimate == "off" {
+    let is_estimated = solver.error_estimate != Choice::Named(ErrorEstimate::Off);
+    if solver.tolerance_rule == ToleranceRule::Discretisation && !is_estimated {
         let message = "must not be `off` where `solver.tolerance` is `discretisation`";
         faults.add("solver.error_estimate", message);
     }
@@ -102,42 +59,63 @@ fn combinations(scene: &Scene, formulated: Formulated, faults: &mut Faults) {
     let mut refuse = |key: &str, name: &str, reason: &str| {
         faults.add(format!("solver.{key}"), format!("`{name}` {reason}"));
     };
-    let saddle = solver.saddle.as_str();
-    if let Some(reason) = misplaced(saddle, formulated.mixed, has_contact) {
-        refuse("saddle", saddle, reason);
+    let (saddle, p1_solver) = (solver.saddle.named(), solver.p1_solver.named());
+    if let Some(saddle) = saddle
+        && let Some(reason) = misplaced(saddle, formulated.mixed, has_contact)
+    {
+        refuse("saddle", saddle.name(), reason);
     }
-    let is_fixed_method = matches!(saddle, "cg" | "minres" | "uzawa-cg");
-    let preconditioner = solver.displacement_preconditioner.as_str();
-    if is_fixed_method && preconditioner == "hierarchical-multiplicative" {
-        let reason = format!("is not symmetric, which `{saddle}` needs; `gcr` does without");
-        refuse("displacement_preconditioner", preconditioner, &reason);
+    let changing = DisplacementMethod::HierarchicalMultiplicative;
+    let is_symmetric = solver.displacement_preconditioner != Choice::Named(changing);
+    let fixed = saddle.filter(|&method| needs_a_fixed_preconditioner(method));
+    if let Some(method) = fixed.filter(|_| !is_symmetric) {
+        let name = method.name();
+        let reason = format!("is not symmetric, which `{name}` needs; `gcr` does without");
+        refuse("displacement_preconditioner", changing.name(), &reason);
     }
-    if is_fixed_method && solver.p1_solver == "ic-cg" {
-        let reason = format!("changes from call to call, which `{saddle}` cannot bear; `gcr` can");
-        refuse("p1_solver", "ic-cg", &reason);
+    if p1_solver != Some(P1Solver::IcCg) {
+        return;
     }
-    if has_contact && solver.p1_solver == "ic-cg" {
+    if let Some(method) = fixed {
+        let name = method.name();
+        let reason = format!("changes from call to call, which `{name}` cannot bear; `gcr` can");
+        refuse("p1_solver", P1Solver::IcCg.name(), &reason);
+    }
+    if has_contact {
         let reason = "gives no compliance of the contact surface; `cholesky` and `amg` do";
-        refuse("p1_solver", "ic-cg", reason);
+        refuse("p1_solver", P1Solver::IcCg.name(), reason);
+    }
+}
+
+/// Whether a method of the linear systems bears only a preconditioner that is
+/// symmetric and the same at every call.
+fn needs_a_fixed_preconditioner(saddle: SaddleMethod) -> bool {
+    match saddle {
+        SaddleMethod::ConjugateGradients | SaddleMethod::Minres | SaddleMethod::UzawaCg => true,
+        SaddleMethod::Gcr | SaddleMethod::Stationary | SaddleMethod::ArrowHurwicz => false,
     }
 }
 
 /// Why a method of the linear systems does not fit the unknowns.
-fn misplaced(saddle: &str, mixed: bool, has_contact: bool) -> Option<&'static str> {
+fn misplaced(saddle: SaddleMethod, mixed: bool, has_contact: bool) -> Option<&'static str> {
+    use SaddleMethod::{ArrowHurwicz, ConjugateGradients, Gcr, Minres, Stationary, UzawaCg};
     match (saddle, mixed, has_contact) {
-        ("cg" | "stationary", true, _) => {
+        (ConjugateGradients | Stationary, true, _) => {
             Some("needs a positive definite system; a pressure unknown makes it a saddle point")
         }
-        ("cg" | "stationary", false, true) => {
+        (ConjugateGradients | Stationary, false, true) => {
             Some("needs a positive definite system; contact pressure makes it a saddle point")
         }
-        ("arrow-hurwicz" | "uzawa-cg" | "minres", false, _) => {
+        (ArrowHurwicz | UzawaCg | Minres, false, _) => {
             Some("needs a pressure unknown; every Poisson ratio is below 0.45")
         }
-        ("uzawa-cg" | "minres", true, true) => {
+        (UzawaCg | Minres, true, true) => {
             Some("does not serve contact; `gcr` and `arrow-hurwicz` do")
         }
-        _ => None,
+        (Gcr, _, _)
+        | (ConjugateGradients | Stationary, false, false)
+        | (ArrowHurwicz, true, _)
+        | (UzawaCg | Minres, true, false) => None,
     }
 }
 
@@ -165,18 +143,15 @@ fn penalty(scene: &Scene, formulated: Formulated, faults: &mut Faults) {
     }
 }
 
-/// Elements that Taylor-Hood is compared with.
-const COMPARISON: [&str; 2] = ["mini", "bernardi-raugel"];
-
 /// Refuses what comparison elements do not serve.
 pub(crate) fn check_element(scene: &Scene, mixed: bool, faults: &mut Faults) {
     let solver = &scene.solver;
-    let element = solver.element.as_str();
-    if !COMPARISON.contains(&element) {
-        return;
-    }
+    let element = match solver.element {
+        Choice::Auto | Choice::Named(ElementKind::TaylorHood) => return,
+        Choice::Named(element @ (ElementKind::Mini | ElementKind::BernardiRaugel)) => element,
+    };
     let mut refuse = |path: String, why: &str| {
-        faults.unsupported(path, format!("`{element}` {why}"));
+        faults.unsupported(path, format!("`{}` {why}", element.name()));
     };
     if !mixed {
         let path = "solver.element".to_owned();
@@ -186,10 +161,18 @@ pub(crate) fn check_element(scene: &Scene, mixed: bool, faults: &mut Faults) {
         );
     }
     if let Some(obstacle) = scene.obstacles.first()
-        && element != "mini"
+        && element != ElementKind::Mini
     {
         let path = format!("obstacle.{}", obstacle.name);
         refuse(path, "serves scenes without contact; `mini` serves both");
+    }
+    if let Some(support) = scene
+        .supports
+        .iter()
+        .find(|support| support.normal.is_some())
+    {
+        let path = format!("support.{}.normal", support.name);
+        refuse(path, "serves supports that hold components");
     }
     if solver.verify {
         let path = "solver.verify".to_owned();
@@ -206,13 +189,13 @@ pub(crate) fn check_element(scene: &Scene, mixed: bool, faults: &mut Faults) {
     let methods = [
         (
             "displacement_preconditioner",
-            &solver.displacement_preconditioner,
+            solver.displacement_preconditioner.named().is_some(),
         ),
-        ("saddle", &solver.saddle),
-        ("contact", &solver.contact),
-        ("contact_metric", &solver.contact_metric),
+        ("saddle", solver.saddle.named().is_some()),
+        ("contact", solver.contact.named().is_some()),
+        ("contact_metric", solver.contact_metric.named().is_some()),
     ];
-    for (key, _) in methods.iter().filter(|(_, method)| *method != "auto") {
+    for (key, _) in methods.iter().filter(|(_, is_named)| *is_named) {
         refuse(
             format!("solver.{key}"),
             "brings its own: leave it at `auto`",
@@ -222,11 +205,11 @@ pub(crate) fn check_element(scene: &Scene, mixed: bool, faults: &mut Faults) {
 
 /// Checks that the method for contact takes its metric and the supports.
 pub(crate) fn check_contact(scene: &Scene, free_modes: &[String], faults: &mut Faults) {
-    let Some(method) = ContactMethod::from_name(&scene.solver.contact) else {
+    let Some(method) = scene.solver.contact.named() else {
         return;
     };
     let name = method.name();
-    if let Some(metric) = MetricKind::from_name(&scene.solver.contact_metric)
+    if let Some(metric) = scene.solver.contact_metric.named()
         && !method.takes(metric)
     {
         let message = format!(

@@ -1,7 +1,8 @@
 //! Load steps and obstacle updates.
 
-use super::{Faults, in_plane, names};
+use super::{Faults, in_plane};
 use crate::mesh::Mesh;
+use crate::scene::names::hint;
 use crate::scene::{
     ObstacleTarget, Profile, Scene, SceneError, SceneKind, Step, Support, SupportTarget,
 };
@@ -13,52 +14,131 @@ const AXES: [&str; 3] = ["x", "y", "z"];
 /// Checks one step on its own.
 pub(crate) fn check_step(scene: &Scene, step: &Step, mesh: &Mesh) -> Result<(), SceneError> {
     let mut faults = Faults::default();
-    check(scene, step, "step", mesh, &mut faults);
+    Steps { scene, mesh }.check(step, "step", &mut faults);
     faults.result()
 }
 
-/// Adds the faults of one step.
-pub(crate) fn check(scene: &Scene, step: &Step, path: &str, mesh: &Mesh, faults: &mut Faults) {
-    if !(1..=MOST_INCREMENTS).contains(&step.increments) {
-        let message = format!(
-            "must lie between 1 and {MOST_INCREMENTS}, not {}",
-            step.increments
-        );
-        faults.add(format!("{path}.increments"), message);
-    }
-    if let Some(load) = step.load {
-        faults.finite(&format!("{path}.load"), &[load]);
-    }
-    for target in &step.obstacles {
-        if faults.is_full() {
-            return;
-        }
-        let path = format!("{path}.obstacle.{}", target.name);
-        obstacle(scene, target, &path, mesh, faults);
-    }
-    for target in &step.supports {
-        if faults.is_full() {
-            return;
-        }
-        let path = format!("{path}.support.{}", target.name);
-        support(scene, target, &path, mesh, faults);
-    }
+/// What steps are checked against.
+#[derive(Clone, Copy)]
+pub(crate) struct Steps<'a> {
+    /// The scene that they load.
+    pub(crate) scene: &'a Scene,
+    /// Its mesh.
+    pub(crate) mesh: &'a Mesh,
 }
 
-fn obstacle(scene: &Scene, target: &ObstacleTarget, path: &str, mesh: &Mesh, faults: &mut Faults) {
-    let known = scene.obstacles.iter().map(|one| one.name.as_str());
-    if !known.clone().any(|name| name == target.name) {
-        let hint = names::hint(&target.name, known);
-        let message = format!("the scene has no obstacle `{}`{hint}", target.name);
-        faults.add(path, message);
+impl Steps<'_> {
+    /// Adds the faults of one step, whose key is `path`.
+    pub(crate) fn check(&self, step: &Step, path: &str, faults: &mut Faults) {
+        if !(1..=MOST_INCREMENTS).contains(&step.increments) {
+            let message = format!(
+                "must lie between 1 and {MOST_INCREMENTS}, not {}",
+                step.increments
+            );
+            faults.add(format!("{path}.increments"), message);
+        }
+        if let Some(load) = step.load {
+            faults.finite(&format!("{path}.load"), &[load]);
+        }
+        for target in &step.obstacles {
+            if faults.is_full() {
+                return;
+            }
+            let path = format!("{path}.obstacle.{}", target.name);
+            self.obstacle(target, &path, faults);
+        }
+        for target in &step.supports {
+            if faults.is_full() {
+                return;
+            }
+            let path = format!("{path}.support.{}", target.name);
+            self.support(target, &path, faults);
+        }
     }
-    if let Some(translation) = target.translation {
-        let path = format!("{path}.translation");
-        faults.finite(&path, &translation);
-        in_plane(faults, mesh, &path, translation);
+
+    fn obstacle(&self, target: &ObstacleTarget, path: &str, faults: &mut Faults) {
+        let known = self.scene.obstacles.iter().map(|one| one.name.as_str());
+        if !known.clone().any(|name| name == target.name) {
+            let hint = hint(&target.name, known);
+            let message = format!("the scene has no obstacle `{}`{hint}", target.name);
+            faults.add(path, message);
+        }
+        if let Some(translation) = target.translation {
+            let path = format!("{path}.translation");
+            faults.finite(&path, &translation);
+            in_plane(faults, self.mesh, &path, translation);
+        }
+        if let Some(rotation) = target.rotation {
+            in_plane_rotation(faults, self.mesh, &format!("{path}.rotation"), rotation);
+        }
     }
-    if let Some(rotation) = target.rotation {
-        in_plane_rotation(faults, mesh, &format!("{path}.rotation"), rotation);
+
+    fn support(&self, target: &SupportTarget, path: &str, faults: &mut Faults) {
+        let Some(support) = self.scene.supports.iter().find(|s| s.name == target.name) else {
+            let known = self
+                .scene
+                .supports
+                .iter()
+                .map(|support| support.name.as_str());
+            let hint = hint(&target.name, known);
+            let message = format!("the scene has no support `{}`{hint}", target.name);
+            return faults.add(path, message);
+        };
+        let held = support.displacement;
+        for (axis, (value, held)) in target.displacement.iter().zip(held).enumerate() {
+            let key = format!("{path}.displacement.{}", AXES[axis]);
+            match (value, held) {
+                (Some(value), Some(_)) => {
+                    faults.finite(&key, &[*value]);
+                }
+                (Some(_), None) => faults.add(key, "the support does not hold this component"),
+                (None, _) => (),
+            }
+        }
+        if target.names_motion() {
+            self.motion(support, target, path, faults);
+        }
+    }
+
+    /// The rigid motion of a support.
+    fn motion(&self, support: &Support, target: &SupportTarget, path: &str, faults: &mut Faults) {
+        if target.displacement.iter().any(Option::is_some) {
+            let message = "give either displacement, or translation and rotation, not both";
+            faults.add(path, message);
+        }
+        if support.profile != Profile::Constant {
+            faults.add(path, "the support has a profile, which no rigid motion has");
+        }
+        if self.scene.manufactured.is_some() {
+            faults.add(path, "the manufactured field prescribes the values");
+        }
+        if let Some(translation) = target.translation {
+            let path = format!("{path}.translation");
+            faults.finite(&path, &translation);
+            in_plane(faults, self.mesh, &path, translation);
+            let holds =
+                |axis: usize| support.displacement[axis].is_some() || support.normal.is_some();
+            for axis in (0..3).filter(|&axis| translation[axis] != 0.0) {
+                if !holds(axis) {
+                    let message = format!("the support does not hold the {} component", AXES[axis]);
+                    faults.add(&path, message);
+                }
+            }
+        }
+        if let Some(rotation) = target.rotation {
+            let path = format!("{path}.rotation");
+            in_plane_rotation(faults, self.mesh, &path, rotation);
+            if self.scene.kind == Some(SceneKind::Axisymmetric) {
+                faults.add(&path, "an axisymmetric body does not turn in its plane");
+            } else if rotation.iter().any(|&x| x != 0.0)
+                && !self.scene.materials.iter().any(|one| one.model.is_rubber())
+            {
+                faults.unsupported(&path, "a large rotation of a body that is not rubber");
+            }
+        }
+        if let Some(about) = target.about {
+            faults.finite(&format!("{path}.about"), &about);
+        }
     }
 }
 
@@ -67,74 +147,5 @@ fn in_plane_rotation(faults: &mut Faults, mesh: &Mesh, path: &str, rotation: [f6
     let about_z = rotation[0] == 0.0 && rotation[1] == 0.0;
     if mesh.cell_kind().dimension() == 2 && !about_z {
         faults.add(path, "must be about z in a plane scene");
-    }
-}
-
-fn support(scene: &Scene, target: &SupportTarget, path: &str, mesh: &Mesh, faults: &mut Faults) {
-    let Some(support) = scene.supports.iter().find(|s| s.name == target.name) else {
-        let known = scene.supports.iter().map(|support| support.name.as_str());
-        let hint = names::hint(&target.name, known);
-        let message = format!("the scene has no support `{}`{hint}", target.name);
-        return faults.add(path, message);
-    };
-    let held = support.displacement;
-    for (axis, (value, held)) in target.displacement.iter().zip(held).enumerate() {
-        let key = format!("{path}.displacement.{}", AXES[axis]);
-        match (value, held) {
-            (Some(value), Some(_)) => {
-                faults.finite(&key, &[*value]);
-            }
-            (Some(_), None) => faults.add(key, "the support does not hold this component"),
-            (None, _) => (),
-        }
-    }
-    if target.names_motion() {
-        motion(scene, support, target, path, mesh, faults);
-    }
-}
-
-/// The rigid motion of a support.
-fn motion(
-    scene: &Scene,
-    support: &Support,
-    target: &SupportTarget,
-    path: &str,
-    mesh: &Mesh,
-    faults: &mut Faults,
-) {
-    if target.displacement.iter().any(Option::is_some) {
-        let message = "give either displacement, or translation and rotation, not both";
-        faults.add(path, message);
-    }
-    if support.profile != Profile::Constant {
-        faults.add(path, "the support has a profile, which no rigid motion has");
-    }
-    if scene.manufactured.is_some() {
-        faults.add(path, "the manufactured field prescribes the values");
-    }
-    if let Some(translation) = target.translation {
-        let path = format!("{path}.translation");
-        faults.finite(&path, &translation);
-        in_plane(faults, mesh, &path, translation);
-        for axis in (0..3).filter(|&axis| translation[axis] != 0.0) {
-            if support.displacement[axis].is_none() {
-                let message = format!("the support does not hold the {} component", AXES[axis]);
-                faults.add(&path, message);
-            }
-        }
-    }
-    if let Some(rotation) = target.rotation {
-        let path = format!("{path}.rotation");
-        in_plane_rotation(faults, mesh, &path, rotation);
-        if scene.kind == Some(SceneKind::Axisymmetric) {
-            faults.add(&path, "an axisymmetric body does not turn in its plane");
-        } else if rotation.iter().any(|&x| x != 0.0)
-            && !scene.materials.iter().any(|one| one.model.is_rubber())
-        {
-            faults.unsupported(&path, "a large rotation of a body that is not rubber");
-        }
-    }
-    if let Some(about) = target.about {
-        faults.finite(&format!("{path}.about"), &about);
     }
 }

@@ -1,11 +1,15 @@
 //! Supports, tractions and pressures: names, groups, values.
 
-use super::{Faults, in_plane, names};
-use crate::mesh::{GroupKind, Mesh};
-use crate::scene::Scene;
+use super::{Faults, Placed, ResolvedPressure, ResolvedTraction, in_plane, names};
+use crate::mesh::Mesh;
+use crate::scene::{Profile, Scene, Support};
 
-/// Facets of each support.
-pub(crate) fn supports(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<Vec<u32>> {
+/// The supports on their facets.
+pub(crate) fn supports<'a>(
+    scene: &'a Scene,
+    mesh: &Mesh,
+    faults: &mut Faults,
+) -> Vec<Placed<'a, Support>> {
     let all = scene.supports.iter().map(|support| support.name.as_str());
     names::check_unique(faults, "support", all);
     scene
@@ -13,25 +17,41 @@ pub(crate) fn supports(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<V
         .iter()
         .map(|support| {
             let path = format!("support.{}", support.name);
-            if support.displacement.iter().all(Option::is_none) {
+            if support.displacement.iter().all(Option::is_none) && support.normal.is_none() {
                 faults.add(format!("{path}.displacement"), "holds no component");
             }
             let values = support.displacement.map(|value| value.unwrap_or(0.0));
             faults.finite(&format!("{path}.displacement"), &values);
             in_plane(faults, mesh, &format!("{path}.displacement.z"), values);
-            names::members(
-                mesh,
-                GroupKind::Facets,
-                &format!("{path}.on"),
-                &support.on,
-                faults,
-            )
+            let on = format!("{path}.on");
+            let facets = names::facets(mesh, &on, &support.on, faults);
+            if let Some(value) = support.normal {
+                normal(support, value, &path, faults);
+                names::refuse_inner_facets(mesh, &facets, on, faults);
+            }
+            Placed {
+                item: support,
+                facets,
+            }
         })
         .collect()
 }
 
-/// Facets of each traction.
-pub(crate) fn tractions(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<Vec<u32>> {
+/// A normal component stands alone and is the same everywhere.
+fn normal(support: &Support, value: f64, path: &str, faults: &mut Faults) {
+    let path = format!("{path}.normal");
+    faults.finite(&path, &[value]);
+    if support.displacement.iter().any(Option::is_some) {
+        let message = "stands beside `displacement`: give the normal component or components";
+        faults.add(&path, message);
+    }
+    if support.profile != Profile::Constant {
+        faults.add(path, "stands beside `profile`, which varies components");
+    }
+}
+
+/// The tractions on their facets.
+pub(crate) fn tractions(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<ResolvedTraction> {
     scene
         .tractions
         .iter()
@@ -40,19 +60,17 @@ pub(crate) fn tractions(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<
             let path = format!("traction[{index}]");
             faults.finite(&format!("{path}.value"), &traction.value);
             in_plane(faults, mesh, &format!("{path}.value"), traction.value);
-            names::members(
-                mesh,
-                GroupKind::Facets,
-                &format!("{path}.on"),
-                &traction.on,
-                faults,
-            )
+            let on = format!("{path}.on");
+            ResolvedTraction {
+                facets: names::facets(mesh, &on, &traction.on, faults),
+                value: traction.value,
+            }
         })
         .collect()
 }
 
-/// Facets of each follower pressure.
-pub(crate) fn pressures(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<Vec<u32>> {
+/// The follower pressures on their facets.
+pub(crate) fn pressures(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<ResolvedPressure> {
     scene
         .pressures
         .iter()
@@ -61,9 +79,12 @@ pub(crate) fn pressures(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<
             let path = format!("pressure[{index}]");
             faults.finite(&format!("{path}.value"), &[pressure.value]);
             let on = format!("{path}.on");
-            let facets = names::members(mesh, GroupKind::Facets, &on, &pressure.on, faults);
+            let facets = names::facets(mesh, &on, &pressure.on, faults);
             names::refuse_inner_facets(mesh, &facets, on, faults);
-            facets
+            ResolvedPressure {
+                facets,
+                value: pressure.value,
+            }
         })
         .collect()
 }

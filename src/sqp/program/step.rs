@@ -1,48 +1,73 @@
 //! What a quadratic program starts from and what it returns: increments of
 //! displacement and pressure, the multipliers themselves.
+//!
+//! A step is `[displacement]`, `[pressures]`, `[multipliers]`, and a status for each
+//! multiplier; a length between 0 and 1 scales the numbers and takes the statuses over.
 
-use super::super::evaluate::Evaluation;
-use super::super::state::State;
-use crate::inequality::QpIterate;
+use crate::inequality::{BlockIterate, QpIterate};
 use crate::linalg::vector::add_scaled;
+use crate::model::evaluate::Evaluation;
+use crate::model::state::State;
+use crate::saddle::Status;
 
 /// A step of all unknowns.
-pub(in crate::sqp) struct Step {
-    pub(in crate::sqp) displacement: Vec<f64>,
+pub(crate) struct Step {
+    /// Change of the displacement `[displacement]`, the motion of the supports
+    /// included.
+    pub(crate) displacement: Vec<f64>,
+    /// Change of the pressure `[pressures]`.
     pressure: Vec<f64>,
-    /// New multipliers minus old ones.
+    /// New multipliers minus old ones `[multipliers]`.
     multiplier: Vec<f64>,
-    active: Vec<bool>,
+    /// What each multiplier does behind the step `[multipliers]`.
+    status: Vec<Status>,
 }
 
 impl Step {
-    pub(in crate::sqp) fn apply(&self, state: &mut State, length: f64) {
+    /// Adds `length` times the step to the state, 1 being the whole step; the statuses
+    /// are taken over at any length.
+    pub(crate) fn apply(&self, state: &mut State, length: f64) {
         add_scaled(&mut state.displacement, length, &self.displacement);
         add_scaled(&mut state.pressure, length, &self.pressure);
         add_scaled(&mut state.multiplier, length, &self.multiplier);
-        state.active.copy_from_slice(&self.active);
+        state.status.copy_from_slice(&self.status);
     }
 }
 
-pub(super) fn first_iterate(state: &State, now: &Evaluation, motion: Option<&[f64]>) -> QpIterate {
+/// The iterate that a program starts from: the prescribed motion, the residuals behind
+/// it, and the multipliers of the state.
+pub(crate) fn first_iterate(state: &State, now: &Evaluation, motion: Option<&[f64]>) -> QpIterate {
     let still = || vec![0.0; state.displacement.len()];
     QpIterate {
         displacement: motion.map_or_else(still, <[f64]>::to_vec),
-        equality: vec![0.0; state.pressure.len()],
-        multiplier: state.multiplier.clone(),
         force: now.force.clone(),
-        constraint: now.constraint.clone(),
-        gap: now.gap.clone(),
-        active: state.active.clone(),
+        blocks: blocks(
+            now.constraint.clone(),
+            BlockIterate {
+                multiplier: state.multiplier.clone(),
+                residual: now.gap.clone(),
+                status: state.status.clone(),
+            },
+        ),
     }
 }
 
-pub(super) fn step_from(iterate: QpIterate, state: &State) -> Step {
-    let multiplier = iterate.multiplier.iter().zip(&state.multiplier);
+/// Of a body with that residual of its pressure, if it has any, and of contact.
+pub(crate) fn blocks(constraint: Vec<f64>, contact: BlockIterate) -> Vec<BlockIterate> {
+    let pressure = (!constraint.is_empty()).then(|| BlockIterate::of_equality(constraint));
+    pressure.into_iter().chain([contact]).collect()
+}
+
+/// The step that a solved iterate stands for, from the state at which the program was
+/// made.
+pub(crate) fn step_from(mut iterate: QpIterate, state: &State) -> Step {
+    let contact = iterate.blocks.pop().unwrap_or_default();
+    let pressure = iterate.blocks.pop().unwrap_or_default();
+    let multiplier = contact.multiplier.iter().zip(&state.multiplier);
     Step {
         multiplier: multiplier.map(|(new, old)| new - old).collect(),
         displacement: iterate.displacement,
-        pressure: iterate.equality,
-        active: iterate.active,
+        pressure: pressure.multiplier,
+        status: contact.status,
     }
 }

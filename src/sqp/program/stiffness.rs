@@ -6,76 +6,87 @@
 //!
 //! One inversion costs what one program on a fixed active set costs.
 
-use super::super::counters::Counters;
-use super::super::stability::Accuracy;
-use super::super::state::State;
-use super::super::watch::Watch;
-use super::Program;
-use crate::inequality::{OneLevel, QpIterate, QpNorms, QpRun, QpScales, QpStatus, QpTargets};
+use super::QuadraticProgram;
+use super::step::blocks;
+use crate::inequality::{
+    BlockIterate, OneLevel, QpIterate, QpNorms, QpRun, QpScales, QpStatus, QpTargets,
+};
 use crate::krylov::Verdict;
 use crate::linalg::vector::{dot, norm};
 use crate::linalg::{LinearOperator, SparseRows, Workspace};
+use crate::model::state::State;
 use crate::precond::Counted;
+use crate::sqp::run::Run;
 
-impl Program<'_> {
-    /// K^-1 `force` among the motions that volume and the present
-    /// contacts admit; none where it was stopped.
-    pub(in crate::sqp) fn invert(
+/// How far one step of inverse iteration is solved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Accuracy {
+    /// Residual over its first value that is enough.
+    pub(crate) level: f64,
+    /// Number of Krylov iterations at most.
+    pub(crate) iterations: u32,
+}
+
+impl QuadraticProgram<'_> {
+    /// K^-1 `force` among the motions that volume and the present contacts admit; none
+    /// where it was stopped.
+    pub(crate) fn invert(
         &self,
-        state: &mut State,
+        run: &mut Run<'_>,
         force: Vec<f64>,
         accuracy: Accuracy,
-        watch: &Watch<'_>,
-        counters: &mut Counters,
-        work: &mut Workspace,
     ) -> Option<Vec<f64>> {
-        let mut iterate = QpIterate {
-            displacement: vec![0.0; force.len()],
-            equality: vec![0.0; state.pressure.len()],
-            multiplier: vec![0.0; state.multiplier.len()],
-            constraint: vec![0.0; state.pressure.len()],
-            gap: vec![0.0; state.multiplier.len()],
-            active: state.active.clone(),
-            force,
-        };
+        let mut iterate = at_rest(run.state, force);
         let targets = QpTargets {
             force_scale: norm(&iterate.force),
             level: accuracy.level,
         };
         let displacement = Counted::new(&*self.inverse.displacement);
         let blocks = self.blocks();
-        let problem = self.problem(self.taken_off(), &displacement, &blocks, work);
+        let step = self.block_step(&displacement, &mut run.work);
+        let problem = self.problem(self.released_by_all(), &displacement, &blocks, &*step);
+        let Run {
+            learned,
+            watch,
+            counters,
+            work,
+            ..
+        } = run;
         let mut progress = |_: &QpNorms, _: &QpScales, _: usize| match watch.stopped(counters) {
             Some(_) => Verdict::Stop,
             None => Verdict::Continue,
         };
-        state.directions.clear(work);
-        let mut run = QpRun {
+        learned.directions.clear(work);
+        let mut solve = QpRun {
             targets,
             scales: &mut QpScales::default(),
             iterations: accuracy.iterations,
-            directions: &mut state.directions,
+            directions: &mut learned.directions,
             progress: &mut progress,
             work,
         };
-        let status = OneLevel::new(problem).solve_on_face(&mut iterate, &mut run);
+        let status = OneLevel::new(problem).solve_on_face(&mut iterate, &mut solve);
         counters.eigenvalue_applications += displacement.applications();
         match status {
-            Some(QpStatus::Interrupted | QpStatus::IndefiniteMetric) => None,
+            Some(QpStatus::Interrupted | QpStatus::IndefiniteMetric | QpStatus::Unsupported) => {
+                None
+            }
             _ => Some(iterate.displacement),
         }
     }
 
     /// x.(A - what is taken off) x.
-    pub(in crate::sqp) fn curvature_along(&self, x: &[f64], work: &mut Workspace) -> f64 {
+    pub(crate) fn curvature_along(&self, x: &[f64], work: &mut Workspace) -> f64 {
         let stiff = along(self.stiffness(), x, work);
-        match self.taken_off() {
-            Some(taken_off) => stiff - along(taken_off, x, work),
+        match self.released_by_all() {
+            Some(released_by_all) => stiff - along(released_by_all, x, work),
             None => stiff,
         }
     }
 
-    pub(super) fn has_positive_stiffness(
+    /// Whether the stiffness with the curvature of contact taken off is positive along
+    /// `step`.
+    pub(crate) fn has_positive_stiffness(
         &self,
         curvature: &SparseRows,
         step: &[f64],
@@ -92,4 +103,20 @@ fn along(matrix: &dyn LinearOperator, x: &[f64], work: &mut Workspace) -> f64 {
     let sum = dot(x, &product);
     work.give(product);
     sum
+}
+
+/// Nothing moved yet under `force`, on the contacts of `state`.
+fn at_rest(state: &State, force: Vec<f64>) -> QpIterate {
+    QpIterate {
+        displacement: vec![0.0; force.len()],
+        blocks: blocks(
+            vec![0.0; state.pressure.len()],
+            BlockIterate {
+                multiplier: vec![0.0; state.multiplier.len()],
+                residual: vec![0.0; state.multiplier.len()],
+                status: state.status.clone(),
+            },
+        ),
+        force,
+    }
 }

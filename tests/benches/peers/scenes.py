@@ -41,7 +41,7 @@ class Grid:
 
 
 def cube(count):
-    """count^3 cells of six Kuhn tetrahedra, numbered as client/src/bench/cube.rs numbers them."""
+    """count^3 cells of six Kuhn tetrahedra, numbered as client/bench/src/cube.rs numbers them."""
     side = count + 1
     z, y, x = np.meshgrid(*[np.arange(side)] * 3, indexing="ij")
     points = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1) / count

@@ -9,7 +9,6 @@ use signorini_proto::v1::{self as wire, read_mesh_response::Part};
 use signorini_proto::{CHUNK_BYTES, array};
 
 use super::{wide, wire_cell_kind, wire_group};
-use crate::store::Lease;
 
 /// Some rows of one array.
 struct Slice {
@@ -19,12 +18,14 @@ struct Slice {
     rows: Range<usize>,
 }
 
-/// Header and chunks of a mesh, which is kept as long as they are asked for.
-pub(crate) fn messages(mesh: Lease<Mesh>) -> impl Iterator<Item = wire::ReadMeshResponse> + Send {
-    let header = Part::Header(header(mesh.value()));
-    let arrays = arrays(mesh.value());
+/// Header and chunks of a mesh; what holds it is kept as long as they are asked for.
+pub(crate) fn messages(
+    holder: impl AsRef<Mesh> + Send,
+) -> impl Iterator<Item = wire::ReadMeshResponse> + Send {
+    let header = Part::Header(header(holder.as_ref()));
+    let arrays = arrays(holder.as_ref());
     let slices = arrays.into_iter().flat_map(slices);
-    let chunks = slices.map(move |slice| Part::Chunk(chunk(mesh.value(), &slice)));
+    let chunks = slices.map(move |slice| Part::Chunk(chunk(holder.as_ref(), &slice)));
     std::iter::once(header)
         .chain(chunks)
         .map(|part| wire::ReadMeshResponse { part: Some(part) })

@@ -6,7 +6,8 @@ use signorini::Reuse;
 use signorini_proto::v1 as wire;
 use tokio::time::Instant;
 
-use super::{Actor, Place, lock};
+use super::memory::lock;
+use super::{Actor, Place};
 use crate::convert::{mesh, wide};
 use crate::fault::Fault;
 use crate::session::handle::{ReadAnswer, ReadRequest};
@@ -22,10 +23,10 @@ impl Actor {
         let mut results = self.kept.of_sequence(sequence);
         results.retain(|result| [0, result.report.increment].contains(&request.increment));
         if results.is_empty() {
-            let name = self.seed.name.clone();
+            let name = self.spec.name.clone();
             return Err(Fault::StepNotFound { name, sequence });
         }
-        let output = self.seed.output.fields.clone();
+        let output = self.spec.output.fields.clone();
         Ok(ReadAnswer { results, output })
     }
 
@@ -33,20 +34,20 @@ impl Actor {
         let expire = SystemTime::now() + (self.expires - Instant::now());
         let shared = self.prepared.as_ref();
         wire::Session {
-            name: self.seed.name.clone(),
+            name: self.spec.name.clone(),
             state: self.state().into(),
-            scene_name: self.seed.plan_report.name.clone(),
-            mesh: mesh::name(self.seed.mesh.value().id()),
-            create_time: Some(self.seed.created.into()),
+            scene_name: self.spec.plan_report.name.clone(),
+            mesh: mesh::name(self.spec.mesh.value().id()),
+            create_time: Some(self.spec.created.into()),
             expire_time: Some(expire.into()),
             last_accepted_sequence: self.queue.last_accepted(),
             last_finished_sequence: self.last_finished,
             first_retained_sequence: self.kept.first_sequence(),
             attached: self.writer.is_some(),
-            memory_bytes: wide(lock(&self.seed.reservation).bytes()),
+            memory_bytes: wide(lock(&self.spec.reservation).bytes()),
             prepared_memory_bytes: shared.map_or(0, |(lease, _)| wide(lease.value().bytes())),
             prepared_reused: shared.is_some_and(|(_, reuse)| *reuse == Reuse::Reused),
-            plan: Some(self.seed.plan_report.clone()),
+            plan: Some(self.spec.plan_report.clone()),
             failure: self.failure().map(|fault| status::rpc_status(&fault)),
             // Answered where it is asked for: it may be large.
             scene: None,
@@ -58,7 +59,7 @@ impl Actor {
         let Place::Lost(why) = &self.place else {
             return None;
         };
-        let (name, why) = (self.seed.name.clone(), why.clone());
+        let (name, why) = (self.spec.name.clone(), why.clone());
         Some(Fault::SessionFailed { name, why })
     }
 

@@ -1,26 +1,27 @@
 //! The actor: one session's state machine.
 //!
 //! The session's state is in one of five places ([`Place`]): not built yet, at
-//! home, in a parcel on its way through a solver thread, left behind with a
-//! thread that does not stop, or lost. After every event [`Actor::proceed`] does
-//! the one thing that can be done next; nothing else starts work.
+//! home, handed over to a solver thread, left behind with a thread that does not
+//! stop, or lost. After every event [`Actor::proceed`] does the one thing that can
+//! be done next; nothing else starts work.
 //!
 //! A step that shall stop is answered, when those before it are, at once while it
-//! waits, and by its solver thread within one Krylov iteration while it runs. A thread that does not
-//! answer in time is left behind: the step ends with the last good state, and
-//! what the thread brings later is undone.
+//! waits, and by its solver thread within one Krylov iteration while it runs. A
+//! thread that does not answer in time is left behind: the step ends with the last
+//! good state, and what the thread brings later is undone.
 
 mod describe;
+mod memory;
 mod results;
 mod stop;
 mod streams;
 mod updates;
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, PoisonError};
 use std::time::{Duration, SystemTime};
 
-use signorini::plan::Prepared;
+use signorini::prepare::Prepared;
 use signorini::report::{CancelToken, FieldName, StepReport, Termination};
 use signorini::{ObstaclePose, Reuse};
 use signorini_proto::v1 as wire;
@@ -28,23 +29,23 @@ use tokio::sync::{Notify, mpsc, oneshot, watch};
 use tokio::time::Instant;
 
 use super::handle::{Command, Pulse};
-use super::iterations::Iterations;
-use super::kept::Kept;
-use super::queue::Queue;
-use super::readers::{Fresh, Reader};
-use super::work::{self, Event, Order, Outcome, Parcel, Ready, Task, Work};
-use super::{Ending, Seed, Shop};
+use super::queue::UpdateQueue;
+use super::work::{self, Event, Handoff, Outcome, Preparation, Ready, Task, Work};
+use super::{Services, SessionEnd, SessionSpec};
 use crate::client_key::ClientKey;
 use crate::compute::Panicked;
 use crate::config::LONGEST_SECONDS;
 use crate::fault::Fault;
-use crate::store::{Lease, Reservation};
+use crate::results::iterations::Iterations;
+use crate::results::kept::Kept;
+use crate::results::readers::{Fresh, Reader};
+use crate::store::Lease;
 
 /// Where the state of the session is.
 enum Place {
     Preparing,
     Home(Box<Work>),
-    Away(Parcel),
+    Away(Handoff),
     /// With a solver thread whose step is answered already.
     Behind,
     Lost(String),
@@ -67,10 +68,10 @@ struct Watcher {
 }
 
 struct Actor {
-    shop: Arc<Shop>,
-    seed: Seed,
+    services: Arc<Services>,
+    spec: SessionSpec,
     place: Place,
-    queue: Queue,
+    queue: UpdateQueue,
     kept: Kept,
     writer: Option<Writer>,
     watchers: BTreeMap<u64, Watcher>,
@@ -90,7 +91,7 @@ struct Actor {
     state_bytes: u64,
     expires: Instant,
     stop_preparing: CancelToken,
-    ending: Option<Ending>,
+    ending: Option<SessionEnd>,
     deleters: Vec<oneshot::Sender<()>>,
     pulse: watch::Sender<Pulse>,
     events: mpsc::UnboundedSender<Event>,
@@ -100,12 +101,12 @@ struct Actor {
 
 /// Runs a session until it ends.
 pub(in crate::session) async fn run(
-    shop: Arc<Shop>,
-    seed: Seed,
+    services: Arc<Services>,
+    spec: SessionSpec,
     mut inbox: mpsc::Receiver<Command>,
-) -> Ending {
+) -> SessionEnd {
     let (events, mut arrived) = mpsc::unbounded_channel();
-    let mut actor = Actor::new(shop, seed, events);
+    let mut actor = Actor::new(services, spec, events);
     actor.start_preparing();
     loop {
         actor.proceed();
@@ -117,31 +118,35 @@ pub(in crate::session) async fn run(
             command = inbox.recv() => match command {
                 Some(command) => actor.command(command),
                 // Every handle is gone, so nobody can ask for the session again.
-                None => actor.end(Ending::Deleted),
+                None => actor.end(SessionEnd::Deleted),
             },
             Some(event) = arrived.recv() => actor.event(event),
             () = room.notified() => actor.feed(None),
             () = tokio::time::sleep_until(actor.expires), if actor.is_idle() => {
-                actor.end(Ending::Expired);
+                actor.end(SessionEnd::Expired);
             }
         }
     }
 }
 
 impl Actor {
-    fn new(shop: Arc<Shop>, seed: Seed, events: mpsc::UnboundedSender<Event>) -> Self {
-        let config = &shop.config;
+    fn new(
+        services: Arc<Services>,
+        spec: SessionSpec,
+        events: mpsc::UnboundedSender<Event>,
+    ) -> Self {
+        let config = &services.config;
         Self {
             kept: Kept::new(config.retained_results, config.retained_field_bytes),
-            expires: after(seed.ttl),
+            expires: after(spec.ttl),
             state_bytes: 0,
             place: Place::Preparing,
-            queue: Queue::default(),
+            queue: UpdateQueue::default(),
             writer: None,
             watchers: BTreeMap::new(),
             streams: 0,
-            fields: seed.output.fields.clone(),
-            client: seed.client,
+            fields: spec.output.fields.clone(),
+            client: spec.client,
             iterations: Iterations::default(),
             last_finished: 0,
             last_event: 0,
@@ -154,26 +159,26 @@ impl Actor {
             pulse: watch::Sender::new((wire::SessionState::Preparing, 0)),
             events,
             room: Arc::new(Notify::new()),
-            shop,
-            seed,
+            services,
+            spec,
         }
     }
 
     fn start_preparing(&self) {
-        let order = Order {
-            plan: Arc::clone(&self.seed.plan),
-            mesh: Arc::clone(self.seed.mesh.value()),
+        let preparation = Preparation {
+            plan: Arc::clone(&self.spec.plan),
+            mesh: Arc::clone(self.spec.mesh.value()),
             client: self.client,
             cancel: self.stop_preparing.clone(),
-            reservation: Arc::clone(&self.seed.reservation),
+            reservation: Arc::clone(&self.spec.reservation),
         };
-        let (shop, events) = (Arc::clone(&self.shop), self.events.clone());
-        tokio::spawn(work::prepare(shop, order, events));
+        let (services, events) = (Arc::clone(&self.services), self.events.clone());
+        tokio::spawn(work::prepare(services, preparation, events));
     }
 
     fn command(&mut self, command: Command) {
         if !matches!(command, Command::List(_)) {
-            self.expires = after(self.seed.ttl);
+            self.expires = after(self.spec.ttl);
         }
         match command {
             Command::Attach(request, reply) => answer(reply, self.attach(*request)),
@@ -204,18 +209,18 @@ impl Actor {
             Command::Read(request, reply) => answer(reply, self.read(&request)),
             Command::Delete(reply) => {
                 self.deleters.push(reply);
-                self.end(Ending::Deleted);
+                self.end(SessionEnd::Deleted);
             }
-            Command::ShutDown => self.end(Ending::ShutDown),
+            Command::ShutDown => self.end(SessionEnd::ShutDown),
         }
     }
 
     fn event(&mut self, event: Event) {
-        self.expires = after(self.seed.ttl);
+        self.expires = after(self.spec.ttl);
         match event {
             Event::Prepared(Ok(ready)) => self.ready(*ready),
             Event::Prepared(Err(error)) => {
-                self.seed.prepared = None;
+                self.spec.prepared = None;
                 tracing::warn!(%error, "preparation failed");
                 self.place = Place::Lost(error.to_string());
             }
@@ -258,7 +263,7 @@ impl Actor {
     fn proceed(&mut self) {
         self.stop_here();
         if let Place::Lost(why) = &self.place {
-            let name = self.seed.name.clone();
+            let name = self.spec.name.clone();
             let fault = Fault::SessionFailed {
                 name,
                 why: why.clone(),
@@ -277,15 +282,16 @@ impl Actor {
         if !matches!(self.place, Place::Home(_)) {
             return;
         }
-        let (wanted, every) = (self.wanted(), self.seed.output.every);
+        let (wanted, every) = (self.wanted(), self.spec.output.every);
         let scratch_bytes = self.scratch_bytes();
-        let limit = self.seed.plan.scene().solver.max_wall_time;
+        let limit = self.spec.plan.scene().solver.max_wall_time;
         let Some(current) = self.queue.current() else {
             return;
         };
         current.start_clock(limit, &self.events);
         let task = Task {
             sequence: current.sequence,
+            number: current.step_number(),
             step: current.step.clone(),
             cancel: current.cancel.clone(),
             wanted,
@@ -293,20 +299,20 @@ impl Actor {
             scratch_bytes,
             after_event: self.last_event,
             iterations: self.iterations.clone(),
-            metrics: Arc::clone(&self.shop.metrics),
+            metrics: Arc::clone(&self.services.metrics),
         };
-        let parcel = Parcel::default();
-        let empty = Place::Away(Arc::clone(&parcel));
+        let handoff = Handoff::default();
+        let empty = Place::Away(Arc::clone(&handoff));
         let Place::Home(work) = std::mem::replace(&mut self.place, empty) else {
             return;
         };
-        *parcel.lock().unwrap_or_else(PoisonError::into_inner) = Some(work);
+        *handoff.lock().unwrap_or_else(PoisonError::into_inner) = Some(work);
         let (span, events) = (tracing::Span::current(), self.events.clone());
-        let held = Arc::clone(&self.seed.reservation);
-        self.shop.workshop.submit(
+        let held = Arc::clone(&self.spec.reservation);
+        self.services.solvers.submit(
             self.client,
             move || {
-                let outcome = span.in_scope(|| work::advance(&parcel, &task));
+                let outcome = span.in_scope(|| work::advance(&handoff, &task));
                 // The memory may outlive the session that asked for it.
                 drop(held);
                 outcome
@@ -316,11 +322,6 @@ impl Actor {
                 let _gone = events.send(Event::Advanced(outcome));
             },
         );
-    }
-
-    /// What an increment may have to allocate: all but what is there already.
-    fn scratch_bytes(&self) -> u64 {
-        self.predicted_rest().saturating_sub(self.state_bytes)
     }
 
     /// Fields that some reader wants; without a writer, those that the last one
@@ -340,38 +341,9 @@ impl Actor {
     fn ready(&mut self, ready: Ready) {
         self.state_bytes = ready.state_bytes;
         self.prepared = Some((ready.prepared, ready.reuse));
-        self.seed.prepared = None;
+        self.spec.prepared = None;
         self.place = Place::Home(ready.work);
         self.account();
-    }
-
-    /// Counts what is held, and never less than was predicted: the solver's
-    /// scratch stays with the session. Where that does not fit, older results go.
-    fn account(&mut self) {
-        let unread = self
-            .writer
-            .as_ref()
-            .map_or(0, |writer| writer.reader.outbox.unread_bytes());
-        let pinned = unread.saturating_sub(self.kept.bytes());
-        let beside = self.seed.own_bytes + pinned;
-        let state = self.state_bytes.max(self.predicted_rest());
-        let mut reservation = lock(&self.seed.reservation);
-        if let Err(lacking) = reservation.resize(beside + state + self.kept.bytes()) {
-            self.kept.free(lacking);
-            reservation.force(beside + state + self.kept.bytes());
-        }
-    }
-
-    /// The prediction without what is shared.
-    fn predicted_rest(&self) -> u64 {
-        let predicted = self.seed.plan.report().predicted_bytes;
-        predicted.saturating_sub(self.shared_bytes())
-    }
-
-    fn shared_bytes(&self) -> u64 {
-        let own = self.prepared.as_ref().map(|(lease, _)| lease);
-        let found = own.or(self.seed.prepared.as_ref());
-        found.map_or(0, |lease| lease.value().bytes())
     }
 
     fn is_idle(&self) -> bool {
@@ -379,7 +351,7 @@ impl Actor {
     }
 
     /// Stops everything; [`Actor::over`] says when that has happened.
-    fn end(&mut self, ending: Ending) {
+    fn end(&mut self, ending: SessionEnd) {
         self.ending.get_or_insert(ending);
         self.stop_preparing.cancel();
         for dropped in self.queue.keep_current() {
@@ -390,16 +362,16 @@ impl Actor {
 
     fn parting(&self) -> Fault {
         match self.ending {
-            Some(Ending::ShutDown) => Fault::ShuttingDown,
-            Some(Ending::Expired) => Fault::SessionExpired(self.seed.name.clone()),
-            Some(Ending::Deleted | Ending::Died) | None => {
-                Fault::SessionDeleted(self.seed.name.clone())
+            Some(SessionEnd::ShutDown) => Fault::ShuttingDown,
+            Some(SessionEnd::Expired) => Fault::SessionExpired(self.spec.name.clone()),
+            Some(SessionEnd::Deleted | SessionEnd::Died) | None => {
+                Fault::SessionDeleted(self.spec.name.clone())
             }
         }
     }
 
     /// The ending, when nothing runs any more.
-    fn over(&mut self) -> Option<Ending> {
+    fn over(&mut self) -> Option<SessionEnd> {
         let ending = self.ending.filter(|_| self.queue.is_empty())?;
         self.end_streams(&self.parting());
         for deleter in self.deleters.drain(..) {
@@ -407,10 +379,6 @@ impl Actor {
         }
         Some(ending)
     }
-}
-
-fn lock(reservation: &Mutex<Reservation>) -> MutexGuard<'_, Reservation> {
-    reservation.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The instant `time` from now.

@@ -3,8 +3,8 @@
 use super::{Actor, Fresh, Place};
 use crate::convert::field::KeptField;
 use crate::convert::report;
-use crate::session::blank;
-use crate::session::kept::{KeptReport, KeptResult};
+use crate::results::kept::{KeptReport, KeptResult};
+use crate::results::unfinished;
 use crate::session::work::Increment;
 use signorini::ObstaclePose;
 use signorini::report::{FieldName, StepReport, Termination};
@@ -12,19 +12,11 @@ use signorini::report::{FieldName, StepReport, Termination};
 impl Actor {
     pub(super) fn finish_increment(&mut self, increment: Increment) {
         self.state_bytes = increment.state_bytes;
-        let mut report = increment.report;
-        self.shop.metrics.increment(&report);
-        self.number(&mut report);
+        let report = increment.report;
+        self.services.metrics.increment(&report);
         self.last_report = Some(report.clone());
         self.last_poses.clone_from(&increment.poses);
         self.deliver(report, increment.poses, increment.asked, increment.fields);
-    }
-
-    /// Every update is one step; those that stopped before they began count too.
-    pub(super) fn number(&self, report: &mut StepReport) {
-        let step = u32::try_from(self.queue.current_sequence()).unwrap_or(u32::MAX);
-        report.time += f64::from(step) - f64::from(report.step);
-        report.step = step;
     }
 
     /// Finishes the current step with the last good state.
@@ -32,10 +24,9 @@ impl Actor {
         let Some(current) = self.queue.current() else {
             return;
         };
-        let step = u32::try_from(current.sequence).unwrap_or(u32::MAX);
-        let increment = current.results + 1;
-        let report = blank::stopped(self.last_report.as_ref(), step, increment, termination);
-        self.shop.metrics.increment(&report);
+        let (step, increment) = (current.step_number(), current.results + 1);
+        let report = unfinished::stopped(self.last_report.as_ref(), step, increment, termination);
+        self.services.metrics.increment(&report);
         let (asked, fields) = match self.kept.newest() {
             // Of a last result fields are due, even if the newest has none.
             Some(newest) => (
@@ -88,9 +79,9 @@ impl Actor {
     pub(super) fn finish_step(&mut self, termination: Termination) {
         if let Some(finished) = self.queue.finish() {
             self.last_finished = finished.sequence;
-            self.shop.metrics.step(termination);
+            self.services.metrics.step(termination);
             if let Some(asked) = finished.cancelled_at {
-                self.shop.metrics.cancelled(asked.elapsed());
+                self.services.metrics.cancelled(asked.elapsed());
             }
         }
         if let Place::Home(work) = &mut self.place {

@@ -17,8 +17,8 @@ impl Actor {
     fn stopped_here(&mut self) -> Option<Termination> {
         let current = self.queue.current()?;
         let termination = current.cancel.stopped()?;
-        if let Place::Away(parcel) = &self.place {
-            let Some(work) = work::take(parcel) else {
+        if let Place::Away(handoff) = &self.place {
+            let Some(work) = work::take(handoff) else {
                 current.start_patience(&self.events);
                 return None;
             };
@@ -50,7 +50,7 @@ impl Actor {
         let termination = current.cancel.stopped();
         if let (Place::Away(_), Some(termination)) = (&self.place, termination) {
             tracing::info!(sequence, "a step is left behind");
-            self.shop.metrics.left_behind();
+            self.services.metrics.left_behind();
             self.place = Place::Behind;
             self.finish_stopped(termination);
         }

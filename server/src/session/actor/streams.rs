@@ -8,7 +8,7 @@ use tokio::time::Instant;
 
 use super::{Actor, Fresh, Reader, Watcher, Writer};
 use crate::fault::Fault;
-use crate::outbox::{End, Limit, Outbox, Wanted};
+use crate::results::outbox::{Limit, Outbox, StreamEnd, Wanted};
 use crate::session::handle::{Attachment, OpenRequest, Role};
 
 /// Results that wait for one watcher beside the kept ones.
@@ -19,7 +19,7 @@ impl Actor {
         let role = request.role;
         if let (Role::Writer { .. }, Some(writer)) = (role, &self.writer) {
             let held_since = unix_seconds(writer.since);
-            let name = self.seed.name.clone();
+            let name = self.spec.name.clone();
             return Err(Fault::SessionBusy { name, held_since });
         }
         let iterations = self.iterations.reader(request.iteration_interval);
@@ -29,7 +29,7 @@ impl Actor {
             Some(_) => 0,
             None => start,
         };
-        let reader = Reader::new(Arc::clone(&outbox), start, missed, &self.shop.metrics);
+        let reader = Reader::new(Arc::clone(&outbox), start, missed, &self.services.metrics);
         self.streams += 1;
         match role {
             Role::Writer {
@@ -47,7 +47,8 @@ impl Actor {
         }
         outbox.push(Message::Opened(wire::Opened {
             session: Some(self.describe()),
-            max_in_flight: i32::try_from(self.shop.config.maximum_in_flight).unwrap_or(i32::MAX),
+            max_in_flight: i32::try_from(self.services.config.maximum_in_flight)
+                .unwrap_or(i32::MAX),
             last_event: self.last_event,
         }));
         self.feed(None);
@@ -61,7 +62,7 @@ impl Actor {
 
     fn new_outbox(&self, request: &OpenRequest) -> Arc<Outbox> {
         let fields = match request.fields.is_empty() {
-            true => self.seed.output.fields.clone(),
+            true => self.spec.output.fields.clone(),
             false => request.fields.clone(),
         };
         let encoding = request.encoding;
@@ -89,7 +90,7 @@ impl Actor {
             reader,
             since: SystemTime::now(),
             on_disconnect: match on_disconnect {
-                wire::DisconnectPolicy::Unspecified => self.seed.on_disconnect,
+                wire::DisconnectPolicy::Unspecified => self.spec.on_disconnect,
                 wire::DisconnectPolicy::FinishStep | wire::DisconnectPolicy::CancelStep => {
                     on_disconnect
                 }
@@ -144,12 +145,12 @@ impl Actor {
         if self.writer_has_room()
             && let Some(writer) = self.writer.as_ref().filter(|writer| writer.half_closed)
         {
-            writer.reader.outbox.end(End::Done);
+            writer.reader.outbox.end(StreamEnd::Done);
         }
         for watcher in self.watchers.values() {
             let is_idle = watcher.until == wire::WatchEnd::Idle;
             if is_idle && watcher.reader.cursor() >= newest {
-                watcher.reader.outbox.end(End::Done);
+                watcher.reader.outbox.end(StreamEnd::Done);
             }
         }
     }
@@ -158,7 +159,7 @@ impl Actor {
         let writer = self.writer.take().map(|writer| writer.reader);
         let watchers = std::mem::take(&mut self.watchers).into_values();
         for reader in writer.into_iter().chain(watchers.map(|one| one.reader)) {
-            reader.outbox.end(End::Fault(why.clone()));
+            reader.outbox.end(StreamEnd::Fault(why.clone()));
         }
     }
 }

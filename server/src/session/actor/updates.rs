@@ -26,7 +26,7 @@ impl Actor {
     }
 
     pub(super) fn admit(&self, received: i64) -> Result<(), Fault> {
-        let config = &self.shop.config;
+        let config = &self.services.config;
         let expected = self.queue.last_accepted() + 1;
         if self.ending.is_some() {
             return Err(Fault::ShuttingDown);
@@ -38,7 +38,7 @@ impl Actor {
             let limit = config.maximum_in_flight;
             return Err(Fault::QueueFull { limit });
         }
-        if self.shop.workshop.waiting(self.client) >= config.maximum_queued {
+        if self.services.solvers.waiting(self.client) >= config.maximum_queued {
             let limit = config.maximum_queued;
             return Err(Fault::QueueFull { limit });
         }
@@ -55,7 +55,7 @@ impl Actor {
         if let Some(unfinished) = self.queue.find(sequence) {
             unfinished.stream_ends_at(deadline, &self.events);
         }
-        let limit = self.shop.config.maximum_in_flight;
+        let limit = self.services.config.maximum_in_flight;
         let is_current = sequence == self.queue.current_sequence();
         let Some(writer) = &mut self.writer else {
             return;
@@ -77,7 +77,7 @@ impl Actor {
     }
 
     pub(super) fn reject(&self, sequence: i64, fault: &Fault) {
-        self.shop.metrics.refused(status::reason(fault));
+        self.services.metrics.refused(status::reason(fault));
         if let Some(writer) = &self.writer {
             let status = Some(status::rpc_status(fault));
             let rejected = wire::UpdateRejected { sequence, status };

@@ -14,7 +14,8 @@ pub(super) const NONE: u32 = u32::MAX;
 /// Groups of nodes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Aggregates {
-    /// Group of each node, or [`NONE`].
+    /// Group of each node, or [`NONE`] for nodes that couple strongly to nobody
+    /// `[nodes]`.
     pub(super) of_node: Vec<u32>,
     /// Number of groups.
     pub(super) count: usize,
@@ -44,13 +45,18 @@ impl Aggregates {
 
 /// The strong couplings: zero where there is none.
 struct Graph<'a> {
+    /// Which nodes are coupled at all.
     pattern: &'a Pattern,
+    /// Strength of each stored coupling, relative to the diagonal blocks of its nodes;
+    /// zero where it is weak.
     couplings: &'a [f32],
-    /// Nodes that take part.
+    /// Whether a node takes part: it has a component that no support holds `[nodes]`.
     takes_part: &'a [bool],
 }
 
 impl Graph<'_> {
+    /// The strong neighbours of a node with the strength of their coupling, ascending
+    /// by number.
     fn neighbours(&self, node: usize) -> impl Iterator<Item = (usize, f32)> {
         let range = self.pattern.range(node);
         let indices = &self.pattern.indices[range.clone()];
@@ -79,6 +85,8 @@ pub(super) fn aggregate(pattern: &Pattern, couplings: &[f32], takes_part: &[bool
     groups
 }
 
+/// First pass: a free node whose strong neighbours are all free founds a group with
+/// them.
 fn found_groups(graph: &Graph<'_>, groups: &mut Aggregates) {
     for node in 0..groups.of_node.len() {
         let is_free = |node: usize| groups.of_node[node] == NONE;
@@ -98,7 +106,10 @@ fn found_groups(graph: &Graph<'_>, groups: &mut Aggregates) {
     }
 }
 
+/// Second pass: nodes left over join the group of their strongest neighbour that the
+/// first pass has grouped.
 fn join_neighbours(graph: &Graph<'_>, groups: &mut Aggregates) {
+    // By the groups of the first pass only: chains of joined nodes would grow long.
     let founded = groups.of_node.clone();
     for node in 0..founded.len() {
         if founded[node] != NONE || !graph.takes_part[node] {
@@ -114,6 +125,8 @@ fn join_neighbours(graph: &Graph<'_>, groups: &mut Aggregates) {
     }
 }
 
+/// Third pass: nodes that are still left form groups with such neighbours as are left
+/// too.
 fn group_the_rest(graph: &Graph<'_>, groups: &mut Aggregates) {
     for node in 0..groups.of_node.len() {
         if groups.of_node[node] != NONE || !graph.takes_part[node] {

@@ -19,17 +19,19 @@ pub(super) const PIECE: usize = 512;
 /// Which blocks of a matrix are stored.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Pattern {
-    /// Start of each row `[rows + 1]`.
+    /// Start of each row in `indices` `[rows + 1]`.
     pub(super) offsets: Vec<u32>,
-    /// Column of each block, ascending within a row.
+    /// Column of each stored block, ascending within a row.
     pub(super) indices: Vec<u32>,
 }
 
 impl Pattern {
+    /// Places of one row's blocks in `indices`.
     pub(super) fn range(&self, row: usize) -> std::ops::Range<usize> {
         self.offsets[row] as usize..self.offsets[row + 1] as usize
     }
 
+    /// Number of block rows.
     pub(super) fn rows(&self) -> usize {
         self.offsets.len().saturating_sub(1)
     }
@@ -39,6 +41,7 @@ impl Pattern {
         &self.indices[self.range(row)]
     }
 
+    /// Bytes that the pattern holds.
     fn bytes(&self) -> u64 {
         4 * (self.offsets.len() + self.indices.len()) as u64
     }
@@ -49,7 +52,9 @@ impl Pattern {
 pub(super) struct BlockRows<S, const R: usize, const C: usize> {
     /// Number of block columns.
     pub(super) columns: usize,
+    /// Which blocks are stored.
     pub(super) pattern: Pattern,
+    /// The stored blocks, in the order of the pattern.
     pub(super) blocks: Vec<Block<S, R, C>>,
 }
 
@@ -178,6 +183,7 @@ impl<S: Scalar, const R: usize, const C: usize> BlockRows<S, R, C> {
     }
 }
 
+/// The transposed block `[C, R]`.
 fn transpose<S: Scalar, const R: usize, const C: usize>(block: &Block<S, R, C>) -> Block<S, C, R> {
     let mut result = [[S::default(); R]; C];
     for i in 0..R {

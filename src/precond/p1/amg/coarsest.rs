@@ -12,8 +12,9 @@ use crate::linalg::cholesky::{LowerColumns, Precision};
 /// A dense symmetric inverse.
 #[derive(Clone, Debug)]
 pub(super) struct Coarsest<S> {
+    /// Number of scalar unknowns of the coarsest level.
     size: usize,
-    /// Column by column.
+    /// The dense inverse, column by column `[size, size]`; it is symmetric.
     inverse: Vec<S>,
 }
 

@@ -16,9 +16,13 @@ use crate::linalg::Workspace;
 /// One level and its way to the next.
 #[derive(Clone, Debug)]
 pub(super) struct Level<S, const N: usize, const K: usize> {
+    /// The Galerkin matrix of the level, or A11 on the finest.
     pub(super) matrix: BlockRows<S, N, N>,
+    /// Chebyshev smoother in the inverted diagonal blocks.
     pub(super) smoother: Smoother<S, N>,
+    /// Smoothed prolongation from the next coarser level `[nodes, groups]`.
     pub(super) prolongation: BlockRows<S, N, K>,
+    /// Its transpose, stored so that restriction runs along rows too.
     pub(super) restriction: BlockRows<S, K, N>,
 }
 
@@ -36,7 +40,7 @@ impl<S: Scalar, const N: usize, const K: usize> Level<S, N, K> {
         self.smoother.start::<W>(r, &mut d, x);
         for index in 1..DEGREE {
             self.smoother
-                .step::<W>(index, &self.matrix, r, &d, &mut next, x);
+                .step::<W>(index, &self.matrix, &d, (&mut *r, &mut next, &mut *x));
             std::mem::swap(&mut d, &mut next);
         }
         subtract_product::<S, N, W>(&self.matrix, &d, r);
@@ -48,7 +52,7 @@ impl<S: Scalar, const N: usize, const K: usize> Level<S, N, K> {
         add(x, &d);
         for index in 0..DEGREE {
             self.smoother
-                .step::<W>(index, &self.matrix, r, &d, &mut next, x);
+                .step::<W>(index, &self.matrix, &d, (&mut *r, &mut next, &mut *x));
             std::mem::swap(&mut d, &mut next);
         }
         for vector in [d, next, coarse_residual, coarse] {
@@ -56,6 +60,7 @@ impl<S: Scalar, const N: usize, const K: usize> Level<S, N, K> {
         }
     }
 
+    /// Bytes of the level's matrix, smoother and transfers.
     fn bytes(&self) -> u64 {
         self.matrix.bytes()
             + self.smoother.bytes()
@@ -117,17 +122,21 @@ fn subtract_product<S: Scalar, const N: usize, const W: usize>(
 /// Cycles on every level below the finest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Visits {
-    /// V-cycle.
+    /// One cycle on each coarser level: a V-cycle.
     One,
-    /// W-cycle.
+    /// Two cycles on each coarser level: a W-cycle, whose cost stays linear because
+    /// levels shrink fast.
     Two,
 }
 
 /// All levels: blocks of N components on the finest, of K modes below.
 #[derive(Clone, Debug)]
 pub(super) struct Hierarchy<S, const N: usize, const K: usize> {
+    /// The level of A11 itself, with N components a node.
     pub(super) finest: Level<S, N, K>,
+    /// The levels below it, with K modes a group, finest first.
     pub(super) coarser: Vec<Level<S, K, K>>,
+    /// The dense inverse below them.
     pub(super) coarsest: Coarsest<S>,
 }
 
@@ -141,7 +150,7 @@ impl<S: Scalar, const N: usize, const K: usize> Hierarchy<S, N, K> {
         work: &mut Workspace,
     ) {
         self.finest.cycle::<W>(r, x, work, |r, x, work| {
-            self.descend::<W>(visits, 0, r, x, work);
+            self.descend::<W>(visits, 0, (r, x), work);
         });
     }
 
@@ -150,15 +159,14 @@ impl<S: Scalar, const N: usize, const K: usize> Hierarchy<S, N, K> {
         &self,
         visits: Visits,
         depth: usize,
-        r: &mut [S],
-        x: &mut [S],
+        (r, x): (&mut [S], &mut [S]),
         work: &mut Workspace,
     ) {
         let Some(level) = self.coarser.get(depth) else {
             return self.coarsest.solve::<W>(r, x);
         };
         let below = |r: &mut [S], x: &mut [S], work: &mut Workspace| {
-            self.descend::<W>(visits, depth + 1, r, x, work);
+            self.descend::<W>(visits, depth + 1, (r, x), work);
         };
         if visits == Visits::One {
             return level.cycle::<W>(r, x, work, below);

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 use super::block_rows::{Block, BlockRows, PIECE, Pattern};
 use super::strength::position_of_diagonal;
 
+/// Mark of a column that the present row has not met.
 const UNSEEN: u32 = u32::MAX;
 
 /// `A B`.
@@ -45,6 +46,7 @@ pub(super) fn product<const R: usize, const M: usize, const C: usize>(
     }
 }
 
+/// Adds the product of two blocks to `target` `[R, C]`.
 #[inline]
 fn add_product<const R: usize, const M: usize, const C: usize>(
     target: &mut Block<f64, R, C>,
@@ -60,6 +62,7 @@ fn add_product<const R: usize, const M: usize, const C: usize>(
     }
 }
 
+/// A piece of whole rows: first row, end row, and their entries.
 type RowPiece<'a, T> = (usize, usize, &'a mut [T]);
 
 /// Cuts the entries of a matrix into pieces of whole rows: first row, end row,
@@ -78,6 +81,8 @@ pub(super) fn pieces_of<'a, T>(pattern: &Pattern, entries: &'a mut [T]) -> Vec<R
     pieces
 }
 
+/// The pattern of the product A B, found piece by piece in parallel and put together in
+/// order, so that it does not depend on the threads.
 fn product_pattern(a: &Pattern, b: &Pattern, columns: usize) -> Pattern {
     let firsts: Vec<usize> = (0..a.rows()).step_by(PIECE).collect();
     let parts: Vec<(Vec<u32>, Vec<u32>)> = firsts
@@ -110,6 +115,7 @@ fn pattern_of_rows(
         let start = indices.len();
         for &middle in a.row(row) {
             for &column in b.row(middle as usize) {
+                // The mark is the row itself, so that nothing is cleared between rows.
                 if seen_in[column as usize] != row as u32 {
                     seen_in[column as usize] = row as u32;
                     indices.push(column);
@@ -128,6 +134,7 @@ pub(super) fn galerkin<const N: usize, const K: usize>(
     prolongation: &BlockRows<f64, N, K>,
     restriction: &BlockRows<f64, K, N>,
 ) -> BlockRows<f64, K, K> {
+    // Modes that a group lacks have an empty row; a one keeps the factor below regular.
     let image = product(matrix, prolongation);
     let mut coarse = product(restriction, &image);
     for row in 0..coarse.rows() {

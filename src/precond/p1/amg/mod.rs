@@ -29,7 +29,7 @@ use super::Traces;
 use crate::linalg::cholesky::Precision;
 use crate::linalg::vector::largest;
 use crate::linalg::{DenseMatrix, FactoriseError, LinearOperator, Preconditioner, Workspace};
-use crate::precond::spectrum::{Interval, ritz_interval};
+use crate::precond::spectrum::{Interval, Lanczos};
 use cycle::{Hierarchy, Visits};
 use scalar::Scalar;
 
@@ -44,13 +44,14 @@ const OVERSHOOT: f64 = 1.3;
 /// The P1 stiffness by vertices and edges, held components not yet eliminated.
 #[derive(Clone, Copy, Debug)]
 pub struct VertexBlocks<'a> {
-    /// 2 or 3 components per vertex.
+    /// Components of a vertex: 2 or 3.
     pub components: usize,
-    /// Vertices.
+    /// Undeformed position of each vertex `[vertices]`, from which the rigid modes are
+    /// taken.
     pub coordinates: &'a [[f64; 3]],
     /// Lower and upper end of each edge, in lexicographic order.
     pub edges: &'a [[u32; 2]],
-    /// Diagonal block of each vertex.
+    /// Diagonal block of each vertex `[vertices]`, padded to three components.
     pub diagonal: &'a [[[f64; 3]; 3]],
     /// Block of each edge: rows of the lower end, columns of the upper one.
     pub off: &'a [[[f64; 3]; 3]],
@@ -65,7 +66,8 @@ pub enum AmgError {
     /// chosen precision.
     #[error("the multigrid cycle is not positive definite in this precision")]
     Indefinite,
-    /// Too few vertices are strongly coupled.
+    /// Too few vertices are strongly coupled, so that the next level would not be much
+    /// smaller.
     #[error("{nodes} nodes form {groups} groups, too many for a next level")]
     Stalled {
         /// Nodes of the level.
@@ -73,13 +75,13 @@ pub enum AmgError {
         /// Groups found.
         groups: usize,
     },
-    /// The cycle stagnates on this matrix.
+    /// The cycle does not reduce the error of this matrix fast enough to be of use.
     #[error("the multigrid cycle leaves a condition of {condition:.0}")]
     Weak {
         /// Ratio of the Ritz values of cycle times matrix.
         condition: f64,
     },
-    /// The coarsest matrix has no factor.
+    /// The matrix of the coarsest level has no Cholesky factor.
     #[error("coarsest level: {0}")]
     Coarsest(#[from] FactoriseError),
 }
@@ -87,18 +89,24 @@ pub enum AmgError {
 /// One level as reports show it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LevelShape {
-    /// Nodes.
+    /// Number of nodes: vertices on the finest level, groups below.
     pub nodes: usize,
-    /// Stored blocks.
+    /// Number of stored blocks.
     pub blocks: usize,
-    /// Rows of a block.
+    /// Rows of a block: components of a vertex, or modes of a group.
     pub components: usize,
 }
 
+/// A hierarchy whose block sizes are no longer part of its type.
 trait Cycle: Preconditioner {
+    /// The matrix of the finest level `[unknowns, unknowns]`.
     fn matrix(&self) -> &dyn LinearOperator;
+    /// All levels, finest first, as reports show them.
     fn levels(&self) -> Vec<LevelShape>;
+    /// Bytes that the hierarchy holds.
     fn held_bytes(&self) -> u64;
+    /// The inverse between the traces `[traces, traces]` by cycles on many right-hand
+    /// sides at once; none where `proceed` says stop.
     fn compliance(
         &self,
         traces: &Traces<'_>,
@@ -108,7 +116,10 @@ trait Cycle: Preconditioner {
 
 /// A multigrid W-cycle for A11.
 pub struct AmgP1 {
+    /// The hierarchy for the body's number of components.
     cycle: Box<dyn Cycle>,
+    /// Extreme Ritz values of the preconditioned matrix, measured when the hierarchy
+    /// was made.
     interval: Interval,
 }
 
@@ -134,13 +145,13 @@ impl AmgP1 {
             (_, Precision::Double) => Box::new(setup::hierarchy::<f64, 3, 6>(blocks)?),
         };
         let work = &mut Workspace::new();
-        let interval = ritz_interval(
-            cycle.matrix(),
-            &*cycle,
-            blocks.held_of_vertices(),
-            TRIAL_STEPS,
-            work,
-        );
+        let lanczos = Lanczos {
+            operator: cycle.matrix(),
+            preconditioner: &*cycle,
+            held: blocks.held_of_vertices(),
+            steps: TRIAL_STEPS,
+        };
+        let interval = lanczos.interval(work);
         judge(interval)?;
         Ok(Self { cycle, interval })
     }

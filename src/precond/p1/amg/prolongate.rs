@@ -60,6 +60,7 @@ fn orthonormalise<const N: usize, const K: usize>(
     let mut factor = [[0.0; K]; K];
     for column in 0..K {
         let before = product_of_columns(&q, column, column).sqrt();
+        // Once is not enough where modes are nearly dependent on a small group.
         for _ in 0..2 {
             for other in 0..column {
                 let part = product_of_columns(&q, other, column);
@@ -70,6 +71,7 @@ fn orthonormalise<const N: usize, const K: usize>(
             }
         }
         let length = product_of_columns(&q, column, column).sqrt();
+        // A group of few nodes cannot carry all modes; those it lacks become zero.
         let is_dependent = length <= DEPENDENT * before;
         factor[column][column] = if is_dependent { 0.0 } else { length };
         for row in q.iter_mut().flatten() {
@@ -83,6 +85,7 @@ fn orthonormalise<const N: usize, const K: usize>(
     (q, factor)
 }
 
+/// Scalar product of columns a and b of a group's blocks, over all its nodes.
 fn product_of_columns<const N: usize, const K: usize>(
     q: &[Block<f64, N, K>],
     a: usize,
@@ -105,6 +108,7 @@ pub(super) fn smoothed<const N: usize, const K: usize>(
         .for_each(|(first, last, blocks)| {
             let start = pattern.offsets[first] as usize;
             for row in first..last {
+                // P = P0 - weight D^-1 A P0; a node has one block of P0, that of its group.
                 let own = tentative.row(row);
                 for (k, column) in pattern.range(row).zip(pattern.row(row)) {
                     let block = &mut blocks[k - start];
@@ -136,6 +140,7 @@ fn damped<const N: usize, const K: usize>(
     result
 }
 
+/// Adds a block to another, entry by entry.
 fn add<const N: usize, const K: usize>(target: &mut Block<f64, N, K>, other: &Block<f64, N, K>) {
     for (target, other) in target.iter_mut().flatten().zip(other.iter().flatten()) {
         *target += other;

@@ -42,6 +42,7 @@ pub(super) fn hierarchy<S: Scalar, const N: usize, const K: usize>(
     })
 }
 
+/// A level with the matrix of the next coarser one.
 type Coarsened<S, const N: usize, const K: usize> =
     (Level<S, N, K>, BlockRows<f64, K, K>, Modes<K, K>);
 
@@ -58,6 +59,8 @@ pub(super) fn coarsen<S: Scalar, const N: usize, const K: usize>(
         .map(|node| node.iter().flatten().any(|&entry| entry != 0.0))
         .collect();
     let groups = groups_of(matrix, threshold, &takes_part)?;
+    // The modes of a group are reproduced exactly; smoothing by one damped Jacobi step
+    // then lowers the energy of the prolonged functions.
     let (plain, coarse_modes) = tentative(&groups, modes);
     let prolongation = smoothed(matrix, &inverse, &plain, DAMPING / largest);
     let restriction = prolongation.transposed();
@@ -79,6 +82,7 @@ fn groups_of<const N: usize>(
     takes_part: &[bool],
 ) -> Result<Aggregates, AmgError> {
     let mut count = 0;
+    // A level that is not half as large as this one is not worth its cost.
     for threshold in [threshold, 0.0] {
         let couplings = couplings(matrix, threshold);
         let groups = aggregate(&matrix.pattern, &couplings, takes_part);
@@ -105,6 +109,7 @@ pub(super) fn fine_matrix<const N: usize>(blocks: &VertexBlocks<'_>) -> BlockRow
     }
     let is_free = |vertex: u32| is_held[vertex as usize].iter().any(|held| !held);
     let couples = |ends: &[u32; 2]| is_free(ends[0]) && is_free(ends[1]);
+    // Row lengths: one for the diagonal, one for each coupling with a free vertex.
     let mut offsets = vec![0_u32; vertices + 1];
     for ends in blocks.edges.iter().filter(|ends| couples(ends)) {
         offsets[ends[0] as usize + 1] += 1;
@@ -140,14 +145,22 @@ pub(super) fn fine_matrix<const N: usize>(blocks: &VertexBlocks<'_>) -> BlockRow
     }
 }
 
+/// Fills the finest matrix from diagonal blocks and couplings, rows and columns of held
+/// components those of the identity.
 struct Filler<'a, const N: usize> {
+    /// Next free place in each row.
     next: Vec<u32>,
+    /// Column of each block.
     indices: Vec<u32>,
+    /// The blocks, in the order of `indices`.
     blocks: Vec<Block<f64, N, N>>,
+    /// Whether supports hold a component of a vertex `[vertices][N]`.
     is_held: &'a [[bool; N]],
 }
 
 impl<const N: usize> Filler<'_, N> {
+    /// Stores one block at the next place of its row; held rows and columns are those
+    /// of the identity.
     fn push(&mut self, row: u32, column: u32, entry: impl Fn(usize, usize) -> f64) {
         let slot = self.next[row as usize] as usize;
         self.next[row as usize] += 1;

@@ -15,7 +15,7 @@ use super::block_rows::{
 use super::scalar::Scalar;
 use super::strength::position_of_diagonal;
 use crate::linalg::{Preconditioner, Workspace};
-use crate::precond::spectrum::ritz_interval;
+use crate::precond::spectrum::Lanczos;
 
 /// Steps before and after the coarse correction.
 pub(super) const DEGREE: usize = 2;
@@ -29,8 +29,10 @@ const SAFETY: f64 = 1.1;
 /// Inverted diagonal blocks, and the coefficients of the steps.
 #[derive(Clone, Debug)]
 pub(super) struct Smoother<S, const N: usize> {
+    /// Inverted diagonal blocks of the level `[nodes]`.
     inverse: Vec<Block<S, N, N>>,
-    /// `keep` and `gain` of each step.
+    /// `keep` and `gain` of each Chebyshev step: what stays of the last direction, and
+    /// what the scaled residual adds.
     steps: [(S, S); DEGREE],
 }
 
@@ -78,6 +80,8 @@ fn inverse<const N: usize>(block: &Block<f64, N, N>) -> Option<Block<f64, N, N>>
     Some(a)
 }
 
+/// The inverted diagonal blocks as a preconditioner, by which the largest eigenvalue is
+/// measured.
 struct BlockJacobi<'a, const N: usize>(&'a [Block<f64, N, N>]);
 
 impl<const N: usize> Preconditioner for BlockJacobi<'_, N> {
@@ -92,6 +96,8 @@ impl<const N: usize> Preconditioner for BlockJacobi<'_, N> {
     }
 }
 
+/// The product of a block with the values of one node on several right-hand sides at
+/// once.
 #[inline(always)]
 fn times<S: Scalar, const N: usize, const W: usize>(
     block: &Block<S, N, N>,
@@ -108,8 +114,13 @@ pub(super) fn largest_eigenvalue<const N: usize>(
     inverse: &[Block<f64, N, N>],
     work: &mut Workspace,
 ) -> f64 {
-    let jacobi = BlockJacobi(inverse);
-    SAFETY * ritz_interval(matrix, &jacobi, &[], LANCZOS_STEPS, work).largest
+    let lanczos = Lanczos {
+        operator: matrix,
+        preconditioner: &BlockJacobi(inverse),
+        held: &[],
+        steps: LANCZOS_STEPS,
+    };
+    SAFETY * lanczos.interval(work).largest
 }
 
 impl<S: Scalar, const N: usize> Smoother<S, N> {
@@ -166,10 +177,8 @@ impl<S: Scalar, const N: usize> Smoother<S, N> {
         &self,
         index: usize,
         matrix: &BlockRows<S, N, N>,
-        r: &mut [S],
         d: &[S],
-        next: &mut [S],
-        x: &mut [S],
+        (r, next, x): (&mut [S], &mut [S], &mut [S]),
     ) {
         let d = nodes::<S, N, W>(d);
         nodes_mut::<S, N, W>(r)
@@ -191,6 +200,8 @@ impl<S: Scalar, const N: usize> Smoother<S, N> {
             });
     }
 
+    /// One Chebyshev step of a row: residual, scaled residual, direction and iterate,
+    /// side by side so that the row is read once.
     #[inline(always)]
     fn step_of_row<const W: usize>(
         &self,

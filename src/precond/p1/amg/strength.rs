@@ -49,6 +49,7 @@ pub(super) fn position_of_diagonal<const N: usize>(
     Some(matrix.pattern.range(row).start + found)
 }
 
+/// Frobenius norm of a block.
 fn norm<const N: usize>(block: &Block<f64, N, N>) -> f64 {
     let squares = block.iter().flatten().map(|value| value * value);
     squares.sum::<f64>().sqrt()

@@ -1,7 +1,7 @@
 //! Multigrid on real P1 blocks.
 
 use super::*;
-use crate::assembly::p1_stiffness::{P1Blocks, p1_blocks};
+use crate::assembly::p1_stiffness::{P1Blocks, StiffCells};
 use crate::assembly::{CellGeometry, CellModuli};
 use crate::linalg::vector::{add_scaled, dot, norm, reproducible_noise, scale_and_add};
 use crate::mesh::{GroupKind, Mesh, MeshParts, samples};
@@ -34,7 +34,13 @@ fn sample(mesh: Mesh, shear: impl Fn([f64; 3]) -> f64) -> Sample {
         lame: vec![0.0; mesh.cell_count()],
         inverse_lame: Vec::new(),
     };
-    let blocks = p1_blocks(&mesh, &space, &geometry, &moduli, 0.0);
+    let cells = StiffCells {
+        mesh: &mesh,
+        space: &space,
+        geometry: &geometry,
+        stiffness: &moduli,
+    };
+    let blocks = cells.p1_blocks(0.0);
     let group = mesh.group("x0", GroupKind::Facets).expect("a side");
     let facets = group.members.iter();
     let mut vertices: Vec<u32> = facets

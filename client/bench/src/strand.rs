@@ -1,0 +1,65 @@
+//! Rows of a study, choice by choice.
+
+use crate::results::Results;
+use crate::row::Row;
+use crate::study::{Scope, Study};
+
+/// The rows of one choice on one family, coarsest mesh first and loosest tolerance
+/// first; those of refused and failed runs among them.
+#[derive(Clone, Debug)]
+pub(crate) struct Strand<'a> {
+    pub(crate) label: &'static str,
+    pub(crate) rows: Vec<&'a Row>,
+    is_refused: bool,
+}
+
+impl<'a> Strand<'a> {
+    /// Those that met their tolerance.
+    pub(crate) fn converged(&self) -> impl DoubleEndedIterator<Item = &'a Row> {
+        self.rows.iter().copied().filter(|row| row.converged())
+    }
+
+    /// Whether the program has this choice.
+    pub(crate) fn is_known(&self) -> bool {
+        !self.is_refused
+    }
+
+    /// What came of it where nothing converged.
+    pub(crate) fn fate(&self) -> String {
+        match self.rows.last() {
+            _ if self.is_refused => "refused".to_owned(),
+            None => "not measured".to_owned(),
+            Some(row) => row.outcome.spoken(),
+        }
+    }
+}
+
+/// The strands of a scope, one a choice.
+pub(crate) fn strands<'a>(results: &'a Results, study: &Study, scope: &Scope) -> Vec<Strand<'a>> {
+    let choices = study.choices.iter();
+    choices
+        .filter_map(|choice| {
+            let method = choice.method()?;
+            let fits = |row: &&Row| {
+                let case = &row.case;
+                let tolerance = |t: &f64| t.total_cmp(&case.tolerance).is_eq();
+                case.family.name == scope.family
+                    && case.method == method
+                    && scope.full.contains(&case.level.number)
+                    && study.tolerances.iter().any(tolerance)
+            };
+            let mut rows: Vec<&Row> = results.rows.iter().filter(fits).collect();
+            rows.sort_by(|a, b| {
+                let levels = a.case.level.cmp(&b.case.level);
+                levels.then(b.case.tolerance.total_cmp(&a.case.tolerance))
+            });
+            // Once refused, a method is not tried again on other families.
+            let refused = |row: &Row| row.case.method == method && row.outcome.refuses_the_method();
+            Some(Strand {
+                label: choice.label,
+                rows,
+                is_refused: results.rows.iter().any(refused),
+            })
+        })
+        .collect()
+}

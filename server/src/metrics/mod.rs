@@ -1,0 +1,301 @@
+//! Every metric of the server, the only place that names one: what is counted here,
+//! names, buckets and texts in `catalogue`.
+//!
+//! Labels come from small fixed sets; sessions and meshes are never labels.
+//! Metrics live in a recorder of this server, not of the process, so that
+//! several servers in one process do not mix.
+
+mod catalogue;
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use metrics::{Counter, Gauge, Histogram, Key, Label, Level, Metadata, Recorder};
+use metrics_exporter_prometheus::{
+    BuildError, Matcher, PrometheusBuilder, PrometheusHandle, PrometheusRecorder,
+};
+use signorini::report::{Cause, StepReport, Termination};
+
+use catalogue::*;
+
+/// What a cache of the store holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Mesh,
+    Prepared,
+    Session,
+}
+
+impl Kind {
+    fn name(self) -> &'static str {
+        match self {
+            Self::Mesh => "mesh",
+            Self::Prepared => "prepared",
+            Self::Session => "session",
+        }
+    }
+}
+
+/// The metrics of one server.
+pub(crate) struct Metrics {
+    recorder: PrometheusRecorder,
+    handle: PrometheusHandle,
+    iterations: Counter,
+}
+
+impl Metrics {
+    /// Empty metrics with all texts and buckets set.
+    ///
+    /// # Errors
+    /// When the exporter refuses a bucket list.
+    pub(crate) fn new() -> Result<Arc<Self>, BuildError> {
+        let mut builder = PrometheusBuilder::new();
+        for (name, buckets, _) in HISTOGRAMS {
+            builder = builder.set_buckets_for_metric(Matcher::Full(name.to_owned()), buckets)?;
+        }
+        let recorder = builder.build_recorder();
+        describe(&recorder);
+        let metrics = Self {
+            handle: recorder.handle(),
+            iterations: recorder.register_counter(&Key::from_static_name(ITERATIONS), &METADATA),
+            recorder,
+        };
+        metrics.show_from_the_start();
+        Ok(Arc::new(metrics))
+    }
+
+    /// The page that Prometheus reads.
+    pub(crate) fn render(&self) -> String {
+        self.handle.render()
+    }
+
+    /// Moves recorded samples into buckets; call now and then.
+    pub(crate) fn upkeep(&self) {
+        self.handle.run_upkeep();
+    }
+
+    pub(crate) fn iteration(&self) {
+        self.iterations.increment(1);
+    }
+
+    /// One finished increment.
+    pub(crate) fn increment(&self, report: &StepReport) {
+        let termination = report.termination.name();
+        self.counter(INCREMENTS, &[("termination", termination)])
+            .increment(1);
+        self.histogram(SOLVE_SECONDS, &[("termination", termination)])
+            .record(report.seconds.total);
+        if let Some(cause) = report.cause {
+            self.counter(FAILURES, &[("cause", cause.name())])
+                .increment(1);
+        }
+        self.counter(CUT_BACKS, &[])
+            .increment(report.cut_backs.into());
+        self.counter(FACTORISATIONS, &[])
+            .increment(report.factorisations.into());
+        let seconds = &report.seconds;
+        for (phase, value) in [
+            ("prepare", seconds.prepare),
+            ("assemble", seconds.assemble),
+            ("factorise", seconds.factorise),
+            ("krylov", seconds.krylov),
+            ("contact", seconds.contact),
+        ] {
+            self.histogram(PHASE_SECONDS, &[("phase", phase)])
+                .record(value);
+        }
+        for (name, count) in [
+            (SQP_ITERATIONS, report.sqp_iterations),
+            (KRYLOV_ITERATIONS, report.krylov_iterations),
+            (APPLICATIONS, report.preconditioner_applications),
+            (SET_CHANGES, report.active_set_changes),
+            (CONTACT_VERTICES, report.active_vertices),
+        ] {
+            self.histogram(name, &[]).record(f64::from(count));
+        }
+    }
+
+    /// One finished step.
+    pub(crate) fn step(&self, termination: Termination) {
+        self.counter(STEPS, &[("termination", termination.name())])
+            .increment(1);
+    }
+
+    pub(crate) fn cancelled(&self, after: Duration) {
+        self.histogram(CANCEL_SECONDS, &[]).record(after);
+    }
+
+    pub(crate) fn cache_hit(&self, kind: Kind) {
+        self.counter(CACHE_HITS, &[("kind", kind.name())])
+            .increment(1);
+    }
+
+    pub(crate) fn cache_miss(&self, kind: Kind) {
+        self.counter(CACHE_MISSES, &[("kind", kind.name())])
+            .increment(1);
+    }
+
+    pub(crate) fn evicted(&self, kind: Kind) {
+        self.counter(CACHE_EVICTIONS, &[("kind", kind.name())])
+            .increment(1);
+    }
+
+    pub(crate) fn refused(&self, reason: &'static str) {
+        self.counter(REFUSED, &[("reason", reason)]).increment(1);
+    }
+
+    pub(crate) fn coalesced(&self, count: u64) {
+        self.counter(COALESCED, &[]).increment(count);
+    }
+
+    /// A step was answered without its solver thread.
+    pub(crate) fn left_behind(&self) {
+        self.counter(LEFT_BEHIND, &[]).increment(1);
+    }
+
+    pub(crate) fn queue_depth(&self, waiting: usize) {
+        self.set(QUEUE_DEPTH, waiting);
+    }
+
+    pub(crate) fn job_started(&self, waited: Duration) {
+        self.histogram(QUEUE_WAIT, &[]).record(waited);
+        self.gauge(SLOTS_BUSY, &[]).increment(1.0);
+    }
+
+    pub(crate) fn job_ended(&self) {
+        self.gauge(SLOTS_BUSY, &[]).decrement(1.0);
+    }
+
+    pub(crate) fn sessions(&self, count: usize) {
+        self.set(SESSIONS, count);
+    }
+
+    pub(crate) fn stream_opened(&self) {
+        self.gauge(STREAMS, &[]).increment(1.0);
+    }
+
+    pub(crate) fn stream_closed(&self) {
+        self.gauge(STREAMS, &[]).decrement(1.0);
+    }
+
+    /// What the store holds.
+    pub(crate) fn store(&self, meshes: usize, prepared: usize) {
+        self.set(MESHES, meshes);
+        self.set(PREPARED, prepared);
+    }
+
+    pub(crate) fn memory(&self, kind: Kind, bytes: u64) {
+        self.gauge(MEMORY, &[("kind", kind.name())])
+            .set(bytes as f64);
+    }
+
+    pub(crate) fn memory_budget(&self, bytes: u64) {
+        self.gauge(MEMORY_BUDGET, &[]).set(bytes as f64);
+    }
+
+    /// Series that dashboards and alerts ask for before anything happened.
+    fn show_from_the_start(&self) {
+        let version = [("version", env!("CARGO_PKG_VERSION"))];
+        self.gauge(BUILD_INFO, &version).set(1.0);
+        for (name, _) in GAUGES {
+            if ![BUILD_INFO, MEMORY].contains(&name) {
+                self.gauge(name, &[]).set(0.0);
+            }
+        }
+        for name in [CUT_BACKS, FACTORISATIONS, COALESCED, LEFT_BEHIND] {
+            self.counter(name, &[]).increment(0);
+        }
+        for termination in [Termination::Converged, Termination::NotConverged] {
+            self.counter(STEPS, &[("termination", termination.name())])
+                .increment(0);
+        }
+        self.counter(FAILURES, &[("cause", Cause::Stagnation.name())])
+            .increment(0);
+        for kind in [Kind::Mesh, Kind::Prepared] {
+            for name in [CACHE_HITS, CACHE_MISSES, CACHE_EVICTIONS] {
+                self.counter(name, &[("kind", kind.name())]).increment(0);
+            }
+        }
+    }
+
+    fn set(&self, name: &'static str, value: usize) {
+        self.gauge(name, &[]).set(value as f64);
+    }
+
+    fn counter(&self, name: &'static str, labels: &[(&'static str, &'static str)]) -> Counter {
+        self.recorder
+            .register_counter(&key(name, labels), &METADATA)
+    }
+
+    fn gauge(&self, name: &'static str, labels: &[(&'static str, &'static str)]) -> Gauge {
+        self.recorder.register_gauge(&key(name, labels), &METADATA)
+    }
+
+    fn histogram(&self, name: &'static str, labels: &[(&'static str, &'static str)]) -> Histogram {
+        self.recorder
+            .register_histogram(&key(name, labels), &METADATA)
+    }
+}
+
+const METADATA: Metadata<'static> =
+    Metadata::new(module_path!(), Level::INFO, Some(module_path!()));
+
+fn key(name: &'static str, labels: &[(&'static str, &'static str)]) -> Key {
+    let labels: Vec<Label> = labels
+        .iter()
+        .map(|(key, value)| Label::from_static_parts(key, value))
+        .collect();
+    Key::from_parts(name, labels)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn filled() -> Arc<Metrics> {
+        let metrics = Metrics::new().unwrap();
+        metrics.increment(&StepReport {
+            termination: Termination::Converged,
+            ..StepReport::default()
+        });
+        metrics.step(Termination::Converged);
+        metrics.cancelled(Duration::from_millis(1));
+        metrics.job_started(Duration::from_millis(1));
+        metrics.refused("QUEUE_FULL");
+        metrics.memory(Kind::Mesh, 1);
+        metrics.increment(&StepReport {
+            cause: Some(Cause::Stagnation),
+            ..StepReport::default()
+        });
+        metrics.iteration();
+        metrics
+    }
+
+    #[test]
+    fn every_histogram_has_buckets_and_every_metric_a_text() {
+        let page = filled().render();
+        assert!(!page.contains(" summary"), "{page}");
+        for (name, ..) in HISTOGRAMS {
+            assert!(page.contains(&format!("# TYPE {name} histogram")), "{name}");
+        }
+        for (name, _) in COUNTERS {
+            assert!(page.contains(&format!("# TYPE {name} counter")), "{name}");
+            assert!(name.ends_with("_total"));
+        }
+        for (name, _) in GAUGES {
+            assert!(page.contains(&format!("# TYPE {name} gauge")), "{name}");
+        }
+        let texts = page
+            .lines()
+            .filter(|line| line.starts_with("# HELP"))
+            .count();
+        assert_eq!(texts, HISTOGRAMS.len() + COUNTERS.len() + GAUGES.len());
+    }
+
+    #[test]
+    fn two_servers_of_one_process_do_not_mix() {
+        let (first, second) = (filled(), Metrics::new().unwrap());
+        assert!(first.render().contains("signorini_iterations_total 1"));
+        assert!(second.render().contains("signorini_iterations_total 0"));
+    }
+}

@@ -1,0 +1,48 @@
+//! What a session counts against the byte budget of the server: its state, its
+//! kept results, and those that only readers still hold. All numbers are bytes.
+
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use super::Actor;
+use crate::store::Reservation;
+
+impl Actor {
+    /// Counts what is held, and never less than was predicted: the solver's
+    /// scratch stays with the session. Where that does not fit, older results go.
+    pub(super) fn account(&mut self) {
+        let unread = self
+            .writer
+            .as_ref()
+            .map_or(0, |writer| writer.reader.outbox.unread_bytes());
+        let pinned = unread.saturating_sub(self.kept.bytes());
+        let beside = self.spec.own_bytes + pinned;
+        let state = self.state_bytes.max(self.predicted_rest());
+        let mut reservation = lock(&self.spec.reservation);
+        if let Err(lacking) = reservation.resize(beside + state + self.kept.bytes()) {
+            self.kept.free(lacking);
+            reservation.force(beside + state + self.kept.bytes());
+        }
+    }
+
+    /// The prediction without what is shared.
+    fn predicted_rest(&self) -> u64 {
+        let predicted = self.spec.plan.report().predicted_bytes;
+        predicted.saturating_sub(self.shared_bytes())
+    }
+
+    fn shared_bytes(&self) -> u64 {
+        let own = self.prepared.as_ref().map(|(lease, _)| lease);
+        let found = own.or(self.spec.prepared.as_ref());
+        found.map_or(0, |lease| lease.value().bytes())
+    }
+
+    /// What an increment may have to allocate: all but what is there already.
+    pub(super) fn scratch_bytes(&self) -> u64 {
+        self.predicted_rest().saturating_sub(self.state_bytes)
+    }
+}
+
+/// The reservation; whole even if a holder of the lock panicked.
+pub(super) fn lock(reservation: &Mutex<Reservation>) -> MutexGuard<'_, Reservation> {
+    reservation.lock().unwrap_or_else(PoisonError::into_inner)
+}

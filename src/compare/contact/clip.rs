@@ -1,0 +1,28 @@
+//! The way back to the admissible set, for methods whose steps may leave it.
+
+use crate::inequality::condensed::Condensed;
+use crate::inequality::{QpIterate, QpStatus};
+use crate::linalg::vector::largest;
+
+/// Violations this small against the largest multiplier are rounding.
+const ROUNDING: f64 = 1e-14;
+
+impl Condensed<'_, '_, '_> {
+    /// Projects multipliers on their set; one product where there is more to it than
+    /// rounding. Returns whether there was.
+    ///
+    /// # Errors
+    /// Why the inner solve failed.
+    pub(super) fn clip(&mut self, iterate: &mut QpIterate) -> Result<bool, QpStatus> {
+        let (set, place) = (self.contact().set, self.place());
+        let multiplier = &iterate.blocks[place].multiplier;
+        let mut excess = set.violation(multiplier);
+        excess.iter_mut().for_each(|value| *value = -*value);
+        let counts = largest(&excess) > ROUNDING * largest(multiplier);
+        if counts {
+            self.shift(iterate, &excess)?;
+        }
+        set.project(&mut iterate.blocks[place].multiplier);
+        Ok(counts)
+    }
+}

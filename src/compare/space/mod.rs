@@ -1,0 +1,3 @@
+//! Spaces that Taylor-Hood is compared with.
+
+pub(crate) mod enriched;

@@ -1,0 +1,212 @@
+//! The deformed faces of a contact surface, point by point of the rule: what every
+//! contact integral is made of.
+//!
+//! Faces run in parallel and write numbers of their own; whoever adds them up does
+//! so in the order of faces and points, so that the bits do not depend on the
+//! threads. Nothing is allocated for a face or a point.
+
+use rayon::prelude::*;
+
+use super::basis::ContactBasis;
+use super::counterpart::Counterpart;
+use super::face::ContactFace;
+use crate::assembly::load::shape_values;
+use crate::element::quadrature::Rule;
+use crate::mesh::Mesh;
+use crate::obstacle::{Contact, What};
+use crate::space::TaylorHood;
+
+/// Fewer faces are not worth a second thread.
+const PARALLEL_FACES: usize = 48;
+
+/// What every contact integral reads.
+#[derive(Clone, Copy)]
+pub struct Deformed<'a> {
+    /// The undeformed mesh, in the caller's lengths.
+    pub mesh: &'a Mesh,
+    /// Factor that brings mesh coordinates to the scaled body.
+    pub scale: f64,
+    /// Numbering of the displacement: vertices, then edges.
+    pub space: &'a TaylorHood,
+    /// Displacement in the hierarchical basis `[nodes, components]`, in units of the
+    /// scaled body.
+    pub displacement: &'a [f64],
+    /// Quadrature rule on the reference face; its weights add up to one.
+    pub rule: &'a Rule,
+}
+
+/// A rule with the values of all functions at its points: the same on every face.
+pub(super) struct Table<'a> {
+    /// The quadrature rule on the reference face.
+    pub(super) rule: &'a Rule,
+    /// Corners of a face: 3 in space, 2 in the plane.
+    pub(super) corners: usize,
+    /// Displacement nodes of a face: corners and edge midpoints, 6 in space, 3 in the
+    /// plane.
+    pub(super) nodes: usize,
+    /// Multiplier functions of a face: as many as its basis has.
+    pub(super) functions: usize,
+    /// Barycentric coordinates times the scale of the mesh `[points, corners]`.
+    scaled: Vec<f64>,
+    /// Values of the hierarchical P2 functions at the points of the rule, row-major
+    /// `[points, nodes]`.
+    shapes: Vec<f64>,
+    /// Values of the multiplier functions at the points of the rule, row-major
+    /// `[points, functions]`.
+    values: Vec<f64>,
+}
+
+impl<'a> Table<'a> {
+    /// Tabulates displacement and multiplier functions once: on the reference face they
+    /// are the same for every face.
+    pub(super) fn new(body: &Deformed<'a>, basis: &dyn ContactBasis) -> Self {
+        // A face of the body has as many corners as the body has dimensions.
+        let corners = body.space.components;
+        let functions = basis.functions(corners);
+        let rule = body.rule;
+        let mut values = vec![0.0; rule.len() * functions];
+        for (point, values) in rule.points.iter().zip(values.chunks_exact_mut(functions)) {
+            basis.values(&point[..corners], values);
+        }
+        let coordinates = rule.points.iter().flat_map(|point| &point[..corners]);
+        Self {
+            rule,
+            corners,
+            nodes: corners * (corners + 1) / 2,
+            functions,
+            scaled: coordinates.map(|l| l * body.scale).collect(),
+            shapes: (rule.points.iter())
+                .flat_map(|point| shape_values(&point[..corners]))
+                .collect(),
+            values,
+        }
+    }
+
+    /// Points of the rule.
+    pub(super) fn points(&self) -> usize {
+        self.rule.len()
+    }
+
+    /// Barycentric coordinates of a point `[corners]`.
+    pub(super) fn coordinates(&self, point: usize) -> &[f64] {
+        &self.rule.points[point][..self.corners]
+    }
+
+    /// Hierarchical P2 values at a point `[nodes]`.
+    pub(super) fn shapes(&self, point: usize) -> &[f64] {
+        &self.shapes[point * self.nodes..(point + 1) * self.nodes]
+    }
+
+    /// Multiplier functions at a point `[functions]`.
+    pub(super) fn values(&self, point: usize) -> &[f64] {
+        &self.values[point * self.functions..(point + 1) * self.functions]
+    }
+}
+
+/// The points of the rule on one deformed face; a thread fills its own again and
+/// again.
+pub(super) struct FacePoints<'a> {
+    /// The rule and the functions at its points.
+    pub(super) table: &'a Table<'a>,
+    /// Weight times undeformed area at each point `[points]`, so that a sum is an
+    /// integral.
+    pub(super) weights: Vec<f64>,
+    /// Deformed position x + u of each point `[points][3]`, in units of the scaled
+    /// body.
+    pub(super) deformed: Vec<[f64; 3]>,
+    /// What the obstacle is to each point `[points]`: distance, and normal and
+    /// curvature where asked for.
+    pub(super) contacts: Vec<Contact>,
+}
+
+impl<'a> FacePoints<'a> {
+    /// Room for the points of one face; a thread makes it once and fills it for every
+    /// face.
+    fn new(table: &'a Table<'a>) -> Self {
+        let points = table.points();
+        Self {
+            table,
+            weights: vec![0.0; points],
+            deformed: vec![[0.0; 3]; points],
+            contacts: vec![Contact::default(); points],
+        }
+    }
+
+    /// Moves to `face` of `body`.
+    fn place(&mut self, body: &Deformed<'_>, face: &ContactFace) {
+        let table = self.table;
+        let c = body.space.components;
+        self.deformed.fill([0.0; 3]);
+        let corners = self.deformed.iter_mut();
+        for (position, factors) in corners.zip(table.scaled.chunks_exact(table.corners)) {
+            for (&vertex, factor) in face.corners.iter().zip(factors) {
+                let corner = body.mesh.coordinates()[vertex as usize];
+                for i in 0..3 {
+                    position[i] += factor * corner[i];
+                }
+            }
+        }
+        for (slot, &node) in face.nodes.iter().enumerate() {
+            let mut moved = [0.0; 3];
+            let first = node as usize * c;
+            moved[..c].copy_from_slice(&body.displacement[first..first + c]);
+            for (point, position) in self.deformed.iter_mut().enumerate() {
+                let shape = table.shapes(point)[slot];
+                for i in 0..3 {
+                    position[i] += shape * moved[i];
+                }
+            }
+        }
+        let weights = self.weights.iter_mut().zip(&table.rule.weights);
+        for (point, (weight, share)) in weights.enumerate() {
+            *weight = share * face.area_at(table.coordinates(point));
+        }
+    }
+
+    /// Asks what `face` meets for `what` at all points.
+    pub(super) fn probe<C: Counterpart + ?Sized>(
+        &mut self,
+        counterpart: &C,
+        face: &ContactFace,
+        what: What,
+    ) {
+        counterpart.probe_on(face, &self.deformed, what, &mut self.contacts);
+    }
+
+    /// Deepest penetration at a point, zero without any.
+    pub(super) fn deepest(&self) -> f64 {
+        let depths = self.contacts.iter().map(|contact| -contact.distance);
+        depths.fold(0.0, f64::max)
+    }
+
+    /// lambda at a point, from that of all multipliers of the surface.
+    pub(super) fn pressure(&self, face: &ContactFace, point: usize, pressure: &[f64]) -> f64 {
+        let values = face.multipliers.iter().zip(self.table.values(point));
+        values.map(|(&m, value)| value * pressure[m as usize]).sum()
+    }
+}
+
+impl Deformed<'_> {
+    /// Runs `kernel` on each of `faces`, in parallel where they are many; it fills
+    /// the `size` numbers of its face, zero before, in the result `[faces, size]`.
+    pub(super) fn on_faces(
+        &self,
+        table: &Table<'_>,
+        faces: &[ContactFace],
+        size: usize,
+        kernel: impl Fn(&mut FacePoints<'_>, &ContactFace, &mut [f64]) + Sync,
+    ) -> Vec<f64> {
+        let mut out = vec![0.0; faces.len() * size];
+        let numbers = out.par_chunks_mut(size.max(1));
+        (faces.par_iter().zip(numbers))
+            .with_min_len(PARALLEL_FACES)
+            .for_each_init(
+                || FacePoints::new(table),
+                |points, (face, numbers)| {
+                    points.place(self, face);
+                    kernel(points, face, numbers);
+                },
+            );
+        out
+    }
+}

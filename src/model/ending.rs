@@ -1,0 +1,51 @@
+//! How an increment ended: what the report says of the solve beside the state.
+//!
+//! Residuals are relative to the load or the first residual, penetration is in units of
+//! the scaled body. An increment that does not converge ends with its last good state and
+//! the residuals of that state.
+
+use crate::report::{Cause, Residuals, Stability, Termination};
+
+/// The estimated error of the displacement.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Estimate {
+    /// theta, the energy norm of the error over that of the displacement.
+    pub(crate) relative: f64,
+    /// Energy norm of the displacement with the error included, non-dimensional.
+    pub(crate) norm: f64,
+}
+
+/// How an increment ended.
+#[derive(Clone, Debug)]
+pub(crate) struct Ending {
+    /// Whether the increment converged, was stopped or failed.
+    pub(crate) termination: Termination,
+    /// Why it did not converge; none where it did.
+    pub(crate) cause: Option<Cause>,
+    /// The four residuals at the state kept.
+    pub(crate) residuals: Residuals,
+    /// Deepest penetration at a point of the rule, in units of the scaled body.
+    pub(crate) max_penetration: f64,
+    /// Norm of the force that counts as one in the equilibrium residual,
+    /// non-dimensional.
+    pub(crate) force_scale: f64,
+    /// Bound on the residuals that counted: that of the scene, or of the
+    /// discretisation.
+    pub(crate) tolerance: f64,
+    /// Of the discretisation error, where the increment's end depended on it.
+    pub(crate) estimate: Option<Estimate>,
+    /// What kind of equilibrium it is, where one was reached and certified.
+    pub(crate) stability: Option<Stability>,
+}
+
+impl Ending {
+    /// Whether something outside the solver ended it.
+    pub(crate) fn is_stopped(&self) -> bool {
+        match self.termination {
+            Termination::Converged | Termination::NotConverged => false,
+            Termination::Cancelled | Termination::DeadlineExceeded | Termination::InternalError => {
+                true
+            }
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! Residuals of the nonlinear problem at a state, and the four criteria:
+//!
+//! ```text
+//! f - A u - B^T p - C(u)^T l,   -(B u - S p),   g(u),   l g(u)
+//! ```
+//!
+//! Non-dimensional, hierarchical; held rows are zero. Cost: one product with the
+//! operator and the contact integrals.
+
+use super::Model;
+use super::counters::timed;
+use super::held::{mask, norm_of};
+use super::internal::internal;
+use super::pressures::add_pressures;
+use super::state::State;
+use crate::contact::gap::linearise;
+use crate::inequality::QpScales;
+use crate::linalg::vector::{add_scaled, dot, norm, ratio};
+use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, Workspace};
+use crate::report::{Residuals, Seconds};
+use crate::saddle::{ProductSet, SetPart, SetPoint};
+
+/// Residuals at a state.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Evaluation {
+    /// Free rows of f - A u - B^T p - C^T l `[displacement]`, non-dimensional; held
+    /// rows are zero.
+    pub(crate) force: Vec<f64>,
+    /// Residual of the volume constraint, -(B u - S p) `[pressures]`, non-dimensional.
+    pub(crate) constraint: Vec<f64>,
+    /// Weighted gap `[multipliers]`, length^dimension of the scaled body; those of
+    /// guides besides.
+    pub(crate) gap: Vec<f64>,
+    /// C = -dg/du on free columns `[multipliers, displacement]`.
+    pub(crate) coupling: SparseRows,
+    /// Where the multipliers may be, part by part in their order.
+    pub(crate) sets: Vec<SetPart<'static>>,
+    /// Norm of the external load on free rows, non-dimensional.
+    pub(crate) load_norm: f64,
+    /// Norm of the contact load on free rows, non-dimensional.
+    pub(crate) contact_norm: f64,
+    /// Norm of the reactions, where supports prescribe a motion.
+    pub(crate) reaction_norm: f64,
+    /// Deepest penetration at a point of the rule, in units of the scaled body.
+    pub(crate) max_penetration: f64,
+    /// Least J at the points of the rule; none for linear bodies.
+    pub(crate) least_jacobian: Option<f64>,
+}
+
+/// Residuals of `state` under its drive. Gaps are booked as contact, the body as
+/// assembly.
+pub(crate) fn evaluate(
+    model: &Model<'_>,
+    state: &State,
+    seconds: &mut Seconds,
+    work: &mut Workspace,
+) -> Evaluation {
+    let mut out = Evaluation::default();
+    timed(&mut seconds.contact, || add_contact(model, state, &mut out));
+    timed(&mut seconds.assemble, || {
+        add_body(model, state, &mut out, work);
+    });
+    out
+}
+
+/// Adds the residuals of force and volume to gaps and coupling.
+fn add_body(model: &Model<'_>, state: &State, out: &mut Evaluation, work: &mut Workspace) {
+    let held = &model.prepared.held;
+    let mut force = external_force(model, state);
+    mask(held, &mut force);
+    out.load_norm = norm(&force);
+    let inside = internal(model, state, work);
+    add_scaled(&mut force, -1.0, &inside.force);
+    if !state.multiplier.is_empty() {
+        let mut contact = work.scratch(force.len());
+        out.coupling
+            .apply_transposed(&state.multiplier, &mut contact, work);
+        out.contact_norm = norm(&contact);
+        add_scaled(&mut force, -1.0, &contact);
+        work.give(contact);
+    }
+    if state.drive.moves_supports() {
+        out.reaction_norm = norm_of(held, &force);
+    }
+    mask(held, &mut force);
+    out.force = force;
+    out.constraint = inside.constraint;
+    out.least_jacobian = inside.response.map(|response| response.least_jacobian);
+}
+
+/// Dead loads and follower pressures at the state's load factor, all rows.
+fn external_force(model: &Model<'_>, state: &State) -> Vec<f64> {
+    let load = state.drive.load;
+    let mut force = model.load.to_vec();
+    force.iter_mut().for_each(|value| *value *= load);
+    add_pressures(model, &state.displacement, load, &mut force);
+    force
+}
+
+/// Adds weighted gaps and their coupling.
+fn add_contact(model: &Model<'_>, state: &State, out: &mut Evaluation) {
+    let body = model.deformed(&state.displacement);
+    let mut builder = SparseRowsBuilder::new(state.displacement.len());
+    out.sets.clone_from(&model.interfaces.sets);
+    for (interface, met) in model.placed(&state.drive) {
+        let held = &model.prepared.is_held;
+        let mut part = linearise(&body, &interface.surface, &met, held);
+        for &multiplier in &interface.idle {
+            part.gap[multiplier as usize] = 0.0;
+            part.rows[multiplier as usize].clear();
+        }
+        out.gap.append(&mut part.gap);
+        if interface.is_contact() {
+            out.max_penetration = out.max_penetration.max(part.max_penetration);
+        }
+        part.rows.iter_mut().for_each(|row| builder.push_row(row));
+    }
+    if !model.admitted_penetration.is_empty() {
+        add_scaled(&mut out.gap, 1.0, &model.admitted_penetration);
+    }
+    out.coupling = builder.finish();
+}
+
+impl Evaluation {
+    /// Norm of what is wrong with the gaps: negative, or open under pressure.
+    pub(crate) fn gap_norm(&self, state: &State) -> f64 {
+        let wrong = self.contact_set().misfit(SetPoint {
+            multiplier: &state.multiplier,
+            residual: &self.gap,
+            status: &state.status,
+        });
+        let square: f64 = wrong.iter().map(|g| g * g).sum();
+        square.sqrt()
+    }
+
+    /// Where the contact pressures may be.
+    pub(crate) fn contact_set(&self) -> ProductSet<'_> {
+        ProductSet::Parts(&self.sets)
+    }
+
+    /// Scale of the force residual: the largest load at hand. A prescribed
+    /// motion loads the body by its reactions.
+    pub(crate) fn force_scale(&self, first: f64) -> f64 {
+        self.load_norm
+            .max(self.contact_norm)
+            .max(self.reaction_norm)
+            .max(first)
+    }
+
+    /// The four criteria.
+    pub(crate) fn residuals(
+        &self,
+        state: &State,
+        first_force: f64,
+        scales: &QpScales,
+    ) -> Residuals {
+        let pressure_norm = norm(&state.multiplier);
+        let products = self
+            .gap
+            .iter()
+            .zip(&state.multiplier)
+            .map(|(g, l)| (g * l).abs());
+        let negative = self.contact_set().violation(&state.multiplier);
+        Residuals {
+            equilibrium: ratio(norm(&self.force), self.force_scale(first_force)),
+            incompressibility: ratio(norm(&self.constraint), scales.constraint),
+            complementarity: ratio(products.sum(), pressure_norm * scales.gap)
+                + ratio(dot(&negative, &negative).sqrt(), pressure_norm),
+            gap: ratio(self.gap_norm(state), scales.gap),
+        }
+    }
+}

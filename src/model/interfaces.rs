@@ -1,0 +1,312 @@
+//! The surfaces of the body that carry multipliers, with what each of them meets:
+//! candidate surfaces with their obstacles, then the smooth patches that supports hold
+//! along their normal. The multipliers of all of them stand one after the other.
+//!
+//! ```text
+//! multipliers:  obstacle 1 | obstacle 2 | ... | patch 1 of support 1 | patch 2 | ...
+//! sets:         NonNegative ............... | Free ...........................
+//! ```
+//!
+//! Obstacles have hats at the vertices, patches quadratic functions at all nodes. What a
+//! surface meets is placed by a drive; the surface itself never moves, since all integrals
+//! are over the undeformed body. Cost: one pass over the faces.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::drive::Drive;
+use super::state::State;
+use super::surface_metric::SurfaceMetric;
+use crate::contact::basis::Bernstein;
+use crate::contact::patches::outward;
+use crate::contact::{ContactFace, ContactSurface, Counterpart, Guide};
+use crate::element::quadrature::{Rule, Simplex, rule};
+use crate::geometry::RigidMotion;
+use crate::mesh::Mesh;
+use crate::obstacle::{Contact, Moving, Obstacle, What};
+use crate::plan::Plan;
+use crate::saddle::{AdmissibleSet, SetPart};
+use crate::scene::validate::{ResolvedObstacle, ResolvedSupport};
+use crate::space::TaylorHood;
+
+/// Degree of the rule on contact faces: the distance to a curved obstacle
+/// along a quadratic face is integrated to far below the tolerance.
+const CONTACT_DEGREE: u32 = 8;
+/// Component of a unit normal that counts as one.
+const HELD_ALONG: f64 = 1e-9;
+
+/// A surface with multipliers and what it meets.
+#[derive(Debug)]
+pub(crate) struct Interface {
+    /// Name of the obstacle or the support that the surface belongs to.
+    pub(crate) name: String,
+    /// Faces and multipliers of the surface.
+    pub(crate) surface: ContactSurface,
+    /// Facets of the mesh that the surface is made of.
+    pub(crate) facets: Vec<u32>,
+    /// Multipliers, counted within the surface, that hold nothing: other supports hold
+    /// the component already.
+    pub(crate) idle: Vec<u32>,
+    /// What the surface meets, without its pose.
+    pub(crate) role: Role,
+    /// Number of the first multiplier among those of all interfaces.
+    pub(crate) offset: usize,
+}
+
+/// What a surface meets.
+#[derive(Clone, Debug)]
+pub(crate) enum Role {
+    /// An obstacle, which the surface may touch from one side and leave.
+    Contact(Arc<dyn Obstacle>),
+    /// The support of that number, which holds the normal component.
+    Support(usize),
+}
+
+/// What a surface meets, where a drive has it.
+#[derive(Clone, Debug)]
+pub(crate) enum Placed {
+    /// An obstacle in its pose, non-dimensional.
+    Obstacle(Moving),
+    /// The planes of the faces, moved with their support.
+    Guide(Guide),
+}
+
+impl Placed {
+    /// The obstacle; none where a support holds the surface.
+    pub(crate) fn obstacle(&self) -> Option<&Moving> {
+        match self {
+            Self::Obstacle(obstacle) => Some(obstacle),
+            Self::Guide(_) => None,
+        }
+    }
+}
+
+impl Counterpart for Placed {
+    fn probe_on(&self, face: &ContactFace, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
+        match self {
+            Self::Obstacle(obstacle) => obstacle.probe_on(face, points, what, out),
+            Self::Guide(guide) => guide.probe_on(face, points, what, out),
+        }
+    }
+}
+
+impl Interface {
+    /// Its multipliers among all.
+    pub(crate) fn range(&self) -> Range<usize> {
+        self.offset..self.offset + self.surface.multipliers()
+    }
+
+    /// Whether an obstacle meets the surface, from one side.
+    pub(crate) fn is_contact(&self) -> bool {
+        matches!(self.role, Role::Contact(_))
+    }
+
+    /// Whether what the surface meets has no curvature, so that its tangent needs none.
+    fn is_flat(&self) -> bool {
+        match &self.role {
+            Role::Contact(shape) => shape.is_flat(),
+            Role::Support(_) => true,
+        }
+    }
+
+    /// Its multipliers and where they may be.
+    fn set_part(&self) -> SetPart<'static> {
+        SetPart {
+            size: self.surface.multipliers(),
+            set: match self.role {
+                Role::Contact(_) => AdmissibleSet::NonNegative,
+                Role::Support(_) => AdmissibleSet::Free,
+            },
+        }
+    }
+}
+
+/// All interfaces of a scene: of obstacles, in the order of the plan, then of supports.
+#[derive(Debug)]
+pub(crate) struct Interfaces {
+    /// The interfaces, their multipliers one after the other.
+    pub(crate) list: Vec<Interface>,
+    /// Quadrature rule on the reference face, the same for all of them.
+    pub(crate) rule: Rule,
+    /// Where the multipliers may be, one part an interface, in their order.
+    pub(crate) sets: Vec<SetPart<'static>>,
+    /// What a metric takes from the undeformed surfaces.
+    pub(crate) metric: SurfaceMetric,
+}
+
+impl Interfaces {
+    /// Those of `plan`.
+    pub(crate) fn new(plan: &Plan, mesh: &Mesh, space: &TaylorHood) -> Self {
+        let obstacles = plan.obstacles.iter();
+        let contacts = obstacles.map(|obstacle| of_obstacle(plan, mesh, space, obstacle));
+        let supports = plan.resolved.supports.iter().enumerate();
+        let guides = supports.flat_map(|(index, support)| {
+            let patches = support.patches.iter();
+            patches.map(move |patch| of_patch(plan, mesh, space, (index, support, patch)))
+        });
+        let mut list: Vec<Interface> = contacts.chain(guides).collect();
+        let mut offset = 0;
+        for interface in &mut list {
+            interface.offset = offset;
+            offset += interface.surface.multipliers();
+        }
+        let simplex = match plan.units.dimension {
+            2 => Simplex::Segment,
+            _ => Simplex::Triangle,
+        };
+        let surfaces = list.iter().map(|one| (one.offset, &one.surface));
+        let surfaces: Vec<(usize, &ContactSurface)> = surfaces.collect();
+        Self {
+            sets: sets(&list),
+            metric: SurfaceMetric::new(plan, mesh, &surfaces),
+            list,
+            rule: rule(simplex, CONTACT_DEGREE),
+        }
+    }
+
+    /// Number of multipliers of obstacles that are at work.
+    pub(crate) fn contacts_at_work(&self, state: &State) -> usize {
+        let contacts = self.list.iter().filter(|interface| interface.is_contact());
+        let status = contacts.flat_map(|interface| &state.status[interface.range()]);
+        status.filter(|status| status.is_closed()).count()
+    }
+
+    /// Whether every gap is linear in the displacement.
+    pub(crate) fn are_flat(&self) -> bool {
+        self.list.iter().all(Interface::is_flat)
+    }
+
+    /// The obstacles in the poses of `drive`, non-dimensional.
+    pub(crate) fn obstacles(&self, drive: &Drive, length: f64) -> Vec<Moving> {
+        let shapes = self
+            .list
+            .iter()
+            .filter_map(|interface| match &interface.role {
+                Role::Contact(shape) => Some(shape),
+                Role::Support(_) => None,
+            });
+        let poses = shapes.zip(&drive.poses);
+        poses
+            .map(|(shape, pose)| {
+                let translation = pose.translation.map(|x| x / length);
+                Moving::new(shape.clone(), translation, pose.rotation)
+            })
+            .collect()
+    }
+
+    /// Every surface with what it meets where `drive` has it, in the order of the
+    /// multipliers; `length` is the body's.
+    pub(crate) fn placed(
+        &self,
+        drive: &Drive,
+        length: f64,
+    ) -> impl Iterator<Item = (&Interface, Placed)> {
+        let obstacles = self
+            .obstacles(drive, length)
+            .into_iter()
+            .map(Placed::Obstacle);
+        let guides = self
+            .list
+            .iter()
+            .filter_map(|interface| match interface.role {
+                Role::Contact(_) => None,
+                Role::Support(index) => Some(Placed::Guide(guide(drive, index, length))),
+            });
+        let guides: Vec<Placed> = guides.collect();
+        self.list.iter().zip(obstacles.chain(guides))
+    }
+}
+
+/// Equal sets one behind the other as one part.
+fn sets(list: &[Interface]) -> Vec<SetPart<'static>> {
+    let mut parts: Vec<SetPart<'static>> = Vec::new();
+    for part in list.iter().map(Interface::set_part) {
+        match parts.last_mut() {
+            Some(last) if last.set == part.set => last.size += part.size,
+            _ => parts.push(part),
+        }
+    }
+    parts
+}
+
+/// The candidate surface of one obstacle, its multipliers at the vertices.
+fn of_obstacle(
+    plan: &Plan,
+    mesh: &Mesh,
+    space: &TaylorHood,
+    obstacle: &ResolvedObstacle,
+) -> Interface {
+    let facets = obstacle.facets.iter();
+    let facets: Vec<Vec<u32>> = facets.map(|&f| mesh.facet(f as usize).to_vec()).collect();
+    Interface {
+        name: obstacle.name.clone(),
+        surface: surface(plan, mesh, space, &facets),
+        facets: obstacle.facets.clone(),
+        idle: Vec::new(),
+        role: Role::Contact(obstacle.shape.clone()),
+        offset: 0,
+    }
+}
+
+/// With quadratic multipliers: they hold every node of the displacement.
+fn of_patch(
+    plan: &Plan,
+    mesh: &Mesh,
+    space: &TaylorHood,
+    (index, support, patch): (usize, &ResolvedSupport, &Vec<u32>),
+) -> Interface {
+    let facets: Vec<Vec<u32>> = patch.iter().map(|&f| outward(mesh, f)).collect();
+    let surface = surface(plan, mesh, space, &facets).with_basis(&Bernstein);
+    Interface {
+        name: support.name.clone(),
+        idle: idle(plan, &surface, space.components),
+        surface,
+        facets: patch.clone(),
+        role: Role::Support(index),
+        offset: 0,
+    }
+}
+
+/// The contact surface of those facets `[facets][vertices]`, with the measure of the
+/// scene's geometry.
+fn surface(plan: &Plan, mesh: &Mesh, space: &TaylorHood, facets: &[Vec<u32>]) -> ContactSurface {
+    let scale = plan.units.coordinate_scale;
+    match plan.is_axisymmetric() {
+        true => ContactSurface::about_axis(mesh, space, scale, facets),
+        false => ContactSurface::new(mesh, space, scale, facets),
+    }
+}
+
+/// The guide of a support where `drive` has it, non-dimensional.
+fn guide(drive: &Drive, support: usize, length: f64) -> Guide {
+    let motion = drive.motions.get(support).copied().unwrap_or_default();
+    let motion = RigidMotion {
+        translation: motion.translation.map(|x| x / length),
+        about: motion.about.map(|x| x / length),
+        ..motion
+    };
+    let value = drive.supports.get(support).map_or(0.0, |values| values[0]);
+    Guide::new(motion, value / length)
+}
+
+/// Multipliers of a patch that hold nothing: at nodes whose normals components of other
+/// supports hold already.
+fn idle(plan: &Plan, surface: &ContactSurface, components: usize) -> Vec<u32> {
+    let is_held = |unknown: u32| {
+        let held = plan
+            .held
+            .binary_search_by_key(&unknown, |(unknown, _)| *unknown);
+        held.is_ok()
+    };
+    let mut is_idle = vec![true; surface.multipliers()];
+    for face in &surface.faces {
+        for &multiplier in &face.multipliers {
+            let node = surface.carriers[multiplier as usize];
+            let mut along = (0..components).filter(|&i| face.normal[i].abs() > HELD_ALONG);
+            is_idle[multiplier as usize] &=
+                along.all(|i| is_held(node * components as u32 + i as u32));
+        }
+    }
+    let multipliers = 0..surface.multipliers() as u32;
+    multipliers.filter(|&m| is_idle[m as usize]).collect()
+}

@@ -1,0 +1,88 @@
+//! The body at a state: what drives it, its obstacles and loads, and the residuals
+//!
+//! ```text
+//! f - A u - B^T p - C(u)^T l,   -(B u - S p),   g(u)
+//! ```
+//!
+//! Everything is non-dimensional inside but for [`drive`], which speaks the caller's
+//! units. Nothing here solves anything.
+
+pub(crate) mod counters;
+pub(crate) mod drive;
+pub(crate) mod ending;
+pub(crate) mod evaluate;
+pub(crate) mod held;
+pub(crate) mod interfaces;
+pub(crate) mod internal;
+pub(crate) mod loads;
+pub(crate) mod prescribed;
+pub(crate) mod pressures;
+pub(crate) mod state;
+pub(crate) mod surface_metric;
+pub(crate) mod tangent;
+pub(crate) mod values;
+
+use std::sync::Arc;
+
+use crate::contact::gap::Deformed;
+use crate::mesh::Mesh;
+use crate::plan::Plan;
+use crate::prepare::TaylorHoodData;
+use drive::Drive;
+use interfaces::{Interface, Interfaces, Placed};
+
+/// The body on its obstacles, as everything reads it that solves for a state or
+/// reports one. Cheap to clone.
+#[derive(Clone)]
+pub(crate) struct Model<'a> {
+    /// Decisions, resolved names and units of the scene.
+    pub(crate) plan: &'a Plan,
+    /// The checked mesh of the plan, undeformed.
+    pub(crate) mesh: &'a Mesh,
+    /// Operators and approximate inverses at rest, shared by all sessions.
+    pub(crate) prepared: &'a TaylorHoodData,
+    /// Surfaces with multipliers, and the obstacles or supports that they meet.
+    pub(crate) interfaces: &'a Interfaces,
+    /// Dead load at load factor one `[displacement unknowns]`.
+    pub(crate) load: &'a [f64],
+    /// Weighted penetration that is still let be while a body is pushed out of an
+    /// obstacle `[multipliers]`; empty where none is.
+    pub(crate) admitted_penetration: Arc<[f64]>,
+    /// Bound on all four residuals; looser for a while where the discretisation sets
+    /// it.
+    pub(crate) tolerance: f64,
+}
+
+impl<'a> Model<'a> {
+    /// Whether one quadratic program solves an increment: a linear body whose gaps are
+    /// linear too.
+    pub(crate) fn is_linear(&self) -> bool {
+        !self.is_rubber() && self.interfaces.are_flat()
+    }
+
+    /// Whether the body is of finite strain.
+    pub(crate) fn is_rubber(&self) -> bool {
+        self.prepared.strain.is_some()
+    }
+
+    /// The body deformed by `displacement` `[displacement unknowns]`, for contact
+    /// integrals.
+    pub(crate) fn deformed<'b>(&self, displacement: &'b [f64]) -> Deformed<'b>
+    where
+        'a: 'b,
+    {
+        Deformed {
+            mesh: self.mesh,
+            scale: self.plan.units.coordinate_scale,
+            space: &self.prepared.space,
+            displacement,
+            rule: &self.interfaces.rule,
+        }
+    }
+
+    /// Every surface with what it meets where `drive` has it, in the order of the
+    /// multipliers.
+    pub(crate) fn placed(&self, drive: &Drive) -> impl Iterator<Item = (&'a Interface, Placed)> {
+        self.interfaces.placed(drive, self.plan.units.length)
+    }
+}

@@ -1,0 +1,77 @@
+//! What a session is at between two increments: fields, multipliers, what drives them
+//! and the scales of their residuals. It is the checkpoint: a session that starts from
+//! it goes on with the same bits. What the solver has learnt on the way stands apart,
+//! in `sqp::learned`.
+
+use std::sync::Arc;
+
+use super::drive::Drive;
+use crate::assembly::strain::StrainGrid;
+use crate::inequality::QpScales;
+use crate::plan::Plan;
+use crate::prepare::TaylorHoodData;
+use crate::saddle::Status;
+
+/// The state, non-dimensional but for the drive.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct State {
+    /// Hierarchical displacement `[nodes * components]`.
+    pub(crate) displacement: Vec<f64>,
+    /// Pressure `[vertices]`; empty for displacement forms.
+    pub(crate) pressure: Vec<f64>,
+    /// Contact pressure of all obstacles, one after the other `[multipliers]`.
+    pub(crate) multiplier: Vec<f64>,
+    /// What each multiplier does `[multipliers]`; those of supports are always closed.
+    pub(crate) status: Vec<Status>,
+    /// Load factor, poses and prescribed motions that the fields belong to.
+    pub(crate) drive: Drive,
+    /// Scales of the residual blocks that have no load of their own.
+    pub(crate) scales: QpScales,
+    /// Scale of the force residual when the present drive was reached.
+    pub(crate) force_scale: f64,
+    /// Weight of the volume term of rubber, in shear moduli; zero without it.
+    pub(crate) penalty: f64,
+}
+
+impl State {
+    /// At rest, with nothing driving the body.
+    pub(crate) fn undeformed(plan: &Plan) -> Self {
+        let unknowns = plan.unknowns();
+        Self {
+            displacement: vec![0.0; unknowns.displacement as usize],
+            pressure: vec![0.0; unknowns.pressure as usize],
+            multiplier: vec![0.0; unknowns.contact as usize],
+            status: statuses_at_rest(plan),
+            drive: Drive::undeformed(plan),
+            scales: QpScales::default(),
+            force_scale: 0.0,
+            penalty: match plan.resolved.is_rubber() {
+                true => plan.first_penalty(),
+                false => 0.0,
+            },
+        }
+    }
+
+    /// Cells of finite strain with the present volume term; none for linear bodies.
+    pub(crate) fn cells(&self, prepared: &TaylorHoodData) -> Option<Arc<StrainGrid>> {
+        let cells = prepared.strain.as_ref()?;
+        Some(match self.penalty > 0.0 {
+            true => Arc::new(cells.penalised(self.penalty)),
+            false => cells.clone(),
+        })
+    }
+
+    /// Bytes held.
+    pub(crate) fn bytes(&self) -> u64 {
+        let numbers = self.displacement.len() + self.pressure.len() + self.multiplier.len();
+        (8 * numbers + self.status.len()) as u64
+    }
+}
+
+/// Open where an obstacle is met, closed where a support holds the normal component.
+fn statuses_at_rest(plan: &Plan) -> Vec<Status> {
+    let mut statuses = vec![Status::Stick; plan.unknowns().contact as usize];
+    let contacts = statuses.len() - plan.guided_multipliers;
+    statuses[..contacts].fill(Status::Open);
+    statuses
+}

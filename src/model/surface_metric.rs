@@ -1,0 +1,82 @@
+//! What metrics of the contact pressure take from the undeformed surfaces: mass and
+//! fractional Laplacian, made once in a session.
+//!
+//! Shapes `[multipliers, multipliers]`, block by block. Cost: a dense eigenproblem for
+//! the fractional metric, the entries for the mass.
+
+use crate::contact::ContactSurface;
+use crate::contact::surface_metric::{add_laplacian, add_mass};
+use crate::linalg::DenseMatrix;
+use crate::mesh::Mesh;
+use crate::plan::Plan;
+use crate::precond::fractional::fractional;
+use crate::scene::MetricKind;
+
+/// What a metric takes from the undeformed surfaces; empty where the plan needs
+/// none of it.
+#[derive(Debug, Default)]
+pub(crate) struct SurfaceMetric {
+    /// Surface matrix of all interfaces block by block `[multipliers, multipliers]`, up
+    /// to a factor that the linearisation finds.
+    pub(crate) matrix: DenseMatrix,
+    /// Integral of each multiplier function over its undeformed surface
+    /// `[multipliers]`, area of the scaled body.
+    pub(crate) weights: Vec<f64>,
+}
+
+impl SurfaceMetric {
+    /// Of surfaces with their first multipliers.
+    pub(crate) fn new(plan: &Plan, mesh: &Mesh, list: &[(usize, &ContactSurface)]) -> Self {
+        let (method, kind) = (plan.contact.method, plan.contact.metric);
+        let mut surface = Self::default();
+        if method.reads_weights() {
+            let weights = list.iter().flat_map(|(_, surface)| &surface.weights);
+            surface.weights = weights.copied().collect();
+        }
+        let size: usize = list.iter().map(|(_, one)| one.multipliers()).sum();
+        match kind {
+            MetricKind::Mass if method.needs_dense(kind) => {
+                surface.matrix = DenseMatrix::zeros(size, size);
+                for &(offset, one) in list {
+                    add_mass(one, offset, &mut surface.matrix);
+                }
+            }
+            MetricKind::Fractional => {
+                surface.matrix = DenseMatrix::zeros(size, size);
+                for &one in list {
+                    surface.add_fractional(plan, mesh, one);
+                }
+            }
+            MetricKind::Compliance | MetricKind::Mass => (),
+        }
+        surface
+    }
+
+    /// The block of one surface. It stays zero, which no factor accepts, where the
+    /// surface has no area.
+    fn add_fractional(
+        &mut self,
+        plan: &Plan,
+        mesh: &Mesh,
+        (offset, surface): (usize, &ContactSurface),
+    ) {
+        let size = surface.multipliers();
+        let mut mass = DenseMatrix::zeros(size, size);
+        add_mass(surface, 0, &mut mass);
+        let mut laplacian = DenseMatrix::zeros(size, size);
+        let coordinates = plan.units.coordinate_scale;
+        add_laplacian(surface, mesh, coordinates, 0, &mut laplacian);
+        let area: f64 = surface.weights.iter().sum();
+        let extent = match plan.units.extents {
+            2 => area * area,
+            _ => area,
+        };
+        let Ok(block) = fractional(&mass, laplacian, extent) else {
+            return;
+        };
+        for j in 0..size {
+            let column = self.matrix.column_mut(offset + j);
+            column[offset..offset + size].copy_from_slice(block.column(j));
+        }
+    }
+}

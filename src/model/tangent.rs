@@ -1,0 +1,126 @@
+//! The tangent of a body of finite strain at one state, and the motion of its
+//! supports that is still to come.
+//!
+//! ```text
+//! A = d(internal force)/du,   B = -d(volume)/du
+//! ```
+//!
+//! A `[displacement, displacement]` acts without being assembled, from what the state left
+//! at the quadrature points; B is `[pressures, displacement]`. Cost: one pass over the
+//! cells to linearise, one for each product.
+
+use std::sync::Arc;
+
+use crate::assembly::Constrained;
+use crate::assembly::grid::{Basis, Rows};
+use crate::assembly::strain::{Linearised, TangentBody, TangentDivergence, TangentStiffness};
+use crate::contact::gap::evaluate_gaps;
+use crate::linalg::Workspace;
+use crate::linalg::vector::add_scaled;
+use crate::model::Model;
+use crate::model::drive::Drive;
+use crate::model::evaluate::Evaluation;
+use crate::model::held::mask;
+use crate::model::state::State;
+
+/// A and B about one state.
+pub(crate) struct Tangent {
+    /// A with held rows and columns the identity `[displacement, displacement]`.
+    pub(crate) stiffness: Constrained<TangentStiffness>,
+    /// B about the state, held columns left out `[pressures, displacement]`.
+    pub(crate) coupling: TangentDivergence,
+    /// The body's own part of A, without pressures and contact, whose block diagonal
+    /// the inverse is made from.
+    pub(crate) body: Constrained<TangentBody>,
+}
+
+impl Tangent {
+    /// About the present state, written over `linearised`; none for a linear body.
+    pub(crate) fn new(
+        model: &Model<'_>,
+        state: &State,
+        linearised: &mut Arc<Linearised>,
+        work: &mut Workspace,
+    ) -> Option<Self> {
+        let cells = state.cells(model.prepared)?;
+        // In place once the tangent before is gone.
+        let at = Arc::make_mut(linearised);
+        cells.linearise((&state.displacement, &state.pressure), at, work);
+        let at = linearised.clone();
+        let (size, vertices) = (state.displacement.len(), state.pressure.len());
+        let held = model.prepared.held.clone();
+        Some(Self {
+            stiffness: Constrained {
+                free: TangentStiffness {
+                    cells: cells.clone(),
+                    at: at.clone(),
+                    basis: Basis::Hierarchical,
+                    volumetric: 0.0,
+                    size,
+                },
+                held: held.clone(),
+            },
+            coupling: TangentDivergence {
+                cells: cells.clone(),
+                at: at.clone(),
+                vertices,
+                size,
+            },
+            body: Constrained {
+                free: TangentBody {
+                    cells,
+                    at,
+                    vertices,
+                    size,
+                },
+                held,
+            },
+        })
+    }
+
+    /// `evaluation` of `state` after the held entries have moved by `motion`, to first
+    /// order inside the body.
+    pub(crate) fn after(
+        &self,
+        motion: &[f64],
+        (model, state): (&Model<'_>, &State),
+        evaluation: &Evaluation,
+        work: &mut Workspace,
+    ) -> Evaluation {
+        let mut moved = evaluation.clone();
+        let pressure = work.zeros(state.pressure.len());
+        let mut force = work.scratch(motion.len());
+        let mut volume = work.scratch(pressure.len());
+        let tangent = self.body.free.cells.about(&self.body.free.at);
+        tangent.apply(
+            Rows::All,
+            (motion, &pressure),
+            (&mut force, &mut volume),
+            work,
+        );
+        mask(&model.prepared.held, &mut force);
+        add_scaled(&mut moved.force, -1.0, &force);
+        add_scaled(&mut moved.constraint, -1.0, &volume);
+        for vector in [pressure, force, volume] {
+            work.give(vector);
+        }
+        if !moved.gap.is_empty() {
+            let mut displacement = state.displacement.clone();
+            add_scaled(&mut displacement, 1.0, motion);
+            moved.gap = gaps(model, &state.drive, &displacement);
+            if !model.admitted_penetration.is_empty() {
+                add_scaled(&mut moved.gap, 1.0, &model.admitted_penetration);
+            }
+        }
+        moved
+    }
+}
+
+/// Weighted gaps of all interfaces, one after the other.
+fn gaps(model: &Model<'_>, drive: &Drive, displacement: &[f64]) -> Vec<f64> {
+    let body = model.deformed(displacement);
+    let placed = model.placed(drive);
+    placed
+        .flat_map(|(interface, obstacle)| evaluate_gaps(&body, &interface.surface, &obstacle).0)
+        .collect()
+}

@@ -1,0 +1,72 @@
+//! What preconditioners are built from: the body as the P1 solver and as the
+//! preconditioner of the whole displacement block see it, at rest or deformed.
+
+use std::sync::Arc;
+
+use super::deformed::Deformed;
+use crate::assembly::grid::Basis;
+use crate::assembly::p1_stiffness::CellStiffness;
+use crate::assembly::strain::TangentStiffness;
+use crate::assembly::{CellGeometry, CellModuli, Constrained, Grid, Stiffness};
+use crate::linalg::{LinearOperator, Preconditioner};
+use crate::mesh::Mesh;
+use crate::plan::rubber::VOLUMETRIC;
+use crate::precond::NodeBlocks;
+use crate::space::TaylorHood;
+
+/// Mesh and material of A11.
+#[derive(Clone, Copy)]
+pub(crate) struct P1Body<'a> {
+    pub(crate) mesh: &'a Mesh,
+    pub(crate) space: &'a TaylorHood,
+    pub(crate) geometry: &'a CellGeometry,
+    pub(crate) stiffness: &'a dyn CellStiffness,
+    pub(crate) held: &'a [u32],
+    /// Hierarchical displacement of the surface; empty at rest.
+    pub(crate) moved: &'a [f64],
+}
+
+/// What the preconditioner of the displacement block is built from.
+pub(crate) struct DisplacementBody<'a> {
+    pub(crate) mesh: &'a Mesh,
+    pub(crate) space: &'a TaylorHood,
+    pub(crate) geometry: &'a CellGeometry,
+    pub(crate) moduli: &'a CellModuli,
+    pub(crate) held: &'a Arc<[u32]>,
+    pub(crate) grid: &'a Arc<Grid>,
+    pub(crate) node_blocks: &'a NodeBlocks,
+    pub(crate) p1: Arc<dyn Preconditioner>,
+    /// None at rest.
+    pub(crate) tangent: Option<Deformed<'a>>,
+}
+
+impl DisplacementBody<'_> {
+    /// A in the given basis.
+    pub(crate) fn stiffness(&self, basis: Basis) -> Constrained<Stiffness> {
+        Constrained {
+            free: Stiffness {
+                grid: self.grid.clone(),
+                basis,
+                size: self.space.displacement_unknowns(),
+            },
+            held: self.held.clone(),
+        }
+    }
+
+    /// A in the given basis, or the tangent with its volume term.
+    pub(crate) fn operator(&self, basis: Basis) -> Arc<dyn LinearOperator> {
+        let Some(state) = self.tangent else {
+            return Arc::new(self.stiffness(basis));
+        };
+        Arc::new(Constrained {
+            free: TangentStiffness {
+                cells: state.cells.clone(),
+                at: state.at.clone(),
+                basis,
+                volumetric: VOLUMETRIC,
+                size: self.space.displacement_unknowns(),
+            },
+            held: self.held.clone(),
+        })
+    }
+}

@@ -1,0 +1,90 @@
+//! Building the preconditioner of the displacement block that a plan chose, at rest
+//! or about a deformed state.
+//!
+//! p-multigrid: Chebyshev smoothing on P2 around a P1 solve, between smoothings along
+//! strongly coupled nodes where cells are stretched. Cost: node blocks and a few operator
+//! products.
+
+use std::sync::Arc;
+
+use super::bodies::DisplacementBody;
+use super::chooser;
+use crate::assembly::grid::Basis;
+use crate::assembly::node_couplings::node_couplings;
+use crate::linalg::Preconditioner;
+use crate::mesh::Mesh;
+use crate::plan::Plan;
+use crate::precond::lines::LagrangeNodes;
+use crate::precond::node_pairs::NodePairs;
+use crate::precond::{AlongLines, PMultigrid, Transfer};
+use crate::space::TaylorHood;
+
+/// The preconditioner that `plan` chose, and its bytes without the P1 solver.
+pub(crate) fn build(plan: &Plan, body: &DisplacementBody<'_>) -> (Arc<dyn Preconditioner>, u64) {
+    chooser::displacement(plan.displacement, body).unwrap_or_else(|| p_multigrid(plan, body))
+}
+
+fn p_multigrid(plan: &Plan, body: &DisplacementBody<'_>) -> (Arc<dyn Preconditioner>, u64) {
+    let transfer = Transfer::new(
+        body.space.vertices,
+        body.space.components,
+        body.space.edges.clone(),
+        body.held.clone(),
+    );
+    let inner = Arc::new(PMultigrid::new(
+        body.operator(Basis::Lagrange),
+        (body.node_blocks.clone(), plan.smoother_degree),
+        body.p1.clone(),
+        transfer.clone(),
+    ));
+    let bytes = inner.bytes();
+    let around = plan
+        .smooths_along_lines()
+        .then(|| lines_around(plan, body, transfer, inner.clone()));
+    match around.flatten() {
+        Some(lines) => {
+            let bytes = lines.bytes() + body.node_blocks.bytes();
+            (Arc::new(lines), bytes)
+        }
+        None => (inner, bytes),
+    }
+}
+
+/// `inner` between smoothings along strongly coupled nodes, where there are
+/// groups of them.
+fn lines_around(
+    plan: &Plan,
+    body: &DisplacementBody<'_>,
+    transfer: Transfer,
+    inner: Arc<PMultigrid>,
+) -> Option<AlongLines> {
+    let couplings = node_couplings(body.mesh, body.space, body.geometry, body.moduli);
+    let scale = plan.units.coordinate_scale;
+    let coordinates: Vec<[f64; 3]> = (0..body.space.nodes())
+        .map(|node| node_position(body.mesh, body.space, node).map(|x| x * scale))
+        .collect();
+    let nodes = LagrangeNodes {
+        components: body.space.components,
+        coordinates: &coordinates,
+        blocks: NodePairs {
+            diagonal: &couplings.diagonal,
+            pairs: &couplings.pairs,
+            off: &couplings.off,
+        },
+        held: body.held,
+    };
+    let operator = body.operator(Basis::Hierarchical);
+    AlongLines::new(&nodes, operator, transfer, inner)
+}
+
+/// Position of a vertex or of the middle of an edge.
+fn node_position(mesh: &Mesh, space: &TaylorHood, node: usize) -> [f64; 3] {
+    let at = |vertex: u32| mesh.coordinates()[vertex as usize];
+    match node.checked_sub(space.vertices) {
+        None => at(node as u32),
+        Some(edge) => {
+            let [a, b] = space.edges[edge].map(at);
+            std::array::from_fn(|i| 0.5 * (a[i] + b[i]))
+        }
+    }
+}

@@ -1,0 +1,24 @@
+//! Moduli of the cells, non-dimensional, with the grad-div penalty of a plan.
+
+use crate::assembly::CellModuli;
+use crate::plan::Plan;
+
+/// Non-dimensional moduli of each cell.
+pub(crate) fn moduli(plan: &Plan) -> CellModuli {
+    let mut moduli = CellModuli::default();
+    for &index in &plan.resolved.cell_material {
+        let law = plan.resolved.materials[usize::from(index)].law;
+        let (lame, inverse) = match plan.is_mixed() {
+            // The penalty is a grad-div term of the displacement block.
+            true => (
+                plan.penalty() * law.shear_modulus / plan.units.stress,
+                law.inverse_lame * plan.units.stress,
+            ),
+            false => (law.lame() / plan.units.stress, 0.0),
+        };
+        moduli.shear.push(law.shear_modulus / plan.units.stress);
+        moduli.lame.push(lame);
+        moduli.inverse_lame.push(inverse);
+    }
+    moduli
+}

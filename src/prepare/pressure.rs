@@ -1,0 +1,96 @@
+//! The pressure block of a mixed body: divergence, volume compliance, and the weighted
+//! mass that is the metric of the pressure,
+//!
+//! ```text
+//! B u - S p = 0,   S = M / lambda,   metric = M / (step mu) + S
+//! ```
+//!
+//! Non-dimensional. Cost: two masses.
+
+use crate::assembly::grid::Rows;
+use crate::assembly::mass::weighted_mass;
+use crate::assembly::node_moduli::softness;
+use crate::assembly::{Body, CellGeometry, CellModuli, Constrained, Divergence, Stiffness};
+use crate::linalg::vector::norm;
+use crate::linalg::{LinearOperator, SparseRows, Workspace};
+use crate::mesh::Mesh;
+use crate::plan::Plan;
+use crate::precond::schur::ChebyshevMass;
+use crate::space::TaylorHood;
+
+/// Chebyshev steps that invert the pressure mass.
+const MASS_STEPS: usize = 6;
+
+/// The pressure block.
+#[derive(Debug)]
+pub(crate) struct PressureBlock {
+    pub(crate) coupling: Divergence,
+    /// Displacement and pressure in one product.
+    pub(crate) body: Constrained<Body>,
+    /// C = M / lambda; none when every material is incompressible.
+    pub(crate) stabilisation: Option<SparseRows>,
+    pub(crate) metric: ChebyshevMass,
+    /// No free boundary: a constant pressure does no work.
+    pub(crate) is_enclosed: bool,
+}
+
+/// Whether B^T 1 vanishes on free rows.
+fn constant_pressure_is_idle(coupling: &Divergence) -> bool {
+    let mut work = Workspace::new();
+    let ones = vec![1.0; coupling.vertices];
+    let (mut free, mut all) = (vec![0.0; coupling.size], vec![0.0; coupling.size]);
+    coupling.apply_transposed(&ones, &mut free, &mut work);
+    coupling
+        .grid
+        .divergence_transposed(Rows::All, &ones, &mut all, &mut work);
+    norm(&free) <= 1e-12 * norm(&all)
+}
+
+/// The block of a body with that stiffness on `space`.
+pub(crate) fn pressure_block(
+    plan: &Plan,
+    (mesh, space): (&Mesh, &TaylorHood),
+    (geometry, moduli): (&CellGeometry, &CellModuli),
+    stiffness: &Constrained<Stiffness>,
+) -> PressureBlock {
+    let step = plan.displacement.pressure_step() + plan.penalty();
+    let is_homogeneous = moduli
+        .shear
+        .windows(2)
+        .all(|pair| pair[0].to_bits() == pair[1].to_bits());
+    let softness = match is_homogeneous {
+        true => Vec::new(),
+        false => softness(mesh, space, geometry, moduli),
+    };
+    let schur = |cell: usize| match is_homogeneous {
+        true => 1.0 / (step * moduli.shear[cell]) + moduli.inverse_lame[cell],
+        false => softness[cell] / step + moduli.inverse_lame[cell],
+    };
+    let compressible = moduli.inverse_lame.iter().any(|&inverse| inverse != 0.0);
+    let Stiffness { grid, size, .. } = &stiffness.free;
+    let coupling = Divergence {
+        grid: grid.clone(),
+        vertices: space.vertices,
+        size: *size,
+    };
+    let body = Constrained {
+        free: Body {
+            grid: grid.clone(),
+            vertices: space.vertices,
+            size: *size,
+        },
+        held: stiffness.held.clone(),
+    };
+    PressureBlock {
+        body,
+        is_enclosed: !compressible && constant_pressure_is_idle(&coupling),
+        coupling,
+        stabilisation: compressible
+            .then(|| weighted_mass(mesh, geometry, |cell| moduli.inverse_lame[cell])),
+        metric: ChebyshevMass::new(
+            weighted_mass(mesh, geometry, schur),
+            space.components,
+            MASS_STEPS,
+        ),
+    }
+}

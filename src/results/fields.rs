@@ -1,0 +1,130 @@
+//! Fields of the current state on the uploaded mesh, in the caller's units.
+//!
+//! Values are row-major `[rows, components]`: of vertices and edge midpoints in the order
+//! of the upload, or of cells. Vertices that no cell uses have zeros. Cost: one pass over
+//! what the field lives on.
+
+use crate::model::Model;
+use crate::model::state::State;
+use crate::model::values::gradient_at;
+use crate::report::{FieldData, FieldName};
+use crate::results::estimate::cell_estimates;
+use crate::results::finite_strain;
+use crate::results::touching::Touching;
+
+/// The field `name`; none if the scene has no such field.
+pub(crate) fn field(model: &Model<'_>, state: &State, name: FieldName) -> Option<FieldData> {
+    let units = &model.plan.units;
+    let has_contact = !model.interfaces.list.is_empty();
+    let (components, values) = match name {
+        FieldName::Displacement => (3, displacement(model, state)),
+        FieldName::Pressure if state.pressure.is_empty() => return None,
+        FieldName::Pressure => {
+            let values = state.pressure.iter().map(|p| p * units.stress);
+            (1, on_uploaded(model, values))
+        }
+        FieldName::ContactPressure
+        | FieldName::ContactPressureDeformed
+        | FieldName::Gap
+        | FieldName::ContactState
+            if !has_contact =>
+        {
+            return None;
+        }
+        FieldName::ContactPressure => (1, Touching::of(model, state).pressure()),
+        FieldName::Gap => (1, Touching::of(model, state).gap()),
+        FieldName::ContactState => (1, Touching::of(model, state).contact_state()),
+        FieldName::Stress => (
+            6,
+            per_cell(model, |cell| stress(model, state, cell).to_vec()),
+        ),
+        FieldName::Jacobian => (
+            1,
+            per_cell(model, |cell| vec![jacobian(model, state, cell)]),
+        ),
+        FieldName::ErrorEstimate if model.plan.resolved.is_rubber() => return None,
+        FieldName::ErrorEstimate => (1, cell_estimates(model, state)),
+        FieldName::ContactPressureDeformed => {
+            let pressure = finite_strain::deformed_pressure(model, state)?;
+            let touching = Touching::of(model, state);
+            (1, touching.on_surface(&pressure, 0.0, f64::max))
+        }
+    };
+    Some(FieldData {
+        name,
+        components,
+        values,
+    })
+}
+
+/// Values of every cell one after the other `[cells, components]`.
+fn per_cell(model: &Model<'_>, values: impl Fn(usize) -> Vec<f64>) -> Vec<f64> {
+    (0..model.mesh.cell_count()).flat_map(values).collect()
+}
+
+/// Vertex values of used vertices on all uploaded ones.
+fn on_uploaded(model: &Model<'_>, values: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut out = vec![0.0; model.mesh.vertex_count()];
+    for (&uploaded, value) in model.mesh.used_vertices().iter().zip(values) {
+        out[uploaded as usize] = value;
+    }
+    out
+}
+
+/// Displacement at uploaded vertices, then at edges `[nodes, 3]`, in the caller's
+/// lengths; unused vertices are zero.
+fn displacement(model: &Model<'_>, state: &State) -> Vec<f64> {
+    let space = &model.prepared.space;
+    let nodal = space.node_values(&state.displacement);
+    let uploaded = model.mesh.vertex_count();
+    let mut out = vec![0.0; 3 * (uploaded + space.edges.len())];
+    let edges = uploaded as u32..(uploaded + space.edges.len()) as u32;
+    let rows = model.mesh.used_vertices().iter().copied().chain(edges);
+    for (row, value) in rows.zip(nodal.chunks_exact(space.components)) {
+        for (i, component) in value.iter().enumerate() {
+            out[3 * row as usize + i] = component * model.plan.units.length;
+        }
+    }
+    out
+}
+
+/// Barycentric coordinates of the middle of a cell `[4]`, padded with zeros.
+fn centre(model: &Model<'_>) -> [f64; 4] {
+    let corners = model.prepared.geometry.vertices;
+    std::array::from_fn(|i| {
+        if i < corners {
+            1.0 / corners as f64
+        } else {
+            0.0
+        }
+    })
+}
+
+/// Mean of det F over one cell; linear bodies report 1 + div u at the middle.
+fn jacobian(model: &Model<'_>, state: &State, cell: usize) -> f64 {
+    if model.plan.resolved.is_rubber() {
+        return finite_strain::volume_ratio(model, state, cell);
+    }
+    let gradient = gradient_at(model, state, cell, &centre(model));
+    1.0 + gradient[0][0] + gradient[1][1] + gradient[2][2]
+}
+
+/// Mean stress of a cell: xx yy zz xy yz zx.
+fn stress(model: &Model<'_>, state: &State, cell: usize) -> [f64; 6] {
+    let gradient = gradient_at(model, state, cell, &centre(model));
+    let law =
+        model.plan.resolved.materials[usize::from(model.plan.resolved.cell_material[cell])].law;
+    let pressure = match state.pressure.is_empty() {
+        true => law.pressure(gradient[0][0] + gradient[1][1] + gradient[2][2]),
+        false => {
+            let corners = model.mesh.cell(cell);
+            let sum: f64 = corners.iter().map(|&v| state.pressure[v as usize]).sum();
+            sum / corners.len() as f64 * model.plan.units.stress
+        }
+    };
+    let s = match finite_strain::rubber(model, cell) {
+        Some(rubber) => finite_strain::true_stress(rubber, &gradient, pressure, state.penalty),
+        None => law.stress(&gradient, pressure),
+    };
+    [s[0][0], s[1][1], s[2][2], s[0][1], s[1][2], s[2][0]]
+}

@@ -1,0 +1,146 @@
+//! What results say of a body of rubber, cell by cell:
+//!
+//! ```text
+//! sigma = P F^T / J,   J averaged over a cell,   a number that J is nowhere below
+//! ```
+//!
+//! in the caller's units; contact pressure per deformed area. None of it where the
+//! scene is linear. Cost: four gradients a cell.
+
+use crate::element::jacobian::{least_jacobian_bound, sharper_jacobian_bound};
+use crate::element::quadrature::rule;
+use crate::geometry::tensor::{Tensor, plus_unit, product, scaled, transposed, volume_change};
+use crate::material::Rubber;
+use crate::model::Model;
+use crate::model::loads::simplices;
+use crate::model::state::State;
+use crate::model::values::{gradient_at, radius_at};
+use crate::scene::validate::ON_AXIS;
+
+/// J is a cubic polynomial on a cell.
+const JACOBIAN_DEGREE: u32 = 3;
+
+/// The rubber of a cell; none in linear scenes.
+pub(crate) fn rubber<'a>(model: &Model<'a>, cell: usize) -> Option<&'a Rubber> {
+    let resolved = &model.plan.resolved;
+    let material = &resolved.materials[usize::from(resolved.cell_material[cell])];
+    material.rubber.as_ref()
+}
+
+/// True stress at displacement gradient `h` under internal pressure `pressure`, with
+/// `penalty` shear moduli of the volume defect.
+pub(crate) fn true_stress(
+    rubber: &Rubber,
+    h: &Tensor<f64>,
+    pressure: f64,
+    penalty: f64,
+) -> Tensor<f64> {
+    let (gradient, jacobian) = (plus_unit(h), 1.0 + volume_change(h));
+    let share = penalty * rubber.shear_modulus() * rubber.volume_defect(h, pressure);
+    let nominal = rubber.stress(h, pressure + share);
+    scaled(jacobian.recip(), &product(&nominal, &transposed(&gradient)))
+}
+
+/// Deformed over undeformed volume of a cell.
+pub(crate) fn volume_ratio(model: &Model<'_>, state: &State, cell: usize) -> f64 {
+    let (simplex, _) = simplices(model.plan.units.dimension);
+    let rule = rule(simplex, JACOBIAN_DEGREE);
+    let mean = model.prepared.geometry.radii.get(cell);
+    let points = rule.points.iter().zip(&rule.weights);
+    let change = points.map(|(point, weight)| {
+        let share = mean.map_or(1.0, |mean| radius_at(model, cell, point) / mean);
+        weight * share * volume_change(&gradient_at(model, state, cell, point))
+    });
+    1.0 + change.sum::<f64>()
+}
+
+/// A number that J is nowhere in the body below; none in linear scenes, and where
+/// the two bounds of a body of revolution do not show that J is above zero.
+pub(crate) fn jacobian_bound(model: &Model<'_>, state: &State) -> Option<f64> {
+    if !model.plan.resolved.is_rubber() {
+        return None;
+    }
+    let is_turned = model.plan.is_axisymmetric();
+    let cells = 0..model.mesh.cell_count();
+    let bounds = cells.map(|cell| match is_turned {
+        true => ring_bound(model, state, cell),
+        false => cell_bound(model, state, cell, plus_unit),
+    });
+    let bound = bounds.reduce(|a, b| if a.is_nan() || a < b { a } else { b });
+    bound.filter(|bound| !is_turned || !bound.is_nan())
+}
+
+/// The bound of the section times that of the stretch around the axis; NaN where one
+/// of them is not above zero.
+fn ring_bound(model: &Model<'_>, state: &State, cell: usize) -> f64 {
+    let section = cell_bound(model, state, cell, |h| {
+        let mut gradient = plus_unit(h);
+        gradient[2][2] = 1.0;
+        gradient
+    });
+    let stretch = least_stretch(model, state, cell);
+    match section > 0.0 && stretch > 0.0 {
+        true => section * stretch,
+        false => f64::NAN,
+    }
+}
+
+/// A number that (x + u_x) / x is nowhere in a cell below: the least ratio of the
+/// Bernstein coefficients of both, those on the axis left out.
+fn least_stretch(model: &Model<'_>, state: &State, cell: usize) -> f64 {
+    let space = &model.prepared.space;
+    let u = |node: usize| state.displacement[node * space.components];
+    let scale = model.plan.units.coordinate_scale;
+    let corners = model.mesh.cell(cell);
+    let x = |corner: usize| scale * model.mesh.coordinates()[corners[corner] as usize][0];
+    let at_corners = (0..corners.len()).map(|a| (x(a), u(corners[a] as usize)));
+    let pairs = model.mesh.cell_kind().edges();
+    let edges = &model.mesh.cell_edges()[cell * pairs.len()..(cell + 1) * pairs.len()];
+    let at_edges = edges.iter().zip(pairs).map(|(&edge, &(a, b))| {
+        let ends = u(corners[a] as usize) + u(corners[b] as usize);
+        let middle = 2.0 * u(space.vertices + edge as usize);
+        (0.5 * (x(a) + x(b)), 0.5 * ends + middle)
+    });
+    let off_axis = at_corners.chain(at_edges).filter(|(x, _)| *x > ON_AXIS);
+    let stretches = off_axis.map(|(x, moved)| (x + moved) / x);
+    stretches.fold(
+        f64::INFINITY,
+        |a, b| if a.is_nan() || a < b { a } else { b },
+    )
+}
+
+/// The plain bound where it shows that J is above zero, else the sharper one.
+fn cell_bound(
+    model: &Model<'_>,
+    state: &State,
+    cell: usize,
+    deformation: impl Fn(&Tensor<f64>) -> Tensor<f64>,
+) -> f64 {
+    let corners = model.mesh.cell(cell).len();
+    let mut gradients = [[[0.0; 3]; 3]; 4];
+    for (corner, gradient) in gradients.iter_mut().enumerate().take(corners) {
+        let mut at = [0.0; 4];
+        at[corner] = 1.0;
+        *gradient = deformation(&gradient_at(model, state, cell, &at));
+    }
+    let plain = least_jacobian_bound(&gradients[..corners]);
+    match plain > 0.0 {
+        true => plain,
+        false => sharper_jacobian_bound(&gradients[..corners]),
+    }
+}
+
+/// Contact pressure per deformed area on all multipliers; none in linear scenes.
+pub(crate) fn deformed_pressure(model: &Model<'_>, state: &State) -> Option<Vec<f64>> {
+    if !model.plan.resolved.is_rubber() {
+        return None;
+    }
+    let body = model.deformed(&state.displacement);
+    let unit = model.plan.units.stress;
+    let interfaces = model.interfaces.list.iter();
+    let all = interfaces.flat_map(|interface| {
+        let pressure = &state.multiplier[interface.range()];
+        interface.surface.deformed_pressure(&body, pressure)
+    });
+    Some(all.map(|pressure| pressure * unit).collect())
+}

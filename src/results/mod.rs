@@ -1,0 +1,13 @@
+//! From a state to what callers read of it, in their units: the report of an
+//! increment, fields, error norms and estimates.
+//!
+//! Nothing here changes a state, and nothing here is read by the solver but the estimate
+//! of the error, which the tolerance `discretisation` asks for. Cost: some passes over
+//! cells and faces for a report, one for a field.
+
+pub(crate) mod errors;
+pub(crate) mod estimate;
+pub(crate) mod fields;
+pub(crate) mod finite_strain;
+pub(crate) mod step;
+pub(crate) mod touching;

@@ -1,0 +1,239 @@
+//! From a state to the report of an increment, in the caller's units.
+//!
+//! ```text
+//! energy = int W dx,   volume ratio = int J dx / int dx,   reaction = internal force less load in held rows
+//! ```
+//!
+//! Forces, areas and energies are brought from the solver's units, modulus and length, to
+//! the caller's. Cost: one evaluation of the body and one probe a face point.
+
+use std::collections::BTreeMap;
+
+use crate::assembly::grid::Rows;
+use crate::contact::gap::linearise;
+use crate::linalg::vector::{add_scaled, dot};
+use crate::linalg::{LinearOperator, SparseRowsBuilder, Workspace};
+use crate::model::Model;
+use crate::model::counters::{Counters, timed};
+use crate::model::ending::Ending;
+use crate::model::ending::Estimate;
+use crate::model::internal::Internal;
+use crate::model::internal::internal;
+use crate::model::pressures::add_pressures;
+use crate::model::state::State;
+use crate::model::values::displacement_at;
+use crate::plan::Plan;
+use crate::report::{ObstacleResult, ProbeResult, StepReport, SupportResult, Termination};
+use crate::results::errors::manufactured_errors;
+use crate::results::estimate::{estimate, force_error};
+use crate::results::finite_strain::{deformed_pressure, jacobian_bound};
+use crate::results::touching::Touching;
+
+/// The report, without what only the session knows.
+pub(crate) fn report(
+    model: &Model<'_>,
+    state: &State,
+    ending: &Ending,
+    counters: &Counters,
+    work: &mut Workspace,
+) -> StepReport {
+    let units = &model.plan.units;
+    let inside = internal(model, state, work);
+    let estimated = reported_estimate(model, state, ending);
+    let mut seconds = counters.seconds;
+    let errors = timed(&mut seconds.error_norms, || {
+        let field = model.plan.resolved.manufactured.as_ref()?;
+        Some(manufactured_errors(model, state, field))
+    });
+    StepReport {
+        penalty: model.plan.penalty() + state.penalty,
+        active_vertices: model.interfaces.contacts_at_work(state) as u32,
+        strain_energy: strain_energy(model, state, &inside, work) * units.energy(),
+        volume_ratio: volume_ratio(model, state, &inside, work),
+        min_jacobian: inside.response.map(|response| response.least_jacobian),
+        min_jacobian_bound: jacobian_bound(model, state),
+        stability: ending.stability,
+        max_penetration: ending.max_penetration * units.length,
+        obstacles: obstacles(model, state, estimated.as_ref()),
+        supports: supports(model, state, inside.force),
+        probes: probes(model, state),
+        error_estimate: estimated.as_ref().map(|estimate| estimate.relative),
+        errors,
+        seconds,
+        unknowns: model.plan.unknowns(),
+        instruction_set: model.prepared.grid.instruction_set().name().to_owned(),
+        ..counted(state, ending, counters)
+    }
+}
+
+/// What every body reports alike: the end that its increment came to, its counts and its
+/// seconds. The rest is the body's, or the session's.
+pub(crate) fn counted(state: &State, ending: &Ending, counters: &Counters) -> StepReport {
+    StepReport {
+        load: state.drive.load,
+        termination: ending.termination,
+        cause: ending.cause,
+        sqp_iterations: counters.sqp_iterations,
+        krylov_iterations: counters.krylov_iterations,
+        preconditioner_applications: counters.applications,
+        eigenvalue_applications: counters.eigenvalue_applications,
+        contact_products: counters.contact_products,
+        active_set_changes: counters.set_changes,
+        cut_backs: counters.cut_backs,
+        factorisations: counters.factorisations,
+        residuals: ending.residuals,
+        tolerance: ending.tolerance,
+        seconds: counters.seconds,
+        ..StepReport::default()
+    }
+}
+
+/// The estimate of a converged state, unless the scene wants none.
+fn reported_estimate(model: &Model<'_>, state: &State, ending: &Ending) -> Option<Estimate> {
+    let is_wanted = model.plan.settings.estimates_error && model.prepared.strain.is_none();
+    let is_there = ending.termination == Termination::Converged;
+    (is_wanted && is_there).then(|| ending.estimate.unwrap_or_else(|| estimate(model, state)))
+}
+
+/// Stored energy: 1/2 u.(A u) + 1/2 p.(S p), or int W in the place of the first.
+fn strain_energy(model: &Model<'_>, state: &State, inside: &Internal, work: &mut Workspace) -> f64 {
+    let mut energy = match inside.response {
+        Some(response) => response.energy,
+        None => 0.5 * dot(&state.displacement, &inside.force),
+    };
+    let Some(block) = &model.prepared.pressure else {
+        return energy;
+    };
+    let mut product = work.scratch(state.pressure.len());
+    if inside.response.is_none() {
+        // u.(B^T p) is taken off again: it vanishes at equilibrium only up to S.
+        let grid = &model.prepared.grid;
+        grid.divergence(Rows::All, &state.displacement, &mut product, work);
+        energy -= 0.5 * dot(&product, &state.pressure);
+    }
+    if let Some(stabilisation) = &block.stabilisation {
+        stabilisation.apply(&state.pressure, &mut product, work);
+        energy += 0.5 * dot(&product, &state.pressure);
+    }
+    work.give(product);
+    energy
+}
+
+/// Deformed over undeformed volume.
+fn volume_ratio(model: &Model<'_>, state: &State, inside: &Internal, work: &mut Workspace) -> f64 {
+    let volume: f64 = model.prepared.geometry.volumes.iter().sum();
+    let change = match inside.response {
+        Some(response) => response.volume_change,
+        None => {
+            // The hats sum to one, so the rows of B sum to -int div u.
+            let mut rows = work.scratch(model.prepared.space.vertices);
+            let grid = &model.prepared.grid;
+            grid.divergence(Rows::All, &state.displacement, &mut rows, work);
+            let change = -rows.iter().sum::<f64>();
+            work.give(rows);
+            change
+        }
+    };
+    1.0 + change / volume
+}
+
+/// Resultants of every obstacle by name, in the caller's units, with the estimated
+/// error of each force.
+fn obstacles(
+    model: &Model<'_>,
+    state: &State,
+    estimated: Option<&Estimate>,
+) -> BTreeMap<String, ObstacleResult> {
+    let force_unit = model.plan.units.force();
+    let deformed = deformed_pressure(model, state);
+    let touching = Touching::of(model, state);
+    touching.results(|interface, found, result| {
+        result.force_error =
+            estimated.map(|estimate| force_error(model, interface, found, estimate) * force_unit);
+        result.max_pressure_deformed = deformed.as_ref().map(|all| {
+            let own = all[interface.range()].iter().copied();
+            own.fold(0.0, f64::max)
+        });
+    })
+}
+
+/// Reactions: internal force plus contact minus load at held unknowns, given
+/// to the support that holds them.
+fn supports(
+    model: &Model<'_>,
+    state: &State,
+    mut reaction: Vec<f64>,
+) -> BTreeMap<String, SupportResult> {
+    let load = state.drive.load;
+    add_scaled(&mut reaction, -load, model.load);
+    add_pressures(model, &state.displacement, -load, &mut reaction);
+    add_contact_force(model, state, &mut reaction);
+    let space = &model.prepared.space;
+    let nodal = space.node_forces(&reaction);
+    let mut forces = given_to_supports(model.plan, space.components, &nodal);
+    Touching::of(model, state).add_guides(&mut forces);
+    forces
+}
+
+/// Forces on nodes, given to the supports that hold them.
+pub(crate) fn given_to_supports(
+    plan: &Plan,
+    components: usize,
+    nodal: &[f64],
+) -> BTreeMap<String, SupportResult> {
+    let mut forces = vec![[0.0; 3]; plan.resolved.supports.len()];
+    for &(unknown, support) in &plan.held {
+        let nodal = nodal.get(unknown as usize);
+        // What the axis of a body of revolution holds is no support's.
+        if let (Some(force), Some(nodal)) = (forces.get_mut(usize::from(support)), nodal) {
+            force[unknown as usize % components] += nodal;
+        }
+    }
+    let unit = plan.units.force();
+    let names = plan.resolved.supports.iter();
+    names
+        .zip(forces)
+        .map(|(support, force)| {
+            let force = force.map(|x| x * unit);
+            (support.name.clone(), SupportResult { force })
+        })
+        .collect()
+}
+
+/// Adds C^T l with held columns kept.
+fn add_contact_force(model: &Model<'_>, state: &State, force: &mut [f64]) {
+    let body = model.deformed(&state.displacement);
+    let free = vec![false; force.len()];
+    let mut builder = SparseRowsBuilder::new(force.len());
+    for (interface, met) in model.placed(&state.drive) {
+        let mut part = linearise(&body, &interface.surface, &met, &free);
+        part.rows.iter_mut().for_each(|row| builder.push_row(row));
+    }
+    let mut contact = vec![0.0; force.len()];
+    let coupling = builder.finish();
+    coupling.apply_transposed(&state.multiplier, &mut contact, &mut Workspace::new());
+    add_scaled(force, 1.0, &contact);
+}
+
+/// Displacement and pressure at every probe by name, in the caller's units.
+fn probes(model: &Model<'_>, state: &State) -> BTreeMap<String, ProbeResult> {
+    let units = &model.plan.units;
+    let probes = model.plan.resolved.probes.iter();
+    probes
+        .map(|probe| {
+            let located = &probe.place;
+            let cell = located.cell as usize;
+            let displacement = displacement_at(model, state, cell, &located.barycentric);
+            let pressure = (!state.pressure.is_empty()).then(|| {
+                let corners = model.mesh.cell(cell).iter().zip(&located.barycentric);
+                let value: f64 = corners.map(|(&v, l)| l * state.pressure[v as usize]).sum();
+                value * units.stress
+            });
+            let result = ProbeResult {
+                displacement: displacement.map(|x| x * units.length),
+                pressure,
+            };
+            (probe.name.clone(), result)
+        })
+        .collect()
+}

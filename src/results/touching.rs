@@ -1,0 +1,166 @@
+//! What a state says of contact, whatever the element: resultants of the obstacles,
+//! and pressure, gap and state on the candidate surfaces, in the caller's units.
+//!
+//! Everything is read from multipliers and the trace of the displacement `[nodes]`, so that
+//! elements differ in their trace only. Lists go interface by interface in the order of the
+//! multipliers; results are by name. Cost: one probe a quadrature point of each surface.
+
+use std::collections::BTreeMap;
+
+use crate::contact::gap::{Deformed, evaluate_gaps};
+use crate::contact::resultant::{Acting, Resultant, resultant};
+use crate::model::Model;
+use crate::model::interfaces::{Interface, Interfaces, Placed};
+use crate::model::state::State;
+use crate::obstacle::Obstacle;
+use crate::plan::Plan;
+use crate::report::{ObstacleResult, SupportResult};
+
+/// Contact state of vertices that carry no multiplier.
+const NOT_A_CANDIDATE: f64 = -1.0;
+
+/// A body on its obstacles.
+pub(crate) struct Touching<'a> {
+    /// Decisions, resolved names and units of the scene.
+    pub(crate) plan: &'a Plan,
+    /// Surfaces with multipliers and what they meet.
+    pub(crate) interfaces: &'a Interfaces,
+    /// Multipliers, statuses and poses.
+    pub(crate) state: &'a State,
+    /// The deformed surface: the trace of the displacement on the mesh.
+    pub(crate) body: Deformed<'a>,
+}
+
+impl<'a> Touching<'a> {
+    /// The body of `model` at `state`.
+    pub(crate) fn of(model: &Model<'a>, state: &'a State) -> Self {
+        Self {
+            plan: model.plan,
+            interfaces: model.interfaces,
+            state,
+            body: model.deformed(&state.displacement),
+        }
+    }
+
+    /// Each interface with what it meets, in the pose of the state.
+    fn placed(&self) -> impl Iterator<Item = (&'a Interface, Placed)> {
+        let length = self.plan.units.length;
+        self.interfaces.placed(&self.state.drive, length)
+    }
+
+    /// Results of all obstacles; `complete` adds what the element knows besides,
+    /// given what was found there.
+    pub(crate) fn results(
+        &self,
+        complete: impl Fn(&Interface, &Resultant, &mut ObstacleResult),
+    ) -> BTreeMap<String, ObstacleResult> {
+        let mut results = BTreeMap::new();
+        for (interface, met) in self.placed() {
+            let Some(obstacle) = met.obstacle() else {
+                continue;
+            };
+            let found = self.resultant(interface, &met, obstacle.reference_point());
+            let mut result = self.result(&found);
+            complete(interface, &found, &mut result);
+            results.insert(interface.name.clone(), result);
+        }
+        results
+    }
+
+    /// Adds what supports exert along their normal.
+    pub(crate) fn add_guides(&self, supports: &mut BTreeMap<String, SupportResult>) {
+        let unit = self.plan.units.force();
+        for (interface, met) in self.placed() {
+            if let (None, Some(result)) = (met.obstacle(), supports.get_mut(&interface.name)) {
+                let found = self.resultant(interface, &met, [0.0; 3]);
+                let sums = result.force.iter_mut().zip(found.force);
+                sums.for_each(|(sum, force)| *sum += force * unit);
+            }
+        }
+    }
+
+    /// Force and moment about `reference` of one interface on the body,
+    /// non-dimensional.
+    fn resultant(&self, interface: &Interface, met: &Placed, reference: [f64; 3]) -> Resultant {
+        let status = self.state.status[interface.range()].iter();
+        let active: Vec<bool> = status.map(|status| status.is_closed()).collect();
+        let pressure = &self.state.multiplier[interface.range()];
+        resultant(
+            &self.body,
+            &interface.surface,
+            met,
+            Acting {
+                reference,
+                pressure,
+                active: &active,
+            },
+        )
+    }
+
+    /// A resultant in the caller's units; what only some elements know is left out.
+    fn result(&self, found: &Resultant) -> ObstacleResult {
+        let units = &self.plan.units;
+        ObstacleResult {
+            force: found.force.map(|x| x * units.force()),
+            force_error: None,
+            moment: found.moment.map(|x| x * units.energy()),
+            contact_area: found.area * units.area(),
+            max_pressure: found.max_pressure * units.stress,
+            max_pressure_deformed: None,
+            centre_of_pressure: found.centre.map(|x| x * units.length),
+            stick_vertices: 0,
+            slip_vertices: 0,
+        }
+    }
+
+    /// Contact pressure on uploaded vertices.
+    pub(crate) fn pressure(&self) -> Vec<f64> {
+        let multiplier = self.state.multiplier.iter();
+        let scaled: Vec<f64> = multiplier.map(|l| l * self.plan.units.stress).collect();
+        self.on_surface(&scaled, 0.0, f64::max)
+    }
+
+    /// One where a vertex touches, zero where it may, else [`NOT_A_CANDIDATE`].
+    pub(crate) fn contact_state(&self) -> Vec<f64> {
+        let status = self.state.status.iter();
+        let flags: Vec<f64> = status.map(|s| f64::from(u8::from(s.is_closed()))).collect();
+        self.on_surface(&flags, NOT_A_CANDIDATE, f64::max)
+    }
+
+    /// Weighted gap over nodal weight: a length.
+    pub(crate) fn gap(&self) -> Vec<f64> {
+        let length = self.plan.units.length;
+        let mut gaps = Vec::with_capacity(self.state.multiplier.len());
+        for (interface, obstacle) in self.placed() {
+            let (weighted, _) = evaluate_gaps(&self.body, &interface.surface, &obstacle);
+            let weights = interface.surface.weights.iter();
+            gaps.extend(weighted.iter().zip(weights).map(|(g, w)| g / w * length));
+        }
+        self.on_surface(&gaps, 0.0, f64::min)
+    }
+
+    /// Multiplier values on uploaded vertices; `merge` joins several obstacles.
+    pub(crate) fn on_surface(
+        &self,
+        values: &[f64],
+        elsewhere: f64,
+        merge: fn(f64, f64) -> f64,
+    ) -> Vec<f64> {
+        let mesh = self.body.mesh;
+        let mut out = vec![None; mesh.vertex_count()];
+        let contacts = self.interfaces.list.iter();
+        for interface in contacts.filter(|interface| interface.is_contact()) {
+            let carriers = interface.surface.carriers.iter();
+            for (&vertex, &value) in carriers.zip(&values[interface.range()]) {
+                let Some(&uploaded) = mesh.used_vertices().get(vertex as usize) else {
+                    continue; // An edge: fields are values at vertices.
+                };
+                let slot: &mut Option<f64> = &mut out[uploaded as usize];
+                *slot = Some(slot.map_or(value, |old| merge(old, value)));
+            }
+        }
+        out.into_iter()
+            .map(|value| value.unwrap_or(elsewhere))
+            .collect()
+    }
+}

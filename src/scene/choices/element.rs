@@ -1,0 +1,13 @@
+//! Finite elements of displacement and pressure.
+
+super::named! {
+    /// A pair of finite element spaces, `solver.element`.
+    pub enum ElementKind {
+        /// P2 displacement; P1 pressure where the scene is mixed.
+        TaylorHood = "taylor-hood",
+        /// P1 displacement with cell bubbles, P1 pressure.
+        Mini = "mini",
+        /// P1 displacement with normal facet bubbles, P0 pressure.
+        BernardiRaugel = "bernardi-raugel",
+    }
+}

@@ -1,0 +1,63 @@
+//! Load steps: where obstacles and supports shall be at their end.
+//!
+//! Values are from the initial pose, not from the last step: a step says where things are,
+//! so that a step that was cut short can be followed by any other.
+
+/// Where one obstacle shall be at the end of a step; `None` keeps its pose.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ObstacleTarget {
+    /// Name of the obstacle that moves.
+    pub name: String,
+    /// Translation from the initial pose `[3]`, length.
+    pub translation: Option<[f64; 3]>,
+    /// Rotation vector about the reference point `[3]`, radians.
+    pub rotation: Option<[f64; 3]>,
+}
+
+/// What one support shall prescribe at the end of a step.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SupportTarget {
+    /// Name of the support that moves.
+    pub name: String,
+    /// New values of held components; `None` keeps the value.
+    pub displacement: [Option<f64>; 3],
+    /// Rigid motion of the support, on top of the values: from the undeformed
+    /// body `[3]`, length.
+    pub translation: Option<[f64; 3]>,
+    /// Rotation vector `[3]`, radians; several turns allowed. Needs rubber.
+    pub rotation: Option<[f64; 3]>,
+    /// Point of the undeformed body that the rotation leaves in place `[3]`; the
+    /// origin at first.
+    pub about: Option<[f64; 3]>,
+}
+
+impl SupportTarget {
+    /// Whether it names a rigid motion.
+    pub fn names_motion(&self) -> bool {
+        self.translation.is_some() || self.rotation.is_some() || self.about.is_some()
+    }
+}
+
+/// One load step: everything ramps linearly from the end of the previous step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// Number of equal parts of the step, each reported; at least 1.
+    pub increments: u32,
+    /// Factor of all loads at the end; `None`: keeps its value (1 in the first step).
+    pub load: Option<f64>,
+    /// Where obstacles shall be at the end; those not named stay.
+    pub obstacles: Vec<ObstacleTarget>,
+    /// What supports shall prescribe at the end; those not named stay.
+    pub supports: Vec<SupportTarget>,
+}
+
+impl Default for Step {
+    fn default() -> Self {
+        Self {
+            increments: 1,
+            load: None,
+            obstacles: Vec::new(),
+            supports: Vec::new(),
+        }
+    }
+}

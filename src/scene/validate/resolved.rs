@@ -1,0 +1,145 @@
+//! A valid scene with its names resolved: every item carries the facets or the
+//! cell that its names mean, so that nothing is looked up by position later.
+//! Values are in the caller's units; shapes of obstacles are non-dimensional.
+
+use std::sync::Arc;
+
+use super::Parabola;
+use crate::element::manufactured::Manufactured;
+use crate::material::{LinearElastic, Rubber};
+use crate::mesh::locate::Located;
+use crate::obstacle::Obstacle;
+use crate::scene::SceneKind;
+
+/// An item of the scene and the facets of the groups that it names.
+#[derive(Clone, Debug)]
+pub(crate) struct Placed<'a, T> {
+    pub(crate) item: &'a T,
+    /// Ascending, each once.
+    pub(crate) facets: Vec<u32>,
+}
+
+/// A material with its law.
+#[derive(Clone, Debug)]
+pub(crate) struct ResolvedMaterial {
+    /// The law; of a rubber, its moduli at rest (1 / K in the place of 1 / lambda).
+    pub(crate) law: LinearElastic,
+    pub(crate) poisson_ratio: f64,
+    /// Whether u is a velocity.
+    pub(crate) is_flow: bool,
+    /// The law at finite strain.
+    pub(crate) rubber: Option<Rubber>,
+}
+
+impl ResolvedMaterial {
+    /// Whether the volume cannot change at all.
+    pub(crate) fn is_incompressible(&self) -> bool {
+        self.poisson_ratio >= 0.5
+    }
+}
+
+/// Held displacement components of a surface.
+#[derive(Clone, Debug)]
+pub(crate) struct ResolvedSupport {
+    /// Unique among supports.
+    pub(crate) name: String,
+    /// Facets of the closed surface, ascending.
+    pub(crate) facets: Vec<u32>,
+    /// Held components with their values, the caller's length; `None` is free.
+    pub(crate) displacement: [Option<f64>; 3],
+    /// Displacement held along the outward normal, the caller's length; `None` where
+    /// the support holds components.
+    pub(crate) normal: Option<f64>,
+    /// The smooth patches of a surface that is held along its normal: nodes between
+    /// two of them are held along both normals. None where components are held.
+    pub(crate) patches: Vec<Vec<u32>>,
+    /// Variation of the values over the surface; `None` where they are constant.
+    pub(crate) profile: Option<Parabola>,
+}
+
+/// A dead load per undeformed area.
+#[derive(Clone, Debug)]
+pub(crate) struct ResolvedTraction {
+    /// Loaded facets, ascending.
+    pub(crate) facets: Vec<u32>,
+    /// The caller's stress `[3]`.
+    pub(crate) value: [f64; 3],
+}
+
+/// A pressure that follows the deformed surface.
+#[derive(Clone, Debug)]
+pub(crate) struct ResolvedPressure {
+    /// Pressed facets, ascending, all on the surface of the body.
+    pub(crate) facets: Vec<u32>,
+    /// The caller's stress; positive pushes on the body.
+    pub(crate) value: f64,
+}
+
+/// A rigid body that facets may touch.
+#[derive(Clone, Debug)]
+pub(crate) struct ResolvedObstacle {
+    /// Unique among obstacles.
+    pub(crate) name: String,
+    /// Facets that may touch it, ascending, all on the surface of the body.
+    pub(crate) facets: Vec<u32>,
+    /// Its shape in the initial pose, lengths over the reference length.
+    pub(crate) shape: Arc<dyn Obstacle>,
+}
+
+/// A point that each result reports.
+#[derive(Clone, Debug)]
+pub(crate) struct ResolvedProbe {
+    /// Unique among probes.
+    pub(crate) name: String,
+    /// The cell that holds it, and where in that cell.
+    pub(crate) place: Located,
+}
+
+/// The scene's items but its obstacles, whose shapes need the units of the plan.
+#[derive(Clone, Debug)]
+pub(crate) struct Resolved {
+    pub(crate) kind: SceneKind,
+    /// Material of each cell, a position in `materials`.
+    pub(crate) cell_material: Vec<u16>,
+    pub(crate) materials: Vec<ResolvedMaterial>,
+    /// Whether a pressure unknown carries the volume constraint.
+    pub(crate) mixed: bool,
+    pub(crate) supports: Vec<ResolvedSupport>,
+    pub(crate) tractions: Vec<ResolvedTraction>,
+    pub(crate) pressures: Vec<ResolvedPressure>,
+    /// The caller's force per undeformed volume `[3]`.
+    pub(crate) body_force: [f64; 3],
+    pub(crate) probes: Vec<ResolvedProbe>,
+    /// The analytic field whose loads replace the others.
+    pub(crate) manufactured: Option<Manufactured>,
+    /// Rigid modes that no support holds.
+    pub(crate) free_modes: Vec<String>,
+}
+
+impl Resolved {
+    /// Whether u is a velocity.
+    pub(crate) fn is_flow(&self) -> bool {
+        self.materials.iter().any(|material| material.is_flow)
+    }
+
+    /// What the shear modulus is called.
+    pub(crate) fn modulus_name(&self) -> &'static str {
+        match self.is_flow() {
+            true => "viscosity",
+            false => "shear modulus",
+        }
+    }
+
+    /// Whether anything pulls on each volume.
+    pub(crate) fn has_body_force(&self) -> bool {
+        self.body_force.iter().any(|&force| force != 0.0)
+    }
+
+    /// Whether anything grows with the load factor.
+    pub(crate) fn is_loaded(&self) -> bool {
+        self.manufactured.is_some()
+            || self.has_body_force()
+            || !self.tractions.is_empty()
+            || !self.pressures.is_empty()
+    }
+}

@@ -1,0 +1,194 @@
+//! What a session needs in order to go on elsewhere with the same bits, as bytes.
+//!
+//! ```text
+//! magic | version u32 | origins | steps u32, moved | target | begun | state | SHA-256
+//! ```
+//!
+//! Little-endian; numbers by their bits. Before the values of every list stands their
+//! count, u64; before an origin its bytes, u8. Origins tie the bytes to what they go on
+//! upon: mesh, prepared data, scene, instruction set ([`origins`]). The digest covers
+//! all that stands before it. Reading fills a checkpoint that has the shape of the plan,
+//! so that no number of the bytes sizes memory. Cost: one pass over the state.
+
+mod bytes;
+mod error;
+mod scene_digest;
+
+use std::slice::from_mut;
+
+use sha2::{Digest, Sha256};
+
+use crate::assembly::simd::InstructionSet;
+use crate::model::drive::Drive;
+use crate::model::state::State;
+use crate::plan::Plan;
+
+use bytes::{Fields, Reader, Writer};
+pub use error::{CheckpointError, Origin};
+
+/// What every checkpoint begins with.
+const MAGIC: &[u8; 21] = b"signorini-checkpoint\n";
+/// Of the format; another one says nothing about its bytes beyond this number.
+const VERSION: u32 = 1;
+/// Bytes of a SHA-256 digest.
+const DIGEST: usize = 32;
+/// More steps than any session takes.
+const MOST_STEPS: u32 = 1 << 30;
+
+/// What travels: everything that later bits depend on, but for what the solver has
+/// learnt.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Checkpoint {
+    /// Where the body is.
+    pub(crate) state: State,
+    /// What the last step led to, reached or not.
+    pub(crate) target: Drive,
+    /// What drove the body when the last step began; none where it was ended.
+    pub(crate) begun: Option<Drive>,
+    /// Steps begun so far.
+    pub(crate) steps: u32,
+    /// Whether any increment has moved the state.
+    pub(crate) moved: bool,
+}
+
+impl Checkpoint {
+    /// As bytes that only a session of the same plan reads.
+    pub(crate) fn encode(mut self, plan: &Plan) -> Vec<u8> {
+        let mut bytes = MAGIC.to_vec();
+        bytes.extend(VERSION.to_le_bytes());
+        for (_, own) in origins(plan) {
+            bytes.push(own.len() as u8);
+            bytes.extend(own);
+        }
+        let mut writer = Writer { bytes };
+        let Ok(()) = self.visit(&mut writer);
+        let mut bytes = writer.bytes;
+        let digest = Sha256::digest(&bytes);
+        bytes.extend(digest);
+        bytes
+    }
+
+    /// From the bytes of [`Checkpoint::encode`] on the same plan.
+    ///
+    /// # Errors
+    /// [`CheckpointError`], with the first thing that is not as it was written.
+    pub(crate) fn decode(plan: &Plan, bytes: &[u8]) -> Result<Self, CheckpointError> {
+        let mut reader = Reader {
+            rest: verified(bytes)?,
+        };
+        for (origin, here) in origins(plan) {
+            let written = reader.short("origin")?;
+            if written != here {
+                return Err(origin.differs(written, &here));
+            }
+        }
+        let mut checkpoint = Self::shaped(plan);
+        checkpoint.visit(&mut reader)?;
+        reader.end()?;
+        checkpoint.check()?;
+        Ok(checkpoint)
+    }
+
+    /// Has a place for everything that a checkpoint on this plan can hold.
+    fn shaped(plan: &Plan) -> Self {
+        let drive = Drive::undeformed(plan);
+        Self {
+            state: State::undeformed(plan),
+            target: drive.clone(),
+            begun: Some(drive),
+            steps: 0,
+            moved: false,
+        }
+    }
+
+    /// Leads `fields` through all of it: the order of the bytes.
+    fn visit<E>(&mut self, fields: &mut impl Fields<Error = E>) -> Result<(), E> {
+        fields.count("steps", &mut self.steps)?;
+        fields.flags("moved", from_mut(&mut self.moved))?;
+        visit_drive(&mut self.target, fields)?;
+        let mut is_under_way = self.begun.is_some();
+        fields.flags("begun", from_mut(&mut is_under_way))?;
+        match &mut self.begun {
+            Some(begun) if is_under_way => visit_drive(begun, fields)?,
+            _ => self.begun = None,
+        }
+        visit_state(&mut self.state, fields)
+    }
+
+    /// What the fields say together.
+    fn check(&self) -> Result<(), CheckpointError> {
+        let fault = match (self.steps, &self.begun) {
+            (0, Some(_)) => "are none, but one is under way",
+            (MOST_STEPS.., _) => "are more than a session takes",
+            _ => return Ok(()),
+        };
+        let field = "steps";
+        Err(CheckpointError::Malformed { field, fault })
+    }
+}
+
+/// What stands between version and digest, if the bytes are those that were written.
+fn verified(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
+    let rest = bytes.strip_prefix(MAGIC);
+    let rest = rest.ok_or(CheckpointError::NotACheckpoint)?;
+    let (version, rest) = rest.split_first_chunk().ok_or(CheckpointError::Damaged)?;
+    let found = u32::from_le_bytes(*version);
+    if found != VERSION {
+        let known = VERSION;
+        return Err(CheckpointError::UnknownVersion { found, known });
+    }
+    let (body, written) = rest
+        .split_last_chunk::<DIGEST>()
+        .ok_or(CheckpointError::Damaged)?;
+    let (covered, _) = bytes.split_at(bytes.len() - DIGEST);
+    match Sha256::digest(covered)[..] == written[..] {
+        true => Ok(body),
+        false => Err(CheckpointError::Damaged),
+    }
+}
+
+/// What the bits of a session rest upon, each by its name or its digest, which are
+/// shorter than 256 bytes. The key of the prepared data holds the decisions of the plan.
+fn origins(plan: &Plan) -> [(Origin, Vec<u8>); 4] {
+    let set = InstructionSet::of_this_machine().name();
+    [
+        (Origin::Mesh, plan.mesh_id().as_bytes().to_vec()),
+        (Origin::Scene, scene_digest::of(plan.scene()).to_vec()),
+        (Origin::Prepared, plan.key().0.to_vec()),
+        (Origin::InstructionSet, set.as_bytes().to_vec()),
+    ]
+}
+
+fn visit_state<E>(state: &mut State, fields: &mut impl Fields<Error = E>) -> Result<(), E> {
+    fields.numbers("displacement", &mut state.displacement)?;
+    fields.numbers("pressure", &mut state.pressure)?;
+    fields.numbers("contact pressure", &mut state.multiplier)?;
+    fields.statuses("contact statuses", &mut state.status)?;
+    visit_drive(&mut state.drive, fields)?;
+    let scales = &mut state.scales;
+    fields.magnitude("scale of the constraint", &mut scales.constraint)?;
+    fields.magnitude("scale of the gap", &mut scales.gap)?;
+    fields.magnitude("scale of the force", &mut state.force_scale)?;
+    fields.magnitude("penalty", &mut state.penalty)
+}
+
+fn visit_drive<E>(drive: &mut Drive, fields: &mut impl Fields<Error = E>) -> Result<(), E> {
+    fields.numbers("load factor", from_mut(&mut drive.load))?;
+    fields.length("obstacles", drive.poses.len())?;
+    for pose in &mut drive.poses {
+        fields.name("obstacle", &pose.name)?;
+        fields.numbers("translation of an obstacle", &mut pose.translation)?;
+        fields.numbers("rotation of an obstacle", &mut pose.rotation)?;
+    }
+    fields.numbers("supports", drive.supports.as_flattened_mut())?;
+    fields.length("motions", drive.motions.len())?;
+    for motion in &mut drive.motions {
+        fields.numbers("translation of a support", &mut motion.translation)?;
+        fields.numbers("rotation of a support", &mut motion.rotation)?;
+        fields.numbers("reference point of a support", &mut motion.about)?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,232 @@
+//! SHA-256 of a scene: of all of it that a later bit of a field or report depends on,
+//! which leaves out its name and its limit of time.
+//!
+//! Every list, text and optional value follows its count, u64 little-endian; numbers go
+//! by their bits, choices by their names in scenes. Every struct is taken apart whole,
+//! so that a new key of the scene cannot be forgotten here.
+
+use sha2::{Digest, Sha256};
+
+use crate::scene::{
+    Formulation, Material, MaterialModel, Modulus, Obstacle, Pressure, Probe, Profile, RubberModel,
+    Scene, SceneKind, Shape, SolverOptions, Support, ToleranceRule, Traction,
+};
+
+/// The digest of `scene`.
+pub(super) fn of(scene: &Scene) -> [u8; 32] {
+    let mut hash = Canonical(Sha256::new());
+    hash.scene(scene);
+    hash.0.finalize().into()
+}
+
+/// Takes parts of a scene up, one after the other.
+struct Canonical(Sha256);
+
+impl Canonical {
+    fn length(&mut self, length: usize) {
+        self.0.update((length as u64).to_le_bytes());
+    }
+
+    fn numbers(&mut self, values: &[f64]) {
+        self.length(values.len());
+        for value in values {
+            self.0.update(value.to_le_bytes());
+        }
+    }
+
+    fn optional(&mut self, value: Option<f64>) {
+        self.numbers(value.as_slice());
+    }
+
+    fn text(&mut self, text: &str) {
+        self.length(text.len());
+        self.0.update(text.as_bytes());
+    }
+
+    fn texts(&mut self, texts: &[String]) {
+        self.all(texts, |hash, text| hash.text(text));
+    }
+
+    fn all<T>(&mut self, items: &[T], each: impl Fn(&mut Self, &T)) {
+        self.length(items.len());
+        items.iter().for_each(|item| each(self, item));
+    }
+
+    fn scene(&mut self, scene: &Scene) {
+        let Scene {
+            name: _,
+            mesh_scale,
+            kind,
+            materials,
+            supports,
+            tractions,
+            pressures,
+            body_force,
+            obstacles,
+            manufactured,
+            probes,
+            solver,
+        } = scene;
+        self.optional(*mesh_scale);
+        self.text(kind.map_or("", SceneKind::name));
+        self.all(materials, Self::material);
+        self.all(supports, Self::support);
+        self.all(tractions, Self::traction);
+        self.all(pressures, Self::pressure);
+        self.numbers(body_force);
+        self.all(obstacles, Self::obstacle);
+        self.text(manufactured.as_deref().unwrap_or_default());
+        self.all(probes, Self::probe);
+        self.solver(solver);
+    }
+
+    fn material(&mut self, material: &Material) {
+        let Material { group, model } = material;
+        self.text(group);
+        self.text(model.name());
+        let formulation = match model {
+            MaterialModel::LinearElastic {
+                modulus,
+                poisson_ratio,
+                formulation,
+            } => {
+                self.modulus(*modulus);
+                self.numbers(&[*poisson_ratio]);
+                formulation
+            }
+            MaterialModel::Stokes {
+                viscosity,
+                formulation,
+            } => {
+                self.numbers(&[*viscosity]);
+                formulation
+            }
+            MaterialModel::Rubber {
+                model,
+                bulk_modulus,
+                formulation,
+            } => {
+                self.rubber(model);
+                self.optional(*bulk_modulus);
+                formulation
+            }
+        };
+        self.text(match formulation {
+            Formulation::Auto => "auto",
+            Formulation::Mixed => "mixed",
+            Formulation::Displacement => "displacement",
+        });
+    }
+
+    fn modulus(&mut self, modulus: Modulus) {
+        let (name, value) = match modulus {
+            Modulus::Shear(value) => ("shear", value),
+            Modulus::Young(value) => ("young", value),
+        };
+        self.text(name);
+        self.numbers(&[value]);
+    }
+
+    fn rubber(&mut self, model: &RubberModel) {
+        match model {
+            RubberModel::MooneyRivlin { c10, c01 } => self.numbers(&[*c10, *c01]),
+            RubberModel::NeoHookean { shear_modulus } => self.numbers(&[*shear_modulus]),
+            RubberModel::Yeoh { c10, c20, c30 } => self.numbers(&[*c10, *c20, *c30]),
+            RubberModel::Ogden { mu, alpha } => {
+                self.numbers(mu);
+                self.numbers(alpha);
+            }
+        }
+    }
+
+    fn support(&mut self, support: &Support) {
+        let Support {
+            name,
+            on,
+            displacement,
+            normal,
+            profile,
+        } = support;
+        self.text(name);
+        self.texts(on);
+        displacement.iter().for_each(|value| self.optional(*value));
+        self.optional(*normal);
+        self.text(match profile {
+            Profile::Constant => "constant",
+            Profile::Parabolic => "parabolic",
+        });
+    }
+
+    fn traction(&mut self, traction: &Traction) {
+        let Traction { on, value } = traction;
+        self.texts(on);
+        self.numbers(value);
+    }
+
+    fn pressure(&mut self, pressure: &Pressure) {
+        let Pressure { on, value } = pressure;
+        self.texts(on);
+        self.numbers(&[*value]);
+    }
+
+    fn obstacle(&mut self, obstacle: &Obstacle) {
+        let Obstacle { name, on, shape } = obstacle;
+        self.text(name);
+        self.texts(on);
+        let (kind, [first, second], radius) = match shape {
+            Shape::HalfSpace { point, normal } => ("half-space", [point, normal], None),
+            Shape::Sphere { centre, radius } => ("sphere", [centre, &[0.0; 3]], Some(*radius)),
+            Shape::Cylinder {
+                point,
+                axis,
+                radius,
+            } => ("cylinder", [point, axis], Some(*radius)),
+        };
+        self.text(kind);
+        self.numbers(first);
+        self.numbers(second);
+        self.optional(radius);
+    }
+
+    fn probe(&mut self, probe: &Probe) {
+        let Probe { name, point } = probe;
+        self.text(name);
+        self.numbers(point);
+    }
+
+    fn solver(&mut self, solver: &SolverOptions) {
+        let SolverOptions {
+            tolerance,
+            tolerance_rule,
+            error_estimate,
+            quadrature_degree,
+            max_wall_time: _,
+            element,
+            displacement_preconditioner,
+            p1_solver,
+            saddle,
+            contact,
+            contact_metric,
+            penalty,
+            verify,
+        } = solver;
+        self.numbers(&[*tolerance]);
+        self.text(match tolerance_rule {
+            ToleranceRule::Fixed => "fixed",
+            ToleranceRule::Discretisation => "discretisation",
+        });
+        let methods = [
+            error_estimate.name(),
+            element.name(),
+            displacement_preconditioner.name(),
+            p1_solver.name(),
+            saddle.name(),
+            contact.name(),
+            contact_metric.name(),
+        ];
+        methods.into_iter().for_each(|method| self.text(method));
+        self.optional(quadrature_degree.map(f64::from));
+        self.optional(*penalty);
+        self.text(if *verify { "verify" } else { "" });
+    }
+}

@@ -1,0 +1,296 @@
+//! A session: one state on shared prepared data, moved by load steps, whatever the
+//! element.
+//!
+//! A session owns two things that change: the state, which is all that a resumed session
+//! needs, and what the solver has learnt, which may be dropped between any two increments.
+//! Everything else is shared and immutable. A step that is begun ramps from where the last
+//! one led to, reached or not.
+
+pub(crate) mod body;
+pub(crate) mod checkpoint;
+mod chooser;
+mod step_run;
+mod taylor_hood;
+
+use std::sync::Arc;
+
+use crate::linalg::Workspace;
+use crate::mesh::Mesh;
+use crate::model::counters::Counters;
+use crate::model::drive::Drive;
+use crate::model::state::State;
+use crate::plan::Plan;
+use crate::prepare::Prepared;
+use crate::report::{
+    CancelToken, FieldData, FieldName, IterationRecord, Observer, Seconds, StepReport,
+};
+use crate::scene::validate::check_step;
+use crate::scene::{SceneError, Step};
+use crate::sqp::learned::Learned;
+use crate::sqp::watch::Watch;
+use body::{Advanced, Body, Increment};
+
+use checkpoint::Checkpoint;
+
+pub use crate::model::drive::ObstaclePose;
+pub use checkpoint::{CheckpointError, Origin};
+pub use step_run::{Reuse, StepRun};
+
+/// A state that load steps move.
+#[derive(Debug)]
+pub struct Session {
+    /// The body on its obstacles, of whatever element.
+    body: Box<dyn Body>,
+    /// The checkpoint: all that a resumed session needs.
+    state: State,
+    /// What earlier programs have taught the solver; droppable.
+    learned: Learned,
+    /// The state before the increment that [`Session::take_back`] can undo.
+    previous: Option<State>,
+    /// Whether any increment has moved the state from rest.
+    moved: bool,
+    /// What the last step led to, reached or not: the next step starts its ramps there.
+    target: Drive,
+    /// Where the last step began, as its drive; none where none did, or the last one was
+    /// stopped.
+    begun: Option<Drive>,
+    /// Number of steps begun so far.
+    steps: u32,
+    /// Seconds of the preparation that the next report still has to name.
+    preparation: Seconds,
+    /// Prepared parts taken from a cache that the next report still has to name.
+    reused: Vec<String>,
+    /// Factorisations that the next report still has to count.
+    pending_factorisations: u32,
+    /// Scratch vectors, kept from increment to increment.
+    work: Workspace,
+    /// Keeps the shared data in use, so that a cache counts them as such.
+    _prepared: Arc<Prepared>,
+}
+
+impl Session {
+    /// A session in the undeformed state.
+    pub fn new(plan: Arc<Plan>, mesh: Arc<Mesh>, prepared: Arc<Prepared>, reuse: Reuse) -> Self {
+        let start = std::time::Instant::now();
+        let body = chooser::body(plan.clone(), mesh, &prepared);
+        let own = start.elapsed().as_secs_f64();
+        let shared = body.shared();
+        let (mut preparation, reused) = match reuse {
+            Reuse::Built => (shared.seconds, Vec::new()),
+            Reuse::Reused => (Seconds::default(), shared.parts),
+        };
+        preparation.assemble += own;
+        preparation.total += own;
+        Self {
+            state: State::undeformed(&plan),
+            learned: Learned::nothing(&plan),
+            previous: None,
+            moved: false,
+            target: Drive::first_target(&plan),
+            begun: None,
+            pending_factorisations: u32::from(reuse == Reuse::Built),
+            steps: 0,
+            preparation,
+            reused,
+            work: Workspace::new(),
+            body,
+            _prepared: prepared,
+        }
+    }
+
+    /// A session that goes on where [`Session::export`] wrote `bytes`, in this process
+    /// or another: with the same bits from the same build. `prepared` is of `plan`, as
+    /// in [`Session::new`]. Cost: one pass over the bytes besides.
+    ///
+    /// # Errors
+    /// [`CheckpointError`] for bytes that were not written by this format, were changed
+    /// since, or belong to another mesh, scene, plan or instruction set.
+    pub fn import(
+        plan: Arc<Plan>,
+        mesh: Arc<Mesh>,
+        prepared: Arc<Prepared>,
+        reuse: Reuse,
+        bytes: &[u8],
+    ) -> Result<Self, CheckpointError> {
+        let checkpoint = Checkpoint::decode(&plan, bytes)?;
+        let mut session = Self::new(plan, mesh, prepared, reuse);
+        let Checkpoint {
+            state,
+            target,
+            begun,
+            steps,
+            moved,
+        } = checkpoint;
+        session.state = state;
+        session.target = target;
+        session.begun = begun;
+        session.steps = steps;
+        session.moved = moved;
+        Ok(session)
+    }
+
+    /// The state between two increments as bytes, for [`Session::import`]; they begin
+    /// with their version and end with their digest. This session forgets what the
+    /// solver has learnt, which does not travel and which later bits depend on: both
+    /// sessions go on with the same bits. [`Session::take_back`] has nothing to undo
+    /// in either, and stops the step. A step under way goes on here with the
+    /// [`StepRun`] that is there, and in the other session with
+    /// [`Session::resume_step`]. After a panic inside [`Session::advance`],
+    /// [`Session::take_back`] first. Cost: two copies of the state.
+    pub fn export(&mut self) -> Vec<u8> {
+        self.learned = Learned::nothing(self.body.plan());
+        self.previous = None;
+        let checkpoint = Checkpoint {
+            state: self.state.clone(),
+            target: self.target.clone(),
+            begun: self.begun.clone(),
+            steps: self.steps,
+            moved: self.moved,
+        };
+        checkpoint.encode(self.plan())
+    }
+
+    /// The step begun last, of which `done` of its `increments` are done, for a session
+    /// that was imported in the middle of it; none where no step was begun, or the last
+    /// one was stopped. The limit of time counts from here.
+    pub fn resume_step(&self, increments: u32, done: u32) -> Option<StepRun> {
+        let step = StepRun::new(self.begun.clone()?, self.target.clone(), increments);
+        Some(step.after(done))
+    }
+
+    /// The plan this session follows.
+    pub fn plan(&self) -> &Plan {
+        self.body.plan()
+    }
+
+    /// Checks a step without taking it.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the path of every faulty key.
+    pub fn check_step(&self, step: &Step) -> Result<(), SceneError> {
+        check_step(self.plan().scene(), step, self.body.mesh())
+    }
+
+    /// Starts a step; [`Session::advance`] then does its increments.
+    ///
+    /// # Errors
+    /// [`SceneError`]; the session is then as before.
+    pub fn begin_step(&mut self, step: &Step) -> Result<StepRun, SceneError> {
+        self.check_step(step)?;
+        let end = self.target.after(self.plan(), step);
+        self.steps += 1;
+        self.target = end.clone();
+        let start = self.begun.insert(self.state.drive.clone());
+        Ok(StepRun::new(start.clone(), end, step.increments))
+    }
+
+    /// Does the next increment; none when the step is finished. A result that
+    /// did not converge finishes the step, with the last good state kept. One that
+    /// was cancelled leaves the state before the increment, so that no later bit
+    /// depends on when that was; one whose time is up the last part of the increment
+    /// that converged, which the report names: nothing else depends on the clock.
+    /// After a panic inside, [`Session::take_back`].
+    pub fn advance(
+        &mut self,
+        step: &mut StepRun,
+        observer: &mut dyn Observer,
+        cancel: &CancelToken,
+    ) -> Option<StepReport> {
+        let (number, goal) = step.upcoming()?;
+        let before = self.previous.insert(self.state.clone());
+        let increment = Increment {
+            state: &mut self.state,
+            learned: &mut self.learned,
+            watch: Watch {
+                observer,
+                cancel,
+                seconds_left: step.seconds_left(self.body.plan().settings.max_wall_time),
+                record: IterationRecord {
+                    step: self.steps,
+                    increment: number,
+                    load: goal.load,
+                    ..IterationRecord::default()
+                },
+            },
+            counters: Counters::new(),
+            work: std::mem::take(&mut self.work),
+        };
+        let advanced = self.body.advance(increment, &goal, before);
+        let is_stopped = advanced.ending.is_stopped();
+        match is_stopped && advanced.part == 0.0 {
+            true => self.previous = None,
+            false => self.moved = true,
+        }
+        if is_stopped {
+            self.stop();
+        }
+        step.finish(number, &advanced.ending, &advanced.counters);
+        let time = step.time(number, advanced.part);
+        Some(self.report(time, advanced))
+    }
+
+    /// Ends a step before its end: what follows starts from the state that is
+    /// there, as if the step had only asked for that. Forgets what the solver has
+    /// learnt, which depends on how far it came: no later bit depends on when a
+    /// step was stopped.
+    pub fn stop(&mut self) {
+        let plan = self.body.plan();
+        self.target = match self.moved {
+            true => self.state.drive.clone(),
+            false => Drive::first_target(plan),
+        };
+        self.begun = None;
+        self.learned = Learned::nothing(plan);
+    }
+
+    /// Undoes the last increment, if it is not undone yet, and stops its step.
+    /// Also mends a session in which [`Session::advance`] panicked.
+    pub fn take_back(&mut self) {
+        if let Some(previous) = self.previous.take() {
+            self.state = previous;
+            self.moved = self.state.drive != Drive::undeformed(self.plan());
+        }
+        self.stop();
+    }
+
+    /// The report of an increment that came to `reached` of its step.
+    fn report(&mut self, (increment, reached): (u32, f64), mut advanced: Advanced) -> StepReport {
+        let mut report = self.body.report(&self.state, &mut advanced);
+        self.work = advanced.work;
+        report.step = self.steps;
+        report.increment = increment;
+        report.time = f64::from(self.steps - 1) + reached;
+        let own = self.state.bytes() + self.learned.bytes() + self.work.bytes();
+        report.memory_bytes = self.body.shared().bytes + own;
+        let preparation = std::mem::take(&mut self.preparation);
+        report.reused = std::mem::take(&mut self.reused);
+        let built = std::mem::take(&mut self.pending_factorisations);
+        report.factorisations += built;
+        if built > 0 {
+            self.body.count_preparation(&mut report);
+        }
+        report.seconds.prepare += preparation.prepare;
+        report.seconds.assemble += preparation.assemble;
+        report.seconds.factorise += preparation.factorise;
+        let seconds = advanced.counters.start.elapsed().as_secs_f64();
+        report.seconds.total = preparation.total + seconds;
+        report
+    }
+
+    /// A field of the current state; none if the scene has no such field.
+    pub fn field(&self, name: FieldName) -> Option<FieldData> {
+        self.body.field(&self.state, name)
+    }
+
+    /// Bytes held by this session alone.
+    pub fn bytes(&self) -> u64 {
+        let previous = self.previous.as_ref().map_or(0, State::bytes);
+        let moving = self.state.bytes() + self.learned.bytes() + previous;
+        moving + self.work.bytes() + self.body.bytes()
+    }
+
+    /// Current poses of all obstacles.
+    pub fn obstacle_poses(&self) -> Vec<ObstaclePose> {
+        self.state.drive.poses.clone()
+    }
+}

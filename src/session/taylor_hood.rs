@@ -1,0 +1,134 @@
+//! The solver's own body: Taylor-Hood, linear or of finite strain.
+//!
+//! It is immutable: what changes is in the increment that it is lent to. An increment is
+//! one `Run` on it; the report is read from the state behind.
+
+use std::sync::Arc;
+
+use super::body::{Advanced, Body, Increment, Shared};
+use crate::mesh::Mesh;
+use crate::model::Model;
+use crate::model::drive::Drive;
+use crate::model::interfaces::Interfaces;
+use crate::model::loads::reference_load;
+use crate::model::state::State;
+use crate::plan::Plan;
+use crate::precond::PMultigrid;
+use crate::prepare::TaylorHoodData;
+use crate::report::{FieldData, FieldName, StepReport};
+use crate::results::{fields, step};
+use crate::sqp::approach::approach;
+use crate::sqp::increment;
+use crate::sqp::run::Run;
+use crate::verify;
+
+/// A body of Taylor-Hood elements.
+#[derive(Debug)]
+pub(crate) struct TaylorHoodBody {
+    /// Decisions, resolved names and units of the scene.
+    plan: Arc<Plan>,
+    /// The checked mesh of the plan, undeformed.
+    mesh: Arc<Mesh>,
+    /// Operators and approximate inverses at rest, shared by all sessions.
+    prepared: Arc<TaylorHoodData>,
+    /// Surfaces with multipliers and what they meet.
+    interfaces: Interfaces,
+    /// Dead load at load factor one `[displacement unknowns]`.
+    load: Vec<f64>,
+}
+
+impl TaylorHoodBody {
+    /// The body of `plan` with its surfaces and loads.
+    pub(crate) fn new(plan: Arc<Plan>, mesh: Arc<Mesh>, prepared: Arc<TaylorHoodData>) -> Self {
+        Self {
+            interfaces: Interfaces::new(&plan, &mesh, &prepared.space),
+            load: reference_load(&plan, &mesh, &prepared),
+            plan,
+            mesh,
+            prepared,
+        }
+    }
+
+    /// The body as an increment or a report reads it, at the tolerance of the scene.
+    fn model(&self) -> Model<'_> {
+        Model {
+            plan: &self.plan,
+            mesh: &self.mesh,
+            prepared: &self.prepared,
+            interfaces: &self.interfaces,
+            load: &self.load,
+            admitted_penetration: [].into(),
+            tolerance: self.plan.settings.tolerance,
+        }
+    }
+}
+
+impl Body for TaylorHoodBody {
+    fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    fn shared(&self) -> Shared {
+        Shared {
+            bytes: self.prepared.bytes(),
+            seconds: self.prepared.seconds(),
+            parts: self.prepared.parts(),
+        }
+    }
+
+    fn bytes(&self) -> u64 {
+        8 * self.load.len() as u64
+    }
+
+    fn advance<'a>(&'a self, increment: Increment<'a>, goal: &Drive, before: &State) -> Advanced {
+        let mut run = Run {
+            model: self.model(),
+            state: increment.state,
+            learned: increment.learned,
+            watch: increment.watch,
+            counters: increment.counters,
+            work: increment.work,
+        };
+        let (mut ending, part) = approach(&mut run, goal);
+        if ending.is_stopped() {
+            if part == 0.0 {
+                run.state.clone_from(before);
+            }
+            increment::describe(&mut run, &mut ending);
+        }
+        Advanced {
+            ending,
+            part,
+            counters: run.counters,
+            work: run.work,
+        }
+    }
+
+    fn report(&self, state: &State, advanced: &mut Advanced) -> StepReport {
+        let model = self.model();
+        let Advanced {
+            ending,
+            counters,
+            work,
+            ..
+        } = advanced;
+        let mut report = step::report(&model, state, ending, counters, work);
+        if self.plan.settings.verify {
+            report.verification = Some(verify::verify(&model, state, ending));
+        }
+        report
+    }
+
+    fn count_preparation(&self, report: &mut StepReport) {
+        report.eigenvalue_applications += PMultigrid::estimate_applications();
+        report.compliance_columns = self.prepared.at_rest.compliance.columns() as u32;
+    }
+
+    fn field(&self, state: &State, name: FieldName) -> Option<FieldData> {
+        fields::field(&self.model(), state, name)
+    }
+}

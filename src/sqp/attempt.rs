@@ -1,0 +1,38 @@
+//! One part of an increment, solved and judged: equilibrium as accurately as the scene
+//! asks, the cause where there is none, the mean of a pressure that nothing fixes, and
+//! whether the equilibrium is a minimum.
+
+use super::accuracy;
+use super::certificate::certify;
+use super::diagnosis::explain;
+use super::run::Run;
+use crate::linalg::vector::dot;
+use crate::linalg::{LinearOperator, Workspace};
+use crate::model::Model;
+use crate::model::drive::Drive;
+use crate::model::ending::Ending;
+use crate::model::state::State;
+
+/// Solves one part and says what kind of equilibrium it led to.
+pub(crate) fn attempt(run: &mut Run<'_>, drive: &Drive) -> Ending {
+    let mut ending = accuracy::solve(run, drive);
+    explain(run, &mut ending);
+    centre_pressure(&run.model, run.state);
+    certify(run, &mut ending);
+    ending
+}
+
+/// An enclosed incompressible body fixes its pressure up to a constant:
+/// the mean is set to zero.
+fn centre_pressure(model: &Model<'_>, state: &mut State) {
+    let block = model.prepared.pressure.as_ref();
+    let Some(block) = block.filter(|block| block.is_enclosed) else {
+        return;
+    };
+    let mut weights = vec![0.0; state.pressure.len()];
+    let ones = vec![1.0; weights.len()];
+    let mass = block.metric.mass();
+    mass.apply(&ones, &mut weights, &mut Workspace::new());
+    let mean = dot(&weights, &state.pressure) / weights.iter().sum::<f64>();
+    state.pressure.iter_mut().for_each(|p| *p -= mean);
+}

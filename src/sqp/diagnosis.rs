@@ -1,0 +1,89 @@
+//! Causes that the methods can only notice as stagnation: loads that nothing resists,
+//! a volume that cannot change, a body about to snap.
+
+use super::run::Run;
+use crate::contact::gap::linearise;
+use crate::linalg::vector::{add_scaled, dot, norm};
+use crate::linalg::{LinearOperator, Workspace};
+use crate::model::Model;
+use crate::model::drive::Drive;
+use crate::model::ending::Ending;
+use crate::report::Cause;
+
+/// Least eigenvalue over that at rest below which a body is about to snap.
+const SOFT: f64 = 0.1;
+/// Share of a constant pressure's forces that contact may leave.
+const CLOSED: f64 = 1e-6;
+
+/// Names what the Krylov method could only notice as stagnation.
+pub(crate) fn explain(run: &mut Run<'_>, ending: &mut Ending) {
+    let stuck = matches!(
+        ending.cause,
+        Some(Cause::Stagnation | Cause::IterationLimit | Cause::LineSearch)
+    );
+    if !stuck {
+        return;
+    }
+    let model = &run.model;
+    let touches = run.state.status.iter().any(|status| status.is_closed());
+    let pressure = model.prepared.pressure.as_ref();
+    let is_enclosed = pressure.is_some_and(|block| block.is_enclosed);
+    if model.plan.is_floating() && !touches {
+        ending.cause = Some(Cause::NoEquilibrium);
+    } else if is_enclosed || is_closed_by_contact(model, &run.state.drive, &mut run.work) {
+        ending.cause = Some(Cause::EnclosedVolume);
+    }
+}
+
+/// Whether contact everywhere would hold a constant pressure at rest: obstacles
+/// then fix a volume which the material fixes too.
+fn is_closed_by_contact(model: &Model<'_>, drive: &Drive, work: &mut Workspace) -> bool {
+    let fixed = model.prepared.pressure.as_ref();
+    let Some(block) = fixed.filter(|block| block.stabilisation.is_none()) else {
+        return false;
+    };
+    let size = block.coupling.size;
+    let (mut pushed, mut held) = (vec![0.0; size], vec![0.0; size]);
+    let ones = vec![1.0; block.coupling.vertices];
+    block.coupling.apply_transposed(&ones, &mut pushed, work);
+    let rest = vec![0.0; size];
+    let body = model.deformed(&rest);
+    for (interface, obstacle) in model.placed(drive) {
+        let is_held = &model.prepared.is_held;
+        let part = linearise(&body, &interface.surface, &obstacle, is_held);
+        for (index, value) in part.rows.into_iter().flatten() {
+            held[index as usize] += value;
+        }
+    }
+    let before = norm(&pushed);
+    let share = dot(&pushed, &held) / dot(&held, &held).max(f64::MIN_POSITIVE);
+    add_scaled(&mut pushed, -share, &held);
+    before > 0.0 && norm(&pushed) <= CLOSED * before
+}
+
+/// Whether the body has grown so soft that it is about to snap.
+pub(crate) fn is_soft(run: &Run<'_>) -> bool {
+    let mode = run.learned.lowest_mode.as_ref();
+    mode.is_some_and(|mode| mode.eigenvalue < SOFT)
+}
+
+/// Names the cause of an increment whose parts became too small: a body that has grown
+/// soft meets a limit of its load.
+pub(crate) fn name_the_end(run: &Run<'_>, ending: &mut Ending) {
+    ending.cause = match ending.cause {
+        Some(
+            Cause::Stagnation
+            | Cause::IterationLimit
+            | Cause::LineSearch
+            | Cause::IndefiniteTangent
+            | Cause::NegativeJacobian,
+        )
+        | None
+            if is_soft(run) =>
+        {
+            Some(Cause::LimitPoint)
+        }
+        None => Some(Cause::StepTooSmall),
+        named => named,
+    };
+}

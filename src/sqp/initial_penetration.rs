@@ -1,0 +1,75 @@
+//! By how much a body starts inside its obstacles. It is let in by that much, and
+//! pushed out over the parts of the first increment:
+//!
+//! ```text
+//! g_i + (1 - t) max(-g_i(0), 0) >= 0,   t from 0 to 1
+//! ```
+
+use std::sync::Arc;
+
+use crate::contact::gap::evaluate_gaps;
+use crate::linalg::vector::scale;
+use crate::model::Model;
+use crate::model::drive::Drive;
+use crate::model::state::State;
+
+/// Penetration at the start, over the body's length, that one part resolves.
+const LARGEST_PART: f64 = 0.05;
+
+/// By how much a start lies inside its obstacles.
+pub(crate) struct InitialPenetration {
+    /// Weighted penetration `[multipliers]`; empty where one part resolves it.
+    penetration: Vec<f64>,
+    /// Deepest penetration of the start, in units of the scaled body.
+    depth: f64,
+}
+
+impl InitialPenetration {
+    /// That of `state` on the obstacles as `start` has them; none for linear bodies.
+    pub(crate) fn of(model: &Model<'_>, state: &State, start: &Drive) -> Self {
+        let mut found = Self {
+            penetration: Vec::new(),
+            depth: 0.0,
+        };
+        if !model.is_rubber() {
+            return found;
+        }
+        let body = model.deformed(&state.displacement);
+        for (interface, obstacle) in model.placed(start) {
+            let (gaps, _) = evaluate_gaps(&body, &interface.surface, &obstacle);
+            if !interface.is_contact() {
+                // A support moves its surface along.
+                found.penetration.extend(gaps.iter().map(|_| 0.0));
+                continue;
+            }
+            for (gap, weight) in gaps.iter().zip(&interface.surface.weights) {
+                found.depth = found.depth.max(-gap / weight);
+                found.penetration.push((-gap).max(0.0));
+            }
+        }
+        if found.depth <= LARGEST_PART {
+            found.penetration.clear();
+        }
+        found
+    }
+
+    /// Whether one part does not resolve it.
+    pub(crate) fn takes_parts(&self) -> bool {
+        !self.penetration.is_empty()
+    }
+
+    /// The share of the increment that its first part takes.
+    pub(crate) fn first_part(&self) -> f64 {
+        match self.takes_parts() {
+            true => LARGEST_PART / self.depth,
+            false => 1.0,
+        }
+    }
+
+    /// What is still let be where a fraction of the way is done `[multipliers]`.
+    pub(crate) fn left(&self, fraction: f64) -> Arc<[f64]> {
+        let mut left = self.penetration.clone();
+        scale(&mut left, 1.0 - fraction);
+        left.into()
+    }
+}

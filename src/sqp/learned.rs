@@ -1,0 +1,50 @@
+//! What a session has learnt about its body on the way: makes the next increment
+//! cheaper, is never part of a result, and may be dropped at any time between two
+//! increments. The bits of what follows depend on whether it was.
+
+use std::sync::Arc;
+
+use super::lowest_mode::LowestMode;
+use super::preconditioner_refresh::PreconditionerRefresh;
+use super::trend::Trend;
+use crate::assembly::strain::Linearised;
+use crate::krylov::gcr::Directions;
+use crate::plan::Plan;
+
+/// What the solver has learnt.
+#[derive(Debug)]
+pub(crate) struct Learned {
+    /// Krylov directions of earlier programs; their products are without contact.
+    pub(crate) directions: Directions,
+    /// The approximate inverse in use, and what it costs.
+    pub(crate) refresh: PreconditionerRefresh,
+    /// The softest motion of the last equilibrium; none for linear bodies.
+    pub(crate) lowest_mode: Option<LowestMode>,
+    /// How the last parts moved the state; none for linear bodies.
+    pub(crate) trend: Option<Trend>,
+    /// What the last tangent was taken about, to be overwritten in place by the next;
+    /// empty for linear bodies.
+    pub(crate) linearised: Arc<Linearised>,
+}
+
+impl Learned {
+    /// Nothing yet.
+    pub(crate) fn nothing(plan: &Plan) -> Self {
+        Self {
+            directions: plan.directions(),
+            refresh: PreconditionerRefresh::default(),
+            lowest_mode: None,
+            trend: None,
+            linearised: Arc::default(),
+        }
+    }
+
+    /// Bytes held.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.directions.bytes()
+            + self.refresh.bytes()
+            + self.lowest_mode.as_ref().map_or(0, LowestMode::bytes)
+            + self.trend.as_ref().map_or(0, Trend::bytes)
+            + self.linearised.bytes()
+    }
+}

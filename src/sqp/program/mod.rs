@@ -1,0 +1,138 @@
+//! One quadratic program: the body with frozen normals, the curvature of the
+//! gap in its stiffness, and the metric of the candidate surface.
+//!
+//! ```text
+//! min 1/2 du.(A - G) du - r.du   with   B du - S dp = b,   g - C du >= 0 on contacts
+//! ```
+//!
+//! A the tangent, G what follower loads and the curvature of contact take off it, r and b the
+//! residuals of the state. One program is one SQP iteration.
+
+mod inverse;
+mod solve;
+pub(crate) mod step;
+mod stiffness;
+
+use std::sync::Arc;
+
+use super::contact_metric::ContactMetric;
+use super::run::Run;
+use crate::contact::curvature;
+use crate::linalg::vector::norm;
+use crate::linalg::{LinearOperator, SparseRows};
+use crate::model::Model;
+use crate::model::counters::timed;
+use crate::model::evaluate::Evaluation;
+use crate::model::pressures::pressure_tangent;
+use crate::model::state::State;
+use crate::model::tangent::Tangent;
+use crate::obstacle::Obstacle;
+use crate::prepare::ApproximateInverse;
+use inverse::inverse;
+pub(crate) use step::Step;
+pub(crate) use stiffness::Accuracy;
+
+/// One quadratic program.
+pub(crate) struct QuadraticProgram<'a> {
+    /// The body, its interfaces and the tolerance.
+    model: Model<'a>,
+    /// A and B about the state; none for a linear body, whose operators are prepared.
+    tangent: Option<Tangent>,
+    /// The approximate inverse in use.
+    inverse: Arc<ApproximateInverse>,
+    /// What supports move in this program `[displacement unknowns]`; none where they
+    /// stand still.
+    motion: Option<Vec<f64>>,
+    /// Residuals behind the prescribed motion of the supports.
+    now: Evaluation,
+    /// What pressures that follow the body take off its stiffness.
+    released: Option<SparseRows>,
+    /// What the curvature of the gaps takes off, with `released`.
+    curvature: Option<SparseRows>,
+    /// Metric of the multipliers at this linearisation.
+    metric: ContactMetric,
+    /// Norm of the force that counts as one, non-dimensional.
+    force_scale: f64,
+}
+
+impl<'a> QuadraticProgram<'a> {
+    /// The program about the present state, whose residuals are `now`, with `motion` of
+    /// its supports; `first_force` grows with what that motion asks for.
+    pub(crate) fn new(
+        run: &mut Run<'a>,
+        now: &Evaluation,
+        motion: Option<Vec<f64>>,
+        first_force: &mut f64,
+    ) -> Self {
+        let tangent = timed(&mut run.counters.seconds.assemble, || {
+            let linearised = &mut run.learned.linearised;
+            Tangent::new(&run.model, run.state, linearised, &mut run.work)
+        });
+        let inverse = inverse(run, tangent.as_ref());
+        let now = match (&tangent, &motion) {
+            (Some(tangent), Some(motion)) => {
+                tangent.after(motion, (&run.model, run.state), now, &mut run.work)
+            }
+            _ => now.clone(),
+        };
+        *first_force = first_force.max(norm(&now.force));
+        let start = std::time::Instant::now();
+        let metric = ContactMetric::new(&run.model, &inverse, &now, &mut run.work);
+        run.counters.applications += metric.applications;
+        let expected = metric.expected_contact_norm(&now, run.state, &mut run.work);
+        let released = pressure_tangent(&run.model, run.state);
+        let curvature = curvature_of(&run.model, run.state).map(|own| match &released {
+            Some(released) => own.plus(released),
+            None => own,
+        });
+        run.counters.seconds.contact += start.elapsed().as_secs_f64();
+        Self {
+            model: run.model.clone(),
+            force_scale: now.force_scale(*first_force).max(expected),
+            released,
+            curvature,
+            metric,
+            tangent,
+            inverse,
+            motion,
+            now,
+        }
+    }
+
+    /// Residuals that the program starts from.
+    pub(crate) fn start(&self) -> &Evaluation {
+        &self.now
+    }
+
+    /// A of the program `[displacement, displacement]`, without the curvature of
+    /// contact.
+    fn stiffness(&self) -> &dyn LinearOperator {
+        match &self.tangent {
+            Some(tangent) => &tangent.stiffness,
+            None => &self.model.prepared.stiffness,
+        }
+    }
+
+    /// All that loads and contacts take off the stiffness.
+    fn released_by_all(&self) -> Option<&SparseRows> {
+        self.curvature.as_ref().or(self.released.as_ref())
+    }
+}
+
+/// Curvature of the gaps under the present contact pressure; none where it
+/// vanishes.
+fn curvature_of(model: &Model<'_>, state: &State) -> Option<SparseRows> {
+    let under_pressure = state.multiplier.iter().any(|&l| l != 0.0);
+    if model.interfaces.are_flat() || !under_pressure {
+        return None;
+    }
+    let placed: Vec<_> = model.placed(&state.drive).collect();
+    let curved = placed.iter().filter_map(|(interface, met)| {
+        let pressure = &state.multiplier[interface.range()];
+        let obstacle = met.obstacle()? as &dyn Obstacle;
+        Some((&interface.surface, obstacle, pressure))
+    });
+    let surfaces: Vec<_> = curved.collect();
+    let body = model.deformed(&state.displacement);
+    Some(curvature(&body, &surfaces, &model.prepared.is_held))
+}

@@ -1,0 +1,223 @@
+//! Solving one quadratic program: the method that the plan chose on the program's
+//! blocks, every iteration reported, and the step that follows.
+
+use super::step::{first_iterate, step_from};
+use super::{QuadraticProgram, Step};
+use crate::inequality::{
+    QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
+};
+use crate::krylov::gcr::Directions;
+use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
+use crate::precond::Counted;
+use crate::saddle::{BlockStep, EqualityBlock, Metric, MultiplierBlock, UpperTriangular};
+use crate::sqp::chooser;
+use crate::sqp::linear::{Linear, Track};
+use crate::sqp::run::Run;
+
+/// Krylov iterations per program.
+const MOST_ITERATIONS: u32 = 600;
+/// Of a body of finite strain: what takes longer has no stable solution near.
+const MOST_AT_FINITE_STRAIN: u32 = 300;
+/// Aim of a program below the tolerance, for what the recomputed residual adds.
+const MARGIN: f64 = 0.95;
+
+/// Where a solve of the program starts and ends.
+struct Solve<'s> {
+    /// Increments, multipliers and residuals, solved in place.
+    iterate: &'s mut QpIterate,
+    /// When the program counts as solved.
+    targets: QpTargets,
+    /// Scales of the blocks without a load of their own.
+    scales: &'s mut QpScales,
+    /// Krylov directions of earlier programs, which this one uses and adds to.
+    directions: &'s mut Directions,
+}
+
+impl QuadraticProgram<'_> {
+    /// Solves the program to `goal` or the tolerance, whichever is larger; without the
+    /// curvature of the gaps where it fails or the step has no positive stiffness with
+    /// it.
+    pub(crate) fn solve(&self, run: &mut Run<'_>, goal: f64) -> (Step, QpOutcome) {
+        if let Some(curvature) = &self.curvature {
+            let solved = self.solve_with(Some(curvature), run, goal);
+            let failed = matches!(solved.1.status, QpStatus::Krylov(_));
+            let step = &solved.0.displacement;
+            if !failed && self.has_positive_stiffness(curvature, step, &mut run.work) {
+                return solved;
+            }
+        }
+        self.solve_with(self.released.as_ref(), run, goal)
+    }
+
+    /// Solves the program to `goal` and returns its step; `curvature` is what contact
+    /// adds to A, left out where it spoils the stiffness.
+    fn solve_with(
+        &self,
+        curvature: Option<&SparseRows>,
+        run: &mut Run<'_>,
+        goal: f64,
+    ) -> (Step, QpOutcome) {
+        let Run {
+            state,
+            learned,
+            watch,
+            counters,
+            work,
+            ..
+        } = run;
+        if self.tangent.is_some() {
+            // Products with another tangent.
+            learned.directions.clear(work);
+        }
+        let targets = QpTargets {
+            force_scale: self.force_scale,
+            level: goal.max(MARGIN * self.model.tolerance),
+        };
+        let mut scales = state.scales;
+        let mut iterate = first_iterate(state, &self.now, self.motion.as_deref());
+        let krylov = std::time::Instant::now();
+        let displacement = Counted::new(&*self.inverse.displacement);
+        let mut track = Track {
+            before: counters.applications,
+            force_scale: targets.force_scale,
+            displacement: &displacement,
+            watch,
+            counters,
+        };
+        let solve = Solve {
+            iterate: &mut iterate,
+            targets,
+            scales: &mut scales,
+            directions: &mut learned.directions,
+        };
+        let outcome = self.run_method(curvature, solve, &mut track, work);
+        track.count();
+        counters.seconds.krylov += krylov.elapsed().as_secs_f64();
+        counters.set_changes += outcome.set_changes;
+        counters.contact_products += outcome.products;
+        state.scales = scales;
+        (step_from(iterate, state), outcome)
+    }
+
+    /// Hands the program to the method that the plan has chosen: a linear one without
+    /// multipliers of contact, one for inequalities otherwise.
+    fn run_method(
+        &self,
+        curvature: Option<&SparseRows>,
+        solve: Solve<'_>,
+        track: &mut Track<'_, '_>,
+        work: &mut Workspace,
+    ) -> QpOutcome {
+        let displacement = track.displacement;
+        let guided = self.model.plan.guided_multipliers;
+        let pressure = self.pressure();
+        match chooser::linear(self.model.plan.saddle.method) {
+            Some(method) => {
+                let linear = Linear {
+                    method: &*method,
+                    stiffness: self.stiffness(),
+                    displacement,
+                    pressure: pressure.as_ref(),
+                    targets: solve.targets,
+                    iterations: MOST_ITERATIONS as usize,
+                };
+                linear.solve(solve.iterate, solve.scales, track, work)
+            }
+            None => {
+                let step = self.block_step(displacement, work);
+                let blocks = self.blocks();
+                let problem = self.problem(curvature, displacement, &blocks, &*step);
+                let mut progress = |norms: &QpNorms, scales: &QpScales, active: usize| {
+                    track.iteration(norms, scales, active.saturating_sub(guided))
+                };
+                let mut run = QpRun {
+                    targets: solve.targets,
+                    scales: solve.scales,
+                    iterations: match self.tangent {
+                        Some(_) => MOST_AT_FINITE_STRAIN,
+                        None => MOST_ITERATIONS,
+                    },
+                    directions: solve.directions,
+                    progress: &mut progress,
+                    work,
+                };
+                let method = self.model.plan.contact.method;
+                chooser::contact(method, problem).solve(solve.iterate, &mut run)
+            }
+        }
+    }
+
+    /// The body less `curvature`, on this program's contacts.
+    pub(super) fn problem<'p>(
+        &'p self,
+        curvature: Option<&'p SparseRows>,
+        displacement: &'p dyn Preconditioner,
+        blocks: &'p [MultiplierBlock<'p>],
+        step: &'p dyn BlockStep,
+    ) -> QpProblem<'p> {
+        QpProblem {
+            stiffness: self.stiffness(),
+            curvature,
+            displacement,
+            step,
+            blocks,
+        }
+    }
+
+    /// The step of GCR.
+    pub(super) fn block_step(
+        &self,
+        displacement: &dyn Preconditioner,
+        work: &mut Workspace,
+    ) -> Box<dyn BlockStep> {
+        let now = (&self.now.force[..], &self.now.constraint[..]);
+        let method = self.model.plan.saddle.method;
+        let other = self
+            .pressure()
+            .and_then(|pressure| chooser::block_step(method, displacement, &pressure, now, work));
+        other.unwrap_or_else(|| {
+            let share = match self.tangent {
+                Some(_) => self.model.plan.augmented_share(),
+                None => 1.0,
+            };
+            Box::new(UpperTriangular { share })
+        })
+    }
+
+    /// Internal pressure and contact pressure.
+    pub(super) fn blocks(&self) -> Vec<MultiplierBlock<'_>> {
+        let pressure = self.pressure().map(MultiplierBlock::from);
+        pressure.into_iter().chain([self.contact()]).collect()
+    }
+
+    /// The internal pressure as an equality block about the state; none in displacement
+    /// form.
+    fn pressure(&self) -> Option<EqualityBlock<'_>> {
+        let block = self.model.prepared.pressure.as_ref()?;
+        let tangent = self.tangent.as_ref();
+        let coupling = tangent.map_or(&block.coupling as &dyn LinearOperator, |t| &t.coupling);
+        let stabilisation = block.stabilisation.as_ref();
+        Some(EqualityBlock {
+            rows: coupling,
+            columns: coupling,
+            stabilisation: stabilisation.map(|s| s as &dyn LinearOperator),
+            metric: &block.metric,
+            joint: Some(tangent.map_or(&block.body as &dyn LinearOperator, |t| &t.body)),
+        })
+    }
+
+    /// Contact pressure of all obstacles.
+    fn contact(&self) -> MultiplierBlock<'_> {
+        MultiplierBlock {
+            rows: &self.now.coupling,
+            columns: &self.now.coupling,
+            stabilisation: None,
+            metric: Metric::Dense {
+                matrix: &self.metric.matrix,
+                weights: &self.metric.weights,
+            },
+            set: self.now.contact_set(),
+            joint: None,
+        }
+    }
+}

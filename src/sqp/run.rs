@@ -1,0 +1,47 @@
+//! One increment under way: everything that solving it reads and changes.
+//!
+//! The fields are apart so that a function may borrow the model and change the state: what
+//! it needs of both is passed as the run itself, or as the two or three fields in question.
+
+use super::learned::Learned;
+use super::watch::Watch;
+use crate::linalg::Workspace;
+use crate::model::Model;
+use crate::model::counters::Counters;
+use crate::model::evaluate::{Evaluation, evaluate};
+use crate::model::state::State;
+use crate::report::Termination;
+
+/// One increment under way.
+pub(crate) struct Run<'a> {
+    /// The body on its obstacles, with the tolerance and the penetration of this part.
+    pub(crate) model: Model<'a>,
+    /// Where the session is; moved by every accepted step.
+    pub(crate) state: &'a mut State,
+    /// What earlier programs have taught the solver, which may be dropped at any time.
+    pub(crate) learned: &'a mut Learned,
+    /// Who follows the increment, and what stops it.
+    pub(crate) watch: Watch<'a>,
+    /// Counts and wall seconds so far.
+    pub(crate) counters: Counters,
+    /// Scratch vectors, handed back after use.
+    pub(crate) work: Workspace,
+}
+
+impl Run<'_> {
+    /// Residuals at the present state, their seconds booked.
+    pub(crate) fn evaluate(&mut self) -> Evaluation {
+        let seconds = &mut self.counters.seconds;
+        evaluate(&self.model, self.state, seconds, &mut self.work)
+    }
+
+    /// Why the increment shall stop; none while it may go on.
+    pub(crate) fn stopped(&self) -> Option<Termination> {
+        self.watch.stopped(&self.counters)
+    }
+
+    /// Lets no penetration be any more.
+    pub(crate) fn admit_no_penetration(&mut self) {
+        self.model.admitted_penetration = [].into();
+    }
+}

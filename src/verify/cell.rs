@@ -1,0 +1,137 @@
+//! A cell in the caller's units and its Lagrange functions at a point:
+//!
+//! ```text
+//! grad u = sum_a u_a (x) grad N_a,   about the axis (grad u)_33 = u_x / x
+//! ```
+
+use super::shapes;
+use crate::geometry::tensor::Tensor;
+use crate::geometry::vector3::{cross, scale, sub};
+use crate::mesh::barycentric_gradients;
+use crate::model::Model;
+use crate::scene::SceneKind;
+
+/// Corner positions in the caller's units.
+pub(crate) fn positions(model: &Model<'_>, vertices: &[u32]) -> Vec<[f64; 3]> {
+    let factor = model.plan.units.coordinate_scale * model.plan.units.length;
+    let corner = |&vertex: &u32| scale(factor, model.mesh.coordinates()[vertex as usize]);
+    vertices.iter().map(corner).collect()
+}
+
+/// Area times normal, right of the order of the `corners`, and the ends of the edges
+/// of a facet; in the plane its length takes the place of the area.
+pub(crate) fn facet_area(corners: &[[f64; 3]]) -> ([f64; 3], &'static [(usize, usize)]) {
+    let along = sub(corners[1], corners[0]);
+    match corners.get(2) {
+        None => ([along[1], -along[0], 0.0], &[(0, 1)]),
+        Some(&third) => (
+            scale(0.5, cross(along, sub(third, corners[0]))),
+            &[(0, 1), (0, 2), (1, 2)],
+        ),
+    }
+}
+
+/// A cell in the caller's units.
+pub(crate) struct Cell {
+    /// The undeformed ones, zero beyond those that it has.
+    pub(crate) corners: [[f64; 3]; 4],
+    gradients: [[f64; 3]; 4],
+    vertices: usize,
+    /// Of its vertices, then of its edges.
+    pub(crate) nodes: Vec<usize>,
+    pairs: &'static [(usize, usize)],
+    /// What the section stands for.
+    kind: SceneKind,
+}
+
+/// Shape functions and the displacement gradient at a point.
+pub(crate) struct Point {
+    /// grad u.
+    pub(crate) gradient: Tensor<f64>,
+    /// Of the shape functions `[nodes]`.
+    values: Vec<f64>,
+    /// Their gradients `[nodes, 3]`.
+    slopes: Vec<[f64; 3]>,
+    /// x of the undeformed point.
+    pub(crate) radius: f64,
+}
+
+impl Cell {
+    /// The cell of this number.
+    pub(crate) fn new(model: &Model<'_>, cell: usize) -> Self {
+        let units = &model.plan.units;
+        let kind = model.mesh.cell_kind();
+        let scale = units.coordinate_scale * units.length;
+        let corners = model.mesh.corners(cell).map(|x| x.map(|x| x * scale));
+        let vertices = model.mesh.cell(cell);
+        let pairs = kind.edges();
+        let edges = &model.mesh.cell_edges()[cell * pairs.len()..(cell + 1) * pairs.len()];
+        let first = model.prepared.space.vertices;
+        let edge_nodes = edges.iter().map(|&e| first + e as usize);
+        Self {
+            corners,
+            gradients: barycentric_gradients(kind, &corners),
+            vertices: vertices.len(),
+            nodes: vertices
+                .iter()
+                .map(|&v| v as usize)
+                .chain(edge_nodes)
+                .collect(),
+            pairs,
+            kind: model.plan.resolved.kind,
+        }
+    }
+
+    /// Shape functions and gradient at barycentric coordinates `l`.
+    pub(crate) fn point(&self, l: &[f64], nodal: &[[f64; 3]]) -> Point {
+        let (values, slopes) = shapes(l, &self.gradients[..self.vertices], self.pairs);
+        let mut gradient = [[0.0; 3]; 3];
+        let mut along = 0.0;
+        for (&node, (value, slope)) in self.nodes.iter().zip(values.iter().zip(&slopes)) {
+            along += value * nodal[node][0];
+            for i in 0..3 {
+                for j in 0..3 {
+                    gradient[i][j] += nodal[node][i] * slope[j];
+                }
+            }
+        }
+        let radius = l.iter().zip(&self.corners).map(|(l, x)| l * x[0]).sum();
+        if self.kind == SceneKind::Axisymmetric {
+            // On the axis the strains across it are equal.
+            gradient[2][2] = match radius > 0.0 {
+                true => along / radius,
+                false => gradient[0][0],
+            };
+        }
+        Point {
+            gradient,
+            values,
+            slopes,
+            radius,
+        }
+    }
+}
+
+impl Point {
+    /// Takes `weight` P : grad v off `force`.
+    pub(crate) fn take_off(
+        &self,
+        cell: &Cell,
+        weight: f64,
+        stress: &Tensor<f64>,
+        force: &mut [[f64; 3]],
+    ) {
+        for (&node, slope) in cell.nodes.iter().zip(&self.slopes) {
+            for i in 0..3 {
+                for j in 0..3 {
+                    force[node][i] -= weight * stress[i][j] * slope[j];
+                }
+            }
+        }
+        if cell.kind == SceneKind::Axisymmetric {
+            let hoop = weight * stress[2][2] / self.radius;
+            let values = cell.nodes.iter().zip(&self.values);
+            values.for_each(|(&node, value)| force[node][0] -= hoop * value);
+        }
+    }
+}

@@ -1,0 +1,142 @@
+//! Weighted gaps and contact forces, face by face:
+//!
+//! ```text
+//! g_m = int psi_m d(x + u),   f(v) += int lambda n . v,   lambda = sum_m lambda_m psi_m
+//! ```
+//!
+//! in the caller's units.
+
+use std::f64::consts::TAU;
+
+use super::{shapes, turn};
+use crate::contact::{ContactFace, Counterpart};
+use crate::element::quadrature::{Rule, Simplex, rule};
+use crate::model::Model;
+use crate::model::state::State;
+use crate::obstacle::{Contact, What};
+
+/// Another rule on the faces than the solver's own would change the discrete
+/// problem; this is the degree that the contract names.
+const FACE_DEGREE: u32 = 8;
+
+/// Weighted gaps and contact pressures `[multipliers]`; adds the contact force to
+/// `force` `[nodes, 3]`.
+pub(crate) fn residuals(
+    model: &Model<'_>,
+    state: &State,
+    nodal: &[[f64; 3]],
+    force: &mut [[f64; 3]],
+) -> (Vec<f64>, Vec<f64>) {
+    let (simplex, pairs): (_, &[(usize, usize)]) = match model.plan.units.dimension {
+        2 => (Simplex::Segment, &[(0, 1)]),
+        _ => (Simplex::Triangle, &[(0, 1), (0, 2), (1, 2)]),
+    };
+    let units = &model.plan.units;
+    let pressure: Vec<f64> = state.multiplier.iter().map(|l| l * units.stress).collect();
+    let mut gap = vec![0.0; pressure.len()];
+    let faces = Faces {
+        model,
+        nodal,
+        rule: &rule(simplex, FACE_DEGREE),
+        pairs,
+    };
+    for (interface, met) in model.placed(&state.drive) {
+        let own = interface.offset..;
+        for face in &interface.surface.faces {
+            let sums = (&mut gap[own.clone()], &mut *force);
+            faces.add(face, &met, &pressure[own.clone()], sums);
+        }
+    }
+    for interface in &model.interfaces.list {
+        for &multiplier in &interface.idle {
+            gap[interface.offset + multiplier as usize] = 0.0;
+        }
+    }
+    (gap, pressure)
+}
+
+/// Faces of a body displaced by `nodal` and how they are integrated.
+struct Faces<'a, 'm> {
+    model: &'a Model<'m>,
+    nodal: &'a [[f64; 3]],
+    rule: &'a Rule,
+    /// Ends of the edges of a face.
+    pairs: &'a [(usize, usize)],
+}
+
+impl Faces<'_, '_> {
+    /// Adds one face that meets `met`; pressures and gaps are those of its interface.
+    fn add(
+        &self,
+        face: &ContactFace,
+        met: &dyn Counterpart,
+        pressure: &[f64],
+        (gap, force): (&mut [f64], &mut [[f64; 3]]),
+    ) {
+        let units = &self.model.plan.units;
+        let measure = self.measure(face);
+        for (point, weight) in self.rule.points.iter().zip(&self.rule.weights) {
+            let l = &point[..units.dimension];
+            let (values, _) = shapes(l, &[], self.pairs);
+            let (x, radius) = self.place(face, l, &values);
+            let area = measure * turn(self.model, radius);
+            let mut contact = [Contact::default()];
+            met.probe_on(
+                face,
+                &[x.map(|x| x / units.length)],
+                What::Normal,
+                &mut contact,
+            );
+            let [contact] = contact;
+            let functions = pressure_functions(l, self.pairs, face.multipliers.len());
+            let at = face.multipliers.iter().zip(&functions);
+            let local: f64 = at.clone().map(|(&m, l)| l * pressure[m as usize]).sum();
+            for (&m, l) in at {
+                gap[m as usize] += weight * area * l * contact.distance * units.length;
+            }
+            for (&node, shape) in face.nodes.iter().zip(&values) {
+                for i in 0..3 {
+                    force[node as usize][i] += weight * area * shape * local * contact.normal[i];
+                }
+            }
+        }
+    }
+
+    /// Area or, where the way around is that of each point, length.
+    fn measure(&self, face: &ContactFace) -> f64 {
+        let units = &self.model.plan.units;
+        match face.radii {
+            None => face.area * units.area(),
+            Some([a, b]) => face.area / (0.5 * TAU * (a + b)) * units.length,
+        }
+    }
+
+    /// The displaced point with coordinates `l`, and the undeformed radius; `values`
+    /// are those of the shape functions.
+    fn place(&self, face: &ContactFace, l: &[f64], values: &[f64]) -> ([f64; 3], f64) {
+        let units = &self.model.plan.units;
+        let scale = units.coordinate_scale * units.length;
+        let mut x = [0.0; 3];
+        for (&vertex, l) in face.corners.iter().zip(l) {
+            let corner = self.model.mesh.coordinates()[vertex as usize];
+            (0..3).for_each(|i| x[i] += l * corner[i] * scale);
+        }
+        let radius = x[0];
+        for (&node, shape) in face.nodes.iter().zip(values) {
+            (0..3).for_each(|i| x[i] += shape * self.nodal[node as usize][i]);
+        }
+        (x, radius)
+    }
+}
+
+/// The functions of the contact pressure at a point: hats, or the quadratic Bernstein
+/// polynomials of vertices and edges.
+fn pressure_functions(l: &[f64], pairs: &[(usize, usize)], count: usize) -> Vec<f64> {
+    if count == l.len() {
+        return l.to_vec();
+    }
+    let vertices = l.iter().map(|l| l * l);
+    vertices
+        .chain(pairs.iter().map(|&(a, b)| 2.0 * l[a] * l[b]))
+        .collect()
+}

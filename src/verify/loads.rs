@@ -1,0 +1,171 @@
+//! The loads once more, on Lagrange nodes and in the caller's units, without
+//! the load vector of the solver.
+
+use super::cell::{facet_area, positions};
+use super::pressures::Pushed;
+use super::{shapes, turn};
+use crate::element::quadrature::{Rule, Simplex, rule};
+use crate::geometry::vector3::{norm, scale};
+use crate::model::Model;
+use crate::model::state::State;
+
+/// Degree of the rule for constant loads.
+const CONSTANT_DEGREE: u32 = 4;
+/// Degree of the rule for analytic loads, which are part of the discrete problem.
+const ANALYTIC_DEGREE: u32 = 8;
+/// Exact for cof F N times quadratic functions, at every radius.
+const PRESSURE_DEGREE: u32 = 5;
+
+/// All loads at the state's load factor, `[nodes, 3]`.
+pub(crate) fn external_load(model: &Model<'_>, state: &State, nodal: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let mut force = vec![[0.0; 3]; model.prepared.space.nodes()];
+    let field = model.plan.resolved.manufactured.as_ref();
+    let degree = match field {
+        Some(_) => model
+            .plan
+            .settings
+            .quadrature_degree
+            .unwrap_or(ANALYTIC_DEGREE),
+        None => CONSTANT_DEGREE,
+    };
+    let (cell, facet) = match model.plan.units.dimension {
+        2 => (Simplex::Triangle, Simplex::Segment),
+        _ => (Simplex::Tetrahedron, Simplex::Triangle),
+    };
+    if model.plan.resolved.has_body_force() || field.is_some() {
+        let rule = &rule(cell, degree);
+        Integral { model, rule }.add_volume(&mut force);
+    }
+    let surface = Integral {
+        model,
+        rule: &rule(facet, degree),
+    };
+    surface.add_surfaces(&mut force);
+    let pushed = Pushed {
+        model,
+        rule: &rule(facet, PRESSURE_DEGREE),
+        nodal,
+    };
+    pushed.add_pressures(&mut force);
+    force
+        .iter_mut()
+        .for_each(|row| *row = scale(state.drive.load, *row));
+    force
+}
+
+fn shear_modulus(model: &Model<'_>, cell: usize) -> f64 {
+    let material = usize::from(model.plan.resolved.cell_material[cell]);
+    model.plan.resolved.materials[material].law.shear_modulus
+}
+
+fn point_at(corners: &[[f64; 3]], l: &[f64]) -> [f64; 3] {
+    let mut x = [0.0; 3];
+    for (corner, l) in corners.iter().zip(l) {
+        (0..3).for_each(|i| x[i] += l * corner[i]);
+    }
+    x
+}
+
+/// Loads by one rule, as they are added to forces `[nodes, 3]`.
+struct Integral<'a, 'm> {
+    model: &'a Model<'m>,
+    rule: &'a Rule,
+}
+
+/// A cell or facet in the caller's units.
+struct Region<'a> {
+    /// Vertices, then edges.
+    nodes: &'a [u32],
+    corners: &'a [[f64; 3]],
+    /// Volume, area or length.
+    measure: f64,
+    /// Ends of its edges.
+    pairs: &'a [(usize, usize)],
+}
+
+impl Integral<'_, '_> {
+    fn add_volume(&self, force: &mut [[f64; 3]]) {
+        let model = self.model;
+        let kind = model.mesh.cell_kind();
+        let pairs = kind.edges();
+        let factor = model.plan.units.coordinate_scale * model.plan.units.length;
+        for cell in 0..model.mesh.cell_count() {
+            let vertices = model.mesh.cell(cell);
+            let measure = kind.signed_measure(&model.mesh.corners(cell).map(|x| scale(factor, x)));
+            let density = |x: [f64; 3]| match &model.plan.resolved.manufactured {
+                Some(field) => field.body_force(x, shear_modulus(model, cell)),
+                None => model.plan.resolved.body_force,
+            };
+            let edges = &model.mesh.cell_edges()[cell * pairs.len()..(cell + 1) * pairs.len()];
+            let edge_nodes = edges
+                .iter()
+                .map(|&e| e + model.prepared.space.vertices as u32);
+            let nodes: Vec<u32> = vertices.iter().copied().chain(edge_nodes).collect();
+            let region = Region {
+                nodes: &nodes,
+                corners: &positions(model, vertices),
+                measure,
+                pairs,
+            };
+            self.add(&region, &density, force);
+        }
+    }
+
+    fn add_surfaces(&self, force: &mut [[f64; 3]]) {
+        let model = self.model;
+        if let Some(field) = &model.plan.resolved.manufactured {
+            for facet in model.mesh.boundary_facets() {
+                let vertices = &facet.vertices[..model.plan.units.dimension];
+                let shear = shear_modulus(model, facet.cell as usize);
+                let traction = |x: [f64; 3], n: [f64; 3]| field.traction(x, n, shear);
+                self.add_facet(vertices, &traction, force);
+            }
+            return;
+        }
+        for traction in &model.plan.resolved.tractions {
+            for &facet in &traction.facets {
+                let value = |_: [f64; 3], _: [f64; 3]| traction.value;
+                self.add_facet(model.mesh.facet(facet as usize), &value, force);
+            }
+        }
+    }
+
+    fn add_facet(
+        &self,
+        vertices: &[u32],
+        traction: &dyn Fn([f64; 3], [f64; 3]) -> [f64; 3],
+        force: &mut [[f64; 3]],
+    ) {
+        let corners = positions(self.model, vertices);
+        let (area_vector, pairs) = facet_area(&corners);
+        let area = norm(area_vector);
+        let normal = scale(1.0 / area, area_vector);
+        let region = Region {
+            nodes: &self.model.prepared.space.facet_nodes(vertices),
+            corners: &corners,
+            measure: area,
+            pairs,
+        };
+        self.add(&region, &|x| traction(x, normal), force);
+    }
+
+    fn add(
+        &self,
+        region: &Region<'_>,
+        density: &dyn Fn([f64; 3]) -> [f64; 3],
+        force: &mut [[f64; 3]],
+    ) {
+        for (point, weight) in self.rule.points.iter().zip(&self.rule.weights) {
+            let l = &point[..region.corners.len()];
+            let place = point_at(region.corners, l);
+            let value = density(place);
+            let weight = weight * region.measure * turn(self.model, place[0]);
+            let (values, _) = shapes(l, &[], region.pairs);
+            for (&node, shape) in region.nodes.iter().zip(&values) {
+                for i in 0..3 {
+                    force[node as usize][i] += weight * shape * value[i];
+                }
+            }
+        }
+    }
+}

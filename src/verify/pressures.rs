@@ -1,0 +1,67 @@
+//! Follower pressures by Nanson's formula with the deformation gradient of the cell
+//! behind each face, undeformed outward normal N and area:
+//!
+//! ```text
+//! f(v) = - int p cof(F) N . v dA
+//! ```
+
+use super::cell::{Cell, facet_area, positions};
+use super::rubber::Deformed;
+use super::{shapes, turn};
+use crate::element::quadrature::Rule;
+use crate::geometry::vector3::dot;
+use crate::model::Model;
+
+/// A body under pressures, deformed by the Lagrange displacement `nodal` `[nodes, 3]`.
+pub(crate) struct Pushed<'a, 'm> {
+    /// The body.
+    pub(crate) model: &'a Model<'m>,
+    /// Rule on its facets.
+    pub(crate) rule: &'a Rule,
+    /// Displacement, in the caller's units.
+    pub(crate) nodal: &'a [[f64; 3]],
+}
+
+impl Pushed<'_, '_> {
+    /// Adds all pressures at load factor one to `force` `[nodes, 3]`.
+    pub(crate) fn add_pressures(&self, force: &mut [[f64; 3]]) {
+        for pressure in &self.model.plan.resolved.pressures {
+            for &facet in &pressure.facets {
+                self.add_facet(facet as usize, pressure.value, force);
+            }
+        }
+    }
+
+    fn add_facet(&self, facet: usize, pressure: f64, force: &mut [[f64; 3]]) {
+        let model = self.model;
+        let vertices = model.mesh.facet(facet);
+        let corners = positions(model, vertices);
+        let (area, pairs) = facet_area(&corners);
+        let (number, _) = model.mesh.facet_cell(facet);
+        let cell = Cell::new(model, number);
+        let nodes = model.prepared.space.facet_nodes(vertices);
+        for (l, weight) in self.rule.points.iter().zip(&self.rule.weights) {
+            let l = &l[..vertices.len()];
+            let in_cell = barycentric(model.mesh.cell(number), vertices, l);
+            let gradient = cell.point(&in_cell[..=vertices.len()], self.nodal).gradient;
+            let cofactor = Deformed::new(&gradient).cofactor;
+            let radius = l.iter().zip(&corners).map(|(l, x)| l * x[0]).sum();
+            let factor = -pressure * weight * turn(model, radius);
+            let push = cofactor.map(|row| factor * dot(row, area));
+            let (values, _) = shapes(l, &[], pairs);
+            for (&node, shape) in nodes.iter().zip(&values) {
+                (0..3).for_each(|i| force[node as usize][i] += shape * push[i]);
+            }
+        }
+    }
+}
+
+/// Coordinates in the cell of a point with coordinates `l` on its facet.
+fn barycentric(cell: &[u32], facet: &[u32], l: &[f64]) -> [f64; 4] {
+    let mut coordinates = [0.0; 4];
+    for (coordinate, vertex) in coordinates.iter_mut().zip(cell) {
+        let place = facet.iter().position(|one| one == vertex);
+        *coordinate = place.map_or(0.0, |place| l[place]);
+    }
+    coordinates
+}

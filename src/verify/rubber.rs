@@ -1,0 +1,155 @@
+//! Rubber as textbooks write it, from F and J themselves:
+//!
+//! ```text
+//! P = 2 W1 J^(-2/3) (F - I1/3 F^-T) + 2 W2 J^(-4/3) (I1 F - F C - 2 I2/3 F^-T) - p J F^-T
+//! P = sum_k tau_k n_k n_k^T F^-T - p J F^-T,   tau_k = sum_i mu_i (m_k^alpha_i - mean over k)
+//! ```
+//!
+//! (Holzapfel, Nonlinear Solid Mechanics, 6.4-6.5), n_k and m_k from b = F F^T. Where
+//! F is near I it loses digits that the solver keeps: in stress, a unit in the last
+//! place of the modulus.
+
+use crate::geometry::symmetric::Spectrum;
+use crate::geometry::tensor::{Tensor, contract, plus, product, scaled, trace, transposed};
+use crate::geometry::vector3::{cross, dot};
+use crate::material::{InvariantLaw, Isochoric, Ogden, Rubber};
+
+/// A deformation gradient with what the formulas name.
+pub(crate) struct Deformed {
+    f: Tensor<f64>,
+    /// J F^-T.
+    pub(crate) cofactor: Tensor<f64>,
+    jacobian: f64,
+    /// J - 1.
+    dilation: f64,
+}
+
+impl Deformed {
+    /// At displacement gradient `h`.
+    pub(crate) fn new(h: &Tensor<f64>) -> Self {
+        let mut f = *h;
+        (0..3).for_each(|i| f[i][i] += 1.0);
+        let cofactor = [cross(f[1], f[2]), cross(f[2], f[0]), cross(f[0], f[1])];
+        let squared = trace(&product(h, h));
+        let determinant = dot(h[0], cross(h[1], h[2]));
+        Self {
+            f,
+            cofactor,
+            jacobian: dot(f[0], cofactor[0]),
+            dilation: trace(h) + 0.5 * (trace(h) * trace(h) - squared) + determinant,
+        }
+    }
+
+    /// J - 1 + p / K.
+    pub(crate) fn volume_defect(&self, rubber: &Rubber, pressure: f64) -> f64 {
+        self.dilation + pressure * rubber.inverse_bulk
+    }
+
+    /// P.
+    pub(crate) fn stress(&self, rubber: &Rubber, pressure: f64) -> Tensor<f64> {
+        let isochoric = match &rubber.isochoric {
+            Isochoric::Invariants(law) => self.of_invariants(law),
+            Isochoric::Ogden(law) => self.of_stretches(law),
+        };
+        plus(&isochoric, -pressure, &self.cofactor)
+    }
+
+    fn inverse_transposed(&self) -> Tensor<f64> {
+        scaled(1.0 / self.jacobian, &self.cofactor)
+    }
+
+    fn of_invariants(&self, law: &InvariantLaw<f64>) -> Tensor<f64> {
+        let third = self.jacobian.powf(-2.0 / 3.0);
+        let inverse = self.inverse_transposed();
+        let stretch = product(&transposed(&self.f), &self.f);
+        let first = trace(&stretch);
+        let second = 0.5 * (first * first - contract(&stretch, &stretch));
+        let excess = third * first - 3.0;
+        let slope = law.c10 + 2.0 * law.c20 * excess + 3.0 * law.c30 * excess * excess;
+        let direction = plus(&self.f, -first / 3.0, &inverse);
+        let stress = scaled(2.0 * slope * third, &direction);
+        let turned = scaled(first, &self.f);
+        let turned = plus(&turned, -1.0, &product(&self.f, &stretch));
+        let turned = plus(&turned, -2.0 * second / 3.0, &inverse);
+        plus(&stress, 2.0 * law.c01 * third * third, &turned)
+    }
+
+    fn of_stretches(&self, law: &Ogden) -> Tensor<f64> {
+        let spectrum = Spectrum::new(&product(&self.f, &transposed(&self.f)));
+        let scale = self.jacobian.powf(-1.0 / 3.0);
+        let stretches = spectrum.values.map(|square| scale * square.sqrt());
+        let mut stress = [[0.0; 3]; 3];
+        for term in &law.terms {
+            let powers = stretches.map(|stretch| stretch.powf(term.exponent));
+            let mean = (powers[0] + powers[1] + powers[2]) / 3.0;
+            for (k, power) in powers.iter().enumerate() {
+                let n = spectrum.direction(k);
+                let dyad = n.map(|a| n.map(|b| a * b));
+                stress = plus(&stress, term.modulus * (power - mean), &dyad);
+            }
+        }
+        product(&stress, &self.inverse_transposed())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::material::OgdenTerm;
+
+    const H: Tensor<f64> = [[0.3, -0.2, 0.3], [0.15, 0.2, -0.25], [-0.3, 0.1, -0.35]];
+
+    fn rubbers() -> [Rubber; 2] {
+        let (c10, c01, c20, c30) = (0.4, 0.1, 0.05, 0.02);
+        let terms = [(0.7, 2.6), (-0.2, -1.3)];
+        let terms = terms.map(|(modulus, exponent)| OgdenTerm { modulus, exponent });
+        [
+            Isochoric::Invariants(InvariantLaw { c10, c01, c20, c30 }),
+            Isochoric::Ogden(Ogden {
+                terms: terms.to_vec(),
+            }),
+        ]
+        .map(|isochoric| Rubber {
+            isochoric,
+            inverse_bulk: 0.1,
+        })
+    }
+
+    #[test]
+    fn the_textbook_and_the_solver_write_the_same_law() {
+        for rubber in rubbers() {
+            for h in [H, scaled(-0.9, &H), scaled(1e-6, &H)] {
+                let deformed = Deformed::new(&h);
+                let (stress, expected) = (deformed.stress(&rubber, 0.3), rubber.stress(&h, 0.3));
+                let pairs = stress.as_flattened().iter().zip(expected.as_flattened());
+                for (found, expected) in pairs {
+                    assert!((found - expected).abs() < 3e-15, "{found} {expected}");
+                }
+                let defect = deformed.volume_defect(&rubber, 0.3);
+                assert!((defect + rubber.volume_defect(&h, 0.3)).abs() < 1e-16);
+            }
+        }
+    }
+
+    #[test]
+    fn uniaxial_tension_has_the_nominal_stress_of_rivlin() {
+        // 2 (C1 + C2 / l) (l - l^-2) at l = 2, free of stress across.
+        let rubber = Rubber {
+            isochoric: Isochoric::Invariants(InvariantLaw {
+                c10: 0.4,
+                c01: 0.1,
+                c20: 0.0,
+                c30: 0.0,
+            }),
+            inverse_bulk: 0.0,
+        };
+        let side = 0.5_f64.sqrt() - 1.0;
+        let h = [[1.0, 0.0, 0.0], [0.0, side, 0.0], [0.0, 0.0, side]];
+        let deformed = Deformed::new(&h);
+        let without = deformed.stress(&rubber, 0.0);
+        let pressure = without[1][1] / deformed.cofactor[1][1];
+        let stress = deformed.stress(&rubber, pressure);
+        assert!((stress[0][0] - 1.575).abs() < 1e-14);
+        assert!(stress[1][1].abs() < 1e-14 && stress[2][2].abs() < 1e-14);
+    }
+}

@@ -1,0 +1,272 @@
+//! The house has two wings and one hall: every `use crate::` of the library
+//! follows the table below, and faer stays behind one door. No files of any crate
+//! import each other in a circle, and production knows no comparison.
+
+mod circles;
+mod modules;
+mod tokens;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use circles::circles;
+use modules::Tree;
+
+/// Module and what it may import, besides itself.
+const ROOMS: &[(&str, &[&str])] = &[
+    ("report", &[]),
+    ("linalg", &[]),
+    ("geometry", &[]),
+    ("precond", &["linalg", "report"]),
+    ("krylov", &["linalg", "precond", "report"]),
+    ("saddle", &["linalg", "precond", "krylov", "report"]),
+    (
+        "inequality",
+        &["linalg", "precond", "krylov", "saddle", "report"],
+    ),
+    ("mesh", &["geometry"]),
+    ("element", &["mesh", "geometry"]),
+    ("space", &["mesh", "element", "linalg", "geometry"]),
+    ("material", &["geometry"]),
+    ("obstacle", &["geometry"]),
+    (
+        "assembly",
+        &["space", "material", "linalg", "mesh", "element", "geometry"],
+    ),
+    (
+        "contact",
+        &[
+            "space", "obstacle", "linalg", "assembly", "mesh", "element", "geometry",
+        ],
+    ),
+];
+
+/// Rooms of the hall import everything below; plan and scene not the loop.
+const HALL: &[(&str, &[&str])] = &[
+    (
+        "scene",
+        &[
+            "plan", "prepare", "model", "sqp", "results", "verify", "session",
+        ],
+    ),
+    (
+        "plan",
+        &["prepare", "model", "sqp", "results", "verify", "session"],
+    ),
+    ("prepare", &["model", "sqp", "results", "verify", "session"]),
+    ("model", &["sqp", "results", "verify", "session"]),
+    ("sqp", &["verify"]),
+    ("results", &["sqp", "verify", "session"]),
+    ("verify", &["sqp", "session"]),
+    ("session", &[]),
+    ("compare", &[]),
+];
+
+/// The only files outside `compare` that name it: those that turn the names of a plan
+/// into code. The production path has no comparison in it but for them.
+const CHOOSERS: &[&str] = &[
+    "plan/chooser.rs",
+    "prepare/chooser.rs",
+    "prepare/element_chooser.rs",
+    "session/chooser.rs",
+    "sqp/chooser.rs",
+];
+
+/// Root files of the crates; one whose crate is not there counts as empty.
+const CRATES: &[&str] = &[
+    "src/lib.rs",
+    "proto/src/lib.rs",
+    "server/src/lib.rs",
+    "server/src/main.rs",
+    "client/src/lib.rs",
+    "client/src/main.rs",
+    "client/bench/src/lib.rs",
+    "client/bench/src/main.rs",
+];
+
+fn sources(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in fs::read_dir(folder).expect("the folder is readable") {
+        let path = entry.expect("the entry is readable").path();
+        if path.is_dir() {
+            sources(&path, found);
+        } else if path.extension().is_some_and(|extension| extension == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+fn library() -> Vec<(String, PathBuf, String)> {
+    let root = workspace().join("src");
+    let mut files = Vec::new();
+    sources(&root, &mut files);
+    files.sort();
+    files
+        .into_iter()
+        .map(|path| {
+            let relative = path.strip_prefix(&root).expect("below src");
+            let first = relative.iter().next().expect("not empty").to_string_lossy();
+            let room = first.trim_end_matches(".rs").to_owned();
+            let text = fs::read_to_string(&path).expect("the file is readable");
+            (room, relative.to_owned(), text)
+        })
+        .collect()
+}
+
+/// Rooms named by `crate::` outside test modules, which may look everywhere.
+fn imports(text: &str) -> Vec<String> {
+    let words = tokens::production(text);
+    let paths = words.windows(3);
+    paths
+        .filter(|path| path[..2] == ["crate", "::"])
+        .map(|path| path[2].clone())
+        .collect()
+}
+
+fn is_test_file(path: &Path) -> bool {
+    path.file_stem()
+        .is_some_and(|stem| stem == "tests" || stem == "samples")
+        || path.iter().any(|part| part == "tests")
+}
+
+#[test]
+fn rooms_import_only_what_the_table_allows() {
+    let mut faults = Vec::new();
+    for (room, path, text) in library() {
+        if room == "lib" || is_test_file(&path) {
+            continue;
+        }
+        for import in imports(&text) {
+            let allowed = match ROOMS.iter().find(|(name, _)| *name == room) {
+                Some((_, allowed)) => import == room || allowed.contains(&import.as_str()),
+                None => match HALL.iter().find(|(name, _)| *name == room) {
+                    Some((_, refused)) => !refused.contains(&import.as_str()),
+                    None => false,
+                },
+            };
+            if !allowed {
+                faults.push(format!("{}: {room} imports {import}", path.display()));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn compare_is_known_to_choosers_only() {
+    let mut faults = Vec::new();
+    let mut used = Vec::new();
+    for (room, path, text) in library() {
+        if room == "compare" || is_test_file(&path) {
+            continue;
+        }
+        if imports(&text).iter().any(|import| import == "compare") {
+            let name = path.to_string_lossy().into_owned();
+            if !CHOOSERS.contains(&name.as_str()) {
+                faults.push(name.clone());
+            }
+            used.push(name);
+        }
+    }
+    assert!(faults.is_empty(), "{} name compare", faults.join(", "));
+    assert_eq!(used, CHOOSERS, "choosers that name it no more");
+}
+
+#[test]
+fn every_room_of_the_library_is_in_the_table() {
+    for (room, path, _) in library() {
+        let known = ROOMS.iter().chain(HALL).any(|(name, _)| *name == room);
+        assert!(known || room == "lib", "{} is in no room", path.display());
+    }
+}
+
+#[test]
+fn only_linalg_names_faer() {
+    for (room, path, text) in library() {
+        let names = text
+            .lines()
+            .filter(|line| !line.trim_start().starts_with("//"))
+            .any(|line| line.contains("faer::") || line.contains("use faer"));
+        assert!(!names || room == "linalg", "{} names faer", path.display());
+    }
+}
+
+#[test]
+fn the_library_prints_nothing_and_does_no_input_or_output() {
+    for (_, path, text) in library() {
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        for word in [
+            "println!",
+            "eprintln!",
+            "std::fs",
+            "std::net",
+            "std::env",
+            "tokio",
+            "tonic",
+        ] {
+            let used = code
+                .lines()
+                .filter(|line| !line.trim_start().starts_with("//"))
+                .any(|line| line.contains(word));
+            assert!(!used, "{} contains {word}", path.display());
+        }
+    }
+}
+
+fn workspace() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn crates() -> impl Iterator<Item = Tree> {
+    let roots = CRATES.iter().map(|root| workspace().join(root));
+    roots
+        .filter(|root| root.exists())
+        .map(|root| Tree::read(&root))
+}
+
+/// A file's path as the tables spell it.
+fn spelled(tree: &Tree, module: usize) -> String {
+    let file = tree.file(module).strip_prefix(workspace());
+    file.expect("below the workspace").display().to_string()
+}
+
+#[test]
+fn no_files_import_each_other_in_a_circle() {
+    let mut faults = Vec::new();
+    for tree in crates() {
+        for circle in circles(&tree.uses()) {
+            let files: Vec<String> = circle.iter().map(|one| spelled(&tree, *one)).collect();
+            faults.push(files.join(" <-> "));
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn no_rooms_of_a_crate_import_each_other_in_a_circle() {
+    for tree in crates() {
+        let (rooms, mut edges) = tree.rooms();
+        // What is only compared knows everything; choosers, held by another test, know it.
+        let compare = rooms.iter().position(|room| room == "compare");
+        edges
+            .iter_mut()
+            .for_each(|used| used.retain(|room| Some(*room) != compare));
+        let circles = circles(&edges);
+        let named = circles.iter().map(|circle| {
+            let names: Vec<&str> = circle.iter().map(|one| rooms[*one].as_str()).collect();
+            names.join(" <-> ")
+        });
+        let named: Vec<String> = named.collect();
+        assert!(named.is_empty(), "{}: {named:?}", spelled(&tree, 0));
+    }
+}
+
+#[test]
+fn every_decision_is_part_of_the_documentation() {
+    let folder = workspace().join("src/decisions");
+    let root = fs::read_to_string(workspace().join("src/lib.rs")).expect("the root is readable");
+    for entry in fs::read_dir(folder).expect("the folder is readable") {
+        let name = entry.expect("the entry is readable").file_name();
+        let line = format!("include_str!(\"decisions/{}\")", name.display());
+        assert!(root.contains(&line), "lib.rs lacks {line}");
+    }
+}
