@@ -5,8 +5,8 @@ use std::fs;
 use std::path::Path;
 
 use signorini::scene::{
-    Choice, ContactMethod, DisplacementMethod, ElementKind, ErrorEstimate, MetricKind, Named,
-    P1Solver, SaddleMethod,
+    Choice, ContactMethod, ContactSpace, DisplacementMethod, ElementKind, ErrorEstimate,
+    MetricKind, Named, P1Solver, SaddleMethod,
 };
 
 /// A key of `[solver]` and its names, `auto` among them.
@@ -16,10 +16,11 @@ fn list<T: Named>(key: &'static str) -> List {
     (key, Choice::<T>::names().map(str::to_owned).collect())
 }
 
-fn lists() -> [List; 7] {
+fn lists() -> [List; 8] {
     [
         list::<ContactMethod>("contact"),
         list::<MetricKind>("contact_metric"),
+        list::<ContactSpace>("contact_space"),
         list::<DisplacementMethod>("displacement_preconditioner"),
         list::<ElementKind>("element"),
         list::<ErrorEstimate>("error_estimate"),

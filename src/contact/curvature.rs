@@ -8,6 +8,7 @@
 //! Cost: (rule points) * (faces under pressure) Hessians, each times the squared
 //! number of nodes of a face.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
@@ -49,20 +50,18 @@ pub fn curvature(
     builder.finish()
 }
 
-/// Whether any multiplier of the face is not zero; a face without pressure adds nothing
+/// Whether any coefficient of the face is not zero; a face without pressure adds nothing
 /// and is not integrated.
 fn is_under_pressure(face: &ContactFace, pressure: &[f64]) -> bool {
-    face.multipliers
-        .iter()
-        .any(|&m| pressure[m as usize] != 0.0)
+    face.functions.iter().any(|&m| pressure[m as usize] != 0.0)
 }
 
 /// A surface under pressure, integrated face by face.
 struct Integrated<'a> {
     /// The surface whose faces are integrated.
     surface: &'a ContactSurface,
-    /// Contact pressure of the surface `[multipliers]`, non-dimensional.
-    pressure: &'a [f64],
+    /// Coefficients of the contact pressure `[functions]`, non-dimensional.
+    pressure: Cow<'a, [f64]>,
     /// Whether a displacement unknown is held `[unknowns]`; held rows and columns are
     /// left out.
     held: &'a [bool],
@@ -82,12 +81,13 @@ impl<'a> Integrated<'a> {
         (surface, obstacle, pressure): (&'a ContactSurface, &dyn Obstacle, &'a [f64]),
         held: &'a [bool],
     ) -> Self {
+        let pressure = surface.shares.spread(pressure);
         let table = Table::new(body, surface.basis);
         let size = 9 * table.nodes * table.nodes;
         let blocks = body.on_faces(&table, &surface.faces, size, |points, face, blocks| {
-            if is_under_pressure(face, pressure) {
+            if is_under_pressure(face, &pressure) {
                 points.probe(obstacle, face, What::Curvature);
-                add_blocks(points, face, pressure, blocks);
+                add_blocks(points, face, &pressure, blocks);
             }
         });
         Self {
@@ -123,7 +123,7 @@ impl<'a> Integrated<'a> {
         let mut row = Vec::new();
         for place in self.surface.at_nodes.of(local) {
             let face = &self.surface.faces[place.face as usize];
-            if !is_under_pressure(face, self.pressure) {
+            if !is_under_pressure(face, &self.pressure) {
                 continue;
             }
             let first = (place.face as usize * n + place.slot as usize) * 9 * n;

@@ -179,9 +179,9 @@ impl<'a> FacePoints<'a> {
         depths.fold(0.0, f64::max)
     }
 
-    /// lambda at a point, from that of all multipliers of the surface.
+    /// lambda at a point, from its coefficients `[functions]`.
     pub(super) fn pressure(&self, face: &ContactFace, point: usize, pressure: &[f64]) -> f64 {
-        let values = face.multipliers.iter().zip(self.table.values(point));
+        let values = face.functions.iter().zip(self.table.values(point));
         values.map(|(&m, value)| value * pressure[m as usize]).sum()
     }
 }

@@ -13,8 +13,8 @@ use crate::assembly::follower::shape_slopes;
 use crate::geometry::vector3::{add, cross, norm, scale};
 
 impl ContactSurface {
-    /// int psi_i da over the deformed surface `[multipliers]`.
-    pub fn deformed_weights(&self, body: &Deformed<'_>) -> Vec<f64> {
+    /// int psi_k da over the deformed surface `[functions]`.
+    fn deformed_weights(&self, body: &Deformed<'_>) -> Vec<f64> {
         let table = Table::new(body, self.basis);
         let slopes: Vec<Vec<[f64; 2]>> = (0..table.points())
             .map(|point| shape_slopes(table.coordinates(point)))
@@ -29,24 +29,47 @@ impl ContactSurface {
                 *area = rule.rule.weights[point] * area_element(face, &nodes, functions);
             }
         });
-        let mut weights = vec![0.0; self.multipliers()];
+        let mut weights = vec![0.0; self.carriers.len()];
         for (face, areas) in self.faces.iter().zip(areas.chunks_exact(size)) {
             for (point, area) in areas.iter().enumerate() {
-                for (&multiplier, value) in face.multipliers.iter().zip(table.values(point)) {
-                    weights[multiplier as usize] += value * area;
+                for (&function, value) in face.functions.iter().zip(table.values(point)) {
+                    weights[function as usize] += value * area;
                 }
             }
         }
         weights
     }
 
-    /// Contact pressure per deformed area, from that per undeformed area
-    /// `[multipliers]`.
+    /// Coefficients of the contact pressure per deformed area `[functions]`, from those
+    /// per undeformed area `[multipliers]`.
     pub fn deformed_pressure(&self, body: &Deformed<'_>, pressure: &[f64]) -> Vec<f64> {
         let deformed = self.deformed_weights(body);
-        let weights = self.weights.iter().zip(deformed);
+        let weights = self.own_weights().into_iter().zip(deformed);
         let ratios = weights.map(|(undeformed, deformed)| undeformed / deformed);
+        let pressure = self.shares.spread(pressure);
         pressure.iter().zip(ratios).map(|(p, r)| p * r).collect()
+    }
+
+    /// int phi_k dS over the undeformed surface `[functions]`.
+    fn own_weights(&self) -> Vec<f64> {
+        let mut weights = vec![0.0; self.carriers.len()];
+        for face in &self.faces {
+            for (k, &function) in face.functions.iter().enumerate() {
+                weights[function as usize] += self.basis.weight(face, k);
+            }
+        }
+        weights
+    }
+
+    /// Largest value at the nodes of all faces, at least zero, of the pressure with
+    /// these `coefficients` `[functions]`.
+    pub fn largest(&self, coefficients: &[f64]) -> f64 {
+        let nodes = self.faces.iter().flat_map(|face| {
+            let own = face.functions.iter().map(|&k| coefficients[k as usize]);
+            self.basis
+                .at_nodes(face.corners.len(), &own.collect::<Vec<f64>>())
+        });
+        nodes.fold(0.0, f64::max)
     }
 }
 

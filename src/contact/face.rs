@@ -1,8 +1,8 @@
 //! One face of a contact surface: a triangle, or a segment in the plane.
 //!
 //! Corners are in the order that turns the normal out of the body; displacement nodes are
-//! the corners, then the midpoints of the edges (0,1), (0,2), (1,2). Multipliers belong to
-//! the first nodes: the corners for hats, all nodes for quadratic functions. Areas and
+//! the corners, then the midpoints of the edges (0,1), (0,2), (1,2). Functions of the
+//! pressure belong to the first nodes: the corners for hats, all nodes for quadratic ones. Areas and
 //! points are those of the undeformed, scaled body.
 
 /// One candidate face.
@@ -11,8 +11,8 @@ pub struct ContactFace {
     /// Mesh vertices of the face: 3 in space, 2 in the plane, in the order that turns
     /// the normal outwards.
     pub corners: Vec<u32>,
-    /// Multiplier of each function of the basis, counted within the surface.
-    pub multipliers: Vec<u32>,
+    /// Number of each function of the basis among those of the surface.
+    pub functions: Vec<u32>,
     /// Displacement nodes of the face: its corners, then the midpoints of its edges.
     pub nodes: Vec<u32>,
     /// Area (length in 2D, the area of its full turn about an axis), undeformed,

@@ -45,7 +45,8 @@ pub fn evaluate_gaps<C: Counterpart + ?Sized>(
         fill_gaps(points, numbers);
     });
     let numbers = FaceNumbers { numbers, size };
-    (surface.summed(&table, &numbers), numbers.deepest())
+    let gaps = surface.shares.gather(surface.summed(&table, &numbers));
+    (gaps, numbers.deepest())
 }
 
 /// Gaps and coupling; `held[k]` says that unknown k is prescribed.
@@ -70,10 +71,11 @@ pub fn linearise<C: Counterpart + ?Sized>(
     let numbers = FaceNumbers { numbers, size };
     let c = body.space.components;
     let row = |index: usize| surface.row(index, &table, &numbers, (c, held));
-    let rows = (0..surface.multipliers()).into_par_iter();
+    let rows = (0..surface.carriers.len()).into_par_iter();
+    let rows = rows.with_min_len(PARALLEL_ROWS).map(row).collect();
     Linearisation {
-        gap: surface.summed(&table, &numbers),
-        rows: rows.with_min_len(PARALLEL_ROWS).map(row).collect(),
+        gap: surface.shares.gather(surface.summed(&table, &numbers)),
+        rows: surface.shares.gather_rows(rows),
         max_penetration: numbers.deepest(),
     }
 }
@@ -131,18 +133,18 @@ fn add_couplings<const N: usize>(points: &FacePoints<'_>, couplings: &mut [f64])
 }
 
 impl ContactSurface {
-    /// Per multiplier, the sum of what its functions gain `[multipliers]`.
+    /// Per function, the sum of what it gains on its faces `[functions]`.
     fn summed(&self, table: &Table<'_>, numbers: &FaceNumbers) -> Vec<f64> {
         let count = table.points();
         let gain = |index: usize| {
-            let places = self.at_multipliers.of(index).iter();
+            let places = self.at_functions.of(index).iter();
             places.fold(0.0, |sum, place| {
                 let first = 1 + place.slot as usize * count;
                 let own = &numbers.of(place.face)[first..first + count];
                 own.iter().fold(sum, |sum, part| sum + part)
             })
         };
-        let rows = (0..self.multipliers()).into_par_iter();
+        let rows = (0..self.carriers.len()).into_par_iter();
         rows.with_min_len(PARALLEL_ROWS).map(gain).collect()
     }
 
@@ -160,7 +162,7 @@ impl ContactSurface {
             let first = node * components as u32;
             row.extend((first..first + components as u32).map(|unknown| (unknown, 0.0)));
         }
-        let places = self.at_multipliers.of(index).iter();
+        let places = self.at_functions.of(index).iter();
         let positions = self.couplings.positions(index).chunks_exact(table.nodes);
         for (place, positions) in places.zip(positions) {
             let first = numbers.size - (table.functions - place.slot as usize) * 3 * table.nodes;

@@ -15,8 +15,10 @@ mod deformed_area;
 mod face;
 pub mod gap;
 mod incidence;
+pub mod layout;
 pub mod patches;
 pub mod resultant;
+pub(crate) mod shares;
 pub mod surface;
 pub mod surface_metric;
 

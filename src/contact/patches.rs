@@ -13,7 +13,7 @@ use crate::geometry::vector3::dot;
 use crate::mesh::Mesh;
 
 /// Least cosine between normals of one patch's neighbours: 30 degrees.
-const SMOOTH: f64 = 0.866;
+pub(super) const SMOOTH: f64 = 0.866;
 
 /// `facet` of the boundary with its vertices in the order that turns its normal out of
 /// the body.
@@ -53,7 +53,7 @@ pub fn smooth_patches(mesh: &Mesh, facets: &[u32]) -> Vec<Vec<u32>> {
 }
 
 /// Positions of the facets at each of their sides.
-fn neighbours(mesh: &Mesh, facets: &[u32]) -> BTreeMap<Vec<u32>, Vec<usize>> {
+pub(super) fn neighbours(mesh: &Mesh, facets: &[u32]) -> BTreeMap<Vec<u32>, Vec<usize>> {
     let mut at: BTreeMap<Vec<u32>, Vec<usize>> = BTreeMap::new();
     for (index, &facet) in facets.iter().enumerate() {
         let vertices = mesh.facet(facet as usize);
@@ -69,7 +69,7 @@ fn neighbours(mesh: &Mesh, facets: &[u32]) -> BTreeMap<Vec<u32>, Vec<usize>> {
 
 /// The representative of the set that holds `index`; halves the path on its way, so
 /// that later look-ups are short.
-fn root(label: &mut [usize], mut index: usize) -> usize {
+pub(super) fn root(label: &mut [usize], mut index: usize) -> usize {
     while label[index] != index {
         label[index] = label[label[index]];
         index = label[index];
@@ -78,7 +78,7 @@ fn root(label: &mut [usize], mut index: usize) -> usize {
 }
 
 /// The smaller root stays, so that patches come by their first facets.
-fn join(label: &mut [usize], a: usize, b: usize) {
+pub(super) fn join(label: &mut [usize], a: usize, b: usize) {
     let (a, b) = (root(label, a), root(label, b));
     label[a.max(b)] = a.min(b);
 }

@@ -24,7 +24,7 @@ pub struct Resultant {
     /// Undeformed area that belongs to active multipliers: the sum of their weights, in
     /// units of the scaled body.
     pub area: f64,
-    /// Largest coefficient of the pressure, in units of the smallest shear modulus.
+    /// Largest pressure at the nodes, in units of the smallest shear modulus.
     pub max_pressure: f64,
     /// int lambda (x + u) dS / int lambda dS; zero without pressure.
     pub centre: [f64; 3],
@@ -56,19 +56,20 @@ pub fn resultant<C: Counterpart + ?Sized>(
         pressure,
         active,
     } = at;
+    let coefficients = surface.shares.spread(pressure);
     let table = Table::new(body, surface.basis);
     let size = NUMBERS * table.points();
     let numbers = body.on_faces(&table, &surface.faces, size, |points, face, numbers| {
         if face
-            .multipliers
+            .functions
             .iter()
-            .all(|&m| pressure[m as usize] == 0.0)
+            .all(|&k| coefficients[k as usize] == 0.0)
         {
             return;
         }
         points.probe(counterpart, face, What::Normal);
         for (point, numbers) in numbers.chunks_exact_mut(NUMBERS).enumerate() {
-            let lambda = points.pressure(face, point, pressure);
+            let lambda = points.pressure(face, point, &coefficients);
             fill(points, point, (lambda, reference), numbers);
         }
     });
@@ -85,7 +86,7 @@ pub fn resultant<C: Counterpart + ?Sized>(
             true => sum + weight,
             false => sum,
         }),
-        max_pressure: pressure.iter().fold(0.0, |most, &l| most.max(l)),
+        max_pressure: surface.largest(&coefficients),
         centre: match total > 0.0 {
             true => [c0, c1, c2].map(|x| x / total),
             false => [0.0; 3],

@@ -1,7 +1,8 @@
 //! The faces of the body that may touch one obstacle, and their multipliers.
 //!
-//! Faces that share a node share its multiplier; multipliers are numbered by their nodes,
-//! ascending. Incidence and the pattern of the coupling are found once, so that rows are
+//! Faces that share a node share its function, where they meet smoothly; functions are
+//! numbered by their nodes, ascending, and most have a multiplier of their own
+//! ([`Shares`]). Incidence and the pattern of the coupling are found once, so that rows are
 //! added up face by face in one order, whatever the number of threads. Cost: one sort of
 //! the nodes.
 
@@ -10,6 +11,8 @@ use std::f64::consts::TAU;
 use super::basis::{ContactBasis, Hats};
 use super::face::ContactFace;
 use super::incidence::{Couplings, Incidence};
+use super::layout::Layout;
+use super::shares::Shares;
 use crate::assembly::load::facet_measure;
 use crate::geometry::vector3::{add, cross, norm, normalised, sub};
 use crate::mesh::Mesh;
@@ -18,9 +21,11 @@ use crate::space::TaylorHood;
 /// The candidate surface of one obstacle.
 #[derive(Clone, Debug)]
 pub struct ContactSurface {
-    /// Displacement nodes that carry a multiplier, ascending `[multipliers]`; nodes
-    /// below the number of vertices are mesh vertices.
+    /// Displacement node of each function, ascending `[functions]`; nodes below the
+    /// number of vertices are mesh vertices.
     pub carriers: Vec<u32>,
+    /// The multipliers of the functions.
+    pub shares: Shares,
     /// Candidate faces, in the order in which the surface was given.
     pub faces: Vec<ContactFace>,
     /// Integral of each multiplier function over the undeformed surface
@@ -31,13 +36,13 @@ pub struct ContactSurface {
     pub(super) basis: &'static dyn ContactBasis,
     /// Displacement nodes of all faces, ascending and each once.
     pub(super) nodes: Vec<u32>,
-    /// The faces around each multiplier, along which rows of gap and coupling are added
+    /// The faces around each function, along which rows of gap and coupling are added
     /// up.
-    pub(super) at_multipliers: Incidence,
+    pub(super) at_functions: Incidence,
     /// The faces around each of `nodes`, along which rows of the curvature are added
     /// up.
     pub(super) at_nodes: Incidence,
-    /// Displacement nodes that each row of the coupling meets: the pattern of C, found
+    /// Displacement nodes that the row of each function meets: the pattern of C, found
     /// once.
     pub(super) couplings: Couplings,
 }
@@ -51,7 +56,7 @@ impl ContactSurface {
             ContactFace {
                 nodes: space.facet_nodes(corners),
                 corners: corners.clone(),
-                multipliers: Vec::new(),
+                functions: Vec::new(),
                 area,
                 radii: None,
                 flat_area: area,
@@ -74,22 +79,37 @@ impl ContactSurface {
         Self::of(faces, &Hats)
     }
 
-    /// The same surface with other multipliers.
+    /// The same surface with other functions, one a node.
     pub fn with_basis(self, basis: &'static dyn ContactBasis) -> Self {
         Self::of(self.faces, basis)
     }
 
-    /// Numbers the multipliers by the nodes that carry them, ascending, and finds
-    /// incidence and pattern. Cost: one sort of the nodes.
-    fn of(mut faces: Vec<ContactFace>, basis: &'static dyn ContactBasis) -> Self {
+    /// The same surface with other functions, numbered by `layout`, whose faces are
+    /// those of the surface.
+    pub fn with_layout(self, basis: &'static dyn ContactBasis, layout: Layout) -> Self {
+        Self::laid_out(self.faces, basis, layout)
+    }
+
+    /// Numbers the functions by the nodes that carry them, ascending.
+    fn of(faces: Vec<ContactFace>, basis: &'static dyn ContactBasis) -> Self {
         let own = |face: &ContactFace| basis.functions(face.corners.len());
-        let carriers = ascending(faces.iter().flat_map(|face| &face.nodes[..own(face)]));
+        let nodes: Vec<&[u32]> = faces.iter().map(|face| &face.nodes[..own(face)]).collect();
+        let layout = Layout::by_nodes(&nodes);
+        Self::laid_out(faces, basis, layout)
+    }
+
+    /// Finds weights, incidence and pattern. Cost: one sort of the nodes.
+    fn laid_out(
+        mut faces: Vec<ContactFace>,
+        basis: &'static dyn ContactBasis,
+        layout: Layout,
+    ) -> Self {
+        let carriers = layout.nodes;
         let mut weights = vec![0.0; carriers.len()];
-        for face in &mut faces {
-            let nodes = face.nodes[..own(face)].iter();
-            face.multipliers = nodes.map(|node| place(&carriers, node)).collect();
-            for (k, &multiplier) in face.multipliers.iter().enumerate() {
-                weights[multiplier as usize] += basis.weight(face, k);
+        for (face, functions) in faces.iter_mut().zip(layout.faces) {
+            face.functions = functions;
+            for (k, &function) in face.functions.iter().enumerate() {
+                weights[function as usize] += basis.weight(face, k);
             }
         }
         let nodes = ascending(faces.iter().flat_map(|face| &face.nodes));
@@ -97,18 +117,19 @@ impl ContactSurface {
             .iter()
             .map(|face| face.nodes.iter().map(|node| place(&nodes, node)).collect())
             .collect();
-        let multipliers = faces.iter().map(|face| &face.multipliers[..]);
-        let at_multipliers = Incidence::new(carriers.len(), multipliers);
-        let couplings = Couplings::new(carriers.len(), &at_multipliers, |face| {
+        let functions = faces.iter().map(|face| &face.functions[..]);
+        let at_functions = Incidence::new(carriers.len(), functions);
+        let couplings = Couplings::new(carriers.len(), &at_functions, |face| {
             &faces[face as usize].nodes
         });
         Self {
             at_nodes: Incidence::new(nodes.len(), of_faces.iter().map(|own| &own[..])),
-            at_multipliers,
+            at_functions,
             couplings,
             carriers,
             faces,
-            weights,
+            weights: layout.shares.gather(weights),
+            shares: layout.shares,
             basis,
             nodes,
         }
@@ -116,7 +137,7 @@ impl ContactSurface {
 
     /// Number of multipliers.
     pub fn multipliers(&self) -> usize {
-        self.carriers.len()
+        self.shares.multipliers()
     }
 }
 

@@ -15,23 +15,16 @@ use crate::assembly::load::position;
 use crate::linalg::DenseMatrix;
 use crate::mesh::Mesh;
 
-/// Adds M into the block of `matrix` that starts at `offset`.
-pub fn add_mass(surface: &ContactSurface, offset: usize, matrix: &mut DenseMatrix) {
+/// Adds M to `matrix` `[multipliers, multipliers]`.
+pub fn add_mass(surface: &ContactSurface, matrix: &mut DenseMatrix) {
     for face in &surface.faces {
         let entry = |i, j| surface.basis.mass(face, i, j);
-        add_local(face, offset, matrix, entry);
+        add_local((surface, face), matrix, entry);
     }
 }
 
-/// Adds L into the block of `matrix` that starts at `offset`; `scale` multiplies
-/// the coordinates.
-pub fn add_laplacian(
-    surface: &ContactSurface,
-    mesh: &Mesh,
-    scale: f64,
-    offset: usize,
-    matrix: &mut DenseMatrix,
-) {
+/// Adds L to `matrix` `[multipliers, multipliers]`; `scale` multiplies the coordinates.
+pub fn add_laplacian(surface: &ContactSurface, mesh: &Mesh, scale: f64, matrix: &mut DenseMatrix) {
     for face in &surface.faces {
         let opposite = opposite_edges(face, mesh, scale);
         // A segment's hats have slopes of 1 / length, a triangle's of
@@ -48,7 +41,7 @@ pub fn add_laplacian(
         };
         let corners = face.corners.len();
         let entry = |i, j| surface.basis.laplacian(corners, &hats, [i, j]);
-        add_local(face, offset, matrix, entry);
+        add_local((surface, face), matrix, entry);
     }
 }
 
@@ -69,18 +62,19 @@ fn opposite_edges(face: &ContactFace, mesh: &Mesh, scale: f64) -> Vec<[f64; 3]> 
     }
 }
 
-/// Adds the local matrix of one face to `matrix`; the multipliers of the surface begin
-/// at row and column `offset`.
+/// Adds the local matrix of one face to `matrix`.
 fn add_local(
-    face: &ContactFace,
-    offset: usize,
+    (surface, face): (&ContactSurface, &ContactFace),
     matrix: &mut DenseMatrix,
     entry: impl Fn(usize, usize) -> f64,
 ) {
-    let at = |multiplier: u32| offset + multiplier as usize;
-    for (i, &row) in face.multipliers.iter().enumerate() {
-        for (j, &column) in face.multipliers.iter().enumerate() {
-            *matrix.at_mut(at(row), at(column)) += entry(i, j);
+    for (i, &row) in face.functions.iter().enumerate() {
+        for (j, &column) in face.functions.iter().enumerate() {
+            for (row, left) in surface.shares.of(row) {
+                for (column, right) in surface.shares.of(column) {
+                    *matrix.at_mut(row as usize, column as usize) += left * right * entry(i, j);
+                }
+            }
         }
     }
 }

@@ -261,7 +261,7 @@ fn quadratic_multipliers_stand_on_every_node_of_the_surface() {
     assert_eq!(quadratic.surface.multipliers(), 9 + 16);
     assert_eq!(quadratic.surface.carriers[..9], hats.surface.carriers[..]);
     for face in &quadratic.surface.faces {
-        let at = face.multipliers.iter();
+        let at = face.functions.iter();
         let carriers: Vec<u32> = at
             .map(|&m| quadratic.surface.carriers[m as usize])
             .collect();
@@ -331,7 +331,7 @@ fn plain_gaps(sample: &Sample, obstacle: &dyn Obstacle) -> Vec<f64> {
                 });
             }
             let distance = obstacle.distance(position).distance;
-            for (&multiplier, hat) in face.multipliers.iter().zip(l) {
+            for (&multiplier, hat) in face.functions.iter().zip(l) {
                 gap[multiplier as usize] += weight * face.area_at(l) * hat * distance;
             }
         }

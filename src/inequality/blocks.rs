@@ -4,7 +4,7 @@
 //! that cannot take the blocks of a problem says so here, before it starts.
 
 use super::{BlockIterate, QpIterate, QpProblem, QpStatus};
-use crate::linalg::{DenseMatrix, LinearOperator};
+use crate::linalg::{LinearOperator, SymmetricMatrix};
 use crate::saddle::{EqualityBlock, Metric, ProductSet};
 
 /// Equalities and contact.
@@ -26,7 +26,7 @@ pub(crate) struct ContactBlock<'a> {
     pub(crate) columns: &'a dyn LinearOperator,
     /// Dense metric `[multipliers, multipliers]`, an approximation of the Schur
     /// complement of the block.
-    pub(crate) matrix: &'a DenseMatrix,
+    pub(crate) matrix: &'a dyn SymmetricMatrix,
     /// Weights of the multipliers: the integrals of their functions, or empty for
     /// methods that read none.
     pub(crate) weights: &'a [f64],

@@ -11,7 +11,7 @@
 mod pivot;
 mod sweep;
 
-use crate::linalg::{DenseMatrix, FactoriseError};
+use crate::linalg::{FactoriseError, SymmetricMatrix};
 use crate::saddle::{ProductSet, Status};
 
 /// Why there is no solution.
@@ -45,7 +45,7 @@ pub struct DenseSolution {
 #[derive(Clone, Copy)]
 pub(super) struct DenseProblem<'a> {
     /// K, symmetric and positive definite `[multipliers, multipliers]`.
-    pub(super) matrix: &'a DenseMatrix,
+    pub(super) matrix: &'a dyn SymmetricMatrix,
     /// q, the linear term `[multipliers]`.
     pub(super) linear: &'a [f64],
     /// The product of sets in which x lies; its sizes add up to those of K.
@@ -57,7 +57,7 @@ pub(super) struct DenseProblem<'a> {
 /// # Errors
 /// [`DenseConeError`] when `matrix` is not positive definite or too ill-conditioned.
 pub fn solve(
-    matrix: &DenseMatrix,
+    matrix: &dyn SymmetricMatrix,
     linear: &[f64],
     set: ProductSet<'_>,
     guess: &[Status],

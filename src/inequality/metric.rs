@@ -4,7 +4,7 @@
 use super::dense_cone::{self, DenseSolution};
 use super::{BlockIterate, QpStatus};
 use crate::linalg::vector::{dot, norm, scale};
-use crate::linalg::{DenseMatrix, LinearOperator, Preconditioner, SparseRows, Workspace};
+use crate::linalg::{LinearOperator, Preconditioner, SparseRows, SymmetricMatrix, Workspace};
 use crate::saddle::ProductSet;
 
 /// Steps of the power iteration; the first vector is nearly right.
@@ -12,12 +12,12 @@ pub const POWER_STEPS: usize = 5;
 
 /// argmin { 1/2 |x - l|_H^2 + gap.x : x in the set } and what each x does.
 pub(crate) fn nearest(
-    metric: &DenseMatrix,
+    metric: &dyn SymmetricMatrix,
     set: ProductSet<'_>,
     contact: &BlockIterate,
 ) -> Result<DenseSolution, QpStatus> {
     let mut linear = vec![0.0; contact.residual.len()];
-    metric.multiply(&contact.multiplier, &mut linear);
+    metric.product(&contact.multiplier, &mut linear);
     for (q, gap) in linear.iter_mut().zip(&contact.residual) {
         *q = gap - *q;
     }

@@ -19,6 +19,8 @@ use super::blocks::ContactBlock;
 use super::condensed::Condensed;
 use super::{BlockIterate, InequalitySolver, QpIterate, QpOutcome, QpProblem, QpRun, QpStatus};
 use crate::krylov::Outcome;
+use std::sync::Arc;
+
 use crate::linalg::DenseCholesky;
 use crate::linalg::vector::{dot, scale_and_add};
 
@@ -208,7 +210,7 @@ struct InFace {
     selected: Vec<usize>,
     /// Factor of the metric's principal part on them; none before the first set and for
     /// an empty one.
-    factor: Option<DenseCholesky>,
+    factor: Option<Arc<DenseCholesky>>,
 }
 
 impl InFace {
@@ -220,15 +222,14 @@ impl InFace {
         free: &[f64],
     ) -> Result<Vec<f64>, QpStatus> {
         let (matrix, weights) = (bounded.block.matrix, bounded.block.weights);
-        if matrix.rows() == 0 {
+        if matrix.size() == 0 {
             let pairs = free.iter().zip(weights);
             return Ok(pairs.map(|(f, w)| -f / w).collect());
         }
         let is_free = |&i: &usize| contact.multiplier[i] > bounded.least[i];
         let selected: Vec<usize> = (0..free.len()).filter(is_free).collect();
         if self.factor.is_none() || selected != self.selected {
-            let part = matrix.principal(&selected);
-            self.factor = DenseCholesky::new(&part).ok();
+            self.factor = matrix.factor_of_part(&selected).ok();
             self.selected = selected;
         }
         let factor = self.factor.as_ref().ok_or(QpStatus::IndefiniteMetric)?;

@@ -12,6 +12,7 @@ pub mod ordering;
 #[cfg(test)]
 pub(crate) mod samples;
 pub mod sparse;
+pub mod symmetric;
 pub mod vector;
 pub mod workspace;
 
@@ -19,6 +20,7 @@ pub use cholesky::SparseCholesky;
 pub use dense::{DenseCholesky, DenseMatrix};
 pub use factorise_error::FactoriseError;
 pub use sparse::{SparseRows, SparseRowsBuilder};
+pub use symmetric::SymmetricMatrix;
 pub use workspace::Workspace;
 
 /// A linear map that is applied, not stored.

@@ -11,12 +11,13 @@ use super::Model;
 use super::counters::timed;
 use super::held::{mask, norm_of};
 use super::internal::internal;
+use super::joined::Joined;
 use super::pressures::add_pressures;
 use super::state::State;
 use crate::contact::gap::linearise;
 use crate::inequality::QpScales;
 use crate::linalg::vector::{add_scaled, dot, norm, ratio};
-use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, Workspace};
+use crate::linalg::{LinearOperator, SparseRows, Workspace};
 use crate::report::{Residuals, Seconds};
 use crate::saddle::{ProductSet, SetPart, SetPoint};
 
@@ -100,7 +101,7 @@ fn external_force(model: &Model<'_>, state: &State) -> Vec<f64> {
 /// Adds weighted gaps and their coupling.
 fn add_contact(model: &Model<'_>, state: &State, out: &mut Evaluation) {
     let body = model.deformed(&state.displacement);
-    let mut builder = SparseRowsBuilder::new(state.displacement.len());
+    let mut joined = Joined::new(state.multiplier.len());
     out.sets.clone_from(&model.interfaces.sets);
     for (interface, met) in model.placed(&state.drive) {
         let held = &model.prepared.is_held;
@@ -109,16 +110,15 @@ fn add_contact(model: &Model<'_>, state: &State, out: &mut Evaluation) {
             part.gap[multiplier as usize] = 0.0;
             part.rows[multiplier as usize].clear();
         }
-        out.gap.append(&mut part.gap);
         if interface.is_contact() {
             out.max_penetration = out.max_penetration.max(part.max_penetration);
         }
-        part.rows.iter_mut().for_each(|row| builder.push_row(row));
+        joined.add(interface, part);
     }
+    (out.gap, out.coupling) = joined.finish(state.displacement.len());
     if !model.admitted_penetration.is_empty() {
         add_scaled(&mut out.gap, 1.0, &model.admitted_penetration);
     }
-    out.coupling = builder.finish();
 }
 
 impl Evaluation {

@@ -7,11 +7,12 @@
 //! sets:         NonNegative ............... | Free ...........................
 //! ```
 //!
-//! Obstacles have hats at the vertices, patches quadratic functions at all nodes. What a
+//! Obstacles have quadratic functions at all nodes or hats at the vertices, as the plan
+//! says, patches quadratic functions at all nodes. What a
 //! surface meets is placed by a drive; the surface itself never moves, since all integrals
 //! are over the undeformed body. Cost: one pass over the faces.
 
-use std::ops::Range;
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::drive::Drive;
@@ -25,7 +26,9 @@ use crate::geometry::RigidMotion;
 use crate::mesh::Mesh;
 use crate::obstacle::{Contact, Moving, Obstacle, What};
 use crate::plan::Plan;
+use crate::plan::surfaces::ContactLayout;
 use crate::saddle::{AdmissibleSet, SetPart};
+use crate::scene::ContactSpace;
 use crate::scene::validate::{ResolvedObstacle, ResolvedSupport};
 use crate::space::TaylorHood;
 
@@ -49,8 +52,9 @@ pub(crate) struct Interface {
     pub(crate) idle: Vec<u32>,
     /// What the surface meets, without its pose.
     pub(crate) role: Role,
-    /// Number of the first multiplier among those of all interfaces.
-    pub(crate) offset: usize,
+    /// Its multipliers among those of all interfaces, ascending; obstacles on
+    /// neighbouring parts of a smooth surface have common ones.
+    pub(crate) multipliers: Vec<u32>,
 }
 
 /// What a surface meets.
@@ -92,8 +96,30 @@ impl Counterpart for Placed {
 
 impl Interface {
     /// Its multipliers among all.
-    pub(crate) fn range(&self) -> Range<usize> {
-        self.offset..self.offset + self.surface.multipliers()
+    pub(crate) fn places(&self) -> impl Iterator<Item = usize> + '_ {
+        self.multipliers.iter().map(|&m| m as usize)
+    }
+
+    /// Its part of `all` multipliers.
+    pub(crate) fn own<'a, T: Copy>(&self, all: &'a [T]) -> Cow<'a, [T]> {
+        match self.multipliers[..] {
+            [first, .., last] if (last - first) as usize + 1 == self.multipliers.len() => {
+                Cow::Borrowed(&all[first as usize..=last as usize])
+            }
+            _ => self.places().map(|place| all[place]).collect(),
+        }
+    }
+
+    /// Adds its part to `all` multipliers.
+    pub(crate) fn add_own(&self, own: &[f64], all: &mut [f64]) {
+        for (place, value) in self.places().zip(own) {
+            all[place] += value;
+        }
+    }
+
+    /// Coefficients of its functions, from all multipliers.
+    pub(crate) fn coefficients(&self, all: &[f64]) -> Vec<f64> {
+        self.surface.shares.spread(&self.own(all)).into_owned()
     }
 
     /// Whether an obstacle meets the surface, from one side.
@@ -108,17 +134,6 @@ impl Interface {
             Role::Support(_) => true,
         }
     }
-
-    /// Its multipliers and where they may be.
-    fn set_part(&self) -> SetPart<'static> {
-        SetPart {
-            size: self.surface.multipliers(),
-            set: match self.role {
-                Role::Contact(_) => AdmissibleSet::NonNegative,
-                Role::Support(_) => AdmissibleSet::Free,
-            },
-        }
-    }
 }
 
 /// All interfaces of a scene: of obstacles, in the order of the plan, then of supports.
@@ -126,6 +141,8 @@ impl Interface {
 pub(crate) struct Interfaces {
     /// The interfaces, their multipliers one after the other.
     pub(crate) list: Vec<Interface>,
+    /// Number of multipliers of supports, behind those of obstacles.
+    guided: usize,
     /// Quadrature rule on the reference face, the same for all of them.
     pub(crate) rule: Rule,
     /// Where the multipliers may be, one part an interface, in their order.
@@ -137,7 +154,7 @@ pub(crate) struct Interfaces {
 impl Interfaces {
     /// Those of `plan`.
     pub(crate) fn new(plan: &Plan, mesh: &Mesh, space: &TaylorHood) -> Self {
-        let obstacles = plan.obstacles.iter();
+        let obstacles = plan.obstacles.iter().zip(&plan.contact_layouts);
         let contacts = obstacles.map(|obstacle| of_obstacle(plan, mesh, space, obstacle));
         let supports = plan.resolved.supports.iter().enumerate();
         let guides = supports.flat_map(|(index, support)| {
@@ -145,20 +162,17 @@ impl Interfaces {
             patches.map(move |patch| of_patch(plan, mesh, space, (index, support, patch)))
         });
         let mut list: Vec<Interface> = contacts.chain(guides).collect();
-        let mut offset = 0;
-        for interface in &mut list {
-            interface.offset = offset;
-            offset += interface.surface.multipliers();
-        }
+        number_guides(plan, &mut list);
         let simplex = match plan.units.dimension {
             2 => Simplex::Segment,
             _ => Simplex::Triangle,
         };
-        let surfaces = list.iter().map(|one| (one.offset, &one.surface));
-        let surfaces: Vec<(usize, &ContactSurface)> = surfaces.collect();
+        let surfaces = list.iter().map(|one| (&one.multipliers[..], &one.surface));
+        let surfaces: Vec<(&[u32], &ContactSurface)> = surfaces.collect();
         Self {
-            sets: sets(&list),
+            sets: sets(plan),
             metric: SurfaceMetric::new(plan, mesh, &surfaces),
+            guided: plan.guided_multipliers,
             list,
             rule: rule(simplex, CONTACT_DEGREE),
         }
@@ -166,8 +180,8 @@ impl Interfaces {
 
     /// Number of multipliers of obstacles that are at work.
     pub(crate) fn contacts_at_work(&self, state: &State) -> usize {
-        let contacts = self.list.iter().filter(|interface| interface.is_contact());
-        let status = contacts.flat_map(|interface| &state.status[interface.range()]);
+        let contacts = state.status.len() - self.guided;
+        let status = state.status[..contacts].iter();
         status.filter(|status| status.is_closed()).count()
     }
 
@@ -217,34 +231,48 @@ impl Interfaces {
     }
 }
 
-/// Equal sets one behind the other as one part.
-fn sets(list: &[Interface]) -> Vec<SetPart<'static>> {
-    let mut parts: Vec<SetPart<'static>> = Vec::new();
-    for part in list.iter().map(Interface::set_part) {
-        match parts.last_mut() {
-            Some(last) if last.set == part.set => last.size += part.size,
-            _ => parts.push(part),
-        }
-    }
-    parts
+/// Half lines of contact, then lines of guides; what is not there is no part.
+fn sets(plan: &Plan) -> Vec<SetPart<'static>> {
+    let guided = plan.guided_multipliers;
+    let contacts = plan.unknowns().contact as usize - guided;
+    let parts = [
+        (contacts, AdmissibleSet::NonNegative),
+        (guided, AdmissibleSet::Free),
+    ];
+    let parts = parts.into_iter().filter(|(size, _)| *size > 0);
+    parts.map(|(size, set)| SetPart { size, set }).collect()
 }
 
-/// The candidate surface of one obstacle, its multipliers at the vertices.
+/// Numbers the multipliers of guides behind those of obstacles, in their order.
+fn number_guides(plan: &Plan, list: &mut [Interface]) {
+    let mut next = (plan.unknowns().contact as usize - plan.guided_multipliers) as u32;
+    for interface in list.iter_mut().filter(|interface| !interface.is_contact()) {
+        let own = interface.surface.multipliers() as u32;
+        interface.multipliers = (next..next + own).collect();
+        next += own;
+    }
+}
+
+/// The candidate surface of one obstacle.
 fn of_obstacle(
     plan: &Plan,
     mesh: &Mesh,
     space: &TaylorHood,
-    obstacle: &ResolvedObstacle,
+    (obstacle, planned): (&ResolvedObstacle, &ContactLayout),
 ) -> Interface {
     let facets = obstacle.facets.iter();
     let facets: Vec<Vec<u32>> = facets.map(|&f| mesh.facet(f as usize).to_vec()).collect();
+    let bare = surface(plan, mesh, space, &facets);
     Interface {
         name: obstacle.name.clone(),
-        surface: surface(plan, mesh, space, &facets),
+        surface: match plan.contact_space {
+            ContactSpace::Linear => bare,
+            ContactSpace::Quadratic => bare.with_layout(&Bernstein, planned.layout.clone()),
+        },
         facets: obstacle.facets.clone(),
         idle: Vec::new(),
         role: Role::Contact(obstacle.shape.clone()),
-        offset: 0,
+        multipliers: planned.multipliers.clone(),
     }
 }
 
@@ -263,7 +291,7 @@ fn of_patch(
         surface,
         facets: patch.clone(),
         role: Role::Support(index),
-        offset: 0,
+        multipliers: Vec::new(),
     }
 }
 
@@ -300,7 +328,7 @@ fn idle(plan: &Plan, surface: &ContactSurface, components: usize) -> Vec<u32> {
     };
     let mut is_idle = vec![true; surface.multipliers()];
     for face in &surface.faces {
-        for &multiplier in &face.multipliers {
+        for &multiplier in &face.functions {
             let node = surface.carriers[multiplier as usize];
             let mut along = (0..components).filter(|&i| face.normal[i].abs() > HELD_ALONG);
             is_idle[multiplier as usize] &=

@@ -14,6 +14,7 @@ pub(crate) mod evaluate;
 pub(crate) mod held;
 pub(crate) mod interfaces;
 pub(crate) mod internal;
+pub(crate) mod joined;
 pub(crate) mod loads;
 pub(crate) mod prescribed;
 pub(crate) mod pressures;

@@ -25,20 +25,27 @@ pub(crate) struct SurfaceMetric {
 }
 
 impl SurfaceMetric {
-    /// Of surfaces with their first multipliers.
-    pub(crate) fn new(plan: &Plan, mesh: &Mesh, list: &[(usize, &ContactSurface)]) -> Self {
+    /// Of surfaces with their multipliers among all.
+    pub(crate) fn new(plan: &Plan, mesh: &Mesh, list: &[(&[u32], &ContactSurface)]) -> Self {
         let (method, kind) = (plan.contact.method, plan.contact.metric);
         let mut surface = Self::default();
+        let size = plan.unknowns().contact as usize;
         if method.reads_weights() {
-            let weights = list.iter().flat_map(|(_, surface)| &surface.weights);
-            surface.weights = weights.copied().collect();
+            surface.weights = vec![0.0; size];
+            for &(places, one) in list {
+                for (&place, weight) in places.iter().zip(&one.weights) {
+                    surface.weights[place as usize] += weight;
+                }
+            }
         }
-        let size: usize = list.iter().map(|(_, one)| one.multipliers()).sum();
         match kind {
             MetricKind::Mass if method.needs_dense(kind) => {
                 surface.matrix = DenseMatrix::zeros(size, size);
-                for &(offset, one) in list {
-                    add_mass(one, offset, &mut surface.matrix);
+                for &(places, one) in list {
+                    let size = one.multipliers();
+                    let mut block = DenseMatrix::zeros(size, size);
+                    add_mass(one, &mut block);
+                    surface.add_block(places, &block);
                 }
             }
             MetricKind::Fractional => {
@@ -58,14 +65,14 @@ impl SurfaceMetric {
         &mut self,
         plan: &Plan,
         mesh: &Mesh,
-        (offset, surface): (usize, &ContactSurface),
+        (places, surface): (&[u32], &ContactSurface),
     ) {
         let size = surface.multipliers();
         let mut mass = DenseMatrix::zeros(size, size);
-        add_mass(surface, 0, &mut mass);
+        add_mass(surface, &mut mass);
         let mut laplacian = DenseMatrix::zeros(size, size);
         let coordinates = plan.units.coordinate_scale;
-        add_laplacian(surface, mesh, coordinates, 0, &mut laplacian);
+        add_laplacian(surface, mesh, coordinates, &mut laplacian);
         let area: f64 = surface.weights.iter().sum();
         let extent = match plan.units.extents {
             2 => area * area,
@@ -74,9 +81,16 @@ impl SurfaceMetric {
         let Ok(block) = fractional(&mass, laplacian, extent) else {
             return;
         };
-        for j in 0..size {
-            let column = self.matrix.column_mut(offset + j);
-            column[offset..offset + size].copy_from_slice(block.column(j));
+        self.add_block(places, &block);
+    }
+
+    /// Adds the block of the multipliers at those places.
+    fn add_block(&mut self, places: &[u32], block: &DenseMatrix) {
+        for (j, &column) in places.iter().enumerate() {
+            let whole = self.matrix.column_mut(column as usize);
+            for (&row, entry) in places.iter().zip(block.column(j)) {
+                whole[row as usize] += entry;
+            }
         }
     }
 }

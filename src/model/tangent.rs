@@ -116,11 +116,13 @@ impl Tangent {
     }
 }
 
-/// Weighted gaps of all interfaces, one after the other.
+/// Weighted gaps of all multipliers.
 fn gaps(model: &Model<'_>, drive: &Drive, displacement: &[f64]) -> Vec<f64> {
     let body = model.deformed(displacement);
-    let placed = model.placed(drive);
-    placed
-        .flat_map(|(interface, obstacle)| evaluate_gaps(&body, &interface.surface, &obstacle).0)
-        .collect()
+    let mut gaps = vec![0.0; model.plan.unknowns().contact as usize];
+    for (interface, obstacle) in model.placed(drive) {
+        let (own, _) = evaluate_gaps(&body, &interface.surface, &obstacle);
+        interface.add_own(&own, &mut gaps);
+    }
+    gaps
 }

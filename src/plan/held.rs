@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use crate::mesh::Mesh;
-use crate::plan::vertices_of;
+use crate::plan::surfaces::vertices_of;
 use crate::scene::SceneKind;
 use crate::scene::validate::{ON_AXIS, Resolved};
 use crate::space::TaylorHood;

@@ -17,6 +17,7 @@ mod report;
 pub(crate) mod rubber;
 pub(crate) mod saddle;
 mod settings;
+pub(crate) mod surfaces;
 mod units;
 
 use sha2::{Digest, Sha256};
@@ -26,7 +27,8 @@ use crate::mesh::{Mesh, MeshId};
 use crate::report::Unknowns;
 use crate::scene::validate::{Resolved, ResolvedObstacle, build, resolve};
 use crate::scene::{
-    DisplacementMethod, ElementKind, MetricKind, Scene, SceneError, SceneKind, Step, Violation,
+    ContactSpace, DisplacementMethod, ElementKind, MetricKind, Named, Scene, SceneError, SceneKind,
+    Step, Violation,
 };
 use crate::space::TaylorHood;
 
@@ -36,6 +38,7 @@ use p1::P1Sizes;
 pub use report::{LeftOut, PlanEntry, PlanReport};
 use saddle::{Demand, SaddleChoice, SaddleNeeds};
 use settings::Settings;
+use surfaces::{ContactLayout, Surfaces};
 pub use units::Units;
 
 /// Names everything that [`Prepared`](crate::Prepared) depends on; equal keys share it.
@@ -68,6 +71,10 @@ pub struct Plan {
     /// Held unknown and the support that holds it ([`held::AXIS`] where none does),
     /// ascending by unknown.
     pub(crate) held: Vec<(u32, u16)>,
+    /// Functions of the contact pressure.
+    pub(crate) contact_space: ContactSpace,
+    /// Functions and multipliers of each obstacle's surface.
+    pub(crate) contact_layouts: Vec<ContactLayout>,
     /// Multipliers of supports that hold their normal component, behind those of
     /// obstacles.
     pub(crate) guided_multipliers: usize,
@@ -103,8 +110,15 @@ impl Plan {
         let units = usable_units(scene, &resolved, mesh)?;
         let obstacles = build(obstacles, units.length)?;
         let space = TaylorHood::new(mesh);
-        let surfaces = Surfaces::of(mesh, &space, &obstacles, &resolved);
         let element = element::choose(scene.solver.element);
+        let contact_space = contact_space(scene, element);
+        let held = held_unknowns(&resolved, mesh, &space);
+        let body = surfaces::Body {
+            mesh,
+            space: &space,
+            held: &held,
+        };
+        let surfaces = Surfaces::of(body, &obstacles, &resolved, contact_space);
         let unknowns = Unknowns {
             contact: (surfaces.contacts + surfaces.guided) as u64,
             ..element.unknowns(mesh, &resolved)
@@ -142,7 +156,9 @@ impl Plan {
             element,
             vertices: space.vertices,
             cells: mesh.cell_count(),
-            held: held_unknowns(&resolved, mesh, &space),
+            held,
+            contact_space,
+            contact_layouts: surfaces.layouts,
             guided_multipliers: surfaces.guided,
             contact,
             contact_vertices,
@@ -165,6 +181,13 @@ impl Plan {
         let supports = self.resolved.supports.iter();
         candidates
             .chain(supports.flat_map(|support| support.patches.iter().map(|patch| &patch[..])))
+    }
+
+    /// Whether multipliers of quadratic functions are there.
+    pub(crate) fn has_quadratic_multipliers(&self) -> bool {
+        let contacts = self.unknowns.contact as usize - self.guided_multipliers;
+        let is_quadratic = self.contact_space == ContactSpace::Quadratic;
+        self.guided_multipliers > 0 || (is_quadratic && contacts > 0)
     }
 
     /// Unknowns by kind.
@@ -224,6 +247,9 @@ impl Plan {
         for vertex in &self.contact_vertices {
             hash.update(vertex.to_le_bytes());
         }
+        if self.has_quadratic_multipliers() {
+            hash.update(self.contact_space.name());
+        }
         let supports = self.resolved.supports.iter();
         for patch in supports.flat_map(|support| &support.patches) {
             hash.update(b"guided");
@@ -273,6 +299,16 @@ fn usable_units(scene: &Scene, resolved: &Resolved, mesh: &Mesh) -> Result<Units
     }]))
 }
 
+/// The functions of the contact pressure: quadratic ones where the displacement is,
+/// unless the scene asks for others.
+fn contact_space(scene: &Scene, element: ElementKind) -> ContactSpace {
+    let natural = match element {
+        ElementKind::TaylorHood => ContactSpace::Quadratic,
+        ElementKind::Mini | ElementKind::BernardiRaugel => ContactSpace::Linear,
+    };
+    scene.solver.contact_space.named().unwrap_or(natural)
+}
+
 /// The method of the linear systems, from what both preconditioners ask of it.
 fn saddle_for(scene: &Scene, unknowns: Unknowns, demands: [Demand; 2]) -> SaddleChoice {
     let needs = SaddleNeeds {
@@ -283,57 +319,6 @@ fn saddle_for(scene: &Scene, unknowns: Unknowns, demands: [Demand; 2]) -> Saddle
         },
     };
     saddle::choose(scene.solver.saddle, needs)
-}
-
-/// The surfaces that carry multipliers, counted.
-struct Surfaces {
-    /// Mesh vertices of all of them, ascending.
-    vertices: Vec<u32>,
-    /// Multipliers of obstacles: one a vertex of each.
-    contacts: usize,
-    /// Multipliers of supports along their normal: one a node of each patch.
-    guided: usize,
-}
-
-impl Surfaces {
-    fn of(
-        mesh: &Mesh,
-        space: &TaylorHood,
-        obstacles: &[ResolvedObstacle],
-        resolved: &Resolved,
-    ) -> Self {
-        let candidates = obstacles.iter().map(|obstacle| &obstacle.facets);
-        let supports = resolved.supports.iter();
-        let patches = supports.flat_map(|support| &support.patches);
-        let vertices = |facets| vertices_of(mesh, std::iter::once(facets)).len();
-        Self {
-            vertices: vertices_of(mesh, candidates.clone().chain(patches.clone())),
-            contacts: candidates.map(vertices).sum(),
-            guided: patches.map(|patch| nodes_of(mesh, space, patch)).sum(),
-        }
-    }
-}
-
-/// Number of displacement nodes on a patch.
-fn nodes_of(mesh: &Mesh, space: &TaylorHood, patch: &[u32]) -> usize {
-    let facets = patch.iter();
-    let mut nodes: Vec<u32> = facets
-        .flat_map(|&facet| space.facet_nodes(mesh.facet(facet as usize)))
-        .collect();
-    nodes.sort_unstable();
-    nodes.dedup();
-    nodes.len()
-}
-
-/// The vertices of those facets, ascending and each once.
-fn vertices_of<'a>(mesh: &Mesh, facets: impl Iterator<Item = &'a Vec<u32>>) -> Vec<u32> {
-    let mut vertices: Vec<u32> = facets
-        .flatten()
-        .flat_map(|&facet| mesh.facet(facet as usize).iter().copied())
-        .collect();
-    vertices.sort_unstable();
-    vertices.dedup();
-    vertices
 }
 
 /// Mean quality of cells below which smoothing follows the short edges: cells

@@ -6,17 +6,25 @@
 //! what a metric needs where the obstacle's normals are not far from them; D22: node blocks of
 //! the edges (of all nodes for quadratic multipliers). The edge part keeps the metric regular where the rim of the surface
 //! is held. The factor brings the largest eigenvalue against the incompressible
-//! body near one. Condition 2 to 3, independent of the mesh size. Cost O(m^2) for
-//! m multipliers.
+//! body near one. What a volume that hardly changes forbids is taken off
+//! ([`super::volume_mode`]). Condition 2 to 4, independent of the mesh size. Only the inverse at the vertices is
+//! dense; a part on the closed multipliers is formed where it is factorised. Cost:
+//! O(v^2) a product, O(n v + n^2) a part of n multipliers, for v contact vertices.
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use rayon::prelude::*;
 
 use super::NodeBlocks;
 use super::p1::Traces;
-use crate::linalg::{DenseMatrix, LinearOperator, SparseRows};
+use super::volume_mode::VolumeMode;
+use crate::linalg::vector::{add_scaled, dot, scale};
+use crate::linalg::{
+    DenseCholesky, DenseMatrix, FactoriseError, LinearOperator, SparseRows, SparseRowsBuilder,
+    SymmetricMatrix, Workspace,
+};
 
 /// Factor on the whole compliance, which brings its largest eigenvalue against the
 /// incompressible body near one.
@@ -27,7 +35,7 @@ const REGULARISATION: f64 = 1e-10;
 /// What the compliance is made of.
 pub struct ComplianceParts<'a> {
     /// A11^-1 between the traces `[traces, traces]`, non-dimensional.
-    pub vertex_inverse: &'a DenseMatrix,
+    pub vertex_inverse: &'a Arc<DenseMatrix>,
     /// Contact vertices with the directions in which their compliance is known.
     pub traces: Traces<'a>,
     /// Inverted Lagrange node blocks of all nodes, for the part of the edges.
@@ -37,41 +45,174 @@ pub struct ComplianceParts<'a> {
     /// Ends of each edge `[edges]`, where multipliers are quadratic: they see what
     /// single vertices do, too.
     pub edge_ends: Option<&'a [[u32; 2]]>,
+    /// Which unknowns are prescribed `[displacement]`.
+    pub is_held: &'a [bool],
+    /// What the volumes of the connected parts of a body take off.
+    pub volumes: &'a [VolumeMode],
 }
 
-/// K of `coupling` `[multipliers, unknowns]`.
-pub fn compliance(parts: &ComplianceParts<'_>, coupling: &SparseRows) -> DenseMatrix {
-    let size = coupling.rows();
-    let vertex_rows = vertex_rows(parts, coupling);
-    let mut matrix = DenseMatrix::zeros(size, size);
-    let columns: Vec<Vec<f64>> = (0..size)
-        .into_par_iter()
-        .map(|j| {
-            let mut flexibility = vec![0.0; parts.vertex_inverse.rows()];
-            for &(unknown, value) in &vertex_rows[j] {
-                let column = parts.vertex_inverse.column(unknown as usize);
-                for (sum, entry) in flexibility.iter_mut().zip(column) {
-                    *sum += value * entry;
-                }
-            }
-            let product = |row: &Vec<(u32, f64)>| -> f64 {
-                row.iter()
-                    .map(|&(k, value)| value * flexibility[k as usize])
-                    .sum()
-            };
-            vertex_rows.iter().map(product).collect()
-        })
-        .collect();
-    for (j, column) in columns.iter().enumerate() {
-        matrix.column_mut(j).copy_from_slice(column);
+/// K, kept as its parts: the inverse at the contact vertices, a sparse matrix, and one
+/// rank a volume.
+pub struct Compliance {
+    /// A11^-1 between the traces `[traces, traces]`.
+    vertex_inverse: Arc<DenseMatrix>,
+    /// C1: each row on the traces `[multipliers]`.
+    vertex_rows: Vec<Vec<(u32, f64)>>,
+    /// C D^-1 C^T of nodes that move alone `[multipliers, multipliers]`.
+    nodes: SparseRows,
+    /// What the rows see of each volume `[volumes][multipliers]`, over the root of its
+    /// work.
+    volumes: Vec<Vec<f64>>,
+    /// Added to the diagonal, so that redundant constraints have a solution.
+    lift: f64,
+    /// The part that was factorised last.
+    last: Mutex<Option<Part>>,
+}
+
+/// A principal part with its factor.
+struct Part {
+    /// Rows of the part, ascending.
+    selected: Vec<usize>,
+    /// Its factor.
+    factor: Arc<DenseCholesky>,
+}
+
+impl Compliance {
+    /// K of `coupling` `[multipliers, unknowns]`.
+    pub fn new(parts: &ComplianceParts<'_>, coupling: &SparseRows) -> Self {
+        let vertex_rows = vertex_rows(parts, coupling);
+        let touching = match parts.edge_ends {
+            Some(ends) => at_all_nodes(parts, coupling, ends),
+            None => at_edges(parts, coupling),
+        };
+        let volumes = parts.volumes.iter().map(|volume| {
+            let mut seen = seen_by(parts, (&vertex_rows, &touching), volume);
+            scale(&mut seen, volume.work.sqrt().recip());
+            seen
+        });
+        let mut out = Self {
+            vertex_inverse: parts.vertex_inverse.clone(),
+            nodes: of_nodes(parts, &touching, coupling.rows()),
+            volumes: volumes.collect(),
+            vertex_rows,
+            lift: 0.0,
+            last: Mutex::new(None),
+        };
+        let size = coupling.rows();
+        let trace: f64 = (0..size).map(|i| out.entry(i, i)).sum();
+        out.lift = REGULARISATION * trace / size.max(1) as f64;
+        out
     }
-    let touching = match parts.edge_ends {
-        Some(ends) => at_all_nodes(parts, coupling, ends),
-        None => at_edges(parts, coupling),
-    };
-    add_nodes(parts, &touching, &mut matrix);
-    finish(&mut matrix);
-    matrix
+
+    /// A11^-1 of one row `[traces]`.
+    fn flexibility(&self, row: usize) -> Vec<f64> {
+        let mut flexibility = vec![0.0; self.vertex_inverse.rows()];
+        for &(trace, value) in &self.vertex_rows[row] {
+            add_scaled(
+                &mut flexibility,
+                value,
+                self.vertex_inverse.column(trace as usize),
+            );
+        }
+        flexibility
+    }
+
+    /// What the inverse at the vertices gives between two rows.
+    fn through_vertices(&self, row: usize, flexibility: &[f64]) -> f64 {
+        let entries = self.vertex_rows[row].iter();
+        entries
+            .map(|&(trace, value)| value * flexibility[trace as usize])
+            .sum()
+    }
+
+    /// What the volumes take off between two rows.
+    fn through_volumes(&self, row: usize, column: usize) -> f64 {
+        let volumes = self.volumes.iter();
+        volumes.map(|seen| seen[row] * seen[column]).sum()
+    }
+
+    /// Lower triangle of one column of a principal part, from its own place on.
+    fn column_of_part(&self, selected: &[usize], place: usize) -> Vec<f64> {
+        let column = selected[place];
+        let flexibility = self.flexibility(column);
+        let below = &selected[place..];
+        let smooth = below.iter().map(|&row| {
+            self.through_vertices(row, &flexibility) - self.through_volumes(row, column)
+        });
+        let mut entries: Vec<f64> = smooth.collect();
+        let (rows, values) = self.nodes.row(column);
+        for (&row, value) in rows.iter().zip(values) {
+            if let Ok(at) = below.binary_search(&(row as usize)) {
+                entries[at] += value;
+            }
+        }
+        entries[0] += self.lift;
+        scale(&mut entries, SCALE);
+        entries
+    }
+}
+
+impl SymmetricMatrix for Compliance {
+    fn size(&self) -> usize {
+        self.vertex_rows.len()
+    }
+
+    fn entry(&self, row: usize, column: usize) -> f64 {
+        let pair = [row.min(column), row.max(column)];
+        match row == column {
+            true => self.column_of_part(&pair[..1], 0)[0],
+            false => self.column_of_part(&pair, 0)[1],
+        }
+    }
+
+    fn product(&self, x: &[f64], y: &mut [f64]) {
+        let mut work = Workspace::new();
+        let mut on_traces = vec![0.0; self.vertex_inverse.rows()];
+        for (row, &factor) in self.vertex_rows.iter().zip(x) {
+            for &(trace, value) in row {
+                on_traces[trace as usize] += factor * value;
+            }
+        }
+        let mut flexibility = vec![0.0; on_traces.len()];
+        self.vertex_inverse.multiply(&on_traces, &mut flexibility);
+        self.nodes.apply(x, y, &mut work);
+        for (row, sum) in y.iter_mut().enumerate() {
+            *sum += self.through_vertices(row, &flexibility) + self.lift * x[row];
+        }
+        for seen in &self.volumes {
+            add_scaled(y, -dot(seen, x), seen);
+        }
+        scale(y, SCALE);
+    }
+
+    fn principal_part(&self, selected: &[usize]) -> DenseMatrix {
+        let size = selected.len();
+        let columns: Vec<Vec<f64>> = (0..size)
+            .into_par_iter()
+            .map(|place| self.column_of_part(selected, place))
+            .collect();
+        let mut part = DenseMatrix::zeros(size, size);
+        for (j, column) in columns.iter().enumerate() {
+            part.column_mut(j)[j..].copy_from_slice(column);
+            for (i, &value) in (j..).zip(column) {
+                *part.at_mut(j, i) = value;
+            }
+        }
+        part
+    }
+
+    fn factor_of_part(&self, selected: &[usize]) -> Result<Arc<DenseCholesky>, FactoriseError> {
+        let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(part) = last.as_ref().filter(|part| part.selected == selected) {
+            return Ok(part.factor.clone());
+        }
+        let factor = Arc::new(DenseCholesky::new(&self.principal_part(selected))?);
+        *last = Some(Part {
+            selected: selected.to_vec(),
+            factor: factor.clone(),
+        });
+        Ok(factor)
+    }
 }
 
 /// Rows of the coupling on the traces: trace and what of the row lies along it. The
@@ -138,7 +279,9 @@ fn at_all_nodes(parts: &ComplianceParts<'_>, coupling: &SparseRows, ends: &[[u32
             add_at(&mut touching, (node, row), i, value);
             if let Some(edge) = (node as usize).checked_sub(parts.vertex_count) {
                 for &end in &ends[edge] {
-                    add_at(&mut touching, (end, row), i, -0.5 * value);
+                    if !parts.is_held[end as usize * c + i] {
+                        add_at(&mut touching, (end, row), i, -0.5 * value);
+                    }
                 }
             }
         }
@@ -156,37 +299,45 @@ fn add_at(touching: &mut AtNodes, (node, row): (u32, usize), component: usize, v
     }
 }
 
-/// Adds C D^-1 C^T of the nodes that move alone.
-fn add_nodes(parts: &ComplianceParts<'_>, touching: &AtNodes, matrix: &mut DenseMatrix) {
+/// C D^-1 C^T of the nodes that move alone `[size, size]`.
+fn of_nodes(parts: &ComplianceParts<'_>, touching: &AtNodes, size: usize) -> SparseRows {
     let c = parts.node_blocks.components();
-    for (node, rows) in touching {
+    let mut rows: Vec<BTreeMap<u32, f64>> = vec![BTreeMap::new(); size];
+    for (node, touched) in touching {
         let block = parts.node_blocks.block(*node as usize);
-        for (row, a) in rows {
-            for (column, b) in rows {
-                let mut sum = 0.0;
-                for i in 0..c {
-                    for j in 0..c {
-                        sum += a[i] * block[i * c + j] * b[j];
-                    }
-                }
-                *matrix.at_mut(*row, *column) += sum;
+        for (row, a) in touched {
+            for (column, b) in touched {
+                let products = (0..c).map(|i| a[i] * dot(&block[i * c..(i + 1) * c], &b[..c]));
+                *rows[*row].entry(*column as u32).or_default() += products.sum::<f64>();
             }
         }
     }
+    let mut builder = SparseRowsBuilder::new(size);
+    for row in rows {
+        builder.push_row(&mut row.into_iter().collect::<Vec<_>>());
+    }
+    builder.finish()
 }
 
-/// Scales, makes exactly symmetric, regularises.
-fn finish(matrix: &mut DenseMatrix) {
-    let size = matrix.rows();
-    let trace: f64 = (0..size).map(|i| matrix.at(i, i)).sum();
-    let lift = REGULARISATION * SCALE * trace / size.max(1) as f64;
-    for j in 0..size {
-        for i in 0..j {
-            let mean = 0.5 * SCALE * (matrix.at(i, j) + matrix.at(j, i));
-            *matrix.at_mut(i, j) = mean;
-            *matrix.at_mut(j, i) = mean;
+/// w: what each row sees of the motion that an even pressure causes.
+fn seen_by(
+    parts: &ComplianceParts<'_>,
+    (vertex_rows, touching): (&[Vec<(u32, f64)>], &AtNodes),
+    volume: &VolumeMode,
+) -> Vec<f64> {
+    let c = parts.node_blocks.components();
+    let along = |&(trace, value): &(u32, f64)| {
+        let vertex = parts.traces.vertices[trace as usize] as usize;
+        let direction = &parts.traces.directions[trace as usize][..c];
+        value * dot(direction, &volume.smooth[vertex * c..(vertex + 1) * c])
+    };
+    let rows = vertex_rows.iter();
+    let mut seen: Vec<f64> = rows.map(|row| row.iter().map(along).sum()).collect();
+    for (&node, rows) in touching {
+        let first = node as usize * c;
+        for (row, load) in rows {
+            seen[*row] += dot(&load[..c], &volume.alone[first..first + c]);
         }
-        let diagonal = SCALE * matrix.at(j, j) + lift;
-        *matrix.at_mut(j, j) = diagonal;
     }
+    seen
 }

@@ -15,6 +15,7 @@ pub mod p_multigrid;
 pub mod schur;
 pub mod spectrum;
 pub mod transfer;
+pub mod volume_mode;
 
 pub use counted::Counted;
 pub use lines::AlongLines;

@@ -1,14 +1,18 @@
 //! The contact compliance against dense inverses of the P1 block.
 
+use std::sync::Arc;
+
 use super::NodeBlocks;
-use super::compliance::{ComplianceParts, compliance};
+use super::compliance::{Compliance, ComplianceParts};
 use super::p1::{DirectP1, Traces, vertex_order};
+use super::volume_mode::{Flexibility, VolumeMode};
 use crate::assembly::p1_stiffness::StiffCells;
 use crate::assembly::{CellGeometry, CellModuli};
 use crate::linalg::cholesky::Precision;
 use crate::linalg::vector::reproducible_noise;
 use crate::linalg::{
-    DenseCholesky, DenseMatrix, Preconditioner, SparseRows, SparseRowsBuilder, Workspace,
+    DenseCholesky, DenseMatrix, Preconditioner, SparseRows, SparseRowsBuilder, SymmetricMatrix,
+    Workspace,
 };
 use crate::mesh::{GroupKind, Mesh, samples};
 use crate::space::TaylorHood;
@@ -186,15 +190,17 @@ fn the_compliance_is_that_of_vertices_and_edges_apart() {
             vertices: &sample.contact,
             directions: &directions,
         };
-        let vertex_inverse = sample.factor.compliance(&traces, c);
+        let vertex_inverse = Arc::new(sample.factor.compliance(&traces, c));
         let parts = ComplianceParts {
             vertex_inverse: &vertex_inverse,
             traces,
             node_blocks: &sample.blocks,
             vertex_count: sample.space.vertices,
             edge_ends: None,
+            is_held: &[],
+            volumes: &[],
         };
-        let found = compliance(&parts, &coupling);
+        let found = Compliance::new(&parts, &coupling).dense();
         let inverse = sample.inverse();
         let entry = |a: u32, b: u32| {
             let (node, other) = (a as usize / c, b as usize / c);
@@ -228,5 +234,95 @@ fn the_compliance_is_that_of_vertices_and_edges_apart() {
                 assert_eq!(found.at(i, j).to_bits(), found.at(j, i).to_bits());
             }
         }
+    }
+}
+
+impl Sample {
+    /// The volume mode of an arbitrary change of volume, edges alone.
+    fn volume(&self, change: &[f64], slack: f64) -> VolumeMode {
+        let flexibility = Flexibility {
+            p1: &self.factor,
+            node_blocks: &self.blocks,
+            vertex_count: self.space.vertices,
+            edge_ends: None,
+            is_held: &vec![false; change.len()],
+        };
+        let mode = VolumeMode::new(&flexibility, change, slack, &mut Workspace::new());
+        mode.expect("a change")
+    }
+
+    /// The compliance of [`Self::coupling`] with those volumes.
+    fn metric(&self, volumes: &[VolumeMode]) -> Compliance {
+        let directions = directions(self);
+        let traces = Traces {
+            vertices: &self.contact,
+            directions: &directions,
+        };
+        let inverse = Arc::new(self.factor.compliance(&traces, self.space.components));
+        let parts = ComplianceParts {
+            vertex_inverse: &inverse,
+            traces,
+            node_blocks: &self.blocks,
+            vertex_count: self.space.vertices,
+            edge_ends: None,
+            is_held: &[],
+            volumes,
+        };
+        Compliance::new(&parts, &self.coupling())
+    }
+}
+
+#[test]
+fn products_parts_and_entries_are_those_of_one_matrix() {
+    for sample in samples() {
+        let change = reproducible_noise(sample.space.displacement_unknowns());
+        let metric = sample.metric(&[sample.volume(&change, 0.1)]);
+        let dense = metric.dense();
+        let x = [0.3, -1.0, 0.5, 2.0];
+        let (mut found, mut expected) = ([0.0; 4], [0.0; 4]);
+        metric.product(&x, &mut found);
+        dense.multiply(&x, &mut expected);
+        for (found, expected) in found.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-13 * dense.at(0, 0));
+        }
+        let part = metric.principal_part(&[1, 3]);
+        assert!((part.at(0, 1) - dense.at(1, 3)).abs() < 1e-15 * dense.at(0, 0));
+        assert!((metric.entry(3, 1) - dense.at(1, 3)).abs() < 1e-15 * dense.at(0, 0));
+        let factor = metric.factor_of_part(&[0, 2]).expect("positive definite");
+        let again = metric.factor_of_part(&[0, 2]).expect("positive definite");
+        assert!(Arc::ptr_eq(&factor, &again));
+    }
+}
+
+#[test]
+fn a_volume_takes_one_rank_off_and_leaves_the_metric_positive() {
+    for sample in samples() {
+        let (c, vertices) = (sample.space.components, sample.space.vertices);
+        let change = reproducible_noise(sample.space.displacement_unknowns());
+        let mode = sample.volume(&change, 0.0);
+        // b^T Y b by the dense inverse and the blocks of the edges.
+        let inverse = sample.inverse();
+        let mut smooth = vec![0.0; vertices * c];
+        inverse.multiply(&change[..vertices * c], &mut smooth);
+        let mut exact: f64 = change.iter().zip(&smooth).map(|(b, y)| b * y).sum();
+        for node in vertices..sample.space.nodes() {
+            let (b, block) = (&change[node * c..(node + 1) * c], sample.blocks.block(node));
+            let pairs = (0..c).flat_map(|i| (0..c).map(move |j| (i, j)));
+            exact += pairs
+                .map(|(i, j)| b[i] * block[i * c + j] * b[j])
+                .sum::<f64>();
+        }
+        assert!(
+            (mode.work / exact - 1.0).abs() < 1.1e-5,
+            "{} {exact}",
+            mode.work
+        );
+        let (with, without) = (sample.metric(&[mode]).dense(), sample.metric(&[]).dense());
+        assert!(DenseCholesky::new(&with).is_ok());
+        // Every minor of order two of a matrix of rank one vanishes.
+        let taken = |i: usize, j: usize| without.at(i, j) - with.at(i, j);
+        let minor = taken(0, 0) * taken(1, 1) - taken(0, 1) * taken(1, 0);
+        assert!(taken(0, 0) > 0.0);
+        assert!(minor.abs() < 1e-8 * taken(0, 0) * taken(1, 1).max(taken(0, 0)));
     }
 }

@@ -103,6 +103,7 @@ impl TaylorHoodData {
         let (displacement, displacement_bytes) = displacement::build(plan, &body);
         Ok(ApproximateInverse {
             displacement,
+            p1: p1.solver,
             node_blocks,
             compliance: p1.compliance,
             traces: p1.traces,

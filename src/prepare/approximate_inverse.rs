@@ -19,9 +19,11 @@ use crate::precond::NodeBlocks;
 /// The parts that belong together.
 pub(crate) struct ApproximateInverse {
     pub(crate) displacement: Arc<dyn Preconditioner>,
+    /// A11^-1 `[vertex unknowns]`.
+    pub(crate) p1: Arc<dyn Preconditioner>,
     pub(crate) node_blocks: NodeBlocks,
     /// A11^-1 on `traces`; empty without contact.
-    pub(crate) compliance: DenseMatrix,
+    pub(crate) compliance: Arc<DenseMatrix>,
     pub(crate) traces: TraceDirections,
     /// Of the P1 solver and the displacement preconditioner.
     pub(crate) solver_bytes: u64,

@@ -30,7 +30,7 @@ const SHIFT: f64 = 1e-2;
 pub(crate) struct P1Built {
     pub(crate) solver: Arc<dyn Preconditioner>,
     /// A11^-1 on `traces`; empty without contact.
-    pub(crate) compliance: DenseMatrix,
+    pub(crate) compliance: Arc<DenseMatrix>,
     /// Vertices and directions of `compliance`.
     pub(crate) traces: TraceDirections,
     /// Bytes of the solver.
@@ -53,7 +53,7 @@ impl P1Built {
     ) -> Self {
         Self {
             solver,
-            compliance,
+            compliance: Arc::new(compliance),
             traces: TraceDirections::default(),
             bytes,
             part: method.part(),

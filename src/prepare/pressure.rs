@@ -16,6 +16,7 @@ use crate::linalg::{LinearOperator, SparseRows, Workspace};
 use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::precond::schur::ChebyshevMass;
+use crate::scene::validate::parts;
 use crate::space::TaylorHood;
 
 /// Chebyshev steps that invert the pressure mass.
@@ -30,6 +31,8 @@ pub(crate) struct PressureBlock {
     /// C = M / lambda; none when every material is incompressible.
     pub(crate) stabilisation: Option<SparseRows>,
     pub(crate) metric: ChebyshevMass,
+    /// Connected part of each vertex; empty where the body is one.
+    pub(crate) parts: Vec<u32>,
     /// No free boundary: a constant pressure does no work.
     pub(crate) is_enclosed: bool,
 }
@@ -44,6 +47,15 @@ fn constant_pressure_is_idle(coupling: &Divergence) -> bool {
         .grid
         .divergence_transposed(Rows::All, &ones, &mut all, &mut work);
     norm(&free) <= 1e-12 * norm(&all)
+}
+
+/// Connected part of each vertex; empty where the body is one.
+fn several_parts(mesh: &Mesh) -> Vec<u32> {
+    let parts = parts(mesh);
+    match parts.iter().any(|&part| part > 0) {
+        true => parts,
+        false => Vec::new(),
+    }
 }
 
 /// The block of a body with that stiffness on `space`.
@@ -83,6 +95,7 @@ pub(crate) fn pressure_block(
     };
     PressureBlock {
         body,
+        parts: several_parts(mesh),
         is_enclosed: !compressible && constant_pressure_is_idle(&coupling),
         coupling,
         stabilisation: compressible

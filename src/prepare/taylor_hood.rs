@@ -247,6 +247,7 @@ impl Parts {
             pressure,
             at_rest: Arc::new(ApproximateInverse {
                 displacement,
+                p1: self.p1.solver,
                 node_blocks: self.node_blocks,
                 compliance: self.p1.compliance,
                 traces: self.p1.traces,

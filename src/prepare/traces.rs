@@ -7,9 +7,12 @@
 //! facet.
 
 use super::bodies::P1Body;
+use crate::contact::patches::smooth_patches;
 use crate::contact::surface::vertex_normals;
 use crate::geometry::vector3::{dot, norm, normalised, scale, sub};
+use crate::mesh::Mesh;
 use crate::plan::Plan;
+use crate::scene::ContactSpace;
 
 /// Least cosine between normals that count as one direction: 30 degrees.
 const SAME: f64 = 0.866;
@@ -28,8 +31,8 @@ pub(crate) struct TraceDirections {
 impl TraceDirections {
     /// Those of all candidate and guided surfaces of `plan`.
     pub(crate) fn new(plan: &Plan, body: P1Body<'_>) -> Self {
-        let surfaces: Vec<&[u32]> = plan.surfaces().collect();
-        let together = surfaces.concat();
+        let together = plan.surfaces().collect::<Vec<&[u32]>>().concat();
+        let surfaces = sides(plan, body.mesh);
         let means = normals(plan, body, &together);
         let own: Vec<_> = match surfaces.len() {
             0 | 1 => Vec::new(),
@@ -75,6 +78,18 @@ impl TraceDirections {
     /// Bytes held.
     pub(crate) fn bytes(&self) -> u64 {
         24 * self.directions.len() as u64 + 4 * self.vertices.len() as u64
+    }
+}
+
+/// The surfaces whose normals may differ at a vertex: quadratic functions are told
+/// apart where a surface turns sharply, hats are not.
+fn sides(plan: &Plan, mesh: &Mesh) -> Vec<Vec<u32>> {
+    let surfaces = plan.surfaces();
+    match plan.contact_space {
+        ContactSpace::Linear => surfaces.map(<[u32]>::to_vec).collect(),
+        ContactSpace::Quadratic => surfaces
+            .flat_map(|facets| smooth_patches(mesh, facets))
+            .collect(),
     }
 }
 

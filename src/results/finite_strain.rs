@@ -10,6 +10,7 @@
 use crate::element::jacobian::{least_jacobian_bound, sharper_jacobian_bound};
 use crate::element::quadrature::rule;
 use crate::geometry::tensor::{Tensor, plus_unit, product, scaled, transposed, volume_change};
+use crate::linalg::vector::scale;
 use crate::material::Rubber;
 use crate::model::Model;
 use crate::model::loads::simplices;
@@ -130,17 +131,20 @@ fn cell_bound(
     }
 }
 
-/// Contact pressure per deformed area on all multipliers; none in linear scenes.
-pub(crate) fn deformed_pressure(model: &Model<'_>, state: &State) -> Option<Vec<f64>> {
+/// Coefficients of the contact pressure per deformed area, interface by interface
+/// `[interfaces][functions]`; none in linear scenes.
+pub(crate) fn deformed_pressure(model: &Model<'_>, state: &State) -> Option<Vec<Vec<f64>>> {
     if !model.plan.resolved.is_rubber() {
         return None;
     }
     let body = model.deformed(&state.displacement);
     let unit = model.plan.units.stress;
     let interfaces = model.interfaces.list.iter();
-    let all = interfaces.flat_map(|interface| {
-        let pressure = &state.multiplier[interface.range()];
-        interface.surface.deformed_pressure(&body, pressure)
+    let all = interfaces.map(|interface| {
+        let pressure = interface.own(&state.multiplier);
+        let mut deformed = interface.surface.deformed_pressure(&body, &pressure);
+        scale(&mut deformed, unit);
+        deformed
     });
-    Some(all.map(|pressure| pressure * unit).collect())
+    Some(all.collect())
 }

@@ -12,13 +12,14 @@ use std::collections::BTreeMap;
 use crate::assembly::grid::Rows;
 use crate::contact::gap::linearise;
 use crate::linalg::vector::{add_scaled, dot};
-use crate::linalg::{LinearOperator, SparseRowsBuilder, Workspace};
+use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
 use crate::model::counters::{Counters, timed};
 use crate::model::ending::Ending;
 use crate::model::ending::Estimate;
 use crate::model::internal::Internal;
 use crate::model::internal::internal;
+use crate::model::joined::Joined;
 use crate::model::pressures::add_pressures;
 use crate::model::state::State;
 use crate::model::values::displacement_at;
@@ -147,13 +148,13 @@ fn obstacles(
     let force_unit = model.plan.units.force();
     let deformed = deformed_pressure(model, state);
     let touching = Touching::of(model, state);
+    let places = model.interfaces.list.iter().enumerate();
+    let places: BTreeMap<&str, usize> = places.map(|(at, one)| (&*one.name, at)).collect();
     touching.results(|interface, found, result| {
         result.force_error =
             estimated.map(|estimate| force_error(model, interface, found, estimate) * force_unit);
-        result.max_pressure_deformed = deformed.as_ref().map(|all| {
-            let own = all[interface.range()].iter().copied();
-            own.fold(0.0, f64::max)
-        });
+        let own = deformed.as_ref().map(|all| &all[places[&*interface.name]]);
+        result.max_pressure_deformed = own.map(|own| interface.surface.largest(own));
     })
 }
 
@@ -204,13 +205,12 @@ pub(crate) fn given_to_supports(
 fn add_contact_force(model: &Model<'_>, state: &State, force: &mut [f64]) {
     let body = model.deformed(&state.displacement);
     let free = vec![false; force.len()];
-    let mut builder = SparseRowsBuilder::new(force.len());
+    let mut joined = Joined::new(state.multiplier.len());
     for (interface, met) in model.placed(&state.drive) {
-        let mut part = linearise(&body, &interface.surface, &met, &free);
-        part.rows.iter_mut().for_each(|row| builder.push_row(row));
+        joined.add(interface, linearise(&body, &interface.surface, &met, &free));
     }
     let mut contact = vec![0.0; force.len()];
-    let coupling = builder.finish();
+    let (_, coupling) = joined.finish(force.len());
     coupling.apply_transposed(&state.multiplier, &mut contact, &mut Workspace::new());
     add_scaled(force, 1.0, &contact);
 }

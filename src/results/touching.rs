@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 
 use crate::contact::gap::{Deformed, evaluate_gaps};
 use crate::contact::resultant::{Acting, Resultant, resultant};
+use crate::linalg::vector::scale;
 use crate::model::Model;
 use crate::model::interfaces::{Interface, Interfaces, Placed};
 use crate::model::state::State;
@@ -82,9 +83,9 @@ impl<'a> Touching<'a> {
     /// Force and moment about `reference` of one interface on the body,
     /// non-dimensional.
     fn resultant(&self, interface: &Interface, met: &Placed, reference: [f64; 3]) -> Resultant {
-        let status = self.state.status[interface.range()].iter();
-        let active: Vec<bool> = status.map(|status| status.is_closed()).collect();
-        let pressure = &self.state.multiplier[interface.range()];
+        let status = interface.own(&self.state.status);
+        let active: Vec<bool> = status.iter().map(|status| status.is_closed()).collect();
+        let pressure = &interface.own(&self.state.multiplier);
         resultant(
             &self.body,
             &interface.surface,
@@ -115,43 +116,55 @@ impl<'a> Touching<'a> {
 
     /// Contact pressure on uploaded vertices.
     pub(crate) fn pressure(&self) -> Vec<f64> {
-        let multiplier = self.state.multiplier.iter();
-        let scaled: Vec<f64> = multiplier.map(|l| l * self.plan.units.stress).collect();
-        self.on_surface(&scaled, 0.0, f64::max)
+        let interfaces = self.interfaces.list.iter();
+        let pressure = interfaces.map(|interface| {
+            let mut own = interface.coefficients(&self.state.multiplier);
+            scale(&mut own, self.plan.units.stress);
+            own
+        });
+        self.on_surface(&pressure.collect::<Vec<_>>(), 0.0, f64::max)
     }
 
     /// One where a vertex touches, zero where it may, else [`NOT_A_CANDIDATE`].
     pub(crate) fn contact_state(&self) -> Vec<f64> {
         let status = self.state.status.iter();
         let flags: Vec<f64> = status.map(|s| f64::from(u8::from(s.is_closed()))).collect();
-        self.on_surface(&flags, NOT_A_CANDIDATE, f64::max)
+        let interfaces = self.interfaces.list.iter();
+        let own = interfaces.map(|interface| {
+            let shares = interface.coefficients(&flags).into_iter();
+            shares.map(f64::ceil).collect()
+        });
+        self.on_surface(&own.collect::<Vec<_>>(), NOT_A_CANDIDATE, f64::max)
     }
 
     /// Weighted gap over nodal weight: a length.
     pub(crate) fn gap(&self) -> Vec<f64> {
         let length = self.plan.units.length;
-        let mut gaps = Vec::with_capacity(self.state.multiplier.len());
+        let mut gaps = Vec::with_capacity(self.interfaces.list.len());
         for (interface, obstacle) in self.placed() {
-            let (weighted, _) = evaluate_gaps(&self.body, &interface.surface, &obstacle);
-            let weights = interface.surface.weights.iter();
-            gaps.extend(weighted.iter().zip(weights).map(|(g, w)| g / w * length));
+            let surface = &interface.surface;
+            let (weighted, _) = evaluate_gaps(&self.body, surface, &obstacle);
+            let weights = surface.weights.iter();
+            let own = weighted.iter().zip(weights).map(|(g, w)| g / w * length);
+            gaps.push(surface.shares.spread(&own.collect::<Vec<_>>()).into_owned());
         }
         self.on_surface(&gaps, 0.0, f64::min)
     }
 
-    /// Multiplier values on uploaded vertices; `merge` joins several obstacles.
+    /// Coefficients `[interfaces][functions]` on uploaded vertices, where they are
+    /// values; `merge` joins several functions of a vertex.
     pub(crate) fn on_surface(
         &self,
-        values: &[f64],
+        values: &[Vec<f64>],
         elsewhere: f64,
         merge: fn(f64, f64) -> f64,
     ) -> Vec<f64> {
         let mesh = self.body.mesh;
         let mut out = vec![None; mesh.vertex_count()];
-        let contacts = self.interfaces.list.iter();
-        for interface in contacts.filter(|interface| interface.is_contact()) {
+        let contacts = self.interfaces.list.iter().zip(values);
+        for (interface, values) in contacts.filter(|(interface, _)| interface.is_contact()) {
             let carriers = interface.surface.carriers.iter();
-            for (&vertex, &value) in carriers.zip(&values[interface.range()]) {
+            for (&vertex, &value) in carriers.zip(values) {
                 let Some(&uploaded) = mesh.used_vertices().get(vertex as usize) else {
                     continue; // An edge: fields are values at vertices.
                 };

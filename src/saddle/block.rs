@@ -9,7 +9,7 @@
 //! nothing here assumes that they do not.
 
 use super::{AdmissibleSet, ProductSet, SetPart};
-use crate::linalg::{DenseMatrix, LinearOperator, Preconditioner};
+use crate::linalg::{LinearOperator, Preconditioner, SymmetricMatrix};
 
 /// One block of a problem whose multipliers lie in an admissible set.
 #[derive(Clone, Copy)]
@@ -39,7 +39,7 @@ pub enum Metric<'a> {
     Dense {
         /// `[block, block]`, symmetric positive definite; without rows where the
         /// weights are all of it.
-        matrix: &'a DenseMatrix,
+        matrix: &'a dyn SymmetricMatrix,
         /// Lumped mass, scaled like the matrix `[block]`; empty for methods that do
         /// not read it.
         weights: &'a [f64],

@@ -15,8 +15,8 @@ pub(crate) mod validate;
 
 pub use crate::obstacle::Shape;
 pub use choices::{
-    Choice, ContactMethod, DisplacementMethod, ElementKind, ErrorEstimate, MetricKind, Named,
-    P1Solver, SaddleMethod, UnknownName,
+    Choice, ContactMethod, ContactSpace, DisplacementMethod, ElementKind, ErrorEstimate,
+    MetricKind, Named, P1Solver, SaddleMethod, UnknownName,
 };
 pub use error::{SceneError, Violation};
 pub use material::{Formulation, Material, MaterialModel, Modulus, RubberModel};

@@ -1,8 +1,8 @@
 //! Numerical settings of a scene.
 
 use super::choices::{
-    Choice, ContactMethod, DisplacementMethod, ElementKind, ErrorEstimate, MetricKind, P1Solver,
-    SaddleMethod,
+    Choice, ContactMethod, ContactSpace, DisplacementMethod, ElementKind, ErrorEstimate,
+    MetricKind, P1Solver, SaddleMethod,
 };
 
 /// How far the residuals are reduced.
@@ -43,6 +43,8 @@ pub struct SolverOptions {
     pub contact: Choice<ContactMethod>,
     /// Metric in which the contact pressure is stepped.
     pub contact_metric: Choice<MetricKind>,
+    /// Functions of the contact pressure.
+    pub contact_space: Choice<ContactSpace>,
     /// Weight of a grad-div term in the displacement block, in units of the shear
     /// modulus; for incompressible materials. `None`: none. Of rubber: of the volume
     /// change that the pressure does not see; `None`: where an equilibrium is lost.
@@ -65,6 +67,7 @@ impl Default for SolverOptions {
             saddle: Choice::Auto,
             contact: Choice::Auto,
             contact_metric: Choice::Auto,
+            contact_space: Choice::Auto,
             penalty: None,
             verify: false,
         }

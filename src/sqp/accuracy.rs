@@ -120,8 +120,8 @@ fn gap_square(model: &Model<'_>, state: &State, now: &Evaluation) -> f64 {
     let mut square = 0.0;
     for interface in &model.interfaces.list {
         let modulus = contact_modulus(model, interface);
-        let wrong = wrong[interface.range()].iter();
-        for (&wrong, &weight) in wrong.zip(&interface.surface.weights) {
+        let wrong = interface.own(&wrong);
+        for (&wrong, &weight) in wrong.iter().zip(&interface.surface.weights) {
             let stiffness = punch_stiffness(model.plan.units.dimension, modulus, weight);
             square += stiffness * (wrong / weight).powi(2);
         }

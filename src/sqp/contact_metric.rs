@@ -6,13 +6,14 @@
 
 use crate::inequality::dense_cone;
 use crate::inequality::metric::{POWER_STEPS, largest_ratio};
-use crate::linalg::vector::{norm, scale};
-use crate::linalg::{DenseCholesky, DenseMatrix, LinearOperator, SparseRows, Workspace};
+use crate::linalg::vector::{dot, norm, scale};
+use crate::linalg::{DenseCholesky, LinearOperator, SparseRows, SymmetricMatrix, Workspace};
 use crate::model::Model;
 use crate::model::evaluate::Evaluation;
 use crate::model::state::State;
-use crate::precond::compliance::{ComplianceParts, compliance};
+use crate::precond::compliance::{Compliance, ComplianceParts};
 use crate::precond::p1::Traces;
+use crate::precond::volume_mode::{Flexibility, VolumeMode};
 use crate::prepare::ApproximateInverse;
 use crate::scene::MetricKind;
 
@@ -23,7 +24,7 @@ const MARGIN: f64 = 1.5;
 /// The metric at one linearisation.
 pub(crate) struct ContactMetric {
     /// H; without rows where the method reads the weights alone.
-    pub(crate) matrix: DenseMatrix,
+    pub(crate) matrix: Box<dyn SymmetricMatrix>,
     /// Scaled lumped mass; empty where the method does not read it.
     pub(crate) weights: Vec<f64>,
     /// Applications of the displacement preconditioner that it took.
@@ -35,15 +36,18 @@ impl ContactMetric {
     /// step in weights have them scaled by a power iteration.
     pub(crate) fn new(
         model: &Model<'_>,
-        inverse: &ApproximateInverse,
+        (inverse, divergence): (&ApproximateInverse, Option<&dyn LinearOperator>),
         now: &Evaluation,
         work: &mut Workspace,
     ) -> Self {
         let surface = &model.interfaces.metric;
         let mut metric = Self {
             matrix: match model.plan.contact.metric {
-                MetricKind::Compliance => compliance_of(model, inverse, &now.coupling),
-                MetricKind::Mass | MetricKind::Fractional => surface.matrix.clone(),
+                MetricKind::Compliance => {
+                    let volumes = volumes(model, (inverse, divergence), work);
+                    Box::new(compliance_of(model, (inverse, &volumes), &now.coupling))
+                }
+                MetricKind::Mass | MetricKind::Fractional => Box::new(surface.matrix.clone()),
             },
             weights: surface.weights.clone(),
             applications: 0,
@@ -84,8 +88,9 @@ impl ContactMetric {
         coupling: &SparseRows,
         work: &mut Workspace,
     ) {
-        let factor = match DenseCholesky::new(&self.matrix) {
-            Ok(factor) if self.matrix.rows() > 0 => factor,
+        let mut matrix = self.matrix.dense();
+        let factor = match DenseCholesky::new(&matrix) {
+            Ok(factor) if matrix.rows() > 0 => factor,
             Ok(_) | Err(_) => return,
         };
         let solve = |x: &mut [f64]| factor.solve(x);
@@ -97,7 +102,8 @@ impl ContactMetric {
             MetricKind::Compliance => MARGIN,
             MetricKind::Mass | MetricKind::Fractional => 1.0,
         };
-        self.matrix.scale(margin * ratio);
+        matrix.scale(margin * ratio);
+        self.matrix = Box::new(matrix);
     }
 
     /// Norm of the contact load that the metric predicts; the scale of the force
@@ -108,8 +114,8 @@ impl ContactMetric {
         state: &State,
         work: &mut Workspace,
     ) -> f64 {
-        if self.matrix.rows() == now.gap.len() {
-            return expected_contact_norm(&self.matrix, now, state, work);
+        if self.matrix.size() == now.gap.len() {
+            return expected_contact_norm(&*self.matrix, now, state, work);
         }
         let entries = now.gap.iter().zip(&state.multiplier).zip(&self.weights);
         let mut multiplier: Vec<f64> = entries.map(|((g, l), w)| l - g / w).collect();
@@ -120,13 +126,13 @@ impl ContactMetric {
 
 /// Norm of the contact load that the dense problem in `metric` predicts.
 pub(crate) fn expected_contact_norm(
-    metric: &DenseMatrix,
+    metric: &dyn SymmetricMatrix,
     now: &Evaluation,
     state: &State,
     work: &mut Workspace,
 ) -> f64 {
     let mut linear = vec![0.0; now.gap.len()];
-    metric.multiply(&state.multiplier, &mut linear);
+    metric.product(&state.multiplier, &mut linear);
     linear
         .iter_mut()
         .zip(&now.gap)
@@ -148,9 +154,9 @@ fn contact_norm(multiplier: &[f64], now: &Evaluation, state: &State, work: &mut 
 /// contact vertices and the node blocks of the edges.
 fn compliance_of(
     model: &Model<'_>,
-    inverse: &ApproximateInverse,
+    (inverse, volumes): (&ApproximateInverse, &[VolumeMode]),
     coupling: &SparseRows,
-) -> DenseMatrix {
+) -> Compliance {
     let parts = ComplianceParts {
         vertex_inverse: &inverse.compliance,
         traces: Traces {
@@ -159,7 +165,50 @@ fn compliance_of(
         },
         node_blocks: &inverse.node_blocks,
         vertex_count: model.prepared.space.vertices,
-        edge_ends: (model.plan.guided_multipliers > 0).then_some(&*model.prepared.space.edges),
+        edge_ends: edge_ends(model),
+        is_held: &model.prepared.is_held,
+        volumes,
     };
-    compliance(&parts, coupling)
+    Compliance::new(&parts, coupling)
+}
+
+/// Ends of the edges where multipliers are quadratic.
+fn edge_ends<'a>(model: &Model<'a>) -> Option<&'a [[u32; 2]]> {
+    let is_quadratic = model.plan.has_quadratic_multipliers();
+    is_quadratic.then_some(&*model.prepared.space.edges)
+}
+
+/// The volume modes of the connected parts of a mixed body, whose volumes `divergence`
+/// gives.
+fn volumes(
+    model: &Model<'_>,
+    (inverse, divergence): (&ApproximateInverse, Option<&dyn LinearOperator>),
+    work: &mut Workspace,
+) -> Vec<VolumeMode> {
+    let (Some(block), Some(divergence)) = (&model.prepared.pressure, divergence) else {
+        return Vec::new();
+    };
+    let flexibility = Flexibility {
+        p1: &*inverse.p1,
+        node_blocks: &inverse.node_blocks,
+        vertex_count: model.prepared.space.vertices,
+        edge_ends: edge_ends(model),
+        is_held: &model.prepared.is_held,
+    };
+    let last = block.parts.iter().max().map_or(0, |&last| last);
+    let volume = |part: u32| {
+        let vertices = 0..divergence.rows();
+        let is_own = |vertex: usize| block.parts.get(vertex).is_none_or(|&own| own == part);
+        let ones = vertices.map(|vertex| f64::from(u8::from(is_own(vertex))));
+        let ones: Vec<f64> = ones.collect();
+        let mut change = vec![0.0; divergence.columns()];
+        divergence.apply_transposed(&ones, &mut change, work);
+        let slack = block.stabilisation.as_ref().map_or(0.0, |stabilisation| {
+            let mut product = vec![0.0; ones.len()];
+            stabilisation.apply(&ones, &mut product, work);
+            dot(&ones, &product)
+        });
+        VolumeMode::new(&flexibility, &change, slack, work)
+    };
+    (0..=last).filter_map(volume).collect()
 }

@@ -28,23 +28,24 @@ impl InitialPenetration {
     /// That of `state` on the obstacles as `start` has them; none for linear bodies.
     pub(crate) fn of(model: &Model<'_>, state: &State, start: &Drive) -> Self {
         let mut found = Self {
-            penetration: Vec::new(),
+            penetration: vec![0.0; state.multiplier.len()],
             depth: 0.0,
         };
         if !model.is_rubber() {
+            found.penetration.clear();
             return found;
         }
         let body = model.deformed(&state.displacement);
         for (interface, obstacle) in model.placed(start) {
-            let (gaps, _) = evaluate_gaps(&body, &interface.surface, &obstacle);
             if !interface.is_contact() {
                 // A support moves its surface along.
-                found.penetration.extend(gaps.iter().map(|_| 0.0));
                 continue;
             }
-            for (gap, weight) in gaps.iter().zip(&interface.surface.weights) {
+            let (gaps, _) = evaluate_gaps(&body, &interface.surface, &obstacle);
+            let weighted = gaps.iter().zip(&interface.surface.weights);
+            for (place, (gap, weight)) in interface.places().zip(weighted) {
                 found.depth = found.depth.max(-gap / weight);
-                found.penetration.push((-gap).max(0.0));
+                found.penetration[place] += (-gap).max(0.0);
             }
         }
         if found.depth <= LARGEST_PART {

@@ -41,15 +41,18 @@ pub(crate) fn residuals(
         pairs,
     };
     for (interface, met) in model.placed(&state.drive) {
-        let own = interface.offset..;
-        for face in &interface.surface.faces {
-            let sums = (&mut gap[own.clone()], &mut *force);
-            faces.add(face, &met, &pressure[own.clone()], sums);
+        let surface = &interface.surface;
+        let coefficients = interface.coefficients(&pressure);
+        let mut integrals = vec![0.0; surface.carriers.len()];
+        for face in &surface.faces {
+            let sums = (&mut integrals[..], &mut *force);
+            faces.add(face, &met, &coefficients, sums);
         }
+        interface.add_own(&surface.shares.gather(integrals), &mut gap);
     }
     for interface in &model.interfaces.list {
         for &multiplier in &interface.idle {
-            gap[interface.offset + multiplier as usize] = 0.0;
+            gap[interface.multipliers[multiplier as usize] as usize] = 0.0;
         }
     }
     (gap, pressure)
@@ -65,7 +68,8 @@ struct Faces<'a, 'm> {
 }
 
 impl Faces<'_, '_> {
-    /// Adds one face that meets `met`; pressures and gaps are those of its interface.
+    /// Adds one face that meets `met`; pressures and gaps are those of the functions of
+    /// its interface.
     fn add(
         &self,
         face: &ContactFace,
@@ -88,8 +92,8 @@ impl Faces<'_, '_> {
                 &mut contact,
             );
             let [contact] = contact;
-            let functions = pressure_functions(l, self.pairs, face.multipliers.len());
-            let at = face.multipliers.iter().zip(&functions);
+            let functions = pressure_functions(l, self.pairs, face.functions.len());
+            let at = face.functions.iter().zip(&functions);
             let local: f64 = at.clone().map(|(&m, l)| l * pressure[m as usize]).sum();
             for (&m, l) in at {
                 gap[m as usize] += weight * area * l * contact.distance * units.length;

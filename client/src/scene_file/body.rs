@@ -234,6 +234,7 @@ const SOLVER: &[&str] = &[
     "saddle",
     "contact",
     "contact_metric",
+    "contact_space",
     "penalty",
     "error_estimate",
 ];
@@ -254,6 +255,7 @@ pub(super) fn solver(scene: &Keys<'_>) -> Option<v1::SolverOptions> {
         saddle: method("saddle"),
         contact: method("contact"),
         contact_metric: method("contact_metric"),
+        contact_space: method("contact_space"),
         penalty: keys.text_or("penalty", "auto", Keys::number),
         verify: false,
         error_estimate: method("error_estimate"),

@@ -234,6 +234,7 @@ fn solver(message: wire::SolverOptions, faults: &mut Faults) -> SolverOptions {
         saddle: method(&message.saddle, "saddle", faults),
         contact: method(&message.contact, "contact", faults),
         contact_metric: method(&message.contact_metric, "contact_metric", faults),
+        contact_space: method(&message.contact_space, "contact_space", faults),
         quadrature_degree: message.quadrature_degree.map(|degree| {
             // The library's range check names a negative degree as zero.
             u32::try_from(degree).unwrap_or(0)

@@ -118,6 +118,9 @@ pub(crate) const NAMES: [SceneCase; 10] = [
     ("solver.contact", 256, |scene, n| {
         solver(scene).contact = word(n)
     }),
+    ("solver.contact_space", 256, |scene, n| {
+        solver(scene).contact_space = word(n)
+    }),
     ("solver.contact_metric", 256, |scene, n| {
         solver(scene).contact_metric = word(n)
     }),

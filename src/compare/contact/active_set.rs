@@ -48,7 +48,7 @@ impl FaceRule for PrimalDual {
         let pairs = contact.multiplier.iter().zip(&least).zip(&contact.residual);
         let closed = pairs
             .enumerate()
-            .map(|(i, ((l, least), gap))| block.matrix.at(i, i) * (l - least) > *gap);
+            .map(|(i, ((l, least), gap))| block.matrix.entry(i, i) * (l - least) > *gap);
         Ok(DenseSolution {
             status: closed.map(Status::of_contact).collect(),
             values: vec![0.0; least.len()],

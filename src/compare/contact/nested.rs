@@ -38,7 +38,7 @@ impl InequalitySolver for Nested<'_> {
             MOST_PRODUCTS,
             iterate,
             |iterate, condensed| {
-                let metric = metric.get_or_insert_with(|| condensed.contact().matrix.clone());
+                let metric = metric.get_or_insert_with(|| condensed.contact().matrix.dense());
                 step(metric, iterate, condensed)
             },
         )

@@ -7,11 +7,12 @@ use std::collections::BTreeMap;
 use crate::compare::element::body::EnrichedBody;
 use crate::contact::gap::{Deformed, linearise};
 use crate::linalg::vector::{add_scaled, norm};
-use crate::linalg::{DenseMatrix, LinearOperator, SparseRows, SparseRowsBuilder, Workspace};
+use crate::linalg::{LinearOperator, SparseRows, Workspace};
 use crate::model::evaluate::Evaluation;
+use crate::model::joined::Joined;
 use crate::model::state::State;
 use crate::precond::NodeBlocks;
-use crate::precond::compliance::{ComplianceParts, compliance};
+use crate::precond::compliance::{Compliance, ComplianceParts};
 use crate::precond::p1::Traces;
 use crate::report::{FieldName, ObstacleResult};
 use crate::results::touching::Touching;
@@ -45,16 +46,15 @@ impl EnrichedBody {
         let mut is_held = vec![true; trace.len()];
         is_held[..self.data.space.p1_unknowns()].fill(false);
         held.iter().for_each(|&k| is_held[k as usize] = true);
-        let mut builder = SparseRowsBuilder::new(state.displacement.len());
+        let mut joined = Joined::new(state.multiplier.len());
         let length = self.plan.units.length;
         for (interface, obstacle) in self.interfaces.placed(&state.drive, length) {
-            let mut part = linearise(&body, &interface.surface, &obstacle, &is_held);
-            out.gap.append(&mut part.gap);
+            let part = linearise(&body, &interface.surface, &obstacle, &is_held);
             out.max_penetration = out.max_penetration.max(part.max_penetration);
-            part.rows.iter_mut().for_each(|row| builder.push_row(row));
+            joined.add(interface, part);
         }
         out.sets.clone_from(&self.interfaces.sets);
-        out.coupling = builder.finish();
+        (out.gap, out.coupling) = joined.finish(state.displacement.len());
     }
 
     /// Adds gap, coupling and contact load to the residuals.
@@ -90,7 +90,7 @@ impl EnrichedBody {
     }
 
     /// The metric of the contact pressure.
-    pub(crate) fn compliance(&self, coupling: &SparseRows) -> DenseMatrix {
+    pub(crate) fn compliance(&self, coupling: &SparseRows) -> Compliance {
         let parts = ComplianceParts {
             vertex_inverse: &self.data.compliance,
             traces: Traces {
@@ -100,8 +100,10 @@ impl EnrichedBody {
             node_blocks: &NodeBlocks::invert(self.data.space.components, Vec::new()),
             vertex_count: self.data.space.vertices,
             edge_ends: None,
+            is_held: &[],
+            volumes: &[],
         };
-        compliance(&parts, coupling)
+        Compliance::new(&parts, coupling)
     }
 
     /// Resultants of every obstacle by name, in the caller's units.

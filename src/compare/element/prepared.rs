@@ -72,7 +72,7 @@ pub(crate) struct ComparisonData {
     /// The pressure block; these elements are mixed, so that there always is one.
     pub(crate) pressure: ComparisonPressure,
     /// A11^-1 on the contact vertices; empty without contact.
-    pub(crate) compliance: DenseMatrix,
+    pub(crate) compliance: Arc<DenseMatrix>,
     /// Contact vertices and the directions in which the compliance is taken there.
     pub(crate) traces: TraceDirections,
     /// Bytes that the P1 solver holds.

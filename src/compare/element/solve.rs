@@ -6,13 +6,14 @@ use crate::inequality::{
     QpTargets,
 };
 use crate::linalg::vector::{add_scaled, norm};
-use crate::linalg::{DenseMatrix, LinearOperator, Workspace};
+use crate::linalg::{LinearOperator, Workspace};
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
 use crate::model::evaluate::Evaluation;
 use crate::model::held::{mask, norm_of};
 use crate::model::state::State;
 use crate::precond::Counted;
+use crate::precond::compliance::Compliance;
 use crate::report::{Cause, Termination};
 use crate::saddle::{
     AdmissibleSet, EqualityBlock, Metric, MultiplierBlock, ProductSet, SetPart, UpperTriangular,
@@ -194,7 +195,7 @@ impl EnrichedBody {
 }
 
 /// Contact pressure of all obstacles, in the metric `compliance`.
-fn contact_block<'a>(now: &'a Evaluation, compliance: &'a DenseMatrix) -> MultiplierBlock<'a> {
+fn contact_block<'a>(now: &'a Evaluation, compliance: &'a Compliance) -> MultiplierBlock<'a> {
     MultiplierBlock {
         rows: &now.coupling,
         columns: &now.coupling,

@@ -46,6 +46,16 @@ impl ContactBasis for Bernstein {
         }
     }
 
+    /// Half the coefficient of an edge and a quarter of those of its ends.
+    fn at_nodes(&self, corners: usize, coefficients: &[f64]) -> Vec<f64> {
+        let mut values = coefficients.to_vec();
+        for (k, value) in values.iter_mut().enumerate().skip(corners) {
+            let (_, a, b) = factors(corners, k);
+            *value = 0.5 * *value + 0.25 * (coefficients[a] + coefficients[b]);
+        }
+        values
+    }
+
     fn weight(&self, face: &ContactFace, k: usize) -> f64 {
         let corners = face.corners.len();
         let (factor, a, b) = factors(corners, k);

@@ -22,6 +22,10 @@ impl ContactBasis for Hats {
         out.copy_from_slice(l);
     }
 
+    fn at_nodes(&self, _corners: usize, coefficients: &[f64]) -> Vec<f64> {
+        coefficients.to_vec()
+    }
+
     fn weight(&self, face: &ContactFace, k: usize) -> f64 {
         match face.radii {
             None => face.area / face.corners.len() as f64,

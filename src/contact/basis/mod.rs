@@ -23,6 +23,10 @@ pub trait ContactBasis: fmt::Debug + Send + Sync {
     /// Values at the barycentric coordinates `l` `[corners]` into `out` `[functions]`.
     fn values(&self, l: &[f64], out: &mut [f64]);
 
+    /// Values at the nodes of a face where the functions with these coefficients
+    /// `[functions]` can be largest.
+    fn at_nodes(&self, corners: usize, coefficients: &[f64]) -> Vec<f64>;
+
     /// int psi_k dS, an area.
     fn weight(&self, face: &ContactFace, k: usize) -> f64;
 

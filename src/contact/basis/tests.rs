@@ -9,7 +9,7 @@ const BASES: [&dyn ContactBasis; 2] = [&Hats, &Bernstein];
 fn faces() -> [ContactFace; 3] {
     let face = |corners: u32, radii: Option<[f64; 2]>| ContactFace {
         corners: (0..corners).collect(),
-        multipliers: Vec::new(),
+        functions: Vec::new(),
         nodes: Vec::new(),
         area: radii.map_or(0.7, |[a, b]| std::f64::consts::PI * 0.7 * (a + b)),
         radii,

@@ -7,7 +7,7 @@
 
 use super::{DenseConeError, RELATIVE_ZERO};
 use crate::linalg::vector::largest;
-use crate::linalg::{DenseCholesky, DenseMatrix, FactoriseError};
+use crate::linalg::{FactoriseError, SymmetricMatrix};
 use crate::saddle::{Admissible, Kind, ProductSet, Status};
 
 /// Block passes without progress before single pivots.
@@ -51,7 +51,7 @@ impl Pivots {
     /// [`DenseConeError`] when `matrix` is not positive definite or too ill-conditioned.
     pub(super) fn solve(
         &mut self,
-        matrix: &DenseMatrix,
+        matrix: &dyn SymmetricMatrix,
         linear: &[f64],
     ) -> Result<Vec<f64>, DenseConeError> {
         let mut fewest = usize::MAX;
@@ -84,11 +84,15 @@ impl Pivots {
     }
 
     /// K x = -q on the closed multipliers, zero on the others.
-    fn values(&self, matrix: &DenseMatrix, linear: &[f64]) -> Result<Vec<f64>, FactoriseError> {
+    fn values(
+        &self,
+        matrix: &dyn SymmetricMatrix,
+        linear: &[f64],
+    ) -> Result<Vec<f64>, FactoriseError> {
         let count = self.closed.len();
         let selected: Vec<usize> = (0..count).filter(|&i| self.closed[i]).collect();
         let mut solution: Vec<f64> = selected.iter().map(|&i| -linear[i]).collect();
-        DenseCholesky::new(&matrix.principal(&selected))?.solve(&mut solution);
+        matrix.factor_of_part(&selected)?.solve(&mut solution);
         let mut values = vec![0.0; count];
         for (&index, value) in selected.iter().zip(solution) {
             values[index] = value;
@@ -98,9 +102,14 @@ impl Pivots {
 
     /// Indices of the multipliers with the wrong sign on their side, ascending; what is
     /// zero to rounding is none. Cost: one dense product.
-    fn infeasible(&self, matrix: &DenseMatrix, linear: &[f64], values: &[f64]) -> Vec<usize> {
+    fn infeasible(
+        &self,
+        matrix: &dyn SymmetricMatrix,
+        linear: &[f64],
+        values: &[f64],
+    ) -> Vec<usize> {
         let mut slope = vec![0.0; linear.len()];
-        matrix.multiply(values, &mut slope);
+        matrix.product(values, &mut slope);
         slope.iter_mut().zip(linear).for_each(|(s, q)| *s += q);
         let zero = RELATIVE_ZERO * largest(linear);
         let small = RELATIVE_ZERO * largest(values);

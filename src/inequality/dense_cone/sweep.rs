@@ -11,6 +11,7 @@
 
 use super::pivot::Pivots;
 use super::{DenseConeError, DenseProblem, DenseSolution, RELATIVE_ZERO};
+use crate::linalg::DenseMatrix;
 use crate::linalg::vector::{add_scaled, largest};
 use crate::saddle::{Admissible, Kind, PairProblem, PointSet};
 use std::ops::Range;
@@ -26,6 +27,7 @@ pub(super) fn solve(
     problem: &DenseProblem<'_>,
     pivots: &mut Pivots,
 ) -> Result<DenseSolution, DenseConeError> {
+    let matrix = problem.matrix.dense();
     let mut values = vec![0.0; problem.linear.len()];
     for _ in 0..LIMIT {
         let mut change = values.clone();
@@ -33,7 +35,7 @@ pub(super) fn solve(
         let mut slope = slope(problem, &values);
         for (set, range) in problem.set.ranges() {
             if let Kind::Points(points) = set.kind() {
-                visit(problem, points, range, &mut values, &mut slope);
+                visit(&matrix, points, range, (&mut values, &mut slope));
             }
         }
         add_scaled(&mut change, -1.0, &values);
@@ -47,7 +49,7 @@ pub(super) fn solve(
 /// q + K x.
 fn slope(problem: &DenseProblem<'_>, x: &[f64]) -> Vec<f64> {
     let mut slope = vec![0.0; x.len()];
-    problem.matrix.multiply(x, &mut slope);
+    problem.matrix.product(x, &mut slope);
     add_scaled(&mut slope, 1.0, problem.linear);
     slope
 }
@@ -78,30 +80,24 @@ fn point_ranges(problem: &DenseProblem<'_>) -> Vec<Range<usize>> {
 
 /// Solves each point of one part; `slope` follows.
 fn visit(
-    problem: &DenseProblem<'_>,
+    matrix: &DenseMatrix,
     points: &dyn PointSet,
     range: Range<usize>,
-    values: &mut [f64],
-    slope: &mut [f64],
+    (values, slope): (&mut [f64], &mut [f64]),
 ) {
     let width = points.width();
     for (point, first) in range.step_by(width).enumerate() {
-        let pair = pair(problem, first..first + width, values, slope);
+        let pair = pair(matrix, first..first + width, values, slope);
         let next = points.minimise(point, &pair);
         for (index, next) in (first..first + width).zip(next) {
             let change = next - std::mem::replace(&mut values[index], next);
-            add_scaled(slope, change, problem.matrix.column(index));
+            add_scaled(slope, change, matrix.column(index));
         }
     }
 }
 
 /// The problem of one point, the others fixed.
-fn pair(
-    problem: &DenseProblem<'_>,
-    range: Range<usize>,
-    values: &[f64],
-    slope: &[f64],
-) -> PairProblem {
+fn pair(matrix: &DenseMatrix, range: Range<usize>, values: &[f64], slope: &[f64]) -> PairProblem {
     let mut pair = PairProblem {
         matrix: [[1.0, 0.0], [0.0, 1.0]],
         linear: [0.0; 2],
@@ -109,7 +105,7 @@ fn pair(
     for (i, row) in range.clone().enumerate() {
         pair.linear[i] = slope[row];
         for (j, column) in range.clone().enumerate() {
-            let entry = problem.matrix.at(row, column);
+            let entry = matrix.at(row, column);
             pair.matrix[i][j] = entry;
             pair.linear[i] -= entry * values[column];
         }

@@ -10,6 +10,8 @@
 //! zero, so that vectors keep their length from face to face and kept directions stay of
 //! use. Cost: the factor, m^3 / 3 for m multipliers that stick, and the Krylov iterations.
 
+use std::sync::Arc;
+
 use super::super::blocks::Blocks;
 use super::super::qp::{Progress, QpIterate, QpNorms, QpRun, QpScales, QpStatus, QpTargets};
 use super::{Faces, GAP_WEIGHT, REVIEW};
@@ -17,7 +19,7 @@ use crate::krylov::gcr::{self, Gcr};
 use crate::krylov::{Monitor, Outcome, Verdict};
 use crate::linalg::vector::{add_scaled, norm, scale};
 use crate::linalg::{
-    DenseCholesky, DenseMatrix, FactoriseError, LinearOperator, Preconditioner, Workspace,
+    DenseCholesky, FactoriseError, LinearOperator, Preconditioner, SymmetricMatrix, Workspace,
 };
 use crate::saddle::{EqualityBlock, SaddleOperator, Status};
 
@@ -86,16 +88,16 @@ struct FaceMetric {
     /// Indices of the multipliers that stick, ascending.
     selected: Vec<usize>,
     /// Factor of the compliance's principal part on them.
-    factor: DenseCholesky,
+    factor: Arc<DenseCholesky>,
 }
 
 impl FaceMetric {
     /// Factorises the compliance on the multipliers that stick. Cost: a third of the
     /// cube of their number.
-    fn new(compliance: &DenseMatrix, status: &[Status]) -> Result<Self, FactoriseError> {
+    fn new(compliance: &dyn SymmetricMatrix, status: &[Status]) -> Result<Self, FactoriseError> {
         let sticks = |&i: &usize| status[i] == Status::Stick;
         let selected: Vec<usize> = (0..status.len()).filter(sticks).collect();
-        let factor = DenseCholesky::new(&compliance.principal(&selected))?;
+        let factor = compliance.factor_of_part(&selected)?;
         Ok(Self { selected, factor })
     }
 }

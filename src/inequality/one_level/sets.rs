@@ -110,7 +110,7 @@ impl Faces<'_, '_> {
         let mut square = 0.0;
         for (index, &status) in contact.status.iter().enumerate() {
             let wrong = match status {
-                Status::Stick => violation[index] * block.matrix.at(index, index),
+                Status::Stick => violation[index] * block.matrix.entry(index, index),
                 Status::Open | Status::Slip => misfit[index],
             };
             square += wrong * wrong;

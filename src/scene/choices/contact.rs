@@ -31,6 +31,17 @@ super::named! {
     }
 }
 
+super::named! {
+    /// Functions of the contact pressure, `solver.contact_space`.
+    pub enum ContactSpace {
+        /// Quadratic Bernstein functions, one at every displacement node of the
+        /// candidate surface.
+        Quadratic = "quadratic",
+        /// Hats, one at every vertex.
+        Linear = "linear",
+    }
+}
+
 impl ContactMethod {
     /// The metric that it takes where none is asked for.
     pub fn natural_metric(self) -> MetricKind {

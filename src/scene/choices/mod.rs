@@ -11,7 +11,7 @@ mod estimate;
 mod p1;
 mod saddle;
 
-pub use contact::{ContactMethod, MetricKind};
+pub use contact::{ContactMethod, ContactSpace, MetricKind};
 pub use displacement::DisplacementMethod;
 pub use element::ElementKind;
 pub use estimate::ErrorEstimate;

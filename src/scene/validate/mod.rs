@@ -26,6 +26,7 @@ pub(crate) use resolved::{
     Placed, Resolved, ResolvedMaterial, ResolvedObstacle, ResolvedPressure, ResolvedProbe,
     ResolvedSupport, ResolvedTraction,
 };
+pub(crate) use rigid_modes::parts;
 pub(crate) use steps::check_step;
 
 /// Most faults that are told of one scene or step: more help nobody, and the

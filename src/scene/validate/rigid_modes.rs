@@ -88,7 +88,7 @@ fn hold_by_hoops(moments: &mut Moments) {
 }
 
 /// Connected part of each vertex.
-fn parts(mesh: &Mesh) -> Vec<u32> {
+pub(crate) fn parts(mesh: &Mesh) -> Vec<u32> {
     let vertices = mesh.coordinates().len();
     let mut parent: Vec<u32> = (0..vertices as u32).collect();
     fn root(parent: &mut [u32], mut vertex: u32) -> u32 {

@@ -3,8 +3,8 @@
 use super::Faults;
 use crate::element::quadrature::MAXIMUM_DEGREE;
 use crate::scene::{
-    Choice, DisplacementMethod, ElementKind, ErrorEstimate, MaterialModel, Named, P1Solver,
-    SaddleMethod, Scene, ToleranceRule,
+    Choice, ContactSpace, DisplacementMethod, ElementKind, ErrorEstimate, MaterialModel, Named,
+    P1Solver, SaddleMethod, Scene, ToleranceRule,
 };
 
 /// Larger weights make the displacement block as stiff in volume as the
@@ -185,6 +185,13 @@ pub(crate) fn check_element(scene: &Scene, mixed: bool, faults: &mut Faults) {
     if solver.penalty.is_some_and(|weight| weight > 0.0) {
         let path = "solver.penalty".to_owned();
         refuse(path, "has no grad-div term");
+    }
+    if solver.contact_space == Choice::Named(ContactSpace::Quadratic) {
+        let path = "solver.contact_space".to_owned();
+        refuse(
+            path,
+            "has no quadratic trace for `quadratic`; `linear` serves",
+        );
     }
     let methods = [
         (

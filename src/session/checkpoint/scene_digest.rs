@@ -207,6 +207,7 @@ impl Canonical {
             saddle,
             contact,
             contact_metric,
+            contact_space,
             penalty,
             verify,
         } = solver;
@@ -223,6 +224,7 @@ impl Canonical {
             saddle.name(),
             contact.name(),
             contact_metric.name(),
+            contact_space.name(),
         ];
         methods.into_iter().for_each(|method| self.text(method));
         self.optional(quadrature_degree.map(f64::from));

@@ -77,7 +77,16 @@ impl<'a> QuadraticProgram<'a> {
         };
         *first_force = first_force.max(norm(&now.force));
         let start = std::time::Instant::now();
-        let metric = ContactMetric::new(&run.model, &inverse, &now, &mut run.work);
+        let prepared = run.model.prepared;
+        let fixed = prepared
+            .pressure
+            .as_ref()
+            .map(|block| &block.coupling as &dyn LinearOperator);
+        let divergence = tangent
+            .as_ref()
+            .map(|t| &t.coupling as &dyn LinearOperator)
+            .or(fixed);
+        let metric = ContactMetric::new(&run.model, (&inverse, divergence), &now, &mut run.work);
         run.counters.applications += metric.applications;
         let expected = metric.expected_contact_norm(&now, run.state, &mut run.work);
         let released = pressure_tangent(&run.model, run.state);
@@ -128,11 +137,15 @@ fn curvature_of(model: &Model<'_>, state: &State) -> Option<SparseRows> {
     }
     let placed: Vec<_> = model.placed(&state.drive).collect();
     let curved = placed.iter().filter_map(|(interface, met)| {
-        let pressure = &state.multiplier[interface.range()];
+        let pressure = interface.own(&state.multiplier);
         let obstacle = met.obstacle()? as &dyn Obstacle;
         Some((&interface.surface, obstacle, pressure))
     });
-    let surfaces: Vec<_> = curved.collect();
+    let curved: Vec<_> = curved.collect();
+    let surfaces = curved
+        .iter()
+        .map(|(surface, obstacle, pressure)| (*surface, *obstacle, &pressure[..]));
+    let surfaces: Vec<_> = surfaces.collect();
     let body = model.deformed(&state.displacement);
     Some(curvature(&body, &surfaces, &model.prepared.is_held))
 }

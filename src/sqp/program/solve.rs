@@ -213,7 +213,7 @@ impl QuadraticProgram<'_> {
             columns: &self.now.coupling,
             stabilisation: None,
             metric: Metric::Dense {
-                matrix: &self.metric.matrix,
+                matrix: &*self.metric.matrix,
                 weights: &self.metric.weights,
             },
             set: self.now.contact_set(),

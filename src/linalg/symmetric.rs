@@ -1,0 +1,54 @@
+//! Symmetric matrices that are known by their products and principal parts: dense ones,
+//! and sums of low rank and sparse parts that are never formed as a whole.
+
+use std::sync::Arc;
+
+use super::{DenseCholesky, DenseMatrix, FactoriseError};
+
+/// A symmetric matrix `[size, size]`.
+pub trait SymmetricMatrix: Send + Sync {
+    /// Number of rows and columns.
+    fn size(&self) -> usize;
+
+    /// One entry.
+    fn entry(&self, row: usize, column: usize) -> f64;
+
+    /// `y = A x`.
+    fn product(&self, x: &[f64], y: &mut [f64]);
+
+    /// Rows and columns `selected`, ascending, as a dense matrix.
+    fn principal_part(&self, selected: &[usize]) -> DenseMatrix;
+
+    /// Factor of that part. A matrix may keep the last one: methods ask for the same part
+    /// several times.
+    ///
+    /// # Errors
+    /// When the part is not positive definite.
+    fn factor_of_part(&self, selected: &[usize]) -> Result<Arc<DenseCholesky>, FactoriseError> {
+        DenseCholesky::new(&self.principal_part(selected)).map(Arc::new)
+    }
+
+    /// All of it.
+    fn dense(&self) -> DenseMatrix {
+        let all: Vec<usize> = (0..self.size()).collect();
+        self.principal_part(&all)
+    }
+}
+
+impl SymmetricMatrix for DenseMatrix {
+    fn size(&self) -> usize {
+        self.rows()
+    }
+
+    fn entry(&self, row: usize, column: usize) -> f64 {
+        self.at(row, column)
+    }
+
+    fn product(&self, x: &[f64], y: &mut [f64]) {
+        self.multiply(x, y);
+    }
+
+    fn principal_part(&self, selected: &[usize]) -> DenseMatrix {
+        self.principal(selected)
+    }
+}

@@ -1,0 +1,190 @@
+//! The surfaces that carry multipliers: candidate surfaces of obstacles, then smooth
+//! patches of supports along their normal.
+//!
+//! ```text
+//! linear:     hats at the vertices, one set of multipliers an obstacle
+//! quadratic:  Bernstein functions at all nodes and sides; obstacles on neighbouring
+//!             parts of one smooth surface share the multipliers of their common nodes
+//! ```
+//!
+//! Without sharing the functions of two halves of a flat surface outnumber the motions of
+//! their nodes. Obstacles with a common facet keep multipliers of their own: each of them
+//! holds the facet. Cost: one sort of the sides of each surface.
+
+use std::collections::HashSet;
+
+use crate::contact::layout::Layout;
+use crate::mesh::Mesh;
+use crate::scene::ContactSpace;
+use crate::scene::validate::{Resolved, ResolvedObstacle};
+use crate::space::TaylorHood;
+
+/// The functions of one obstacle's surface and their multipliers among those of all
+/// obstacles, ascending.
+#[derive(Clone, Debug)]
+pub(crate) struct ContactLayout {
+    /// Functions and shares, multipliers numbered within the obstacle.
+    pub(crate) layout: Layout,
+    /// Multipliers of the obstacle among those of all obstacles, ascending.
+    pub(crate) multipliers: Vec<u32>,
+}
+
+/// The surfaces of a scene, with their multipliers counted.
+pub(super) struct Surfaces {
+    /// Mesh vertices of all of them, ascending.
+    pub(super) vertices: Vec<u32>,
+    /// Layout of each obstacle's surface.
+    pub(super) layouts: Vec<ContactLayout>,
+    /// Multipliers of obstacles.
+    pub(super) contacts: usize,
+    /// Multipliers of supports along their normal: one a node of each patch.
+    pub(super) guided: usize,
+}
+
+/// What the surfaces lie on.
+#[derive(Clone, Copy)]
+pub(super) struct Body<'a> {
+    /// The mesh.
+    pub(super) mesh: &'a Mesh,
+    /// Numbering of the displacement.
+    pub(super) space: &'a TaylorHood,
+    /// Held unknowns with their supports, ascending.
+    pub(super) held: &'a [(u32, u16)],
+}
+
+impl Surfaces {
+    /// Those of `obstacles` and of the supports of `resolved`.
+    pub(super) fn of(
+        body: Body<'_>,
+        obstacles: &[ResolvedObstacle],
+        resolved: &Resolved,
+        space: ContactSpace,
+    ) -> Self {
+        let candidates = obstacles.iter().map(|obstacle| &obstacle.facets);
+        let supports = resolved.supports.iter();
+        let patches = supports.flat_map(|support| &support.patches);
+        let layouts = layouts(body, obstacles, space);
+        let all = layouts.iter().flat_map(|layout| &layout.multipliers);
+        Self {
+            vertices: vertices_of(body.mesh, candidates.chain(patches.clone())),
+            contacts: all.max().map_or(0, |&last| last as usize + 1),
+            layouts,
+            guided: patches.map(|patch| nodes_of(body, patch)).sum(),
+        }
+    }
+}
+
+/// The layout of each obstacle.
+fn layouts(
+    body: Body<'_>,
+    obstacles: &[ResolvedObstacle],
+    space: ContactSpace,
+) -> Vec<ContactLayout> {
+    let mut found: Vec<Option<ContactLayout>> = vec![None; obstacles.len()];
+    let mut next = 0;
+    for group in groups(body, obstacles, space) {
+        let facets: Vec<u32> = group
+            .iter()
+            .flat_map(|&index| obstacles[index].facets.iter().copied())
+            .collect();
+        let whole = layout(body, &facets, space);
+        let mut first = 0;
+        for &index in &group {
+            let last = first + obstacles[index].facets.len();
+            let (layout, mut multipliers) = whole.part(first..last);
+            multipliers.iter_mut().for_each(|m| *m += next);
+            found[index] = Some(ContactLayout {
+                layout,
+                multipliers,
+            });
+            first = last;
+        }
+        next += whole.shares.multipliers() as u32;
+    }
+    found.into_iter().flatten().collect()
+}
+
+/// The functions on some facets.
+fn layout(body: Body<'_>, facets: &[u32], space: ContactSpace) -> Layout {
+    let corners = |&facet: &u32| body.mesh.facet(facet as usize);
+    match space {
+        ContactSpace::Linear => {
+            Layout::by_nodes(&facets.iter().map(corners).collect::<Vec<&[u32]>>())
+        }
+        ContactSpace::Quadratic => {
+            let is_held = |unknown: u32| {
+                let held = body.held.binary_search_by_key(&unknown, |(held, _)| *held);
+                held.is_ok()
+            };
+            Layout::by_sides(body.mesh, body.space, facets, &is_held)
+        }
+    }
+}
+
+/// Obstacles whose surfaces carry their multipliers together, in the order of their
+/// first ones.
+fn groups(body: Body<'_>, obstacles: &[ResolvedObstacle], space: ContactSpace) -> Vec<Vec<usize>> {
+    let alone = |index: usize| vec![index];
+    if space == ContactSpace::Linear {
+        return (0..obstacles.len()).map(alone).collect();
+    }
+    let mut groups: Vec<Group> = Vec::new();
+    for (index, obstacle) in obstacles.iter().enumerate() {
+        let facets = obstacle.facets.iter();
+        let nodes = facets
+            .clone()
+            .flat_map(|&facet| body.mesh.facet(facet as usize));
+        let own = Group {
+            obstacles: alone(index),
+            facets: facets.copied().collect(),
+            vertices: nodes.copied().collect(),
+        };
+        match groups.iter_mut().find(|group| group.takes(&own)) {
+            Some(group) => group.join(own),
+            None => groups.push(own),
+        }
+    }
+    groups.into_iter().map(|group| group.obstacles).collect()
+}
+
+/// Obstacles on neighbouring facets.
+struct Group {
+    obstacles: Vec<usize>,
+    facets: HashSet<u32>,
+    vertices: HashSet<u32>,
+}
+
+impl Group {
+    /// Whether `other` has a common vertex and no common facet.
+    fn takes(&self, other: &Self) -> bool {
+        self.facets.is_disjoint(&other.facets) && !self.vertices.is_disjoint(&other.vertices)
+    }
+
+    fn join(&mut self, other: Self) {
+        self.obstacles.extend(other.obstacles);
+        self.facets.extend(other.facets);
+        self.vertices.extend(other.vertices);
+    }
+}
+
+/// Number of displacement nodes on a patch.
+fn nodes_of(body: Body<'_>, patch: &[u32]) -> usize {
+    let facets = patch.iter();
+    let mut nodes: Vec<u32> = facets
+        .flat_map(|&facet| body.space.facet_nodes(body.mesh.facet(facet as usize)))
+        .collect();
+    nodes.sort_unstable();
+    nodes.dedup();
+    nodes.len()
+}
+
+/// The vertices of those facets, ascending and each once.
+pub(super) fn vertices_of<'a>(mesh: &Mesh, facets: impl Iterator<Item = &'a Vec<u32>>) -> Vec<u32> {
+    let mut vertices: Vec<u32> = facets
+        .flatten()
+        .flat_map(|&facet| mesh.facet(facet as usize).iter().copied())
+        .collect();
+    vertices.sort_unstable();
+    vertices.dedup();
+    vertices
+}
