@@ -141,6 +141,7 @@
 #![doc = include_str!("decisions/0024-admissible-sets.md")]
 #![doc = include_str!("decisions/0025-normal-supports.md")]
 #![doc = include_str!("decisions/0026-comparisons-apart.md")]
+#![doc = include_str!("decisions/0029-contact-space.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

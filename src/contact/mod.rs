@@ -7,7 +7,9 @@
 //! at all nodes; never nodal P2 functions, whose vertex functions have zero mean on a
 //! quadratic face. d > 0 outside the obstacle.
 
+pub mod area_change;
 pub mod basis;
+pub mod coarseness;
 mod counterpart;
 pub mod curvature;
 mod deformed;

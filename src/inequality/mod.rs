@@ -8,6 +8,7 @@
 //!
 //! Bounds are products of lines and half lines: contact and bilateral supports.
 
+pub mod augmentation;
 pub(crate) mod blocks;
 pub(crate) mod condensed;
 pub mod dense_cone;
@@ -16,6 +17,7 @@ pub mod mprgp;
 pub mod one_level;
 pub mod qp;
 
+pub use augmentation::Augmentation;
 pub use one_level::OneLevel;
 pub use qp::{
     BlockIterate, QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets,

@@ -27,6 +27,7 @@ use super::dense_cone::DenseSolution;
 use super::metric::nearest;
 use super::qp::{BlockIterate, QpIterate, QpOutcome, QpProblem, QpRun, QpStatus};
 use crate::krylov::Outcome;
+use crate::linalg::vector::largest;
 use crate::saddle::Status;
 use face::{Face, Review};
 
@@ -206,7 +207,12 @@ impl Faces<'_, '_> {
         let is_kept = self.is_present(iterate, &next);
         // The same face again: it is solved to its end, or is already the solution.
         if is_kept || (face.reached && self.is_acceptable(iterate, bound)) {
-            return match face.reached {
+            let level = run
+                .targets
+                .level_for(largest(&self.blocks.contact_of(iterate).multiplier));
+            let is_sharp = level >= run.targets.level;
+            run.targets.level = level;
+            return match face.reached && is_sharp {
                 true => ControlFlow::Break(QpStatus::Solved),
                 false => ControlFlow::Continue(()),
             };

@@ -5,6 +5,7 @@
 //! block whose set is free, with a residual of zero. Norms are taken over scales: of the
 //! force, that of the load; of a block, the largest norm seen.
 
+use super::Augmentation;
 use crate::krylov::{Outcome, Verdict, gcr};
 use crate::linalg::vector::{ratio, worst};
 use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
@@ -17,6 +18,9 @@ pub struct QpProblem<'a> {
     pub stiffness: &'a dyn LinearOperator,
     /// What the multipliers take off A; none where the gap is linear.
     pub curvature: Option<&'a SparseRows>,
+    /// Terms that vanish where the constraints of contact hold; none where A is not
+    /// indefinite without them. Read by the methods on one level.
+    pub augmentation: Option<&'a Augmentation>,
     /// Approximate inverse of A, fixed during the solve.
     pub displacement: &'a dyn Preconditioner,
     /// How multipliers and displacement are stepped by the preconditioner of the whole
@@ -129,6 +133,19 @@ pub struct QpTargets {
     pub force_scale: f64,
     /// Bound on all norms over their scales, at which the problem counts as solved.
     pub level: f64,
+    /// Error of the multipliers that the next problem bears, in their own unit; none
+    /// where their relative error is all that counts.
+    pub multiplier_error: Option<f64>,
+}
+
+impl QpTargets {
+    /// The level that a solution with multipliers up to `largest` asks for.
+    pub(crate) fn level_for(&self, largest: f64) -> f64 {
+        match self.multiplier_error {
+            Some(error) if error < self.level * largest => error / largest,
+            Some(_) | None => self.level,
+        }
+    }
 }
 
 impl QpNorms {

@@ -125,6 +125,7 @@ impl Matrices {
         QpProblem {
             stiffness: &self.stiffness,
             curvature: None,
+            augmentation: None,
             displacement: &self.inverse,
             step: &UpperTriangular { share: 1.0 },
             blocks,
@@ -207,6 +208,7 @@ pub(super) fn solve_watched(
         targets: QpTargets {
             force_scale: 1.0,
             level: 1e-12,
+            multiplier_error: None,
         },
         scales: &mut QpScales {
             constraint: 1.0,

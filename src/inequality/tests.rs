@@ -70,6 +70,7 @@ fn every_method_bears_an_equality_and_a_curvature() {
         let blocks = [block(&coupling, &metric), matrices.unilateral()];
         let parts = QpProblem {
             curvature: Some(&identity(0.02)),
+            augmentation: None,
             ..matrices.problem(&blocks)
         };
         let mut iterate = problem.iterate(1);
@@ -88,6 +89,7 @@ fn every_nested_method_can_be_interrupted_inside_an_inner_solve() {
         let blocks = [matrices.unilateral()];
         let parts = QpProblem {
             curvature: Some(&identity(0.02)),
+            augmentation: None,
             ..matrices.problem(&blocks)
         };
         let mut calls = 0;

@@ -33,9 +33,24 @@ impl TaylorHoodData {
         cancel: &CancelToken,
     ) -> Result<ApproximateInverse, PrepareError> {
         let found = self.with_pressure(plan, mesh, state, cancel);
-        if found.is_ok() || cancel.stopped().is_some() {
-            return found;
+        match found.is_ok() || cancel.stopped().is_some() {
+            true => found,
+            false => self.about_without_pressure(plan, mesh, state, cancel),
         }
+    }
+
+    /// The approximation about a deformed state without the pressure's part of the
+    /// tangent, which says nothing of a body whose faces are held by contact.
+    ///
+    /// # Errors
+    /// [`PrepareError`]: the tangent may have no factor at all.
+    pub(crate) fn about_without_pressure(
+        &self,
+        plan: &Plan,
+        mesh: &Mesh,
+        state: Deformed<'_>,
+        cancel: &CancelToken,
+    ) -> Result<ApproximateInverse, PrepareError> {
         let pressure = vec![0.0; state.pressure.len()];
         let mut at = Linearised::default();
         let fields = (state.displacement, &pressure[..]);

@@ -60,6 +60,9 @@ pub enum Cause {
     LimitPoint,
     /// The equilibrium is no minimum of the energy: the body buckles or snaps.
     UnstableEquilibrium,
+    /// The faces are too large for the pressure on a curved obstacle: from some
+    /// 4 mu R / h on the mesh, not the body, loses its equilibrium.
+    CoarseContact,
     /// det F falls to zero somewhere: cells would turn inside out.
     NegativeJacobian,
 }
@@ -79,6 +82,7 @@ impl Cause {
             Self::IndefiniteTangent => "indefinite_tangent",
             Self::LimitPoint => "limit_point",
             Self::UnstableEquilibrium => "unstable_equilibrium",
+            Self::CoarseContact => "coarse_contact",
             Self::NegativeJacobian => "negative_jacobian",
         }
     }

@@ -2,6 +2,7 @@
 //! a volume that cannot change, a body about to snap.
 
 use super::run::Run;
+use crate::contact::coarseness::coarseness;
 use crate::contact::gap::linearise;
 use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::linalg::{LinearOperator, Workspace};
@@ -86,4 +87,21 @@ pub(crate) fn name_the_end(run: &Run<'_>, ending: &mut Ending) {
         None => Some(Cause::StepTooSmall),
         named => named,
     };
+    let is_of_the_body = matches!(
+        ending.cause,
+        Some(Cause::LimitPoint | Cause::UnstableEquilibrium | Cause::Stagnation)
+    );
+    if is_of_the_body && is_too_coarse(run) {
+        ending.cause = Some(Cause::CoarseContact);
+    }
+}
+
+/// Whether faces are too large for the pressure on a curved obstacle.
+fn is_too_coarse(run: &Run<'_>) -> bool {
+    let body = run.model.deformed(&run.state.displacement);
+    let mut contacts = run.model.placed(&run.state.drive);
+    contacts.any(|(interface, met)| {
+        let pressure = interface.own(&run.state.multiplier);
+        coarseness(&body, (&interface.surface, &met), &pressure) > 1.0
+    })
 }

@@ -139,6 +139,7 @@ fn cause(value: Cause) -> wire::Cause {
         Cause::IndefiniteTangent => wire::Cause::IndefiniteTangent,
         Cause::LimitPoint => wire::Cause::LimitPoint,
         Cause::UnstableEquilibrium => wire::Cause::UnstableEquilibrium,
+        Cause::CoarseContact => wire::Cause::CoarseContact,
         Cause::NegativeJacobian => wire::Cause::NegativeJacobian,
     }
 }

@@ -135,6 +135,7 @@ impl EnrichedBody {
         let problem = OneLevel::new(QpProblem {
             stiffness: &self.data.stiffness,
             curvature: None,
+            augmentation: None,
             displacement: &displacement,
             step: &UpperTriangular { share: 1.0 },
             blocks: &blocks,
@@ -142,6 +143,7 @@ impl EnrichedBody {
         let targets = QpTargets {
             force_scale: now.force_scale(first).max(expected),
             level: goal.max(MARGIN * self.plan.settings.tolerance),
+            multiplier_error: None,
         };
         let mut iterate = first_iterate(run.state, now, None);
         let mut scales = run.state.scales;

@@ -12,8 +12,11 @@
 
 use std::sync::Arc;
 
+use super::super::augmentation;
 use super::super::blocks::Blocks;
-use super::super::qp::{Progress, QpIterate, QpNorms, QpRun, QpScales, QpStatus, QpTargets};
+use super::super::qp::{
+    Progress, QpIterate, QpNorms, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
+};
 use super::{Faces, GAP_WEIGHT, REVIEW};
 use crate::krylov::gcr::{self, Gcr};
 use crate::krylov::{Monitor, Outcome, Verdict};
@@ -125,18 +128,26 @@ struct Restricted<'a> {
     columns: OnFace<'a>,
     /// Inverse of the compliance on the face, the metric of the block.
     metric: FaceMetric,
+    /// Terms that vanish where the constraints hold.
+    augmented: Option<augmentation::OnFace<'a>>,
 }
 
 impl<'a> Restricted<'a> {
     /// The contact block as an equality on the face that `status` describes; fails
     /// where the compliance has no factor there.
-    fn new(blocks: &Blocks<'a>, status: &'a [Status]) -> Result<Self, FactoriseError> {
+    fn new(
+        problem: &QpProblem<'a>,
+        blocks: &Blocks<'a>,
+        status: &'a [Status],
+    ) -> Result<Self, FactoriseError> {
         let contact = &blocks.contact;
+        let terms = problem.augmentation;
         let on_face = |operator| OnFace { operator, status };
         Ok(Self {
             rows: on_face(contact.rows),
             columns: on_face(contact.columns),
             metric: FaceMetric::new(contact.matrix, status)?,
+            augmented: terms.and_then(|terms| terms.on_face(*contact, status, problem.curvature)),
         })
     }
 
@@ -189,9 +200,14 @@ impl Faces<'_, '_> {
         iterations: u32,
     ) -> Result<Face, QpStatus> {
         let status = self.blocks.contact_of(iterate).status.clone();
-        let restricted =
-            Restricted::new(&self.blocks, &status).map_err(|_| QpStatus::IndefiniteMetric)?;
+        let restricted = Restricted::new(self.problem, &self.blocks, &status)
+            .map_err(|_| QpStatus::IndefiniteMetric)?;
         let mut packed = self.pack(iterate, run.work);
+        if let Some(augmented) = &restricted.augmented {
+            let gap = &self.blocks.contact_of(iterate).residual;
+            let force = &mut packed.r[..iterate.force.len()];
+            augmented.add_force(1.0, gap, (force, run.work));
+        }
         let mut monitor = FaceMonitor {
             displacement: iterate.force.len(),
             equality: self.blocks.equality_unknowns(),
@@ -226,6 +242,12 @@ impl Faces<'_, '_> {
             failed,
         };
         self.unpack(iterate, &packed, run.work);
+        if let Some(augmented) = &restricted.augmented {
+            let du = &packed.x[..iterate.force.len()];
+            let contact = &mut iterate.blocks[self.blocks.place()];
+            let state = (&mut contact.multiplier[..], &mut iterate.force[..]);
+            augmented.restore((du, &contact.residual), state, run.work);
+        }
         run.work.give(packed.x);
         run.work.give(packed.r);
         Ok(face)
@@ -248,7 +270,10 @@ impl Faces<'_, '_> {
                 .preconditioner(problem.stiffness, problem.displacement, &blocks);
         let operator = SaddleOperator {
             stiffness: problem.stiffness,
-            released: problem.curvature.map(|c| c as &dyn LinearOperator),
+            released: match &restricted.augmented {
+                Some(augmented) => Some(augmented as &dyn LinearOperator),
+                None => problem.curvature.map(|c| c as &dyn LinearOperator),
+            },
             blocks: &blocks,
         };
         let method = Gcr {

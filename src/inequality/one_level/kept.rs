@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Only the body's part is kept between two programs; contact is put on for the face at
-//! work and taken off behind it. Cost: one product with each coupling a direction, no
+//! work and taken off behind it. Directions of an augmented system belong to its face and
+//! end with it. Cost: one product with each coupling a direction, no
 //! product with A.
 
 use super::{Faces, GAP_WEIGHT};
@@ -19,6 +20,9 @@ impl Faces<'_, '_> {
     /// Adds this program's contact on the face `status` to the products of kept
     /// directions.
     pub(super) fn attach(&self, run: &mut QpRun<'_, '_>, status: &[Status]) {
+        if self.problem.augmentation.is_some() {
+            run.directions.clear(run.work);
+        }
         self.adapt(run, 1.0, |multiplier, closing| {
             for ((l, g), &status) in multiplier.iter_mut().zip(closing).zip(status) {
                 if status != Status::Stick {
@@ -30,6 +34,9 @@ impl Faces<'_, '_> {
 
     /// Takes contact off again.
     pub(super) fn detach(&self, run: &mut QpRun<'_, '_>) {
+        if self.problem.augmentation.is_some() {
+            run.directions.clear(run.work);
+        }
         self.adapt(run, -1.0, |_, closing| closing.fill(0.0));
     }
 

@@ -50,6 +50,7 @@ fn the_curvature_term_is_taken_off_the_stiffness() {
     let blocks = [matrices.unilateral()];
     let parts = QpProblem {
         curvature: Some(&identity(0.02)),
+        augmentation: None,
         ..matrices.problem(&blocks)
     };
     let mut iterate = problem.iterate(0);

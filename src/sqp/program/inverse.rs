@@ -30,11 +30,14 @@ fn make(run: &mut Run<'_>, tangent: &Tangent) {
         pressure: &run.state.pressure,
     };
     let model = &run.model;
+    let is_pressed = run.state.multiplier.iter().any(|&l| l > 0.0);
     let made = timed(&mut run.counters.seconds.factorise, || {
         let cancel = run.watch.cancel;
-        model
-            .prepared
-            .about(model.plan, model.mesh, deformed, cancel)
+        let (prepared, plan) = (model.prepared, model.plan);
+        match is_pressed {
+            true => prepared.about_without_pressure(plan, model.mesh, deformed, cancel),
+            false => prepared.about(plan, model.mesh, deformed, cancel),
+        }
     });
     match made {
         Ok(made) => {

@@ -8,6 +8,7 @@
 //! A the tangent, G what follower loads and the curvature of contact take off it, r and b the
 //! residuals of the state. One program is one SQP iteration.
 
+mod augmentation;
 mod inverse;
 mod solve;
 pub(crate) mod step;
@@ -18,6 +19,7 @@ use std::sync::Arc;
 use super::contact_metric::ContactMetric;
 use super::run::Run;
 use crate::contact::curvature;
+use crate::inequality::Augmentation;
 use crate::linalg::vector::norm;
 use crate::linalg::{LinearOperator, SparseRows};
 use crate::model::Model;
@@ -49,6 +51,8 @@ pub(crate) struct QuadraticProgram<'a> {
     released: Option<SparseRows>,
     /// What the curvature of the gaps takes off, with `released`.
     curvature: Option<SparseRows>,
+    /// What contact pressure makes of the stiffness, cancelled where the gaps hold.
+    augmentation: Option<Augmentation>,
     /// Metric of the multipliers at this linearisation.
     metric: ContactMetric,
     /// Norm of the force that counts as one, non-dimensional.
@@ -94,12 +98,14 @@ impl<'a> QuadraticProgram<'a> {
             Some(released) => own.plus(released),
             None => own,
         });
+        let augmentation = augmentation::augmentation(&run.model, run.state);
         run.counters.seconds.contact += start.elapsed().as_secs_f64();
         Self {
             model: run.model.clone(),
             force_scale: now.force_scale(*first_force).max(expected),
             released,
             curvature,
+            augmentation,
             metric,
             tangent,
             inverse,

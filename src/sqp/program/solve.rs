@@ -18,6 +18,9 @@ use crate::sqp::run::Run;
 const MOST_ITERATIONS: u32 = 600;
 /// Of a body of finite strain: what takes longer has no stable solution near.
 const MOST_AT_FINITE_STRAIN: u32 = 300;
+/// Error of the contact pressure, in shear moduli, with which the next tangent is still
+/// that of a stable body: the pressure stands in its stiffness.
+const PRESSURE_ERROR: f64 = 0.05;
 /// Aim of a program below the tolerance, for what the recomputed residual adds.
 const MARGIN: f64 = 0.95;
 
@@ -72,6 +75,7 @@ impl QuadraticProgram<'_> {
         let targets = QpTargets {
             force_scale: self.force_scale,
             level: goal.max(MARGIN * self.model.tolerance),
+            multiplier_error: self.model.is_rubber().then_some(PRESSURE_ERROR),
         };
         let mut scales = state.scales;
         let mut iterate = first_iterate(state, &self.now, self.motion.as_deref());
@@ -158,6 +162,7 @@ impl QuadraticProgram<'_> {
         QpProblem {
             stiffness: self.stiffness(),
             curvature,
+            augmentation: self.augmentation.as_ref(),
             displacement,
             step,
             blocks,

@@ -40,6 +40,7 @@ impl QuadraticProgram<'_> {
         let targets = QpTargets {
             force_scale: norm(&iterate.force),
             level: accuracy.level,
+            multiplier_error: None,
         };
         let displacement = Counted::new(&*self.inverse.displacement);
         let blocks = self.blocks();
