@@ -13,8 +13,9 @@ use common::scenes::{
 };
 use common::{assert_converged, close, solve, solve_one};
 use serde_json::Value;
+use signorini::report::Stability;
 use signorini::scene::{Choice, ContactSpace, RubberModel, Shape};
-use signorini::{FieldName, Mesh, Scene, Stability, Step, StepReport};
+use signorini::{FieldName, Mesh, Scene, Step, StepReport};
 
 fn references() -> Value {
     serde_json::from_str(include_str!("reference/contact_space.json")).expect("valid JSON")
@@ -36,7 +37,6 @@ fn check_contact(case: &str, meshes: [&str; 2], (scene, step): (Scene, Step)) {
     for name in meshes {
         let exact = &references()[case][name];
         let report = solve_one(&scene, &step, &file(name));
-        assert_eq!(report.unknowns.contact as f64, number(exact, "multipliers"));
         assert_eq!(f64::from(report.active_vertices), number(exact, "active"));
         let force = 4.0 * only_force(&report)[2].abs();
         assert!(close(force, number(exact, "force"), 1e-9), "{name} {force}");
@@ -255,11 +255,12 @@ fn an_even_pressure_reaches_a_held_rim() {
     };
     scene.obstacles = vec![obstacle("lid", "y1", slip)];
     scene.body_force = [0.0, 1.0, 0.0];
-    let (session, report) = common::run_one(&scene, &Step::default(), &mesh(square(4)));
+    let body = mesh(square(4));
+    let (session, report) = common::run_one(&scene, &Step::default(), &body);
     // Weight pushes up: the column of pressure is linear in height, one at the lid.
     assert!(close(only_force(&report)[1], -1.0, 1e-9));
     let pressures = common::values(&session, FieldName::ContactPressure);
-    let top = common::node_positions(session.mesh());
+    let top = common::node_positions(&body);
     let on_top = top
         .iter()
         .zip(&pressures)

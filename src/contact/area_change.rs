@@ -9,7 +9,8 @@
 //! int p (u.n da(v) + v.n da(u)) off its stiffness on a loaded face, far more than its
 //! shear stiffness where p is; the gap holds u.n, and with u.n = sum_k (M^-1 C u)_k psi_k
 //! these rows say what is cancelled there. It has to be the pressure in the stiffness:
-//! lambda agrees with it at an equilibrium only. Shapes `[multipliers, displacement]`,
+//! lambda agrees with it at an equilibrium only. Faces that are closed in part keep the
+//! term: pressure is small at the rim of contact, and the gap does not hold u.n there. Shapes `[multipliers, displacement]`,
 //! `[multipliers, multipliers]`. Cost: one probe a quadrature point of the faces under
 //! pressure.
 
@@ -28,6 +29,9 @@ use crate::obstacle::What;
 /// Least cosine between a face and its obstacle: beyond it pressure is no area's.
 const FACING: f64 = 0.1;
 
+/// Share of closed multipliers that makes a function closed, but for rounding.
+const WHOLE: f64 = 1.0 - 1e-9;
+
 /// R and M of one surface, sparse rows with ascending columns.
 #[derive(Clone, Debug, Default)]
 pub struct AreaChange {
@@ -44,6 +48,9 @@ pub struct Pressures<'a> {
     pub contact: &'a [f64],
     /// Internal pressure `[vertices]`; empty for a body in displacement form.
     pub internal: &'a [f64],
+    /// One where a multiplier is closed, else zero `[multipliers]`: faces count whose
+    /// functions all are.
+    pub closed: &'a [f64],
 }
 
 /// R and M of `surface` under `pressures`; `held[k]` says that unknown k is prescribed.
@@ -54,6 +61,7 @@ pub fn area_change<C: Counterpart + ?Sized>(
     held: &[bool],
 ) -> AreaChange {
     let coefficients = surface.shares.spread(pressures.contact);
+    let closed = surface.shares.spread(pressures.closed);
     let table = Table::new(body, surface.basis);
     let slopes: Vec<Vec<[f64; 2]>> = (0..table.points())
         .map(|point| shape_slopes(table.coordinates(point)))
@@ -63,8 +71,8 @@ pub fn area_change<C: Counterpart + ?Sized>(
     let numbers = body.on_faces(&table, &surface.faces, size, |points, face, numbers| {
         let (rows, mass) = numbers.split_at_mut(changes);
         add_mass(points, mass);
-        let is_loaded = |&k: &u32| coefficients[k as usize] != 0.0;
-        if face.functions.iter().any(is_loaded) {
+        let is_closed = |&k: &u32| closed[k as usize] > WHOLE;
+        if face.functions.iter().all(is_closed) {
             points.probe(counterpart, face, What::Normal);
             let nodes = node_positions(body, face);
             for (point, slopes) in slopes.iter().enumerate() {

@@ -144,6 +144,8 @@ struct History {
     visited: HashSet<Vec<Status>>,
     /// When the present face is reviewed; at the end once a face has come back.
     review: Review,
+    /// Whether one multiplier changes sides at a time, since blocks of them have cycled.
+    one_by_one: bool,
 }
 
 impl Faces<'_, '_> {
@@ -165,6 +167,7 @@ impl Faces<'_, '_> {
                 false => Review::WhenReduced,
                 true => Review::AtTheEnd,
             },
+            one_by_one: false,
         };
         // Kept directions carry the products of the body alone; those of contact on this
         // face are put on, and taken off behind the last face.
@@ -199,11 +202,11 @@ impl Faces<'_, '_> {
         }
         // Solved, or reduced enough for a look at the signs: the dense problem in the
         // metric says which face the solution lies on.
-        let next = match self.next_face(iterate) {
+        let bound = run.targets.level * run.scales.gap;
+        let next = match self.following(iterate, history, bound) {
             Ok(next) => next,
             Err(status) => return ControlFlow::Break(status),
         };
-        let bound = run.targets.level * run.scales.gap;
         let is_kept = self.is_present(iterate, &next);
         // The same face again: it is solved to its end, or is already the solution.
         if is_kept || (face.reached && self.is_acceptable(iterate, bound)) {
@@ -225,6 +228,25 @@ impl Faces<'_, '_> {
         ControlFlow::Continue(())
     }
 
+    /// The next face: of the dense problem, or the neighbour where such faces have come
+    /// back.
+    fn following(
+        &self,
+        iterate: &QpIterate,
+        history: &History,
+        bound: f64,
+    ) -> Result<DenseSolution, QpStatus> {
+        let count = self.blocks.contact_of(iterate).status.len();
+        let neighbour = match history.one_by_one {
+            true => self.neighbour(iterate, bound / (count as f64).sqrt()),
+            false => None,
+        };
+        match neighbour {
+            Some(next) => Ok(next),
+            None => self.next_face(iterate),
+        }
+    }
+
     /// Moves to the next face, the kept directions with it.
     fn move_to(&self, iterate: &mut QpIterate, next: DenseSolution, run: &mut QpRun<'_, '_>) {
         self.detach(run);
@@ -238,12 +260,17 @@ impl Faces<'_, '_> {
 }
 
 impl History {
-    /// Notes the next face; one that returns is solved to the end, and ends the
-    /// solve if that was done already.
+    /// Notes the next face; one that returns is solved to the end, once that was done
+    /// already faces change by one multiplier at a time, and one that returns still
+    /// ends the solve.
     fn enter(&mut self, next: &DenseSolution, face: &Face) -> ControlFlow<QpStatus> {
         if !self.visited.insert(next.status.clone()) {
             if self.review == Review::AtTheEnd && face.reached {
-                return ControlFlow::Break(QpStatus::ActiveSetCycle);
+                if self.one_by_one || !next.is_of_contact() {
+                    return ControlFlow::Break(QpStatus::ActiveSetCycle);
+                }
+                self.one_by_one = true;
+                self.visited.clear();
             }
             self.review = Review::AtTheEnd;
         }

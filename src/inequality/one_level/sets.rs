@@ -68,6 +68,33 @@ impl Faces<'_, '_> {
         self.rule.next(block, contact)
     }
 
+    /// The face beside the present one, solved to its end, on which the last multiplier
+    /// that is wrong changes sides; none where none is wrong by more than `bound` says.
+    /// One index alone, always the last one, cannot cycle where the Schur complement is
+    /// positive definite (Murty 1974).
+    pub(super) fn neighbour(&self, iterate: &QpIterate, bound: f64) -> Option<DenseSolution> {
+        let (block, contact) = (&self.blocks.contact, self.blocks.contact_of(iterate));
+        let violation = block.set.violation(&contact.multiplier);
+        let misfit = block.set.misfit(contact.point());
+        let is_wrong = |&index: &usize| match contact.status[index] {
+            Status::Stick => violation[index].abs() * block.matrix.entry(index, index) > bound,
+            Status::Open | Status::Slip => misfit[index].abs() > bound,
+        };
+        let last = (0..contact.status.len()).rev().find(is_wrong)?;
+        let mut next = DenseSolution {
+            values: contact.multiplier.clone(),
+            status: contact.status.clone(),
+        };
+        next.status[last] = match contact.status[last] {
+            Status::Stick => Status::Open,
+            Status::Open | Status::Slip => Status::Stick,
+        };
+        if next.status[last] == Status::Open {
+            next.values[last] = 0.0;
+        }
+        Some(next)
+    }
+
     /// Whether `next` is where the iterate is already. Multipliers that slip are to
     /// follow the dense problem each time.
     pub(super) fn is_present(&self, iterate: &QpIterate, next: &DenseSolution) -> bool {

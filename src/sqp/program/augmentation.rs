@@ -1,6 +1,6 @@
 //! What rubber under contact pressure needs beside its tangent: the terms of
 //! [`crate::inequality::augmentation`] about the present state. None for linear bodies,
-//! whose stiffness knows no pressure, and without contact pressure.
+//! whose stiffness knows no pressure, and under low contact pressure.
 
 use crate::contact::area_change::{AreaChange, Pressures, area_change};
 use crate::contact::shares::add_equal_columns;
@@ -11,12 +11,19 @@ use crate::model::Model;
 use crate::model::interfaces::Interface;
 use crate::model::state::State;
 
+/// Mean contact pressure, in shear moduli, from which on the terms save applications:
+/// mr-sphere, which stays below, takes 45 without and 100 and more with them.
+const HIGH: f64 = 1.0;
+
 /// The terms about `state`.
 pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentation> {
-    let under_pressure = state.multiplier.iter().any(|&l| l != 0.0);
-    if !model.is_rubber() || !under_pressure {
+    if !model.is_rubber() || mean_pressure(model, state) < HIGH {
         return None;
     }
+    let closed = state.status.iter().map(|status| status.is_closed());
+    let closed: Vec<f64> = closed
+        .map(|is_closed| f64::from(u8::from(is_closed)))
+        .collect();
     let size = state.multiplier.len();
     let mut all = AreaChange {
         rows: vec![Vec::new(); size],
@@ -27,6 +34,7 @@ pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentat
         let pressures = Pressures {
             contact: &interface.own(&state.multiplier),
             internal: &state.pressure,
+            closed: &interface.own(&closed),
         };
         let surface = (&interface.surface, &met);
         let part = area_change(&body, surface, pressures, &model.prepared.is_held);
@@ -38,6 +46,24 @@ pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentat
         rows: finish(all.rows, state.displacement.len()),
         mass,
     })
+}
+
+/// Mean pressure on the closed part of all surfaces, in shear moduli.
+fn mean_pressure(model: &Model<'_>, state: &State) -> f64 {
+    let (mut force, mut area) = (0.0, 0.0);
+    for interface in &model.interfaces.list {
+        let weights = interface.surface.weights.iter();
+        for (place, weight) in interface.places().zip(weights) {
+            if state.status[place].is_closed() {
+                force += weight * state.multiplier[place].abs();
+                area += weight;
+            }
+        }
+    }
+    match area > 0.0 {
+        true => force / area,
+        false => 0.0,
+    }
 }
 
 /// Adds the part of one interface to the rows of all multipliers.
