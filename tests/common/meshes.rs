@@ -190,8 +190,15 @@ pub(crate) fn file(name: &str) -> Arc<Mesh> {
 
 /// Arrays of [`file`].
 pub(crate) fn file_parts(name: &str) -> MeshParts {
-    let path = format!("{}/tests/meshes/{name}.msh", env!("CARGO_MANIFEST_DIR"));
-    let bytes = std::fs::read(&path).expect("a mesh file of the repository");
+    parts_of(&format!(
+        "{}/tests/meshes/{name}.msh",
+        env!("CARGO_MANIFEST_DIR")
+    ))
+}
+
+/// Arrays of the Gmsh file at `path`.
+pub(crate) fn parts_of(path: &str) -> MeshParts {
+    let bytes = std::fs::read(path).expect("a mesh file of the repository");
     let file = signorini_client::formats::msh::read(&bytes).expect("a valid mesh file");
     let cell_kind = match file.vertices_per_cell {
         3 => CellKind::Triangle,
