@@ -66,7 +66,7 @@ pub fn area_change<C: Counterpart + ?Sized>(
         let is_loaded = |&k: &u32| coefficients[k as usize] != 0.0;
         if face.functions.iter().any(is_loaded) {
             points.probe(counterpart, face, What::Normal);
-            let nodes = node_positions(body, face);
+            let nodes = node_positions(body, points, face);
             for (point, slopes) in slopes.iter().enumerate() {
                 let change = AreaAt::new(points, (face, &nodes), (point, slopes));
                 let load = match pressures.internal {

@@ -220,7 +220,7 @@ fn the_order_of_another_program_is_refused() {
     );
     assert_eq!(
         Draft::new(|_, _| [0.9, 0.0, 0.0]).fault(),
-        Fault::EdgeTooFar(1, 2)
+        Fault::EdgeTooFar(1, 3)
     );
 }
 
