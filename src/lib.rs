@@ -98,6 +98,7 @@
 //! | recycled Krylov directions | `Directions` | `krylov::gcr` |
 //! | rigid predictor, co-rotated start | `RigidPredictor` | `sqp::rigid_predictor` |
 //! | static condensation on the multiplier | `Condensed` | `inequality::condensed` |
+//! | true surface, middles of second-order edges | `EdgeOffset`, `CurvedFace` | `mesh`, `contact` |
 //! | trace directions of the compliance | `TraceDirections` | `prepare::traces` |
 //! | weighted gap | `gap` | `contact::gap` |
 //!
@@ -141,6 +142,7 @@
 #![doc = include_str!("decisions/0024-admissible-sets.md")]
 #![doc = include_str!("decisions/0025-normal-supports.md")]
 #![doc = include_str!("decisions/0026-comparisons-apart.md")]
+#![doc = include_str!("decisions/0027-true-surface.md")]
 #![doc = include_str!("decisions/0029-contact-space.md")]
 
 pub mod assembly;
@@ -168,7 +170,7 @@ pub mod space;
 mod sqp;
 mod verify;
 
-pub use mesh::{CellKind, Group, GroupKind, Mesh, MeshError, MeshId, MeshParts};
+pub use mesh::{CellKind, EdgeOffset, Group, GroupKind, Mesh, MeshError, MeshId, MeshParts};
 pub use plan::{LeftOut, Plan, PlanEntry, PlanReport, PreparedKey};
 pub use prepare::{PrepareError, Prepared};
 pub use report::{

@@ -104,6 +104,9 @@ pub struct ObstacleResult {
     /// Estimated discretisation error of the length of `force`, a force; none
     /// where [`StepReport::error_estimate`] is.
     pub force_error: Option<f64>,
+    /// Distance of the facets in contact from the curved surface that they stand for,
+    /// over how far contact has pushed it; none where the surface is flat or given.
+    pub geometry_error: Option<f64>,
     /// Its moment about the obstacle's current reference point `[3]`.
     pub moment: [f64; 3],
     /// Undeformed area carried by vertices in contact.

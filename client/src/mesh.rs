@@ -5,8 +5,6 @@
 
 mod read;
 
-use std::mem::size_of;
-
 use bytes::Bytes;
 use signorini_proto::digest::{GroupArrays, MeshArrays, hex, mesh_digest};
 use signorini_proto::v1;
@@ -47,7 +45,7 @@ impl WireMesh {
     /// # Errors
     /// [`ClientError::MeshTooLarge`] for indices beyond 31 bits.
     pub fn new(mesh: &MeshFile) -> Result<Self, ClientError> {
-        let coordinates = mesh.coordinates.concat();
+        let coordinates = mesh.coordinates.as_flattened();
         let cells = signed(&mesh.cells)?;
         let facets = signed(&mesh.facets)?;
         let groups: Vec<Vec<i32>> = mesh
@@ -55,30 +53,24 @@ impl WireMesh {
             .iter()
             .map(|group| signed(&group.members))
             .collect::<Result<_, _>>()?;
-        let digest = digest(mesh, &coordinates, &cells, &facets, &groups)?;
+        let ends: Vec<u32> = mesh.curved.iter().flat_map(|edge| edge.ends).collect();
+        let curved = (
+            signed(&ends)?,
+            mesh.curved.iter().flat_map(|edge| edge.offset).collect(),
+        );
+        let digest = digest(mesh, [&cells, &facets], &groups, &curved)?;
         let mut arrays = vec![
-            WireArray::new(
-                MeshArray::Coordinates,
-                0,
-                size_of::<f64>(),
-                array::encode(&coordinates),
-            ),
-            WireArray::new(MeshArray::Cells, 0, size_of::<i32>(), array::encode(&cells)),
-            WireArray::new(
-                MeshArray::Facets,
-                0,
-                size_of::<i32>(),
-                array::encode(&facets),
-            ),
+            WireArray::of(MeshArray::Coordinates, coordinates),
+            WireArray::of(MeshArray::Cells, &cells),
+            WireArray::of(MeshArray::Facets, &facets),
+            WireArray::of(MeshArray::CurvedEdges, &curved.0),
+            WireArray::of(MeshArray::EdgeOffsets, &curved.1),
         ];
         for (index, members) in (0..).zip(&groups) {
-            let data = array::encode(members);
-            arrays.push(WireArray::new(
-                MeshArray::GroupMembers,
-                index,
-                size_of::<i32>(),
-                data,
-            ));
+            arrays.push(WireArray {
+                group_index: index,
+                ..WireArray::of(MeshArray::GroupMembers, members)
+            });
         }
         // Empty arrays are known from the header alone.
         arrays.retain(|array| !array.data.is_empty());
@@ -106,12 +98,13 @@ impl WireMesh {
 }
 
 impl WireArray {
-    fn new(array: MeshArray, group_index: i32, element_bytes: usize, data: Bytes) -> Self {
+    /// One that belongs to no group.
+    fn of<E: array::Element>(array: MeshArray, values: &[E]) -> Self {
         Self {
             array,
-            group_index,
-            element_bytes,
-            data,
+            group_index: 0,
+            element_bytes: E::SIZE,
+            data: array::encode(values),
         }
     }
 
@@ -135,10 +128,9 @@ fn signed(indices: &[u32]) -> Result<Vec<i32>, ClientError> {
 
 fn digest(
     mesh: &MeshFile,
-    coordinates: &[f64],
-    cells: &[i32],
-    facets: &[i32],
+    [cells, facets]: [&[i32]; 2],
     members: &[Vec<i32>],
+    curved: &(Vec<i32>, Vec<f64>),
 ) -> Result<String, ClientError> {
     let byte = |value: usize| u8::try_from(value).map_err(|_| ClientError::MeshTooLarge(value));
     let groups = mesh.groups.iter().zip(members).map(|(group, members)| {
@@ -153,10 +145,12 @@ fn digest(
     let vertices_per_cell = byte(mesh.vertices_per_cell)?;
     Ok(hex(&mesh_digest(&MeshArrays {
         vertices_per_cell,
-        coordinates,
+        coordinates: mesh.coordinates.as_flattened(),
         cells,
         facets,
         groups: &groups,
+        curved_edges: &curved.0,
+        edge_offsets: &curved.1,
     })))
 }
 
@@ -188,6 +182,7 @@ fn header(mesh: &MeshFile, digest: String) -> Result<v1::MeshHeader, ClientError
         vertex_count: count(mesh.coordinates.len())?,
         cell_count: count(mesh.cell_count())?,
         facet_count: count(mesh.facet_count())?,
+        curved_edge_count: count(mesh.curved.len())?,
         groups: groups.collect::<Result<_, ClientError>>()?,
     })
 }
@@ -294,6 +289,7 @@ mod tests {
                 dimension: 3,
                 members: vec![0],
             }],
+            curved: Vec::new(),
             warnings: Vec::new(),
         }
     }

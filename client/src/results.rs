@@ -33,8 +33,10 @@ impl ResultFolder {
             .iter()
             .map(|point| point.map(|x| x * scale))
             .collect();
-        let grid = Grid::new(mesh.vertices_per_cell, &points, &mesh.cells)
+        let mut grid = Grid::new(mesh.vertices_per_cell, &points, &mesh.cells)
             .map_err(|error| Failure::new(Exit::Invalid, error.to_string()))?;
+        let curved = mesh.curved.iter();
+        grid.bend(curved.map(|edge| (edge.ends, edge.offset.map(|x| x * scale))));
         let body = BoundingBox::of(&points);
         let drawn = |obstacle: &v1::Obstacle| {
             let outline = outline(obstacle.shape.as_ref()?, &body)?;

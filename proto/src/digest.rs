@@ -9,6 +9,8 @@ use sha2::{Digest, Sha256};
 use crate::array::Element;
 
 const MAGIC: &[u8] = b"signorini-mesh-v1\n";
+/// Of meshes with curved edges.
+const CURVED_MAGIC: &[u8] = b"signorini-mesh-v2\n";
 
 /// One named set of cells or facets.
 #[derive(Clone, Copy, Debug)]
@@ -34,13 +36,20 @@ pub struct MeshArrays<'a> {
     pub facets: &'a [i32],
     /// In the order of the header.
     pub groups: &'a [GroupArrays<'a>],
+    /// Ends of the curved edges, `[edges, 2]`, flat.
+    pub curved_edges: &'a [i32],
+    /// Their offsets, `[edges, 3]`, flat.
+    pub edge_offsets: &'a [f64],
 }
 
 /// SHA-256 of the canonical bytes.
 pub fn mesh_digest(mesh: &MeshArrays<'_>) -> [u8; 32] {
     let per_cell = usize::from(mesh.vertices_per_cell).max(2);
     let mut hash = Sha256::new();
-    hash.update(MAGIC);
+    hash.update(match mesh.curved_edges {
+        [] => MAGIC,
+        _ => CURVED_MAGIC,
+    });
     hash.update([mesh.vertices_per_cell]);
     put_count(&mut hash, mesh.coordinates.len() / 3);
     put_count(&mut hash, mesh.cells.len() / per_cell);
@@ -55,6 +64,11 @@ pub fn mesh_digest(mesh: &MeshArrays<'_>) -> [u8; 32] {
         hash.update([group.dimension]);
         put_count(&mut hash, group.members.len());
         put_array(&mut hash, group.members);
+    }
+    if !mesh.curved_edges.is_empty() {
+        put_count(&mut hash, mesh.curved_edges.len() / 2);
+        put_array(&mut hash, mesh.curved_edges);
+        put_array(&mut hash, mesh.edge_offsets);
     }
     hash.finalize().into()
 }
@@ -97,6 +111,8 @@ mod tests {
             cells: &[0, 1, 2],
             facets: &[0, 1],
             groups: &groups,
+            curved_edges: &[],
+            edge_offsets: &[],
         };
         let mut bytes = b"signorini-mesh-v1\n\x03".to_vec();
         for count in [3_u64, 1, 1, 1] {
@@ -115,5 +131,16 @@ mod tests {
         let expected: [u8; 32] = Sha256::digest(&bytes).into();
         assert_eq!(mesh_digest(&mesh), expected);
         assert_eq!(hex(&expected).len(), 64);
+        let curved = MeshArrays {
+            curved_edges: &[0, 2],
+            edge_offsets: &[-0.25, 0.0, 0.0],
+            ..mesh
+        };
+        bytes[16] = b'2';
+        bytes.extend(1_u64.to_le_bytes());
+        bytes.extend([0_i32, 2].iter().flat_map(|vertex| vertex.to_le_bytes()));
+        bytes.extend(curved.edge_offsets.iter().flat_map(|x| x.to_le_bytes()));
+        let expected: [u8; 32] = Sha256::digest(&bytes).into();
+        assert_eq!(mesh_digest(&curved), expected);
     }
 }

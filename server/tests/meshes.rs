@@ -44,6 +44,8 @@ struct Read {
     coordinates: Vec<f64>,
     cells: Vec<i32>,
     facets: Vec<i32>,
+    curved_edges: Vec<i32>,
+    edge_offsets: Vec<f64>,
     members: Vec<Vec<i32>>,
 }
 
@@ -56,6 +58,8 @@ async fn read(server: &Server, name: &str) -> Read {
     let mut coordinates = Assembler::new(3 * header.vertex_count as usize);
     let mut cells = Assembler::new(4 * header.cell_count as usize);
     let mut facets = Assembler::new(3 * header.facet_count as usize);
+    let mut curved_edges = Assembler::new(2 * header.curved_edge_count as usize);
+    let mut edge_offsets = Assembler::new(3 * header.curved_edge_count as usize);
     let groups = header.groups.iter();
     let mut members: Vec<_> = groups
         .map(|group| Assembler::new(group.member_count as usize))
@@ -70,6 +74,8 @@ async fn read(server: &Server, name: &str) -> Read {
             wire::MeshArray::Cells => cells.push(offset, data),
             wire::MeshArray::Facets => facets.push(offset, data),
             wire::MeshArray::GroupMembers => members[chunk.group_index as usize].push(offset, data),
+            wire::MeshArray::CurvedEdges => curved_edges.push(offset, data),
+            wire::MeshArray::EdgeOffsets => edge_offsets.push(offset, data),
             wire::MeshArray::Unspecified => panic!("no array"),
         }
         .unwrap();
@@ -80,6 +86,8 @@ async fn read(server: &Server, name: &str) -> Read {
         coordinates: coordinates.finish().unwrap(),
         cells: cells.finish().unwrap(),
         facets: facets.finish().unwrap(),
+        curved_edges: curved_edges.finish().unwrap(),
+        edge_offsets: edge_offsets.finish().unwrap(),
         members: members.collect(),
     }
 }
@@ -133,6 +141,23 @@ async fn vertices_that_no_cell_uses_come_back_at_the_origin() {
     assert_eq!(mesh.coordinates[3..last], block.coordinates[3..last]);
     assert_eq!(mesh.coordinates[..3], [0.0; 3]);
     assert_eq!(mesh.coordinates[last..], [0.0; 3]);
+}
+
+#[tokio::test]
+async fn curved_edges_come_back_as_they_were_uploaded() {
+    let (server, mut block) = (Server::start().await, Block::new(1));
+    // An edge of the bottom and one of the top.
+    block.curved_edges = vec![0, 1, 6, 7];
+    block.edge_offsets = vec![0.0, -0.125, 0.0, 0.0, 0.25, 0.125];
+    let name = server.upload(&block).await;
+    let mesh = read(&server, &name).await;
+    assert_eq!(mesh.header, block.header());
+    assert_eq!(mesh.curved_edges, block.curved_edges);
+    assert_eq!(mesh.edge_offsets, block.edge_offsets);
+    block.edge_offsets[1] = -5.0;
+    let status = refused(&server, block.messages()).await;
+    assert_eq!(reason(&status), "MESH_INVALID");
+    assert!(status.message().contains("edge offset 0"), "{status}");
 }
 
 #[tokio::test]

@@ -74,7 +74,7 @@ pub fn area_change<C: Counterpart + ?Sized>(
         let is_closed = |&k: &u32| closed[k as usize] > WHOLE;
         if face.functions.iter().all(is_closed) {
             points.probe(counterpart, face, What::Normal);
-            let nodes = node_positions(body, face);
+            let nodes = node_positions(body, points, face);
             for (point, slopes) in slopes.iter().enumerate() {
                 let change = AreaAt::new(points, (face, &nodes), (point, slopes));
                 let load = match pressures.internal {

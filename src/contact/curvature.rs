@@ -5,6 +5,7 @@
 //! K_kl = int lambda (Hessian of d) N_k N_l dS   [unknowns, unknowns]
 //! ```
 //!
+//! On a curved face the Hessian of d(x(u)), with the turning of the offsets.
 //! Cost: (rule points) * (faces under pressure) Hessians, each times the squared
 //! number of nodes of a face.
 
@@ -87,7 +88,10 @@ impl<'a> Integrated<'a> {
         let blocks = body.on_faces(&table, &surface.faces, size, |points, face, blocks| {
             if is_under_pressure(face, &pressure) {
                 points.probe(obstacle, face, What::Curvature);
-                add_blocks(points, face, &pressure, blocks);
+                match &points.standing {
+                    Some(_) => add_curved_blocks(points, face, &pressure, blocks),
+                    None => add_blocks(points, face, &pressure, blocks),
+                }
             }
         });
         Self {
@@ -135,6 +139,30 @@ impl<'a> Integrated<'a> {
         }
         row.sort_by_key(|entry| entry.0);
         row
+    }
+}
+
+/// Adds int lambda d''(u) of all pairs of nodes of a curved face `[nodes, nodes, 3, 3]`.
+fn add_curved_blocks(
+    points: &FacePoints<'_>,
+    face: &ContactFace,
+    pressure: &[f64],
+    blocks: &mut [f64],
+) {
+    let (table, nodes) = (points.table, points.table.nodes);
+    let Some(standing) = &points.standing else {
+        return;
+    };
+    for (point, contact) in points.contacts.iter().enumerate() {
+        let weight = points.weights[point] * points.pressure(face, point, pressure);
+        let at = standing.at(table.shapes(point), table.corners);
+        for (pair, block) in blocks.chunks_exact_mut(9).enumerate() {
+            let nodes = [pair / nodes, pair % nodes];
+            let hessian = at.hessian(nodes, contact.normal, &contact.curvature);
+            for (entry, value) in block.iter_mut().zip(hessian.as_flattened()) {
+                *entry += weight * value;
+            }
+        }
     }
 }
 

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::basis::ContactBasis;
 use super::counterpart::Counterpart;
+use super::curved_face::Standing;
 use super::face::ContactFace;
 use crate::assembly::load::shape_values;
 use crate::element::quadrature::Rule;
@@ -117,6 +118,8 @@ pub(super) struct FacePoints<'a> {
     /// What the obstacle is to each point `[points]`: distance, and normal and
     /// curvature where asked for.
     pub(super) contacts: Vec<Contact>,
+    /// The offsets of a curved face on its deformed corners; none on a flat facet.
+    pub(super) standing: Option<Standing>,
 }
 
 impl<'a> FacePoints<'a> {
@@ -129,6 +132,7 @@ impl<'a> FacePoints<'a> {
             weights: vec![0.0; points],
             deformed: vec![[0.0; 3]; points],
             contacts: vec![Contact::default(); points],
+            standing: None,
         }
     }
 
@@ -157,9 +161,26 @@ impl<'a> FacePoints<'a> {
                 }
             }
         }
+        self.standing = standing(body, face);
+        self.add_offsets();
         let weights = self.weights.iter_mut().zip(&table.rule.weights);
         for (point, (weight, share)) in weights.enumerate() {
             *weight = share * face.area_at(table.coordinates(point));
+        }
+    }
+
+    /// Moves the points from the flat facet to the true surface.
+    fn add_offsets(&mut self) {
+        let Some(standing) = &self.standing else {
+            return;
+        };
+        for (point, position) in self.deformed.iter_mut().enumerate() {
+            let edges = &self.table.shapes(point)[self.table.corners..];
+            for (shape, offset) in edges.iter().zip(&standing.offsets) {
+                for i in 0..3 {
+                    position[i] += shape * offset[i];
+                }
+            }
         }
     }
 
@@ -184,6 +205,18 @@ impl<'a> FacePoints<'a> {
         let values = face.functions.iter().zip(self.table.values(point));
         values.map(|(&m, value)| value * pressure[m as usize]).sum()
     }
+}
+
+/// The offsets of a curved face where its corners are displaced to.
+fn standing(body: &Deformed<'_>, face: &ContactFace) -> Option<Standing> {
+    let curve = face.curve.as_ref()?;
+    let c = body.space.components;
+    let mut moved = [[0.0; 3]; 3];
+    for (moved, &corner) in moved.iter_mut().zip(&face.corners) {
+        let first = corner as usize * c;
+        moved[..c].copy_from_slice(&body.displacement[first..first + c]);
+    }
+    Some(curve.deformed(face.corners.len(), &moved))
 }
 
 impl Deformed<'_> {

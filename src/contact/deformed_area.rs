@@ -6,7 +6,7 @@
 
 use std::f64::consts::TAU;
 
-use super::deformed::{Deformed, Table};
+use super::deformed::{Deformed, FacePoints, Table};
 use super::face::ContactFace;
 use super::surface::ContactSurface;
 use crate::assembly::follower::shape_slopes;
@@ -21,7 +21,7 @@ impl ContactSurface {
             .collect();
         let size = table.points();
         let areas = body.on_faces(&table, &self.faces, size, |points, face, areas| {
-            let nodes = node_positions(body, face);
+            let nodes = node_positions(body, points, face);
             let rule = points.table;
             for (point, area) in areas.iter_mut().enumerate() {
                 let (values, slopes) = (rule.shapes(point), slopes[point].iter());
@@ -75,7 +75,11 @@ impl ContactSurface {
 
 /// Coefficients of x + u at the nodes of a face: positions of the corners, those of
 /// the edges in the hierarchical basis; zero beyond the face's nodes.
-pub(super) fn node_positions(body: &Deformed<'_>, face: &ContactFace) -> [[f64; 3]; 6] {
+pub(super) fn node_positions(
+    body: &Deformed<'_>,
+    points: &FacePoints<'_>,
+    face: &ContactFace,
+) -> [[f64; 3]; 6] {
     let c = body.space.components;
     let mut values = [[0.0; 3]; 6];
     for (shape, (&node, value)) in face.nodes.iter().zip(&mut values).enumerate() {
@@ -84,6 +88,12 @@ pub(super) fn node_positions(body: &Deformed<'_>, face: &ContactFace) -> [[f64; 
         }
         for (i, x) in value.iter_mut().enumerate().take(c) {
             *x += body.displacement[node as usize * c + i];
+        }
+    }
+    if let Some(standing) = &points.standing {
+        let edges = values.iter_mut().skip(face.corners.len());
+        for (value, offset) in edges.zip(standing.offsets) {
+            *value = add(*value, offset);
         }
     }
     values

@@ -3,7 +3,10 @@
 //! Corners are in the order that turns the normal out of the body; displacement nodes are
 //! the corners, then the midpoints of the edges (0,1), (0,2), (1,2). Functions of the
 //! pressure belong to the first nodes: the corners for hats, all nodes for quadratic ones. Areas and
-//! points are those of the undeformed, scaled body.
+//! points are those of the undeformed, scaled body, and of the flat facet; where edges
+//! have offsets the true surface stands beside it.
+
+use super::curved_face::CurvedFace;
 
 /// One candidate face.
 #[derive(Clone, Debug)]
@@ -27,11 +30,16 @@ pub struct ContactFace {
     /// Unit normal of the undeformed face, to the side that the order of its corners
     /// gives `[3]`.
     pub normal: [f64; 3],
+    /// The true surface over the facet; none where all its edges are lines.
+    pub curve: Option<Box<CurvedFace>>,
 }
 
 impl ContactFace {
     /// Area per weight of a rule at the barycentric coordinates `l` `[corners]`.
     pub fn area_at(&self, l: &[f64]) -> f64 {
+        if let Some(curve) = &self.curve {
+            return curve.area_at(l, self.radii.is_some());
+        }
         match self.radii {
             None => self.area,
             Some([a, b]) => self.area * (l[0] * a + l[1] * b) / (0.5 * (a + b)),

@@ -9,14 +9,19 @@
 use std::f64::consts::TAU;
 
 use super::basis::{ContactBasis, Hats};
+use super::curved_face::{CurvedFace, Kinematics};
 use super::face::ContactFace;
 use super::incidence::{Couplings, Incidence};
 use super::layout::Layout;
 use super::shares::Shares;
 use crate::assembly::load::facet_measure;
+use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::geometry::vector3::{add, cross, norm, normalised, sub};
-use crate::mesh::Mesh;
+use crate::mesh::{EdgeOffset, Mesh};
 use crate::space::TaylorHood;
+
+/// Degree of the rule on faces.
+const FACE_DEGREE: u32 = 8;
 
 /// The candidate surface of one obstacle.
 #[derive(Clone, Debug)]
@@ -62,6 +67,7 @@ impl ContactSurface {
                 flat_area: area,
                 point: first.map(|x| x * scale),
                 normal,
+                curve: None,
             }
         };
         Self::of(facets.iter().map(face).collect(), &Hats)
@@ -90,6 +96,21 @@ impl ContactSurface {
         Self::laid_out(self.faces, basis, layout)
     }
 
+    /// The same surface with the middles of its edges where `offsets` have them, ascending
+    /// by their ends and in units of the mesh; `scale` multiplies them. Faces without any
+    /// stay as they are.
+    pub fn curved(
+        mut self,
+        (mesh, scale): (&Mesh, f64),
+        offsets: &[EdgeOffset],
+        kinematics: Kinematics,
+    ) -> Self {
+        for face in &mut self.faces {
+            face.curve = curve(face, (mesh, scale), offsets, kinematics);
+        }
+        Self::of(self.faces, self.basis)
+    }
+
     /// Numbers the functions by the nodes that carry them, ascending.
     fn of(faces: Vec<ContactFace>, basis: &'static dyn ContactBasis) -> Self {
         let own = |face: &ContactFace| basis.functions(face.corners.len());
@@ -106,10 +127,15 @@ impl ContactSurface {
     ) -> Self {
         let carriers = layout.nodes;
         let mut weights = vec![0.0; carriers.len()];
+        let curved = faces.iter().find(|face| face.curve.is_some());
+        let rule = curved.map(|face| face_rule(face.corners.len()));
         for (face, functions) in faces.iter_mut().zip(layout.faces) {
             face.functions = functions;
             for (k, &function) in face.functions.iter().enumerate() {
-                weights[function as usize] += basis.weight(face, k);
+                weights[function as usize] += match rule.as_ref().filter(|_| face.curve.is_some()) {
+                    Some(rule) => integral(face, basis, k, rule),
+                    None => basis.weight(face, k),
+                };
             }
         }
         let nodes = ascending(faces.iter().flat_map(|face| &face.nodes));
@@ -135,10 +161,61 @@ impl ContactSurface {
         }
     }
 
+    /// Whether the points of all faces move linearly with the displacement.
+    pub fn moves_linearly(&self) -> bool {
+        let mut curves = self.faces.iter().filter_map(|face| face.curve.as_ref());
+        curves.all(|curve| curve.kinematics == Kinematics::Linear)
+    }
+
     /// Number of multipliers.
     pub fn multipliers(&self) -> usize {
         self.shares.multipliers()
     }
+}
+
+/// The rule of contact integrals on faces with that many corners: the distance to a
+/// curved obstacle along a quadratic face is integrated to far below the tolerance.
+pub fn face_rule(corners: usize) -> Rule {
+    match corners {
+        2 => rule(Simplex::Segment, FACE_DEGREE),
+        _ => rule(Simplex::Triangle, FACE_DEGREE),
+    }
+}
+
+/// int psi_k dS over a face by a rule.
+fn integral(face: &ContactFace, basis: &dyn ContactBasis, k: usize, rule: &Rule) -> f64 {
+    let corners = face.corners.len();
+    let mut values = vec![0.0; basis.functions(corners)];
+    let points = rule.points.iter().zip(&rule.weights);
+    let terms = points.map(|(point, weight)| {
+        let l = &point[..corners];
+        basis.values(l, &mut values);
+        weight * face.area_at(l) * values[k]
+    });
+    terms.sum()
+}
+
+/// The true surface over a face; none where no edge of it has an offset.
+fn curve(
+    face: &ContactFace,
+    (mesh, scale): (&Mesh, f64),
+    offsets: &[EdgeOffset],
+    kinematics: Kinematics,
+) -> Option<Box<CurvedFace>> {
+    let offset = |a: usize, b: usize| {
+        let (a, b) = (face.corners.get(a)?, face.corners.get(b)?);
+        let ends = [*a.min(b), *a.max(b)];
+        let found = offsets.binary_search_by_key(&ends, |one| one.ends);
+        Some(offsets[found.ok()?].offset.map(|x| x * scale))
+    };
+    let found = [offset(0, 1), offset(0, 2), offset(1, 2)];
+    found.iter().any(Option::is_some).then(|| {
+        let corner = |v: &u32| mesh.coordinates()[*v as usize].map(|x| x * scale);
+        let corners = [0, 1, 2].map(|v| face.corners.get(v).map_or([0.0; 3], corner));
+        let offsets = found.map(Option::unwrap_or_default);
+        let count = face.corners.len();
+        Box::new(CurvedFace::new(count, corners, offsets, kinematics))
+    })
 }
 
 /// The values that occur, ascending.

@@ -21,7 +21,7 @@ const LIMIT: usize = i32::MAX as usize;
 const DEGENERATE: f64 = 1e-14;
 
 /// Distance from the plane z = 0 allowed in two dimensions, relative to the extent.
-const OFF_PLANE: f64 = 1e-12;
+pub(super) const OFF_PLANE: f64 = 1e-12;
 
 /// Sizes, ranges and groups: afterwards every index may be followed.
 pub(crate) fn check_arrays(parts: &MeshParts) -> Result<(), MeshError> {

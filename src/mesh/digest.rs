@@ -4,13 +4,15 @@
 //! u64 counts of vertices, cells, facets, groups; coordinates f64 `[vertices, 3]`;
 //! cells i32; facets i32; for each group u64 name length, name (UTF-8), u8
 //! dimension, u64 member count, members i32. Arrays are as uploaded, vertices
-//! that no cell uses included. Cost: one pass over the arrays.
+//! that no cell uses included. A mesh with offsets of edges begins with
+//! `signorini-mesh-v2\n` instead and ends with their u64 count, their ends i32
+//! `[edges, 2]` and the offsets f64 `[edges, 3]`. Cost: one pass over the arrays.
 
 use std::fmt;
 
 use sha2::{Digest, Sha256};
 
-use super::{GroupKind, MeshParts};
+use super::{EdgeOffset, GroupKind, MeshParts};
 
 /// Content address of a mesh; displayed as 64 lower-case hexadecimal digits.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -65,10 +67,13 @@ fn hexadecimal(digit: u8) -> Option<u8> {
 }
 
 /// Digest of arrays whose counts and indices fit 31 bits.
-pub(crate) fn digest(parts: &MeshParts) -> MeshId {
+pub(crate) fn digest(parts: &MeshParts, offsets: &[EdgeOffset]) -> MeshId {
     let kind = parts.cell_kind;
     let mut hasher = Sha256::new();
-    hasher.update(b"signorini-mesh-v1\n");
+    hasher.update(match offsets {
+        [] => b"signorini-mesh-v1\n",
+        _ => b"signorini-mesh-v2\n",
+    });
     hasher.update([kind.vertices() as u8]);
     let cells = parts.cells.len() / kind.vertices();
     let facets = parts.facets.len() / kind.facet_vertices();
@@ -88,7 +93,22 @@ pub(crate) fn digest(parts: &MeshParts) -> MeshId {
         hasher.update((group.members.len() as u64).to_le_bytes());
         update_all(&mut hasher, &group.members, |index| index.to_le_bytes());
     }
+    update_offsets(&mut hasher, offsets);
     MeshId(hasher.finalize().into())
+}
+
+/// Nothing for a straight mesh.
+fn update_offsets(hasher: &mut Sha256, offsets: &[EdgeOffset]) {
+    if offsets.is_empty() {
+        return;
+    }
+    hasher.update((offsets.len() as u64).to_le_bytes());
+    for one in offsets {
+        update_all(hasher, &one.ends, |vertex| vertex.to_le_bytes());
+    }
+    for one in offsets {
+        update_all(hasher, &one.offset, |value| value.to_le_bytes());
+    }
 }
 
 /// Dimension of the members of a group: that of the cells, or one less.
@@ -152,12 +172,37 @@ mod tests {
     #[test]
     fn digest_is_sha_256_of_the_canonical_bytes() {
         let expected: [u8; 32] = Sha256::digest(canonical()).into();
-        assert_eq!(digest(&parts()).as_bytes(), &expected);
+        assert_eq!(digest(&parts(), &[]).as_bytes(), &expected);
+    }
+
+    /// The offset of one edge.
+    fn bent() -> EdgeOffset {
+        EdgeOffset {
+            ends: [0, 2],
+            offset: [-0.25, 0.0, 0.0],
+        }
+    }
+
+    #[test]
+    fn a_curved_mesh_has_the_digest_of_its_second_version() {
+        let mut bytes = canonical();
+        bytes[16] = b'2';
+        bytes.extend(1_u64.to_le_bytes());
+        bytes.extend([0_i32, 2].iter().flat_map(|vertex| vertex.to_le_bytes()));
+        bytes.extend([-0.25, 0.0, 0.0_f64].iter().flat_map(|x| x.to_le_bytes()));
+        let expected: [u8; 32] = Sha256::digest(bytes).into();
+        assert_eq!(digest(&parts(), &[bent()]).as_bytes(), &expected);
+    }
+
+    #[test]
+    fn a_straight_mesh_keeps_its_digest() {
+        let expected = "293466b0cc4706f1de4b40fe09e909ad2d3ea9025136cf75c6201656f8fac7b5";
+        assert_eq!(digest(&parts(), &[]).to_string(), expected);
     }
 
     #[test]
     fn every_array_counts() {
-        let base = digest(&parts());
+        let base = digest(&parts(), &[]);
         let changes: [fn(&mut MeshParts); 5] = [
             |parts| parts.coordinates[1][2] = 1e-300,
             |parts| parts.cells.swap(0, 1),
@@ -168,13 +213,13 @@ mod tests {
         for change in changes {
             let mut changed = parts();
             change(&mut changed);
-            assert_ne!(digest(&changed), base);
+            assert_ne!(digest(&changed, &[]), base);
         }
     }
 
     #[test]
     fn hexadecimal_form_round_trips() {
-        let id = digest(&parts());
+        let id = digest(&parts(), &[]);
         assert_eq!(MeshId::from_hex(&id.to_string()), Some(id));
         assert_eq!(MeshId::from_hex(&id.to_string().to_uppercase()), None);
         assert_eq!(MeshId::from_hex("00"), None);

@@ -57,6 +57,35 @@ impl FacetFault {
     }
 }
 
+/// A fault of the offset of an edge.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum EdgeFault {
+    /// The vertices are no edge of any cell, lower one first.
+    Detached,
+    /// The edge does not come after the one before.
+    Unordered,
+    /// The offset is NaN or infinite.
+    NotFinite,
+    /// The offset leaves the plane of a triangle mesh.
+    OffPlane,
+    /// The offset is longer than half the edge.
+    TooFar,
+}
+
+impl EdgeFault {
+    /// What is wrong, as the predicate of a sentence about the offset.
+    fn description(self) -> &'static str {
+        match self {
+            Self::Detached => "belongs to no edge of a cell (vertices ascending)",
+            Self::Unordered => "does not come after the edge before",
+            Self::NotFinite => "is not finite",
+            Self::OffPlane => "leaves the plane z = 0 of a triangle mesh",
+            Self::TooFar => "is longer than half its edge: the middle belongs to another edge",
+        }
+    }
+}
+
 /// A fault of a group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -144,6 +173,17 @@ pub enum MeshError {
         /// First such facet.
         first: usize,
         /// Number of such facets.
+        count: usize,
+    },
+    /// Some offsets of edges have a fault in common; the first and their number are
+    /// named.
+    #[error("edge offset {first} {}{}", .fault.description(), others(*.count, "offsets"))]
+    Edges {
+        /// What is wrong.
+        fault: EdgeFault,
+        /// First such offset.
+        first: usize,
+        /// Number of such offsets.
         count: usize,
     },
     /// One group is faulty.

@@ -1,7 +1,8 @@
 //! Meshes of tetrahedra or triangles: what a caller uploads, checked and numbered.
 //!
 //! A [`Mesh`] is immutable and addressed by its content ([`MeshId`]). Cells have
-//! straight sides and positive measure. Two numberings of vertices live here:
+//! straight sides and positive measure; edges of the surface may have an offset
+//! ([`EdgeOffset`]), by which contact sees a curved surface. Two numberings of vertices live here:
 //! the *uploaded* one, and the *used* one, which leaves out vertices that no
 //! cell has and keeps the order of the others; `used_vertices` joins them.
 //! Everything below but the counts and groups speaks the used numbering. Edges
@@ -22,6 +23,7 @@ mod error;
 mod facets;
 pub mod locate;
 mod numbering;
+mod offsets;
 pub mod quality;
 mod topology;
 
@@ -29,12 +31,14 @@ use std::fmt;
 
 pub use cell::{CellKind, barycentric_gradients};
 pub use digest::MeshId;
-pub use error::{CellFault, FacetFault, GroupFault, MeshError};
+pub use error::{CellFault, EdgeFault, FacetFault, GroupFault, MeshError};
 pub use locate::{Located, Locator};
+pub use offsets::EdgeOffset;
 pub use quality::Quality;
 
 use facets::FacetParent;
 use numbering::Numbering;
+use offsets::Lines;
 
 /// What the members of a group are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -119,6 +123,9 @@ pub struct Mesh {
     facet_parents: Vec<FacetParent>,
     /// Facets that belong to one cell only, in the order of their lowest vertices.
     boundary: Vec<BoundaryFacet>,
+    /// Offsets of the edges of the surface that are no lines, by their own numbers and
+    /// in the order of the edges.
+    offsets: Vec<EdgeOffset>,
     /// Named sets of cells or facets.
     groups: Vec<Group>,
     /// Sentences about what was dropped or looks doubtful, for the plan to show.
@@ -131,8 +138,18 @@ impl Mesh {
     /// # Errors
     /// The first fault found, see [`MeshError`]; arrays of any content are safe.
     pub fn new(parts: MeshParts) -> Result<Self, MeshError> {
+        Self::second_order(parts, Vec::new())
+    }
+
+    /// [`Mesh::new`] with the offsets of edges (uploaded vertices), ascending by their
+    /// ends; those inside the body are left out.
+    ///
+    /// # Errors
+    /// As [`Mesh::new`], and for offsets of no edge or longer than half their edge.
+    pub fn second_order(parts: MeshParts, offsets: Vec<EdgeOffset>) -> Result<Self, MeshError> {
         check::check_arrays(&parts)?;
-        let id = digest::digest(&parts);
+        offsets::check_list(&offsets, parts.coordinates.len())?;
+        let id = digest::digest(&parts, &offsets);
         let kind = parts.cell_kind;
         let uploaded_vertex_count = parts.coordinates.len();
         let numbering = Numbering::new(&parts.cells, uploaded_vertex_count);
@@ -143,6 +160,13 @@ impl Mesh {
         let topology = topology::connect(kind, &cells, &facets, coordinates.len());
         check::refuse_listed(CellFault::Duplicate, &topology.facets.duplicates)?;
         check::refuse_listed(CellFault::CrowdedFacet, &topology.facets.crowded)?;
+        let lines = Lines {
+            coordinates: &coordinates,
+            numbering: &numbering,
+            topology: &topology,
+            is_plane: kind == CellKind::Triangle,
+        };
+        let (offsets, about_offsets) = lines.keep(offsets)?;
         let facet_parents = check::attached(topology.facets.parents)?;
         check::check_repeated_facets(kind, &parts.groups, &facet_parents, cells.len())?;
         Ok(Self {
@@ -154,7 +178,12 @@ impl Mesh {
             edges: topology.edges,
             facets: oriented(kind, &cells, &facet_parents, facets),
             boundary: topology.facets.boundary,
-            warnings: numbering.warnings(),
+            warnings: numbering
+                .warnings()
+                .into_iter()
+                .chain(about_offsets)
+                .collect(),
+            offsets,
             used: numbering.into_used(),
             coordinates,
             cells,
@@ -242,6 +271,20 @@ impl Mesh {
         found.ok().map(|edge| edge as u32)
     }
 
+    /// Offsets of the edges of the surface that are no lines, by used vertices,
+    /// ascending.
+    pub fn edge_offsets(&self) -> &[EdgeOffset] {
+        &self.offsets
+    }
+
+    /// Offset of the middle of the edge between two used vertices, in either order;
+    /// `None` where the edge is a line.
+    pub fn offset_between(&self, first: u32, second: u32) -> Option<[f64; 3]> {
+        let ends = [first.min(second), first.max(second)];
+        let found = self.offsets.binary_search_by_key(&ends, |one| one.ends);
+        found.ok().map(|place| self.offsets[place].offset)
+    }
+
     /// Used vertices of the uploaded facets, flat `[facets, 2 | 3]`, oriented
     /// outwards from the facet's cell.
     pub fn facets(&self) -> &[u32] {
@@ -307,6 +350,7 @@ impl Mesh {
             + array_bytes(&self.facets)
             + array_bytes(&self.facet_parents)
             + array_bytes(&self.boundary)
+            + array_bytes(&self.offsets)
             + members
     }
 }

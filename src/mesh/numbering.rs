@@ -62,6 +62,15 @@ impl Numbering {
         vertices
     }
 
+    /// The used numbers of the ends of an edge, [`u32::MAX`] for an unused one; the order
+    /// of vertices stays.
+    pub(super) fn renumbered(&self, ends: [u32; 2]) -> [u32; 2] {
+        ends.map(|vertex| match self.used.contains(vertex as usize) {
+            true => self.used.rank(&self.ranks, vertex as usize),
+            false => u32::MAX,
+        })
+    }
+
     /// Uploaded number of a used vertex, in linear time.
     pub(super) fn uploaded(&self, used: usize) -> Option<usize> {
         self.used.iter().nth(used)

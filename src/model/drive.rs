@@ -241,6 +241,7 @@ mod tests {
                     centre: [0.0; 3],
                     radius: 1.0,
                 },
+                surface: crate::scene::SurfaceGeometry::default(),
             }],
             ..Scene::default()
         };

@@ -20,21 +20,20 @@ use super::state::State;
 use super::surface_metric::SurfaceMetric;
 use crate::contact::basis::Bernstein;
 use crate::contact::patches::outward;
-use crate::contact::{ContactFace, ContactSurface, Counterpart, Guide};
-use crate::element::quadrature::{Rule, Simplex, rule};
+use crate::contact::smooth::{sagittas, smooth_offsets};
+use crate::contact::surface::face_rule;
+use crate::contact::{ContactFace, ContactSurface, Counterpart, Guide, Kinematics};
+use crate::element::quadrature::Rule;
 use crate::geometry::RigidMotion;
 use crate::mesh::Mesh;
 use crate::obstacle::{Contact, Moving, Obstacle, What};
 use crate::plan::Plan;
 use crate::plan::surfaces::ContactLayout;
 use crate::saddle::{AdmissibleSet, SetPart};
-use crate::scene::ContactSpace;
 use crate::scene::validate::{ResolvedObstacle, ResolvedSupport};
+use crate::scene::{ContactSpace, SurfaceGeometry};
 use crate::space::TaylorHood;
 
-/// Degree of the rule on contact faces: the distance to a curved obstacle
-/// along a quadratic face is integrated to far below the tolerance.
-const CONTACT_DEGREE: u32 = 8;
 /// Component of a unit normal that counts as one.
 const HELD_ALONG: f64 = 1e-9;
 
@@ -55,6 +54,9 @@ pub(crate) struct Interface {
     /// Its multipliers among those of all interfaces, ascending; obstacles on
     /// neighbouring parts of a smooth surface have common ones.
     pub(crate) multipliers: Vec<u32>,
+    /// Distance of the edges of each facet from the surface that the facets stand for
+    /// `[facets]`, in units of the mesh; empty where they are that surface.
+    pub(crate) sagittas: Vec<f64>,
 }
 
 /// What a surface meets.
@@ -130,7 +132,7 @@ impl Interface {
     /// Whether what the surface meets has no curvature, so that its tangent needs none.
     fn is_flat(&self) -> bool {
         match &self.role {
-            Role::Contact(shape) => shape.is_flat(),
+            Role::Contact(shape) => shape.is_flat() && self.surface.moves_linearly(),
             Role::Support(_) => true,
         }
     }
@@ -163,10 +165,6 @@ impl Interfaces {
         });
         let mut list: Vec<Interface> = contacts.chain(guides).collect();
         number_guides(plan, &mut list);
-        let simplex = match plan.units.dimension {
-            2 => Simplex::Segment,
-            _ => Simplex::Triangle,
-        };
         let surfaces = list.iter().map(|one| (&one.multipliers[..], &one.surface));
         let surfaces: Vec<(&[u32], &ContactSurface)> = surfaces.collect();
         Self {
@@ -174,7 +172,7 @@ impl Interfaces {
             metric: SurfaceMetric::new(plan, mesh, &surfaces),
             guided: plan.guided_multipliers,
             list,
-            rule: rule(simplex, CONTACT_DEGREE),
+            rule: face_rule(plan.units.dimension),
         }
     }
 
@@ -262,12 +260,16 @@ fn of_obstacle(
 ) -> Interface {
     let facets = obstacle.facets.iter();
     let facets: Vec<Vec<u32>> = facets.map(|&f| mesh.facet(f as usize).to_vec()).collect();
-    let bare = surface(plan, mesh, space, &facets);
+    let bare = true_surface((plan, mesh), obstacle, surface(plan, mesh, space, &facets));
     Interface {
         name: obstacle.name.clone(),
         surface: match plan.contact_space {
             ContactSpace::Linear => bare,
             ContactSpace::Quadratic => bare.with_layout(&Bernstein, planned.layout.clone()),
+        },
+        sagittas: match (obstacle.surface, mesh.edge_offsets()) {
+            (SurfaceGeometry::AsMeshed, []) => sagittas(mesh, &obstacle.facets),
+            _ => Vec::new(),
         },
         facets: obstacle.facets.clone(),
         idle: Vec::new(),
@@ -289,6 +291,7 @@ fn of_patch(
         name: support.name.clone(),
         idle: idle(plan, &surface, space.components),
         surface,
+        sagittas: Vec::new(),
         facets: patch.clone(),
         role: Role::Support(index),
         multipliers: Vec::new(),
@@ -302,6 +305,27 @@ fn surface(plan: &Plan, mesh: &Mesh, space: &TaylorHood, facets: &[Vec<u32>]) ->
     match plan.is_axisymmetric() {
         true => ContactSurface::about_axis(mesh, space, scale, facets),
         false => ContactSurface::new(mesh, space, scale, facets),
+    }
+}
+
+/// The surface with the offsets of its edges, where the mesh has any or the scene wants
+/// them fitted. Supports hold the planes of their facets instead.
+fn true_surface(
+    (plan, mesh): (&Plan, &Mesh),
+    obstacle: &ResolvedObstacle,
+    surface: ContactSurface,
+) -> ContactSurface {
+    let kinematics = match plan.resolved.is_rubber() {
+        true => Kinematics::Finite,
+        false => Kinematics::Linear,
+    };
+    let offsets = match obstacle.surface {
+        SurfaceGeometry::AsMeshed => Cow::Borrowed(mesh.edge_offsets()),
+        SurfaceGeometry::Smooth => Cow::Owned(smooth_offsets(mesh, &obstacle.facets)),
+    };
+    match offsets.as_ref() {
+        [] => surface,
+        offsets => surface.curved((mesh, plan.units.coordinate_scale), offsets, kinematics),
     }
 }
 

@@ -94,6 +94,8 @@ pub struct Plan {
     pub(crate) p1: p1::P1Choice,
     /// Method of the linear systems.
     pub(crate) saddle: SaddleChoice,
+    /// Number of edges of the surface whose offset the mesh knows.
+    pub(crate) curved_edges: usize,
     /// Sentences about what the caller should know, for reports of the plan.
     pub(crate) warnings: Vec<String>,
 }
@@ -149,6 +151,7 @@ impl Plan {
         let saddle = saddle_for(scene, unknowns, [displacement.demand(), p1.solver.demand()]);
         let own = conflicts(&resolved, mesh).into_iter();
         Ok(Self {
+            curved_edges: mesh.edge_offsets().len(),
             warnings: mesh.warnings().iter().cloned().chain(own).collect(),
             units,
             mesh_id: mesh.id(),

@@ -7,7 +7,7 @@
 use super::{Plan, estimate};
 use crate::linalg::cholesky::Precision;
 use crate::report::Unknowns;
-use crate::scene::{ElementKind, MetricKind, P1Solver};
+use crate::scene::{ElementKind, MetricKind, P1Solver, SurfaceGeometry};
 
 /// One decision.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -112,6 +112,7 @@ impl Plan {
         }
         if self.unknowns.contact > 0 {
             push("contact", self.contact.describe(), &self.contact.reason);
+            self.push_surface(&mut push);
         }
         if self.is_floating() {
             let reason = format!("supports leave {}", self.resolved.free_modes.join(", "));
@@ -127,6 +128,17 @@ impl Plan {
             name.push_str(", along short edges");
         }
         push("displacement_preconditioner", name, reason);
+    }
+
+    /// Which surface of the body contact sees, where it is not that of flat facets.
+    fn push_surface(&self, push: &mut dyn FnMut(&str, String, &str)) {
+        let mut surfaces = self.obstacles.iter().map(|obstacle| obstacle.surface);
+        if surfaces.any(|surface| surface == SurfaceGeometry::Smooth) {
+            push("surface", "arcs fitted over the facets".into(), "asked for");
+        } else if self.curved_edges > 0 {
+            let choice = format!("true surface: {} edges carry offsets", self.curved_edges);
+            push("surface", choice, "the mesh is of second order");
+        }
     }
 
     /// The P1 solver with its number type.

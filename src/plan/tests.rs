@@ -73,6 +73,7 @@ fn with_floor(mut scene: Scene) -> Scene {
             point: [0.0; 3],
             normal: [0.0, 0.0, 1.0],
         },
+        surface: crate::scene::SurfaceGeometry::default(),
     }];
     scene
 }

@@ -28,6 +28,7 @@ use crate::report::{ObstacleResult, ProbeResult, StepReport, SupportResult, Term
 use crate::results::errors::manufactured_errors;
 use crate::results::estimate::{estimate, force_error};
 use crate::results::finite_strain::{deformed_pressure, jacobian_bound};
+use crate::results::geometry_error::geometry_error;
 use crate::results::touching::Touching;
 
 /// The report, without what only the session knows.
@@ -153,6 +154,7 @@ fn obstacles(
     touching.results(|interface, found, result| {
         result.force_error =
             estimated.map(|estimate| force_error(model, interface, found, estimate) * force_unit);
+        result.geometry_error = geometry_error(model, state, interface);
         let own = deformed.as_ref().map(|all| &all[places[&*interface.name]]);
         result.max_pressure_deformed = own.map(|own| interface.surface.largest(own));
     })

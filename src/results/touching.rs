@@ -104,6 +104,7 @@ impl<'a> Touching<'a> {
         ObstacleResult {
             force: found.force.map(|x| x * units.force()),
             force_error: None,
+            geometry_error: None,
             moment: found.moment.map(|x| x * units.energy()),
             contact_area: found.area * units.area(),
             max_pressure: found.max_pressure * units.stress,

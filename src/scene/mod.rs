@@ -103,6 +103,18 @@ pub struct Obstacle {
     pub on: Vec<String>,
     /// Geometry in its initial pose, in the caller's lengths.
     pub shape: Shape,
+    /// Which surface of the body meets it.
+    pub surface: SurfaceGeometry,
+}
+
+/// The surface of the body that meets an obstacle.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SurfaceGeometry {
+    /// Facets, and the edges of second order that the mesh has.
+    #[default]
+    AsMeshed,
+    /// Arcs over the facets, fitted to their normals.
+    Smooth,
 }
 
 /// A named point whose values each step reports.

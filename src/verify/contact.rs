@@ -8,9 +8,11 @@
 
 use std::f64::consts::TAU;
 
+use super::curved::Curved;
 use super::{shapes, turn};
 use crate::contact::{ContactFace, Counterpart};
 use crate::element::quadrature::{Rule, Simplex, rule};
+use crate::geometry::vector3::add;
 use crate::model::Model;
 use crate::model::state::State;
 use crate::obstacle::{Contact, What};
@@ -78,12 +80,13 @@ impl Faces<'_, '_> {
         (gap, force): (&mut [f64], &mut [[f64; 3]]),
     ) {
         let units = &self.model.plan.units;
-        let measure = self.measure(face);
+        let curved = Curved::of(face, self.moved(face));
         for (point, weight) in self.rule.points.iter().zip(&self.rule.weights) {
             let l = &point[..units.dimension];
             let (values, _) = shapes(l, &[], self.pairs);
-            let (x, radius) = self.place(face, l, &values);
-            let area = measure * turn(self.model, radius);
+            let edges = &values[l.len()..];
+            let (x, radius) = self.place((face, curved.as_ref()), l, &values);
+            let area = self.measure((face, curved.as_ref()), l) * turn(self.model, radius);
             let mut contact = [Contact::default()];
             met.probe_on(
                 face,
@@ -103,12 +106,34 @@ impl Faces<'_, '_> {
                     force[node as usize][i] += weight * area * shape * local * contact.normal[i];
                 }
             }
+            let Some(curved) = &curved else {
+                continue;
+            };
+            let push = contact.normal.map(|n| weight * area * local * n);
+            for (corner, &vertex) in face.corners.iter().enumerate() {
+                let pull = curved.pull(edges, corner, push);
+                (0..3).for_each(|i| force[vertex as usize][i] += pull[i]);
+            }
         }
     }
 
+    /// Displacements of the corners in lengths of the scaled body `[3][3]`.
+    fn moved(&self, face: &ContactFace) -> [[f64; 3]; 3] {
+        let length = self.model.plan.units.length;
+        let at = |v: &u32| self.nodal[*v as usize].map(|x| x / length);
+        [0, 1, 2].map(|corner| face.corners.get(corner).map_or([0.0; 3], at))
+    }
+
     /// Area or, where the way around is that of each point, length.
-    fn measure(&self, face: &ContactFace) -> f64 {
+    fn measure(&self, (face, curved): (&ContactFace, Option<&Curved<'_>>), l: &[f64]) -> f64 {
         let units = &self.model.plan.units;
+        if let Some(curved) = curved {
+            let unit = match units.dimension {
+                2 => units.length,
+                _ => units.area(),
+            };
+            return curved.measure(l) * unit;
+        }
         match face.radii {
             None => face.area * units.area(),
             Some([a, b]) => face.area / (0.5 * TAU * (a + b)) * units.length,
@@ -117,7 +142,12 @@ impl Faces<'_, '_> {
 
     /// The displaced point with coordinates `l`, and the undeformed radius; `values`
     /// are those of the shape functions.
-    fn place(&self, face: &ContactFace, l: &[f64], values: &[f64]) -> ([f64; 3], f64) {
+    fn place(
+        &self,
+        (face, curved): (&ContactFace, Option<&Curved<'_>>),
+        l: &[f64],
+        values: &[f64],
+    ) -> ([f64; 3], f64) {
         let units = &self.model.plan.units;
         let scale = units.coordinate_scale * units.length;
         let mut x = [0.0; 3];
@@ -125,7 +155,13 @@ impl Faces<'_, '_> {
             let corner = self.model.mesh.coordinates()[vertex as usize];
             (0..3).for_each(|i| x[i] += l * corner[i] * scale);
         }
-        let radius = x[0];
+        let edges = &values[l.len()..];
+        let mut radius = x[0];
+        if let Some(curved) = curved {
+            let [off, at_rest] = curved.off(edges).map(|off| off.map(|x| x * units.length));
+            radius += at_rest[0];
+            x = add(x, off);
+        }
         for (&node, shape) in face.nodes.iter().zip(values) {
             (0..3).for_each(|i| x[i] += shape * self.nodal[node as usize][i]);
         }

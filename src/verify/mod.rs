@@ -6,6 +6,7 @@
 
 mod cell;
 mod contact;
+mod curved;
 mod loads;
 mod pressures;
 mod rubber;

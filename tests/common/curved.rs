@@ -7,13 +7,13 @@ use std::collections::BTreeMap;
 use signorini::{CellKind, Group, GroupKind, MeshParts};
 
 /// A triangulated parameter plane.
-struct Sheet {
-    points: Vec<[f64; 2]>,
-    triangles: Vec<[u32; 3]>,
+pub(super) struct Sheet {
+    pub(super) points: Vec<[f64; 2]>,
+    pub(super) triangles: Vec<[u32; 3]>,
 }
 
 /// The unit square of 2 `across` x `up` triangles.
-fn square(across: usize, up: usize) -> Sheet {
+pub(super) fn square(across: usize, up: usize) -> Sheet {
     let number = |i: usize, j: usize| (j * (across + 1) + i) as u32;
     let mut points = Vec::new();
     let mut triangles = Vec::new();
@@ -124,11 +124,11 @@ fn volume([a, b, c, d]: [[f64; 3]; 4]) -> f64 {
 }
 
 /// A surface: its name and which points lie on it.
-type Surface<'a> = (&'a str, &'a dyn Fn([f64; 3]) -> bool);
+pub(super) type Surface<'a> = (&'a str, &'a dyn Fn([f64; 3]) -> bool);
 
 /// The body of `cells`, with the boundary facets whose vertices all lie on a
 /// surface in the group of that name; the first that fits takes a facet.
-fn body(
+pub(super) fn body(
     cell_kind: CellKind,
     coordinates: Vec<[f64; 3]>,
     cells: Vec<u32>,
@@ -178,7 +178,7 @@ fn group(name: &str, kind: GroupKind, members: Vec<u32>) -> Group {
     }
 }
 
-fn near(value: f64, expected: f64) -> bool {
+pub(super) fn near(value: f64, expected: f64) -> bool {
     (value - expected).abs() < 1e-9
 }
 

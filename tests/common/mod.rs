@@ -5,6 +5,7 @@
 pub(crate) mod curved;
 pub(crate) mod meshes;
 pub(crate) mod refusals;
+pub(crate) mod rounded;
 pub(crate) mod scene_files;
 pub(crate) mod scenes;
 

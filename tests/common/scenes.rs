@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use signorini::scene::{
     Formulation, Material, MaterialModel, Modulus, Obstacle, ObstacleTarget, Probe, Profile,
-    RubberModel, Shape, Support, SupportTarget, Traction,
+    RubberModel, Shape, Support, SupportTarget, SurfaceGeometry, Traction,
 };
 use signorini::{Mesh, Scene, Step};
 
@@ -83,6 +83,7 @@ pub(crate) fn obstacle(name: &str, on: &str, shape: Shape) -> Obstacle {
         name: name.to_owned(),
         on: vec![on.to_owned()],
         shape,
+        surface: SurfaceGeometry::default(),
     }
 }
 

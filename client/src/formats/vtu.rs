@@ -2,7 +2,8 @@
 //!
 //! Points are the P2 nodes: the vertices, then the midpoint of every unique
 //! edge of the cells as (low, high) vertex pairs in lexicographic order, the
-//! order in which the service sends displacement. Fields of the vertices only
+//! order in which the service sends displacement; edges of a second-order mesh may have
+//! their midpoint off the line. Fields of the vertices only
 //! are linear: their midpoint values are the means of the two ends (of the
 //! contact state: the smaller). Cells are `VTK_QUADRATIC_TRIANGLE` or
 //! `VTK_QUADRATIC_TETRA`; points stay undeformed (ParaView's Warp By Vector shows
@@ -92,6 +93,19 @@ impl Grid {
         grid.points = grid.on_nodes(3, &grid.points, mean);
         grid.connect(vertices_per_cell, local, cells);
         Ok(grid)
+    }
+
+    /// Moves the middles of edges by their offsets, given with their vertices, the lower
+    /// one first; unknown edges are left out.
+    pub fn bend(&mut self, offsets: impl Iterator<Item = ([u32; 2], [f64; 3])>) {
+        for ([low, high], offset) in offsets {
+            let Ok(edge) = self.edges.binary_search(&(low, high)) else {
+                continue;
+            };
+            let first = 3 * (self.vertex_count + edge);
+            let place = self.points.iter_mut().skip(first);
+            place.zip(offset).for_each(|(x, by)| *x += by);
+        }
     }
 
     /// P2 nodes.
@@ -285,6 +299,15 @@ mod tests {
         // Sorted edges: 01 02 03 12 13 23 have nodes 4 to 9.
         assert_eq!(grid.connectivity, [0, 1, 2, 3, 4, 7, 5, 6, 8, 9]);
         assert_eq!(&grid.points()[7 * 3..8 * 3], [0.5, 0.5, 0.0]);
+    }
+
+    #[test]
+    fn middles_of_curved_edges_are_where_the_mesh_has_them() {
+        let mut grid = Grid::new(4, &CORNERS, &[0, 1, 2, 3]).unwrap();
+        let unknown = ([3, 9], [9.0; 3]);
+        grid.bend([([1, 2], [0.25, 0.25, 0.0]), unknown].into_iter());
+        assert_eq!(&grid.points()[7 * 3..8 * 3], [0.75, 0.75, 0.0]);
+        assert_eq!(&grid.points()[4 * 3..5 * 3], [0.5, 0.0, 0.0]);
     }
 
     #[test]

@@ -8,7 +8,7 @@ use signorini_proto::v1::read_mesh_response::Part;
 use super::{missing, resource};
 use crate::connect::{Client, answer};
 use crate::error::ClientError;
-use crate::formats::msh::{MeshFile, MeshGroup};
+use crate::formats::msh::{CurvedEdge, MeshFile, MeshGroup};
 
 /// The arrays of a mesh on their way.
 struct Arrays {
@@ -16,6 +16,8 @@ struct Arrays {
     coordinates: Assembler<f64>,
     cells: Assembler<i32>,
     facets: Assembler<i32>,
+    curved_edges: Assembler<i32>,
+    edge_offsets: Assembler<f64>,
     groups: Vec<(v1::MeshGroup, Assembler<i32>)>,
 }
 
@@ -35,6 +37,8 @@ impl Arrays {
             coordinates: assembler(header.vertex_count, 3)?,
             cells: assembler(header.cell_count, vertices_per_cell)?,
             facets: assembler(header.facet_count, vertices_per_cell - 1)?,
+            curved_edges: assembler(header.curved_edge_count, 2)?,
+            edge_offsets: assembler(header.curved_edge_count, 3)?,
             groups: groups.collect::<Result<_, ClientError>>()?,
         })
     }
@@ -45,6 +49,8 @@ impl Arrays {
             MeshArray::Coordinates => self.coordinates.push(offset, data)?,
             MeshArray::Cells => self.cells.push(offset, data)?,
             MeshArray::Facets => self.facets.push(offset, data)?,
+            MeshArray::CurvedEdges => self.curved_edges.push(offset, data)?,
+            MeshArray::EdgeOffsets => self.edge_offsets.push(offset, data)?,
             MeshArray::GroupMembers => {
                 let index = usize::try_from(chunk.group_index).unwrap_or(usize::MAX);
                 let group = self.groups.get_mut(index);
@@ -74,9 +80,19 @@ impl Arrays {
             cells: indices(self.cells)?,
             facets: indices(self.facets)?,
             groups: groups.collect::<Result<_, ClientError>>()?,
+            curved: curved(self.curved_edges, self.edge_offsets)?,
             warnings: Vec::new(),
         })
     }
+}
+
+/// The curved edges from their two arrays.
+fn curved(ends: Assembler<i32>, offsets: Assembler<f64>) -> Result<Vec<CurvedEdge>, ClientError> {
+    let (ends, offsets) = (indices(ends)?, offsets.finish()?);
+    let rows = ends.as_chunks::<2>().0.iter();
+    let edges = rows.zip(offsets.as_chunks::<3>().0);
+    let edge = |(&ends, &offset): (&[u32; 2], &[f64; 3])| CurvedEdge { ends, offset };
+    Ok(edges.map(edge).collect())
 }
 
 /// Grows with what arrives, never with the announced count.
@@ -140,6 +156,7 @@ mod tests {
             cell_count: 1,
             facet_count: 1,
             groups: vec![group],
+            curved_edge_count: 1,
         }
     }
 
@@ -158,6 +175,9 @@ mod tests {
         arrays.add(&chunk(MeshArray::Coordinates, &points)).unwrap();
         arrays.add(&chunk(MeshArray::Cells, &[0, 1, 2])).unwrap();
         arrays.add(&chunk(MeshArray::Facets, &[0, 1])).unwrap();
+        arrays.add(&chunk(MeshArray::CurvedEdges, &[0, 2])).unwrap();
+        let offset = chunk(MeshArray::EdgeOffsets, &[-0.25, 0.0, 0.0]);
+        arrays.add(&offset).unwrap();
         arrays.add(&chunk(MeshArray::GroupMembers, &[0])).unwrap();
         let mesh = arrays.finish().unwrap();
         assert_eq!(
@@ -165,6 +185,7 @@ mod tests {
             [1.0, 0.0, 0.0].map(f64::to_bits)
         );
         assert_eq!((mesh.cell_count(), mesh.facet_count()), (1, 1));
+        assert_eq!(mesh.curved[0].ends, [0, 2]);
         assert_eq!(
             (mesh.groups[0].name.as_str(), mesh.groups[0].dimension),
             ("base", 1)

@@ -6,14 +6,24 @@ use super::body::name_of;
 use super::keys::Keys;
 use super::shape::shape;
 
+/// Words for the surface of the body.
+const SURFACES: &[(&str, v1::SurfaceGeometry)] = &[
+    ("as-meshed", v1::SurfaceGeometry::AsMeshed),
+    ("smooth", v1::SurfaceGeometry::Smooth),
+];
+
 pub(super) fn obstacles(scene: &Keys<'_>) -> Vec<v1::Obstacle> {
-    let tables = scene.tables("obstacle", &["name", "on", "shape", "friction", "tresca"]);
+    let tables = scene.tables(
+        "obstacle",
+        &["name", "on", "shape", "friction", "tresca", "surface"],
+    );
     let obstacle = |(index, keys): (usize, &Keys<'_>)| v1::Obstacle {
         name: name_of(keys, "obstacle", index),
         on: keys.required_names("on"),
         shape: keys.required_open_table("shape").map(|keys| shape(&keys)),
         friction: keys.number("friction"),
         tresca: keys.number("tresca"),
+        surface: keys.choice("surface", SURFACES).unwrap_or_default().into(),
     };
     tables.iter().enumerate().map(obstacle).collect()
 }

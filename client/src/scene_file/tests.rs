@@ -216,6 +216,9 @@ fn every_key_of_the_contract_reaches_the_message() {
         (scene.obstacles[0].friction, scene.obstacles[1].tresca),
         (Some(0.3), Some(2.0))
     );
+    let surfaces = [0, 1].map(|index: usize| scene.obstacles[index].surface());
+    let unsaid = v1::SurfaceGeometry::Unspecified;
+    assert_eq!(surfaces, [unsaid, v1::SurfaceGeometry::Smooth]);
     assert_eq!(scene.manufactured, "A1m");
     let step = &scene.steps[0];
     assert_eq!((step.increments, step.load), (Some(4), Some(0.5)));

@@ -6,7 +6,7 @@ mod engine;
 
 use bytes::Bytes;
 use prost::Message;
-use signorini::mesh::{CellKind, Group, GroupKind, Mesh, MeshParts};
+use signorini::mesh::{CellKind, EdgeOffset, Group, GroupKind, Mesh, MeshParts};
 use signorini::plan::Plan;
 use signorini::report::FieldName;
 use signorini_proto::array;
@@ -186,7 +186,11 @@ fn later_scene(mesh: &Mesh) -> wire::Scene {
 
 /// The messages of an upload as the fields of one that repeats them.
 fn upload() -> Vec<u8> {
-    let (parts, mesh) = (parts(), Mesh::new(parts()).unwrap());
+    let bent = EdgeOffset {
+        ends: [0, 1],
+        offset: [0.0, -0.1, 0.0],
+    };
+    let (parts, mesh) = (parts(), Mesh::second_order(parts(), vec![bent]).unwrap());
     let header = wire::MeshHeader {
         digest: mesh.id().to_string(),
         cell_kind: wire::CellKind::Tetrahedron.into(),
@@ -194,6 +198,7 @@ fn upload() -> Vec<u8> {
         cell_count: 1,
         facet_count: 2,
         groups: super::mesh::mesh(&mesh, &unused()).groups,
+        curved_edge_count: 1,
     };
     let indices =
         |values: &[u32]| array::encode(&values.iter().map(|v| *v as i32).collect::<Vec<_>>());
@@ -211,6 +216,8 @@ fn upload() -> Vec<u8> {
         ),
         chunk(wire::MeshArray::Cells, 0, indices(&parts.cells)),
         chunk(wire::MeshArray::Facets, 0, indices(&parts.facets)),
+        chunk(wire::MeshArray::CurvedEdges, 0, indices(&bent.ends)),
+        chunk(wire::MeshArray::EdgeOffsets, 0, array::encode(&bent.offset)),
     ];
     for (index, group) in (0..).zip(&parts.groups) {
         chunks.push(chunk(
@@ -345,13 +352,14 @@ fn uploaded(mut input: &[u8]) -> Result<Mesh, Fault> {
         upload.push(&chunk)?;
     }
     let invalid = |error: signorini::MeshError| Fault::MeshInvalid(error.to_string());
-    Mesh::new(upload.finish()?).map_err(invalid)
+    let (parts, offsets) = upload.finish()?;
+    Mesh::second_order(parts, offsets).map_err(invalid)
 }
 
 #[test]
 fn every_upload_is_a_mesh_or_refused() {
     let corpus = Corpus::new(Form::Messages, vec![upload()], &WORDS);
-    assert_eq!(uploaded(&upload()).unwrap().cell_count(), 1);
+    assert_eq!(uploaded(&upload()).unwrap().edge_offsets().len(), 1);
     let (mut meshes, mut refused) = (0, 0);
     Campaign::from_environment().run(&corpus, |input, _| match uploaded(input) {
         Ok(mesh) => {

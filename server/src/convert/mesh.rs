@@ -23,6 +23,8 @@ const PREFIX: &str = "meshes/";
 
 /// The ends of an edge.
 const EDGE_BYTES: u64 = 8;
+/// The ends of a curved edge and its offset.
+const CURVED_EDGE_BYTES: u64 = 8 + 24;
 /// The cell behind an uploaded facet and the facet of the boundary.
 const FACET_BYTES: u64 = 8 + 20;
 /// What building holds beside the mesh, as a fraction of it.
@@ -51,6 +53,7 @@ pub(crate) struct Header {
     vertices: usize,
     cells: usize,
     facets: usize,
+    curved_edges: usize,
     groups: Vec<GroupHeader>,
 }
 
@@ -82,6 +85,11 @@ impl Header {
             )?,
             cells: size(message.cell_count, MAXIMUM_CELLS, "header.cell_count")?,
             facets: size(message.facet_count, MAXIMUM_CELLS, "header.facet_count")?,
+            curved_edges: size(
+                message.curved_edge_count,
+                MAXIMUM_CELLS,
+                "header.curved_edge_count",
+            )?,
             groups: message
                 .groups
                 .into_iter()
@@ -95,7 +103,8 @@ impl Header {
         let members: u64 = self.groups.iter().map(|group| group.members as u64).sum();
         let kind = self.cell_kind;
         let indices = self.cells * kind.vertices() + self.facets * kind.facet_vertices();
-        24 * self.vertices as u64 + 4 * (indices as u64 + members)
+        let curved = CURVED_EDGE_BYTES * self.curved_edges as u64;
+        24 * self.vertices as u64 + 4 * (indices as u64 + members) + curved
     }
 
     /// Bytes that the upload and the mesh made of it take at most, for a mesh
@@ -138,6 +147,7 @@ pub(crate) fn mesh(mesh: &Mesh, uses: &MeshUse) -> wire::Mesh {
         session_count: wide(uses.sessions as u64),
         create_time: Some(uses.created.into()),
         last_use_time: Some(uses.used.into()),
+        curved_edge_count: wide(mesh.edge_offsets().len() as u64),
     }
 }
 

@@ -173,6 +173,7 @@ fn obstacle(value: ObstacleResult) -> wire::ObstacleResult {
     wire::ObstacleResult {
         force: value.force.to_vec(),
         force_error: value.force_error,
+        geometry_error: value.geometry_error,
         moment: value.moment.to_vec(),
         contact_area: value.contact_area,
         max_pressure: value.max_pressure,

@@ -199,6 +199,7 @@ fn obstacle(message: wire::Obstacle, index: usize, faults: &mut Faults) -> Obsta
         name: faults.name(&message.name, &path),
         on: surfaces(message.on, &path, faults),
         shape: shape::shape(message.shape, &format!("{path}.shape"), faults),
+        surface: shape::surface(message.surface, &path, faults),
     }
 }
 

@@ -1,6 +1,6 @@
 //! Shapes of obstacles.
 
-use signorini::scene::Shape;
+use signorini::scene::{Shape, SurfaceGeometry};
 use signorini_proto::v1 as wire;
 
 use super::Faults;
@@ -57,5 +57,22 @@ fn name(kind: &wire::shape::Kind) -> &'static str {
         Kind::Surface(_) => "surface",
         Kind::HeightField(_) => "height-field",
         Kind::DistanceGrid(_) => "distance-grid",
+    }
+}
+
+/// Which surface of the body meets an obstacle.
+pub(super) fn surface(number: i32, path: &str, faults: &mut Faults) -> SurfaceGeometry {
+    match wire::SurfaceGeometry::try_from(number) {
+        Ok(wire::SurfaceGeometry::Unspecified | wire::SurfaceGeometry::AsMeshed) => {
+            SurfaceGeometry::AsMeshed
+        }
+        Ok(wire::SurfaceGeometry::Smooth) => SurfaceGeometry::Smooth,
+        Err(_) => {
+            faults.later(
+                format!("{path}.surface"),
+                format!("number {number} is not known here"),
+            );
+            SurfaceGeometry::AsMeshed
+        }
     }
 }

@@ -220,7 +220,8 @@ async fn within<T>(idle: Duration, arrival: impl Future<Output = T>) -> Result<T
 
 fn build(upload: Upload, declared: MeshId) -> Result<Mesh, Fault> {
     let invalid = |error: signorini::MeshError| Fault::MeshInvalid(error.to_string());
-    let mesh = Mesh::new(upload.finish()?).map_err(invalid)?;
+    let (parts, offsets) = upload.finish()?;
+    let mesh = Mesh::second_order(parts, offsets).map_err(invalid)?;
     if mesh.id() == declared {
         return Ok(mesh);
     }

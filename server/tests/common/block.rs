@@ -12,6 +12,8 @@ pub(crate) struct Block {
     pub(crate) bottom: Vec<i32>,
     pub(crate) top: Vec<i32>,
     pub(crate) body: Vec<i32>,
+    pub(crate) curved_edges: Vec<i32>,
+    pub(crate) edge_offsets: Vec<f64>,
 }
 
 impl Block {
@@ -23,6 +25,8 @@ impl Block {
             bottom: Vec::new(),
             top: Vec::new(),
             body: (0..6 * n * n * n).collect(),
+            curved_edges: Vec::new(),
+            edge_offsets: Vec::new(),
         };
         for k in 0..=n {
             for j in 0..=n {
@@ -107,6 +111,8 @@ impl Block {
             cells: &self.cells,
             facets: &self.facets,
             groups: &groups,
+            curved_edges: &self.curved_edges,
+            edge_offsets: &self.edge_offsets,
         }))
     }
 
@@ -122,6 +128,7 @@ impl Block {
                 kind: kind.into(),
                 member_count: members.len() as i64,
             })),
+            curved_edge_count: (self.curved_edges.len() / 2) as i64,
         }
     }
 
@@ -145,6 +152,10 @@ impl Block {
         );
         add(wire::MeshArray::Cells, 0, array::encode(&self.cells), 4);
         add(wire::MeshArray::Facets, 0, array::encode(&self.facets), 4);
+        let curved = array::encode(&self.curved_edges);
+        add(wire::MeshArray::CurvedEdges, 0, curved, 4);
+        let offsets = array::encode(&self.edge_offsets);
+        add(wire::MeshArray::EdgeOffsets, 0, offsets, 8);
         for (index, (_, _, members)) in (0..).zip(self.groups()) {
             add(
                 wire::MeshArray::GroupMembers,

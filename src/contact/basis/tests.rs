@@ -16,6 +16,7 @@ fn faces() -> [ContactFace; 3] {
         flat_area: 0.7,
         point: [0.0; 3],
         normal: [0.0, 0.0, 1.0],
+        curve: None,
     };
     [face(3, None), face(2, None), face(2, Some([0.2, 0.9]))]
 }

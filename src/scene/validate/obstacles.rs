@@ -23,6 +23,7 @@ pub(crate) fn build(
                 name: item.name.clone(),
                 facets,
                 shape,
+                surface: item.surface,
             }),
             Err(error) => misshapen(item, &error, &mut faults),
         }

@@ -9,7 +9,7 @@ use crate::element::manufactured::Manufactured;
 use crate::material::{LinearElastic, Rubber};
 use crate::mesh::locate::Located;
 use crate::obstacle::Obstacle;
-use crate::scene::SceneKind;
+use crate::scene::{SceneKind, SurfaceGeometry};
 
 /// An item of the scene and the facets of the groups that it names.
 #[derive(Clone, Debug)]
@@ -84,6 +84,8 @@ pub(crate) struct ResolvedObstacle {
     pub(crate) facets: Vec<u32>,
     /// Its shape in the initial pose, lengths over the reference length.
     pub(crate) shape: Arc<dyn Obstacle>,
+    /// Which surface of the body meets it.
+    pub(crate) surface: SurfaceGeometry,
 }
 
 /// A point that each result reports.

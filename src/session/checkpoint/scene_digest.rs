@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 
 use crate::scene::{
     Formulation, Material, MaterialModel, Modulus, Obstacle, Pressure, Probe, Profile, RubberModel,
-    Scene, SceneKind, Shape, SolverOptions, Support, ToleranceRule, Traction,
+    Scene, SceneKind, Shape, SolverOptions, Support, SurfaceGeometry, ToleranceRule, Traction,
 };
 
 /// The digest of `scene`.
@@ -170,7 +170,15 @@ impl Canonical {
     }
 
     fn obstacle(&mut self, obstacle: &Obstacle) {
-        let Obstacle { name, on, shape } = obstacle;
+        let Obstacle {
+            name,
+            on,
+            shape,
+            surface,
+        } = obstacle;
+        if *surface == SurfaceGeometry::Smooth {
+            self.text("smooth");
+        }
         self.text(name);
         self.texts(on);
         let (kind, [first, second], radius) = match shape {

@@ -34,6 +34,7 @@ fn scene() -> Scene {
                 centre: [0.5, 0.5, 2.0],
                 radius: 1.0,
             },
+            surface: crate::scene::SurfaceGeometry::default(),
         }],
         ..Scene::default()
     }

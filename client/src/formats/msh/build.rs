@@ -7,15 +7,16 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
+use super::curved::Source;
 use super::error::{Fault, MshError};
 use super::raw::{Block, Owner, RawMesh};
-use super::{MeshFile, MeshGroup};
+use super::{CurvedEdge, MeshFile, MeshGroup};
 
 /// Indices on the wire are signed 32-bit numbers.
 const LARGEST: u64 = i32::MAX as u64;
 
 /// Relative distance from the plane z = 0 that is taken as rounding.
-const PLANE_TOLERANCE: f64 = 1e-12;
+pub(super) const PLANE_TOLERANCE: f64 = 1e-12;
 
 /// The mesh of a file.
 pub(super) fn mesh(raw: &RawMesh) -> Result<MeshFile, MshError> {
@@ -28,9 +29,17 @@ pub(super) fn mesh(raw: &RawMesh) -> Result<MeshFile, MshError> {
 fn assemble(raw: &RawMesh, nodes: &[(u64, [f64; 3])], blocks: &[Block]) -> Result<MeshFile, Fault> {
     let dimension = cell_dimension(blocks)?;
     let numbering = Numbering::new(nodes, blocks)?;
-    let mut warnings = warnings(raw, blocks, dimension);
     let coordinates = coordinates(&numbering, dimension)?;
     let cells = collect(raw, blocks, dimension, &numbering)?;
+    let source = Source {
+        nodes,
+        blocks,
+        dimension,
+        coordinates: &coordinates,
+        cells: &cells.vertices,
+    };
+    let curved = source.edges(|tag| numbering.index(tag), |vertex| numbering.tag(vertex))?;
+    let mut warnings = warnings(raw, blocks, dimension, &curved);
     let facets = collect(raw, blocks, dimension - 1, &numbering)?;
     let mut groups = named(raw, dimension - 1, facets.groups, &mut warnings);
     groups.extend(named(raw, dimension, cells.groups, &mut warnings));
@@ -40,6 +49,7 @@ fn assemble(raw: &RawMesh, nodes: &[(u64, [f64; 3])], blocks: &[Block]) -> Resul
         cells: cells.vertices,
         facets: facets.vertices,
         groups,
+        curved,
         warnings,
     })
 }
@@ -76,6 +86,12 @@ impl Numbering {
             return Err(Fault::TooLarge(LARGEST));
         }
         Ok(Self { sorted })
+    }
+
+    /// Node number of a vertex.
+    fn tag(&self, vertex: u32) -> u64 {
+        let found = self.sorted.get(vertex as usize);
+        found.map_or(u64::MAX, |(tag, _)| *tag)
     }
 
     fn index(&self, tag: u64) -> Result<u32, Fault> {
@@ -123,9 +139,7 @@ fn coordinates(numbering: &Numbering, dimension: usize) -> Result<Vec<[f64; 3]>,
     if dimension == 3 {
         return Ok(points.map(|(_, point)| *point).collect());
     }
-    let extent = points.clone().fold(0.0_f64, |extent, (_, [x, y, _])| {
-        extent.max(x.abs()).max(y.abs())
-    });
+    let extent = extent(points.clone().map(|(_, point)| point));
     let flat = |(node, [x, y, z]): &(u64, [f64; 3])| {
         if z.abs() <= PLANE_TOLERANCE * extent {
             return Ok([*x, *y, 0.0]);
@@ -134,6 +148,13 @@ fn coordinates(numbering: &Numbering, dimension: usize) -> Result<Vec<[f64; 3]>,
         Err(Fault::NotPlanar { node, z })
     };
     points.map(flat).collect()
+}
+
+/// Largest distance from the axes of the plane.
+pub(super) fn extent<'a>(points: impl Iterator<Item = &'a [f64; 3]>) -> f64 {
+    points.fold(0.0_f64, |extent, [x, y, _]| {
+        extent.max(x.abs()).max(y.abs())
+    })
 }
 
 /// Elements of one dimension.
@@ -267,18 +288,23 @@ fn named(
     groups
 }
 
-fn warnings(raw: &RawMesh, blocks: &[Block], dimension: usize) -> Vec<String> {
+fn warnings(
+    raw: &RawMesh,
+    blocks: &[Block],
+    dimension: usize,
+    curved: &[CurvedEdge],
+) -> Vec<String> {
     let mut warnings = Vec::new();
     let second_order = |block: &&Block| block.kind.nodes > block.kind.vertices();
-    let curved: usize = blocks
+    let cells: usize = blocks
         .iter()
         .filter(second_order)
         .filter(|block| block.kind.dimension == dimension)
         .map(|block| block.nodes.len() / block.kind.nodes)
         .sum();
-    if curved > 0 {
+    if cells > 0 && curved.is_empty() {
         warnings.push(format!(
-            "{curved} second-order cells are read through their vertices: curved edges become straight"
+            "{cells} cells are of second order, but every edge of the surface is a straight line"
         ));
     }
     let ignored = raw.names.iter().filter(|((of, _), _)| *of + 1 < dimension);

@@ -103,6 +103,16 @@ pub enum Fault {
         /// Its z, as text.
         z: String,
     },
+    /// Two elements of second order that put the middle of one edge apart.
+    #[error(
+        "the edge between the nodes {0} and {1} has its middle at two places: elements of second order must share the node, or its place"
+    )]
+    EdgeDisagrees(u64, u64),
+    /// An edge whose middle is farther from the line than half its length.
+    #[error(
+        "the middle of the edge between the nodes {0} and {1} is farther away than half the edge: is the order of the nodes that of Gmsh?"
+    )]
+    EdgeTooFar(u64, u64),
     /// Nothing to solve on.
     #[error("no triangles or tetrahedra")]
     NoCells,

@@ -1,9 +1,9 @@
 //! Reads Gmsh MSH 4.1 and 2.2, text and binary, into vertices, cells, facets
 //! and named groups.
 //!
-//! Assumptions: straight-sided triangles or tetrahedra (second-order elements
-//! are read through their vertices, with a warning); the highest dimension
-//! present gives the cells, the next lower one the facets. Vertices are ordered
+//! Assumptions: triangles or tetrahedra, of first or second order: of the latter the
+//! edges of the surface keep how far their middle is off the line between their ends;
+//! the highest dimension present gives the cells, the next lower one the facets. Vertices are ordered
 //! by node number, elements as in the file. Unnamed physical groups are named
 //! by their number.
 //!
@@ -12,6 +12,7 @@
 
 mod build;
 mod cursor;
+mod curved;
 mod error;
 mod raw;
 mod v22;
@@ -36,6 +37,15 @@ pub struct MeshGroup {
     pub members: Vec<u32>,
 }
 
+/// An edge of the surface that is no line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CurvedEdge {
+    /// Vertices, the lower one first.
+    pub ends: [u32; 2],
+    /// Its middle less the mean of its ends, length.
+    pub offset: [f64; 3],
+}
+
 /// A mesh as a file gives it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeshFile {
@@ -49,6 +59,8 @@ pub struct MeshFile {
     pub facets: Vec<u32>,
     /// Facet groups, then cell groups, each by physical number.
     pub groups: Vec<MeshGroup>,
+    /// Edges of the surface that are no lines, ascending by their ends.
+    pub curved: Vec<CurvedEdge>,
     /// What the reader left out or changed.
     pub warnings: Vec<String>,
 }

@@ -20,6 +20,17 @@ impl ElementKind {
         self.dimension + 1
     }
 
+    /// Ends of the edge of each further node, in the order of Gmsh: the last two edges
+    /// of a tetrahedron are (2,3) and (1,3). None for elements of first order.
+    pub(super) fn edges(self) -> &'static [(usize, usize)] {
+        match (self.dimension, self.nodes) {
+            (1, 3) => &[(0, 1)],
+            (2, 6) => &[(0, 1), (1, 2), (0, 2)],
+            (3, 10) => &[(0, 1), (1, 2), (0, 2), (0, 3), (2, 3), (1, 3)],
+            _ => &[],
+        }
+    }
+
     /// The kind of a Gmsh type number.
     pub(super) fn from_number(number: i64) -> Result<Self, Fault> {
         let (dimension, nodes) = match number {

@@ -35,6 +35,7 @@ fn expected() -> MeshFile {
             group("9", 2, &[1]),
             group("body", 3, &[0, 1]),
         ],
+        curved: Vec::new(),
         warnings: Vec::new(),
     }
 }
@@ -208,13 +209,14 @@ fn repeated_cells_of_one_group_are_kept_for_the_solver_to_refuse() {
 }
 
 #[test]
-fn second_order_cells_are_read_through_their_vertices_with_a_warning() {
+fn second_order_cells_of_straight_edges_are_read_with_a_warning() {
     let text = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n6\n1 0 0 0\n2 0.5 0 0\n3 1 0 0\n4 0 1 0\n\
                 5 0.5 0.5 0\n6 0 0.5 0\n$EndNodes\n$Elements\n2\n1 9 2 4 4 1 3 4 2 5 6\n2 8 2 5 5 1 3 2\n$EndElements\n";
     let mesh = read(text.as_bytes()).unwrap();
     assert_eq!((mesh.vertices_per_cell, mesh.coordinates.len()), (3, 3));
     assert_eq!((mesh.cells, mesh.facets), (vec![0, 1, 2], vec![0, 1]));
-    assert!(mesh.warnings[0].starts_with("1 second-order cells"));
+    assert!(mesh.warnings[0].starts_with("1 cells are of second order"));
+    assert!(mesh.curved.is_empty());
 }
 
 #[test]

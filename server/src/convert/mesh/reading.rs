@@ -39,12 +39,13 @@ fn header(mesh: &Mesh) -> wire::MeshHeader {
         cell_count: wide(mesh.cell_count() as u64),
         facet_count: wide(mesh.facet_count() as u64),
         groups: mesh.groups().iter().map(wire_group).collect(),
+        curved_edge_count: wide(mesh.edge_offsets().len() as u64),
     }
 }
 
 /// All arrays, each as one slice.
 fn arrays(mesh: &Mesh) -> Vec<Slice> {
-    use wire::MeshArray::{Cells, Coordinates, Facets, GroupMembers};
+    use wire::MeshArray::{Cells, Coordinates, CurvedEdges, EdgeOffsets, Facets, GroupMembers};
     let kind = mesh.cell_kind();
     let whole = |array, group, width, rows| Slice {
         array,
@@ -58,6 +59,8 @@ fn arrays(mesh: &Mesh) -> Vec<Slice> {
         whole(Coordinates, 0, 3, mesh.vertex_count()),
         whole(Cells, 0, kind.vertices(), mesh.cell_count()),
         whole(Facets, 0, kind.facet_vertices(), mesh.facet_count()),
+        whole(CurvedEdges, 0, 2, mesh.edge_offsets().len()),
+        whole(EdgeOffsets, 0, 3, mesh.edge_offsets().len()),
     ];
     arrays.extend(members);
     arrays
@@ -66,8 +69,9 @@ fn arrays(mesh: &Mesh) -> Vec<Slice> {
 /// Cuts an array into slices that fit a message.
 fn slices(whole: Slice) -> impl Iterator<Item = Slice> {
     let size = match whole.array {
-        wire::MeshArray::Coordinates => size_of::<f64>(),
+        wire::MeshArray::Coordinates | wire::MeshArray::EdgeOffsets => size_of::<f64>(),
         wire::MeshArray::Unspecified
+        | wire::MeshArray::CurvedEdges
         | wire::MeshArray::Cells
         | wire::MeshArray::Facets
         | wire::MeshArray::GroupMembers => size_of::<i32>(),
@@ -86,6 +90,16 @@ fn chunk(mesh: &Mesh, slice: &Slice) -> wire::MeshChunk {
         wire::MeshArray::Coordinates => coordinates(mesh, &slice.rows),
         wire::MeshArray::Cells => vertices(mesh, mesh.cells().get(entries)),
         wire::MeshArray::Facets => vertices(mesh, mesh.facets().get(entries)),
+        wire::MeshArray::CurvedEdges => {
+            let edges = mesh.edge_offsets().get(slice.rows.clone());
+            let ends = edges.unwrap_or_default().iter().flat_map(|one| one.ends);
+            vertices(mesh, Some(&ends.collect::<Vec<_>>()))
+        }
+        wire::MeshArray::EdgeOffsets => {
+            let edges = mesh.edge_offsets().get(slice.rows.clone());
+            let offsets = edges.unwrap_or_default().iter().flat_map(|one| one.offset);
+            array::encode(&offsets.collect::<Vec<_>>())
+        }
         wire::MeshArray::GroupMembers => {
             let group = mesh.groups().get(slice.group);
             indices(

@@ -2,7 +2,7 @@
 //!
 //! They grow with the chunks that arrive, never with what the header announces.
 
-use signorini::mesh::{Group, MeshParts};
+use signorini::mesh::{EdgeOffset, Group, MeshParts};
 use signorini_proto::CHUNK_BYTES;
 use signorini_proto::array::{ArrayError, Element, Progress};
 use signorini_proto::v1 as wire;
@@ -16,18 +16,19 @@ pub(crate) struct Upload {
     coordinates: Points,
     cells: Indices,
     facets: Indices,
+    curved_edges: Indices,
+    edge_offsets: Points,
     members: Vec<Indices>,
 }
 
 impl Upload {
     pub(crate) fn new(header: Header) -> Self {
         Self {
-            coordinates: Points {
-                progress: Progress::new(3 * header.vertices),
-                rows: Vec::new(),
-            },
+            coordinates: Points::new(header.vertices),
             cells: Indices::new(header.cell_kind.vertices() * header.cells),
             facets: Indices::new(header.cell_kind.facet_vertices() * header.facets),
+            curved_edges: Indices::new(2 * header.curved_edges),
+            edge_offsets: Points::new(header.curved_edges),
             members: header
                 .groups
                 .iter()
@@ -45,9 +46,15 @@ impl Upload {
     pub(crate) fn push(&mut self, chunk: &wire::MeshChunk) -> Result<(), Fault> {
         let (offset, data) = (chunk.offset_elements, &chunk.data);
         match wire::MeshArray::try_from(chunk.array) {
-            Ok(wire::MeshArray::Coordinates) => self.coordinates.push(offset, data),
+            Ok(wire::MeshArray::Coordinates) => self.coordinates.push("coordinates", offset, data),
             Ok(wire::MeshArray::Cells) => self.cells.push("cells", offset, data),
             Ok(wire::MeshArray::Facets) => self.facets.push("facets", offset, data),
+            Ok(wire::MeshArray::CurvedEdges) => {
+                self.curved_edges.push("curved edges", offset, data)
+            }
+            Ok(wire::MeshArray::EdgeOffsets) => {
+                self.edge_offsets.push("edge offsets", offset, data)
+            }
             Ok(wire::MeshArray::GroupMembers) => self.push_members(chunk),
             Ok(wire::MeshArray::Unspecified) | Err(_) => {
                 Err(Fault::request("chunk.array", "names no array of a mesh"))
@@ -66,12 +73,13 @@ impl Upload {
         members.push(&array, chunk.offset_elements, &chunk.data)
     }
 
-    /// The library's arrays.
+    /// The library's arrays, and the offsets of curved edges.
     ///
     /// # Errors
     /// `RequestInvalid` when an array is incomplete.
-    pub(crate) fn finish(self) -> Result<MeshParts, Fault> {
-        let coordinates = self.coordinates.finish()?;
+    pub(crate) fn finish(self) -> Result<(MeshParts, Vec<EdgeOffset>), Fault> {
+        let coordinates = self.coordinates.finish("coordinates")?;
+        let offsets = offsets(self.curved_edges, self.edge_offsets)?;
         let mut groups = Vec::with_capacity(self.members.len());
         for (header, members) in self.header.groups.into_iter().zip(self.members) {
             groups.push(Group {
@@ -80,14 +88,24 @@ impl Upload {
                 kind: header.kind,
             });
         }
-        Ok(MeshParts {
+        let parts = MeshParts {
             cell_kind: self.header.cell_kind,
             coordinates,
             cells: self.cells.finish("cells")?,
             facets: self.facets.finish("facets")?,
             groups,
-        })
+        };
+        Ok((parts, offsets))
     }
+}
+
+/// The offsets of curved edges from their two arrays.
+fn offsets(ends: Indices, offsets: Points) -> Result<Vec<EdgeOffset>, Fault> {
+    let ends = ends.finish("curved edges")?;
+    let offsets = offsets.finish("edge offsets")?;
+    let edges = ends.as_chunks::<2>().0.iter().zip(offsets);
+    let edge = |(&ends, offset): (&[u32; 2], [f64; 3])| EdgeOffset { ends, offset };
+    Ok(edges.map(edge).collect())
 }
 
 /// Points; a chunk may end within one.
@@ -97,9 +115,16 @@ struct Points {
 }
 
 impl Points {
-    fn push(&mut self, offset: i64, data: &[u8]) -> Result<(), Fault> {
+    fn new(expected: usize) -> Self {
+        Self {
+            progress: Progress::new(3 * expected),
+            rows: Vec::new(),
+        }
+    }
+
+    fn push(&mut self, array: &str, offset: i64, data: &[u8]) -> Result<(), Fault> {
         let before = self.progress.received();
-        named("coordinates", self.progress.accept::<f64>(offset, data))?;
+        named(array, self.progress.accept::<f64>(offset, data))?;
         let received = self.progress.received();
         self.rows.resize(received.div_ceil(3), [0.0; 3]);
         let places = self.rows.as_flattened_mut().iter_mut().skip(before);
@@ -109,8 +134,8 @@ impl Points {
         Ok(())
     }
 
-    fn finish(self) -> Result<Vec<[f64; 3]>, Fault> {
-        named("coordinates", self.progress.finish())?;
+    fn finish(self, array: &str) -> Result<Vec<[f64; 3]>, Fault> {
+        named(array, self.progress.finish())?;
         Ok(self.rows)
     }
 }
