@@ -14,7 +14,7 @@ use crate::geometry::vector3::{add, cross, norm, scale};
 
 impl ContactSurface {
     /// int psi_k da over the deformed surface `[functions]`.
-    fn deformed_weights(&self, body: &Deformed<'_>) -> Vec<f64> {
+    pub(super) fn deformed_weights(&self, body: &Deformed<'_>) -> Vec<f64> {
         let table = Table::new(body, self.basis);
         let slopes: Vec<Vec<[f64; 2]>> = (0..table.points())
             .map(|point| shape_slopes(table.coordinates(point)))

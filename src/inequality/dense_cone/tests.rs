@@ -1,6 +1,7 @@
 //! Optimality conditions of random problems over products of sets.
 
 use super::*;
+use crate::linalg::DenseMatrix;
 use crate::linalg::vector::largest;
 use crate::saddle::{AdmissibleSet, Components, Discs, SetPart, SetPoint};
 use proptest::prelude::*;
