@@ -15,6 +15,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use super::contact_moduli::contact_moduli;
 use super::drive::Drive;
 use super::state::State;
 use super::surface_metric::SurfaceMetric;
@@ -149,6 +150,8 @@ pub(crate) struct Interfaces {
     pub(crate) sets: Vec<SetPart<'static>>,
     /// What a metric takes from the undeformed surfaces.
     pub(crate) metric: SurfaceMetric,
+    /// Shear modulus where each multiplier acts; empty where all cells are alike.
+    pub(crate) moduli: Vec<f64>,
 }
 
 impl Interfaces {
@@ -173,6 +176,7 @@ impl Interfaces {
             sets: sets(plan),
             metric: SurfaceMetric::new(plan, mesh, &surfaces),
             guided: plan.guided_multipliers,
+            moduli: contact_moduli(plan, (mesh, space), &surfaces),
             list,
             rule: rule(simplex, CONTACT_DEGREE),
         }

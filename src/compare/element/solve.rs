@@ -205,6 +205,7 @@ fn contact_block<'a>(now: &'a Evaluation, compliance: &'a Compliance) -> Multipl
         metric: Metric::Dense {
             matrix: compliance,
             weights: &[],
+            moduli: &[],
         },
         set: ProductSet::Uniform(SetPart {
             size: now.gap.len(),

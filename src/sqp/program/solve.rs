@@ -220,6 +220,7 @@ impl QuadraticProgram<'_> {
             metric: Metric::Dense {
                 matrix: &*self.metric.matrix,
                 weights: &self.metric.weights,
+                moduli: &self.model.interfaces.moduli,
             },
             set: self.now.contact_set(),
             joint: None,
