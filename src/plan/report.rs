@@ -113,6 +113,13 @@ impl Plan {
         if self.unknowns.contact > 0 {
             push("contact", self.contact.describe(), &self.contact.reason);
         }
+        if let Some(rungs) = self.second_attempt() {
+            push(
+                "second_attempt",
+                rungs,
+                "where the method does not converge",
+            );
+        }
         if self.is_floating() {
             let reason = format!("supports leave {}", self.resolved.free_modes.join(", "));
             push("rigid modes", "shifted P1 factor".into(), &reason);
