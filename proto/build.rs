@@ -53,10 +53,11 @@ const SERIALISED: [&str; 13] = [
 ];
 
 /// Fields that JSON spells otherwise than the wire; see `src/serialised.rs`.
-const SPELLED: [(&str, &str); 9] = [
+const SPELLED: [(&str, &str); 10] = [
     ("StepReport.termination", "termination"),
     ("StepReport.cause", "cause"),
     ("StepReport.stability", "stability"),
+    ("StepReport.fallback", "fallback"),
     ("StepReport.seconds", "or_default"),
     ("StepReport.unknowns", "or_default"),
     ("StepReport.obstacle_poses", "poses"),

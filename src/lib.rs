@@ -96,6 +96,7 @@
 //! | preconditioner refresh | `PreconditionerRefresh` | `sqp::preconditioner_refresh` |
 //! | quadratic program of an SQP iteration | `QuadraticProgram` | `sqp::program` |
 //! | recycled Krylov directions | `Directions` | `krylov::gcr` |
+//! | recovery from a failed solve, solver fall-back | `ladder` | `sqp::ladder` |
 //! | rigid predictor, co-rotated start | `RigidPredictor` | `sqp::rigid_predictor` |
 //! | static condensation on the multiplier | `Condensed` | `inequality::condensed` |
 //! | true surface, middles of second-order edges | `EdgeOffset`, `CurvedFace` | `mesh`, `contact` |
@@ -143,6 +144,7 @@
 #![doc = include_str!("decisions/0025-normal-supports.md")]
 #![doc = include_str!("decisions/0026-comparisons-apart.md")]
 #![doc = include_str!("decisions/0027-true-surface.md")]
+#![doc = include_str!("decisions/0028-second-attempt.md")]
 #![doc = include_str!("decisions/0029-contact-space.md")]
 
 pub mod assembly;
@@ -174,8 +176,8 @@ pub use mesh::{CellKind, EdgeOffset, Group, GroupKind, Mesh, MeshError, MeshId, 
 pub use plan::{LeftOut, Plan, PlanEntry, PlanReport, PreparedKey};
 pub use prepare::{PrepareError, Prepared};
 pub use report::{
-    CancelToken, Cause, FieldData, FieldName, IterationRecord, Observer, Residuals, Silent,
-    StepReport, Termination,
+    CancelToken, Cause, Fallback, FieldData, FieldName, IterationRecord, Observer, Residuals,
+    Silent, StepReport, Termination,
 };
 pub use scene::{Scene, SceneError, Step, Violation};
 pub use session::{CheckpointError, ObstaclePose, Origin, Reuse, Session, StepRun};

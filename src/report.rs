@@ -5,6 +5,7 @@
 //! here computes, so every module may depend on it.
 
 mod ending;
+mod fallback;
 mod field;
 
 use std::collections::BTreeMap;
@@ -12,6 +13,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 pub use ending::{Cause, Stability, Termination};
+pub use fallback::Fallback;
 pub use field::{FieldData, FieldName};
 
 /// The four convergence criteria, each relative to its load or first
@@ -182,6 +184,9 @@ pub struct StepReport {
     pub termination: Termination,
     /// Why the increment did not converge; none when it did.
     pub cause: Option<Cause>,
+    /// The second attempt that solved the increment; none where the method of the plan
+    /// did.
+    pub fallback: Option<Fallback>,
     /// Number of SQP iterations: quadratic programs solved.
     pub sqp_iterations: u32,
     /// Number of Krylov iterations over all programs.

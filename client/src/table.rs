@@ -115,6 +115,9 @@ fn length(vector: &[f64]) -> f64 {
 fn report(lines: &mut Lines, name: &str, report: &v1::StepReport) {
     lines.add("scene", name);
     lines.add("result", &ending(report));
+    if let Some(rung) = words::fallback(report.fallback()) {
+        lines.add("second attempt", &format!("solved by rung {rung}"));
+    }
     loads(lines, report);
     if !report.obstacles.is_empty() {
         lines.add(

@@ -14,6 +14,7 @@ pub mod node_moduli;
 pub mod operator;
 pub mod p1_stiffness;
 pub mod partition;
+pub mod probe;
 pub mod recovery;
 pub mod simd;
 pub mod strain;

@@ -30,6 +30,9 @@ pub(crate) struct ContactBlock<'a> {
     /// Weights of the multipliers: the integrals of their functions, or empty for
     /// methods that read none.
     pub(crate) weights: &'a [f64],
+    /// How many times stiffer than elsewhere the body is where each multiplier acts; empty
+    /// where it is the same all over.
+    pub(crate) moduli: &'a [f64],
     /// The product of sets in which the multipliers lie.
     pub(crate) set: ProductSet<'a>,
 }
@@ -47,13 +50,21 @@ impl<'a> Blocks<'a> {
         let equalities: Option<Vec<_>> = others.iter().map(|block| block.equality()).collect();
         let exact = last.stabilisation.is_none() && last.joint.is_none();
         match (equalities, last.metric) {
-            (Some(equalities), Metric::Dense { matrix, weights }) if exact => Ok(Self {
+            (
+                Some(equalities),
+                Metric::Dense {
+                    matrix,
+                    weights,
+                    moduli,
+                },
+            ) if exact => Ok(Self {
                 equalities,
                 contact: ContactBlock {
                     rows: last.rows,
                     columns: last.columns,
                     matrix,
                     weights,
+                    moduli,
                     set: last.set,
                 },
             }),

@@ -4,6 +4,7 @@
 //! | file | method | products with the compliance | sets |
 //! |---|---|---|---|
 //! | [`one_level`] | all unknowns together, set by the dense problem | none | all |
+//! | [`factorised`] | a factor of the whole on each set | none | bounds |
 //! | [`mprgp`] | proportioning with reduced gradient projection | one to two | bounds |
 //!
 //! Bounds are products of lines and half lines: contact and bilateral supports.
@@ -12,12 +13,14 @@ pub mod augmentation;
 pub(crate) mod blocks;
 pub(crate) mod condensed;
 pub mod dense_cone;
+pub mod factorised;
 pub mod metric;
 pub mod mprgp;
 pub mod one_level;
 pub mod qp;
 
 pub use augmentation::Augmentation;
+pub use factorised::{Factorised, Matrices};
 pub use one_level::OneLevel;
 pub use qp::{
     BlockIterate, QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets,

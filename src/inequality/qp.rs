@@ -171,6 +171,8 @@ pub enum QpStatus {
     /// The compliance is not positive definite on some face, so that no multiplier is
     /// determined by it.
     IndefiniteMetric,
+    /// The factor of the problem takes more work or memory than it may.
+    TooLarge,
     /// The method does not take such blocks or sets; the plan asks for none of these
     /// combinations.
     Unsupported,

@@ -142,6 +142,7 @@ impl Matrices {
             metric: Metric::Dense {
                 matrix: &self.metric,
                 weights: &self.weights,
+                moduli: &[],
             },
             set: ProductSet::Uniform(SetPart { size, set }),
             joint: None,

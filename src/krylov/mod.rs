@@ -7,6 +7,7 @@
 
 pub mod cg;
 pub mod gcr;
+pub mod outlook;
 #[cfg(test)]
 pub(crate) mod samples;
 

@@ -8,6 +8,7 @@ pub mod cholesky;
 pub mod dense;
 pub mod eigen;
 mod factorise_error;
+pub mod indefinite;
 pub mod ordering;
 #[cfg(test)]
 pub(crate) mod samples;

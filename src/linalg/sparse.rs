@@ -101,15 +101,35 @@ impl SparseRows {
 
     /// The sum of two matrices of the same shape.
     pub fn plus(&self, other: &Self) -> Self {
+        self.plus_multiple(1.0, other)
+    }
+
+    /// This matrix plus `factor` times another of the same shape.
+    pub fn plus_multiple(&self, factor: f64, other: &Self) -> Self {
         let mut builder = SparseRowsBuilder::new(self.columns);
         let mut entries = Vec::new();
         for row in 0..self.offsets.len() - 1 {
             entries.clear();
-            for (columns, values) in [self.row(row), other.row(row)] {
-                entries.extend(columns.iter().copied().zip(values.iter().copied()));
+            for (one, (columns, values)) in [(1.0, self.row(row)), (factor, other.row(row))] {
+                let values = values.iter().map(|value| one * value);
+                entries.extend(columns.iter().copied().zip(values));
             }
             builder.push_row(&mut entries);
         }
+        builder.finish()
+    }
+
+    /// The transposed matrix.
+    pub fn transposed(&self) -> Self {
+        let mut columns: Vec<Vec<(u32, f64)>> = vec![Vec::new(); self.columns];
+        for row in 0..self.offsets.len() - 1 {
+            let (indices, values) = self.row(row);
+            for (&column, &value) in indices.iter().zip(values) {
+                columns[column as usize].push((row as u32, value));
+            }
+        }
+        let mut builder = SparseRowsBuilder::new(self.offsets.len() - 1);
+        columns.iter_mut().for_each(|row| builder.push_row(row));
         builder.finish()
     }
 
@@ -223,6 +243,20 @@ mod tests {
         let b = matrix([&mut [(1, 5.0), (2, 3.0)], &mut [(0, 4.0)]]);
         let sum = matrix([&mut [(0, 1.0), (1, 5.0), (2, 5.0)], &mut [(0, 4.0)]]);
         assert_eq!(a.plus(&b), sum);
+        let twice = matrix([&mut [(1, 10.0), (2, 6.0)], &mut [(0, 8.0)]]);
+        assert_eq!(a.plus_multiple(-2.0, &b), a.plus_multiple(-1.0, &twice));
+    }
+
+    #[test]
+    fn the_transposed_matrix_has_columns_for_rows() {
+        let mut builder = SparseRowsBuilder::new(3);
+        builder.push_row(&mut [(0, 2.0), (2, 4.0)]);
+        builder.push_row(&mut [(2, 5.0)]);
+        let transposed = builder.finish().transposed();
+        assert_eq!(transposed.row(0), (&[0][..], &[2.0][..]));
+        assert_eq!(transposed.row(1), (&[][..], &[][..]));
+        assert_eq!(transposed.row(2), (&[0, 1][..], &[4.0, 5.0][..]));
+        assert_eq!((transposed.rows(), transposed.columns()), (3, 2));
     }
 
     #[test]

@@ -25,6 +25,8 @@ pub(crate) struct Counters {
     pub(crate) contact_products: u32,
     /// Revisions of the active set.
     pub(crate) set_changes: u32,
+    /// Quadratic programs of the present attempt that no method solved.
+    pub(crate) failed_programs: u32,
     /// Parts of the increment that were given up for smaller ones.
     pub(crate) cut_backs: u32,
     /// Length of the last accepted step, in (0, 1].
@@ -46,6 +48,7 @@ impl Counters {
             factorisations: 0,
             contact_products: 0,
             set_changes: 0,
+            failed_programs: 0,
             cut_backs: 0,
             step_length: 1.0,
             seconds: Seconds::default(),

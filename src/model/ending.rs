@@ -4,7 +4,7 @@
 //! the scaled body. An increment that does not converge ends with its last good state and
 //! the residuals of that state.
 
-use crate::report::{Cause, Residuals, Stability, Termination};
+use crate::report::{Cause, Fallback, Residuals, Stability, Termination};
 
 /// The estimated error of the displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -36,6 +36,8 @@ pub(crate) struct Ending {
     pub(crate) estimate: Option<Estimate>,
     /// What kind of equilibrium it is, where one was reached and certified.
     pub(crate) stability: Option<Stability>,
+    /// The second attempt that led here; none where the plan's own method did.
+    pub(crate) fallback: Option<Fallback>,
 }
 
 impl Ending {

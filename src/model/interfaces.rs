@@ -15,6 +15,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use super::contact_moduli::contact_moduli;
 use super::drive::Drive;
 use super::state::State;
 use super::surface_metric::SurfaceMetric;
@@ -151,6 +152,8 @@ pub(crate) struct Interfaces {
     pub(crate) sets: Vec<SetPart<'static>>,
     /// What a metric takes from the undeformed surfaces.
     pub(crate) metric: SurfaceMetric,
+    /// Shear modulus where each multiplier acts; empty where all cells are alike.
+    pub(crate) moduli: Vec<f64>,
 }
 
 impl Interfaces {
@@ -171,6 +174,7 @@ impl Interfaces {
             sets: sets(plan),
             metric: SurfaceMetric::new(plan, mesh, &surfaces),
             guided: plan.guided_multipliers,
+            moduli: contact_moduli(plan, (mesh, space), &surfaces),
             list,
             rule: face_rule(plan.units.dimension),
         }

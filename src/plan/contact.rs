@@ -58,7 +58,7 @@ impl ContactSizes {
 
     /// Whether the dense matrices of the method in that metric fit their bounds of
     /// memory and work.
-    fn fits(self, method: ContactMethod, metric: MetricKind) -> bool {
+    pub(super) fn fits(self, method: ContactMethod, metric: MetricKind) -> bool {
         let is_small = metric != MetricKind::Fractional || self.multipliers <= MOST_FRACTIONAL;
         !method.needs_dense(metric) || (is_small && self.dense_bytes(metric) <= MOST_DENSE)
     }

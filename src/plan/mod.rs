@@ -16,6 +16,7 @@ pub(crate) mod p1;
 mod report;
 pub(crate) mod rubber;
 pub(crate) mod saddle;
+pub(crate) mod second_attempt;
 mod settings;
 pub(crate) mod surfaces;
 mod units;
@@ -37,6 +38,7 @@ use held::{conflicts, held_unknowns};
 use p1::P1Sizes;
 pub use report::{LeftOut, PlanEntry, PlanReport};
 use saddle::{Demand, SaddleChoice, SaddleNeeds};
+use second_attempt::Programs;
 use settings::Settings;
 use surfaces::{ContactLayout, Surfaces};
 pub use units::Units;
@@ -96,6 +98,8 @@ pub struct Plan {
     pub(crate) saddle: SaddleChoice,
     /// Number of edges of the surface whose offset the mesh knows.
     pub(crate) curved_edges: usize,
+    /// Whether programs are solved by that method, or by a factor of the whole.
+    pub(crate) programs: Programs,
     /// Sentences about what the caller should know, for reports of the plan.
     pub(crate) warnings: Vec<String>,
 }
@@ -170,6 +174,7 @@ impl Plan {
             quality: mesh.quality().mean,
             p1,
             saddle,
+            programs: Programs::AsPlanned,
             settings: Settings::new(&scene.solver),
             scene: scene.clone(),
             resolved,

@@ -114,6 +114,13 @@ impl Plan {
             push("contact", self.contact.describe(), &self.contact.reason);
             self.push_surface(&mut push);
         }
+        if let Some(rungs) = self.second_attempt() {
+            push(
+                "second_attempt",
+                rungs,
+                "where the method does not converge",
+            );
+        }
         if self.is_floating() {
             let reason = format!("supports leave {}", self.resolved.free_modes.join(", "));
             push("rigid modes", "shifted P1 factor".into(), &reason);

@@ -43,6 +43,9 @@ pub enum Metric<'a> {
         /// Lumped mass, scaled like the matrix `[block]`; empty for methods that do
         /// not read it.
         weights: &'a [f64],
+        /// How many times stiffer than elsewhere the body is where each multiplier acts
+        /// `[block]`; empty where it is the same all over.
+        moduli: &'a [f64],
     },
 }
 

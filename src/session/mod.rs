@@ -179,6 +179,7 @@ impl Session {
         self.check_step(step)?;
         let end = self.target.after(self.plan(), step);
         self.steps += 1;
+        self.learned.rung = None;
         self.target = end.clone();
         let start = self.begun.insert(self.state.drive.clone());
         Ok(StepRun::new(start.clone(), end, step.increments))

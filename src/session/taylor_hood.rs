@@ -17,9 +17,9 @@ use crate::precond::PMultigrid;
 use crate::prepare::TaylorHoodData;
 use crate::report::{FieldData, FieldName, StepReport};
 use crate::results::{fields, step};
-use crate::sqp::approach::approach;
 use crate::sqp::increment;
-use crate::sqp::run::Run;
+use crate::sqp::ladder::climb;
+use crate::sqp::run::{Retry, Run};
 use crate::verify;
 
 /// A body of Taylor-Hood elements.
@@ -92,8 +92,9 @@ impl Body for TaylorHoodBody {
             watch: increment.watch,
             counters: increment.counters,
             work: increment.work,
+            retry: Retry::Parts,
         };
-        let (mut ending, part) = approach(&mut run, goal);
+        let (mut ending, part) = climb(&mut run, goal, before);
         if ending.is_stopped() {
             if part == 0.0 {
                 run.state.clone_from(before);

@@ -10,10 +10,9 @@ use super::increment;
 use super::initial_penetration::InitialPenetration;
 use super::lowest_mode::LowestMode;
 use super::penalty::{next_penalty, penalise};
-use super::run::Run;
+use super::run::{Retry, Run};
 use super::step_control::{KeptState, Parts};
 use super::trend::Trend;
-use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
 use crate::model::state::State;
@@ -41,7 +40,7 @@ pub(crate) fn approach(run: &mut Run<'_>, goal: &Drive) -> (Ending, f64) {
         match ending.termination {
             Termination::Converged if next >= 1.0 => return (ending, 1.0),
             Termination::Converged => parts.succeed(),
-            Termination::NotConverged if cut_backs_help(&run.model, &ending) => {
+            Termination::NotConverged if cut_backs_help(run, &ending) => {
                 kept.restore(run);
                 parts.failures += 1;
                 run.model.admitted_penetration = penetration.left(parts.reached);
@@ -99,8 +98,14 @@ fn is_meaningful(ending: &Ending) -> bool {
 }
 
 /// A linear problem that fails as a whole fails in parts too, and so does a
-/// nested method that spends its products, and a volume that cannot change.
-fn cut_backs_help(model: &Model<'_>, ending: &Ending) -> bool {
+/// nested method that spends its products, and a volume that cannot change. A program of
+/// a linear body that a method did not solve is left to the next method.
+fn cut_backs_help(run: &Run<'_>, ending: &Ending) -> bool {
+    let model = &run.model;
+    let is_left = run.retry == Retry::AnotherMethod && !model.is_rubber();
+    if is_left && run.counters.failed_programs > 0 {
+        return false;
+    }
     let is_linear = model.is_linear();
     let is_spent =
         model.plan.contact.method.is_nested() && ending.cause == Some(Cause::IterationLimit);

@@ -12,6 +12,7 @@ use super::run::Run;
 use super::search::{Refused, search};
 use super::verdict::{Verdict, of_status, verdict};
 use crate::linalg::vector::norm;
+use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
 use crate::model::evaluate::Evaluation;
@@ -23,6 +24,8 @@ use crate::report::{Cause, Residuals, Termination};
 const MOST_PROGRAMS: u32 = 40;
 /// Share of the residual that a program may leave which did not end.
 const WORTHWHILE: f64 = 0.1;
+/// Programs of a linear problem that may leave the residual as it is: rounding does.
+const MOST_IDLE: u32 = 5;
 /// First reduction asked of a program with a curved gap.
 const FIRST_REDUCTION: f64 = 1e-2;
 
@@ -34,6 +37,10 @@ struct Iterate {
     first_force: f64,
     /// Share of the residual that the next program may leave.
     reduction: f64,
+    /// Least residual of a linear problem so far.
+    least: f64,
+    /// Programs since that have not halved it.
+    idle: u32,
 }
 
 /// What a program that did not end leads to.
@@ -50,7 +57,8 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
     for _ in 0..MOST_PROGRAMS {
         let motion = remaining_motion(&run.model, run.state, drive);
         let worst = at.residuals(run.state).largest();
-        if let Some(verdict) = verdict(run, worst, motion.is_none()) {
+        let ended = verdict(run, worst, motion.is_none());
+        if let Some(verdict) = ended.or_else(|| at.idleness(&run.model, worst)) {
             return at.ending(run, verdict);
         }
         run.counters.sqp_iterations += 1;
@@ -59,6 +67,7 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         let worst = residuals(run.state, program.start(), at.first_force).largest();
         let (step, outcome) = solve_program(run, &program, worst, at.reduction);
         if let Some(verdict) = of_status(outcome, &run.watch) {
+            run.counters.failed_programs += 1;
             let is_new = run.counters.factorisations > made;
             match at.after_failure(run, verdict, (&step, worst), is_new) {
                 AfterFailure::Another => continue,
@@ -110,6 +119,8 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
         now,
         first_force,
         reduction: FIRST_REDUCTION,
+        least: f64::INFINITY,
+        idle: 0,
     }
 }
 
@@ -118,6 +129,18 @@ impl Iterate {
     /// see.
     fn residuals(&self, state: &mut State) -> Residuals {
         residuals(state, &self.now, self.first_force)
+    }
+
+    /// The end of a linear problem whose programs are solved and bring nothing: what is
+    /// left of its residual is rounding.
+    fn idleness(&mut self, model: &Model<'_>, worst: f64) -> Option<Verdict> {
+        if worst <= 0.5 * self.least {
+            (self.least, self.idle) = (worst, 0);
+            return None;
+        }
+        self.idle += 1;
+        let is_rounding = model.is_linear() && self.idle >= MOST_IDLE;
+        is_rounding.then(|| Verdict::failed(Cause::Stagnation))
     }
 
     /// Takes an accepted step over, which started from the residual `worst`.
@@ -181,6 +204,7 @@ pub(crate) fn ending(
         tolerance,
         estimate: None,
         stability: None,
+        fallback: None,
     }
 }
 

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::lowest_mode::LowestMode;
 use super::preconditioner_refresh::PreconditionerRefresh;
+use super::rung::Rung;
 use super::trend::Trend;
 use crate::assembly::strain::Linearised;
 use crate::krylov::gcr::Directions;
@@ -25,6 +26,9 @@ pub(crate) struct Learned {
     /// What the last tangent was taken about, to be overwritten in place by the next;
     /// empty for linear bodies.
     pub(crate) linearised: Arc<Linearised>,
+    /// The rung that solved the last increment of the step, where the next one begins;
+    /// none where the plan's own method does.
+    pub(crate) rung: Option<Arc<Rung>>,
 }
 
 impl Learned {
@@ -36,6 +40,7 @@ impl Learned {
             lowest_mode: None,
             trend: None,
             linearised: Arc::default(),
+            rung: None,
         }
     }
 
@@ -46,5 +51,6 @@ impl Learned {
             + self.lowest_mode.as_ref().map_or(0, LowestMode::bytes)
             + self.trend.as_ref().map_or(0, Trend::bytes)
             + self.linearised.bytes()
+            + self.rung.as_ref().map_or(0, |rung| rung.bytes())
     }
 }

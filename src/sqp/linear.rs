@@ -5,6 +5,7 @@
 
 use crate::inequality::{QpIterate, QpNorms, QpOutcome, QpScales, QpStatus, QpTargets};
 use crate::krylov::cg::Cg;
+use crate::krylov::outlook::Outlook;
 use crate::krylov::{Monitor, Outcome, Verdict};
 use crate::linalg::vector::norm;
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
@@ -23,8 +24,14 @@ pub(crate) struct Track<'a, 'w> {
     pub(crate) displacement: &'a Counted<'a>,
     /// Number of applications before this program, so that they are not counted twice.
     pub(crate) before: u32,
-    /// Norm of the force that counts as one, for reports.
-    pub(crate) force_scale: f64,
+    /// When the program counts as solved.
+    pub(crate) targets: QpTargets,
+    /// Whether it still may; none for methods whose residuals rise on their way.
+    pub(crate) outlook: Option<Outlook>,
+    /// Multipliers at work in the last iteration: with others it is another system.
+    pub(crate) active: usize,
+    /// Whether the outlook has ended the program.
+    pub(crate) is_hopeless: bool,
 }
 
 impl Track<'_, '_> {
@@ -37,9 +44,20 @@ impl Track<'_, '_> {
     ) -> Verdict {
         self.counters.krylov_iterations += 1;
         self.count();
+        let force_scale = self.targets.force_scale;
         self.watch
-            .report(norms, scales, self.force_scale, active, self.counters);
-        self.poll()
+            .report(norms, scales, force_scale, active, self.counters);
+        if let Some(outlook) = &mut self.outlook {
+            if std::mem::replace(&mut self.active, active) != active {
+                outlook.restart();
+            }
+            let ratio = norms.relative(force_scale, scales) / self.targets.level;
+            self.is_hopeless |= outlook.is_hopeless(ratio);
+        }
+        match self.is_hopeless {
+            true => Verdict::Stop,
+            false => self.poll(),
+        }
     }
 
     /// Takes over the applications so far.
@@ -48,7 +66,7 @@ impl Track<'_, '_> {
     }
 
     /// Stops where the caller, a deadline or the wall limit asks for it.
-    fn poll(&self) -> Verdict {
+    pub(crate) fn poll(&self) -> Verdict {
         match self.watch.stopped(self.counters) {
             Some(_) => Verdict::Stop,
             None => Verdict::Continue,

@@ -9,6 +9,7 @@
 //! | file | station |
 //! |---|---|
 //! | [`run`] | everything that one increment reads and changes |
+//! | [`ladder`] | the plan's own method, then others where it fails |
 //! | [`approach`] | the way to the increment's end, in parts: [`step_control`], [`initial_penetration`], [`penalty`] |
 //! | [`attempt`] | one part, solved and judged |
 //! | [`accuracy`] | how far residuals are reduced |
@@ -28,6 +29,7 @@ pub(crate) mod contact_metric;
 mod diagnosis;
 pub(crate) mod increment;
 mod initial_penetration;
+pub(crate) mod ladder;
 pub(crate) mod learned;
 pub(crate) mod linear;
 mod longest_step;
@@ -38,6 +40,7 @@ mod predictor;
 pub(crate) mod program;
 mod rigid_predictor;
 pub(crate) mod run;
+mod rung;
 mod search;
 mod step_control;
 mod trend;

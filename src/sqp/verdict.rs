@@ -61,7 +61,7 @@ pub(crate) fn of_status(status: QpStatus, watch: &Watch<'_>) -> Option<Verdict> 
         QpStatus::IndefiniteMetric | QpStatus::Krylov(Outcome::Indefinite) => {
             Cause::IndefiniteTangent
         }
-        QpStatus::Krylov(Outcome::IterationLimit) => Cause::IterationLimit,
+        QpStatus::TooLarge | QpStatus::Krylov(Outcome::IterationLimit) => Cause::IterationLimit,
         QpStatus::Krylov(Outcome::Stagnation | Outcome::Stopped) => Cause::Stagnation,
         QpStatus::Krylov(Outcome::NotFinite) => Cause::NotFinite,
     };

@@ -3,8 +3,8 @@
 use signorini::ObstaclePose;
 use signorini::plan::PlanReport;
 use signorini::report::{
-    Cause, IterationRecord, ManufacturedErrors, ObstacleResult, ProbeResult, Residuals, Seconds,
-    Stability, StepReport, SupportResult, Termination, Unknowns,
+    Cause, Fallback, IterationRecord, ManufacturedErrors, ObstacleResult, ProbeResult, Residuals,
+    Seconds, Stability, StepReport, SupportResult, Termination, Unknowns,
 };
 use signorini_proto::v1 as wire;
 
@@ -19,6 +19,10 @@ pub(crate) fn step(report: StepReport, poses: Vec<ObstaclePose>) -> wire::StepRe
         load: report.load,
         termination: termination(report.termination).into(),
         cause: report.cause.map_or(wire::Cause::Unspecified, cause).into(),
+        fallback: report
+            .fallback
+            .map_or(wire::Fallback::Unspecified, fallback)
+            .into(),
         sqp_iterations: narrow(report.sqp_iterations),
         krylov_iterations: narrow(report.krylov_iterations),
         preconditioner_applications: narrow(report.preconditioner_applications),
@@ -141,6 +145,14 @@ fn cause(value: Cause) -> wire::Cause {
         Cause::UnstableEquilibrium => wire::Cause::UnstableEquilibrium,
         Cause::CoarseContact => wire::Cause::CoarseContact,
         Cause::NegativeJacobian => wire::Cause::NegativeJacobian,
+    }
+}
+
+fn fallback(value: Fallback) -> wire::Fallback {
+    match value {
+        Fallback::MassMetric => wire::Fallback::MassMetric,
+        Fallback::Mprgp => wire::Fallback::Mprgp,
+        Fallback::Direct => wire::Fallback::Direct,
     }
 }
 

@@ -10,6 +10,7 @@ pub(super) const ITERATIONS: &str = "signorini_iterations_total";
 pub(super) const INCREMENTS: &str = "signorini_increments_total";
 pub(super) const STEPS: &str = "signorini_steps_total";
 pub(super) const FAILURES: &str = "signorini_failures_total";
+pub(super) const FALLBACKS: &str = "signorini_fallbacks_total";
 pub(super) const CUT_BACKS: &str = "signorini_cut_backs_total";
 pub(super) const FACTORISATIONS: &str = "signorini_factorisations_total";
 pub(super) const SOLVE_SECONDS: &str = "signorini_solve_seconds";
@@ -93,11 +94,15 @@ pub(super) const HISTOGRAMS: [(&str, &[f64], &str); 9] = [
     ),
 ];
 
-pub(super) const COUNTERS: [(&str, &str); 12] = [
+pub(super) const COUNTERS: [(&str, &str); 13] = [
     (ITERATIONS, "Krylov iterations of all sessions."),
     (INCREMENTS, "Finished increments by termination."),
     (STEPS, "Finished steps by termination."),
     (FAILURES, "Increments that did not converge, by cause."),
+    (
+        FALLBACKS,
+        "Increments that a second attempt solved, by its rung.",
+    ),
     (CUT_BACKS, "Cut-backs inside increments."),
     (FACTORISATIONS, "Factorisations of the P1 block."),
     (CACHE_HITS, "Meshes and prepared data found in the store."),

@@ -14,7 +14,7 @@ use metrics::{Counter, Gauge, Histogram, Key, Label, Level, Metadata, Recorder};
 use metrics_exporter_prometheus::{
     BuildError, Matcher, PrometheusBuilder, PrometheusHandle, PrometheusRecorder,
 };
-use signorini::report::{Cause, StepReport, Termination};
+use signorini::report::{Cause, Fallback, StepReport, Termination};
 
 use catalogue::*;
 
@@ -87,6 +87,10 @@ impl Metrics {
             .record(report.seconds.total);
         if let Some(cause) = report.cause {
             self.counter(FAILURES, &[("cause", cause.name())])
+                .increment(1);
+        }
+        if let Some(rung) = report.fallback {
+            self.counter(FALLBACKS, &[("rung", rung.name())])
                 .increment(1);
         }
         self.counter(CUT_BACKS, &[])
@@ -211,6 +215,10 @@ impl Metrics {
         }
         self.counter(FAILURES, &[("cause", Cause::Stagnation.name())])
             .increment(0);
+        for rung in Fallback::ALL {
+            self.counter(FALLBACKS, &[("rung", rung.name())])
+                .increment(0);
+        }
         for kind in [Kind::Mesh, Kind::Prepared] {
             for name in [CACHE_HITS, CACHE_MISSES, CACHE_EVICTIONS] {
                 self.counter(name, &[("kind", kind.name())]).increment(0);

@@ -150,7 +150,10 @@ impl EnrichedBody {
         let krylov = std::time::Instant::now();
         let mut track = Track {
             before: run.counters.applications,
-            force_scale: targets.force_scale,
+            targets,
+            outlook: None,
+            active: 0,
+            is_hopeless: false,
             displacement: &displacement,
             watch: &mut run.watch,
             counters: &mut run.counters,
@@ -205,6 +208,7 @@ fn contact_block<'a>(now: &'a Evaluation, compliance: &'a Compliance) -> Multipl
         metric: Metric::Dense {
             matrix: compliance,
             weights: &[],
+            moduli: &[],
         },
         set: ProductSet::Uniform(SetPart {
             size: now.gap.len(),

@@ -13,17 +13,15 @@
 use std::sync::Arc;
 
 use super::super::augmentation;
-use super::super::blocks::Blocks;
+use super::super::blocks::{Blocks, ContactBlock};
 use super::super::qp::{
     Progress, QpIterate, QpNorms, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
 };
 use super::{Faces, GAP_WEIGHT, REVIEW};
 use crate::krylov::gcr::{self, Gcr};
 use crate::krylov::{Monitor, Outcome, Verdict};
-use crate::linalg::vector::{add_scaled, norm, scale};
-use crate::linalg::{
-    DenseCholesky, FactoriseError, LinearOperator, Preconditioner, SymmetricMatrix, Workspace,
-};
+use crate::linalg::vector::{add_scaled, norm};
+use crate::linalg::{DenseCholesky, FactoriseError, LinearOperator, Preconditioner, Workspace};
 use crate::saddle::{EqualityBlock, SaddleOperator, Status};
 
 /// When the active set is reviewed.
@@ -46,10 +44,27 @@ pub(super) struct Face {
     pub(super) failed: Option<QpStatus>,
 }
 
+/// Multiplies what belongs to multipliers by the moduli at them; nothing where there are
+/// none.
+pub(super) fn weigh(moduli: &[f64], x: &mut [f64]) {
+    x.iter_mut()
+        .zip(moduli)
+        .for_each(|(x, modulus)| *x *= modulus);
+}
+
+/// Takes the moduli off again.
+pub(super) fn unweigh(moduli: &[f64], x: &mut [f64]) {
+    x.iter_mut()
+        .zip(moduli)
+        .for_each(|(x, modulus)| *x /= modulus);
+}
+
 /// Rows or columns of the constraints that hold on the face, weighted.
 struct OnFace<'a> {
     /// The constraints, or the forces transposed, of all multipliers.
     operator: &'a dyn LinearOperator,
+    /// Moduli by which their rows are weighted besides; empty where all are one.
+    moduli: &'a [f64],
     /// Status of each multiplier; rows of those that do not stick count as zero.
     status: &'a [Status],
 }
@@ -71,50 +86,63 @@ impl LinearOperator for OnFace<'_> {
                 Status::Open | Status::Slip => 0.0,
             };
         }
+        weigh(self.moduli, y);
     }
 
     /// Of a `y` that is zero off the face.
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
-        self.operator.apply_transposed(y, x, work);
-        scale(x, GAP_WEIGHT);
+        x.fill(0.0);
+        self.add_transposed(1.0, y, x, work);
     }
 
     /// Of a `y` that is zero off the face.
     fn add_transposed(&self, factor: f64, y: &[f64], x: &mut [f64], work: &mut Workspace) {
-        self.operator
-            .add_transposed(factor * GAP_WEIGHT, y, x, work);
+        let weight = factor * GAP_WEIGHT;
+        if self.moduli.is_empty() {
+            return self.operator.add_transposed(weight, y, x, work);
+        }
+        let mut weighted = work.copy(y);
+        weigh(self.moduli, &mut weighted);
+        self.operator.add_transposed(weight, &weighted, x, work);
+        work.give(weighted);
     }
 }
 
 /// The weighted compliance's inverse on the face.
-struct FaceMetric {
+struct FaceMetric<'a> {
     /// Indices of the multipliers that stick, ascending.
     selected: Vec<usize>,
+    /// Moduli by which their residuals are weighted besides; empty where all are one.
+    moduli: &'a [f64],
     /// Factor of the compliance's principal part on them.
     factor: Arc<DenseCholesky>,
 }
 
-impl FaceMetric {
+impl<'a> FaceMetric<'a> {
     /// Factorises the compliance on the multipliers that stick. Cost: a third of the
     /// cube of their number.
-    fn new(compliance: &dyn SymmetricMatrix, status: &[Status]) -> Result<Self, FactoriseError> {
+    fn new(contact: &ContactBlock<'a>, status: &[Status]) -> Result<Self, FactoriseError> {
         let sticks = |&i: &usize| status[i] == Status::Stick;
         let selected: Vec<usize> = (0..status.len()).filter(sticks).collect();
-        let factor = compliance.factor_of_part(&selected)?;
-        Ok(Self { selected, factor })
+        Ok(Self {
+            factor: contact.matrix.factor_of_part(&selected)?,
+            moduli: contact.moduli,
+            selected,
+        })
     }
 }
 
-impl Preconditioner for FaceMetric {
+impl Preconditioner for FaceMetric<'_> {
     fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace) {
         let mut small = work.scratch(self.selected.len());
+        let modulus = |index: usize| self.moduli.get(index).copied().unwrap_or(1.0);
         for (value, &index) in small.iter_mut().zip(&self.selected) {
-            *value = r[index];
+            *value = r[index] / modulus(index);
         }
         self.factor.solve(&mut small);
         z.fill(0.0);
         for (value, &index) in small.iter().zip(&self.selected) {
-            z[index] = *value / (GAP_WEIGHT * GAP_WEIGHT);
+            z[index] = *value / (GAP_WEIGHT * GAP_WEIGHT) / modulus(index);
         }
         work.give(small);
     }
@@ -127,7 +155,7 @@ struct Restricted<'a> {
     /// Forces on the face, transposed.
     columns: OnFace<'a>,
     /// Inverse of the compliance on the face, the metric of the block.
-    metric: FaceMetric,
+    metric: FaceMetric<'a>,
     /// Terms that vanish where the constraints hold.
     augmented: Option<augmentation::OnFace<'a>>,
 }
@@ -142,11 +170,15 @@ impl<'a> Restricted<'a> {
     ) -> Result<Self, FactoriseError> {
         let contact = &blocks.contact;
         let terms = problem.augmentation;
-        let on_face = |operator| OnFace { operator, status };
+        let on_face = |operator| OnFace {
+            operator,
+            moduli: contact.moduli,
+            status,
+        };
         Ok(Self {
             rows: on_face(contact.rows),
             columns: on_face(contact.columns),
-            metric: FaceMetric::new(contact.matrix, status)?,
+            metric: FaceMetric::new(contact, status)?,
             augmented: terms.and_then(|terms| terms.on_face(*contact, status, problem.curvature)),
         })
     }
@@ -211,6 +243,7 @@ impl Faces<'_, '_> {
         let mut monitor = FaceMonitor {
             displacement: iterate.force.len(),
             equality: self.blocks.equality_unknowns(),
+            moduli: self.blocks.contact.moduli,
             targets: run.targets,
             scales: run.scales,
             review,
@@ -306,6 +339,7 @@ impl Faces<'_, '_> {
                 *value = GAP_WEIGHT * gap;
             }
         }
+        weigh(self.blocks.contact.moduli, rest);
         Packed { x, r }
     }
 
@@ -326,7 +360,10 @@ impl Faces<'_, '_> {
             (dx, r) = (next, rest);
         }
         let contact = &mut iterate.blocks[place];
-        add_scaled(&mut contact.multiplier, GAP_WEIGHT, dx);
+        let mut step = work.copy(dx);
+        weigh(self.blocks.contact.moduli, &mut step);
+        add_scaled(&mut contact.multiplier, GAP_WEIGHT, &step);
+        work.give(step);
         if !contact.residual.is_empty() {
             // The packed residual knows the gaps of the face only.
             let mut closing = work.scratch(contact.residual.len());
@@ -344,6 +381,8 @@ pub(super) struct FaceMonitor<'a, 'b> {
     pub(super) displacement: usize,
     /// Number of equality unknowns, which follow them.
     pub(super) equality: usize,
+    /// Moduli that weigh the gaps behind these; empty where all are one.
+    pub(super) moduli: &'a [f64],
     /// When the problem counts as solved.
     pub(super) targets: QpTargets,
     /// Scales of the blocks; they grow with the norms that this face shows.
@@ -366,6 +405,16 @@ pub(super) struct FaceMonitor<'a, 'b> {
 }
 
 impl FaceMonitor<'_, '_> {
+    /// Norm of the gaps without their moduli.
+    fn gap_norm(&self, weighted: &[f64]) -> f64 {
+        if self.moduli.is_empty() {
+            return norm(weighted);
+        }
+        let mut gap = weighted.to_vec();
+        unweigh(self.moduli, &mut gap);
+        norm(&gap)
+    }
+
     /// Block norms and the largest over its scale.
     pub(super) fn measure(&mut self, r: &[f64]) -> (QpNorms, f64) {
         let (force, rest) = r.split_at(self.displacement);
@@ -373,7 +422,7 @@ impl FaceMonitor<'_, '_> {
         let norms = QpNorms {
             force: norm(force),
             constraint: norm(constraint),
-            gap: norm(gap) / GAP_WEIGHT,
+            gap: self.gap_norm(gap) / GAP_WEIGHT,
         };
         self.scales.see(norms.constraint, norms.gap);
         (norms, norms.relative(self.targets.force_scale, self.scales))

@@ -2,7 +2,7 @@
 //! stays of use while the constraints of contact change.
 //!
 //! ```text
-//! product of a direction (u, p, l) = body's part + w (D^T l, C u) on the face - curvature u
+//! product of a direction (u, p, l) = body's part + w (D^T m l, m C u) on the face - curvature u
 //! ```
 //!
 //! Only the body's part is kept between two programs; contact is put on for the face at
@@ -10,6 +10,7 @@
 //! end with it. Cost: one product with each coupling a direction, no
 //! product with A.
 
+use super::face::weigh;
 use super::{Faces, GAP_WEIGHT};
 use crate::inequality::QpRun;
 use crate::linalg::vector::{add_scaled, scale};
@@ -55,9 +56,13 @@ impl Faces<'_, '_> {
             let (force, u) = (&mut force[..unknowns], &known[..unknowns]);
             contact.rows.apply(u, closing, &mut inner);
             scale(closing, GAP_WEIGHT);
+            weigh(contact.moduli, closing);
             restrict(multiplier, closing);
+            let mut pushed = inner.copy(multiplier);
+            weigh(contact.moduli, &mut pushed);
             let columns = contact.columns;
-            columns.apply_transposed(multiplier, &mut part, &mut inner);
+            columns.apply_transposed(&pushed, &mut part, &mut inner);
+            inner.give(pushed);
             add_scaled(force, sign * GAP_WEIGHT, &part);
             if let Some(curvature) = self.problem.curvature {
                 curvature.apply(u, &mut part, &mut inner);

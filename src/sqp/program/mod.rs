@@ -9,6 +9,7 @@
 //! residuals of the state. One program is one SQP iteration.
 
 mod augmentation;
+mod factorised;
 mod inverse;
 mod solve;
 pub(crate) mod step;

@@ -6,8 +6,11 @@ use super::{QuadraticProgram, Step};
 use crate::inequality::{
     QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
 };
+use crate::krylov::Outcome;
 use crate::krylov::gcr::Directions;
+use crate::krylov::outlook::Outlook;
 use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
+use crate::plan::second_attempt::Programs;
 use crate::precond::Counted;
 use crate::saddle::{BlockStep, EqualityBlock, Metric, MultiplierBlock, UpperTriangular};
 use crate::sqp::chooser;
@@ -25,15 +28,15 @@ const PRESSURE_ERROR: f64 = 0.05;
 const MARGIN: f64 = 0.95;
 
 /// Where a solve of the program starts and ends.
-struct Solve<'s> {
+pub(super) struct Solve<'s> {
     /// Increments, multipliers and residuals, solved in place.
-    iterate: &'s mut QpIterate,
+    pub(super) iterate: &'s mut QpIterate,
     /// When the program counts as solved.
-    targets: QpTargets,
+    pub(super) targets: QpTargets,
     /// Scales of the blocks without a load of their own.
-    scales: &'s mut QpScales,
+    pub(super) scales: &'s mut QpScales,
     /// Krylov directions of earlier programs, which this one uses and adds to.
-    directions: &'s mut Directions,
+    pub(super) directions: &'s mut Directions,
 }
 
 impl QuadraticProgram<'_> {
@@ -83,7 +86,10 @@ impl QuadraticProgram<'_> {
         let displacement = Counted::new(&*self.inverse.displacement);
         let mut track = Track {
             before: counters.applications,
-            force_scale: targets.force_scale,
+            targets,
+            outlook: self.outlook(),
+            active: 0,
+            is_hopeless: false,
             displacement: &displacement,
             watch,
             counters,
@@ -94,13 +100,25 @@ impl QuadraticProgram<'_> {
             scales: &mut scales,
             directions: &mut learned.directions,
         };
-        let outcome = self.run_method(curvature, solve, &mut track, work);
+        let mut outcome = self.run_method(curvature, solve, &mut track, work);
         track.count();
+        if track.is_hopeless && outcome.status == QpStatus::Interrupted {
+            outcome.status = QpStatus::Krylov(Outcome::Stagnation);
+        }
         counters.seconds.krylov += krylov.elapsed().as_secs_f64();
         counters.set_changes += outcome.set_changes;
         counters.contact_products += outcome.products;
         state.scales = scales;
         (step_from(iterate, state), outcome)
+    }
+
+    /// Whether iterations lead on, where something else may be tried; none for rubber,
+    /// whose programs are worth what they bring, and for methods that nest iterations.
+    fn outlook(&self) -> Option<Outlook> {
+        let plan = self.model.plan;
+        let is_plain = plan.programs == Programs::AsPlanned && !plan.contact.method.is_nested();
+        let is_wanted = is_plain && self.tangent.is_none() && !plan.rungs().is_empty();
+        is_wanted.then(|| Outlook::new(MOST_ITERATIONS))
     }
 
     /// Hands the program to the method that the plan has chosen: a linear one without
@@ -112,6 +130,9 @@ impl QuadraticProgram<'_> {
         track: &mut Track<'_, '_>,
         work: &mut Workspace,
     ) -> QpOutcome {
+        if self.model.plan.programs == Programs::Factorised {
+            return self.run_factorised(curvature, solve, track, work);
+        }
         let displacement = track.displacement;
         let guided = self.model.plan.guided_multipliers;
         let pressure = self.pressure();
@@ -197,7 +218,7 @@ impl QuadraticProgram<'_> {
 
     /// The internal pressure as an equality block about the state; none in displacement
     /// form.
-    fn pressure(&self) -> Option<EqualityBlock<'_>> {
+    pub(super) fn pressure(&self) -> Option<EqualityBlock<'_>> {
         let block = self.model.prepared.pressure.as_ref()?;
         let tangent = self.tangent.as_ref();
         let coupling = tangent.map_or(&block.coupling as &dyn LinearOperator, |t| &t.coupling);
@@ -220,6 +241,7 @@ impl QuadraticProgram<'_> {
             metric: Metric::Dense {
                 matrix: &*self.metric.matrix,
                 weights: &self.metric.weights,
+                moduli: &self.model.interfaces.moduli,
             },
             set: self.now.contact_set(),
             joint: None,
