@@ -14,6 +14,7 @@
 //! Costs about what the same problem costs without contact; a review costs one
 //! small dense solve and no application of the displacement preconditioner.
 
+mod augmented;
 mod face;
 mod kept;
 mod sets;

@@ -88,11 +88,8 @@ fn held(table: &Table) -> Support {
 }
 
 fn obstacle(table: &Table) -> Obstacle {
-    Obstacle {
-        name: text_of(table, "name").to_owned(),
-        on: vec![text_of(table, "on").to_owned()],
-        shape: shape(table["shape"].as_table().expect("a table")),
-    }
+    let shape = shape(table["shape"].as_table().expect("a table"));
+    super::scenes::obstacle(text_of(table, "name"), text_of(table, "on"), shape)
 }
 
 fn shape(table: &Table) -> Shape {

@@ -12,11 +12,11 @@
 
 use std::sync::Arc;
 
-use super::super::augmentation;
 use super::super::blocks::{Blocks, ContactBlock};
 use super::super::qp::{
     Progress, QpIterate, QpNorms, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
 };
+use super::augmented::Augmented;
 use super::{Faces, GAP_WEIGHT, REVIEW};
 use crate::krylov::gcr::{self, Gcr};
 use crate::krylov::{Monitor, Outcome, Verdict};
@@ -157,7 +157,7 @@ struct Restricted<'a> {
     /// Inverse of the compliance on the face, the metric of the block.
     metric: FaceMetric<'a>,
     /// Terms that vanish where the constraints hold.
-    augmented: Option<augmentation::OnFace<'a>>,
+    augmented: Option<Augmented<'a>>,
 }
 
 impl<'a> Restricted<'a> {
@@ -179,7 +179,8 @@ impl<'a> Restricted<'a> {
             rows: on_face(contact.rows),
             columns: on_face(contact.columns),
             metric: FaceMetric::new(contact, status)?,
-            augmented: terms.and_then(|terms| terms.on_face(*contact, status, problem.curvature)),
+            augmented: terms
+                .and_then(|terms| Augmented::new(terms, *contact, status, problem.curvature)),
         })
     }
 

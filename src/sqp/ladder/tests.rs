@@ -34,6 +34,7 @@ fn block(model: MaterialModel) -> Scene {
                 centre: [0.45, 0.55, 2.0],
                 radius: 1.0,
             },
+            surface: crate::scene::SurfaceGeometry::default(),
         }],
         solver: SolverOptions {
             tolerance: 1e-10,
