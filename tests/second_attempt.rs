@@ -134,7 +134,7 @@ fn a_session_taken_elsewhere_on_a_rung_goes_on_with_the_same_bits() {
     };
     assert_eq!(advance(&mut here, &mut run), Some(Fallback::Direct));
     let bytes = here.export();
-    let there = Session::import(plan, mesh.clone(), prepared, Reuse::Reused, &bytes);
+    let there = Session::import(plan, mesh, prepared, Reuse::Reused, &bytes);
     let mut there = there.expect("bytes of this build");
     let mut resumed = there.resume_step(3, 1).expect("a step under way");
     for _ in 0..2 {
@@ -212,7 +212,7 @@ fn the_plan_says_what_it_would_try_next() {
     let (loose, _, mesh) = groove(0.3);
     let words = names(&loose, &mesh).expect("an attempt");
     assert!(words.starts_with("a factor"), "{words}");
-    let mut named = scene.clone();
+    let mut named = scene;
     named.solver.contact = Choice::Named(ContactMethod::OneLevel);
     assert_eq!(names(&named, &mesh), None);
 }

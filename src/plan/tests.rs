@@ -356,7 +356,10 @@ fn a_plan_leaves_out_what_the_scene_does_not_need() {
     );
     let report = plan(&with_floor(clamped(0.5)), &mesh).report();
     assert_eq!(report.formulation, "mixed");
-    assert_eq!((report.unknowns.pressure, report.unknowns.contact), (27, 9));
+    assert_eq!(
+        (report.unknowns.pressure, report.unknowns.contact),
+        (27, 25)
+    );
     assert!(
         report
             .left_out
