@@ -9,7 +9,7 @@ use common::meshes::{cube, file, irregular, mesh};
 use common::scenes::{elastic, hertz_plane, hertz_sphere, obstacle, support};
 use common::{close, difference, solve, solve_one, values};
 use serde_json::Value;
-use signorini::scene::{Choice, ContactMethod, Shape};
+use signorini::scene::{Choice, ContactMethod, ContactSpace, Shape};
 use signorini::{Cause, FieldName, Mesh, Plan, Scene, SceneError, Step, StepReport, Termination};
 
 const TOLERANCE: f64 = 1e-6;
@@ -80,6 +80,8 @@ fn with_method(scene: &Scene, contact: &str, metric: &str) -> Scene {
     let mut scene = scene.clone();
     scene.solver.contact = contact.parse().expect("a method");
     scene.solver.contact_metric = metric.parse().expect("a metric");
+    // That of the references and of the counts.
+    scene.solver.contact_space = Choice::Named(ContactSpace::Linear);
     scene
 }
 

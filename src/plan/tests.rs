@@ -358,7 +358,7 @@ fn a_plan_leaves_out_what_the_scene_does_not_need() {
     assert_eq!(report.formulation, "mixed");
     assert_eq!(
         (report.unknowns.pressure, report.unknowns.contact),
-        (27, 25)
+        (27, 20)
     );
     assert!(
         report

@@ -9,14 +9,12 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::curved::Source;
 use super::error::{Fault, MshError};
+use super::plane::{PLANE_TOLERANCE, extent};
 use super::raw::{Block, Owner, RawMesh};
 use super::{CurvedEdge, MeshFile, MeshGroup};
 
 /// Indices on the wire are signed 32-bit numbers.
 const LARGEST: u64 = i32::MAX as u64;
-
-/// Relative distance from the plane z = 0 that is taken as rounding.
-pub(super) const PLANE_TOLERANCE: f64 = 1e-12;
 
 /// The mesh of a file.
 pub(super) fn mesh(raw: &RawMesh) -> Result<MeshFile, MshError> {
@@ -148,13 +146,6 @@ fn coordinates(numbering: &Numbering, dimension: usize) -> Result<Vec<[f64; 3]>,
         Err(Fault::NotPlanar { node, z })
     };
     points.map(flat).collect()
-}
-
-/// Largest distance from the axes of the plane.
-pub(super) fn extent<'a>(points: impl Iterator<Item = &'a [f64; 3]>) -> f64 {
-    points.fold(0.0_f64, |extent, [x, y, _]| {
-        extent.max(x.abs()).max(y.abs())
-    })
 }
 
 /// Elements of one dimension.

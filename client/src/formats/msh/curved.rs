@@ -11,8 +11,8 @@
 use std::collections::HashMap;
 
 use super::CurvedEdge;
-use super::build::{PLANE_TOLERANCE, extent};
 use super::error::Fault;
+use super::plane::{PLANE_TOLERANCE, extent};
 use super::raw::Block;
 
 /// Distance over the length of an edge that is taken as rounding.

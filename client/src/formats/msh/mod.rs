@@ -14,6 +14,7 @@ mod build;
 mod cursor;
 mod curved;
 mod error;
+mod plane;
 mod raw;
 mod v22;
 mod v41;
