@@ -185,9 +185,15 @@ fn volumes(
     (inverse, divergence): (&ApproximateInverse, Option<&dyn LinearOperator>),
     work: &mut Workspace,
 ) -> Vec<VolumeMode> {
+    let method = model.plan.contact.method;
     let (Some(block), Some(divergence)) = (&model.prepared.pressure, divergence) else {
         return Vec::new();
     };
+    // Nested methods solve for the pressure at every step, and fixed steps want a metric
+    // that is too large rather than too small.
+    if method.is_nested() || method.has_fixed_steps() {
+        return Vec::new();
+    }
     let flexibility = Flexibility {
         p1: &*inverse.p1,
         node_blocks: &inverse.node_blocks,
