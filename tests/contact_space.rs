@@ -37,7 +37,7 @@ fn check_contact(case: &str, meshes: [&str; 2], (scene, step): (Scene, Step)) {
     for name in meshes {
         let exact = &references()[case][name];
         let report = solve_one(&scene, &step, &file(name));
-        assert_eq!(f64::from(report.active_vertices), number(exact, "active"));
+        assert_eq!(u64::from(report.active_vertices), exact["active"]);
         let force = 4.0 * only_force(&report)[2].abs();
         assert!(close(force, number(exact, "force"), 1e-9), "{name} {force}");
         let energy = report.strain_energy;
@@ -70,7 +70,7 @@ fn a_bonded_cube_of_rubber_has_the_published_force() {
         assert!(close(force, number(exact, "force"), 1e-7), "{force}");
         let energy = report.strain_energy;
         assert!(close(energy, number(exact, "strain_energy"), 1e-7));
-        assert_eq!(report.penalty, 0.0);
+        assert!(report.penalty.abs() < f64::EPSILON);
     }
 }
 
@@ -110,7 +110,7 @@ fn a_confined_block_carries_any_pressure_on_an_obstacle_as_on_a_support() {
         let [pressed, held] = lids(bulk_modulus, squeeze, &mesh(cube(count)));
         for report in [&pressed, &held] {
             assert_eq!(report.stability, Some(Stability::Minimum));
-            assert_eq!(report.penalty, 0.0);
+            assert!(report.penalty.abs() < f64::EPSILON);
         }
         let force = only_force(&pressed)[2];
         let exact = held.supports["z1"].force[2];
@@ -178,7 +178,12 @@ fn a_second_plane_at_a_corner_that_is_never_touched_changes_nothing() {
     let report = solve_one(&scene, &Step::default(), &mesh(square(4)));
     let force = report.obstacles["roof"].force[1];
     assert!(close(force, -0.08 * PLANE_MODULUS, 1e-7), "{force}");
-    assert_eq!(report.obstacles["far"].force, [0.0; 3]);
+    assert!(
+        report.obstacles["far"]
+            .force
+            .iter()
+            .all(|f| f.abs() < 1e-14)
+    );
     assert!(close(
         report.strain_energy,
         0.08_f64.powi(2) / 2.0 * PLANE_MODULUS,

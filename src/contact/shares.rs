@@ -88,10 +88,8 @@ impl Shares {
 
     /// Multipliers of a function with their shares.
     pub fn of(&self, function: u32) -> impl Iterator<Item = (u32, f64)> + '_ {
-        let own = match &self.columns {
-            None => None,
-            Some(columns) => Some(columns[function as usize].iter().copied()),
-        };
+        let columns = self.columns.as_ref();
+        let own = columns.map(|columns| columns[function as usize].iter().copied());
         let itself = own.is_none().then_some((function, 1.0));
         itself.into_iter().chain(own.into_iter().flatten())
     }

@@ -152,7 +152,7 @@ fn gap_and_coupling_turn_with_body_and_obstacle() {
     let upright = HalfSpace::new([0.0; 3], [0.2, -1.0, 0.0]).expect("a half-space");
     let (solid, flat) = (Round::patch(2), Round::arc(3));
     let cases: [(&Round, Arc<dyn Obstacle>, [f64; 3]); 4] = [
-        (&solid, Arc::new(sphere.clone()), [0.7, -2.0, 1.1]),
+        (&solid, Arc::new(sphere), [0.7, -2.0, 1.1]),
         (&solid, Arc::new(plane), [0.7, -2.0, 1.1]),
         (&flat, Arc::new(sphere), [0.0, 0.0, 2.5]),
         (&flat, Arc::new(upright), [0.0, 0.0, 2.5]),

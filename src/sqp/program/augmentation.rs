@@ -113,7 +113,7 @@ fn places(model: &Model<'_>, size: usize) -> Vec<[f64; 3]> {
                 }
             };
             let own = interface.surface.shares.of(function);
-            for (multiplier, _) in own.filter(|&(_, share)| share == 1.0) {
+            for (multiplier, _) in own.filter(|&(_, share)| share > 0.99) {
                 places[interface.multipliers[multiplier as usize] as usize] = place;
             }
         }
