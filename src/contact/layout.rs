@@ -5,7 +5,7 @@
 //! *and side*: where a surface turns by more than 30 degrees, the faces on either hand
 //! have functions of their own, since their normals see different motions of the node.
 //! A function whose node supports hold along the normals of its faces goes to the
-//! nearest free functions of these faces ([`Shares`]). Cost: one sort of the sides.
+//! nearest free functions of these faces (`Shares`). Cost: one sort of the sides.
 
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -2,7 +2,7 @@
 //!
 //! Faces that share a node share its function, where they meet smoothly; functions are
 //! numbered by their nodes, ascending, and most have a multiplier of their own
-//! ([`Shares`]). Incidence and the pattern of the coupling are found once, so that rows are
+//! (`Shares`). Incidence and the pattern of the coupling are found once, so that rows are
 //! added up face by face in one order, whatever the number of threads. Cost: one sort of
 //! the nodes.
 

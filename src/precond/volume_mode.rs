@@ -8,7 +8,7 @@
 //! s = 1^T S 1: its volume over the bulk modulus, zero where it is incompressible. Without
 //! this term a closed body seems to give way under an even pressure, and the condition
 //! of K grows like the bulk over the shear modulus. It is positive definite where s is
-//! above zero; [`FLOOR`] keeps it so. Cost: one P1 solve and one pass over the nodes a
+//! above zero; `FLOOR` keeps it so. Cost: one P1 solve and one pass over the nodes a
 //! part.
 
 use super::NodeBlocks;
