@@ -110,8 +110,8 @@ fn a_confined_block_carries_any_pressure_on_an_obstacle_as_on_a_support() {
         let [pressed, held] = lids(bulk_modulus, squeeze, &mesh(cube(count)));
         for report in [&pressed, &held] {
             assert_eq!(report.stability, Some(Stability::Minimum));
-            assert!(report.penalty.abs() < f64::EPSILON);
         }
+        assert!(pressed.penalty.abs() < f64::EPSILON);
         let force = only_force(&pressed)[2];
         let exact = held.supports["z1"].force[2];
         assert!(close(force, exact, 1e-7), "{bulk_modulus} {force} {exact}");

@@ -13,8 +13,8 @@ use signorini::{StepReport, Termination};
 /// Of the energy and of the largest force. The solver's tolerance is 1e-10 here.
 const TOLERANCE: f64 = 1e-7;
 
-/// Scenes with a stable equilibrium that the solver does not find yet: the set of closed
-/// constraints cycles (halves), or a nearly closed body reaches the limit of iterations.
+/// Scenes with a stable equilibrium that the solver has missed: the set of closed
+/// constraints cycled (halves), or a penalty led a nearly closed body to another energy.
 const NOT_FOUND: [&str; 3] = ["1-0050-halves", "7-0038-five-clamped", "7-0088-halves"];
 
 /// The scenes by name.
