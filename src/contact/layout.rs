@@ -256,14 +256,7 @@ impl<'a> Sides<'a> {
 
     /// A displacement node in the undeformed body, in the caller's lengths.
     fn position(&self, node: u32) -> [f64; 3] {
-        let coordinates = self.mesh.coordinates();
-        match (node as usize).checked_sub(self.space.vertices) {
-            None => coordinates[node as usize],
-            Some(edge) => {
-                let [a, b] = self.space.edges[edge];
-                scale(0.5, add(coordinates[a as usize], coordinates[b as usize]))
-            }
-        }
+        self.space.node_place(self.mesh.coordinates(), node)
     }
 }
 

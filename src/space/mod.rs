@@ -62,6 +62,18 @@ impl TaylorHood {
         nodes
     }
 
+    /// Undeformed place of a node, from the `coordinates` `[vertices]` of the mesh: of an
+    /// edge the mean of its ends.
+    pub fn node_place(&self, coordinates: &[[f64; 3]], node: u32) -> [f64; 3] {
+        match (node as usize).checked_sub(self.vertices) {
+            None => coordinates[node as usize],
+            Some(edge) => {
+                let [a, b] = self.edges[edge].map(|end| coordinates[end as usize]);
+                [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]))
+            }
+        }
+    }
+
     /// Vertex and midpoint values of a hierarchical vector, `[nodes * components]`.
     pub fn node_values(&self, hierarchical: &[f64]) -> Vec<f64> {
         let c = self.components;

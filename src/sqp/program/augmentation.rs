@@ -105,13 +105,7 @@ fn places(model: &Model<'_>, size: usize) -> Vec<[f64; 3]> {
     let mut places = vec![[0.0; 3]; size];
     for interface in &model.interfaces.list {
         for (function, &node) in (0..).zip(&interface.surface.carriers) {
-            let place = match (node as usize).checked_sub(space.vertices) {
-                None => coordinates[node as usize],
-                Some(edge) => {
-                    let [a, b] = space.edges[edge].map(|end| coordinates[end as usize]);
-                    [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]))
-                }
-            };
+            let place = space.node_place(coordinates, node);
             let own = interface.surface.shares.of(function);
             for (multiplier, _) in own.filter(|&(_, share)| share > 0.99) {
                 places[interface.multipliers[multiplier as usize] as usize] = place;
