@@ -146,6 +146,7 @@
 #![doc = include_str!("decisions/0027-true-surface.md")]
 #![doc = include_str!("decisions/0028-second-attempt.md")]
 #![doc = include_str!("decisions/0029-contact-space.md")]
+#![doc = include_str!("decisions/0030-springs-in-contact.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

@@ -51,12 +51,8 @@ fn reached(reports: &[StepReport]) -> f64 {
 }
 
 /// A ball of another radius over the quarter block, pressed to `depth`.
-fn indented(
-    (radius, depth, increments): (f64, f64, u32),
-    space: Choice<ContactSpace>,
-) -> Vec<StepReport> {
+fn indented((radius, depth, increments): (f64, f64, u32)) -> Vec<StepReport> {
     let (mut scene, _) = indented_block();
-    scene.solver.contact_space = space;
     scene.obstacles[0].shape = Shape::Sphere {
         centre: [0.0, 0.0, radius],
         radius,
@@ -77,45 +73,49 @@ fn assert_minima(reports: &[StepReport]) {
 
 #[test]
 fn a_small_ball_is_pressed_in_by_half_its_radius() {
-    // The quadratic pressure ends at the line search before.
-    let linear = Choice::Named(ContactSpace::Linear);
-    assert_minima(&indented((0.5, 0.25, 10), linear));
+    let reports = indented((0.5, 0.25, 10));
+    assert_minima(&reports);
+    assert!(reports.iter().all(|report| report.penalty == 0.0));
 }
 
 #[test]
 fn a_large_ball_is_pressed_in_by_two_fifths_of_its_radius() {
-    assert_minima(&indented((1.0, 0.4, 16), Choice::Auto));
+    assert_minima(&indented((1.0, 0.4, 16)));
 }
 
-/// Nothing but friction, which there is not, holds the top sideways: at a third of
-/// its height the block sways, whatever the mesh and the rule.
+/// Nothing but friction, which there is not, holds the top sideways: the block sways, in
+/// an independent solver between 37.5 and 40 per cent, under a support as under the press.
 #[test]
 fn a_bonded_cube_under_a_smooth_press_stands_until_it_sways() {
     let (scene, _) = bonded_cube();
     let step = in_parts(push("press", [0.0, 0.0, -0.6]), 24);
     let reports = solve(&scene, &[step], &mesh(cube(4)));
     let last = reports.last().expect("an increment");
-    assert!(0.6 * last.time >= 0.4, "{}", last.time);
+    assert!(0.6 * last.time >= 0.375, "{}", last.time);
 }
 
-/// Hats for the contact pressure take the homogeneous state for a saddle from a third on
-/// without the penalty, quadratic functions do not.
+/// By the inertia of an independent solver's tangent (`saddle_contact.py`): stable at 45 per
+/// cent, one unstable motion at 48.75.
 #[test]
-fn an_evenly_pressed_cube_is_stable_to_two_fifths() {
+fn an_evenly_pressed_cube_is_stable_until_it_is_not_and_needs_no_penalty() {
+    let (mut scene, _) = squeezed_cube();
+    scene.solver.penalty = Some(0.0);
+    let step = in_parts(push("press", [0.0, 0.0, -0.6]), 16);
+    let reports = solve(&scene, &[step], &mesh(cube(4)));
+    let part = reached(&reports);
+    assert!((0.449..0.4875).contains(&(0.6 * part)), "{part}");
+    let last = reports.last().expect("an increment");
+    assert_eq!(last.cause, Some(Cause::UnstableEquilibrium));
+}
+
+/// Hats for the contact pressure: the pair loses the state before the body does.
+#[test]
+fn an_evenly_pressed_cube_is_stable_to_two_fifths_under_hats() {
     let (mut scene, _) = squeezed_cube();
     scene.solver.contact_space = Choice::Named(ContactSpace::Linear);
     let step = in_parts(push("press", [0.0, 0.0, -0.6]), 16);
-    let reports = solve(&scene, std::slice::from_ref(&step), &mesh(cube(4)));
-    let part = reached(&reports);
+    let part = reached(&solve(&scene, &[step], &mesh(cube(4))));
     assert!(0.6 * part >= 0.4, "{part}");
-    assert!(reports.iter().any(|r| r.penalty > 0.0));
-    let mut plain = scene;
-    plain.solver.penalty = Some(0.0);
-    let part = reached(&solve(&plain, std::slice::from_ref(&step), &mesh(cube(4))));
-    assert!(0.6 * part < 0.38, "{part}");
-    plain.solver.contact_space = Choice::Auto;
-    let part = reached(&solve(&plain, &[step], &mesh(cube(4))));
-    assert!(0.6 * part >= 0.5, "{part}");
 }
 
 /// A strip of a layer of 32 to 1, bonded below.

@@ -5,7 +5,7 @@
 
 use super::{BlockIterate, QpIterate, QpProblem, QpStatus};
 use crate::linalg::{LinearOperator, SymmetricMatrix};
-use crate::saddle::{EqualityBlock, Metric, ProductSet};
+use crate::saddle::{EqualityBlock, Metric, ProductSet, SharedMode};
 
 /// Equalities and contact.
 pub(crate) struct Blocks<'a> {
@@ -27,12 +27,16 @@ pub(crate) struct ContactBlock<'a> {
     /// Dense metric `[multipliers, multipliers]`, an approximation of the Schur
     /// complement of the block.
     pub(crate) matrix: &'a dyn SymmetricMatrix,
+    /// The metric of steps on a face where it is another one.
+    pub(crate) sprung: Option<&'a dyn SymmetricMatrix>,
     /// Weights of the multipliers: the integrals of their functions, or empty for
     /// methods that read none.
     pub(crate) weights: &'a [f64],
     /// How many times stiffer than elsewhere the body is where each multiplier acts; empty
     /// where it is the same all over.
     pub(crate) moduli: &'a [f64],
+    /// Modes that contact shares with the first block.
+    pub(crate) shared: &'a [SharedMode],
     /// The product of sets in which the multipliers lie.
     pub(crate) set: ProductSet<'a>,
 }
@@ -54,8 +58,10 @@ impl<'a> Blocks<'a> {
                 Some(equalities),
                 Metric::Dense {
                     matrix,
+                    sprung,
                     weights,
                     moduli,
+                    shared,
                 },
             ) if exact => Ok(Self {
                 equalities,
@@ -63,8 +69,10 @@ impl<'a> Blocks<'a> {
                     rows: last.rows,
                     columns: last.columns,
                     matrix,
+                    sprung,
                     weights,
                     moduli,
+                    shared,
                     set: last.set,
                 },
             }),

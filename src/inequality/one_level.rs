@@ -18,6 +18,7 @@ mod augmented;
 mod face;
 mod kept;
 mod sets;
+mod sprung;
 
 use std::collections::HashSet;
 use std::ops::ControlFlow;
@@ -162,7 +163,10 @@ impl Faces<'_, '_> {
         run: &mut QpRun<'_, '_>,
         outcome: &mut QpOutcome,
     ) -> Result<QpStatus, QpStatus> {
-        self.choose_first_face(iterate, outcome, run.work)?;
+        let bound = run.targets.level * run.scales.gap;
+        if !self.keeps_its_face(iterate, bound) {
+            self.choose_first_face(iterate, outcome, run.work)?;
+        }
         let first = &self.blocks.contact_of(iterate).status;
         let mut history = History {
             visited: HashSet::from([first.clone()]),
@@ -206,13 +210,17 @@ impl Faces<'_, '_> {
         // Solved, or reduced enough for a look at the signs: the dense problem in the
         // metric says which face the solution lies on.
         let bound = run.targets.level * run.scales.gap;
-        let next = match self.following(iterate, history, bound) {
-            Ok(next) => next,
+        let next = match self.keeps_its_face(iterate, bound) {
+            true => Ok(None),
+            false => self.following(iterate, history, bound),
+        };
+        let next = match next {
+            Ok(next) => next.filter(|next| !self.is_present(iterate, next)),
             Err(status) => return ControlFlow::Break(status),
         };
-        let is_kept = self.is_present(iterate, &next);
         // The same face again: it is solved to its end, or is already the solution.
-        if is_kept || (face.reached && self.is_acceptable(iterate, bound)) {
+        let is_end = face.reached && self.is_acceptable(iterate, bound);
+        let Some(next) = next.filter(|_| !is_end) else {
             let level = run
                 .targets
                 .level_for(largest(&self.blocks.contact_of(iterate).multiplier));
@@ -222,7 +230,7 @@ impl Faces<'_, '_> {
                 true => ControlFlow::Break(QpStatus::Solved),
                 false => ControlFlow::Continue(()),
             };
-        }
+        };
         if next.status != self.blocks.contact_of(iterate).status {
             outcome.set_changes += 1;
             history.enter(&next, &face)?;
@@ -238,15 +246,15 @@ impl Faces<'_, '_> {
         iterate: &QpIterate,
         history: &History,
         bound: f64,
-    ) -> Result<DenseSolution, QpStatus> {
+    ) -> Result<Option<DenseSolution>, QpStatus> {
         let count = self.blocks.contact_of(iterate).status.len();
         let neighbour = match history.one_by_one {
             true => self.neighbour(iterate, bound / (count as f64).sqrt()),
             false => None,
         };
         match neighbour {
-            Some(next) => Ok(next),
-            None => self.next_face(iterate),
+            Some(next) => Ok(Some(next)),
+            None => self.next_face(iterate).map(Some),
         }
     }
 

@@ -126,6 +126,7 @@ impl Matrices {
             stiffness: &self.stiffness,
             curvature: None,
             augmentation: None,
+            springs: &[],
             displacement: &self.inverse,
             step: &UpperTriangular { share: 1.0 },
             blocks,
@@ -143,6 +144,8 @@ impl Matrices {
                 matrix: &self.metric,
                 weights: &self.weights,
                 moduli: &[],
+                shared: &[],
+                sprung: None,
             },
             set: ProductSet::Uniform(SetPart { size, set }),
             joint: None,
@@ -163,6 +166,7 @@ pub(super) fn equality() -> Vec<Vec<f64>> {
 /// The block of an equality.
 pub(super) fn block<'a>(coupling: &'a SparseRows, metric: &'a Exact) -> MultiplierBlock<'a> {
     MultiplierBlock::from(EqualityBlock {
+        shared: &[],
         rows: coupling,
         columns: coupling,
         stabilisation: None,

@@ -104,6 +104,12 @@ impl Compliance {
         out
     }
 
+    /// What the rows see of each volume, over the root of its work
+    /// `[volumes][multipliers]`.
+    pub fn volumes(&self) -> &[Vec<f64>] {
+        &self.volumes
+    }
+
     /// A11^-1 of one row `[traces]`.
     fn flexibility(&self, row: usize) -> Vec<f64> {
         let mut flexibility = vec![0.0; self.vertex_inverse.rows()];

@@ -112,6 +112,24 @@ impl Preconditioner for NodeBlocks {
     }
 }
 
+/// Whether all `blocks` `[nodes, components, components]` are positive definite.
+pub fn are_positive(components: usize, blocks: &[f64]) -> bool {
+    let is_positive = |b: &[f64]| match components {
+        2 => b[0] > 0.0 && b[0] * b[3] > b[1] * b[2],
+        _ => {
+            let [minor, first, second] = [
+                b[0] * b[4] - b[1] * b[3],
+                b[1] * b[5] - b[2] * b[4],
+                b[0] * b[5] - b[2] * b[3],
+            ];
+            b[0] > 0.0 && minor > 0.0 && b[8] * minor + b[6] * first > b[7] * second
+        }
+    };
+    blocks
+        .chunks_exact(components * components)
+        .all(is_positive)
+}
+
 /// Inverts a symmetric block of two rows in place, or its diagonal where the
 /// determinant is not positive.
 fn invert_2(b: &mut [f64]) {

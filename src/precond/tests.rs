@@ -247,7 +247,12 @@ impl Sample {
             edge_ends: None,
             is_held: &vec![false; change.len()],
         };
-        let mode = VolumeMode::new(&flexibility, change, slack, &mut Workspace::new());
+        let mode = VolumeMode::new(
+            &flexibility,
+            (Vec::new(), change),
+            slack,
+            &mut Workspace::new(),
+        );
         mode.expect("a change")
     }
 

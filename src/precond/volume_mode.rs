@@ -21,6 +21,8 @@ const FLOOR: f64 = 1e-5;
 /// Y b of a part with its numbers.
 #[derive(Clone, Debug)]
 pub struct VolumeMode {
+    /// One at the pressures of the part, else zero `[pressures]`.
+    pub pressures: Vec<f64>,
     /// A11^-1 P^T b `[vertex unknowns]`.
     pub smooth: Vec<f64>,
     /// D^-1 b in the Lagrange basis `[displacement]`: nodes that move alone.
@@ -45,11 +47,11 @@ pub struct Flexibility<'a> {
 }
 
 impl VolumeMode {
-    /// Of a part whose volume changes by `change` in the hierarchical basis and whose
-    /// pressure takes `slack`; none where it does not change.
+    /// Of a part with these `pressures`, whose volume changes by `change` in the
+    /// hierarchical basis and whose pressure takes `slack`; none where it does not change.
     pub fn new(
         flexibility: &Flexibility<'_>,
-        change: &[f64],
+        (pressures, change): (Vec<f64>, &[f64]),
         slack: f64,
         work: &mut Workspace,
     ) -> Option<Self> {
@@ -60,6 +62,7 @@ impl VolumeMode {
         let alone = flexibility.alone(&forces);
         let own = dot(&change[..vertices], &smooth) + dot(&forces, &alone);
         (own > 0.0).then(|| Self {
+            pressures,
             smooth,
             alone,
             work: own + slack.max(FLOOR * own),

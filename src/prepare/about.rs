@@ -4,17 +4,19 @@
 use super::TaylorHoodData;
 use super::approximate_inverse::ApproximateInverse;
 use super::bodies::{DisplacementBody, P1Body};
-use super::deformed::Deformed;
+use super::deformed::{ClosedGaps, Deformed};
 use super::error::PrepareError;
 use super::moduli::moduli;
 use super::{displacement, p1};
 use crate::assembly::p1_stiffness::StiffCells;
 use crate::assembly::strain::{CellLaws, CellStates, CellTangents, Linearised};
-use crate::linalg::Workspace;
+use crate::linalg::{FactoriseError, Workspace};
 use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::plan::rubber::VOLUMETRIC;
-use crate::precond::NodeBlocks;
+use crate::precond::node_blocks::are_positive;
+use crate::precond::stiff_constraints::Nodes;
+use crate::precond::{NodeBlocks, StiffConstraints};
 use crate::report::CancelToken;
 use std::sync::Arc;
 
@@ -93,16 +95,29 @@ impl TaylorHoodData {
             stiffness: &tangents,
             held: &self.held,
             moved: state.displacement,
+            springs: None,
         };
-        let p1 = p1::build(plan, body, cancel)?;
         let cells = StiffCells {
             mesh,
             space: &self.space,
             geometry: &self.geometry,
             stiffness: &tangents,
         };
-        let blocks = cells.node_blocks(&self.held);
+        let mut blocks = cells.node_blocks(&self.held);
+        let springs = self.springs(state.contact);
+        if let Some(springs) = &springs {
+            let c = self.space.components;
+            springs.at_nodes(|node, spring| add_to(&mut blocks[node * c * c..], c, &spring));
+        }
+        if !are_positive(self.space.components, &blocks) {
+            return Err(FactoriseError::NotPositiveDefinite.into());
+        }
         let node_blocks = NodeBlocks::invert(self.space.components, blocks);
+        let body = P1Body {
+            springs: springs.as_ref(),
+            ..body
+        };
+        let p1 = p1::build(plan, body, cancel)?;
         let moduli = moduli(plan);
         let body = DisplacementBody {
             mesh,
@@ -114,16 +129,39 @@ impl TaylorHoodData {
             node_blocks: &node_blocks,
             p1: p1.solver.clone(),
             tangent: Some(state),
+            springs: springs.as_ref(),
         };
         let (displacement, displacement_bytes) = displacement::build(plan, &body);
         Ok(ApproximateInverse {
             displacement,
             p1: p1.solver,
             node_blocks,
+            springs,
             compliance: p1.compliance,
             traces: p1.traces,
             solver_bytes: p1.bytes + displacement_bytes,
             p1_part: p1.part,
         })
+    }
+
+    /// Springs in the place of the closed gaps, by the nodes of the body at rest.
+    fn springs(&self, contact: Option<ClosedGaps<'_>>) -> Option<StiffConstraints> {
+        let contact = contact?;
+        let nodes = Nodes {
+            blocks: &self.at_rest.node_blocks,
+            vertices: self.space.vertices,
+            edges: &self.space.edges,
+            is_held: &self.is_held,
+        };
+        let closed = (contact.closed, contact.pressure);
+        Some(StiffConstraints::new(contact.coupling, closed, &nodes))
+    }
+}
+
+/// Adds `spring` to the first block of `blocks`, which has `c` rows.
+fn add_to(blocks: &mut [f64], c: usize, spring: &[[f64; 3]; 3]) {
+    for (row, spring) in blocks.chunks_exact_mut(c).zip(&spring[..c]) {
+        let entries = row.iter_mut().zip(spring);
+        entries.for_each(|(entry, spring)| *entry += spring);
     }
 }

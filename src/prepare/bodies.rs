@@ -11,7 +11,7 @@ use crate::assembly::{CellGeometry, CellModuli, Constrained, Grid, Stiffness};
 use crate::linalg::{LinearOperator, Preconditioner};
 use crate::mesh::Mesh;
 use crate::plan::rubber::VOLUMETRIC;
-use crate::precond::NodeBlocks;
+use crate::precond::{NodeBlocks, StiffConstraints};
 use crate::space::TaylorHood;
 
 /// Mesh and material of A11.
@@ -24,6 +24,8 @@ pub(crate) struct P1Body<'a> {
     pub(crate) held: &'a [u32],
     /// Hierarchical displacement of the surface; empty at rest.
     pub(crate) moved: &'a [f64],
+    /// Springs on its surface; none at rest.
+    pub(crate) springs: Option<&'a StiffConstraints>,
 }
 
 /// What the preconditioner of the displacement block is built from.
@@ -38,6 +40,8 @@ pub(crate) struct DisplacementBody<'a> {
     pub(crate) p1: Arc<dyn Preconditioner>,
     /// None at rest.
     pub(crate) tangent: Option<Deformed<'a>>,
+    /// Springs on its surface; none at rest.
+    pub(crate) springs: Option<&'a StiffConstraints>,
 }
 
 impl DisplacementBody<'_> {
@@ -58,7 +62,7 @@ impl DisplacementBody<'_> {
         let Some(state) = self.tangent else {
             return Arc::new(self.stiffness(basis));
         };
-        Arc::new(Constrained {
+        let tangent = Arc::new(Constrained {
             free: TangentStiffness {
                 cells: state.cells.clone(),
                 at: state.at.clone(),
@@ -67,6 +71,11 @@ impl DisplacementBody<'_> {
                 size: self.space.displacement_unknowns(),
             },
             held: self.held.clone(),
-        })
+        });
+        match (self.springs, basis) {
+            (None, _) => tangent,
+            (Some(springs), Basis::Lagrange) => springs.on_lagrange(tangent),
+            (Some(springs), Basis::Hierarchical) => springs.on_hierarchical(tangent),
+        }
     }
 }

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::assembly::strain::{Linearised, StrainGrid};
+use crate::linalg::SparseRows;
 
 /// A deformed state with its cells.
 #[derive(Clone, Copy)]
@@ -11,4 +12,17 @@ pub(crate) struct Deformed<'a> {
     pub(crate) at: &'a Arc<Linearised>,
     pub(crate) displacement: &'a [f64],
     pub(crate) pressure: &'a [f64],
+    /// The closed gaps that hold the body; none where nothing presses.
+    pub(crate) contact: Option<ClosedGaps<'a>>,
+}
+
+/// Gaps, and which of them are closed.
+#[derive(Clone, Copy)]
+pub(crate) struct ClosedGaps<'a> {
+    /// What moves each gap `[multipliers, displacement]`.
+    pub(crate) coupling: &'a SparseRows,
+    /// Which are closed `[multipliers]`.
+    pub(crate) closed: &'a [bool],
+    /// Mean pressure on them, in shear moduli.
+    pub(crate) pressure: f64,
 }

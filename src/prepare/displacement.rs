@@ -11,6 +11,7 @@ use super::bodies::DisplacementBody;
 use super::chooser;
 use crate::assembly::grid::Basis;
 use crate::assembly::node_couplings::node_couplings;
+use crate::assembly::p1_stiffness::add;
 use crate::linalg::Preconditioner;
 use crate::mesh::Mesh;
 use crate::plan::Plan;
@@ -58,7 +59,10 @@ fn lines_around(
     transfer: Transfer,
     inner: Arc<PMultigrid>,
 ) -> Option<AlongLines> {
-    let couplings = node_couplings(body.mesh, body.space, body.geometry, body.moduli);
+    let mut couplings = node_couplings(body.mesh, body.space, body.geometry, body.moduli);
+    if let Some(springs) = body.springs {
+        springs.at_nodes(|node, spring| add(&mut couplings.diagonal[node], 1.0, &spring));
+    }
     let scale = plan.units.coordinate_scale;
     let coordinates: Vec<[f64; 3]> = (0..body.space.nodes())
         .map(|node| node_position(body.mesh, body.space, node).map(|x| x * scale))

@@ -15,7 +15,7 @@ use super::bodies::P1Body;
 use super::chooser;
 use super::error::PrepareError;
 use super::traces::TraceDirections;
-use crate::assembly::p1_stiffness::{P1Blocks, StiffCells};
+use crate::assembly::p1_stiffness::{P1Blocks, StiffCells, add};
 use crate::linalg::cholesky::Precision;
 use crate::linalg::{DenseMatrix, FactoriseError, Preconditioner};
 use crate::plan::Plan;
@@ -78,7 +78,12 @@ pub(crate) fn build(
         geometry: body.geometry,
         stiffness: body.stiffness,
     };
-    let blocks = cells.p1_blocks(shift);
+    let mut blocks = cells.p1_blocks(shift);
+    if let Some(springs) = body.springs {
+        springs.at_vertices(body.space.vertices, |vertex, spring| {
+            add(&mut blocks.diagonal[vertex], 1.0, &spring);
+        });
+    }
     let assemble = start.elapsed().as_secs_f64();
     let directions = TraceDirections::new(plan, body);
     let traces = Traces {

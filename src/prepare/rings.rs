@@ -65,6 +65,7 @@ impl Rest {
             at: &self.at,
             displacement: &self.displacement,
             pressure: &self.pressure,
+            contact: None,
         }
     }
 

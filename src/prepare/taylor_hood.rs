@@ -79,6 +79,7 @@ impl TaylorHoodData {
             stiffness: cells,
             held: &held,
             moved: &[],
+            springs: None,
         };
         let (p1, (grid, node_blocks)) = rayon::join(
             || p1::build(plan, body, cancel),
@@ -225,6 +226,7 @@ impl Parts {
             node_blocks: &self.node_blocks,
             p1: self.p1.solver.clone(),
             tangent: rest.as_ref().map(Rest::state),
+            springs: None,
         };
         let stiffness = body.stiffness(Basis::Hierarchical);
         let (displacement, displacement_bytes) = displacement::build(plan, &body);
@@ -248,6 +250,7 @@ impl Parts {
             at_rest: Arc::new(ApproximateInverse {
                 displacement,
                 p1: self.p1.solver,
+                springs: None,
                 node_blocks: self.node_blocks,
                 compliance: self.p1.compliance,
                 traces: self.p1.traces,

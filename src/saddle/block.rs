@@ -40,13 +40,36 @@ pub enum Metric<'a> {
         /// `[block, block]`, symmetric positive definite; without rows where the
         /// weights are all of it.
         matrix: &'a dyn SymmetricMatrix,
+        /// The same for a body with springs on the constraints, by which a step on a face is
+        /// taken where the displacement preconditioner has them.
+        sprung: Option<&'a dyn SymmetricMatrix>,
         /// Lumped mass, scaled like the matrix `[block]`; empty for methods that do
         /// not read it.
         weights: &'a [f64],
         /// How many times stiffer than elsewhere the body is where each multiplier acts
         /// `[block]`; empty where it is the same all over.
         moduli: &'a [f64],
+        /// Modes that the block shares with the first one.
+        shared: &'a [SharedMode],
     },
+}
+
+/// A pattern of the first block's unknowns that acts on the body as some pattern of
+/// another block's do, so that neither metric alone knows the two: an even internal
+/// pressure and an even contact pressure on a closed volume. With the Schur complement
+///
+/// ```text
+/// [ work   own^T ]   of the amplitude a of `first` and of the block's multipliers x,
+/// [ own    ...   ]   the metric of the block is its own part less own own^T / work.
+/// ```
+#[derive(Clone, Debug)]
+pub struct SharedMode {
+    /// The pattern `[first block]`.
+    pub first: Vec<f64>,
+    /// What the block's constraints see of it `[block]`.
+    pub own: Vec<f64>,
+    /// What its own constraint sees of it, above zero.
+    pub work: f64,
 }
 
 /// One block of a linear system: an equality, its multipliers all unknown.
@@ -60,6 +83,8 @@ pub struct EqualityBlock<'a> {
     pub stabilisation: Option<&'a dyn LinearOperator>,
     /// Approximate inverse of B A^-1 D^T + C, positive.
     pub metric: &'a dyn Preconditioner,
+    /// Modes that the block shares with the first one; empty for that.
+    pub shared: &'a [SharedMode],
     /// [A D^T; B 0] in one product, where there is one that costs less than its
     /// parts; used for the first block.
     pub joint: Option<&'a dyn LinearOperator>,
@@ -86,6 +111,7 @@ impl<'a> MultiplierBlock<'a> {
                 columns: self.columns,
                 stabilisation: self.stabilisation,
                 metric,
+                shared: &[],
                 joint: self.joint,
             }),
             Metric::Inverse(_) | Metric::Dense { .. } => None,

@@ -18,9 +18,10 @@
 mod block;
 mod set;
 
+use crate::linalg::vector::{add_scaled, dot, scale};
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
-pub use block::{EqualityBlock, Metric, MultiplierBlock};
+pub use block::{EqualityBlock, Metric, MultiplierBlock, SharedMode};
 pub use set::{
     Admissible, AdmissibleSet, Components, Discs, Kind, PairProblem, PointSet, ProductSet, SetPart,
     SetPoint, Status,
@@ -131,7 +132,8 @@ impl LinearOperator for SaddleOperator<'_> {
 }
 
 /// Upper block-triangular preconditioner:
-/// `dx_i = -M_i^-1 r_i`, `du = A^ (r_u - sum D_i^T dx_i)`.
+/// `dx_i = -M_i^-1 r_i`, `du = A^ (r_u - sum D_i^T dx_i)`; modes that a block shares with
+/// the first one are solved for jointly.
 pub struct BlockTriangular<'a> {
     /// Approximate inverse of A, applied once a step.
     pub displacement: &'a dyn Preconditioner,
@@ -144,23 +146,57 @@ pub struct BlockTriangular<'a> {
 impl Preconditioner for BlockTriangular<'_> {
     fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace) {
         let multipliers: usize = self.blocks.iter().map(|b| b.size()).sum();
-        let (r_u, mut r_rest) = r.split_at(r.len() - multipliers);
-        let (z_u, mut z_rest) = z.split_at_mut(r_u.len());
+        let (r_u, r) = r.split_at(r.len() - multipliers);
+        let (z_u, z) = z.split_at_mut(r_u.len());
         let mut force = work.copy(r_u);
-        for (index, block) in self.blocks.iter().enumerate() {
-            let share = if index == 0 { self.share } else { 1.0 };
-            let (r_block, r_next) = r_rest.split_at(block.size());
-            let (z_block, z_next) = z_rest.split_at_mut(block.size());
-            block.metric.apply(r_block, z_block, work);
-            z_block.iter_mut().for_each(|value| *value = -*value);
-            block
-                .columns
-                .add_transposed(-share, z_block, &mut force, work);
-            (r_rest, z_rest) = (r_next, z_next);
+        if let Some((first, others)) = self.blocks.split_first() {
+            let (r_first, mut r_rest) = r.split_at(first.size());
+            let (z_first, mut z_rest) = z.split_at_mut(first.size());
+            step_of(first, r_first, z_first, work);
+            let mut moving = work.copy(z_first);
+            scale(&mut moving, self.share);
+            for block in others {
+                let (r_block, r_next) = r_rest.split_at(block.size());
+                let (z_block, z_next) = z_rest.split_at_mut(block.size());
+                joint_step(block, (r_first, r_block), z_block, work);
+                for mode in block.shared {
+                    let amplitude = -dot(&mode.own, z_block) / mode.work;
+                    add_scaled(z_first, amplitude, &mode.first);
+                    add_scaled(&mut moving, amplitude, &mode.first);
+                }
+                let columns = block.columns;
+                columns.add_transposed(-1.0, z_block, &mut force, work);
+                (r_rest, z_rest) = (r_next, z_next);
+            }
+            let columns = first.columns;
+            columns.add_transposed(-1.0, &moving, &mut force, work);
+            work.give(moving);
         }
         self.displacement.apply(&force, z_u, work);
         work.give(force);
     }
+}
+
+/// The step of one block by its metric.
+fn step_of(block: &EqualityBlock<'_>, r: &[f64], z: &mut [f64], work: &mut Workspace) {
+    block.metric.apply(r, z, work);
+    z.iter_mut().for_each(|value| *value = -*value);
+}
+
+/// The step of one block behind what the first one leaves of the modes that they share.
+fn joint_step(
+    block: &EqualityBlock<'_>,
+    (r_first, r): (&[f64], &[f64]),
+    z: &mut [f64],
+    work: &mut Workspace,
+) {
+    let mut rest = work.copy(r);
+    for mode in block.shared {
+        let amplitude = dot(&mode.first, r_first) / mode.work;
+        add_scaled(&mut rest, -amplitude, &mode.own);
+    }
+    step_of(block, &rest, z, work);
+    work.give(rest);
 }
 
 #[cfg(test)]
@@ -179,6 +215,7 @@ mod tests {
             rows: &coupling,
             columns: &coupling,
             stabilisation: Some(&stabilisation),
+            shared: &[],
             metric: &Scaled(1.0),
             joint: None,
         }];
@@ -206,6 +243,7 @@ mod tests {
             rows: &constraints,
             columns: &columns,
             stabilisation: Some(&stabilisation),
+            shared: &[],
             metric: &Scaled(1.0),
             joint: None,
         }];
@@ -233,6 +271,7 @@ mod tests {
             rows: &coupling,
             columns: &coupling,
             stabilisation: None,
+            shared: &[],
             metric: &Scaled(0.5),
             joint: None,
         }];
@@ -244,5 +283,41 @@ mod tests {
         let mut z = [0.0; 3];
         triangular.apply(&[1.0, 2.0, 4.0], &mut z, &mut Workspace::new());
         assert_eq!(z, [0.25 * (1.0 + 2.0), 0.25 * (2.0 + 6.0), -2.0]);
+    }
+
+    #[test]
+    fn two_blocks_that_act_alike_are_solved_together() {
+        // Both press on the one displacement: S = [y + slack, y; y, y] for the flexibility y.
+        let (flexibility, slack) = (2.0, 1e-6);
+        let coupling = rows(&[[1.0]]);
+        let work = flexibility + slack;
+        let modes = [SharedMode {
+            first: vec![1.0],
+            own: vec![flexibility],
+            work,
+        }];
+        let own_part = flexibility - flexibility * flexibility / work;
+        let (of_first, of_second) = (Scaled(1.0 / work), Scaled(1.0 / own_part));
+        let block = |metric, shared| EqualityBlock {
+            rows: &coupling,
+            columns: &coupling,
+            stabilisation: None,
+            metric,
+            shared,
+            joint: None,
+        };
+        let blocks = [block(&of_first, &[]), block(&of_second, &modes)];
+        let triangular = BlockTriangular {
+            displacement: &Scaled(flexibility),
+            blocks: &blocks,
+            share: 1.0,
+        };
+        let (r, mut z) = ([0.0, 0.3, 0.5], [0.0; 3]);
+        triangular.apply(&r, &mut z, &mut Workspace::new());
+        let left = [
+            r[1] + work * z[1] + flexibility * z[2],
+            r[2] + flexibility * z[1] + flexibility * z[2],
+        ];
+        assert!(left.iter().all(|left| left.abs() < 1e-8), "{left:?} {z:?}");
     }
 }

@@ -15,6 +15,7 @@ use crate::precond::compliance::{Compliance, ComplianceParts};
 use crate::precond::p1::Traces;
 use crate::precond::volume_mode::{Flexibility, VolumeMode};
 use crate::prepare::ApproximateInverse;
+use crate::saddle::SharedMode;
 use crate::scene::MetricKind;
 
 /// What the power iteration may miss of the compliance's largest ratio: without it
@@ -25,8 +26,12 @@ const MARGIN: f64 = 1.5;
 pub(crate) struct ContactMetric {
     /// H; without rows where the method reads the weights alone.
     pub(crate) matrix: Box<dyn SymmetricMatrix>,
+    /// That of a body with the springs of its approximate inverse, if it has any.
+    pub(crate) sprung: Option<Box<dyn SymmetricMatrix>>,
     /// Scaled lumped mass; empty where the method does not read it.
     pub(crate) weights: Vec<f64>,
+    /// Modes that contact shares with the internal pressure.
+    pub(crate) shared: Vec<SharedMode>,
     /// Applications of the displacement preconditioner that it took.
     pub(crate) applications: u32,
 }
@@ -41,14 +46,25 @@ impl ContactMetric {
         work: &mut Workspace,
     ) -> Self {
         let surface = &model.interfaces.metric;
+        let (matrix, shared): (Box<dyn SymmetricMatrix>, _) = match model.plan.contact.metric {
+            MetricKind::Compliance => {
+                let volumes = volumes(model, (inverse, divergence), work);
+                let matrix = compliance_of(model, (inverse, &volumes), &now.coupling);
+                let shared = shared(volumes, &matrix);
+                (Box::new(matrix), shared)
+            }
+            MetricKind::Mass | MetricKind::Fractional => {
+                (Box::new(surface.matrix.clone()), Vec::new())
+            }
+        };
+        let (matrix, sprung) = match inverse.springs {
+            None => (matrix, None),
+            Some(_) => (at_rest(model, divergence, now, work), Some(matrix)),
+        };
         let mut metric = Self {
-            matrix: match model.plan.contact.metric {
-                MetricKind::Compliance => {
-                    let volumes = volumes(model, (inverse, divergence), work);
-                    Box::new(compliance_of(model, (inverse, &volumes), &now.coupling))
-                }
-                MetricKind::Mass | MetricKind::Fractional => Box::new(surface.matrix.clone()),
-            },
+            matrix,
+            sprung,
+            shared,
             weights: surface.weights.clone(),
             applications: 0,
         };
@@ -172,6 +188,34 @@ fn compliance_of(
     Compliance::new(&parts, coupling)
 }
 
+/// The compliance by the inverse at rest, which has no springs: it is what says how the
+/// faces of a pressed body change.
+fn at_rest(
+    model: &Model<'_>,
+    divergence: Option<&dyn LinearOperator>,
+    now: &Evaluation,
+    work: &mut Workspace,
+) -> Box<dyn SymmetricMatrix> {
+    let inverse = &model.prepared.at_rest;
+    let volumes = volumes(model, (inverse, divergence), work);
+    Box::new(compliance_of(model, (inverse, &volumes), &now.coupling))
+}
+
+/// The volume modes as contact shares them with the internal pressure.
+fn shared(volumes: Vec<VolumeMode>, matrix: &Compliance) -> Vec<SharedMode> {
+    let modes = volumes.into_iter().zip(matrix.volumes());
+    let mode = |(volume, seen): (VolumeMode, &Vec<f64>)| {
+        let mut own = seen.clone();
+        scale(&mut own, volume.work.sqrt());
+        SharedMode {
+            first: volume.pressures,
+            own,
+            work: volume.work,
+        }
+    };
+    modes.map(mode).collect()
+}
+
 /// Ends of the edges where multipliers are quadratic.
 fn edge_ends<'a>(model: &Model<'a>) -> Option<&'a [[u32; 2]]> {
     let is_quadratic = model.plan.has_quadratic_multipliers();
@@ -214,7 +258,7 @@ fn volumes(
             stabilisation.apply(&ones, &mut product, work);
             dot(&ones, &product)
         });
-        VolumeMode::new(&flexibility, &change, slack, work)
+        VolumeMode::new(&flexibility, (ones, &change), slack, work)
     };
     (0..=last).filter_map(volume).collect()
 }

@@ -122,6 +122,7 @@ impl ComparisonData {
                 stiffness: &moduli,
                 held: &held[..on_p1],
                 moved: &[],
+                springs: None,
             },
             cancel,
         )?;

@@ -136,6 +136,7 @@ impl EnrichedBody {
             stiffness: &self.data.stiffness,
             curvature: None,
             augmentation: None,
+            springs: &[],
             displacement: &displacement,
             step: &UpperTriangular { share: 1.0 },
             blocks: &blocks,
@@ -182,6 +183,7 @@ impl EnrichedBody {
         let block = &self.data.pressure;
         let stabilisation = block.stabilisation.as_ref();
         EqualityBlock {
+            shared: &[],
             rows: &block.coupling,
             columns: &block.coupling,
             stabilisation: stabilisation.map(|s| s as &dyn LinearOperator),
@@ -209,6 +211,8 @@ fn contact_block<'a>(now: &'a Evaluation, compliance: &'a Compliance) -> Multipl
             matrix: compliance,
             weights: &[],
             moduli: &[],
+            shared: &[],
+            sprung: None,
         },
         set: ProductSet::Uniform(SetPart {
             size: now.gap.len(),

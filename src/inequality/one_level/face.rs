@@ -17,12 +17,13 @@ use super::super::qp::{
     Progress, QpIterate, QpNorms, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
 };
 use super::augmented::Augmented;
+use super::sprung::{self, Sprung};
 use super::{Faces, GAP_WEIGHT, REVIEW};
 use crate::krylov::gcr::{self, Gcr};
 use crate::krylov::{Monitor, Outcome, Verdict};
 use crate::linalg::vector::{add_scaled, norm};
 use crate::linalg::{DenseCholesky, FactoriseError, LinearOperator, Preconditioner, Workspace};
-use crate::saddle::{EqualityBlock, SaddleOperator, Status};
+use crate::saddle::{EqualityBlock, SaddleOperator, SharedMode, Status};
 
 /// When the active set is reviewed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,6 +109,19 @@ impl LinearOperator for OnFace<'_> {
     }
 }
 
+/// A mode that contact shares, with the weights of the face.
+fn on_the_face(mode: &SharedMode, moduli: &[f64], status: &[Status]) -> SharedMode {
+    let mut mode = mode.clone();
+    for (own, &status) in mode.own.iter_mut().zip(status) {
+        *own *= match status {
+            Status::Stick => GAP_WEIGHT,
+            Status::Open | Status::Slip => 0.0,
+        };
+    }
+    weigh(moduli, &mut mode.own);
+    mode
+}
+
 /// The weighted compliance's inverse on the face.
 struct FaceMetric<'a> {
     /// Indices of the multipliers that stick, ascending.
@@ -125,7 +139,10 @@ impl<'a> FaceMetric<'a> {
         let sticks = |&i: &usize| status[i] == Status::Stick;
         let selected: Vec<usize> = (0..status.len()).filter(sticks).collect();
         Ok(Self {
-            factor: contact.matrix.factor_of_part(&selected)?,
+            factor: contact
+                .sprung
+                .unwrap_or(contact.matrix)
+                .factor_of_part(&selected)?,
             moduli: contact.moduli,
             selected,
         })
@@ -156,6 +173,11 @@ struct Restricted<'a> {
     columns: OnFace<'a>,
     /// Inverse of the compliance on the face, the metric of the block.
     metric: FaceMetric<'a>,
+    /// Modes that contact shares with the first block, on the face.
+    shared: Vec<SharedMode>,
+    /// Half of the springs that the displacement preconditioner has, weighted, zero off the
+    /// face; empty where it has none.
+    springs: Vec<f64>,
     /// Terms that vanish where the constraints hold.
     augmented: Option<Augmented<'a>>,
 }
@@ -179,6 +201,12 @@ impl<'a> Restricted<'a> {
             rows: on_face(contact.rows),
             columns: on_face(contact.columns),
             metric: FaceMetric::new(contact, status)?,
+            shared: contact
+                .shared
+                .iter()
+                .map(|mode| on_the_face(mode, contact.moduli, status))
+                .collect(),
+            springs: sprung::on_the_face(problem.springs, contact.moduli, status),
             augmented: terms
                 .and_then(|terms| Augmented::new(terms, *contact, status, problem.curvature)),
         })
@@ -193,6 +221,7 @@ impl<'a> Restricted<'a> {
                 columns: &self.columns,
                 stabilisation: None,
                 metric: &self.metric,
+                shared: &self.shared,
                 joint: None,
             });
         }
@@ -310,9 +339,18 @@ impl Faces<'_, '_> {
             },
             blocks: &blocks,
         };
+        let sprung = Sprung {
+            inner: &*preconditioner,
+            constraints: &restricted.rows,
+            springs: &restricted.springs,
+        };
+        let preconditioner: &dyn Preconditioner = match restricted.springs.is_empty() {
+            true => &*preconditioner,
+            false => &sprung,
+        };
         let method = Gcr {
             operator: &operator,
-            preconditioner: &*preconditioner,
+            preconditioner,
             directions: means.directions,
             iterations: means.iterations as usize,
         };

@@ -51,6 +51,7 @@ fn the_curvature_term_is_taken_off_the_stiffness() {
     let parts = QpProblem {
         curvature: Some(&identity(0.02)),
         augmentation: None,
+        springs: &[],
         ..matrices.problem(&blocks)
     };
     let mut iterate = problem.iterate(0);
@@ -161,6 +162,7 @@ fn multipliers_may_act_otherwise_than_they_constrain() {
         let pushes = rows(&contact_columns);
         let blocks = [
             MultiplierBlock::from(EqualityBlock {
+                shared: &[],
                 rows: &constraint,
                 columns: &acts,
                 stabilisation: None,

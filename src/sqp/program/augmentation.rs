@@ -49,7 +49,7 @@ pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentat
 }
 
 /// Mean pressure on the closed part of all surfaces, in shear moduli.
-fn mean_pressure(model: &Model<'_>, state: &State) -> f64 {
+pub(super) fn mean_pressure(model: &Model<'_>, state: &State) -> f64 {
     let (mut force, mut area) = (0.0, 0.0);
     for interface in &model.interfaces.list {
         let weights = interface.surface.weights.iter();

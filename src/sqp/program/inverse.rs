@@ -6,15 +6,30 @@
 
 use std::sync::Arc;
 
+use super::augmentation::mean_pressure;
+use crate::linalg::SparseRows;
 use crate::model::counters::timed;
 use crate::model::tangent::Tangent;
-use crate::prepare::{ApproximateInverse, Deformed};
+use crate::prepare::{ApproximateInverse, ClosedGaps, Deformed};
+use crate::scene::MetricKind;
 use crate::sqp::run::Run;
 
+/// Mean contact pressure, in shear moduli, above which the inverse leaves the pressure out: the
+/// springs no longer outweigh it, and `augmentation` cancels it.
+const HIGH: f64 = 10.0;
+
 /// The approximate inverse for a program about the present state.
-pub(super) fn inverse(run: &mut Run<'_>, tangent: Option<&Tangent>) -> Arc<ApproximateInverse> {
-    if let Some(tangent) = tangent.filter(|_| run.learned.refresh.is_stale()) {
-        make(run, tangent);
+pub(super) fn inverse(
+    run: &mut Run<'_>,
+    tangent: Option<&Tangent>,
+    coupling: &SparseRows,
+) -> Arc<ApproximateInverse> {
+    if let Some(tangent) = tangent {
+        let pressure = mean_pressure(&run.model, run.state);
+        run.learned.refresh.see_release(pressure);
+        if run.learned.refresh.is_stale(pressure) {
+            make(run, tangent, (coupling, pressure));
+        }
     }
     let made = run.learned.refresh.made();
     made.unwrap_or_else(|| run.model.prepared.at_rest.clone())
@@ -22,19 +37,28 @@ pub(super) fn inverse(run: &mut Run<'_>, tangent: Option<&Tangent>) -> Arc<Appro
 
 /// Makes the approximate inverse anew about `tangent` and counts it; where the tangent
 /// has no factor the one in use stays.
-fn make(run: &mut Run<'_>, tangent: &Tangent) {
+fn make(run: &mut Run<'_>, tangent: &Tangent, (coupling, pressure): (&SparseRows, f64)) {
+    let is_known = run.model.plan.contact.metric == MetricKind::Compliance;
+    let has_springs = is_known && run.state.multiplier.iter().any(|&l| l > 0.0);
+    let closed = run.state.status.iter().map(|status| status.is_closed());
+    let closed: Vec<bool> = closed.collect();
+    let contact = ClosedGaps {
+        coupling,
+        closed: &closed,
+        pressure,
+    };
     let deformed = Deformed {
         cells: &tangent.stiffness.free.cells,
         at: &tangent.stiffness.free.at,
         displacement: &run.state.displacement,
         pressure: &run.state.pressure,
+        contact: has_springs.then_some(contact),
     };
     let model = &run.model;
-    let is_pressed = run.state.multiplier.iter().any(|&l| l > 0.0);
     let made = timed(&mut run.counters.seconds.factorise, || {
         let cancel = run.watch.cancel;
         let (prepared, plan) = (model.prepared, model.plan);
-        match is_pressed {
+        match pressure > HIGH {
             true => prepared.about_without_pressure(plan, model.mesh, deformed, cancel),
             false => prepared.about(plan, model.mesh, deformed, cancel),
         }
@@ -42,9 +66,9 @@ fn make(run: &mut Run<'_>, tangent: &Tangent) {
     match made {
         Ok(made) => {
             run.counters.factorisations += 1;
-            run.learned.refresh.take(made);
+            run.learned.refresh.take(made, pressure);
         }
         // A cancelled one is noticed by the next iteration.
-        Err(_) => run.learned.refresh.refuse(),
+        Err(_) => run.learned.refresh.refuse(pressure),
     }
 }

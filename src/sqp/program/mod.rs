@@ -73,7 +73,7 @@ impl<'a> QuadraticProgram<'a> {
             let linearised = &mut run.learned.linearised;
             Tangent::new(&run.model, run.state, linearised, &mut run.work)
         });
-        let inverse = inverse(run, tangent.as_ref());
+        let inverse = inverse(run, tangent.as_ref(), &now.coupling);
         let now = match (&tangent, &motion) {
             (Some(tangent), Some(motion)) => {
                 tangent.after(motion, (&run.model, run.state), now, &mut run.work)

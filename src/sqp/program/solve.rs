@@ -11,7 +11,7 @@ use crate::krylov::gcr::Directions;
 use crate::krylov::outlook::Outlook;
 use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::plan::second_attempt::Programs;
-use crate::precond::Counted;
+use crate::precond::{Counted, StiffConstraints};
 use crate::saddle::{BlockStep, EqualityBlock, Metric, MultiplierBlock, UpperTriangular};
 use crate::sqp::chooser;
 use crate::sqp::linear::{Linear, Track};
@@ -184,6 +184,11 @@ impl QuadraticProgram<'_> {
             stiffness: self.stiffness(),
             curvature,
             augmentation: self.augmentation.as_ref(),
+            springs: self
+                .inverse
+                .springs
+                .as_ref()
+                .map_or(&[], StiffConstraints::weights),
             displacement,
             step,
             blocks,
@@ -224,6 +229,7 @@ impl QuadraticProgram<'_> {
         let coupling = tangent.map_or(&block.coupling as &dyn LinearOperator, |t| &t.coupling);
         let stabilisation = block.stabilisation.as_ref();
         Some(EqualityBlock {
+            shared: &[],
             rows: coupling,
             columns: coupling,
             stabilisation: stabilisation.map(|s| s as &dyn LinearOperator),
@@ -240,8 +246,10 @@ impl QuadraticProgram<'_> {
             stabilisation: None,
             metric: Metric::Dense {
                 matrix: &*self.metric.matrix,
+                sprung: self.metric.sprung.as_deref(),
                 weights: &self.metric.weights,
                 moduli: &self.model.interfaces.moduli,
+                shared: &self.metric.shared,
             },
             set: self.now.contact_set(),
             joint: None,
