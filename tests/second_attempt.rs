@@ -42,11 +42,10 @@ fn plane_strain(poisson_ratio: f64, depth: f64) -> (f64, f64) {
 
 #[test]
 fn a_cube_that_obstacles_alone_hold_is_solved_by_the_factor_and_says_so() {
-    // The metrics of an incompressible one know its volume, and need no second attempt.
-    for (poisson_ratio, fallback) in [(0.3, Some(Fallback::Direct)), (0.5, None)] {
+    for poisson_ratio in [0.3, 0.5] {
         let (scene, step, mesh) = groove(poisson_ratio);
         let report = solve_one(&scene, &step, &mesh);
-        assert_eq!(report.fallback, fallback);
+        assert_eq!(report.fallback, Some(Fallback::Direct));
         let (force, energy) = plane_strain(poisson_ratio, 0.02);
         for (name, axis, exact) in [
             ("floor", 2, force),

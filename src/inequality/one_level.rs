@@ -17,8 +17,11 @@
 mod augmented;
 mod face;
 mod kept;
+mod monitor;
 mod sets;
+mod shared;
 mod sprung;
+mod weights;
 
 use std::collections::HashSet;
 use std::ops::ControlFlow;
@@ -31,7 +34,8 @@ use super::qp::{BlockIterate, QpIterate, QpOutcome, QpProblem, QpRun, QpStatus};
 use crate::krylov::Outcome;
 use crate::linalg::vector::largest;
 use crate::saddle::Status;
-use face::{Face, Review};
+use face::Face;
+use monitor::Review;
 
 /// Reduction of the face residual between reviews of the set.
 const REVIEW: f64 = 0.1;
@@ -163,8 +167,7 @@ impl Faces<'_, '_> {
         run: &mut QpRun<'_, '_>,
         outcome: &mut QpOutcome,
     ) -> Result<QpStatus, QpStatus> {
-        let bound = run.targets.level * run.scales.gap;
-        if !self.keeps_its_face(iterate, bound) {
+        if !self.keeps_its_face(iterate) {
             self.choose_first_face(iterate, outcome, run.work)?;
         }
         let first = &self.blocks.contact_of(iterate).status;
@@ -210,7 +213,7 @@ impl Faces<'_, '_> {
         // Solved, or reduced enough for a look at the signs: the dense problem in the
         // metric says which face the solution lies on.
         let bound = run.targets.level * run.scales.gap;
-        let next = match self.keeps_its_face(iterate, bound) {
+        let next = match self.keeps_its_face(iterate) {
             true => Ok(None),
             false => self.following(iterate, history, bound),
         };

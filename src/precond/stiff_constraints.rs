@@ -344,7 +344,7 @@ mod tests {
     fn a_node_that_moves_alone_and_a_p1_motion_feel_the_springs_that_are_there() {
         let springs = springs(&[true; 4], &[]);
         let operator = springs.on_lagrange(nothing());
-        let mut alone = vec![0.0; 9];
+        let mut alone = [0.0; 9];
         springs.at_nodes(|node, spring| alone[node] += spring[1][1]);
         for (node, own) in alone.iter().enumerate() {
             let mut x = vec![0.0; 18];

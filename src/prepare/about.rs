@@ -10,7 +10,7 @@ use super::moduli::moduli;
 use super::{displacement, p1};
 use crate::assembly::p1_stiffness::StiffCells;
 use crate::assembly::strain::{CellLaws, CellStates, CellTangents, Linearised};
-use crate::linalg::{FactoriseError, Workspace};
+use crate::linalg::{FactoriseError, Preconditioner, Workspace};
 use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::plan::rubber::VOLUMETRIC;
@@ -118,20 +118,9 @@ impl TaylorHoodData {
             ..body
         };
         let p1 = p1::build(plan, body, cancel)?;
-        let moduli = moduli(plan);
-        let body = DisplacementBody {
-            mesh,
-            space: &self.space,
-            geometry: &self.geometry,
-            moduli: &moduli,
-            held: &self.held,
-            grid: &self.grid,
-            node_blocks: &node_blocks,
-            p1: p1.solver.clone(),
-            tangent: Some(state),
-            springs: springs.as_ref(),
-        };
-        let (displacement, displacement_bytes) = displacement::build(plan, &body);
+        let around = (state, &node_blocks, springs.as_ref());
+        let (displacement, displacement_bytes) =
+            self.around_p1(plan, mesh, around, p1.solver.clone());
         Ok(ApproximateInverse {
             displacement,
             p1: p1.solver,
@@ -142,6 +131,29 @@ impl TaylorHoodData {
             solver_bytes: p1.bytes + displacement_bytes,
             p1_part: p1.part,
         })
+    }
+
+    /// The preconditioner of all displacements around a P1 solver, and its bytes.
+    fn around_p1(
+        &self,
+        plan: &Plan,
+        mesh: &Mesh,
+        (state, node_blocks, springs): (Deformed<'_>, &NodeBlocks, Option<&StiffConstraints>),
+        p1: Arc<dyn Preconditioner>,
+    ) -> (Arc<dyn Preconditioner>, u64) {
+        let body = DisplacementBody {
+            mesh,
+            space: &self.space,
+            geometry: &self.geometry,
+            moduli: &moduli(plan),
+            held: &self.held,
+            grid: &self.grid,
+            node_blocks,
+            p1,
+            tangent: Some(state),
+            springs,
+        };
+        displacement::build(plan, &body)
     }
 
     /// Springs in the place of the closed gaps, by the nodes of the body at rest.

@@ -14,7 +14,7 @@ const DEAR: f64 = 3.0;
 const LEAST_DECADES: f64 = 0.5;
 /// Mean contact pressure, in shear moduli, from which on the inverse has to know what holds
 /// the body.
-const PRESSED: f64 = 0.7;
+pub(crate) const PRESSED: f64 = 0.7;
 /// Growth of the pressure with which springs have become weak.
 const MORE: f64 = 4.0;
 

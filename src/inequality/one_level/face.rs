@@ -13,27 +13,18 @@
 use std::sync::Arc;
 
 use super::super::blocks::{Blocks, ContactBlock};
-use super::super::qp::{
-    Progress, QpIterate, QpNorms, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
-};
+use super::super::qp::{QpIterate, QpProblem, QpRun, QpStatus};
 use super::augmented::Augmented;
+use super::monitor::{FaceMonitor, Review};
+use super::shared::shared_on_the_face;
 use super::sprung::{self, Sprung};
-use super::{Faces, GAP_WEIGHT, REVIEW};
+use super::weights::weigh;
+use super::{Faces, GAP_WEIGHT};
+use crate::krylov::Outcome;
 use crate::krylov::gcr::{self, Gcr};
-use crate::krylov::{Monitor, Outcome, Verdict};
-use crate::linalg::vector::{add_scaled, norm};
+use crate::linalg::vector::add_scaled;
 use crate::linalg::{DenseCholesky, FactoriseError, LinearOperator, Preconditioner, Workspace};
 use crate::saddle::{EqualityBlock, SaddleOperator, SharedMode, Status};
-
-/// When the active set is reviewed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Review {
-    /// As soon as the residual has fallen by a fixed factor: the first faces are rarely
-    /// the right ones.
-    WhenReduced,
-    /// Only when the linear system of the face is solved to its target.
-    AtTheEnd,
-}
 
 /// How the work on a face ended.
 pub(super) struct Face {
@@ -43,21 +34,6 @@ pub(super) struct Face {
     pub(super) reached: bool,
     /// Why the method cannot go on, where it cannot.
     pub(super) failed: Option<QpStatus>,
-}
-
-/// Multiplies what belongs to multipliers by the moduli at them; nothing where there are
-/// none.
-pub(super) fn weigh(moduli: &[f64], x: &mut [f64]) {
-    x.iter_mut()
-        .zip(moduli)
-        .for_each(|(x, modulus)| *x *= modulus);
-}
-
-/// Takes the moduli off again.
-pub(super) fn unweigh(moduli: &[f64], x: &mut [f64]) {
-    x.iter_mut()
-        .zip(moduli)
-        .for_each(|(x, modulus)| *x /= modulus);
 }
 
 /// Rows or columns of the constraints that hold on the face, weighted.
@@ -107,19 +83,6 @@ impl LinearOperator for OnFace<'_> {
         self.operator.add_transposed(weight, &weighted, x, work);
         work.give(weighted);
     }
-}
-
-/// A mode that contact shares, with the weights of the face.
-fn on_the_face(mode: &SharedMode, moduli: &[f64], status: &[Status]) -> SharedMode {
-    let mut mode = mode.clone();
-    for (own, &status) in mode.own.iter_mut().zip(status) {
-        *own *= match status {
-            Status::Stick => GAP_WEIGHT,
-            Status::Open | Status::Slip => 0.0,
-        };
-    }
-    weigh(moduli, &mut mode.own);
-    mode
 }
 
 /// The weighted compliance's inverse on the face.
@@ -201,11 +164,7 @@ impl<'a> Restricted<'a> {
             rows: on_face(contact.rows),
             columns: on_face(contact.columns),
             metric: FaceMetric::new(contact, status)?,
-            shared: contact
-                .shared
-                .iter()
-                .map(|mode| on_the_face(mode, contact.moduli, status))
-                .collect(),
+            shared: shared_on_the_face(contact, status),
             springs: sprung::on_the_face(problem.springs, contact.moduli, status),
             augmented: terms
                 .and_then(|terms| Augmented::new(terms, *contact, status, problem.curvature)),
@@ -409,78 +368,6 @@ impl Faces<'_, '_> {
             self.blocks.contact.rows.apply(du, &mut closing, work);
             add_scaled(&mut contact.residual, -1.0, &closing);
             work.give(closing);
-        }
-    }
-}
-
-/// Follows the Krylov iterations of one face and says when it has been solved, or
-/// reviewed early.
-pub(super) struct FaceMonitor<'a, 'b> {
-    /// Number of displacement unknowns, which come first in the packed residual.
-    pub(super) displacement: usize,
-    /// Number of equality unknowns, which follow them.
-    pub(super) equality: usize,
-    /// Moduli that weigh the gaps behind these; empty where all are one.
-    pub(super) moduli: &'a [f64],
-    /// When the problem counts as solved.
-    pub(super) targets: QpTargets,
-    /// Scales of the blocks; they grow with the norms that this face shows.
-    pub(super) scales: &'a mut QpScales,
-    /// When the face is reviewed.
-    pub(super) review: Review,
-    /// Largest relative norm at the start of the face, which a review while reducing is
-    /// measured against.
-    pub(super) start: f64,
-    /// Krylov iterations on the face so far.
-    pub(super) iterations: u32,
-    /// Whether the targets were reached.
-    pub(super) reached: bool,
-    /// Whether the caller has asked to stop.
-    pub(super) interrupted: bool,
-    /// Number of closed multipliers of the face, for reports.
-    pub(super) active: usize,
-    /// Told of every Krylov iteration; its answer may stop the solve.
-    pub(super) progress: &'a mut Progress<'b>,
-}
-
-impl FaceMonitor<'_, '_> {
-    /// Norm of the gaps without their moduli.
-    fn gap_norm(&self, weighted: &[f64]) -> f64 {
-        if self.moduli.is_empty() {
-            return norm(weighted);
-        }
-        let mut gap = weighted.to_vec();
-        unweigh(self.moduli, &mut gap);
-        norm(&gap)
-    }
-
-    /// Block norms and the largest over its scale.
-    pub(super) fn measure(&mut self, r: &[f64]) -> (QpNorms, f64) {
-        let (force, rest) = r.split_at(self.displacement);
-        let (constraint, gap) = rest.split_at(self.equality);
-        let norms = QpNorms {
-            force: norm(force),
-            constraint: norm(constraint),
-            gap: self.gap_norm(gap) / GAP_WEIGHT,
-        };
-        self.scales.see(norms.constraint, norms.gap);
-        (norms, norms.relative(self.targets.force_scale, self.scales))
-    }
-}
-
-impl Monitor for FaceMonitor<'_, '_> {
-    fn judge(&mut self, residual: &[f64]) -> Verdict {
-        self.iterations += 1;
-        let (norms, relative) = self.measure(residual);
-        self.reached = relative <= self.targets.level;
-        if (self.progress)(&norms, self.scales, self.active) == Verdict::Stop {
-            self.interrupted = true;
-            return Verdict::Stop;
-        }
-        let review = self.review == Review::WhenReduced && relative <= REVIEW * self.start;
-        match self.reached || review {
-            true => Verdict::Stop,
-            false => Verdict::Continue,
         }
     }
 }

@@ -10,7 +10,7 @@
 //! end with it. Cost: one product with each coupling a direction, no
 //! product with A.
 
-use super::face::weigh;
+use super::weights::weigh;
 use super::{Faces, GAP_WEIGHT};
 use crate::inequality::QpRun;
 use crate::linalg::vector::{add_scaled, scale};

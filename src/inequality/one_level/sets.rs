@@ -129,11 +129,11 @@ impl Faces<'_, '_> {
         contact.status = next.status;
     }
 
-    /// Whether a face is kept without asking the dense problem: the signs are right, and
-    /// what closed before is known to the displacement preconditioner. That problem costs a
+    /// Whether a face is kept without asking the dense problem: no sign is wrong, and what
+    /// closed before is known to the displacement preconditioner. That problem costs a
     /// factor of all that is closed.
-    pub(super) fn keeps_its_face(&self, iterate: &QpIterate, bound: f64) -> bool {
-        !self.problem.springs.is_empty() && self.is_acceptable(iterate, bound)
+    pub(super) fn keeps_its_face(&self, iterate: &QpIterate) -> bool {
+        !self.problem.springs.is_empty() && self.is_acceptable(iterate, 0.0)
     }
 
     /// Whether what speaks against the current face is below the targets.

@@ -12,6 +12,7 @@ use crate::model::counters::timed;
 use crate::model::tangent::Tangent;
 use crate::prepare::{ApproximateInverse, ClosedGaps, Deformed};
 use crate::scene::MetricKind;
+use crate::sqp::preconditioner_refresh::PRESSED;
 use crate::sqp::run::Run;
 
 /// Mean contact pressure, in shear moduli, above which the inverse leaves the pressure out: the
@@ -39,7 +40,8 @@ pub(super) fn inverse(
 /// has no factor the one in use stays.
 fn make(run: &mut Run<'_>, tangent: &Tangent, (coupling, pressure): (&SparseRows, f64)) {
     let is_known = run.model.plan.contact.metric == MetricKind::Compliance;
-    let has_springs = is_known && run.state.multiplier.iter().any(|&l| l > 0.0);
+    let has_springs = is_known && pressure > PRESSED;
+    let is_pressed = run.state.multiplier.iter().any(|&l| l > 0.0);
     let closed = run.state.status.iter().map(|status| status.is_closed());
     let closed: Vec<bool> = closed.collect();
     let contact = ClosedGaps {
@@ -58,9 +60,14 @@ fn make(run: &mut Run<'_>, tangent: &Tangent, (coupling, pressure): (&SparseRows
     let made = timed(&mut run.counters.seconds.factorise, || {
         let cancel = run.watch.cancel;
         let (prepared, plan) = (model.prepared, model.plan);
-        match pressure > HIGH {
-            true => prepared.about_without_pressure(plan, model.mesh, deformed, cancel),
-            false => prepared.about(plan, model.mesh, deformed, cancel),
+        // What is pressed and not held is unstable.
+        let knows_pressure = match has_springs {
+            true => pressure <= HIGH,
+            false => !is_pressed,
+        };
+        match knows_pressure {
+            true => prepared.about(plan, model.mesh, deformed, cancel),
+            false => prepared.about_without_pressure(plan, model.mesh, deformed, cancel),
         }
     });
     match made {
