@@ -233,6 +233,7 @@ impl Faces<'_, '_> {
             displacement: iterate.force.len(),
             equality: self.blocks.equality_unknowns(),
             moduli: self.blocks.contact.moduli,
+            augmented: restricted.augmented.as_ref(),
             targets: run.targets,
             scales: run.scales,
             review,

@@ -2,10 +2,12 @@
 //! when the face is reviewed. Cost: a few norms an iteration.
 
 use super::super::qp::{Progress, QpNorms, QpScales, QpTargets};
+use super::augmented::Augmented;
 use super::weights::unweigh;
 use super::{GAP_WEIGHT, REVIEW};
 use crate::krylov::{Monitor, Verdict};
-use crate::linalg::vector::norm;
+use crate::linalg::Workspace;
+use crate::linalg::vector::{norm, scale};
 
 /// When the active set is reviewed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +28,8 @@ pub(super) struct FaceMonitor<'a, 'b> {
     pub(super) equality: usize,
     /// Moduli that weigh the gaps behind these; empty where all are one.
     pub(super) moduli: &'a [f64],
+    /// What the residual of the forces was augmented by; none where nothing was.
+    pub(super) augmented: Option<&'a Augmented<'a>>,
     /// When the problem counts as solved.
     pub(super) targets: QpTargets,
     /// Scales of the blocks; they grow with the norms that this face shows.
@@ -48,6 +52,20 @@ pub(super) struct FaceMonitor<'a, 'b> {
 }
 
 impl FaceMonitor<'_, '_> {
+    /// Norm of the forces of the system as it stands: an augmented one may be small where
+    /// it is not.
+    fn force_norm(&self, force: &[f64], weighted: &[f64]) -> f64 {
+        let Some(augmented) = self.augmented else {
+            return norm(force);
+        };
+        let mut gap = weighted.to_vec();
+        unweigh(self.moduli, &mut gap);
+        scale(&mut gap, 1.0 / GAP_WEIGHT);
+        let mut own = force.to_vec();
+        augmented.add_force(-1.0, &gap, (&mut own, &mut Workspace::new()));
+        norm(&own)
+    }
+
     /// Norm of the gaps without their moduli.
     fn gap_norm(&self, weighted: &[f64]) -> f64 {
         if self.moduli.is_empty() {
@@ -63,7 +81,7 @@ impl FaceMonitor<'_, '_> {
         let (force, rest) = r.split_at(self.displacement);
         let (constraint, gap) = rest.split_at(self.equality);
         let norms = QpNorms {
-            force: norm(force),
+            force: self.force_norm(force, gap),
             constraint: norm(constraint),
             gap: self.gap_norm(gap) / GAP_WEIGHT,
         };
