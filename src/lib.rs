@@ -147,6 +147,7 @@
 #![doc = include_str!("decisions/0028-second-attempt.md")]
 #![doc = include_str!("decisions/0029-contact-space.md")]
 #![doc = include_str!("decisions/0030-springs-in-contact.md")]
+#![doc = include_str!("decisions/0031-thin-bodies.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

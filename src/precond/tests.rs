@@ -249,8 +249,8 @@ impl Sample {
         };
         let mode = VolumeMode::new(
             &flexibility,
-            (Vec::new(), change),
-            slack,
+            (vec![1.0], change, &[slack]),
+            &[],
             &mut Workspace::new(),
         );
         mode.expect("a change")

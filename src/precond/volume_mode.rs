@@ -1,33 +1,38 @@
-//! What the volume of a body takes off the compliance of its contact surface:
+//! What volume takes off the compliance of a body's contact surface:
 //!
 //! ```text
-//! K~ = C Y C^T - w w^T / (s + b^T Y b),   Y = P A11^-1 P^T + D^-1,   w = C Y b
+//! K~ = C Y C^T - sum_k w_k w_k^T / W_k,   Y = P A11^-1 P^T + D^-1,   w_k = C Y b_k
 //! ```
 //!
-//! b = B^T 1: the change of the volume of one connected part `[displacement]`;
-//! s = 1^T S 1: its volume over the bulk modulus, zero where it is incompressible. Without
-//! this term a closed body seems to give way under an even pressure, and the condition
-//! of K grows like the bulk over the shear modulus. It is positive definite where s is
-//! above zero; `FLOOR` keeps it so. Cost: one P1 solve and one pass over the nodes a
-//! part.
+//! b_k = B^T z_k: the change of the volume that the pressures z_k weigh `[displacement]`:
+//! that of a connected part (z = 1), and where a body is thin those of its stretches, made
+//! orthogonal, b_j.Y b_k + z_j.S z_k = W_k on the diagonal. S is the volume over the bulk
+//! modulus, zero where the body is incompressible. Without these terms a closed body seems
+//! to give way under an even pressure and a thin bonded one to let its volume pass below
+//! the contact, and the condition of K grows like the bulk over the shear modulus, or like
+//! the square of length over thickness. It is positive definite where S is above zero;
+//! `FLOOR` keeps it so. Cost: one P1 solve and one pass over the nodes a mode.
 
 use super::NodeBlocks;
-use crate::linalg::vector::dot;
+use crate::linalg::vector::{add_scaled, dot};
 use crate::linalg::{Preconditioner, Workspace};
 
 /// Least s over b^T Y b: a P1 factor in single precision knows the difference no better.
 const FLOOR: f64 = 1e-5;
 
-/// Y b of a part with its numbers.
+/// Share of a mode's own work below which it is made of the earlier ones.
+const DEPENDENT: f64 = 1e-6;
+
+/// Y b of a mode with its numbers.
 #[derive(Clone, Debug)]
 pub struct VolumeMode {
-    /// One at the pressures of the part, else zero `[pressures]`.
+    /// z `[pressures]`: of a part one at its own, else zero.
     pub pressures: Vec<f64>,
     /// A11^-1 P^T b `[vertex unknowns]`.
     pub smooth: Vec<f64>,
     /// D^-1 b in the Lagrange basis `[displacement]`: nodes that move alone.
     pub alone: Vec<f64>,
-    /// s + b^T Y b, a volume over a modulus.
+    /// W, a volume over a modulus.
     pub work: f64,
 }
 
@@ -47,12 +52,13 @@ pub struct Flexibility<'a> {
 }
 
 impl VolumeMode {
-    /// Of a part with these `pressures`, whose volume changes by `change` in the
-    /// hierarchical basis and whose pressure takes `slack`; none where it does not change.
+    /// Of these `pressures`, that change volumes by `change` in the hierarchical basis and
+    /// take `slack`, their product with S `[pressures]`; what `earlier` modes know is taken
+    /// off. None where nothing is left.
     pub fn new(
         flexibility: &Flexibility<'_>,
-        (pressures, change): (Vec<f64>, &[f64]),
-        slack: f64,
+        (pressures, change, slack): (Vec<f64>, &[f64], &[f64]),
+        earlier: &[Self],
         work: &mut Workspace,
     ) -> Option<Self> {
         let vertices = flexibility.vertex_count * flexibility.node_blocks.components();
@@ -61,12 +67,28 @@ impl VolumeMode {
         let forces = flexibility.on_nodes(change);
         let alone = flexibility.alone(&forces);
         let own = dot(&change[..vertices], &smooth) + dot(&forces, &alone);
-        (own > 0.0).then(|| Self {
+        let whole = own + dot(&pressures, slack).max(FLOOR * own);
+        let mut mode = Self {
             pressures,
             smooth,
             alone,
-            work: own + slack.max(FLOOR * own),
-        })
+            work: whole,
+        };
+        for known in earlier {
+            let common = dot(&change[..vertices], &known.smooth)
+                + dot(&forces, &known.alone)
+                + dot(slack, &known.pressures);
+            mode.take_off(known, common / known.work);
+        }
+        (mode.work > DEPENDENT * whole).then_some(mode)
+    }
+
+    /// Takes a share of an orthogonal mode off.
+    fn take_off(&mut self, other: &Self, share: f64) {
+        add_scaled(&mut self.pressures, -share, &other.pressures);
+        add_scaled(&mut self.smooth, -share, &other.smooth);
+        add_scaled(&mut self.alone, -share, &other.alone);
+        self.work -= share * share * other.work;
     }
 }
 

@@ -5,6 +5,7 @@ mod about;
 mod approximate_inverse;
 pub(crate) mod bodies;
 mod chooser;
+mod coarse_pressures;
 mod deformed;
 pub(crate) mod displacement;
 mod element_chooser;

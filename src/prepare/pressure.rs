@@ -7,6 +7,7 @@
 //!
 //! Non-dimensional. Cost: two masses.
 
+use super::coarse_pressures::CoarsePressures;
 use crate::assembly::grid::Rows;
 use crate::assembly::mass::weighted_mass;
 use crate::assembly::node_moduli::softness;
@@ -31,8 +32,8 @@ pub(crate) struct PressureBlock {
     /// C = M / lambda; none when every material is incompressible.
     pub(crate) stabilisation: Option<SparseRows>,
     pub(crate) metric: ChebyshevMass,
-    /// Connected part of each vertex; empty where the body is one.
-    pub(crate) parts: Vec<u32>,
+    /// Pressures that the metric of contact knows apart.
+    pub(crate) coarse: CoarsePressures,
     /// No free boundary: a constant pressure does no work.
     pub(crate) is_enclosed: bool,
 }
@@ -95,7 +96,7 @@ pub(crate) fn pressure_block(
     };
     PressureBlock {
         body,
-        parts: several_parts(mesh),
+        coarse: CoarsePressures::new(mesh, &several_parts(mesh)),
         is_enclosed: !compressible && constant_pressure_is_idle(&coupling),
         coupling,
         stabilisation: compressible

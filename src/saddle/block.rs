@@ -66,10 +66,14 @@ pub enum Metric<'a> {
 pub struct SharedMode {
     /// The pattern `[first block]`.
     pub first: Vec<f64>,
+    /// The pattern of the block that acts alike `[block]`.
+    pub alike: Vec<f64>,
     /// What the block's constraints see of it `[block]`.
     pub own: Vec<f64>,
     /// What its own constraint sees of it, above zero.
     pub work: f64,
+    /// Share of the mode that the block has to take up for both to be solved together.
+    pub least_share: f64,
 }
 
 /// One block of a linear system: an equality, its multipliers all unknown.

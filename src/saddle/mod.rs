@@ -293,8 +293,10 @@ mod tests {
         let work = flexibility + slack;
         let modes = [SharedMode {
             first: vec![1.0],
+            alike: vec![1.0],
             own: vec![flexibility],
             work,
+            least_share: 0.0,
         }];
         let own_part = flexibility - flexibility * flexibility / work;
         let (of_first, of_second) = (Scaled(1.0 / work), Scaled(1.0 / own_part));

@@ -6,7 +6,7 @@
 
 use crate::inequality::dense_cone;
 use crate::inequality::metric::{POWER_STEPS, largest_ratio};
-use crate::linalg::vector::{dot, norm, scale};
+use crate::linalg::vector::{norm, scale};
 use crate::linalg::{DenseCholesky, LinearOperator, SparseRows, SymmetricMatrix, Workspace};
 use crate::model::Model;
 use crate::model::evaluate::Evaluation;
@@ -21,6 +21,13 @@ use crate::scene::MetricKind;
 /// What the power iteration may miss of the compliance's largest ratio: without it
 /// fixed steps diverge on a compressible block.
 const MARGIN: f64 = 1.5;
+
+/// Share of a volume's mode that contact has to take up for both pressures to be solved
+/// together: that of a volume with other free surfaces is left to the metrics, which counts
+/// say is better.
+const ENCLOSED: f64 = 0.9;
+/// That of a stretch of a thin body, whose volume has neighbours to go to.
+const THIN: f64 = 0.3;
 
 /// The metric at one linearisation.
 pub(crate) struct ContactMetric {
@@ -50,7 +57,7 @@ impl ContactMetric {
             MetricKind::Compliance => {
                 let volumes = volumes(model, (inverse, divergence), work);
                 let matrix = compliance_of(model, (inverse, &volumes), &now.coupling);
-                let shared = shared(volumes, &matrix);
+                let shared = shared(model, volumes, &matrix);
                 (Box::new(matrix), shared)
             }
             MetricKind::Mass | MetricKind::Fractional => {
@@ -202,18 +209,49 @@ fn at_rest(
 }
 
 /// The volume modes as contact shares them with the internal pressure.
-fn shared(volumes: Vec<VolumeMode>, matrix: &Compliance) -> Vec<SharedMode> {
+fn shared(model: &Model<'_>, volumes: Vec<VolumeMode>, matrix: &Compliance) -> Vec<SharedMode> {
+    let block = model.prepared.pressure.as_ref();
+    let least_share = match block.is_some_and(|block| block.coarse.is_thin) {
+        true => THIN,
+        false => ENCLOSED,
+    };
     let modes = volumes.into_iter().zip(matrix.volumes());
     let mode = |(volume, seen): (VolumeMode, &Vec<f64>)| {
         let mut own = seen.clone();
         scale(&mut own, volume.work.sqrt());
         SharedMode {
+            alike: on_multipliers(model, &volume.pressures),
             first: volume.pressures,
             own,
             work: volume.work,
+            least_share,
         }
     };
     modes.map(mode).collect()
+}
+
+/// Internal pressures `[pressures]` where the multipliers act `[multipliers]`.
+fn on_multipliers(model: &Model<'_>, pressures: &[f64]) -> Vec<f64> {
+    let space = &model.prepared.space;
+    let at = |node: u32| match (node as usize).checked_sub(space.vertices) {
+        None => pressures[node as usize],
+        Some(edge) => {
+            let [a, b] = space.edges[edge].map(|end| pressures[end as usize]);
+            0.5 * (a + b)
+        }
+    };
+    let mut all = vec![0.0; model.plan.unknowns().contact as usize];
+    for interface in &model.interfaces.list {
+        for (function, &node) in (0..).zip(&interface.surface.carriers) {
+            for (multiplier, _) in interface.surface.shares.of(function) {
+                let place = interface.multipliers[multiplier as usize] as usize;
+                if let Some(value) = all.get_mut(place) {
+                    *value = at(node);
+                }
+            }
+        }
+    }
+    all
 }
 
 /// Ends of the edges where multipliers are quadratic.
@@ -222,8 +260,7 @@ fn edge_ends<'a>(model: &Model<'a>) -> Option<&'a [[u32; 2]]> {
     is_quadratic.then_some(&*model.prepared.space.edges)
 }
 
-/// The volume modes of the connected parts of a mixed body, whose volumes `divergence`
-/// gives.
+/// The volume modes of a mixed body, whose volumes `divergence` gives.
 fn volumes(
     model: &Model<'_>,
     (inverse, divergence): (&ApproximateInverse, Option<&dyn LinearOperator>),
@@ -245,20 +282,17 @@ fn volumes(
         edge_ends: edge_ends(model),
         is_held: &model.prepared.is_held,
     };
-    let last = block.parts.iter().max().map_or(0, |&last| last);
-    let volume = |part: u32| {
-        let vertices = 0..divergence.rows();
-        let is_own = |vertex: usize| block.parts.get(vertex).is_none_or(|&own| own == part);
-        let ones = vertices.map(|vertex| f64::from(u8::from(is_own(vertex))));
-        let ones: Vec<f64> = ones.collect();
+    let mut modes: Vec<VolumeMode> = Vec::new();
+    for pressures in block.coarse.pressures.clone() {
         let mut change = vec![0.0; divergence.columns()];
-        divergence.apply_transposed(&ones, &mut change, work);
-        let slack = block.stabilisation.as_ref().map_or(0.0, |stabilisation| {
-            let mut product = vec![0.0; ones.len()];
-            stabilisation.apply(&ones, &mut product, work);
-            dot(&ones, &product)
-        });
-        VolumeMode::new(&flexibility, (ones, &change), slack, work)
-    };
-    (0..=last).filter_map(volume).collect()
+        divergence.apply_transposed(&pressures, &mut change, work);
+        let mut slack = vec![0.0; pressures.len()];
+        if let Some(stabilisation) = &block.stabilisation {
+            stabilisation.apply(&pressures, &mut slack, work);
+        }
+        let parts = (pressures, &change[..], &slack[..]);
+        let mode = VolumeMode::new(&flexibility, parts, &modes, work);
+        modes.extend(mode);
+    }
+    modes
 }

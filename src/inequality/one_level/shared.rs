@@ -6,26 +6,19 @@ use crate::inequality::blocks::ContactBlock;
 use crate::linalg::vector::dot;
 use crate::saddle::{SharedMode, Status};
 
-/// Share of a mode that contact on the face has to take up for both to be solved together:
-/// that of a volume with other free surfaces is left to the metrics, which counts say is
-/// better.
-const ENCLOSED: f64 = 0.9;
-
 /// The modes that contact on the face shares, in its weights.
 pub(super) fn shared_on_the_face(contact: &ContactBlock<'_>, status: &[Status]) -> Vec<SharedMode> {
-    let sticks = |&status: &Status| f64::from(u8::from(status == Status::Stick));
-    let even: Vec<f64> = status.iter().map(sticks).collect();
-    let mut seen = vec![0.0; even.len()];
-    if !contact.shared.is_empty() {
-        contact
-            .sprung
-            .unwrap_or(contact.matrix)
-            .product(&even, &mut seen);
-    }
-    let rest = dot(&even, &seen);
+    let matrix = contact.sprung.unwrap_or(contact.matrix);
     let encloses = |mode: &&SharedMode| {
-        let taken = dot(&even, &mode.own).powi(2) / mode.work;
-        taken > ENCLOSED * (taken + rest)
+        let mut alike = mode.alike.clone();
+        let off_face = alike.iter_mut().zip(status);
+        off_face
+            .filter(|(_, status)| **status != Status::Stick)
+            .for_each(|(value, _)| *value = 0.0);
+        let mut seen = vec![0.0; alike.len()];
+        matrix.product(&alike, &mut seen);
+        let taken = dot(&alike, &mode.own).powi(2) / mode.work;
+        taken > mode.least_share * (taken + dot(&alike, &seen))
     };
     let modes = contact.shared.iter().filter(encloses);
     modes
