@@ -36,7 +36,7 @@ fn main() -> Outcome<()> {
 }
 
 /// Messages that become JSON as they are.
-const SERIALISED: [&str; 13] = [
+const SERIALISED: [&str; 15] = [
     "IterationReport",
     "ManufacturedErrors",
     "ObstaclePose",
@@ -47,9 +47,11 @@ const SERIALISED: [&str; 13] = [
     "ProbeResult",
     "Residuals",
     "Seconds",
+    "Snapped",
     "StepReport",
     "SupportResult",
     "Unknowns",
+    "Warning",
 ];
 
 /// Fields that JSON spells otherwise than the wire; see `src/serialised.rs`.

@@ -148,6 +148,7 @@
 #![doc = include_str!("decisions/0029-contact-space.md")]
 #![doc = include_str!("decisions/0030-springs-in-contact.md")]
 #![doc = include_str!("decisions/0031-thin-bodies.md")]
+#![doc = include_str!("decisions/0032-instability.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

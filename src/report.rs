@@ -7,14 +7,16 @@
 mod ending;
 mod fallback;
 mod field;
+mod warning;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-pub use ending::{Cause, Stability, Termination};
+pub use ending::{Cause, Snapped, Stability, Termination};
 pub use fallback::Fallback;
 pub use field::{FieldData, FieldName};
+pub use warning::{Warning, WarningKind};
 
 /// The four convergence criteria, each relative to its load or first
 /// residual. A block the scene does not have reports zero.
@@ -187,6 +189,11 @@ pub struct StepReport {
     /// The second attempt that solved the increment; none where the method of the plan
     /// did.
     pub fallback: Option<Fallback>,
+    /// The fall from an equilibrium that was lost to the next minimum; none where every
+    /// equilibrium was followed.
+    pub snapped: Option<Snapped>,
+    /// What a mechanic would doubt.
+    pub warnings: Vec<Warning>,
     /// Number of SQP iterations: quadratic programs solved.
     pub sqp_iterations: u32,
     /// Number of Krylov iterations over all programs.

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use signorini::scene::{
     Choice, ContactMethod, ContactSpace, DisplacementMethod, ElementKind, ErrorEstimate,
-    MetricKind, Named, P1Solver, SaddleMethod,
+    MetricKind, Named, OnInstability, P1Solver, SaddleMethod, StabilityCheck,
 };
 
 /// A key of `[solver]` and its names, `auto` among them.
@@ -16,7 +16,7 @@ fn list<T: Named>(key: &'static str) -> List {
     (key, Choice::<T>::names().map(str::to_owned).collect())
 }
 
-fn lists() -> [List; 8] {
+fn lists() -> [List; 10] {
     [
         list::<ContactMethod>("contact"),
         list::<MetricKind>("contact_metric"),
@@ -26,6 +26,8 @@ fn lists() -> [List; 8] {
         list::<ErrorEstimate>("error_estimate"),
         list::<P1Solver>("p1_solver"),
         list::<SaddleMethod>("saddle"),
+        list::<StabilityCheck>("stability"),
+        list::<OnInstability>("on_instability"),
     ]
 }
 

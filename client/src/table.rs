@@ -131,7 +131,13 @@ fn report(lines: &mut Lines, name: &str, report: &v1::StepReport) {
         lines.add("det F", &jacobian(least, report.min_jacobian_bound));
     }
     if let Some(stability) = words::stability(report.stability()) {
-        lines.add("equilibrium", &format!("{stability} of the energy"));
+        lines.add("equilibrium", &equilibrium(&stability));
+    }
+    if let Some(snapped) = &report.snapped {
+        lines.add("snapped", &fall(snapped));
+    }
+    for warning in &report.warnings {
+        lines.add("warning", &warning.message);
     }
     if report.penalty > 0.0 {
         lines.add(
@@ -153,6 +159,24 @@ fn report(lines: &mut Lines, name: &str, report: &v1::StepReport) {
     if !report.reused.is_empty() {
         lines.add("reused", &report.reused.join(", "));
     }
+}
+
+/// The kind of an equilibrium in words.
+fn equilibrium(stability: &str) -> String {
+    match stability {
+        "not_determined" => "not checked for stability".to_owned(),
+        known => format!("{known} of the energy"),
+    }
+}
+
+/// A fall to the next minimum in words.
+fn fall(snapped: &v1::Snapped) -> String {
+    format!(
+        "to another equilibrium, up to {} at {}, energy {} less",
+        number(snapped.largest_motion),
+        vector(&snapped.point),
+        number(snapped.energy_drop)
+    )
 }
 
 /// Least det F at quadrature points, and what it is nowhere below.

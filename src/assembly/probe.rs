@@ -49,6 +49,12 @@ impl Probes {
         }
     }
 
+    /// Bytes held.
+    pub fn bytes(&self) -> u64 {
+        let near = 8 * self.near.offsets.len() + 4 * self.near.neighbours.len();
+        (near + 4 * self.near.offsets.len()) as u64
+    }
+
     /// The matrix of an operator that couples no further than cells; none where `stopped`
     /// says so between two products.
     pub fn matrix(

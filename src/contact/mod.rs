@@ -19,6 +19,7 @@ mod face;
 pub mod gap;
 mod incidence;
 pub mod layout;
+pub mod nearest;
 pub mod patches;
 pub mod resultant;
 pub(crate) mod shares;

@@ -133,6 +133,34 @@ fn flops(symbolic: &SymbolicCholesky<u32>) -> f64 {
 }
 
 impl SparseIndefinite<'_> {
+    /// Number of negative eigenvalues of the matrix, which are those of B (Sylvester's law
+    /// of inertia). Cost: a pass over the pivots.
+    pub fn negative_eigenvalues(&self) -> usize {
+        let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else {
+            return 0;
+        };
+        let (starts, ends) = (symbolic.supernode_begin(), symbolic.supernode_end());
+        let (values, rows) = (symbolic.col_ptr_for_val(), symbolic.col_ptr_for_row_idx());
+        let mut negative = 0;
+        for (node, (&start, &end)) in starts.iter().zip(ends).enumerate() {
+            let width = (end - start) as usize;
+            let height = width + (rows[node + 1] - rows[node]) as usize;
+            let own = &self.values[values[node] as usize..values[node + 1] as usize];
+            let diagonal = |place: usize| own[place * height + place];
+            let below = &self.below[start as usize..end as usize];
+            let mut place = 0;
+            while place < width {
+                let coupled = below[place] != 0.0 && place + 1 < width;
+                negative += match coupled {
+                    true => negative_of_two(diagonal(place), below[place], diagonal(place + 1)),
+                    false => usize::from(diagonal(place) < 0.0),
+                };
+                place += if coupled { 2 } else { 1 };
+            }
+        }
+        negative
+    }
+
     /// Solves `A x = b` in place.
     pub fn solve(&self, x: &mut [f64], work: &mut Workspace) {
         let size = self.forward.len();
@@ -147,6 +175,14 @@ impl SparseIndefinite<'_> {
                 MemStack::new_any(&mut memory),
             );
         work.give_memory(memory);
+    }
+}
+
+/// Negative eigenvalues of [a b; b c].
+fn negative_of_two(a: f64, b: f64, c: f64) -> usize {
+    match (a / b) * (c / b) < 1.0 {
+        true => 1,
+        false => 2 * usize::from(a < 0.0),
     }
 }
 
@@ -221,6 +257,27 @@ mod tests {
         // Between that of a band of two and that of a full matrix.
         assert!((4.0 * 30.0..32.0_f64.powi(3)).contains(&pattern.flops));
         assert!((8 * 61..8 * 32 * 32).contains(&pattern.bytes()));
+    }
+
+    #[test]
+    fn a_saddle_point_has_a_negative_eigenvalue_for_each_constraint_and_each_soft_motion() {
+        let mut matrix = saddle(30);
+        let order: Vec<u32> = (0..32).collect();
+        let pattern = IndefinitePattern::new(&matrix, &order).expect("small");
+        let negative = |matrix: &LowerColumns| {
+            let factor = pattern.factorise(matrix).expect("regular");
+            factor.negative_eigenvalues()
+        };
+        assert_eq!(negative(&matrix), 2);
+        // Springs in a row, tied at both ends: 2 - 2 cos(k pi / 29), k = 1 .. 28.
+        for soft in 1..28 {
+            let between = std::f64::consts::PI * (soft as f64 + 0.5) / 29.0;
+            let shift = 2.0 - 2.0 * between.cos();
+            for column in 0..30 {
+                matrix.values[matrix.offsets[column] as usize] = 2.0 - shift;
+            }
+            assert_eq!(negative(&matrix), 2 + soft);
+        }
     }
 
     #[test]

@@ -4,7 +4,8 @@
 //! the scaled body. An increment that does not converge ends with its last good state and
 //! the residuals of that state.
 
-use crate::report::{Cause, Fallback, Residuals, Stability, Termination};
+use crate::plan::Units;
+use crate::report::{Cause, Fallback, Residuals, Snapped, Stability, Termination};
 
 /// The estimated error of the displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -13,6 +14,42 @@ pub(crate) struct Estimate {
     pub(crate) relative: f64,
     /// Energy norm of the displacement with the error included, non-dimensional.
     pub(crate) norm: f64,
+}
+
+/// A fall from an equilibrium that was lost to the next minimum, non-dimensional.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Snap {
+    /// Potential energy that was lost.
+    pub(crate) energy_drop: f64,
+    /// Largest motion of a vertex.
+    pub(crate) largest_motion: f64,
+    /// Undeformed place of that vertex, in the mesh's lengths.
+    pub(crate) point: [f64; 3],
+}
+
+impl Snap {
+    /// Both falls of an increment: all energy, and the larger motion.
+    pub(crate) fn and(self, other: Self) -> Self {
+        let larger = match other.largest_motion > self.largest_motion {
+            true => other,
+            false => self,
+        };
+        Self {
+            energy_drop: self.energy_drop + other.energy_drop,
+            ..larger
+        }
+    }
+
+    /// In the caller's units.
+    pub(crate) fn in_units(self, units: &Units) -> Snapped {
+        Snapped {
+            energy_drop: self.energy_drop * units.energy(),
+            largest_motion: self.largest_motion * units.length,
+            point: self
+                .point
+                .map(|x| x * units.coordinate_scale * units.length),
+        }
+    }
 }
 
 /// How an increment ended.
@@ -36,6 +73,8 @@ pub(crate) struct Ending {
     pub(crate) estimate: Option<Estimate>,
     /// What kind of equilibrium it is, where one was reached and certified.
     pub(crate) stability: Option<Stability>,
+    /// The fall on the way; none where every equilibrium was followed.
+    pub(crate) snapped: Option<Snap>,
     /// The second attempt that led here; none where the plan's own method did.
     pub(crate) fallback: Option<Fallback>,
 }

@@ -80,6 +80,9 @@ fn add_body(model: &Model<'_>, state: &State, out: &mut Evaluation, work: &mut W
         add_scaled(&mut force, -1.0, &contact);
         work.give(contact);
     }
+    if let Some(proximal) = &model.proximal {
+        proximal.add_force(&state.displacement, &mut force);
+    }
     if state.drive.moves_supports() {
         out.reaction_norm = norm_of(held, &force);
     }

@@ -11,6 +11,7 @@ pub(crate) mod contact_moduli;
 pub(crate) mod counters;
 pub(crate) mod drive;
 pub(crate) mod ending;
+pub(crate) mod energy;
 pub(crate) mod evaluate;
 pub(crate) mod held;
 pub(crate) mod interfaces;
@@ -19,6 +20,7 @@ pub(crate) mod joined;
 pub(crate) mod loads;
 pub(crate) mod prescribed;
 pub(crate) mod pressures;
+pub(crate) mod proximal;
 pub(crate) mod state;
 pub(crate) mod surface_metric;
 pub(crate) mod tangent;
@@ -32,6 +34,7 @@ use crate::plan::Plan;
 use crate::prepare::TaylorHoodData;
 use drive::Drive;
 use interfaces::{Interface, Interfaces, Placed};
+use proximal::Proximal;
 
 /// The body on its obstacles, as everything reads it that solves for a state or
 /// reports one. Cheap to clone.
@@ -50,8 +53,10 @@ pub(crate) struct Model<'a> {
     /// Weighted penetration that is still let be while a body is pushed out of an
     /// obstacle `[multipliers]`; empty where none is.
     pub(crate) admitted_penetration: Arc<[f64]>,
+    /// What pulls the body back while it goes down its energy; none otherwise.
+    pub(crate) proximal: Option<Proximal>,
     /// Bound on all four residuals; looser for a while where the discretisation sets
-    /// it.
+    /// it, or on the way down the energy.
     pub(crate) tolerance: f64,
 }
 

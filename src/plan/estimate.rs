@@ -6,6 +6,7 @@
 
 use crate::linalg::cholesky::Precision;
 use crate::plan::Plan;
+use crate::report::Unknowns;
 use crate::scene::ToleranceRule;
 use crate::scene::{ElementKind, P1Solver};
 
@@ -61,9 +62,7 @@ pub(super) fn factor(dimension: usize, vertices: u64) -> (f64, f64) {
 
 /// Bytes of the factor of the assembled saddle point and flops to make it: those of a
 /// factor on all P2 nodes.
-pub(super) fn saddle_factor(plan: &Plan) -> (f64, f64) {
-    let dimension = plan.units.dimension;
-    let unknowns = plan.unknowns;
+pub(super) fn saddle_factor(dimension: usize, unknowns: Unknowns) -> (f64, f64) {
     let all = unknowns.displacement + unknowns.pressure + unknowns.contact;
     let (entries, flops) = factor(dimension, all / dimension as u64);
     (SADDLE_FILL * 8.0 * entries, SADDLE_WORK * flops)

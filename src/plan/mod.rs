@@ -18,6 +18,7 @@ pub(crate) mod rubber;
 pub(crate) mod saddle;
 pub(crate) mod second_attempt;
 mod settings;
+mod stability;
 pub(crate) mod surfaces;
 mod units;
 
@@ -40,6 +41,7 @@ pub use report::{LeftOut, PlanEntry, PlanReport};
 use saddle::{Demand, SaddleChoice, SaddleNeeds};
 use second_attempt::Programs;
 use settings::Settings;
+use stability::StabilityChoice;
 use surfaces::{ContactLayout, Surfaces};
 pub use units::Units;
 
@@ -96,6 +98,8 @@ pub struct Plan {
     pub(crate) p1: p1::P1Choice,
     /// Method of the linear systems.
     pub(crate) saddle: SaddleChoice,
+    /// How equilibria of rubber are certified.
+    pub(crate) stability: StabilityChoice,
     /// Number of edges of the surface whose offset the mesh knows.
     pub(crate) curved_edges: usize,
     /// Whether programs are solved by that method, or by a factor of the whole.
@@ -175,6 +179,10 @@ impl Plan {
             p1,
             saddle,
             programs: Programs::AsPlanned,
+            stability: stability::choose(
+                scene.solver.stability.named(),
+                estimate::saddle_factor(units.dimension, unknowns).1,
+            ),
             settings: Settings::new(&scene.solver),
             scene: scene.clone(),
             resolved,

@@ -173,6 +173,11 @@ impl Plan {
             "from F and p at quadrature points, never stored as a matrix".into(),
             "both change with every iteration",
         );
+        push(
+            "stability",
+            self.stability_in_words(),
+            self.stability.reason,
+        );
         let (penalty, reason) = match self.settings.penalty {
             Some(weight) => (
                 format!("{weight} mu of pointwise volume change"),

@@ -47,8 +47,18 @@ impl Plan {
                             .fits(ContactMethod::OneLevel, MetricKind::Mass)
                 }
                 Fallback::Mprgp => takes_turns && self.contact.method != ContactMethod::Mprgp,
-                Fallback::Direct => estimate::saddle_factor(self).1 <= MOST_FACTOR_FLOPS,
+                Fallback::Direct => {
+                    estimate::saddle_factor(self.units.dimension, self.unknowns).1
+                        <= MOST_FACTOR_FLOPS
+                }
             }
+    }
+
+    /// Whether a program of rubber that iterations do not solve takes the factor of its
+    /// saddle point at once: it costs less than parts of the increment.
+    pub(crate) fn has_small_factor(&self) -> bool {
+        let flops = estimate::saddle_factor(self.units.dimension, self.unknowns).1;
+        self.leaves_methods_open() && flops <= super::stability::CHEAP
     }
 
     /// Whether the scene leaves all methods to the plan.
@@ -105,7 +115,7 @@ impl Plan {
             Fallback::Mprgp => "proportioning".to_owned(),
             Fallback::Direct => format!(
                 "a factor of the saddle point ({:.1} GB while it is there)",
-                1e-9 * estimate::saddle_factor(self).0
+                1e-9 * estimate::saddle_factor(self.units.dimension, self.unknowns).0
             ),
         });
         let words: Vec<String> = words.collect();

@@ -1,6 +1,6 @@
 //! Numerical settings that methods read while they run.
 
-use crate::scene::{Choice, ErrorEstimate, SolverOptions, ToleranceRule};
+use crate::scene::{Choice, ErrorEstimate, OnInstability, SolverOptions, ToleranceRule};
 
 /// What a scene asks of every increment.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +20,8 @@ pub(crate) struct Settings {
     /// Weight of the volume penalty in units of the shear modulus where the scene
     /// names one.
     pub(crate) penalty: Option<f64>,
+    /// What follows where an equilibrium of rubber is a saddle, or is lost.
+    pub(crate) on_instability: OnInstability,
     /// Whether the independent path recomputes the residuals of each increment.
     pub(crate) verify: bool,
 }
@@ -37,6 +39,10 @@ impl Settings {
             quadrature_degree: options.quadrature_degree,
             max_wall_time: options.max_wall_time,
             penalty: options.penalty,
+            on_instability: match options.on_instability {
+                Choice::Auto => OnInstability::Descend,
+                Choice::Named(named) => named,
+            },
             verify: options.verify,
         }
     }

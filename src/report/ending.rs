@@ -88,6 +88,17 @@ impl Cause {
     }
 }
 
+/// A fall from an equilibrium that was lost down the energy to the next minimum.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Snapped {
+    /// Potential energy that was lost, in the caller's unit of energy.
+    pub energy_drop: f64,
+    /// Largest motion of a vertex, in the caller's unit of length.
+    pub largest_motion: f64,
+    /// Undeformed place of that vertex, in the caller's unit of length.
+    pub point: [f64; 3],
+}
+
 /// What kind of equilibrium a state is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stability {
@@ -96,6 +107,8 @@ pub enum Stability {
     /// Some admissible direction lowers the energy: the body would snap or buckle from
     /// here.
     Saddle,
+    /// Nobody has counted the unstable motions; none was met.
+    NotDetermined,
 }
 
 impl Stability {
@@ -104,6 +117,7 @@ impl Stability {
         match self {
             Self::Minimum => "minimum",
             Self::Saddle => "saddle",
+            Self::NotDetermined => "not_determined",
         }
     }
 }

@@ -12,3 +12,4 @@ pub(crate) mod finite_strain;
 pub(crate) mod geometry_error;
 pub(crate) mod step;
 pub(crate) mod touching;
+pub(crate) mod warnings;

@@ -11,12 +11,13 @@ use std::collections::BTreeMap;
 
 use crate::assembly::grid::Rows;
 use crate::contact::gap::linearise;
-use crate::linalg::vector::{add_scaled, dot};
+use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
 use crate::model::counters::{Counters, timed};
 use crate::model::ending::Ending;
 use crate::model::ending::Estimate;
+use crate::model::energy::strain_energy;
 use crate::model::internal::Internal;
 use crate::model::internal::internal;
 use crate::model::joined::Joined;
@@ -55,6 +56,7 @@ pub(crate) fn report(
         min_jacobian: inside.response.map(|response| response.least_jacobian),
         min_jacobian_bound: jacobian_bound(model, state),
         stability: ending.stability,
+        snapped: ending.snapped.map(|snap| snap.in_units(units)),
         max_penetration: ending.max_penetration * units.length,
         obstacles: obstacles(model, state, estimated.as_ref()),
         supports: supports(model, state, inside.force),
@@ -96,30 +98,6 @@ fn reported_estimate(model: &Model<'_>, state: &State, ending: &Ending) -> Optio
     let is_wanted = model.plan.settings.estimates_error && model.prepared.strain.is_none();
     let is_there = ending.termination == Termination::Converged;
     (is_wanted && is_there).then(|| ending.estimate.unwrap_or_else(|| estimate(model, state)))
-}
-
-/// Stored energy: 1/2 u.(A u) + 1/2 p.(S p), or int W in the place of the first.
-fn strain_energy(model: &Model<'_>, state: &State, inside: &Internal, work: &mut Workspace) -> f64 {
-    let mut energy = match inside.response {
-        Some(response) => response.energy,
-        None => 0.5 * dot(&state.displacement, &inside.force),
-    };
-    let Some(block) = &model.prepared.pressure else {
-        return energy;
-    };
-    let mut product = work.scratch(state.pressure.len());
-    if inside.response.is_none() {
-        // u.(B^T p) is taken off again: it vanishes at equilibrium only up to S.
-        let grid = &model.prepared.grid;
-        grid.divergence(Rows::All, &state.displacement, &mut product, work);
-        energy -= 0.5 * dot(&product, &state.pressure);
-    }
-    if let Some(stabilisation) = &block.stabilisation {
-        stabilisation.apply(&state.pressure, &mut product, work);
-        energy += 0.5 * dot(&product, &state.pressure);
-    }
-    work.give(product);
-    energy
 }
 
 /// Deformed over undeformed volume.

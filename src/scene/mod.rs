@@ -16,7 +16,7 @@ pub(crate) mod validate;
 pub use crate::obstacle::Shape;
 pub use choices::{
     Choice, ContactMethod, ContactSpace, DisplacementMethod, ElementKind, ErrorEstimate,
-    MetricKind, Named, P1Solver, SaddleMethod, UnknownName,
+    MetricKind, Named, OnInstability, P1Solver, SaddleMethod, StabilityCheck, UnknownName,
 };
 pub use error::{SceneError, Violation};
 pub use material::{Formulation, Material, MaterialModel, Modulus, RubberModel};

@@ -2,7 +2,7 @@
 
 use super::choices::{
     Choice, ContactMethod, ContactSpace, DisplacementMethod, ElementKind, ErrorEstimate,
-    MetricKind, P1Solver, SaddleMethod,
+    MetricKind, OnInstability, P1Solver, SaddleMethod, StabilityCheck,
 };
 
 /// How far the residuals are reduced.
@@ -45,6 +45,10 @@ pub struct SolverOptions {
     pub contact_metric: Choice<MetricKind>,
     /// Functions of the contact pressure.
     pub contact_space: Choice<ContactSpace>,
+    /// How equilibria of rubber are certified.
+    pub stability: Choice<StabilityCheck>,
+    /// What follows where an equilibrium of rubber is a saddle, or is lost.
+    pub on_instability: Choice<OnInstability>,
     /// Weight of a grad-div term in the displacement block, in units of the shear
     /// modulus; for incompressible materials. `None`: none. Of rubber: of the volume
     /// change that the pressure does not see; `None`: where an equilibrium is lost.
@@ -68,6 +72,8 @@ impl Default for SolverOptions {
             contact: Choice::Auto,
             contact_metric: Choice::Auto,
             contact_space: Choice::Auto,
+            stability: Choice::Auto,
+            on_instability: Choice::Auto,
             penalty: None,
             verify: false,
         }

@@ -75,6 +75,8 @@ pub(crate) struct Advanced {
     pub(crate) ending: Ending,
     /// Part of the increment that the state has come to, from zero to one.
     pub(crate) part: f64,
+    /// What drove the body before it.
+    pub(crate) start: Drive,
     /// Counts and wall seconds of the increment.
     pub(crate) counters: Counters,
     /// Scratch vectors, for the next increment.

@@ -22,7 +22,7 @@ use crate::model::state::State;
 use crate::plan::Plan;
 use crate::prepare::Prepared;
 use crate::report::{
-    CancelToken, FieldData, FieldName, IterationRecord, Observer, Seconds, StepReport,
+    CancelToken, FieldData, FieldName, IterationRecord, Observer, Seconds, StepReport, WarningKind,
 };
 use crate::scene::validate::check_step;
 use crate::scene::{SceneError, Step};
@@ -227,7 +227,13 @@ impl Session {
         }
         step.finish(number, &advanced.ending, &advanced.counters);
         let time = step.time(number, advanced.part);
-        Some(self.report(time, advanced))
+        let mut report = self.report(time, advanced);
+        if step.upcoming().is_some() {
+            // What is on its way may touch at the end.
+            let warnings = &mut report.warnings;
+            warnings.retain(|warning| warning.kind != WarningKind::UntouchedObstacle);
+        }
+        Some(report)
     }
 
     /// Ends a step before its end: what follows starts from the state that is

@@ -117,6 +117,7 @@ mod tests {
             tolerance: 1e-8,
             estimate: None,
             stability: None,
+            snapped: None,
             fallback: None,
         };
         let mut step = StepRun::new(rest.clone(), rest, 3);

@@ -16,6 +16,7 @@ use crate::plan::Plan;
 use crate::precond::PMultigrid;
 use crate::prepare::TaylorHoodData;
 use crate::report::{FieldData, FieldName, StepReport};
+use crate::results::warnings::warnings;
 use crate::results::{fields, step};
 use crate::sqp::increment;
 use crate::sqp::ladder::climb;
@@ -58,6 +59,7 @@ impl TaylorHoodBody {
             interfaces: &self.interfaces,
             load: &self.load,
             admitted_penetration: [].into(),
+            proximal: None,
             tolerance: self.plan.settings.tolerance,
         }
     }
@@ -93,6 +95,7 @@ impl Body for TaylorHoodBody {
             counters: increment.counters,
             work: increment.work,
             retry: Retry::Parts,
+            by_factor: false,
         };
         let (mut ending, part) = climb(&mut run, goal, before);
         if ending.is_stopped() {
@@ -104,6 +107,7 @@ impl Body for TaylorHoodBody {
         Advanced {
             ending,
             part,
+            start: before.drive.clone(),
             counters: run.counters,
             work: run.work,
         }
@@ -113,11 +117,13 @@ impl Body for TaylorHoodBody {
         let model = self.model();
         let Advanced {
             ending,
+            start,
             counters,
             work,
             ..
         } = advanced;
         let mut report = step::report(&model, state, ending, counters, work);
+        report.warnings = warnings(&model, (start, state), ending);
         if self.plan.settings.verify {
             report.verification = Some(verify::verify(&model, state, ending));
         }

@@ -1,22 +1,23 @@
 //! Moves a state to where an increment leads: at once, or in parts where the whole
 //! fails. A body that starts inside an obstacle is let in by as much as it is
 //! inside, and pushed out over the parts. Equilibria of rubber are certified; one
-//! that is no minimum is not kept, and where parts become too small the cause says
-//! whether the body is about to snap.
+//! that is no minimum is not kept. Where parts become too small the body falls to the next
+//! minimum ([`super::descent`]), or the cause says whether it is about to.
 
 use super::attempt::attempt;
+use super::descent::descend;
 use super::diagnosis::{is_soft, name_the_end};
 use super::increment;
 use super::initial_penetration::InitialPenetration;
-use super::lowest_mode::LowestMode;
 use super::penalty::{next_penalty, penalise};
 use super::run::{Retry, Run};
 use super::step_control::{KeptState, Parts};
 use super::trend::Trend;
 use crate::model::drive::Drive;
-use crate::model::ending::Ending;
+use crate::model::ending::{Ending, Snap};
 use crate::model::state::State;
 use crate::report::{Cause, Termination};
+use crate::scene::OnInstability;
 
 /// Smallest part of an increment that cut-backs try.
 const LEAST_FRACTION: f64 = 1.0 / 64.0;
@@ -25,67 +26,145 @@ const LEAST_UNSTABLE_FRACTION: f64 = 1.0 / 8.0;
 /// Residual below which an iterate that did not converge is kept.
 const MEANINGFUL: f64 = 1e-3;
 
+/// The way to a goal.
+struct Way<'w> {
+    /// What drove the body at the start.
+    start: Drive,
+    /// What shall drive it at the end.
+    goal: &'w Drive,
+    /// By how much the start lies inside obstacles.
+    penetration: InitialPenetration,
+    /// Parts of the way.
+    parts: Parts,
+    /// All falls on the way.
+    snapped: Option<Snap>,
+}
+
 /// Moves the state to `goal`, in parts where the whole fails; returns how it
 /// ended and the part reached.
 pub(crate) fn approach(run: &mut Run<'_>, goal: &Drive) -> (Ending, f64) {
     let start = run.state.drive.clone();
     let penetration = InitialPenetration::of(&run.model, run.state, &start);
-    let mut parts = Parts::new(penetration.first_part());
-    loop {
-        let next = parts.next();
-        run.model.admitted_penetration = penetration.left(next);
-        let kept = KeptState::of(run);
-        let mut ending = attempt(run, &start.towards(goal, next));
-        note_trend(run, &ending, &kept.state);
-        match ending.termination {
-            Termination::Converged if next >= 1.0 => return (ending, 1.0),
-            Termination::Converged => parts.succeed(),
-            Termination::NotConverged if cut_backs_help(run, &ending) => {
-                kept.restore(run);
-                parts.failures += 1;
-                run.model.admitted_penetration = penetration.left(parts.reached);
-                if let Some(ending) = after_failure(run, ending, &mut parts) {
-                    return finished(run, ending, &penetration, &parts);
+    let mut way = Way {
+        start,
+        goal,
+        parts: Parts::new(penetration.first_part()),
+        penetration,
+        snapped: None,
+    };
+    let (mut ending, part) = way.walk(run);
+    ending.snapped = way.snapped;
+    (ending, part)
+}
+
+impl Way<'_> {
+    /// Part after part to the end; how it ended and the part reached.
+    fn walk(&mut self, run: &mut Run<'_>) -> (Ending, f64) {
+        loop {
+            let next = self.parts.next();
+            run.model.admitted_penetration = self.penetration.left(next);
+            let kept = KeptState::of(run);
+            let mut ending = attempt(run, &self.start.towards(self.goal, next));
+            note_trend(run, &ending, &kept.state);
+            match ending.termination {
+                Termination::Converged if next >= 1.0 => return (ending, 1.0),
+                Termination::Converged => self.parts.succeed(),
+                Termination::NotConverged if cut_backs_help(run, &ending) => {
+                    kept.restore(run);
+                    self.parts.failures += 1;
+                    run.model.admitted_penetration = self.penetration.left(self.parts.reached);
+                    if let Some(ending) = self.after_failure(run, ending) {
+                        return finished(run, ending, &self.penetration, &self.parts);
+                    }
+                }
+                // Far from equilibrium an iterate is of no use; close to it, it
+                // is the best there is.
+                Termination::NotConverged if is_meaningful(&ending) => return (ending, next),
+                Termination::NotConverged => {
+                    kept.restore(run);
+                    increment::describe(run, &mut ending);
+                    return (ending, self.parts.reached);
+                }
+                Termination::Cancelled
+                | Termination::DeadlineExceeded
+                | Termination::InternalError => {
+                    kept.restore(run);
+                    return finished(run, ending, &self.penetration, &self.parts);
                 }
             }
-            // Far from equilibrium an iterate is of no use; close to it, it
-            // is the best there is.
-            Termination::NotConverged if is_meaningful(&ending) => return (ending, next),
-            Termination::NotConverged => {
-                kept.restore(run);
-                increment::describe(run, &mut ending);
-                return (ending, parts.reached);
-            }
-            Termination::Cancelled | Termination::DeadlineExceeded | Termination::InternalError => {
-                kept.restore(run);
-                return finished(run, ending, &penetration, &parts);
-            }
         }
+    }
+
+    /// Brings a penalty in, makes the next part smaller or lets the body fall; how the way
+    /// ends where nothing leads on. The state is the last good one.
+    fn after_failure(&mut self, run: &mut Run<'_>, mut ending: Ending) -> Option<Ending> {
+        let parts = &mut self.parts;
+        if let Some(weight) = next_penalty(run, &ending, parts) {
+            let settled = penalise(run, weight);
+            if settled.is_stopped() {
+                return Some(settled);
+            }
+            if settled.termination == Termination::Converged {
+                parts.failures = 0;
+                return None;
+            }
+            parts.tried = weight;
+        }
+        parts.cut_back();
+        run.counters.cut_backs += 1;
+        if parts.part >= least_fraction(run, &ending) {
+            return None;
+        }
+        if may_fall(run, &ending)
+            && let Some(settled) = self.fall(run)
+        {
+            let goes_on = settled.termination == Termination::Converged && self.parts.reached < 1.0;
+            return (!goes_on).then_some(settled);
+        }
+        name_the_end(run, &mut ending);
+        increment::describe(run, &mut ending);
+        Some(ending)
+    }
+
+    /// Lets the body fall to the next minimum a part of the way on; none, and the state as
+    /// it was, where none is found.
+    fn fall(&mut self, run: &mut Run<'_>) -> Option<Ending> {
+        let kept = KeptState::of(run);
+        let next = self.parts.after(LEAST_UNSTABLE_FRACTION);
+        run.model.admitted_penetration = self.penetration.left(next);
+        let settled = descend(run, &self.start.towards(self.goal, next));
+        let has_landed = settled
+            .as_ref()
+            .is_some_and(|ending| ending.termination == Termination::Converged);
+        if has_landed {
+            self.parts.land(next);
+            let fall = settled.as_ref().and_then(|ending| ending.snapped);
+            self.snapped = match (self.snapped, fall) {
+                (Some(before), Some(fall)) => Some(before.and(fall)),
+                (before, fall) => before.or(fall),
+            };
+        } else {
+            kept.restore(run);
+            run.model.admitted_penetration = self.penetration.left(self.parts.reached);
+        }
+        settled
     }
 }
 
-/// Brings a penalty in or makes the next part smaller; how the way ends where
-/// neither leads on. The state is the last good one.
-fn after_failure(run: &mut Run<'_>, mut ending: Ending, parts: &mut Parts) -> Option<Ending> {
-    if let Some(weight) = next_penalty(run, &ending, parts) {
-        let settled = penalise(run, weight);
-        if settled.is_stopped() {
-            return Some(settled);
-        }
-        if settled.termination == Termination::Converged {
-            parts.failures = 0;
-            return None;
-        }
-        parts.tried = weight;
-    }
-    parts.cut_back();
-    run.counters.cut_backs += 1;
-    if parts.part >= least_fraction(run, &ending) {
-        return None;
-    }
-    name_the_end(run, &mut ending);
-    increment::describe(run, &mut ending);
-    Some(ending)
+/// Whether the scene lets a body fall, and the failure is one of an equilibrium lost.
+fn may_fall(run: &Run<'_>, ending: &Ending) -> bool {
+    let is_elsewhere = matches!(
+        ending.cause,
+        Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
+    );
+    let is_lost = ending.cause == Some(Cause::UnstableEquilibrium)
+        || run.learned.lowest_mode.is_none()
+        || is_soft(run);
+    let settings = &run.model.plan.settings;
+    run.model.is_rubber()
+        && is_lost
+        && !is_elsewhere
+        && settings.on_instability == OnInstability::Descend
 }
 
 /// Whether an iterate that did not converge is still of use.
@@ -127,7 +206,7 @@ fn finished(
         Termination::Cancelled | Termination::InternalError => false,
     };
     let mode = run.learned.lowest_mode.as_ref();
-    ending.stability = mode.map(LowestMode::stability);
+    ending.stability = mode.map(|mode| mode.stability);
     (ending, if is_kept { parts.reached } else { 0.0 })
 }
 

@@ -20,9 +20,17 @@ const CLOSED: f64 = 1e-6;
 pub(crate) fn explain(run: &mut Run<'_>, ending: &mut Ending) {
     let stuck = matches!(
         ending.cause,
-        Some(Cause::Stagnation | Cause::IterationLimit | Cause::LineSearch)
+        Some(
+            Cause::Stagnation
+                | Cause::IterationLimit
+                | Cause::LineSearch
+                | Cause::ActiveSetCycle
+                | Cause::IndefiniteTangent
+        )
     );
-    if !stuck {
+    // A factor moves the body where iterations would stagnate.
+    let is_forced = run.by_factor && ending.cause == Some(Cause::NegativeJacobian);
+    if !stuck && !is_forced {
         return;
     }
     let model = &run.model;

@@ -11,7 +11,9 @@ use super::program::{QuadraticProgram, Step};
 use super::run::Run;
 use super::search::{Refused, search};
 use super::verdict::{Verdict, of_status, verdict};
+use crate::inequality::QpScales;
 use crate::linalg::vector::norm;
+use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
@@ -26,6 +28,9 @@ const MOST_PROGRAMS: u32 = 40;
 const WORTHWHILE: f64 = 0.1;
 /// Programs of a linear problem that may leave the residual as it is: rounding does.
 const MOST_IDLE: u32 = 5;
+/// Stress in shear moduli below which a body without load is at rest: linear, and of rubber,
+/// whose law has a scale of its own.
+const LEAST_STRESS: [f64; 2] = [1e-11, 1e-9];
 /// First reduction asked of a program with a curved gap.
 const FIRST_REDUCTION: f64 = 1e-2;
 
@@ -64,7 +69,8 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         run.counters.sqp_iterations += 1;
         let made = run.counters.factorisations;
         let program = QuadraticProgram::new(run, &at.now, motion, &mut at.first_force);
-        let worst = residuals(run.state, program.start(), at.first_force).largest();
+        let scale = program.force_scale();
+        let worst = residuals(run.state, program.start(), scale).largest();
         let (step, outcome) = solve_program(run, &program, worst, at.reduction);
         if let Some(verdict) = of_status(outcome, &run.watch) {
             run.counters.failed_programs += 1;
@@ -105,6 +111,7 @@ fn solve_program(
 
 /// Moves the state to where the first program starts.
 fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
+    forget_scales(run);
     let (now, first_force) = match run.model.is_rubber() {
         true => predictor::start(run, drive),
         false => {
@@ -115,12 +122,48 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
             (now, force)
         }
     };
+    limit_gap_scale(run.state, &now);
     Iterate {
+        first_force: first_force.max(least_force(&run.model, &now)),
         now,
-        first_force,
         reduction: FIRST_REDUCTION,
         least: f64::INFINITY,
         idle: 0,
+    }
+}
+
+/// Lets the scales of a body that nothing drives any more be those of a fresh one: what
+/// they have seen says nothing of what comes.
+fn forget_scales(run: &mut Run<'_>) {
+    let state = &mut *run.state;
+    let touches = state.multiplier.iter().any(|&value| value != 0.0);
+    if !touches && state.drive.load == 0.0 && !state.drive.moves_supports() {
+        state.scales = QpScales::default();
+    }
+}
+
+/// Keeps the scale of the gap to what contact has moved the surface by: a lift, or a body
+/// carried far, has seen larger ones.
+fn limit_gap_scale(state: &mut State, now: &Evaluation) {
+    let mut moved = vec![0.0; state.multiplier.len()];
+    let mut work = Workspace::new();
+    now.coupling
+        .apply(&state.displacement, &mut moved, &mut work);
+    let closed = moved.iter().zip(&state.status);
+    let closed = closed.filter(|(_, status)| status.is_closed());
+    let square: f64 = closed.map(|(moved, _)| moved * moved).sum();
+    state.scales.gap = state.scales.gap.min(square.sqrt());
+}
+
+/// Norm of a force that is rounding in a body without load: a stress of some
+/// [`LEAST_STRESS`] shear moduli.
+fn least_force(model: &Model<'_>, now: &Evaluation) -> f64 {
+    match now.load_norm > 0.0 {
+        true => 0.0,
+        false => {
+            LEAST_STRESS[usize::from(model.is_rubber())]
+                / (model.prepared.space.vertices as f64).sqrt()
+        }
     }
 }
 
@@ -204,6 +247,7 @@ pub(crate) fn ending(
         tolerance,
         estimate: None,
         stability: None,
+        snapped: None,
         fallback: None,
     }
 }

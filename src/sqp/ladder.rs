@@ -36,6 +36,9 @@ pub(crate) fn climb(run: &mut Run<'_>, goal: &Drive, start: &State) -> (Ending, 
             approach(run, goal)
         }
     };
+    if run.by_factor && end.0.termination == Termination::Converged {
+        end.0.fallback.get_or_insert(Fallback::Direct);
+    }
     if rungs.is_empty() || !is_failure_of_the_method(run, &end.0) {
         return end;
     }
@@ -86,6 +89,8 @@ fn is_failure_of_the_method(run: &Run<'_>, ending: &Ending) -> bool {
                 | Cause::ActiveSetCycle
                 | Cause::IndefiniteTangent
                 | Cause::LineSearch
+                | Cause::LimitPoint
+                | Cause::CoarseContact
         )
     );
     // That obstacles close a volume is read from contact everywhere, which may not be.
@@ -115,6 +120,7 @@ fn approach_on(run: &mut Run<'_>, rung: &Rung, (goal, retry): (&Drive, Retry)) -
         counters: run.counters,
         work: std::mem::take(&mut run.work),
         retry,
+        by_factor: false,
     };
     let (mut ending, part) = approach(&mut inner, goal);
     if ending.termination == Termination::Converged {

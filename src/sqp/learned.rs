@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::lowest_mode::LowestMode;
 use super::preconditioner_refresh::PreconditionerRefresh;
 use super::rung::Rung;
+use super::saddle_layout::SaddleLayout;
 use super::trend::Trend;
 use crate::assembly::strain::Linearised;
 use crate::krylov::gcr::Directions;
@@ -26,6 +27,9 @@ pub(crate) struct Learned {
     /// What the last tangent was taken about, to be overwritten in place by the next;
     /// empty for linear bodies.
     pub(crate) linearised: Arc<Linearised>,
+    /// What the saddle point is assembled and ordered by, once it was; it depends on the
+    /// mesh only.
+    pub(crate) layout: Option<Arc<SaddleLayout>>,
     /// The rung that solved the last increment of the step, where the next one begins;
     /// none where the plan's own method does.
     pub(crate) rung: Option<Arc<Rung>>,
@@ -40,6 +44,7 @@ impl Learned {
             lowest_mode: None,
             trend: None,
             linearised: Arc::default(),
+            layout: None,
             rung: None,
         }
     }
@@ -51,6 +56,7 @@ impl Learned {
             + self.lowest_mode.as_ref().map_or(0, LowestMode::bytes)
             + self.trend.as_ref().map_or(0, Trend::bytes)
             + self.linearised.bytes()
+            + self.layout.as_ref().map_or(0, |layout| layout.bytes())
             + self.rung.as_ref().map_or(0, |rung| rung.bytes())
     }
 }

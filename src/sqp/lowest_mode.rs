@@ -4,8 +4,12 @@
 //! K x = l P x,   B x = 0,   C_A x = 0
 //! ```
 //!
-//! as [`super::certificate`] finds it. Shape `[displacement unknowns]`.
+//! as [`super::certificate`] finds it, P = int 2 mu eps : eps. Shape `[displacement unknowns]`.
 
+use crate::linalg::vector::dot;
+use crate::linalg::{LinearOperator, Workspace};
+use crate::model::Model;
+use crate::model::held::mask;
 use crate::report::Stability;
 
 /// The softest motion of the last equilibrium.
@@ -16,19 +20,26 @@ pub(crate) struct LowestMode {
     /// The eigenvalue l of the softest motion, in units of the stiffness at rest;
     /// negative at a saddle.
     pub(crate) eigenvalue: f64,
+    /// What is known of the signs of all eigenvalues.
+    pub(crate) stability: Stability,
 }
 
 impl LowestMode {
-    /// What the sign says.
-    pub(crate) fn stability(&self) -> Stability {
-        match self.eigenvalue > 0.0 {
-            true => Stability::Minimum,
-            false => Stability::Saddle,
-        }
-    }
-
     /// Bytes held.
     pub(crate) fn bytes(&self) -> u64 {
         8 * self.motion.len() as u64
     }
+}
+
+/// P x.
+pub(crate) fn at_rest(model: &Model<'_>, x: &[f64], work: &mut Workspace) -> Vec<f64> {
+    let mut product = vec![0.0; x.len()];
+    model.prepared.stiffness.apply(x, &mut product, work);
+    mask(&model.prepared.held, &mut product);
+    product
+}
+
+/// The length of a motion, sqrt(x.P x).
+pub(crate) fn length_at_rest(model: &Model<'_>, x: &[f64], work: &mut Workspace) -> f64 {
+    dot(x, &at_rest(model, x, work)).sqrt()
 }

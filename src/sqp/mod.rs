@@ -15,8 +15,9 @@
 //! | [`accuracy`] | how far residuals are reduced |
 //! | [`increment`] | programs until the four criteria hold: [`predictor`], [`program`], [`search`], [`verdict`] |
 //! | [`certificate`] | whether the equilibrium is a minimum |
+//! | [`descent`] | down the energy where an equilibrium is lost |
 //! | [`diagnosis`] | causes that only the end shows |
-//! | [`learned`] | what is kept for the next increment: [`trend`], [`lowest_mode`], [`preconditioner_refresh`] |
+//! | [`learned`] | what is kept for the next increment: [`trend`], [`lowest_mode`], [`preconditioner_refresh`], [`saddle_layout`] |
 //!
 //! Everything is non-dimensional inside.
 
@@ -26,6 +27,7 @@ mod attempt;
 mod certificate;
 pub(crate) mod chooser;
 pub(crate) mod contact_metric;
+mod descent;
 mod diagnosis;
 pub(crate) mod increment;
 mod initial_penetration;
@@ -41,6 +43,7 @@ pub(crate) mod program;
 mod rigid_predictor;
 pub(crate) mod run;
 mod rung;
+mod saddle_layout;
 mod search;
 mod step_control;
 mod trend;

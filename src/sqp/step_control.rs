@@ -65,8 +65,20 @@ impl Parts {
 
     /// End of the next part.
     pub(crate) fn next(&self) -> f64 {
-        let next = self.reached + self.part;
+        self.after(self.part)
+    }
+
+    /// Where a part that takes the fraction `part` ends.
+    pub(crate) fn after(&self, part: f64) -> f64 {
+        let next = self.reached + part;
         if next >= 1.0 - 1e-12 { 1.0 } else { next }
+    }
+
+    /// Takes `next` as reached by a fall; the next part is as long as that was.
+    pub(crate) fn land(&mut self, next: f64) {
+        self.part = next - self.reached;
+        self.reached = next;
+        self.failures = 0;
     }
 
     /// Takes the part just solved as reached and makes the next one longer.

@@ -83,6 +83,7 @@ impl Body {
             interfaces: &self.interfaces,
             load: &self.load,
             admitted_penetration: [].into(),
+            proximal: None,
             tolerance: 1e-8,
         }
     }

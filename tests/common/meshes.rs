@@ -50,15 +50,20 @@ pub(crate) fn cube(count: usize) -> MeshParts {
 
 /// The unit square of 2 `count`^2 triangles, groups x0 x1 y0 y1, body.
 pub(crate) fn square(count: usize) -> MeshParts {
-    let number = |x: usize, y: usize| (y * (count + 1) + x) as u32;
+    unit_grid(count, count)
+}
+
+/// The unit square of 2 `across` * `up` triangles, groups x0 x1 y0 y1, body.
+pub(crate) fn unit_grid(across: usize, up: usize) -> MeshParts {
+    let number = |x: usize, y: usize| (y * (across + 1) + x) as u32;
     let mut cells = Vec::new();
-    for [x, y, _] in lattice([count, count, 1]) {
+    for [x, y, _] in lattice([across, up, 1]) {
         let (low, right) = (number(x, y), number(x + 1, y));
         let (top, far) = (number(x, y + 1), number(x + 1, y + 1));
         cells.extend([low, right, far, low, far, top]);
     }
-    let place = |[x, y, _]: [usize; 3]| [x as f64 / count as f64, y as f64 / count as f64, 0.0];
-    let points = lattice([count + 1, count + 1, 1]).map(place).collect();
+    let place = |[x, y, _]: [usize; 3]| [x as f64 / across as f64, y as f64 / up as f64, 0.0];
+    let points = lattice([across + 1, up + 1, 1]).map(place).collect();
     with_sides(CellKind::Triangle, points, cells)
 }
 

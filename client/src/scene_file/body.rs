@@ -235,6 +235,8 @@ const SOLVER: &[&str] = &[
     "contact",
     "contact_metric",
     "contact_space",
+    "stability",
+    "on_instability",
     "penalty",
     "error_estimate",
 ];
@@ -256,6 +258,8 @@ pub(super) fn solver(scene: &Keys<'_>) -> Option<v1::SolverOptions> {
         contact: method("contact"),
         contact_metric: method("contact_metric"),
         contact_space: method("contact_space"),
+        stability: method("stability"),
+        on_instability: method("on_instability"),
         penalty: keys.text_or("penalty", "auto", Keys::number),
         verify: false,
         error_estimate: method("error_estimate"),

@@ -4,7 +4,7 @@ use signorini::ObstaclePose;
 use signorini::plan::PlanReport;
 use signorini::report::{
     Cause, Fallback, IterationRecord, ManufacturedErrors, ObstacleResult, ProbeResult, Residuals,
-    Seconds, Stability, StepReport, SupportResult, Termination, Unknowns,
+    Seconds, Snapped, Stability, StepReport, SupportResult, Termination, Unknowns, Warning,
 };
 use signorini_proto::v1 as wire;
 
@@ -42,6 +42,8 @@ pub(crate) fn step(report: StepReport, poses: Vec<ObstaclePose>) -> wire::StepRe
             .stability
             .map_or(wire::Stability::Unspecified, stability)
             .into(),
+        snapped: report.snapped.map(snapped),
+        warnings: report.warnings.into_iter().map(warning).collect(),
         max_penetration: report.max_penetration,
         residuals: Some(residuals(report.residuals)),
         tolerance: report.tolerance,
@@ -156,10 +158,28 @@ fn fallback(value: Fallback) -> wire::Fallback {
     }
 }
 
+fn snapped(value: Snapped) -> wire::Snapped {
+    wire::Snapped {
+        energy_drop: value.energy_drop,
+        largest_motion: value.largest_motion,
+        point: value.point.to_vec(),
+    }
+}
+
+fn warning(value: Warning) -> wire::Warning {
+    wire::Warning {
+        kind: value.kind.name().to_owned(),
+        subject: value.subject,
+        value: value.value,
+        message: value.message,
+    }
+}
+
 fn stability(value: Stability) -> wire::Stability {
     match value {
         Stability::Minimum => wire::Stability::Minimum,
         Stability::Saddle => wire::Stability::Saddle,
+        Stability::NotDetermined => wire::Stability::NotDetermined,
     }
 }
 

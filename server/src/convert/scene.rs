@@ -236,6 +236,8 @@ fn solver(message: wire::SolverOptions, faults: &mut Faults) -> SolverOptions {
         contact: method(&message.contact, "contact", faults),
         contact_metric: method(&message.contact_metric, "contact_metric", faults),
         contact_space: method(&message.contact_space, "contact_space", faults),
+        stability: method(&message.stability, "stability", faults),
+        on_instability: method(&message.on_instability, "on_instability", faults),
         quadrature_degree: message.quadrature_degree.map(|degree| {
             // The library's range check names a negative degree as zero.
             u32::try_from(degree).unwrap_or(0)

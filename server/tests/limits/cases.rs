@@ -121,6 +121,12 @@ pub(crate) const NAMES: [SceneCase; 11] = [
     ("solver.contact_space", 256, |scene, n| {
         solver(scene).contact_space = word(n)
     }),
+    ("solver.stability", 256, |scene, n| {
+        solver(scene).stability = word(n)
+    }),
+    ("solver.on_instability", 256, |scene, n| {
+        solver(scene).on_instability = word(n)
+    }),
     ("solver.contact_metric", 256, |scene, n| {
         solver(scene).contact_metric = word(n)
     }),

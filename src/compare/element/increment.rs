@@ -55,6 +55,7 @@ impl Body for EnrichedBody {
         Advanced {
             ending,
             part: if is_good { 1.0 } else { 0.0 },
+            start: before.drive.clone(),
             counters: run.counters,
             work: run.work,
         }

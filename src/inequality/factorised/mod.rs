@@ -14,6 +14,7 @@
 //! face costs one factor. Sets: lines and half lines.
 
 mod face;
+mod inertia;
 mod rule;
 mod system;
 
@@ -26,6 +27,7 @@ use crate::krylov::Outcome;
 use crate::linalg::Workspace;
 use crate::linalg::vector::{add_scaled, norm};
 use crate::saddle::Status;
+pub use inertia::{Inertia, inertia};
 use rule::Rule;
 pub use system::Matrices;
 use system::System;

@@ -7,7 +7,10 @@
 //! ```
 //!
 //! The shift e, relative to the scaled diagonal, keeps the factor where rows depend on
-//! each other; iterations on the true operator take its error off. A constraint comes
+//! each other; iterations on the true operator take its error off. It leaves constraints a
+//! stiffness of 1 / e only, which has to outweigh what couples them to the rest: under
+//! pressures far above the shear modulus entries beside the diagonal of A are that much
+//! larger than those on it. A constraint comes
 //! behind all displacements that it sees, so that its pivot is a Schur complement and no
 //! zero. Rows of C that are no constraints on a face are identities: the pattern is found
 //! once for all faces.
@@ -18,8 +21,10 @@ use crate::linalg::indefinite::{IndefinitePattern, SparseIndefinite};
 use crate::linalg::{FactoriseError, LinearOperator, SparseRows};
 use crate::saddle::Status;
 
-/// Shift of constraints over their scaled diagonal.
+/// Largest shift of constraints over their scaled diagonal.
 const SHIFT: f64 = 1e-9;
+/// Largest softening of the rest by that shift.
+const SOFTENING: f64 = 1e-3;
 /// Shift of displacements where rigid modes are free.
 const LOOSE_SHIFT: f64 = 1e-6;
 
@@ -48,6 +53,8 @@ pub(super) struct System {
     pub(super) scale: Vec<f64>,
     matrix: LowerColumns,
     pattern: IndefinitePattern,
+    /// Number of displacement unknowns, which come first.
+    pub(super) displacements: usize,
     /// Number of the first multiplier of contact among the unknowns.
     first_contact: usize,
 }
@@ -64,6 +71,7 @@ impl System {
         let pattern = IndefinitePattern::new(&matrix, &order(matrices)).map_err(too_large)?;
         match pattern.flops <= matrices.most_flops {
             true => Ok(Self {
+                displacements: matrices.stiffness.rows(),
                 first_contact: scale.len() - matrices.contact.rows(),
                 scale,
                 matrix,
@@ -79,7 +87,23 @@ impl System {
     /// [`QpStatus::TooLarge`] where memory is short, [`QpStatus::IndefiniteMetric`] for a
     /// singular matrix.
     pub(super) fn factor(&self, face: &[Status]) -> Result<SparseIndefinite<'_>, QpStatus> {
+        self.shifted_factor(face, 0.0)
+    }
+
+    /// The factor on a face with `shift` added on the scaled diagonal of displacements.
+    ///
+    /// # Errors
+    /// As those of [`Self::factor`].
+    pub(super) fn shifted_factor(
+        &self,
+        face: &[Status],
+        shift: f64,
+    ) -> Result<SparseIndefinite<'_>, QpStatus> {
         let mut matrix = self.matrix.clone();
+        for column in 0..self.displacements {
+            // The diagonal is the first entry of its column.
+            matrix.values[matrix.offsets[column] as usize] += shift;
+        }
         for column in 0..matrix.size() {
             for k in matrix.offsets[column] as usize..matrix.offsets[column + 1] as usize {
                 let row = matrix.rows[k] as usize;
@@ -150,6 +174,7 @@ fn lower_columns(matrices: &Matrices<'_>, scale: &[f64]) -> LowerColumns {
         scale,
     };
     let shift = if matrices.is_loose { LOOSE_SHIFT } else { 0.0 };
+    let yielding = yielding(&matrices.stiffness, scale);
     for column in 0..unknowns {
         columns.push(column, 0, matrices.stiffness.row(column), (1.0, shift));
         if let Some(coupling) = &transposed {
@@ -169,15 +194,32 @@ fn lower_columns(matrices: &Matrices<'_>, scale: &[f64]) -> LowerColumns {
             .stabilisation
             .map_or((&own[..], &[0.0][..]), |s| s.row(row));
         let entries = (entries.0, entries.1);
-        columns.push_square(unknowns + row, unknowns, entries, (-1.0, -SHIFT));
+        columns.push_square(unknowns + row, unknowns, entries, (-1.0, -yielding));
         columns.finish();
     }
     for column in unknowns + equalities..scale.len() {
         let own = [(column - unknowns - equalities) as u32];
-        columns.push_square(column, unknowns + equalities, (&own, &[0.0]), (1.0, -SHIFT));
+        columns.push_square(
+            column,
+            unknowns + equalities,
+            (&own, &[0.0]),
+            (1.0, -yielding),
+        );
         columns.finish();
     }
     columns.matrix
+}
+
+/// The shift of constraints.
+fn yielding(stiffness: &SparseRows, scale: &[f64]) -> f64 {
+    let mut largest = 1.0_f64;
+    for row in 0..stiffness.rows() {
+        let (columns, values) = stiffness.row(row);
+        for (&column, value) in columns.iter().zip(values) {
+            largest = largest.max((value * scale[row] * scale[column as usize]).abs());
+        }
+    }
+    SHIFT.min(SOFTENING / (largest * largest))
 }
 
 /// A matrix under construction, column by column.

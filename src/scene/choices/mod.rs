@@ -10,6 +10,7 @@ mod element;
 mod estimate;
 mod p1;
 mod saddle;
+mod stability;
 
 pub use contact::{ContactMethod, ContactSpace, MetricKind};
 pub use displacement::DisplacementMethod;
@@ -17,6 +18,7 @@ pub use element::ElementKind;
 pub use estimate::ErrorEstimate;
 pub use p1::P1Solver;
 pub use saddle::SaddleMethod;
+pub use stability::{OnInstability, StabilityCheck};
 
 use super::names::hint;
 
@@ -136,6 +138,8 @@ mod tests {
         assert_read_back::<MetricKind>();
         assert_read_back::<P1Solver>();
         assert_read_back::<SaddleMethod>();
+        assert_read_back::<StabilityCheck>();
+        assert_read_back::<OnInstability>();
     }
 
     fn message<T: Named + std::fmt::Debug>(text: &str) -> String {

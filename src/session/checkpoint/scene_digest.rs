@@ -216,6 +216,8 @@ impl Canonical {
             contact,
             contact_metric,
             contact_space,
+            stability,
+            on_instability,
             penalty,
             verify,
         } = solver;
@@ -233,6 +235,8 @@ impl Canonical {
             contact.name(),
             contact_metric.name(),
             contact_space.name(),
+            stability.name(),
+            on_instability.name(),
         ];
         methods.into_iter().for_each(|method| self.text(method));
         self.optional(quadrature_degree.map(f64::from));

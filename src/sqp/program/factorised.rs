@@ -3,28 +3,29 @@
 
 use super::QuadraticProgram;
 use super::solve::Solve;
-use crate::assembly::probe::{Probed, Probes};
+use crate::assembly::probe::Probed;
 use crate::inequality::{
-    Factorised, InequalitySolver, Matrices, QpNorms, QpOutcome, QpRun, QpScales, QpStatus,
+    Factorised, InequalitySolver, Inertia, Matrices, QpNorms, QpOutcome, QpRun, QpScales, QpStatus,
+    inertia,
 };
 use crate::krylov::Verdict;
-use crate::linalg::ordering::{Graph, nested_dissection};
 use crate::linalg::{SparseRows, Workspace};
-use crate::model::Model;
 use crate::plan::second_attempt::MOST_FACTOR_FLOPS;
 use crate::sqp::linear::Track;
+use crate::sqp::run::Run;
+use crate::sqp::saddle_layout::SaddleLayout;
 
 impl QuadraticProgram<'_> {
     /// Solves the program by a factor on each face.
     pub(super) fn run_factorised(
         &self,
         curvature: Option<&SparseRows>,
-        solve: Solve<'_>,
+        (solve, layout): (Solve<'_>, &SaddleLayout),
         track: &mut Track<'_, '_>,
         work: &mut Workspace,
     ) -> QpOutcome {
         let stopped = || track.poll() == Verdict::Stop;
-        let Some(matrices) = self.matrices(curvature, &stopped, work) else {
+        let Some(matrices) = self.matrices(curvature, layout, &stopped, work) else {
             return QpOutcome::new(QpStatus::Interrupted);
         };
         let displacement = track.displacement;
@@ -49,16 +50,39 @@ impl QuadraticProgram<'_> {
         method.solve(solve.iterate, &mut run)
     }
 
+    /// Counts the motions that lower the energy where the present contacts hold, and finds
+    /// the softest one from `start`; none where it was stopped or the factor is too large.
+    pub(crate) fn inertia(&self, run: &mut Run<'_>, start: &[f64]) -> Option<Inertia> {
+        let Run {
+            state,
+            learned,
+            watch,
+            counters,
+            work,
+            ..
+        } = run;
+        let layout = learned
+            .layout
+            .get_or_insert_with(|| SaddleLayout::new(&self.model).into())
+            .clone();
+        let stopped = || watch.stopped(counters).is_some();
+        let mut matrices = self.matrices(self.released_by_all(), &layout, &stopped, work)?;
+        // Rigid modes are told from soft ones by a shift of its own.
+        matrices.is_loose = false;
+        inertia(&matrices, &state.status, start, work).ok()
+    }
+
     /// The matrices of the program; none where it was stopped on the way.
     fn matrices<'m>(
         &'m self,
         curvature: Option<&SparseRows>,
+        layout: &SaddleLayout,
         stopped: &dyn Fn() -> bool,
         work: &mut Workspace,
     ) -> Option<Matrices<'m>> {
         let model = &self.model;
         let space = &model.prepared.space;
-        let probes = Probes::new(model.mesh, space);
+        let probes = &layout.probes;
         let square = Probed {
             operator: self.stiffness(),
             rows: space.components,
@@ -80,28 +104,9 @@ impl QuadraticProgram<'_> {
             coupling,
             stabilisation: block.and_then(|block| block.stabilisation.as_ref()),
             contact: &self.now.coupling,
-            places: places(model),
+            places: layout.places.clone(),
             is_loose: model.plan.is_floating(),
             most_flops: MOST_FACTOR_FLOPS,
         })
     }
-}
-
-/// Place of each displacement unknown in the elimination order: a nested dissection of the
-/// vertices, each edge with the first of its ends. A separator of vertices with the edges
-/// between them parts the cells, and so all nodes.
-fn places(model: &Model<'_>) -> Vec<u32> {
-    let space = &model.prepared.space;
-    let graph = Graph::from_edges(space.vertices, &space.edges);
-    let order = nested_dissection(model.mesh.coordinates(), &graph, &[]);
-    let mut of_vertex = vec![0; order.len()];
-    for (place, &vertex) in order.iter().enumerate() {
-        of_vertex[vertex as usize] = place as u32;
-    }
-    let first_end = |&[a, b]: &[u32; 2]| of_vertex[a as usize].min(of_vertex[b as usize]);
-    let nodes = of_vertex.iter().copied();
-    nodes
-        .chain(space.edges.iter().map(first_end))
-        .flat_map(|place| std::iter::repeat_n(place, space.components))
-        .collect()
 }

@@ -94,7 +94,7 @@ impl<'a> QuadraticProgram<'a> {
         let metric = ContactMetric::new(&run.model, (&inverse, divergence), &now, &mut run.work);
         run.counters.applications += metric.applications;
         let expected = metric.expected_contact_norm(&now, run.state, &mut run.work);
-        let released = pressure_tangent(&run.model, run.state);
+        let released = released_of(&run.model, run.state);
         let curvature = curvature_of(&run.model, run.state).map(|own| match &released {
             Some(released) => own.plus(released),
             None => own,
@@ -115,6 +115,12 @@ impl<'a> QuadraticProgram<'a> {
         }
     }
 
+    /// Norm of the force that counts as one, the contact load that the metric expects among
+    /// what is.
+    pub(crate) fn force_scale(&self) -> f64 {
+        self.force_scale
+    }
+
     /// Residuals that the program starts from.
     pub(crate) fn start(&self) -> &Evaluation {
         &self.now
@@ -132,6 +138,17 @@ impl<'a> QuadraticProgram<'a> {
     /// All that loads and contacts take off the stiffness.
     fn released_by_all(&self) -> Option<&SparseRows> {
         self.curvature.as_ref().or(self.released.as_ref())
+    }
+}
+
+/// What pressures that follow the body and a pull to an earlier state take off the
+/// stiffness; none where there is neither.
+fn released_of(model: &Model<'_>, state: &State) -> Option<SparseRows> {
+    let pressed = pressure_tangent(model, state);
+    match (&model.proximal, pressed) {
+        (Some(proximal), Some(pressed)) => Some(pressed.plus(&proximal.released())),
+        (Some(proximal), None) => Some(proximal.released()),
+        (None, pressed) => pressed,
     }
 }
 

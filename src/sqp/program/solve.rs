@@ -1,6 +1,8 @@
 //! Solving one quadratic program: the method that the plan chose on the program's
 //! blocks, every iteration reported, and the step that follows.
 
+use std::sync::Arc;
+
 use super::step::{first_iterate, step_from};
 use super::{QuadraticProgram, Step};
 use crate::inequality::{
@@ -16,6 +18,7 @@ use crate::saddle::{BlockStep, EqualityBlock, Metric, MultiplierBlock, UpperTria
 use crate::sqp::chooser;
 use crate::sqp::linear::{Linear, Track};
 use crate::sqp::run::Run;
+use crate::sqp::saddle_layout::SaddleLayout;
 
 /// Krylov iterations per program.
 const MOST_ITERATIONS: u32 = 600;
@@ -37,6 +40,8 @@ pub(super) struct Solve<'s> {
     pub(super) scales: &'s mut QpScales,
     /// Krylov directions of earlier programs, which this one uses and adds to.
     pub(super) directions: &'s mut Directions,
+    /// What the saddle point is assembled and ordered by, where its factor is the method.
+    pub(super) layout: Option<Arc<SaddleLayout>>,
 }
 
 impl QuadraticProgram<'_> {
@@ -44,6 +49,20 @@ impl QuadraticProgram<'_> {
     /// curvature of the gaps where it fails or the step has no positive stiffness with
     /// it.
     pub(crate) fn solve(&self, run: &mut Run<'_>, goal: f64) -> (Step, QpOutcome) {
+        let solved = self.solve_as_planned(run, goal);
+        let is_lost = matches!(solved.1.status, QpStatus::Krylov(_));
+        let may_factorise = self.tangent.is_some() && self.model.plan.has_small_factor();
+        if run.by_factor || !is_lost || !may_factorise {
+            return solved;
+        }
+        run.by_factor = true;
+        run.counters.failed_programs += 1;
+        self.solve_as_planned(run, goal)
+    }
+
+    /// Solves the program by the method of the plan, or by a factor where one has taken
+    /// over.
+    fn solve_as_planned(&self, run: &mut Run<'_>, goal: f64) -> (Step, QpOutcome) {
         if let Some(curvature) = &self.curvature {
             let solved = self.solve_with(Some(curvature), run, goal);
             let failed = matches!(solved.1.status, QpStatus::Krylov(_));
@@ -69,8 +88,15 @@ impl QuadraticProgram<'_> {
             watch,
             counters,
             work,
+            by_factor,
             ..
         } = run;
+        let is_factorised = *by_factor || self.model.plan.programs == Programs::Factorised;
+        let layout = is_factorised.then(|| {
+            let layout = &mut learned.layout;
+            let new = || SaddleLayout::new(&self.model).into();
+            layout.get_or_insert_with(new).clone()
+        });
         if self.tangent.is_some() {
             // Products with another tangent.
             learned.directions.clear(work);
@@ -99,6 +125,7 @@ impl QuadraticProgram<'_> {
             targets,
             scales: &mut scales,
             directions: &mut learned.directions,
+            layout,
         };
         let mut outcome = self.run_method(curvature, solve, &mut track, work);
         track.count();
@@ -130,8 +157,8 @@ impl QuadraticProgram<'_> {
         track: &mut Track<'_, '_>,
         work: &mut Workspace,
     ) -> QpOutcome {
-        if self.model.plan.programs == Programs::Factorised {
-            return self.run_factorised(curvature, solve, track, work);
+        if let Some(layout) = solve.layout.clone() {
+            return self.run_factorised(curvature, (solve, &layout), track, work);
         }
         let displacement = track.displacement;
         let guided = self.model.plan.guided_multipliers;

@@ -1,0 +1,53 @@
+//! How equilibria of rubber are certified: exactly where a factor of the saddle point is
+//! cheap beside an increment, else by what can be followed.
+
+use super::{Plan, estimate};
+use crate::scene::StabilityCheck;
+
+/// Floating-point operations of the largest factor that certifies unasked: a fraction of
+/// a second.
+pub(super) const CHEAP: f64 = 4e8;
+
+/// The check of a plan, and why it is that.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct StabilityChoice {
+    /// What is done behind each equilibrium.
+    pub(crate) check: StabilityCheck,
+    /// Why.
+    pub(crate) reason: &'static str,
+}
+
+/// The check that the scene names, or the one that its size asks for.
+pub(super) fn choose(named: Option<StabilityCheck>, flops: f64) -> StabilityChoice {
+    match named {
+        Some(check) => StabilityChoice {
+            check,
+            reason: "asked for",
+        },
+        None if flops <= CHEAP => StabilityChoice {
+            check: StabilityCheck::Exact,
+            reason: "a factor of the tangent is cheap",
+        },
+        None => StabilityChoice {
+            check: StabilityCheck::Follow,
+            reason: "a factor of the tangent is dear",
+        },
+    }
+}
+
+impl Plan {
+    /// The check in words, with its cost.
+    pub(super) fn stability_in_words(&self) -> String {
+        let flops = estimate::saddle_factor(self.units.dimension, self.unknowns).1;
+        match self.stability.check {
+            StabilityCheck::Exact => {
+                format!(
+                    "unstable motions counted, {:.1} Gflop an equilibrium",
+                    flops / 1e9
+                )
+            }
+            StabilityCheck::Follow => "softest motion followed, 10 to 40 applications".into(),
+            StabilityCheck::Off => "no certificate".into(),
+        }
+    }
+}

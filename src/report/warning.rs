@@ -1,0 +1,57 @@
+//! What a mechanic would doubt in a result, in words and as a word for programs.
+
+/// What a warning is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WarningKind {
+    /// The body fell from an equilibrium that was lost.
+    Snapped,
+    /// The equilibrium is a saddle: another one is lower.
+    UnstableEquilibrium,
+    /// An obstacle touched nothing in an increment that moved it.
+    UntouchedObstacle,
+    /// An obstacle begins inside the body.
+    BeginsInside,
+    /// An obstacle has passed through the surface of the body within an increment.
+    PassedThrough,
+    /// An obstacle lies inside the body where no contact pressure acts.
+    MissedContact,
+    /// Strains of a linear law beyond what it is meant for.
+    LargeStrain,
+    /// Nothing holds the body along a direction.
+    FreeMotion,
+    /// Faces in contact are large beside the contact.
+    CoarseContact,
+    /// Digits are lost in motions far larger than the body's strains.
+    LostDigits,
+}
+
+impl WarningKind {
+    /// The word used on the wire and in result lines.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Snapped => "snapped",
+            Self::UnstableEquilibrium => "unstable_equilibrium",
+            Self::UntouchedObstacle => "untouched_obstacle",
+            Self::BeginsInside => "begins_inside",
+            Self::PassedThrough => "passed_through",
+            Self::MissedContact => "missed_contact",
+            Self::LargeStrain => "large_strain",
+            Self::FreeMotion => "free_motion",
+            Self::CoarseContact => "coarse_contact",
+            Self::LostDigits => "lost_digits",
+        }
+    }
+}
+
+/// One warning.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Warning {
+    /// What it is about.
+    pub kind: WarningKind,
+    /// Name of the obstacle or support that it is about; empty for the body.
+    pub subject: String,
+    /// The number that it is about, in the caller's units; none where there is none.
+    pub value: Option<f64>,
+    /// A sentence for people.
+    pub message: String,
+}

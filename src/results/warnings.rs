@@ -1,0 +1,242 @@
+//! What a mechanic would doubt in an increment, found from its end:
+//!
+//! | warning | found by |
+//! |---|---|
+//! | missed contact | distances between the points of the contact integrals, on faces without pressure |
+//! | untouched obstacle | no pressure, and the obstacle no farther than before |
+//! | free motion | rigid modes that supports leave, and no contact |
+//! | large strain | the largest strain at the centroid of a cell, of a linear law |
+//! | coarse contact | pressure on two functions of a curved contact at most |
+//! | lost digits | displacements whose rounding is a strain of some share of the largest |
+//! | snapped, unstable equilibrium | what the solver did |
+//!
+//! Cost: 45 distances a face, and a gradient a cell of a linear body.
+
+use crate::contact::nearest::nearest;
+use crate::model::Model;
+use crate::model::drive::Drive;
+use crate::model::ending::Ending;
+use crate::model::interfaces::Interface;
+use crate::model::state::State;
+use crate::model::values::gradient_at;
+use crate::obstacle::Obstacle;
+use crate::report::{Stability, Termination, Warning, WarningKind};
+
+/// Strain of a linear law beyond what it is meant for.
+const LARGE_STRAIN: f64 = 0.1;
+/// Depth over the size of a face from which on contact between its points was missed.
+const MISSED: f64 = 1e-3;
+/// Closed functions of a curved contact that are few.
+const FEW: [usize; 2] = [3, 6];
+/// Rounding of strains over the largest strain that is worth a word.
+const LOST: f64 = 1e-6;
+/// What residuals leave of the displacements over the largest strain that is too much.
+const WRONG: f64 = 0.1;
+
+/// All warnings of the increment that led from `start` to `state`.
+pub(crate) fn warnings(
+    model: &Model<'_>,
+    (start, state): (&Drive, &State),
+    ending: &Ending,
+) -> Vec<Warning> {
+    let mut all = Vec::new();
+    of_stability(model, ending, &mut all);
+    if ending.termination != Termination::Converged {
+        return all;
+    }
+    for (interface, met) in model.placed(&state.drive) {
+        if let Some(obstacle) = met.obstacle() {
+            let distances = nearest(
+                &model.deformed(&state.displacement),
+                &interface.surface,
+                &met,
+            );
+            all.extend(missed(model, state, (interface, &distances)));
+            all.extend(untouched(model, (start, state), (interface, &distances)));
+            all.extend(coarse(model, state, (interface, !obstacle.is_flat())));
+        }
+    }
+    of_the_body(model, state, ending, &mut all);
+    all
+}
+
+/// A warning.
+fn warning(kind: WarningKind, subject: &str, value: Option<f64>, message: String) -> Warning {
+    Warning {
+        kind,
+        subject: subject.to_owned(),
+        value,
+        message,
+    }
+}
+
+/// A fall on the way, and a saddle at the end.
+fn of_stability(model: &Model<'_>, ending: &Ending, all: &mut Vec<Warning>) {
+    if let Some(snap) = ending.snapped {
+        let snapped = snap.in_units(&model.plan.units);
+        let [x, y, z] = snapped.point;
+        all.push(warning(
+            WarningKind::Snapped,
+            "",
+            Some(snapped.largest_motion),
+            format!(
+                "the body snapped to another equilibrium: the point ({x:.4}, {y:.4}, {z:.4}) moved by {:.4}",
+                snapped.largest_motion
+            ),
+        ));
+    }
+    let is_saddle = ending.stability == Some(Stability::Saddle);
+    if is_saddle && ending.termination == Termination::Converged {
+        all.push(warning(
+            WarningKind::UnstableEquilibrium,
+            "",
+            None,
+            "the equilibrium is a saddle of the energy: the body would leave it".to_owned(),
+        ));
+    }
+}
+
+/// Whether some function acts on a face.
+fn acts(interface: &Interface, state: &State) -> Vec<bool> {
+    let flags = state
+        .status
+        .iter()
+        .map(|status| f64::from(u8::from(status.is_closed())));
+    let closed = interface.coefficients(&flags.collect::<Vec<_>>());
+    let faces = interface.surface.faces.iter();
+    let is_closed = |&function: &u32| closed[function as usize] > 0.0;
+    faces
+        .map(|face| face.functions.iter().any(is_closed))
+        .collect()
+}
+
+/// An obstacle inside the body where nothing presses.
+fn missed(
+    model: &Model<'_>,
+    state: &State,
+    (interface, distances): (&Interface, &[f64]),
+) -> Option<Warning> {
+    let acts = acts(interface, state);
+    let power = 1.0 / (model.plan.units.dimension as f64 - 1.0);
+    let faces = interface.surface.faces.iter().zip(distances).zip(&acts);
+    let depths = faces.filter_map(|((face, &distance), &acts)| {
+        let size = face.flat_area.powf(power);
+        (!acts && distance < -MISSED * size).then_some(-distance)
+    });
+    let deepest = depths.fold(0.0, f64::max) * model.plan.units.length;
+    (deepest > 0.0).then(|| {
+        let name = &interface.name;
+        warning(
+            WarningKind::MissedContact,
+            name,
+            Some(deepest),
+            format!("obstacle `{name}` overlaps the body by {deepest:.3e} between the nodes of a face: the mesh is too coarse to feel it"),
+        )
+    })
+}
+
+/// An obstacle that touches nothing though it came no farther away.
+fn untouched(
+    model: &Model<'_>,
+    (start, state): (&Drive, &State),
+    (interface, distances): (&Interface, &[f64]),
+) -> Option<Warning> {
+    if acts(interface, state).contains(&true) {
+        return None;
+    }
+    let least = |distances: &[f64]| distances.iter().copied().fold(f64::INFINITY, f64::min);
+    let (_, before) = model
+        .placed(start)
+        .find(|(other, _)| other.name == interface.name)?;
+    let body = model.deformed(&state.displacement);
+    let before = least(&nearest(&body, &interface.surface, &before));
+    let now = least(distances);
+    (now > 0.0 && now <= before * (1.0 + 1e-12)).then(|| {
+        let (name, gap) = (&interface.name, now * model.plan.units.length);
+        warning(
+            WarningKind::UntouchedObstacle,
+            name,
+            Some(gap),
+            format!("obstacle `{name}` touches nothing: it is {gap:.4} away from the body"),
+        )
+    })
+}
+
+/// A curved contact on a few functions.
+fn coarse(
+    model: &Model<'_>,
+    state: &State,
+    (interface, is_curved): (&Interface, bool),
+) -> Option<Warning> {
+    let status = interface.own(&state.status);
+    let closed = status.iter().filter(|status| status.is_closed()).count();
+    let few = FEW[model.plan.units.dimension - 2];
+    (is_curved && (1..=few).contains(&closed)).then(|| {
+        let name = &interface.name;
+        warning(
+            WarningKind::CoarseContact,
+            name,
+            Some(closed as f64),
+            format!("obstacle `{name}` presses on {closed} functions of the mesh only: force and pressure are rough"),
+        )
+    })
+}
+
+/// Rigid motions, strains and digits.
+fn of_the_body(model: &Model<'_>, state: &State, ending: &Ending, all: &mut Vec<Warning>) {
+    let touches = state.status.iter().any(|status| status.is_closed());
+    if model.plan.is_floating() && !touches {
+        let modes = model.plan.resolved.free_modes.join(", ");
+        all.push(warning(
+            WarningKind::FreeMotion,
+            "",
+            None,
+            format!("nothing holds the body: supports leave {modes}, and no obstacle touches it"),
+        ));
+    }
+    let strain = (!model.is_rubber()).then(|| largest_strain(model, state));
+    if let Some(strain) = strain.filter(|&strain| strain > LARGE_STRAIN) {
+        all.push(warning(
+            WarningKind::LargeStrain,
+            "",
+            Some(strain),
+            format!(
+                "strains reach {:.0} %: linear elasticity is not meant for this",
+                100.0 * strain
+            ),
+        ));
+    }
+    let largest = state
+        .displacement
+        .iter()
+        .fold(0.0_f64, |most, u| most.max(u.abs()));
+    let strain = strain.unwrap_or(1.0);
+    let rounding = f64::EPSILON * largest * (model.mesh.cell_count() as f64).cbrt();
+    let unsolved = ending.residuals.largest() * largest;
+    if strain > 0.0 && (rounding > LOST * strain.min(1.0) || unsolved > WRONG * strain.min(1.0)) {
+        all.push(warning(
+            WarningKind::LostDigits,
+            "",
+            Some(largest * model.plan.units.length),
+            "displacements are so large beside the strains that digits of the forces are lost"
+                .to_owned(),
+        ));
+    }
+}
+
+/// Largest entry of the strain at the centroids of the cells.
+fn largest_strain(model: &Model<'_>, state: &State) -> f64 {
+    let corners = model.mesh.cell_kind().vertices();
+    let mut centroid = [0.0; 4];
+    centroid[..corners].fill(1.0 / corners as f64);
+    let of_cell = |cell: usize| {
+        let gradient = gradient_at(model, state, cell, &centroid);
+        let entries = (0..3).flat_map(|i| (0..3).map(move |j| (i, j)));
+        entries
+            .map(|(i, j)| 0.5 * (gradient[i][j] + gradient[j][i]).abs())
+            .fold(0.0, f64::max)
+    };
+    (0..model.mesh.cell_count())
+        .map(of_cell)
+        .fold(0.0, f64::max)
+}

@@ -1,0 +1,61 @@
+//! Whether an equilibrium is a minimum of the energy or a saddle: the sign of the least
+//! eigenvalue of the tangent among the motions that volume and contact admit,
+//!
+//! ```text
+//! K x = l P x,   B x = 0,   C_A x = 0,   K = A - curvature
+//! ```
+//!
+//! | file | what it does | what it says |
+//! |---|---|---|
+//! | [`exact`] | counts the negative eigenvalues by a factor | minimum or saddle |
+//! | [`follow`] | follows the eigenvalue nearest to zero | saddle, or not determined |
+//!
+//! Where l is negative another equilibrium is lower, and the body snaps or buckles into it.
+
+mod exact;
+mod follow;
+
+use super::lowest_mode::LowestMode;
+use super::run::Run;
+use crate::linalg::vector::reproducible_noise;
+use crate::model::ending::Ending;
+use crate::model::held::mask;
+use crate::report::{Cause, Stability, Termination};
+use crate::scene::{OnInstability, StabilityCheck};
+
+/// Looks whether a converged state of rubber is a minimum; a saddle is no end unless the
+/// scene goes on along saddles.
+pub(crate) fn certify(run: &mut Run<'_>, ending: &mut Ending) {
+    if ending.termination != Termination::Converged || !run.model.is_rubber() {
+        return;
+    }
+    let check = run.model.plan.stability.check;
+    run.learned.lowest_mode = match check {
+        StabilityCheck::Exact => exact::certified(run),
+        StabilityCheck::Follow => follow::certified(run),
+        StabilityCheck::Off => None,
+    };
+    let mode = run.learned.lowest_mode.as_ref();
+    let is_unknown = mode.is_none() && check != StabilityCheck::Off;
+    ending.stability = Some(mode.map_or(Stability::NotDetermined, |mode| mode.stability));
+    if let Some(termination) = run.stopped().filter(|_| is_unknown) {
+        (ending.termination, ending.stability) = (termination, None);
+        return;
+    }
+    let goes_on = run.model.plan.settings.on_instability == OnInstability::Continue;
+    if ending.stability == Some(Stability::Saddle) && !goes_on {
+        ending.termination = Termination::NotConverged;
+        ending.cause = Some(Cause::UnstableEquilibrium);
+    }
+}
+
+/// The motion that the search for the softest starts from: that of the equilibrium before,
+/// or a reproducible one without symmetry `[displacement]`, zero in held components.
+fn first_motion(run: &Run<'_>, known: Option<&LowestMode>) -> Vec<f64> {
+    if let Some(known) = known {
+        return known.motion.clone();
+    }
+    let mut noise = reproducible_noise(run.state.displacement.len());
+    mask(&run.model.prepared.held, &mut noise);
+    noise
+}

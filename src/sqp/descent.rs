@@ -1,0 +1,234 @@
+//! Down the energy from an equilibrium that is lost to the next minimum, as a body with a
+//! little viscosity goes:
+//!
+//! ```text
+//! u_k+1 = argmin E(u) + t_k / 2 (u - u_k).M (u - u_k)   with volume and contact
+//! ```
+//!
+//! ([`crate::model::proximal`]). t begins at some multiples of what the softest motion lacks
+//! in stiffness, so that every step is a stable problem; it halves where steps are solved
+//! and grows where they are not. A push along the softest motion, to the side that the body
+//! leans to already, leaves a symmetric saddle. Where the motion ebbs away the equilibrium
+//! without the pull is solved and certified. Cost: some ten to thirty steps of two to four
+//! programs each.
+
+use std::sync::Arc;
+
+use super::attempt::attempt;
+use super::increment;
+use super::lowest_mode::{LowestMode, at_rest};
+use super::run::Run;
+use crate::linalg::vector::{add_scaled, dot};
+use crate::model::drive::Drive;
+use crate::model::ending::{Ending, Snap};
+use crate::model::energy::potential;
+use crate::model::proximal::{Proximal, mass};
+use crate::model::state::State;
+use crate::report::{Cause, Termination};
+
+/// Steps at most.
+const MOST_STEPS: u32 = 80;
+/// Failures one after the other that end the way.
+const MOST_FAILURES: u32 = 5;
+/// Residuals that a step may leave.
+const ROUGH: f64 = 1e-3;
+/// Share of what moves the body that a step may leave.
+const REDUCTION: f64 = 0.05;
+/// Largest motion of the first push, over the body's length.
+const PUSH: f64 = 5e-3;
+/// First weight over what the softest motion lacks, and beside it over its stiffness at
+/// rest.
+const FIRST_WEIGHT: [f64; 2] = [4.0, 0.2];
+/// Least weight behind a saddle over the first.
+const LEAST_WEIGHT: f64 = 0.4;
+/// Change of the weight behind a step that was solved, and one that was not.
+const CHANGE: [f64; 2] = [0.5, 4.0];
+/// Steps with one pull behind a failure.
+const REST: u32 = 4;
+/// Share of the strongest force at which the end is tried, and of the last that was tried.
+const EBB: f64 = 0.2;
+
+/// A way down.
+struct Flow {
+    /// M `[displacement]`.
+    mass: Arc<[f64]>,
+    /// t, non-dimensional.
+    weight: f64,
+    /// t times the length of the step where that was most, or of the last one behind which
+    /// the end was tried: the force that moves the body.
+    strongest: f64,
+    /// Potential energy behind the first step.
+    energy: Option<f64>,
+    /// Failures one after the other.
+    failures: u32,
+    /// Steps until the pull may become lighter.
+    rest: u32,
+    /// Least t: with less a step near the saddle that was left leads back to it.
+    least: f64,
+    /// Whether the next step is the first behind a push, which mends what that has torn.
+    is_first: bool,
+}
+
+/// Moves the state, a minimum, down to one under `drive`, and says what was lost on the
+/// way; none where there is no such way. What stops it from outside ends it, too.
+pub(super) fn descend(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
+    let before = run.state.displacement.clone();
+    let mut flow = Flow::new(run);
+    run.learned.trend = None;
+    push(run);
+    for _ in 0..MOST_STEPS {
+        let kept = run.state.clone();
+        let ending = flow.step(run, drive);
+        if ending.is_stopped() {
+            return Some(ending);
+        }
+        if ending.termination != Termination::Converged {
+            run.state.clone_from(&kept);
+            flow.fail();
+            if flow.failures > MOST_FAILURES {
+                return None;
+            }
+            continue;
+        }
+        let ebbs = flow.ebbs(&kept, run.state);
+        flow.succeed();
+        if !ebbs {
+            continue;
+        }
+        let kept = run.state.clone();
+        let mut ending = attempt(run, drive);
+        if ending.termination == Termination::Converged {
+            ending.snapped = Some(flow.snap(run, &before));
+            return Some(ending);
+        }
+        if ending.is_stopped() {
+            return Some(ending);
+        }
+        match ending.cause {
+            Some(Cause::UnstableEquilibrium) => flow.leave_saddle(run),
+            _ => run.state.clone_from(&kept),
+        }
+    }
+    None
+}
+
+impl Flow {
+    /// From the present state.
+    fn new(run: &mut Run<'_>) -> Self {
+        let mass = mass(&run.model);
+        Self {
+            weight: first_weight(run, &mass),
+            mass: mass.into(),
+            strongest: 0.0,
+            energy: None,
+            failures: 0,
+            rest: 0,
+            least: 0.0,
+            is_first: true,
+        }
+    }
+
+    /// Starts anew from the present state, a saddle.
+    fn leave_saddle(&mut self, run: &mut Run<'_>) {
+        self.weight = first_weight(run, &self.mass);
+        self.energy = Some(potential(&run.model, run.state, &mut run.work));
+        self.strongest = 0.0;
+        self.least = LEAST_WEIGHT * self.weight;
+        self.is_first = true;
+        push(run);
+    }
+
+    /// One step.
+    fn step(&mut self, run: &mut Run<'_>, drive: &Drive) -> Ending {
+        let tolerance = run.model.tolerance;
+        run.model.proximal = Some(Proximal {
+            weight: self.weight,
+            anchor: run.state.displacement.clone().into(),
+            mass: self.mass.clone(),
+        });
+        let pulled = run.evaluate();
+        let residual = increment::residuals(run.state, &pulled, 0.0).equilibrium;
+        run.model.tolerance = (REDUCTION * residual).clamp(tolerance, ROUGH.max(tolerance));
+        let ending = increment::solve(run, drive);
+        (run.model.proximal, run.model.tolerance) = (None, tolerance);
+        if ending.termination == Termination::Converged && self.energy.is_none() {
+            self.energy = Some(potential(&run.model, run.state, &mut run.work));
+        }
+        ending
+    }
+
+    /// Takes a heavier pull for a while.
+    fn fail(&mut self) {
+        self.failures += 1;
+        self.weight *= CHANGE[1];
+        self.rest = REST;
+    }
+
+    /// Takes a lighter pull unless one has just failed.
+    fn succeed(&mut self) {
+        self.failures = 0;
+        match self.rest {
+            0 => self.weight = self.least.max(CHANGE[0] * self.weight),
+            _ => self.rest -= 1,
+        }
+    }
+
+    /// Whether what moves the body is weak beside what did, so that the end may be near.
+    fn ebbs(&mut self, before: &State, after: &State) -> bool {
+        let ends = before.displacement.iter().zip(&after.displacement);
+        let squares = ends.zip(&*self.mass).map(|((a, b), m)| m * (b - a).powi(2));
+        if std::mem::replace(&mut self.is_first, false) {
+            return false;
+        }
+        let pull = self.weight * squares.sum::<f64>().sqrt();
+        let ebbs = pull <= EBB * self.strongest;
+        self.strongest = match ebbs {
+            true => pull,
+            false => self.strongest.max(pull),
+        };
+        ebbs
+    }
+
+    /// What the way from `before` to the present state was.
+    fn snap(&self, run: &mut Run<'_>, before: &[f64]) -> Snap {
+        let after = potential(&run.model, run.state, &mut run.work);
+        let space = &run.model.prepared.space;
+        let c = space.components;
+        let motion = |vertex: usize| {
+            let own = vertex * c..(vertex + 1) * c;
+            let ends = before[own.clone()].iter().zip(&run.state.displacement[own]);
+            ends.map(|(a, b)| (b - a).powi(2)).sum::<f64>().sqrt()
+        };
+        let vertices = (0..space.vertices).map(|vertex| (motion(vertex), vertex));
+        let (largest_motion, vertex) = vertices
+            .max_by(|a, b| a.0.total_cmp(&b.0))
+            .unwrap_or_default();
+        Snap {
+            energy_drop: self.energy.unwrap_or(after) - after,
+            largest_motion,
+            point: run.model.mesh.coordinates()[vertex],
+        }
+    }
+}
+
+/// The weight that makes the softest motion stable, if it is known.
+fn first_weight(run: &Run<'_>, mass: &[f64]) -> f64 {
+    let Some(mode) = &run.learned.lowest_mode else {
+        return 1.0;
+    };
+    let squares = mode.motion.iter().zip(mass).map(|(x, m)| m * x * x);
+    let inertia: f64 = squares.sum();
+    (FIRST_WEIGHT[0] * mode.eigenvalue.abs() + FIRST_WEIGHT[1]) / inertia
+}
+
+/// Moves the state along the softest motion, if it is known, to the side that it leans to.
+fn push(run: &mut Run<'_>) {
+    let Some(LowestMode { motion, .. }) = run.learned.lowest_mode.clone() else {
+        return;
+    };
+    let largest = motion.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let leaning = at_rest(&run.model, &motion, &mut run.work);
+    let side = dot(&leaning, &run.state.displacement);
+    let length = PUSH / largest * if side < 0.0 { -1.0 } else { 1.0 };
+    add_scaled(&mut run.state.displacement, length, &motion);
+}

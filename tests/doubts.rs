@@ -1,0 +1,108 @@
+//! Results that a mechanic would doubt carry a warning, and those that are sound carry none.
+
+mod common;
+
+use std::sync::Arc;
+
+use common::meshes::{cube, mesh, moved, unit_grid};
+use common::scenes::{HELD, elastic, obstacle, press, push, support, traction};
+use common::{assert_converged, solve_one};
+use signorini::report::WarningKind;
+use signorini::scene::Shape;
+use signorini::{Mesh, Scene, StepReport};
+
+fn sphere(centre: [f64; 3], radius: f64) -> Shape {
+    Shape::Sphere { centre, radius }
+}
+
+/// A block on its base with that obstacle over it.
+fn block(shape: Shape) -> Scene {
+    let mut scene = elastic(0.3);
+    scene.supports = vec![support("z0", HELD)];
+    scene.obstacles = vec![obstacle("tool", "z1", shape)];
+    scene
+}
+
+fn coarse() -> Arc<Mesh> {
+    mesh(cube(2))
+}
+
+/// What is doubted in a converged increment.
+fn doubts(report: &StepReport) -> Vec<WarningKind> {
+    assert_converged(report);
+    report.warnings.iter().map(|warning| warning.kind).collect()
+}
+
+#[test]
+fn a_sound_press_carries_no_warning() {
+    let mut scene = elastic(0.3);
+    scene.supports = vec![support("z0", HELD)];
+    scene.obstacles = vec![press("z1")];
+    let report = solve_one(&scene, &push("press", [0.0, 0.0, -0.02]), &coarse());
+    assert_eq!(doubts(&report), []);
+}
+
+#[test]
+fn an_obstacle_that_comes_near_and_touches_nothing_is_named() {
+    let scene = block(sphere([0.5, 0.5, 3.0], 1.0));
+    let report = solve_one(&scene, &push("tool", [0.0, 0.0, -0.5]), &coarse());
+    assert_eq!(doubts(&report), [WarningKind::UntouchedObstacle]);
+    let warning = &report.warnings[0];
+    assert_eq!(warning.subject, "tool");
+    let gap = warning.value.expect("the gap");
+    assert!((gap - 0.5).abs() < 1e-12, "{gap}");
+    // One that lifts off is meant to.
+    let report = solve_one(&scene, &push("tool", [0.0, 0.0, 0.5]), &coarse());
+    assert_eq!(doubts(&report), []);
+}
+
+#[test]
+fn a_tool_smaller_than_the_faces_is_felt_or_doubted() {
+    for radius in [0.3, 0.1, 0.05, 0.02] {
+        for centre in [[0.5, 0.5], [0.35, 0.6], [0.25, 0.3], [0.62, 0.81]] {
+            let depth = 0.3 * radius;
+            let scene = block(sphere([centre[0], centre[1], 1.0 + radius], radius));
+            let report = solve_one(&scene, &push("tool", [0.0, 0.0, -depth]), &coarse());
+            assert_converged(&report);
+            let felt = -report.obstacles["tool"].force[2] > 0.0;
+            let kinds = doubts(&report);
+            let is_doubted = kinds.contains(&WarningKind::MissedContact)
+                || kinds.contains(&WarningKind::CoarseContact);
+            assert!(
+                is_doubted,
+                "{radius} {centre:?} {felt} {:?}",
+                report.warnings
+            );
+        }
+    }
+}
+
+#[test]
+fn a_body_that_nothing_holds_and_nothing_touches_is_named() {
+    let mut scene = block(sphere([0.5, 0.5, 3.0], 1.0));
+    scene.supports.clear();
+    let report = solve_one(&scene, &push("tool", [0.0, 0.0, 1.0]), &coarse());
+    assert_eq!(doubts(&report), [WarningKind::FreeMotion]);
+}
+
+#[test]
+fn strains_of_a_linear_law_beyond_ten_percent_are_named() {
+    let mut scene = elastic(0.3);
+    scene.supports = vec![support("z0", HELD)];
+    scene.obstacles = vec![press("z1")];
+    let report = solve_one(&scene, &push("press", [0.0, 0.0, -0.5]), &coarse());
+    assert_eq!(doubts(&report), [WarningKind::LargeStrain]);
+    let strain = report.warnings[0].value.expect("the strain");
+    assert!((0.4..0.8).contains(&strain), "{strain}");
+}
+
+#[test]
+fn a_body_carried_so_far_that_its_strains_drown_is_named() {
+    let mut scene = elastic(0.3);
+    scene.supports = vec![support("y0", [Some(1e9), Some(0.0), None])];
+    scene.tractions = vec![traction("y1", [0.0, 1e-4, 0.0])];
+    let far = mesh(moved(unit_grid(2, 2), |x| x));
+    let report = solve_one(&scene, &signorini::Step::default(), &far);
+    let found = doubts(&report);
+    assert!(found.contains(&WarningKind::LostDigits), "{report:?}");
+}

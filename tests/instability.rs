@@ -1,0 +1,146 @@
+//! Bodies that lose their equilibrium: they fall to the next one, as a real body would, or
+//! stop, or go on along saddles, as the scene asks.
+
+mod common;
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use common::meshes::{mesh, moved, unit_grid};
+use common::scenes::{mooney_rivlin, pull, rubber, support};
+use common::{assert_converged, close, solve};
+use signorini::report::{Stability, WarningKind};
+use signorini::scene::{Choice, OnInstability, SceneKind, StabilityCheck};
+use signorini::{Cause, Mesh, Scene, StepReport, Termination};
+
+/// Height of the column over its width.
+const SLENDERNESS: f64 = 8.0;
+
+/// A column of unit width, bent by `bow` in the middle.
+fn column(bow: f64) -> Arc<Mesh> {
+    mesh(moved(unit_grid(3, 24), |[x, y, _]| {
+        let bent = bow * (0.5 - 0.5 * (2.0 * PI * y).cos());
+        [x + bent, SLENDERNESS * y, 0.0]
+    }))
+}
+
+/// The column pressed between clamped ends by that share of its height.
+fn pressed(
+    mesh: &Arc<Mesh>,
+    (share, increments): (f64, u32),
+    asked: OnInstability,
+) -> Vec<StepReport> {
+    let mut scene = clamped();
+    scene.solver.on_instability = Choice::Named(asked);
+    let step = pull(
+        "y1",
+        [Some(0.0), Some(-share * SLENDERNESS), None],
+        increments,
+    );
+    solve(&scene, &[step], mesh)
+}
+
+fn clamped() -> Scene {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.kind = Some(SceneKind::PlaneStrain);
+    let held = [Some(0.0), Some(0.0), None];
+    scene.supports = vec![support("y0", held), support("y1", held)];
+    scene
+}
+
+/// Force along the column that the upper end exerts.
+fn force(report: &StepReport) -> f64 {
+    report.supports["y1"].force[1]
+}
+
+/// Share of its height at which a clamped column of that slenderness buckles: Euler's load
+/// of a beam with shear, 1 / P = L^2 / (4 pi^2 E I) + 6 / (5 mu A), E = 4 mu.
+fn euler_share() -> f64 {
+    let bending = SLENDERNESS.powi(2) / (4.0 * PI * PI * 4.0 / 12.0);
+    1.0 / (bending + 1.2) / 4.0
+}
+
+#[test]
+fn a_straight_column_is_a_minimum_below_its_euler_load_and_a_saddle_above() {
+    let mesh = column(0.0);
+    for (share, expected) in [
+        (0.8 * euler_share(), Stability::Minimum),
+        (1.25 * euler_share(), Stability::Saddle),
+        (3.0 * euler_share(), Stability::Saddle),
+    ] {
+        let reports = pressed(&mesh, (share, 1), OnInstability::Continue);
+        assert_converged(&reports[0]);
+        assert_eq!(reports[0].stability, Some(expected), "{share}");
+        let doubts = reports[0].warnings.iter().map(|warning| warning.kind);
+        let is_doubted = doubts
+            .collect::<Vec<_>>()
+            .contains(&WarningKind::UnstableEquilibrium);
+        assert_eq!(is_doubted, expected == Stability::Saddle);
+    }
+}
+
+#[test]
+fn a_straight_column_pressed_far_at_once_falls_to_the_buckled_equilibrium() {
+    let mesh = column(0.0);
+    let share = 2.0 * euler_share();
+    let straight = pressed(&mesh, (share, 1), OnInstability::Continue);
+    for increments in [1, 10] {
+        let reports = pressed(&mesh, (share, increments), OnInstability::Descend);
+        reports.iter().for_each(assert_converged);
+        let last = reports.last().expect("an increment");
+        assert_eq!(last.stability, Some(Stability::Minimum));
+        let fall = reports
+            .iter()
+            .find_map(|report| report.snapped)
+            .expect("a fall");
+        assert!(
+            fall.energy_drop > 0.0 && fall.largest_motion > 0.1,
+            "{fall:?}"
+        );
+        let middle = 0.5 * SLENDERNESS;
+        assert!((fall.point[1] - middle).abs() < 0.2 * middle, "{fall:?}");
+        assert!(force(last).abs() < 0.7 * force(&straight[0]).abs());
+        assert!(last.strain_energy < straight[0].strain_energy);
+    }
+}
+
+#[test]
+fn a_bent_column_comes_to_one_equilibrium_however_it_is_pressed() {
+    let mesh = column(0.02);
+    let share = 2.0 * euler_share();
+    let ends = [1, 4, 20].map(|increments| {
+        let reports = pressed(&mesh, (share, increments), OnInstability::Descend);
+        reports.iter().for_each(assert_converged);
+        let last = reports.last().expect("an increment").clone();
+        assert_eq!(last.stability, Some(Stability::Minimum));
+        last
+    });
+    for other in &ends[1..] {
+        assert!(close(force(other), force(&ends[0]), 1e-6));
+        assert!(close(other.strain_energy, ends[0].strain_energy, 1e-6));
+    }
+}
+
+#[test]
+fn a_scene_that_asks_for_it_stops_at_the_last_minimum() {
+    let mesh = column(0.0);
+    let share = 2.0 * euler_share();
+    let reports = pressed(&mesh, (share, 1), OnInstability::Stop);
+    assert_eq!(reports[0].termination, Termination::NotConverged);
+    assert_eq!(reports[0].cause, Some(Cause::UnstableEquilibrium));
+    assert_eq!(reports[0].stability, Some(Stability::Minimum));
+    assert!((0.3..0.7).contains(&reports[0].time), "{}", reports[0].time);
+}
+
+#[test]
+fn an_equilibrium_that_nobody_has_certified_is_said_to_be_not_determined() {
+    let mesh = column(0.0);
+    for check in [StabilityCheck::Off, StabilityCheck::Follow] {
+        let mut scene = clamped();
+        scene.solver.stability = Choice::Named(check);
+        let step = pull("y1", [Some(0.0), Some(-0.1), None], 1);
+        let reports = solve(&scene, &[step], &mesh);
+        assert_converged(&reports[0]);
+        assert_eq!(reports[0].stability, Some(Stability::NotDetermined));
+    }
+}

@@ -1,0 +1,83 @@
+//! Obstacles that lift off and come back, and bodies carried away and brought back: what
+//! statics knows of neither.
+
+mod common;
+
+use common::meshes::{cube, file, mesh};
+use common::scenes::{HELD, elastic, mooney_rivlin, obstacle, press, push, rubber, support};
+use common::{assert_converged, close, difference, open, take, values};
+use signorini::scene::Shape;
+use signorini::{FieldName, Scene, StepReport};
+
+fn ball(scene: Scene) -> Scene {
+    Scene {
+        supports: vec![
+            support("z0", HELD),
+            support("x0", [Some(0.0), None, None]),
+            support("y0", [None, Some(0.0), None]),
+        ],
+        obstacles: vec![obstacle(
+            "ball",
+            "z1",
+            Shape::Sphere {
+                centre: [0.0, 0.0, 1.0],
+                radius: 1.0,
+            },
+        )],
+        ..scene
+    }
+}
+
+/// Whether two increments are the same to `relative`.
+fn assert_equal((a, b): (&StepReport, &StepReport), name: &str, relative: f64) {
+    assert!(
+        close(a.strain_energy, b.strain_energy, relative),
+        "{a:?} {b:?}"
+    );
+    for axis in 0..3 {
+        let [one, other] = [a, b].map(|report| report.obstacles[name].force[axis]);
+        let whole = a.obstacles[name].force[2].abs();
+        assert!((one - other).abs() <= relative * whole, "{one} {other}");
+    }
+}
+
+#[test]
+fn a_press_behind_any_lift_equals_the_first_one() {
+    let mesh = file("indent_l1");
+    for scene in [elastic(0.5), elastic(0.3), rubber(mooney_rivlin(), None)] {
+        let mut session = open(&ball(scene), &mesh);
+        let down = push("ball", [0.0, 0.0, -0.02]);
+        let first = take(&mut session, &down).remove(0);
+        assert_converged(&first);
+        let moved = values(&session, FieldName::Displacement);
+        for height in [0.001, 3.0, 1e6] {
+            // Twice in the air: the second time nothing moves any more.
+            for lift in [height, 2.0 * height] {
+                let air = take(&mut session, &push("ball", [0.0, 0.0, lift])).remove(0);
+                assert_converged(&air);
+                assert!(air.strain_energy < 1e-12 * first.strain_energy);
+            }
+            let again = take(&mut session, &down).remove(0);
+            assert_converged(&again);
+            assert_equal((&first, &again), "ball", 1e-7);
+            let back = values(&session, FieldName::Displacement);
+            assert!(difference(&moved, &back) < 1e-7);
+        }
+    }
+}
+
+#[test]
+fn a_body_carried_far_away_and_back_is_pressed_as_before() {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.supports = vec![support("z0", HELD)];
+    scene.obstacles = vec![press("z1")];
+    let mut session = open(&scene, &mesh(cube(3)));
+    let down = push("press", [0.0, 0.0, -0.05]);
+    let first = take(&mut session, &down).remove(0);
+    assert_converged(&first);
+    let up = take(&mut session, &push("press", [0.0, 0.0, 2.0])).remove(0);
+    assert_converged(&up);
+    let again = take(&mut session, &down).remove(0);
+    assert_converged(&again);
+    assert_equal((&first, &again), "press", 1e-7);
+}
