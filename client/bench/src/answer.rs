@@ -3,19 +3,17 @@
 //! Equal mesh: seconds of each choice over those of the first one, which is what
 //! the plan takes by itself. Equal error: seconds interpolated along each choice's
 //! curve, both axes logarithmic, at the smallest error that two choices reach.
-//! Tolerances: seconds and error over those of the tightest.
+//! Limits: see [`limits`]. Tolerances: seconds and error over those of the tightest.
 
 use crate::axis::SIZE;
 use crate::family::Quantity;
+use crate::limits;
 use crate::results::Results;
 use crate::row::Row;
 use crate::strand::{Strand, strands};
 use crate::study::{Measure, Scope, Study};
 use crate::table::{Column, Table};
-use crate::text::{in_seconds, times};
-
-/// Where there is nothing to tell.
-const NOTHING: &str = "–";
+use crate::text::{NOTHING, in_seconds, times, told};
 
 /// The table of a study; without lines where nothing was measured.
 pub(crate) fn table(results: &Results, study: &Study) -> Table {
@@ -31,6 +29,10 @@ pub(crate) fn table(results: &Results, study: &Study) -> Table {
             let columns = SAME_ERROR.into_iter().chain(labels.map(Column::Number));
             let lines = scopes.flat_map(|(scope, strands)| same_error(scope, &strands));
             Table::new(columns.collect::<Vec<_>>()).with(lines)
+        }
+        Measure::Limits => {
+            let lines = scopes.flat_map(|(scope, strands)| limits::lines(results, scope, &strands));
+            Table::new(limits::COLUMNS).with(lines)
         }
         Measure::Tolerance => {
             let lines = scopes.flat_map(|(_, strands)| lines(&strands));
@@ -133,10 +135,6 @@ impl Line<'_> {
             false => [self.row.outcome.spoken(), NOTHING.to_owned()],
         }
     }
-}
-
-fn told<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
-    value.map_or_else(|| NOTHING.to_owned(), text)
 }
 
 const SAME_ERROR: [Column; 3] = [

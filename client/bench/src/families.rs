@@ -3,7 +3,7 @@
 use crate::family::Family;
 use crate::family::MeshSource::{self, Cube, Gmsh};
 use crate::family::Quantity::{
-    ContactPressure, DisplacementH1, DisplacementL2, Force, PressureL2, StrainEnergy,
+    ContactPressure, ContactRadius, DisplacementH1, DisplacementL2, Force, PressureL2, StrainEnergy,
 };
 use crate::shaped::Shape;
 
@@ -42,7 +42,11 @@ pub(crate) const FAMILIES: &[Family] = &[
          meshes refined under the contact.",
     )
     .of_a_quarter()
-    .measured(&[1, 2, 3, 4, 5], &[1, 2, 3, 4], &[StrainEnergy, Force]),
+    .measured(
+        &[1, 2, 3, 4, 5],
+        &[1, 2, 3, 4],
+        &[StrainEnergy, Force, ContactPressure, ContactRadius],
+    ),
     Family::new(
         "cube-elastic",
         CUBE_BEND,
@@ -63,7 +67,7 @@ pub(crate) const FAMILIES: &[Family] = &[
     .measured(
         &[1, 2, 3, 4, 5],
         &[1, 2, 3, 4],
-        &[Force, StrainEnergy, ContactPressure],
+        &[Force, StrainEnergy, ContactPressure, ContactRadius],
     ),
     Family::new(
         "mr-uniax",
@@ -93,7 +97,11 @@ pub(crate) const FAMILIES: &[Family] = &[
          it.",
     )
     .of_a_quarter()
-    .measured(&[1, 2, 3, 4], &[1, 2], &[Force, StrainEnergy]),
+    .measured(
+        &[1, 2, 3, 4],
+        &[1, 2],
+        &[Force, StrainEnergy, ContactPressure, ContactRadius],
+    ),
     Family::new(
         "cube-flat-10",
         BENT,

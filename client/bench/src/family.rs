@@ -1,5 +1,6 @@
 //! Families of scenes: one scene file, meshes of increasing size.
 
+use std::f64::consts::PI;
 use std::fmt;
 use std::str::FromStr;
 
@@ -22,17 +23,20 @@ pub(crate) enum Quantity {
     Force,
     /// Largest contact pressure.
     ContactPressure,
+    /// Radius of the disc of the whole contact area.
+    ContactRadius,
 }
 
 impl Quantity {
     /// All of them, in the order of the columns.
-    pub(crate) const ALL: [Self; 6] = [
+    pub(crate) const ALL: [Self; 7] = [
         Self::DisplacementL2,
         Self::DisplacementH1,
         Self::PressureL2,
         Self::StrainEnergy,
         Self::Force,
         Self::ContactPressure,
+        Self::ContactRadius,
     ];
 
     /// As columns and files spell it.
@@ -44,6 +48,7 @@ impl Quantity {
             Self::StrainEnergy => "strain_energy",
             Self::Force => "force",
             Self::ContactPressure => "contact_pressure",
+            Self::ContactRadius => "contact_radius",
         }
     }
 
@@ -56,6 +61,7 @@ impl Quantity {
             Self::StrainEnergy => "strain energy",
             Self::Force => "contact force",
             Self::ContactPressure => "largest contact pressure",
+            Self::ContactRadius => "contact radius",
         }
     }
 
@@ -66,7 +72,7 @@ impl Quantity {
             Self::DisplacementL2 => Some(1.220_536_6),
             Self::DisplacementH1 => Some(5.373_791_9),
             Self::PressureL2 => Some(0.235_702_3),
-            Self::StrainEnergy | Self::Force | Self::ContactPressure => None,
+            Self::StrainEnergy | Self::Force | Self::ContactPressure | Self::ContactRadius => None,
         }
     }
 
@@ -83,6 +89,10 @@ impl Quantity {
                 Some(along_z.abs() * whole_body)
             }
             Self::ContactPressure => obstacle()?.get("max_pressure")?.as_f64(),
+            Self::ContactRadius => {
+                let area = obstacle()?.get("contact_area")?.as_f64()? * whole_body;
+                Some((area / PI).sqrt())
+            }
         }
     }
 }
@@ -225,13 +235,14 @@ mod tests {
     fn quarter_models_are_counted_four_times() {
         let step = json!({
             "strain_energy": 0.5,
-            "obstacles": {"ball": {"force": [1.0, 2.0, -3.0], "max_pressure": 7.0}},
+            "obstacles": {"ball": {"force": [1.0, 2.0, -3.0], "max_pressure": 7.0, "contact_area": PI}},
             "errors": null,
         });
         let read = |quantity: Quantity| quantity.read(&step, 4.0);
         assert_eq!(read(Quantity::StrainEnergy), Some(2.0));
         assert_eq!(read(Quantity::Force), Some(12.0));
         assert_eq!(read(Quantity::ContactPressure), Some(7.0));
+        assert_eq!(read(Quantity::ContactRadius), Some(2.0));
         assert_eq!(read(Quantity::PressureL2), None);
     }
 }

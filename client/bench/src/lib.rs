@@ -42,6 +42,7 @@ mod family;
 mod figures;
 mod increments;
 mod limit;
+mod limits;
 mod machine;
 mod measure;
 mod method;

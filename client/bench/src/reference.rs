@@ -49,6 +49,14 @@ impl References {
         extrapolate(&samples)
     }
 
+    /// The size of a mesh where it is finest, length.
+    pub(crate) fn size(&self, family: &str, level: Level) -> Option<f64> {
+        let of_family = self.entries.iter().filter(|(key, _)| key.0 == family);
+        let mut entries = of_family.flat_map(|(_, entries)| entries);
+        let entry = entries.find(|entry| entry.level == level)?;
+        Some(entry.sample.h)
+    }
+
     /// The name of the finest mesh that a limit rests on; empty without one.
     pub(crate) fn finest(&self, family: &str, quantity: Quantity) -> String {
         let entries = self.entries.get(&(family.to_owned(), quantity));

@@ -74,10 +74,11 @@ impl Row {
 }
 
 /// Quantities whose value is in the table beside its error.
-const VALUES: [Quantity; 3] = [
+const VALUES: [Quantity; 4] = [
     Quantity::StrainEnergy,
     Quantity::Force,
     Quantity::ContactPressure,
+    Quantity::ContactRadius,
 ];
 
 /// Titles of [`fields`].

@@ -59,6 +59,9 @@ pub(crate) enum Measure {
     SameMesh,
     /// Seconds at the same error: the choices are different discretisations.
     SameError,
+    /// Error on the same mesh, and the limits that the choices tend to: those of
+    /// discretisations of the same problem.
+    Limits,
     /// As [`Measure::SameMesh`], on one mesh a family: a table without figures.
     OneMesh,
     /// Error and seconds over the tolerance, on one mesh.
@@ -232,6 +235,23 @@ pub(crate) const STUDIES: &[Study] = &[
         ],
         tolerances: &[1e-6],
         measure: Measure::SameMesh,
+    },
+    Study {
+        name: "contact-space",
+        question: "Contact pressure: hats or quadratic functions?",
+        about: "Hats at the vertices, or quadratic Bernstein functions at all displacement nodes of the surface. On straight facets of a ball quadratic functions see the corners, and the largest pressure does not settle; on arcs fitted to the normals of the facets it does. Errors are those against the limit of the reference values: for force and strain energy those of hats on meshes down to l6, for pressure and radius those of quadratic functions.",
+        scopes: &[
+            scope("hertz-sphere", &[1, 2, 3, 4], &[1, 2, 3]),
+            scope("hertz-plane", &[1, 2, 3, 4], &[1, 2, 3]),
+            scope("mr-sphere", &[1, 2, 3, 4], &[1, 2]),
+        ],
+        choices: &[
+            choice("quadratic", "auto"),
+            choice("hats", "contact_space=linear"),
+            choice("quadratic, fitted arcs", "obstacle.0.surface=smooth"),
+        ],
+        tolerances: TIGHT,
+        measure: Measure::Limits,
     },
     Study {
         name: "poisson",

@@ -36,7 +36,7 @@ fn figures(results: &Results, study: &Study) -> Vec<Figure> {
         let diagrams = match study.measure {
             Measure::SameMesh => costs(scope, &strands),
             Measure::OneMesh => Vec::new(),
-            Measure::SameError => errors(results, scope, &strands),
+            Measure::SameError | Measure::Limits => errors(results, scope, &strands),
             Measure::Tolerance => tolerances(scope, &strands),
         };
         let named = |(name, diagram)| {

@@ -1,5 +1,13 @@
 //! Numbers as tables and figures give them.
 
+/// Where there is nothing to tell.
+pub(crate) const NOTHING: &str = "–";
+
+/// A value as `text` gives it, or the mark of one that is not there.
+pub(crate) fn told<T>(value: Option<T>, text: impl FnOnce(T) -> String) -> String {
+    value.map_or_else(|| NOTHING.to_owned(), text)
+}
+
 /// The number of six significant digits nearest to a value.
 pub(crate) fn rounded(value: f64) -> f64 {
     format!("{value:.5e}").parse().unwrap_or(value)
