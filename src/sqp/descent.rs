@@ -114,7 +114,7 @@ pub(super) fn descend(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
 
 impl Flow {
     /// From the present state.
-    fn new(run: &mut Run<'_>) -> Self {
+    fn new(run: &Run<'_>) -> Self {
         let mass = mass(&run.model);
         Self {
             weight: first_weight(run, &mass),

@@ -95,7 +95,7 @@ pub(crate) const LISTS: [SceneCase; 14] = [
     }),
 ];
 
-pub(crate) const NAMES: [SceneCase; 11] = [
+pub(crate) const NAMES: [SceneCase; 13] = [
     ("name", 256, |scene, n| scene.name = word(n)),
     ("material", 256, |scene, n| {
         scene.materials[0].group = word(n)
