@@ -86,6 +86,29 @@ fn a_body_that_nothing_holds_and_nothing_touches_is_named() {
 }
 
 #[test]
+fn a_tool_moved_through_the_body_at_once_is_named() {
+    let scene = block(sphere([0.5, 0.5, 1.3], 0.25));
+    let report = solve_one(&scene, &push("tool", [0.0, 0.0, -50.0]), &coarse());
+    assert!(
+        doubts(&report).contains(&WarningKind::PassedThrough),
+        "{:?}",
+        report.warnings
+    );
+}
+
+#[test]
+fn a_tool_that_begins_inside_the_body_is_named() {
+    let scene = block(sphere([0.5, 0.5, 1.2], 0.3));
+    let report = solve_one(&scene, &signorini::Step::default(), &coarse());
+    let named = report
+        .warnings
+        .iter()
+        .find(|w| w.kind == WarningKind::BeginsInside);
+    let depth = named.and_then(|warning| warning.value).expect("the depth");
+    assert!((depth - 0.1).abs() < 1e-3, "{depth}");
+}
+
+#[test]
 fn strains_of_a_linear_law_beyond_ten_percent_are_named() {
     let mut scene = elastic(0.3);
     scene.supports = vec![support("z0", HELD)];

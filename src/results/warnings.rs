@@ -4,13 +4,16 @@
 //! |---|---|
 //! | missed contact | distances between the points of the contact integrals, on faces without pressure |
 //! | untouched obstacle | no pressure, and the obstacle no farther than before |
+//! | passed through | no pressure, and poses on the way at which the obstacle is inside |
+//! | begins inside | distances before the first increment |
 //! | free motion | rigid modes that supports leave, and no contact |
 //! | large strain | the largest strain at the centroid of a cell, of a linear law |
 //! | coarse contact | pressure on two functions of a curved contact at most |
 //! | lost digits | displacements whose rounding is a strain of some share of the largest |
 //! | snapped, unstable equilibrium | what the solver did |
 //!
-//! Cost: 45 distances a face, and a gradient a cell of a linear body.
+//! Cost: 45 distances a face, again for each twentieth of its way
+//! where an obstacle touches nothing, and a gradient a cell of a linear body.
 
 use crate::contact::nearest::nearest;
 use crate::model::Model;
@@ -28,6 +31,15 @@ const LARGE_STRAIN: f64 = 0.1;
 const MISSED: f64 = 1e-3;
 /// Closed functions of a curved contact that are few.
 const FEW: [usize; 2] = [3, 6];
+/// Depth over the length of the body from which on an obstacle is inside it.
+const DEEP: f64 = 0.01;
+/// Way between two poses that are looked at, over the length of the body.
+const POSE_SPACING: f64 = 0.05;
+/// Poses at least, and at most.
+const FEWEST_POSES: f64 = 8.0;
+const MOST_POSES: f64 = 2000.0;
+/// Faces times poses at most.
+const MOST_SAMPLES: f64 = 4e5;
 /// Rounding of strains over the largest strain that is worth a word.
 const LOST: f64 = 1e-6;
 /// What residuals leave of the displacements over the largest strain that is too much.
@@ -41,6 +53,9 @@ pub(crate) fn warnings(
 ) -> Vec<Warning> {
     let mut all = Vec::new();
     of_stability(model, ending, &mut all);
+    let contacts = model.interfaces.list.iter();
+    let contacts = contacts.filter(|interface| interface.is_contact());
+    all.extend(contacts.filter_map(|interface| begun_inside(model, start, interface)));
     if ending.termination != Termination::Converged {
         return all;
     }
@@ -53,6 +68,7 @@ pub(crate) fn warnings(
             );
             all.extend(missed(model, state, (interface, &distances)));
             all.extend(untouched(model, (start, state), (interface, &distances)));
+            all.extend(passed(model, (start, state), interface));
             all.extend(coarse(model, state, (interface, !obstacle.is_flat())));
         }
     }
@@ -160,6 +176,80 @@ fn untouched(
             format!("obstacle `{name}` touches nothing: it is {gap:.4} away from the body"),
         )
     })
+}
+
+/// An obstacle that touches nothing at the end but was inside the body on its way.
+fn passed(
+    model: &Model<'_>,
+    (start, state): (&Drive, &State),
+    interface: &Interface,
+) -> Option<Warning> {
+    if *start == state.drive || acts(interface, state).contains(&true) {
+        return None;
+    }
+    let poses = poses(model, (start, &state.drive), interface);
+    let depth_at = |pose: u32| {
+        let drive = start.towards(&state.drive, f64::from(pose) / f64::from(poses));
+        depth(model, (&drive, &state.displacement), interface)
+    };
+    let deepest = (1..poses).map(depth_at).fold(0.0, f64::max);
+    (deepest > DEEP).then(|| {
+        let name = &interface.name;
+        warning(
+            WarningKind::PassedThrough,
+            name,
+            Some(deepest * model.plan.units.length),
+            format!("obstacle `{name}` passed through the body within the increment: take more increments"),
+        )
+    })
+}
+
+/// How many poses of an obstacle's way are looked at: one for each twentieth of the body's
+/// length, within a bound on the work.
+fn poses(model: &Model<'_>, (start, end): (&Drive, &Drive), interface: &Interface) -> u32 {
+    let pairs = start.poses.iter().zip(&end.poses);
+    let own = pairs.filter(|(pose, _)| pose.name == interface.name);
+    let distance = |a: [f64; 3], b: [f64; 3]| {
+        let squares = a.iter().zip(b).map(|(a, b)| (b - a).powi(2));
+        squares.sum::<f64>().sqrt()
+    };
+    let travel = own.map(|(from, to)| {
+        distance(from.translation, to.translation) / model.plan.units.length
+            + distance(from.rotation, to.rotation)
+    });
+    let wanted = travel.sum::<f64>() / POSE_SPACING;
+    let most = MOST_SAMPLES / interface.surface.faces.len().max(1) as f64;
+    wanted.min(most).clamp(FEWEST_POSES, MOST_POSES).ceil() as u32
+}
+
+/// An obstacle that is deep inside the undeformed body before the first increment.
+fn begun_inside(model: &Model<'_>, start: &Drive, interface: &Interface) -> Option<Warning> {
+    if *start != Drive::undeformed(model.plan) {
+        return None;
+    }
+    let at_rest = vec![0.0; model.prepared.space.displacement_unknowns()];
+    let depth = depth(model, (start, &at_rest), interface);
+    (depth > DEEP).then(|| {
+        let (name, depth) = (&interface.name, depth * model.plan.units.length);
+        warning(
+            WarningKind::BeginsInside,
+            name,
+            Some(depth),
+            format!("obstacle `{name}` begins {depth:.4} deep inside the body"),
+        )
+    })
+}
+
+/// How deep an obstacle is inside the body, in units of the scaled body.
+fn depth(model: &Model<'_>, (drive, displacement): (&Drive, &[f64]), interface: &Interface) -> f64 {
+    let met = model
+        .placed(drive)
+        .find(|(other, _)| other.name == interface.name);
+    let body = model.deformed(displacement);
+    let distances = met.map_or(Vec::new(), |(_, met)| {
+        nearest(&body, &interface.surface, &met)
+    });
+    -distances.into_iter().fold(0.0, f64::min)
 }
 
 /// A curved contact on a few functions.
