@@ -15,7 +15,7 @@ use common::meshes::{cube, mesh, square};
 use common::scenes::{in_parts, obstacle, push, rubber, support};
 use common::solve;
 use signorini::report::{Cause, Stability};
-use signorini::scene::{Choice, ContactSpace, RubberModel, Shape};
+use signorini::scene::{Choice, ContactSpace, OnInstability, RubberModel, Shape, StabilityCheck};
 use signorini::{MeshParts, Scene, StepReport};
 
 const BULK_MODULUS: f64 = 1e4;
@@ -42,6 +42,8 @@ fn confined(dimension: usize, space: ContactSpace) -> Scene {
     scene.obstacles = vec![obstacle("lid", ["", "y1", "z1"][up], shape)];
     scene.solver.contact_space = Choice::Named(space);
     scene.solver.penalty = Some(0.0);
+    scene.solver.stability = Choice::Named(StabilityCheck::Exact);
+    scene.solver.on_instability = Choice::Named(OnInstability::Stop);
     scene
 }
 
