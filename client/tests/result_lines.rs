@@ -154,7 +154,7 @@ fn every_cause_and_kind_of_equilibrium_keeps_to_the_schema() {
     let causes = (0..).map_while(|number| v1::Cause::try_from(number).ok());
     let kinds = (0..).map_while(|number| v1::Stability::try_from(number).ok());
     let (causes, kinds): (Vec<_>, Vec<_>) = (causes.collect(), kinds.collect());
-    assert!(causes.contains(&v1::Cause::NegativeJacobian) && kinds.len() == 3);
+    assert!(causes.contains(&v1::Cause::NegativeJacobian) && kinds.len() == 4);
     for (cause, kind) in causes
         .iter()
         .flat_map(|c| kinds.iter().map(move |k| (c, k)))
@@ -224,7 +224,8 @@ fn numbers_survive_printing_bit_for_bit() {
 fn the_keys_of_a_result_keep_their_order() {
     let expected = [
         r#"{"event":"step","step":0,"increment":0,"time":0.0,"load":0.0,"#,
-        r#""termination":"unspecified","cause":null,"fallback":null,"sqp_iterations":0,"#,
+        r#""termination":"unspecified","cause":null,"fallback":null,"#,
+        r#""snapped":null,"warnings":[],"sqp_iterations":0,"#,
         r#""krylov_iterations":0,"preconditioner_applications":0,"#,
         r#""eigenvalue_applications":0,"compliance_columns":0,"contact_products":0,"#,
         r#""active_set_changes":0,"cut_backs":0,"factorisations":0,"active_vertices":0,"#,

@@ -29,6 +29,8 @@ use crate::report::{Stability, Termination, Warning, WarningKind};
 const LARGE_STRAIN: f64 = 0.1;
 /// Depth over the size of a face from which on contact between its points was missed.
 const MISSED: f64 = 1e-3;
+/// The same beside faces that are pressed, whose rim overlaps a little on every mesh.
+const MISSED_AT_THE_RIM: f64 = 0.02;
 /// Closed functions of a curved contact that are few.
 const FEW: [usize; 2] = [3, 6];
 /// Depth over the length of the body from which on an obstacle is inside it.
@@ -133,11 +135,15 @@ fn missed(
     (interface, distances): (&Interface, &[f64]),
 ) -> Option<Warning> {
     let acts = acts(interface, state);
+    let least = match acts.contains(&true) {
+        true => MISSED_AT_THE_RIM,
+        false => MISSED,
+    };
     let power = 1.0 / (model.plan.units.dimension as f64 - 1.0);
     let faces = interface.surface.faces.iter().zip(distances).zip(&acts);
     let depths = faces.filter_map(|((face, &distance), &acts)| {
         let size = face.flat_area.powf(power);
-        (!acts && distance < -MISSED * size).then_some(-distance)
+        (!acts && distance < -least * size).then_some(-distance)
     });
     let deepest = depths.fold(0.0, f64::max) * model.plan.units.length;
     (deepest > 0.0).then(|| {
