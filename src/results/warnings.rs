@@ -63,19 +63,31 @@ pub(crate) fn warnings(
     }
     for (interface, met) in model.placed(&state.drive) {
         if let Some(obstacle) = met.obstacle() {
-            let distances = nearest(
-                &model.deformed(&state.displacement),
-                &interface.surface,
-                &met,
-            );
-            all.extend(missed(model, state, (interface, &distances)));
-            all.extend(untouched(model, (start, state), (interface, &distances)));
-            all.extend(passed(model, (start, state), interface));
+            let body = model.deformed(&state.displacement);
+            let touch = Touch {
+                interface,
+                distances: nearest(&body, &interface.surface, &met),
+                acts: acts(interface, state),
+            };
+            all.extend(missed(model, &touch));
+            if !touch.acts.contains(&true) {
+                all.extend(untouched(model, (start, state), &touch));
+                all.extend(passed(model, (start, state), interface));
+            }
             all.extend(coarse(model, state, (interface, !obstacle.is_flat())));
         }
     }
     of_the_body(model, state, ending, &mut all);
     all
+}
+
+/// An obstacle beside the faces that may touch it.
+struct Touch<'t> {
+    interface: &'t Interface,
+    /// Least signed distance of each face `[faces]`.
+    distances: Vec<f64>,
+    /// Whether some function acts on the face `[faces]`.
+    acts: Vec<bool>,
 }
 
 /// A warning.
@@ -129,25 +141,21 @@ fn acts(interface: &Interface, state: &State) -> Vec<bool> {
 }
 
 /// An obstacle inside the body where nothing presses.
-fn missed(
-    model: &Model<'_>,
-    state: &State,
-    (interface, distances): (&Interface, &[f64]),
-) -> Option<Warning> {
-    let acts = acts(interface, state);
-    let least = match acts.contains(&true) {
+fn missed(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
+    let least = match touch.acts.contains(&true) {
         true => MISSED_AT_THE_RIM,
         false => MISSED,
     };
     let power = 1.0 / (model.plan.units.dimension as f64 - 1.0);
-    let faces = interface.surface.faces.iter().zip(distances).zip(&acts);
+    let faces = touch.interface.surface.faces.iter();
+    let faces = faces.zip(&touch.distances).zip(&touch.acts);
     let depths = faces.filter_map(|((face, &distance), &acts)| {
         let size = face.flat_area.powf(power);
         (!acts && distance < -least * size).then_some(-distance)
     });
     let deepest = depths.fold(0.0, f64::max) * model.plan.units.length;
     (deepest > 0.0).then(|| {
-        let name = &interface.name;
+        let name = &touch.interface.name;
         warning(
             WarningKind::MissedContact,
             name,
@@ -161,20 +169,15 @@ fn missed(
 fn untouched(
     model: &Model<'_>,
     (start, state): (&Drive, &State),
-    (interface, distances): (&Interface, &[f64]),
+    touch: &Touch<'_>,
 ) -> Option<Warning> {
-    if acts(interface, state).contains(&true) {
-        return None;
-    }
     let least = |distances: &[f64]| distances.iter().copied().fold(f64::INFINITY, f64::min);
-    let (_, before) = model
-        .placed(start)
-        .find(|(other, _)| other.name == interface.name)?;
-    let body = model.deformed(&state.displacement);
-    let before = least(&nearest(&body, &interface.surface, &before));
-    let now = least(distances);
+    let at_start = (start, &state.displacement[..]);
+    let before = least(&distances(model, at_start, touch.interface));
+    let now = least(&touch.distances);
     (now > 0.0 && now <= before * (1.0 + 1e-12)).then(|| {
-        let (name, gap) = (&interface.name, now * model.plan.units.length);
+        let name = &touch.interface.name;
+        let gap = now * model.plan.units.length;
         warning(
             WarningKind::UntouchedObstacle,
             name,
@@ -190,7 +193,7 @@ fn passed(
     (start, state): (&Drive, &State),
     interface: &Interface,
 ) -> Option<Warning> {
-    if *start == state.drive || acts(interface, state).contains(&true) {
+    if *start == state.drive {
         return None;
     }
     let poses = poses(model, (start, &state.drive), interface);
@@ -247,15 +250,24 @@ fn begun_inside(model: &Model<'_>, start: &Drive, interface: &Interface) -> Opti
 }
 
 /// How deep an obstacle is inside the body, in units of the scaled body.
-fn depth(model: &Model<'_>, (drive, displacement): (&Drive, &[f64]), interface: &Interface) -> f64 {
-    let met = model
-        .placed(drive)
-        .find(|(other, _)| other.name == interface.name);
-    let body = model.deformed(displacement);
-    let distances = met.map_or(Vec::new(), |(_, met)| {
-        nearest(&body, &interface.surface, &met)
-    });
+fn depth(model: &Model<'_>, at: (&Drive, &[f64]), interface: &Interface) -> f64 {
+    let distances = distances(model, at, interface);
     -distances.into_iter().fold(0.0, f64::min)
+}
+
+/// Least signed distance of an obstacle from each of its faces, where `drive` puts it and
+/// `displacement` the body `[faces]`.
+fn distances(
+    model: &Model<'_>,
+    (drive, displacement): (&Drive, &[f64]),
+    interface: &Interface,
+) -> Vec<f64> {
+    let mut placed = model.placed(drive);
+    let met = placed.find(|(other, _)| other.name == interface.name);
+    let body = model.deformed(displacement);
+    met.map_or(Vec::new(), |(_, met)| {
+        nearest(&body, &interface.surface, &met)
+    })
 }
 
 /// A curved contact on a few functions.

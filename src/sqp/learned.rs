@@ -11,6 +11,7 @@ use super::saddle_layout::SaddleLayout;
 use super::trend::Trend;
 use crate::assembly::strain::Linearised;
 use crate::krylov::gcr::Directions;
+use crate::model::Model;
 use crate::plan::Plan;
 
 /// What the solver has learnt.
@@ -29,7 +30,7 @@ pub(crate) struct Learned {
     pub(crate) linearised: Arc<Linearised>,
     /// What the saddle point is assembled and ordered by, once it was; it depends on the
     /// mesh only.
-    pub(crate) layout: Option<Arc<SaddleLayout>>,
+    layout: Option<Arc<SaddleLayout>>,
     /// The rung that solved the last increment of the step, where the next one begins;
     /// none where the plan's own method does.
     pub(crate) rung: Option<Arc<Rung>>,
@@ -47,6 +48,12 @@ impl Learned {
             layout: None,
             rung: None,
         }
+    }
+
+    /// What the saddle point is assembled and ordered by, made when first asked for.
+    pub(crate) fn layout(&mut self, model: &Model<'_>) -> Arc<SaddleLayout> {
+        let new = || SaddleLayout::new(model).into();
+        self.layout.get_or_insert_with(new).clone()
     }
 
     /// Bytes held.

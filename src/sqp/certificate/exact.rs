@@ -2,9 +2,8 @@
 //! ([`crate::inequality::inertia`]): never wrong but for rounding. Cost: the entries of the
 //! tangent by products, and one factor.
 
-use super::first_motion;
-use crate::linalg::vector::{reproducible_noise, scale};
-use crate::model::held::mask;
+use super::{first_motion, motion_without_symmetry};
+use crate::linalg::vector::scale;
 use crate::report::Stability;
 use crate::sqp::lowest_mode::{LowestMode, length_at_rest};
 use crate::sqp::program::QuadraticProgram;
@@ -21,8 +20,7 @@ pub(super) fn certified(run: &mut Run<'_>) -> Option<LowestMode> {
     let program = QuadraticProgram::new(run, &now, None, &mut 0.0);
     let known = run.learned.lowest_mode.take();
     let mut start = first_motion(run, known.as_ref());
-    let mut noise = reproducible_noise(start.len());
-    mask(&run.model.prepared.held, &mut noise);
+    let mut noise = motion_without_symmetry(run);
     let lengths = [&start, &noise].map(|x| length_at_rest(&run.model, x, &mut run.work));
     scale(&mut noise, NOISE * lengths[0] / lengths[1]);
     start.iter_mut().zip(&noise).for_each(|(x, n)| *x += n);

@@ -50,11 +50,13 @@ pub(crate) fn certify(run: &mut Run<'_>, ending: &mut Ending) {
 }
 
 /// The motion that the search for the softest starts from: that of the equilibrium before,
-/// or a reproducible one without symmetry `[displacement]`, zero in held components.
+/// or one without symmetry `[displacement]`, zero in held components.
 fn first_motion(run: &Run<'_>, known: Option<&LowestMode>) -> Vec<f64> {
-    if let Some(known) = known {
-        return known.motion.clone();
-    }
+    known.map_or_else(|| motion_without_symmetry(run), |known| known.motion.clone())
+}
+
+/// A reproducible motion without symmetry `[displacement]`, zero in held components.
+fn motion_without_symmetry(run: &Run<'_>) -> Vec<f64> {
     let mut noise = reproducible_noise(run.state.displacement.len());
     mask(&run.model.prepared.held, &mut noise);
     noise

@@ -61,14 +61,13 @@ impl QuadraticProgram<'_> {
             work,
             ..
         } = run;
-        let layout = learned
-            .layout
-            .get_or_insert_with(|| SaddleLayout::new(&self.model).into())
-            .clone();
+        let layout = learned.layout(&self.model);
         let stopped = || watch.stopped(counters).is_some();
-        let mut matrices = self.matrices(self.released_by_all(), &layout, &stopped, work)?;
-        // Rigid modes are told from soft ones by a shift of its own.
-        matrices.is_loose = false;
+        let matrices = Matrices {
+            // Rigid modes are told from soft ones by a shift of its own.
+            is_loose: false,
+            ..self.matrices(self.released_by_all(), &layout, &stopped, work)?
+        };
         inertia(&matrices, &state.status, start, work).ok()
     }
 

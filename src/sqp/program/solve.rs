@@ -92,11 +92,7 @@ impl QuadraticProgram<'_> {
             ..
         } = run;
         let is_factorised = *by_factor || self.model.plan.programs == Programs::Factorised;
-        let layout = is_factorised.then(|| {
-            let layout = &mut learned.layout;
-            let new = || SaddleLayout::new(&self.model).into();
-            layout.get_or_insert_with(new).clone()
-        });
+        let layout = is_factorised.then(|| learned.layout(&self.model));
         if self.tangent.is_some() {
             // Products with another tangent.
             learned.directions.clear(work);
