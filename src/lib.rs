@@ -60,8 +60,9 @@
 //! | S | `stabilisation`: mass over lambda | vertices x vertices | |
 //! | K | `compliance`: metric of l | multipliers x multipliers | |
 //! | D | `columns` of a block: the forces of its multipliers, transposed; D = C without friction | as C | as C |
-//! | x in X | `AdmissibleSet`: `Free`, `NonNegative`, `Discs` | a run of multipliers | |
+//! | x in X | `AdmissibleSet`: `Free`, `NonNegative`, `Discs`, `Cones` | a run of multipliers | |
 //! | | `Status`: `Open` x = 0, `Stick` residual zero, `Slip` on the edge of the set | as l | |
+//! | s_i = T_i int psi_i (x - Q x0) dS | `slip` of a point of friction, weighted | tractions | length^dimension |
 //! | A^ | `PMultigrid`, the displacement preconditioner | | |
 //! | m(X) | `RigidMotion` of an obstacle or a support | rotation, translation | radians, length |
 //! | s | `penalty`: weight of the volume term of rubber | one number | shear moduli |
@@ -149,6 +150,7 @@
 #![doc = include_str!("decisions/0030-springs-in-contact.md")]
 #![doc = include_str!("decisions/0031-thin-bodies.md")]
 #![doc = include_str!("decisions/0032-instability.md")]
+#![doc = include_str!("decisions/0033-friction.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

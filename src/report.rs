@@ -122,10 +122,22 @@ pub struct ObstacleResult {
     pub max_pressure_deformed: Option<f64>,
     /// Pressure-weighted mean position in the deformed body `[3]`; zero without contact.
     pub centre_of_pressure: [f64; 3],
-    /// Number of vertices that stick; zero without friction.
+    /// Number of contact multipliers that are pressed and stick; zero without friction.
     pub stick_vertices: u32,
-    /// Number of vertices that slip; zero without friction.
+    /// Number of those that are pressed and slip; zero without friction.
     pub slip_vertices: u32,
+    /// Number of those that are open; zero without friction.
+    pub open_vertices: u32,
+    /// Largest mean slip of a multiplier that is pressed in this increment, a length.
+    pub max_slip: f64,
+    /// Least 1 - |t| / (mu p) of what sticks; none where nothing does.
+    pub stick_margin: Option<f64>,
+    /// Part of `force` that friction exerts `[3]`.
+    pub tangential_force: [f64; 3],
+    /// Energy that slip has dissipated in this increment.
+    pub dissipated_energy: f64,
+    /// The same from the start.
+    pub dissipated_total: f64,
 }
 
 /// Reaction of one support.

@@ -83,6 +83,7 @@ fn turn(session: &mut Session, stressed: &StepReport, turns: f64, increments: u3
         name: obstacle.name.clone(),
         translation: None,
         rotation: Some(rotation),
+        friction: None,
     });
     let step = Step {
         increments,

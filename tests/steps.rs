@@ -29,6 +29,7 @@ fn turn(name: &str, rotation: [f64; 3]) -> Step {
             name: name.to_owned(),
             translation: None,
             rotation: Some(rotation),
+            friction: None,
         }],
         ..Step::default()
     }

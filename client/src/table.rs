@@ -193,6 +193,27 @@ fn ending(report: &v1::StepReport) -> String {
     format!("{termination}{cause}: step {step}, increment {increment}, load {load}")
 }
 
+/// What friction does on an obstacle; none without.
+fn friction<'a>((name, obstacle): (&'a String, &v1::ObstacleResult)) -> Option<(&'a str, String)> {
+    let counts = [
+        obstacle.stick_vertices,
+        obstacle.slip_vertices,
+        obstacle.open_vertices,
+    ];
+    let [stick, slip, open] = counts;
+    (counts != [0; 3]).then(|| {
+        let force = vector(&obstacle.tangential_force);
+        let (most, energy) = (
+            number(obstacle.max_slip),
+            number(obstacle.dissipated_total),
+        );
+        let value = format!(
+            "force {force}, {stick} stick, {slip} slip by {most} at most, {open} open, {energy} dissipated"
+        );
+        (name.as_str(), value)
+    })
+}
+
 /// What obstacles and supports do to the body, and the probes.
 fn loads(lines: &mut Lines, report: &v1::StepReport) {
     let obstacles = report.obstacles.iter().map(|(name, obstacle)| {
@@ -206,6 +227,7 @@ fn loads(lines: &mut Lines, report: &v1::StepReport) {
         (name.as_str(), value)
     });
     lines.add_each("obstacle", obstacles);
+    lines.add_each("friction", report.obstacles.iter().filter_map(friction));
     let supports = report.supports.iter();
     lines.add_each(
         "support",

@@ -51,6 +51,36 @@ pub fn evaluate_gaps<C: Counterpart + ?Sized>(
     (gaps, numbers.deepest())
 }
 
+/// Integral of each multiplier function times the normal `[multipliers][3]`.
+pub fn mean_normals<C: Counterpart + ?Sized>(
+    body: &Deformed<'_>,
+    surface: &ContactSurface,
+    counterpart: &C,
+) -> Vec<[f64; 3]> {
+    let table = Table::new(body, surface.basis);
+    let count = table.points();
+    let size = 1 + table.functions * count;
+    let mut normals = vec![[0.0; 3]; surface.multipliers()];
+    for axis in 0..3 {
+        let numbers = body.on_faces(&table, &surface.faces, size, |points, face, numbers| {
+            points.probe(counterpart, face, What::Normal);
+            for (point, contact) in points.contacts.iter().enumerate() {
+                for (k, value) in points.table.values(point).iter().enumerate() {
+                    numbers[1 + k * count + point] =
+                        points.weights[point] * value * contact.normal[axis];
+                }
+            }
+        });
+        let numbers = FaceNumbers { numbers, size };
+        let sums = surface.shares.gather(surface.summed(&table, &numbers));
+        normals
+            .iter_mut()
+            .zip(sums)
+            .for_each(|(normal, sum)| normal[axis] = sum);
+    }
+    normals
+}
+
 /// Gaps and coupling; `held[k]` says that unknown k is prescribed.
 pub fn linearise<C: Counterpart + ?Sized>(
     body: &Deformed<'_>,

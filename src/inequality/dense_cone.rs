@@ -5,11 +5,15 @@
 //! all infeasible indices change sides at once; when their number does not fall for
 //! some passes, single pivots by Murty's rule guarantee the end (Judice and Pires,
 //! Comput. Oper. Res. 21, 1994). Usually 2 to 8 passes, each one Cholesky factor of
-//! the closed part. Points of other sets, the discs of friction, go by block
-//! Gauss-Seidel around it: `sweep`.
+//! the closed part. Points of other sets, the discs of friction with given thresholds, go by
+//! block Gauss-Seidel around it: `sweep`. Where thresholds follow from pressures Newton's
+//! method solves for both: `friction`.
 
+mod friction;
 mod pivot;
 mod sweep;
+
+pub(super) use friction::{cones, newton_face};
 
 use crate::linalg::{FactoriseError, SymmetricMatrix};
 use crate::saddle::{ProductSet, Status};
@@ -39,13 +43,8 @@ pub struct DenseSolution {
     pub values: Vec<f64>,
     /// What each multiplier does at the solution `[multipliers]`.
     pub status: Vec<Status>,
-}
-
-impl DenseSolution {
-    /// Whether every multiplier is closed or open: none slips.
-    pub(super) fn is_of_contact(&self) -> bool {
-        !self.status.contains(&Status::Slip)
-    }
+    /// Residual at the solution, where there is friction; empty without `[multipliers]`.
+    pub slip: Vec<f64>,
 }
 
 /// The problem.
@@ -61,19 +60,25 @@ pub(super) struct DenseProblem<'a> {
 
 /// Solves the problem, starting from the statuses `guess`.
 ///
+/// Friction starts from `near` `[multipliers]`, too: it may have several solutions, and that
+/// one is sought.
+///
 /// # Errors
 /// [`DenseConeError`] when `matrix` is not positive definite or too ill-conditioned.
 pub fn solve(
     matrix: &dyn SymmetricMatrix,
     linear: &[f64],
     set: ProductSet<'_>,
-    guess: &[Status],
+    (guess, near): (&[Status], &[f64]),
 ) -> Result<DenseSolution, DenseConeError> {
     let problem = DenseProblem {
         matrix,
         linear,
         set,
     };
+    if let Some(cones) = cones(&set) {
+        return friction::solve(&problem, cones, (guess, near));
+    }
     let mut pivots = pivot::Pivots::new(set, guess);
     match set.lower_bounds() {
         Some(_) => {
@@ -81,6 +86,7 @@ pub fn solve(
             Ok(DenseSolution {
                 values,
                 status: pivots.status(),
+                slip: Vec::new(),
             })
         }
         None => sweep::solve(&problem, &mut pivots),

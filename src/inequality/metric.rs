@@ -21,7 +21,8 @@ pub(crate) fn nearest(
     for (q, gap) in linear.iter_mut().zip(&contact.residual) {
         *q = gap - *q;
     }
-    let solution = dense_cone::solve(metric, &linear, set, &contact.status);
+    let near = (&contact.status[..], &contact.multiplier[..]);
+    let solution = dense_cone::solve(metric, &linear, set, near);
     solution.map_err(|_| QpStatus::IndefiniteMetric)
 }
 

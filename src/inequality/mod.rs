@@ -24,6 +24,7 @@ pub use factorised::{Factorised, Inertia, Matrices, inertia};
 pub use one_level::OneLevel;
 pub use qp::{
     BlockIterate, QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
+    Slide,
 };
 
 /// A method for the quadratic program of [`one_level`].

@@ -20,6 +20,7 @@ mod kept;
 mod monitor;
 mod sets;
 mod shared;
+mod slides;
 mod sprung;
 mod weights;
 
@@ -46,6 +47,9 @@ const REVIEW: f64 = 0.1;
 /// Between 5 and 30 the counts stay within two of their least on all meshes; at
 /// 1 contact costs 1.5 times the same problem under traction, above 60 it stalls.
 const GAP_WEIGHT: f64 = 10.0;
+
+/// Faces in a row that may be solved already; some are usual where tractions turn.
+const MOST_IDLE: u32 = 200;
 
 /// How the next face follows from an iterate that the present one has led to.
 pub(crate) trait FaceRule {
@@ -152,8 +156,15 @@ struct History {
     visited: HashSet<Vec<Status>>,
     /// When the present face is reviewed; at the end once a face has come back.
     review: Review,
-    /// Whether one multiplier changes sides at a time, since blocks of them have cycled.
+    /// Faces one after the other that took no iteration.
+    idle: u32,
+    /// Whether one multiplier changes sides at a time, or with friction all by their own
+    /// residuals, since the faces of the dense problem have cycled.
     one_by_one: bool,
+    /// Whether there is such a rule.
+    may_change_rule: bool,
+    /// Whether thresholds of friction follow from pressures.
+    is_rough: bool,
 }
 
 impl Faces<'_, '_> {
@@ -170,14 +181,17 @@ impl Faces<'_, '_> {
         if !self.keeps_its_face(iterate) {
             self.choose_first_face(iterate, outcome, run.work)?;
         }
-        let first = &self.blocks.contact_of(iterate).status;
+        let first = self.blocks.contact_of(iterate);
         let mut history = History {
-            visited: HashSet::from([first.clone()]),
-            review: match first.is_empty() || self.rule.solves_to_the_end() {
+            visited: HashSet::from([first.status.clone()]),
+            idle: 0,
+            review: match first.status.is_empty() || self.rule.solves_to_the_end() {
                 false => Review::WhenReduced,
                 true => Review::AtTheEnd,
             },
             one_by_one: false,
+            may_change_rule: self.may_change_rule(),
+            is_rough: self.is_rough(),
         };
         // Kept directions carry the products of the body alone; those of contact on this
         // face are put on, and taken off behind the last face.
@@ -189,7 +203,7 @@ impl Faces<'_, '_> {
                 break;
             }
         }
-        self.detach(run);
+        self.detach(run, self.blocks.contact_of(iterate));
         Ok(status)
     }
 
@@ -207,6 +221,7 @@ impl Faces<'_, '_> {
             Err(status) => return ControlFlow::Break(status),
         };
         outcome.iterations += face.iterations;
+        history.rest(face.iterations)?;
         if let Some(status) = face.failed {
             return ControlFlow::Break(status);
         }
@@ -251,6 +266,9 @@ impl Faces<'_, '_> {
         bound: f64,
     ) -> Result<Option<DenseSolution>, QpStatus> {
         let count = self.blocks.contact_of(iterate).status.len();
+        if let Some(next) = self.newton_face(iterate).filter(|_| history.one_by_one) {
+            return Ok(Some(next));
+        }
         let neighbour = match history.one_by_one {
             true => self.neighbour(iterate, bound / (count as f64).sqrt()),
             false => None,
@@ -263,24 +281,42 @@ impl Faces<'_, '_> {
 
     /// Moves to the next face, the kept directions with it.
     fn move_to(&self, iterate: &mut QpIterate, next: DenseSolution, run: &mut QpRun<'_, '_>) {
-        self.detach(run);
+        self.detach(run, self.blocks.contact_of(iterate));
         if self.rule.solves_to_the_end() {
             // A set solved to the end leaves directions of rounding.
             run.directions.clear(run.work);
         }
         self.change_face(iterate, next, run.work);
-        self.attach(run, &self.blocks.contact_of(iterate).status);
+        self.attach(run, self.blocks.contact_of(iterate));
     }
 }
 
 impl History {
+    /// Notes the iterations of a face; ends where tractions turn on and on.
+    fn rest(&mut self, iterations: u32) -> ControlFlow<QpStatus> {
+        self.idle = if iterations > 0 { 0 } else { self.idle + 1 };
+        match self.idle > MOST_IDLE {
+            true => ControlFlow::Break(QpStatus::ActiveSetCycle),
+            false => ControlFlow::Continue(()),
+        }
+    }
+
     /// Notes the next face; one that returns is solved to the end, once that was done
     /// already faces change by one multiplier at a time, and one that returns still
     /// ends the solve.
     fn enter(&mut self, next: &DenseSolution, face: &Face) -> ControlFlow<QpStatus> {
         if !self.visited.insert(next.status.clone()) {
+            if self.is_rough && self.review == Review::WhenReduced {
+                // Their own residuals lead on where the metric leads round and round.
+                self.visited.clear();
+                match self.one_by_one {
+                    true => self.review = Review::AtTheEnd,
+                    false => self.one_by_one = true,
+                }
+                return ControlFlow::Continue(());
+            }
             if self.review == Review::AtTheEnd && face.reached {
-                if self.one_by_one || !next.is_of_contact() {
+                if self.one_by_one || !self.may_change_rule {
                     return ControlFlow::Break(QpStatus::ActiveSetCycle);
                 }
                 self.one_by_one = true;

@@ -74,6 +74,33 @@ pub struct BlockIterate {
     pub residual: Vec<f64>,
     /// What each multiplier does `[block]`; of an equality it is not read.
     pub status: Vec<Status>,
+    /// Points that slip; empty without friction.
+    pub slides: Vec<Slide>,
+}
+
+/// A point of friction that slips: its traction follows its pressure along one direction,
+/// and gives way to slip across it,
+///
+/// ```text
+/// t = a n + b w,   b . s + c w = 0,   c = |s| / |t|
+/// ```
+///
+/// the law linearised about a traction on the edge. w stands in the place of the first of its
+/// numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Slide {
+    /// The pressure that it follows.
+    pub leader: u32,
+    /// The first number of the traction.
+    pub first: u32,
+    /// How many numbers the traction has: one or two.
+    pub width: u8,
+    /// a: change of the traction with the pressure.
+    pub along: [f64; 2],
+    /// b: the unit vector across the slip; zero where there is one tangent only.
+    pub across: [f64; 2],
+    /// c: slip over traction.
+    pub softness: f64,
 }
 
 impl BlockIterate {
@@ -83,6 +110,7 @@ impl BlockIterate {
             multiplier: vec![0.0; residual.len()],
             residual,
             status: Vec::new(),
+            slides: Vec::new(),
         }
     }
 

@@ -87,6 +87,7 @@ impl Problem {
                     multiplier: vec![0.0; self.gap.len()],
                     residual: self.gap.clone(),
                     status: vec![Status::Open; self.gap.len()],
+                    slides: Vec::new(),
                 }])
                 .collect(),
         }

@@ -1,6 +1,6 @@
-//! Small dense matrices, column by column, and their Cholesky factors.
+//! Small dense matrices, column by column, their Cholesky and LU factors.
 
-use faer::linalg::solvers::{Llt, Solve};
+use faer::linalg::solvers::{Llt, PartialPivLu, Solve};
 use faer::{MatMut, MatRef, Side};
 
 use super::FactoriseError;
@@ -156,6 +156,42 @@ impl DenseCholesky {
     }
 }
 
+/// LU factor of a small matrix, rows interchanged.
+#[derive(Clone, Debug)]
+pub struct DenseLu {
+    size: usize,
+    factor: Option<PartialPivLu<f64>>,
+}
+
+impl DenseLu {
+    /// Factorises.
+    ///
+    /// # Errors
+    /// When the matrix is singular or holds what is no number.
+    pub fn new(matrix: &DenseMatrix) -> Result<Self, FactoriseError> {
+        let factor = (matrix.rows > 0).then(|| PartialPivLu::new(matrix.view()));
+        if let Some(factor) = &factor {
+            let upper = factor.U();
+            let is_regular = |i: usize| upper[(i, i)] != 0.0 && upper[(i, i)].is_finite();
+            if !(0..matrix.rows).all(is_regular) {
+                return Err(FactoriseError::NotPositiveDefinite);
+            }
+        }
+        Ok(Self {
+            size: matrix.rows,
+            factor,
+        })
+    }
+
+    /// Solves in place.
+    pub fn solve(&self, right_hand_side: &mut [f64]) {
+        if let Some(factor) = &self.factor {
+            let right = MatMut::from_column_major_slice_mut(right_hand_side, self.size, 1);
+            factor.solve_in_place(right);
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -181,6 +217,19 @@ mod tests {
         for (value, exact) in y.iter().zip([1.0, -2.0, 3.0]) {
             assert!((value - exact).abs() < 1e-14);
         }
+    }
+
+    #[test]
+    fn an_unsymmetric_matrix_is_solved_and_a_singular_one_refused() {
+        let mut matrix = example();
+        *matrix.at_mut(0, 2) = -7.0;
+        let mut y = [0.0; 3];
+        matrix.multiply(&[1.0, -2.0, 3.0], &mut y);
+        DenseLu::new(&matrix).expect("regular").solve(&mut y);
+        for (value, exact) in y.iter().zip([1.0, -2.0, 3.0]) {
+            assert!((value - exact).abs() < 1e-14);
+        }
+        assert!(DenseLu::new(&DenseMatrix::zeros(2, 2)).is_err());
     }
 
     #[test]

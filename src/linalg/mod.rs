@@ -18,7 +18,7 @@ pub mod vector;
 pub mod workspace;
 
 pub use cholesky::SparseCholesky;
-pub use dense::{DenseCholesky, DenseMatrix};
+pub use dense::{DenseCholesky, DenseLu, DenseMatrix};
 pub use factorise_error::FactoriseError;
 pub use sparse::{SparseRows, SparseRowsBuilder};
 pub use symmetric::SymmetricMatrix;

@@ -37,6 +37,9 @@ pub(crate) struct Drive {
     pub(crate) load: f64,
     /// Pose of each obstacle, in the order of the plan.
     pub(crate) poses: Vec<ObstaclePose>,
+    /// Coefficient of friction of each obstacle, in the order of the plan; constant through
+    /// a step. Empty where no obstacle is rough.
+    pub(crate) friction: Vec<f64>,
     /// Prescribed components of each support; a normal component stands first.
     pub(crate) supports: Vec<[f64; 3]>,
     /// Rigid motion of each support, added to its components.
@@ -57,6 +60,10 @@ impl Drive {
                     ..ObstaclePose::default()
                 })
                 .collect(),
+            friction: match plan.has_friction() {
+                true => plan.obstacles.iter().map(|one| one.friction).collect(),
+                false => Vec::new(),
+            },
             supports: vec![[0.0; 3]; supports],
             motions: vec![RigidMotion::default(); supports],
         }
@@ -83,14 +90,19 @@ impl Drive {
     pub(crate) fn after(&self, plan: &Plan, step: &Step) -> Self {
         let mut end = self.clone();
         end.load = step.load.unwrap_or(end.load);
-        step.obstacles.iter().for_each(|one| end.pose(one));
+        step.obstacles.iter().for_each(|one| end.place(one));
         step.supports.iter().for_each(|one| end.hold(plan, one));
         end
     }
 
-    /// Sets the pose that a step names; what the step leaves out keeps its value.
-    fn pose(&mut self, target: &ObstacleTarget) {
-        if let Some(pose) = self.poses.iter_mut().find(|pose| pose.name == target.name) {
+    /// Sets the pose and the friction that a step names; what the step leaves out keeps
+    /// its value.
+    fn place(&mut self, target: &ObstacleTarget) {
+        let mut poses = self.poses.iter_mut().enumerate();
+        if let Some((index, pose)) = poses.find(|(_, pose)| pose.name == target.name) {
+            if let (Some(own), Some(new)) = (self.friction.get_mut(index), target.friction) {
+                *own = new;
+            }
             pose.translation = target.translation.unwrap_or(pose.translation);
             pose.rotation = target.rotation.unwrap_or(pose.rotation);
         }
@@ -182,6 +194,7 @@ impl Drive {
                     rotation: mix3(a.rotation, b.rotation),
                 })
                 .collect(),
+            friction: end.friction.clone(),
             supports: self
                 .supports
                 .iter()
@@ -242,6 +255,8 @@ mod tests {
                     radius: 1.0,
                 },
                 surface: crate::scene::SurfaceGeometry::default(),
+                friction: 0.0,
+                tresca: None,
             }],
             ..Scene::default()
         };
@@ -255,6 +270,7 @@ mod tests {
                 name: "ball".to_owned(),
                 translation: Some([1.0, 2.0, 3.0]),
                 rotation: None,
+                friction: None,
             }],
             supports: vec![SupportTarget {
                 name: "wall".to_owned(),
@@ -308,6 +324,7 @@ mod tests {
                 name: "ball".to_owned(),
                 translation: None,
                 rotation: Some([0.0, 0.0, turn]),
+                friction: None,
             }],
             supports: vec![SupportTarget {
                 name: "wall".to_owned(),

@@ -9,6 +9,7 @@
 
 use super::Model;
 use super::counters::timed;
+use super::friction::Law;
 use super::held::{mask, norm_of};
 use super::internal::internal;
 use super::joined::Joined;
@@ -19,7 +20,8 @@ use crate::inequality::QpScales;
 use crate::linalg::vector::{add_scaled, dot, norm, ratio};
 use crate::linalg::{LinearOperator, SparseRows, Workspace};
 use crate::report::{Residuals, Seconds};
-use crate::saddle::{ProductSet, SetPart, SetPoint};
+use crate::saddle::{AdmissibleSet, Cones, ProductSet, SetPart, SetPoint};
+use std::ops::Range;
 
 /// Residuals at a state.
 #[derive(Clone, Debug, Default)]
@@ -36,6 +38,8 @@ pub(crate) struct Evaluation {
     pub(crate) coupling: SparseRows,
     /// Where the multipliers may be, part by part in their order.
     pub(crate) sets: Vec<SetPart<'static>>,
+    /// Bounds of the tractions of friction; none without.
+    pub(crate) friction: Option<Law>,
     /// Norm of the external load on free rows, non-dimensional.
     pub(crate) load_norm: f64,
     /// Norm of the contact load on free rows, non-dimensional.
@@ -118,6 +122,13 @@ fn add_contact(model: &Model<'_>, state: &State, out: &mut Evaluation) {
         }
         joined.add(interface, part);
     }
+    if let Some(friction) = &model.interfaces.friction {
+        joined.add_friction(
+            friction,
+            friction.linearised(model, state, &model.prepared.is_held),
+        );
+        out.friction = Some(friction.law(model.plan, &state.drive));
+    }
     (out.gap, out.coupling) = joined.finish(state.displacement.len());
     if !model.admitted_penetration.is_empty() {
         add_scaled(&mut out.gap, 1.0, &model.admitted_penetration);
@@ -138,7 +149,32 @@ impl Evaluation {
 
     /// Where the contact pressures may be.
     pub(crate) fn contact_set(&self) -> ProductSet<'_> {
-        ProductSet::Parts(&self.sets)
+        let Some(law) = &self.friction else {
+            return ProductSet::Parts(&self.sets);
+        };
+        let cones = Cones {
+            normals: law.normals,
+            partners: &law.partners,
+            bounds: &law.bounds,
+            components: law.components,
+        };
+        let rough = law.normals + law.tractions();
+        ProductSet::Pair([
+            SetPart {
+                size: rough,
+                set: AdmissibleSet::Cones(cones),
+            },
+            SetPart {
+                size: self.gap.len() - rough,
+                set: AdmissibleSet::Free,
+            },
+        ])
+    }
+
+    /// Which multipliers are tractions of friction.
+    fn tractions(&self) -> Range<usize> {
+        let law = self.friction.as_ref();
+        law.map_or(0..0, |law| law.normals..law.normals + law.tractions())
     }
 
     /// Scale of the force residual: the largest load at hand. A prescribed
@@ -158,11 +194,12 @@ impl Evaluation {
         scales: &QpScales,
     ) -> Residuals {
         let pressure_norm = norm(&state.multiplier);
-        let products = self
-            .gap
-            .iter()
-            .zip(&state.multiplier)
-            .map(|(g, l)| (g * l).abs());
+        // Slip under traction is what friction is.
+        let tractions = self.tractions();
+        let pairs = self.gap.iter().zip(&state.multiplier).enumerate();
+        let products = pairs
+            .filter(|(index, _)| !tractions.contains(index))
+            .map(|(_, (g, l))| (g * l).abs());
         let negative = self.contact_set().violation(&state.multiplier);
         Residuals {
             equilibrium: ratio(norm(&self.force), self.force_scale(first_force)),

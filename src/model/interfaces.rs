@@ -17,9 +17,11 @@ use std::sync::Arc;
 
 use super::contact_moduli::contact_moduli;
 use super::drive::Drive;
+use super::friction::Friction;
 use super::state::State;
 use super::surface_metric::SurfaceMetric;
 use crate::contact::basis::Bernstein;
+use crate::contact::gap::Deformed;
 use crate::contact::patches::outward;
 use crate::contact::smooth::{sagittas, smooth_offsets};
 use crate::contact::surface::face_rule;
@@ -144,8 +146,6 @@ impl Interface {
 pub(crate) struct Interfaces {
     /// The interfaces, their multipliers one after the other.
     pub(crate) list: Vec<Interface>,
-    /// Number of multipliers of supports, behind those of obstacles.
-    guided: usize,
     /// Quadrature rule on the reference face, the same for all of them.
     pub(crate) rule: Rule,
     /// Where the multipliers may be, one part an interface, in their order.
@@ -154,6 +154,10 @@ pub(crate) struct Interfaces {
     pub(crate) metric: SurfaceMetric,
     /// Shear modulus where each multiplier acts; empty where all cells are alike.
     pub(crate) moduli: Vec<f64>,
+    /// Number of contact pressures of all obstacles, which come first.
+    normals: usize,
+    /// Tractions of rough obstacles; none where there are none.
+    pub(crate) friction: Option<Friction>,
 }
 
 impl Interfaces {
@@ -168,22 +172,36 @@ impl Interfaces {
         });
         let mut list: Vec<Interface> = contacts.chain(guides).collect();
         number_guides(plan, &mut list);
+        let rule = face_rule(plan.units.dimension);
+        let at_rest = vec![0.0; space.displacement_unknowns()];
+        let body = Deformed {
+            mesh,
+            scale: plan.units.coordinate_scale,
+            space,
+            displacement: &at_rest,
+            rule: &rule,
+        };
+        let friction = Friction::new(plan, &body, &list);
         let surfaces = list.iter().map(|one| (&one.multipliers[..], &one.surface));
         let surfaces: Vec<(&[u32], &ContactSurface)> = surfaces.collect();
+        let mut moduli = contact_moduli(plan, (mesh, space), &surfaces);
+        if let Some(friction) = friction.as_ref().filter(|_| !moduli.is_empty()) {
+            friction.take_over(&mut moduli);
+        }
         Self {
             sets: sets(plan),
             metric: SurfaceMetric::new(plan, mesh, &surfaces),
-            guided: plan.guided_multipliers,
-            moduli: contact_moduli(plan, (mesh, space), &surfaces),
+            normals: plan.normal_multipliers(),
+            moduli,
+            friction,
             list,
-            rule: face_rule(plan.units.dimension),
+            rule,
         }
     }
 
     /// Number of multipliers of obstacles that are at work.
     pub(crate) fn contacts_at_work(&self, state: &State) -> usize {
-        let contacts = state.status.len() - self.guided;
-        let status = state.status[..contacts].iter();
+        let status = state.status[..self.normals].iter();
         status.filter(|status| status.is_closed()).count()
     }
 
@@ -236,7 +254,7 @@ impl Interfaces {
 /// Half lines of contact, then lines of guides; what is not there is no part.
 fn sets(plan: &Plan) -> Vec<SetPart<'static>> {
     let guided = plan.guided_multipliers;
-    let contacts = plan.unknowns().contact as usize - guided;
+    let contacts = plan.normal_multipliers();
     let parts = [
         (contacts, AdmissibleSet::NonNegative),
         (guided, AdmissibleSet::Free),

@@ -2,6 +2,7 @@
 //! surfaces have common multipliers, one behind the other elsewhere. Cost: one pass over
 //! the entries.
 
+use super::friction::{Friction, Slips};
 use super::interfaces::Interface;
 use crate::contact::gap::Linearisation;
 use crate::contact::shares::add_equal_columns;
@@ -35,6 +36,15 @@ impl Joined {
                     add_equal_columns(others);
                 }
             }
+        }
+    }
+
+    /// Puts the slips of friction and their rows behind the pressures.
+    pub(crate) fn add_friction(&mut self, friction: &Friction, slips: Slips) {
+        let own = friction.first..friction.first + friction.size();
+        self.gap[own.clone()].copy_from_slice(&slips.slip);
+        for (row, slip) in self.rows[own].iter_mut().zip(slips.rows) {
+            *row = slip;
         }
     }
 

@@ -13,6 +13,7 @@ pub(crate) mod drive;
 pub(crate) mod ending;
 pub(crate) mod energy;
 pub(crate) mod evaluate;
+pub(crate) mod friction;
 pub(crate) mod held;
 pub(crate) mod interfaces;
 pub(crate) mod internal;
@@ -33,6 +34,7 @@ use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::prepare::TaylorHoodData;
 use drive::Drive;
+use friction::SlipStart;
 use interfaces::{Interface, Interfaces, Placed};
 use proximal::Proximal;
 
@@ -53,6 +55,8 @@ pub(crate) struct Model<'a> {
     /// Weighted penetration that is still let be while a body is pushed out of an
     /// obstacle `[multipliers]`; empty where none is.
     pub(crate) admitted_penetration: Arc<[f64]>,
+    /// Where the increment began, from where slip counts; none without friction.
+    pub(crate) slip_start: Option<Arc<SlipStart>>,
     /// What pulls the body back while it goes down its energy; none otherwise.
     pub(crate) proximal: Option<Proximal>,
     /// Bound on all four residuals; looser for a while where the discretisation sets

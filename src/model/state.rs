@@ -31,6 +31,37 @@ pub(crate) struct State {
     pub(crate) force_scale: f64,
     /// Weight of the volume term of rubber, in shear moduli; zero without it.
     pub(crate) penalty: f64,
+    /// What friction did in the last increment; empty without it.
+    pub(crate) slip: SlipState,
+}
+
+/// What friction did.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct SlipState {
+    /// Mean slip vector of the last increment at each point `[points * 3]`, in units of the
+    /// scaled body.
+    pub(crate) travel: Vec<f64>,
+    /// Energy that each obstacle's friction has dissipated in the last increment
+    /// `[obstacles]`, non-dimensional.
+    pub(crate) increment: Vec<f64>,
+    /// The same from the start `[obstacles]`.
+    pub(crate) total: Vec<f64>,
+}
+
+impl SlipState {
+    /// At rest.
+    fn undeformed(plan: &Plan) -> Self {
+        if !plan.has_friction() {
+            return Self::default();
+        }
+        let points = plan.tangential_multipliers / (plan.units.dimension - 1);
+        let obstacles = vec![0.0; plan.obstacles.len()];
+        Self {
+            travel: vec![0.0; 3 * points],
+            increment: obstacles.clone(),
+            total: obstacles,
+        }
+    }
 }
 
 impl State {
@@ -49,6 +80,7 @@ impl State {
                 true => plan.first_penalty(),
                 false => 0.0,
             },
+            slip: SlipState::undeformed(plan),
         }
     }
 
@@ -64,6 +96,7 @@ impl State {
     /// Bytes held.
     pub(crate) fn bytes(&self) -> u64 {
         let numbers = self.displacement.len() + self.pressure.len() + self.multiplier.len();
+        let numbers = numbers + self.slip.travel.len() + 2 * self.slip.total.len();
         (8 * numbers + self.status.len()) as u64
     }
 }

@@ -18,7 +18,6 @@ use crate::contact::gap::evaluate_gaps;
 use crate::linalg::Workspace;
 use crate::linalg::vector::add_scaled;
 use crate::model::Model;
-use crate::model::drive::Drive;
 use crate::model::evaluate::Evaluation;
 use crate::model::held::mask;
 use crate::model::state::State;
@@ -105,9 +104,9 @@ impl Tangent {
             work.give(vector);
         }
         if !moved.gap.is_empty() {
-            let mut displacement = state.displacement.clone();
-            add_scaled(&mut displacement, 1.0, motion);
-            moved.gap = gaps(model, &state.drive, &displacement);
+            let mut behind = state.clone();
+            add_scaled(&mut behind.displacement, 1.0, motion);
+            moved.gap = gaps(model, &behind);
             if !model.admitted_penetration.is_empty() {
                 add_scaled(&mut moved.gap, 1.0, &model.admitted_penetration);
             }
@@ -117,12 +116,17 @@ impl Tangent {
 }
 
 /// Weighted gaps of all multipliers.
-fn gaps(model: &Model<'_>, drive: &Drive, displacement: &[f64]) -> Vec<f64> {
-    let body = model.deformed(displacement);
+fn gaps(model: &Model<'_>, state: &State) -> Vec<f64> {
+    let body = model.deformed(&state.displacement);
     let mut gaps = vec![0.0; model.plan.unknowns().contact as usize];
-    for (interface, obstacle) in model.placed(drive) {
+    for (interface, obstacle) in model.placed(&state.drive) {
         let (own, _) = evaluate_gaps(&body, &interface.surface, &obstacle);
         interface.add_own(&own, &mut gaps);
+    }
+    if let Some(friction) = &model.interfaces.friction {
+        let frames = friction.frames(model, state);
+        let slips = friction.slips(&frames, model, state);
+        gaps[friction.first..friction.first + slips.len()].copy_from_slice(&slips);
     }
     gaps
 }

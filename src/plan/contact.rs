@@ -41,6 +41,8 @@ pub(crate) struct ContactSizes {
     /// Whether only one level serves: rigid modes that only contact holds, or an
     /// element that has no other.
     pub(crate) needs_one_level: bool,
+    /// Whether tractions of friction are among the multipliers.
+    pub(crate) is_rough: bool,
 }
 
 impl ContactSizes {
@@ -74,6 +76,9 @@ pub(crate) fn choose(
 ) -> Result<ContactChoice, Violation> {
     let asked = options.contact.named();
     let asked_metric = options.contact_metric.named();
+    if sizes.is_rough {
+        check_rough(asked, asked_metric)?;
+    }
     let method = asked.unwrap_or(ContactMethod::OneLevel);
     let metric = asked_metric.unwrap_or(method.natural_metric());
     let is_free =
@@ -126,6 +131,24 @@ pub(crate) fn choose(
     })
 }
 
+/// Friction is solved on one level in the compliance only.
+///
+/// # Errors
+/// For any other method or metric.
+fn check_rough(method: Option<ContactMethod>, metric: Option<MetricKind>) -> Result<(), Violation> {
+    let path = match (method, metric) {
+        (None | Some(ContactMethod::OneLevel), None | Some(MetricKind::Compliance)) => {
+            return Ok(());
+        }
+        (None | Some(ContactMethod::OneLevel), Some(_)) => "solver.contact_metric",
+        (Some(_), _) => "solver.contact",
+    };
+    Err(Violation {
+        path: path.to_owned(),
+        message: "friction is solved by `one-level` in the metric `compliance` only".to_owned(),
+    })
+}
+
 /// Why a choice that the scene made, in whole or in part, is what it is.
 fn reason(asked: Option<ContactMethod>, metric: Option<MetricKind>) -> String {
     match (asked, metric) {
@@ -171,6 +194,7 @@ mod tests {
             vertices: multipliers,
             factor_flops: 1e10,
             needs_one_level: false,
+            is_rough: false,
         }
     }
 

@@ -29,8 +29,8 @@ use crate::mesh::{Mesh, MeshId};
 use crate::report::Unknowns;
 use crate::scene::validate::{Resolved, ResolvedObstacle, build, resolve};
 use crate::scene::{
-    ContactSpace, DisplacementMethod, ElementKind, MetricKind, Named, Scene, SceneError, SceneKind,
-    Step, Violation,
+    ContactSpace, DisplacementMethod, ElementKind, MetricKind, Named, ObstacleTarget, Scene,
+    SceneError, SceneKind, Step, Violation,
 };
 use crate::space::TaylorHood;
 
@@ -79,6 +79,8 @@ pub struct Plan {
     pub(crate) contact_space: ContactSpace,
     /// Functions and multipliers of each obstacle's surface.
     pub(crate) contact_layouts: Vec<ContactLayout>,
+    /// Tractions of friction, behind the pressures of all obstacles.
+    pub(crate) tangential_multipliers: usize,
     /// Multipliers of supports that hold their normal component, behind those of
     /// obstacles.
     pub(crate) guided_multipliers: usize,
@@ -118,7 +120,8 @@ impl Plan {
         let (resolved, obstacles) = resolve(scene, steps, mesh)?;
         chooser::check(&scene.solver)?;
         let units = usable_units(scene, &resolved, mesh)?;
-        let obstacles = build(obstacles, units.length)?;
+        let mut obstacles = build(obstacles, units.length)?;
+        roughen(&mut obstacles, steps);
         let space = TaylorHood::new(mesh);
         let element = element::choose(scene.solver.element);
         let contact_space = contact_space(scene, element);
@@ -129,10 +132,14 @@ impl Plan {
             held: &held,
         };
         let surfaces = Surfaces::of(body, &obstacles, &resolved, contact_space);
+        let tangential = tangential_multipliers(&obstacles, &surfaces.layouts, units.dimension);
         let unknowns = Unknowns {
-            contact: (surfaces.contacts + surfaces.guided) as u64,
+            contact: (surfaces.contacts + tangential + surfaces.guided) as u64,
             ..element.unknowns(mesh, &resolved)
         };
+        if tangential > 0 {
+            check_rough(scene, element)?;
+        }
         let sizes = ContactSizes {
             dimension: units.dimension as u64,
             multipliers: unknowns.contact,
@@ -140,7 +147,9 @@ impl Plan {
             factor_flops: estimate::factor(units.dimension, space.vertices as u64).1,
             needs_one_level: !resolved.free_modes.is_empty()
                 || surfaces.guided > 0
+                || tangential > 0
                 || !matches!(element, ElementKind::TaylorHood),
+            is_rough: tangential > 0,
         };
         let contact = contact::choose(&scene.solver, sizes).map_err(SceneError::Unsupported)?;
         let contact_vertices = match contact.metric {
@@ -170,6 +179,7 @@ impl Plan {
             held,
             contact_space,
             contact_layouts: surfaces.layouts,
+            tangential_multipliers: tangential,
             guided_multipliers: surfaces.guided,
             contact,
             contact_vertices,
@@ -180,7 +190,7 @@ impl Plan {
             saddle,
             programs: Programs::AsPlanned,
             stability: stability::choose(
-                scene.solver.stability.named(),
+                (scene.solver.stability.named(), tangential > 0),
                 estimate::saddle_factor(units.dimension, unknowns).1,
             ),
             settings: Settings::new(&scene.solver),
@@ -201,9 +211,42 @@ impl Plan {
 
     /// Whether multipliers of quadratic functions are there.
     pub(crate) fn has_quadratic_multipliers(&self) -> bool {
-        let contacts = self.unknowns.contact as usize - self.guided_multipliers;
+        let contacts = self.normal_multipliers();
         let is_quadratic = self.contact_space == ContactSpace::Quadratic;
         self.guided_multipliers > 0 || (is_quadratic && contacts > 0)
+    }
+
+    /// Number of contact pressures of all obstacles, which come first among the multipliers.
+    pub(crate) fn normal_multipliers(&self) -> usize {
+        let others = self.tangential_multipliers + self.guided_multipliers;
+        self.unknowns.contact as usize - others
+    }
+
+    /// Whether there is friction on some obstacle.
+    pub(crate) fn has_friction(&self) -> bool {
+        self.tangential_multipliers > 0
+    }
+
+    /// Refuses friction on an obstacle that has none in the scene and its steps: tractions
+    /// have multipliers from the start or never.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] with the key.
+    pub(crate) fn check_friction(&self, step: &Step) -> Result<(), SceneError> {
+        let is_smooth = |target: &&ObstacleTarget| {
+            let mut obstacles = self.obstacles.iter();
+            let named = obstacles.find(|one| one.name == target.name);
+            target.friction.is_some_and(|value| value > 0.0)
+                && named.is_some_and(|obstacle| !obstacle.is_rough)
+        };
+        match step.obstacles.iter().find(is_smooth) {
+            None => Ok(()),
+            Some(target) => Err(SceneError::Invalid(vec![Violation {
+                path: format!("step.obstacle.{}.friction", target.name),
+                message: "the obstacle was made without friction: give it some in the scene"
+                    .to_owned(),
+            }])),
+        }
     }
 
     /// Unknowns by kind.
@@ -266,6 +309,11 @@ impl Plan {
         if self.has_quadratic_multipliers() {
             hash.update(self.contact_space.name());
         }
+        for obstacle in self.obstacles.iter().filter(|obstacle| obstacle.is_rough) {
+            hash.update(b"rough");
+            let facets = obstacle.facets.iter();
+            facets.for_each(|facet| hash.update(facet.to_le_bytes()));
+        }
         let supports = self.resolved.supports.iter();
         for patch in supports.flat_map(|support| &support.patches) {
             hash.update(b"guided");
@@ -293,6 +341,47 @@ impl Plan {
     pub(crate) fn is_floating(&self) -> bool {
         !self.resolved.free_modes.is_empty()
     }
+}
+
+/// Gives obstacles friction to which some step gives it.
+fn roughen(obstacles: &mut [ResolvedObstacle], steps: &[Step]) {
+    let targets = steps.iter().flat_map(|step| &step.obstacles);
+    for target in targets.filter(|target| target.friction.is_some_and(|value| value > 0.0)) {
+        let mut named = obstacles.iter_mut().filter(|one| one.name == target.name);
+        if let Some(obstacle) = named.next() {
+            obstacle.is_rough = true;
+        }
+    }
+}
+
+/// Refuses what does not know friction.
+///
+/// # Errors
+/// [`SceneError::Unsupported`] with the key.
+fn check_rough(scene: &Scene, element: ElementKind) -> Result<(), SceneError> {
+    let (path, message) = match (element, scene.solver.verify) {
+        (ElementKind::TaylorHood, false) => return Ok(()),
+        (ElementKind::TaylorHood, true) => {
+            ("solver.verify", "the verification knows no friction yet")
+        }
+        _ => ("solver.element", "friction comes with `taylor-hood` only"),
+    };
+    Err(SceneError::Unsupported(Violation {
+        path: path.to_owned(),
+        message: message.to_owned(),
+    }))
+}
+
+/// Number of tractions of friction: one or two at each multiplier of a rough obstacle.
+fn tangential_multipliers(
+    obstacles: &[ResolvedObstacle],
+    layouts: &[ContactLayout],
+    dimension: usize,
+) -> usize {
+    let pairs = obstacles.iter().zip(layouts);
+    let rough = pairs.filter(|(obstacle, _)| obstacle.is_rough);
+    let points: usize = rough.map(|(_, layout)| layout.multipliers.len()).sum();
+    points * (dimension - 1)
 }
 
 /// The units of a scene.

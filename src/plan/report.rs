@@ -187,7 +187,12 @@ impl Plan {
         } else if self.contact.metric != MetricKind::Compliance {
             push("contact compliance", "the metric is another");
         }
-        push("friction multipliers", "no friction");
+        if self.obstacles.len() > 1 && self.has_friction() {
+            let smooth = self.obstacles.iter().filter(|one| !one.is_rough);
+            for obstacle in smooth {
+                push(&format!("friction of {}", obstacle.name), "it has none");
+            }
+        }
         if !self.resolved.is_nonlinear() {
             push(
                 "reassembly and refactorisation",

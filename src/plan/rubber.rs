@@ -22,6 +22,9 @@ const DEGREE_ABOUT_AXIS: u32 = 4;
 /// the others, and ten directions forget them (mr-sphere l2: 312 applications in
 /// the last increment instead of 228).
 const KEPT_DIRECTIONS: usize = 40;
+/// The same where tractions follow pressures: the system is not symmetric, and truncation
+/// costs it more.
+const KEPT_WITH_FRICTION: usize = 50;
 
 /// Weights of the volume term where an equilibrium is lost without it, in units of
 /// the shear modulus: the first, and more up to the pressure (decision 22).
@@ -35,9 +38,10 @@ const CELL_TANGENT_BYTES: u64 = 400;
 impl Plan {
     /// No more Krylov directions than the body makes use of.
     pub(crate) fn directions(&self) -> Directions {
-        match self.resolved.is_rubber() {
-            true => Directions::keeping(KEPT_DIRECTIONS),
-            false => Directions::default(),
+        match (self.has_friction(), self.resolved.is_rubber()) {
+            (true, _) => Directions::keeping(KEPT_WITH_FRICTION),
+            (false, true) => Directions::keeping(KEPT_DIRECTIONS),
+            (false, false) => Directions::default(),
         }
     }
 

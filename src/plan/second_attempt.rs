@@ -32,7 +32,7 @@ impl Plan {
 
     /// Whether a rung is there and other than what the plan does anyhow.
     fn has_rung(&self, rung: Fallback) -> bool {
-        let contacts = self.unknowns.contact as usize - self.guided_multipliers;
+        let contacts = self.normal_multipliers();
         let takes_turns = contacts > 0
             && !self.resolved.is_rubber()
             && !self.is_floating()
@@ -65,6 +65,7 @@ impl Plan {
     fn leaves_methods_open(&self) -> bool {
         let options = &self.scene.solver;
         self.element == ElementKind::TaylorHood
+            && !self.has_friction()
             && options.contact.named().is_none()
             && options.contact_metric.named().is_none()
             && options.saddle.named().is_none()
@@ -79,6 +80,7 @@ impl Plan {
             vertices: self.contact_vertices.len() as u64,
             factor_flops: 0.0,
             needs_one_level: false,
+            is_rough: self.has_friction(),
         }
     }
 

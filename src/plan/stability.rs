@@ -18,8 +18,17 @@ pub(crate) struct StabilityChoice {
 }
 
 /// The check that the scene names, or the one that its size asks for.
-pub(super) fn choose(named: Option<StabilityCheck>, flops: f64) -> StabilityChoice {
+///
+/// Friction has no energy whose minimum an equilibrium could be: nothing is certified.
+pub(super) fn choose(
+    (named, is_rough): (Option<StabilityCheck>, bool),
+    flops: f64,
+) -> StabilityChoice {
     match named {
+        _ if is_rough => StabilityChoice {
+            check: StabilityCheck::Off,
+            reason: "friction has no energy",
+        },
         Some(check) => StabilityChoice {
             check,
             reason: "asked for",

@@ -74,6 +74,8 @@ fn with_floor(mut scene: Scene) -> Scene {
             normal: [0.0, 0.0, 1.0],
         },
         surface: crate::scene::SurfaceGeometry::default(),
+        friction: 0.0,
+        tresca: None,
     }];
     scene
 }

@@ -6,6 +6,8 @@
 //! both. Several directions of a vertex are made orthogonal. Cost: some 100 flops a
 //! facet.
 
+use std::collections::HashSet;
+
 use super::bodies::P1Body;
 use crate::contact::patches::smooth_patches;
 use crate::contact::surface::vertex_normals;
@@ -41,9 +43,15 @@ impl TraceDirections {
                 .map(|own| normals(plan, body, own))
                 .collect(),
         };
+        let rough = rough_vertices(plan, body.mesh);
         let mut traces = Self::default();
         for (index, &vertex) in plan.contact_vertices.iter().enumerate() {
-            let apart = apart(own.iter().map(|normals| normals[index]));
+            let mut apart = apart(own.iter().map(|normals| normals[index]));
+            if rough.contains(&vertex) {
+                // Tractions act in all directions.
+                apart.insert(0, means[index]);
+                apart.extend([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
+            }
             match apart.len() {
                 0 | 1 => traces.push(body, vertex, means[index]),
                 _ => traces.push_several(body, vertex, &apart),
@@ -79,6 +87,14 @@ impl TraceDirections {
     pub(crate) fn bytes(&self) -> u64 {
         24 * self.directions.len() as u64 + 4 * self.vertices.len() as u64
     }
+}
+
+/// Vertices that may touch rough obstacles.
+fn rough_vertices(plan: &Plan, mesh: &Mesh) -> HashSet<u32> {
+    let rough = plan.obstacles.iter().filter(|obstacle| obstacle.is_rough);
+    let facets = rough.flat_map(|obstacle| &obstacle.facets);
+    let corners = facets.flat_map(|&facet| mesh.facet(facet as usize));
+    corners.copied().collect()
 }
 
 /// The surfaces whose normals may differ at a vertex: quadratic functions are told

@@ -24,11 +24,17 @@ pub enum FieldName {
     /// `[cells, 1]`: the cell's part of [`super::StepReport::error_estimate`], whose
     /// square is the sum of the parts' squares.
     ErrorEstimate,
+    /// `[vertices, 3]`: traction of friction per undeformed area, zero off rough obstacles;
+    /// absent without friction.
+    FrictionTraction,
+    /// `[vertices, 3]`: slip against the obstacle in the last increment, a length, zero where
+    /// nothing presses; absent without friction.
+    Slip,
 }
 
 impl FieldName {
     /// Every field, in the order of the documentation.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Displacement,
         Self::Pressure,
         Self::ContactPressure,
@@ -38,6 +44,8 @@ impl FieldName {
         Self::Jacobian,
         Self::ErrorEstimate,
         Self::ContactPressureDeformed,
+        Self::FrictionTraction,
+        Self::Slip,
     ];
 
     /// The name used in scenes, on the wire and in VTU files.
@@ -52,6 +60,8 @@ impl FieldName {
             Self::Jacobian => "jacobian",
             Self::ErrorEstimate => "error_estimate",
             Self::ContactPressureDeformed => "contact_pressure_deformed",
+            Self::FrictionTraction => "friction_traction",
+            Self::Slip => "slip",
         }
     }
 

@@ -10,6 +10,7 @@ use crate::model::values::gradient_at;
 use crate::report::{FieldData, FieldName};
 use crate::results::estimate::cell_estimates;
 use crate::results::finite_strain;
+use crate::results::friction::{friction_traction, slip};
 use crate::results::touching::Touching;
 
 /// The field `name`; none if the scene has no such field.
@@ -31,6 +32,8 @@ pub(crate) fn field(model: &Model<'_>, state: &State, name: FieldName) -> Option
         {
             return None;
         }
+        FieldName::FrictionTraction => (3, friction_traction(model, state)?),
+        FieldName::Slip => (3, slip(model, state)?),
         FieldName::ContactPressure => (1, Touching::of(model, state).pressure()),
         FieldName::Gap => (1, Touching::of(model, state).gap()),
         FieldName::ContactState => (1, Touching::of(model, state).contact_state()),

@@ -9,6 +9,7 @@ pub(crate) mod errors;
 pub(crate) mod estimate;
 pub(crate) mod fields;
 pub(crate) mod finite_strain;
+pub(crate) mod friction;
 pub(crate) mod geometry_error;
 pub(crate) mod step;
 pub(crate) mod touching;

@@ -29,6 +29,7 @@ use crate::report::{ObstacleResult, ProbeResult, StepReport, SupportResult, Term
 use crate::results::errors::manufactured_errors;
 use crate::results::estimate::{estimate, force_error};
 use crate::results::finite_strain::{deformed_pressure, jacobian_bound};
+use crate::results::friction::add_friction;
 use crate::results::geometry_error::geometry_error;
 use crate::results::touching::Touching;
 
@@ -130,13 +131,15 @@ fn obstacles(
     let touching = Touching::of(model, state);
     let places = model.interfaces.list.iter().enumerate();
     let places: BTreeMap<&str, usize> = places.map(|(at, one)| (&*one.name, at)).collect();
-    touching.results(|interface, found, result| {
+    let mut results = touching.results(|interface, found, result| {
         result.force_error =
             estimated.map(|estimate| force_error(model, interface, found, estimate) * force_unit);
         result.geometry_error = geometry_error(model, state, interface);
         let own = deformed.as_ref().map(|all| &all[places[&*interface.name]]);
         result.max_pressure_deformed = own.map(|own| interface.surface.largest(own));
-    })
+    });
+    add_friction(model, state, &mut results);
+    results
 }
 
 /// Reactions: internal force plus contact minus load at held unknowns, given
@@ -189,6 +192,9 @@ fn add_contact_force(model: &Model<'_>, state: &State, force: &mut [f64]) {
     let mut joined = Joined::new(state.multiplier.len());
     for (interface, met) in model.placed(&state.drive) {
         joined.add(interface, linearise(&body, &interface.surface, &met, &free));
+    }
+    if let Some(friction) = &model.interfaces.friction {
+        joined.add_friction(friction, friction.linearised(model, state, &free));
     }
     let mut contact = vec![0.0; force.len()];
     let (_, coupling) = joined.finish(force.len());

@@ -110,8 +110,7 @@ impl<'a> Touching<'a> {
             max_pressure: found.max_pressure * units.stress,
             max_pressure_deformed: None,
             centre_of_pressure: found.centre.map(|x| x * units.length),
-            stick_vertices: 0,
-            slip_vertices: 0,
+            ..ObstacleResult::default()
         }
     }
 

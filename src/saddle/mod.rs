@@ -23,8 +23,8 @@ use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
 pub use block::{EqualityBlock, Metric, MultiplierBlock, SharedMode};
 pub use set::{
-    Admissible, AdmissibleSet, Components, Discs, Kind, PairProblem, PointSet, ProductSet, SetPart,
-    SetPoint, Status,
+    Admissible, AdmissibleSet, Components, Cones, Discs, FrictionBound, Kind, PairProblem,
+    PointSet, ProductSet, SetPart, SetPoint, Status,
 };
 
 /// A block step that preconditions a flexible method.

@@ -105,6 +105,11 @@ pub struct Obstacle {
     pub shape: Shape,
     /// Which surface of the body meets it.
     pub surface: SurfaceGeometry,
+    /// Coefficient of Coulomb friction, at least zero.
+    pub friction: f64,
+    /// Largest traction of friction where there is pressure, in place of Coulomb's bound:
+    /// force per undeformed area.
+    pub tresca: Option<f64>,
 }
 
 /// The surface of the body that meets an obstacle.

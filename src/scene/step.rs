@@ -12,6 +12,8 @@ pub struct ObstacleTarget {
     pub translation: Option<[f64; 3]>,
     /// Rotation vector about the reference point `[3]`, radians.
     pub rotation: Option<[f64; 3]>,
+    /// Coefficient of friction from the first increment of the step on.
+    pub friction: Option<f64>,
 }
 
 /// What one support shall prescribe at the end of a step.

@@ -20,7 +20,7 @@ use sha2::{Digest, Sha256};
 
 use crate::assembly::simd::InstructionSet;
 use crate::model::drive::Drive;
-use crate::model::state::State;
+use crate::model::state::{SlipState, State};
 use crate::plan::Plan;
 
 use bytes::{Fields, Reader, Writer};
@@ -169,7 +169,18 @@ fn visit_state<E>(state: &mut State, fields: &mut impl Fields<Error = E>) -> Res
     fields.magnitude("scale of the constraint", &mut scales.constraint)?;
     fields.magnitude("scale of the gap", &mut scales.gap)?;
     fields.magnitude("scale of the force", &mut state.force_scale)?;
-    fields.magnitude("penalty", &mut state.penalty)
+    fields.magnitude("penalty", &mut state.penalty)?;
+    match state.slip.total.is_empty() {
+        true => Ok(()),
+        false => visit_slip(&mut state.slip, fields),
+    }
+}
+
+/// What friction did, in scenes that have it.
+fn visit_slip<E>(slip: &mut SlipState, fields: &mut impl Fields<Error = E>) -> Result<(), E> {
+    fields.numbers("slip", &mut slip.travel)?;
+    fields.numbers("dissipated energy of the increment", &mut slip.increment)?;
+    fields.numbers("dissipated energy", &mut slip.total)
 }
 
 fn visit_drive<E>(drive: &mut Drive, fields: &mut impl Fields<Error = E>) -> Result<(), E> {
@@ -179,6 +190,9 @@ fn visit_drive<E>(drive: &mut Drive, fields: &mut impl Fields<Error = E>) -> Res
         fields.name("obstacle", &pose.name)?;
         fields.numbers("translation of an obstacle", &mut pose.translation)?;
         fields.numbers("rotation of an obstacle", &mut pose.rotation)?;
+    }
+    if !drive.friction.is_empty() {
+        fields.numbers("friction", &mut drive.friction)?;
     }
     fields.numbers("supports", drive.supports.as_flattened_mut())?;
     fields.length("motions", drive.motions.len())?;

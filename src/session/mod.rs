@@ -168,7 +168,8 @@ impl Session {
     /// # Errors
     /// [`SceneError`] with the path of every faulty key.
     pub fn check_step(&self, step: &Step) -> Result<(), SceneError> {
-        check_step(self.plan().scene(), step, self.body.mesh())
+        check_step(self.plan().scene(), step, self.body.mesh())?;
+        self.plan().check_friction(step)
     }
 
     /// Starts a step; [`Session::advance`] then does its increments.

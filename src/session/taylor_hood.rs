@@ -9,6 +9,7 @@ use super::body::{Advanced, Body, Increment, Shared};
 use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::model::drive::Drive;
+use crate::model::friction::{SlipStart, note_slip};
 use crate::model::interfaces::Interfaces;
 use crate::model::loads::reference_load;
 use crate::model::state::State;
@@ -59,6 +60,7 @@ impl TaylorHoodBody {
             interfaces: &self.interfaces,
             load: &self.load,
             admitted_penetration: [].into(),
+            slip_start: None,
             proximal: None,
             tolerance: self.plan.settings.tolerance,
         }
@@ -97,6 +99,9 @@ impl Body for TaylorHoodBody {
             retry: Retry::Parts,
             by_factor: false,
         };
+        if self.interfaces.friction.is_some() {
+            run.model.slip_start = Some(SlipStart::at(before).into());
+        }
         let (mut ending, part) = climb(&mut run, goal, before);
         if ending.is_stopped() {
             if part == 0.0 {
@@ -104,6 +109,7 @@ impl Body for TaylorHoodBody {
             }
             increment::describe(&mut run, &mut ending);
         }
+        note_slip(&run.model, run.state);
         Advanced {
             ending,
             part,

@@ -160,7 +160,8 @@ pub(crate) fn expected_contact_norm(
         .iter_mut()
         .zip(&now.gap)
         .for_each(|(q, gap)| *q = gap - *q);
-    match dense_cone::solve(metric, &linear, now.contact_set(), &state.status) {
+    let near = (&state.status[..], &state.multiplier[..]);
+    match dense_cone::solve(metric, &linear, now.contact_set(), near) {
         Ok(solution) => contact_norm(&solution.values, now, state, work),
         Err(_) => 0.0,
     }

@@ -43,7 +43,7 @@ pub(crate) fn verify(model: &Model<'_>, state: &State, ending: &Ending) -> Resid
         .zip(&scaled_pressure)
         .map(|(g, l)| (g * l).abs())
         .sum();
-    let contacts = scaled_pressure.len() - model.plan.guided_multipliers;
+    let contacts = model.plan.normal_multipliers();
     let one_sided = scaled_pressure[..contacts].iter();
     let negative: Vec<f64> = one_sided.map(|l| l.min(0.0)).collect();
     let pressure_norm = norm(&scaled_pressure);

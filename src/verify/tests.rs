@@ -77,6 +77,7 @@ impl Body {
 
     fn model(&self) -> Model<'_> {
         Model {
+            slip_start: None,
             plan: &self.plan,
             mesh: &self.mesh,
             prepared: &self.prepared,

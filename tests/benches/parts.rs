@@ -312,7 +312,8 @@ fn dense(notebook: &mut Notebook) {
             set: AdmissibleSet::NonNegative,
         });
         notebook.measure(&format!("dense QP of {count}"), "any", 1, count, || {
-            let _solved = dense_cone::solve(&matrix, &linear, set, &guess).ok();
+            let _solved =
+                dense_cone::solve(&matrix, &linear, set, (&guess, &vec![0.0; guess.len()])).ok();
         });
     }
 }

@@ -118,6 +118,7 @@ fn step(table: &Table) -> Step {
         name: name.clone(),
         translation: Some(vector(&value["translation"])),
         rotation: None,
+        friction: None,
     };
     Step {
         increments: u32::try_from(increments).expect("a small count"),

@@ -84,6 +84,8 @@ pub(crate) fn obstacle(name: &str, on: &str, shape: Shape) -> Obstacle {
         on: vec![on.to_owned()],
         shape,
         surface: SurfaceGeometry::default(),
+        friction: 0.0,
+        tresca: None,
     }
 }
 
@@ -94,6 +96,7 @@ pub(crate) fn push(name: &str, translation: [f64; 3]) -> Step {
             name: name.to_owned(),
             translation: Some(translation),
             rotation: None,
+            friction: None,
         }],
         ..Step::default()
     }

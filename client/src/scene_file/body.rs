@@ -31,6 +31,8 @@ pub(crate) const FIELDS: &[(&str, v1::FieldName)] = &[
         "contact_pressure_deformed",
         v1::FieldName::ContactPressureDeformed,
     ),
+    ("friction_traction", v1::FieldName::FrictionTraction),
+    ("slip", v1::FieldName::Slip),
 ];
 
 type ReadModel = fn(&Keys<'_>) -> Option<Model>;

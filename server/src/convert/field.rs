@@ -132,6 +132,8 @@ pub(crate) fn name(field: FieldName) -> wire::FieldName {
         FieldName::Jacobian => wire::FieldName::Jacobian,
         FieldName::ErrorEstimate => wire::FieldName::ErrorEstimate,
         FieldName::ContactPressureDeformed => wire::FieldName::ContactPressureDeformed,
+        FieldName::FrictionTraction => wire::FieldName::FrictionTraction,
+        FieldName::Slip => wire::FieldName::Slip,
     }
 }
 

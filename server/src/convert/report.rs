@@ -213,6 +213,12 @@ fn obstacle(value: ObstacleResult) -> wire::ObstacleResult {
         centre_of_pressure: value.centre_of_pressure.to_vec(),
         stick_vertices: narrow(value.stick_vertices),
         slip_vertices: narrow(value.slip_vertices),
+        open_vertices: narrow(value.open_vertices),
+        max_slip: value.max_slip,
+        stick_margin: value.stick_margin,
+        tangential_force: value.tangential_force.to_vec(),
+        dissipated_energy: value.dissipated_energy,
+        dissipated_total: value.dissipated_total,
     }
 }
 

@@ -192,14 +192,13 @@ fn pressure(message: wire::Pressure, index: usize, faults: &mut Faults) -> Press
 
 fn obstacle(message: wire::Obstacle, index: usize, faults: &mut Faults) -> Obstacle {
     let path = named("obstacle", &message.name, index);
-    let friction = message.friction.filter(|value| *value != 0.0);
-    faults.later_if(friction, &path, "friction");
-    faults.later_if(message.tresca, &path, "tresca");
     Obstacle {
         name: faults.name(&message.name, &path),
         on: surfaces(message.on, &path, faults),
         shape: shape::shape(message.shape, &format!("{path}.shape"), faults),
         surface: shape::surface(message.surface, &path, faults),
+        friction: message.friction.unwrap_or(0.0),
+        tresca: message.tresca,
     }
 }
 

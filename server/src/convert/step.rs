@@ -114,11 +114,11 @@ fn increments(number: Option<i32>, path: &str, faults: &mut Faults) -> u32 {
 fn obstacle(target: &wire::ObstacleTarget, path: &str, faults: &mut Faults) -> ObstacleTarget {
     faults.later_if(target.force, path, "force");
     faults.later_if(target.moment, path, "moment");
-    faults.later_if(target.friction, path, "friction");
     ObstacleTarget {
         name: faults.name(&target.name, path),
         translation: faults.optional_vector(&target.translation, &format!("{path}.translation")),
         rotation: faults.optional_vector(&target.rotation, &format!("{path}.rotation")),
+        friction: target.friction,
     }
 }
 

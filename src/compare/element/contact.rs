@@ -140,7 +140,9 @@ impl EnrichedBody {
             | FieldName::Stress
             | FieldName::Jacobian
             | FieldName::ErrorEstimate
-            | FieldName::ContactPressureDeformed => None,
+            | FieldName::ContactPressureDeformed
+            | FieldName::FrictionTraction
+            | FieldName::Slip => None,
         }
     }
 }

@@ -148,7 +148,9 @@ impl EnrichedBody {
             }
             // The recovery knows the shape functions of Taylor-Hood only.
             FieldName::ErrorEstimate => return None,
-            FieldName::ContactPressureDeformed => return None,
+            FieldName::ContactPressureDeformed | FieldName::FrictionTraction | FieldName::Slip => {
+                return None;
+            }
             FieldName::ContactPressure | FieldName::Gap | FieldName::ContactState => {
                 (1, self.contact_field(state, name)?)
             }

@@ -33,7 +33,7 @@ impl Pivots {
             match set.kind() {
                 Kind::Line => closed[range].fill(true),
                 Kind::HalfLine => signed[range].fill(true),
-                Kind::Points(_) => closed[range].fill(false),
+                Kind::Points(_) | Kind::Cones(_) => closed[range].fill(false),
             }
         }
         Self { closed, signed }

@@ -122,5 +122,9 @@ fn solution(problem: &DenseProblem<'_>, pivots: &Pivots, values: Vec<f64>) -> De
             set.status(&values[range.clone()], &mut status[range]);
         }
     }
-    DenseSolution { values, status }
+    DenseSolution {
+        values,
+        status,
+        slip: Vec::new(),
+    }
 }

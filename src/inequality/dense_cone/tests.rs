@@ -3,7 +3,7 @@
 use super::*;
 use crate::linalg::DenseMatrix;
 use crate::linalg::vector::largest;
-use crate::saddle::{AdmissibleSet, Components, Discs, SetPart, SetPoint};
+use crate::saddle::{AdmissibleSet, Components, Cones, Discs, FrictionBound, SetPart, SetPoint};
 use proptest::prelude::*;
 
 const SIZE: usize = 9;
@@ -44,7 +44,7 @@ proptest! {
     ) {
         let matrix = positive_definite(&entries, 6);
         let set = ProductSet::Uniform(part(6, AdmissibleSet::NonNegative));
-        let solution = solve(&matrix, &linear, set, &closed(&guess)).expect("positive definite");
+        let solution = solve(&matrix, &linear, set, (&closed(&guess), &vec![0.0; linear.len()])).expect("positive definite");
         let slope = slope(&matrix, &linear, &solution.values);
         for i in 0..6 {
             let s = slope[i];
@@ -63,7 +63,7 @@ proptest! {
         let matrix = positive_definite(&entries, 6);
         let parts = [part(2, AdmissibleSet::NonNegative), part(4, AdmissibleSet::Free)];
         let set = ProductSet::Parts(&parts);
-        let solution = solve(&matrix, &linear, set, &closed(&guess)).expect("positive definite");
+        let solution = solve(&matrix, &linear, set, (&closed(&guess), &vec![0.0; linear.len()])).expect("positive definite");
         let slope = slope(&matrix, &linear, &solution.values);
         for i in 0..2 {
             prop_assert!(solution.values[i] >= -1e-10 && slope[i] >= -1e-10);
@@ -94,7 +94,7 @@ proptest! {
         let set = ProductSet::Parts(&parts);
         let matrix = positive_definite(&entries, SIZE);
         let guess = [Status::Open; SIZE];
-        let solution = solve(&matrix, &linear, set, &guess).expect("positive definite");
+        let solution = solve(&matrix, &linear, set, (&guess, &[0.0; SIZE])).expect("positive definite");
         let slope = slope(&matrix, &linear, &solution.values);
         let mut back = solution.values.clone();
         back.iter_mut().zip(&slope).for_each(|(x, s)| *x -= s);
@@ -117,6 +117,90 @@ fn an_indefinite_matrix_is_a_typed_failure() {
     let mut matrix = DenseMatrix::zeros(1, 1);
     *matrix.at_mut(0, 0) = -1.0;
     let set = ProductSet::Uniform(part(1, AdmissibleSet::Free));
-    let failed = solve(&matrix, &[1.0], set, &[Status::Stick]);
+    let failed = solve(&matrix, &[1.0], set, (&[Status::Stick], &[0.0]));
     assert!(matches!(failed, Err(DenseConeError::Factorise(_))));
+}
+
+/// Of pressures, then tractions of two numbers a point, then a support.
+fn rough(partners: &[u32], bounds: &[FrictionBound]) -> [SetPart<'static>; 2] {
+    let cones = Cones {
+        normals: 3,
+        partners: partners.to_vec().leak(),
+        bounds: bounds.to_vec().leak(),
+        components: Components::Two,
+    };
+    [
+        part(7, AdmissibleSet::Cones(cones)),
+        part(2, AdmissibleSet::Free),
+    ]
+}
+
+proptest! {
+    /// Pressures push and leave, tractions stick or slip against their slip, on the disc
+    /// that their pressure allows.
+    #[test]
+    fn friction_follows_coulombs_law(
+        entries in proptest::collection::vec(-1.0..1.0_f64, SIZE * SIZE),
+        linear in proptest::collection::vec(-1.0..1.0_f64, SIZE),
+        friction in 0.0..0.6_f64,
+        guess in proptest::collection::vec(any::<bool>(), SIZE),
+    ) {
+        let mut matrix = positive_definite(&entries, SIZE);
+        (0..SIZE).for_each(|i| *matrix.at_mut(i, i) += 1.0);
+        let bounds = [friction, 0.3].map(FrictionBound::Coulomb);
+        let set = ProductSet::Pair(rough(&[2, 0], &bounds));
+        let solution = solve(&matrix, &linear, set, (&closed(&guess), &vec![0.0; linear.len()])).expect("a solution");
+        let (x, s) = (&solution.values, slope(&matrix, &linear, &solution.values));
+        for i in 0..3 {
+            prop_assert!(x[i] >= 0.0 && s[i] >= -1e-10 && (x[i] * s[i]).abs() < 1e-10);
+        }
+        prop_assert!(largest(&s[7..]) < 1e-10);
+        for (first, radius) in [(3, friction * x[2]), (5, 0.3 * x[0])] {
+            let (t, slip) = (&x[first..first + 2], &s[first..first + 2]);
+            let (size, way) = (t[0].hypot(t[1]), slip[0].hypot(slip[1]));
+            prop_assert!(size <= radius * (1.0 + 1e-12));
+            match solution.status[first] {
+                Status::Stick => prop_assert!(way < 1e-10),
+                Status::Slip => (0..2).for_each(|i| {
+                    assert!((t[i] * way + radius * slip[i]).abs() < 1e-9, "{t:?} {slip:?}");
+                }),
+                Status::Open => prop_assert!(radius == 0.0),
+            }
+        }
+    }
+}
+
+/// A. Klarbring's node (Ingenieur-Archiv 60, 1990): three states are at rest under one load
+/// where friction is strong, one where it is weak.
+#[test]
+fn klarbrings_node_ends_in_one_of_its_states() {
+    // Normal first; the inverse of the stiffness [[1, 2], [2, 5]] of (tangent, normal).
+    let mut matrix = DenseMatrix::zeros(2, 2);
+    for (i, row) in [[1.0, -2.0], [-2.0, 5.0]].iter().enumerate() {
+        (0..2).for_each(|j| *matrix.at_mut(i, j) = row[j]);
+    }
+    let linear = [0.1, -0.75];
+    let known = [[0.0, 0.0], [1.0, 0.55], [0.5, 0.3]];
+    for (friction, states) in [(0.6, &known[..]), (0.3, &known[..1])] {
+        for near in [[0.0, 0.0], [2.0, 1.0], [0.6, 0.4]] {
+            let bounds = [FrictionBound::Coulomb(friction)];
+            let cones = Cones {
+                normals: 1,
+                partners: &[0],
+                bounds: &bounds,
+                components: Components::One,
+            };
+            let set = ProductSet::Uniform(part(2, AdmissibleSet::Cones(cones)));
+            let solution =
+                solve(&matrix, &linear, set, (&[Status::Stick; 2], &near)).expect("a state");
+            let is_known = |state: &&[f64; 2]| {
+                let pairs = state.iter().zip(&solution.values);
+                pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) < 1e-12
+            };
+            assert!(
+                states.iter().any(|state| is_known(&state)),
+                "{friction} {solution:?}"
+            );
+        }
+    }
 }

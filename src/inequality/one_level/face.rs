@@ -6,24 +6,32 @@
 //! metric:  K on the multipliers that stick, by its Cholesky factor
 //! ```
 //!
+//! A traction of friction that slips follows its pressure, so that its column is added to that
+//! of the pressure and the system is not symmetric; across the slip it gives way ([`Slide`]).
+//!
 //! On a face the problem is linear. Rows and columns of multipliers that do not stick are
 //! zero, so that vectors keep their length from face to face and kept directions stay of
 //! use. Cost: the factor, m^3 / 3 for m multipliers that stick, and the Krylov iterations.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::super::blocks::{Blocks, ContactBlock};
-use super::super::qp::{QpIterate, QpProblem, QpRun, QpStatus};
+use super::super::qp::{QpIterate, QpProblem, QpRun, QpStatus, Slide};
 use super::augmented::Augmented;
 use super::monitor::{FaceMonitor, Review};
 use super::shared::shared_on_the_face;
+use super::slides::{add_along, expand, gather, unknowns};
 use super::sprung::{self, Sprung};
 use super::weights::weigh;
 use super::{Faces, GAP_WEIGHT};
 use crate::krylov::Outcome;
 use crate::krylov::gcr::{self, Gcr};
 use crate::linalg::vector::add_scaled;
-use crate::linalg::{DenseCholesky, FactoriseError, LinearOperator, Preconditioner, Workspace};
+use crate::linalg::{
+    DenseCholesky, DenseLu, DenseMatrix, FactoriseError, LinearOperator, Preconditioner,
+    SymmetricMatrix, Workspace,
+};
 use crate::saddle::{EqualityBlock, SaddleOperator, SharedMode, Status};
 
 /// How the work on a face ended.
@@ -42,8 +50,18 @@ struct OnFace<'a> {
     operator: &'a dyn LinearOperator,
     /// Moduli by which their rows are weighted besides; empty where all are one.
     moduli: &'a [f64],
-    /// Status of each multiplier; rows of those that do not stick count as zero.
-    status: &'a [Status],
+    /// The face; rows of what is no unknown on it count as zero.
+    face: &'a Shape<'a>,
+    /// Whether tractions that slip follow their pressures, as forces do.
+    follows: bool,
+}
+
+/// What is unknown on a face, and how what slips depends on it.
+struct Shape<'a> {
+    /// Which multipliers are unknowns, or hold one of a point that slips `[multipliers]`.
+    unknowns: Vec<bool>,
+    /// Points that slip.
+    slides: &'a [Slide],
 }
 
 impl LinearOperator for OnFace<'_> {
@@ -57,11 +75,13 @@ impl LinearOperator for OnFace<'_> {
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
         self.operator.apply(x, y, work);
-        for (value, &status) in y.iter_mut().zip(self.status) {
-            *value *= match status {
-                Status::Stick => GAP_WEIGHT,
-                Status::Open | Status::Slip => 0.0,
-            };
+        if self.follows && !self.face.slides.is_empty() {
+            let all = y.to_vec();
+            add_along(self.face.slides, &all, y);
+        }
+        gather(self.face.slides, y);
+        for (value, &is_unknown) in y.iter_mut().zip(&self.face.unknowns) {
+            *value *= if is_unknown { GAP_WEIGHT } else { 0.0 };
         }
         weigh(self.moduli, y);
     }
@@ -75,13 +95,53 @@ impl LinearOperator for OnFace<'_> {
     /// Of a `y` that is zero off the face.
     fn add_transposed(&self, factor: f64, y: &[f64], x: &mut [f64], work: &mut Workspace) {
         let weight = factor * GAP_WEIGHT;
-        if self.moduli.is_empty() {
+        if self.moduli.is_empty() && self.face.slides.is_empty() {
             return self.operator.add_transposed(weight, y, x, work);
         }
         let mut weighted = work.copy(y);
         weigh(self.moduli, &mut weighted);
+        expand(&self.face.following(self.follows), &mut weighted);
         self.operator.add_transposed(weight, &weighted, x, work);
         work.give(weighted);
+    }
+}
+
+impl<'a> Shape<'a> {
+    /// The points that slip, as forces or, without what follows, as constraints.
+    fn following(&self, follows: bool) -> Cow<'a, [Slide]> {
+        match follows {
+            true => Cow::Borrowed(self.slides),
+            false => self
+                .slides
+                .iter()
+                .map(|slide| Slide {
+                    along: [0.0; 2],
+                    ..*slide
+                })
+                .collect(),
+        }
+    }
+}
+
+/// c of the points that slip, in the weights of the face `[multipliers]`.
+struct Softness(Vec<f64>);
+
+impl LinearOperator for Softness {
+    fn rows(&self) -> usize {
+        self.0.len()
+    }
+
+    fn columns(&self) -> usize {
+        self.0.len()
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64], _work: &mut Workspace) {
+        let pairs = x.iter().zip(&self.0);
+        y.iter_mut().zip(pairs).for_each(|(y, (x, c))| *y = c * x);
+    }
+
+    fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
+        self.apply(y, x, work);
     }
 }
 
@@ -92,20 +152,97 @@ struct FaceMetric<'a> {
     /// Moduli by which their residuals are weighted besides; empty where all are one.
     moduli: &'a [f64],
     /// Factor of the compliance's principal part on them.
-    factor: Arc<DenseCholesky>,
+    factor: FaceFactor,
+}
+
+/// A factor of the compliance on a face.
+enum FaceFactor {
+    /// Where nothing follows: symmetric.
+    Cholesky(Arc<DenseCholesky>),
+    /// With the columns of what follows added to those of what is followed.
+    Lu(DenseLu),
+}
+
+impl FaceFactor {
+    /// Of `matrix` on `selected` with points that slip.
+    fn new(
+        matrix: &dyn SymmetricMatrix,
+        selected: &[usize],
+        slides: &[Slide],
+    ) -> Result<Self, FactoriseError> {
+        if slides.is_empty() {
+            return Ok(Self::Cholesky(matrix.factor_of_part(selected)?));
+        }
+        let own =
+            |slide: &Slide| slide.first as usize..(slide.first as usize + usize::from(slide.width));
+        let mut all: Vec<usize> = selected.to_vec();
+        all.extend(slides.iter().flat_map(own));
+        all.sort_unstable();
+        all.dedup();
+        let place = |index: u32| all.partition_point(|&other| other < index as usize) as u32;
+        let within: Vec<Slide> = slides
+            .iter()
+            .map(|slide| Slide {
+                leader: place(slide.leader),
+                first: place(slide.first),
+                ..*slide
+            })
+            .collect();
+        let mut whole = matrix.principal_part(&all);
+        combine(&mut whole, &within);
+        let own: Vec<usize> = selected
+            .iter()
+            .map(|&index| place(index as u32) as usize)
+            .collect();
+        Ok(Self::Lu(DenseLu::new(&whole.principal(&own))?))
+    }
+
+    fn solve(&self, x: &mut [f64]) {
+        match self {
+            Self::Cholesky(factor) => factor.solve(x),
+            Self::Lu(factor) => factor.solve(x),
+        }
+    }
+}
+
+/// Columns of forces, then rows of constraints, of the points that slip, with their softness.
+fn combine(matrix: &mut DenseMatrix, slides: &[Slide]) {
+    for slide in slides {
+        let own = slide.first as usize;
+        let columns: Vec<Vec<f64>> = (own..own + usize::from(slide.width))
+            .map(|column| matrix.column(column).to_vec())
+            .collect();
+        let mut across = vec![0.0; matrix.rows()];
+        for (i, column) in columns.iter().enumerate() {
+            add_scaled(
+                matrix.column_mut(slide.leader as usize),
+                slide.along[i],
+                column,
+            );
+            add_scaled(&mut across, slide.across[i], column);
+        }
+        matrix.column_mut(own).copy_from_slice(&across);
+    }
+    for column in 0..matrix.columns() {
+        gather(slides, matrix.column_mut(column));
+    }
+    for slide in slides.iter().filter(|slide| slide.width > 1) {
+        *matrix.at_mut(slide.first as usize, slide.first as usize) += slide.softness;
+    }
 }
 
 impl<'a> FaceMetric<'a> {
     /// Factorises the compliance on the multipliers that stick. Cost: a third of the
     /// cube of their number.
-    fn new(contact: &ContactBlock<'a>, status: &[Status]) -> Result<Self, FactoriseError> {
-        let sticks = |&i: &usize| status[i] == Status::Stick;
-        let selected: Vec<usize> = (0..status.len()).filter(sticks).collect();
+    fn new(contact: &ContactBlock<'a>, face: &Shape<'_>) -> Result<Self, FactoriseError> {
+        let is_unknown = |&i: &usize| face.unknowns[i];
+        let selected: Vec<usize> = (0..face.unknowns.len()).filter(is_unknown).collect();
         Ok(Self {
-            factor: contact
-                .sprung
-                .unwrap_or(contact.matrix)
-                .factor_of_part(&selected)?,
+            factor: FaceFactor::new(
+                contact.sprung.unwrap_or(contact.matrix),
+                &selected,
+                face.slides,
+            )?,
             moduli: contact.moduli,
             selected,
         })
@@ -128,12 +265,31 @@ impl Preconditioner for FaceMetric<'_> {
     }
 }
 
+/// c of points that slip in space, in the weights of the face.
+fn softness(moduli: &[f64], face: &Shape<'_>) -> Option<Softness> {
+    let mut slides = face
+        .slides
+        .iter()
+        .filter(|slide| slide.width > 1)
+        .peekable();
+    slides.peek()?;
+    let mut softness = vec![0.0; face.unknowns.len()];
+    for slide in slides {
+        let place = slide.first as usize;
+        let weight = GAP_WEIGHT * moduli.get(place).unwrap_or(&1.0);
+        softness[place] = slide.softness * weight * weight;
+    }
+    Some(Softness(softness))
+}
+
 /// What contact adds to the linear system on a face.
 struct Restricted<'a> {
     /// Constraints on the face.
     rows: OnFace<'a>,
     /// Forces on the face, transposed.
     columns: OnFace<'a>,
+    /// What gives way to slip; none where nothing does.
+    softness: Option<Softness>,
     /// Inverse of the compliance on the face, the metric of the block.
     metric: FaceMetric<'a>,
     /// Modes that contact shares with the first block, on the face.
@@ -151,19 +307,21 @@ impl<'a> Restricted<'a> {
     fn new(
         problem: &QpProblem<'a>,
         blocks: &Blocks<'a>,
-        status: &'a [Status],
+        (status, face): (&'a [Status], &'a Shape<'a>),
     ) -> Result<Self, FactoriseError> {
         let contact = &blocks.contact;
         let terms = problem.augmentation;
-        let on_face = |operator| OnFace {
+        let on_face = |operator, follows| OnFace {
             operator,
             moduli: contact.moduli,
-            status,
+            face,
+            follows,
         };
         Ok(Self {
-            rows: on_face(contact.rows),
-            columns: on_face(contact.columns),
-            metric: FaceMetric::new(contact, status)?,
+            rows: on_face(contact.rows, false),
+            columns: on_face(contact.columns, true),
+            softness: softness(contact.moduli, face),
+            metric: FaceMetric::new(contact, face)?,
             shared: shared_on_the_face(contact, status),
             springs: sprung::on_the_face(problem.springs, contact.moduli, status),
             augmented: terms
@@ -178,7 +336,7 @@ impl<'a> Restricted<'a> {
             system.push(EqualityBlock {
                 rows: &self.rows,
                 columns: &self.columns,
-                stabilisation: None,
+                stabilisation: self.softness.as_ref().map(|s| s as &dyn LinearOperator),
                 metric: &self.metric,
                 shared: &self.shared,
                 joint: None,
@@ -220,8 +378,13 @@ impl Faces<'_, '_> {
         review: Review,
         iterations: u32,
     ) -> Result<Face, QpStatus> {
-        let status = self.blocks.contact_of(iterate).status.clone();
-        let restricted = Restricted::new(self.problem, &self.blocks, &status)
+        let contact = self.blocks.contact_of(iterate);
+        let (status, slides) = (contact.status.clone(), contact.slides.clone());
+        let face = Shape {
+            unknowns: unknowns(&status, &slides),
+            slides: &slides,
+        };
+        let restricted = Restricted::new(self.problem, &self.blocks, (&status, &face))
             .map_err(|_| QpStatus::IndefiniteMetric)?;
         let mut packed = self.pack(iterate, run.work);
         if let Some(augmented) = &restricted.augmented {
@@ -332,12 +495,15 @@ impl Faces<'_, '_> {
             rest = next;
         }
         let contact = self.blocks.contact_of(iterate);
-        let gaps = contact.residual.iter().zip(&contact.status);
-        for (value, (gap, &status)) in rest.iter_mut().zip(gaps) {
-            if status == Status::Stick {
+        let mut gaps = work.copy(&contact.residual);
+        gather(&contact.slides, &mut gaps);
+        let is_unknown = unknowns(&contact.status, &contact.slides);
+        for ((value, gap), is_unknown) in rest.iter_mut().zip(&gaps).zip(is_unknown) {
+            if is_unknown {
                 *value = GAP_WEIGHT * gap;
             }
         }
+        work.give(gaps);
         weigh(self.blocks.contact.moduli, rest);
         Packed { x, r }
     }
@@ -361,6 +527,7 @@ impl Faces<'_, '_> {
         let contact = &mut iterate.blocks[place];
         let mut step = work.copy(dx);
         weigh(self.blocks.contact.moduli, &mut step);
+        expand(&contact.slides, &mut step);
         add_scaled(&mut contact.multiplier, GAP_WEIGHT, &step);
         work.give(step);
         if !contact.residual.is_empty() {

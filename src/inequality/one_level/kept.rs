@@ -10,41 +10,54 @@
 //! end with it. Cost: one product with each coupling a direction, no
 //! product with A.
 
+use super::slides::{expand, gather, unknowns};
 use super::weights::weigh;
 use super::{Faces, GAP_WEIGHT};
-use crate::inequality::QpRun;
+use crate::inequality::{BlockIterate, QpRun};
 use crate::linalg::vector::{add_scaled, scale};
 use crate::linalg::{LinearOperator, Workspace};
-use crate::saddle::Status;
 
 impl Faces<'_, '_> {
-    /// Adds this program's contact on the face `status` to the products of kept
+    /// Adds this program's contact on the face of `contact` to the products of kept
     /// directions.
-    pub(super) fn attach(&self, run: &mut QpRun<'_, '_>, status: &[Status]) {
+    pub(super) fn attach(&self, run: &mut QpRun<'_, '_>, contact: &BlockIterate) {
         if self.problem.augmentation.is_some() {
             run.directions.clear(run.work);
         }
-        self.adapt(run, 1.0, |multiplier, closing| {
-            for ((l, g), &status) in multiplier.iter_mut().zip(closing).zip(status) {
-                if status != Status::Stick {
+        let is_unknown = unknowns(&contact.status, &contact.slides);
+        self.adapt((run, contact), 1.0, |multiplier, closing| {
+            gather(&contact.slides, closing);
+            let entries = multiplier.iter_mut().zip(closing.iter_mut());
+            for ((l, g), &is_unknown) in entries.zip(&is_unknown) {
+                if !is_unknown {
                     (*l, *g) = (0.0, 0.0);
                 }
+            }
+            for slide in contact.slides.iter().filter(|slide| slide.width > 1) {
+                let place = slide.first as usize;
+                let weight = GAP_WEIGHT * self.blocks.contact.moduli.get(place).unwrap_or(&1.0);
+                closing[place] -= slide.softness * weight * weight * multiplier[place];
             }
         });
     }
 
     /// Takes contact off again.
-    pub(super) fn detach(&self, run: &mut QpRun<'_, '_>) {
+    pub(super) fn detach(&self, run: &mut QpRun<'_, '_>, contact: &BlockIterate) {
         if self.problem.augmentation.is_some() {
             run.directions.clear(run.work);
         }
-        self.adapt(run, -1.0, |_, closing| closing.fill(0.0));
+        self.adapt((run, contact), -1.0, |_, closing| closing.fill(0.0));
     }
 
     /// Puts contact on the products of the kept directions (`sign` 1) or takes it off
     /// (-1): rows, columns and curvature of this program. Cost: two products with the
     /// coupling a direction.
-    fn adapt(&self, run: &mut QpRun<'_, '_>, sign: f64, restrict: impl Fn(&mut [f64], &mut [f64])) {
+    fn adapt(
+        &self,
+        (run, at): (&mut QpRun<'_, '_>, &BlockIterate),
+        sign: f64,
+        restrict: impl Fn(&mut [f64], &mut [f64]),
+    ) {
         let contact = &self.blocks.contact;
         let unknowns = self.problem.stiffness.rows();
         let mut part = run.work.scratch(unknowns);
@@ -60,6 +73,7 @@ impl Faces<'_, '_> {
             restrict(multiplier, closing);
             let mut pushed = inner.copy(multiplier);
             weigh(contact.moduli, &mut pushed);
+            expand(&at.slides, &mut pushed);
             let columns = contact.columns;
             columns.apply_transposed(&pushed, &mut part, &mut inner);
             inner.give(pushed);

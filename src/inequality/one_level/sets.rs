@@ -5,11 +5,14 @@
 //! touches an application of the displacement preconditioner besides.
 
 use super::super::dense_cone::{self, DenseSolution};
-use super::super::qp::{QpIterate, QpOutcome, QpStatus};
+use super::super::qp::{BlockIterate, QpIterate, QpOutcome, QpStatus, Slide};
 use super::Faces;
 use crate::linalg::Workspace;
-use crate::linalg::vector::add_scaled;
-use crate::saddle::Status;
+use crate::linalg::vector::{add_scaled, largest, norm};
+use crate::saddle::{Cones, Status};
+
+/// Change of a traction, over the largest multiplier, that is rounding.
+const TURNED: f64 = 1e-12;
 
 impl Faces<'_, '_> {
     /// Moves to the face that the gaps ask for or, where they ask for none, that
@@ -32,7 +35,8 @@ impl Faces<'_, '_> {
         outcome.predictions += 1;
         let linear = self.gap_under_load(iterate, work);
         let block = &self.blocks.contact;
-        let solution = dense_cone::solve(block.matrix, &linear, block.set, &contact.status)
+        let near = (&contact.status[..], &contact.multiplier[..]);
+        let solution = dense_cone::solve(block.matrix, &linear, block.set, near)
             .map_err(|_| QpStatus::IndefiniteMetric)?;
         self.change_face(iterate, solution, work);
         Ok(())
@@ -84,6 +88,7 @@ impl Faces<'_, '_> {
         let mut next = DenseSolution {
             values: contact.multiplier.clone(),
             status: contact.status.clone(),
+            slip: Vec::new(),
         };
         next.status[last] = match contact.status[last] {
             Status::Stick => Status::Open,
@@ -95,25 +100,62 @@ impl Faces<'_, '_> {
         Some(next)
     }
 
-    /// Whether `next` is where the iterate is already. Multipliers that slip are to
+    /// Whether faces may follow from each other by another rule than the dense problem:
+    /// not where thresholds of friction are given.
+    pub(super) fn may_change_rule(&self) -> bool {
+        self.blocks.contact.set.lower_bounds().is_some() || self.is_rough()
+    }
+
+    /// Whether thresholds of friction follow from pressures.
+    pub(super) fn is_rough(&self) -> bool {
+        dense_cone::cones(&self.blocks.contact.set).is_some()
+    }
+
+    /// The face that the residuals at the iterate ask for by Newton's method; none without
+    /// friction.
+    pub(super) fn newton_face(&self, iterate: &QpIterate) -> Option<DenseSolution> {
+        let (block, contact) = (&self.blocks.contact, self.blocks.contact_of(iterate));
+        let cones = dense_cone::cones(&block.set)?;
+        let at = (&contact.multiplier[..], &contact.residual[..]);
+        Some(dense_cone::newton_face(block.matrix, block.set, cones, at))
+    }
+
+    /// Whether `next` is where the iterate is already. Tractions that slip are, where they
+    /// are tied to their pressures in the same direction; those on discs of given radii are to
     /// follow the dense problem each time.
     pub(super) fn is_present(&self, iterate: &QpIterate, next: &DenseSolution) -> bool {
-        next.status == self.blocks.contact_of(iterate).status
-            && !next.status.contains(&Status::Slip)
+        let contact = self.blocks.contact_of(iterate);
+        if next.status != contact.status {
+            return false;
+        }
+        let Some(cones) = dense_cone::cones(&self.blocks.contact.set) else {
+            return !next.status.contains(&Status::Slip);
+        };
+        let mut next = next.clone();
+        slipping(cones, &mut next, contact);
+        let tractions = next.values.iter().zip(&contact.multiplier);
+        let mut slipping = tractions.zip(&next.status);
+        let size = largest(&contact.multiplier);
+        slipping.all(|((a, b), &status)| status != Status::Slip || (a - b).abs() <= TURNED * size)
     }
 
     /// Moves to another face: multipliers that are no unknowns there take its values,
-    /// which of open ones are zero.
+    /// which of open ones are zero. Tractions that slip take its directions, and the size
+    /// that their pressures allow.
     pub(super) fn change_face(
         &self,
         iterate: &mut QpIterate,
-        next: DenseSolution,
+        mut next: DenseSolution,
         work: &mut Workspace,
     ) {
         let contact = &mut iterate.blocks[self.blocks.place()];
         let mut dropped = work.zeros(next.status.len());
+        let (slides, begins) = match dense_cone::cones(&self.blocks.contact.set) {
+            Some(cones) => slipping(cones, &mut next, contact),
+            None => (Vec::new(), Vec::new()),
+        };
         for (index, &status) in next.status.iter().enumerate() {
-            if status != Status::Stick {
+            if status != Status::Stick || begins.get(index) == Some(&true) {
                 let value = next.values[index];
                 dropped[index] = std::mem::replace(&mut contact.multiplier[index], value) - value;
             }
@@ -126,14 +168,14 @@ impl Faces<'_, '_> {
             work.give(force);
         }
         work.give(dropped);
-        contact.status = next.status;
+        (contact.status, contact.slides) = (next.status, slides);
     }
 
     /// Whether a face is kept without asking the dense problem: no sign is wrong, and what
     /// closed before is known to the displacement preconditioner. That problem costs a
     /// factor of all that is closed.
     pub(super) fn keeps_its_face(&self, iterate: &QpIterate) -> bool {
-        !self.problem.springs.is_empty() && self.is_acceptable(iterate, 0.0)
+        !self.problem.springs.is_empty() && !self.is_rough() && self.is_acceptable(iterate, 0.0)
     }
 
     /// Whether what speaks against the current face is below the targets.
@@ -145,10 +187,63 @@ impl Faces<'_, '_> {
         for (index, &status) in contact.status.iter().enumerate() {
             let wrong = match status {
                 Status::Stick => violation[index] * block.matrix.entry(index, index),
-                Status::Open | Status::Slip => misfit[index],
+                Status::Open => misfit[index],
+                Status::Slip if violation[index] == 0.0 => misfit[index],
+                Status::Slip => {
+                    misfit[index].hypot(violation[index] * block.matrix.entry(index, index))
+                }
             };
             square += wrong * wrong;
         }
         square.sqrt() <= bound
     }
+}
+
+/// What friction makes of the next face: tractions that slip take the directions of `next`
+/// and the size that their pressures allow; returns their points, and which pressures begin
+/// and take the values of `next`.
+fn slipping(
+    (cones, first): (Cones<'_>, usize),
+    next: &mut DenseSolution,
+    contact: &BlockIterate,
+) -> (Vec<Slide>, Vec<bool>) {
+    let width = cones.components.count();
+    let mut begins = vec![false; next.status.len()];
+    for index in first..first + cones.normals {
+        begins[index] = contact.multiplier[index] <= 0.0;
+    }
+    let mut slides = Vec::new();
+    for (partner, bound, place) in cones.points() {
+        let (partner, place) = (first + partner, first + place);
+        if next.status[place] != Status::Slip {
+            continue;
+        }
+        let pressure = match begins[partner] {
+            true => next.values[partner],
+            false => contact.multiplier[partner],
+        };
+        let own = place..place + width;
+        let (size, slip) = (
+            norm(&next.values[own.clone()]),
+            norm(&next.slip[own.clone()]),
+        );
+        let radius = bound.radius(pressure);
+        let mut direction = [0.0; 2];
+        for (direction, value) in direction.iter_mut().zip(&mut next.values[own]) {
+            *direction = *value / size;
+            *value = radius * *direction;
+        }
+        slides.push(Slide {
+            leader: partner as u32,
+            first: place as u32,
+            width: width as u8,
+            along: direction.map(|e| bound.slope() * e),
+            across: match width {
+                1 => [0.0; 2],
+                _ => [-direction[1], direction[0]],
+            },
+            softness: slip / radius,
+        });
+    }
+    (slides, begins)
 }

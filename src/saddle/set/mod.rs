@@ -13,9 +13,11 @@
 //! | [`Free`](AdmissibleSet::Free) | never | always: s = 0 | never |
 //! | [`NonNegative`](AdmissibleSet::NonNegative) | x = 0, s >= 0 | x > 0, s = 0 | never |
 //! | [`Discs`] | the radius is zero, any s | in the disc, s = 0 | on its edge, s against x |
+//! | [`Cones`] | pressures as half lines, tractions as discs whose radii follow from them |||
 //!
 //! A new set is a file beside these, a variant and an arm of [`AdmissibleSet`].
 
+mod cones;
 mod discs;
 mod free;
 mod non_negative;
@@ -23,6 +25,7 @@ mod product;
 #[cfg(test)]
 mod tests;
 
+pub use cones::{Cones, FrictionBound};
 pub use discs::{Components, Discs};
 use free::Free;
 use non_negative::NonNegative;
@@ -69,6 +72,8 @@ pub enum AdmissibleSet<'a> {
     NonNegative,
     /// |x_i| <= r_i point by point: friction with given thresholds.
     Discs(Discs<'a>),
+    /// Pressures, and tractions of friction whose thresholds follow from them.
+    Cones(Cones<'a>),
 }
 
 /// Multipliers, residuals and statuses of the same constraints.
@@ -90,6 +95,8 @@ pub enum Kind<'s> {
     HalfLine,
     /// Point after point, each exactly, in sweeps over all points.
     Points(&'s dyn PointSet),
+    /// Pressures and tractions together, by Newton's method.
+    Cones(Cones<'s>),
 }
 
 /// min 1/2 t.K t + b.t of one point; of a point with one number the first ones are
@@ -147,6 +154,7 @@ impl AdmissibleSet<'_> {
             Self::Free => &Free,
             Self::NonNegative => &NonNegative,
             Self::Discs(discs) => discs,
+            Self::Cones(cones) => cones,
         }
     }
 }

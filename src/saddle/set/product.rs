@@ -22,6 +22,8 @@ pub enum ProductSet<'a> {
     Uniform(SetPart<'a>),
     /// Several sets one behind the other, in the order of the multipliers.
     Parts(&'a [SetPart<'a>]),
+    /// Two sets one behind the other.
+    Pair([SetPart<'a>; 2]),
 }
 
 impl<'a> ProductSet<'a> {
@@ -30,6 +32,7 @@ impl<'a> ProductSet<'a> {
         match self {
             Self::Uniform(part) => std::slice::from_ref(part),
             Self::Parts(parts) => parts,
+            Self::Pair(parts) => parts,
         }
     }
 
@@ -111,7 +114,7 @@ impl<'a> ProductSet<'a> {
             let bound = match part.set.kind() {
                 Kind::Line => f64::NEG_INFINITY,
                 Kind::HalfLine => 0.0,
-                Kind::Points(_) => return None,
+                Kind::Points(_) | Kind::Cones(_) => return None,
             };
             bounds.resize(bounds.len() + part.size, bound);
         }
@@ -120,6 +123,12 @@ impl<'a> ProductSet<'a> {
 }
 
 impl SetPoint<'_> {
+    /// The first `count` multipliers, and the others.
+    pub(super) fn split(&self, count: usize) -> (SetPoint<'_>, SetPoint<'_>) {
+        let all = self.multiplier.len();
+        (self.part(0..count), self.part(count..all))
+    }
+
     /// The part of a point that belongs to a range of multipliers.
     fn part(&self, range: Range<usize>) -> SetPoint<'_> {
         SetPoint {

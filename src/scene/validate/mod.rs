@@ -78,6 +78,16 @@ impl Faults {
         }
     }
 
+    /// Adds a fault where `value`, that of the key `path`, is negative or not finite.
+    pub(crate) fn not_negative(&mut self, path: &str, value: f64) {
+        if !(value >= 0.0 && value.is_finite()) {
+            self.add(
+                path,
+                format!("must be at least zero and finite, not {value}"),
+            );
+        }
+    }
+
     pub(crate) fn result(self) -> Result<(), SceneError> {
         match (self.violations.is_empty(), self.unsupported) {
             (false, _) => Err(SceneError::Invalid(self.violations)),

@@ -24,6 +24,9 @@ pub(crate) fn build(
                 facets,
                 shape,
                 surface: item.surface,
+                friction: item.friction,
+                tresca: item.tresca,
+                is_rough: item.friction > 0.0 || item.tresca.is_some(),
             }),
             Err(error) => misshapen(item, &error, &mut faults),
         }
@@ -53,6 +56,7 @@ pub(crate) fn resolve<'a>(
         .map(|obstacle| {
             let path = format!("obstacle.{}", obstacle.name);
             check_shape(obstacle, mesh, faults);
+            check_friction(obstacle, &path, faults);
             let on = format!("{path}.on");
             let facets = names::facets(mesh, &on, &obstacle.on, faults);
             names::refuse_inner_facets(mesh, &facets, on, faults);
@@ -62,6 +66,17 @@ pub(crate) fn resolve<'a>(
             }
         })
         .collect()
+}
+
+/// Refuses coefficients and bounds without meaning, and both together.
+fn check_friction(obstacle: &scene::Obstacle, path: &str, faults: &mut Faults) {
+    faults.not_negative(&format!("{path}.friction"), obstacle.friction);
+    if let Some(bound) = obstacle.tresca {
+        faults.not_negative(&format!("{path}.tresca"), bound);
+        if obstacle.friction != 0.0 {
+            faults.add(path, "give either friction or tresca, not both");
+        }
+    }
 }
 
 /// Refuses parameters without meaning and shapes that leave the plane of a flat body.

@@ -86,6 +86,12 @@ pub(crate) struct ResolvedObstacle {
     pub(crate) shape: Arc<dyn Obstacle>,
     /// Which surface of the body meets it.
     pub(crate) surface: SurfaceGeometry,
+    /// Coefficient of friction at the start.
+    pub(crate) friction: f64,
+    /// Bound of the traction in place of Coulomb's.
+    pub(crate) tresca: Option<f64>,
+    /// Whether there may be friction at any time.
+    pub(crate) is_rough: bool,
 }
 
 /// A point that each result reports.

@@ -63,6 +63,7 @@ impl Steps<'_> {
             let message = format!("the scene has no obstacle `{}`{hint}", target.name);
             faults.add(path, message);
         }
+        self.friction(target, path, faults);
         if let Some(translation) = target.translation {
             let path = format!("{path}.translation");
             faults.finite(&path, &translation);
@@ -70,6 +71,22 @@ impl Steps<'_> {
         }
         if let Some(rotation) = target.rotation {
             in_plane_rotation(faults, self.mesh, &format!("{path}.rotation"), rotation);
+        }
+    }
+
+    /// The friction that a step names.
+    fn friction(&self, target: &ObstacleTarget, path: &str, faults: &mut Faults) {
+        let Some(friction) = target.friction else {
+            return;
+        };
+        let path = format!("{path}.friction");
+        faults.not_negative(&path, friction);
+        let mut obstacles = self.scene.obstacles.iter();
+        let Some(obstacle) = obstacles.find(|one| one.name == target.name) else {
+            return;
+        };
+        if obstacle.tresca.is_some() {
+            faults.add(path, "the obstacle has a tresca bound in place of friction");
         }
     }
 

@@ -175,7 +175,14 @@ impl Canonical {
             on,
             shape,
             surface,
+            friction,
+            tresca,
         } = obstacle;
+        if *friction != 0.0 || tresca.is_some() {
+            self.text("friction");
+            self.numbers(&[*friction]);
+            self.optional(*tresca);
+        }
         if *surface == SurfaceGeometry::Smooth {
             self.text("smooth");
         }

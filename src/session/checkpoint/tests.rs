@@ -35,6 +35,8 @@ fn scene() -> Scene {
                 radius: 1.0,
             },
             surface: crate::scene::SurfaceGeometry::default(),
+            friction: 0.0,
+            tresca: None,
         }],
         ..Scene::default()
     }

@@ -52,7 +52,10 @@ pub(crate) fn certify(run: &mut Run<'_>, ending: &mut Ending) {
 /// The motion that the search for the softest starts from: that of the equilibrium before,
 /// or one without symmetry `[displacement]`, zero in held components.
 fn first_motion(run: &Run<'_>, known: Option<&LowestMode>) -> Vec<f64> {
-    known.map_or_else(|| motion_without_symmetry(run), |known| known.motion.clone())
+    known.map_or_else(
+        || motion_without_symmetry(run),
+        |known| known.motion.clone(),
+    )
 }
 
 /// A reproducible motion without symmetry `[displacement]`, zero in held components.

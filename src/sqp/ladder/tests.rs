@@ -35,6 +35,8 @@ fn block(model: MaterialModel) -> Scene {
                 radius: 1.0,
             },
             surface: crate::scene::SurfaceGeometry::default(),
+            friction: 0.0,
+            tresca: None,
         }],
         solver: SolverOptions {
             tolerance: 1e-10,
@@ -58,6 +60,7 @@ fn press() -> Step {
             name: "ball".to_owned(),
             translation: Some([0.0, 0.0, -0.05]),
             rotation: None,
+            friction: None,
         }],
         ..Step::default()
     }

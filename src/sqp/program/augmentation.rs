@@ -17,7 +17,9 @@ const HIGH: f64 = 1.0;
 
 /// The terms about `state`.
 pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentation> {
-    if !model.is_rubber() || mean_pressure(model, state) < HIGH {
+    // The terms know no tractions.
+    let is_rough = model.interfaces.friction.is_some();
+    if !model.is_rubber() || is_rough || mean_pressure(model, state) < HIGH {
         return None;
     }
     let closed = state.status.iter().map(|status| status.is_closed());

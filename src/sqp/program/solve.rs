@@ -22,6 +22,8 @@ use crate::sqp::saddle_layout::SaddleLayout;
 
 /// Krylov iterations per program.
 const MOST_ITERATIONS: u32 = 600;
+/// With friction, whose faces are more.
+const MOST_WITH_FRICTION: u32 = 2000;
 /// Of a body of finite strain: what takes longer has no stable solution near.
 const MOST_AT_FINITE_STRAIN: u32 = 300;
 /// Error of the contact pressure, in shear moduli, with which the next tangent is still
@@ -182,6 +184,7 @@ impl QuadraticProgram<'_> {
                     targets: solve.targets,
                     scales: solve.scales,
                     iterations: match self.tangent {
+                        _ if self.model.plan.has_friction() => MOST_WITH_FRICTION,
                         Some(_) => MOST_AT_FINITE_STRAIN,
                         None => MOST_ITERATIONS,
                     },

@@ -47,6 +47,7 @@ pub(crate) fn first_iterate(state: &State, now: &Evaluation, motion: Option<&[f6
                 multiplier: state.multiplier.clone(),
                 residual: now.gap.clone(),
                 status: state.status.clone(),
+                slides: Vec::new(),
             },
         ),
     }

@@ -116,6 +116,7 @@ fn at_rest(state: &State, force: Vec<f64>) -> QpIterate {
                 multiplier: vec![0.0; state.multiplier.len()],
                 residual: vec![0.0; state.multiplier.len()],
                 status: state.status.clone(),
+                slides: Vec::new(),
             },
         ),
         force,

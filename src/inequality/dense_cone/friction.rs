@@ -1,0 +1,466 @@
+//! Pressures and tractions of friction together, by a semismooth Newton method:
+//!
+//! ```text
+//! s = q + K x
+//! n >= 0, s_n >= 0, n s_n = 0;   |t| <= r(n);   s_t = 0 in the disc, t = -r(n) s_t / |s_t| on its edge
+//! ```
+//!
+//! With d = t - rho s_t and b = r(n - rho s_n) a point sticks where |d| < b, where s_t = 0 is
+//! solved, and slips elsewhere, where |d| t = b d is. The derivative of the latter is the one
+//! that S. Hueber, G. Stadler and B. Wohlmuth (SIAM J. Sci. Comput. 30, 2008) keep positive far
+//! from the solution:
+//!
+//! ```text
+//! (I - M) t' + rho M s_t(x') - mu n' e = -M d + r_0 e,   M = b / |d| (I - beta t e^T / max(b, |t|)),  e = d / |d|
+//! ```
+//!
+//! Where it cycles the thresholds are held for some passes (the threshold iteration of the
+//! seed), then Newton's method goes on from there. Usually 4 to 8 steps, each one LU factor of
+//! the closed part.
+
+use super::{DenseConeError, DenseProblem, DenseSolution, pivot, sweep};
+use crate::linalg::vector::{largest, norm};
+use crate::linalg::{DenseLu, DenseMatrix, FactoriseError, SymmetricMatrix};
+use crate::saddle::{
+    Admissible, AdmissibleSet, Components, Cones, Discs, FrictionBound, Kind, ProductSet, SetPart,
+    Status,
+};
+
+/// Newton steps in a row; what takes more cycles.
+const MOST_STEPS: usize = 40;
+/// Change of the multipliers, over the largest, behind which the next step, whose error is
+/// the square, is of rounding: more cannot be asked of a body that contact alone holds.
+const CLOSE: f64 = 1e-8;
+/// Change of the thresholds, over the largest, at which passes count as converged.
+const ACCURACY: f64 = 1e-13;
+/// Passes with held thresholds between two tries of Newton's method.
+const PASSES: usize = 4;
+/// Tries of Newton's method.
+const TRIES: usize = 4;
+/// Passes of the last resort.
+const MOST_PASSES: usize = 300;
+
+/// The cones of a product and the first of their multipliers; none where it has none.
+pub(in crate::inequality) fn cones<'a>(set: &ProductSet<'a>) -> Option<(Cones<'a>, usize)> {
+    let mut first = 0;
+    for part in set.parts() {
+        if let AdmissibleSet::Cones(cones) = part.set {
+            return Some((cones, first));
+        }
+        first += part.size;
+    }
+    None
+}
+
+/// Solves the problem from `near`; where that leads nowhere, from all that `guess` closes
+/// sticking.
+///
+/// # Errors
+/// [`DenseConeError`] where K is not positive definite or no try converges.
+pub(super) fn solve(
+    problem: &DenseProblem<'_>,
+    (cones, first): (Cones<'_>, usize),
+    (guess, near): (&[Status], &[f64]),
+) -> Result<DenseSolution, DenseConeError> {
+    let newton = Newton::new(problem, cones, first);
+    if let Run::Solved(solution) = newton.run(near.to_vec())? {
+        return Ok(solution);
+    }
+    let mut start = newton.first_step(guess)?;
+    for _ in 0..TRIES {
+        match newton.run(start)? {
+            Run::Solved(solution) => return Ok(solution),
+            Run::Lost(values) => start = newton.passes(values, PASSES)?.0,
+        }
+    }
+    match newton.passes(start, MOST_PASSES)? {
+        (values, true) => Ok(newton.solution(values)),
+        (_, false) => Err(DenseConeError::SweepLimit),
+    }
+}
+
+/// The face that Newton's method goes on to from multipliers and residuals `at` of the true
+/// problem, with the metric's diagonal in the place of its own: what sticks is unknown, what
+/// slips has the direction of d.
+pub(in crate::inequality) fn newton_face(
+    matrix: &dyn SymmetricMatrix,
+    set: ProductSet<'_>,
+    (cones, first): (Cones<'_>, usize),
+    at: (&[f64], &[f64]),
+) -> DenseSolution {
+    let problem = DenseProblem {
+        matrix,
+        linear: at.1,
+        set,
+    };
+    let newton = Newton::new(&problem, cones, first);
+    let sides = newton.sides(at.0, at.1);
+    let status = sides.iter().map(|side| match side {
+        Side::Off => Status::Open,
+        Side::On => Status::Stick,
+        Side::Slips(_) => Status::Slip,
+    });
+    let mut next = DenseSolution {
+        status: status.collect(),
+        values: vec![0.0; sides.len()],
+        slip: vec![0.0; sides.len()],
+    };
+    for index in 0..sides.len() {
+        if sides[index] == Side::On {
+            next.values[index] = newton.predicted(index, at);
+        }
+    }
+    for (number, point) in newton.points().enumerate() {
+        if sides[point.first] != Side::Slips(number) {
+            continue;
+        }
+        let pulled = newton.pulled(point, at);
+        let bound = point.bound.radius(newton.predicted(point.partner, at));
+        let length = norm(&pulled);
+        let slip = (length - bound) / newton.point_step(point);
+        for i in 0..newton.width() {
+            next.values[point.first + i] = bound * pulled[i] / length;
+            next.slip[point.first + i] = -slip * pulled[i] / length;
+        }
+    }
+    next
+}
+
+/// How a row of Newton steps ended.
+enum Run {
+    /// At the solution.
+    Solved(DenseSolution),
+    /// Nowhere; at these multipliers.
+    Lost(Vec<f64>),
+}
+
+/// What a multiplier is in a Newton step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Side {
+    /// Zero.
+    Off,
+    /// Unknown, its residual zero.
+    On,
+    /// Unknown, part of the point of that number, which slips.
+    Slips(usize),
+}
+
+/// Newton's method on one problem.
+struct Newton<'p> {
+    problem: &'p DenseProblem<'p>,
+    cones: Cones<'p>,
+    /// First multiplier of the cones.
+    first: usize,
+    /// Diagonal of K `[multipliers]`.
+    diagonal: Vec<f64>,
+    /// Which multipliers any value is admissible for `[multipliers]`.
+    is_free: Vec<bool>,
+}
+
+/// A point of friction at an iterate.
+#[derive(Clone, Copy, Debug)]
+struct Point {
+    /// Its pressure among the multipliers.
+    partner: usize,
+    /// How far its traction may go.
+    bound: FrictionBound,
+    /// First of its tractions among the multipliers.
+    first: usize,
+}
+
+/// The slip equation of a point: t' rows as M, e and right-hand side.
+struct SlipRow {
+    /// M `[2, 2]`.
+    matrix: [[f64; 2]; 2],
+    /// Direction of d `[2]`.
+    direction: [f64; 2],
+    /// -M d + r_0 e `[2]`.
+    right: [f64; 2],
+    /// Step length rho.
+    step: f64,
+}
+
+impl<'p> Newton<'p> {
+    fn new(problem: &'p DenseProblem<'p>, cones: Cones<'p>, first: usize) -> Self {
+        let size = problem.linear.len();
+        let mut is_free = vec![false; size];
+        for (set, range) in problem.set.ranges() {
+            if let Kind::Line = set.kind() {
+                is_free[range].fill(true);
+            }
+        }
+        Self {
+            diagonal: (0..size).map(|i| problem.matrix.entry(i, i)).collect(),
+            problem,
+            cones,
+            first,
+            is_free,
+        }
+    }
+
+    /// The points with their places among all multipliers.
+    fn points(&self) -> impl Iterator<Item = Point> + '_ {
+        self.cones.points().map(|(partner, bound, first)| Point {
+            partner: self.first + partner,
+            bound,
+            first: self.first + first,
+        })
+    }
+
+    fn width(&self) -> usize {
+        self.cones.components.count()
+    }
+
+    /// s = q + K x.
+    fn residual(&self, x: &[f64]) -> Vec<f64> {
+        let mut residual = vec![0.0; x.len()];
+        self.problem.matrix.product(x, &mut residual);
+        let linear = self.problem.linear.iter();
+        residual.iter_mut().zip(linear).for_each(|(s, q)| *s += q);
+        residual
+    }
+
+    /// The multipliers where all that `guess` closes sticks.
+    fn first_step(&self, guess: &[Status]) -> Result<Vec<f64>, DenseConeError> {
+        let mut sides: Vec<Side> = guess
+            .iter()
+            .zip(&self.is_free)
+            .map(|(status, &free)| match free || status.is_closed() {
+                true => Side::On,
+                false => Side::Off,
+            })
+            .collect();
+        for point in self.points() {
+            let side = match sides[point.partner] {
+                Side::Off => Side::Off,
+                side => side,
+            };
+            sides[point.first..point.first + self.width()].fill(side);
+        }
+        let zero = vec![0.0; guess.len()];
+        Ok(self.step(&sides, (&zero, self.problem.linear))?)
+    }
+
+    /// Newton steps from `x`.
+    fn run(&self, mut x: Vec<f64>) -> Result<Run, DenseConeError> {
+        let mut last: Option<Vec<Side>> = None;
+        for _ in 0..MOST_STEPS {
+            let residual = self.residual(&x);
+            let sides = self.sides(&x, &residual);
+            let next = self.step(&sides, (&x, &residual))?;
+            let change = x.iter().zip(&next).map(|(a, b)| (a - b).abs());
+            let change = change.fold(0.0, f64::max);
+            let is_same = last.as_ref() == Some(&sides);
+            x = next;
+            if is_same && change <= CLOSE * largest(&x) {
+                return Ok(Run::Solved(self.solution(x)));
+            }
+            if !change.is_finite() {
+                return Ok(Run::Lost(vec![0.0; x.len()]));
+            }
+            last = Some(sides);
+        }
+        Ok(Run::Lost(x))
+    }
+
+    /// n - rho s_n of a pressure.
+    fn predicted(&self, index: usize, (x, residual): (&[f64], &[f64])) -> f64 {
+        x[index] - residual[index] / self.diagonal[index]
+    }
+
+    /// rho of a point.
+    fn point_step(&self, point: Point) -> f64 {
+        let own = self.diagonal[point.first..point.first + self.width()].iter();
+        self.width() as f64 / own.sum::<f64>()
+    }
+
+    /// d = t - rho s_t of a point.
+    fn pulled(&self, point: Point, (x, residual): (&[f64], &[f64])) -> [f64; 2] {
+        let step = self.point_step(point);
+        let mut pulled = [0.0; 2];
+        for (i, value) in pulled.iter_mut().take(self.width()).enumerate() {
+            *value = x[point.first + i] - step * residual[point.first + i];
+        }
+        pulled
+    }
+
+    /// What each multiplier is in the next step.
+    fn sides(&self, x: &[f64], residual: &[f64]) -> Vec<Side> {
+        let at = (x, residual);
+        let mut sides = vec![Side::Off; x.len()];
+        let normals = self.first..self.first + self.cones.normals;
+        for (index, side) in sides.iter_mut().enumerate() {
+            let is_on = self.is_free[index]
+                || (normals.contains(&index) && self.predicted(index, at) > 0.0);
+            if is_on {
+                *side = Side::On;
+            }
+        }
+        for (number, point) in self.points().enumerate() {
+            let bound = point.bound.radius(self.predicted(point.partner, at));
+            let side = match sides[point.partner] {
+                Side::Off => Side::Off,
+                _ if bound == 0.0 => Side::Off,
+                _ if norm(&self.pulled(point, at)) < bound => Side::On,
+                _ => Side::Slips(number),
+            };
+            sides[point.first..point.first + self.width()].fill(side);
+        }
+        sides
+    }
+
+    /// The slip equation of a point at an iterate.
+    fn slip_row(&self, point: Point, at: (&[f64], &[f64])) -> SlipRow {
+        let width = self.width();
+        let pulled = self.pulled(point, at);
+        let length = norm(&pulled);
+        let bound = point.bound.radius(self.predicted(point.partner, at));
+        let mut traction = [0.0; 2];
+        traction[..width].copy_from_slice(&at.0[point.first..point.first + width]);
+        let size = norm(&traction);
+        let direction = pulled.map(|d| d / length);
+        let along: f64 = traction.iter().zip(&direction).map(|(t, e)| t * e).sum();
+        // Positive far from the solution, where traction and d may be opposite.
+        let alpha = if size > 0.0 { along / size } else { 0.0 };
+        let delta = (size / bound).min(1.0);
+        let beta = if alpha < 0.0 {
+            1.0 / (1.0 - alpha * delta)
+        } else {
+            1.0
+        };
+        let share = beta / bound.max(size);
+        let ratio = bound / length;
+        let matrix: [[f64; 2]; 2] = std::array::from_fn(|i| {
+            std::array::from_fn(|j| {
+                let unit = if i == j { 1.0 } else { 0.0 };
+                ratio * (unit - share * traction[i] * direction[j])
+            })
+        });
+        let given = bound - point.bound.slope() * self.predicted(point.partner, at);
+        let right = std::array::from_fn(|i| {
+            let product: f64 = matrix[i].iter().zip(&pulled).map(|(m, d)| m * d).sum();
+            given * direction[i] - product
+        });
+        SlipRow {
+            matrix,
+            direction,
+            right,
+            step: self.point_step(point),
+        }
+    }
+
+    /// The multipliers behind a step on given sides.
+    fn step(&self, sides: &[Side], at: (&[f64], &[f64])) -> Result<Vec<f64>, FactoriseError> {
+        let unknown = |&i: &usize| sides[i] != Side::Off;
+        let selected: Vec<usize> = (0..sides.len()).filter(unknown).collect();
+        let mut matrix = self.problem.matrix.principal_part(&selected);
+        let mut right: Vec<f64> = selected.iter().map(|&i| -self.problem.linear[i]).collect();
+        for (number, point) in self.points().enumerate() {
+            if sides[point.first] == Side::Slips(number) {
+                let row = self.slip_row(point, at);
+                self.place(&row, (point, &selected), (&mut matrix, &mut right));
+            }
+        }
+        DenseLu::new(&matrix)?.solve(&mut right);
+        let mut x = vec![0.0; sides.len()];
+        for (&index, value) in selected.iter().zip(right) {
+            x[index] = value;
+        }
+        Ok(x)
+    }
+
+    /// Puts a slip equation in the place of s_t = 0.
+    fn place(
+        &self,
+        row: &SlipRow,
+        (point, selected): (Point, &[usize]),
+        (matrix, right): (&mut DenseMatrix, &mut [f64]),
+    ) {
+        let at = |index: usize| selected.partition_point(|&other| other < index);
+        let (own, width) = (at(point.first), self.width());
+        let partner = at(point.partner);
+        for column in 0..selected.len() {
+            let mut known = [0.0; 2];
+            (0..width).for_each(|i| known[i] = matrix.at(own + i, column));
+            for i in 0..width {
+                let through: f64 = row.matrix[i].iter().zip(&known).map(|(m, k)| m * k).sum();
+                let mut entry = row.step * through;
+                if let Some(j) = column.checked_sub(own).filter(|&j| j < width) {
+                    entry += if i == j { 1.0 } else { 0.0 } - row.matrix[i][j];
+                }
+                if column == partner {
+                    entry -= point.bound.slope() * row.direction[i];
+                }
+                *matrix.at_mut(own + i, column) = entry;
+            }
+        }
+        let linear = &self.problem.linear[point.first..point.first + width];
+        for i in 0..width {
+            let through: f64 = row.matrix[i].iter().zip(linear).map(|(m, q)| m * q).sum();
+            right[own + i] = row.right[i] - row.step * through;
+        }
+    }
+
+    /// Passes with held thresholds from `values`; whether they have converged.
+    fn passes(
+        &self,
+        mut values: Vec<f64>,
+        most: usize,
+    ) -> Result<(Vec<f64>, bool), DenseConeError> {
+        let normals = self.first..self.first + self.cones.normals;
+        let mut radii = self.cones.radii(&values[normals.clone()]);
+        for _ in 0..most {
+            let parts = self.parts(&radii);
+            let problem = DenseProblem {
+                set: ProductSet::Parts(&parts),
+                ..*self.problem
+            };
+            let guess = self.problem.set.status(&values);
+            let mut pivots = pivot::Pivots::new(problem.set, &guess);
+            values = sweep::solve(&problem, &mut pivots)?.values;
+            let next = self.cones.radii(&values[normals.clone()]);
+            let change = next.iter().zip(&radii).map(|(a, b)| (a - b).abs());
+            let change = change.fold(0.0, f64::max);
+            radii = next;
+            if change <= ACCURACY * largest(&radii) {
+                return Ok((values, true));
+            }
+        }
+        Ok((values, false))
+    }
+
+    /// The product of sets with given thresholds.
+    fn parts<'r>(&self, radii: &'r [f64]) -> Vec<SetPart<'r>>
+    where
+        'p: 'r,
+    {
+        let components: Components = self.cones.components;
+        let discs = Discs { radii, components };
+        let own = [
+            SetPart {
+                size: self.cones.normals,
+                set: AdmissibleSet::NonNegative,
+            },
+            SetPart {
+                size: radii.len() * components.count(),
+                set: AdmissibleSet::Discs(discs),
+            },
+        ];
+        let parts = self.problem.set.parts().iter();
+        parts
+            .flat_map(|part| match part.set {
+                AdmissibleSet::Cones(_) => own.to_vec(),
+                _ => vec![*part],
+            })
+            .collect()
+    }
+
+    /// A solution with its statuses.
+    fn solution(&self, values: Vec<f64>) -> DenseSolution {
+        DenseSolution {
+            status: self.problem.set.status(&values),
+            slip: self.residual(&values),
+            values,
+        }
+    }
+}

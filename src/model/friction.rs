@@ -1,0 +1,498 @@
+//! Friction on the obstacles that are rough: tractions with their slip and their bounds.
+//!
+//! ```text
+//! S_i = int phi_i [ x - Q x0 ] dS,   s_i = T_i S_i,   T_i = I - n_i n_i^T
+//! |t_i| <= mu n_i;   s_i = 0 within,   t_i = -mu n_i s_i / |s_i| on the edge
+//! ```
+//!
+//! x0 is where the increment began, Q what the obstacle has done since: Q x0 is where its
+//! material point is now that stood at x0. n_i is the mean normal of the obstacle at the end,
+//! so that everything is implicit, and body and obstacle turned together slip by nothing. The
+//! functions and the weights are those of the pressure, over the undeformed surface. What a
+//! support holds at the node of a point drops out of its traction and its slip.
+//!
+//! Points stand obstacle by obstacle in the order of its multipliers; where two rough
+//! obstacles have a common multiplier each has a point of its own on its own faces. Numbers
+//! of a point lie side by side, behind all pressures. Curved faces slip as their chords do.
+//! Cost: the mass of the traces once; then a sparse product, and mean normals of curved
+//! obstacles, an evaluation.
+
+use std::sync::Arc;
+
+use super::Model;
+use super::drive::Drive;
+use super::interfaces::{Interface, Placed};
+use super::state::State;
+use crate::contact::gap::{Deformed, evaluate_gaps, linearise, mean_normals};
+use crate::contact::{ContactFace, Counterpart};
+use crate::geometry::Matrix3;
+use crate::geometry::rigid_motion::multiply;
+use crate::geometry::vector3::{add, cross, dot, normalised, scale, sub};
+use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, Workspace};
+use crate::obstacle::{Contact, Moving, Obstacle, What};
+use crate::plan::Plan;
+use crate::saddle::{Components, FrictionBound};
+
+/// Component of a unit vector that counts as one.
+const ALONG: f64 = 1e-9;
+/// Component of a normal from which on an axis is not across it.
+const PARALLEL: f64 = 0.9;
+
+/// The rough obstacles' points.
+#[derive(Debug)]
+pub(crate) struct Friction {
+    /// The points, in the order of their multipliers.
+    pub(crate) points: Vec<Point>,
+    /// Tractions of a point.
+    pub(crate) components: Components,
+    /// Number of the first traction among all multipliers: that of all pressures.
+    pub(crate) first: usize,
+    /// The pressure of each point `[points]`.
+    pub(crate) partners: Arc<[u32]>,
+    /// int phi_i N_k dS `[points, nodes]`.
+    trace: SparseRows,
+}
+
+/// A point of friction.
+#[derive(Clone, Debug)]
+pub(crate) struct Point {
+    /// Its obstacle, in the order of the plan.
+    pub(crate) obstacle: usize,
+    /// Integral of its function over the undeformed faces of the obstacle.
+    pub(crate) weight: f64,
+    /// int phi_i X dS, in units of the scaled body.
+    place: [f64; 3],
+    /// Axes that lie across the undeformed surface, the flattest first.
+    axes: [[f64; 3]; 2],
+    /// Which components of its node supports hold.
+    held: [bool; 3],
+}
+
+/// Where an increment began.
+#[derive(Clone, Debug)]
+pub(crate) struct SlipStart {
+    /// Displacement `[displacement unknowns]`.
+    displacement: Vec<f64>,
+    /// Poses of the obstacles, and what else drove the body.
+    drive: Drive,
+}
+
+impl SlipStart {
+    /// At `state`.
+    pub(crate) fn at(state: &State) -> Self {
+        Self {
+            displacement: state.displacement.clone(),
+            drive: state.drive.clone(),
+        }
+    }
+}
+
+/// Slip and its derivative at a state.
+pub(crate) struct Slips {
+    /// s in the frames of the points, weighted `[points * components]`.
+    pub(crate) slip: Vec<f64>,
+    /// Rows of -ds/du `[points * components]`.
+    pub(crate) rows: Vec<Vec<(u32, f64)>>,
+}
+
+/// Tangents of a point; zero where there is none.
+pub(crate) type Frame = [[f64; 3]; 2];
+
+/// The points' pressures and how far their tractions may go.
+#[derive(Clone, Debug)]
+pub(crate) struct Law {
+    /// Number of pressures of all obstacles, rough or not.
+    pub(crate) normals: usize,
+    /// The pressure of each point `[points]`.
+    pub(crate) partners: Arc<[u32]>,
+    /// Bounds `[points]`.
+    pub(crate) bounds: Vec<FrictionBound>,
+    /// Tractions of a point.
+    pub(crate) components: Components,
+}
+
+impl Law {
+    /// Largest traction of each point under all `multipliers`.
+    pub(crate) fn radii(&self, multipliers: &[f64]) -> Vec<f64> {
+        let points = self.partners.iter().zip(&self.bounds);
+        let radius =
+            |(&partner, bound): (&u32, &FrictionBound)| bound.radius(multipliers[partner as usize]);
+        points.map(radius).collect()
+    }
+
+    /// Number of tractions.
+    pub(crate) fn tractions(&self) -> usize {
+        self.bounds.len() * self.components.count()
+    }
+}
+
+impl Friction {
+    /// Of the interfaces `list` of `plan` on the undeformed `body`; none where no obstacle
+    /// is rough.
+    pub(crate) fn new(plan: &Plan, body: &Deformed<'_>, list: &[Interface]) -> Option<Self> {
+        let first = plan.normal_multipliers();
+        let components = match plan.units.dimension {
+            2 => Components::One,
+            _ => Components::Two,
+        };
+        let (mut points, mut partners) = (Vec::new(), Vec::new());
+        let mut trace = SparseRowsBuilder::new(body.space.nodes());
+        for (obstacle, interface) in list.iter().take(plan.obstacles.len()).enumerate() {
+            if !plan.obstacles[obstacle].is_rough {
+                continue;
+            }
+            points.extend(points_of(plan, body, (obstacle, interface)));
+            partners.extend_from_slice(&interface.multipliers);
+            for mut row in trace_of(body, interface) {
+                trace.push_row(&mut row);
+            }
+        }
+        (!points.is_empty()).then(|| Self {
+            points,
+            components,
+            first,
+            partners: partners.into(),
+            trace: trace.finish(),
+        })
+    }
+
+    /// Number of tractions.
+    pub(crate) fn size(&self) -> usize {
+        self.points.len() * self.components.count()
+    }
+
+    /// The law where `drive` has the coefficients.
+    pub(crate) fn law(&self, plan: &Plan, drive: &Drive) -> Law {
+        let bound = |point: &Point| match plan.obstacles[point.obstacle].tresca {
+            Some(bound) => FrictionBound::Tresca(bound / plan.units.stress),
+            None => FrictionBound::Coulomb(drive.friction[point.obstacle]),
+        };
+        Law {
+            normals: self.first,
+            partners: self.partners.clone(),
+            bounds: self.points.iter().map(bound).collect(),
+            components: self.components,
+        }
+    }
+
+    /// Gives the tractions what belongs to their pressures, `[multipliers]`.
+    pub(crate) fn take_over(&self, values: &mut [f64]) {
+        let width = self.components.count();
+        for (point, &partner) in self.partners.iter().enumerate() {
+            let own = self.first + point * width..self.first + (point + 1) * width;
+            let value = values[partner as usize];
+            values[own].fill(value);
+        }
+    }
+
+    /// int phi_i x dS of all points where `displacement` has them.
+    pub(crate) fn moments(&self, components: usize, displacement: &[f64]) -> Vec<[f64; 3]> {
+        let moved = self.moved(components, displacement);
+        let points = self.points.iter().zip(moved);
+        points
+            .map(|(point, moved)| add(point.place, moved))
+            .collect()
+    }
+
+    /// int phi_i u dS of all points.
+    fn moved(&self, components: usize, displacement: &[f64]) -> Vec<[f64; 3]> {
+        let mut moved = vec![[0.0; 3]; self.points.len()];
+        let mut work = Workspace::new();
+        let mut sums = vec![0.0; self.points.len()];
+        for i in 0..components {
+            let along: Vec<f64> = displacement
+                .iter()
+                .skip(i)
+                .step_by(components)
+                .copied()
+                .collect();
+            self.trace.apply(&along, &mut sums, &mut work);
+            moved
+                .iter_mut()
+                .zip(&sums)
+                .for_each(|(moved, &sum)| moved[i] = sum);
+        }
+        moved
+    }
+
+    /// Weighted slips since `start` `[points]`, not projected.
+    pub(crate) fn travels(
+        &self,
+        model: &Model<'_>,
+        state: &State,
+        start: &SlipStart,
+    ) -> Vec<[f64; 3]> {
+        let c = model.prepared.space.components;
+        let change: Vec<f64> = state
+            .displacement
+            .iter()
+            .zip(&start.displacement)
+            .map(|(now, before)| now - before)
+            .collect();
+        let moved = self.moved(c, &change);
+        let before = self.moments(c, &start.displacement);
+        let length = model.plan.units.length;
+        let [from, to] =
+            [&start.drive, &state.drive].map(|drive| model.interfaces.obstacles(drive, length));
+        let points = self.points.iter().zip(before).zip(moved);
+        points
+            .map(|((point, before), moved)| {
+                let pair = [&from[point.obstacle], &to[point.obstacle]];
+                sub(moved, carried(pair, before, point.weight))
+            })
+            .collect()
+    }
+
+    /// Tangents of all points at a state `[points]`.
+    pub(crate) fn frames(&self, model: &Model<'_>, state: &State) -> Vec<Frame> {
+        let mut frames = Vec::with_capacity(self.points.len());
+        let body = model.deformed(&state.displacement);
+        let mut points = &self.points[..];
+        for (index, (interface, met)) in model.placed(&state.drive).enumerate() {
+            let Some(obstacle) = met.obstacle() else {
+                continue;
+            };
+            if !model.plan.obstacles[index].is_rough {
+                continue;
+            }
+            let (own, rest) = points.split_at(interface.multipliers.len());
+            let normals = normals(&body, interface, &met, obstacle);
+            let dimension = model.plan.units.dimension;
+            frames.extend(
+                own.iter()
+                    .zip(normals)
+                    .map(|(point, n)| frame(point, n, dimension)),
+            );
+            points = rest;
+        }
+        frames
+    }
+
+    /// Slip since the increment began and its rows at a state, columns of `held` unknowns left out.
+    pub(crate) fn linearised(&self, model: &Model<'_>, state: &State, held: &[bool]) -> Slips {
+        let frames = self.frames(model, state);
+        Slips {
+            slip: self.slips(&frames, model, state),
+            rows: self.rows(&frames, model, held),
+        }
+    }
+
+    /// Slip since the increment began in given frames `[points * components]`; zero where
+    /// none has.
+    pub(crate) fn slips(&self, frames: &[Frame], model: &Model<'_>, state: &State) -> Vec<f64> {
+        let width = self.components.count();
+        let travels = match &model.slip_start {
+            Some(start) => self.travels(model, state, start),
+            None => vec![[0.0; 3]; self.points.len()],
+        };
+        let pairs = frames.iter().zip(travels);
+        pairs
+            .flat_map(|(frame, travel)| {
+                let along = frame.map(|tangent| dot(tangent, travel));
+                along.into_iter().take(width)
+            })
+            .collect()
+    }
+
+    /// Rows of -ds/du in given frames.
+    pub(crate) fn rows(
+        &self,
+        frames: &[Frame],
+        model: &Model<'_>,
+        held: &[bool],
+    ) -> Vec<Vec<(u32, f64)>> {
+        let c = model.prepared.space.components;
+        let mut rows = Vec::with_capacity(self.size());
+        for (point, frame) in frames.iter().enumerate() {
+            let (nodes, values) = self.trace.row(point);
+            for tangent in &frame[..self.components.count()] {
+                let mut row = Vec::new();
+                for (&node, value) in nodes.iter().zip(values) {
+                    let along = (0..c).filter(|&i| tangent[i] != 0.0);
+                    let own = along.map(|i| (node * c as u32 + i as u32, -value * tangent[i]));
+                    row.extend(own.filter(|&(unknown, _)| !held[unknown as usize]));
+                }
+                rows.push(row);
+            }
+        }
+        rows
+    }
+}
+
+/// Notes in the state how far its points have slipped since the increment began, and what
+/// that has cost.
+pub(crate) fn note_slip(model: &Model<'_>, state: &mut State) {
+    let (Some(friction), Some(start)) = (&model.interfaces.friction, &model.slip_start) else {
+        return;
+    };
+    let frames = friction.frames(model, state);
+    let travels = friction.travels(model, state, start);
+    let width = friction.components.count();
+    state.slip.increment.fill(0.0);
+    for (number, point) in friction.points.iter().enumerate() {
+        let along = frames[number].map(|tangent| dot(tangent, travels[number]));
+        let first = friction.first + number * width;
+        let traction = &state.multiplier[first..first + width];
+        let work: f64 = traction.iter().zip(along).map(|(t, s)| t * s).sum();
+        state.slip.increment[point.obstacle] -= work;
+        let is_pressed = state.multiplier[friction.partners[number] as usize] > 0.0;
+        let scale = if is_pressed {
+            point.weight.recip()
+        } else {
+            0.0
+        };
+        let slip = (0..3)
+            .map(|i| scale * (frames[number][0][i] * along[0] + frames[number][1][i] * along[1]));
+        slip.zip(&mut state.slip.travel[3 * number..])
+            .for_each(|(value, slot)| *slot = value);
+    }
+    let sums = state.slip.total.iter_mut().zip(&state.slip.increment);
+    sums.for_each(|(total, increment)| *total += increment);
+}
+
+/// How far the obstacle has carried a point since the start, weighted: int phi (Q x0 - x0) dS
+/// of a moment int phi x0 dS.
+fn carried([from, to]: [&Moving; 2], moment: [f64; 3], weight: f64) -> [f64; 3] {
+    let [before, after] = [from.motion(), to.motion()];
+    let turn = turn(&before.matrix(), &after.matrix());
+    let centre = add(before.about, before.translation);
+    let arm = sub(moment, scale(weight, centre));
+    let shift = sub(after.translation, before.translation);
+    add(sub(multiply(&turn, arm), arm), scale(weight, shift))
+}
+
+/// R1 R0^T; exactly the identity where nothing turns.
+fn turn(before: &Matrix3, after: &Matrix3) -> Matrix3 {
+    if before == after {
+        return [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    }
+    after.map(|row| before.map(|other| dot(row, other)))
+}
+
+/// Mean unit normals of an obstacle at the points of an interface.
+fn normals(
+    body: &Deformed<'_>,
+    interface: &Interface,
+    met: &Placed,
+    obstacle: &Moving,
+) -> Vec<[f64; 3]> {
+    if obstacle.is_flat() {
+        let mut at = [Contact::default()];
+        obstacle.probe(&[[0.0; 3]], What::Normal, &mut at);
+        return vec![at[0].normal; interface.multipliers.len()];
+    }
+    let sums = mean_normals(body, &interface.surface, met);
+    let unit = |sum| normalised(sum).unwrap_or_default();
+    sums.into_iter().map(unit).collect()
+}
+
+/// Tangents of a point where the obstacle has the normal `n`, without what supports hold.
+fn frame(point: &Point, n: [f64; 3], dimension: usize) -> Frame {
+    let none = [0.0; 3];
+    let is_held = |tangent: [f64; 3]| (0..3).any(|i| point.held[i] && tangent[i].abs() > ALONG);
+    if dimension == 2 {
+        let tangent = [-n[1], n[0], 0.0];
+        return [if is_held(tangent) { none } else { tangent }, none];
+    }
+    // Components held along the normal say nothing about the tangents.
+    let across = |i: usize| point.held[i] && n[i].abs() < 1.0 - ALONG;
+    let unit = |i: usize| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 });
+    let mut held = (0..3).filter(|&i| across(i));
+    match (held.next(), held.next()) {
+        (None, _) => {
+            let is_across = dot(point.axes[0], n).abs() < PARALLEL;
+            let axis = point.axes[usize::from(!is_across)];
+            let first = normalised(sub(axis, scale(dot(axis, n), n))).unwrap_or_default();
+            [first, cross(n, first)]
+        }
+        (Some(axis), None) => [normalised(cross(n, unit(axis))).unwrap_or_default(), none],
+        (Some(a), Some(b)) => {
+            let free: [f64; 3] = unit(3 - a - b);
+            let is_tangent = dot(free, n).abs() < ALONG && !is_held(free);
+            [if is_tangent { free } else { none }, none]
+        }
+    }
+}
+
+/// The points of one rough obstacle.
+fn points_of(
+    plan: &Plan,
+    body: &Deformed<'_>,
+    (obstacle, interface): (usize, &Interface),
+) -> Vec<Point> {
+    let surface = &interface.surface;
+    let c = body.space.components;
+    let mut nodes = vec![0; interface.multipliers.len()];
+    for (function, &node) in (0..).zip(&surface.carriers) {
+        let own = surface
+            .shares
+            .of(function)
+            .filter(|&(_, share)| share > 0.99);
+        own.for_each(|(multiplier, _)| nodes[multiplier as usize] = node);
+    }
+    let places: Vec<Vec<f64>> = (0..c)
+        .map(|axis| evaluate_gaps(body, surface, &Axis(axis)).0)
+        .collect();
+    let normals = outward(interface);
+    let is_held = |node: u32, i: usize| {
+        let unknown = node * c as u32 + i as u32;
+        let known = plan.held.binary_search_by_key(&unknown, |(held, _)| *held);
+        i < c && known.is_ok()
+    };
+    let point = |own: usize| Point {
+        obstacle,
+        weight: surface.weights[own],
+        place: std::array::from_fn(|i| places.get(i).map_or(0.0, |place| place[own])),
+        axes: axes(normals[own]),
+        held: [0, 1, 2].map(|i| is_held(nodes[own], i)),
+    };
+    (0..nodes.len()).map(point).collect()
+}
+
+/// Sums of the outward normals of the faces at each multiplier.
+fn outward(interface: &Interface) -> Vec<[f64; 3]> {
+    let mut sums = vec![[0.0; 3]; interface.multipliers.len()];
+    for face in &interface.surface.faces {
+        for &function in &face.functions {
+            for (multiplier, _) in interface.surface.shares.of(function) {
+                let sum = &mut sums[multiplier as usize];
+                *sum = add(*sum, scale(face.flat_area, face.normal));
+            }
+        }
+    }
+    sums
+}
+
+/// The two coordinate axes that lie flattest across a normal.
+fn axes(normal: [f64; 3]) -> [[f64; 3]; 2] {
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs()));
+    let unit = |i: usize| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 });
+    [unit(order[0]), unit(order[1])]
+}
+
+/// int phi_i N_k dS of one interface: rows by displacement nodes.
+fn trace_of(body: &Deformed<'_>, interface: &Interface) -> Vec<Vec<(u32, f64)>> {
+    let c = body.space.components as u32;
+    let free = vec![false; body.displacement.len()];
+    let rows = linearise(body, &interface.surface, &Axis(0), &free).rows;
+    let nodes = |row: Vec<(u32, f64)>| {
+        let along = row.into_iter().filter(|(unknown, _)| unknown % c == 0);
+        along
+            .map(|(unknown, value)| (unknown / c, -value))
+            .collect()
+    };
+    rows.into_iter().map(nodes).collect()
+}
+
+/// A coordinate as a distance, by which integrals of places are those of gaps.
+struct Axis(usize);
+
+impl Counterpart for Axis {
+    fn probe_on(&self, _: &ContactFace, points: &[[f64; 3]], _: What, out: &mut [Contact]) {
+        for (contact, point) in out.iter_mut().zip(points) {
+            contact.distance = point[self.0];
+            contact.normal = std::array::from_fn(|i| if i == self.0 { 1.0 } else { 0.0 });
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! What friction does on each obstacle: force and moment of its tractions, which points
+//! stick, slip and are open, and the energy that slip has cost.
+//!
+//! ```text
+//! force = sum m_i t_i,   moment = sum int phi_i (x - c) dS x t_i,   dissipated = -sum t_i . s_i
+//! ```
+//!
+//! Tractions are per undeformed area. The stick margin is the least 1 - |t| / r of what
+//! sticks. Cost: a sparse product and a pass over the points.
+
+use std::collections::BTreeMap;
+
+use crate::geometry::vector3::{add, cross, norm, scale, sub};
+use crate::model::Model;
+use crate::model::friction::{Frame, Friction};
+use crate::model::state::State;
+use crate::obstacle::Obstacle;
+use crate::report::ObstacleResult;
+use crate::saddle::Status;
+
+/// Adds what friction does to the results of the obstacles, in the caller's units.
+pub(crate) fn add_friction(
+    model: &Model<'_>,
+    state: &State,
+    results: &mut BTreeMap<String, ObstacleResult>,
+) {
+    let Some(friction) = &model.interfaces.friction else {
+        return;
+    };
+    let tractions = tractions(friction, &friction.frames(model, state), state);
+    let units = &model.plan.units;
+    let obstacles = model.interfaces.obstacles(&state.drive, units.length);
+    let moments = friction.moments(model.prepared.space.components, &state.displacement);
+    let radii = friction
+        .law(model.plan, &state.drive)
+        .radii(&state.multiplier);
+    for (index, (planned, met)) in model.plan.obstacles.iter().zip(&obstacles).enumerate() {
+        let Some(result) = results.get_mut(&planned.name).filter(|_| planned.is_rough) else {
+            continue;
+        };
+        let (mut force, mut moment) = ([0.0; 3], [0.0; 3]);
+        let reference = met.reference_point();
+        for (number, point) in friction.points.iter().enumerate() {
+            if point.obstacle != index {
+                continue;
+            }
+            let traction = tractions[number];
+            force = add(force, scale(point.weight, traction));
+            let arm = sub(moments[number], scale(point.weight, reference));
+            moment = add(moment, cross(arm, traction));
+            count(
+                result,
+                friction,
+                (number, norm(traction), radii[number]),
+                state,
+            );
+            let travel = &state.slip.travel[3 * number..3 * number + 3];
+            let slip = travel.iter().fold(0.0, |sum: f64, x| sum.hypot(*x)) * units.length;
+            result.max_slip = result.max_slip.max(slip);
+        }
+        result.tangential_force = force.map(|x| x * units.force());
+        result.force = add(result.force, result.tangential_force);
+        result.moment = add(result.moment, moment.map(|x| x * units.energy()));
+        result.dissipated_energy = state.slip.increment[index] * units.energy();
+        result.dissipated_total = state.slip.total[index] * units.energy();
+    }
+}
+
+/// Counts a point by what it does, with the margin of what sticks.
+fn count(
+    result: &mut ObstacleResult,
+    friction: &Friction,
+    (number, traction, radius): (usize, f64, f64),
+    state: &State,
+) {
+    let partner = friction.partners[number] as usize;
+    let first = friction.first + number * friction.components.count();
+    match (state.status[partner].is_closed(), state.status[first]) {
+        (false, _) => result.open_vertices += 1,
+        (true, Status::Stick) => {
+            result.stick_vertices += 1;
+            let margin = 1.0 - traction / radius;
+            let least = result.stick_margin.unwrap_or(f64::INFINITY);
+            result.stick_margin = Some(least.min(margin));
+        }
+        (true, Status::Open | Status::Slip) => result.slip_vertices += 1,
+    }
+}
+
+/// Traction vectors of all points, in units of the scaled body `[points][3]`.
+pub(crate) fn tractions(friction: &Friction, frames: &[Frame], state: &State) -> Vec<[f64; 3]> {
+    let width = friction.components.count();
+    let own = state.multiplier[friction.first..].chunks_exact(width);
+    let vector = |(frame, own): (&Frame, &[f64])| {
+        let parts = frame.iter().zip(own);
+        parts.fold([0.0; 3], |sum, (tangent, value)| {
+            add(sum, scale(*value, *tangent))
+        })
+    };
+    frames.iter().zip(own).map(vector).collect()
+}
+
+/// Tractions of friction at uploaded vertices `[vertices, 3]`, in the caller's units; none
+/// without friction.
+pub(crate) fn friction_traction(model: &Model<'_>, state: &State) -> Option<Vec<f64>> {
+    let friction = model.interfaces.friction.as_ref()?;
+    let tractions = tractions(friction, &friction.frames(model, state), state);
+    let unit = model.plan.units.stress;
+    Some(at_vertices(model, |point| {
+        tractions[point].map(|x| x * unit)
+    }))
+}
+
+/// Slip of the last increment at uploaded vertices `[vertices, 3]`, a length; none without
+/// friction.
+pub(crate) fn slip(model: &Model<'_>, state: &State) -> Option<Vec<f64>> {
+    model.interfaces.friction.as_ref()?;
+    let (unit, (points, _)) = (model.plan.units.length, state.slip.travel.as_chunks::<3>());
+    Some(at_vertices(model, |point| points[point].map(|x| x * unit)))
+}
+
+/// The functions' sums of what their points have, at uploaded vertices `[vertices, 3]`.
+fn at_vertices(model: &Model<'_>, of_point: impl Fn(usize) -> [f64; 3]) -> Vec<f64> {
+    let mut out = vec![0.0; 3 * model.mesh.vertex_count()];
+    let mut first = 0;
+    let obstacles = model.interfaces.list.iter().zip(&model.plan.obstacles);
+    for (interface, _) in obstacles.filter(|(_, planned)| planned.is_rough) {
+        let surface = &interface.surface;
+        for (function, &node) in (0..).zip(&surface.carriers) {
+            let Some(&uploaded) = model.mesh.used_vertices().get(node as usize) else {
+                continue; // An edge: fields are values at vertices.
+            };
+            for (multiplier, share) in surface.shares.of(function) {
+                let value = of_point(first + multiplier as usize);
+                let own = &mut out[3 * uploaded as usize..3 * uploaded as usize + 3];
+                own.iter_mut()
+                    .zip(value)
+                    .for_each(|(sum, x)| *sum += share * x);
+            }
+        }
+        first += interface.multipliers.len();
+    }
+    out
+}
