@@ -16,6 +16,7 @@
 
 mod augmented;
 mod face;
+mod face_metric;
 mod kept;
 mod monitor;
 mod sets;

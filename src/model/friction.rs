@@ -17,26 +17,25 @@
 //! Cost: the mass of the traces once; then a sparse product, and mean normals of curved
 //! obstacles, an evaluation.
 
+mod frame;
+mod points;
+
 use std::sync::Arc;
 
 use super::Model;
 use super::drive::Drive;
-use super::interfaces::{Interface, Placed};
+use super::interfaces::Interface;
 use super::state::State;
-use crate::contact::gap::{Deformed, evaluate_gaps, linearise, mean_normals};
-use crate::contact::{ContactFace, Counterpart};
+use crate::contact::gap::Deformed;
 use crate::geometry::Matrix3;
 use crate::geometry::rigid_motion::multiply;
-use crate::geometry::vector3::{add, cross, dot, normalised, scale, sub};
+use crate::geometry::vector3::{add, dot, scale, sub};
 use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, Workspace};
-use crate::obstacle::{Contact, Moving, Obstacle, What};
+use crate::obstacle::Moving;
 use crate::plan::Plan;
 use crate::saddle::{Components, FrictionBound};
-
-/// Component of a unit vector that counts as one.
-const ALONG: f64 = 1e-9;
-/// Component of a normal from which on an axis is not across it.
-const PARALLEL: f64 = 0.9;
+use frame::{frame, normals};
+use points::{points_of, trace_of};
 
 /// The rough obstacles' points.
 #[derive(Debug)]
@@ -367,132 +366,4 @@ fn turn(before: &Matrix3, after: &Matrix3) -> Matrix3 {
         return [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     }
     after.map(|row| before.map(|other| dot(row, other)))
-}
-
-/// Mean unit normals of an obstacle at the points of an interface.
-fn normals(
-    body: &Deformed<'_>,
-    interface: &Interface,
-    met: &Placed,
-    obstacle: &Moving,
-) -> Vec<[f64; 3]> {
-    if obstacle.is_flat() {
-        let mut at = [Contact::default()];
-        obstacle.probe(&[[0.0; 3]], What::Normal, &mut at);
-        return vec![at[0].normal; interface.multipliers.len()];
-    }
-    let sums = mean_normals(body, &interface.surface, met);
-    let unit = |sum| normalised(sum).unwrap_or_default();
-    sums.into_iter().map(unit).collect()
-}
-
-/// Tangents of a point where the obstacle has the normal `n`, without what supports hold.
-fn frame(point: &Point, n: [f64; 3], dimension: usize) -> Frame {
-    let none = [0.0; 3];
-    let is_held = |tangent: [f64; 3]| (0..3).any(|i| point.held[i] && tangent[i].abs() > ALONG);
-    if dimension == 2 {
-        let tangent = [-n[1], n[0], 0.0];
-        return [if is_held(tangent) { none } else { tangent }, none];
-    }
-    // Components held along the normal say nothing about the tangents.
-    let across = |i: usize| point.held[i] && n[i].abs() < 1.0 - ALONG;
-    let unit = |i: usize| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 });
-    let mut held = (0..3).filter(|&i| across(i));
-    match (held.next(), held.next()) {
-        (None, _) => {
-            let is_across = dot(point.axes[0], n).abs() < PARALLEL;
-            let axis = point.axes[usize::from(!is_across)];
-            let first = normalised(sub(axis, scale(dot(axis, n), n))).unwrap_or_default();
-            [first, cross(n, first)]
-        }
-        (Some(axis), None) => [normalised(cross(n, unit(axis))).unwrap_or_default(), none],
-        (Some(a), Some(b)) => {
-            let free: [f64; 3] = unit(3 - a - b);
-            let is_tangent = dot(free, n).abs() < ALONG && !is_held(free);
-            [if is_tangent { free } else { none }, none]
-        }
-    }
-}
-
-/// The points of one rough obstacle.
-fn points_of(
-    plan: &Plan,
-    body: &Deformed<'_>,
-    (obstacle, interface): (usize, &Interface),
-) -> Vec<Point> {
-    let surface = &interface.surface;
-    let c = body.space.components;
-    let mut nodes = vec![0; interface.multipliers.len()];
-    for (function, &node) in (0..).zip(&surface.carriers) {
-        let own = surface
-            .shares
-            .of(function)
-            .filter(|&(_, share)| share > 0.99);
-        own.for_each(|(multiplier, _)| nodes[multiplier as usize] = node);
-    }
-    let places: Vec<Vec<f64>> = (0..c)
-        .map(|axis| evaluate_gaps(body, surface, &Axis(axis)).0)
-        .collect();
-    let normals = outward(interface);
-    let is_held = |node: u32, i: usize| {
-        let unknown = node * c as u32 + i as u32;
-        let known = plan.held.binary_search_by_key(&unknown, |(held, _)| *held);
-        i < c && known.is_ok()
-    };
-    let point = |own: usize| Point {
-        obstacle,
-        weight: surface.weights[own],
-        place: std::array::from_fn(|i| places.get(i).map_or(0.0, |place| place[own])),
-        axes: axes(normals[own]),
-        held: [0, 1, 2].map(|i| is_held(nodes[own], i)),
-    };
-    (0..nodes.len()).map(point).collect()
-}
-
-/// Sums of the outward normals of the faces at each multiplier.
-fn outward(interface: &Interface) -> Vec<[f64; 3]> {
-    let mut sums = vec![[0.0; 3]; interface.multipliers.len()];
-    for face in &interface.surface.faces {
-        for &function in &face.functions {
-            for (multiplier, _) in interface.surface.shares.of(function) {
-                let sum = &mut sums[multiplier as usize];
-                *sum = add(*sum, scale(face.flat_area, face.normal));
-            }
-        }
-    }
-    sums
-}
-
-/// The two coordinate axes that lie flattest across a normal.
-fn axes(normal: [f64; 3]) -> [[f64; 3]; 2] {
-    let mut order = [0, 1, 2];
-    order.sort_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs()));
-    let unit = |i: usize| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 });
-    [unit(order[0]), unit(order[1])]
-}
-
-/// int phi_i N_k dS of one interface: rows by displacement nodes.
-fn trace_of(body: &Deformed<'_>, interface: &Interface) -> Vec<Vec<(u32, f64)>> {
-    let c = body.space.components as u32;
-    let free = vec![false; body.displacement.len()];
-    let rows = linearise(body, &interface.surface, &Axis(0), &free).rows;
-    let nodes = |row: Vec<(u32, f64)>| {
-        let along = row.into_iter().filter(|(unknown, _)| unknown % c == 0);
-        along
-            .map(|(unknown, value)| (unknown / c, -value))
-            .collect()
-    };
-    rows.into_iter().map(nodes).collect()
-}
-
-/// A coordinate as a distance, by which integrals of places are those of gaps.
-struct Axis(usize);
-
-impl Counterpart for Axis {
-    fn probe_on(&self, _: &ContactFace, points: &[[f64; 3]], _: What, out: &mut [Contact]) {
-        for (contact, point) in out.iter_mut().zip(points) {
-            contact.distance = point[self.0];
-            contact.normal = std::array::from_fn(|i| if i == self.0 { 1.0 } else { 0.0 });
-        }
-    }
 }

@@ -11,6 +11,7 @@ pub(crate) mod contact;
 pub(crate) mod displacement;
 pub(crate) mod element;
 mod estimate;
+mod friction;
 pub(crate) mod held;
 pub(crate) mod p1;
 mod report;
@@ -29,8 +30,8 @@ use crate::mesh::{Mesh, MeshId};
 use crate::report::Unknowns;
 use crate::scene::validate::{Resolved, ResolvedObstacle, build, resolve};
 use crate::scene::{
-    ContactSpace, DisplacementMethod, ElementKind, MetricKind, Named, ObstacleTarget, Scene,
-    SceneError, SceneKind, Step, Violation,
+    ContactSpace, DisplacementMethod, ElementKind, MetricKind, Named, Scene, SceneError, SceneKind,
+    Step, Violation,
 };
 use crate::space::TaylorHood;
 
@@ -121,7 +122,7 @@ impl Plan {
         chooser::check(&scene.solver)?;
         let units = usable_units(scene, &resolved, mesh)?;
         let mut obstacles = build(obstacles, units.length)?;
-        roughen(&mut obstacles, steps);
+        friction::roughen(&mut obstacles, steps);
         let space = TaylorHood::new(mesh);
         let element = element::choose(scene.solver.element);
         let contact_space = contact_space(scene, element);
@@ -132,13 +133,14 @@ impl Plan {
             held: &held,
         };
         let surfaces = Surfaces::of(body, &obstacles, &resolved, contact_space);
-        let tangential = tangential_multipliers(&obstacles, &surfaces.layouts, units.dimension);
+        let tangential =
+            friction::tangential_multipliers(&obstacles, &surfaces.layouts, units.dimension);
         let unknowns = Unknowns {
             contact: (surfaces.contacts + tangential + surfaces.guided) as u64,
             ..element.unknowns(mesh, &resolved)
         };
         if tangential > 0 {
-            check_rough(scene, element)?;
+            friction::check_rough(scene, element)?;
         }
         let sizes = ContactSizes {
             dimension: units.dimension as u64,
@@ -225,28 +227,6 @@ impl Plan {
     /// Whether there is friction on some obstacle.
     pub(crate) fn has_friction(&self) -> bool {
         self.tangential_multipliers > 0
-    }
-
-    /// Refuses friction on an obstacle that has none in the scene and its steps: tractions
-    /// have multipliers from the start or never.
-    ///
-    /// # Errors
-    /// [`SceneError::Invalid`] with the key.
-    pub(crate) fn check_friction(&self, step: &Step) -> Result<(), SceneError> {
-        let is_smooth = |target: &&ObstacleTarget| {
-            let mut obstacles = self.obstacles.iter();
-            let named = obstacles.find(|one| one.name == target.name);
-            target.friction.is_some_and(|value| value > 0.0)
-                && named.is_some_and(|obstacle| !obstacle.is_rough)
-        };
-        match step.obstacles.iter().find(is_smooth) {
-            None => Ok(()),
-            Some(target) => Err(SceneError::Invalid(vec![Violation {
-                path: format!("step.obstacle.{}.friction", target.name),
-                message: "the obstacle was made without friction: give it some in the scene"
-                    .to_owned(),
-            }])),
-        }
     }
 
     /// Unknowns by kind.
@@ -341,47 +321,6 @@ impl Plan {
     pub(crate) fn is_floating(&self) -> bool {
         !self.resolved.free_modes.is_empty()
     }
-}
-
-/// Gives obstacles friction to which some step gives it.
-fn roughen(obstacles: &mut [ResolvedObstacle], steps: &[Step]) {
-    let targets = steps.iter().flat_map(|step| &step.obstacles);
-    for target in targets.filter(|target| target.friction.is_some_and(|value| value > 0.0)) {
-        let mut named = obstacles.iter_mut().filter(|one| one.name == target.name);
-        if let Some(obstacle) = named.next() {
-            obstacle.is_rough = true;
-        }
-    }
-}
-
-/// Refuses what does not know friction.
-///
-/// # Errors
-/// [`SceneError::Unsupported`] with the key.
-fn check_rough(scene: &Scene, element: ElementKind) -> Result<(), SceneError> {
-    let (path, message) = match (element, scene.solver.verify) {
-        (ElementKind::TaylorHood, false) => return Ok(()),
-        (ElementKind::TaylorHood, true) => {
-            ("solver.verify", "the verification knows no friction yet")
-        }
-        _ => ("solver.element", "friction comes with `taylor-hood` only"),
-    };
-    Err(SceneError::Unsupported(Violation {
-        path: path.to_owned(),
-        message: message.to_owned(),
-    }))
-}
-
-/// Number of tractions of friction: one or two at each multiplier of a rough obstacle.
-fn tangential_multipliers(
-    obstacles: &[ResolvedObstacle],
-    layouts: &[ContactLayout],
-    dimension: usize,
-) -> usize {
-    let pairs = obstacles.iter().zip(layouts);
-    let rough = pairs.filter(|(obstacle, _)| obstacle.is_rough);
-    let points: usize = rough.map(|(_, layout)| layout.multipliers.len()).sum();
-    points * (dimension - 1)
 }
 
 /// The units of a scene.

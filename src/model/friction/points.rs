@@ -1,0 +1,93 @@
+//! The points of rough obstacles: their weights, places and held components, and the mass of
+//! the traces by which they move.
+
+use super::Point;
+use crate::contact::gap::{Deformed, evaluate_gaps, linearise};
+use crate::contact::{ContactFace, Counterpart};
+use crate::geometry::vector3::{add, scale};
+use crate::model::interfaces::Interface;
+use crate::obstacle::{Contact, What};
+use crate::plan::Plan;
+
+/// The points of one rough obstacle.
+pub(super) fn points_of(
+    plan: &Plan,
+    body: &Deformed<'_>,
+    (obstacle, interface): (usize, &Interface),
+) -> Vec<Point> {
+    let surface = &interface.surface;
+    let c = body.space.components;
+    let mut nodes = vec![0; interface.multipliers.len()];
+    for (function, &node) in (0..).zip(&surface.carriers) {
+        let own = surface
+            .shares
+            .of(function)
+            .filter(|&(_, share)| share > 0.99);
+        own.for_each(|(multiplier, _)| nodes[multiplier as usize] = node);
+    }
+    let places: Vec<Vec<f64>> = (0..c)
+        .map(|axis| evaluate_gaps(body, surface, &Axis(axis)).0)
+        .collect();
+    let normals = outward(interface);
+    let is_held = |node: u32, i: usize| {
+        let unknown = node * c as u32 + i as u32;
+        let known = plan.held.binary_search_by_key(&unknown, |(held, _)| *held);
+        i < c && known.is_ok()
+    };
+    let point = |own: usize| Point {
+        obstacle,
+        weight: surface.weights[own],
+        place: std::array::from_fn(|i| places.get(i).map_or(0.0, |place| place[own])),
+        axes: axes(normals[own]),
+        held: [0, 1, 2].map(|i| is_held(nodes[own], i)),
+    };
+    (0..nodes.len()).map(point).collect()
+}
+
+/// Sums of the outward normals of the faces at each multiplier.
+fn outward(interface: &Interface) -> Vec<[f64; 3]> {
+    let mut sums = vec![[0.0; 3]; interface.multipliers.len()];
+    for face in &interface.surface.faces {
+        for &function in &face.functions {
+            for (multiplier, _) in interface.surface.shares.of(function) {
+                let sum = &mut sums[multiplier as usize];
+                *sum = add(*sum, scale(face.flat_area, face.normal));
+            }
+        }
+    }
+    sums
+}
+
+/// The two coordinate axes that lie flattest across a normal.
+fn axes(normal: [f64; 3]) -> [[f64; 3]; 2] {
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs()));
+    let unit = |i: usize| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 });
+    [unit(order[0]), unit(order[1])]
+}
+
+/// int phi_i N_k dS of one interface: rows by displacement nodes.
+pub(super) fn trace_of(body: &Deformed<'_>, interface: &Interface) -> Vec<Vec<(u32, f64)>> {
+    let c = body.space.components as u32;
+    let free = vec![false; body.displacement.len()];
+    let rows = linearise(body, &interface.surface, &Axis(0), &free).rows;
+    let nodes = |row: Vec<(u32, f64)>| {
+        let along = row.into_iter().filter(|(unknown, _)| unknown % c == 0);
+        along
+            .map(|(unknown, value)| (unknown / c, -value))
+            .collect()
+    };
+    rows.into_iter().map(nodes).collect()
+}
+
+/// A coordinate as a distance, by which integrals of places are those of gaps.
+struct Axis(usize);
+
+impl Counterpart for Axis {
+    fn probe_on(&self, _: &ContactFace, points: &[[f64; 3]], _: What, out: &mut [Contact]) {
+        for (contact, point) in out.iter_mut().zip(points) {
+            contact.distance = point[self.0];
+            contact.normal = std::array::from_fn(|i| if i == self.0 { 1.0 } else { 0.0 });
+        }
+    }
+}

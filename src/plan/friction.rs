@@ -1,0 +1,72 @@
+//! Which obstacles are rough, what that asks of a scene, and how many tractions it takes:
+//! one or two at each multiplier of a rough obstacle.
+
+use super::Plan;
+use super::surfaces::ContactLayout;
+use crate::scene::validate::ResolvedObstacle;
+use crate::scene::{ElementKind, ObstacleTarget, Scene, SceneError, Step, Violation};
+
+impl Plan {
+    /// Refuses friction on an obstacle that has none in the scene and its steps: tractions
+    /// have multipliers from the start or never.
+    ///
+    /// # Errors
+    /// [`SceneError::Invalid`] with the key.
+    pub(crate) fn check_friction(&self, step: &Step) -> Result<(), SceneError> {
+        let is_smooth = |target: &&ObstacleTarget| {
+            let mut obstacles = self.obstacles.iter();
+            let named = obstacles.find(|one| one.name == target.name);
+            target.friction.is_some_and(|value| value > 0.0)
+                && named.is_some_and(|obstacle| !obstacle.is_rough)
+        };
+        match step.obstacles.iter().find(is_smooth) {
+            None => Ok(()),
+            Some(target) => Err(SceneError::Invalid(vec![Violation {
+                path: format!("step.obstacle.{}.friction", target.name),
+                message: "the obstacle was made without friction: give it some in the scene"
+                    .to_owned(),
+            }])),
+        }
+    }
+}
+
+/// Gives obstacles friction to which some step gives it.
+pub(super) fn roughen(obstacles: &mut [ResolvedObstacle], steps: &[Step]) {
+    let targets = steps.iter().flat_map(|step| &step.obstacles);
+    for target in targets.filter(|target| target.friction.is_some_and(|value| value > 0.0)) {
+        let mut named = obstacles.iter_mut().filter(|one| one.name == target.name);
+        if let Some(obstacle) = named.next() {
+            obstacle.is_rough = true;
+        }
+    }
+}
+
+/// Refuses what does not know friction.
+///
+/// # Errors
+/// [`SceneError::Unsupported`] with the key.
+pub(super) fn check_rough(scene: &Scene, element: ElementKind) -> Result<(), SceneError> {
+    let (path, message) = match (element, scene.solver.verify) {
+        (ElementKind::TaylorHood, false) => return Ok(()),
+        (ElementKind::TaylorHood, true) => {
+            ("solver.verify", "the verification knows no friction yet")
+        }
+        _ => ("solver.element", "friction comes with `taylor-hood` only"),
+    };
+    Err(SceneError::Unsupported(Violation {
+        path: path.to_owned(),
+        message: message.to_owned(),
+    }))
+}
+
+/// Number of tractions of friction: one or two at each multiplier of a rough obstacle.
+pub(super) fn tangential_multipliers(
+    obstacles: &[ResolvedObstacle],
+    layouts: &[ContactLayout],
+    dimension: usize,
+) -> usize {
+    let pairs = obstacles.iter().zip(layouts);
+    let rough = pairs.filter(|(obstacle, _)| obstacle.is_rough);
+    let points: usize = rough.map(|(_, layout)| layout.multipliers.len()).sum();
+    points * (dimension - 1)
+}
