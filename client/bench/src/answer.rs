@@ -6,6 +6,7 @@
 //! Limits: see [`limits`]. Tolerances: seconds and error over those of the tightest.
 
 use crate::axis::SIZE;
+use crate::extremes;
 use crate::family::Quantity;
 use crate::limits;
 use crate::results::Results;
@@ -34,6 +35,7 @@ pub(crate) fn table(results: &Results, study: &Study) -> Table {
             let lines = scopes.flat_map(|(scope, strands)| limits::lines(results, scope, &strands));
             Table::new(limits::COLUMNS).with(lines)
         }
+        Measure::Extremes => extremes::table(&results.findings),
         Measure::Tolerance => {
             let lines = scopes.flat_map(|(_, strands)| lines(&strands));
             Table::new(TOLERANCES).with(lines.filter_map(|line| line.bargain()))

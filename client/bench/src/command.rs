@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use crate::arguments::Arguments;
 use crate::error::BenchError;
+use crate::extremes::{self, Finding, Trying, Verdict};
 use crate::figures::Figure;
 use crate::machine::Machine;
 use crate::page::{self, LeftOut, Report};
@@ -59,7 +60,7 @@ where
     N: Fn(&str),
 {
     let plan = arguments.wishes().plan().map_err(BenchError::Arguments)?;
-    if plan.cases.is_empty() {
+    if plan.is_empty() {
         let message = "--levels: no chosen scene has one of them";
         return Err(BenchError::Arguments(message.to_owned()));
     }
@@ -71,11 +72,12 @@ where
     std::fs::create_dir_all(&arguments.out).map_err(BenchError::unwritable(&arguments.out))?;
     let started = Instant::now();
     let workshop = Workshop::open(arguments.meshes)?;
-    let (end, measured) = measure(&plan, &workshop, watched).await?;
+    let (end, measured, findings) = measure(&plan, &workshop, &arguments.out, watched).await?;
     let minutes = started.elapsed().as_secs_f64() / 60.0;
     let (left_out, rows) = divided(measured, &references);
     let results = Results {
         rows,
+        findings,
         peers,
         references,
         machine: Machine::here(),
@@ -87,7 +89,7 @@ where
         minutes,
     };
     Ok(Finished {
-        end: end_of(end, &results.rows),
+        end: end_of(end, &results),
         page: write(&arguments.out, &results, &report)?,
     })
 }
@@ -96,18 +98,30 @@ where
 async fn measure<I, N>(
     plan: &Plan,
     workshop: &Workshop,
+    out: &Path,
     watched: Watched<I, N>,
-) -> Result<(End, Vec<Measured>), BenchError>
+) -> Result<(End, Vec<Measured>, Vec<Finding>), BenchError>
 where
     I: Future<Output = ()>,
     N: Fn(&str),
 {
-    let mut rounds = Rounds::new(plan, workshop, watched.program);
-    let end = tokio::select! {
-        outcome = rounds.run(watched.note) => outcome.map(|()| End::Complete)?,
-        () = watched.interrupted => End::Interrupted,
+    let Watched {
+        program,
+        interrupted,
+        note,
+    } = watched;
+    let mut rounds = Rounds::new(plan, workshop, program.clone());
+    let times = (plan.trial_limit, Instant::now() + plan.budget);
+    let mut trying = Trying::new((&plan.trials, &program), out, times);
+    let everything = async {
+        rounds.run(&note).await?;
+        trying.run(&note).await
     };
-    Ok((end, rounds.into_measured()))
+    let end = tokio::select! {
+        outcome = everything => outcome.map(|()| End::Complete)?,
+        () = interrupted => End::Interrupted,
+    };
+    Ok((end, rounds.into_measured(), trying.into_findings()))
 }
 
 /// What did not run, and the rows of what did.
@@ -123,8 +137,10 @@ fn divided(measured: Vec<Measured>, references: &References) -> (Vec<LeftOut>, V
 }
 
 /// A bench in which nothing converged is no bench.
-fn end_of(end: End, rows: &[Row]) -> End {
-    if end == End::Complete && !rows.iter().any(Row::converged) {
+fn end_of(end: End, results: &Results) -> End {
+    let is_right = |found: &Finding| found.verdict == Verdict::Right;
+    let any = results.rows.iter().any(Row::converged) || results.findings.iter().any(is_right);
+    if end == End::Complete && !any {
         return End::NothingConverged;
     }
     end
@@ -139,6 +155,10 @@ fn write(out: &Path, results: &Results, report: &Report) -> Result<PathBuf, Benc
     };
     let table = row::csv(&results.rows, &results.machine).map_err(BenchError::Table)?;
     file("bench.csv", &table)?;
+    if !results.findings.is_empty() {
+        let table = extremes::csv(&results.findings).map_err(BenchError::Table)?;
+        file("extremes.csv", &table)?;
+    }
     for Figure { name, svg } in report.figures() {
         file(&format!("{name}.svg"), svg.as_bytes())?;
     }

@@ -8,7 +8,8 @@
 //! uncertainty.
 //!
 //! A `study` asks a question: it compares choices of methods, drawn by
-//! `study_figures` and answered by the table that `answer` takes from the rows.
+//! `study_figures` and answered by the table that `answer` takes from the rows. One of
+//! them, `extremes`, has rows of its own: cases whose result is known without the solver.
 //! `versus` sets other solvers beside ours, `seed` the experiments that the method
 //! comes from.
 //!
@@ -37,6 +38,7 @@ mod commented;
 mod cube;
 mod error;
 mod estimates;
+mod extremes;
 mod families;
 mod family;
 mod figures;

@@ -155,7 +155,8 @@ fn command(program: &Path, case: &Case, (scene, mesh): (&Path, &Path)) -> Comman
 /// Exit code of scenes that are not accepted, and of quotas.
 const REFUSALS: [i32; 2] = [4, 6];
 
-fn without_result(output: &Output) -> Outcome {
+/// What became of a process that printed no result.
+pub(crate) fn without_result(output: &Output) -> Outcome {
     let stderr = String::from_utf8_lossy(&output.stderr);
     let message = stderr.lines().next().unwrap_or_default();
     let message = message.trim_start_matches("error: ").to_owned();
@@ -183,7 +184,8 @@ fn read(output: &Output, case: &Case) -> Option<Run> {
     })
 }
 
-fn outcome(step: &Value) -> Outcome {
+/// How an increment ended, by its line.
+pub(crate) fn outcome(step: &Value) -> Outcome {
     match (word(step, "termination"), word(step, "cause")) {
         ("converged", _) => Outcome::Converged,
         (termination, "") => Outcome::NotConverged(termination.to_owned()),

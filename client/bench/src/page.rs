@@ -1,6 +1,7 @@
 //! One self-contained page: what was measured, figures, failures, all numbers.
 
 use crate::chart::escaped;
+use crate::extremes;
 use crate::family::Quantity;
 use crate::figures::{Chapter, Figure};
 use crate::results::Results;
@@ -86,34 +87,51 @@ pub(crate) fn html(results: &Results, report: &Report) -> String {
     page.push_str("<h1>Signorini: error against run time</h1>\n");
     let machine = results.machine.line(&results.instruction_sets());
     let runs: usize = results.rows.iter().map(|row| row.repeats).sum();
+    let runs = runs + results.findings.len();
     page.push_str(&format!(
         "<p>{}. {runs} runs, {:.1} min.</p>\n",
         escaped(&machine),
         report.minutes
     ));
-    page.push_str(&contents(report));
-    page.push_str(TERMS);
+    page.push_str(&contents(results, report));
+    if !results.rows.is_empty() {
+        page.push_str(TERMS);
+    }
     for Chapter { family, figures } in &report.chapters {
         let table = versus::table(results, family);
         page.push_str(&section(family.name, family.about, &table, figures));
     }
     for one in &report.inquiries {
-        let (title, about) = (one.study.question, one.study.about);
-        page.push_str(&section(title, about, &one.answer, &one.figures));
+        let about = format!("{} {}", one.study.about, one.remark);
+        page.push_str(&section(
+            one.study.question,
+            &about,
+            &one.answer,
+            &one.figures,
+        ));
     }
-    page.push_str(&seeds(results));
-    page.push_str(&failures(&results.rows, &report.left_out));
-    page.push_str(&numbers(&results.rows));
-    page.push_str(&about_peers(&results.peers.about));
+    if !results.rows.is_empty() {
+        page.push_str(&seeds(results));
+        page.push_str(&failures(&results.rows, &report.left_out));
+        page.push_str(&numbers(&results.rows));
+    }
+    let shipped = match results.findings.is_empty() {
+        true => Vec::new(),
+        false => extremes::peers_about(),
+    };
+    page.push_str(&about_peers(
+        &[results.peers.about.clone(), shipped].concat(),
+    ));
     page.push_str("</body>\n</html>\n");
     page
 }
 
 /// Links to the parts of the page.
-fn contents(report: &Report) -> String {
+fn contents(results: &Results, report: &Report) -> String {
     let chapters = report.chapters.iter().map(|chapter| chapter.family.name);
     let studies = report.inquiries.iter().map(|one| one.study.question);
-    let last = [SEED, FAILURES, NUMBERS];
+    let last = [SEED, FAILURES, NUMBERS].into_iter();
+    let last = last.filter(|_| !results.rows.is_empty());
     let links = chapters.chain(studies).chain(last).map(|title| {
         format!(
             "<li><a href=\"#{}\">{}</a></li>\n",
@@ -171,7 +189,7 @@ fn about_peers(lines: &[String]) -> String {
     }
     let lines: Vec<String> = lines.iter().map(escaped).collect();
     format!(
-        "<h2>About the other solvers</h2>\n<p>The dashed curves come from a file that says about itself:</p>\n<p>{}</p>\n",
+        "<h2>About the other solvers</h2>\n<p>Their numbers come from files that say about themselves:</p>\n<p>{}</p>\n",
         lines.join("<br>\n")
     )
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use crate::extremes::{self, Trial};
 use crate::families::FAMILIES;
 use crate::family::{Family, Level, MeshSource};
 use crate::method::Method;
@@ -83,7 +84,17 @@ impl Case {
 pub(crate) struct Plan {
     pub(crate) cases: Vec<Case>,
     pub(crate) studies: Vec<&'static Study>,
+    /// Rows of the study of extreme cases, after all cases.
+    pub(crate) trials: Vec<Trial>,
+    pub(crate) trial_limit: Duration,
     pub(crate) budget: Duration,
+}
+
+impl Plan {
+    /// Whether there is nothing to run.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.cases.is_empty() && self.trials.is_empty()
+    }
 }
 
 /// What an extent chooses.
@@ -109,6 +120,8 @@ const FULL: Defaults = Defaults {
     budget: 2300,
 };
 
+/// Of a row of the study of extreme cases.
+const TRIAL_LIMIT: u64 = 60;
 const REPEATS: usize = 3;
 const METHODS: &[&str] = &["auto"];
 const TOLERANCES: &[f64] = &[1e-8, 1e-3];
@@ -129,8 +142,15 @@ impl Wishes {
             self.add_study(study, &defaults, &mut cases);
         }
         cases.sort_by_key(|(rank, case)| (case.place == Place::Study, *rank));
+        let has_trials = |study: &&Study| study.measure == Measure::Extremes;
+        let trials = match studies.iter().any(has_trials) {
+            true => extremes::trials(self.extent)?,
+            false => Vec::new(),
+        };
         let asked = self.budget;
         Ok(Plan {
+            trial_limit: self.limit(TRIAL_LIMIT),
+            trials,
             cases: cases.into_iter().map(|(_, case)| case).collect(),
             studies,
             budget: asked.unwrap_or(Duration::from_secs(defaults.budget)),

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use crate::extremes::Finding;
 use crate::family::Family;
 use crate::machine::Machine;
 use crate::peers::{Peer, Peers};
@@ -14,6 +15,8 @@ use crate::row::Row;
 pub(crate) struct Results {
     /// One a run of this program.
     pub(crate) rows: Vec<Row>,
+    /// One a row of the study of extreme cases.
+    pub(crate) findings: Vec<Finding>,
     /// Runs of other programs.
     pub(crate) peers: Peers,
     /// Values and limits that errors are measured against.
@@ -29,6 +32,11 @@ impl Results {
             .rows
             .iter()
             .map(|row| row.numbers.instruction_set.as_str());
+        let of_findings = self
+            .findings
+            .iter()
+            .map(|found| found.instruction_set.as_str());
+        let sets = sets.chain(of_findings);
         let sets: BTreeSet<&str> = sets.filter(|set| !set.is_empty()).collect();
         sets.into_iter().collect::<Vec<_>>().join(" and ")
     }

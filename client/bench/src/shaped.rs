@@ -96,7 +96,7 @@ fn moved(place: [f64; 3], number: u64, count: u32, shape: Shape) -> [f64; 3] {
 }
 
 /// A number between -1 and 1 that follows from another one alone.
-fn noise(number: u64) -> f64 {
+pub(crate) fn noise(number: u64) -> f64 {
     let mut bits = number.wrapping_mul(0x9E37_79B9_7F4A_7C15);
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     bits ^= bits >> 27;

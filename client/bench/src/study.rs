@@ -66,6 +66,8 @@ pub(crate) enum Measure {
     OneMesh,
     /// Error and seconds over the tolerance, on one mesh.
     Tolerance,
+    /// Rows of [`crate::extremes`], not runs of families.
+    Extremes,
 }
 
 /// A question with its runs.
@@ -272,7 +274,7 @@ pub(crate) const STUDIES: &[Study] = &[
         measure: Measure::SameMesh,
     },
     Study {
-        name: "extremes",
+        name: "poor-cells",
         question: "Poor cells and contrasts of stiffness: does every method hold?",
         about: "The bent incompressible cube with flat and tall cells and slivers, and with a layer or a ball a million times as stiff or as soft.",
         scopes: &[
@@ -292,6 +294,15 @@ pub(crate) const STUDIES: &[Study] = &[
         ],
         tolerances: TIGHT,
         measure: Measure::OneMesh,
+    },
+    Study {
+        name: "extremes",
+        question: "Stiff and extreme cases: what holds, and what does not?",
+        about: "Scenes whose result is known without this solver: in closed form, by another solver, by another path to the same body, or because mechanics leaves no choice. Each runs once, cold, with the methods that the plan takes by itself. An error is relative to what is known; a row that must end early, or must warn, is right where it does; a row with nothing known is not judged.",
+        scopes: &[],
+        choices: &[],
+        tolerances: TIGHT,
+        measure: Measure::Extremes,
     },
     Study {
         name: "flow",

@@ -3,6 +3,7 @@
 use crate::answer;
 use crate::axis::{Axis, SIZE, TIME, TOLERANCE};
 use crate::chart::{Curve, Diagram, Kind, Point, State, Stroke};
+use crate::extremes;
 use crate::family::{Level, Quantity};
 use crate::figures::{Figure, state};
 use crate::results::Results;
@@ -15,6 +16,8 @@ use crate::table::Table;
 #[derive(Clone, Debug)]
 pub(crate) struct Inquiry {
     pub(crate) study: &'static Study,
+    /// A sentence on the rows as a whole; empty where the table says all.
+    pub(crate) remark: String,
     pub(crate) figures: Vec<Figure>,
     pub(crate) answer: Table,
 }
@@ -23,6 +26,7 @@ pub(crate) struct Inquiry {
 pub(crate) fn inquiries(results: &Results, studies: &[&'static Study]) -> Vec<Inquiry> {
     let inquiries = studies.iter().map(|study| Inquiry {
         study,
+        remark: remark(results, study),
         figures: figures(results, study),
         answer: answer::table(results, study),
     });
@@ -30,12 +34,25 @@ pub(crate) fn inquiries(results: &Results, studies: &[&'static Study]) -> Vec<In
     inquiries.filter(told).collect()
 }
 
+fn remark(results: &Results, study: &Study) -> String {
+    match study.measure {
+        Measure::Extremes => extremes::remark(&results.findings),
+        _ => String::new(),
+    }
+}
+
 fn figures(results: &Results, study: &Study) -> Vec<Figure> {
+    if study.measure == Measure::Extremes {
+        let footer = results.footer(None, &[]);
+        return extremes::figure(&results.findings, footer)
+            .into_iter()
+            .collect();
+    }
     let drawn = study.scopes.iter().flat_map(|scope| {
         let strands = strands(results, study, scope);
         let diagrams = match study.measure {
             Measure::SameMesh => costs(scope, &strands),
-            Measure::OneMesh => Vec::new(),
+            Measure::OneMesh | Measure::Extremes => Vec::new(),
             Measure::SameError | Measure::Limits => errors(results, scope, &strands),
             Measure::Tolerance => tolerances(scope, &strands),
         };

@@ -76,6 +76,13 @@ const SHIPPED: &[(&str, u32, &[u8])] = &[
     ),
 ];
 
+/// The bytes of a mesh that the program carries.
+pub(crate) fn shipped(prefix: &str, level: u32) -> Option<&'static [u8]> {
+    let mut meshes = SHIPPED.iter();
+    let found = meshes.find(|mesh| (mesh.0, mesh.1) == (prefix, level));
+    found.map(|mesh| mesh.2)
+}
+
 /// A folder of files that runs read.
 #[derive(Debug)]
 pub(crate) struct Workshop {
@@ -130,9 +137,8 @@ impl Workshop {
         if let Some(path) = given.filter(|path| path.exists()) {
             return Ok(path);
         }
-        let mut shipped = SHIPPED.iter();
-        match shipped.find(|mesh| (mesh.0, mesh.1) == (prefix, level.number)) {
-            Some((_, _, bytes)) => self.file(&name, || bytes.to_vec()),
+        match shipped(prefix, level.number) {
+            Some(bytes) => self.file(&name, || bytes.to_vec()),
             None => Err(self.missing(name)),
         }
     }

@@ -1,0 +1,186 @@
+//! A trial as a process of this program, and what it came to.
+
+use std::path::Path;
+use std::process::{Output, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use tokio::process::Command;
+
+use super::catalogue::{Expected, Trial};
+use super::peer::Peer;
+use super::verdict::{self, Verdict};
+use crate::error::BenchError;
+use crate::measure::{Outcome, outcome, without_result};
+
+/// What a trial came to.
+#[derive(Clone, Debug)]
+pub(crate) struct Finding {
+    pub(crate) trial: Trial,
+    pub(crate) outcome: Outcome,
+    pub(crate) verdict: Verdict,
+    /// What is compared.
+    pub(crate) value: Option<f64>,
+    /// Relative, against what is known.
+    pub(crate) error: Option<f64>,
+    /// Of the displacement preconditioner, all steps.
+    pub(crate) applications: i64,
+    /// Wall time of the solves, or of the process where there is no result.
+    pub(crate) seconds: f64,
+    /// Of all results, in their order and without repetition.
+    pub(crate) rungs: Vec<String>,
+    /// The same.
+    pub(crate) warnings: Vec<String>,
+    /// Of the last result.
+    pub(crate) stability: String,
+    /// Falls to other equilibria.
+    pub(crate) falls: usize,
+    pub(crate) instruction_set: String,
+}
+
+/// What a process said.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Lines {
+    /// One a result.
+    pub(super) steps: Vec<Value>,
+    summary: Value,
+}
+
+impl Lines {
+    fn read(output: &Output) -> Self {
+        let text = String::from_utf8_lossy(&output.stdout);
+        let lines = text.lines();
+        let mut read = Self::default();
+        for line in lines.filter_map(|line| serde_json::from_str::<Value>(line).ok()) {
+            match line.get("event").and_then(Value::as_str) {
+                Some("step") => read.steps.push(line),
+                Some("summary") => read.summary = line,
+                _ => {}
+            }
+        }
+        read
+    }
+
+    /// A number of the last result.
+    pub(super) fn last(&self, pointer: &str) -> Option<f64> {
+        self.steps.last()?.pointer(pointer)?.as_f64()
+    }
+
+    /// A number at the end of a step.
+    pub(super) fn of_step(&self, step: u64, pointer: &str) -> Option<f64> {
+        let is_of = |line: &&Value| line.get("step").and_then(Value::as_u64) == Some(step);
+        let line = self.steps.iter().rfind(is_of)?;
+        line.pointer(pointer)?.as_f64()
+    }
+
+    fn rungs(&self) -> Vec<String> {
+        let rungs = self.steps.iter().map(|line| line.get("fallback"));
+        each_once(rungs)
+    }
+
+    /// Kinds of the warnings of all results.
+    pub(super) fn warnings(&self) -> Vec<String> {
+        let warnings = self
+            .steps
+            .iter()
+            .filter_map(|line| line.get("warnings")?.as_array());
+        each_once(warnings.flatten().map(|warning| warning.get("kind")))
+    }
+
+    /// A word of the last result; empty where there is none.
+    pub(super) fn word(&self, key: &str) -> &str {
+        let last = self.steps.last().and_then(|line| line.get(key));
+        last.and_then(Value::as_str).unwrap_or_default()
+    }
+
+    fn falls(&self) -> usize {
+        let fell = |line: &&Value| line.get("snapped").is_some_and(Value::is_object);
+        self.steps.iter().filter(fell).count()
+    }
+
+    fn total(&self, path: &str) -> Option<&Value> {
+        self.summary.pointer(&format!("/totals/{path}"))
+    }
+}
+
+/// The words among these, in their order.
+fn each_once<'a>(words: impl Iterator<Item = Option<&'a Value>>) -> Vec<String> {
+    let mut found: Vec<String> = Vec::new();
+    for word in words.filter_map(|word| word?.as_str()) {
+        if !found.iter().any(|known| known == word) {
+            found.push(word.to_owned());
+        }
+    }
+    found
+}
+
+/// Writes scene and mesh of a trial into `folder` and runs `program` on them; `before`
+/// are the findings so far.
+///
+/// # Errors
+/// A file that cannot be written, or a row that cannot be read.
+pub(super) async fn run(
+    trial: &Trial,
+    (program, folder): (&Path, &Path),
+    (before, peers): (&[Finding], &[Peer]),
+    limit: Duration,
+) -> Result<Finding, BenchError> {
+    let scene = folder.join(format!("{}.toml", trial.id));
+    let mesh = format!("{}.msh", trial.id);
+    let text = trial.scene(&mesh).map_err(BenchError::Arguments)?;
+    let body = trial.body().map_err(BenchError::Arguments)?;
+    let write = |path: &Path, bytes: &[u8]| {
+        std::fs::write(path, bytes).map_err(BenchError::unwritable(path))
+    };
+    write(&scene, text.as_bytes())?;
+    write(&folder.join(mesh), &body.msh())?;
+    let started = Instant::now();
+    let (outcome, lines) = solved(program, &scene, limit).await;
+    let wall = started.elapsed().as_secs_f64();
+    let known = match trial.expected() {
+        Expected::Row(id, factor) => {
+            let other = before.iter().find(|finding| finding.trial.id == id);
+            other.and_then(|other| Some(other.value? * factor))
+        }
+        Expected::Peer => peers
+            .iter()
+            .find(|peer| peer.knows(&trial.id))
+            .map(|p| p.value),
+        _ => None,
+    };
+    let (verdict, error) = verdict::of(trial, &outcome, &lines, known);
+    let count = |path: &str| lines.total(path).and_then(Value::as_i64);
+    Ok(Finding {
+        verdict,
+        error,
+        outcome,
+        value: lines.last(&trial.value),
+        applications: count("preconditioner_applications").unwrap_or_default(),
+        seconds: lines
+            .total("seconds/total")
+            .and_then(Value::as_f64)
+            .unwrap_or(wall),
+        rungs: lines.rungs(),
+        warnings: lines.warnings(),
+        stability: lines.word("stability").to_owned(),
+        falls: lines.falls(),
+        instruction_set: lines.word("instruction_set").to_owned(),
+        trial: trial.clone(),
+    })
+}
+
+/// A process on a scene, stopped at the limit.
+async fn solved(program: &Path, scene: &Path, limit: Duration) -> (Outcome, Lines) {
+    let mut command = Command::new(program);
+    command.args(["solve", "--json", "--quiet"]).arg(scene);
+    command.stdin(Stdio::null()).kill_on_drop(true);
+    match tokio::time::timeout(limit, command.output()).await {
+        Err(_) => (Outcome::TimeLimit, Lines::default()),
+        Ok(Err(error)) => (Outcome::Crashed(error.to_string()), Lines::default()),
+        Ok(Ok(output)) => {
+            let lines = Lines::read(&output);
+            let ended = lines.steps.last().map(outcome);
+            (ended.unwrap_or_else(|| without_result(&output)), lines)
+        }
+    }
+}

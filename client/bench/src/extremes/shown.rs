@@ -1,0 +1,259 @@
+//! Findings as a table, a figure and a sentence.
+
+use super::catalogue::{Expected, Trial};
+use super::peer;
+use super::run::Finding;
+use super::verdict::Verdict;
+use crate::chart::{Dot, Lane, Lanes, Mark};
+use crate::figures::Figure;
+use crate::measure::Outcome;
+use crate::table::{Column, Table};
+use crate::text::{NOTHING, in_seconds, told};
+
+const COLUMNS: [Column; 10] = [
+    Column::Group("family"),
+    Column::Long("case"),
+    Column::Long("known without this solver"),
+    Column::Text("verdict"),
+    Column::Text("end"),
+    Column::Number("error"),
+    Column::Number("applications"),
+    Column::Number("seconds"),
+    Column::Long("rung; verdict on stability; falls; warnings"),
+    Column::Long("other solvers"),
+];
+
+/// One line a finding.
+pub(crate) fn table(findings: &[Finding]) -> Table {
+    Table::new(COLUMNS).with(findings.iter().map(line))
+}
+
+fn line(found: &Finding) -> [String; 10] {
+    let Trial {
+        family,
+        case,
+        known,
+        ..
+    } = &found.trial;
+    let applications = Some(found.applications).filter(|count| *count > 0);
+    [
+        family.clone(),
+        case.clone(),
+        known.clone(),
+        found.verdict.word().to_owned(),
+        end(&found.outcome),
+        told(found.error, |error| format!("{error:.1e}")),
+        told(applications, |count| count.to_string()),
+        in_seconds(found.seconds),
+        said(found),
+        others(found),
+    ]
+}
+
+/// How it ended, the cause without what goes without saying.
+fn end(outcome: &Outcome) -> String {
+    match outcome {
+        Outcome::NotConverged(detail) => detail.rsplit(", ").next().unwrap_or(detail).to_owned(),
+        outcome => outcome.to_string(),
+    }
+}
+
+/// What the results say about themselves.
+fn said(found: &Finding) -> String {
+    let mut parts = found.rungs.clone();
+    parts.extend(Some(found.stability.clone()).filter(|verdict| !verdict.is_empty()));
+    parts.extend(match found.falls {
+        0 => None,
+        1 => Some("1 fall".to_owned()),
+        falls => Some(format!("{falls} falls")),
+    });
+    let warnings = found.warnings.join(", ");
+    parts.extend(Some(format!("warns: {warnings}")).filter(|_| !warnings.is_empty()));
+    match parts.is_empty() {
+        true => NOTHING.to_owned(),
+        false => parts.join("; ").replace('_', " "),
+    }
+}
+
+/// Runs of other programs on the same scene and mesh.
+fn others(found: &Finding) -> String {
+    let peers = peer::peers().unwrap_or_default();
+    let of_row = peers.iter().filter(|peer| peer.row == found.trial.id);
+    let told: Vec<String> = of_row.map(|peer| one(found, peer)).collect();
+    match told.is_empty() {
+        true => "not run".to_owned(),
+        false => told.join("; "),
+    }
+}
+
+fn one(found: &Finding, peer: &peer::Peer) -> String {
+    let seconds = in_seconds(peer.seconds);
+    let steps = peer.iterations.map(|count| format!(", {count} iterations"));
+    let known = match found.trial.expected() {
+        Expected::Number(number, scale) => Some((number, scale)),
+        Expected::Peer => {
+            let peers = peer::peers().unwrap_or_default();
+            let mut direct = peers.into_iter().filter(|peer| peer.knows(&found.trial.id));
+            direct.next().map(|peer| (peer.value, peer.value.abs()))
+        }
+        _ => None,
+    };
+    let error = match known {
+        Some(_) if found.trial.expected() == Expected::Peer && peer.iterations.is_none() => {
+            "compared with".to_owned()
+        }
+        Some((number, scale)) => format!("error {:.1e}", (peer.value - number).abs() / scale),
+        None => format!("value {:.6e}", peer.value),
+    };
+    format!(
+        "{}: {error}, {seconds}{}",
+        peer.solver,
+        steps.unwrap_or_default()
+    )
+}
+
+/// How many rows came to what.
+pub(crate) fn remark(findings: &[Finding]) -> String {
+    let count = |verdict: Verdict| {
+        let found = findings.iter().filter(|found| found.verdict == verdict);
+        found.count()
+    };
+    let wrong: Vec<String> = findings
+        .iter()
+        .filter(|found| matches!(found.verdict, Verdict::Wrong | Verdict::Failed))
+        .map(|found| {
+            format!(
+                "{}, {} ({})",
+                found.trial.family,
+                found.trial.case,
+                end(&found.outcome)
+            )
+        })
+        .collect();
+    let list = match wrong.is_empty() {
+        true => String::new(),
+        false => format!(" Not as they must be: {}.", wrong.join("; ")),
+    };
+    format!(
+        "{} rows: {} right, {} converged with nothing to judge them by, {} wrong, {} failed.{list}",
+        findings.len(),
+        count(Verdict::Right),
+        count(Verdict::Unjudged),
+        count(Verdict::Wrong),
+        count(Verdict::Failed)
+    )
+}
+
+/// All findings as dots, family by family; nothing without any.
+pub(crate) fn figure(findings: &[Finding], footer: Vec<String>) -> Option<Figure> {
+    let mut lanes: Vec<Lane> = Vec::new();
+    for found in findings {
+        let family = &found.trial.family;
+        if lanes.last().is_none_or(|lane| lane.name != *family) {
+            lanes.push(Lane {
+                name: family.clone(),
+                dots: Vec::new(),
+            });
+        }
+        if let Some(lane) = lanes.last_mut() {
+            lane.dots.push(dot(found));
+        }
+    }
+    let right = findings.iter().filter(|one| one.verdict == Verdict::Right);
+    let judged = findings
+        .iter()
+        .filter(|one| one.verdict != Verdict::Unjudged);
+    let lanes = Lanes {
+        title: format!(
+            "Stiff and extreme cases: {} of {} as they must be",
+            right.count(),
+            judged.count()
+        ),
+        labels: ["by its verdict", "relative error", "seconds"].map(str::to_owned),
+        marks: [
+            "as it must be",
+            "converged, nothing to judge it by",
+            "wrong or failed",
+        ]
+        .map(str::to_owned),
+        lanes,
+        footer,
+    };
+    (!lanes.lanes.is_empty()).then(|| Figure {
+        name: "study-extremes".to_owned(),
+        svg: lanes.svg(),
+    })
+}
+
+fn dot(found: &Finding) -> Dot {
+    Dot {
+        first: found.error,
+        second: found.seconds.max(1e-3),
+        mark: match found.verdict {
+            Verdict::Right => Mark::Good,
+            Verdict::Unjudged => Mark::Open,
+            Verdict::Wrong | Verdict::Failed => Mark::Bad,
+        },
+        name: format!("{}: {}", found.trial.case, end(&found.outcome)),
+    }
+}
+
+/// Titles of [`record`].
+const TITLES: [&str; 15] = [
+    "id",
+    "family",
+    "case",
+    "known",
+    "verdict",
+    "outcome",
+    "detail",
+    "value",
+    "error",
+    "within",
+    "applications",
+    "seconds",
+    "rungs",
+    "stability",
+    "warnings",
+];
+
+/// The findings as a table for programs.
+///
+/// # Errors
+/// A message; writing into memory does not fail.
+pub(crate) fn csv(findings: &[Finding]) -> Result<Vec<u8>, String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let fault = |error: csv::Error| error.to_string();
+    writer.write_record(TITLES).map_err(fault)?;
+    for found in findings {
+        writer.write_record(record(found)).map_err(fault)?;
+    }
+    writer.into_inner().map_err(|error| error.to_string())
+}
+
+fn record(found: &Finding) -> [String; 15] {
+    let trial = &found.trial;
+    let number = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
+    [
+        trial.id.clone(),
+        trial.family.clone(),
+        trial.case.clone(),
+        trial.known.clone(),
+        found.verdict.word().to_lowercase(),
+        found.outcome.word().to_owned(),
+        found.outcome.detail().to_owned(),
+        number(found.value),
+        number(found.error),
+        trial.within.to_string(),
+        found.applications.to_string(),
+        found.seconds.to_string(),
+        found.rungs.join(" "),
+        found.stability.clone(),
+        found.warnings.join(" "),
+    ]
+}
+
+/// What the numbers of other programs say about themselves.
+pub(crate) fn peers_about() -> Vec<String> {
+    peer::about()
+}
