@@ -177,6 +177,33 @@ fn a_study_says_what_follows_from_its_rows() {
 }
 
 #[test]
+fn extreme_cases_are_judged_by_what_is_known_of_them() {
+    let folder = folder("bench_extremes");
+    let run = bench(&folder, &["--study", "extremes"]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let mut reader = csv::Reader::from_path(folder.join("extremes.csv")).unwrap();
+    let records: Vec<_> = reader.records().map(Result::unwrap).collect();
+    assert!(records.len() >= 30, "{}", records.len());
+    for record in &records {
+        // The fifth field is the verdict; quick rows are those that hold.
+        assert_eq!(&record[4], "right", "{record:?}");
+    }
+    // Everything that a row ran on is there to be run again.
+    assert!(folder.join("extremes").join("far-wall.toml").exists());
+    let page = std::fs::read_to_string(folder.join("index.html")).unwrap();
+    for text in [
+        "Stiff and extreme cases: what holds, and what does not?",
+        "known without this solver",
+        "enclosed_volume",
+        "NGSolve Pardiso: compared with",
+    ] {
+        assert!(page.contains(text), "{text}");
+    }
+    let figure = std::fs::read_to_string(folder.join("study-extremes.svg")).unwrap();
+    assert!(figure.contains("relative error"), "{figure}");
+}
+
+#[test]
 fn methods_that_fail_are_shown_and_tried_once() {
     let folder = folder("bench_refused");
     let run = bench(

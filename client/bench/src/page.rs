@@ -6,6 +6,7 @@ use crate::family::Quantity;
 use crate::figures::{Chapter, Figure};
 use crate::results::Results;
 use crate::row::Row;
+use crate::study::Measure;
 use crate::study_figures::Inquiry;
 use crate::table::{Column, Table};
 use crate::{seed, versus};
@@ -103,12 +104,14 @@ pub(crate) fn html(results: &Results, report: &Report) -> String {
     }
     for one in &report.inquiries {
         let about = format!("{} {}", one.study.about, one.remark);
-        page.push_str(&section(
-            one.study.question,
-            &about,
-            &one.answer,
-            &one.figures,
-        ));
+        page.push_str(&match one.study.measure {
+            // So many lines would hide the figure.
+            Measure::Extremes => {
+                section(one.study.question, &about, &Table::new([]), &one.figures)
+                    + &one.answer.html()
+            }
+            _ => section(one.study.question, &about, &one.answer, &one.figures),
+        });
     }
     if !results.rows.is_empty() {
         page.push_str(&seeds(results));

@@ -121,7 +121,7 @@ const FULL: Defaults = Defaults {
 };
 
 /// Of a row of the study of extreme cases.
-const TRIAL_LIMIT: u64 = 60;
+const TRIAL_LIMIT: u64 = 90;
 const REPEATS: usize = 3;
 const METHODS: &[&str] = &["auto"];
 const TOLERANCES: &[f64] = &[1e-8, 1e-3];

@@ -107,7 +107,8 @@ def two_level(mesh, scene, clock):
     with clock.phase("assembly"):
         a = BilinearForm(2 * mu * InnerProduct(strain(u), strain(v)) * dx).Assemble()
         b = BilinearForm(-div(u) * q * dx).Assemble()
-        c = BilinearForm(-soft * p * q * dx).Assemble()
+        is_soft = any(law["poisson_ratio"] < 0.5 for law in scene["material"].values())
+        c = BilinearForm(-soft * p * q * dx).Assemble().mat if is_soft else None
         mass = BilinearForm((0.5 / mu + soft) * p * q * dx).Assemble()
         load = loads(scene, displacement)
     with clock.phase("setup"):
@@ -117,7 +118,7 @@ def two_level(mesh, scene, clock):
     solution = GridFunction(displacement), GridFunction(pressure)
     with clock.phase("solve"):
         free = ng.Projector(displacement.FreeDofs(), True)
-        system = ng.BlockMatrix([[free @ a.mat @ free, free @ b.mat.T], [b.mat @ free, c.mat]])
+        system = ng.BlockMatrix([[free @ a.mat @ free, free @ b.mat.T], [b.mat @ free, c]])
         inverse = ng.BlockMatrix([[TwoLevel(a.mat, smoother, coarse), None], [None, inverse_mass]])
         right = load.vec.CreateVector()
         right.data = free * load.vec

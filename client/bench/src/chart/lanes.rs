@@ -52,9 +52,11 @@ pub(crate) struct Lanes {
 const TOP: f64 = 58.0;
 const PITCH: f64 = 30.0;
 /// Where lanes begin, and the first scale, its end, the second one, and its end.
-const COLUMN: (f64, f64) = (182.0, 250.0);
-const FIRST: (f64, f64) = (250.0, 446.0);
-const SECOND: (f64, f64) = (458.0, 630.0);
+const COLUMN: (f64, f64) = (194.0, 262.0);
+const FIRST: (f64, f64) = (262.0, 452.0);
+const SECOND: (f64, f64) = (464.0, 630.0);
+/// The end of the first scale that has no numbers.
+const END: f64 = 16.0;
 /// Dots of a lane stand on so many lines, this far apart.
 const LINES: usize = 3;
 const APART: f64 = 7.0;
@@ -83,8 +85,8 @@ impl Lanes {
         let [column, one, other] = &self.labels;
         let middle = 0.5 * (COLUMN.0 + COLUMN.1);
         svg.text((middle, TOP - 10.0), Anchor::Middle, TINY, column);
-        draw_scale(&mut svg, &first, FIRST, bottom, one);
-        draw_scale(&mut svg, &second, SECOND, bottom, other);
+        draw_scale(&mut svg, &first, (FIRST, END), bottom, one);
+        draw_scale(&mut svg, &second, (SECOND, 0.0), bottom, other);
         for (index, lane) in self.lanes.iter().enumerate() {
             draw_dots(
                 &mut svg,
@@ -108,7 +110,13 @@ impl Lanes {
     }
 }
 
-fn draw_scale(svg: &mut Svg, scale: &Scale, (left, right): (f64, f64), bottom: f64, label: &str) {
+fn draw_scale(
+    svg: &mut Svg,
+    scale: &Scale,
+    ((left, right), end): ((f64, f64), f64),
+    bottom: f64,
+    label: &str,
+) {
     svg.text(
         (0.5 * (left + right), TOP - 10.0),
         Anchor::Middle,
@@ -118,7 +126,13 @@ fn draw_scale(svg: &mut Svg, scale: &Scale, (left, right): (f64, f64), bottom: f
     let mut free = f64::NEG_INFINITY;
     for tick in scale.ticks() {
         let Some(label) = tick.label else { continue };
-        let x = left + scale.fraction(tick.value) * (right - left);
+        // Ticks take what is as small for zero.
+        let label = if label == "0" {
+            "10⁻¹⁶".to_owned()
+        } else {
+            label
+        };
+        let x = left + scale.fraction(tick.value) * (right - end - left);
         svg.line((x, TOP), (x, bottom), &format!("stroke=\"{GRID}\""));
         if x > free {
             svg.text((x, bottom + 15.0), Anchor::Middle, TINY, &label);
@@ -137,8 +151,10 @@ fn draw_dots(svg: &mut Svg, lane: &Lane, top: f64, (first, second): (&Scale, &Sc
         let line = (index % LINES) as f64 - 0.5 * (LINES - 1) as f64;
         let y = top + 0.5 * PITCH + APART * line;
         let x = match (dot.first, dot.mark) {
-            (Some(value), _) => FIRST.0 + first.fraction(value.max(LEAST)) * (FIRST.1 - FIRST.0),
-            (None, Mark::Bad) => FIRST.1 - 5.0,
+            (Some(value), _) => {
+                FIRST.0 + first.fraction(value.max(LEAST)) * (FIRST.1 - END - FIRST.0)
+            }
+            (None, Mark::Bad) => FIRST.1 - 0.5 * END,
             (None, _) => {
                 beside += 1;
                 COLUMN.0 + 8.0 * f64::from(beside)
@@ -197,6 +213,6 @@ mod tests {
         let svg = lanes.svg();
         let names = svg.matches("<title>a &lt; b</title>").count();
         assert_eq!(names, 6, "{svg}");
-        assert!(svg.contains("cx=\"190.0\""), "beside the scale");
+        assert!(svg.contains("cx=\"202.0\""), "beside the scale");
     }
 }

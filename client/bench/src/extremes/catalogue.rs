@@ -210,6 +210,14 @@ pub(crate) fn trials() -> Result<Vec<Trial>, String> {
     Ok(file.trial)
 }
 
+/// A row whose strain energy is expected to be this.
+#[cfg(test)]
+pub(super) fn trial(expected: &str) -> Trial {
+    let words = "id = 'a'\nfamily = 'F'\ncase = 'c'\nscene = 's'\nbody = 'cell'\nknown = 'k'";
+    let rest = format!("value = '/strain_energy'\nexpected = '{expected}'\nwithin = 1e-3");
+    toml::from_str(&format!("{words}\n{rest}")).unwrap()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -13,12 +13,34 @@ use super::verdict::{self, Verdict};
 use crate::error::BenchError;
 use crate::measure::{Outcome, outcome, without_result};
 
+/// A number that is known without the run, and what errors are relative to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Known {
+    number: f64,
+    scale: f64,
+}
+
+impl Known {
+    /// A number, errors relative to its size.
+    pub(super) fn of(number: f64) -> Self {
+        let scale = number.abs();
+        Self { number, scale }
+    }
+
+    /// The relative error of another number.
+    pub(super) fn error(self, found: f64) -> f64 {
+        (found - self.number).abs() / self.scale
+    }
+}
+
 /// What a trial came to.
 #[derive(Clone, Debug)]
 pub(crate) struct Finding {
     pub(crate) trial: Trial,
     pub(crate) outcome: Outcome,
     pub(crate) verdict: Verdict,
+    /// What it is compared with.
+    pub(crate) known: Option<Known>,
     /// What is compared.
     pub(crate) value: Option<f64>,
     /// Relative, against what is known.
@@ -73,6 +95,15 @@ impl Lines {
         line.pointer(pointer)?.as_f64()
     }
 
+    /// These results.
+    #[cfg(test)]
+    pub(super) fn of(steps: Vec<Value>) -> Self {
+        Self {
+            steps,
+            ..Self::default()
+        }
+    }
+
     fn rungs(&self) -> Vec<String> {
         let rungs = self.steps.iter().map(|line| line.get("fallback"));
         each_once(rungs)
@@ -125,35 +156,26 @@ pub(super) async fn run(
     (before, peers): (&[Finding], &[Peer]),
     limit: Duration,
 ) -> Result<Finding, BenchError> {
-    let scene = folder.join(format!("{}.toml", trial.id));
+    let scene = format!("{}.toml", trial.id);
     let mesh = format!("{}.msh", trial.id);
     let text = trial.scene(&mesh).map_err(BenchError::Arguments)?;
     let body = trial.body().map_err(BenchError::Arguments)?;
     let write = |path: &Path, bytes: &[u8]| {
         std::fs::write(path, bytes).map_err(BenchError::unwritable(path))
     };
-    write(&scene, text.as_bytes())?;
+    write(&folder.join(&scene), text.as_bytes())?;
     write(&folder.join(mesh), &body.msh())?;
     let started = Instant::now();
-    let (outcome, lines) = solved(program, &scene, limit).await;
+    let (outcome, lines) = solved((program, folder), &scene, limit).await;
     let wall = started.elapsed().as_secs_f64();
-    let known = match trial.expected() {
-        Expected::Row(id, factor) => {
-            let other = before.iter().find(|finding| finding.trial.id == id);
-            other.and_then(|other| Some(other.value? * factor))
-        }
-        Expected::Peer => peers
-            .iter()
-            .find(|peer| peer.knows(&trial.id))
-            .map(|p| p.value),
-        _ => None,
-    };
+    let known = known(trial, &lines, (before, peers));
     let (verdict, error) = verdict::of(trial, &outcome, &lines, known);
     let count = |path: &str| lines.total(path).and_then(Value::as_i64);
     Ok(Finding {
         verdict,
         error,
         outcome,
+        known,
         value: lines.last(&trial.value),
         applications: count("preconditioner_applications").unwrap_or_default(),
         seconds: lines
@@ -169,11 +191,34 @@ pub(super) async fn run(
     })
 }
 
+/// The number that the value of a trial is compared with, where it is one.
+fn known(trial: &Trial, lines: &Lines, (before, peers): (&[Finding], &[Peer])) -> Option<Known> {
+    let number = match trial.expected() {
+        Expected::Number(number, scale) => return Some(Known { number, scale }),
+        Expected::Step(step) => lines.of_step(step, &trial.value)?,
+        Expected::Row(id, factor) => {
+            let other = before.iter().find(|finding| finding.trial.id == id)?;
+            other
+                .value
+                .filter(|_| other.outcome == Outcome::Converged)?
+                * factor
+        }
+        Expected::Peer => peers.iter().find(|peer| peer.knows(&trial.id))?.value,
+        _ => return None,
+    };
+    Some(Known::of(number))
+}
+
 /// A process on a scene, stopped at the limit.
-async fn solved(program: &Path, scene: &Path, limit: Duration) -> (Outcome, Lines) {
+async fn solved(
+    (program, folder): (&Path, &Path),
+    scene: &str,
+    limit: Duration,
+) -> (Outcome, Lines) {
     let mut command = Command::new(program);
     command.args(["solve", "--json", "--quiet"]).arg(scene);
-    command.stdin(Stdio::null()).kill_on_drop(true);
+    command.current_dir(folder).stdin(Stdio::null());
+    command.kill_on_drop(true);
     match tokio::time::timeout(limit, command.output()).await {
         Err(_) => (Outcome::TimeLimit, Lines::default()),
         Ok(Err(error)) => (Outcome::Crashed(error.to_string()), Lines::default()),

@@ -15,7 +15,7 @@ const COLUMNS: [Column; 10] = [
     Column::Long("case"),
     Column::Long("known without this solver"),
     Column::Text("verdict"),
-    Column::Text("end"),
+    Column::Long("end"),
     Column::Number("error"),
     Column::Number("applications"),
     Column::Number("seconds"),
@@ -89,20 +89,10 @@ fn others(found: &Finding) -> String {
 fn one(found: &Finding, peer: &peer::Peer) -> String {
     let seconds = in_seconds(peer.seconds);
     let steps = peer.iterations.map(|count| format!(", {count} iterations"));
-    let known = match found.trial.expected() {
-        Expected::Number(number, scale) => Some((number, scale)),
-        Expected::Peer => {
-            let peers = peer::peers().unwrap_or_default();
-            let mut direct = peers.into_iter().filter(|peer| peer.knows(&found.trial.id));
-            direct.next().map(|peer| (peer.value, peer.value.abs()))
-        }
-        _ => None,
-    };
-    let error = match known {
-        Some(_) if found.trial.expected() == Expected::Peer && peer.iterations.is_none() => {
-            "compared with".to_owned()
-        }
-        Some((number, scale)) => format!("error {:.1e}", (peer.value - number).abs() / scale),
+    let is_known = found.trial.expected() == Expected::Peer && peer.iterations.is_none();
+    let error = match found.known {
+        _ if is_known => "compared with".to_owned(),
+        Some(known) => format!("error {:.1e}", known.error(peer.value)),
         None => format!("value {:.6e}", peer.value),
     };
     format!(
@@ -118,24 +108,8 @@ pub(crate) fn remark(findings: &[Finding]) -> String {
         let found = findings.iter().filter(|found| found.verdict == verdict);
         found.count()
     };
-    let wrong: Vec<String> = findings
-        .iter()
-        .filter(|found| matches!(found.verdict, Verdict::Wrong | Verdict::Failed))
-        .map(|found| {
-            format!(
-                "{}, {} ({})",
-                found.trial.family,
-                found.trial.case,
-                end(&found.outcome)
-            )
-        })
-        .collect();
-    let list = match wrong.is_empty() {
-        true => String::new(),
-        false => format!(" Not as they must be: {}.", wrong.join("; ")),
-    };
     format!(
-        "{} rows: {} right, {} converged with nothing to judge them by, {} wrong, {} failed.{list}",
+        "{} rows: {} right, {} converged with nothing to judge them by, {} wrong, {} failed.",
         findings.len(),
         count(Verdict::Right),
         count(Verdict::Unjudged),
@@ -144,8 +118,11 @@ pub(crate) fn remark(findings: &[Finding]) -> String {
     )
 }
 
+const ABOUT_FIGURE: &str = "One dot a row. Left: rows that are judged by a statement (a cause, a warning, a verdict on stability), or not judged. Crosses at the right end of the errors have no result.";
+
 /// All findings as dots, family by family; nothing without any.
-pub(crate) fn figure(findings: &[Finding], footer: Vec<String>) -> Option<Figure> {
+pub(crate) fn figure(findings: &[Finding], mut footer: Vec<String>) -> Option<Figure> {
+    footer.insert(0, ABOUT_FIGURE.to_owned());
     let mut lanes: Vec<Lane> = Vec::new();
     for found in findings {
         let family = &found.trial.family;
@@ -169,7 +146,7 @@ pub(crate) fn figure(findings: &[Finding], footer: Vec<String>) -> Option<Figure
             right.count(),
             judged.count()
         ),
-        labels: ["by its verdict", "relative error", "seconds"].map(str::to_owned),
+        labels: ["a statement", "relative error", "seconds"].map(str::to_owned),
         marks: [
             "as it must be",
             "converged, nothing to judge it by",
@@ -256,4 +233,62 @@ fn record(found: &Finding) -> [String; 15] {
 /// What the numbers of other programs say about themselves.
 pub(crate) fn peers_about() -> Vec<String> {
     peer::about()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::extremes::catalogue::trial;
+
+    fn finding(verdict: Verdict, outcome: Outcome) -> Finding {
+        Finding {
+            trial: trial("2"),
+            outcome,
+            verdict,
+            known: None,
+            value: Some(2.0),
+            error: Some(1e-9),
+            applications: 12,
+            seconds: 0.5,
+            rungs: vec!["mass_metric".into()],
+            warnings: vec!["lost_digits".into()],
+            stability: "minimum".into(),
+            falls: 2,
+            instruction_set: String::new(),
+        }
+    }
+
+    #[test]
+    fn every_row_says_how_it_ended_and_what_its_results_say() {
+        let stopped = Outcome::NotConverged("not_converged, stagnation".into());
+        let found = [
+            finding(Verdict::Right, Outcome::Converged),
+            finding(Verdict::Failed, stopped),
+        ];
+        let table = table(&found);
+        let [good, bad] = [0, 1].map(|row| &table.rows()[row]);
+        assert_eq!(
+            (&*good[3], &*good[4], &*good[5]),
+            ("right", "converged", "1.0e-9")
+        );
+        assert_eq!((&*bad[3], &*bad[4]), ("FAILED", "stagnation"));
+        assert_eq!(good[8], "mass metric; minimum; 2 falls; warns: lost digits");
+        assert_eq!(good[9], "not run");
+        let remark = remark(&found);
+        assert!(remark.starts_with("2 rows: 1 right"), "{remark}");
+        let text = String::from_utf8(csv(&found).unwrap()).unwrap();
+        assert_eq!(text.lines().count(), 3);
+    }
+
+    #[test]
+    fn the_figure_counts_what_is_judged() {
+        let found = [
+            finding(Verdict::Right, Outcome::Converged),
+            finding(Verdict::Unjudged, Outcome::Converged),
+            finding(Verdict::Wrong, Outcome::Converged),
+        ];
+        let figure = figure(&found, Vec::new()).unwrap();
+        assert!(figure.svg.contains("1 of 2 as they must be"));
+        assert!(super::figure(&[], Vec::new()).is_none());
+    }
 }

@@ -1,7 +1,7 @@
 //! Whether a result is what is known of the body.
 
 use super::catalogue::{Expected, Trial};
-use super::run::Lines;
+use super::run::{Known, Lines};
 use crate::measure::Outcome;
 
 /// What is to be said of a finding.
@@ -34,25 +34,20 @@ impl Verdict {
     }
 }
 
-/// The verdict and the relative error; `known` is what another row or program gives.
+/// The verdict and the relative error.
 pub(super) fn of(
     trial: &Trial,
     outcome: &Outcome,
     lines: &Lines,
-    known: Option<f64>,
+    known: Option<Known>,
 ) -> (Verdict, Option<f64>) {
-    let found = lines.last(&trial.value);
-    let against = |expected: Option<f64>, scale: f64| {
-        let pair = found.zip(expected).filter(|_| is_converged(outcome));
-        let error = pair.map(|(found, expected)| (found - expected).abs() / scale);
-        (compared(outcome, error, trial.within), error)
-    };
-    let to = |expected: Option<f64>| against(expected, expected.map_or(1.0, f64::abs));
     match trial.expected() {
         Expected::Convergence => (unjudged(outcome), None),
-        Expected::Number(number, scale) => against(Some(number), scale),
-        Expected::Step(step) => to(lines.of_step(step, &trial.value)),
-        Expected::Row(..) | Expected::Peer => to(known),
+        Expected::Number(..) | Expected::Step(_) | Expected::Row(..) | Expected::Peer => {
+            let found = lines.last(&trial.value).filter(|_| is_converged(outcome));
+            let error = found.zip(known).map(|(found, known)| known.error(found));
+            (compared(outcome, error, trial.within), error)
+        }
         Expected::Cause(causes, at) => ended(outcome, &causes, lines.last("/load").zip(at), trial),
         Expected::Warning(kinds) => {
             let said = lines.warnings().iter().any(|kind| kinds.contains(kind));
@@ -103,5 +98,72 @@ fn ended(
         }
         Outcome::Converged => (Verdict::Wrong, None),
         _ => (Verdict::Failed, None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::extremes::catalogue::trial;
+
+    const CONVERGED: Outcome = Outcome::Converged;
+
+    /// The verdict on a last result whose energy is 2 and that warns of a fall.
+    fn on(expected: &str, outcome: &Outcome, known: Option<f64>) -> (Verdict, Option<f64>) {
+        let line = json!({
+            "strain_energy": 2.0,
+            "load": 0.8,
+            "stability": "minimum",
+            "warnings": [{"kind": "snapped"}],
+        });
+        let known = known.map(Known::of);
+        of(&trial(expected), outcome, &Lines::of(vec![line]), known)
+    }
+
+    #[test]
+    fn a_number_is_right_within_its_bound() {
+        assert_eq!(on("2", &CONVERGED, Some(2.0)), (Verdict::Right, Some(0.0)));
+        assert_eq!(on("4", &CONVERGED, Some(4.0)), (Verdict::Wrong, Some(0.5)));
+        assert_eq!(on("row a", &CONVERGED, None), (Verdict::Unjudged, None));
+        let stopped = Outcome::NotConverged("not_converged, stagnation".into());
+        assert_eq!(on("2", &stopped, Some(2.0)), (Verdict::Failed, None));
+        assert_eq!(on("", &Outcome::TimeLimit, None), (Verdict::Failed, None));
+        assert_eq!(on("", &CONVERGED, None), (Verdict::Unjudged, None));
+    }
+
+    #[test]
+    fn an_end_that_must_be_is_right_and_another_one_is_not() {
+        let ended = |cause: &str| Outcome::NotConverged(format!("not_converged, {cause}"));
+        let full = ended("enclosed_volume");
+        let verdict = |expected, outcome: &Outcome| on(expected, outcome, None).0;
+        let expected = "cause enclosed_volume|no_equilibrium";
+        assert_eq!(verdict(expected, &full), Verdict::Right);
+        assert_eq!(verdict(expected, &ended("stagnation")), Verdict::Wrong);
+        assert_eq!(verdict(expected, &CONVERGED), Verdict::Wrong);
+        assert_eq!(verdict(expected, &Outcome::TimeLimit), Verdict::Failed);
+        assert_eq!(
+            verdict("cause enclosed_volume at 0.8", &full),
+            Verdict::Right
+        );
+        assert_eq!(
+            verdict("cause enclosed_volume at 0.4", &full),
+            Verdict::Wrong
+        );
+        assert_eq!(verdict("refused", &CONVERGED), Verdict::Wrong);
+        assert_eq!(
+            verdict("refused", &Outcome::Refused(String::new())),
+            Verdict::Right
+        );
+    }
+
+    #[test]
+    fn statements_are_looked_for_in_the_results() {
+        let verdict = |expected| on(expected, &CONVERGED, None).0;
+        assert_eq!(verdict("warning passed_through|snapped"), Verdict::Right);
+        assert_eq!(verdict("warning lost_digits"), Verdict::Wrong);
+        assert_eq!(verdict("stability minimum"), Verdict::Right);
+        assert_eq!(verdict("stability saddle"), Verdict::Wrong);
     }
 }
