@@ -15,6 +15,7 @@ const TEXT: &str = include_str!("catalogue.toml");
 
 /// Scene files by name; `$WORD` stands for what a row gives it.
 const SCENES: &[(&str, &str)] = &[
+    ("arch", include_str!("scenes/arch.toml")),
     ("balloon", include_str!("scenes/balloon.toml")),
     ("bend", include_str!("scenes/bend.toml")),
     ("bonded", include_str!("scenes/bonded.toml")),
