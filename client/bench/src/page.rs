@@ -104,13 +104,11 @@ pub(crate) fn html(results: &Results, report: &Report) -> String {
     }
     for one in &report.inquiries {
         let about = format!("{} {}", one.study.about, one.remark);
-        page.push_str(&match one.study.measure {
+        let title = one.study.question;
+        page.push_str(&match one.study.measure == Measure::Extremes {
             // So many lines would hide the figure.
-            Measure::Extremes => {
-                section(one.study.question, &about, &Table::new([]), &one.figures)
-                    + &one.answer.html()
-            }
-            _ => section(one.study.question, &about, &one.answer, &one.figures),
+            true => section(title, &about, &Table::new([]), &one.figures) + &one.answer.html(),
+            false => section(title, &about, &one.answer, &one.figures),
         });
     }
     if !results.rows.is_empty() {

@@ -35,9 +35,9 @@ pub(crate) fn inquiries(results: &Results, studies: &[&'static Study]) -> Vec<In
 }
 
 fn remark(results: &Results, study: &Study) -> String {
-    match study.measure {
-        Measure::Extremes => extremes::remark(&results.findings),
-        _ => String::new(),
+    match study.measure == Measure::Extremes {
+        true => extremes::remark(&results.findings),
+        false => String::new(),
     }
 }
 

@@ -70,30 +70,10 @@ impl Lanes {
     pub(crate) fn svg(&self) -> String {
         let mut svg = Svg::default();
         svg.text((12.0, 24.0), Anchor::Start, BOLD, &self.title);
-        let dots = || self.lanes.iter().flat_map(|lane| &lane.dots);
-        let firsts = dots()
-            .filter_map(|dot| dot.first)
-            .map(|value| value.max(LEAST));
-        let first = Scale::new(Kind::Logarithmic, firsts);
-        let second = Scale::new(Kind::Logarithmic, dots().map(|dot| dot.second));
-        let bottom = TOP + PITCH * self.lanes.len() as f64;
+        let scales = self.scales();
+        let bottom = self.draw_frame(&mut svg, &scales);
         for (index, lane) in self.lanes.iter().enumerate() {
-            let top = TOP + PITCH * index as f64;
-            svg.line((12.0, top), (SECOND.1, top), &format!("stroke=\"{GRID}\""));
-            svg.text((12.0, top + 19.0), Anchor::Start, TINY, &lane.name);
-        }
-        let [column, one, other] = &self.labels;
-        let middle = 0.5 * (COLUMN.0 + COLUMN.1);
-        svg.text((middle, TOP - 10.0), Anchor::Middle, TINY, column);
-        draw_scale(&mut svg, &first, (FIRST, END), bottom, one);
-        draw_scale(&mut svg, &second, (SECOND, 0.0), bottom, other);
-        for (index, lane) in self.lanes.iter().enumerate() {
-            draw_dots(
-                &mut svg,
-                lane,
-                TOP + PITCH * index as f64,
-                (&first, &second),
-            );
+            draw_dots(&mut svg, lane, top_of(index), &scales);
         }
         let below = legend(
             &mut svg,
@@ -108,6 +88,35 @@ impl Lanes {
         let height = svg.small_print(below, &self.footer) + 12.0;
         svg.finish(height, &self.title)
     }
+
+    fn scales(&self) -> [Scale; 2] {
+        let dots = || self.lanes.iter().flat_map(|lane| &lane.dots);
+        let firsts = dots().filter_map(|dot| dot.first);
+        [
+            Scale::new(Kind::Logarithmic, firsts.map(|value| value.max(LEAST))),
+            Scale::new(Kind::Logarithmic, dots().map(|dot| dot.second)),
+        ]
+    }
+
+    /// Names of the lanes, and the scales; gives the place below them.
+    fn draw_frame(&self, svg: &mut Svg, [first, second]: &[Scale; 2]) -> f64 {
+        for (index, lane) in self.lanes.iter().enumerate() {
+            let top = top_of(index);
+            svg.line((12.0, top), (SECOND.1, top), &format!("stroke=\"{GRID}\""));
+            svg.text((12.0, top + 19.0), Anchor::Start, TINY, &lane.name);
+        }
+        let [column, one, other] = &self.labels;
+        let middle = (0.5 * (COLUMN.0 + COLUMN.1), TOP - 10.0);
+        svg.text(middle, Anchor::Middle, TINY, column);
+        let bottom = top_of(self.lanes.len());
+        draw_scale(svg, first, (FIRST, END), bottom, one);
+        draw_scale(svg, second, (SECOND, 0.0), bottom, other);
+        bottom
+    }
+}
+
+fn top_of(lane: usize) -> f64 {
+    TOP + PITCH * lane as f64
 }
 
 fn draw_scale(
@@ -145,7 +154,7 @@ fn draw_scale(
     ));
 }
 
-fn draw_dots(svg: &mut Svg, lane: &Lane, top: f64, (first, second): (&Scale, &Scale)) {
+fn draw_dots(svg: &mut Svg, lane: &Lane, top: f64, [first, second]: &[Scale; 2]) {
     let mut beside = 0;
     for (index, dot) in lane.dots.iter().enumerate() {
         let line = (index % LINES) as f64 - 0.5 * (LINES - 1) as f64;

@@ -170,19 +170,22 @@ impl Body {
         let [x, _, z] = middle;
         let square = |place: f64| (place - 0.5).powi(2);
         let radius = middle.map(square).iter().sum::<f64>().sqrt();
-        match self.form {
-            Form::Halves if x < 0.5 => "left",
-            Form::Halves => "right",
-            Form::Layer if (0.25..0.75).contains(&z) => "inclusion",
-            Form::Ball if radius < 0.3 => "inclusion",
-            _ => "body",
+        let has = |form: Form, inside: bool| self.form == form && inside;
+        if self.form == Form::Halves {
+            return if x < 0.5 { "left" } else { "right" };
+        }
+        let is_second = has(Form::Layer, (0.25..0.75).contains(&z));
+        match is_second || has(Form::Ball, radius < 0.3) {
+            true => "inclusion",
+            false => "body",
         }
     }
 
     fn places(&self, draft: &Draft) -> Vec<[f64; 3]> {
-        let cells = match self.kind {
-            Kind::Cuboid([count, ..]) => f64::from(count),
-            _ => 1.0,
+        let cells = if let Kind::Cuboid([count, ..]) = self.kind {
+            f64::from(count)
+        } else {
+            1.0
         };
         let points = draft.points.iter().enumerate();
         let place =
@@ -204,32 +207,33 @@ impl Body {
                 [wide * x + beside, high * y, 0.0]
             }
             Form::Slivers => slivers(point, number, cells),
-            _ if matches!(self.kind, Kind::Square(_)) => [wide * x, high * y, 0.0],
-            _ => [wide * x, high * y, deep * z],
+            Form::Straight
+            | Form::Halves
+            | Form::Layer
+            | Form::Ball
+            | Form::Turned
+            | Form::Spare
+            | Form::Apart => [wide * x, high * y, deep * z],
         }
     }
 
     /// What makes the mesh a poor one.
     fn spoil(&self, named: &mut Named, draft: &Draft) {
-        match self.form {
-            Form::Turned => {
-                let corners = named.corners;
-                let cells = named.elements.iter_mut();
-                for (_, cell) in cells.filter(|(_, cell)| cell.len() == corners) {
-                    cell.swap(0, 1);
-                }
+        let corners = named.corners;
+        let all = &mut named.elements;
+        if self.form == Form::Turned {
+            let cells = all.iter_mut().filter(|(_, cell)| cell.len() == corners);
+            cells.for_each(|(_, cell)| cell.swap(0, 1));
+        } else if self.form == Form::Spare {
+            named.points.push([7.0; 3]);
+        } else if self.form == Form::Apart {
+            let count = named.points.len() as u32;
+            named.points.extend_from_within(..);
+            for (_, corners) in all {
+                let [_, _, z] = draft.middle(corners);
+                let shift = if z > 0.5 { count } else { 0 };
+                corners.iter_mut().for_each(|corner| *corner += shift);
             }
-            Form::Spare => named.points.push([7.0; 3]),
-            Form::Apart => {
-                let count = named.points.len() as u32;
-                named.points.extend_from_within(..);
-                for (_, corners) in &mut named.elements {
-                    let [_, _, z] = draft.middle(corners);
-                    let shift = if z > 0.5 { count } else { 0 };
-                    corners.iter_mut().for_each(|corner| *corner += shift);
-                }
-            }
-            _ => {}
         }
     }
 }

@@ -204,7 +204,11 @@ fn known(trial: &Trial, lines: &Lines, (before, peers): (&[Finding], &[Peer])) -
                 * factor
         }
         Expected::Peer => peers.iter().find(|peer| peer.knows(&trial.id))?.value,
-        _ => return None,
+        Expected::Convergence
+        | Expected::Cause(..)
+        | Expected::Warning(_)
+        | Expected::Stability(_)
+        | Expected::Refusal => return None,
     };
     Some(Known::of(number))
 }

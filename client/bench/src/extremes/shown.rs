@@ -52,10 +52,10 @@ fn line(found: &Finding) -> [String; 10] {
 
 /// How it ended, the cause without what goes without saying.
 fn end(outcome: &Outcome) -> String {
-    match outcome {
-        Outcome::NotConverged(detail) => detail.rsplit(", ").next().unwrap_or(detail).to_owned(),
-        outcome => outcome.to_string(),
+    if let Outcome::NotConverged(detail) = outcome {
+        return detail.rsplit(", ").next().unwrap_or(detail).to_owned();
     }
+    outcome.to_string()
 }
 
 /// What the results say about themselves.
@@ -123,6 +123,34 @@ const ABOUT_FIGURE: &str = "One dot a row. Left: rows that are judged by a state
 /// All findings as dots, family by family; nothing without any.
 pub(crate) fn figure(findings: &[Finding], mut footer: Vec<String>) -> Option<Figure> {
     footer.insert(0, ABOUT_FIGURE.to_owned());
+    let right = findings.iter().filter(|one| one.verdict == Verdict::Right);
+    let judged = findings
+        .iter()
+        .filter(|one| one.verdict != Verdict::Unjudged);
+    let picture = Lanes {
+        title: format!(
+            "Stiff and extreme cases: {} of {} as they must be",
+            right.count(),
+            judged.count()
+        ),
+        labels: ["a statement", "relative error", "seconds"].map(str::to_owned),
+        marks: [
+            "as it must be",
+            "converged, nothing to judge it by",
+            "wrong or failed",
+        ]
+        .map(str::to_owned),
+        lanes: lanes(findings),
+        footer,
+    };
+    (!findings.is_empty()).then(|| Figure {
+        name: "study-extremes".to_owned(),
+        svg: picture.svg(),
+    })
+}
+
+/// One a family.
+fn lanes(findings: &[Finding]) -> Vec<Lane> {
     let mut lanes: Vec<Lane> = Vec::new();
     for found in findings {
         let family = &found.trial.family;
@@ -136,30 +164,7 @@ pub(crate) fn figure(findings: &[Finding], mut footer: Vec<String>) -> Option<Fi
             lane.dots.push(dot(found));
         }
     }
-    let right = findings.iter().filter(|one| one.verdict == Verdict::Right);
-    let judged = findings
-        .iter()
-        .filter(|one| one.verdict != Verdict::Unjudged);
-    let lanes = Lanes {
-        title: format!(
-            "Stiff and extreme cases: {} of {} as they must be",
-            right.count(),
-            judged.count()
-        ),
-        labels: ["a statement", "relative error", "seconds"].map(str::to_owned),
-        marks: [
-            "as it must be",
-            "converged, nothing to judge it by",
-            "wrong or failed",
-        ]
-        .map(str::to_owned),
-        lanes,
-        footer,
-    };
-    (!lanes.lanes.is_empty()).then(|| Figure {
-        name: "study-extremes".to_owned(),
-        svg: lanes.svg(),
-    })
+    lanes
 }
 
 fn dot(found: &Finding) -> Dot {

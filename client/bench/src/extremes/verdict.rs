@@ -97,7 +97,7 @@ fn ended(
             (Verdict::if_so(is_known && is_there), error)
         }
         Outcome::Converged => (Verdict::Wrong, None),
-        _ => (Verdict::Failed, None),
+        Outcome::TimeLimit | Outcome::Refused(_) | Outcome::Crashed(_) => (Verdict::Failed, None),
     }
 }
 
