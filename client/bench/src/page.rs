@@ -34,7 +34,7 @@ figure svg { width: 100%; height: auto; display: block; border: 1px solid #9999;
 table { border-collapse: collapse; font-size: 14px; font-variant-numeric: tabular-nums; }
 th, td { padding: 3px 10px; text-align: right; border-bottom: 1px solid #9996; white-space: nowrap; }
 th.text, td.text { text-align: left; }
-td.long { white-space: normal; min-width: 18em; }
+td.long { white-space: normal; min-width: 12em; }
 ul.contents { columns: 20em; padding-left: 1.2em; }
 @media print { body { max-width: none; font-size: 10pt; } .figures { display: block; } figure { break-inside: avoid; display: inline-block; width: 48%; margin-bottom: 8px; } h2 { break-after: avoid; } .table { overflow: visible; } table { font-size: 7pt; } }
 </style>

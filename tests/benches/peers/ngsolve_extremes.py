@@ -139,7 +139,7 @@ def main():
     used = report.threads()
     ng.SetNumThreads(used)
     print("# Other programs on rows of the study of extreme cases. Written by tests/benches/peers/ngsolve_extremes.py.")
-    print(f"# Machine: {report.processor()}, {used} threads; {VERSION}; one run each, wall seconds without reading the mesh.")
+    print(f"# Machine: {report.processor()}, threads: {used}; {VERSION}; one run each, wall seconds without reading the mesh.")
     print(f"# Strain energy. Pardiso: direct, three refinements. Two-level MINRES: to 1e-8 or {MOST_ITERATIONS} iterations.")
     print("row,solver,value,seconds,iterations")
     for row in ROWS:

@@ -58,7 +58,8 @@ def main():
             if worst:
                 print(f"# {row}: {NAME} counts {worst} unstable motions on the way", flush=True)
         elif last is not None:
-            print(f"# {row}: {NAME} ends early: {last}"[:160], flush=True)
+            where = f"in increment {last['increment']} of step {last['step']}, {last['cause']}"
+            print(f"# {row}: {NAME} ends early, {where}", flush=True)
         print(row, file=sys.stderr, flush=True)
 
 

@@ -155,21 +155,26 @@ fn draw_scale(
 }
 
 fn draw_dots(svg: &mut Svg, lane: &Lane, top: f64, [first, second]: &[Scale; 2]) {
+    let line = |index: usize| {
+        let line = (index % LINES) as f64 - 0.5 * (LINES - 1) as f64;
+        top + 0.5 * PITCH + APART * line
+    };
     let mut beside = 0;
     for (index, dot) in lane.dots.iter().enumerate() {
-        let line = (index % LINES) as f64 - 0.5 * (LINES - 1) as f64;
-        let y = top + 0.5 * PITCH + APART * line;
-        let x = match (dot.first, dot.mark) {
+        let y = line(index);
+        let place = match (dot.first, dot.mark) {
             (Some(value), _) => {
-                FIRST.0 + first.fraction(value.max(LEAST)) * (FIRST.1 - END - FIRST.0)
+                let part = first.fraction(value.max(LEAST));
+                (FIRST.0 + part * (FIRST.1 - END - FIRST.0), y)
             }
-            (None, Mark::Bad) => FIRST.1 - 0.5 * END,
-            (None, _) => {
+            (None, Mark::Bad) => (FIRST.1 - 0.5 * END, y),
+            (None, Mark::Good | Mark::Open) => {
                 beside += 1;
-                COLUMN.0 + 8.0 * f64::from(beside)
+                let column = (beside - 1) / LINES + 1;
+                (COLUMN.0 + 12.0 * column as f64, line(beside - 1))
             }
         };
-        draw(svg, dot.mark, (x, y), &dot.name);
+        draw(svg, dot.mark, place, &dot.name);
         let x = SECOND.0 + second.fraction(dot.second) * (SECOND.1 - SECOND.0);
         draw(svg, dot.mark, (x, y), &dot.name);
     }
@@ -222,6 +227,6 @@ mod tests {
         let svg = lanes.svg();
         let names = svg.matches("<title>a &lt; b</title>").count();
         assert_eq!(names, 6, "{svg}");
-        assert!(svg.contains("cx=\"202.0\""), "beside the scale");
+        assert!(svg.contains("cx=\"206.0\""), "beside the scale");
     }
 }

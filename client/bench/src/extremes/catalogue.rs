@@ -118,8 +118,10 @@ pub(crate) enum Expected {
     /// `cause a|b`: the step must end early, for one of these causes; `cause a at 0.8`: at
     /// this part of the load.
     Cause(Vec<String>, Option<f64>),
-    /// `warning a|b`: one of these warnings must stand in a result.
+    /// `warning a|b`: converged, with one of these warnings in a result.
     Warning(Vec<String>),
+    /// `said a|b`: one of these warnings, however it ends.
+    Said(Vec<String>),
     /// `stability minimum`: the verdict of the last result.
     Stability(String),
     /// `refused`: the scene must not be accepted.
@@ -139,6 +141,7 @@ impl Expected {
             ["cause", causes] => Self::Cause(list(causes), None),
             ["cause", causes, "at", part] => Self::Cause(list(causes), part.parse().ok()),
             ["warning", kinds] => Self::Warning(list(kinds)),
+            ["said", kinds] => Self::Said(list(kinds)),
             ["stability", verdict] => Self::Stability((*verdict).to_owned()),
             [number, "of", scale] => Self::Number(number.parse().ok()?, scale.parse().ok()?),
             [number] => {

@@ -207,6 +207,7 @@ fn known(trial: &Trial, lines: &Lines, (before, peers): (&[Finding], &[Peer])) -
         Expected::Convergence
         | Expected::Cause(..)
         | Expected::Warning(_)
+        | Expected::Said(_)
         | Expected::Stability(_)
         | Expected::Refusal => return None,
     };

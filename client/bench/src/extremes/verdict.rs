@@ -49,7 +49,8 @@ pub(super) fn of(
             (compared(outcome, error, trial.within), error)
         }
         Expected::Cause(causes, at) => ended(outcome, &causes, lines.last("/load").zip(at), trial),
-        Expected::Warning(kinds) => {
+        Expected::Warning(_) if !is_converged(outcome) => (Verdict::Failed, None),
+        Expected::Warning(kinds) | Expected::Said(kinds) => {
             let said = lines.warnings().iter().any(|kind| kinds.contains(kind));
             (Verdict::if_so(said), None)
         }
@@ -163,6 +164,10 @@ mod tests {
         let verdict = |expected| on(expected, &CONVERGED, None).0;
         assert_eq!(verdict("warning passed_through|snapped"), Verdict::Right);
         assert_eq!(verdict("warning lost_digits"), Verdict::Wrong);
+        let stopped = Outcome::NotConverged("not_converged, stagnation".into());
+        let stopped = |expected| on(expected, &stopped, None).0;
+        assert_eq!(stopped("warning snapped"), Verdict::Failed);
+        assert_eq!(stopped("said snapped"), Verdict::Right);
         assert_eq!(verdict("stability minimum"), Verdict::Right);
         assert_eq!(verdict("stability saddle"), Verdict::Wrong);
     }
