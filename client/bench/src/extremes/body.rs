@@ -35,6 +35,8 @@ enum Form {
     Shell,
     /// Half of a tube of radii 10 and 20, turned about the third axis.
     Bush,
+    /// The upper half of a disc that starts at zero.
+    Half,
     /// Cells numbered the other way.
     Turned,
     /// A vertex that no cell uses.
@@ -111,6 +113,7 @@ fn form_of(text: &str) -> Option<Form> {
         "ball" => Form::Ball,
         "shell" => Form::Shell,
         "bush" => Form::Bush,
+        "half" => Form::Half,
         "turned" => Form::Turned,
         "spare" => Form::Spare,
         "apart" => Form::Apart,
@@ -131,7 +134,11 @@ impl Body {
         self.named(draft).msh().into_bytes()
     }
 
-    fn named(&self, draft: Draft) -> Named {
+    fn named(&self, mut draft: Draft) -> Named {
+        if self.form == Form::Half {
+            let whole = draft.clone();
+            draft.cells.retain(|cell| whole.middle(cell)[1] > 0.0);
+        }
         let skin = draft.skin();
         let side = |facet: &Vec<u32>| (self.side(draft.middle(facet)), facet.clone());
         let sides: Vec<(&str, Vec<u32>)> = skin.iter().map(side).collect();
@@ -150,7 +157,8 @@ impl Body {
     fn side(&self, middle: [f64; 3]) -> &'static str {
         const NAMES: [[&str; 2]; 3] = [["x0", "x1"], ["y0", "y1"], ["z0", "z1"]];
         if matches!(self.kind, Kind::Disc(_)) {
-            return "skin";
+            let is_cut = self.form == Form::Half && middle[1].abs() < 1e-9;
+            return if is_cut { "y0" } else { "skin" };
         }
         let flat = matches!(self.kind, Kind::Square(_));
         let axes = if flat { 2 } else { 3 };
@@ -211,6 +219,7 @@ impl Body {
             | Form::Halves
             | Form::Layer
             | Form::Ball
+            | Form::Half
             | Form::Turned
             | Form::Spare
             | Form::Apart => [wide * x, high * y, deep * z],
@@ -273,6 +282,7 @@ mod tests {
             ("box 4 4 4, halves", 384, 192),
             ("plane 3 2 of 8 1, bowed 0.1", 12, 10),
             ("disc 3 of 2.665 0.3", 54, 18),
+            ("disc 3 of 2.665 0, half", 27, 15),
             ("cell", 1, 4),
             ("box 2 2 2, apart", 48, 64),
         ] {

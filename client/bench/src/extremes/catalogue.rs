@@ -31,6 +31,7 @@ const SCENES: &[(&str, &str)] = &[
     ("groove", include_str!("scenes/groove.toml")),
     ("indent", include_str!("scenes/indent.toml")),
     ("ring", include_str!("scenes/ring.toml")),
+    ("ring-half", include_str!("scenes/ring-half.toml")),
     ("shear", include_str!("scenes/shear.toml")),
     ("side-by-side", include_str!("scenes/side-by-side.toml")),
     ("slab", include_str!("scenes/slab.toml")),
