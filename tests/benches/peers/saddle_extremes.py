@@ -17,7 +17,7 @@ from saddle_contact import solve
 from saddle_newton import NotConverged
 from saddle_scene import Problem
 
-CATALOGUE = pathlib.Path(__file__).parents[3] / "client/bench/src/extremes/catalogue.toml"
+ROWS = pathlib.Path(__file__).parents[3] / "client/bench/src/extremes/rows"
 NAME = "P2-P1, direct Newton"
 
 
@@ -38,7 +38,8 @@ def main():
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("rows", nargs="*")
     given = parser.parse_args()
-    trials = tomllib.loads(CATALOGUE.read_text())["trial"]
+    files = [tomllib.loads(path.read_text()) for path in sorted(ROWS.glob("*.toml"))]
+    trials = [trial for file in files for trial in file["trial"]]
     for trial in trials:
         row = trial["id"]
         is_ours = trial.get("expected") == "peer" and "NGSolve" not in trial["known"]
