@@ -15,6 +15,7 @@ fn report() -> v1::StepReport {
         force: vector.clone(),
         moment: vector.clone(),
         centre_of_pressure: vector.clone(),
+        tangential_force: vector.clone(),
         contact_area: 0.25,
         ..Default::default()
     };

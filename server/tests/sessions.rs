@@ -84,11 +84,7 @@ async fn keys_of_later_capabilities_are_refused_by_path() {
         change(&mut scene);
         scene
     };
-    let cases: [(&str, wire::Scene); 3] = [
-        (
-            "obstacle.ball.friction",
-            with(|scene| scene.obstacles[0].friction = Some(0.3)),
-        ),
+    let cases: [(&str, wire::Scene); 2] = [
         (
             "pressure[0]",
             with(|scene| {

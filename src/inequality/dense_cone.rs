@@ -28,6 +28,9 @@ pub enum DenseConeError {
     /// The pivots come back to earlier sides because of rounding, up to a limit.
     #[error("the pivots do not end")]
     PivotLimit,
+    /// Newton's method for friction has found no solution.
+    #[error("Newton's method does not converge")]
+    NewtonLimit,
     /// The sweeps over the points have not converged.
     #[error("the sweeps do not converge")]
     SweepLimit,

@@ -190,7 +190,7 @@ impl Faces<'_, '_> {
                 false => Review::WhenReduced,
                 true => Review::AtTheEnd,
             },
-            one_by_one: false,
+            one_by_one: self.is_rough(),
             may_change_rule: self.may_change_rule(),
             is_rough: self.is_rough(),
         };

@@ -89,6 +89,15 @@ impl Directions {
         }
     }
 
+    /// Forgets all but the last `most` directions.
+    pub fn keep_last(&mut self, most: usize, work: &mut Workspace) {
+        let spare = self.pairs.len().saturating_sub(most);
+        for (direction, product) in self.pairs.drain(..spare) {
+            work.give(direction);
+            work.give(product);
+        }
+    }
+
     /// Takes off `r`, and adds to `x`, what the kept directions can.
     pub fn project(&self, x: &mut [f64], r: &mut [f64]) {
         for (direction, product) in &self.pairs {

@@ -13,6 +13,11 @@ pub trait SymmetricMatrix: Send + Sync {
     /// One entry.
     fn entry(&self, row: usize, column: usize) -> f64;
 
+    /// All diagonal entries.
+    fn diagonal(&self) -> Vec<f64> {
+        (0..self.size()).map(|i| self.entry(i, i)).collect()
+    }
+
     /// `y = A x`.
     fn product(&self, x: &[f64], y: &mut [f64]);
 

@@ -151,8 +151,7 @@ pub(crate) fn group_error(fault: GroupFault, index: usize, group: &Group) -> Mes
     }
 }
 
-/// Refuses triangles outside the plane and flat or inverted cells; measures the
-/// quality of the others.
+/// Refuses triangles outside the plane and flat cells; measures the quality of the others.
 pub(crate) fn check_shapes(
     kind: CellKind,
     coordinates: &[[f64; 3]],
@@ -162,7 +161,7 @@ pub(crate) fn check_shapes(
     if kind == CellKind::Triangle {
         check_plane(coordinates, numbering)?;
     }
-    let (mut degenerate, mut inverted) = (Found::default(), Found::default());
+    let mut degenerate = Found::default();
     let mut quality = Mean::default();
     for (index, cell) in cells.chunks_exact(kind.vertices()).enumerate() {
         let sizes = kind.scaled_measures(&corners_of(coordinates, cell));
@@ -170,11 +169,9 @@ pub(crate) fn check_shapes(
         // A measure that is not a number is not thick either.
         let is_thick = relative.abs() > DEGENERATE;
         degenerate.note_if(!is_thick, index);
-        inverted.note_if(relative < 0.0, index);
         quality.add(kind, &sizes);
     }
     degenerate.refuse(CellFault::Degenerate)?;
-    inverted.refuse(CellFault::Inverted)?;
     Ok(quality.finish())
 }
 

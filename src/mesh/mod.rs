@@ -26,6 +26,7 @@ mod numbering;
 mod offsets;
 pub mod quality;
 mod topology;
+mod turn;
 
 use std::fmt;
 
@@ -154,12 +155,14 @@ impl Mesh {
         let uploaded_vertex_count = parts.coordinates.len();
         let numbering = Numbering::new(&parts.cells, uploaded_vertex_count);
         let coordinates = numbering.select(parts.coordinates);
-        let cells = numbering.renumber(parts.cells);
+        let mut cells = numbering.renumber(parts.cells);
         let facets = numbering.renumber(parts.facets);
+        let turned = turn::turn(kind, &coordinates, &mut cells);
         let quality = check::check_shapes(kind, &coordinates, &cells, &numbering)?;
         let topology = topology::connect(kind, &cells, &facets, coordinates.len());
         check::refuse_listed(CellFault::Duplicate, &topology.facets.duplicates)?;
         check::refuse_listed(CellFault::CrowdedFacet, &topology.facets.crowded)?;
+        turn::refuse_folds(kind, &cells, &turned)?;
         let lines = Lines {
             coordinates: &coordinates,
             numbering: &numbering,
@@ -182,6 +185,7 @@ impl Mesh {
                 .warnings()
                 .into_iter()
                 .chain(about_offsets)
+                .chain(turn::warning(&turned))
                 .collect(),
             offsets,
             used: numbering.into_used(),

@@ -154,13 +154,6 @@ fn quality_names_the_worst_cell() {
 
 #[test]
 fn faulty_cells_are_named_and_counted() {
-    let inverted = cell_fault(|parts| {
-        [5, 9]
-            .map(|cell| parts.cells.swap(4 * cell, 4 * cell + 1))
-            .into_iter()
-            .collect()
-    });
-    assert_eq!(inverted, (CellFault::Inverted, 5, 2));
     let repeated = cell_fault(|parts| parts.cells[13] = parts.cells[12]);
     assert_eq!(repeated, (CellFault::RepeatedVertex, 3, 1));
     let outside = cell_fault(|parts| parts.cells[30] = 27);
@@ -361,4 +354,42 @@ proptest! {
             }
         }
     }
+}
+
+#[test]
+fn cells_that_are_numbered_the_other_way_round_are_turned_with_a_word() {
+    let whole = cube(2);
+    for step in [1, 3] {
+        let mut parts = cube_parts(2);
+        let cells = parts.cells.chunks_mut(4).step_by(step);
+        let turned = cells.map(|cell| cell.swap(0, 1)).count();
+        let mesh = Mesh::new(parts).expect("a whole mesh");
+        assert!(mesh.warnings()[0].starts_with(&format!("{turned} cells are numbered")));
+        assert_eq!(
+            (mesh.edges(), mesh.quality()),
+            (whole.edges(), whole.quality())
+        );
+        let kind = mesh.cell_kind();
+        let measure = |cell: usize| kind.signed_measure(&mesh.corners(cell));
+        assert!((0..mesh.cell_count()).all(|cell| measure(cell) > 0.0));
+    }
+}
+
+#[test]
+fn cells_that_lie_over_their_neighbours_are_refused() {
+    let mut parts = cube_parts(2);
+    // The vertex in the middle leaves the cube.
+    let middle = parts.coordinates.iter().position(|&x| x == [0.5; 3]);
+    parts.coordinates[middle.expect("a vertex")] = [0.5, 0.5, 1.4];
+    let fault = Mesh::new(parts).expect_err("a fold");
+    assert!(
+        matches!(
+            fault,
+            MeshError::Cells {
+                fault: CellFault::Inverted,
+                ..
+            }
+        ),
+        "{fault:?}"
+    );
 }

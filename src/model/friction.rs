@@ -24,8 +24,8 @@ use std::sync::Arc;
 
 use super::Model;
 use super::drive::Drive;
-use super::interfaces::Interface;
 use super::state::State;
+use crate::contact::ContactSurface;
 use crate::contact::gap::Deformed;
 use crate::geometry::Matrix3;
 use crate::geometry::rigid_motion::multiply;
@@ -36,6 +36,9 @@ use crate::plan::Plan;
 use crate::saddle::{Components, FrictionBound};
 use frame::{frame, normals};
 use points::{points_of, trace_of};
+
+pub(crate) use frame::Frame;
+pub(crate) use points::Point;
 
 /// The rough obstacles' points.
 #[derive(Debug)]
@@ -50,21 +53,6 @@ pub(crate) struct Friction {
     pub(crate) partners: Arc<[u32]>,
     /// int phi_i N_k dS `[points, nodes]`.
     trace: SparseRows,
-}
-
-/// A point of friction.
-#[derive(Clone, Debug)]
-pub(crate) struct Point {
-    /// Its obstacle, in the order of the plan.
-    pub(crate) obstacle: usize,
-    /// Integral of its function over the undeformed faces of the obstacle.
-    pub(crate) weight: f64,
-    /// int phi_i X dS, in units of the scaled body.
-    place: [f64; 3],
-    /// Axes that lie across the undeformed surface, the flattest first.
-    axes: [[f64; 3]; 2],
-    /// Which components of its node supports hold.
-    held: [bool; 3],
 }
 
 /// Where an increment began.
@@ -93,9 +81,6 @@ pub(crate) struct Slips {
     /// Rows of -ds/du `[points * components]`.
     pub(crate) rows: Vec<Vec<(u32, f64)>>,
 }
-
-/// Tangents of a point; zero where there is none.
-pub(crate) type Frame = [[f64; 3]; 2];
 
 /// The points' pressures and how far their tractions may go.
 #[derive(Clone, Debug)]
@@ -126,9 +111,13 @@ impl Law {
 }
 
 impl Friction {
-    /// Of the interfaces `list` of `plan` on the undeformed `body`; none where no obstacle
-    /// is rough.
-    pub(crate) fn new(plan: &Plan, body: &Deformed<'_>, list: &[Interface]) -> Option<Self> {
+    /// Of the interfaces of `plan`, multipliers and surface, on the undeformed `body`; none
+    /// where no obstacle is rough.
+    pub(crate) fn new(
+        plan: &Plan,
+        body: &Deformed<'_>,
+        list: &[(&[u32], &ContactSurface)],
+    ) -> Option<Self> {
         let first = plan.normal_multipliers();
         let components = match plan.units.dimension {
             2 => Components::One,
@@ -136,13 +125,14 @@ impl Friction {
         };
         let (mut points, mut partners) = (Vec::new(), Vec::new());
         let mut trace = SparseRowsBuilder::new(body.space.nodes());
-        for (obstacle, interface) in list.iter().take(plan.obstacles.len()).enumerate() {
+        for (obstacle, (multipliers, surface)) in list.iter().take(plan.obstacles.len()).enumerate()
+        {
             if !plan.obstacles[obstacle].is_rough {
                 continue;
             }
-            points.extend(points_of(plan, body, (obstacle, interface)));
-            partners.extend_from_slice(&interface.multipliers);
-            for mut row in trace_of(body, interface) {
+            points.extend(points_of(plan, body, (obstacle, surface)));
+            partners.extend_from_slice(multipliers);
+            for mut row in trace_of(body, surface) {
                 trace.push_row(&mut row);
             }
         }
@@ -255,7 +245,7 @@ impl Friction {
                 continue;
             }
             let (own, rest) = points.split_at(interface.multipliers.len());
-            let normals = normals(&body, interface, &met, obstacle);
+            let normals = normals(&body, &interface.surface, obstacle);
             let dimension = model.plan.units.dimension;
             frames.extend(
                 own.iter()

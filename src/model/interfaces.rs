@@ -181,9 +181,9 @@ impl Interfaces {
             displacement: &at_rest,
             rule: &rule,
         };
-        let friction = Friction::new(plan, &body, &list);
         let surfaces = list.iter().map(|one| (&one.multipliers[..], &one.surface));
         let surfaces: Vec<(&[u32], &ContactSurface)> = surfaces.collect();
+        let friction = Friction::new(plan, &body, &surfaces);
         let mut moduli = contact_moduli(plan, (mesh, space), &surfaces);
         if let Some(friction) = friction.as_ref().filter(|_| !moduli.is_empty()) {
             friction.take_over(&mut moduli);

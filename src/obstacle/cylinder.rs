@@ -76,6 +76,10 @@ impl Obstacle for Cylinder {
         false
     }
 
+    fn inner_radius(&self) -> Option<f64> {
+        Some(self.radius)
+    }
+
     fn lies_in_plane(&self) -> Result<(), ObstacleError> {
         check_plane("axis", self.axis[0]).and_then(|()| check_plane("axis", self.axis[1]))
     }

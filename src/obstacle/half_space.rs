@@ -49,6 +49,10 @@ impl Obstacle for HalfSpace {
         true
     }
 
+    fn inner_radius(&self) -> Option<f64> {
+        None
+    }
+
     fn lies_in_plane(&self) -> Result<(), ObstacleError> {
         check_plane("normal", self.normal[2])
     }

@@ -65,6 +65,9 @@ pub trait Obstacle: fmt::Debug + Send + Sync {
     /// Whether the distance is linear in the point.
     fn is_flat(&self) -> bool;
 
+    /// Radius of the largest ball inside, a length; none where there is no largest.
+    fn inner_radius(&self) -> Option<f64>;
+
     /// Whether a body in the plane z = 0 meets the shape in that plane only: its
     /// normals there have no z.
     ///

@@ -81,6 +81,10 @@ impl Obstacle for Moving {
         self.shape.is_flat()
     }
 
+    fn inner_radius(&self) -> Option<f64> {
+        self.shape.inner_radius()
+    }
+
     /// As the shape does in its own pose: scenes move a flat body's obstacles in the
     /// plane only.
     fn lies_in_plane(&self) -> Result<(), ObstacleError> {

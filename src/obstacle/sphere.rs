@@ -62,6 +62,10 @@ impl Obstacle for Sphere {
         false
     }
 
+    fn inner_radius(&self) -> Option<f64> {
+        Some(self.radius)
+    }
+
     fn lies_in_plane(&self) -> Result<(), ObstacleError> {
         check_plane("centre", self.centre[2])
     }

@@ -13,7 +13,7 @@
 
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use rayon::prelude::*;
 
@@ -65,6 +65,8 @@ pub struct Compliance {
     volumes: Vec<Vec<f64>>,
     /// Added to the diagonal, so that redundant constraints have a solution.
     lift: f64,
+    /// The diagonal, once it was asked for.
+    diagonal: OnceLock<Vec<f64>>,
     /// The part that was factorised last.
     last: Mutex<Option<Part>>,
 }
@@ -96,6 +98,7 @@ impl Compliance {
             volumes: volumes.collect(),
             vertex_rows,
             lift: 0.0,
+            diagonal: OnceLock::new(),
             last: Mutex::new(None),
         };
         let size = coupling.rows();
@@ -169,6 +172,11 @@ impl SymmetricMatrix for Compliance {
             true => self.column_of_part(&pair[..1], 0)[0],
             false => self.column_of_part(&pair, 0)[1],
         }
+    }
+
+    fn diagonal(&self) -> Vec<f64> {
+        let entries = || (0..self.size()).map(|i| self.entry(i, i)).collect();
+        self.diagonal.get_or_init(entries).clone()
     }
 
     fn product(&self, x: &[f64], y: &mut [f64]) {

@@ -31,6 +31,8 @@ const LARGE_STRAIN: f64 = 0.1;
 const MISSED: f64 = 1e-3;
 /// The same beside faces that are pressed, whose rim overlaps a little on every mesh.
 const MISSED_AT_THE_RIM: f64 = 0.02;
+/// The same over the depth under faces that are pressed.
+const BEYOND_THE_PRESSED: f64 = 1.5;
 /// Closed functions of a curved contact that are few.
 const FEW: [usize; 2] = [3, 6];
 /// Depth over the length of the body from which on an obstacle is inside it.
@@ -146,12 +148,17 @@ fn missed(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
         true => MISSED_AT_THE_RIM,
         false => MISSED,
     };
+    let pressed = touch.distances.iter().zip(&touch.acts);
+    let pressed = pressed
+        .filter(|(_, acts)| **acts)
+        .map(|(distance, _)| -distance);
+    let usual = BEYOND_THE_PRESSED * pressed.fold(0.0, f64::max);
     let power = 1.0 / (model.plan.units.dimension as f64 - 1.0);
     let faces = touch.interface.surface.faces.iter();
     let faces = faces.zip(&touch.distances).zip(&touch.acts);
     let depths = faces.filter_map(|((face, &distance), &acts)| {
         let size = face.flat_area.powf(power);
-        (!acts && distance < -least * size).then_some(-distance)
+        (!acts && distance < -usual.max(least * size)).then_some(-distance)
     });
     let deepest = depths.fold(0.0, f64::max) * model.plan.units.length;
     (deepest > 0.0).then(|| {

@@ -9,6 +9,7 @@ use super::descent::descend;
 use super::diagnosis::{is_soft, name_the_end};
 use super::increment;
 use super::initial_penetration::InitialPenetration;
+use super::passing::longest_part;
 use super::penalty::{next_penalty, penalise};
 use super::run::{Retry, Run};
 use super::step_control::{KeptState, Parts};
@@ -48,7 +49,10 @@ pub(crate) fn approach(run: &mut Run<'_>, goal: &Drive) -> (Ending, f64) {
     let mut way = Way {
         start,
         goal,
-        parts: Parts::new(penetration.first_part()),
+        parts: Parts::new(
+            penetration.first_part(),
+            longest_part(&run.model, run.state, goal),
+        ),
         penetration,
         snapped: None,
     };
@@ -185,7 +189,8 @@ fn cut_backs_help(run: &Run<'_>, ending: &Ending) -> bool {
     if is_left && run.counters.failed_programs > 0 {
         return false;
     }
-    let is_linear = model.is_linear();
+    // The way matters where something slips.
+    let is_linear = model.is_linear() && !model.plan.has_friction();
     let is_spent =
         model.plan.contact.method.is_nested() && ending.cause == Some(Cause::IterationLimit);
     let is_hopeless = is_spent || ending.cause == Some(Cause::EnclosedVolume);

@@ -37,7 +37,9 @@ pub(crate) fn explain(run: &mut Run<'_>, ending: &mut Ending) {
     let touches = run.state.status.iter().any(|status| status.is_closed());
     let pressure = model.prepared.pressure.as_ref();
     let is_enclosed = pressure.is_some_and(|block| block.is_enclosed);
-    if model.plan.is_floating() && !touches {
+    // What only friction holds slides off where that is not enough.
+    let slides_off = model.plan.has_friction() && model.plan.is_floating();
+    if slides_off || (model.plan.is_floating() && !touches) {
         ending.cause = Some(Cause::NoEquilibrium);
     } else if is_enclosed || is_closed_by_contact(model, &run.state.drive, &mut run.work) {
         ending.cause = Some(Cause::EnclosedVolume);
@@ -85,10 +87,11 @@ pub(crate) fn name_the_end(run: &Run<'_>, ending: &mut Ending) {
             | Cause::IterationLimit
             | Cause::LineSearch
             | Cause::IndefiniteTangent
+            | Cause::ActiveSetCycle
             | Cause::NegativeJacobian,
         )
         | None
-            if is_soft(run) =>
+            if is_soft(run) || run.model.plan.has_friction() =>
         {
             Some(Cause::LimitPoint)
         }

@@ -10,7 +10,7 @@
 //! |---|---|
 //! | [`run`] | everything that one increment reads and changes |
 //! | [`ladder`] | the plan's own method, then others where it fails |
-//! | [`approach`] | the way to the increment's end, in parts: [`step_control`], [`initial_penetration`], [`penalty`] |
+//! | [`approach`] | the way to the increment's end, in parts: [`step_control`], [`initial_penetration`], [`passing`], [`penalty`] |
 //! | [`attempt`] | one part, solved and judged |
 //! | [`accuracy`] | how far residuals are reduced |
 //! | [`increment`] | programs until the four criteria hold: [`predictor`], [`program`], [`search`], [`verdict`] |
@@ -36,6 +36,7 @@ pub(crate) mod learned;
 pub(crate) mod linear;
 mod longest_step;
 mod lowest_mode;
+mod passing;
 mod penalty;
 mod preconditioner_refresh;
 mod predictor;

@@ -46,6 +46,8 @@ pub(crate) struct Parts {
     pub(crate) reached: f64,
     /// Fraction of the way that the next part takes.
     pub(crate) part: f64,
+    /// Longest part that may be taken.
+    longest: f64,
     /// Number of failures one after the other; a success sets it to zero.
     pub(crate) failures: u32,
     /// Largest penalty that led nowhere, so that it is not tried again.
@@ -53,11 +55,13 @@ pub(crate) struct Parts {
 }
 
 impl Parts {
-    /// The way before its first part, which takes the fraction `part`.
-    pub(crate) fn new(part: f64) -> Self {
+    /// The way before its first part, which takes the fraction `part` at most,
+    /// and no part more than `longest`.
+    pub(crate) fn new(part: f64, longest: f64) -> Self {
         Self {
             reached: 0.0,
-            part,
+            part: part.min(longest),
+            longest,
             failures: 0,
             tried: 0.0,
         }
@@ -84,7 +88,7 @@ impl Parts {
     /// Takes the part just solved as reached and makes the next one longer.
     pub(crate) fn succeed(&mut self) {
         self.reached = self.next();
-        self.part *= GROWTH;
+        self.part = self.longest.min(GROWTH * self.part);
         self.failures = 0;
     }
 

@@ -202,7 +202,7 @@ fn seconds_at(curve: &[(f64, f64)], goal: f64) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::Outcome;
+    use crate::outcome::Outcome;
     use crate::samples::{results, row};
     use crate::study::find;
 

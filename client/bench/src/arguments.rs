@@ -5,10 +5,11 @@ use std::time::Duration;
 
 use clap::Args;
 
+use crate::extent::Extent;
 use crate::families;
 use crate::family::{Family, Level};
 use crate::method::Method;
-use crate::plan::{Extent, Wishes};
+use crate::plan::Wishes;
 use crate::study::{self, Study};
 
 /// What to measure, for how long, and where to write it.

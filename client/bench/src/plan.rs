@@ -3,20 +3,12 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
+use crate::extent::Extent;
 use crate::extremes::{self, Trial};
 use crate::families::FAMILIES;
 use crate::family::{Family, Level, MeshSource};
 use crate::method::Method;
 use crate::study::{Measure, STUDIES, Study};
-
-/// How much a bench does by itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Extent {
-    /// Small meshes, two minutes at most.
-    Quick,
-    /// All levels and studies.
-    Full,
-}
 
 /// What a bench is asked for; what is empty is chosen by its extent.
 #[derive(Clone, Debug)]

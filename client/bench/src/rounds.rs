@@ -5,8 +5,9 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use crate::error::BenchError;
-use crate::measure::{Outcome, Run, measure};
+use crate::measure::{Run, measure};
 use crate::method::Method;
+use crate::outcome::Outcome;
 use crate::plan::{Case, Plan};
 use crate::workshop::Workshop;
 

@@ -2,7 +2,8 @@
 
 use crate::family::Quantity;
 use crate::machine::Machine;
-use crate::measure::{Numbers, Outcome, PHASES, Run};
+use crate::measure::{Numbers, PHASES, Run};
+use crate::outcome::Outcome;
 use crate::plan::Case;
 use crate::reference::References;
 use crate::rounds::Measured;

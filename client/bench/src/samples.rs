@@ -4,7 +4,8 @@ use std::time::Duration;
 
 use crate::families::find;
 use crate::machine::Machine;
-use crate::measure::{Numbers, Outcome};
+use crate::measure::Numbers;
+use crate::outcome::Outcome;
 use crate::peers::Peers;
 use crate::plan::{Case, Place};
 use crate::reference::References;

@@ -14,33 +14,21 @@
 //! (I - M) t' + rho M s_t(x') - mu n' e = -M d + r_0 e,   M = b / |d| (I - beta t e^T / max(b, |t|)),  e = d / |d|
 //! ```
 //!
-//! Where it cycles the thresholds are held for some passes (the threshold iteration of the
-//! seed), then Newton's method goes on from there. Usually 4 to 8 steps, each one LU factor of
-//! the closed part.
+//! It starts from the present multipliers, then from all that is closed sticking. Usually 4 to
+//! 8 steps, each one LU factor of the closed part.
 
 mod slip;
 
-use super::{DenseConeError, DenseProblem, DenseSolution, pivot, sweep};
+use super::{DenseConeError, DenseProblem, DenseSolution};
 use crate::linalg::vector::{largest, norm};
 use crate::linalg::{DenseLu, FactoriseError, SymmetricMatrix};
-use crate::saddle::{
-    Admissible, AdmissibleSet, Components, Cones, Discs, FrictionBound, Kind, ProductSet, SetPart,
-    Status,
-};
+use crate::saddle::{Admissible, AdmissibleSet, Cones, FrictionBound, Kind, ProductSet, Status};
 
 /// Newton steps in a row; what takes more cycles.
 const MOST_STEPS: usize = 40;
 /// Change of the multipliers, over the largest, behind which the next step, whose error is
 /// the square, is of rounding: more cannot be asked of a body that contact alone holds.
 const CLOSE: f64 = 1e-8;
-/// Change of the thresholds, over the largest, at which passes count as converged.
-const ACCURACY: f64 = 1e-13;
-/// Passes with held thresholds between two tries of Newton's method.
-const PASSES: usize = 4;
-/// Tries of Newton's method.
-const TRIES: usize = 4;
-/// Passes of the last resort.
-const MOST_PASSES: usize = 300;
 
 /// The cones of a product and the first of their multipliers; none where it has none.
 pub(in crate::inequality) fn cones<'a>(set: &ProductSet<'a>) -> Option<(Cones<'a>, usize)> {
@@ -68,16 +56,9 @@ pub(super) fn solve(
     if let Run::Solved(solution) = newton.run(near.to_vec())? {
         return Ok(solution);
     }
-    let mut start = newton.first_step(guess)?;
-    for _ in 0..TRIES {
-        match newton.run(start)? {
-            Run::Solved(solution) => return Ok(solution),
-            Run::Lost(values) => start = newton.passes(values, PASSES)?.0,
-        }
-    }
-    match newton.passes(start, MOST_PASSES)? {
-        (values, true) => Ok(newton.solution(values)),
-        (_, false) => Err(DenseConeError::SweepLimit),
+    match newton.run(newton.first_step(guess)?)? {
+        Run::Solved(solution) => Ok(solution),
+        Run::Lost => Err(DenseConeError::NewtonLimit),
     }
 }
 
@@ -132,8 +113,8 @@ pub(in crate::inequality) fn newton_face(
 enum Run {
     /// At the solution.
     Solved(DenseSolution),
-    /// Nowhere; at these multipliers.
-    Lost(Vec<f64>),
+    /// Nowhere.
+    Lost,
 }
 
 /// What a multiplier is in a Newton step.
@@ -180,7 +161,7 @@ impl<'p> Newton<'p> {
             }
         }
         Self {
-            diagonal: (0..size).map(|i| problem.matrix.entry(i, i)).collect(),
+            diagonal: problem.matrix.diagonal(),
             problem,
             cones,
             first,
@@ -243,11 +224,11 @@ impl<'p> Newton<'p> {
                 return Ok(Run::Solved(self.solution(x)));
             }
             if !change.is_finite() {
-                return Ok(Run::Lost(vec![0.0; x.len()]));
+                return Ok(Run::Lost);
             }
             last = Some(sides);
         }
-        Ok(Run::Lost(x))
+        Ok(Run::Lost)
     }
 
     /// n - rho s_n of a pressure.
@@ -314,62 +295,6 @@ impl<'p> Newton<'p> {
             x[index] = value;
         }
         Ok(x)
-    }
-
-    /// Passes with held thresholds from `values`; whether they have converged.
-    fn passes(
-        &self,
-        mut values: Vec<f64>,
-        most: usize,
-    ) -> Result<(Vec<f64>, bool), DenseConeError> {
-        let normals = self.first..self.first + self.cones.normals;
-        let mut radii = self.cones.radii(&values[normals.clone()]);
-        for _ in 0..most {
-            let parts = self.parts(&radii);
-            let problem = DenseProblem {
-                set: ProductSet::Parts(&parts),
-                ..*self.problem
-            };
-            let guess = self.problem.set.status(&values);
-            let mut pivots = pivot::Pivots::new(problem.set, &guess);
-            values = sweep::solve(&problem, &mut pivots)?.values;
-            let next = self.cones.radii(&values[normals.clone()]);
-            let change = next.iter().zip(&radii).map(|(a, b)| (a - b).abs());
-            let change = change.fold(0.0, f64::max);
-            radii = next;
-            if change <= ACCURACY * largest(&radii) {
-                return Ok((values, true));
-            }
-        }
-        Ok((values, false))
-    }
-
-    /// The product of sets with given thresholds.
-    fn parts<'r>(&self, radii: &'r [f64]) -> Vec<SetPart<'r>>
-    where
-        'p: 'r,
-    {
-        let components: Components = self.cones.components;
-        let discs = Discs { radii, components };
-        let own = [
-            SetPart {
-                size: self.cones.normals,
-                set: AdmissibleSet::NonNegative,
-            },
-            SetPart {
-                size: radii.len() * components.count(),
-                set: AdmissibleSet::Discs(discs),
-            },
-        ];
-        let parts = self.problem.set.parts().iter();
-        parts
-            .flat_map(|part| match part.set {
-                AdmissibleSet::Cones(_) => own.to_vec(),
-                AdmissibleSet::Free | AdmissibleSet::NonNegative | AdmissibleSet::Discs(_) => {
-                    vec![*part]
-                }
-            })
-            .collect()
     }
 
     /// A solution with its statuses.

@@ -13,15 +13,13 @@
 //! zero, so that vectors keep their length from face to face and kept directions stay of
 //! use. Cost: the factor, m^3 / 3 for m multipliers that stick, and the Krylov iterations.
 
-use std::borrow::Cow;
-
 use super::super::blocks::Blocks;
-use super::super::qp::{QpIterate, QpProblem, QpRun, QpStatus, Slide};
+use super::super::qp::{QpIterate, QpProblem, QpRun, QpStatus};
 use super::augmented::Augmented;
 use super::face_metric::FaceMetric;
 use super::monitor::{FaceMonitor, Review};
 use super::shared::shared_on_the_face;
-use super::slides::{add_along, expand, gather, unknowns};
+use super::slides::{Shape, add_along, expand, gather, unknowns};
 use super::sprung::{self, Sprung};
 use super::weights::weigh;
 use super::{Faces, GAP_WEIGHT};
@@ -51,14 +49,6 @@ struct OnFace<'a> {
     face: &'a Shape<'a>,
     /// Whether tractions that slip follow their pressures, as forces do.
     follows: bool,
-}
-
-/// What is unknown on a face, and how what slips depends on it.
-pub(super) struct Shape<'a> {
-    /// Which multipliers are unknowns, or hold one of a point that slips `[multipliers]`.
-    pub(super) unknowns: Vec<bool>,
-    /// Points that slip.
-    pub(super) slides: &'a [Slide],
 }
 
 impl LinearOperator for OnFace<'_> {
@@ -100,23 +90,6 @@ impl LinearOperator for OnFace<'_> {
         expand(&self.face.following(self.follows), &mut weighted);
         self.operator.add_transposed(weight, &weighted, x, work);
         work.give(weighted);
-    }
-}
-
-impl<'a> Shape<'a> {
-    /// The points that slip, as forces or, without what follows, as constraints.
-    fn following(&self, follows: bool) -> Cow<'a, [Slide]> {
-        match follows {
-            true => Cow::Borrowed(self.slides),
-            false => self
-                .slides
-                .iter()
-                .map(|slide| Slide {
-                    along: [0.0; 2],
-                    ..*slide
-                })
-                .collect(),
-        }
     }
 }
 

@@ -10,8 +10,7 @@
 use std::sync::Arc;
 
 use super::GAP_WEIGHT;
-use super::face::Shape;
-use super::slides::gather;
+use super::slides::{Shape, gather};
 use crate::inequality::Slide;
 use crate::inequality::blocks::ContactBlock;
 use crate::linalg::vector::add_scaled;
@@ -68,7 +67,11 @@ impl FaceFactor {
             .iter()
             .map(|&index| place(index as u32) as usize)
             .collect();
-        Ok(Self::Lu(DenseLu::new(&whole.principal(&own))?))
+        match DenseLu::new(&whole.principal(&own)) {
+            Ok(factor) => Ok(Self::Lu(factor)),
+            // At the edge of what friction holds; without what slips it is regular.
+            Err(_) => Ok(Self::Cholesky(matrix.factor_of_part(selected)?)),
+        }
     }
 
     fn solve(&self, x: &mut [f64]) {

@@ -17,6 +17,10 @@ use crate::inequality::{BlockIterate, QpRun};
 use crate::linalg::vector::{add_scaled, scale};
 use crate::linalg::{LinearOperator, Workspace};
 
+/// Directions that stay from face to face with friction: a face keeps many, and each costs
+/// products and dot products with all others.
+const KEPT_BETWEEN_FACES: usize = 12;
+
 impl Faces<'_, '_> {
     /// Adds this program's contact on the face of `contact` to the products of kept
     /// directions.
@@ -45,6 +49,9 @@ impl Faces<'_, '_> {
     pub(super) fn detach(&self, run: &mut QpRun<'_, '_>, contact: &BlockIterate) {
         if self.problem.augmentation.is_some() {
             run.directions.clear(run.work);
+        }
+        if self.is_rough() {
+            run.directions.keep_last(KEPT_BETWEEN_FACES, run.work);
         }
         self.adapt((run, contact), -1.0, |_, closing| closing.fill(0.0));
     }

@@ -36,9 +36,10 @@ impl Faces<'_, '_> {
         let linear = self.gap_under_load(iterate, work);
         let block = &self.blocks.contact;
         let near = (&contact.status[..], &contact.multiplier[..]);
-        let solution = dense_cone::solve(block.matrix, &linear, block.set, near)
-            .map_err(|_| QpStatus::IndefiniteMetric)?;
-        self.change_face(iterate, solution, work);
+        let solution = dense_cone::solve(block.matrix, &linear, block.set, near);
+        let by_residuals = self.newton_face(iterate);
+        let next = solution.ok().or(by_residuals);
+        self.change_face(iterate, next.ok_or(QpStatus::IndefiniteMetric)?, work);
         Ok(())
     }
 
@@ -69,7 +70,12 @@ impl Faces<'_, '_> {
         if contact.residual.is_empty() {
             return Ok(DenseSolution::default());
         }
-        self.rule.next(block, contact)
+        let next = self.rule.next(block, contact);
+        match self.newton_face(iterate) {
+            // The metric's own problem may have no solution where the true one has.
+            Some(by_residuals) if next.is_err() => Ok(by_residuals),
+            _ => next,
+        }
     }
 
     /// The face beside the present one, solved to its end, on which the last multiplier

@@ -1,8 +1,35 @@
 //! Points that slip, on one face: from the unknowns of a face to all multipliers, and from
 //! all constraints to those of the face ([`Slide`]).
 
+use std::borrow::Cow;
+
 use crate::inequality::Slide;
 use crate::saddle::Status;
+
+/// What is unknown on a face, and how what slips depends on it.
+pub(super) struct Shape<'a> {
+    /// Which multipliers are unknowns, or hold one of a point that slips `[multipliers]`.
+    pub(super) unknowns: Vec<bool>,
+    /// Points that slip.
+    pub(super) slides: &'a [Slide],
+}
+
+impl<'a> Shape<'a> {
+    /// The points that slip, as forces or, without what follows, as constraints.
+    pub(super) fn following(&self, follows: bool) -> Cow<'a, [Slide]> {
+        match follows {
+            true => Cow::Borrowed(self.slides),
+            false => self
+                .slides
+                .iter()
+                .map(|slide| Slide {
+                    along: [0.0; 2],
+                    ..*slide
+                })
+                .collect(),
+        }
+    }
+}
 
 /// Tractions of the points from what they follow and give way to, in place; their own places
 /// hold w.

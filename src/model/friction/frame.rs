@@ -1,9 +1,9 @@
 //! Tangents of the obstacles at points of friction, without what supports hold.
 
-use super::{Frame, Point};
+use super::points::Point;
+use crate::contact::ContactSurface;
 use crate::contact::gap::{Deformed, mean_normals};
 use crate::geometry::vector3::{cross, dot, normalised, scale, sub};
-use crate::model::interfaces::{Interface, Placed};
 use crate::obstacle::{Contact, Moving, Obstacle, What};
 
 /// Component of a unit vector that counts as one.
@@ -11,19 +11,21 @@ const ALONG: f64 = 1e-9;
 /// Component of a normal from which on an axis is not across it.
 const PARALLEL: f64 = 0.9;
 
+/// Tangents of a point; zero where there is none.
+pub(crate) type Frame = [[f64; 3]; 2];
+
 /// Mean unit normals of an obstacle at the points of an interface.
 pub(super) fn normals(
     body: &Deformed<'_>,
-    interface: &Interface,
-    met: &Placed,
+    surface: &ContactSurface,
     obstacle: &Moving,
 ) -> Vec<[f64; 3]> {
     if obstacle.is_flat() {
         let mut at = [Contact::default()];
         obstacle.probe(&[[0.0; 3]], What::Normal, &mut at);
-        return vec![at[0].normal; interface.multipliers.len()];
+        return vec![at[0].normal; surface.multipliers()];
     }
-    let sums = mean_normals(body, &interface.surface, met);
+    let sums = mean_normals(body, surface, obstacle);
     let unit = |sum| normalised(sum).unwrap_or_default();
     sums.into_iter().map(unit).collect()
 }

@@ -1,23 +1,35 @@
 //! The points of rough obstacles: their weights, places and held components, and the mass of
 //! the traces by which they move.
 
-use super::Point;
 use crate::contact::gap::{Deformed, evaluate_gaps, linearise};
-use crate::contact::{ContactFace, Counterpart};
+use crate::contact::{ContactFace, ContactSurface, Counterpart};
 use crate::geometry::vector3::{add, scale};
-use crate::model::interfaces::Interface;
 use crate::obstacle::{Contact, What};
 use crate::plan::Plan;
+
+/// A point of friction.
+#[derive(Clone, Debug)]
+pub(crate) struct Point {
+    /// Its obstacle, in the order of the plan.
+    pub(crate) obstacle: usize,
+    /// Integral of its function over the undeformed faces of the obstacle.
+    pub(crate) weight: f64,
+    /// int phi_i X dS, in units of the scaled body.
+    pub(super) place: [f64; 3],
+    /// Axes that lie across the undeformed surface, the flattest first.
+    pub(super) axes: [[f64; 3]; 2],
+    /// Which components of its node supports hold.
+    pub(super) held: [bool; 3],
+}
 
 /// The points of one rough obstacle.
 pub(super) fn points_of(
     plan: &Plan,
     body: &Deformed<'_>,
-    (obstacle, interface): (usize, &Interface),
+    (obstacle, surface): (usize, &ContactSurface),
 ) -> Vec<Point> {
-    let surface = &interface.surface;
     let c = body.space.components;
-    let mut nodes = vec![0; interface.multipliers.len()];
+    let mut nodes = vec![0; surface.multipliers()];
     for (function, &node) in (0..).zip(&surface.carriers) {
         let own = surface
             .shares
@@ -28,7 +40,7 @@ pub(super) fn points_of(
     let places: Vec<Vec<f64>> = (0..c)
         .map(|axis| evaluate_gaps(body, surface, &Axis(axis)).0)
         .collect();
-    let normals = outward(interface);
+    let normals = outward(surface);
     let is_held = |node: u32, i: usize| {
         let unknown = node * c as u32 + i as u32;
         let known = plan.held.binary_search_by_key(&unknown, |(held, _)| *held);
@@ -45,11 +57,11 @@ pub(super) fn points_of(
 }
 
 /// Sums of the outward normals of the faces at each multiplier.
-fn outward(interface: &Interface) -> Vec<[f64; 3]> {
-    let mut sums = vec![[0.0; 3]; interface.multipliers.len()];
-    for face in &interface.surface.faces {
+fn outward(surface: &ContactSurface) -> Vec<[f64; 3]> {
+    let mut sums = vec![[0.0; 3]; surface.multipliers()];
+    for face in &surface.faces {
         for &function in &face.functions {
-            for (multiplier, _) in interface.surface.shares.of(function) {
+            for (multiplier, _) in surface.shares.of(function) {
                 let sum = &mut sums[multiplier as usize];
                 *sum = add(*sum, scale(face.flat_area, face.normal));
             }
@@ -67,10 +79,10 @@ fn axes(normal: [f64; 3]) -> [[f64; 3]; 2] {
 }
 
 /// int phi_i N_k dS of one interface: rows by displacement nodes.
-pub(super) fn trace_of(body: &Deformed<'_>, interface: &Interface) -> Vec<Vec<(u32, f64)>> {
+pub(super) fn trace_of(body: &Deformed<'_>, surface: &ContactSurface) -> Vec<Vec<(u32, f64)>> {
     let c = body.space.components as u32;
     let free = vec![false; body.displacement.len()];
-    let rows = linearise(body, &interface.surface, &Axis(0), &free).rows;
+    let rows = linearise(body, surface, &Axis(0), &free).rows;
     let nodes = |row: Vec<(u32, f64)>| {
         let along = row.into_iter().filter(|(unknown, _)| unknown % c == 0);
         along

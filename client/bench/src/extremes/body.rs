@@ -9,8 +9,8 @@
 use std::f64::consts::PI;
 use std::str::FromStr;
 
-use super::catalogue::mesh_of_tests;
 use super::draft::{Draft, Named, cuboid, disc, square};
+use super::of_tests::mesh_of_tests;
 use crate::workshop::shipped;
 
 /// Where the middle of an O-ring lies.

@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use super::body::Body;
+use super::of_tests::OF_TESTS;
 
 /// One file a family, in the order of the page.
 const ROWS: &[&str] = &[
@@ -57,30 +58,6 @@ const SCENES: &[(&str, &str)] = &[
     ("twins", include_str!("scenes/twins.toml")),
     ("walls", include_str!("scenes/walls.toml")),
     ("weighed", include_str!("scenes/weighed.toml")),
-];
-
-/// A scene of the tests with its mesh, by name.
-macro_rules! of_tests {
-    ($name:literal) => {
-        (
-            $name,
-            include_str!(concat!("../../../../tests/families/", $name, ".toml")),
-            include_bytes!(concat!("../../../../tests/families/", $name, ".msh")),
-        )
-    };
-}
-
-/// Scenes of the tests that an independent solver has digits of: the scene file, which names
-/// its mesh as the row, and the mesh.
-const OF_TESTS: &[(&str, &str, &[u8])] = &[
-    of_tests!("7-0002-clamped-sides"),
-    of_tests!("7-0029-indenter"),
-    of_tests!("7-0035-five-clamped"),
-    of_tests!("7-0038-five-clamped"),
-    of_tests!("7-0047-roller-box"),
-    of_tests!("7-0060-far-wall"),
-    of_tests!("7-0088-halves"),
-    of_tests!("7-0097-groove"),
 ];
 
 /// A row as the file has it.
@@ -168,12 +145,6 @@ impl Expected {
             _ => return None,
         })
     }
-}
-
-/// The mesh of a scene of the tests.
-pub(super) fn mesh_of_tests(name: &str) -> Option<&'static [u8]> {
-    let found = OF_TESTS.iter().find(|scene| scene.0 == name);
-    found.map(|scene| scene.2)
 }
 
 impl Trial {

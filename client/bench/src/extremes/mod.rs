@@ -8,6 +8,8 @@
 mod body;
 mod catalogue;
 mod draft;
+mod lines;
+mod of_tests;
 mod peer;
 mod run;
 mod shown;
@@ -17,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use crate::error::BenchError;
-use crate::plan::Extent;
+use crate::extent::Extent;
 
 pub(crate) use catalogue::Trial;
 pub(crate) use run::Finding;

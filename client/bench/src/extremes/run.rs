@@ -1,37 +1,18 @@
 //! A trial as a process of this program, and what it came to.
 
 use std::path::Path;
-use std::process::{Output, Stdio};
+use std::process::Stdio;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
 use tokio::process::Command;
 
 use super::catalogue::{Expected, Trial};
+use super::lines::{Known, Lines};
 use super::peer::Peer;
 use super::verdict::{self, Verdict};
 use crate::error::BenchError;
-use crate::measure::{Outcome, outcome, without_result};
-
-/// A number that is known without the run, and what errors are relative to.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Known {
-    number: f64,
-    scale: f64,
-}
-
-impl Known {
-    /// A number, errors relative to its size.
-    pub(super) fn of(number: f64) -> Self {
-        let scale = number.abs();
-        Self { number, scale }
-    }
-
-    /// The relative error of another number.
-    pub(super) fn error(self, found: f64) -> f64 {
-        (found - self.number).abs() / self.scale
-    }
-}
+use crate::outcome::{Outcome, outcome, without_result};
 
 /// What a trial came to.
 #[derive(Clone, Debug)]
@@ -58,91 +39,6 @@ pub(crate) struct Finding {
     /// Falls to other equilibria.
     pub(crate) falls: usize,
     pub(crate) instruction_set: String,
-}
-
-/// What a process said.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Lines {
-    /// One a result.
-    pub(super) steps: Vec<Value>,
-    summary: Value,
-}
-
-impl Lines {
-    fn read(output: &Output) -> Self {
-        let text = String::from_utf8_lossy(&output.stdout);
-        let lines = text.lines();
-        let mut read = Self::default();
-        for line in lines.filter_map(|line| serde_json::from_str::<Value>(line).ok()) {
-            match line.get("event").and_then(Value::as_str) {
-                Some("step") => read.steps.push(line),
-                Some("summary") => read.summary = line,
-                _ => {}
-            }
-        }
-        read
-    }
-
-    /// A number of the last result.
-    pub(super) fn last(&self, pointer: &str) -> Option<f64> {
-        self.steps.last()?.pointer(pointer)?.as_f64()
-    }
-
-    /// A number at the end of a step.
-    pub(super) fn of_step(&self, step: u64, pointer: &str) -> Option<f64> {
-        let is_of = |line: &&Value| line.get("step").and_then(Value::as_u64) == Some(step);
-        let line = self.steps.iter().rfind(is_of)?;
-        line.pointer(pointer)?.as_f64()
-    }
-
-    /// These results.
-    #[cfg(test)]
-    pub(super) fn of(steps: Vec<Value>) -> Self {
-        Self {
-            steps,
-            ..Self::default()
-        }
-    }
-
-    fn rungs(&self) -> Vec<String> {
-        let rungs = self.steps.iter().map(|line| line.get("fallback"));
-        each_once(rungs)
-    }
-
-    /// Kinds of the warnings of all results.
-    pub(super) fn warnings(&self) -> Vec<String> {
-        let warnings = self
-            .steps
-            .iter()
-            .filter_map(|line| line.get("warnings")?.as_array());
-        each_once(warnings.flatten().map(|warning| warning.get("kind")))
-    }
-
-    /// A word of the last result; empty where there is none.
-    pub(super) fn word(&self, key: &str) -> &str {
-        let last = self.steps.last().and_then(|line| line.get(key));
-        last.and_then(Value::as_str).unwrap_or_default()
-    }
-
-    fn falls(&self) -> usize {
-        let fell = |line: &&Value| line.get("snapped").is_some_and(Value::is_object);
-        self.steps.iter().filter(fell).count()
-    }
-
-    fn total(&self, path: &str) -> Option<&Value> {
-        self.summary.pointer(&format!("/totals/{path}"))
-    }
-}
-
-/// The words among these, in their order.
-fn each_once<'a>(words: impl Iterator<Item = Option<&'a Value>>) -> Vec<String> {
-    let mut found: Vec<String> = Vec::new();
-    for word in words.filter_map(|word| word?.as_str()) {
-        if !found.iter().any(|known| known == word) {
-            found.push(word.to_owned());
-        }
-    }
-    found
 }
 
 /// Writes scene and mesh of a trial into `folder` and runs `program` on them; `before`

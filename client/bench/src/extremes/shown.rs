@@ -6,7 +6,7 @@ use super::run::Finding;
 use super::verdict::Verdict;
 use crate::chart::{Dot, Lane, Lanes, Mark};
 use crate::figures::Figure;
-use crate::measure::Outcome;
+use crate::outcome::Outcome;
 use crate::table::{Column, Table};
 use crate::text::{NOTHING, in_seconds, told};
 

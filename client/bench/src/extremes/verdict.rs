@@ -1,8 +1,8 @@
 //! Whether a result is what is known of the body.
 
 use super::catalogue::{Expected, Trial};
-use super::run::{Known, Lines};
-use crate::measure::Outcome;
+use super::lines::{Known, Lines};
+use crate::outcome::Outcome;
 
 /// What is to be said of a finding.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
