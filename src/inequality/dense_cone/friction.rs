@@ -27,8 +27,9 @@ use crate::saddle::{Admissible, AdmissibleSet, Cones, FrictionBound, Kind, Produ
 /// Newton steps in a row; what takes more cycles.
 const MOST_STEPS: usize = 40;
 /// Change of the multipliers, over the largest, behind which the next step, whose error is
-/// the square, is of rounding: more cannot be asked of a body that contact alone holds.
-const CLOSE: f64 = 1e-8;
+/// the square, is of rounding: a metric on a thousand points has no more digits, and what is
+/// sought is a face.
+const CLOSE: f64 = 1e-6;
 
 /// The cones of a product and the first of their multipliers; none where it has none.
 pub(in crate::inequality) fn cones<'a>(set: &ProductSet<'a>) -> Option<(Cones<'a>, usize)> {
