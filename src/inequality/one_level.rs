@@ -238,7 +238,7 @@ impl Faces<'_, '_> {
             Err(status) => return ControlFlow::Break(status),
         };
         // The same face again: it is solved to its end, or is already the solution.
-        let is_end = face.reached && self.is_acceptable(iterate, bound);
+        let is_end = face.reached && self.is_acceptable(iterate, bound, run.targets.level);
         let Some(next) = next.filter(|_| !is_end) else {
             let level = run
                 .targets

@@ -54,21 +54,32 @@ fn is_closed_by_contact(model: &Model<'_>, drive: &Drive, work: &mut Workspace) 
         return false;
     };
     let size = block.coupling.size;
-    let (mut pushed, mut held) = (vec![0.0; size], vec![0.0; size]);
+    let mut pushed = vec![0.0; size];
     let ones = vec![1.0; block.coupling.vertices];
     block.coupling.apply_transposed(&ones, &mut pushed, work);
+    let before = norm(&pushed);
+    let mut taken: Vec<Vec<f64>> = Vec::new();
     let rest = vec![0.0; size];
     let body = model.deformed(&rest);
     for (interface, obstacle) in model.placed(drive) {
         let is_held = &model.prepared.is_held;
         let part = linearise(&body, &interface.surface, &obstacle, is_held);
+        let mut held = vec![0.0; size];
         for (index, value) in part.rows.into_iter().flatten() {
             held[index as usize] += value;
         }
+        // What earlier obstacles on the same faces hold is held.
+        for other in &taken {
+            let share = dot(&held, other) / dot(other, other);
+            add_scaled(&mut held, -share, other);
+        }
+        let square = dot(&held, &held);
+        if square > 0.0 {
+            let share = dot(&pushed, &held) / square;
+            add_scaled(&mut pushed, -share, &held);
+            taken.push(held);
+        }
     }
-    let before = norm(&pushed);
-    let share = dot(&pushed, &held) / dot(&held, &held).max(f64::MIN_POSITIVE);
-    add_scaled(&mut pushed, -share, &held);
     before > 0.0 && norm(&pushed) <= CLOSED * before
 }
 

@@ -11,16 +11,10 @@ use crate::increments;
 use crate::limit::Limit;
 use crate::measure::PHASES;
 use crate::peers::Peer;
+use crate::picture::Figure;
 use crate::results::Results;
 use crate::row::Row;
 use crate::text::rounded;
-
-/// A picture and the stem of its file name.
-#[derive(Clone, Debug)]
-pub(crate) struct Figure {
-    pub(crate) name: String,
-    pub(crate) svg: String,
-}
 
 /// The figures of one family.
 #[derive(Clone, Debug)]

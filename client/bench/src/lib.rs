@@ -52,6 +52,7 @@ mod method;
 mod outcome;
 mod page;
 mod peers;
+mod picture;
 mod plan;
 mod reference;
 mod results;

@@ -3,7 +3,8 @@
 use crate::chart::escaped;
 use crate::extremes;
 use crate::family::Quantity;
-use crate::figures::{Chapter, Figure};
+use crate::figures::Chapter;
+use crate::picture::Figure;
 use crate::results::Results;
 use crate::row::Row;
 use crate::study::Measure;

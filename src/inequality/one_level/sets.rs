@@ -181,11 +181,14 @@ impl Faces<'_, '_> {
     /// closed before is known to the displacement preconditioner. That problem costs a
     /// factor of all that is closed.
     pub(super) fn keeps_its_face(&self, iterate: &QpIterate) -> bool {
-        !self.problem.springs.is_empty() && !self.is_rough() && self.is_acceptable(iterate, 0.0)
+        !self.problem.springs.is_empty()
+            && !self.is_rough()
+            && self.is_acceptable(iterate, 0.0, 0.0)
     }
 
-    /// Whether what speaks against the current face is below the targets.
-    pub(super) fn is_acceptable(&self, iterate: &QpIterate, bound: f64) -> bool {
+    /// Whether what speaks against the current face is below the targets: gaps below
+    /// `bound`, multipliers outside of their sets below `share` of all.
+    pub(super) fn is_acceptable(&self, iterate: &QpIterate, bound: f64, share: f64) -> bool {
         let (block, contact) = (&self.blocks.contact, self.blocks.contact_of(iterate));
         let violation = block.set.violation(&contact.multiplier);
         let misfit = block.set.misfit(contact.point());
@@ -201,7 +204,8 @@ impl Faces<'_, '_> {
             };
             square += wrong * wrong;
         }
-        square.sqrt() <= bound
+        let outside = norm(&violation);
+        square.sqrt() <= bound && outside <= share * norm(&contact.multiplier)
     }
 }
 

@@ -5,8 +5,8 @@ use super::peer;
 use super::run::Finding;
 use super::verdict::Verdict;
 use crate::chart::{Dot, Lane, Lanes, Mark};
-use crate::figures::Figure;
 use crate::outcome::Outcome;
+use crate::picture::Figure;
 use crate::table::{Column, Table};
 use crate::text::{NOTHING, in_seconds, told};
 
