@@ -166,6 +166,8 @@ struct History {
     may_change_rule: bool,
     /// Whether thresholds of friction follow from pressures.
     is_rough: bool,
+    /// Whether one point of friction changes at a time, since all together have cycled.
+    is_single: bool,
 }
 
 impl Faces<'_, '_> {
@@ -193,6 +195,7 @@ impl Faces<'_, '_> {
             one_by_one: self.is_rough(),
             may_change_rule: self.may_change_rule(),
             is_rough: self.is_rough(),
+            is_single: false,
         };
         // Kept directions carry the products of the body alone; those of contact on this
         // face are put on, and taken off behind the last face.
@@ -268,7 +271,10 @@ impl Faces<'_, '_> {
     ) -> Result<Option<DenseSolution>, QpStatus> {
         let count = self.blocks.contact_of(iterate).status.len();
         if let Some(next) = self.newton_face(iterate).filter(|_| history.one_by_one) {
-            return Ok(Some(next));
+            return Ok(Some(match history.is_single {
+                true => self.changed_at_one_point(iterate, next),
+                false => next,
+            }));
         }
         let neighbour = match history.one_by_one {
             true => self.neighbour(iterate, bound / (count as f64).sqrt()),
@@ -317,6 +323,11 @@ impl History {
                 return ControlFlow::Continue(());
             }
             if self.review == Review::AtTheEnd && face.reached {
+                if self.is_rough && !self.is_single {
+                    self.is_single = true;
+                    self.visited.clear();
+                    return ControlFlow::Continue(());
+                }
                 if self.one_by_one || !self.may_change_rule {
                     return ControlFlow::Break(QpStatus::ActiveSetCycle);
                 }

@@ -61,7 +61,7 @@ pub(super) fn refuse_folds(
 fn facet(cell: &[u32], opposite: usize) -> (Vec<u32>, bool) {
     let mut facet: Vec<u32> = cell.to_vec();
     facet.remove(opposite);
-    let mut side = opposite % 2 == 0;
+    let mut side = opposite.is_multiple_of(2);
     for i in 0..facet.len() {
         for j in i + 1..facet.len() {
             side ^= facet[i] > facet[j];

@@ -9,6 +9,7 @@ use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
+use crate::obstacle::{Contact, Obstacle, What};
 use crate::report::Cause;
 
 /// Least eigenvalue over that at rest below which a body is about to snap.
@@ -37,13 +38,40 @@ pub(crate) fn explain(run: &mut Run<'_>, ending: &mut Ending) {
     let touches = run.state.status.iter().any(|status| status.is_closed());
     let pressure = model.prepared.pressure.as_ref();
     let is_enclosed = pressure.is_some_and(|block| block.is_enclosed);
-    // What only friction holds slides off where that is not enough.
-    let slides_off = model.plan.has_friction() && model.plan.is_floating();
-    if slides_off || (model.plan.is_floating() && !touches) {
+    let is_loose = model.plan.is_floating() && !touches;
+    if is_loose || slides_off(model, &run.state.drive) {
         ending.cause = Some(Cause::NoEquilibrium);
     } else if is_enclosed || is_closed_by_contact(model, &run.state.drive, &mut run.work) {
         ending.cause = Some(Cause::EnclosedVolume);
     }
+}
+
+/// Whether the load on a body that one rough plane alone holds is outside of the cone of
+/// friction.
+fn slides_off(model: &Model<'_>, drive: &Drive) -> bool {
+    let [planned] = &model.plan.obstacles[..] else {
+        return false;
+    };
+    let is_held = !model.plan.resolved.supports.is_empty();
+    if is_held || planned.tresca.is_some() || !planned.is_rough || !planned.shape.is_flat() {
+        return false;
+    }
+    let space = &model.prepared.space;
+    let mut force = [0.0; 3];
+    for vertex in model
+        .load
+        .chunks_exact(space.components)
+        .take(space.vertices)
+    {
+        force.iter_mut().zip(vertex).for_each(|(sum, x)| *sum += x);
+    }
+    let mut plane = [Contact::default()];
+    for met in model.interfaces.obstacles(drive, model.plan.units.length) {
+        met.probe(&[[0.0; 3]], What::Normal, &mut plane);
+    }
+    let normal = -dot(&force, &plane[0].normal);
+    let along = (dot(&force, &force) - normal * normal).max(0.0).sqrt();
+    along > drive.friction[0] * normal
 }
 
 /// Whether contact everywhere would hold a constant pressure at rest: obstacles
@@ -102,7 +130,7 @@ pub(crate) fn name_the_end(run: &Run<'_>, ending: &mut Ending) {
             | Cause::NegativeJacobian,
         )
         | None
-            if is_soft(run) || run.model.plan.has_friction() =>
+            if is_soft(run) =>
         {
             Some(Cause::LimitPoint)
         }

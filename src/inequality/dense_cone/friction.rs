@@ -19,10 +19,13 @@
 
 mod slip;
 
+use super::pivot::Pivots;
 use super::{DenseConeError, DenseProblem, DenseSolution};
 use crate::linalg::vector::{largest, norm};
 use crate::linalg::{DenseLu, FactoriseError, SymmetricMatrix};
-use crate::saddle::{Admissible, AdmissibleSet, Cones, FrictionBound, Kind, ProductSet, Status};
+use crate::saddle::{
+    Admissible, AdmissibleSet, Cones, Discs, FrictionBound, Kind, ProductSet, SetPart, Status,
+};
 
 /// Newton steps in a row; what takes more cycles.
 const MOST_STEPS: usize = 40;
@@ -43,8 +46,8 @@ pub(in crate::inequality) fn cones<'a>(set: &ProductSet<'a>) -> Option<(Cones<'a
     None
 }
 
-/// Solves the problem from `near`; where that leads nowhere, from all that `guess` closes
-/// sticking.
+/// Solves the problem from `near`, where there is pressure, or from the solution without
+/// friction; where that leads nowhere, from all that `guess` closes sticking.
 ///
 /// # Errors
 /// [`DenseConeError`] where K is not positive definite or no try converges.
@@ -54,7 +57,11 @@ pub(super) fn solve(
     (guess, near): (&[Status], &[f64]),
 ) -> Result<DenseSolution, DenseConeError> {
     let newton = Newton::new(problem, cones, first);
-    if let Run::Solved(solution) = newton.run(near.to_vec())? {
+    let start = match newton.is_pressed(near) {
+        true => near.to_vec(),
+        false => newton.without_friction(guess)?,
+    };
+    if let Run::Solved(solution) = newton.run(start)? {
         return Ok(solution);
     }
     match newton.run(newton.first_step(guess)?)? {
@@ -190,6 +197,34 @@ impl<'p> Newton<'p> {
         let linear = self.problem.linear.iter();
         residual.iter_mut().zip(linear).for_each(|(s, q)| *s += q);
         residual
+    }
+
+    /// Whether there is any pressure.
+    fn is_pressed(&self, x: &[f64]) -> bool {
+        let pressures = &x[self.first..self.first + self.cones.normals];
+        pressures.iter().any(|&pressure| pressure > 0.0)
+    }
+
+    /// The multipliers without tractions: from gaps alone far too many points would close.
+    fn without_friction(&self, guess: &[Status]) -> Result<Vec<f64>, DenseConeError> {
+        let radii = vec![0.0; self.cones.bounds.len()];
+        let components = self.cones.components;
+        let discs = Discs {
+            radii: &radii,
+            components,
+        };
+        let own = [
+            (self.cones.normals, AdmissibleSet::NonNegative),
+            (radii.len() * self.width(), AdmissibleSet::Discs(discs)),
+        ];
+        let own = own.map(|(size, set)| SetPart { size, set });
+        let others = self.problem.set.parts().iter();
+        let is_other = |part: &&SetPart<'_>| !matches!(part.set, AdmissibleSet::Cones(_));
+        let mut parts: Vec<SetPart<'_>> = others.filter(is_other).copied().collect();
+        // The cones come first.
+        parts.splice(0..0, own);
+        let mut pivots = Pivots::new(ProductSet::Parts(&parts), guess);
+        pivots.solve(self.problem.matrix, self.problem.linear)
     }
 
     /// The multipliers where all that `guess` closes sticks.
