@@ -379,8 +379,9 @@ fn cells_that_are_numbered_the_other_way_round_are_turned_with_a_word() {
 fn cells_that_lie_over_their_neighbours_are_refused() {
     let mut parts = cube_parts(2);
     // The vertex in the middle leaves the cube.
-    let middle = parts.coordinates.iter().position(|&x| x == [0.5; 3]);
-    parts.coordinates[middle.expect("a vertex")] = [0.5, 0.5, 1.4];
+    let is_middle = |x: &&mut [f64; 3]| x.iter().all(|x| (x - 0.5).abs() < 1e-12);
+    let middle = parts.coordinates.iter_mut().find(is_middle);
+    middle.expect("a vertex")[2] = 1.4;
     let fault = Mesh::new(parts).expect_err("a fold");
     assert!(
         matches!(
