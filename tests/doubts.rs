@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use common::meshes::{cube, mesh, moved, unit_grid};
 use common::scenes::{HELD, elastic, obstacle, press, push, support, traction};
-use common::{assert_converged, solve_one};
+use common::{assert_converged, solve, solve_one};
 use signorini::report::WarningKind;
 use signorini::scene::Shape;
-use signorini::{Mesh, Scene, StepReport};
+use signorini::{Mesh, Scene, StepReport, Termination};
 
 fn sphere(centre: [f64; 3], radius: f64) -> Shape {
     Shape::Sphere { centre, radius }
@@ -86,14 +86,12 @@ fn a_body_that_nothing_holds_and_nothing_touches_is_named() {
 }
 
 #[test]
-fn a_tool_moved_through_the_body_at_once_is_named() {
+fn a_tool_moved_through_the_body_at_once_does_not_come_out_on_the_other_side() {
     let scene = block(sphere([0.5, 0.5, 1.3], 0.25));
-    let report = solve_one(&scene, &push("tool", [0.0, 0.0, -50.0]), &coarse());
-    assert!(
-        doubts(&report).contains(&WarningKind::PassedThrough),
-        "{:?}",
-        report.warnings
-    );
+    let reports = solve(&scene, &[push("tool", [0.0, 0.0, -50.0])], &coarse());
+    let is_named = doubts(&reports[0]).contains(&WarningKind::PassedThrough);
+    let has_stopped = reports[0].termination == Termination::NotConverged;
+    assert!(has_stopped || is_named, "{:?}", reports[0]);
 }
 
 #[test]

@@ -151,6 +151,17 @@ struct Faces<'c, 'a> {
     blocks: Blocks<'a>,
 }
 
+/// What the next face with friction follows from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum By {
+    /// The true residuals, by the sides of Newton's method.
+    Residuals,
+    /// The dense problem in the metric.
+    Metric,
+    /// The true residuals, one point at a time.
+    OnePoint,
+}
+
 /// Faces seen, and when the present one is reviewed.
 struct History {
     /// Statuses of all faces so far, by which a cycle is seen.
@@ -159,15 +170,12 @@ struct History {
     review: Review,
     /// Faces one after the other that took no iteration.
     idle: u32,
-    /// Whether one multiplier changes sides at a time, or with friction all by their own
-    /// residuals, since the faces of the dense problem have cycled.
+    /// Whether one multiplier changes sides at a time, since blocks of them have cycled.
     one_by_one: bool,
     /// Whether there is such a rule.
     may_change_rule: bool,
-    /// Whether thresholds of friction follow from pressures.
-    is_rough: bool,
-    /// Whether one point of friction changes at a time, since all together have cycled.
-    is_single: bool,
+    /// The rule by which faces with friction follow each other; none without.
+    friction: Option<By>,
 }
 
 impl Faces<'_, '_> {
@@ -192,10 +200,9 @@ impl Faces<'_, '_> {
                 false => Review::WhenReduced,
                 true => Review::AtTheEnd,
             },
-            one_by_one: self.is_rough(),
+            one_by_one: false,
             may_change_rule: self.may_change_rule(),
-            is_rough: self.is_rough(),
-            is_single: false,
+            friction: self.is_rough().then_some(By::Residuals),
         };
         // Kept directions carry the products of the body alone; those of contact on this
         // face are put on, and taken off behind the last face.
@@ -270,11 +277,13 @@ impl Faces<'_, '_> {
         bound: f64,
     ) -> Result<Option<DenseSolution>, QpStatus> {
         let count = self.blocks.contact_of(iterate).status.len();
-        if let Some(next) = self.newton_face(iterate).filter(|_| history.one_by_one) {
-            return Ok(Some(match history.is_single {
-                true => self.changed_at_one_point(iterate, next),
-                false => next,
-            }));
+        let by_residuals = self.newton_face(iterate);
+        match (history.friction, by_residuals) {
+            (Some(By::Residuals), Some(next)) => return Ok(Some(next)),
+            (Some(By::OnePoint), Some(next)) => {
+                return Ok(Some(self.changed_at_one_point(iterate, next)));
+            }
+            _ => (),
         }
         let neighbour = match history.one_by_one {
             true => self.neighbour(iterate, bound / (count as f64).sqrt()),
@@ -313,21 +322,20 @@ impl History {
     /// ends the solve.
     fn enter(&mut self, next: &DenseSolution, face: &Face) -> ControlFlow<QpStatus> {
         if !self.visited.insert(next.status.clone()) {
-            if self.is_rough && self.review == Review::WhenReduced {
-                // Their own residuals lead on where the metric leads round and round.
+            if let Some(by) = self.friction {
+                // Where one rule leads round and round another one may lead on.
                 self.visited.clear();
-                match self.one_by_one {
-                    true => self.review = Review::AtTheEnd,
-                    false => self.one_by_one = true,
+                match (self.review, by) {
+                    (Review::WhenReduced, _) => self.review = Review::AtTheEnd,
+                    (Review::AtTheEnd, By::Residuals) => self.friction = Some(By::Metric),
+                    (Review::AtTheEnd, By::Metric) => self.friction = Some(By::OnePoint),
+                    (Review::AtTheEnd, By::OnePoint) => {
+                        return ControlFlow::Break(QpStatus::ActiveSetCycle);
+                    }
                 }
                 return ControlFlow::Continue(());
             }
             if self.review == Review::AtTheEnd && face.reached {
-                if self.is_rough && !self.is_single {
-                    self.is_single = true;
-                    self.visited.clear();
-                    return ControlFlow::Continue(());
-                }
                 if self.one_by_one || !self.may_change_rule {
                     return ControlFlow::Break(QpStatus::ActiveSetCycle);
                 }

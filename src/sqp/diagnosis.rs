@@ -39,7 +39,7 @@ pub(crate) fn explain(run: &mut Run<'_>, ending: &mut Ending) {
     let pressure = model.prepared.pressure.as_ref();
     let is_enclosed = pressure.is_some_and(|block| block.is_enclosed);
     let is_loose = model.plan.is_floating() && !touches;
-    if is_loose || slides_off(model, &run.state.drive) {
+    if slides_off(model, &run.state.drive).unwrap_or(is_loose) {
         ending.cause = Some(Cause::NoEquilibrium);
     } else if is_enclosed || is_closed_by_contact(model, &run.state.drive, &mut run.work) {
         ending.cause = Some(Cause::EnclosedVolume);
@@ -47,14 +47,14 @@ pub(crate) fn explain(run: &mut Run<'_>, ending: &mut Ending) {
 }
 
 /// Whether the load on a body that one rough plane alone holds is outside of the cone of
-/// friction.
-fn slides_off(model: &Model<'_>, drive: &Drive) -> bool {
+/// friction; none for other bodies.
+fn slides_off(model: &Model<'_>, drive: &Drive) -> Option<bool> {
     let [planned] = &model.plan.obstacles[..] else {
-        return false;
+        return None;
     };
     let is_held = !model.plan.resolved.supports.is_empty();
     if is_held || planned.tresca.is_some() || !planned.is_rough || !planned.shape.is_flat() {
-        return false;
+        return None;
     }
     let space = &model.prepared.space;
     let mut force = [0.0; 3];
@@ -71,7 +71,7 @@ fn slides_off(model: &Model<'_>, drive: &Drive) -> bool {
     }
     let normal = -dot(&force, &plane[0].normal);
     let along = (dot(&force, &force) - normal * normal).max(0.0).sqrt();
-    along > drive.friction[0] * normal
+    Some(along > drive.friction[0] * normal)
 }
 
 /// Whether contact everywhere would hold a constant pressure at rest: obstacles

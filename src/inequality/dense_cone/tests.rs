@@ -152,17 +152,17 @@ proptest! {
         let solution = solve(&matrix, &linear, set, (&closed(&guess), &vec![0.0; linear.len()])).expect("a solution");
         let (x, s) = (&solution.values, slope(&matrix, &linear, &solution.values));
         for i in 0..3 {
-            prop_assert!(x[i] >= 0.0 && s[i] >= -1e-10 && (x[i] * s[i]).abs() < 1e-10);
+            prop_assert!(x[i] >= 0.0 && s[i] >= -1e-8 && (x[i] * s[i]).abs() < 1e-8);
         }
-        prop_assert!(largest(&s[7..]) < 1e-10);
+        prop_assert!(largest(&s[7..]) < 1e-8);
         for (first, radius) in [(3, friction * x[2]), (5, 0.3 * x[0])] {
             let (t, slip) = (&x[first..first + 2], &s[first..first + 2]);
             let (size, way) = (t[0].hypot(t[1]), slip[0].hypot(slip[1]));
-            prop_assert!(size <= radius * (1.0 + 1e-12));
+            prop_assert!(size <= radius * (1.0 + 1e-8));
             match solution.status[first] {
-                Status::Stick => prop_assert!(way < 1e-10),
+                Status::Stick => prop_assert!(way < 1e-8),
                 Status::Slip => (0..2).for_each(|i| {
-                    assert!((t[i] * way + radius * slip[i]).abs() < 1e-9, "{t:?} {slip:?}");
+                    assert!((t[i] * way + radius * slip[i]).abs() < 1e-8, "{t:?} {slip:?}");
                 }),
                 Status::Open => prop_assert!(radius == 0.0),
             }
