@@ -50,6 +50,13 @@ pub struct DenseSolution {
     pub slip: Vec<f64>,
 }
 
+impl DenseSolution {
+    /// Whether every multiplier is closed or open: none slips.
+    pub(super) fn is_of_contact(&self) -> bool {
+        !self.status.contains(&Status::Slip)
+    }
+}
+
 /// The problem.
 #[derive(Clone, Copy)]
 pub(super) struct DenseProblem<'a> {

@@ -158,8 +158,6 @@ enum By {
     Residuals,
     /// The dense problem in the metric.
     Metric,
-    /// The true residuals, one point at a time.
-    OnePoint,
 }
 
 /// Faces seen, and when the present one is reviewed.
@@ -172,8 +170,6 @@ struct History {
     idle: u32,
     /// Whether one multiplier changes sides at a time, since blocks of them have cycled.
     one_by_one: bool,
-    /// Whether there is such a rule.
-    may_change_rule: bool,
     /// The rule by which faces with friction follow each other; none without.
     friction: Option<By>,
 }
@@ -201,7 +197,6 @@ impl Faces<'_, '_> {
                 true => Review::AtTheEnd,
             },
             one_by_one: false,
-            may_change_rule: self.may_change_rule(),
             friction: self.is_rough().then_some(By::Residuals),
         };
         // Kept directions carry the products of the body alone; those of contact on this
@@ -277,13 +272,8 @@ impl Faces<'_, '_> {
         bound: f64,
     ) -> Result<Option<DenseSolution>, QpStatus> {
         let count = self.blocks.contact_of(iterate).status.len();
-        let by_residuals = self.newton_face(iterate);
-        match (history.friction, by_residuals) {
-            (Some(By::Residuals), Some(next)) => return Ok(Some(next)),
-            (Some(By::OnePoint), Some(next)) => {
-                return Ok(Some(self.changed_at_one_point(iterate, next)));
-            }
-            _ => (),
+        if history.friction == Some(By::Residuals) {
+            return Ok(self.newton_face(iterate));
         }
         let neighbour = match history.one_by_one {
             true => self.neighbour(iterate, bound / (count as f64).sqrt()),
@@ -328,15 +318,14 @@ impl History {
                 match (self.review, by) {
                     (Review::WhenReduced, _) => self.review = Review::AtTheEnd,
                     (Review::AtTheEnd, By::Residuals) => self.friction = Some(By::Metric),
-                    (Review::AtTheEnd, By::Metric) => self.friction = Some(By::OnePoint),
-                    (Review::AtTheEnd, By::OnePoint) => {
+                    (Review::AtTheEnd, By::Metric) => {
                         return ControlFlow::Break(QpStatus::ActiveSetCycle);
                     }
                 }
                 return ControlFlow::Continue(());
             }
             if self.review == Review::AtTheEnd && face.reached {
-                if self.one_by_one || !self.may_change_rule {
+                if self.one_by_one || !next.is_of_contact() {
                     return ControlFlow::Break(QpStatus::ActiveSetCycle);
                 }
                 self.one_by_one = true;

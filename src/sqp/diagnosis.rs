@@ -126,7 +126,6 @@ pub(crate) fn name_the_end(run: &Run<'_>, ending: &mut Ending) {
             | Cause::IterationLimit
             | Cause::LineSearch
             | Cause::IndefiniteTangent
-            | Cause::ActiveSetCycle
             | Cause::NegativeJacobian,
         )
         | None

@@ -46,8 +46,6 @@ struct Iterate {
     least: f64,
     /// Programs since that have not halved it.
     idle: u32,
-    /// Whether the last program was solved before it began, in its own scales.
-    was_idle: bool,
 }
 
 /// What a program that did not end leads to.
@@ -70,15 +68,10 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         }
         run.counters.sqp_iterations += 1;
         let made = run.counters.factorisations;
-        let mut program = QuadraticProgram::new(run, &at.now, motion, &mut at.first_force);
-        if at.was_idle {
-            program.expect_nothing(at.first_force);
-        }
+        let program = QuadraticProgram::new(run, &at.now, motion, &mut at.first_force);
         let scale = program.force_scale();
-        let krylov = run.counters.krylov_iterations;
         let worst = residuals(run.state, program.start(), scale).largest();
         let (step, outcome) = solve_program(run, &program, worst, at.reduction);
-        at.was_idle = run.counters.krylov_iterations == krylov;
         if let Some(verdict) = of_status(outcome, &run.watch) {
             run.counters.failed_programs += 1;
             let is_new = run.counters.factorisations > made;
@@ -136,7 +129,6 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
         reduction: FIRST_REDUCTION,
         least: f64::INFINITY,
         idle: 0,
-        was_idle: false,
     }
 }
 

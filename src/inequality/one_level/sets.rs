@@ -106,12 +106,6 @@ impl Faces<'_, '_> {
         Some(next)
     }
 
-    /// Whether faces may follow from each other by another rule than the dense problem:
-    /// not where thresholds of friction are given.
-    pub(super) fn may_change_rule(&self) -> bool {
-        self.blocks.contact.set.lower_bounds().is_some() || self.is_rough()
-    }
-
     /// Whether thresholds of friction follow from pressures.
     pub(super) fn is_rough(&self) -> bool {
         dense_cone::cones(&self.blocks.contact.set).is_some()
@@ -124,45 +118,6 @@ impl Faces<'_, '_> {
         let cones = dense_cone::cones(&block.set)?;
         let at = (&contact.multiplier[..], &contact.residual[..]);
         Some(dense_cone::newton_face(block.matrix, block.set, cones, at))
-    }
-
-    /// The present face but for the last point that `next` changes: a pressure with its
-    /// tractions, or the tractions of a point.
-    pub(super) fn changed_at_one_point(
-        &self,
-        iterate: &QpIterate,
-        next: DenseSolution,
-    ) -> DenseSolution {
-        let contact = self.blocks.contact_of(iterate);
-        let Some((cones, first)) = dense_cone::cones(&self.blocks.contact.set) else {
-            return next;
-        };
-        let differs = |index: usize| next.status[index] != contact.status[index];
-        let normals = first..first + cones.normals;
-        let pressure = normals.rev().find(|&index| differs(index));
-        let points = cones.points().collect::<Vec<_>>();
-        let tangential = points.iter().rev().find(|point| differs(first + point.2));
-        let mut kept = DenseSolution {
-            values: contact.multiplier.clone(),
-            status: contact.status.clone(),
-            slip: contact.residual.clone(),
-        };
-        let mut take = |index: usize| {
-            kept.values[index] = next.values[index];
-            kept.status[index] = next.status[index];
-            kept.slip[index] = next.slip[index];
-        };
-        let chosen = pressure.or(tangential.map(|point| first + point.0));
-        if let Some(index) = pressure {
-            take(index);
-        }
-        for &(partner, _, place) in &points {
-            let stays = next.status[first + place] == contact.status[first + place];
-            if stays || chosen == Some(first + partner) {
-                (first + place..first + place + cones.components.count()).for_each(&mut take);
-            }
-        }
-        kept
     }
 
     /// Whether `next` is where the iterate is already. Tractions that slip are, where they

@@ -121,12 +121,6 @@ impl<'a> QuadraticProgram<'a> {
         self.force_scale
     }
 
-    /// Measures forces as the increment does, without the load that the metric expects: where
-    /// that is more than there is, a residual of the increment counts as none.
-    pub(crate) fn expect_nothing(&mut self, first_force: f64) {
-        self.force_scale = self.now.force_scale(first_force);
-    }
-
     /// Residuals that the program starts from.
     pub(crate) fn start(&self) -> &Evaluation {
         &self.now
