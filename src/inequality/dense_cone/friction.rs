@@ -86,13 +86,8 @@ pub(in crate::inequality) fn newton_face(
     };
     let newton = Newton::new(&problem, cones, first);
     let sides = newton.sides(at.0, at.1);
-    let status = sides.iter().map(|side| match side {
-        Side::Off => Status::Open,
-        Side::On => Status::Stick,
-        Side::Slips(_) => Status::Slip,
-    });
     let mut next = DenseSolution {
-        status: status.collect(),
+        status: sides.iter().map(Side::status).collect(),
         values: vec![0.0; sides.len()],
         slip: vec![0.0; sides.len()],
     };
@@ -134,6 +129,16 @@ enum Side {
     On,
     /// Unknown, part of the point of that number, which slips.
     Slips(usize),
+}
+
+impl Side {
+    fn status(&self) -> Status {
+        match self {
+            Side::Off => Status::Open,
+            Side::On => Status::Stick,
+            Side::Slips(_) => Status::Slip,
+        }
+    }
 }
 
 /// Newton's method on one problem.
@@ -257,7 +262,7 @@ impl<'p> Newton<'p> {
             let is_same = last.as_ref() == Some(&sides);
             x = next;
             if is_same && change <= CLOSE * largest(&x) {
-                return Ok(Run::Solved(self.solution(x)));
+                return Ok(Run::Solved(self.solution(x, &sides)));
             }
             if !change.is_finite() {
                 return Ok(Run::Lost);
@@ -333,10 +338,11 @@ impl<'p> Newton<'p> {
         Ok(x)
     }
 
-    /// A solution with its statuses.
-    fn solution(&self, values: Vec<f64>) -> DenseSolution {
+    /// A solution with the statuses of its face: its values alone do not tell, a traction on
+    /// the edge of its disc is inside of it by rounding.
+    fn solution(&self, values: Vec<f64>, sides: &[Side]) -> DenseSolution {
         DenseSolution {
-            status: self.problem.set.status(&values),
+            status: sides.iter().map(Side::status).collect(),
             slip: self.residual(&values),
             values,
         }

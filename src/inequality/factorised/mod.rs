@@ -111,9 +111,10 @@ impl Faces<'_, '_> {
                 true => self.rule.change_one(self.blocks.contact_of(iterate)),
                 false => self.rule.next(self.blocks.contact_of(iterate)),
             };
-            let bound = run.targets.level * run.scales.gap;
+            let level = run.targets.level;
+            let contact = self.blocks.contact_of(iterate);
             let is_right =
-                next == *present || self.rule.accepts(self.blocks.contact_of(iterate), bound);
+                next == *present || self.rule.accepts(contact, level * run.scales.gap, level);
             match (is_right, solved.failed) {
                 (true, None) => return Ok(QpStatus::Solved),
                 (true, Some(failed)) => return Err(failed),

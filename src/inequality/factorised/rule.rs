@@ -9,6 +9,7 @@
 use super::super::blocks::ContactBlock;
 use super::super::qp::{BlockIterate, QpStatus};
 use super::system::{Matrices, softness};
+use crate::linalg::vector::norm;
 use crate::saddle::Status;
 
 /// The rule of one problem.
@@ -60,19 +61,42 @@ impl Rule {
         face
     }
 
-    /// Whether what speaks against the present face is below `bound`, a gap.
-    pub(super) fn accepts(&self, contact: &BlockIterate, bound: f64) -> bool {
-        let mut square = 0.0;
+    /// Whether what speaks against the present face is below the targets: gaps below
+    /// `bound`, multipliers outside of their sets below `share` of all.
+    pub(super) fn accepts(&self, contact: &BlockIterate, bound: f64, share: f64) -> bool {
+        let (mut square, mut outside) = (0.0, 0.0);
         for (i, &status) in contact.status.iter().enumerate() {
             let wrong = match status {
                 Status::Open => contact.residual[i].min(0.0),
                 Status::Stick | Status::Slip => {
                     let below = (contact.multiplier[i] - self.least[i]).min(0.0);
+                    outside += below * below;
                     self.softness[i] * below
                 }
             };
             square += wrong * wrong;
         }
-        square.sqrt() <= bound
+        square.sqrt() <= bound && outside.sqrt() <= share * norm(&contact.multiplier)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pressure_that_pulls_is_not_accepted_however_soft_the_body_is_to_it() {
+        let rule = Rule {
+            softness: vec![1e-9; 2],
+            least: vec![0.0; 2],
+        };
+        let mut contact = BlockIterate {
+            status: vec![Status::Stick; 2],
+            ..BlockIterate::of_equality(vec![0.0; 2])
+        };
+        for (pull, is_accepted) in [(-1e-7, false), (-1e-9, true), (0.0, true)] {
+            contact.multiplier = vec![1.0, pull];
+            assert_eq!(rule.accepts(&contact, 1e-8, 1e-8), is_accepted, "{pull}");
+        }
     }
 }
