@@ -23,6 +23,9 @@ use crate::report::{Residuals, Seconds};
 use crate::saddle::{AdmissibleSet, Cones, ProductSet, SetPart, SetPoint};
 use std::ops::Range;
 
+/// Share of the forces below which contact carries nothing.
+const LEAST_CONTACT: f64 = 1e-6;
+
 /// Residuals at a state.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Evaluation {
@@ -186,6 +189,17 @@ impl Evaluation {
             .max(first)
     }
 
+    /// What complementarity is measured by, over the pressures themselves: one, unless all that
+    /// contact carries is nothing beside the forces at hand, as where a tool has come back to
+    /// just touch and the sign of a pressure is noise: then by those forces.
+    fn noise(&self, force_scale: f64) -> f64 {
+        let carries = self.contact_norm >= LEAST_CONTACT * force_scale;
+        match carries || self.contact_norm == 0.0 {
+            true => 1.0,
+            false => force_scale / self.contact_norm,
+        }
+    }
+
     /// The four criteria.
     pub(crate) fn residuals(
         &self,
@@ -193,7 +207,8 @@ impl Evaluation {
         first_force: f64,
         scales: &QpScales,
     ) -> Residuals {
-        let pressure_norm = norm(&state.multiplier);
+        let scale = self.force_scale(first_force);
+        let pressure_scale = norm(&state.multiplier) * self.noise(scale);
         // Slip under traction is what friction is.
         let tractions = self.tractions();
         let pairs = self.gap.iter().zip(&state.multiplier).enumerate();
@@ -202,10 +217,10 @@ impl Evaluation {
             .map(|(_, (g, l))| (g * l).abs());
         let negative = self.contact_set().violation(&state.multiplier);
         Residuals {
-            equilibrium: ratio(norm(&self.force), self.force_scale(first_force)),
+            equilibrium: ratio(norm(&self.force), scale),
             incompressibility: ratio(norm(&self.constraint), scales.constraint),
-            complementarity: ratio(products.sum(), pressure_norm * scales.gap)
-                + ratio(dot(&negative, &negative).sqrt(), pressure_norm),
+            complementarity: ratio(products.sum(), pressure_scale * scales.gap)
+                + ratio(dot(&negative, &negative).sqrt(), pressure_scale),
             gap: ratio(self.gap_norm(state), scales.gap),
         }
     }

@@ -22,8 +22,13 @@ use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, Workspace};
 /// Stiffness of a spring over that of the nodes which it holds: between 3 and 100 the
 /// counts of a pressed block stay within two.
 const SHARE: f64 = 10.0;
-/// Largest pressure, in shear moduli, that makes springs stiffer.
-const HIGHEST: f64 = 100.0;
+/// Pressure in shear moduli from which on springs grow with its square: it couples motions
+/// along the surface, as stiff as the body, with those across it, and w mu > p^2 keeps the two
+/// together positive.
+const COUPLED: f64 = 10.0;
+/// Largest factor of pressure: a P1 factor in single precision knows a motion along an oblique
+/// surface no better.
+const HIGHEST: f64 = 1e5;
 
 /// The nodes of a body.
 pub struct Nodes<'a> {
@@ -66,7 +71,7 @@ impl StiffConstraints {
                 .map(|(node, a)| work(nodes.blocks.block(*node as usize), a, c))
                 .sum();
             match is_inside[row] && local > 0.0 {
-                true => SHARE * pressure.clamp(1.0, HIGHEST) / local,
+                true => SHARE * by_pressure(pressure) / local,
                 false => 0.0,
             }
         };
@@ -149,6 +154,11 @@ fn inside(coupling: &SparseRows, closed: &[bool]) -> Vec<bool> {
     (0..coupling.rows())
         .map(|row| closed[row] && columns(row).all(|&unknown| !is_met[unknown as usize]))
         .collect()
+}
+
+/// Factor of the springs' stiffness under a mean pressure in shear moduli.
+fn by_pressure(pressure: f64) -> f64 {
+    (pressure * (pressure / COUPLED).max(1.0)).clamp(1.0, HIGHEST)
 }
 
 /// a.D^-1 a of one node.
