@@ -6,7 +6,7 @@ mod common;
 
 use std::sync::Arc;
 
-use common::meshes::{cube, file, mesh, square};
+use common::meshes::{cube, file, mesh, square, unit_grid};
 use common::scenes::{
     HELD, bonded_cube, elastic, hertz_plane, hertz_sphere, obstacle, press, pull, push, rollers,
     rubber, support,
@@ -126,6 +126,43 @@ fn a_confined_block_carries_any_pressure_on_an_obstacle_as_on_a_support() {
             own <= 2 * other,
             "{bulk_modulus} {squeeze} {count}: {own} {other}"
         );
+    }
+}
+
+#[test]
+fn a_fine_confined_block_costs_no_more_under_high_pressure() {
+    // 100 and 200 shear moduli.
+    for (bulk_modulus, squeeze) in [(1e3, 0.2), (1e4, 0.01)] {
+        let [pressed, held] = lids(bulk_modulus, squeeze, &mesh(cube(8)));
+        let counts = [&pressed, &held].map(|report| report.preconditioner_applications);
+        assert!(counts[0] <= 2 * counts[1], "{bulk_modulus}: {counts:?}");
+    }
+}
+
+#[test]
+fn a_bonded_strip_of_rubber_is_pressed_without_a_cut_back() {
+    let mut parts = unit_grid(16, 2);
+    parts.coordinates.iter_mut().for_each(|x| x[0] *= 8.0);
+    for bulk_modulus in [None, Some(1e3)] {
+        let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, bulk_modulus);
+        scene.supports = vec![support("y0", [Some(0.0), Some(0.0), None])];
+        scene.obstacles = vec![obstacle(
+            "press",
+            "y1",
+            Shape::HalfSpace {
+                point: [0.0, 1.0, 0.0],
+                normal: [0.0, -1.0, 0.0],
+            },
+        )];
+        let step = Step {
+            increments: 10,
+            ..push("press", [0.0, -0.1, 0.0])
+        };
+        for report in solve(&scene, &[step], &mesh(parts.clone())) {
+            assert_converged(&report);
+            let counts = [report.preconditioner_applications, report.sqp_iterations];
+            assert!(counts[0] <= 110 && counts[1] <= 5, "{counts:?}");
+        }
     }
 }
 

@@ -6,8 +6,8 @@ mod common;
 use common::meshes::{cube, file, mesh};
 use common::scenes::{HELD, elastic, mooney_rivlin, obstacle, press, push, rubber, support};
 use common::{assert_converged, close, difference, open, take, values};
-use signorini::scene::Shape;
-use signorini::{FieldName, Scene, StepReport};
+use signorini::scene::{Choice, ContactSpace, Shape};
+use signorini::{FieldName, Scene, Step, StepReport};
 
 fn ball(scene: Scene) -> Scene {
     Scene {
@@ -62,6 +62,27 @@ fn a_press_behind_any_lift_equals_the_first_one() {
             assert_equal((&first, &again), "ball", 1e-7);
             let back = values(&session, FieldName::Displacement);
             assert!(difference(&moved, &back) < 1e-7);
+        }
+    }
+}
+
+#[test]
+fn a_tool_that_comes_back_to_just_touch_leaves_a_body_at_rest() {
+    for space in [ContactSpace::Quadratic, ContactSpace::Linear] {
+        let mut scene = rubber(mooney_rivlin(), None);
+        scene.supports = vec![support("z0", HELD)];
+        scene.obstacles = vec![press("z1")];
+        scene.solver.contact_space = Choice::Named(space);
+        let mut session = open(&scene, &mesh(cube(6)));
+        for height in [-0.05, 0.0] {
+            let step = Step {
+                increments: 2,
+                ..push("press", [0.0, 0.0, height])
+            };
+            for report in take(&mut session, &step) {
+                assert_converged(&report);
+                assert!(report.sqp_iterations <= 8, "{}", report.sqp_iterations);
+            }
         }
     }
 }

@@ -189,17 +189,6 @@ impl Evaluation {
             .max(first)
     }
 
-    /// What complementarity is measured by, over the pressures themselves: one, unless all that
-    /// contact carries is nothing beside the forces at hand, as where a tool has come back to
-    /// just touch and the sign of a pressure is noise: then by those forces.
-    fn noise(&self, force_scale: f64) -> f64 {
-        let carries = self.contact_norm >= LEAST_CONTACT * force_scale;
-        match carries || self.contact_norm == 0.0 {
-            true => 1.0,
-            false => force_scale / self.contact_norm,
-        }
-    }
-
     /// The four criteria.
     pub(crate) fn residuals(
         &self,
@@ -208,7 +197,7 @@ impl Evaluation {
         scales: &QpScales,
     ) -> Residuals {
         let scale = self.force_scale(first_force);
-        let pressure_scale = norm(&state.multiplier) * self.noise(scale);
+        let pressure_scale = pressure_scale(norm(&state.multiplier), self.contact_norm, scale);
         // Slip under traction is what friction is.
         let tractions = self.tractions();
         let pairs = self.gap.iter().zip(&state.multiplier).enumerate();
@@ -223,5 +212,16 @@ impl Evaluation {
                 + ratio(dot(&negative, &negative).sqrt(), pressure_scale),
             gap: ratio(self.gap_norm(state), scales.gap),
         }
+    }
+}
+
+/// What complementarity is measured by: the norm of the pressures, unless all that contact
+/// carries is nothing beside the forces at hand, as where a tool has come back to just touch
+/// and the sign of a pressure is noise; then what would carry those forces.
+pub(crate) fn pressure_scale(pressure_norm: f64, contact_norm: f64, force_scale: f64) -> f64 {
+    let carries = contact_norm >= LEAST_CONTACT * force_scale;
+    match carries || contact_norm == 0.0 {
+        true => pressure_norm,
+        false => pressure_norm * (force_scale / contact_norm),
     }
 }

@@ -17,6 +17,7 @@ use std::f64::consts::TAU;
 use crate::linalg::vector::{norm, ratio};
 use crate::model::Model;
 use crate::model::ending::Ending;
+use crate::model::evaluate::pressure_scale;
 use crate::model::state::State;
 use crate::report::{FieldName, Residuals};
 use crate::results::fields;
@@ -27,8 +28,11 @@ pub(crate) fn verify(model: &Model<'_>, state: &State, ending: &Ending) -> Resid
     let units = &model.plan.units;
     let nodal = nodal_displacement(model, state);
     let (mut force, constraint) = volume::residuals(model, state, &nodal);
+    let body = free_hierarchical(model, &force);
     let (gap, scaled_pressure) = contact::residuals(model, state, &nodal, &mut force);
     let force = free_hierarchical(model, &force);
+    let carried: Vec<f64> = body.iter().zip(&force).map(|(a, b)| a - b).collect();
+    let force_scale = ending.force_scale * units.force();
     let gap_unit = units.area() * units.length;
     let wrong = gap
         .iter()
@@ -46,13 +50,13 @@ pub(crate) fn verify(model: &Model<'_>, state: &State, ending: &Ending) -> Resid
     let contacts = model.plan.normal_multipliers();
     let one_sided = scaled_pressure[..contacts].iter();
     let negative: Vec<f64> = one_sided.map(|l| l.min(0.0)).collect();
-    let pressure_norm = norm(&scaled_pressure);
+    let pressure_scale = pressure_scale(norm(&scaled_pressure), norm(&carried), force_scale);
     let gap_scale = state.scales.gap * gap_unit;
     Residuals {
-        equilibrium: ratio(norm(&force), ending.force_scale * units.force()),
+        equilibrium: ratio(norm(&force), force_scale),
         incompressibility: ratio(norm(&constraint), state.scales.constraint * units.volume()),
-        complementarity: ratio(products, pressure_norm * gap_scale)
-            + ratio(norm(&negative), pressure_norm),
+        complementarity: ratio(products, pressure_scale * gap_scale)
+            + ratio(norm(&negative), pressure_scale),
         gap: ratio(norm(&wrong), gap_scale),
     }
 }

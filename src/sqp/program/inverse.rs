@@ -40,7 +40,10 @@ pub(super) fn inverse(
 /// has no factor the one in use stays.
 fn make(run: &mut Run<'_>, tangent: &Tangent, (coupling, pressure): (&SparseRows, f64)) {
     let is_known = run.model.plan.contact.metric == MetricKind::Compliance;
-    let has_springs = is_known && pressure > PRESSED;
+    let is_thin = (run.model.prepared.pressure.as_ref()).is_some_and(|block| block.coarse.is_thin);
+    // On springs a thin body lets no volume pass below the contact, and the modes that contact
+    // shares with the internal pressure know nothing of it.
+    let has_springs = is_known && pressure > PRESSED && !is_thin;
     let is_pressed = run.state.multiplier.iter().any(|&l| l > 0.0);
     let closed = run.state.status.iter().map(|status| status.is_closed());
     let closed: Vec<bool> = closed.collect();
