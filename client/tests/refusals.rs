@@ -228,3 +228,14 @@ fn the_output_section_is_checked_with_and_without_a_folder() {
         assert_refused(&run, &["output.every: "]);
     }
 }
+
+#[test]
+fn a_scene_without_a_step_says_so() {
+    let steps = [("no_step", ""), ("one_step", "[[step]]\nload = 1.0\n")];
+    for (test, step) in steps {
+        let run = solve(test, &format!("{SCENE}{step}"), &mesh(NODES, ELEMENTS));
+        assert_eq!(run.code, Some(0), "{}", run.stderr);
+        let is_told = run.stderr.contains("warning: the scene has no [[step]]");
+        assert_eq!(is_told, step.is_empty(), "{}", run.stderr);
+    }
+}

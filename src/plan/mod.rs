@@ -9,6 +9,7 @@
 mod chooser;
 pub(crate) mod contact;
 pub(crate) mod displacement;
+mod doubts;
 pub(crate) mod element;
 mod estimate;
 mod friction;
@@ -168,7 +169,12 @@ impl Plan {
         let p1 = p1::choose(scene.solver.p1_solver, sizes);
         let displacement = displacement::choose(scene.solver.displacement_preconditioner);
         let saddle = saddle_for(scene, unknowns, [displacement.demand(), p1.solver.demand()]);
-        let own = conflicts(&resolved, mesh).into_iter();
+        let mut own = conflicts(&resolved, mesh);
+        own.extend(doubts::doubts(
+            scene,
+            (&resolved, &obstacles),
+            (mesh, &units),
+        ));
         Ok(Self {
             curved_edges: mesh.edge_offsets().len(),
             warnings: mesh.warnings().iter().cloned().chain(own).collect(),

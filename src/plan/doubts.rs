@@ -1,0 +1,112 @@
+//! What a mechanic would doubt in a scene before anything is solved, in sentences:
+//!
+//! | doubt | found by |
+//! |---|---|
+//! | flat cells | the least mean ratio of a cell |
+//! | contrast | the stiffest over the softest shear modulus |
+//! | nearly incompressible | the first Lame parameter over the shear modulus |
+//! | tool below the mesh | the radius of an obstacle beside the edges that may touch it |
+//!
+//! Cost: one pass over materials and over the facets of round obstacles.
+
+use super::Units;
+use crate::mesh::Mesh;
+use crate::scene::Scene;
+use crate::scene::validate::{Resolved, ResolvedObstacle};
+
+/// Mean ratio below which a cell is flat: sides of about 1 : 30.
+const FLAT: f64 = 0.15;
+/// Shear moduli side by side beyond which digits of the softer body are at stake.
+const CONTRAST: f64 = 1e5;
+/// Lame parameter over shear modulus from which on exact incompressibility says the same.
+const NEARLY_INCOMPRESSIBLE: f64 = 1e5;
+
+/// All doubts about a scene on a mesh.
+pub(super) fn doubts(
+    scene: &Scene,
+    (resolved, obstacles): (&Resolved, &[ResolvedObstacle]),
+    (mesh, units): (&Mesh, &Units),
+) -> Vec<String> {
+    let mut all: Vec<String> = Vec::new();
+    all.extend(flat_cells(mesh));
+    all.extend(contrast(scene, resolved));
+    all.extend(nearly_incompressible(scene, resolved));
+    all.extend(
+        obstacles
+            .iter()
+            .filter_map(|one| below_the_mesh(one, (mesh, units))),
+    );
+    all
+}
+
+/// Cells that are nearly flat.
+fn flat_cells(mesh: &Mesh) -> Option<String> {
+    let quality = mesh.quality();
+    (quality.minimum < FLAT).then(|| {
+        format!(
+            "cell {} is nearly flat: mean ratio {:.1e}, one where it is regular; iterations and errors grow",
+            quality.worst_cell, quality.minimum
+        )
+    })
+}
+
+/// Bodies of very different stiffness.
+fn contrast(scene: &Scene, resolved: &Resolved) -> Option<String> {
+    let shear = |&index: &usize| resolved.materials[index].law.shear_modulus;
+    let by_shear = |a: &usize, b: &usize| shear(a).total_cmp(&shear(b));
+    let softest = (0..resolved.materials.len()).min_by(by_shear)?;
+    let stiffest = (0..resolved.materials.len()).max_by(by_shear)?;
+    let ratio = shear(&stiffest) / shear(&softest);
+    (ratio > CONTRAST).then(|| {
+        format!(
+            "material `{}` is {ratio:.0e} times as stiff as `{}`: an obstacle and supports say the same of a rigid part",
+            scene.materials[stiffest].group, scene.materials[softest].group
+        )
+    })
+}
+
+/// Materials whose volume changes by less than anybody asks for.
+fn nearly_incompressible(scene: &Scene, resolved: &Resolved) -> Option<String> {
+    let is_nearly = |law: &crate::material::LinearElastic| {
+        law.lame().is_finite() && law.lame() > NEARLY_INCOMPRESSIBLE * law.shear_modulus
+    };
+    let mut materials = scene.materials.iter().zip(&resolved.materials);
+    let (material, found) = materials
+        .find(|(_, resolved)| !resolved.is_incompressible() && is_nearly(&resolved.law))?;
+    let ratio = found.law.lame() / found.law.shear_modulus;
+    let cure = match found.rubber {
+        Some(_) => "without `bulk_modulus`",
+        None => "with `poisson_ratio` 0.5",
+    };
+    Some(format!(
+        "material `{}` resists a change of volume {ratio:.0e} times as much as one of shape: {cure} it costs less and differs by as little",
+        material.group
+    ))
+}
+
+/// A round obstacle that fits between the vertices of the mesh.
+fn below_the_mesh(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -> Option<String> {
+    let radius = obstacle.shape.inner_radius()? * units.length;
+    let longest = |&facet: &u32| longest_edge(mesh, facet as usize);
+    let largest = obstacle.facets.iter().map(longest).fold(0.0, f64::max);
+    (radius < largest).then(|| {
+        format!(
+            "obstacle `{}` has a radius of {radius:.3}, edges that may touch it are up to {largest:.3} long: its contact is seen on finer meshes only",
+            obstacle.name
+        )
+    })
+}
+
+/// Length of the longest edge of an uploaded facet.
+fn longest_edge(mesh: &Mesh, facet: usize) -> f64 {
+    let points = mesh
+        .facet(facet)
+        .iter()
+        .map(|&vertex| mesh.coordinates()[vertex as usize]);
+    let points: Vec<[f64; 3]> = points.collect();
+    let square = |a: &[f64; 3], b: &[f64; 3]| (0..3).map(|i| (a[i] - b[i]).powi(2)).sum::<f64>();
+    let pairs = points
+        .iter()
+        .flat_map(|a| points.iter().map(move |b| square(a, b)));
+    pairs.fold(0.0, f64::max).sqrt()
+}
