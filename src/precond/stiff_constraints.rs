@@ -8,8 +8,8 @@
 //! that presses with many shear moduli has no stable inverse without what holds it; with
 //! springs some ten times as stiff as its nodes it has. Motions along the surface do
 //! not feel them. A step with that inverse takes the springs off again
-//! (`inequality::one_level::sprung`). Multipliers at the rim of contact, which may open soon,
-//! have none. At P1 the springs of a vertex are lumped. Cost: one sparse product with C and its transpose an
+//! (`inequality::one_level::sprung`). Multipliers at the rim of contact
+//! that carry little, and may open soon, have none. At P1 the springs of a vertex are lumped. Cost: one sparse product with C and its transpose an
 //! application of A_s.
 
 use std::collections::BTreeMap;
@@ -29,6 +29,30 @@ const COUPLED: f64 = 10.0;
 /// Largest factor of pressure: a P1 factor in single precision knows a motion along an oblique
 /// surface no better.
 const HIGHEST: f64 = 1e5;
+/// Pressure over the mean from which on a constraint at the rim will not open soon.
+const RIM: f64 = 0.5;
+
+/// Which constraints press, and how much.
+#[derive(Clone, Copy)]
+pub struct Pressed<'a> {
+    /// Which are closed `[constraints]`.
+    pub closed: &'a [bool],
+    /// What each carries, in shear moduli `[constraints]`.
+    pub own: &'a [f64],
+    /// Mean over those that are closed, in shear moduli.
+    pub mean: f64,
+}
+
+impl Pressed<'_> {
+    /// The pressure that the spring of a constraint is made for; none where it has none.
+    fn at(&self, row: usize, is_inside: bool) -> Option<f64> {
+        let own = self.own[row].abs();
+        match is_inside {
+            true => Some(own.max(self.mean)),
+            false => (self.closed[row] && own > RIM * self.mean).then_some(own),
+        }
+    }
+}
 
 /// The nodes of a body.
 pub struct Nodes<'a> {
@@ -55,24 +79,19 @@ pub struct StiffConstraints {
 }
 
 impl StiffConstraints {
-    /// Those of the rows of `coupling` that are `closed`, under a mean `pressure` in shear
-    /// moduli.
-    pub fn new(
-        coupling: &SparseRows,
-        (closed, pressure): (&[bool], f64),
-        nodes: &Nodes<'_>,
-    ) -> Self {
+    /// Those of the rows of `coupling` that `pressed` says.
+    pub fn new(coupling: &SparseRows, pressed: Pressed<'_>, nodes: &Nodes<'_>) -> Self {
         let lagrange = lagrange(coupling, nodes);
         let c = nodes.blocks.components();
-        let is_inside = inside(coupling, closed);
+        let is_inside = inside(coupling, pressed.closed);
         let weight = |row: usize| {
             let local: f64 = by_nodes(&lagrange, row, c)
                 .iter()
                 .map(|(node, a)| work(nodes.blocks.block(*node as usize), a, c))
                 .sum();
-            match is_inside[row] && local > 0.0 {
-                true => SHARE * by_pressure(pressure) / local,
-                false => 0.0,
+            match pressed.at(row, is_inside[row]) {
+                Some(pressure) if local > 0.0 => SHARE * by_pressure(pressure) / local,
+                Some(_) | None => 0.0,
             }
         };
         let weights: Vec<f64> = (0..coupling.rows()).map(weight).collect();
@@ -304,7 +323,34 @@ mod tests {
             edges: &EDGES,
             is_held: &is_held,
         };
-        StiffConstraints::new(&builder.finish(), (closed, 0.0), &nodes)
+        let pressed = Pressed {
+            closed,
+            own: &[0.0; 4],
+            mean: 0.0,
+        };
+        StiffConstraints::new(&builder.finish(), pressed, &nodes)
+    }
+
+    #[test]
+    fn what_carries_much_at_the_rim_has_a_spring_by_its_own_pressure() {
+        let pressed = Pressed {
+            closed: &[true, true, false],
+            own: &[4.0, 0.5, 0.0],
+            mean: 2.0,
+        };
+        let at = |row, is_inside| pressed.at(row, is_inside).unwrap_or(0.0);
+        let expected = [
+            (0, true, 4.0),
+            (1, true, 2.0),
+            (0, false, 4.0),
+            (1, false, 0.0),
+        ];
+        for (row, is_inside, pressure) in expected.into_iter().chain([(2, false, 0.0)]) {
+            assert!(
+                (at(row, is_inside) - pressure).abs() < f64::EPSILON,
+                "{row} {is_inside}"
+            );
+        }
     }
 
     const EDGES: [[u32; 2]; 5] = [[0, 1], [0, 2], [0, 3], [1, 3], [2, 3]];

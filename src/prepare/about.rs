@@ -165,8 +165,11 @@ impl TaylorHoodData {
             edges: &self.space.edges,
             is_held: &self.is_held,
         };
-        let closed = (contact.closed, contact.pressure);
-        Some(StiffConstraints::new(contact.coupling, closed, &nodes))
+        Some(StiffConstraints::new(
+            contact.coupling,
+            contact.pressed,
+            &nodes,
+        ))
     }
 }
 

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::assembly::strain::{Linearised, StrainGrid};
 use crate::linalg::SparseRows;
+use crate::precond::stiff_constraints::Pressed;
 
 /// A deformed state with its cells.
 #[derive(Clone, Copy)]
@@ -16,13 +17,11 @@ pub(crate) struct Deformed<'a> {
     pub(crate) contact: Option<ClosedGaps<'a>>,
 }
 
-/// Gaps, and which of them are closed.
+/// Gaps, and which of them press.
 #[derive(Clone, Copy)]
 pub(crate) struct ClosedGaps<'a> {
     /// What moves each gap `[multipliers, displacement]`.
     pub(crate) coupling: &'a SparseRows,
-    /// Which are closed `[multipliers]`.
-    pub(crate) closed: &'a [bool],
-    /// Mean pressure on them, in shear moduli.
-    pub(crate) pressure: f64,
+    /// Which are closed, and under what pressure.
+    pub(crate) pressed: Pressed<'a>,
 }

@@ -10,6 +10,7 @@ use super::augmentation::mean_pressure;
 use crate::linalg::SparseRows;
 use crate::model::counters::timed;
 use crate::model::tangent::Tangent;
+use crate::precond::stiff_constraints::Pressed;
 use crate::prepare::{ApproximateInverse, ClosedGaps, Deformed};
 use crate::scene::MetricKind;
 use crate::sqp::preconditioner_refresh::PRESSED;
@@ -49,8 +50,11 @@ fn make(run: &mut Run<'_>, tangent: &Tangent, (coupling, pressure): (&SparseRows
     let closed: Vec<bool> = closed.collect();
     let contact = ClosedGaps {
         coupling,
-        closed: &closed,
-        pressure,
+        pressed: Pressed {
+            closed: &closed,
+            own: &run.state.multiplier,
+            mean: pressure,
+        },
     };
     let deformed = Deformed {
         cells: &tangent.stiffness.free.cells,
