@@ -8,7 +8,7 @@
 //! g(u) >= 0, l >= 0, l g(u) = 0    on the candidate surface, l the contact pressure
 //! ```
 //!
-//! with P2 displacements, P1 pressure and P1 contact pressure; a support that holds the
+//! with P2 displacements, P1 pressure and quadratic contact pressure; a support that holds the
 //! normal component does so by P2 multipliers of either sign. The spaces are
 //! hierarchical, P2 = P1 + edge corrections, with a P1 solve inside every
 //! preconditioner. Rubber at finite strain puts its stress in the place of the first

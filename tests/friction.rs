@@ -2,12 +2,13 @@
 
 mod common;
 
-use common::meshes::{cube, file, mesh};
+use common::meshes::{cube, file, mesh, square};
 use common::scenes::{elastic, mooney_rivlin, obstacle, rubber, support};
 use common::{assert_converged, open, take};
 use serde_json::Value;
 use signorini::scene::{
-    Choice, ContactSpace, Formulation, Material, MaterialModel, Modulus, ObstacleTarget, Shape,
+    Choice, ContactMethod, ContactSpace, Formulation, Material, MaterialModel, Modulus,
+    ObstacleTarget, Shape,
 };
 use signorini::{Scene, Step, StepReport};
 
@@ -220,4 +221,35 @@ fn rough_rubber_is_pressed_as_two_other_codes_say() {
         assert_converged(report);
         check_increment(key, report, exact);
     }
+}
+
+/// The seed's way: the same forces, for many more applications.
+#[test]
+fn the_iteration_on_the_threshold_ends_where_one_level_does() {
+    let runs = [ContactMethod::OneLevel, ContactMethod::ThresholdIteration].map(|method| {
+        let (mut scene, steps) = slide_block(0.5, 0.1);
+        scene.solver.contact = Choice::Named(method);
+        let mut session = open(&scene, &mesh(square(8)));
+        steps[..2]
+            .iter()
+            .flat_map(|step| take(&mut session, step))
+            .collect::<Vec<StepReport>>()
+    });
+    let [one_level, threshold] = &runs;
+    for (a, b) in one_level.iter().zip(threshold) {
+        assert_converged(a);
+        assert_converged(b);
+        let [x, y] = [a, b].map(|report| report.obstacles["plate"].force);
+        let whole = x[0].hypot(x[1]);
+        assert!(
+            (x[0] - y[0]).hypot(x[1] - y[1]) < 1e-7 * whole,
+            "{x:?} {y:?}"
+        );
+    }
+    let counts = runs.map(|run| {
+        run.iter()
+            .map(|report| report.preconditioner_applications)
+            .sum::<u32>()
+    });
+    assert!(2 * counts[0] < counts[1], "{counts:?}");
 }

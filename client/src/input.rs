@@ -10,6 +10,10 @@ use signorini_proto::v1;
 use crate::arguments::SceneArguments;
 use crate::exit::{Exit, Failure};
 
+/// What is told where a scene has no steps.
+const WITHOUT_STEPS: &str =
+    "the scene has no [[step]]: loads act in full at once, and no obstacle or support moves";
+
 /// A scene with its mesh.
 pub(crate) struct Input {
     /// Names its mesh by digest.
@@ -25,7 +29,10 @@ pub(crate) fn load(arguments: &SceneArguments) -> Result<Input, Failure> {
     let path = &arguments.scene;
     let text = std::fs::read_to_string(path).map_err(|error| Failure::unreadable(path, &error))?;
     let file = scene_file::read(&text, path, &arguments.overrides)?;
-    let mesh = load_mesh(&file.mesh)?;
+    let mut mesh = load_mesh(&file.mesh)?;
+    if file.scene.steps.is_empty() {
+        mesh.warnings.push(WITHOUT_STEPS.to_owned());
+    }
     let wire = WireMesh::new(&mesh)?;
     let scene = v1::Scene {
         mesh: wire.name(),

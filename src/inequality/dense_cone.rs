@@ -13,7 +13,8 @@ mod friction;
 mod pivot;
 mod sweep;
 
-pub(super) use friction::{cones, newton_face};
+pub(crate) use friction::cones;
+pub(super) use friction::newton_face;
 
 use crate::linalg::{FactoriseError, SymmetricMatrix};
 use crate::saddle::{ProductSet, Status};

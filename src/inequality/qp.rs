@@ -250,6 +250,14 @@ impl QpOutcome {
             set_changes: 0,
         }
     }
+
+    /// Adds what another one has counted; the status stays.
+    pub fn add(&mut self, other: &Self) {
+        self.iterations += other.iterations;
+        self.predictions += other.predictions;
+        self.products += other.products;
+        self.set_changes += other.set_changes;
+    }
 }
 
 /// Sees every iteration; returns whether to go on.

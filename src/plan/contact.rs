@@ -131,21 +131,27 @@ pub(crate) fn choose(
     })
 }
 
+/// Whether a method solves for tractions of friction.
+fn knows_friction(method: Option<ContactMethod>) -> bool {
+    matches!(
+        method,
+        None | Some(ContactMethod::OneLevel | ContactMethod::ThresholdIteration)
+    )
+}
+
 /// Friction is solved on one level in the compliance only.
 ///
 /// # Errors
 /// For any other method or metric.
 fn check_rough(method: Option<ContactMethod>, metric: Option<MetricKind>) -> Result<(), Violation> {
-    let path = match (method, metric) {
-        (None | Some(ContactMethod::OneLevel), None | Some(MetricKind::Compliance)) => {
-            return Ok(());
-        }
-        (None | Some(ContactMethod::OneLevel), Some(_)) => "solver.contact_metric",
-        (Some(_), _) => "solver.contact",
+    let path = match (knows_friction(method), metric) {
+        (true, None | Some(MetricKind::Compliance)) => return Ok(()),
+        (true, Some(_)) => "solver.contact_metric",
+        (false, _) => "solver.contact",
     };
     Err(Violation {
         path: path.to_owned(),
-        message: "friction is solved by `one-level` in the metric `compliance` only".to_owned(),
+        message: "friction is solved by `one-level` and `threshold-iteration` in the metric `compliance` only".to_owned(),
     })
 }
 
@@ -170,6 +176,9 @@ impl ContactChoice {
             ContactMethod::Mprgp => "nested, proportioning with reduced gradient projection",
             ContactMethod::ConjugateProjectedGradient => "nested, conjugate projected gradient",
             ContactMethod::ProjectedArrowHurwicz => "nested, projected Arrow-Hurwicz steps",
+            ContactMethod::ThresholdIteration => {
+                "one level, iteration on the threshold of friction"
+            }
         };
         let is_dense = self.method.needs_dense(self.metric);
         let metric = match self.metric {

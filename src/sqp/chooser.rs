@@ -43,7 +43,8 @@ pub(crate) fn contact<'a>(
         ContactMethod::ActiveSet
         | ContactMethod::Nested
         | ContactMethod::ConjugateProjectedGradient
-        | ContactMethod::ProjectedArrowHurwicz => {
+        | ContactMethod::ProjectedArrowHurwicz
+        | ContactMethod::ThresholdIteration => {
             compare::contact(method, problem).unwrap_or_else(|| Box::new(OneLevel::new(problem)))
         }
     }

@@ -1,6 +1,6 @@
 //! The independent path: residuals recomputed cell by cell from the reported
 //! fields, with Lagrange shape functions and a higher rule, in the caller's
-//! units, sharing no kernel with the solver.
+//! units, sharing no kernel with the solver, and measured by the solver's scales.
 //!
 //! Cost: one pass over the cells with some hundred flops per point.
 

@@ -48,6 +48,15 @@ pub(crate) const FAMILIES: &[Family] = &[
         &[StrainEnergy, Force, ContactPressure, ContactRadius],
     ),
     Family::new(
+        "hertz-rough",
+        include_str!("../../examples/hertz-sphere.toml"),
+        Gmsh("indent"),
+        "The rigid sphere with Coulomb friction, coefficient 0.3: the middle of the contact \
+         sticks, its rim slips.",
+    )
+    .with(&["obstacle.0.friction=0.3"])
+    .of_a_quarter(),
+    Family::new(
         "cube-elastic",
         CUBE_BEND,
         CUBE,

@@ -239,6 +239,18 @@ pub(crate) const STUDIES: &[Study] = &[
         measure: Measure::SameMesh,
     },
     Study {
+        name: "friction",
+        question: "Friction: all at once, or by its threshold?",
+        about: "A sphere with Coulomb friction. One level solves pressures and tractions together; the iteration on the threshold (the seed's) solves contact with given thresholds until these stay.",
+        scopes: &[scope("hertz-rough", &[1, 2, 3], &[1])],
+        choices: &[
+            choice("one level", "auto"),
+            choice("iteration on the threshold", "contact=threshold-iteration"),
+        ],
+        tolerances: &[1e-6],
+        measure: Measure::SameMesh,
+    },
+    Study {
         name: "contact-space",
         question: "Contact pressure: hats or quadratic functions?",
         about: "Hats at the vertices, or quadratic Bernstein functions at all displacement nodes of the surface. On straight facets of a ball quadratic functions see the corners, and the largest pressure does not settle; on arcs fitted to the normals of the facets it does. Errors are those against the limit of the reference values: for force and strain energy those of hats on meshes down to l6, for pressure and radius those of quadratic functions.",

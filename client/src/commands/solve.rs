@@ -29,22 +29,14 @@ const DEFAULT_FIELDS: [v1::FieldName; 5] = [
     v1::FieldName::ContactState,
 ];
 
-/// What is told where a scene has no steps.
-const WITHOUT_STEPS: &str =
-    "the scene has no [[step]]: loads act in full at once, and no obstacle or support moves";
-
 pub(super) async fn run(arguments: SolveArguments, started: Instant) -> Result<Exit, Failure> {
     if arguments.detach {
         return Box::pin(detach::run(arguments)).await;
     }
     let mut input = input::load(&arguments.scene)?;
-    let has_steps = !input.scene.steps.is_empty();
     complete(&mut input.scene, &arguments);
     let mut run = Run::new(record(&arguments, &input.scene.steps));
     run.record.warn(&input.mesh.warnings);
-    if !has_steps {
-        run.record.warn(&[WITHOUT_STEPS.to_owned()]);
-    }
     run.record.progress.phase("starting");
     let connection = Connection::open(arguments.scene.server.as_ref()).await?;
     let outcome = solve(&connection, &mut run, input, arguments.out.as_deref()).await;

@@ -6,12 +6,14 @@
 //! | [`nested`] | projected steps in a metric that learns | one a step | all |
 //! | [`projected_gradient`] | conjugate projected gradient | one to two | bounds |
 //! | [`arrow_hurwicz`] | fixed projected steps in the metric | one a step | all |
+//! | [`threshold`] | one level, Coulomb friction by given thresholds | none | all |
 
 mod active_set;
 mod arrow_hurwicz;
 mod clip;
 mod nested;
 mod projected_gradient;
+mod threshold;
 
 use crate::inequality::{InequalitySolver, QpProblem};
 use crate::scene::ContactMethod;
@@ -19,6 +21,7 @@ use active_set::ActiveSet;
 use arrow_hurwicz::ProjectedArrowHurwicz;
 use nested::Nested;
 use projected_gradient::ConjugateProjectedGradient;
+use threshold::ThresholdIteration;
 
 /// The solver of `problem` by a method for contact; none for the solver's own.
 pub(crate) fn contact<'a>(
@@ -33,5 +36,6 @@ pub(crate) fn contact<'a>(
             Box::new(ConjugateProjectedGradient { problem })
         }
         ContactMethod::ProjectedArrowHurwicz => Box::new(ProjectedArrowHurwicz { problem }),
+        ContactMethod::ThresholdIteration => Box::new(ThresholdIteration { problem }),
     })
 }

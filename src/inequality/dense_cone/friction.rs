@@ -35,7 +35,7 @@ const MOST_STEPS: usize = 40;
 const CLOSE: f64 = 1e-6;
 
 /// The cones of a product and the first of their multipliers; none where it has none.
-pub(in crate::inequality) fn cones<'a>(set: &ProductSet<'a>) -> Option<(Cones<'a>, usize)> {
+pub(crate) fn cones<'a>(set: &ProductSet<'a>) -> Option<(Cones<'a>, usize)> {
     let mut first = 0;
     for part in set.parts() {
         if let AdmissibleSet::Cones(cones) = part.set {

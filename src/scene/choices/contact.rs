@@ -15,6 +15,8 @@ super::named! {
         ConjugateProjectedGradient = "conjugate-projected-gradient",
         /// Fixed projected steps in the metric.
         ProjectedArrowHurwicz = "projected-arrow-hurwicz",
+        /// One level, Coulomb friction by iteration on its threshold.
+        ThresholdIteration = "threshold-iteration",
     }
 }
 
@@ -46,7 +48,11 @@ impl ContactMethod {
     /// The metric that it takes where none is asked for.
     pub fn natural_metric(self) -> MetricKind {
         match self {
-            Self::OneLevel | Self::ActiveSet | Self::Nested | Self::Mprgp => MetricKind::Compliance,
+            Self::OneLevel
+            | Self::ActiveSet
+            | Self::Nested
+            | Self::Mprgp
+            | Self::ThresholdIteration => MetricKind::Compliance,
             Self::ConjugateProjectedGradient | Self::ProjectedArrowHurwicz => MetricKind::Mass,
         }
     }
@@ -59,7 +65,8 @@ impl ContactMethod {
             | Self::ActiveSet
             | Self::Nested
             | Self::Mprgp
-            | Self::ProjectedArrowHurwicz => true,
+            | Self::ProjectedArrowHurwicz
+            | Self::ThresholdIteration => true,
         }
     }
 
@@ -74,7 +81,7 @@ impl ContactMethod {
     /// that only contact holds does not allow.
     pub fn solves_without_contact(self) -> bool {
         match self {
-            Self::OneLevel => false,
+            Self::OneLevel | Self::ThresholdIteration => false,
             Self::ActiveSet
             | Self::Nested
             | Self::Mprgp
@@ -98,7 +105,7 @@ impl ContactMethod {
     /// does so in parts of the increment as well.
     pub fn is_nested(self) -> bool {
         match self {
-            Self::OneLevel | Self::ActiveSet => false,
+            Self::OneLevel | Self::ActiveSet | Self::ThresholdIteration => false,
             Self::Nested
             | Self::Mprgp
             | Self::ConjugateProjectedGradient
