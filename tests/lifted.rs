@@ -74,16 +74,29 @@ fn a_tool_that_comes_back_to_just_touch_leaves_a_body_at_rest() {
         scene.obstacles = vec![press("z1")];
         scene.solver.contact_space = Choice::Named(space);
         let mut session = open(&scene, &mesh(cube(6)));
+        let mut reports = Vec::new();
         for height in [-0.05, 0.0] {
             let step = Step {
                 increments: 2,
                 ..push("press", [0.0, 0.0, height])
             };
-            for report in take(&mut session, &step) {
-                assert_converged(&report);
-                assert!(report.sqp_iterations <= 8, "{}", report.sqp_iterations);
-            }
+            reports.extend(take(&mut session, &step));
         }
+        for report in &reports {
+            assert_converged(report);
+            assert!(report.sqp_iterations <= 8, "{}", report.sqp_iterations);
+        }
+        // Halfway back is where it has been: no iteration, and all that contact is.
+        let [there, again] = [&reports[0], &reports[2]];
+        assert_eq!(
+            (again.sqp_iterations, again.active_vertices),
+            (0, there.active_vertices)
+        );
+        let areas = [there, again].map(|report| report.obstacles["press"].contact_area);
+        assert!(
+            close(areas[0], 1.0, 1e-9) && close(areas[1], areas[0], 1e-12),
+            "{areas:?}"
+        );
     }
 }
 
