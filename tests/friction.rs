@@ -8,9 +8,9 @@ use common::{assert_converged, open, take};
 use serde_json::Value;
 use signorini::scene::{
     Choice, ContactMethod, ContactSpace, Formulation, Material, MaterialModel, Modulus,
-    ObstacleTarget, Shape,
+    ObstacleTarget, RubberModel, Shape,
 };
-use signorini::{Scene, Step, StepReport};
+use signorini::{Scene, Step, StepReport, Termination};
 
 const HELD: [Option<f64>; 3] = [Some(0.0); 3];
 const HELD_IN_PLANE: [Option<f64>; 3] = [Some(0.0), Some(0.0), None];
@@ -252,4 +252,40 @@ fn the_iteration_on_the_threshold_ends_where_one_level_does() {
             .sum::<u32>()
     });
     assert!(2 * counts[0] < counts[1], "{counts:?}");
+}
+
+/// A method that diverges leaves no scale behind beside which any state is a solution.
+#[test]
+fn a_travel_that_is_not_reached_is_no_result() {
+    let mut parts = square(4);
+    parts
+        .coordinates
+        .iter_mut()
+        .for_each(|x| x[0] = 0.8 * (x[0] - 0.5));
+    let law = RubberModel::NeoHookean { shear_modulus: 1.0 };
+    let mut scene = rubber(law, Some(1e3));
+    scene.solver.verify = false;
+    let sides = ["y0", "y1", "x0", "x1"];
+    let walls = [
+        ("bottom", [0.0, 0.0, 0.0], [0.0, 1.0, 0.0]),
+        ("top", [0.0, 1.0, 0.0], [0.0, -1.0, 0.0]),
+        ("left", [-0.5, 0.0, 0.0], [1.0, 0.0, 0.0]),
+        ("right", [0.5, 0.0, 0.0], [-1.0, 0.0, 0.0]),
+    ];
+    scene.obstacles = walls
+        .map(|(name, point, normal)| {
+            let mut wall = obstacle(name, "y1", plane(point, normal));
+            wall.on = sides.map(str::to_owned).into();
+            wall.friction = 1.0;
+            wall
+        })
+        .into();
+    let steps = [travel("top", 1, [0.0, -0.23, 0.0], [0.0; 3])];
+    let mut session = open(&scene, &mesh(parts));
+    let report = take(&mut session, &steps[0]).remove(0);
+    let is_reached = report.max_penetration < 0.05;
+    assert!(
+        is_reached || report.termination != Termination::Converged,
+        "{report:?}"
+    );
 }

@@ -32,7 +32,7 @@ use super::InequalitySolver;
 use super::blocks::{Blocks, ContactBlock};
 use super::dense_cone::DenseSolution;
 use super::metric::nearest;
-use super::qp::{BlockIterate, QpIterate, QpOutcome, QpProblem, QpRun, QpStatus};
+use super::qp::{BlockIterate, QpIterate, QpOutcome, QpProblem, QpRun, QpScales, QpStatus};
 use crate::krylov::Outcome;
 use crate::linalg::vector::largest;
 use crate::saddle::Status;
@@ -117,6 +117,7 @@ impl<'a> OneLevel<'a> {
         let faces = Faces {
             problem: &self.problem,
             rule: self.rule,
+            largest: run.scales.largest_to_come(),
             blocks,
         };
         let iterations = run.iterations;
@@ -132,6 +133,7 @@ impl InequalitySolver for OneLevel<'_> {
             let faces = Faces {
                 problem: &self.problem,
                 rule: self.rule,
+                largest: run.scales.largest_to_come(),
                 blocks,
             };
             faces.solve(iterate, run, &mut outcome)
@@ -147,6 +149,8 @@ struct Faces<'c, 'a> {
     problem: &'c QpProblem<'a>,
     /// The rule by which the next face follows from an iterate.
     rule: &'static dyn FaceRule,
+    /// How far the scales may grow on all faces.
+    largest: QpScales,
     /// Equalities and contact of the problem, told apart.
     blocks: Blocks<'a>,
 }

@@ -155,7 +155,24 @@ impl QpScales {
         self.constraint = self.constraint.max(constraint);
         self.gap = self.gap.max(gap);
     }
+
+    /// The largest scales that iterations from here may show: what exceeds them is no motion of
+    /// the body but a method that diverges, beside which any state would be a solution. A scale
+    /// that is zero has seen nothing yet.
+    pub fn largest_to_come(&self) -> Self {
+        let bound = |scale: f64| match scale > 0.0 {
+            true => LARGEST_GROWTH * scale,
+            false => f64::INFINITY,
+        };
+        Self {
+            constraint: bound(self.constraint),
+            gap: bound(self.gap),
+        }
+    }
 }
+
+/// Growth of a scale within one program beyond which it is divergence.
+const LARGEST_GROWTH: f64 = 1e3;
 
 /// When the problem counts as solved.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -71,8 +71,11 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         let program = QuadraticProgram::new(run, &at.now, motion, &mut at.first_force);
         let scale = program.force_scale();
         let worst = residuals(run.state, program.start(), scale).largest();
+        let scales = run.state.scales;
         let (step, outcome) = solve_program(run, &program, worst, at.reduction);
         if let Some(verdict) = of_status(outcome, &run.watch) {
+            // Those of a method that diverged would make a solution of any state.
+            run.state.scales = scales;
             run.counters.failed_programs += 1;
             let is_new = run.counters.factorisations > made;
             match at.after_failure(run, verdict, (&step, worst), is_new) {
@@ -206,10 +209,13 @@ impl Iterate {
         if run.model.is_rubber() && run.learned.refresh.failed(inverse_is_new) {
             return AfterFailure::Another;
         }
-        // The best iterate is kept, and may be good enough after all.
+        // The best iterate is kept, and may be good enough after all; what it shows is no scale,
+        // for beside a method that diverged any state is a solution.
         step.apply(run.state, 1.0);
         self.now = run.evaluate();
+        let scales = run.state.scales;
         let after = self.residuals(run.state).largest();
+        run.state.scales = scales;
         match after <= run.model.tolerance || self.serves(run, after / worst) {
             true => AfterFailure::Another,
             false => AfterFailure::End(verdict),

@@ -248,6 +248,7 @@ impl Faces<'_, '_> {
             moduli: self.blocks.contact.moduli,
             augmented: restricted.augmented.as_ref(),
             targets: run.targets,
+            largest: self.largest,
             scales: run.scales,
             review,
             start: 0.0,

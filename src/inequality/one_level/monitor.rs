@@ -34,6 +34,8 @@ pub(super) struct FaceMonitor<'a, 'b> {
     pub(super) targets: QpTargets,
     /// Scales of the blocks; they grow with the norms that this face shows.
     pub(super) scales: &'a mut QpScales,
+    /// How far they may grow.
+    pub(super) largest: QpScales,
     /// When the face is reviewed.
     pub(super) review: Review,
     /// Largest relative norm at the start of the face, which a review while reducing is
@@ -85,7 +87,10 @@ impl FaceMonitor<'_, '_> {
             constraint: norm(constraint),
             gap: self.gap_norm(gap) / GAP_WEIGHT,
         };
-        self.scales.see(norms.constraint, norms.gap);
+        let bound = self.largest;
+        let (constraint, gap) = (norms.constraint, norms.gap);
+        self.scales
+            .see(constraint.min(bound.constraint), gap.min(bound.gap));
         (norms, norms.relative(self.targets.force_scale, self.scales))
     }
 }
