@@ -11,6 +11,9 @@ use crate::linalg::vector::{ratio, worst};
 use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::saddle::{BlockStep, MultiplierBlock, SetPoint, Status};
 
+/// Growth of a scale within one program beyond which it is divergence.
+const LARGEST_GROWTH: f64 = 1e3;
+
 /// The problem; shapes as in the equation of [`super::one_level`].
 #[derive(Clone, Copy)]
 pub struct QpProblem<'a> {
@@ -170,9 +173,6 @@ impl QpScales {
         }
     }
 }
-
-/// Growth of a scale within one program beyond which it is divergence.
-const LARGEST_GROWTH: f64 = 1e3;
 
 /// When the problem counts as solved.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,8 +7,7 @@
 //! Each pass is a problem of given thresholds (Tresca's), which has an energy and one solution;
 //! the passes are a fixed point that contracts where friction is weak (A. Fortin and M. El
 //! Maliki, "There is also another iteration on the threshold"). What is compared is that one
-//! level solves pressures and tractions together. Cost: a problem of contact a pass, some ten
-//! passes where half the points slip.
+//! level solves pressures and tractions together. Cost: a problem of contact a pass.
 
 use crate::inequality::dense_cone::cones;
 use crate::inequality::{
@@ -16,7 +15,7 @@ use crate::inequality::{
 };
 use crate::krylov::Outcome;
 use crate::linalg::vector::largest;
-use crate::saddle::{AdmissibleSet, Cones, Discs, MultiplierBlock, ProductSet, SetPart};
+use crate::saddle::{AdmissibleSet, Cones, MultiplierBlock, ProductSet, SetPart};
 
 /// Passes on one problem at most.
 const MOST_PASSES: u32 = 100;
@@ -73,21 +72,9 @@ impl ThresholdIteration<'_> {
         run: &mut QpRun<'_, '_>,
         (cones, radii, set): (Cones<'_>, &[f64], ProductSet<'_>),
     ) -> QpOutcome {
-        let discs = Discs {
-            radii,
-            components: cones.components,
-        };
-        let own = [
-            (cones.normals, AdmissibleSet::NonNegative),
-            (
-                radii.len() * cones.components.count(),
-                AdmissibleSet::Discs(discs),
-            ),
-        ];
-        let own = own.map(|(size, set)| SetPart { size, set });
         let parts: Vec<SetPart<'_>> = (set.parts().iter())
             .flat_map(|part| match matches!(part.set, AdmissibleSet::Cones(_)) {
-                true => own.to_vec(),
+                true => cones.with_given(radii).to_vec(),
                 false => vec![*part],
             })
             .collect();

@@ -24,7 +24,7 @@ use super::{DenseConeError, DenseProblem, DenseSolution};
 use crate::linalg::vector::{largest, norm};
 use crate::linalg::{DenseLu, FactoriseError, SymmetricMatrix};
 use crate::saddle::{
-    Admissible, AdmissibleSet, Cones, Discs, FrictionBound, Kind, ProductSet, SetPart, Status,
+    Admissible, AdmissibleSet, Cones, FrictionBound, Kind, ProductSet, SetPart, Status,
 };
 
 /// Newton steps in a row; what takes more cycles.
@@ -213,21 +213,11 @@ impl<'p> Newton<'p> {
     /// The multipliers without tractions: from gaps alone far too many points would close.
     fn without_friction(&self, guess: &[Status]) -> Result<Vec<f64>, DenseConeError> {
         let radii = vec![0.0; self.cones.bounds.len()];
-        let components = self.cones.components;
-        let discs = Discs {
-            radii: &radii,
-            components,
-        };
-        let own = [
-            (self.cones.normals, AdmissibleSet::NonNegative),
-            (radii.len() * self.width(), AdmissibleSet::Discs(discs)),
-        ];
-        let own = own.map(|(size, set)| SetPart { size, set });
         let others = self.problem.set.parts().iter();
         let is_other = |part: &&SetPart<'_>| !matches!(part.set, AdmissibleSet::Cones(_));
         let mut parts: Vec<SetPart<'_>> = others.filter(is_other).copied().collect();
         // The cones come first.
-        parts.splice(0..0, own);
+        parts.splice(0..0, self.cones.with_given(&radii));
         let mut pivots = Pivots::new(ProductSet::Parts(&parts), guess);
         pivots.solve(self.problem.matrix, self.problem.linear)
     }

@@ -11,7 +11,9 @@
 
 use crate::linalg::vector::norm;
 
-use super::{Admissible, Components, Discs, Kind, NonNegative, SetPoint, Status};
+use super::{
+    Admissible, AdmissibleSet, Components, Discs, Kind, NonNegative, SetPart, SetPoint, Status,
+};
 
 /// Share of the radius below which a traction is not on the edge.
 const INSIDE: f64 = 1.0 - 1e-8;
@@ -80,6 +82,21 @@ impl<'a> Cones<'a> {
         points.map(move |(point, (&partner, &bound))| {
             (partner as usize, bound, first + point * width)
         })
+    }
+
+    /// Pressures and tractions apart, the tractions on discs of given `radii` `[points]`.
+    pub fn with_given(&self, radii: &'a [f64]) -> [SetPart<'a>; 2] {
+        let discs = AdmissibleSet::Discs(self.discs(radii));
+        [
+            SetPart {
+                size: self.normals,
+                set: AdmissibleSet::NonNegative,
+            },
+            SetPart {
+                size: radii.len() * self.components.count(),
+                set: discs,
+            },
+        ]
     }
 
     /// The discs of the tractions under given pressures.
