@@ -159,6 +159,15 @@ impl QpScales {
         self.gap = self.gap.max(gap);
     }
 
+    /// These scales, and those of `seen` where these have seen nothing yet.
+    pub fn or(self, seen: Self) -> Self {
+        let known = |scale: f64, seen: f64| if scale > 0.0 { scale } else { seen };
+        Self {
+            constraint: known(self.constraint, seen.constraint),
+            gap: known(self.gap, seen.gap),
+        }
+    }
+
     /// The largest scales that iterations from here may show: what exceeds them is no motion of
     /// the body but a method that diverges, beside which any state would be a solution. A scale
     /// that is zero has seen nothing yet.

@@ -75,7 +75,7 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         let (step, outcome) = solve_program(run, &program, worst, at.reduction);
         if let Some(verdict) = of_status(outcome, &run.watch) {
             // Those of a method that diverged would make a solution of any state.
-            run.state.scales = scales;
+            run.state.scales = scales.or(run.state.scales);
             run.counters.failed_programs += 1;
             let is_new = run.counters.factorisations > made;
             match at.after_failure(run, verdict, (&step, worst), is_new) {
