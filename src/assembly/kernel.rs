@@ -101,7 +101,11 @@ pub(super) fn gather<T: Transpose, const N: usize>(
     values: &mut NodeLanes<N>,
 ) {
     for (values, nodes) in values.iter_mut().zip(nodes) {
-        *values = transpose.to_lanes(nodes.each_ref().map(|&node| &x[usize::from(node)]));
+        let mut rows = [&x[usize::from(nodes[0])]; WIDTH];
+        for (row, &node) in rows.iter_mut().zip(nodes) {
+            *row = &x[usize::from(node)];
+        }
+        *values = transpose.to_lanes(rows);
     }
 }
 

@@ -53,17 +53,27 @@ mod x86 {
     impl Transpose for V3 {
         #[inline(always)]
         fn to_lanes(self, rows: [&Row; WIDTH]) -> [Lanes; 4] {
-            let [a, b, c, d, e, f, g, h]: [__m256d; WIDTH] = rows.map(|row| cast(*row));
+            let mut registers: [__m256d; WIDTH] = [cast(*rows[0]); WIDTH];
+            for (register, row) in registers.iter_mut().zip(rows) {
+                *register = cast(*row);
+            }
+            let [a, b, c, d, e, f, g, h] = registers;
             let (low, high) = (square(self, [a, b, c, d]), square(self, [e, f, g, h]));
-            std::array::from_fn(|i| Lanes(cast([low[i], high[i]])))
+            let mut out = [Lanes::ZERO; 4];
+            for ((lanes, low), high) in out.iter_mut().zip(low).zip(high) {
+                *lanes = Lanes(cast([low, high]));
+            }
+            out
         }
 
         #[inline(always)]
         fn to_rows(self, lanes: &[Lanes; 4]) -> [Row; WIDTH] {
-            let halves: [[__m256d; 2]; 4] = lanes.map(|lanes| cast(lanes.0));
-            let low = square(self, halves.map(|half| half[0]));
-            let high = square(self, halves.map(|half| half[1]));
-            cast([low, high])
+            let mut halves: [[__m256d; 4]; 2] = [[cast([0.0_f64; 4]); 4]; 2];
+            for (i, lanes) in lanes.iter().enumerate() {
+                [halves[0][i], halves[1][i]] = cast(lanes.0);
+            }
+            let [low, high] = halves;
+            cast([square(self, low), square(self, high)])
         }
     }
 
@@ -102,18 +112,19 @@ mod x86 {
             let (even_cd, odd_cd) = (avx._mm512_unpacklo_pd(c, d), avx._mm512_unpackhi_pd(c, d));
             let (first, second): (__m512i, __m512i) = (cast(FIRST), cast(SECOND));
             [
-                avx._mm512_permutex2var_pd(even_ab, first, even_cd),
-                avx._mm512_permutex2var_pd(odd_ab, first, odd_cd),
-                avx._mm512_permutex2var_pd(even_ab, second, even_cd),
-                avx._mm512_permutex2var_pd(odd_ab, second, odd_cd),
+                Lanes(cast(avx._mm512_permutex2var_pd(even_ab, first, even_cd))),
+                Lanes(cast(avx._mm512_permutex2var_pd(odd_ab, first, odd_cd))),
+                Lanes(cast(avx._mm512_permutex2var_pd(even_ab, second, even_cd))),
+                Lanes(cast(avx._mm512_permutex2var_pd(odd_ab, second, odd_cd))),
             ]
-            .map(|lanes| Lanes(cast(lanes)))
         }
 
         #[inline(always)]
         fn to_rows(self, lanes: &[Lanes; 4]) -> [Row; WIDTH] {
             let avx = self.avx512f;
-            let [a, b, c, d]: [__m512d; 4] = lanes.map(|lanes| cast(lanes.0));
+            let [a, b, c, d] = lanes;
+            let (a, b): (__m512d, __m512d) = (cast(a.0), cast(b.0));
+            let (c, d): (__m512d, __m512d) = (cast(c.0), cast(d.0));
             let (even_ab, odd_ab) = (avx._mm512_unpacklo_pd(a, b), avx._mm512_unpackhi_pd(a, b));
             let (even_cd, odd_cd) = (avx._mm512_unpacklo_pd(c, d), avx._mm512_unpackhi_pd(c, d));
             let (lower, upper): (__m512i, __m512i) = (cast(LOWER), cast(UPPER));

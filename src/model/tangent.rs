@@ -5,15 +5,18 @@
 //! A = d(internal force)/du,   B = -d(volume)/du
 //! ```
 //!
-//! A `[displacement, displacement]` acts without being assembled, from what the state left
-//! at the quadrature points; B is `[pressures, displacement]`. Cost: one pass over the
-//! cells to linearise, one for each product.
+//! A `[displacement, displacement]` acts without being assembled, in space from what the
+//! state left at the quadrature points, in the plane by the matrices of the cells; B is
+//! `[pressures, displacement]`. Cost: one pass over the cells to linearise, in the plane
+//! twelve, one for each product.
 
 use std::sync::Arc;
 
 use crate::assembly::Constrained;
 use crate::assembly::grid::{Basis, Rows};
-use crate::assembly::strain::{Linearised, TangentBody, TangentDivergence, TangentStiffness};
+use crate::assembly::strain::{
+    Linearised, StrainGrid, TangentBody, TangentDivergence, TangentProducts, TangentStiffness,
+};
 use crate::contact::gap::evaluate_gaps;
 use crate::linalg::Workspace;
 use crate::linalg::vector::add_scaled;
@@ -24,6 +27,10 @@ use crate::model::state::State;
 
 /// A and B about one state.
 pub(crate) struct Tangent {
+    /// Cells of the body.
+    pub(crate) cells: Arc<StrainGrid>,
+    /// What the state left for products.
+    pub(crate) at: Arc<Linearised>,
     /// A with held rows and columns the identity `[displacement, displacement]`.
     pub(crate) stiffness: Constrained<TangentStiffness>,
     /// B about the state, held columns left out `[pressures, displacement]`.
@@ -47,32 +54,34 @@ impl Tangent {
         cells.linearise((&state.displacement, &state.pressure), at, work);
         let at = linearised.clone();
         let (size, vertices) = (state.displacement.len(), state.pressure.len());
-        let held = model.prepared.held.clone();
+        let products = TangentProducts::new(&cells, &at, 0.0);
+        let stiffness = TangentStiffness {
+            products: products.clone(),
+            basis: Basis::Hierarchical,
+            size,
+        };
+        let coupling = TangentDivergence {
+            products: products.clone(),
+            vertices,
+            size,
+        };
+        let body = TangentBody {
+            products,
+            vertices,
+            size,
+        };
+        let held = || model.prepared.held.clone();
         Some(Self {
+            cells,
+            at,
             stiffness: Constrained {
-                free: TangentStiffness {
-                    cells: cells.clone(),
-                    at: at.clone(),
-                    basis: Basis::Hierarchical,
-                    volumetric: 0.0,
-                    size,
-                },
-                held: held.clone(),
+                free: stiffness,
+                held: held(),
             },
-            coupling: TangentDivergence {
-                cells: cells.clone(),
-                at: at.clone(),
-                vertices,
-                size,
-            },
+            coupling,
             body: Constrained {
-                free: TangentBody {
-                    cells,
-                    at,
-                    vertices,
-                    size,
-                },
-                held,
+                free: body,
+                held: held(),
             },
         })
     }
@@ -90,7 +99,7 @@ impl Tangent {
         let pressure = work.zeros(state.pressure.len());
         let mut force = work.scratch(motion.len());
         let mut volume = work.scratch(pressure.len());
-        let tangent = self.body.free.cells.about(&self.body.free.at);
+        let tangent = self.cells.about(&self.at);
         tangent.apply(
             Rows::All,
             (motion, &pressure),

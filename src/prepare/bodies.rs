@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::deformed::Deformed;
 use crate::assembly::grid::Basis;
 use crate::assembly::p1_stiffness::CellStiffness;
-use crate::assembly::strain::TangentStiffness;
+use crate::assembly::strain::{TangentProducts, TangentStiffness};
 use crate::assembly::{CellGeometry, CellModuli, Constrained, Grid, Stiffness};
 use crate::linalg::{LinearOperator, Preconditioner};
 use crate::mesh::Mesh;
@@ -64,10 +64,8 @@ impl DisplacementBody<'_> {
         };
         let tangent = Arc::new(Constrained {
             free: TangentStiffness {
-                cells: state.cells.clone(),
-                at: state.at.clone(),
+                products: TangentProducts::new(state.cells, state.at, VOLUMETRIC),
                 basis,
-                volumetric: VOLUMETRIC,
                 size: self.space.displacement_unknowns(),
             },
             held: self.held.clone(),

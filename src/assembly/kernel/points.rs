@@ -311,5 +311,8 @@ pub(super) fn pressures<S: Simd, const V: usize>(
     }
     let shared = sum * beta * weight;
     let own = weight * (alpha - beta);
-    values.map(|value| shared.plus_product(value, own))
+    for value in &mut values {
+        *value = shared.plus_product(*value, own);
+    }
+    values
 }

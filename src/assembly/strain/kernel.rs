@@ -206,24 +206,39 @@ impl<S: Simd, T: Transpose> BatchRun<'_, S, T> {
             x,
             y,
         } = self;
-        let Element { vertices, edges } = element;
-        gather(transpose, &batch.vertices, x, vertices);
-        gather(transpose, &batch.edges, x, edges);
-        for part in 0..Pack::<S>::PARTS {
-            let g = gradients(simd, batch, part);
-            let vertex = vertex_gradients(simd, &g, (&*vertices, &*edges), part);
-            let mut law = begin(part, &vertex, vertices);
-            let volume = Pack::load(simd, &batch.weight, part) * V as f64;
-            let ring = Ring::load(simd, radii, (&*vertices, &*edges), part);
-            let (moments, forces) = moments(simd, rule, volume, &vertex, ring.as_ref(), &mut law);
-            store_moments(simd, &g, &moments, (&mut *vertices, &mut *edges), part);
-            if ring.is_some() {
-                forces.store(simd, (&mut *vertices, &mut *edges), part);
-            }
-            end(part, law, vertices);
+        gather(transpose, &batch.vertices, x, &mut element.vertices);
+        gather(transpose, &batch.edges, x, &mut element.edges);
+        forces((simd, rule), (batch, radii), element, &mut begin, &mut end);
+        scatter(transpose, &batch.vertices, &element.vertices, y);
+        scatter(transpose, &batch.edges, &element.edges, y);
+    }
+}
+
+/// Nodal values of one batch in, forces of the law's stresses in their place; `begin` and
+/// `end` as in [`BatchRun::run`].
+#[inline(always)]
+pub(super) fn forces<S: Simd, L, const V: usize, const D: usize, const E: usize>(
+    (simd, rule): (S, &Rule),
+    (batch, radii): (&Batch<V, D, E>, &[Lanes]),
+    element: &mut Element<V, E>,
+    begin: &mut impl FnMut(usize, &VertexGradients<S, V, D>, &NodeLanes<V>) -> L,
+    end: &mut impl FnMut(usize, L, &mut NodeLanes<V>),
+) where
+    L: PointLaw<S, V>,
+{
+    let Element { vertices, edges } = element;
+    for part in 0..Pack::<S>::PARTS {
+        let g = gradients(simd, batch, part);
+        let vertex = vertex_gradients(simd, &g, (&*vertices, &*edges), part);
+        let mut law = begin(part, &vertex, vertices);
+        let volume = Pack::load(simd, &batch.weight, part) * V as f64;
+        let ring = Ring::load(simd, radii, (&*vertices, &*edges), part);
+        let (moments, forces) = moments(simd, rule, volume, &vertex, ring.as_ref(), &mut law);
+        store_moments(simd, &g, &moments, (&mut *vertices, &mut *edges), part);
+        if ring.is_some() {
+            forces.store(simd, (&mut *vertices, &mut *edges), part);
         }
-        scatter(transpose, &batch.vertices, vertices, y);
-        scatter(transpose, &batch.edges, edges, y);
+        end(part, law, vertices);
     }
 }
 

@@ -56,6 +56,12 @@ impl<S: Simd> VolumeTerm<S> {
         self.stiffness * volume_change.plus_product(self.compliance, pressure)
     }
 
+    /// 1 - s mu / K: the share of a pressure that pushes.
+    #[inline(always)]
+    pub(super) fn pushed_share(&self, simd: S) -> Pack<S> {
+        Pack::splat(simd, 1.0) - self.stiffness * self.compliance
+    }
+
     #[inline(always)]
     fn energy(&self, volume_change: Pack<S>, pressure: Pack<S>) -> Pack<S> {
         let defect = volume_change.plus_product(self.compliance, pressure);
@@ -181,6 +187,25 @@ impl<S: Simd, const V: usize, const D: usize> Frozen<'_, S, V, D> {
     }
 }
 
+impl<S: Simd, const V: usize, const D: usize> Frozen<'_, S, V, D> {
+    /// Change of the stress with the displacement alone, `volumetric` times dJ cof F added
+    /// to it, and dJ.
+    #[inline(always)]
+    fn stiffness(
+        &self,
+        (point, hats): (usize, &[Pack<S>; V]),
+        at: &Deformation<Pack<S>>,
+        (law, volumetric): (&InvariantLaw<Pack<S>>, Pack<S>),
+        gradient: &Tensor<Pack<S>>,
+    ) -> (Tensor<Pack<S>>, Pack<S>) {
+        let pressure = self.pressure(hats, at);
+        let (mut stress, volume) = law.tangent(at, pressure, gradient);
+        self.add_stretches(point, gradient, &mut stress);
+        let stiffness = volumetric + self.volume.stiffness;
+        (plus(&stress, stiffness * volume, &at.cofactor), volume)
+    }
+}
+
 /// Tangent with changes of displacement and pressure.
 pub(super) struct Tangent<'a, S: Simd, const V: usize, const D: usize> {
     pub(super) frozen: Frozen<'a, S, V, D>,
@@ -211,6 +236,34 @@ impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Tangent<'_, S, 
     }
 }
 
+/// Tangent and volumes with changes of the displacement only.
+pub(super) struct Columns<'a, S: Simd, const V: usize, const D: usize> {
+    pub(super) frozen: Frozen<'a, S, V, D>,
+    pub(super) law: InvariantLaw<Pack<S>>,
+    /// Times dJ cof F, added to the tangent.
+    pub(super) volumetric: Pack<S>,
+    /// int lambda_j dJ.
+    pub(super) volumes: [Pack<S>; V],
+}
+
+impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Columns<'_, S, V, D> {
+    #[inline(always)]
+    fn stress(
+        &mut self,
+        point: usize,
+        hats: &[Pack<S>; V],
+        weight: Pack<S>,
+        gradient: &Tensor<Pack<S>>,
+    ) -> Tensor<Pack<S>> {
+        let at = self.frozen.at(point, hats);
+        let (stress, volume) =
+            self.frozen
+                .stiffness((point, hats), &at, (&self.law, self.volumetric), gradient);
+        add_moments(&mut self.volumes, hats, weight * volume);
+        stress
+    }
+}
+
 /// Tangent with changes of the displacement only.
 pub(super) struct Stiff<'a, S: Simd, const V: usize, const D: usize> {
     pub(super) frozen: Frozen<'a, S, V, D>,
@@ -229,11 +282,8 @@ impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Stiff<'_, S, V,
         gradient: &Tensor<Pack<S>>,
     ) -> Tensor<Pack<S>> {
         let at = self.frozen.at(point, hats);
-        let pressure = self.frozen.pressure(hats, &at);
-        let (mut stress, volume) = self.law.tangent(&at, pressure, gradient);
-        self.frozen.add_stretches(point, gradient, &mut stress);
-        let stiffness = self.volumetric + self.frozen.volume.stiffness;
-        plus(&stress, stiffness * volume, &at.cofactor)
+        let law = (&self.law, self.volumetric);
+        self.frozen.stiffness((point, hats), &at, law, gradient).0
     }
 }
 

@@ -10,7 +10,7 @@
 //! follow from the moments T_j = sum_q w lambda_j P. A rule of any degree fits
 //! between the two. What is linearised about are the G_j, the pressures and
 //! J^(-1/3) at the points: 380 bytes per tetrahedron with four points; stresses and
-//! tangents are computed anew in every product. Laws in principal stretches are
+//! tangents are computed anew in every product in space, once a state in the plane. Laws in principal stretches are
 //! taken lane by lane; they leave their tangent at the points too, 360 bytes each.
 //! About an axis the stretch around it is kept at each point too.
 //!
@@ -30,13 +30,16 @@ mod kernel;
 mod laws;
 mod operator;
 mod pass;
+mod products;
 mod response;
 mod ring;
+mod stored;
 mod stretches;
 mod tangent;
 
 pub use cell_tangents::{CellStates, CellTangents};
 pub use cells::{CellLaws, Linearised, StrainGrid};
 pub use operator::{TangentBody, TangentDivergence, TangentStiffness};
+pub use products::TangentProducts;
 pub use response::Response;
 pub use tangent::{StiffnessTerm, TangentAt};

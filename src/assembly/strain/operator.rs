@@ -3,36 +3,25 @@
 //!
 //! [`Constrained`]: crate::assembly::Constrained
 
-use std::sync::Arc;
-
-use super::cells::{Linearised, StrainGrid};
-use super::tangent::StiffnessTerm;
-use crate::assembly::grid::{Basis, Rows};
+use super::products::TangentProducts;
+use crate::assembly::grid::Basis;
 use crate::linalg::{LinearOperator, Workspace};
 
-/// A state and the cells it belongs to.
+/// A and the state it belongs to.
 #[derive(Clone, Debug)]
 pub struct TangentStiffness {
-    /// Cells.
-    pub cells: Arc<StrainGrid>,
-    /// The state.
-    pub at: Arc<Linearised>,
+    /// Products about the state.
+    pub products: TangentProducts,
     /// Basis of argument and result.
     pub basis: Basis,
-    /// Adds this times the shear modulus times int dJ cof F.
-    pub volumetric: f64,
     /// Displacement unknowns.
     pub size: usize,
 }
 
 impl TangentStiffness {
     fn add(&self, factor: f64, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        let term = StiffnessTerm {
-            basis: self.basis,
-            volumetric: self.volumetric,
-            factor,
-        };
-        self.cells.about(&self.at).add_stiffness(term, x, y, work);
+        let on = (self.basis, factor);
+        self.products.add_stiffness(on, x, y, work);
     }
 }
 
@@ -62,10 +51,8 @@ impl LinearOperator for TangentStiffness {
 /// B, hierarchical.
 #[derive(Clone, Debug)]
 pub struct TangentDivergence {
-    /// Cells.
-    pub cells: Arc<StrainGrid>,
-    /// The state.
-    pub at: Arc<Linearised>,
+    /// Products about the state.
+    pub products: TangentProducts,
     /// Pressure unknowns.
     pub vertices: usize,
     /// Displacement unknowns.
@@ -82,7 +69,7 @@ impl LinearOperator for TangentDivergence {
     }
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        self.cells.about(&self.at).divergence(x, y, work);
+        self.products.divergence(x, y, work);
     }
 
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
@@ -91,18 +78,15 @@ impl LinearOperator for TangentDivergence {
     }
 
     fn add_transposed(&self, factor: f64, y: &[f64], x: &mut [f64], work: &mut Workspace) {
-        let tangent = self.cells.about(&self.at);
-        tangent.add_divergence_transposed(factor, y, x, work);
+        self.products.add_divergence_transposed(factor, y, x, work);
     }
 }
 
 /// [A B^T; B 0], hierarchical.
 #[derive(Clone, Debug)]
 pub struct TangentBody {
-    /// Cells.
-    pub cells: Arc<StrainGrid>,
-    /// The state.
-    pub at: Arc<Linearised>,
+    /// Products about the state.
+    pub products: TangentProducts,
     /// Pressure unknowns.
     pub vertices: usize,
     /// Displacement unknowns.
@@ -120,7 +104,7 @@ impl LinearOperator for TangentBody {
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
         let (x, y) = (x.split_at(self.size), y.split_at_mut(self.size));
-        self.cells.about(&self.at).apply(Rows::Free, x, y, work);
+        self.products.apply(x, y, work);
     }
 
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {

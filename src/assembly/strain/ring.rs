@@ -44,7 +44,11 @@ pub(super) struct RingForces<S: Simd, const V: usize, const E: usize> {
 /// lambda_a lambda_b of each edge.
 #[inline(always)]
 fn products<S: Simd, const V: usize, const E: usize>(hats: &[Pack<S>; V]) -> [Pack<S>; E] {
-    edge_pairs::<E>().map(|(a, b)| hats[a] * hats[b])
+    let mut out = [hats[0]; E];
+    for (product, (a, b)) in out.iter_mut().zip(edge_pairs::<E>()) {
+        *product = hats[a] * hats[b];
+    }
+    out
 }
 
 impl<S: Simd, const V: usize, const E: usize> Ring<S, V, E> {

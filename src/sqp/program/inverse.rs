@@ -57,8 +57,8 @@ fn make(run: &mut Run<'_>, tangent: &Tangent, (coupling, pressure): (&SparseRows
         },
     };
     let deformed = Deformed {
-        cells: &tangent.stiffness.free.cells,
-        at: &tangent.stiffness.free.at,
+        cells: &tangent.cells,
+        at: &tangent.at,
         displacement: &run.state.displacement,
         pressure: &run.state.pressure,
         contact: has_springs.then_some(contact),
