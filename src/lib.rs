@@ -151,6 +151,8 @@
 #![doc = include_str!("decisions/0031-thin-bodies.md")]
 #![doc = include_str!("decisions/0032-instability.md")]
 #![doc = include_str!("decisions/0033-friction.md")]
+#![doc = include_str!("decisions/0034-matrices-of-triangles.md")]
+#![doc = include_str!("decisions/0035-loads-without-a-potential.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

@@ -133,6 +133,24 @@ impl SparseRows {
         builder.finish()
     }
 
+    /// Largest absolute value of an entry.
+    pub fn largest(&self) -> f64 {
+        self.values.iter().fold(0.0, |most, x| most.max(x.abs()))
+    }
+
+    /// `factor` times the entries that are larger than `bound`.
+    pub fn scaled_above(&self, factor: f64, bound: f64) -> Self {
+        let mut builder = SparseRowsBuilder::new(self.columns);
+        for row in 0..self.offsets.len() - 1 {
+            let (columns, values) = self.row(row);
+            let entries = columns.iter().zip(values);
+            let kept = entries.filter(|(_, value)| value.abs() > bound);
+            let mut kept: Vec<_> = kept.map(|(&c, value)| (c, factor * value)).collect();
+            builder.push_row(&mut kept);
+        }
+        builder.finish()
+    }
+
     /// The diagonal of a square matrix.
     pub fn diagonal(&self) -> Vec<f64> {
         (0..self.rows())

@@ -22,6 +22,7 @@ use crate::linalg::vector::{add_scaled, dot};
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Snap};
 use crate::model::energy::potential;
+use crate::model::pressures::pressure_work;
 use crate::model::proximal::{Proximal, mass};
 use crate::model::state::State;
 use crate::report::{Cause, Termination};
@@ -59,6 +60,8 @@ struct Flow {
     strongest: f64,
     /// Potential energy behind the first step.
     energy: Option<f64>,
+    /// Work of pressures that follow the body since.
+    pressed: f64,
     /// Failures one after the other.
     failures: u32,
     /// Steps until the pull may become lighter.
@@ -98,6 +101,7 @@ pub(super) fn descend(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
         let kept = run.state.clone();
         let mut ending = attempt(run, drive);
         if ending.termination == Termination::Converged {
+            flow.add_work(run, &kept.displacement);
             ending.snapped = Some(flow.snap(run, &before));
             return Some(ending);
         }
@@ -121,6 +125,7 @@ impl Flow {
             mass: mass.into(),
             strongest: 0.0,
             energy: None,
+            pressed: 0.0,
             failures: 0,
             rest: 0,
             least: 0.0,
@@ -132,6 +137,7 @@ impl Flow {
     fn leave_saddle(&mut self, run: &mut Run<'_>) {
         self.weight = first_weight(run, &self.mass);
         self.energy = Some(potential(&run.model, run.state, &mut run.work));
+        self.pressed = 0.0;
         self.strongest = 0.0;
         self.least = LEAST_WEIGHT * self.weight;
         self.is_first = true;
@@ -141,9 +147,10 @@ impl Flow {
     /// One step.
     fn step(&mut self, run: &mut Run<'_>, drive: &Drive) -> Ending {
         let tolerance = run.model.tolerance;
+        let before: Arc<[f64]> = run.state.displacement.clone().into();
         run.model.proximal = Some(Proximal {
             weight: self.weight,
-            anchor: run.state.displacement.clone().into(),
+            anchor: before.clone(),
             mass: self.mass.clone(),
         });
         let pulled = run.evaluate();
@@ -153,8 +160,16 @@ impl Flow {
         (run.model.proximal, run.model.tolerance) = (None, tolerance);
         if ending.termination == Termination::Converged && self.energy.is_none() {
             self.energy = Some(potential(&run.model, run.state, &mut run.work));
+        } else if ending.termination == Termination::Converged {
+            self.add_work(run, &before);
         }
         ending
+    }
+
+    /// Adds the work of pressures on the way from `before`.
+    fn add_work(&mut self, run: &Run<'_>, before: &[f64]) {
+        let ends = [before, &run.state.displacement];
+        self.pressed += pressure_work(&run.model, ends, run.state.drive.load);
     }
 
     /// Takes a heavier pull for a while.
@@ -204,7 +219,7 @@ impl Flow {
             .max_by(|a, b| a.0.total_cmp(&b.0))
             .unwrap_or_default();
         Snap {
-            energy_drop: self.energy.unwrap_or(after) - after,
+            energy_drop: self.energy.unwrap_or(after) - after + self.pressed,
             largest_motion,
             point: run.model.mesh.coordinates()[vertex],
         }

@@ -4,12 +4,15 @@
 //! K x = l P x,   B x = 0,   C_A x = 0
 //! ```
 //!
-//! as [`super::certificate`] finds it, P = int 2 mu eps : eps. Shape `[displacement unknowns]`.
+//! as [`super::certificate`] finds it, P = int 2 mu eps : eps, and for a body that contact
+//! alone holds + int x . x in units of its length, for its rigid motions have no stiffness.
+//! Shape `[displacement unknowns]`.
 
 use crate::linalg::vector::dot;
 use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
 use crate::model::held::mask;
+use crate::model::proximal::mass;
 use crate::report::Stability;
 
 /// The softest motion of the last equilibrium.
@@ -35,6 +38,11 @@ impl LowestMode {
 pub(crate) fn at_rest(model: &Model<'_>, x: &[f64], work: &mut Workspace) -> Vec<f64> {
     let mut product = vec![0.0; x.len()];
     model.prepared.stiffness.apply(x, &mut product, work);
+    if model.plan.is_floating() {
+        let shares = mass(model);
+        let terms = product.iter_mut().zip(x.iter().zip(&shares));
+        terms.for_each(|(product, (x, share))| *product += share * x);
+    }
     mask(&model.prepared.held, &mut product);
     product
 }

@@ -15,10 +15,11 @@
 //! such motions, one more for each eighth of the least eigenvalue.
 
 use super::super::qp::QpStatus;
+use super::circulation::crossings;
 use super::system::{Matrices, System};
-use crate::linalg::Workspace;
 use crate::linalg::indefinite::SparseIndefinite;
 use crate::linalg::vector::{dot, norm, scale};
+use crate::linalg::{SparseRows, Workspace};
 use crate::saddle::Status;
 
 /// Shift over the diagonal below which a motion counts as free, not as soft: far below
@@ -41,18 +42,21 @@ const MOST_STEPS: usize = 60;
 pub struct Inertia {
     /// Number of independent motions that lower the energy.
     pub unstable: usize,
+    /// How many of these loads without a potential lead back; none where that is not known.
+    pub led_back: Option<usize>,
     /// The motion of the least eigenvalue `[displacement]`, held entries zero.
     pub motion: Vec<f64>,
 }
 
-/// Counts the motions that lower the energy on `face`; `start` is where the search for
-/// the softest begins `[displacement]`.
+/// Counts the motions that lower the energy on `face`; `skew` is the skew part that loads
+/// without a potential add to K, `start` where the search for the softest begins
+/// `[displacement]`.
 ///
 /// # Errors
 /// [`QpStatus::TooLarge`] where the factor takes more than it may,
 /// [`QpStatus::IndefiniteMetric`] where a matrix is singular.
 pub fn inertia(
-    matrices: &Matrices<'_>,
+    (matrices, skew): (&Matrices<'_>, Option<&SparseRows>),
     face: &[Status],
     start: &[f64],
     work: &mut Workspace,
@@ -61,6 +65,10 @@ pub fn inertia(
     let constraints = system.scale.len() - system.displacements;
     let mut factor = system.shifted_factor(face, FREE)?;
     let unstable = factor.negative_eigenvalues().saturating_sub(constraints);
+    let led_back = match skew.filter(|_| unstable > 0) {
+        Some(skew) => crossings((&system, &factor), skew, work),
+        None => Some(0),
+    };
     let mut shift = FREE;
     while factor.negative_eigenvalues() > constraints && shift < MOST_SHIFT {
         shift = FIRST_SHIFT.max(GROWTH * shift);
@@ -69,7 +77,11 @@ pub fn inertia(
     // What counts as the sign of the least eigenvalue, over the diagonal.
     let bound = if unstable > 0 { 0.0 } else { f64::INFINITY };
     let motion = softest(&system, (&factor, shift, bound), start, work);
-    Ok(Inertia { unstable, motion })
+    Ok(Inertia {
+        unstable,
+        led_back,
+        motion,
+    })
 }
 
 /// The motion of the least eigenvalue, which is below `bound`, by inverse iteration with a

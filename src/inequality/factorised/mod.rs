@@ -13,6 +13,7 @@
 //! of cells makes it fail, only size: entries of the factor grow as n^1.4 in space, and a
 //! face costs one factor. Sets: lines and half lines.
 
+mod circulation;
 mod face;
 mod inertia;
 mod rule;

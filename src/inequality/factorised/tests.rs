@@ -6,8 +6,8 @@ use crate::inequality::samples::{
     springs,
 };
 use crate::krylov::Verdict;
-use crate::linalg::SparseRows;
 use crate::linalg::samples::rows;
+use crate::linalg::{SparseRows, SparseRowsBuilder, Workspace};
 
 /// A problem as it is stored, in the order of its unknowns.
 fn stored<'a>(problem: &Problem, contact: &'a SparseRows) -> Matrices<'a> {
@@ -161,4 +161,29 @@ fn the_observer_can_interrupt_before_any_factor_is_made() {
     let mut iterate = problem.iterate(0);
     let outcome = solve_watched(&method, &mut iterate, &mut |_, _, _| Verdict::Stop);
     assert_eq!(outcome.status, QpStatus::Interrupted);
+}
+
+#[test]
+fn loads_without_a_potential_lead_back_what_lowers_the_energy_where_they_are_strong() {
+    // Eigenvalues of [[-1, s], [-s, 2]]: one is negative for s^2 < 2, none for s^2 > 2.
+    let contact = SparseRowsBuilder::new(2).finish();
+    let matrices = Matrices {
+        stiffness: rows(&[vec![-1.0, 0.0], vec![0.0, 2.0]]),
+        coupling: None,
+        stabilisation: None,
+        contact: &contact,
+        places: vec![0, 1],
+        is_loose: false,
+        most_flops: f64::INFINITY,
+    };
+    for (strength, led_back) in [(0.5, 0), (1.4, 0), (1.42, 1), (3.0, 1)] {
+        let skew = rows(&[vec![0.0, strength], vec![-strength, 0.0]]);
+        let problem = (&matrices, Some(&skew));
+        let found = inertia(problem, &[], &[1.0, 1.0], &mut Workspace::new()).expect("a factor");
+        assert_eq!(
+            (found.unstable, found.led_back),
+            (1, Some(led_back)),
+            "{strength}"
+        );
+    }
 }

@@ -33,8 +33,12 @@ pub(super) fn certified(run: &mut Run<'_>) -> Option<LowestMode> {
     Some(LowestMode {
         eigenvalue: program.curvature_along(&found.motion, &mut run.work),
         motion: found.motion,
-        stability: match found.unstable {
-            0 => Stability::Minimum,
+        stability: match (found.unstable, found.led_back) {
+            (0, _) => Stability::Minimum,
+            // Not of an energy, for loads that have none.
+            (unstable, led_back) if led_back.is_none_or(|back| back >= unstable) => {
+                Stability::NotDetermined
+            }
             _ => Stability::Saddle,
         },
     })

@@ -55,7 +55,8 @@ pub(super) fn certified(run: &mut Run<'_>) -> Option<LowestMode> {
     Some(LowestMode {
         motion,
         eigenvalue,
-        stability: match eigenvalue > 0.0 {
+        // Without a potential what lowers the energy may lead back.
+        stability: match eigenvalue > 0.0 || program.skew().is_some() {
             true => Stability::NotDetermined,
             false => Stability::Saddle,
         },

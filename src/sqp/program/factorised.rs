@@ -15,6 +15,9 @@ use crate::sqp::linear::Track;
 use crate::sqp::run::Run;
 use crate::sqp::saddle_layout::SaddleLayout;
 
+/// Entries of the skew part over the largest of the whole that are rounding.
+const SKEW: f64 = 1e-12;
+
 impl QuadraticProgram<'_> {
     /// Solves the program by a factor on each face.
     pub(super) fn run_factorised(
@@ -68,7 +71,18 @@ impl QuadraticProgram<'_> {
             is_loose: false,
             ..self.matrices(self.released_by_all(), &layout, &stopped, work)?
         };
-        inertia(&matrices, &state.status, start, work).ok()
+        let skew = self.skew();
+        let problem = (&matrices, skew.as_ref());
+        inertia(problem, &state.status, start, work).ok()
+    }
+
+    /// The skew part of the stiffness, of pressures on faces with a free edge; none where all
+    /// loads have a potential.
+    pub(crate) fn skew(&self) -> Option<SparseRows> {
+        let released = self.released_by_all()?;
+        let twice = released.transposed().plus_multiple(-1.0, released);
+        let bound = SKEW * released.largest();
+        (twice.largest() > bound).then(|| twice.scaled_above(0.5, bound))
     }
 
     /// The matrices of the program; none where it was stopped on the way.
@@ -88,7 +102,10 @@ impl QuadraticProgram<'_> {
         };
         let mut stiffness = probes.matrix(square, stopped, work)?;
         if let Some(curvature) = curvature {
-            stiffness = stiffness.plus_multiple(-1.0, curvature);
+            // The part of a free edge under pressure is not symmetric; a factor of one triangle
+            // would see it twice or not at all.
+            let symmetric = curvature.plus(&curvature.transposed());
+            stiffness = stiffness.plus_multiple(-0.5, &symmetric);
         }
         let coupling = match self.pressure() {
             Some(pressure) => {
