@@ -12,10 +12,10 @@
 mod common;
 
 use common::curved::{quarter_ring, thick_cylinder, thick_sphere};
-use common::meshes::mesh;
-use common::scenes::{in_parts, mooney_rivlin, probe, rubber, support};
+use common::meshes::{mesh, moved, square};
+use common::scenes::{in_parts, mooney_rivlin, obstacle, probe, push, rubber, support};
 use common::{assert_converged, close, solve};
-use signorini::scene::{Choice, OnInstability, Pressure, RubberModel, SceneKind};
+use signorini::scene::{Choice, Obstacle, OnInstability, Pressure, RubberModel, SceneKind, Shape};
 use signorini::{Cause, MeshParts, Scene, Step, Termination};
 
 /// What the finest mesh of a test may miss.
@@ -110,8 +110,8 @@ fn a_balloon_bears_no_more_than_its_limit() {
 
 /// The section x from 1 to 2 of a tall tube, turned about the axis.
 fn tube(count: usize) -> MeshParts {
-    let parts = common::meshes::square(count);
-    let mut parts = common::meshes::moved(parts, |[x, y, z]| [1.0 + x, 0.5 * y, z]);
+    let parts = square(count);
+    let mut parts = moved(parts, |[x, y, z]| [1.0 + x, 0.5 * y, z]);
     for group in &mut parts.groups {
         if group.name == "x0" {
             group.name = "inner".to_owned();
@@ -159,5 +159,59 @@ fn supports_balance_the_pressure_on_the_deformed_opening() {
         assert!(close(opening, radius, 5e-3), "{opening}");
         let force = report.supports[support].force[axis];
         assert!(close(force, -pressure * opening, 1e-6), "{support} {force}");
+    }
+}
+
+/// A section between square and round, from -1 to 1, whose sides are four groups.
+fn profile(count: usize) -> MeshParts {
+    moved(square(count), |[x, y, z]| {
+        let [s, t] = [2.0 * x - 1.0, 2.0 * y - 1.0];
+        let round = |s: f64, t: f64| s * (1.0 - ROUNDED * t * t / 2.0).sqrt();
+        [round(s, t), round(t, s), z]
+    })
+}
+
+/// Share of the way from a square to a disc.
+const ROUNDED: f64 = 0.8;
+
+fn wall(name: &str, axis: usize, side: f64) -> Obstacle {
+    let (mut point, mut normal) = ([0.0; 3], [0.0; 3]);
+    (point[axis], normal[axis]) = (side, -side);
+    let sides = ["x0", "x1", "y0", "y1"].map(str::to_owned);
+    Obstacle {
+        on: sides.to_vec(),
+        ..obstacle(name, "x0", Shape::HalfSpace { point, normal })
+    }
+}
+
+/// Pressure on one side of a seal has free edges: the forces that it turns with have no
+/// potential, and no energy has a saddle for them.
+#[test]
+fn a_seal_bears_the_fluid_on_one_side_of_it() {
+    for (squeeze, pressure) in [(0.2, 0.5), (0.4, 2.0)] {
+        let mut scene = rubber(mooney_rivlin(), None);
+        scene.kind = Some(SceneKind::PlaneStrain);
+        scene.pressures = vec![Pressure {
+            on: vec!["x1".to_owned()],
+            value: pressure,
+        }];
+        scene.obstacles = vec![wall("bottom", 1, -1.0), wall("top", 1, 1.0), wall("groove", 0, -1.0)];
+        let parts = profile(10);
+        let corners = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0]];
+        let edge = (1.0 - ROUNDED / 2.0_f64).sqrt();
+        scene.probes = vec![
+            probe("low", [edge, -edge, 0.0]),
+            probe("high", [edge, edge, 0.0]),
+        ];
+        let _ = corners;
+        let squeezed = Step { load: Some(0.0), ..push("top", [0.0, -squeeze, 0.0]) };
+        let reports = solve(&scene, &[squeezed, in_parts(Step { load: Some(1.0), ..Step::default() }, 4)], &mesh(parts));
+        for r in &reports { eprintln!("{:?} {:?} {:?} {:?} {:?} {:?}", r.termination, r.cause, r.stability, r.fallback, r.snapped, r.sqp_iterations); }
+        reports.iter().for_each(assert_converged);
+        let report = reports.last().expect("an increment");
+        let [low, high] = ["low", "high"].map(|name| report.probes[name].displacement);
+        let height = 2.0 * edge + high[1] - low[1];
+        let force = report.obstacles["groove"].force[0];
+        assert!(close(force, pressure * height, 1e-6), "{force} {height}");
     }
 }

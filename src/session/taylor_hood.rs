@@ -19,7 +19,7 @@ use crate::prepare::TaylorHoodData;
 use crate::report::{FieldData, FieldName, StepReport};
 use crate::results::warnings::warnings;
 use crate::results::{fields, step};
-use crate::sqp::increment;
+use crate::sqp::increment::{self, MOST_PROGRAMS};
 use crate::sqp::ladder::climb;
 use crate::sqp::run::{Retry, Run};
 use crate::verify;
@@ -98,6 +98,7 @@ impl Body for TaylorHoodBody {
             work: increment.work,
             retry: Retry::Parts,
             by_factor: false,
+            patience: MOST_PROGRAMS,
         };
         if self.interfaces.friction.is_some() {
             run.model.slip_start = Some(SlipStart::at(before).into());

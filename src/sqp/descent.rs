@@ -15,7 +15,7 @@
 use std::sync::Arc;
 
 use super::attempt::attempt;
-use super::increment;
+use super::increment::{self, MOST_PROGRAMS};
 use super::lowest_mode::{LowestMode, at_rest};
 use super::run::Run;
 use crate::linalg::vector::{add_scaled, dot};
@@ -31,6 +31,9 @@ use crate::report::{Cause, Termination};
 const MOST_STEPS: u32 = 80;
 /// Failures one after the other that end the way.
 const MOST_FAILURES: u32 = 5;
+/// Programs that the end may take where it is tried: further away a program leads
+/// anywhere.
+const PATIENCE: u32 = 8;
 /// Residuals that a step may leave.
 const ROUGH: f64 = 1e-3;
 /// Share of what moves the body that a step may leave.
@@ -99,7 +102,9 @@ pub(super) fn descend(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
             continue;
         }
         let kept = run.state.clone();
+        run.patience = PATIENCE;
         let mut ending = attempt(run, drive);
+        run.patience = MOST_PROGRAMS;
         if ending.termination == Termination::Converged {
             flow.add_work(run, &kept.displacement);
             ending.snapped = Some(flow.snap(run, &before));

@@ -22,8 +22,8 @@ use crate::model::prescribed::{prescribe, remaining_motion};
 use crate::model::state::State;
 use crate::report::{Cause, Residuals, Termination};
 
-/// Quadratic programs per increment.
-const MOST_PROGRAMS: u32 = 40;
+/// Quadratic programs that one drive may take.
+pub(crate) const MOST_PROGRAMS: u32 = 40;
 /// Share of the residual that a program may leave which did not end.
 const WORTHWHILE: f64 = 0.1;
 /// Programs of a linear problem that may leave the residual as it is: rounding does.
@@ -59,7 +59,7 @@ enum AfterFailure {
 /// Moves the state to equilibrium under `drive`.
 pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
     let mut at = start(run, drive);
-    for _ in 0..MOST_PROGRAMS {
+    for _ in 0..run.patience {
         let motion = remaining_motion(&run.model, run.state, drive);
         let worst = at.residuals(run.state).largest();
         let ended = verdict(run, worst, motion.is_none());

@@ -121,6 +121,7 @@ fn approach_on(run: &mut Run<'_>, rung: &Rung, (goal, retry): (&Drive, Retry)) -
         work: std::mem::take(&mut run.work),
         retry,
         by_factor: false,
+        patience: run.patience,
     };
     let (mut ending, part) = approach(&mut inner, goal);
     if ending.termination == Termination::Converged {

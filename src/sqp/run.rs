@@ -31,6 +31,8 @@ pub(crate) struct Run<'a> {
     /// Whether a program was not solved by iterations and the rest of the increment takes
     /// the factor of its saddle point, which is small.
     pub(crate) by_factor: bool,
+    /// Quadratic programs that one drive may take.
+    pub(crate) patience: u32,
 }
 
 /// What follows a program that its method did not solve.

@@ -80,7 +80,7 @@ struct Faces<'c, 'a> {
 /// Faces seen so far.
 #[derive(Default)]
 struct History {
-    /// Statuses of all of them.
+    /// Statuses of those since multipliers change one by one, or of all.
     visited: HashSet<Vec<Status>>,
     /// Whether one has come back, from when on multipliers change one by one.
     has_returned: bool,
@@ -102,7 +102,7 @@ impl Faces<'_, '_> {
         let mut history = History::default();
         let mut face = self.first_face(&start, run)?;
         for _ in 0..MOST_FACES {
-            history.enter(&face);
+            history.enter(&face)?;
             iterate.clone_from(&start);
             self.move_to(iterate, face, run.work);
             let solved = self.solve_face(iterate, run)?;
@@ -189,8 +189,20 @@ impl Faces<'_, '_> {
 
 impl History {
     /// Notes a face.
-    fn enter(&mut self, face: &[Status]) {
-        self.has_returned |= !self.visited.insert(face.to_vec());
+    ///
+    /// # Errors
+    /// Where one comes back although multipliers change one by one: the problem has a motion
+    /// that lowers its energy, and no face holds it.
+    fn enter(&mut self, face: &[Status]) -> Result<(), QpStatus> {
+        match (self.visited.insert(face.to_vec()), self.has_returned) {
+            (true, _) => {}
+            (false, true) => return Err(QpStatus::ActiveSetCycle),
+            (false, false) => {
+                self.visited = HashSet::from([face.to_vec()]);
+                self.has_returned = true;
+            }
+        }
+        Ok(())
     }
 }
 

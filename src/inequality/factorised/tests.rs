@@ -187,3 +187,23 @@ fn loads_without_a_potential_lead_back_what_lowers_the_energy_where_they_are_str
         );
     }
 }
+
+#[test]
+fn a_cycle_without_end_ends_where_it_closes() {
+    let problem = Problem::new(3);
+    let (matrices, contact) = (problem.matrices(), rows(&problem.coupling));
+    let blocks = [matrices.unilateral()];
+    let curvature = identity(1e3);
+    let mut kept = stored(&problem, &contact);
+    kept.stiffness = kept.stiffness.plus_multiple(-1.0, &curvature);
+    let method = Factorised {
+        problem: QpProblem {
+            curvature: Some(&curvature),
+            ..matrices.problem(&blocks)
+        },
+        matrices: kept,
+    };
+    let outcome = solve(&method, &mut problem.iterate(0));
+    assert_eq!(outcome.status, QpStatus::ActiveSetCycle);
+    assert!(outcome.set_changes < MOST_FACES / 2, "{outcome:?}");
+}
