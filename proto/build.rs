@@ -36,7 +36,8 @@ fn main() -> Outcome<()> {
 }
 
 /// Messages that become JSON as they are.
-const SERIALISED: [&str; 15] = [
+const SERIALISED: [&str; 16] = [
+    "CauseSite",
     "IterationReport",
     "ManufacturedErrors",
     "ObstaclePose",

@@ -13,7 +13,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
-pub use ending::{Cause, Snapped, Stability, Termination};
+pub use ending::{Cause, CauseSite, Snapped, Stability, Termination};
 pub use fallback::Fallback;
 pub use field::{FieldData, FieldName};
 pub use warning::{Warning, WarningKind};
@@ -105,8 +105,8 @@ pub struct Seconds {
 pub struct ObstacleResult {
     /// Force that the obstacle exerts on the body `[3]`.
     pub force: [f64; 3],
-    /// Estimated discretisation error of the length of `force`, a force; none
-    /// where [`StepReport::error_estimate`] is.
+    /// Estimated discretisation error of the length of `force`, a force, with what overlaps
+    /// hide that the mesh does not feel; none where [`StepReport::error_estimate`] is.
     pub force_error: Option<f64>,
     /// Distance of the facets in contact from the curved surface that they stand for,
     /// over how far contact has pushed it; none where the surface is flat or given.
@@ -198,6 +198,8 @@ pub struct StepReport {
     pub termination: Termination,
     /// Why the increment did not converge; none when it did.
     pub cause: Option<Cause>,
+    /// Where the cause lies; none when the increment converged, or nothing is known.
+    pub cause_site: Option<CauseSite>,
     /// The second attempt that solved the increment; none where the method of the plan
     /// did.
     pub fallback: Option<Fallback>,

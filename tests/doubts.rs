@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use common::meshes::{cube, mesh, moved, unit_grid};
 use common::scenes::{HELD, elastic, obstacle, press, push, support, traction};
-use common::{assert_converged, solve, solve_one};
+use common::{assert_converged, open, solve, solve_one, take};
 use signorini::report::WarningKind;
 use signorini::scene::Shape;
 use signorini::{Mesh, Scene, StepReport, Termination};
@@ -64,7 +64,14 @@ fn a_tool_smaller_than_the_faces_is_felt_or_doubted() {
             let scene = block(sphere([centre[0], centre[1], 1.0 + radius], radius));
             let report = solve_one(&scene, &push("tool", [0.0, 0.0, -depth]), &coarse());
             assert_converged(&report);
-            let felt = -report.obstacles["tool"].force[2] > 0.0;
+            let tool = &report.obstacles["tool"];
+            let felt = -tool.force[2] > 0.0;
+            // Hertz: 4/3 E* sqrt(R) d^1.5, E* = 2 mu / (1 - nu), mu = 1.
+            let modulus = 2.0 / (1.0 - 0.3);
+            let true_force = 4.0 / 3.0 * modulus * radius.sqrt() * depth.powf(1.5);
+            let error = tool.force_error.expect("a linear body");
+            let is_bounded = felt || error >= true_force;
+            assert!(is_bounded, "{radius} {centre:?} {error} {true_force}");
             let kinds = doubts(&report);
             let is_doubted = kinds.contains(&WarningKind::MissedContact)
                 || kinds.contains(&WarningKind::CoarseContact);
@@ -127,4 +134,17 @@ fn a_body_carried_so_far_that_its_strains_drown_is_named() {
     let report = solve_one(&scene, &signorini::Step::default(), &far);
     let found = doubts(&report);
     assert!(found.contains(&WarningKind::LostDigits), "{report:?}");
+}
+
+#[test]
+fn a_tool_that_lifts_off_has_not_passed_through_the_body() {
+    for (travel, is_named) in [(0.8, false), (-50.0, true)] {
+        let mut session = open(&block(sphere([0.5, 0.5, 1.3], 0.3)), &mesh(cube(6)));
+        take(&mut session, &push("tool", [0.0, 0.0, -0.1]));
+        let report = take(&mut session, &push("tool", [0.0, 0.0, travel])).remove(0);
+        let mut kinds = report.warnings.iter().map(|warning| warning.kind);
+        let has_passed = kinds.any(|kind| kind == WarningKind::PassedThrough);
+        let has_stopped = report.termination == Termination::NotConverged;
+        assert_eq!(has_passed || has_stopped, is_named, "{report:?}");
+    }
 }

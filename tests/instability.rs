@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use common::meshes::{mesh, moved, unit_grid};
 use common::scenes::{mooney_rivlin, pull, rubber, support};
-use common::{assert_converged, close, solve};
+use common::{assert_converged, close, run, solve, values};
 use signorini::report::{Stability, WarningKind};
 use signorini::scene::{Choice, OnInstability, SceneKind, StabilityCheck};
-use signorini::{Cause, Mesh, Scene, StepReport, Termination};
+use signorini::{Cause, FieldName, Mesh, Scene, Step, StepReport, Termination};
 
 /// Height of the column over its width.
 const SLENDERNESS: f64 = 8.0;
@@ -32,12 +32,13 @@ fn pressed(
 ) -> Vec<StepReport> {
     let mut scene = clamped();
     scene.solver.on_instability = Choice::Named(asked);
-    let step = pull(
-        "y1",
-        [Some(0.0), Some(-share * SLENDERNESS), None],
-        increments,
-    );
-    solve(&scene, &[step], mesh)
+    solve(&scene, &[squeeze(share, increments)], mesh)
+}
+
+/// The step that presses the column by that share of its height.
+fn squeeze(share: f64, increments: u32) -> Step {
+    let end = [Some(0.0), Some(-share * SLENDERNESS), None];
+    pull("y1", end, increments)
 }
 
 fn clamped() -> Scene {
@@ -125,11 +126,21 @@ fn a_bent_column_comes_to_one_equilibrium_however_it_is_pressed() {
 fn a_scene_that_asks_for_it_stops_at_the_last_minimum() {
     let mesh = column(0.0);
     let share = 2.0 * euler_share();
-    let reports = pressed(&mesh, (share, 1), OnInstability::Stop);
+    let mut scene = clamped();
+    scene.solver.on_instability = Choice::Named(OnInstability::Stop);
+    let (session, reports) = run(&scene, &[squeeze(share, 1)], &mesh);
     assert_eq!(reports[0].termination, Termination::NotConverged);
     assert_eq!(reports[0].cause, Some(Cause::UnstableEquilibrium));
     assert_eq!(reports[0].stability, Some(Stability::Minimum));
     assert!((0.3..0.7).contains(&reports[0].time), "{}", reports[0].time);
+    let mode = values(&session, FieldName::LowestMode);
+    let across = mode.chunks_exact(3).map(|x| x[0].abs()).fold(0.0, f64::max);
+    assert!((across - 1.0).abs() < 0.01, "{across}");
+    let site = reports[0].cause_site.expect("where it buckles");
+    let ([_, height, _], [across, ..]) =
+        (site.point.expect("a point"), site.motion.expect("a motion"));
+    assert!((0.4..0.6).contains(&(height / SLENDERNESS)), "{site:?}");
+    assert!(across.abs() > 0.95, "{site:?}");
 }
 
 #[test]

@@ -195,7 +195,11 @@ fn a_seal_bears_the_fluid_on_one_side_of_it() {
             on: vec!["x1".to_owned()],
             value: pressure,
         }];
-        scene.obstacles = vec![wall("bottom", 1, -1.0), wall("top", 1, 1.0), wall("groove", 0, -1.0)];
+        scene.obstacles = vec![
+            wall("bottom", 1, -1.0),
+            wall("top", 1, 1.0),
+            wall("groove", 0, -1.0),
+        ];
         let parts = profile(10);
         let corners = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0]];
         let edge = (1.0 - ROUNDED / 2.0_f64).sqrt();
@@ -204,9 +208,30 @@ fn a_seal_bears_the_fluid_on_one_side_of_it() {
             probe("high", [edge, edge, 0.0]),
         ];
         let _ = corners;
-        let squeezed = Step { load: Some(0.0), ..push("top", [0.0, -squeeze, 0.0]) };
-        let reports = solve(&scene, &[squeezed, in_parts(Step { load: Some(1.0), ..Step::default() }, 4)], &mesh(parts));
-        for r in &reports { eprintln!("{:?} {:?} {:?} {:?} {:?} {:?}", r.termination, r.cause, r.stability, r.fallback, r.snapped, r.sqp_iterations); }
+        let squeezed = Step {
+            load: Some(0.0),
+            ..push("top", [0.0, -squeeze, 0.0])
+        };
+        let reports = solve(
+            &scene,
+            &[
+                squeezed,
+                in_parts(
+                    Step {
+                        load: Some(1.0),
+                        ..Step::default()
+                    },
+                    4,
+                ),
+            ],
+            &mesh(parts),
+        );
+        for r in &reports {
+            eprintln!(
+                "{:?} {:?} {:?} {:?} {:?} {:?}",
+                r.termination, r.cause, r.stability, r.fallback, r.snapped, r.sqp_iterations
+            );
+        }
         reports.iter().for_each(assert_converged);
         let report = reports.last().expect("an increment");
         let [low, high] = ["low", "high"].map(|name| report.probes[name].displacement);

@@ -115,6 +115,9 @@ fn length(vector: &[f64]) -> f64 {
 fn report(lines: &mut Lines, name: &str, report: &v1::StepReport) {
     lines.add("scene", name);
     lines.add("result", &ending(report));
+    if let Some(site) = &report.cause_site {
+        lines.add("where", &place(site));
+    }
     if let Some(rung) = words::fallback(report.fallback()) {
         lines.add("second attempt", &format!("solved by rung {rung}"));
     }
@@ -167,6 +170,21 @@ fn equilibrium(stability: &str) -> String {
         "not_determined" => "not checked for stability".to_owned(),
         known => format!("{known} of the energy"),
     }
+}
+
+/// Where a cause lies, in words.
+fn place(site: &v1::CauseSite) -> String {
+    let point = match site.point.is_empty() {
+        true => "the whole body".to_owned(),
+        false => format!("at {}", vector(&site.point)),
+    };
+    let motion = match site.motion.is_empty() {
+        true => String::new(),
+        false => format!(", along {}", vector(&site.motion)),
+    };
+    let size = site.mesh_size.map(number);
+    let size = size.map(|size| format!(", faces there have to be smaller than {size}"));
+    point + &motion + &size.unwrap_or_default()
 }
 
 /// A fall to the next minimum in words.

@@ -225,7 +225,7 @@ fn numbers_survive_printing_bit_for_bit() {
 fn the_keys_of_a_result_keep_their_order() {
     let expected = [
         r#"{"event":"step","step":0,"increment":0,"time":0.0,"load":0.0,"#,
-        r#""termination":"unspecified","cause":null,"fallback":null,"#,
+        r#""termination":"unspecified","cause":null,"cause_site":null,"fallback":null,"#,
         r#""snapped":null,"warnings":[],"sqp_iterations":0,"#,
         r#""krylov_iterations":0,"preconditioner_applications":0,"#,
         r#""eigenvalue_applications":0,"compliance_columns":0,"contact_products":0,"#,

@@ -20,12 +20,24 @@ use crate::obstacle::What;
 /// Pressure times face size times curvature, in shear moduli, up to which a mesh holds.
 const BEARABLE: f64 = 4.0;
 
-/// c of `surface` under `pressure` `[multipliers]`, lengths of the scaled body.
-pub fn coarseness<C: Counterpart + ?Sized>(
+/// The face that is largest beside what its pressure allows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coarsest {
+    /// c of the face.
+    pub ratio: f64,
+    /// h, in lengths of the scaled body.
+    pub size: f64,
+    /// Mesh vertices of the face.
+    pub corners: Vec<u32>,
+}
+
+/// The face of `surface` with the largest c under `pressure` `[multipliers]`; none where
+/// nothing presses on a curved obstacle.
+pub fn coarsest<C: Counterpart + ?Sized>(
     body: &Deformed<'_>,
     (surface, counterpart): (&ContactSurface, &C),
     pressure: &[f64],
-) -> f64 {
+) -> Option<Coarsest> {
     let coefficients = surface.shares.spread(pressure);
     let table = Table::new(body, surface.basis);
     let numbers = body.on_faces(&table, &surface.faces, 1, |points, face, number| {
@@ -35,7 +47,13 @@ pub fn coarseness<C: Counterpart + ?Sized>(
             number[0] = size(face) * largest(points, face, &coefficients) / BEARABLE;
         }
     });
-    numbers.into_iter().fold(0.0, f64::max)
+    let ratios = numbers.into_iter().zip(&surface.faces);
+    let (ratio, face) = ratios.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (ratio > 0.0).then(|| Coarsest {
+        ratio,
+        size: size(face),
+        corners: face.corners.clone(),
+    })
 }
 
 /// Length of a segment, leg of the half square of a triangle's area.

@@ -1,4 +1,4 @@
-//! Powers of a dense symmetric pencil:
+//! Eigenvalues of a dense matrix, and powers of a symmetric pencil:
 //!
 //! ```text
 //! A V = M V T,  V^T M V = I:   M V f(T) V^T M
@@ -61,6 +61,13 @@ pub fn pencil_power(
         }
     }
     Ok(power)
+}
+
+/// Real and imaginary parts of the eigenvalues of a square matrix; none where the
+/// iteration fails.
+pub fn eigenvalues(matrix: &DenseMatrix) -> Option<Vec<[f64; 2]>> {
+    let values = matrix.view().eigenvalues().ok()?;
+    Some(values.iter().map(|value| [value.re, value.im]).collect())
 }
 
 #[cfg(test)]

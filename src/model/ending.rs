@@ -5,7 +5,7 @@
 //! the residuals of that state.
 
 use crate::plan::Units;
-use crate::report::{Cause, Fallback, Residuals, Snapped, Stability, Termination};
+use crate::report::{Cause, CauseSite, Fallback, Residuals, Snapped, Stability, Termination};
 
 /// The estimated error of the displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -45,9 +45,29 @@ impl Snap {
         Snapped {
             energy_drop: self.energy_drop * units.energy(),
             largest_motion: self.largest_motion * units.length,
-            point: self
-                .point
-                .map(|x| x * units.coordinate_scale * units.length),
+            point: units.of_mesh(self.point),
+        }
+    }
+}
+
+/// Where an increment lost its equilibrium.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Site {
+    /// Undeformed point, in the mesh's lengths.
+    pub(crate) point: Option<[f64; 3]>,
+    /// Unit vector of the motion.
+    pub(crate) motion: Option<[f64; 3]>,
+    /// Size that faces have to fall below, non-dimensional.
+    pub(crate) mesh_size: Option<f64>,
+}
+
+impl Site {
+    /// In the caller's units.
+    pub(crate) fn in_units(self, units: &Units) -> CauseSite {
+        CauseSite {
+            point: self.point.map(|point| units.of_mesh(point)),
+            motion: self.motion,
+            mesh_size: self.mesh_size.map(|size| size * units.length),
         }
     }
 }
@@ -59,6 +79,8 @@ pub(crate) struct Ending {
     pub(crate) termination: Termination,
     /// Why it did not converge; none where it did.
     pub(crate) cause: Option<Cause>,
+    /// Where the cause lies, as far as it is known.
+    pub(crate) site: Option<Site>,
     /// The four residuals at the state kept.
     pub(crate) residuals: Residuals,
     /// Deepest penetration at a point of the rule, in units of the scaled body.

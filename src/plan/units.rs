@@ -39,6 +39,11 @@ impl Units {
         }
     }
 
+    /// A point in the mesh's lengths as one in the caller's.
+    pub(crate) fn of_mesh(&self, point: [f64; 3]) -> [f64; 3] {
+        point.map(|x| x * self.coordinate_scale * self.length)
+    }
+
     /// Whether every derived quantity keeps its precision.
     pub(crate) fn are_usable(&self) -> bool {
         let derived = [

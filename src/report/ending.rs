@@ -99,6 +99,20 @@ pub struct Snapped {
     pub point: [f64; 3],
 }
 
+/// Where an increment that did not converge lost its equilibrium.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CauseSite {
+    /// Undeformed point of the body, in the caller's unit of length; none where the whole
+    /// body is concerned.
+    pub point: Option<[f64; 3]>,
+    /// Unit vector along which that point, or the whole body, gives way; none where nothing
+    /// moves.
+    pub motion: Option<[f64; 3]>,
+    /// Size that faces there have to fall below, in the caller's unit of length; none
+    /// where the mesh is not to blame.
+    pub mesh_size: Option<f64>,
+}
+
 /// What kind of equilibrium a state is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stability {

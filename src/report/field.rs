@@ -30,11 +30,14 @@ pub enum FieldName {
     /// `[vertices, 3]`: slip against the obstacle in the last increment, a length, zero where
     /// nothing presses; absent without friction.
     Slip,
+    /// `[vertices, 3]`: motion of the least stiffness at the last equilibrium, its largest
+    /// vector one long; absent where nobody looked for it.
+    LowestMode,
 }
 
 impl FieldName {
     /// Every field, in the order of the documentation.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Displacement,
         Self::Pressure,
         Self::ContactPressure,
@@ -46,6 +49,7 @@ impl FieldName {
         Self::ContactPressureDeformed,
         Self::FrictionTraction,
         Self::Slip,
+        Self::LowestMode,
     ];
 
     /// The name used in scenes, on the wire and in VTU files.
@@ -62,6 +66,7 @@ impl FieldName {
             Self::ContactPressureDeformed => "contact_pressure_deformed",
             Self::FrictionTraction => "friction_traction",
             Self::Slip => "slip",
+            Self::LowestMode => "lowest_mode",
         }
     }
 

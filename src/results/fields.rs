@@ -4,6 +4,7 @@
 //! of the upload, or of cells. Vertices that no cell uses have zeros. Cost: one pass over
 //! what the field lives on.
 
+use crate::linalg::vector::norm;
 use crate::model::Model;
 use crate::model::state::State;
 use crate::model::values::gradient_at;
@@ -13,8 +14,13 @@ use crate::results::finite_strain;
 use crate::results::friction::{friction_traction, slip};
 use crate::results::touching::Touching;
 
-/// The field `name`; none if the scene has no such field.
-pub(crate) fn field(model: &Model<'_>, state: &State, name: FieldName) -> Option<FieldData> {
+/// The field `name`; none if the scene has no such field. `mode` is the softest motion
+/// `[displacement]`, where one is known.
+pub(crate) fn field(
+    model: &Model<'_>,
+    (state, mode): (&State, Option<&[f64]>),
+    name: FieldName,
+) -> Option<FieldData> {
     let units = &model.plan.units;
     let has_contact = !model.interfaces.list.is_empty();
     let (components, values) = match name {
@@ -34,6 +40,7 @@ pub(crate) fn field(model: &Model<'_>, state: &State, name: FieldName) -> Option
         }
         FieldName::FrictionTraction => (3, friction_traction(model, state)?),
         FieldName::Slip => (3, slip(model, state)?),
+        FieldName::LowestMode => (3, lowest_mode(model, mode?)),
         FieldName::ContactPressure => (1, Touching::of(model, state).pressure()),
         FieldName::Gap => (1, Touching::of(model, state).gap()),
         FieldName::ContactState => (1, Touching::of(model, state).contact_state()),
@@ -87,6 +94,20 @@ fn displacement(model: &Model<'_>, state: &State) -> Vec<f64> {
         for (i, component) in value.iter().enumerate() {
             out[3 * row as usize + i] = component * model.plan.units.length;
         }
+    }
+    out
+}
+
+/// `motion` `[displacement]` at uploaded vertices `[vertices, 3]`, its largest vector one
+/// long.
+fn lowest_mode(model: &Model<'_>, motion: &[f64]) -> Vec<f64> {
+    let space = &model.prepared.space;
+    let vertices = motion.chunks_exact(space.components).take(space.vertices);
+    let largest = vertices.clone().map(norm).fold(0.0, f64::max);
+    let mut out = vec![0.0; 3 * model.mesh.vertex_count()];
+    for (&row, vector) in model.mesh.used_vertices().iter().zip(vertices) {
+        let own = out[3 * row as usize..].iter_mut().zip(vector);
+        own.for_each(|(out, x)| *out = x / largest);
     }
     out
 }

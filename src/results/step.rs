@@ -31,6 +31,7 @@ use crate::results::estimate::{estimate, force_error};
 use crate::results::finite_strain::{deformed_pressure, jacobian_bound};
 use crate::results::friction::add_friction;
 use crate::results::geometry_error::geometry_error;
+use crate::results::touch::Touch;
 use crate::results::touching::Touching;
 
 /// The report, without what only the session knows.
@@ -57,6 +58,7 @@ pub(crate) fn report(
         min_jacobian: inside.response.map(|response| response.least_jacobian),
         min_jacobian_bound: jacobian_bound(model, state),
         stability: ending.stability,
+        cause_site: ending.site.map(|site| site.in_units(units)),
         snapped: ending.snapped.map(|snap| snap.in_units(units)),
         max_penetration: ending.max_penetration * units.length,
         obstacles: obstacles(model, state, estimated.as_ref()),
@@ -140,6 +142,20 @@ fn obstacles(
     });
     add_friction(model, state, &mut results);
     results
+}
+
+/// Adds to the error of each force what overlaps hide that no function of contact feels.
+pub(crate) fn add_hidden_forces(
+    model: &Model<'_>,
+    touches: &[Touch<'_>],
+    results: &mut BTreeMap<String, ObstacleResult>,
+) {
+    for touch in touches {
+        let result = results.get_mut(&*touch.interface.name);
+        if let Some(error) = result.and_then(|result| result.force_error.as_mut()) {
+            *error += touch.hidden_force(model) * model.plan.units.force();
+        }
+    }
 }
 
 /// Reactions: internal force plus contact minus load at held unknowns, given

@@ -22,17 +22,11 @@ use crate::model::ending::Ending;
 use crate::model::interfaces::Interface;
 use crate::model::state::State;
 use crate::model::values::gradient_at;
-use crate::obstacle::Obstacle;
 use crate::report::{Stability, Termination, Warning, WarningKind};
+use crate::results::touch::Touch;
 
 /// Strain of a linear law beyond what it is meant for.
 const LARGE_STRAIN: f64 = 0.1;
-/// Depth over the size of a face from which on contact between its points was missed.
-const MISSED: f64 = 1e-3;
-/// The same beside faces that are pressed, whose rim overlaps a little on every mesh.
-const MISSED_AT_THE_RIM: f64 = 0.02;
-/// The same over the depth under faces that are pressed.
-const BEYOND_THE_PRESSED: f64 = 1.5;
 /// Closed functions of a curved contact that are few.
 const FEW: [usize; 2] = [3, 6];
 /// Depth over the length of the body from which on an obstacle is inside it.
@@ -49,11 +43,12 @@ const LOST: f64 = 1e-6;
 /// What residuals leave of the displacements over the largest strain that is too much.
 const WRONG: f64 = 0.1;
 
-/// All warnings of the increment that led from `start` to `state`.
+/// All warnings of the increment that led from `start` to `state`, with what each obstacle
+/// `touches`.
 pub(crate) fn warnings(
     model: &Model<'_>,
     (start, state): (&Drive, &State),
-    ending: &Ending,
+    (ending, touches): (&Ending, &[Touch<'_>]),
 ) -> Vec<Warning> {
     let mut all = Vec::new();
     of_stability(model, ending, &mut all);
@@ -63,33 +58,17 @@ pub(crate) fn warnings(
     if ending.termination != Termination::Converged {
         return all;
     }
-    for (interface, met) in model.placed(&state.drive) {
-        if let Some(obstacle) = met.obstacle() {
-            let body = model.deformed(&state.displacement);
-            let touch = Touch {
-                interface,
-                distances: nearest(&body, &interface.surface, &met),
-                acts: acts(interface, state),
-            };
-            all.extend(missed(model, &touch));
-            if !touch.acts.contains(&true) {
-                all.extend(untouched(model, (start, state), &touch));
-                all.extend(passed(model, (start, state), interface));
-            }
-            all.extend(coarse(model, state, (interface, !obstacle.is_flat())));
+    for touch in touches {
+        let interface = touch.interface;
+        all.extend(missed(model, &interface.name, touch.overlap()));
+        if !touch.acts.contains(&true) {
+            all.extend(untouched(model, (start, state), touch));
+            all.extend(passed(model, (start, state), interface));
         }
+        all.extend(coarse(model, state, (interface, touch.is_curved)));
     }
     of_the_body(model, state, ending, &mut all);
     all
-}
-
-/// An obstacle beside the faces that may touch it.
-struct Touch<'t> {
-    interface: &'t Interface,
-    /// Least signed distance of each face `[faces]`.
-    distances: Vec<f64>,
-    /// Whether some function acts on the face `[faces]`.
-    acts: Vec<bool>,
 }
 
 /// A warning.
@@ -128,41 +107,10 @@ fn of_stability(model: &Model<'_>, ending: &Ending, all: &mut Vec<Warning>) {
     }
 }
 
-/// Whether some function acts on a face.
-fn acts(interface: &Interface, state: &State) -> Vec<bool> {
-    let flags = state
-        .status
-        .iter()
-        .map(|status| f64::from(u8::from(status.is_closed())));
-    let closed = interface.coefficients(&flags.collect::<Vec<_>>());
-    let faces = interface.surface.faces.iter();
-    let is_closed = |&function: &u32| closed[function as usize] > 0.0;
-    faces
-        .map(|face| face.functions.iter().any(is_closed))
-        .collect()
-}
-
 /// An obstacle inside the body where nothing presses.
-fn missed(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
-    let least = match touch.acts.contains(&true) {
-        true => MISSED_AT_THE_RIM,
-        false => MISSED,
-    };
-    let pressed = touch.distances.iter().zip(&touch.acts);
-    let pressed = pressed
-        .filter(|(_, acts)| **acts)
-        .map(|(distance, _)| -distance);
-    let usual = BEYOND_THE_PRESSED * pressed.fold(0.0, f64::max);
-    let power = 1.0 / (model.plan.units.dimension as f64 - 1.0);
-    let faces = touch.interface.surface.faces.iter();
-    let faces = faces.zip(&touch.distances).zip(&touch.acts);
-    let depths = faces.filter_map(|((face, &distance), &acts)| {
-        let size = face.flat_area.powf(power);
-        (!acts && distance < -usual.max(least * size)).then_some(-distance)
-    });
-    let deepest = depths.fold(0.0, f64::max) * model.plan.units.length;
+fn missed(model: &Model<'_>, name: &str, overlap: f64) -> Option<Warning> {
+    let deepest = overlap * model.plan.units.length;
     (deepest > 0.0).then(|| {
-        let name = &touch.interface.name;
         warning(
             WarningKind::MissedContact,
             name,
@@ -208,7 +156,16 @@ fn passed(
         let drive = start.towards(&state.drive, f64::from(pose) / f64::from(poses));
         depth(model, (&drive, &state.displacement), interface)
     };
-    let deepest = (1..poses).map(depth_at).fold(0.0, f64::max);
+    // A tool that lifts off begins inside the body that has sprung back, and leaves it.
+    let mut last = depth_at(0);
+    let mut deepest = 0.0_f64;
+    for pose in 1..poses {
+        let depth = depth_at(pose);
+        if depth > last {
+            deepest = deepest.max(depth);
+        }
+        last = depth;
+    }
     (deepest > DEEP).then(|| {
         let name = &interface.name;
         warning(

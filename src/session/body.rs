@@ -41,8 +41,9 @@ pub(crate) trait Body: Debug + Send + Sync {
     /// Adds to a report what building the prepared data took beside seconds.
     fn count_preparation(&self, report: &mut StepReport);
 
-    /// A field of `state`; none if the scene has no such field.
-    fn field(&self, state: &State, name: FieldName) -> Option<FieldData>;
+    /// A field of `state`; none if the scene has no such field. `mode` is the softest motion
+    /// `[displacement]`, where one is known.
+    fn field(&self, at: (&State, Option<&[f64]>), name: FieldName) -> Option<FieldData>;
 }
 
 /// The prepared data of a body.

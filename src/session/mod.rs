@@ -287,7 +287,9 @@ impl Session {
 
     /// A field of the current state; none if the scene has no such field.
     pub fn field(&self, name: FieldName) -> Option<FieldData> {
-        self.body.field(&self.state, name)
+        let mode = self.learned.lowest_mode.as_ref();
+        let mode = mode.map(|mode| mode.motion.as_slice());
+        self.body.field((&self.state, mode), name)
     }
 
     /// Bytes held by this session alone.

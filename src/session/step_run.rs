@@ -119,6 +119,7 @@ mod tests {
             estimate: None,
             stability: None,
             snapped: None,
+            site: None,
             fallback: None,
         };
         let mut step = StepRun::new(rest.clone(), rest, 3);

@@ -17,11 +17,13 @@ use crate::plan::Plan;
 use crate::precond::PMultigrid;
 use crate::prepare::TaylorHoodData;
 use crate::report::{FieldData, FieldName, StepReport};
+use crate::results::touch::Touch;
 use crate::results::warnings::warnings;
 use crate::results::{fields, step};
 use crate::sqp::increment::{self, MOST_PROGRAMS};
 use crate::sqp::ladder::climb;
 use crate::sqp::run::{Retry, Run};
+use crate::sqp::site::locate;
 use crate::verify;
 
 /// A body of Taylor-Hood elements.
@@ -104,6 +106,7 @@ impl Body for TaylorHoodBody {
             run.model.slip_start = Some(SlipStart::at(before).into());
         }
         let (mut ending, part) = climb(&mut run, goal, before);
+        ending.site = locate(&mut run, &ending, goal);
         if ending.is_stopped() {
             if part == 0.0 {
                 run.state.clone_from(before);
@@ -130,7 +133,9 @@ impl Body for TaylorHoodBody {
             ..
         } = advanced;
         let mut report = step::report(&model, state, ending, counters, work);
-        report.warnings = warnings(&model, (start, state), ending);
+        let touches = Touch::all(&model, state);
+        report.warnings = warnings(&model, (start, state), (ending, &touches));
+        step::add_hidden_forces(&model, &touches, &mut report.obstacles);
         if self.plan.settings.verify {
             report.verification = Some(verify::verify(&model, state, ending));
         }
@@ -142,7 +147,7 @@ impl Body for TaylorHoodBody {
         report.compliance_columns = self.prepared.at_rest.compliance.columns() as u32;
     }
 
-    fn field(&self, state: &State, name: FieldName) -> Option<FieldData> {
-        fields::field(&self.model(), state, name)
+    fn field(&self, at: (&State, Option<&[f64]>), name: FieldName) -> Option<FieldData> {
+        fields::field(&self.model(), at, name)
     }
 }

@@ -2,7 +2,7 @@
 //! a volume that cannot change, a body about to snap.
 
 use super::run::Run;
-use crate::contact::coarseness::coarseness;
+use crate::contact::coarseness::{Coarsest, coarsest as coarsest_face};
 use crate::contact::gap::linearise;
 use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::linalg::{LinearOperator, Workspace};
@@ -140,17 +140,19 @@ pub(crate) fn name_the_end(run: &Run<'_>, ending: &mut Ending) {
         ending.cause,
         Some(Cause::LimitPoint | Cause::UnstableEquilibrium | Cause::Stagnation)
     );
-    if is_of_the_body && is_too_coarse(run) {
+    if is_of_the_body && coarsest(run).is_some_and(|face| face.ratio > 1.0) {
         ending.cause = Some(Cause::CoarseContact);
     }
 }
 
-/// Whether faces are too large for the pressure on a curved obstacle.
-fn is_too_coarse(run: &Run<'_>) -> bool {
+/// The face that is largest beside what the pressure on a curved obstacle allows; none
+/// where nothing presses on one.
+pub(crate) fn coarsest(run: &Run<'_>) -> Option<Coarsest> {
     let body = run.model.deformed(&run.state.displacement);
-    let mut contacts = run.model.placed(&run.state.drive);
-    contacts.any(|(interface, met)| {
+    let contacts = run.model.placed(&run.state.drive);
+    let faces = contacts.filter_map(|(interface, met)| {
         let pressure = interface.own(&run.state.multiplier);
-        coarseness(&body, (&interface.surface, &met), &pressure) > 1.0
-    })
+        coarsest_face(&body, (&interface.surface, &met), &pressure)
+    });
+    faces.max_by(|a, b| a.ratio.total_cmp(&b.ratio))
 }

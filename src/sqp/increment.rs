@@ -254,6 +254,7 @@ pub(crate) fn ending(
         estimate: None,
         stability: None,
         snapped: None,
+        site: None,
         fallback: None,
     }
 }

@@ -16,7 +16,7 @@
 //! | [`increment`] | programs until the four criteria hold: [`predictor`], [`program`], [`search`], [`verdict`] |
 //! | [`certificate`] | whether the equilibrium is a minimum |
 //! | [`descent`] | down the energy where an equilibrium is lost |
-//! | [`diagnosis`] | causes that only the end shows |
+//! | [`diagnosis`], [`site`] | causes that only the end shows, and where they lie |
 //! | [`learned`] | what is kept for the next increment: [`trend`], [`lowest_mode`], [`preconditioner_refresh`], [`saddle_layout`] |
 //!
 //! Everything is non-dimensional inside.
@@ -46,6 +46,7 @@ pub(crate) mod run;
 mod rung;
 mod saddle_layout;
 mod search;
+pub(crate) mod site;
 mod step_control;
 mod trend;
 pub(crate) mod verdict;

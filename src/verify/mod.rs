@@ -64,7 +64,7 @@ pub(crate) fn verify(model: &Model<'_>, state: &State, ending: &Ending) -> Resid
 /// Reported displacement on used nodes, `[nodes, 3]`.
 fn nodal_displacement(model: &Model<'_>, state: &State) -> Vec<[f64; 3]> {
     let uploaded = model.mesh.vertex_count();
-    let Some(field) = fields::field(model, state, FieldName::Displacement) else {
+    let Some(field) = fields::field(model, (state, None), FieldName::Displacement) else {
         return Vec::new();
     };
     let (rows, _) = field.values.as_chunks::<3>();

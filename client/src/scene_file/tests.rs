@@ -243,6 +243,6 @@ fn every_key_of_the_contract_reaches_the_message() {
     let output = scene.output.unwrap();
     assert_eq!(
         (output.fields, output.every),
-        (vec![1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11], Some(2))
+        (vec![1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12], Some(2))
     );
 }

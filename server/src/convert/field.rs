@@ -134,6 +134,7 @@ pub(crate) fn name(field: FieldName) -> wire::FieldName {
         FieldName::ContactPressureDeformed => wire::FieldName::ContactPressureDeformed,
         FieldName::FrictionTraction => wire::FieldName::FrictionTraction,
         FieldName::Slip => wire::FieldName::Slip,
+        FieldName::LowestMode => wire::FieldName::LowestMode,
     }
 }
 

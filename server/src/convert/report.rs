@@ -3,8 +3,9 @@
 use signorini::ObstaclePose;
 use signorini::plan::PlanReport;
 use signorini::report::{
-    Cause, Fallback, IterationRecord, ManufacturedErrors, ObstacleResult, ProbeResult, Residuals,
-    Seconds, Snapped, Stability, StepReport, SupportResult, Termination, Unknowns, Warning,
+    Cause, CauseSite, Fallback, IterationRecord, ManufacturedErrors, ObstacleResult, ProbeResult,
+    Residuals, Seconds, Snapped, Stability, StepReport, SupportResult, Termination, Unknowns,
+    Warning,
 };
 use signorini_proto::v1 as wire;
 
@@ -42,6 +43,7 @@ pub(crate) fn step(report: StepReport, poses: Vec<ObstaclePose>) -> wire::StepRe
             .stability
             .map_or(wire::Stability::Unspecified, stability)
             .into(),
+        cause_site: report.cause_site.map(cause_site),
         snapped: report.snapped.map(snapped),
         warnings: report.warnings.into_iter().map(warning).collect(),
         max_penetration: report.max_penetration,
@@ -155,6 +157,15 @@ fn fallback(value: Fallback) -> wire::Fallback {
         Fallback::MassMetric => wire::Fallback::MassMetric,
         Fallback::Mprgp => wire::Fallback::Mprgp,
         Fallback::Direct => wire::Fallback::Direct,
+    }
+}
+
+fn cause_site(value: CauseSite) -> wire::CauseSite {
+    let list = |vector: Option<[f64; 3]>| vector.map_or(Vec::new(), Vec::from);
+    wire::CauseSite {
+        point: list(value.point),
+        motion: list(value.motion),
+        mesh_size: value.mesh_size,
     }
 }
 

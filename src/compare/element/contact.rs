@@ -142,7 +142,8 @@ impl EnrichedBody {
             | FieldName::ErrorEstimate
             | FieldName::ContactPressureDeformed
             | FieldName::FrictionTraction
-            | FieldName::Slip => None,
+            | FieldName::Slip
+            | FieldName::LowestMode => None,
         }
     }
 }

@@ -74,7 +74,7 @@ impl Body for EnrichedBody {
     /// No eigenvalue is estimated for it.
     fn count_preparation(&self, _report: &mut StepReport) {}
 
-    fn field(&self, state: &State, name: FieldName) -> Option<FieldData> {
+    fn field(&self, (state, _): (&State, Option<&[f64]>), name: FieldName) -> Option<FieldData> {
         self.field_of(state, name)
     }
 }

@@ -148,9 +148,10 @@ impl EnrichedBody {
             }
             // The recovery knows the shape functions of Taylor-Hood only.
             FieldName::ErrorEstimate => return None,
-            FieldName::ContactPressureDeformed | FieldName::FrictionTraction | FieldName::Slip => {
-                return None;
-            }
+            FieldName::ContactPressureDeformed
+            | FieldName::FrictionTraction
+            | FieldName::Slip
+            | FieldName::LowestMode => return None,
             FieldName::ContactPressure | FieldName::Gap | FieldName::ContactState => {
                 (1, self.contact_field(state, name)?)
             }

@@ -12,11 +12,10 @@
 //! of Elastic Stability, 1963, divergence). Oscillations that grow are not looked for. Cost:
 //! one solve with the factor of H for each row of E.
 
-use faer::Mat;
-
 use super::system::System;
+use crate::linalg::eigen::eigenvalues;
 use crate::linalg::indefinite::SparseIndefinite;
-use crate::linalg::{LinearOperator, SparseRows, Workspace};
+use crate::linalg::{DenseMatrix, LinearOperator, SparseRows, Workspace};
 
 /// Rows that are tried at most: those of some edge points in the plane, of an edge of a
 /// coarse mesh in space.
@@ -36,7 +35,7 @@ pub(super) fn crossings(
     if rows.len() > MOST_ROWS {
         return None;
     }
-    let mut product = Mat::<f64>::zeros(rows.len(), rows.len());
+    let mut product = DenseMatrix::zeros(rows.len(), rows.len());
     let mut x = vec![0.0; system.scale.len()];
     for (column, &unit) in rows.iter().enumerate() {
         x.fill(0.0);
@@ -46,10 +45,9 @@ pub(super) fn crossings(
         for (place, &row) in rows.iter().enumerate() {
             let (columns, values) = skew.row(row);
             let terms = columns.iter().zip(values);
-            product[(place, column)] = terms.map(|(&c, value)| value * x[c as usize]).sum();
+            *product.at_mut(place, column) = terms.map(|(&c, value)| value * x[c as usize]).sum();
         }
     }
-    let eigenvalues = product.eigenvalues().ok()?;
-    let crosses = |value: &&faer::c64| value.re <= -1.0 && value.im.abs() <= -ROUNDING * value.re;
-    Some(eigenvalues.iter().filter(crosses).count())
+    let crosses = |&&[re, im]: &&[f64; 2]| re <= -1.0 && im.abs() <= -ROUNDING * re;
+    Some(eigenvalues(&product)?.iter().filter(crosses).count())
 }

@@ -1,0 +1,104 @@
+//! What an obstacle is to the faces that may touch it: how near, and where it presses.
+//!
+//! An obstacle inside the body where no function acts was missed by the contact integrals.
+//! What force that hides is that of punches as large as the faces,
+//!
+//! ```text
+//! F = sum over the missed faces of k_f d_f,   k_f = 2 E* sqrt(area_f / pi)
+//! ```
+//!
+//! above that of any tool which fits into a face. Cost: 45 distances a face in space.
+
+use crate::contact::nearest::nearest;
+use crate::model::Model;
+use crate::model::interfaces::Interface;
+use crate::model::state::State;
+use crate::obstacle::Obstacle;
+use crate::results::estimate::{contact_modulus, punch_stiffness};
+
+/// Depth over the size of a face from which on contact between its points was missed.
+const MISSED: f64 = 1e-3;
+/// The same beside faces that are pressed, whose rim overlaps a little on every mesh.
+const MISSED_AT_THE_RIM: f64 = 0.02;
+/// The same over the depth under faces that are pressed.
+const BEYOND_THE_PRESSED: f64 = 1.5;
+
+/// An obstacle beside the faces that may touch it.
+pub(crate) struct Touch<'t> {
+    /// The faces.
+    pub(crate) interface: &'t Interface,
+    /// Least signed distance of each face, in units of the scaled body `[faces]`.
+    pub(crate) distances: Vec<f64>,
+    /// Whether some function acts on the face `[faces]`.
+    pub(crate) acts: Vec<bool>,
+    /// Whether the obstacle is curved.
+    pub(crate) is_curved: bool,
+    /// Number of dimensions of the body.
+    dimension: usize,
+}
+
+impl<'t> Touch<'t> {
+    /// All obstacles at a state.
+    pub(crate) fn all(model: &Model<'t>, state: &State) -> Vec<Self> {
+        let body = model.deformed(&state.displacement);
+        let met = model.placed(&state.drive).filter_map(|(interface, met)| {
+            let is_curved = !met.obstacle()?.is_flat();
+            Some(Self {
+                interface,
+                distances: nearest(&body, &interface.surface, &met),
+                acts: acts(interface, state),
+                is_curved,
+                dimension: model.plan.units.dimension,
+            })
+        });
+        met.collect()
+    }
+
+    /// Depths at which the obstacle is inside the body where nothing presses: face, depth.
+    fn missed(&self) -> impl Iterator<Item = (usize, f64)> {
+        let least = match self.acts.contains(&true) {
+            true => MISSED_AT_THE_RIM,
+            false => MISSED,
+        };
+        let pressed = self.distances.iter().zip(&self.acts);
+        let pressed = pressed.filter(|(_, acts)| **acts);
+        let depths = pressed.map(|(distance, _)| -distance);
+        let usual = BEYOND_THE_PRESSED * depths.fold(0.0, f64::max);
+        let power = 1.0 / (self.dimension as f64 - 1.0);
+        (0..self.acts.len()).filter_map(move |face| {
+            let size = self.interface.surface.faces[face].flat_area.powf(power);
+            let depth = -self.distances[face];
+            let is_missed = !self.acts[face] && depth > usual.max(least * size);
+            is_missed.then_some((face, depth))
+        })
+    }
+
+    /// Deepest overlap where nothing presses, in units of the scaled body; zero without one.
+    pub(crate) fn overlap(&self) -> f64 {
+        self.missed().map(|(_, depth)| depth).fold(0.0, f64::max)
+    }
+
+    /// Force that such overlaps hide at most, non-dimensional.
+    pub(crate) fn hidden_force(&self, model: &Model<'_>) -> f64 {
+        let modulus = contact_modulus(model, self.interface);
+        let forces = self.missed().map(|(face, depth)| {
+            let area = self.interface.surface.faces[face].area;
+            depth * punch_stiffness(self.dimension, modulus, area)
+        });
+        forces.sum()
+    }
+}
+
+/// Whether some function acts on a face `[faces]`.
+fn acts(interface: &Interface, state: &State) -> Vec<bool> {
+    let flags = state
+        .status
+        .iter()
+        .map(|status| f64::from(u8::from(status.is_closed())));
+    let closed = interface.coefficients(&flags.collect::<Vec<_>>());
+    let faces = interface.surface.faces.iter();
+    let is_closed = |&function: &u32| closed[function as usize] > 0.0;
+    faces
+        .map(|face| face.functions.iter().any(is_closed))
+        .collect()
+}
