@@ -1,13 +1,13 @@
-//! Energy of the body and of what loads it, non-dimensional:
+//! Energy of the body, non-dimensional:
 //!
 //! ```text
-//! stored = 1/2 u.(A u) + 1/2 p.(S p)  or  int W + 1/2 p.(S p),   potential = stored - f.u
+//! stored = 1/2 u.(A u) + 1/2 p.(S p)  or  int W + 1/2 p.(S p)
 //! ```
 //!
-//! f the dead loads. Cost: one product with the operator.
+//! Cost: one product with the operator.
 
 use super::Model;
-use super::internal::{Internal, internal};
+use super::internal::Internal;
 use super::state::State;
 use crate::assembly::grid::Rows;
 use crate::linalg::vector::dot;
@@ -40,13 +40,4 @@ pub(crate) fn strain_energy(
     }
     work.give(product);
     energy
-}
-
-/// Stored energy less the work of dead loads at the state's load factor. Pressures that
-/// follow the body have no potential where the pressed surface has an edge, and are left
-/// out.
-pub(crate) fn potential(model: &Model<'_>, state: &State, work: &mut Workspace) -> f64 {
-    let inside = internal(model, state, work);
-    let stored = strain_energy(model, state, &inside, work);
-    stored - state.drive.load * dot(model.load, &state.displacement)
 }

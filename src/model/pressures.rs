@@ -51,21 +51,6 @@ pub(crate) fn add_pressures(model: &Model<'_>, displacement: &[f64], load: f64, 
     }
 }
 
-/// Their work on the way between two displacements at load factor `load`, by the forces at
-/// both ends: without a potential it is the way's, not that of its ends.
-pub(crate) fn pressure_work(model: &Model<'_>, [from, to]: [&[f64]; 2], load: f64) -> f64 {
-    if model.plan.resolved.pressures.is_empty() {
-        return 0.0;
-    }
-    let mut force = vec![0.0; from.len()];
-    add_pressures(model, from, load, &mut force);
-    add_pressures(model, to, load, &mut force);
-    let ways = from.iter().zip(to).zip(&force);
-    0.5 * ways
-        .map(|((from, to), force)| force * (to - from))
-        .sum::<f64>()
-}
-
 /// What they take off the stiffness at a state; none where nothing presses.
 pub(crate) fn pressure_tangent(model: &Model<'_>, state: &State) -> Option<SparseRows> {
     let load = state.drive.load;

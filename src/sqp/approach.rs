@@ -24,6 +24,9 @@ use crate::scene::OnInstability;
 const LEAST_FRACTION: f64 = 1.0 / 64.0;
 /// Smallest part of an increment that looks for the last minimum.
 const LEAST_UNSTABLE_FRACTION: f64 = 1.0 / 8.0;
+/// The same of a body that may fall, and how far a fall leads: what a smaller part would find
+/// is on the way down.
+const FALLING_FRACTION: f64 = 1.0 / 2.0;
 /// Residual below which an iterate that did not converge is kept.
 const MEANINGFUL: f64 = 1e-3;
 
@@ -39,6 +42,8 @@ struct Way<'w> {
     parts: Parts,
     /// All falls on the way.
     snapped: Option<Snap>,
+    /// Whether a fall has found no minimum, so that smaller parts look for the last one.
+    has_no_landing: bool,
 }
 
 /// Moves the state to `goal`, in parts where the whole fails; returns how it
@@ -55,6 +60,7 @@ pub(crate) fn approach(run: &mut Run<'_>, goal: &Drive) -> (Ending, f64) {
         ),
         penetration,
         snapped: None,
+        has_no_landing: false,
     };
     let (mut ending, part) = way.walk(run);
     ending.snapped = way.snapped;
@@ -116,25 +122,45 @@ impl Way<'_> {
         }
         parts.cut_back();
         run.counters.cut_backs += 1;
-        if parts.part >= least_fraction(run, &ending) {
+        if self.parts.part >= self.least_fraction(run, &ending) {
             return None;
         }
-        if may_fall(run, &ending)
-            && let Some(settled) = self.fall(run)
-        {
-            let goes_on = settled.termination == Termination::Converged && self.parts.reached < 1.0;
-            return (!goes_on).then_some(settled);
+        if self.may_fall(run, &ending) {
+            if let Some(settled) = self.fall(run) {
+                let has_landed = settled.termination == Termination::Converged;
+                return (!has_landed || self.parts.reached >= 1.0).then_some(settled);
+            }
+            self.has_no_landing = true;
+            if self.parts.part >= self.least_fraction(run, &ending) {
+                return None;
+            }
         }
         name_the_end(run, &mut ending);
         increment::describe(run, &mut ending);
         Some(ending)
     }
 
+    /// Smallest part that is tried behind a failure. Near the end of stability every part is
+    /// dear, and none leads far.
+    fn least_fraction(&self, run: &Run<'_>, ending: &Ending) -> f64 {
+        let is_near = ending.cause == Some(Cause::UnstableEquilibrium) || is_soft(run);
+        match is_near {
+            true if self.may_fall(run, ending) => FALLING_FRACTION,
+            true => LEAST_UNSTABLE_FRACTION,
+            false => LEAST_FRACTION,
+        }
+    }
+
+    /// Whether the body may fall, and has not done so in vain.
+    fn may_fall(&self, run: &Run<'_>, ending: &Ending) -> bool {
+        !self.has_no_landing && may_fall(run, ending)
+    }
+
     /// Lets the body fall to the next minimum a part of the way on; none, and the state as
     /// it was, where none is found.
     fn fall(&mut self, run: &mut Run<'_>) -> Option<Ending> {
         let kept = KeptState::of(run);
-        let next = self.parts.after(LEAST_UNSTABLE_FRACTION);
+        let next = self.parts.after(FALLING_FRACTION);
         run.model.admitted_penetration = self.penetration.left(next);
         let settled = descend(run, &self.start.towards(self.goal, next));
         let has_landed = settled
@@ -220,14 +246,5 @@ fn note_trend(run: &mut Run<'_>, ending: &Ending, before: &State) {
     if run.model.is_rubber() && ending.termination == Termination::Converged {
         let known = run.learned.trend.take();
         run.learned.trend = Trend::noted(&run.model, known, before, run.state);
-    }
-}
-
-/// Near the end of stability every part is dear, and none leads far.
-fn least_fraction(run: &Run<'_>, ending: &Ending) -> f64 {
-    match ending.cause {
-        Some(Cause::UnstableEquilibrium) => LEAST_UNSTABLE_FRACTION,
-        _ if is_soft(run) => LEAST_UNSTABLE_FRACTION,
-        _ => LEAST_FRACTION,
     }
 }

@@ -9,8 +9,9 @@
 //! in stiffness, so that every step is a stable problem; it halves where steps are solved
 //! and grows where they are not. A push along the softest motion, to the side that the body
 //! leans to already, leaves a symmetric saddle. Where the motion ebbs away the equilibrium
-//! without the pull is solved and certified. Cost: some ten to thirty steps of two to four
-//! programs each.
+//! without the pull is solved and certified. The energy that is lost is the work of the
+//! pull, which counts loads without a potential, too. Cost: some ten to thirty steps of two
+//! to four programs each.
 
 use std::sync::Arc;
 
@@ -21,8 +22,6 @@ use super::run::Run;
 use crate::linalg::vector::{add_scaled, dot};
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Snap};
-use crate::model::energy::potential;
-use crate::model::pressures::pressure_work;
 use crate::model::proximal::{Proximal, mass};
 use crate::model::state::State;
 use crate::report::{Cause, Termination};
@@ -31,8 +30,8 @@ use crate::report::{Cause, Termination};
 const MOST_STEPS: u32 = 80;
 /// Failures one after the other that end the way.
 const MOST_FAILURES: u32 = 5;
-/// Programs that the end may take where it is tried: further away a program leads
-/// anywhere.
+/// Programs that a step, or the end where it is tried, may take: where they are more a
+/// program leads anywhere.
 const PATIENCE: u32 = 8;
 /// Residuals that a step may leave.
 const ROUGH: f64 = 1e-3;
@@ -61,10 +60,10 @@ struct Flow {
     /// t times the length of the step where that was most, or of the last one behind which
     /// the end was tried: the force that moves the body.
     strongest: f64,
-    /// Potential energy behind the first step.
-    energy: Option<f64>,
-    /// Work of pressures that follow the body since.
-    pressed: f64,
+    /// t M times the last step `[displacement]`: the force that moved the body at its end.
+    pull: Vec<f64>,
+    /// Work of that force since the start.
+    lost: f64,
     /// Failures one after the other.
     failures: u32,
     /// Steps until the pull may become lighter.
@@ -78,6 +77,14 @@ struct Flow {
 /// Moves the state, a minimum, down to one under `drive`, and says what was lost on the
 /// way; none where there is no such way. What stops it from outside ends it, too.
 pub(super) fn descend(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
+    run.patience = PATIENCE;
+    let landed = flow_down(run, drive);
+    run.patience = MOST_PROGRAMS;
+    landed
+}
+
+/// [`descend`], with little patience.
+fn flow_down(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
     let before = run.state.displacement.clone();
     let mut flow = Flow::new(run);
     run.learned.trend = None;
@@ -102,11 +109,9 @@ pub(super) fn descend(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
             continue;
         }
         let kept = run.state.clone();
-        run.patience = PATIENCE;
         let mut ending = attempt(run, drive);
-        run.patience = MOST_PROGRAMS;
         if ending.termination == Termination::Converged {
-            flow.add_work(run, &kept.displacement);
+            flow.add_work(&[&kept.displacement, &run.state.displacement], 0.0);
             ending.snapped = Some(flow.snap(run, &before));
             return Some(ending);
         }
@@ -129,8 +134,8 @@ impl Flow {
             weight: first_weight(run, &mass),
             mass: mass.into(),
             strongest: 0.0,
-            energy: None,
-            pressed: 0.0,
+            pull: vec![0.0; run.state.displacement.len()],
+            lost: 0.0,
             failures: 0,
             rest: 0,
             least: 0.0,
@@ -141,8 +146,7 @@ impl Flow {
     /// Starts anew from the present state, a saddle.
     fn leave_saddle(&mut self, run: &mut Run<'_>) {
         self.weight = first_weight(run, &self.mass);
-        self.energy = Some(potential(&run.model, run.state, &mut run.work));
-        self.pressed = 0.0;
+        self.pull.fill(0.0);
         self.strongest = 0.0;
         self.least = LEAST_WEIGHT * self.weight;
         self.is_first = true;
@@ -163,18 +167,20 @@ impl Flow {
         run.model.tolerance = (REDUCTION * residual).clamp(tolerance, ROUGH.max(tolerance));
         let ending = increment::solve(run, drive);
         (run.model.proximal, run.model.tolerance) = (None, tolerance);
-        if ending.termination == Termination::Converged && self.energy.is_none() {
-            self.energy = Some(potential(&run.model, run.state, &mut run.work));
-        } else if ending.termination == Termination::Converged {
-            self.add_work(run, &before);
+        if ending.termination == Termination::Converged {
+            self.add_work(&[&before, &run.state.displacement], self.weight);
         }
         ending
     }
 
-    /// Adds the work of pressures on the way from `before`.
-    fn add_work(&mut self, run: &Run<'_>, before: &[f64]) {
-        let ends = [before, &run.state.displacement];
-        self.pressed += pressure_work(&run.model, ends, run.state.drive.load);
+    /// Adds the work on the way between two displacements, at whose end the pull has that
+    /// weight: its mean times the way.
+    fn add_work(&mut self, [from, to]: &[&[f64]; 2], weight: f64) {
+        let ways = from.iter().zip(*to).map(|(from, to)| to - from);
+        for ((way, mass), pull) in ways.zip(&*self.mass).zip(&mut self.pull) {
+            let before = std::mem::replace(pull, weight * mass * way);
+            self.lost += 0.5 * (before + *pull) * way;
+        }
     }
 
     /// Takes a heavier pull for a while.
@@ -210,8 +216,7 @@ impl Flow {
     }
 
     /// What the way from `before` to the present state was.
-    fn snap(&self, run: &mut Run<'_>, before: &[f64]) -> Snap {
-        let after = potential(&run.model, run.state, &mut run.work);
+    fn snap(&self, run: &Run<'_>, before: &[f64]) -> Snap {
         let space = &run.model.prepared.space;
         let c = space.components;
         let motion = |vertex: usize| {
@@ -224,7 +229,7 @@ impl Flow {
             .max_by(|a, b| a.0.total_cmp(&b.0))
             .unwrap_or_default();
         Snap {
-            energy_drop: self.energy.unwrap_or(after) - after + self.pressed,
+            energy_drop: self.lost,
             largest_motion,
             point: run.model.mesh.coordinates()[vertex],
         }

@@ -21,6 +21,8 @@ pub(super) struct Solved {
     pub(super) iterations: u32,
     /// Why the targets were not reached; none where they were.
     pub(super) failed: Option<QpStatus>,
+    /// Number of motions on the face that lower the energy.
+    pub(super) unstable: usize,
 }
 
 /// The matrix of a face as its operators apply it, scaled.
@@ -122,8 +124,10 @@ impl Faces<'_, '_> {
             iterations: 0,
             ended: None,
         };
+        let mut unstable = 0;
         if monitor.judge(&r) == Verdict::Continue {
             let factor = self.system.factor(&status)?;
+            unstable = self.system.unstable(&factor);
             self.see_constraint((&factor, &r), iterate, (run.scales, run.work));
             monitor.scales = *run.scales;
             let method = Gcr {
@@ -147,8 +151,13 @@ impl Faces<'_, '_> {
             Some(QpStatus::Solved) => Ok(Solved {
                 iterations,
                 failed: None,
+                unstable,
             }),
-            failed => Ok(Solved { iterations, failed }),
+            failed => Ok(Solved {
+                iterations,
+                failed,
+                unstable,
+            }),
         }
     }
 

@@ -64,7 +64,7 @@ pub fn inertia(
     let system = System::new(matrices)?;
     let constraints = system.scale.len() - system.displacements;
     let mut factor = system.shifted_factor(face, FREE)?;
-    let unstable = factor.negative_eigenvalues().saturating_sub(constraints);
+    let unstable = system.unstable(&factor);
     let led_back = match skew.filter(|_| unstable > 0) {
         Some(skew) => crossings((&system, &factor), skew, work),
         None => Some(0),

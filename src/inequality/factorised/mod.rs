@@ -33,8 +33,8 @@ use rule::Rule;
 pub use system::Matrices;
 use system::System;
 
-/// Faces of one problem at most.
-const MOST_FACES: u32 = 80;
+/// Faces that any problem with a solution should come to an end with.
+pub const MOST_FACES: u32 = 80;
 
 /// The method on a problem.
 pub struct Factorised<'a> {
@@ -42,6 +42,8 @@ pub struct Factorised<'a> {
     pub problem: QpProblem<'a>,
     /// The same one, stored.
     pub matrices: Matrices<'a>,
+    /// Faces at most.
+    pub faces: u32,
 }
 
 impl InequalitySolver for Factorised<'_> {
@@ -53,6 +55,8 @@ impl InequalitySolver for Factorised<'_> {
                 system: System::new(&self.matrices)?,
                 rule: Rule::new(&blocks.contact, &self.matrices)?,
                 is_loose: self.matrices.is_loose,
+                may_be_indefinite: self.matrices.may_be_indefinite,
+                most: self.faces,
                 blocks,
             };
             faces.see_gap(iterate, run, &mut outcome);
@@ -73,6 +77,10 @@ struct Faces<'c, 'a> {
     rule: Rule,
     /// Whether rigid modes are held by contact alone, so that a face may be singular.
     is_loose: bool,
+    /// Whether a face may have motions that lower the energy.
+    may_be_indefinite: bool,
+    /// Faces at most.
+    most: u32,
     /// Equalities and contact, told apart.
     blocks: Blocks<'a>,
 }
@@ -101,7 +109,7 @@ impl Faces<'_, '_> {
         let start = iterate.clone();
         let mut history = History::default();
         let mut face = self.first_face(&start, run)?;
-        for _ in 0..MOST_FACES {
+        for _ in 0..self.most {
             history.enter(&face)?;
             iterate.clone_from(&start);
             self.move_to(iterate, face, run.work);
@@ -116,6 +124,9 @@ impl Faces<'_, '_> {
             let contact = self.blocks.contact_of(iterate);
             let is_right =
                 next == *present || self.rule.accepts(contact, level * run.scales.gap, level);
+            if !is_right && solved.unstable > 0 && self.may_be_indefinite {
+                return Err(QpStatus::ActiveSetCycle);
+            }
             match (is_right, solved.failed) {
                 (true, None) => return Ok(QpStatus::Solved),
                 (true, Some(failed)) => return Err(failed),

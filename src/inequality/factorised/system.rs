@@ -43,6 +43,9 @@ pub struct Matrices<'a> {
     pub places: Vec<u32>,
     /// Whether rigid modes are held by contact alone.
     pub is_loose: bool,
+    /// Whether A - G may have motions that lower the energy, so that a face that is left may
+    /// lead anywhere.
+    pub may_be_indefinite: bool,
     /// Floating-point operations of the largest factor that is made.
     pub most_flops: f64,
 }
@@ -79,6 +82,12 @@ impl System {
             }),
             false => Err(QpStatus::TooLarge),
         }
+    }
+
+    /// Number of negative eigenvalues of a factor beyond those of constraints.
+    pub(super) fn unstable(&self, factor: &SparseIndefinite<'_>) -> usize {
+        let constraints = self.scale.len() - self.displacements;
+        factor.negative_eigenvalues().saturating_sub(constraints)
     }
 
     /// The factor on a face.

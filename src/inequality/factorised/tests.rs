@@ -18,6 +18,7 @@ fn stored<'a>(problem: &Problem, contact: &'a SparseRows) -> Matrices<'a> {
         contact,
         places: (0..SIZE as u32).collect(),
         is_loose: false,
+        may_be_indefinite: false,
         most_flops: f64::INFINITY,
     }
 }
@@ -29,6 +30,7 @@ fn random_problems_end_optimal_without_equalities() {
         let (matrices, contact) = (problem.matrices(), rows(&problem.coupling));
         let blocks = [matrices.unilateral()];
         let method = Factorised {
+            faces: MOST_FACES,
             problem: matrices.problem(&blocks),
             matrices: stored(&problem, &contact),
         };
@@ -47,6 +49,7 @@ fn random_problems_end_optimal_with_an_equality_whatever_its_metric() {
         let metric = Exact::new(&[vec![1e6 * schur(&matrices.inverse, &equality).at(0, 0)]]);
         let blocks = [block(&coupling, &metric), matrices.unilateral()];
         let method = Factorised {
+            faces: MOST_FACES,
             problem: matrices.problem(&blocks),
             matrices: Matrices {
                 coupling: Some(coupling.clone()),
@@ -74,6 +77,7 @@ fn stiffness_of_any_contrast_and_curvature_are_no_matter() {
         let mut kept = stored(&problem, &contact);
         kept.stiffness = kept.stiffness.plus_multiple(-1.0, &curvature);
         let method = Factorised {
+            faces: MOST_FACES,
             problem: QpProblem {
                 curvature: Some(&curvature),
                 ..matrices.problem(&blocks)
@@ -103,6 +107,7 @@ fn a_body_that_only_contact_holds_finds_its_support() {
     let blocks = [matrices.unilateral()];
     let contact = rows(&problem.coupling);
     let method = Factorised {
+        faces: MOST_FACES,
         problem: matrices.problem(&blocks),
         matrices: Matrices {
             is_loose: true,
@@ -125,6 +130,7 @@ fn two_constraints_that_say_the_same_share_their_pressure() {
     let blocks = [matrices.unilateral()];
     let contact = rows(&problem.coupling);
     let method = Factorised {
+        faces: MOST_FACES,
         problem: matrices.problem(&blocks),
         matrices: stored(&problem, &contact),
     };
@@ -139,6 +145,7 @@ fn a_factor_beyond_its_bound_is_not_made() {
     let (matrices, contact) = (problem.matrices(), rows(&problem.coupling));
     let blocks = [matrices.unilateral()];
     let method = Factorised {
+        faces: MOST_FACES,
         problem: matrices.problem(&blocks),
         matrices: Matrices {
             most_flops: 10.0,
@@ -155,6 +162,7 @@ fn the_observer_can_interrupt_before_any_factor_is_made() {
     let (matrices, contact) = (problem.matrices(), rows(&problem.coupling));
     let blocks = [matrices.unilateral()];
     let method = Factorised {
+        faces: MOST_FACES,
         problem: matrices.problem(&blocks),
         matrices: stored(&problem, &contact),
     };
@@ -174,6 +182,7 @@ fn loads_without_a_potential_lead_back_what_lowers_the_energy_where_they_are_str
         contact: &contact,
         places: vec![0, 1],
         is_loose: false,
+        may_be_indefinite: false,
         most_flops: f64::INFINITY,
     };
     for (strength, led_back) in [(0.5, 0), (1.4, 0), (1.42, 1), (3.0, 1)] {
@@ -197,6 +206,7 @@ fn a_cycle_without_end_ends_where_it_closes() {
     let mut kept = stored(&problem, &contact);
     kept.stiffness = kept.stiffness.plus_multiple(-1.0, &curvature);
     let method = Factorised {
+        faces: MOST_FACES,
         problem: QpProblem {
             curvature: Some(&curvature),
             ..matrices.problem(&blocks)

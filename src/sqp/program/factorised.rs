@@ -5,8 +5,8 @@ use super::QuadraticProgram;
 use super::solve::Solve;
 use crate::assembly::probe::Probed;
 use crate::inequality::{
-    Factorised, InequalitySolver, Inertia, Matrices, QpNorms, QpOutcome, QpRun, QpScales, QpStatus,
-    inertia,
+    Factorised, InequalitySolver, Inertia, MOST_FACES, Matrices, QpNorms, QpOutcome, QpRun,
+    QpScales, QpStatus, inertia,
 };
 use crate::krylov::Verdict;
 use crate::linalg::{SparseRows, Workspace};
@@ -15,6 +15,9 @@ use crate::sqp::linear::Track;
 use crate::sqp::run::Run;
 use crate::sqp::saddle_layout::SaddleLayout;
 
+/// Faces of a program of rubber at most: one that takes more has no stable solution near,
+/// and smaller parts of the increment cost less.
+const FACES_OF_RUBBER: u32 = 12;
 /// Entries of the skew part over the largest of the whole that are rounding.
 const SKEW: f64 = 1e-12;
 
@@ -37,6 +40,10 @@ impl QuadraticProgram<'_> {
         let method = Factorised {
             problem: self.problem(curvature, displacement, &blocks, &*step),
             matrices,
+            faces: match self.tangent {
+                Some(_) => FACES_OF_RUBBER,
+                None => MOST_FACES,
+            },
         };
         let guided = self.model.plan.guided_multipliers;
         let mut progress = |norms: &QpNorms, scales: &QpScales, active: usize| {
@@ -122,6 +129,7 @@ impl QuadraticProgram<'_> {
             contact: &self.now.coupling,
             places: layout.places.clone(),
             is_loose: model.plan.is_floating(),
+            may_be_indefinite: self.tangent.is_some(),
             most_flops: MOST_FACTOR_FLOPS,
         })
     }

@@ -26,6 +26,8 @@ const MOST_ITERATIONS: u32 = 600;
 const MOST_WITH_FRICTION: u32 = 2000;
 /// Of a body of finite strain: what takes longer has no stable solution near.
 const MOST_AT_FINITE_STRAIN: u32 = 300;
+/// Of one whose factor is small: it costs as much as some twenty iterations.
+const MOST_BEFORE_FACTOR: u32 = 80;
 /// Error of the contact pressure, in shear moduli, with which the next tangent is still
 /// that of a stable body: the pressure stands in its stiffness.
 const PRESSURE_ERROR: f64 = 0.05;
@@ -185,6 +187,7 @@ impl QuadraticProgram<'_> {
                     scales: solve.scales,
                     iterations: match self.tangent {
                         _ if self.model.plan.has_friction() => MOST_WITH_FRICTION,
+                        Some(_) if self.model.plan.has_small_factor() => MOST_BEFORE_FACTOR,
                         Some(_) => MOST_AT_FINITE_STRAIN,
                         None => MOST_ITERATIONS,
                     },
