@@ -3,6 +3,18 @@
 //!
 //! mu, lambda: stress. lambda = 2 mu nu / (1 - 2 nu), infinite at nu = 1/2.
 //! Tensors are 3 by 3 in two dimensions too (plane strain).
+//!
+//! Where lambda is small or negative and a pressure is there because of another material,
+//! p / lambda is no well scaled number. Then lambda = lambda_1 + lambda_2 with
+//!
+//! ```text
+//! sigma = 2 mu eps(u) + lambda_1 div u I - p I,   -div u - p / lambda_2 = 0
+//! ```
+//!
+//! lambda_2 small and above zero, lambda_1 above -2 mu / 3: both parts are positive.
+
+/// lambda_2 in shear moduli: lambda at a Poisson ratio of 0.01.
+const CARRIED_BY_PRESSURE: f64 = 0.02 / 0.98;
 
 /// Moduli of one material.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -11,7 +23,10 @@ pub struct LinearElastic {
     pub shear_modulus: f64,
     /// 1 / lambda, zero for an incompressible material; may be negative for
     /// Poisson ratios below zero and infinite at zero.
+    /// Of lambda_2 alone where [`Self::direct_lame`] is not zero.
     pub inverse_lame: f64,
+    /// lambda_1, stress: the part of lambda that displacements carry beside a pressure.
+    pub direct_lame: f64,
 }
 
 impl LinearElastic {
@@ -20,6 +35,18 @@ impl LinearElastic {
         Self {
             shear_modulus,
             inverse_lame: (1.0 - 2.0 * poisson_ratio) / (2.0 * shear_modulus * poisson_ratio),
+            direct_lame: 0.0,
+        }
+    }
+
+    /// The same material with a pressure that carries a small part of lambda.
+    pub fn beside_a_pressure(self) -> Self {
+        let bulk = self.lame() + 2.0 / 3.0 * self.shear_modulus;
+        let carried = (CARRIED_BY_PRESSURE * self.shear_modulus).min(0.5 * bulk);
+        Self {
+            inverse_lame: 1.0 / carried,
+            direct_lame: self.lame() - carried,
+            ..self
         }
     }
 
@@ -30,17 +57,32 @@ impl LinearElastic {
 
     /// lambda; zero at a Poisson ratio of zero, infinite at one half.
     pub fn lame(&self) -> f64 {
-        1.0 / self.inverse_lame
+        self.direct_lame + 1.0 / self.inverse_lame
+    }
+
+    /// Poisson's ratio.
+    pub fn poisson_ratio(&self) -> f64 {
+        let compliance = match self.direct_lame == 0.0 {
+            true => self.inverse_lame,
+            false => 1.0 / self.lame(),
+        };
+        0.5 / (1.0 + self.shear_modulus * compliance)
+    }
+
+    /// -lambda div u over the pressure unknown: one unless displacements carry a part of it.
+    pub fn pressure_share(&self) -> f64 {
+        1.0 + self.direct_lame * self.inverse_lame
     }
 
     /// Stress at `gradient` = du_i/dx_j and pressure.
     pub fn stress(&self, gradient: &[[f64; 3]; 3], pressure: f64) -> [[f64; 3]; 3] {
         let mut stress = [[0.0; 3]; 3];
+        let dilation = gradient[0][0] + gradient[1][1] + gradient[2][2];
         for i in 0..3 {
             for j in 0..3 {
                 stress[i][j] = self.shear_modulus * (gradient[i][j] + gradient[j][i]);
             }
-            stress[i][i] -= pressure;
+            stress[i][i] += self.direct_lame * dilation - pressure;
         }
         stress
     }

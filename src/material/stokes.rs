@@ -20,6 +20,7 @@ impl Stokes {
         LinearElastic {
             shear_modulus: self.viscosity,
             inverse_lame: 0.0,
+            direct_lame: 0.0,
         }
     }
 }

@@ -278,6 +278,10 @@ impl Plan {
             let inverse = material.law.inverse_lame * self.units.stress;
             hash.update(shear.to_le_bytes());
             hash.update(inverse.to_le_bytes());
+            if material.law.direct_lame != 0.0 {
+                let direct = material.law.direct_lame / self.units.stress;
+                hash.update(direct.to_le_bytes());
+            }
             if let Some(rubber) = &material.rubber {
                 rubber
                     .over(self.units.stress)

@@ -11,7 +11,7 @@ pub(crate) fn moduli(plan: &Plan) -> CellModuli {
         let (lame, inverse) = match plan.is_mixed() {
             // The penalty is a grad-div term of the displacement block.
             true => (
-                plan.penalty() * law.shear_modulus / plan.units.stress,
+                (plan.penalty() * law.shear_modulus + law.direct_lame) / plan.units.stress,
                 law.inverse_lame * plan.units.stress,
             ),
             false => (law.lame() / plan.units.stress, 0.0),

@@ -95,8 +95,7 @@ pub(crate) fn contact_modulus(model: &Model<'_>, interface: &Interface) -> f64 {
     });
     let moduli = materials.map(|material| {
         let law = resolved.materials[material].law;
-        let poisson = 0.5 / (1.0 + law.shear_modulus * law.inverse_lame);
-        2.0 * law.shear_modulus / model.plan.units.stress / (1.0 - poisson)
+        2.0 * law.shear_modulus / model.plan.units.stress / (1.0 - law.poisson_ratio())
     });
     moduli.fold(0.0, f64::max)
 }

@@ -27,8 +27,12 @@ pub(crate) fn field(
         FieldName::Displacement => (3, displacement(model, state)),
         FieldName::Pressure if state.pressure.is_empty() => return None,
         FieldName::Pressure => {
-            let values = state.pressure.iter().map(|p| p * units.stress);
-            (1, on_uploaded(model, values))
+            let shares = pressure_shares(model);
+            let values = state.pressure.iter().zip(&shares);
+            (
+                1,
+                on_uploaded(model, values.map(|(p, share)| share * p * units.stress)),
+            )
         }
         FieldName::ContactPressure
         | FieldName::ContactPressureDeformed
@@ -65,6 +69,26 @@ pub(crate) fn field(
         components,
         values,
     })
+}
+
+/// Internal pressure over the pressure unknown in a cell.
+pub(crate) fn pressure_share(model: &Model<'_>, cell: usize) -> f64 {
+    let resolved = &model.plan.resolved;
+    let law = resolved.materials[usize::from(resolved.cell_material[cell])].law;
+    law.pressure_share()
+}
+
+/// The same at vertices `[vertices]`; where materials meet the largest, which is one.
+fn pressure_shares(model: &Model<'_>) -> Vec<f64> {
+    let mut shares = vec![f64::NEG_INFINITY; model.prepared.space.vertices];
+    for cell in 0..model.mesh.cell_count() {
+        let share = pressure_share(model, cell);
+        for &vertex in model.mesh.cell(cell) {
+            let known = &mut shares[vertex as usize];
+            *known = known.max(share);
+        }
+    }
+    shares
 }
 
 /// Values of every cell one after the other `[cells, components]`.

@@ -28,6 +28,7 @@ use crate::plan::Plan;
 use crate::report::{ObstacleResult, ProbeResult, StepReport, SupportResult, Termination};
 use crate::results::errors::manufactured_errors;
 use crate::results::estimate::{estimate, force_error};
+use crate::results::fields::pressure_share;
 use crate::results::finite_strain::{deformed_pressure, jacobian_bound};
 use crate::results::friction::add_friction;
 use crate::results::geometry_error::geometry_error;
@@ -230,7 +231,7 @@ fn probes(model: &Model<'_>, state: &State) -> BTreeMap<String, ProbeResult> {
             let pressure = (!state.pressure.is_empty()).then(|| {
                 let corners = model.mesh.cell(cell).iter().zip(&located.barycentric);
                 let value: f64 = corners.map(|(&v, l)| l * state.pressure[v as usize]).sum();
-                value * units.stress
+                value * units.stress * pressure_share(model, cell)
             });
             let result = ProbeResult {
                 displacement: displacement.map(|x| x * units.length),

@@ -78,6 +78,15 @@ impl<'t> Touch<'t> {
         self.missed().map(|(_, depth)| depth).fold(0.0, f64::max)
     }
 
+    /// Size of the largest face under pressure, in units of the scaled body.
+    pub(crate) fn pressed_size(&self) -> f64 {
+        let power = 1.0 / (self.dimension as f64 - 1.0);
+        let faces = self.interface.surface.faces.iter().zip(&self.acts);
+        let sizes = faces.filter(|(_, acts)| **acts);
+        let sizes = sizes.map(|(face, _)| face.flat_area.powf(power));
+        sizes.fold(0.0, f64::max)
+    }
+
     /// Force that such overlaps hide at most, non-dimensional.
     pub(crate) fn hidden_force(&self, model: &Model<'_>) -> f64 {
         let modulus = contact_modulus(model, self.interface);

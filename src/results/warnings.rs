@@ -29,6 +29,8 @@ use crate::results::touch::Touch;
 const LARGE_STRAIN: f64 = 0.1;
 /// Closed functions of a curved contact that are few.
 const FEW: [usize; 2] = [3, 6];
+/// Times as many that are enough.
+const ENOUGH: usize = 4;
 /// Depth over the length of the body from which on an obstacle is inside it.
 const DEEP: f64 = 0.01;
 /// Way between two poses that are looked at, over the length of the body.
@@ -65,7 +67,7 @@ pub(crate) fn warnings(
             all.extend(untouched(model, (start, state), touch));
             all.extend(passed(model, (start, state), interface));
         }
-        all.extend(coarse(model, state, (interface, touch.is_curved)));
+        all.extend(coarse(model, state, touch));
     }
     of_the_body(model, state, ending, &mut all);
     all
@@ -234,22 +236,22 @@ fn distances(
     })
 }
 
-/// A curved contact on a few functions.
-fn coarse(
-    model: &Model<'_>,
-    state: &State,
-    (interface, is_curved): (&Interface, bool),
-) -> Option<Warning> {
-    let status = interface.own(&state.status);
+/// A curved contact on a few functions, and the size of faces that would resolve it.
+fn coarse(model: &Model<'_>, state: &State, touch: &Touch<'_>) -> Option<Warning> {
+    let status = touch.interface.own(&state.status);
     let closed = status.iter().filter(|status| status.is_closed()).count();
-    let few = FEW[model.plan.units.dimension - 2];
-    (is_curved && (1..=few).contains(&closed)).then(|| {
-        let name = &interface.name;
+    let surface_dimension = model.plan.units.dimension - 1;
+    let few = FEW[surface_dimension - 1];
+    (touch.is_curved && (1..=few).contains(&closed)).then(|| {
+        let name = &touch.interface.name;
+        let share = closed as f64 / (ENOUGH * few) as f64;
+        let size = touch.pressed_size() * share.powf(1.0 / surface_dimension as f64);
+        let size = size * model.plan.units.length;
         warning(
             WarningKind::CoarseContact,
             name,
             Some(closed as f64),
-            format!("obstacle `{name}` presses on {closed} functions of the mesh only: force and pressure are rough"),
+            format!("obstacle `{name}` presses on {closed} functions of the mesh only: force and pressure are rough, faces of {size:.2e} there would resolve them"),
         )
     })
 }

@@ -3,12 +3,15 @@
 use super::{Faults, ResolvedMaterial, names, rubber};
 use crate::material::{LinearElastic, Stokes};
 use crate::mesh::{GroupKind, Mesh};
-use crate::scene::{Formulation, MaterialModel, Modulus, Scene};
+use crate::scene::{ElementKind, Formulation, MaterialModel, Modulus, Scene};
 
 /// From this Poisson ratio on, a pressure unknown carries the volume constraint.
 const MIXED_FROM: f64 = 0.45;
-/// Below, the volume compliance of a mixed cell is no longer well scaled.
+/// Below, the volume compliance of a mixed cell is no longer well scaled, and displacements
+/// carry a part of it.
 const LEAST_MIXED: f64 = 0.01;
+/// Below, what a pressure could carry beside them is too small as well.
+const LEAST_BESIDE_A_PRESSURE: f64 = -0.9;
 const NO_MATERIAL: u16 = u16::MAX;
 
 /// Laws, and the law of each cell.
@@ -178,36 +181,46 @@ pub(crate) fn check_flow(scene: &Scene, materials: &[ResolvedMaterial], faults: 
 }
 
 /// Whether the scene carries a pressure unknown: one formulation for all cells.
-pub(crate) fn mixed(scene: &Scene, materials: &[ResolvedMaterial], faults: &mut Faults) -> bool {
+pub(crate) fn mixed(
+    scene: &Scene,
+    materials: &mut [ResolvedMaterial],
+    faults: &mut Faults,
+) -> bool {
     let asked = |material: &crate::scene::Material| formulation(&material.model);
     let mixed = scene
         .materials
         .iter()
-        .zip(materials)
+        .zip(&*materials)
         .any(|(material, resolved)| match asked(material) {
             Formulation::Mixed => true,
             Formulation::Displacement => false,
             Formulation::Auto => resolved.rubber.is_some() || resolved.poisson_ratio >= MIXED_FROM,
         });
-    for (material, resolved) in scene.materials.iter().zip(materials) {
+    for (material, resolved) in scene.materials.iter().zip(&mut *materials) {
         let path = format!("material.{}", material.group);
         if mixed && asked(material) == Formulation::Displacement {
             let message =
                 "all materials of a scene share one formulation, and another one is mixed";
             faults.unsupported(format!("{path}.formulation"), message);
         }
-        if mixed && resolved.poisson_ratio < LEAST_MIXED {
-            let (key, message) = match resolved.rubber {
-                Some(_) => (
-                    "bulk_modulus",
-                    "is below two thirds of the shear modulus at rest".to_owned(),
-                ),
-                None => (
-                    "poisson_ratio",
-                    format!("below {LEAST_MIXED} a material cannot share a scene with a mixed one"),
-                ),
-            };
-            faults.unsupported(format!("{path}.{key}"), message);
+        if !mixed || resolved.poisson_ratio >= LEAST_MIXED {
+            continue;
+        }
+        let is_taylor_hood = scene
+            .solver
+            .element
+            .named()
+            .is_none_or(|element| element == ElementKind::TaylorHood);
+        match resolved.rubber {
+            Some(_) => faults.unsupported(
+                format!("{path}.bulk_modulus"),
+                "is below two thirds of the shear modulus at rest",
+            ),
+            None if resolved.poisson_ratio < LEAST_BESIDE_A_PRESSURE || !is_taylor_hood => faults.unsupported(
+                format!("{path}.poisson_ratio"),
+                format!("below {LEAST_BESIDE_A_PRESSURE}, with other elements than Taylor-Hood below {LEAST_MIXED}, a material cannot share a scene with a mixed one"),
+            ),
+            None => resolved.law = resolved.law.beside_a_pressure(),
         }
     }
     mixed

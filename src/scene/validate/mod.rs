@@ -118,8 +118,8 @@ pub(crate) fn resolve<'a>(
             format!("must be above zero and finite, not {scale}"),
         );
     }
-    let (materials, cell_material) = materials::resolve(scene, mesh, &mut faults);
-    let mixed = materials::mixed(scene, &materials, &mut faults);
+    let (mut materials, cell_material) = materials::resolve(scene, mesh, &mut faults);
+    let mixed = materials::mixed(scene, &mut materials, &mut faults);
     materials::check_flow(scene, &materials, &mut faults);
     let supports = surfaces::supports(scene, mesh, &mut faults);
     let supports = profiles::resolve(supports, mesh, &mut faults);

@@ -32,6 +32,7 @@ pub(super) fn resolve(
         law: LinearElastic {
             shear_modulus,
             inverse_lame: inverse_bulk,
+            direct_lame: 0.0,
         },
         poisson_ratio: poisson_ratio(shear_modulus * inverse_bulk),
         is_flow: false,
