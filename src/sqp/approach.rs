@@ -24,8 +24,8 @@ use crate::scene::OnInstability;
 const LEAST_FRACTION: f64 = 1.0 / 64.0;
 /// Smallest part of an increment that looks for the last minimum.
 const LEAST_UNSTABLE_FRACTION: f64 = 1.0 / 8.0;
-/// The same of a body that may fall, and how far a fall leads: what a smaller part would find
-/// is on the way down.
+/// The same of a body that may fall, and how far the first fall leads: what a smaller part
+/// would find is on the way down.
 const FALLING_FRACTION: f64 = 1.0 / 2.0;
 /// Residual below which an iterate that did not converge is kept.
 const MEANINGFUL: f64 = 1e-3;
@@ -42,8 +42,8 @@ struct Way<'w> {
     parts: Parts,
     /// All falls on the way.
     snapped: Option<Snap>,
-    /// Whether a fall has found no minimum, so that smaller parts look for the last one.
-    has_no_landing: bool,
+    /// How far a fall leads: half as far behind each that has found no minimum.
+    falling: f64,
 }
 
 /// Moves the state to `goal`, in parts where the whole fails; returns how it
@@ -60,7 +60,7 @@ pub(crate) fn approach(run: &mut Run<'_>, goal: &Drive) -> (Ending, f64) {
         ),
         penetration,
         snapped: None,
-        has_no_landing: false,
+        falling: FALLING_FRACTION,
     };
     let (mut ending, part) = way.walk(run);
     ending.snapped = way.snapped;
@@ -130,7 +130,7 @@ impl Way<'_> {
                 let has_landed = settled.termination == Termination::Converged;
                 return (!has_landed || self.parts.reached >= 1.0).then_some(settled);
             }
-            self.has_no_landing = true;
+            self.falling *= 0.5;
             if self.parts.part >= self.least_fraction(run, &ending) {
                 return None;
             }
@@ -145,22 +145,22 @@ impl Way<'_> {
     fn least_fraction(&self, run: &Run<'_>, ending: &Ending) -> f64 {
         let is_near = ending.cause == Some(Cause::UnstableEquilibrium) || is_soft(run);
         match is_near {
-            true if self.may_fall(run, ending) => FALLING_FRACTION,
+            true if self.may_fall(run, ending) => self.falling,
             true => LEAST_UNSTABLE_FRACTION,
             false => LEAST_FRACTION,
         }
     }
 
-    /// Whether the body may fall, and has not done so in vain.
+    /// Whether the body may fall, and has not done so in vain too often.
     fn may_fall(&self, run: &Run<'_>, ending: &Ending) -> bool {
-        !self.has_no_landing && may_fall(run, ending)
+        self.falling >= LEAST_UNSTABLE_FRACTION && may_fall(run, ending)
     }
 
     /// Lets the body fall to the next minimum a part of the way on; none, and the state as
     /// it was, where none is found.
     fn fall(&mut self, run: &mut Run<'_>) -> Option<Ending> {
         let kept = KeptState::of(run);
-        let next = self.parts.after(FALLING_FRACTION);
+        let next = self.parts.after(self.falling);
         run.model.admitted_penetration = self.penetration.left(next);
         let settled = descend(run, &self.start.towards(self.goal, next));
         let has_landed = settled
