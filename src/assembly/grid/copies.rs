@@ -10,6 +10,8 @@ use crate::assembly::transpose::Row;
 const AHEAD: usize = 24;
 /// Nodes per parallel piece.
 const PIECE: usize = 2048;
+/// Pieces that are not worth a second thread.
+const ALONE: usize = 3;
 
 /// Positions of the copies of each node.
 #[derive(Clone, Debug, Default)]
@@ -55,21 +57,23 @@ impl Copies {
         y: &mut [f64],
         take: impl Fn(&mut [f64; C], Row) + Sync,
     ) {
-        y.par_chunks_mut(PIECE * C)
-            .enumerate()
-            .for_each(|(piece, part)| {
-                let (nodes, _) = part.as_chunks_mut::<C>();
-                let offsets = &self.offsets[piece * PIECE..];
-                for (target, range) in nodes.iter_mut().zip(offsets.windows(2)) {
-                    let copies = &self.positions[range[0] as usize..range[1] as usize];
-                    let ahead = range[1] as usize + AHEAD;
-                    let later = &self.positions[ahead.min(self.positions.len())..];
-                    for &position in later.iter().take(copies.len()) {
-                        simd::prefetch_at(local, position as usize);
-                    }
-                    take(target, sum_of(local, copies));
+        let of_piece = |(piece, part): (usize, &mut [f64])| {
+            let (nodes, _) = part.as_chunks_mut::<C>();
+            let offsets = &self.offsets[piece * PIECE..];
+            for (target, range) in nodes.iter_mut().zip(offsets.windows(2)) {
+                let copies = &self.positions[range[0] as usize..range[1] as usize];
+                let ahead = range[1] as usize + AHEAD;
+                let later = &self.positions[ahead.min(self.positions.len())..];
+                for &position in later.iter().take(copies.len()) {
+                    simd::prefetch_at(local, position as usize);
                 }
-            });
+                take(target, sum_of(local, copies));
+            }
+        };
+        match y.len() < ALONE * PIECE * C {
+            true => y.chunks_mut(PIECE * C).enumerate().for_each(of_piece),
+            false => y.par_chunks_mut(PIECE * C).enumerate().for_each(of_piece),
+        }
     }
 }
 

@@ -22,6 +22,10 @@ pub(super) use copies::Copies;
 
 /// Most groups of blocks that run at the same time.
 const MOST_GROUPS: usize = 64;
+/// Vertices of a triangle.
+const TRIANGLE: usize = 3;
+/// Rows of results below which a pass over triangles takes less than waking a second thread.
+const ALONE: usize = 8192;
 
 /// The basis of a displacement vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -338,22 +342,30 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
         let mut results = work.scratch(4 * groups * self.group_rows);
         let (argument_rows, _) = arguments.as_chunks_mut::<4>();
         let (result_rows, _) = results.as_chunks_mut::<4>();
-        self.blocks
-            .par_chunks(self.group)
-            .zip(items.par_chunks_mut(self.group))
-            .zip(argument_rows.par_chunks_mut(self.block_rows.max(1)))
-            .zip(result_rows.par_chunks_mut(self.group_rows.max(1)))
-            .enumerate()
-            .for_each(|(number, (((group, items), x), mut y))| {
-                for (offset, (block, item)) in group.iter().zip(items).enumerate() {
-                    let x = &mut x[..block.nodes.len()];
-                    let (y_block, rest) = y.split_at_mut(block.nodes.len());
-                    gather(block, x);
-                    y_block.fill([0.0; 4]);
-                    run(number * self.group + offset, block, item, x, y_block);
-                    y = rest;
-                }
-            });
+        let of_group = |number: usize, items: &mut [I], x: &mut [Row], mut y: &mut [Row]| {
+            let group = self.blocks[number * self.group..].iter().zip(items);
+            for (offset, (block, item)) in group.enumerate() {
+                let x = &mut x[..block.nodes.len()];
+                let (y_block, rest) = y.split_at_mut(block.nodes.len());
+                gather(block, x);
+                y_block.fill([0.0; 4]);
+                run(number * self.group + offset, block, item, x, y_block);
+                y = rest;
+            }
+        };
+        let (own, each) = (self.block_rows.max(1), self.group_rows.max(1));
+        match V == TRIANGLE && result_rows.len() < ALONE {
+            true => (items.chunks_mut(self.group))
+                .zip(argument_rows.chunks_mut(own))
+                .zip(result_rows.chunks_mut(each))
+                .enumerate()
+                .for_each(|(number, ((items, x), y))| of_group(number, items, x, y)),
+            false => (items.par_chunks_mut(self.group))
+                .zip(argument_rows.par_chunks_mut(own))
+                .zip(result_rows.par_chunks_mut(each))
+                .enumerate()
+                .for_each(|(number, ((items, x), y))| of_group(number, items, x, y)),
+        }
         finish(result_rows);
         work.give(arguments);
         work.give(results);
