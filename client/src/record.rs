@@ -28,6 +28,8 @@ pub(crate) struct Record {
     reports: Vec<v1::StepReport>,
     totals: Totals,
     visibility: Visibility,
+    /// What the reader doubts in scene and mesh, until the plan comes.
+    of_input: Vec<String>,
     has_warned_of_facets: bool,
 }
 
@@ -44,6 +46,7 @@ impl Record {
             reports: Vec::new(),
             totals: Totals::default(),
             visibility,
+            of_input: Vec::new(),
             has_warned_of_facets: false,
         }
     }
@@ -55,16 +58,23 @@ impl Record {
         Ok(())
     }
 
-    /// Writes the plan, which comes first.
-    pub(crate) fn plan(&mut self, plan: v1::Plan) -> Result<(), Failure> {
+    /// Tells people what the reader doubts in scene and mesh, and keeps it for the plan.
+    pub(crate) fn input(&mut self, warnings: &[String]) {
+        self.warn(warnings);
+        self.of_input = warnings.to_vec();
+    }
+
+    /// Writes the plan, which comes first, with what the reader doubts.
+    pub(crate) fn plan(&mut self, mut plan: v1::Plan) -> Result<(), Failure> {
         self.warn(&plan.warnings);
+        plan.warnings.splice(..0, self.of_input.drain(..));
         self.lines.write(&result_line::plan(&plan))?;
         self.plan = plan;
         Ok(())
     }
 
     /// Tells people about warnings.
-    pub(crate) fn warn(&self, warnings: &[String]) {
+    fn warn(&self, warnings: &[String]) {
         if self.visibility == Visibility::Shown {
             for warning in warnings {
                 self.progress.note(&format!("warning: {warning}"));

@@ -4,6 +4,8 @@
 
 mod common;
 
+use std::path::Path;
+
 use common::{Run, example, folder, run};
 
 /// One tetrahedron held on its floor.
@@ -233,9 +235,16 @@ fn the_output_section_is_checked_with_and_without_a_folder() {
 fn a_scene_without_a_step_says_so() {
     let steps = [("no_step", ""), ("one_step", "[[step]]\nload = 1.0\n")];
     for (test, step) in steps {
-        let run = solve(test, &format!("{SCENE}{step}"), &mesh(NODES, ELEMENTS));
-        assert_eq!(run.code, Some(0), "{}", run.stderr);
-        let is_told = run.stderr.contains("warning: the scene has no [[step]]");
-        assert_eq!(is_told, step.is_empty(), "{}", run.stderr);
+        let solved = solve(test, &format!("{SCENE}{step}"), &mesh(NODES, ELEMENTS));
+        assert_eq!(solved.code, Some(0), "{}", solved.stderr);
+        let is_told = solved.stderr.contains("warning: the scene has no [[step]]");
+        assert_eq!(is_told, step.is_empty(), "{}", solved.stderr);
+        let scene = Path::new(env!("CARGO_TARGET_TMPDIR"))
+            .join(test)
+            .join("scene.toml");
+        let planned = run(["plan", scene.to_str().unwrap(), "--json"]);
+        let warnings = planned.lines()[0]["warnings"].to_string();
+        let is_kept = warnings.contains("the scene has no [[step]]");
+        assert_eq!(is_kept, step.is_empty(), "{warnings}");
     }
 }

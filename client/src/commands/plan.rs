@@ -13,22 +13,27 @@ use crate::text::{note, print};
 pub(super) async fn run(arguments: PlanArguments) -> Result<Exit, Failure> {
     let arguments = arguments.scene;
     let input = input::load(&arguments)?;
-    for warning in &input.mesh.warnings {
-        note(&format!("warning: {warning}\n"));
-    }
+    let mut warnings = input.mesh.warnings.clone();
+    tell(&warnings);
     let connection = Connection::open(arguments.server.as_ref()).await?;
     let plan = fetch(&connection.client, input).await;
     connection.close().await;
-    let plan = plan?;
-    for warning in &plan.warnings {
-        note(&format!("warning: {warning}\n"));
-    }
+    let mut plan = plan?;
+    tell(&plan.warnings);
+    warnings.append(&mut plan.warnings);
+    plan.warnings = warnings;
     if arguments.json {
         print(&format!("{}\n", result_line::plan(&plan)))?;
     } else {
         print(&table::plan(&plan))?;
     }
     Ok(Exit::Ok)
+}
+
+fn tell(warnings: &[String]) {
+    for warning in warnings {
+        note(&format!("warning: {warning}\n"));
+    }
 }
 
 async fn fetch(client: &Client, input: Input) -> Result<v1::Plan, Failure> {

@@ -36,7 +36,7 @@ pub(super) async fn run(arguments: SolveArguments, started: Instant) -> Result<E
     let mut input = input::load(&arguments.scene)?;
     complete(&mut input.scene, &arguments);
     let mut run = Run::new(record(&arguments, &input.scene.steps));
-    run.record.warn(&input.mesh.warnings);
+    run.record.input(&input.mesh.warnings);
     run.record.progress.phase("starting");
     let connection = Connection::open(arguments.scene.server.as_ref()).await?;
     let outcome = solve(&connection, &mut run, input, arguments.out.as_deref()).await;

@@ -11,6 +11,7 @@ pub(super) const INCREMENTS: &str = "signorini_increments_total";
 pub(super) const STEPS: &str = "signorini_steps_total";
 pub(super) const FAILURES: &str = "signorini_failures_total";
 pub(super) const FALLBACKS: &str = "signorini_fallbacks_total";
+pub(super) const WARNINGS: &str = "signorini_warnings_total";
 pub(super) const CUT_BACKS: &str = "signorini_cut_backs_total";
 pub(super) const FACTORISATIONS: &str = "signorini_factorisations_total";
 pub(super) const SOLVE_SECONDS: &str = "signorini_solve_seconds";
@@ -94,7 +95,7 @@ pub(super) const HISTOGRAMS: [(&str, &[f64], &str); 9] = [
     ),
 ];
 
-pub(super) const COUNTERS: [(&str, &str); 13] = [
+pub(super) const COUNTERS: [(&str, &str); 14] = [
     (ITERATIONS, "Krylov iterations of all sessions."),
     (INCREMENTS, "Finished increments by termination."),
     (STEPS, "Finished steps by termination."),
@@ -102,6 +103,10 @@ pub(super) const COUNTERS: [(&str, &str); 13] = [
     (
         FALLBACKS,
         "Increments that a second attempt solved, by its rung.",
+    ),
+    (
+        WARNINGS,
+        "Warnings in the results of increments, by kind; `snapped` counts falls.",
     ),
     (CUT_BACKS, "Cut-backs inside increments."),
     (FACTORISATIONS, "Factorisations of the P1 block."),

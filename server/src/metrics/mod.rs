@@ -14,7 +14,7 @@ use metrics::{Counter, Gauge, Histogram, Key, Label, Level, Metadata, Recorder};
 use metrics_exporter_prometheus::{
     BuildError, Matcher, PrometheusBuilder, PrometheusHandle, PrometheusRecorder,
 };
-use signorini::report::{Cause, Fallback, StepReport, Termination};
+use signorini::report::{Cause, Fallback, StepReport, Termination, WarningKind};
 
 use catalogue::*;
 
@@ -91,6 +91,10 @@ impl Metrics {
         }
         if let Some(rung) = report.fallback {
             self.counter(FALLBACKS, &[("rung", rung.name())])
+                .increment(1);
+        }
+        for warning in &report.warnings {
+            self.counter(WARNINGS, &[("kind", warning.kind.name())])
                 .increment(1);
         }
         self.counter(CUT_BACKS, &[])
@@ -219,6 +223,8 @@ impl Metrics {
             self.counter(FALLBACKS, &[("rung", rung.name())])
                 .increment(0);
         }
+        self.counter(WARNINGS, &[("kind", WarningKind::Snapped.name())])
+            .increment(0);
         for kind in [Kind::Mesh, Kind::Prepared] {
             for name in [CACHE_HITS, CACHE_MISSES, CACHE_EVICTIONS] {
                 self.counter(name, &[("kind", kind.name())]).increment(0);
