@@ -5,10 +5,10 @@ mod common;
 use std::sync::Arc;
 
 use common::meshes::{cube, mesh, moved, unit_grid};
-use common::scenes::{HELD, elastic, obstacle, press, push, support, traction};
+use common::scenes::{HELD, elastic, in_parts, obstacle, press, push, rubber, support, traction};
 use common::{assert_converged, open, solve, solve_one, take};
 use signorini::report::WarningKind;
-use signorini::scene::Shape;
+use signorini::scene::{RubberModel, SceneKind, Shape};
 use signorini::{Mesh, Scene, StepReport, Termination};
 
 fn sphere(centre: [f64; 3], radius: f64) -> Shape {
@@ -146,5 +146,43 @@ fn a_tool_that_lifts_off_has_not_passed_through_the_body() {
         let has_passed = kinds.any(|kind| kind == WarningKind::PassedThrough);
         let has_stopped = report.termination == Termination::NotConverged;
         assert_eq!(has_passed || has_stopped, is_named, "{report:?}");
+    }
+}
+
+#[test]
+fn a_tool_that_slips_in_between_nodes_is_named() {
+    let wide = moved(unit_grid(12, 6), |[x, y, _]| [2.0 * x, y, 0.0]);
+    for radius in [0.05, 0.1] {
+        let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, None);
+        scene.kind = Some(SceneKind::PlaneStrain);
+        scene.supports = vec![
+            support("y0", [Some(0.0), Some(0.0), None]),
+            support("x0", [Some(0.0), None, None]),
+            support("x1", [Some(0.0), None, None]),
+        ];
+        let shape = Shape::Cylinder {
+            point: [1.0, 1.0 + radius, 0.0],
+            axis: [0.0, 0.0, 1.0],
+            radius,
+        };
+        scene.obstacles = vec![obstacle("tool", "y1", shape)];
+        let step = in_parts(push("tool", [0.0, -0.3, 0.0]), 5);
+        for report in solve(&scene, &[step], &mesh(wide.clone())) {
+            let force = report.obstacles["tool"].force[1];
+            let is_doubted = report.warnings.iter().any(|warning| {
+                let kinds = [
+                    WarningKind::PassedThrough,
+                    WarningKind::MissedContact,
+                    WarningKind::CoarseContact,
+                ];
+                kinds.contains(&warning.kind)
+            });
+            let has_stopped = report.termination != Termination::Converged;
+            assert!(
+                is_doubted || has_stopped,
+                "{radius} {force} {:?}",
+                report.warnings
+            );
+        }
     }
 }

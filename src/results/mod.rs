@@ -12,6 +12,7 @@ pub(crate) mod finite_strain;
 pub(crate) mod friction;
 pub(crate) mod geometry_error;
 pub(crate) mod step;
+pub(crate) mod swallowed;
 pub(crate) mod touch;
 pub(crate) mod touching;
 pub(crate) mod warnings;

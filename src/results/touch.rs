@@ -15,6 +15,7 @@ use crate::model::interfaces::Interface;
 use crate::model::state::State;
 use crate::obstacle::Obstacle;
 use crate::results::estimate::{contact_modulus, punch_stiffness};
+use crate::results::swallowed::depth_inside;
 
 /// Depth over the size of a face from which on contact between its points was missed.
 const MISSED: f64 = 1e-3;
@@ -33,6 +34,9 @@ pub(crate) struct Touch<'t> {
     pub(crate) acts: Vec<bool>,
     /// Whether the obstacle is curved.
     pub(crate) is_curved: bool,
+    /// How deep the obstacle lies inside the body where it presses nowhere, in units of the
+    /// scaled body.
+    pub(crate) inside: f64,
     /// Number of dimensions of the body.
     dimension: usize,
 }
@@ -42,12 +46,17 @@ impl<'t> Touch<'t> {
     pub(crate) fn all(model: &Model<'t>, state: &State) -> Vec<Self> {
         let body = model.deformed(&state.displacement);
         let met = model.placed(&state.drive).filter_map(|(interface, met)| {
-            let is_curved = !met.obstacle()?.is_flat();
+            let obstacle = met.obstacle()?;
+            let acts = acts(interface, state);
             Some(Self {
                 interface,
                 distances: nearest(&body, &interface.surface, &met),
-                acts: acts(interface, state),
-                is_curved,
+                is_curved: !obstacle.is_flat(),
+                inside: match acts.contains(&true) {
+                    true => 0.0,
+                    false => depth_inside(model, state, obstacle),
+                },
+                acts,
                 dimension: model.plan.units.dimension,
             })
         });

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | missed contact | distances between the points of the contact integrals, on faces without pressure |
 //! | untouched obstacle | no pressure, and the obstacle no farther than before |
-//! | passed through | no pressure, and poses on the way at which the obstacle is inside |
+//! | passed through | no pressure, and cells inside the obstacle, or poses on the way at which it is inside |
 //! | begins inside | distances before the first increment |
 //! | free motion | rigid modes that supports leave, and no contact |
 //! | large strain | the largest strain at the centroid of a cell, of a linear law |
@@ -33,6 +33,8 @@ const FEW: [usize; 2] = [3, 6];
 const ENOUGH: usize = 4;
 /// Depth over the length of the body from which on an obstacle is inside it.
 const DEEP: f64 = 0.01;
+/// The same of one that no face overlaps.
+const SWALLOWED: f64 = 1e-3;
 /// Way between two poses that are looked at, over the length of the body.
 const POSE_SPACING: f64 = 0.05;
 /// Poses at least, and at most.
@@ -65,7 +67,8 @@ pub(crate) fn warnings(
         all.extend(missed(model, &interface.name, touch.overlap()));
         if !touch.acts.contains(&true) {
             all.extend(untouched(model, (start, state), touch));
-            all.extend(passed(model, (start, state), interface));
+            let way = || passed(model, (start, state), interface);
+            all.extend(swallowed(model, touch).or_else(way));
         }
         all.extend(coarse(model, state, touch));
     }
@@ -140,6 +143,20 @@ fn untouched(
             name,
             Some(gap),
             format!("obstacle `{name}` touches nothing: it is {gap:.4} away from the body"),
+        )
+    })
+}
+
+/// An obstacle that lies inside the body and presses nowhere.
+fn swallowed(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
+    let is_felt = touch.overlap() > 0.0;
+    (touch.inside > SWALLOWED && !is_felt).then(|| {
+        let (name, depth) = (&touch.interface.name, touch.inside * model.plan.units.length);
+        warning(
+            WarningKind::PassedThrough,
+            name,
+            Some(depth),
+            format!("obstacle `{name}` is {depth:.3e} deep inside the body and presses nowhere: it has slipped in between the nodes of its surface, smaller faces or more increments would feel it"),
         )
     })
 }

@@ -136,11 +136,13 @@ pub(crate) fn name_the_end(run: &Run<'_>, ending: &mut Ending) {
         None => Some(Cause::StepTooSmall),
         named => named,
     };
-    let is_of_the_body = matches!(
+    let is_of_the_body = !matches!(
         ending.cause,
-        Some(Cause::LimitPoint | Cause::UnstableEquilibrium | Cause::Stagnation)
+        Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
     );
-    if is_of_the_body && coarsest(run).is_some_and(|face| face.ratio > 1.0) {
+    // Whatever shows it: a mesh that gives way ends any method.
+    if is_of_the_body && run.model.is_rubber() && coarsest(run).is_some_and(|face| face.ratio > 1.0)
+    {
         ending.cause = Some(Cause::CoarseContact);
     }
 }

@@ -1,0 +1,88 @@
+//! How deep an obstacle lies inside the body:
+//!
+//! ```text
+//! max over points of cells of -d(x + u),   zero where no point is inside
+//! ```
+//!
+//! Faces feel an obstacle only while it overlaps them: one that has slipped in between their
+//! nodes is met by cells alone. Points are the centroids, and a lattice of the cells that are
+//! larger than their distance. Cost: one distance a cell where the obstacle is away.
+
+use crate::model::Model;
+use crate::model::state::State;
+use crate::model::values::displacement_at;
+use crate::obstacle::{Contact, Obstacle, What};
+
+/// Intervals of the lattice on an edge of a cell.
+const INTERVALS: u32 = 6;
+/// Distance of a centroid over the size of its cell beyond which no point of it is inside.
+const NEAR: f64 = 1.5;
+
+/// Greatest depth of a point of the body inside `obstacle`, in units of the scaled body.
+pub(crate) fn depth_inside(model: &Model<'_>, state: &State, obstacle: &dyn Obstacle) -> f64 {
+    let corners = model.prepared.geometry.vertices;
+    let lattice = lattice(corners);
+    let mut centroid = [0.0; 4];
+    centroid[..corners].fill(1.0 / corners as f64);
+    let mut contacts = vec![Contact::default(); lattice.len()];
+    let mut deepest = 0.0_f64;
+    for cell in 0..model.mesh.cell_count() {
+        let middle = position(model, state, (cell, &centroid));
+        let mut contact = [Contact::default()];
+        obstacle.probe(&[middle], What::Gap, &mut contact);
+        if contact[0].distance > NEAR * size(model, state, (cell, middle)) {
+            continue;
+        }
+        let points = lattice.iter().map(|at| position(model, state, (cell, at)));
+        obstacle.probe(&points.collect::<Vec<_>>(), What::Gap, &mut contacts);
+        let depths = contacts.iter().map(|contact| -contact.distance);
+        deepest = depths.fold(deepest, f64::max);
+    }
+    deepest
+}
+
+/// Deformed place of a point of a cell, in lengths of the scaled body.
+fn position(model: &Model<'_>, state: &State, (cell, at): (usize, &[f64; 4])) -> [f64; 3] {
+    let mut place = displacement_at(model, state, cell, at);
+    for (corner, share) in model.mesh.corners(cell).iter().zip(at) {
+        let scaled = share * model.plan.units.coordinate_scale;
+        place
+            .iter_mut()
+            .zip(corner)
+            .for_each(|(sum, x)| *sum += scaled * x);
+    }
+    place
+}
+
+/// Largest distance of a corner of a cell from its middle, deformed.
+fn size(model: &Model<'_>, state: &State, (cell, middle): (usize, [f64; 3])) -> f64 {
+    let corners = 0..model.prepared.geometry.vertices;
+    let distances = corners.map(|corner| {
+        let mut at = [0.0; 4];
+        at[corner] = 1.0;
+        let place = position(model, state, (cell, &at));
+        let squares = place.iter().zip(middle).map(|(a, b)| (a - b).powi(2));
+        squares.sum::<f64>().sqrt()
+    });
+    distances.fold(0.0, f64::max)
+}
+
+/// Barycentric coordinates of the lattice of a cell with that many corners `[points][4]`.
+fn lattice(corners: usize) -> Vec<[f64; 4]> {
+    let share = |count: u32| f64::from(count) / f64::from(INTERVALS);
+    let mut points = Vec::new();
+    for i in 0..=INTERVALS {
+        for j in 0..=INTERVALS - i {
+            let layers = if corners == 3 {
+                0..=0
+            } else {
+                0..=INTERVALS - i - j
+            };
+            for k in layers {
+                let [a, b, c] = [share(i), share(j), share(k)];
+                points.push([1.0 - a - b - c, a, b, c]);
+            }
+        }
+    }
+    points
+}
