@@ -30,7 +30,7 @@ use std::ops::ControlFlow;
 
 use super::InequalitySolver;
 use super::blocks::{Blocks, ContactBlock};
-use super::dense_cone::DenseSolution;
+use super::dense_cone::{self, DenseSolution};
 use super::metric::nearest;
 use super::qp::{BlockIterate, QpIterate, QpOutcome, QpProblem, QpRun, QpScales, QpStatus};
 use crate::krylov::Outcome;
@@ -117,7 +117,7 @@ impl<'a> OneLevel<'a> {
         let faces = Faces {
             problem: &self.problem,
             rule: self.rule,
-            largest: run.scales.largest_to_come(),
+            largest: largest_scales(&blocks, run),
             blocks,
         };
         let iterations = run.iterations;
@@ -133,13 +133,25 @@ impl InequalitySolver for OneLevel<'_> {
             let faces = Faces {
                 problem: &self.problem,
                 rule: self.rule,
-                largest: run.scales.largest_to_come(),
+                largest: largest_scales(&blocks, run),
                 blocks,
             };
             faces.solve(iterate, run, &mut outcome)
         });
         outcome.status = solved.unwrap_or_else(|status| status);
         outcome
+    }
+}
+
+/// How far the scales may grow: faces with friction are not symmetric and may diverge; on all
+/// others a norm grows only towards what the load makes of it, from rounding even.
+fn largest_scales(blocks: &Blocks<'_>, run: &QpRun<'_, '_>) -> QpScales {
+    match dense_cone::cones(&blocks.contact.set) {
+        Some(_) => run.scales.largest_to_come(),
+        None => QpScales {
+            constraint: f64::INFINITY,
+            gap: f64::INFINITY,
+        },
     }
 }
 

@@ -13,6 +13,8 @@ use crate::saddle::{BlockStep, MultiplierBlock, SetPoint, Status};
 
 /// Growth of a scale within one program beyond which it is divergence.
 const LARGEST_GROWTH: f64 = 1e3;
+/// Norm of a constraint or gap that is rounding, non-dimensional.
+const ROUNDING: f64 = 1e-13;
 
 /// The problem; shapes as in the equation of [`super::one_level`].
 #[derive(Clone, Copy)]
@@ -170,9 +172,9 @@ impl QpScales {
 
     /// The largest scales that iterations from here may show: what exceeds them is no motion of
     /// the body but a method that diverges, beside which any state would be a solution. A scale
-    /// that is zero has seen nothing yet.
+    /// of rounding has seen nothing yet.
     pub fn largest_to_come(&self) -> Self {
-        let bound = |scale: f64| match scale > 0.0 {
+        let bound = |scale: f64| match scale > ROUNDING {
             true => LARGEST_GROWTH * scale,
             false => f64::INFINITY,
         };

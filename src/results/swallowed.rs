@@ -6,8 +6,10 @@
 //!
 //! Faces feel an obstacle only while it overlaps them: one that has slipped in between their
 //! nodes is met by cells alone. Points are the centroids, and a lattice of the cells that are
-//! larger than their distance. Cost: one distance a cell where the obstacle is away.
+//! larger than their distance. Cost: a pass over the nodes where the obstacle is away, one
+//! distance a cell where it is near.
 
+use crate::linalg::vector::norm;
 use crate::model::Model;
 use crate::model::state::State;
 use crate::model::values::displacement_at;
@@ -20,6 +22,9 @@ const NEAR: f64 = 1.5;
 
 /// Greatest depth of a point of the body inside `obstacle`, in units of the scaled body.
 pub(crate) fn depth_inside(model: &Model<'_>, state: &State, obstacle: &dyn Obstacle) -> f64 {
+    if is_away(model, state, obstacle) {
+        return 0.0;
+    }
     let corners = model.prepared.geometry.vertices;
     let lattice = lattice(corners);
     let mut centroid = [0.0; 4];
@@ -39,6 +44,28 @@ pub(crate) fn depth_inside(model: &Model<'_>, state: &State, obstacle: &dyn Obst
         deepest = depths.fold(deepest, f64::max);
     }
     deepest
+}
+
+/// Whether the obstacle is beyond the ball around the body, at rest and as it has moved.
+fn is_away(model: &Model<'_>, state: &State, obstacle: &dyn Obstacle) -> bool {
+    let scale = model.plan.units.coordinate_scale;
+    let points = model.mesh.coordinates();
+    let mut middle = [0.0; 3];
+    for point in points {
+        let terms = middle.iter_mut().zip(point);
+        terms.for_each(|(sum, x)| *sum += scale * x / points.len() as f64);
+    }
+    let square = |point: &[f64; 3]| -> f64 {
+        let offsets = point.iter().zip(middle).map(|(x, m)| scale * x - m);
+        offsets.map(|offset| offset * offset).sum()
+    };
+    let radius = points.iter().map(square).fold(0.0, f64::max).sqrt();
+    let space = &model.prepared.space;
+    let moved = state.displacement.chunks_exact(space.components).map(norm);
+    let mut contact = [Contact::default()];
+    obstacle.probe(&[middle], What::Gap, &mut contact);
+    // Corners, and what the middles of edges move beside them.
+    contact[0].distance > radius + 2.0 * moved.fold(0.0, f64::max)
 }
 
 /// Deformed place of a point of a cell, in lengths of the scaled body.
