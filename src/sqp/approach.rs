@@ -60,7 +60,7 @@ pub(crate) fn approach(run: &mut Run<'_>, goal: &Drive) -> (Ending, f64) {
         ),
         penetration,
         snapped: None,
-        falling: FALLING_FRACTION,
+        falling: first_fall(run.state),
     };
     let (mut ending, part) = way.walk(run);
     ending.snapped = way.snapped;
@@ -178,6 +178,15 @@ impl Way<'_> {
             run.model.admitted_penetration = self.penetration.left(self.parts.reached);
         }
         settled
+    }
+}
+
+/// How far the first fall leads. A body at rest leans to no side yet: small parts bend it
+/// first, so that it falls as it would under a slow press.
+fn first_fall(state: &State) -> f64 {
+    match state.displacement.iter().all(|&u| u == 0.0) {
+        true => LEAST_UNSTABLE_FRACTION,
+        false => FALLING_FRACTION,
     }
 }
 
