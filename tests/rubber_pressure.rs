@@ -162,6 +162,9 @@ fn supports_balance_the_pressure_on_the_deformed_opening() {
     }
 }
 
+/// Share of the way from a square to a disc.
+const ROUNDED: f64 = 0.8;
+
 /// A section between square and round, from -1 to 1, whose sides are four groups.
 fn profile(count: usize) -> MeshParts {
     moved(square(count), |[x, y, z]| {
@@ -171,17 +174,39 @@ fn profile(count: usize) -> MeshParts {
     })
 }
 
-/// Share of the way from a square to a disc.
-const ROUNDED: f64 = 0.8;
-
+/// A plane beside the section, on that side of an axis, which all of it may touch.
 fn wall(name: &str, axis: usize, side: f64) -> Obstacle {
     let (mut point, mut normal) = ([0.0; 3], [0.0; 3]);
     (point[axis], normal[axis]) = (side, -side);
-    let sides = ["x0", "x1", "y0", "y1"].map(str::to_owned);
     Obstacle {
-        on: sides.to_vec(),
+        on: ["x0", "x1", "y0", "y1"].map(str::to_owned).to_vec(),
         ..obstacle(name, "x0", Shape::HalfSpace { point, normal })
     }
+}
+
+/// Half the height of the side x1 of the section.
+fn edge() -> f64 {
+    (1.0 - ROUNDED / 2.0).sqrt()
+}
+
+/// A seal between plates, in the corner of a groove, with fluid on its side x1.
+fn seal(pressure: f64) -> Scene {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.kind = Some(SceneKind::PlaneStrain);
+    scene.pressures = vec![Pressure {
+        on: vec!["x1".to_owned()],
+        value: pressure,
+    }];
+    scene.obstacles = vec![
+        wall("bottom", 1, -1.0),
+        wall("top", 1, 1.0),
+        wall("groove", 0, -1.0),
+    ];
+    scene.probes = vec![
+        probe("low", [edge(), -edge(), 0.0]),
+        probe("high", [edge(), edge(), 0.0]),
+    ];
+    scene
 }
 
 /// Pressure on one side of a seal has free edges: the forces that it turns with have no
@@ -189,53 +214,20 @@ fn wall(name: &str, axis: usize, side: f64) -> Obstacle {
 #[test]
 fn a_seal_bears_the_fluid_on_one_side_of_it() {
     for (squeeze, pressure) in [(0.2, 0.5), (0.4, 2.0)] {
-        let mut scene = rubber(mooney_rivlin(), None);
-        scene.kind = Some(SceneKind::PlaneStrain);
-        scene.pressures = vec![Pressure {
-            on: vec!["x1".to_owned()],
-            value: pressure,
-        }];
-        scene.obstacles = vec![
-            wall("bottom", 1, -1.0),
-            wall("top", 1, 1.0),
-            wall("groove", 0, -1.0),
-        ];
-        let parts = profile(10);
-        let corners = [[1.0, 0.0, 0.0], [1.0, 1.0, 0.0]];
-        let edge = (1.0 - ROUNDED / 2.0_f64).sqrt();
-        scene.probes = vec![
-            probe("low", [edge, -edge, 0.0]),
-            probe("high", [edge, edge, 0.0]),
-        ];
-        let _ = corners;
         let squeezed = Step {
             load: Some(0.0),
             ..push("top", [0.0, -squeeze, 0.0])
         };
-        let reports = solve(
-            &scene,
-            &[
-                squeezed,
-                in_parts(
-                    Step {
-                        load: Some(1.0),
-                        ..Step::default()
-                    },
-                    4,
-                ),
-            ],
-            &mesh(parts),
-        );
-        for r in &reports {
-            eprintln!(
-                "{:?} {:?} {:?} {:?} {:?} {:?}",
-                r.termination, r.cause, r.stability, r.fallback, r.snapped, r.sqp_iterations
-            );
-        }
+        let loaded = Step {
+            load: Some(1.0),
+            ..Step::default()
+        };
+        let steps = [squeezed, in_parts(loaded, 4)];
+        let reports = solve(&seal(pressure), &steps, &mesh(profile(10)));
         reports.iter().for_each(assert_converged);
         let report = reports.last().expect("an increment");
         let [low, high] = ["low", "high"].map(|name| report.probes[name].displacement);
-        let height = 2.0 * edge + high[1] - low[1];
+        let height = 2.0 * edge() + high[1] - low[1];
         let force = report.obstacles["groove"].force[0];
         assert!(close(force, pressure * height, 1e-6), "{force} {height}");
     }

@@ -62,7 +62,6 @@ pub fn inertia(
     work: &mut Workspace,
 ) -> Result<Inertia, QpStatus> {
     let system = System::new(matrices)?;
-    let constraints = system.scale.len() - system.displacements;
     let mut factor = system.shifted_factor(face, FREE)?;
     let unstable = system.unstable(&factor);
     let led_back = match skew.filter(|_| unstable > 0) {
@@ -70,7 +69,7 @@ pub fn inertia(
         None => Some(0),
     };
     let mut shift = FREE;
-    while factor.negative_eigenvalues() > constraints && shift < MOST_SHIFT {
+    while system.unstable(&factor) > 0 && shift < MOST_SHIFT {
         shift = FIRST_SHIFT.max(GROWTH * shift);
         factor = system.shifted_factor(face, shift)?;
     }

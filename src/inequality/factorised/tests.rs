@@ -23,6 +23,24 @@ fn stored<'a>(problem: &Problem, contact: &'a SparseRows) -> Matrices<'a> {
     }
 }
 
+/// Solves a problem whose stiffness is `curvature` less on the diagonal.
+fn solve_curved(problem: &Problem, curvature: f64, iterate: &mut QpIterate) -> QpOutcome {
+    let (matrices, contact) = (problem.matrices(), rows(&problem.coupling));
+    let blocks = [matrices.unilateral()];
+    let curvature = identity(curvature);
+    let mut kept = stored(problem, &contact);
+    kept.stiffness = kept.stiffness.plus_multiple(-1.0, &curvature);
+    let method = Factorised {
+        faces: MOST_FACES,
+        problem: QpProblem {
+            curvature: Some(&curvature),
+            ..matrices.problem(&blocks)
+        },
+        matrices: kept,
+    };
+    solve(&method, iterate)
+}
+
 #[test]
 fn random_problems_end_optimal_without_equalities() {
     for seed in 0..20 {
@@ -71,21 +89,8 @@ fn stiffness_of_any_contrast_and_curvature_are_no_matter() {
             let entries = row.iter_mut().enumerate();
             entries.for_each(|(j, entry)| *entry *= factor(i) * factor(j));
         }
-        let (matrices, contact) = (problem.matrices(), rows(&problem.coupling));
-        let blocks = [matrices.unilateral()];
-        let curvature = identity(1e-3);
-        let mut kept = stored(&problem, &contact);
-        kept.stiffness = kept.stiffness.plus_multiple(-1.0, &curvature);
-        let method = Factorised {
-            faces: MOST_FACES,
-            problem: QpProblem {
-                curvature: Some(&curvature),
-                ..matrices.problem(&blocks)
-            },
-            matrices: kept,
-        };
         let mut iterate = problem.iterate(0);
-        let outcome = solve(&method, &mut iterate);
+        let outcome = solve_curved(&problem, 1e-3, &mut iterate);
         assert_eq!(outcome.status, QpStatus::Solved, "{contrast}");
         (0..SIZE).for_each(|i| problem.stiffness[i][i] -= 1e-3);
         // Of a force that stiff springs make of rounding.
@@ -200,20 +205,7 @@ fn loads_without_a_potential_lead_back_what_lowers_the_energy_where_they_are_str
 #[test]
 fn a_cycle_without_end_ends_where_it_closes() {
     let problem = Problem::new(3);
-    let (matrices, contact) = (problem.matrices(), rows(&problem.coupling));
-    let blocks = [matrices.unilateral()];
-    let curvature = identity(1e3);
-    let mut kept = stored(&problem, &contact);
-    kept.stiffness = kept.stiffness.plus_multiple(-1.0, &curvature);
-    let method = Factorised {
-        faces: MOST_FACES,
-        problem: QpProblem {
-            curvature: Some(&curvature),
-            ..matrices.problem(&blocks)
-        },
-        matrices: kept,
-    };
-    let outcome = solve(&method, &mut problem.iterate(0));
+    let outcome = solve_curved(&problem, 1e3, &mut problem.iterate(0));
     assert_eq!(outcome.status, QpStatus::ActiveSetCycle);
     assert!(outcome.set_changes < MOST_FACES / 2, "{outcome:?}");
 }
