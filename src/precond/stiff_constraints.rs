@@ -26,9 +26,11 @@ const SHARE: f64 = 10.0;
 /// along the surface, as stiff as the body, with those across it, and w mu > p^2 keeps the two
 /// together positive.
 const COUPLED: f64 = 10.0;
-/// Largest factor of pressure: a P1 factor in single precision knows a motion along an oblique
-/// surface no better.
-const HIGHEST: f64 = 1e5;
+/// Largest factor of pressure: beyond, rounding hides a motion along an oblique surface from
+/// any factor.
+const HIGHEST: f64 = 1e8;
+/// The same of a factor in single precision.
+const HIGHEST_IN_SINGLE: f64 = 1e4;
 /// Pressure over the mean from which on a constraint at the rim will not open soon.
 const RIM: f64 = 0.5;
 
@@ -47,6 +49,15 @@ impl Pressed<'_> {
     /// The pressure that the spring of a constraint is made for which is closed all around.
     fn inside(&self, row: usize) -> f64 {
         self.own[row].abs().max(self.mean)
+    }
+
+    /// The largest pressure that a spring is made for.
+    fn highest(&self) -> f64 {
+        let closed = self.own.iter().zip(self.closed);
+        let own = closed
+            .filter(|(_, closed)| **closed)
+            .map(|(own, _)| own.abs());
+        own.fold(self.mean, f64::max)
     }
 
     /// That of one at the rim; none where it carries too little to have a spring.
@@ -78,6 +89,8 @@ pub struct StiffConstraints {
     weights: Arc<[f64]>,
     /// Components of a node.
     components: usize,
+    /// Largest factor of pressure among the springs.
+    highest: f64,
 }
 
 impl StiffConstraints {
@@ -106,7 +119,14 @@ impl StiffConstraints {
             lagrange: Arc::new(kept(&lagrange, &weights)),
             weights: weights.into(),
             components: c,
+            highest: by_pressure(pressed.highest()),
         }
+    }
+
+    /// Whether a factor in single precision knows motions along the surface beside the
+    /// springs.
+    pub fn bear_single_precision(&self) -> bool {
+        self.highest <= HIGHEST_IN_SINGLE
     }
 
     /// W `[constraints]`.

@@ -19,6 +19,7 @@ use crate::assembly::p1_stiffness::{P1Blocks, StiffCells, add};
 use crate::linalg::cholesky::Precision;
 use crate::linalg::{DenseMatrix, FactoriseError, Preconditioner};
 use crate::plan::Plan;
+use crate::precond::StiffConstraints;
 use crate::precond::p1::{AmgError, AmgP1, DirectP1, Traces, VertexBlocks, vertex_order};
 use crate::report::{CancelToken, Termination};
 use crate::scene::P1Solver;
@@ -133,7 +134,12 @@ fn direct(
         &plan.contact_vertices,
     );
     let factorise = |precision| DirectP1::new(&matrix, &order, c, precision);
-    let factor = match plan.factor_precision().0 {
+    let bears = |springs: &StiffConstraints| springs.bear_single_precision();
+    let precision = match body.springs.is_none_or(bears) {
+        true => plan.factor_precision().0,
+        false => Precision::Double,
+    };
+    let factor = match precision {
         // Rounding may cost a small pivot its sign.
         Precision::Single => {
             factorise(Precision::Single).or_else(|_| factorise(Precision::Double))?

@@ -72,6 +72,9 @@ pub struct SharedMode {
     pub own: Vec<f64>,
     /// What its own constraint sees of it, above zero.
     pub work: f64,
+    /// By how much 1 / `work` exceeds what the metric of the first block makes of it: where
+    /// springs hold the surface a volume gives way by its compressibility alone.
+    pub excess: f64,
     /// Share of the mode that the block has to take up for both to be solved together.
     pub least_share: f64,
 }

@@ -160,7 +160,8 @@ impl Preconditioner for BlockTriangular<'_> {
                 let (z_block, z_next) = z_rest.split_at_mut(block.size());
                 joint_step(block, (r_first, r_block), z_block, work);
                 for mode in block.shared {
-                    let amplitude = -dot(&mode.own, z_block) / mode.work;
+                    let missed = mode.excess * dot(&mode.first, r_first);
+                    let amplitude = -dot(&mode.own, z_block) / mode.work - missed;
                     add_scaled(z_first, amplitude, &mode.first);
                     add_scaled(&mut moving, amplitude, &mode.first);
                 }
@@ -296,6 +297,7 @@ mod tests {
             alike: vec![1.0],
             own: vec![flexibility],
             work,
+            excess: 0.0,
             least_share: 0.0,
         }];
         let own_part = flexibility - flexibility * flexibility / work;

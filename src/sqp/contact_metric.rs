@@ -6,7 +6,7 @@
 
 use crate::inequality::dense_cone;
 use crate::inequality::metric::{POWER_STEPS, largest_ratio};
-use crate::linalg::vector::{norm, scale};
+use crate::linalg::vector::{dot, norm, scale};
 use crate::linalg::{DenseCholesky, LinearOperator, SparseRows, SymmetricMatrix, Workspace};
 use crate::model::Model;
 use crate::model::evaluate::Evaluation;
@@ -28,6 +28,10 @@ const MARGIN: f64 = 1.5;
 const ENCLOSED: f64 = 0.9;
 /// That of a stretch of a thin body, whose volume has neighbours to go to.
 const THIN: f64 = 0.3;
+
+/// Times by which springs make a volume give way less from which on its pressure is stepped
+/// by that.
+const STIFFENED: f64 = 4.0;
 
 /// The metric at one linearisation.
 pub(crate) struct ContactMetric {
@@ -57,7 +61,7 @@ impl ContactMetric {
             MetricKind::Compliance => {
                 let volumes = volumes(model, (inverse, divergence), work);
                 let matrix = compliance_of(model, (inverse, &volumes), &now.coupling);
-                let shared = shared(model, volumes, &matrix);
+                let shared = shared(model, (inverse, volumes), &matrix, work);
                 (Box::new(matrix), shared)
             }
             MetricKind::Mass | MetricKind::Fractional => {
@@ -215,7 +219,12 @@ fn at_rest(
 }
 
 /// The volume modes as contact shares them with the internal pressure.
-fn shared(model: &Model<'_>, volumes: Vec<VolumeMode>, matrix: &Compliance) -> Vec<SharedMode> {
+fn shared(
+    model: &Model<'_>,
+    (inverse, volumes): (&ApproximateInverse, Vec<VolumeMode>),
+    matrix: &Compliance,
+    work: &mut Workspace,
+) -> Vec<SharedMode> {
     let block = model.prepared.pressure.as_ref();
     let least_share = match block.is_some_and(|block| block.coarse.is_thin) {
         true => THIN,
@@ -225,15 +234,36 @@ fn shared(model: &Model<'_>, volumes: Vec<VolumeMode>, matrix: &Compliance) -> V
     let mode = |(volume, seen): (VolumeMode, &Vec<f64>)| {
         let mut own = seen.clone();
         scale(&mut own, volume.work.sqrt());
+        let excess = match inverse.springs {
+            None => 0.0,
+            Some(_) => excess(model, &volume, work),
+        };
         SharedMode {
             alike: on_multipliers(model, &volume.pressures),
             first: volume.pressures,
             own,
             work: volume.work,
+            excess,
             least_share,
         }
     };
     modes.map(mode).collect()
+}
+
+/// By how much a volume on springs gives way less than the metric of the pressure, which
+/// knows of no springs, says; zero where about as much.
+fn excess(model: &Model<'_>, volume: &VolumeMode, work: &mut Workspace) -> f64 {
+    let Some(block) = &model.prepared.pressure else {
+        return 0.0;
+    };
+    let mut weighed = vec![0.0; volume.pressures.len()];
+    let mass = block.metric.mass();
+    mass.apply(&volume.pressures, &mut weighed, work);
+    let known = dot(&volume.pressures, &weighed);
+    match known > STIFFENED * volume.work {
+        true => 1.0 / volume.work - 1.0 / known,
+        false => 0.0,
+    }
 }
 
 /// Internal pressures `[pressures]` where the multipliers act `[multipliers]`.

@@ -18,7 +18,7 @@ pub(super) fn shared_on_the_face(contact: &ContactBlock<'_>, status: &[Status]) 
         let mut seen = vec![0.0; alike.len()];
         matrix.product(&alike, &mut seen);
         let taken = dot(&alike, &mode.own).powi(2) / mode.work;
-        taken > mode.least_share * (taken + dot(&alike, &seen))
+        mode.excess > 0.0 || taken > mode.least_share * (taken + dot(&alike, &seen))
     };
     let modes = contact.shared.iter().filter(encloses);
     modes
