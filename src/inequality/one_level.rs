@@ -52,6 +52,13 @@ const GAP_WEIGHT: f64 = 10.0;
 /// Faces in a row that may be solved already; some are usual where tractions turn.
 const MOST_IDLE: u32 = 200;
 
+/// Faces with friction by the residuals; more lead about without end, where many points carry
+/// little.
+const STRAY: u32 = 8;
+/// Share of the targets to which faces are solved behind those: what a solve leaves turns and
+/// opens points that carry no more.
+const SHARP: f64 = 0.03;
+
 /// How the next face follows from an iterate that the present one has led to.
 pub(crate) trait FaceRule {
     /// The next face, with the values of the multipliers that are no unknowns on it.
@@ -188,6 +195,8 @@ struct History {
     one_by_one: bool,
     /// The rule by which faces with friction follow each other; none without.
     friction: Option<By>,
+    /// Faces so far.
+    faces: u32,
 }
 
 impl Faces<'_, '_> {
@@ -214,6 +223,7 @@ impl Faces<'_, '_> {
             },
             one_by_one: false,
             friction: self.is_rough().then_some(By::Residuals),
+            faces: 0,
         };
         // Kept directions carry the products of the body alone; those of contact on this
         // face are put on, and taken off behind the last face.
@@ -238,7 +248,12 @@ impl Faces<'_, '_> {
         history: &mut History,
     ) -> ControlFlow<QpStatus> {
         let left = run.iterations - outcome.iterations;
-        let face = match self.run_face(iterate, run, history.review, left) {
+        history.see_face();
+        let level = run.targets.level;
+        run.targets.level *= history.sharpness();
+        let face = self.run_face(iterate, run, history.review, left);
+        run.targets.level = level;
+        let face = match face {
             Ok(face) => face,
             Err(status) => return ControlFlow::Break(status),
         };
@@ -314,6 +329,24 @@ impl Faces<'_, '_> {
 }
 
 impl History {
+    /// Counts a face; with friction the metric says from some on which one is next, each
+    /// solved to its end.
+    fn see_face(&mut self) {
+        self.faces += 1;
+        if self.friction == Some(By::Residuals) && self.faces > STRAY {
+            self.friction = Some(By::Metric);
+            self.review = Review::AtTheEnd;
+        }
+    }
+
+    /// Share of the targets to which the face is solved.
+    fn sharpness(&self) -> f64 {
+        match self.friction == Some(By::Metric) {
+            true => SHARP,
+            false => 1.0,
+        }
+    }
+
     /// Notes the iterations of a face; ends where tractions turn on and on.
     fn rest(&mut self, iterations: u32) -> ControlFlow<QpStatus> {
         self.idle = if iterations > 0 { 0 } else { self.idle + 1 };

@@ -22,8 +22,8 @@ use crate::sqp::saddle_layout::SaddleLayout;
 
 /// Krylov iterations per program.
 const MOST_ITERATIONS: u32 = 600;
-/// With friction, whose faces are more.
-const MOST_WITH_FRICTION: u32 = 2000;
+/// With friction, whose faces are more: of linear bodies, and of others.
+const MOST_WITH_FRICTION: [u32; 2] = [2000, 600];
 /// Of a body of finite strain: what takes longer has no stable solution near.
 const MOST_AT_FINITE_STRAIN: u32 = 300;
 /// Of one whose factor is small: it costs as much as some twenty iterations.
@@ -186,7 +186,9 @@ impl QuadraticProgram<'_> {
                     targets: solve.targets,
                     scales: solve.scales,
                     iterations: match self.tangent {
-                        _ if self.model.plan.has_friction() => MOST_WITH_FRICTION,
+                        _ if self.model.plan.has_friction() => {
+                            MOST_WITH_FRICTION[usize::from(self.tangent.is_some())]
+                        }
                         Some(_) if self.model.plan.has_small_factor() => MOST_BEFORE_FACTOR,
                         Some(_) => MOST_AT_FINITE_STRAIN,
                         None => MOST_ITERATIONS,
