@@ -12,9 +12,11 @@
 mod friction;
 mod pivot;
 mod sweep;
+mod uniqueness;
 
 pub(crate) use friction::cones;
 pub(super) use friction::newton_face;
+pub use uniqueness::{Uniqueness, uniqueness};
 
 use crate::linalg::{FactoriseError, SymmetricMatrix};
 use crate::saddle::{ProductSet, Status};

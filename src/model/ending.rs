@@ -72,6 +72,17 @@ impl Site {
     }
 }
 
+/// Another equilibrium under the same drive.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Rival {
+    /// How strongly pressures wedge each other: from one on there may be several.
+    pub(crate) indicator: f64,
+    /// Points that stick, slip and are open at the equilibrium that was found.
+    pub(crate) own: [usize; 3],
+    /// The same at the other one.
+    pub(crate) other: [usize; 3],
+}
+
 /// How an increment ended.
 #[derive(Clone, Debug)]
 pub(crate) struct Ending {
@@ -97,6 +108,8 @@ pub(crate) struct Ending {
     pub(crate) stability: Option<Stability>,
     /// The fall on the way; none where every equilibrium was followed.
     pub(crate) snapped: Option<Snap>,
+    /// Another equilibrium that friction may admit; none where none was found.
+    pub(crate) rival: Option<Rival>,
     /// The second attempt that led here; none where the plan's own method did.
     pub(crate) fallback: Option<Fallback>,
 }

@@ -10,7 +10,7 @@
 //! | large strain | the largest strain at the centroid of a cell, of a linear law |
 //! | coarse contact | pressure on two functions of a curved contact at most |
 //! | lost digits | displacements whose rounding is a strain of some share of the largest |
-//! | snapped, unstable equilibrium | what the solver did |
+//! | snapped, unstable equilibrium, not unique | what the solver did |
 //!
 //! Cost: 45 distances a face, again for each twentieth of its way
 //! where an obstacle touches nothing, and a gradient a cell of a linear body.
@@ -99,6 +99,16 @@ fn of_stability(model: &Model<'_>, ending: &Ending, all: &mut Vec<Warning>) {
                 "the body snapped to another equilibrium: the point ({x:.4}, {y:.4}, {z:.4}) moved by {:.4}",
                 snapped.largest_motion
             ),
+        ));
+    }
+    if let Some(rival) = ending.rival {
+        let [own, other] = [rival.own, rival.other]
+            .map(|[stick, slip, open]| format!("{stick} stick, {slip} slip and {open} are open"));
+        all.push(warning(
+            WarningKind::NotUnique,
+            "",
+            Some(rival.indicator),
+            format!("friction may admit another equilibrium: here {own}, there {other}; which one a body takes depends on its path, try smaller increments (indicator {:.2}, from 1 on)", rival.indicator),
         ));
     }
     let is_saddle = ending.stability == Some(Stability::Saddle);

@@ -121,6 +121,7 @@ mod tests {
             snapped: None,
             site: None,
             fallback: None,
+            rival: None,
         };
         let mut step = StepRun::new(rest.clone(), rest, 3);
         for increment in 1..=2 {

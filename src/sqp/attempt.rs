@@ -1,11 +1,12 @@
 //! One part of an increment, solved and judged: equilibrium as accurately as the scene
-//! asks, the cause where there is none, the mean of a pressure that nothing fixes, and
-//! whether the equilibrium is a minimum.
+//! asks, the cause where there is none, the mean of a pressure that nothing fixes,
+//! whether the equilibrium is a minimum, and whether friction admits others.
 
 use super::accuracy;
 use super::certificate::certify;
 use super::diagnosis::explain;
 use super::run::Run;
+use super::uniqueness::look_for_a_rival;
 use crate::linalg::vector::dot;
 use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
@@ -19,6 +20,7 @@ pub(crate) fn attempt(run: &mut Run<'_>, drive: &Drive) -> Ending {
     explain(run, &mut ending);
     centre_pressure(&run.model, run.state);
     certify(run, &mut ending);
+    look_for_a_rival(run, &mut ending);
     ending
 }
 

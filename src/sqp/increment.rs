@@ -256,6 +256,7 @@ pub(crate) fn ending(
         snapped: None,
         site: None,
         fallback: None,
+        rival: None,
     }
 }
 

@@ -49,5 +49,6 @@ mod search;
 pub(crate) mod site;
 mod step_control;
 mod trend;
+mod uniqueness;
 pub(crate) mod verdict;
 pub(crate) mod watch;

@@ -142,7 +142,7 @@ impl Side {
 }
 
 /// Newton's method on one problem.
-struct Newton<'p> {
+pub(super) struct Newton<'p> {
     problem: &'p DenseProblem<'p>,
     cones: Cones<'p>,
     /// First multiplier of the cones.
@@ -165,7 +165,7 @@ struct Point {
 }
 
 impl<'p> Newton<'p> {
-    fn new(problem: &'p DenseProblem<'p>, cones: Cones<'p>, first: usize) -> Self {
+    pub(super) fn new(problem: &'p DenseProblem<'p>, cones: Cones<'p>, first: usize) -> Self {
         let size = problem.linear.len();
         let mut is_free = vec![false; size];
         for (set, range) in problem.set.ranges() {
@@ -205,7 +205,7 @@ impl<'p> Newton<'p> {
     }
 
     /// Whether there is any pressure.
-    fn is_pressed(&self, x: &[f64]) -> bool {
+    pub(super) fn is_pressed(&self, x: &[f64]) -> bool {
         let pressures = &x[self.first..self.first + self.cones.normals];
         pressures.iter().any(|&pressure| pressure > 0.0)
     }
@@ -223,7 +223,7 @@ impl<'p> Newton<'p> {
     }
 
     /// The multipliers where all that `guess` closes sticks.
-    fn first_step(&self, guess: &[Status]) -> Result<Vec<f64>, DenseConeError> {
+    pub(super) fn first_step(&self, guess: &[Status]) -> Result<Vec<f64>, DenseConeError> {
         let mut sides: Vec<Side> = guess
             .iter()
             .zip(&self.is_free)
@@ -238,6 +238,14 @@ impl<'p> Newton<'p> {
         }
         let zero = vec![0.0; guess.len()];
         Ok(self.step(&sides, (&zero, self.problem.linear))?)
+    }
+
+    /// Where Newton steps from `x` lead; none where nowhere.
+    pub(super) fn solved(&self, x: Vec<f64>) -> Option<DenseSolution> {
+        match self.run(x) {
+            Ok(Run::Solved(solution)) => Some(solution),
+            Ok(Run::Lost) | Err(_) => None,
+        }
     }
 
     /// Newton steps from `x`.
