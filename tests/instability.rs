@@ -6,11 +6,11 @@ mod common;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use common::meshes::{mesh, moved, unit_grid};
-use common::scenes::{mooney_rivlin, pull, rubber, support};
+use common::meshes::{mesh, moved, square, unit_grid};
+use common::scenes::{HELD, mooney_rivlin, obstacle, pull, push, rubber, support};
 use common::{assert_converged, close, run, solve, values};
 use signorini::report::{Stability, WarningKind};
-use signorini::scene::{Choice, OnInstability, SceneKind, StabilityCheck};
+use signorini::scene::{Choice, OnInstability, RubberModel, SceneKind, Shape, StabilityCheck};
 use signorini::{Cause, FieldName, Mesh, Scene, Step, StepReport, Termination};
 
 /// Height of the column over its width.
@@ -154,4 +154,28 @@ fn an_equilibrium_that_nobody_has_certified_is_said_to_be_not_determined() {
         assert_converged(&reports[0]);
         assert_eq!(reports[0].stability, Some(Stability::NotDetermined));
     }
+}
+
+/// A rod of a tenth pressed into faces of an eighth.
+#[test]
+fn faces_too_large_for_their_pressure_are_named_with_their_place_and_the_size_it_takes() {
+    let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, None);
+    scene.supports = vec![
+        support("y0", HELD),
+        support("x0", [Some(0.0), None, None]),
+        support("x1", [Some(0.0), None, None]),
+    ];
+    let rod = Shape::Cylinder {
+        point: [0.515, 1.1, 0.0],
+        axis: [0.0, 0.0, 1.0],
+        radius: 0.1,
+    };
+    scene.obstacles = vec![obstacle("rod", "y1", rod)];
+    let reports = solve(&scene, &[push("rod", [0.0, -0.2, 0.0])], &mesh(square(8)));
+    let last = reports.last().expect("an increment");
+    assert_eq!(last.cause, Some(Cause::CoarseContact), "{last:?}");
+    let site = last.cause_site.expect("a place");
+    let point = site.point.expect("a point");
+    assert!((point[0] - 0.515).hypot(point[1] - 1.0) < 0.15, "{point:?}");
+    assert!(site.mesh_size.is_some_and(|size| size < 0.125), "{site:?}");
 }

@@ -16,6 +16,10 @@ use crate::report::Cause;
 const SOFT: f64 = 0.1;
 /// Share of a constant pressure's forces that contact may leave.
 const CLOSED: f64 = 1e-6;
+/// Share of the bearable size of faces from which on the failure of a method is that of the
+/// mesh: the bound is one of even pressures, and the pressure that is kept is that before the
+/// failure.
+pub(crate) const NEARLY: f64 = 0.5;
 
 /// Names what the Krylov method could only notice as stagnation.
 pub(crate) fn explain(run: &mut Run<'_>, ending: &mut Ending) {
@@ -141,10 +145,25 @@ pub(crate) fn name_the_end(run: &Run<'_>, ending: &mut Ending) {
         Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
     );
     // Whatever shows it: a mesh that gives way ends any method.
-    if is_of_the_body && run.model.is_rubber() && coarsest(run).is_some_and(|face| face.ratio > 1.0)
-    {
+    let bearable = if is_numerical(ending) { NEARLY } else { 1.0 };
+    let is_coarse = |face: Coarsest| face.ratio > bearable;
+    if is_of_the_body && run.model.is_rubber() && coarsest(run).is_some_and(is_coarse) {
         ending.cause = Some(Cause::CoarseContact);
     }
+}
+
+/// Whether the cause is that of a method, which says nothing of the body.
+fn is_numerical(ending: &Ending) -> bool {
+    matches!(
+        ending.cause,
+        Some(
+            Cause::ActiveSetCycle
+                | Cause::Stagnation
+                | Cause::IterationLimit
+                | Cause::LineSearch
+                | Cause::IndefiniteTangent
+        )
+    )
 }
 
 /// The face that is largest beside what the pressure on a curved obstacle allows; none

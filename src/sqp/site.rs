@@ -10,7 +10,7 @@
 //!
 //! Read from the state that is kept. Cost: one evaluation at most.
 
-use super::diagnosis::coarsest;
+use super::diagnosis::{NEARLY, coarsest};
 use super::run::Run;
 use crate::linalg::vector::norm;
 use crate::model::Model;
@@ -73,7 +73,7 @@ fn of_faces(run: &Run<'_>) -> Option<Site> {
     Some(Site {
         point: Some(middle(&run.model, &coarse.corners)),
         motion: None,
-        mesh_size: Some(coarse.size / coarse.ratio),
+        mesh_size: Some(NEARLY * coarse.size / coarse.ratio),
     })
 }
 
