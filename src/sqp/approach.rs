@@ -196,8 +196,11 @@ fn may_fall(run: &Run<'_>, ending: &Ending) -> bool {
         ending.cause,
         Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
     );
-    let is_lost = ending.cause == Some(Cause::UnstableEquilibrium)
-        || run.learned.lowest_mode.is_none()
+    // Faces come back where a motion lowers the energy and no face holds it.
+    let is_lost = matches!(
+        ending.cause,
+        Some(Cause::UnstableEquilibrium | Cause::ActiveSetCycle)
+    ) || run.learned.lowest_mode.is_none()
         || is_soft(run);
     let settings = &run.model.plan.settings;
     run.model.is_rubber()

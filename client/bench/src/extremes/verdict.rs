@@ -52,7 +52,11 @@ pub(super) fn of(
         Expected::Warning(_) if !is_converged(outcome) => (Verdict::Failed, None),
         Expected::Warning(kinds) | Expected::Said(kinds) => {
             let said = lines.warnings().iter().any(|kind| kinds.contains(kind));
-            (Verdict::if_so(said), None)
+            let unsaid = match is_converged(outcome) {
+                true => Verdict::Wrong,
+                false => Verdict::Failed,
+            };
+            (if said { Verdict::Right } else { unsaid }, None)
         }
         Expected::Stability(verdict) => match is_converged(outcome) {
             true => (Verdict::if_so(lines.word("stability") == verdict), None),
