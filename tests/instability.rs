@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use std::sync::Arc;
 
 use common::meshes::{mesh, moved, square, unit_grid};
-use common::scenes::{HELD, mooney_rivlin, obstacle, pull, push, rubber, support};
+use common::scenes::{HELD, in_parts, mooney_rivlin, obstacle, pull, push, rubber, support};
 use common::{assert_converged, close, run, solve, values};
 use signorini::report::{Stability, WarningKind};
 use signorini::scene::{Choice, OnInstability, RubberModel, SceneKind, Shape, StabilityCheck};
@@ -178,4 +178,39 @@ fn faces_too_large_for_their_pressure_are_named_with_their_place_and_the_size_it
     let point = site.point.expect("a point");
     assert!((point[0] - 0.515).hypot(point[1] - 1.0) < 0.15, "{point:?}");
     assert!(site.mesh_size.is_some_and(|size| size < 0.125), "{site:?}");
+}
+
+/// Half a wave of height 8 and rise 1, a third thick, clamped at both ends.
+fn arch() -> Arc<Mesh> {
+    mesh(moved(unit_grid(2, 32), |[x, y, _]| {
+        [
+            0.3 * x + 0.5 - 0.5 * (2.0 * PI * y).cos(),
+            SLENDERNESS * y,
+            0.0,
+        ]
+    }))
+}
+
+#[test]
+fn an_arch_pushed_through_snaps_to_one_equilibrium_in_one_increment_and_in_twenty() {
+    let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, None);
+    scene.supports = vec![support("y0", HELD), support("y1", HELD)];
+    let roller = Shape::Cylinder {
+        point: [2.3, 0.5 * SLENDERNESS, 0.0],
+        axis: [0.0, 0.0, 1.0],
+        radius: 1.0,
+    };
+    scene.obstacles = vec![obstacle("roller", "x1", roller)];
+    let ends = [1, 20].map(|increments| {
+        let step = in_parts(push("roller", [-1.5, 0.0, 0.0]), increments);
+        let reports = solve(&scene, &[step], &arch());
+        reports.iter().for_each(assert_converged);
+        let falls = reports.iter().filter_map(|report| report.snapped);
+        let energy: f64 = falls.map(|fall| fall.energy_drop).sum();
+        assert!(energy > 0.0, "{increments}: {energy}");
+        reports.last().expect("an increment").clone()
+    });
+    assert!(close(ends[0].strain_energy, ends[1].strain_energy, 1e-6));
+    let [once, slowly] = ends.map(|end| end.obstacles["roller"].force[0]);
+    assert!(once < 0.0 && close(once, slowly, 1e-6), "{once} {slowly}");
 }

@@ -6,7 +6,7 @@
 
 use super::attempt::attempt;
 use super::descent::descend;
-use super::diagnosis::{is_soft, name_the_end};
+use super::diagnosis::{NEARLY, coarsest, is_soft, name_the_end};
 use super::increment;
 use super::initial_penetration::InitialPenetration;
 use super::passing::longest_part;
@@ -14,6 +14,7 @@ use super::penalty::{next_penalty, penalise};
 use super::run::{Retry, Run};
 use super::step_control::{KeptState, Parts};
 use super::trend::Trend;
+use crate::contact::coarseness::Coarsest;
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Snap};
 use crate::model::state::State;
@@ -196,17 +197,22 @@ fn may_fall(run: &Run<'_>, ending: &Ending) -> bool {
         ending.cause,
         Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
     );
-    // Faces come back where a motion lowers the energy and no face holds it.
-    let is_lost = matches!(
-        ending.cause,
-        Some(Cause::UnstableEquilibrium | Cause::ActiveSetCycle)
-    ) || run.learned.lowest_mode.is_none()
-        || is_soft(run);
+    let is_lost = ending.cause == Some(Cause::UnstableEquilibrium)
+        || run.learned.lowest_mode.is_none()
+        || is_soft(run)
+        || is_held_by_no_face(run, ending);
     let settings = &run.model.plan.settings;
     run.model.is_rubber()
         && is_lost
         && !is_elsewhere
         && settings.on_instability == OnInstability::Descend
+}
+
+/// Whether faces have come back, as they do where a motion lowers the energy and none holds
+/// it; on a mesh that is nearly too coarse for its pressure the motion is that of the mesh.
+fn is_held_by_no_face(run: &Run<'_>, ending: &Ending) -> bool {
+    let is_coarse = |face: Coarsest| face.ratio > NEARLY;
+    ending.cause == Some(Cause::ActiveSetCycle) && !coarsest(run).is_some_and(is_coarse)
 }
 
 /// Whether an iterate that did not converge is still of use.
