@@ -6,7 +6,8 @@
 //! ```
 //!
 //! Below one K_nn + K_nt M S is positive for all directions S in which points may slip, and
-//! pressures that wedge each other have none to hold. From one on other starts of Newton's
+//! pressures that wedge each other have none to hold. Ascent from an even v finds a k that is
+//! the largest nearby, an estimate and no proof. From one on other starts of Newton's
 //! method say whether there is another solution. References: A. Klarbring, Ingenieur-Archiv 60,
 //! 1990; P. Ballard, J. Elasticity 56, 1999. Cost: a Cholesky factor of K_nn; where k is above
 //! one some runs of Newton's method.
@@ -18,7 +19,7 @@ use crate::linalg::vector::{dot, largest, norm};
 use crate::linalg::{DenseCholesky, SymmetricMatrix};
 use crate::saddle::{Cones, ProductSet, Status};
 
-/// Steps towards the largest quotient; it is a bound to be compared with one.
+/// Steps towards the largest quotient, which is compared with one only.
 const STEPS: usize = 30;
 /// Difference of two solutions, over the larger, that is none.
 const SAME: f64 = 1e-4;
@@ -26,7 +27,7 @@ const SAME: f64 = 1e-4;
 /// How many solutions a problem may have.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uniqueness {
-    /// k: below one there is one solution.
+    /// k, as ascent finds it: below one another solution is not expected.
     pub indicator: f64,
     /// Another solution; none where none was found.
     pub other: Option<DenseSolution>,
