@@ -223,6 +223,11 @@ pub struct StepReport {
     pub contact_products: u32,
     /// Number of revisions of the active set.
     pub active_set_changes: u32,
+    /// Steps of Newton's method for friction in the dense problems that choose what sticks
+    /// and slips; zero without friction.
+    pub newton_steps: u32,
+    /// Passes of the iteration on the threshold of friction; zero for all other methods.
+    pub threshold_passes: u32,
     /// Number of cut-backs inside this increment: parts that were tried and halved.
     pub cut_backs: u32,
     /// Number of factorisations of the P1 block.

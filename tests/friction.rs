@@ -239,6 +239,9 @@ fn the_iteration_on_the_threshold_ends_where_one_level_does() {
     for (a, b) in one_level.iter().zip(threshold) {
         assert_converged(a);
         assert_converged(b);
+        assert!(a.newton_steps <= 20, "{}", a.newton_steps);
+        assert_eq!((a.threshold_passes, b.newton_steps), (0, 0));
+        assert!(b.threshold_passes > b.sqp_iterations || b.sqp_iterations == 0);
         let [x, y] = [a, b].map(|report| report.obstacles["plate"].force);
         let whole = x[0].hypot(x[1]);
         assert!(

@@ -280,8 +280,16 @@ fn manufactured(errors: &v1::ManufacturedErrors) -> String {
 }
 
 fn iterations(report: &v1::StepReport) -> String {
+    let friction: String = [
+        (report.newton_steps, "Newton steps of friction"),
+        (report.threshold_passes, "passes on the threshold"),
+    ]
+    .into_iter()
+    .filter(|(count, _)| *count > 0)
+    .map(|(count, what)| format!(", {count} {what}"))
+    .collect();
     format!(
-        "{} SQP, {} Krylov, {} preconditioner applications, {} active set changes, {} vertices in contact",
+        "{} SQP, {} Krylov, {} preconditioner applications, {} active set changes{friction}, {} vertices in contact",
         report.sqp_iterations,
         report.krylov_iterations,
         report.preconditioner_applications,

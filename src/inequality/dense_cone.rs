@@ -51,6 +51,8 @@ pub struct DenseSolution {
     pub status: Vec<Status>,
     /// Residual at the solution, where there is friction; empty without `[multipliers]`.
     pub slip: Vec<f64>,
+    /// Steps of Newton's method for friction that led to it; zero without friction.
+    pub steps: u32,
 }
 
 impl DenseSolution {
@@ -99,7 +101,7 @@ pub fn solve(
             Ok(DenseSolution {
                 values,
                 status: pivots.status(),
-                slip: Vec::new(),
+                ..DenseSolution::default()
             })
         }
         None => sweep::solve(&problem, &mut pivots),

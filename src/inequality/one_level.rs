@@ -269,6 +269,9 @@ impl Faces<'_, '_> {
             true => Ok(None),
             false => self.following(iterate, history, bound),
         };
+        if let Ok(Some(next)) = &next {
+            outcome.newton_steps += next.steps;
+        }
         let next = match next {
             Ok(next) => next.filter(|next| !self.is_present(iterate, next)),
             Err(status) => return ControlFlow::Break(status),

@@ -265,6 +265,10 @@ pub struct QpOutcome {
     pub products: u32,
     /// How often the statuses were revised after the first set.
     pub set_changes: u32,
+    /// Steps of Newton's method for friction in the dense problems of the faces.
+    pub newton_steps: u32,
+    /// Passes of the iteration on the threshold of friction.
+    pub threshold_passes: u32,
 }
 
 impl QpOutcome {
@@ -276,6 +280,8 @@ impl QpOutcome {
             predictions: 0,
             products: 0,
             set_changes: 0,
+            newton_steps: 0,
+            threshold_passes: 0,
         }
     }
 
@@ -285,6 +291,8 @@ impl QpOutcome {
         self.predictions += other.predictions;
         self.products += other.products;
         self.set_changes += other.set_changes;
+        self.newton_steps += other.newton_steps;
+        self.threshold_passes += other.threshold_passes;
     }
 }
 

@@ -25,6 +25,10 @@ pub(crate) struct Counters {
     pub(crate) contact_products: u32,
     /// Revisions of the active set.
     pub(crate) set_changes: u32,
+    /// Steps of Newton's method for friction in dense problems.
+    pub(crate) newton_steps: u32,
+    /// Passes of the iteration on the threshold of friction.
+    pub(crate) threshold_passes: u32,
     /// Quadratic programs of the present attempt that no method solved.
     pub(crate) failed_programs: u32,
     /// Parts of the increment that were given up for smaller ones.
@@ -48,6 +52,8 @@ impl Counters {
             factorisations: 0,
             contact_products: 0,
             set_changes: 0,
+            newton_steps: 0,
+            threshold_passes: 0,
             failed_programs: 0,
             cut_backs: 0,
             step_length: 1.0,

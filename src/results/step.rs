@@ -88,6 +88,8 @@ pub(crate) fn counted(state: &State, ending: &Ending, counters: &Counters) -> St
         eigenvalue_applications: counters.eigenvalue_applications,
         contact_products: counters.contact_products,
         active_set_changes: counters.set_changes,
+        newton_steps: counters.newton_steps,
+        threshold_passes: counters.threshold_passes,
         cut_backs: counters.cut_backs,
         factorisations: counters.factorisations,
         residuals: ending.residuals,

@@ -31,6 +31,8 @@ pub(crate) fn step(report: StepReport, poses: Vec<ObstaclePose>) -> wire::StepRe
         compliance_columns: narrow(report.compliance_columns),
         contact_products: narrow(report.contact_products),
         active_set_changes: narrow(report.active_set_changes),
+        newton_steps: narrow(report.newton_steps),
+        threshold_passes: narrow(report.threshold_passes),
         cut_backs: narrow(report.cut_backs),
         factorisations: narrow(report.factorisations),
         active_vertices: narrow(report.active_vertices),

@@ -20,6 +20,8 @@ pub(super) const SQP_ITERATIONS: &str = "signorini_sqp_iterations";
 pub(super) const KRYLOV_ITERATIONS: &str = "signorini_krylov_iterations";
 pub(super) const APPLICATIONS: &str = "signorini_preconditioner_applications";
 pub(super) const SET_CHANGES: &str = "signorini_active_set_changes";
+pub(super) const NEWTON_STEPS: &str = "signorini_friction_newton_steps";
+pub(super) const THRESHOLD_PASSES: &str = "signorini_friction_threshold_passes";
 pub(super) const CONTACT_VERTICES: &str = "signorini_contact_vertices";
 pub(super) const CACHE_HITS: &str = "signorini_cache_hits_total";
 pub(super) const CACHE_MISSES: &str = "signorini_cache_misses_total";
@@ -51,7 +53,7 @@ const VERTICES: &[f64] = &[
     1.0, 4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0, 16384.0, 65536.0,
 ];
 
-pub(super) const HISTOGRAMS: [(&str, &[f64], &str); 9] = [
+pub(super) const HISTOGRAMS: [(&str, &[f64], &str); 11] = [
     (
         SOLVE_SECONDS,
         SECONDS,
@@ -87,6 +89,16 @@ pub(super) const HISTOGRAMS: [(&str, &[f64], &str); 9] = [
         SET_CHANGES,
         COUNTS,
         "Revisions of the active set in one increment.",
+    ),
+    (
+        NEWTON_STEPS,
+        COUNTS,
+        "Steps of Newton's method for friction in one increment with friction.",
+    ),
+    (
+        THRESHOLD_PASSES,
+        COUNTS,
+        "Passes over the threshold of friction in one increment of that method.",
     ),
     (
         CONTACT_VERTICES,

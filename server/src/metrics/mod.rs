@@ -121,6 +121,15 @@ impl Metrics {
         ] {
             self.histogram(name, &[]).record(f64::from(count));
         }
+        for (name, count) in [
+            (NEWTON_STEPS, report.newton_steps),
+            (THRESHOLD_PASSES, report.threshold_passes),
+        ] {
+            // A body without friction has neither, which is no count of zero.
+            if count > 0 {
+                self.histogram(name, &[]).record(f64::from(count));
+            }
+        }
     }
 
     /// One finished step.

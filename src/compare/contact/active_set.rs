@@ -50,9 +50,9 @@ impl FaceRule for PrimalDual {
             .enumerate()
             .map(|(i, ((l, least), gap))| block.matrix.entry(i, i) * (l - least) > *gap);
         Ok(DenseSolution {
-            slip: Vec::new(),
             status: closed.map(Status::of_contact).collect(),
             values: vec![0.0; least.len()],
+            ..DenseSolution::default()
         })
     }
 

@@ -49,6 +49,7 @@ impl ThresholdIteration<'_> {
         for _ in 0..MOST_PASSES {
             let pass = self.pass(iterate, run, (cones, &radii, set));
             outcome.add(&pass);
+            outcome.threshold_passes += 1;
             if pass.status != QpStatus::Solved {
                 outcome.status = pass.status;
                 return outcome;

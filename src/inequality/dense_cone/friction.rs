@@ -28,7 +28,7 @@ use crate::saddle::{
 };
 
 /// Newton steps in a row; what takes more cycles.
-const MOST_STEPS: usize = 40;
+const MOST_STEPS: u32 = 40;
 /// Change of the multipliers, over the largest, behind which the next step, whose error is
 /// the square, is of rounding: a metric on a thousand points has no more digits, and what is
 /// sought is a face.
@@ -65,7 +65,10 @@ pub(super) fn solve(
         return Ok(solution);
     }
     match newton.run(newton.first_step(guess)?)? {
-        Run::Solved(solution) => Ok(solution),
+        Run::Solved(solution) => Ok(DenseSolution {
+            steps: solution.steps + MOST_STEPS,
+            ..solution
+        }),
         Run::Lost => Err(DenseConeError::NewtonLimit),
     }
 }
@@ -90,6 +93,7 @@ pub(in crate::inequality) fn newton_face(
         status: sides.iter().map(Side::status).collect(),
         values: vec![0.0; sides.len()],
         slip: vec![0.0; sides.len()],
+        steps: 0,
     };
     for index in 0..sides.len() {
         if sides[index] == Side::On {
@@ -251,7 +255,7 @@ impl<'p> Newton<'p> {
     /// Newton steps from `x`.
     fn run(&self, mut x: Vec<f64>) -> Result<Run, DenseConeError> {
         let mut last: Option<Vec<Side>> = None;
-        for _ in 0..MOST_STEPS {
+        for steps in 1..=MOST_STEPS {
             let residual = self.residual(&x);
             let sides = self.sides(&x, &residual);
             let next = self.step(&sides, (&x, &residual))?;
@@ -260,7 +264,7 @@ impl<'p> Newton<'p> {
             let is_same = last.as_ref() == Some(&sides);
             x = next;
             if is_same && change <= CLOSE * largest(&x) {
-                return Ok(Run::Solved(self.solution(x, &sides)));
+                return Ok(Run::Solved(self.solution(x, &sides, steps)));
             }
             if !change.is_finite() {
                 return Ok(Run::Lost);
@@ -338,10 +342,11 @@ impl<'p> Newton<'p> {
 
     /// A solution with the statuses of its face: its values alone do not tell, a traction on
     /// the edge of its disc is inside of it by rounding.
-    fn solution(&self, values: Vec<f64>, sides: &[Side]) -> DenseSolution {
+    fn solution(&self, values: Vec<f64>, sides: &[Side], steps: u32) -> DenseSolution {
         DenseSolution {
             status: sides.iter().map(Side::status).collect(),
             slip: self.residual(&values),
+            steps,
             values,
         }
     }

@@ -125,6 +125,6 @@ fn solution(problem: &DenseProblem<'_>, pivots: &Pivots, values: Vec<f64>) -> De
     DenseSolution {
         values,
         status,
-        slip: Vec::new(),
+        ..DenseSolution::default()
     }
 }

@@ -27,6 +27,7 @@ impl Faces<'_, '_> {
         work: &mut Workspace,
     ) -> Result<(), QpStatus> {
         let first = self.next_face(iterate)?;
+        outcome.newton_steps += first.steps;
         self.change_face(iterate, first, work);
         let contact = self.blocks.contact_of(iterate);
         if contact.residual.is_empty() || contact.closed() > 0 {
@@ -39,7 +40,9 @@ impl Faces<'_, '_> {
         let solution = dense_cone::solve(block.matrix, &linear, block.set, near);
         let by_residuals = self.newton_face(iterate);
         let next = solution.ok().or(by_residuals);
-        self.change_face(iterate, next.ok_or(QpStatus::IndefiniteMetric)?, work);
+        let next = next.ok_or(QpStatus::IndefiniteMetric)?;
+        outcome.newton_steps += next.steps;
+        self.change_face(iterate, next, work);
         Ok(())
     }
 
@@ -94,7 +97,7 @@ impl Faces<'_, '_> {
         let mut next = DenseSolution {
             values: contact.multiplier.clone(),
             status: contact.status.clone(),
-            slip: Vec::new(),
+            ..DenseSolution::default()
         };
         next.status[last] = match contact.status[last] {
             Status::Stick => Status::Open,

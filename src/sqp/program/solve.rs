@@ -134,6 +134,8 @@ impl QuadraticProgram<'_> {
         }
         counters.seconds.krylov += krylov.elapsed().as_secs_f64();
         counters.set_changes += outcome.set_changes;
+        counters.newton_steps += outcome.newton_steps;
+        counters.threshold_passes += outcome.threshold_passes;
         counters.contact_products += outcome.products;
         state.scales = scales;
         (step_from(iterate, state), outcome)
