@@ -52,12 +52,22 @@ const GAP_WEIGHT: f64 = 10.0;
 /// Faces in a row that may be solved already; some are usual where tractions turn.
 const MOST_IDLE: u32 = 200;
 
-/// Faces with friction by the residuals; more lead about without end, where many points carry
-/// little.
+/// Changes of sides with friction behind which faces are solved to their end; more of those
+/// that are not lead about without end, where many points carry little.
 const STRAY: u32 = 8;
+/// Share of what is closed that may change sides by the residuals at first: where more does
+/// they are far from those of the face, and the dense problem in the metric is asked.
+const NEAR: f64 = 0.1;
+/// Share of what is wrong that a face with friction is to leave; where it leaves more the next
+/// one follows by the other rule.
+const WORTHWHILE: f64 = 0.5;
+/// Faces with friction that come back, solved to their end, behind which it is a cycle.
+const MOST_RETURNS: u32 = 3;
 /// Share of the targets to which faces are solved behind those: what a solve leaves turns and
 /// opens points that carry no more.
 const SHARP: f64 = 0.03;
+/// Least such share where a face is solved further because its sides are right.
+const LEAST_SHARE: f64 = 1e-4;
 
 /// How the next face follows from an iterate that the present one has led to.
 pub(crate) trait FaceRule {
@@ -193,10 +203,22 @@ struct History {
     idle: u32,
     /// Whether one multiplier changes sides at a time, since blocks of them have cycled.
     one_by_one: bool,
-    /// The rule by which faces with friction follow each other; none without.
-    friction: Option<By>,
-    /// Faces so far.
-    faces: u32,
+    /// How faces with friction follow each other; none without.
+    friction: Option<Friction>,
+}
+
+/// How faces with friction follow each other.
+struct Friction {
+    /// The rule of the next one; none before the first.
+    by: Option<By>,
+    /// What was wrong with the last one.
+    wrong: f64,
+    /// Changes of sides so far.
+    changes: u32,
+    /// Faces solved to their end that have come back.
+    returns: u32,
+    /// Share of the targets to which faces are solved.
+    share: f64,
 }
 
 impl Faces<'_, '_> {
@@ -222,8 +244,7 @@ impl Faces<'_, '_> {
                 true => Review::AtTheEnd,
             },
             one_by_one: false,
-            friction: self.is_rough().then_some(By::Residuals),
-            faces: 0,
+            friction: self.is_rough().then(Friction::new),
         };
         // Kept directions carry the products of the body alone; those of contact on this
         // face are put on, and taken off behind the last face.
@@ -248,7 +269,6 @@ impl Faces<'_, '_> {
         history: &mut History,
     ) -> ControlFlow<QpStatus> {
         let left = run.iterations - outcome.iterations;
-        history.see_face();
         let level = run.targets.level;
         run.targets.level *= history.sharpness();
         let face = self.run_face(iterate, run, history.review, left);
@@ -285,6 +305,7 @@ impl Faces<'_, '_> {
             let is_sharp = level >= run.targets.level;
             run.targets.level = level;
             return match face.reached && is_sharp {
+                true if !is_end && history.sharpens() => ControlFlow::Continue(()),
                 true => ControlFlow::Break(QpStatus::Solved),
                 false => ControlFlow::Continue(()),
             };
@@ -298,17 +319,17 @@ impl Faces<'_, '_> {
     }
 
     /// The next face: of the dense problem, or the neighbour where such faces have come
-    /// back.
+    /// back; none where the present one stays.
     fn following(
         &self,
         iterate: &QpIterate,
-        history: &History,
+        history: &mut History,
         bound: f64,
     ) -> Result<Option<DenseSolution>, QpStatus> {
-        let count = self.blocks.contact_of(iterate).status.len();
-        if history.friction == Some(By::Residuals) {
-            return Ok(self.newton_face(iterate));
+        if let Some(friction) = &mut history.friction {
+            return self.rough_face(iterate, friction);
         }
+        let count = self.blocks.contact_of(iterate).status.len();
         let neighbour = match history.one_by_one {
             true => self.neighbour(iterate, bound / (count as f64).sqrt()),
             false => None,
@@ -317,6 +338,35 @@ impl Faces<'_, '_> {
             Some(next) => Ok(Some(next)),
             None => self.next_face(iterate).map(Some),
         }
+    }
+
+    /// The next face with friction, by the rule that brings the iterate nearer to the law.
+    fn rough_face(
+        &self,
+        iterate: &QpIterate,
+        friction: &mut Friction,
+    ) -> Result<Option<DenseSolution>, QpStatus> {
+        let present = &self.blocks.contact_of(iterate).status;
+        let by_residuals = self.newton_face(iterate);
+        let is_near = by_residuals
+            .as_ref()
+            .is_some_and(|next| self.is_near(iterate, next));
+        match friction.rule(self.wrong(iterate), is_near) {
+            By::Residuals => Ok(by_residuals),
+            By::Metric => {
+                let next = self.next_face(iterate)?;
+                // Where the metric leaves all sides the residuals are not yet those of the face.
+                Ok((next.status != *present).then_some(next))
+            }
+        }
+    }
+
+    /// Whether few points change sides on the way to `next`.
+    fn is_near(&self, iterate: &QpIterate, next: &DenseSolution) -> bool {
+        let contact = self.blocks.contact_of(iterate);
+        let sides = contact.status.iter().zip(&next.status);
+        let changed = sides.filter(|(now, next)| now != next).count();
+        changed as f64 <= NEAR * contact.closed() as f64
     }
 
     /// Moves to the next face, the kept directions with it.
@@ -332,22 +382,20 @@ impl Faces<'_, '_> {
 }
 
 impl History {
-    /// Counts a face; with friction the metric says from some on which one is next, each
-    /// solved to its end.
-    fn see_face(&mut self) {
-        self.faces += 1;
-        if self.friction == Some(By::Residuals) && self.faces > STRAY {
-            self.friction = Some(By::Metric);
-            self.review = Review::AtTheEnd;
-        }
-    }
-
     /// Share of the targets to which the face is solved.
     fn sharpness(&self) -> f64 {
-        match self.friction == Some(By::Metric) {
-            true => SHARP,
-            false => 1.0,
-        }
+        self.friction
+            .as_ref()
+            .map_or(1.0, |friction| friction.share)
+    }
+
+    /// Whether a face with friction that is solved, its sides right by the rule that chose it,
+    /// is to be solved further; as far as that goes.
+    fn sharpens(&mut self) -> bool {
+        self.friction.as_mut().is_some_and(|friction| {
+            friction.share *= REVIEW;
+            friction.share > LEAST_SHARE
+        })
     }
 
     /// Notes the iterations of a face; ends where tractions turn on and on.
@@ -363,18 +411,20 @@ impl History {
     /// already faces change by one multiplier at a time, and one that returns still
     /// ends the solve.
     fn enter(&mut self, next: &DenseSolution, face: &Face) -> ControlFlow<QpStatus> {
+        if self.friction.as_mut().is_some_and(Friction::strays) {
+            self.review = Review::AtTheEnd;
+        }
         if !self.visited.insert(next.status.clone()) {
-            if let Some(by) = self.friction {
-                // Where one rule leads round and round another one may lead on.
+            if let Some(friction) = &mut self.friction {
                 self.visited.clear();
-                match (self.review, by) {
-                    (Review::WhenReduced, _) => self.review = Review::AtTheEnd,
-                    (Review::AtTheEnd, By::Residuals) => self.friction = Some(By::Metric),
-                    (Review::AtTheEnd, By::Metric) => {
-                        return ControlFlow::Break(QpStatus::ActiveSetCycle);
-                    }
+                if self.review == Review::AtTheEnd {
+                    friction.returns += 1;
                 }
-                return ControlFlow::Continue(());
+                self.review = Review::AtTheEnd;
+                return match friction.returns > MOST_RETURNS {
+                    true => ControlFlow::Break(QpStatus::ActiveSetCycle),
+                    false => ControlFlow::Continue(()),
+                };
             }
             if self.review == Review::AtTheEnd && face.reached {
                 if self.one_by_one || !next.is_of_contact() {
@@ -386,6 +436,44 @@ impl History {
             self.review = Review::AtTheEnd;
         }
         ControlFlow::Continue(())
+    }
+}
+
+impl Friction {
+    /// Before the first face.
+    fn new() -> Self {
+        Self {
+            by: None,
+            wrong: f64::INFINITY,
+            changes: 0,
+            returns: 0,
+            share: 1.0,
+        }
+    }
+
+    /// The rule by which the next face follows from an iterate of which `wrong` speaks against
+    /// the present one; `is_near` says whether residuals change little.
+    fn rule(&mut self, wrong: f64, is_near: bool) -> By {
+        let by = match (self.by, wrong <= WORTHWHILE * self.wrong) {
+            (Some(by), true) => by,
+            (Some(By::Residuals), false) => By::Metric,
+            (Some(By::Metric), false) => By::Residuals,
+            (None, _) if is_near => By::Residuals,
+            (None, _) => By::Metric,
+        };
+        self.by = Some(by);
+        self.wrong = wrong;
+        by
+    }
+
+    /// Counts a change of sides; whether they are so many that faces are to be solved to
+    /// their end.
+    fn strays(&mut self) -> bool {
+        self.changes += 1;
+        if self.changes == STRAY {
+            self.share = self.share.min(SHARP);
+        }
+        self.changes >= STRAY
     }
 }
 

@@ -27,6 +27,8 @@ pub(crate) fn look_for_a_rival(run: &mut Run<'_>, ending: &mut Ending) {
     let is_asked = ending.termination == Termination::Converged
         && run.model.interfaces.friction.is_some()
         && run.state.drive.friction.iter().any(|&mu| mu > 0.0)
+        // Where nothing has moved what was said behind the last increment holds.
+        && run.counters.sqp_iterations > 0
         && run.model.plan.contact.metric == MetricKind::Compliance
         && run.state.multiplier.len() <= MOST;
     if is_asked {

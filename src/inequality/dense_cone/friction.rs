@@ -61,10 +61,10 @@ pub(super) fn solve(
         true => near.to_vec(),
         false => newton.without_friction(guess)?,
     };
-    if let Run::Solved(solution) = newton.run(start)? {
+    if let Run::Solved(solution) = newton.run(start, MOST_STEPS)? {
         return Ok(solution);
     }
-    match newton.run(newton.first_step(guess)?)? {
+    match newton.run(newton.first_step(guess)?, MOST_STEPS)? {
         Run::Solved(solution) => Ok(DenseSolution {
             steps: solution.steps + MOST_STEPS,
             ..solution
@@ -244,18 +244,18 @@ impl<'p> Newton<'p> {
         Ok(self.step(&sides, (&zero, self.problem.linear))?)
     }
 
-    /// Where Newton steps from `x` lead; none where nowhere.
-    pub(super) fn solved(&self, x: Vec<f64>) -> Option<DenseSolution> {
-        match self.run(x) {
+    /// Where up to `most` Newton steps from `x` lead; none where nowhere.
+    pub(super) fn solved(&self, x: Vec<f64>, most: u32) -> Option<DenseSolution> {
+        match self.run(x, most) {
             Ok(Run::Solved(solution)) => Some(solution),
             Ok(Run::Lost) | Err(_) => None,
         }
     }
 
-    /// Newton steps from `x`.
-    fn run(&self, mut x: Vec<f64>) -> Result<Run, DenseConeError> {
+    /// Newton steps from `x`, up to `most`.
+    fn run(&self, mut x: Vec<f64>, most: u32) -> Result<Run, DenseConeError> {
         let mut last: Option<Vec<Side>> = None;
-        for steps in 1..=MOST_STEPS {
+        for steps in 1..=most {
             let residual = self.residual(&x);
             let sides = self.sides(&x, &residual);
             let next = self.step(&sides, (&x, &residual))?;

@@ -21,6 +21,8 @@ use crate::saddle::{Cones, ProductSet, Status};
 
 /// Steps towards the largest quotient, which is compared with one only.
 const STEPS: usize = 30;
+/// Steps of Newton's method from one start: a solution near it takes 4 to 8.
+const MOST_STEPS: u32 = 8;
 /// Difference of two solutions, over the larger, that is none.
 const SAME: f64 = 1e-4;
 
@@ -133,7 +135,9 @@ fn other(
             );
         }
     }
-    let found = starts.into_iter().filter_map(|start| newton.solved(start));
+    let found = starts
+        .into_iter()
+        .filter_map(|start| newton.solved(start, MOST_STEPS));
     let scale = largest(&known.values);
     let differs = |found: &DenseSolution| {
         let pairs = found.values.iter().zip(&known.values);

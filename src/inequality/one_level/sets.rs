@@ -190,6 +190,14 @@ impl Faces<'_, '_> {
     /// `bound`, multipliers outside of their sets below `share` of all.
     pub(super) fn is_acceptable(&self, iterate: &QpIterate, bound: f64, share: f64) -> bool {
         let (block, contact) = (&self.blocks.contact, self.blocks.contact_of(iterate));
+        let outside = norm(&block.set.violation(&contact.multiplier));
+        self.wrong(iterate) <= bound && outside <= share * norm(&contact.multiplier)
+    }
+
+    /// What speaks against the current face: norm of gaps, and of multipliers outside of their
+    /// sets as gaps.
+    pub(super) fn wrong(&self, iterate: &QpIterate) -> f64 {
+        let (block, contact) = (&self.blocks.contact, self.blocks.contact_of(iterate));
         let violation = block.set.violation(&contact.multiplier);
         let misfit = block.set.misfit(contact.point());
         let mut square = 0.0;
@@ -204,8 +212,7 @@ impl Faces<'_, '_> {
             };
             square += wrong * wrong;
         }
-        let outside = norm(&violation);
-        square.sqrt() <= bound && outside <= share * norm(&contact.multiplier)
+        square.sqrt()
     }
 }
 
