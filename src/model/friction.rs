@@ -19,6 +19,7 @@
 
 mod frame;
 mod points;
+mod turning;
 
 use std::sync::Arc;
 

@@ -52,6 +52,8 @@ pub(crate) struct QuadraticProgram<'a> {
     released: Option<SparseRows>,
     /// What the curvature of the gaps takes off, with `released`.
     curvature: Option<SparseRows>,
+    /// Rows of the gaps and slips with the turning of tangents; none where none turn.
+    turned: Option<SparseRows>,
     /// What contact pressure makes of the stiffness, cancelled where the gaps hold.
     augmentation: Option<Augmentation>,
     /// Metric of the multipliers at this linearisation.
@@ -95,10 +97,17 @@ impl<'a> QuadraticProgram<'a> {
         run.counters.applications += metric.applications;
         let expected = metric.expected_contact_norm(&now, run.state, &mut run.work);
         let released = released_of(&run.model, run.state);
-        let curvature = curvature_of(&run.model, run.state).map(|own| match &released {
-            Some(released) => own.plus(released),
-            None => own,
+        let turning = (run.model.interfaces.friction.as_ref())
+            .and_then(|friction| friction.turning(&run.model, run.state));
+        let terms = turning.as_ref().map(|turning| &turning.released);
+        let terms = [released.as_ref(), terms];
+        let curvature = curvature_of(&run.model, run.state).map(|own| {
+            terms
+                .into_iter()
+                .flatten()
+                .fold(own, |sum, term| sum.plus(term))
         });
+        let turned = turning.map(|turning| now.coupling.plus(&turning.rows));
         let augmentation = augmentation::augmentation(&run.model, run.state);
         run.counters.seconds.contact += start.elapsed().as_secs_f64();
         Self {
@@ -106,6 +115,7 @@ impl<'a> QuadraticProgram<'a> {
             force_scale: now.force_scale(*first_force).max(expected),
             released,
             curvature,
+            turned,
             augmentation,
             metric,
             tangent,

@@ -274,7 +274,7 @@ impl QuadraticProgram<'_> {
     /// Contact pressure of all obstacles.
     fn contact(&self) -> MultiplierBlock<'_> {
         MultiplierBlock {
-            rows: &self.now.coupling,
+            rows: self.turned.as_ref().unwrap_or(&self.now.coupling),
             columns: &self.now.coupling,
             stabilisation: None,
             metric: Metric::Dense {
