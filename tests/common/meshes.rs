@@ -25,10 +25,15 @@ pub(crate) fn mesh(parts: MeshParts) -> Arc<Mesh> {
 
 /// The unit cube of `count`^3 cubes of six tetrahedra, groups x0 .. z1, body.
 pub(crate) fn cube(count: usize) -> MeshParts {
-    let side = count + 1;
-    let number = |[x, y, z]: [usize; 3]| ((z * side + y) * side + x) as u32;
+    unit_box([count; 3])
+}
+
+/// The unit cube of `counts` boxes of six tetrahedra along its axes, groups x0 .. z1, body.
+pub(crate) fn unit_box(counts: [usize; 3]) -> MeshParts {
+    let sides = counts.map(|count| count + 1);
+    let number = |[x, y, z]: [usize; 3]| ((z * sides[1] + y) * sides[0] + x) as u32;
     let mut cells = Vec::new();
-    for corner in lattice([count; 3]) {
+    for corner in lattice(counts) {
         for (path, axes) in PATHS.iter().enumerate() {
             let mut place = corner;
             let mut cell = vec![number(place)];
@@ -43,9 +48,68 @@ pub(crate) fn cube(count: usize) -> MeshParts {
             cells.extend(cell);
         }
     }
-    let place = |point: [usize; 3]| point.map(|step| step as f64 / count as f64);
-    let points = lattice([side; 3]).map(place).collect();
+    let place = |point: [usize; 3]| [0, 1, 2].map(|i| point[i] as f64 / counts[i] as f64);
+    let points = lattice(sides).map(place).collect();
     with_sides(CellKind::Tetrahedron, points, cells)
+}
+
+/// `parts` with the facets of `on` whose vertices are all `inside` in a group of their own.
+pub(crate) fn with_pad(
+    mut parts: MeshParts,
+    (name, on): (&str, &str),
+    inside: impl Fn([f64; 3]) -> bool,
+) -> MeshParts {
+    let width = parts.cell_kind.facet_vertices();
+    let side = parts.groups.iter().find(|group| group.name == on);
+    let members = side.expect("a side").members.iter().copied();
+    let is_inside = |facet: &u32| {
+        let first = width * *facet as usize;
+        let vertices = parts.facets[first..first + width].iter();
+        vertices.fold(true, |all, &v| all && inside(parts.coordinates[v as usize]))
+    };
+    let members = members.filter(is_inside).collect();
+    parts.groups.push(Group {
+        name: name.to_owned(),
+        kind: GroupKind::Facets,
+        members,
+    });
+    parts
+}
+
+/// What stands for the half-space below the last axis: `count` cells from the origin to each
+/// side (to one side only along the axes of `half`) and down, a body of half width one whose cells
+/// shrink towards the origin by the hyperbolic sine of `grading` times the largest coordinate.
+pub(crate) fn half_space(
+    dimension: usize,
+    count: usize,
+    grading: f64,
+    half: &[usize],
+) -> MeshParts {
+    let is_half = |axis: usize| axis + 1 == dimension || half.contains(&axis);
+    let counts = [0, 1, 2].map(|axis| match is_half(axis) {
+        true => count,
+        false => 2 * count,
+    });
+    let unit = match dimension {
+        2 => unit_grid(counts[0], counts[1]),
+        _ => unit_box(counts),
+    };
+    moved(unit, |point| {
+        let mut place = [0.0; 3];
+        for axis in 0..dimension {
+            place[axis] = match is_half(axis) {
+                _ if axis + 1 == dimension => point[axis] - 1.0,
+                true => point[axis],
+                false => 2.0 * point[axis] - 1.0,
+            };
+        }
+        let far = place.iter().fold(0.0, |far: f64, x| far.max(x.abs()));
+        let size = match far > 0.0 {
+            true => (grading * far).sinh() / grading.sinh() / far,
+            false => 0.0,
+        };
+        place.map(|x| size * x)
+    })
 }
 
 /// The unit square of 2 `count`^2 triangles, groups x0 x1 y0 y1, body.
