@@ -53,6 +53,43 @@ pub(crate) fn unit_box(counts: [usize; 3]) -> MeshParts {
     with_sides(CellKind::Tetrahedron, points, cells)
 }
 
+/// The plane ring from radius `inner` to one, two triangles for each of `around` by `layers`
+/// cells, groups rim and tread.
+pub(crate) fn ring(around: usize, layers: usize, inner: f64) -> MeshParts {
+    let number = |step: usize, layer: usize| (layer * around + step % around) as u32;
+    let mut cells = Vec::new();
+    for [step, layer, _] in lattice([around, layers, 1]) {
+        let [near, beside] = [step, step + 1].map(|step| number(step, layer));
+        let [above, far] = [step, step + 1].map(|step| number(step, layer + 1));
+        cells.extend([near, far, beside, near, above, far]);
+    }
+    let place = |[step, layer, _]: [usize; 3]| {
+        let angle = std::f64::consts::TAU * step as f64 / around as f64;
+        let radius = inner + (1.0 - inner) * layer as f64 / layers as f64;
+        [radius * angle.sin(), -radius * angle.cos(), 0.0]
+    };
+    let coordinates = lattice([around, layers + 1, 1]).map(place).collect();
+    let side = |layer: usize| (0..around).map(move |step| [step, step + 1].map(|s| (s, layer)));
+    let facets = [side(0), side(layers)].into_iter().flatten().flatten();
+    let facets = facets.map(|(step, layer)| number(step, layer)).collect();
+    let group = |name: &str, kind, members: std::ops::Range<usize>| Group {
+        name: name.to_owned(),
+        kind,
+        members: members.map(|member| member as u32).collect(),
+    };
+    MeshParts {
+        cell_kind: CellKind::Triangle,
+        coordinates,
+        groups: vec![
+            group("body", GroupKind::Cells, 0..cells.len() / 3),
+            group("rim", GroupKind::Facets, 0..around),
+            group("tread", GroupKind::Facets, around..2 * around),
+        ],
+        cells,
+        facets,
+    }
+}
+
 /// `parts` with the facets of `on` whose vertices are all `inside` in a group of their own.
 pub(crate) fn with_pad(
     mut parts: MeshParts,
@@ -64,8 +101,8 @@ pub(crate) fn with_pad(
     let members = side.expect("a side").members.iter().copied();
     let is_inside = |facet: &u32| {
         let first = width * *facet as usize;
-        let vertices = parts.facets[first..first + width].iter();
-        vertices.fold(true, |all, &v| all && inside(parts.coordinates[v as usize]))
+        let mut vertices = parts.facets[first..first + width].iter();
+        vertices.all(|&v| inside(parts.coordinates[v as usize]))
     };
     let members = members.filter(is_inside).collect();
     parts.groups.push(Group {
