@@ -5,9 +5,10 @@ mod common;
 
 use std::sync::Arc;
 
-use common::meshes::{cube, file, mesh};
-use common::scenes::{HELD, elastic, mooney_rivlin, obstacle, rubber, support, turned};
+use common::meshes::{cube, file, mesh, moved, unit_grid};
+use common::scenes::{HELD, elastic, mooney_rivlin, obstacle, pull, rubber, support, turned};
 use common::{assert_converged, open, take};
+use signorini::report::WarningKind;
 use signorini::scene::{ObstacleTarget, Shape};
 use signorini::{
     CancelToken, Cause, FieldName, Mesh, Prepared, Reuse, Scene, Session, Step, StepReport,
@@ -124,7 +125,7 @@ fn what_sticks_does_not_creep() {
     let before = press.iter().flat_map(|step| take(&mut session, step));
     let before = before.last().expect("a result");
     assert!(before.obstacles["tool"].stick_vertices > 0);
-    let rest = take(&mut session, &travel(300, [0.012, 0.0, -0.05]));
+    let rest = take(&mut session, &travel(1000, [0.012, 0.0, -0.05]));
     let after = rest.last().expect("a result");
     let pairs = before.obstacles["tool"]
         .force
@@ -224,4 +225,45 @@ fn no_friction_in_a_step_is_the_frictionless_body() {
     assert!((smooth.strain_energy - rough.strain_energy).abs() < 1e-8 * smooth.strain_energy);
     assert_eq!(rough.obstacles["tool"].stick_vertices, 0);
     assert!(smooth.unknowns.contact * 3 == rough.unknowns.contact);
+}
+
+/// A slanting strut, held above, whose foot is on a rough floor, under a load that lifts it
+/// where it is free and presses it where it sticks.
+fn strut() -> (Scene, Arc<Mesh>) {
+    let slant = 20_f64.to_radians().tan();
+    let strip = moved(unit_grid(1, 12), |[x, y, _]| [0.08 * x + slant * y, y, 0.0]);
+    let mut scene = elastic(0.3);
+    scene.supports = vec![support("y1", [Some(0.0), Some(0.0), None])];
+    let load = 246_f64.to_radians();
+    scene.body_force = [0.004 * load.cos(), 0.004 * load.sin(), 0.0];
+    let floor = plane([0.0; 3], [0.0, 1.0, 0.0]);
+    (rough(scene, "y0", floor, 1.5), mesh(strip))
+}
+
+#[test]
+fn a_strut_wedges_or_swings_free_by_its_path_and_both_say_so() {
+    let (scene, mesh) = strut();
+    let top = |increments, load, y| Step {
+        load: Some(load),
+        ..pull("y1", [Some(0.0), Some(y), None], increments)
+    };
+    let pressed = [top(2, 0.0, -0.01), top(4, 1.0, -0.01), top(4, 1.0, 0.0)];
+    let last = |steps: &[Step]| reports(&scene, steps, &mesh).pop().expect("a result");
+    let (free, wedged) = (last(&[Step::default()]), last(&pressed));
+    for report in [&free, &wedged] {
+        assert_converged(report);
+        let mut warnings = report.warnings.iter();
+        let warning = warnings.find(|warning| warning.kind == WarningKind::NotUnique);
+        assert!(warning.is_some_and(|warning| warning.value > Some(1.0)));
+    }
+    assert_eq!(free.obstacles["tool"].force, [0.0; 3]);
+    let [x, y, _] = wedged.obstacles["tool"].force;
+    assert!(y > 1e-4 && x.abs() < 1.5 * y);
+    // Where friction is too weak to wedge there is one state, and no warning.
+    let mut weak = scene.clone();
+    weak.obstacles[0].friction = 0.3;
+    let report = reports(&weak, &pressed, &mesh).pop().expect("a result");
+    assert_converged(&report);
+    let kinds = report.warnings.iter().map(|warning| warning.kind);
+    assert!(!kinds.into_iter().any(|kind| kind == WarningKind::NotUnique));
 }

@@ -109,4 +109,6 @@ pub fn solve(
 }
 
 #[cfg(test)]
+mod half_space;
+#[cfg(test)]
 mod tests;
