@@ -31,7 +31,6 @@ fn rough(mut scene: Scene, (name, on): (&str, &str), shape: Shape, friction: f64
     let mut floor = obstacle(name, on, shape);
     floor.friction = friction;
     scene.obstacles = vec![floor];
-    scene.solver.verify = false;
     scene.solver.tolerance = 1e-10;
     scene.solver.contact_space = Choice::Named(ContactSpace::Linear);
     scene
@@ -267,7 +266,6 @@ fn a_travel_that_is_not_reached_is_no_result() {
         .for_each(|x| x[0] = 0.8 * (x[0] - 0.5));
     let law = RubberModel::NeoHookean { shear_modulus: 1.0 };
     let mut scene = rubber(law, Some(1e3));
-    scene.solver.verify = false;
     let sides = ["y0", "y1", "x0", "x1"];
     let walls = [
         ("bottom", [0.0, 0.0, 0.0], [0.0, 1.0, 0.0]),

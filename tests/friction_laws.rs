@@ -24,7 +24,6 @@ fn rough(mut scene: Scene, on: &str, shape: Shape, friction: f64) -> Scene {
     let mut tool = obstacle("tool", on, shape);
     tool.friction = friction;
     scene.obstacles = vec![tool];
-    scene.solver.verify = false;
     scene
 }
 

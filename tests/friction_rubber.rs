@@ -22,7 +22,6 @@ fn with_rough(scene: &mut Scene, (name, on): (&str, &[&str]), shape: Shape, fric
     tool.on = on.iter().map(|&on| on.to_owned()).collect();
     tool.friction = friction;
     scene.obstacles.push(tool);
-    scene.solver.verify = false;
 }
 
 /// A step that moves and turns one obstacle from its initial pose.
@@ -46,7 +45,6 @@ fn a_rough_plate_presses_a_block_as_far_as_a_smooth_one() {
         let (mut scene, step) = squeezed_cube();
         scene.supports = vec![support("z0", HELD)];
         scene.obstacles[0].friction = friction;
-        scene.solver.verify = false;
         let reports = solve(&scene, &[step], &mesh(cube(4)));
         reports.iter().for_each(assert_converged);
         let press = reports.last().expect("a result").obstacles["press"];

@@ -73,6 +73,16 @@ impl SlipStart {
             drive: state.drive.clone(),
         }
     }
+
+    /// Displacement there `[displacement unknowns]`.
+    pub(crate) fn displacement(&self) -> &[f64] {
+        &self.displacement
+    }
+
+    /// What drove the body there.
+    pub(crate) fn drive(&self) -> &Drive {
+        &self.drive
+    }
 }
 
 /// Slip and its derivative at a state.

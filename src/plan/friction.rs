@@ -4,7 +4,7 @@
 use super::Plan;
 use super::surfaces::ContactLayout;
 use crate::scene::validate::ResolvedObstacle;
-use crate::scene::{ElementKind, ObstacleTarget, Scene, SceneError, Step, Violation};
+use crate::scene::{ElementKind, ObstacleTarget, SceneError, Step, Violation};
 
 impl Plan {
     /// Refuses friction on an obstacle that has none in the scene and its steps: tractions
@@ -45,17 +45,13 @@ pub(super) fn roughen(obstacles: &mut [ResolvedObstacle], steps: &[Step]) {
 ///
 /// # Errors
 /// [`SceneError::Unsupported`] with the key.
-pub(super) fn check_rough(scene: &Scene, element: ElementKind) -> Result<(), SceneError> {
-    let (path, message) = match (element, scene.solver.verify) {
-        (ElementKind::TaylorHood, false) => return Ok(()),
-        (ElementKind::TaylorHood, true) => {
-            ("solver.verify", "the verification knows no friction yet")
-        }
-        _ => ("solver.element", "friction comes with `taylor-hood` only"),
-    };
+pub(super) fn check_rough(element: ElementKind) -> Result<(), SceneError> {
+    if element == ElementKind::TaylorHood {
+        return Ok(());
+    }
     Err(SceneError::Unsupported(Violation {
-        path: path.to_owned(),
-        message: message.to_owned(),
+        path: "solver.element".to_owned(),
+        message: "friction comes with `taylor-hood` only".to_owned(),
     }))
 }
 

@@ -141,7 +141,7 @@ impl Plan {
             ..element.unknowns(mesh, &resolved)
         };
         if tangential > 0 {
-            friction::check_rough(scene, element)?;
+            friction::check_rough(element)?;
         }
         let sizes = ContactSizes {
             dimension: units.dimension as u64,

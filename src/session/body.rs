@@ -5,12 +5,14 @@
 //! with: steps, increments, limits and reports are the session's, once for all of them.
 
 use std::fmt::Debug;
+use std::sync::Arc;
 
 use crate::linalg::Workspace;
 use crate::mesh::Mesh;
 use crate::model::counters::Counters;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
+use crate::model::friction::SlipStart;
 use crate::model::state::State;
 use crate::plan::Plan;
 use crate::report::{FieldData, FieldName, Seconds, StepReport};
@@ -78,6 +80,8 @@ pub(crate) struct Advanced {
     pub(crate) part: f64,
     /// What drove the body before it.
     pub(crate) start: Drive,
+    /// Where slip counts from; none without friction.
+    pub(crate) slip_start: Option<Arc<SlipStart>>,
     /// Counts and wall seconds of the increment.
     pub(crate) counters: Counters,
     /// Scratch vectors, for the next increment.

@@ -117,6 +117,7 @@ impl Body for TaylorHoodBody {
         Advanced {
             ending,
             part,
+            slip_start: run.model.slip_start,
             start: before.drive.clone(),
             counters: run.counters,
             work: run.work,
@@ -124,7 +125,10 @@ impl Body for TaylorHoodBody {
     }
 
     fn report(&self, state: &State, advanced: &mut Advanced) -> StepReport {
-        let model = self.model();
+        let model = Model {
+            slip_start: advanced.slip_start.clone(),
+            ..self.model()
+        };
         let Advanced {
             ending,
             start,

@@ -9,6 +9,7 @@
 use std::f64::consts::TAU;
 
 use super::curved::Curved;
+use super::friction::{self, Misfit};
 use super::{shapes, turn};
 use crate::contact::{ContactFace, Counterpart};
 use crate::element::quadrature::{Rule, Simplex, rule};
@@ -21,14 +22,24 @@ use crate::obstacle::{Contact, What};
 /// problem; this is the degree that the contract names.
 const FACE_DEGREE: u32 = 8;
 
-/// Weighted gaps and contact pressures `[multipliers]`; adds the contact force to
+/// What contact shows.
+pub(crate) struct Contacts {
+    /// Weighted gaps `[multipliers]`, those of tractions zero.
+    pub(crate) gap: Vec<f64>,
+    /// Contact pressures and tractions `[multipliers]`, a stress.
+    pub(crate) pressure: Vec<f64>,
+    /// What speaks against the law of friction; none without.
+    pub(super) friction: Option<Misfit>,
+}
+
+/// Weighted gaps, contact pressures and tractions; adds the contact force to
 /// `force` `[nodes, 3]`.
 pub(crate) fn residuals(
     model: &Model<'_>,
     state: &State,
     nodal: &[[f64; 3]],
     force: &mut [[f64; 3]],
-) -> (Vec<f64>, Vec<f64>) {
+) -> Contacts {
     let (simplex, pairs): (_, &[(usize, usize)]) = match model.plan.units.dimension {
         2 => (Simplex::Segment, &[(0, 1)]),
         _ => (Simplex::Triangle, &[(0, 1), (0, 2), (1, 2)]),
@@ -57,16 +68,23 @@ pub(crate) fn residuals(
             gap[interface.multipliers[multiplier as usize] as usize] = 0.0;
         }
     }
-    (gap, pressure)
+    let friction = model.interfaces.friction.as_ref();
+    let friction =
+        friction.map(|friction| friction::residuals(friction, (model, state), &faces, force));
+    Contacts {
+        gap,
+        pressure,
+        friction,
+    }
 }
 
 /// Faces of a body displaced by `nodal` and how they are integrated.
-struct Faces<'a, 'm> {
-    model: &'a Model<'m>,
-    nodal: &'a [[f64; 3]],
-    rule: &'a Rule,
+pub(super) struct Faces<'a, 'm> {
+    pub(super) model: &'a Model<'m>,
+    pub(super) nodal: &'a [[f64; 3]],
+    pub(super) rule: &'a Rule,
     /// Ends of the edges of a face.
-    pairs: &'a [(usize, usize)],
+    pub(super) pairs: &'a [(usize, usize)],
 }
 
 impl Faces<'_, '_> {
@@ -118,14 +136,18 @@ impl Faces<'_, '_> {
     }
 
     /// Displacements of the corners in lengths of the scaled body `[3][3]`.
-    fn moved(&self, face: &ContactFace) -> [[f64; 3]; 3] {
+    pub(super) fn moved(&self, face: &ContactFace) -> [[f64; 3]; 3] {
         let length = self.model.plan.units.length;
         let at = |v: &u32| self.nodal[*v as usize].map(|x| x / length);
         [0, 1, 2].map(|corner| face.corners.get(corner).map_or([0.0; 3], at))
     }
 
     /// Area or, where the way around is that of each point, length.
-    fn measure(&self, (face, curved): (&ContactFace, Option<&Curved<'_>>), l: &[f64]) -> f64 {
+    pub(super) fn measure(
+        &self,
+        (face, curved): (&ContactFace, Option<&Curved<'_>>),
+        l: &[f64],
+    ) -> f64 {
         let units = &self.model.plan.units;
         if let Some(curved) = curved {
             let unit = match units.dimension {
@@ -142,7 +164,7 @@ impl Faces<'_, '_> {
 
     /// The displaced point with coordinates `l`, and the undeformed radius; `values`
     /// are those of the shape functions.
-    fn place(
+    pub(super) fn place(
         &self,
         (face, curved): (&ContactFace, Option<&Curved<'_>>),
         l: &[f64],
@@ -171,7 +193,7 @@ impl Faces<'_, '_> {
 
 /// The functions of the contact pressure at a point: hats, or the quadratic Bernstein
 /// polynomials of vertices and edges.
-fn pressure_functions(l: &[f64], pairs: &[(usize, usize)], count: usize) -> Vec<f64> {
+pub(super) fn pressure_functions(l: &[f64], pairs: &[(usize, usize)], count: usize) -> Vec<f64> {
     if count == l.len() {
         return l.to_vec();
     }

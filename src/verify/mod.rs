@@ -7,6 +7,7 @@
 mod cell;
 mod contact;
 mod curved;
+mod friction;
 mod loads;
 mod pressures;
 mod rubber;
@@ -29,7 +30,8 @@ pub(crate) fn verify(model: &Model<'_>, state: &State, ending: &Ending) -> Resid
     let nodal = nodal_displacement(model, state);
     let (mut force, constraint) = volume::residuals(model, state, &nodal);
     let body = free_hierarchical(model, &force);
-    let (gap, scaled_pressure) = contact::residuals(model, state, &nodal, &mut force);
+    let contact = contact::residuals(model, state, &nodal, &mut force);
+    let (gap, scaled_pressure) = (contact.gap, contact.pressure);
     let force = free_hierarchical(model, &force);
     let carried: Vec<f64> = body.iter().zip(&force).map(|(a, b)| a - b).collect();
     let force_scale = ending.force_scale * units.force();
@@ -41,7 +43,7 @@ pub(crate) fn verify(model: &Model<'_>, state: &State, ending: &Ending) -> Resid
             true => g,
             false => g.min(0.0),
         });
-    let wrong: Vec<f64> = wrong.collect();
+    let mut wrong: Vec<f64> = wrong.collect();
     let products: f64 = gap
         .iter()
         .zip(&scaled_pressure)
@@ -49,7 +51,11 @@ pub(crate) fn verify(model: &Model<'_>, state: &State, ending: &Ending) -> Resid
         .sum();
     let contacts = model.plan.normal_multipliers();
     let one_sided = scaled_pressure[..contacts].iter();
-    let negative: Vec<f64> = one_sided.map(|l| l.min(0.0)).collect();
+    let mut negative: Vec<f64> = one_sided.map(|l| l.min(0.0)).collect();
+    if let Some(misfit) = contact.friction {
+        wrong[misfit.tractions].copy_from_slice(&misfit.slip);
+        negative.extend(misfit.excess);
+    }
     let pressure_scale = pressure_scale(norm(&scaled_pressure), norm(&carried), force_scale);
     let gap_scale = state.scales.gap * gap_unit;
     Residuals {

@@ -279,6 +279,8 @@ mod tests {
         let metrics = Metrics::new().unwrap();
         metrics.increment(&StepReport {
             termination: Termination::Converged,
+            newton_steps: 5,
+            threshold_passes: 3,
             ..StepReport::default()
         });
         metrics.step(Termination::Converged);

@@ -56,6 +56,7 @@ impl Body for EnrichedBody {
             ending,
             part: if is_good { 1.0 } else { 0.0 },
             start: before.drive.clone(),
+            slip_start: None,
             counters: run.counters,
             work: run.work,
         }
