@@ -9,7 +9,6 @@
 use std::f64::consts::TAU;
 
 use super::curved::Curved;
-use super::friction::{self, Misfit};
 use super::{shapes, turn};
 use crate::contact::{ContactFace, Counterpart};
 use crate::element::quadrature::{Rule, Simplex, rule};
@@ -22,37 +21,17 @@ use crate::obstacle::{Contact, What};
 /// problem; this is the degree that the contract names.
 const FACE_DEGREE: u32 = 8;
 
-/// What contact shows.
-pub(crate) struct Contacts {
-    /// Weighted gaps `[multipliers]`, those of tractions zero.
-    pub(crate) gap: Vec<f64>,
-    /// Contact pressures and tractions `[multipliers]`, a stress.
-    pub(crate) pressure: Vec<f64>,
-    /// What speaks against the law of friction; none without.
-    pub(super) friction: Option<Misfit>,
-}
-
-/// Weighted gaps, contact pressures and tractions; adds the contact force to
+/// Weighted gaps, those of tractions zero, and contact pressures `[multipliers]`; adds the contact force to
 /// `force` `[nodes, 3]`.
-pub(crate) fn residuals(
-    model: &Model<'_>,
+pub(super) fn residuals(
+    faces: &Faces<'_, '_>,
     state: &State,
-    nodal: &[[f64; 3]],
     force: &mut [[f64; 3]],
-) -> Contacts {
-    let (simplex, pairs): (_, &[(usize, usize)]) = match model.plan.units.dimension {
-        2 => (Simplex::Segment, &[(0, 1)]),
-        _ => (Simplex::Triangle, &[(0, 1), (0, 2), (1, 2)]),
-    };
+) -> (Vec<f64>, Vec<f64>) {
+    let model = faces.model;
     let units = &model.plan.units;
     let pressure: Vec<f64> = state.multiplier.iter().map(|l| l * units.stress).collect();
     let mut gap = vec![0.0; pressure.len()];
-    let faces = Faces {
-        model,
-        nodal,
-        rule: &rule(simplex, FACE_DEGREE),
-        pairs,
-    };
     for (interface, met) in model.placed(&state.drive) {
         let surface = &interface.surface;
         let coefficients = interface.coefficients(&pressure);
@@ -68,26 +47,33 @@ pub(crate) fn residuals(
             gap[interface.multipliers[multiplier as usize] as usize] = 0.0;
         }
     }
-    let friction = model.interfaces.friction.as_ref();
-    let friction =
-        friction.map(|friction| friction::residuals(friction, (model, state), &faces, force));
-    Contacts {
-        gap,
-        pressure,
-        friction,
-    }
+    (gap, pressure)
 }
 
 /// Faces of a body displaced by `nodal` and how they are integrated.
 pub(super) struct Faces<'a, 'm> {
     pub(super) model: &'a Model<'m>,
     pub(super) nodal: &'a [[f64; 3]],
-    pub(super) rule: &'a Rule,
+    pub(super) rule: Rule,
     /// Ends of the edges of a face.
     pub(super) pairs: &'a [(usize, usize)],
 }
 
-impl Faces<'_, '_> {
+impl<'a, 'm> Faces<'a, 'm> {
+    /// Of the body of `model`.
+    pub(super) fn new(model: &'a Model<'m>, nodal: &'a [[f64; 3]]) -> Self {
+        let (simplex, pairs): (_, &[(usize, usize)]) = match model.plan.units.dimension {
+            2 => (Simplex::Segment, &[(0, 1)]),
+            _ => (Simplex::Triangle, &[(0, 1), (0, 2), (1, 2)]),
+        };
+        Self {
+            model,
+            nodal,
+            rule: rule(simplex, FACE_DEGREE),
+            pairs,
+        }
+    }
+
     /// Adds one face that meets `met`; pressures and gaps are those of the functions of
     /// its interface.
     fn add(

@@ -15,6 +15,8 @@ mod volume;
 
 use std::f64::consts::TAU;
 
+use contact::Faces;
+
 use crate::linalg::vector::{norm, ratio};
 use crate::model::Model;
 use crate::model::ending::Ending;
@@ -30,8 +32,11 @@ pub(crate) fn verify(model: &Model<'_>, state: &State, ending: &Ending) -> Resid
     let nodal = nodal_displacement(model, state);
     let (mut force, constraint) = volume::residuals(model, state, &nodal);
     let body = free_hierarchical(model, &force);
-    let contact = contact::residuals(model, state, &nodal, &mut force);
-    let (gap, scaled_pressure) = (contact.gap, contact.pressure);
+    let faces = Faces::new(model, &nodal);
+    let (gap, scaled_pressure) = contact::residuals(&faces, state, &mut force);
+    let friction = model.interfaces.friction.as_ref();
+    let friction =
+        friction.map(|friction| friction::residuals(friction, (model, state), &faces, &mut force));
     let force = free_hierarchical(model, &force);
     let carried: Vec<f64> = body.iter().zip(&force).map(|(a, b)| a - b).collect();
     let force_scale = ending.force_scale * units.force();
@@ -52,7 +57,7 @@ pub(crate) fn verify(model: &Model<'_>, state: &State, ending: &Ending) -> Resid
     let contacts = model.plan.normal_multipliers();
     let one_sided = scaled_pressure[..contacts].iter();
     let mut negative: Vec<f64> = one_sided.map(|l| l.min(0.0)).collect();
-    if let Some(misfit) = contact.friction {
+    if let Some(misfit) = friction {
         wrong[misfit.tractions].copy_from_slice(&misfit.slip);
         negative.extend(misfit.excess);
     }

@@ -132,6 +132,7 @@ fn a_sphere_pressed_and_dragged_in_one_step_follows_coulombs_law() {
 
 /// Writes problems with their solutions into the folder CONDENSED, for
 /// `tests/benches/peers/condensed_oracle.py`.
+#[cfg(test)]
 #[test]
 #[ignore = "writes files for another solver"]
 fn export_for_another_solver() {
