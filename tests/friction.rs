@@ -3,12 +3,12 @@
 mod common;
 
 use common::meshes::{cube, file, mesh, square};
-use common::scenes::{elastic, mooney_rivlin, obstacle, rubber, support};
+use common::scenes::{elastic, mooney_rivlin, obstacle, plane, rubber, support, travel};
 use common::{assert_converged, open, take};
 use serde_json::Value;
 use signorini::scene::{
     Choice, ContactMethod, ContactSpace, Formulation, Material, MaterialModel, Modulus,
-    ObstacleTarget, RubberModel, Shape,
+    RubberModel, Shape,
 };
 use signorini::{Scene, Step, StepReport, Termination};
 
@@ -21,11 +21,6 @@ fn references() -> Value {
     serde_json::from_str(include_str!("reference/friction.json")).expect("valid JSON")
 }
 
-/// A half-space whose free side `normal` points to.
-fn plane(point: [f64; 3], normal: [f64; 3]) -> Shape {
-    Shape::HalfSpace { point, normal }
-}
-
 /// A body that touches one rough obstacle, with the functions of the references.
 fn rough(mut scene: Scene, (name, on): (&str, &str), shape: Shape, friction: f64) -> Scene {
     let mut floor = obstacle(name, on, shape);
@@ -34,20 +29,6 @@ fn rough(mut scene: Scene, (name, on): (&str, &str), shape: Shape, friction: f64
     scene.solver.tolerance = 1e-10;
     scene.solver.contact_space = Choice::Named(ContactSpace::Linear);
     scene
-}
-
-/// A step of equal increments.
-fn travel(name: &str, increments: u32, translation: [f64; 3], rotation: [f64; 3]) -> Step {
-    Step {
-        increments,
-        obstacles: vec![ObstacleTarget {
-            name: name.to_owned(),
-            translation: Some(translation),
-            rotation: Some(rotation),
-            friction: None,
-        }],
-        ..Step::default()
-    }
 }
 
 /// A block, bonded below, under a plate that presses, slides and comes back.

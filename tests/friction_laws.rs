@@ -6,7 +6,9 @@ mod common;
 use std::sync::Arc;
 
 use common::meshes::{cube, file, mesh, moved, unit_grid};
-use common::scenes::{HELD, elastic, mooney_rivlin, obstacle, pull, rubber, support, turned};
+use common::scenes::{
+    HELD, elastic, mooney_rivlin, obstacle, plane, pull, rubber, support, turned,
+};
 use common::{assert_converged, open, take};
 use signorini::report::WarningKind;
 use signorini::scene::{ObstacleTarget, Shape};
@@ -14,10 +16,6 @@ use signorini::{
     CancelToken, Cause, FieldName, Mesh, Prepared, Reuse, Scene, Session, Step, StepReport,
     Termination,
 };
-
-fn plane(point: [f64; 3], normal: [f64; 3]) -> Shape {
-    Shape::HalfSpace { point, normal }
-}
 
 /// With one rough obstacle named `tool`.
 fn rough(mut scene: Scene, on: &str, shape: Shape, friction: f64) -> Scene {

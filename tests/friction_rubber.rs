@@ -7,14 +7,12 @@ mod common;
 use std::f64::consts::FRAC_PI_2;
 
 use common::meshes::{cube, file, mesh, ring};
-use common::scenes::{HELD, mooney_rivlin, obstacle, rubber, squeezed_cube, support};
+use common::scenes::{
+    HELD, mooney_rivlin, obstacle, plane, rubber, squeezed_cube, support, travel,
+};
 use common::{assert_converged, open, solve, take};
-use signorini::scene::{ObstacleTarget, Pressure, Shape, SupportTarget};
+use signorini::scene::{Pressure, Shape, SupportTarget};
 use signorini::{Scene, Step, StepReport};
-
-fn plane(point: [f64; 3], normal: [f64; 3]) -> Shape {
-    Shape::HalfSpace { point, normal }
-}
 
 /// With one more obstacle of that friction.
 fn with_rough(scene: &mut Scene, (name, on): (&str, &[&str]), shape: Shape, friction: f64) {
@@ -22,20 +20,6 @@ fn with_rough(scene: &mut Scene, (name, on): (&str, &[&str]), shape: Shape, fric
     tool.on = on.iter().map(|&on| on.to_owned()).collect();
     tool.friction = friction;
     scene.obstacles.push(tool);
-}
-
-/// A step that moves and turns one obstacle from its initial pose.
-fn to(name: &str, increments: u32, translation: [f64; 3], rotation: [f64; 3]) -> Step {
-    Step {
-        increments,
-        obstacles: vec![ObstacleTarget {
-            name: name.to_owned(),
-            translation: Some(translation),
-            rotation: Some(rotation),
-            friction: None,
-        }],
-        ..Step::default()
-    }
 }
 
 #[test]
@@ -66,13 +50,13 @@ fn twisted(increments: u32) -> f64 {
     with_rough(&mut scene, ("plate", &["z1"]), plate, 0.5);
     let down = [0.0, 0.0, -0.15];
     let mut session = open(&scene, &mesh(cube(3)));
-    let pressed = take(&mut session, &to("plate", 3, down, [0.0; 3]));
+    let pressed = take(&mut session, &travel("plate", 3, down, [0.0; 3]));
     let mut before = pressed.last().expect("a result").clone();
     let first = before.strain_energy;
     let (mut work, mut lost) = (0.0, 0.0);
     for report in take(
         &mut session,
-        &to("plate", increments, down, [0.0, 0.0, 0.8]),
+        &travel("plate", increments, down, [0.0, 0.0, 0.8]),
     ) {
         assert_converged(&report);
         let moment = |report: &StepReport| report.obstacles["plate"].moment[2];
@@ -145,7 +129,7 @@ fn a_fluid_pushes_a_rough_seal_to_the_wall_of_its_groove() {
         on: vec!["left".to_owned()],
         value: 1.0,
     }];
-    let mut squeeze = to("lid", 5, [0.0, -0.4, 0.0], [0.0; 3]);
+    let mut squeeze = travel("lid", 5, [0.0, -0.4, 0.0], [0.0; 3]);
     squeeze.load = Some(0.0);
     let fill = Step {
         increments: 10,

@@ -102,6 +102,24 @@ pub(crate) fn push(name: &str, translation: [f64; 3]) -> Step {
     }
 }
 
+/// A step of equal increments that moves and turns one obstacle from its initial pose.
+pub(crate) fn travel(
+    name: &str,
+    increments: u32,
+    translation: [f64; 3],
+    rotation: [f64; 3],
+) -> Step {
+    let mut step = push(name, translation);
+    step.increments = increments;
+    step.obstacles[0].rotation = Some(rotation);
+    step
+}
+
+/// A half-space whose free side `normal` points to.
+pub(crate) fn plane(point: [f64; 3], normal: [f64; 3]) -> Shape {
+    Shape::HalfSpace { point, normal }
+}
+
 /// A step that moves one support.
 pub(crate) fn pull(name: &str, displacement: [Option<f64>; 3], increments: u32) -> Step {
     Step {
