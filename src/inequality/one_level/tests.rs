@@ -9,7 +9,7 @@ use crate::krylov::Verdict;
 use crate::linalg::DenseMatrix;
 use crate::linalg::samples::rows;
 use crate::linalg::vector::{largest, reproducible_noise};
-use crate::saddle::{AdmissibleSet, EqualityBlock, MultiplierBlock};
+use crate::saddle::{AdmissibleSet, EqualityBlock, MultiplierBlock, Status};
 
 #[test]
 fn random_problems_end_optimal_without_equalities() {
