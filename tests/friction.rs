@@ -203,10 +203,19 @@ fn rough_rubber_is_pressed_as_two_other_codes_say() {
     }
 }
 
-/// The seed's way: the same forces, for many more applications.
+/// The seed's ways: the same forces, for many more applications.
 #[test]
 fn the_iteration_on_the_threshold_ends_where_one_level_does() {
-    let runs = [ContactMethod::OneLevel, ContactMethod::ThresholdIteration].map(|method| {
+    assert_slower_agreement(ContactMethod::ThresholdIteration);
+}
+
+#[test]
+fn springs_on_the_slip_end_where_one_level_does() {
+    assert_slower_agreement(ContactMethod::RegularisedFriction);
+}
+
+fn assert_slower_agreement(other: ContactMethod) {
+    let runs = [ContactMethod::OneLevel, other].map(|method| {
         let (mut scene, steps) = slide_block(0.5, 0.1);
         scene.solver.contact = Choice::Named(method);
         let mut session = open(&scene, &mesh(square(8)));
@@ -215,8 +224,8 @@ fn the_iteration_on_the_threshold_ends_where_one_level_does() {
             .flat_map(|step| take(&mut session, step))
             .collect::<Vec<StepReport>>()
     });
-    let [one_level, threshold] = &runs;
-    for (a, b) in one_level.iter().zip(threshold) {
+    let [one_level, passes] = &runs;
+    for (a, b) in one_level.iter().zip(passes) {
         assert_converged(a);
         assert_converged(b);
         assert!(a.newton_steps <= 20, "{}", a.newton_steps);

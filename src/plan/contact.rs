@@ -135,7 +135,11 @@ pub(crate) fn choose(
 fn knows_friction(method: Option<ContactMethod>) -> bool {
     matches!(
         method,
-        None | Some(ContactMethod::OneLevel | ContactMethod::ThresholdIteration)
+        None | Some(
+            ContactMethod::OneLevel
+                | ContactMethod::ThresholdIteration
+                | ContactMethod::RegularisedFriction
+        )
     )
 }
 
@@ -151,7 +155,7 @@ fn check_rough(method: Option<ContactMethod>, metric: Option<MetricKind>) -> Res
     };
     Err(Violation {
         path: path.to_owned(),
-        message: "friction is solved by `one-level` and `threshold-iteration` in the metric `compliance` only".to_owned(),
+        message: "friction is solved by `one-level`, `threshold-iteration` and `regularised-friction` in the metric `compliance` only".to_owned(),
     })
 }
 
@@ -179,6 +183,7 @@ impl ContactChoice {
             ContactMethod::ThresholdIteration => {
                 "one level, iteration on the threshold of friction"
             }
+            ContactMethod::RegularisedFriction => "one level, friction by springs on the slip",
         };
         let is_dense = self.method.needs_dense(self.metric);
         let metric = match self.metric {

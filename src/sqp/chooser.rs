@@ -44,7 +44,8 @@ pub(crate) fn contact<'a>(
         | ContactMethod::Nested
         | ContactMethod::ConjugateProjectedGradient
         | ContactMethod::ProjectedArrowHurwicz
-        | ContactMethod::ThresholdIteration => {
+        | ContactMethod::ThresholdIteration
+        | ContactMethod::RegularisedFriction => {
             compare::contact(method, problem).unwrap_or_else(|| Box::new(OneLevel::new(problem)))
         }
     }

@@ -240,12 +240,13 @@ pub(crate) const STUDIES: &[Study] = &[
     },
     Study {
         name: "friction",
-        question: "Friction: all at once, or by its threshold?",
-        about: "A sphere with Coulomb friction. One level solves pressures and tractions together; the iteration on the threshold (the seed's) solves contact with given thresholds until these stay.",
+        question: "Friction: all at once, by its threshold, or regularised?",
+        about: "A sphere with Coulomb friction. One level solves pressures and tractions together; the iteration on the threshold (the seed's) solves contact with given thresholds until these stay; springs on the slip (the seed's regularised term) hold what sticks, and are moved until nothing creeps.",
         scopes: &[scope("hertz-rough", &[1, 2, 3], &[1])],
         choices: &[
             choice("one level", "auto"),
             choice("iteration on the threshold", "contact=threshold-iteration"),
+            choice("springs on the slip", "contact=regularised-friction"),
         ],
         tolerances: &[1e-6],
         measure: Measure::SameMesh,

@@ -7,12 +7,14 @@
 //! | [`projected_gradient`] | conjugate projected gradient | one to two | bounds |
 //! | [`arrow_hurwicz`] | fixed projected steps in the metric | one a step | all |
 //! | [`threshold`] | one level, Coulomb friction by given thresholds | none | all |
+//! | [`regularised`] | one level, Coulomb friction by springs on the slip | none | all |
 
 mod active_set;
 mod arrow_hurwicz;
 mod clip;
 mod nested;
 mod projected_gradient;
+mod regularised;
 mod threshold;
 
 use crate::inequality::{InequalitySolver, QpProblem};
@@ -21,6 +23,7 @@ use active_set::ActiveSet;
 use arrow_hurwicz::ProjectedArrowHurwicz;
 use nested::Nested;
 use projected_gradient::ConjugateProjectedGradient;
+use regularised::RegularisedFriction;
 use threshold::ThresholdIteration;
 
 /// The solver of `problem` by a method for contact; none for the solver's own.
@@ -37,5 +40,6 @@ pub(crate) fn contact<'a>(
         }
         ContactMethod::ProjectedArrowHurwicz => Box::new(ProjectedArrowHurwicz { problem }),
         ContactMethod::ThresholdIteration => Box::new(ThresholdIteration { problem }),
+        ContactMethod::RegularisedFriction => Box::new(RegularisedFriction { problem }),
     })
 }

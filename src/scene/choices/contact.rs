@@ -17,6 +17,8 @@ super::named! {
         ProjectedArrowHurwicz = "projected-arrow-hurwicz",
         /// One level, Coulomb friction by iteration on its threshold.
         ThresholdIteration = "threshold-iteration",
+        /// Coulomb friction by springs on the slip, moved until nothing creeps.
+        RegularisedFriction = "regularised-friction",
     }
 }
 
@@ -52,7 +54,8 @@ impl ContactMethod {
             | Self::ActiveSet
             | Self::Nested
             | Self::Mprgp
-            | Self::ThresholdIteration => MetricKind::Compliance,
+            | Self::ThresholdIteration
+            | Self::RegularisedFriction => MetricKind::Compliance,
             Self::ConjugateProjectedGradient | Self::ProjectedArrowHurwicz => MetricKind::Mass,
         }
     }
@@ -66,7 +69,8 @@ impl ContactMethod {
             | Self::Nested
             | Self::Mprgp
             | Self::ProjectedArrowHurwicz
-            | Self::ThresholdIteration => true,
+            | Self::ThresholdIteration
+            | Self::RegularisedFriction => true,
         }
     }
 
@@ -81,7 +85,7 @@ impl ContactMethod {
     /// that only contact holds does not allow.
     pub fn solves_without_contact(self) -> bool {
         match self {
-            Self::OneLevel | Self::ThresholdIteration => false,
+            Self::OneLevel | Self::ThresholdIteration | Self::RegularisedFriction => false,
             Self::ActiveSet
             | Self::Nested
             | Self::Mprgp
@@ -105,7 +109,10 @@ impl ContactMethod {
     /// does so in parts of the increment as well.
     pub fn is_nested(self) -> bool {
         match self {
-            Self::OneLevel | Self::ActiveSet | Self::ThresholdIteration => false,
+            Self::OneLevel
+            | Self::ActiveSet
+            | Self::ThresholdIteration
+            | Self::RegularisedFriction => false,
             Self::Nested
             | Self::Mprgp
             | Self::ConjugateProjectedGradient
