@@ -6,7 +6,7 @@ mod common;
 use common::meshes::{cube, file, mesh};
 use common::scenes::{HELD, elastic, mooney_rivlin, obstacle, press, push, rubber, support};
 use common::{assert_converged, close, difference, open, take, values};
-use signorini::scene::{Choice, ContactSpace, Shape};
+use signorini::scene::{Choice, ContactSpace, Shape, SupportTarget};
 use signorini::{FieldName, Scene, Step, StepReport};
 
 fn ball(scene: Scene) -> Scene {
@@ -100,8 +100,42 @@ fn a_tool_that_comes_back_to_just_touch_leaves_a_body_at_rest() {
     }
 }
 
+/// A step that moves the base.
+fn carried(by: f64) -> Step {
+    Step {
+        supports: vec![SupportTarget {
+            name: "z0".to_owned(),
+            displacement: [Some(by), None, None],
+            ..SupportTarget::default()
+        }],
+        ..Step::default()
+    }
+}
+
+/// What a body has been through leaves no scale beside which any force would do.
 #[test]
-fn a_body_carried_far_away_and_back_is_pressed_as_before() {
+fn a_base_carried_far_away_and_back_is_pressed_as_before() {
+    for poisson_ratio in [0.3, 0.5] {
+        let mut scene = elastic(poisson_ratio);
+        scene.supports = vec![support("z0", HELD)];
+        scene.obstacles = vec![press("z1")];
+        let mut session = open(&scene, &mesh(cube(3)));
+        let down = push("press", [0.0, 0.0, -0.05]);
+        let first = take(&mut session, &down).remove(0);
+        assert_converged(&first);
+        assert!(first.warnings.is_empty(), "{:?}", first.warnings);
+        for far in [1e3, 1e6] {
+            let there = take(&mut session, &carried(far)).remove(0);
+            assert_converged(&there);
+            let back = take(&mut session, &carried(0.0)).remove(0);
+            assert_converged(&back);
+            assert_equal((&first, &back), "press", 1e-6);
+        }
+    }
+}
+
+#[test]
+fn a_body_whose_press_lifted_off_far_is_pressed_as_before() {
     let mut scene = rubber(mooney_rivlin(), None);
     scene.supports = vec![support("z0", HELD)];
     scene.obstacles = vec![press("z1")];

@@ -14,6 +14,8 @@ use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::space::TaylorHood;
 
+/// Share of a motion by which parts of it differ that are the same.
+const SAME: f64 = 1e-12;
 /// Motion of a support, over the body's length, that rounding leaves.
 const SETTLED: f64 = 1e-14;
 
@@ -34,6 +36,38 @@ pub(crate) fn prescribe(model: &Model<'_>, drive: &Drive, displacement: &mut [f6
             }
         };
     }
+}
+
+/// Moves the free entries of a linear body along where supports carry it: each component in
+/// which all that is held moves by the same. Without, a body that is carried far begins with
+/// forces beside which those of its contact are rounding. `before` is the displacement that
+/// the supports have moved on from.
+pub(crate) fn carry(model: &Model<'_>, before: &[f64], displacement: &mut [f64]) {
+    let space = &model.prepared.space;
+    let (c, vertices) = (space.components, space.vertices * space.components);
+    let mut is_held = vec![false; vertices];
+    let held = model.prepared.held.iter().map(|&index| index as usize);
+    (held.filter(|&index| index < vertices)).for_each(|index| is_held[index] = true);
+    // Nothing carries a body away from its axis.
+    for i in usize::from(model.plan.is_axisymmetric())..c {
+        let own = (i..vertices).step_by(c);
+        let moves = own.clone().filter(|&index| is_held[index]);
+        let moves = moves.map(|index| displacement[index] - before[index]);
+        if let Some(motion) = common(moves) {
+            let free = own.filter(|&index| !is_held[index]);
+            free.for_each(|index| displacement[index] += motion);
+        }
+    }
+}
+
+/// What all `moves` are, to rounding; none where they differ, or nothing moves.
+fn common(moves: impl Iterator<Item = f64>) -> Option<f64> {
+    let [least, most] = moves.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], value| {
+        [a.min(value), b.max(value)]
+    });
+    let size = least.abs().max(most.abs());
+    let is_one = size > 0.0 && most - least <= SAME * size;
+    (size.is_finite() && is_one).then_some(least)
 }
 
 /// How far held entries still are from where `drive` wants them `[displacement

@@ -12,13 +12,13 @@ use super::run::Run;
 use super::search::{Refused, search};
 use super::verdict::{Verdict, of_status, verdict};
 use crate::inequality::QpScales;
-use crate::linalg::vector::norm;
+use crate::linalg::vector::{dot, largest, norm};
 use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
 use crate::model::evaluate::Evaluation;
-use crate::model::prescribed::{prescribe, remaining_motion};
+use crate::model::prescribed::{carry, prescribe, remaining_motion};
 use crate::model::state::State;
 use crate::report::{Cause, Residuals, Termination};
 
@@ -31,6 +31,8 @@ const MOST_IDLE: u32 = 5;
 /// Stress in shear moduli below which a body without load is at rest: linear, and of rubber,
 /// whose law has a scale of its own.
 const LEAST_STRESS: [f64; 2] = [1e-11, 1e-9];
+/// Roundings that one entry of a force adds up.
+const ROUNDINGS: f64 = 8.0;
 /// First reduction asked of a program with a curved gap.
 const FIRST_REDUCTION: f64 = 1e-2;
 
@@ -118,7 +120,13 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
     let (now, first_force) = match run.model.is_rubber() {
         true => predictor::start(run, drive),
         false => {
+            let before = run.state.displacement.clone();
             prescribe(&run.model, drive, &mut run.state.displacement);
+            // Where friction holds the body its way decides.
+            let is_held = run.model.plan.has_friction() && touches(run.state);
+            if !is_held {
+                carry(&run.model, &before, &mut run.state.displacement);
+            }
             run.state.drive = drive.clone();
             let now = run.evaluate();
             let force = norm(&now.force);
@@ -126,8 +134,11 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
         }
     };
     limit_gap_scale(run.state, &now);
+    if run.model.is_rubber() {
+        raise_scales(&run.model, run.state, &now);
+    }
     Iterate {
-        first_force: first_force.max(least_force(&run.model, &now)),
+        first_force: first_force.max(least_force(&run.model, run.state, &now)),
         now,
         reduction: FIRST_REDUCTION,
         least: f64::INFINITY,
@@ -139,10 +150,15 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
 /// they have seen says nothing of what comes.
 fn forget_scales(run: &mut Run<'_>) {
     let state = &mut *run.state;
-    let touches = state.multiplier.iter().any(|&value| value != 0.0);
-    if !touches && state.drive.load == 0.0 && !state.drive.moves_supports() {
+    let is_loaded = run.model.plan.resolved.is_loaded() && state.drive.load != 0.0;
+    if !touches(state) && !is_loaded && !state.drive.moves_supports() {
         state.scales = QpScales::default();
     }
+}
+
+/// Whether any multiplier of contact is at work.
+fn touches(state: &State) -> bool {
+    state.multiplier.iter().any(|&value| value != 0.0)
 }
 
 /// Keeps the scale of the gap to what contact has moved the surface by: a lift, or a body
@@ -158,16 +174,48 @@ fn limit_gap_scale(state: &mut State, now: &Evaluation) {
     state.scales.gap = state.scales.gap.min(square.sqrt());
 }
 
-/// Norm of a force that is rounding in a body without load: a stress of some
-/// [`LEAST_STRESS`] shear moduli.
-fn least_force(model: &Model<'_>, now: &Evaluation) -> f64 {
-    match now.load_norm > 0.0 {
-        true => 0.0,
-        false => {
-            LEAST_STRESS[usize::from(model.is_rubber())]
-                / (model.prepared.space.vertices as f64).sqrt()
-        }
+/// Keeps the scales of gaps and volumes of rubber to what their rounding is within the
+/// tolerance of: both are those of the deformed body, of length one.
+fn raise_scales(model: &Model<'_>, state: &mut State, now: &Evaluation) {
+    let least = ROUNDINGS * f64::EPSILON / model.tolerance;
+    let (c, mut work) = (model.prepared.space.components, Workspace::new());
+    let mut square = 0.0;
+    for axis in 0..model.plan.units.dimension {
+        let mut carried = vec![0.0; state.displacement.len()];
+        let own = carried[..c * model.prepared.space.vertices].iter_mut();
+        own.skip(axis).step_by(c).for_each(|entry| *entry = 1.0);
+        let mut moved = vec![0.0; state.multiplier.len()];
+        now.coupling.apply(&carried, &mut moved, &mut work);
+        square += dot(&moved, &moved);
     }
+    state.scales.gap = state.scales.gap.max(least * square.sqrt());
+    let volumes = (model.prepared.space.vertices as f64).sqrt();
+    state.scales.constraint = state.scales.constraint.max(least / volumes);
+}
+
+/// Norm of a force that stands for one where none at hand is larger: in a body without load a
+/// stress of some [`LEAST_STRESS`] shear moduli, and in any body one beside which the rounding
+/// of its displacements meets the tolerance.
+fn least_force(model: &Model<'_>, state: &State, now: &Evaluation) -> f64 {
+    let vertices = (model.prepared.space.vertices as f64).sqrt();
+    let at_rest = match now.load_norm > 0.0 {
+        true => 0.0,
+        false => LEAST_STRESS[usize::from(model.is_rubber())] / vertices,
+    };
+    at_rest.max(rounding(model, state) / model.tolerance)
+}
+
+/// What rounding of displacements, and of rubber of lengths, leaves of the forces of a body:
+/// h^(d - 2) a vertex where cells have the size h in d dimensions.
+fn rounding(model: &Model<'_>, state: &State) -> f64 {
+    let dimension = model.plan.units.dimension as i32;
+    let vertices = model.prepared.space.vertices as f64;
+    let size = vertices.powf(-1.0 / f64::from(dimension));
+    let length = match model.is_rubber() {
+        true => largest(&state.displacement).max(1.0),
+        false => largest(&state.displacement),
+    };
+    ROUNDINGS * f64::EPSILON * length * size.powi(dimension - 2) * vertices.sqrt()
 }
 
 impl Iterate {
