@@ -149,6 +149,44 @@ fn a_tool_that_lifts_off_has_not_passed_through_the_body() {
     }
 }
 
+/// Lengths of one round strains away of 1e-10: the forces are those of a press a thousand
+/// times as deep to the digits that are left, or that is said.
+#[test]
+fn rubber_that_is_hardly_pressed_ends_and_says_what_is_lost() {
+    let law = RubberModel::NeoHookean { shear_modulus: 1.0 };
+    let mut scene = rubber(law, None);
+    scene.supports = vec![support("z0", HELD)];
+    scene.obstacles = vec![press("z1")];
+    let force = |depth: f64| {
+        let report = solve_one(&scene, &push("press", [0.0, 0.0, -depth]), &coarse());
+        assert_eq!(report.termination, Termination::Converged, "{depth:e}");
+        let is_doubted = report
+            .warnings
+            .iter()
+            .any(|w| w.kind == WarningKind::LostDigits);
+        assert_eq!(is_doubted, depth < 1e-8, "{depth:e} {:?}", report.warnings);
+        report.obstacles["press"].force[2] / depth
+    };
+    let exact = force(1e-6);
+    for (depth, accuracy) in [(1e-8, 1e-5), (1e-10, 1e-3), (1e-12, 0.1)] {
+        let relative = force(depth) / exact - 1.0;
+        assert!(relative.abs() < accuracy, "{depth:e} {relative:e}");
+    }
+}
+
+/// A needle's head, whose way is long against its size.
+#[test]
+fn a_small_tool_moved_far_through_the_body_is_named() {
+    for (height, travel) in [(1.03, -10.0), (1.5, -7.3), (1.021, -3.0)] {
+        let scene = block(sphere([0.45, 0.55, height], 0.02));
+        let report = solve_one(&scene, &push("tool", [0.0, 0.0, travel]), &coarse());
+        let mut kinds = report.warnings.iter().map(|warning| warning.kind);
+        let is_named = kinds.any(|kind| kind == WarningKind::PassedThrough);
+        let has_stopped = report.termination == Termination::NotConverged;
+        assert!(has_stopped || is_named, "{report:?}");
+    }
+}
+
 #[test]
 fn a_tool_that_slips_in_between_nodes_is_named() {
     let wide = moved(unit_grid(12, 6), |[x, y, _]| [2.0 * x, y, 0.0]);

@@ -16,9 +16,6 @@ use crate::text::{note, print};
 /// Between two updates of a progress bar.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(50);
 
-/// Geometry error of an obstacle above which people are told.
-const COARSE_FACETS: f64 = 0.05;
-
 /// Everything that a command writes to and has gathered.
 pub(crate) struct Record {
     pub(crate) progress: Progress,
@@ -30,7 +27,6 @@ pub(crate) struct Record {
     visibility: Visibility,
     /// What the reader doubts in scene and mesh, until the plan comes.
     of_input: Vec<String>,
-    has_warned_of_facets: bool,
 }
 
 impl Record {
@@ -47,7 +43,6 @@ impl Record {
             totals: Totals::default(),
             visibility,
             of_input: Vec::new(),
-            has_warned_of_facets: false,
         }
     }
 
@@ -79,24 +74,6 @@ impl Record {
             for warning in warnings {
                 self.progress.note(&format!("warning: {warning}"));
             }
-        }
-    }
-
-    /// Tells people once where facets stand for a curved surface too coarsely.
-    fn warn_of_facets(&mut self, report: &v1::StepReport) {
-        let coarse = |(name, result): (&String, &v1::ObstacleResult)| {
-            let error = result
-                .geometry_error
-                .filter(|error| *error > COARSE_FACETS)?;
-            Some(format!(
-                "the facets under {name} are off the curved surface by {:.0} % of its squeeze: use a mesh of second order or `surface = \"smooth\"`",
-                100.0 * error
-            ))
-        };
-        let found: Vec<String> = report.obstacles.iter().filter_map(coarse).collect();
-        if !self.has_warned_of_facets && !found.is_empty() {
-            self.has_warned_of_facets = true;
-            self.warn(&found);
         }
     }
 
@@ -138,7 +115,6 @@ impl Record {
                 self.warn(&["the fields of a result are no longer kept by the server".to_owned()]);
             }
         }
-        self.warn_of_facets(&increment.report);
         let termination = increment.report.termination();
         self.totals.add(&increment.report);
         self.reports.push(increment.report);

@@ -1,5 +1,6 @@
 //! Plans and results as text for people.
 
+use std::collections::HashSet;
 use std::fmt::Write as _;
 
 use signorini_proto::{v1, words};
@@ -78,6 +79,9 @@ pub(crate) fn results(plan: &v1::Plan, reports: &[v1::StepReport]) -> String {
     if let Some(last) = reports.last() {
         report(&mut lines, &plan.name, last);
     }
+    for warning in earlier_warnings(reports) {
+        lines.add("warning", &warning);
+    }
     left_out(&mut lines, plan);
     lines.0
 }
@@ -106,6 +110,27 @@ fn increments(reports: &[v1::StepReport]) -> String {
     }
     text.push('\n');
     text
+}
+
+/// What was doubted before the last increment and is not in the last one, once each, with the
+/// first increment of it.
+fn earlier_warnings(reports: &[v1::StepReport]) -> Vec<String> {
+    let Some((last, earlier)) = reports.split_last() else {
+        return Vec::new();
+    };
+    let about = |warning: &v1::Warning| (warning.kind.clone(), warning.subject.clone());
+    let mut told: HashSet<_> = last.warnings.iter().map(about).collect();
+    let mut lines = Vec::new();
+    for report in earlier {
+        for warning in &report.warnings {
+            if told.insert(about(warning)) {
+                let (step, increment) = (report.step, report.increment);
+                let message = &warning.message;
+                lines.push(format!("step {step}, increment {increment}: {message}"));
+            }
+        }
+    }
+    lines
 }
 
 fn length(vector: &[f64]) -> f64 {
@@ -383,6 +408,34 @@ mod tests {
         ] {
             assert!(text.contains(part), "{part}\n{text}");
         }
+    }
+
+    #[test]
+    fn warnings_of_all_increments_are_told_once() {
+        let warned = |increment: i32, kinds: &[&str]| v1::StepReport {
+            increment,
+            warnings: kinds
+                .iter()
+                .map(|&kind| v1::Warning {
+                    kind: kind.to_owned(),
+                    message: format!("it {kind}"),
+                    ..Default::default()
+                })
+                .collect(),
+            ..report()
+        };
+        let reports = [
+            warned(1, &["snapped"]),
+            warned(2, &["snapped", "large_strain"]),
+            warned(3, &["large_strain"]),
+        ];
+        let text = results(&omission(), &reports);
+        let told: Vec<&str> = text.lines().filter(|l| l.starts_with("warning")).collect();
+        let expected = [
+            "warning            it large_strain",
+            "warning            step 1, increment 1: it snapped",
+        ];
+        assert_eq!(told, expected, "{text}");
     }
 
     #[test]

@@ -25,6 +25,8 @@ pub(crate) struct Snap {
     pub(crate) largest_motion: f64,
     /// Undeformed place of that vertex, in the mesh's lengths.
     pub(crate) point: [f64; 3],
+    /// Whether the equilibrium before was seen to be lost; else it could not be followed.
+    pub(crate) was_lost: bool,
 }
 
 impl Snap {
@@ -36,6 +38,7 @@ impl Snap {
         };
         Self {
             energy_drop: self.energy_drop + other.energy_drop,
+            was_lost: self.was_lost && other.was_lost,
             ..larger
         }
     }

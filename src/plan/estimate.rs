@@ -60,6 +60,10 @@ pub(super) fn factor(dimension: usize, vertices: u64) -> (f64, f64) {
     }
 }
 
+/// Floating-point operations of the largest factor of a saddle point: seconds, while
+/// nothing can interrupt it.
+pub(crate) const MOST_FACTOR_FLOPS: f64 = 2e10;
+
 /// Bytes of the factor of the assembled saddle point and flops to make it: those of a
 /// factor on all P2 nodes.
 pub(super) fn saddle_factor(dimension: usize, unknowns: Unknowns) -> (f64, f64) {

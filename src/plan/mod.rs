@@ -11,7 +11,7 @@ pub(crate) mod contact;
 pub(crate) mod displacement;
 mod doubts;
 pub(crate) mod element;
-mod estimate;
+pub(crate) mod estimate;
 mod friction;
 pub(crate) mod held;
 pub(crate) mod p1;

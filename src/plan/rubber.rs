@@ -5,7 +5,7 @@ use crate::krylov::gcr::Directions;
 use crate::material::Rubber;
 use crate::plan::Plan;
 use crate::plan::estimate;
-use crate::scene::{MaterialModel, SceneKind};
+use crate::scene::{ContactSpace, MaterialModel, OnInstability, SceneKind};
 
 /// Weight of the volume term, in units of the shear modulus.
 pub(crate) const VOLUMETRIC: f64 = 2.0 / 3.0;
@@ -64,6 +64,13 @@ impl Plan {
         let may_help = is_free && (present == 0.0 || present < largest);
         let mut weights = PENALTIES.into_iter().filter(|_| may_help);
         weights.find(|&weight| weight > present)
+    }
+
+    /// Whether a body that loses its equilibrium falls to the next one, and functions of the
+    /// pressure let it.
+    pub(crate) fn never_takes_a_penalty(&self) -> bool {
+        self.settings.on_instability == OnInstability::Descend
+            && self.contact_space == ContactSpace::Quadratic
     }
 
     /// Degree of the rule for stress, volume and tangent.
@@ -187,10 +194,11 @@ impl Plan {
                 format!("{weight} mu of pointwise volume change"),
                 "asked for",
             ),
+            None if self.never_takes_a_penalty() => ("none".into(), "stable without"),
             None => (
                 "none; 4 mu or more of pointwise volume change from where an equilibrium is lost"
                     .into(),
-                "the element pair loses stability before the body does",
+                "hats, or no descent: equilibria end with the element pair's",
             ),
         };
         push("penalty", penalty, reason);

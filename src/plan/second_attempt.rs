@@ -9,10 +9,6 @@ use super::{Plan, estimate};
 use crate::report::Fallback;
 use crate::scene::{ContactMethod, ElementKind, MetricKind};
 
-/// Floating-point operations of the largest factor of a saddle point: seconds, while
-/// nothing can interrupt it.
-pub(crate) const MOST_FACTOR_FLOPS: f64 = 2e10;
-
 /// How the linear systems of programs are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Programs {
@@ -49,7 +45,7 @@ impl Plan {
                 Fallback::Mprgp => takes_turns && self.contact.method != ContactMethod::Mprgp,
                 Fallback::Direct => {
                     estimate::saddle_factor(self.units.dimension, self.unknowns).1
-                        <= MOST_FACTOR_FLOPS
+                        <= estimate::MOST_FACTOR_FLOPS
                 }
             }
     }

@@ -1,6 +1,7 @@
 //! How equilibria of rubber are certified: exactly where a factor of the saddle point is
 //! cheap beside an increment, else by what can be followed.
 
+use super::estimate::MOST_FACTOR_FLOPS;
 use super::{Plan, estimate};
 use crate::scene::StabilityCheck;
 
@@ -49,6 +50,11 @@ impl Plan {
     pub(super) fn stability_in_words(&self) -> String {
         let flops = estimate::saddle_factor(self.units.dimension, self.unknowns).1;
         match self.stability.check {
+            StabilityCheck::Exact if flops > MOST_FACTOR_FLOPS => format!(
+                "not determined: counting unstable motions takes {:.0} Gflop an equilibrium, above {:.0}",
+                flops / 1e9,
+                MOST_FACTOR_FLOPS / 1e9
+            ),
             StabilityCheck::Exact => {
                 format!(
                     "unstable motions counted, {:.1} Gflop an equilibrium",

@@ -21,6 +21,8 @@ pub enum WarningKind {
     FreeMotion,
     /// Faces in contact are large beside the contact.
     CoarseContact,
+    /// Facets in contact are far off the curved surface that they stand for.
+    CoarseFacets,
     /// Friction may admit another equilibrium under the same drive.
     NotUnique,
     /// Digits are lost in motions far larger than the body's strains.
@@ -40,6 +42,7 @@ impl WarningKind {
             Self::LargeStrain => "large_strain",
             Self::FreeMotion => "free_motion",
             Self::CoarseContact => "coarse_contact",
+            Self::CoarseFacets => "coarse_facets",
             Self::NotUnique => "not_unique",
             Self::LostDigits => "lost_digits",
         }

@@ -7,13 +7,16 @@
 //! | passed through | no pressure, and cells inside the obstacle, or poses on the way at which it is inside |
 //! | begins inside | distances before the first increment |
 //! | free motion | rigid modes that supports leave, and no contact |
-//! | large strain | the largest strain at the centroid of a cell, of a linear law |
+//! | large strain | the largest strain at the centroid of a cell, of a linear solid |
 //! | coarse contact | pressure on two functions of a curved contact at most |
-//! | lost digits | displacements whose rounding is a strain of some share of the largest |
+//! | coarse facets | how far facets are off the surface that they stand for, over the squeeze |
+//! | lost digits | displacements, or of rubber lengths, whose rounding is a strain of some share of the largest |
 //! | snapped, unstable equilibrium, not unique | what the solver did |
 //!
-//! Cost: 45 distances a face, again for each twentieth of its way
-//! where an obstacle touches nothing, and a gradient a cell of a linear body.
+//! Cost: 45 distances a face, again at poses as far apart as the obstacle is from the body
+//! where it touches nothing, and a gradient a cell.
+
+use std::collections::BTreeMap;
 
 use crate::contact::nearest::nearest;
 use crate::model::Model;
@@ -22,7 +25,7 @@ use crate::model::ending::Ending;
 use crate::model::interfaces::Interface;
 use crate::model::state::State;
 use crate::model::values::gradient_at;
-use crate::report::{Stability, Termination, Warning, WarningKind};
+use crate::report::{ObstacleResult, Stability, Termination, Warning, WarningKind};
 use crate::results::touch::Touch;
 
 /// Strain of a linear law beyond what it is meant for.
@@ -35,13 +38,15 @@ const ENOUGH: usize = 4;
 const DEEP: f64 = 0.01;
 /// The same of one that no face overlaps.
 const SWALLOWED: f64 = 1e-3;
-/// Way between two poses that are looked at, over the length of the body.
-const POSE_SPACING: f64 = 0.05;
-/// Poses at least, and at most.
-const FEWEST_POSES: f64 = 8.0;
-const MOST_POSES: f64 = 2000.0;
+/// Least way between two poses that are looked at, over the length of the body.
+const POSE_SPACING: f64 = 0.25 * DEEP;
+/// Poses at least and at most, before they become fewer.
+const FEWEST_POSES: f64 = 100.0;
+const MOST_POSES: f64 = 4000.0;
 /// Faces times poses at most.
 const MOST_SAMPLES: f64 = 4e5;
+/// Sagitta of facets over the squeeze that is worth a word.
+const COARSE_FACETS: f64 = 0.05;
 /// Rounding of strains over the largest strain that is worth a word.
 const LOST: f64 = 1e-6;
 /// What residuals leave of the displacements over the largest strain that is too much.
@@ -96,7 +101,11 @@ fn of_stability(model: &Model<'_>, ending: &Ending, all: &mut Vec<Warning>) {
             "",
             Some(snapped.largest_motion),
             format!(
-                "the body snapped to another equilibrium: the point ({x:.4}, {y:.4}, {z:.4}) moved by {:.4}",
+                "{}: the point ({x:.4}, {y:.4}, {z:.4}) moved by {:.4}",
+                match snap.was_lost {
+                    true => "the body snapped to another equilibrium",
+                    false => "the way of the body could not be followed, though no motion was seen to be unstable, and it went down its energy to an equilibrium that may be another one",
+                },
                 snapped.largest_motion
             ),
         ));
@@ -180,20 +189,34 @@ fn passed(
     if *start == state.drive {
         return None;
     }
-    let poses = poses(model, (start, &state.drive), interface);
-    let depth_at = |pose: u32| {
-        let drive = start.towards(&state.drive, f64::from(pose) / f64::from(poses));
-        depth(model, (&drive, &state.displacement), interface)
+    let way = way(model, (start, &state.drive), interface);
+    let most = MOST_SAMPLES / interface.surface.faces.len().max(1) as f64;
+    let most = most.clamp(FEWEST_POSES, MOST_POSES);
+    let distance_at = |share: f64| {
+        let drive = start.towards(&state.drive, share);
+        least_distance(model, (&drive, &state.displacement), interface)
     };
+    let (mut gone, mut poses) = (0.0, 0.0);
     // A tool that lifts off begins inside the body that has sprung back, and leaves it.
-    let mut last = depth_at(0);
+    let mut last = distance_at(0.0);
     let mut deepest = 0.0_f64;
-    for pose in 1..poses {
-        let depth = depth_at(pose);
-        if depth > last {
-            deepest = deepest.max(depth);
+    loop {
+        // No nearer than it is can it come on a way as long as that.
+        let least = if poses < most {
+            POSE_SPACING
+        } else {
+            way / most
+        };
+        gone += last.max(least);
+        poses += 1.0;
+        if gone >= way {
+            break;
         }
-        last = depth;
+        let distance = distance_at(gone / way);
+        if distance < last {
+            deepest = deepest.max(-distance);
+        }
+        last = distance;
     }
     (deepest > DEEP).then(|| {
         let name = &interface.name;
@@ -206,9 +229,8 @@ fn passed(
     })
 }
 
-/// How many poses of an obstacle's way are looked at: one for each twentieth of the body's
-/// length, within a bound on the work.
-fn poses(model: &Model<'_>, (start, end): (&Drive, &Drive), interface: &Interface) -> u32 {
+/// How far an obstacle moves, over the length of the body.
+fn way(model: &Model<'_>, (start, end): (&Drive, &Drive), interface: &Interface) -> f64 {
     let pairs = start.poses.iter().zip(&end.poses);
     let own = pairs.filter(|(pose, _)| pose.name == interface.name);
     let distance = |a: [f64; 3], b: [f64; 3]| {
@@ -219,9 +241,7 @@ fn poses(model: &Model<'_>, (start, end): (&Drive, &Drive), interface: &Interfac
         distance(from.translation, to.translation) / model.plan.units.length
             + distance(from.rotation, to.rotation)
     });
-    let wanted = travel.sum::<f64>() / POSE_SPACING;
-    let most = MOST_SAMPLES / interface.surface.faces.len().max(1) as f64;
-    wanted.min(most).clamp(FEWEST_POSES, MOST_POSES).ceil() as u32
+    travel.sum()
 }
 
 /// An obstacle that is deep inside the undeformed body before the first increment.
@@ -230,7 +250,7 @@ fn begun_inside(model: &Model<'_>, start: &Drive, interface: &Interface) -> Opti
         return None;
     }
     let at_rest = vec![0.0; model.prepared.space.displacement_unknowns()];
-    let depth = depth(model, (start, &at_rest), interface);
+    let depth = -least_distance(model, (start, &at_rest), interface);
     (depth > DEEP).then(|| {
         let (name, depth) = (&interface.name, depth * model.plan.units.length);
         warning(
@@ -242,10 +262,10 @@ fn begun_inside(model: &Model<'_>, start: &Drive, interface: &Interface) -> Opti
     })
 }
 
-/// How deep an obstacle is inside the body, in units of the scaled body.
-fn depth(model: &Model<'_>, at: (&Drive, &[f64]), interface: &Interface) -> f64 {
+/// Signed distance of an obstacle from the body, in units of the scaled body.
+fn least_distance(model: &Model<'_>, at: (&Drive, &[f64]), interface: &Interface) -> f64 {
     let distances = distances(model, at, interface);
-    -distances.into_iter().fold(0.0, f64::min)
+    distances.into_iter().fold(f64::INFINITY, f64::min)
 }
 
 /// Least signed distance of an obstacle from each of its faces, where `drive` puts it and
@@ -261,6 +281,25 @@ fn distances(
     met.map_or(Vec::new(), |(_, met)| {
         nearest(&body, &interface.surface, &met)
     })
+}
+
+/// Obstacles under which facets stand for a curved surface too coarsely, by their results.
+pub(crate) fn coarse_facets(results: &BTreeMap<String, ObstacleResult>) -> Vec<Warning> {
+    let coarse = |(name, result): (&String, &ObstacleResult)| {
+        let error = result
+            .geometry_error
+            .filter(|&error| error > COARSE_FACETS)?;
+        let percent = 100.0 * error;
+        Some(warning(
+            WarningKind::CoarseFacets,
+            name,
+            Some(error),
+            format!(
+                "the facets under obstacle `{name}` are off the curved surface by {percent:.0} % of its squeeze: use a mesh of second order or `surface = \"smooth\"`"
+            ),
+        ))
+    };
+    results.iter().filter_map(coarse).collect()
 }
 
 /// A curved contact on a few functions, and the size of faces that would resolve it.
@@ -295,8 +334,9 @@ fn of_the_body(model: &Model<'_>, state: &State, ending: &Ending, all: &mut Vec<
             format!("nothing holds the body: supports leave {modes}, and no obstacle touches it"),
         ));
     }
-    let strain = (!model.is_rubber()).then(|| largest_strain(model, state));
-    if let Some(strain) = strain.filter(|&strain| strain > LARGE_STRAIN) {
+    let strain = largest_strain(model, state);
+    let is_small_by_law = !model.is_rubber() && !model.plan.resolved.is_flow();
+    if is_small_by_law && strain > LARGE_STRAIN {
         all.push(warning(
             WarningKind::LargeStrain,
             "",
@@ -307,22 +347,33 @@ fn of_the_body(model: &Model<'_>, state: &State, ending: &Ending, all: &mut Vec<
             ),
         ));
     }
-    let largest = state
-        .displacement
-        .iter()
-        .fold(0.0_f64, |most, u| most.max(u.abs()));
-    let strain = strain.unwrap_or(1.0);
-    let rounding = f64::EPSILON * largest * (model.mesh.cell_count() as f64).cbrt();
+    all.extend(lost_digits(model, state, ending, strain));
+}
+
+/// Displacements so large, or strains of rubber so small, that rounding shows in the forces.
+fn lost_digits(model: &Model<'_>, state: &State, ending: &Ending, strain: f64) -> Option<Warning> {
+    let sizes = state.displacement.iter().map(|u| u.abs());
+    let largest = sizes.fold(0.0, f64::max);
+    // Gaps and gradients of rubber are those of the deformed body, of length one. What has
+    // come to rest is all rounding.
+    let is_driven = state.status.iter().any(|status| status.is_closed())
+        || state.drive.moves_supports()
+        || model.plan.resolved.is_loaded();
+    let length = match model.is_rubber() && is_driven {
+        true => largest.max(1.0),
+        false => largest,
+    };
+    let rounding = f64::EPSILON * length * (model.mesh.cell_count() as f64).cbrt();
     let unsolved = ending.residuals.largest() * largest;
-    if strain > 0.0 && (rounding > LOST * strain.min(1.0) || unsolved > WRONG * strain.min(1.0)) {
-        all.push(warning(
+    let bound = strain.min(1.0);
+    (strain > 0.0 && (rounding > LOST * bound || unsolved > WRONG * bound)).then(|| {
+        warning(
             WarningKind::LostDigits,
             "",
             Some(largest * model.plan.units.length),
-            "displacements are so large beside the strains that digits of the forces are lost"
-                .to_owned(),
-        ));
-    }
+            format!("strains of {strain:.1e} are so small beside displacements and lengths that digits of the forces are lost"),
+        )
+    })
 }
 
 /// Largest entry of the strain at the centroids of the cells.

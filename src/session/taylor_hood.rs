@@ -18,7 +18,7 @@ use crate::precond::PMultigrid;
 use crate::prepare::TaylorHoodData;
 use crate::report::{FieldData, FieldName, StepReport};
 use crate::results::touch::Touch;
-use crate::results::warnings::warnings;
+use crate::results::warnings::{coarse_facets, warnings};
 use crate::results::{fields, step};
 use crate::sqp::increment::{self, MOST_PROGRAMS};
 use crate::sqp::ladder::climb;
@@ -139,6 +139,7 @@ impl Body for TaylorHoodBody {
         let mut report = step::report(&model, state, ending, counters, work);
         let touches = Touch::all(&model, state);
         report.warnings = warnings(&model, (start, state), (ending, &touches));
+        report.warnings.extend(coarse_facets(&report.obstacles));
         step::add_hidden_forces(&model, &touches, &mut report.obstacles);
         if self.plan.settings.verify {
             report.verification = Some(verify::verify(&model, state, ending));

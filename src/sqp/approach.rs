@@ -127,7 +127,7 @@ impl Way<'_> {
             return None;
         }
         if self.may_fall(run, &ending) {
-            if let Some(settled) = self.fall(run) {
+            if let Some(settled) = self.fall(run, &ending) {
                 let has_landed = settled.termination == Termination::Converged;
                 return (!has_landed || self.parts.reached >= 1.0).then_some(settled);
             }
@@ -144,8 +144,7 @@ impl Way<'_> {
     /// Smallest part that is tried behind a failure. Near the end of stability every part is
     /// dear, and none leads far.
     fn least_fraction(&self, run: &Run<'_>, ending: &Ending) -> f64 {
-        let is_near = ending.cause == Some(Cause::UnstableEquilibrium) || is_soft(run);
-        match is_near {
+        match is_unstable(run, ending) {
             true if self.may_fall(run, ending) => self.falling,
             true => LEAST_UNSTABLE_FRACTION,
             false => LEAST_FRACTION,
@@ -157,9 +156,10 @@ impl Way<'_> {
         self.falling >= LEAST_UNSTABLE_FRACTION && may_fall(run, ending)
     }
 
-    /// Lets the body fall to the next minimum a part of the way on; none, and the state as
-    /// it was, where none is found.
-    fn fall(&mut self, run: &mut Run<'_>) -> Option<Ending> {
+    /// Lets the body fall behind a `failure` to the next minimum a part of the way on; none,
+    /// and the state as it was, where none is found.
+    fn fall(&mut self, run: &mut Run<'_>, failure: &Ending) -> Option<Ending> {
+        let was_lost = is_unstable(run, failure);
         let kept = KeptState::of(run);
         let next = self.parts.after(self.falling);
         run.model.admitted_penetration = self.penetration.left(next);
@@ -170,6 +170,7 @@ impl Way<'_> {
         if has_landed {
             self.parts.land(next);
             let fall = settled.as_ref().and_then(|ending| ending.snapped);
+            let fall = fall.map(|fall| Snap { was_lost, ..fall });
             self.snapped = match (self.snapped, fall) {
                 (Some(before), Some(fall)) => Some(before.and(fall)),
                 (before, fall) => before.or(fall),
@@ -197,15 +198,19 @@ fn may_fall(run: &Run<'_>, ending: &Ending) -> bool {
         ending.cause,
         Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
     );
-    let is_lost = ending.cause == Some(Cause::UnstableEquilibrium)
+    let is_lost = is_unstable(run, ending)
         || run.learned.lowest_mode.is_none()
-        || is_soft(run)
         || is_held_by_no_face(run, ending);
     let settings = &run.model.plan.settings;
     run.model.is_rubber()
         && is_lost
         && !is_elsewhere
         && settings.on_instability == OnInstability::Descend
+}
+
+/// Whether an equilibrium was seen to be unstable, or nearly so.
+fn is_unstable(run: &Run<'_>, ending: &Ending) -> bool {
+    ending.cause == Some(Cause::UnstableEquilibrium) || is_soft(run)
 }
 
 /// Whether faces have come back, as they do where a motion lowers the energy and none holds

@@ -232,6 +232,7 @@ impl Flow {
             energy_drop: self.lost,
             largest_motion,
             point: run.model.mesh.coordinates()[vertex],
+            was_lost: true,
         }
     }
 }

@@ -12,7 +12,6 @@ use super::run::Run;
 use super::step_control::{KeptState, Parts};
 use crate::model::ending::Ending;
 use crate::report::{Cause, Termination};
-use crate::scene::{ContactSpace, OnInstability};
 
 /// Failures of one part after another that bring the volume term in.
 const PATIENCE: u32 = 2;
@@ -22,10 +21,7 @@ const GENTLE: [f64; 2] = [0.0625, 0.25];
 /// The weight of the volume penalty where less of it may be what loses the
 /// equilibrium.
 pub(crate) fn next_penalty(run: &Run<'_>, ending: &Ending, parts: &Parts) -> Option<f64> {
-    let settings = &run.model.plan.settings;
-    let falls = settings.on_instability == OnInstability::Descend
-        && run.model.plan.contact_space == ContactSpace::Quadratic;
-    if falls {
+    if run.model.plan.never_takes_a_penalty() {
         return None;
     }
     let is_lost = ending.cause == Some(Cause::UnstableEquilibrium)

@@ -10,7 +10,7 @@ use crate::inequality::{
 };
 use crate::krylov::Verdict;
 use crate::linalg::{SparseRows, Workspace};
-use crate::plan::second_attempt::MOST_FACTOR_FLOPS;
+use crate::plan::estimate::MOST_FACTOR_FLOPS;
 use crate::sqp::linear::Track;
 use crate::sqp::run::Run;
 use crate::sqp::saddle_layout::SaddleLayout;
