@@ -174,6 +174,25 @@ fn rubber_that_is_hardly_pressed_ends_and_says_what_is_lost() {
     }
 }
 
+/// A ball on the edge of a block that may press its top only; on the middle of it all is well.
+#[test]
+fn a_tool_sunk_into_a_side_that_it_may_not_press_is_named() {
+    for (place, is_named) in [(0.5, false), (1.1, true)] {
+        let scene = block(sphere([place, 0.5, 1.4], 0.5));
+        let mut session = open(&scene, &mesh(cube(6)));
+        let report = take(&mut session, &push("tool", [0.0, 0.0, -0.2])).remove(0);
+        let mut warnings = report.warnings.iter();
+        let sides = |w: &&signorini::report::Warning| w.message.contains("`on` does not name");
+        assert_eq!(report.termination, Termination::Converged);
+        assert_eq!(
+            warnings.find(sides).is_some(),
+            is_named,
+            "{:?}",
+            report.warnings
+        );
+    }
+}
+
 /// A needle's head, whose way is long against its size.
 #[test]
 fn a_small_tool_moved_far_through_the_body_is_named() {

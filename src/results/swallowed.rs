@@ -4,11 +4,12 @@
 //! max over points of cells of -d(x + u),   zero where no point is inside
 //! ```
 //!
-//! Faces feel an obstacle only while it overlaps them: one that has slipped in between their
-//! nodes is met by cells alone. Points are the centroids, and a lattice of the cells that are
+//! Faces feel an obstacle only while it overlaps them, and where the scene lets it press: one
+//! that has slipped in between their nodes, or beside them, is met by cells alone. Points are the centroids, and a lattice of the cells that are
 //! larger than their distance. Cost: a pass over the nodes where the obstacle is away, one
 //! distance a cell where it is near.
 
+use crate::contact::surface::ContactSurface;
 use crate::linalg::vector::norm;
 use crate::model::Model;
 use crate::model::state::State;
@@ -20,8 +21,29 @@ const INTERVALS: u32 = 6;
 /// Distance of a centroid over the size of its cell beyond which no point of it is inside.
 const NEAR: f64 = 1.5;
 
-/// Greatest depth of a point of the body inside `obstacle`, in units of the scaled body.
-pub(crate) fn depth_inside(model: &Model<'_>, state: &State, obstacle: &dyn Obstacle) -> f64 {
+/// Cells without a face on `surface`.
+pub(crate) fn cells_beside(model: &Model<'_>, surface: &ContactSurface) -> Vec<usize> {
+    let mut is_on = vec![false; model.mesh.coordinates().len()];
+    for face in &surface.faces {
+        face.corners
+            .iter()
+            .for_each(|&corner| is_on[corner as usize] = true);
+    }
+    let corners = model.prepared.geometry.vertices;
+    let cells = model.mesh.cells().chunks_exact(corners).enumerate();
+    let beside = cells.filter(|(_, cell)| {
+        let on = cell.iter().filter(|&&vertex| is_on[vertex as usize]);
+        on.count() < corners - 1
+    });
+    beside.map(|(cell, _)| cell).collect()
+}
+
+/// Greatest depth of a point of `cells` inside `obstacle`, in units of the scaled body.
+pub(crate) fn depth_inside(
+    model: &Model<'_>,
+    state: &State,
+    (obstacle, cells): (&dyn Obstacle, &[usize]),
+) -> f64 {
     if is_away(model, state, obstacle) {
         return 0.0;
     }
@@ -31,7 +53,7 @@ pub(crate) fn depth_inside(model: &Model<'_>, state: &State, obstacle: &dyn Obst
     centroid[..corners].fill(1.0 / corners as f64);
     let mut contacts = vec![Contact::default(); lattice.len()];
     let mut deepest = 0.0_f64;
-    for cell in 0..model.mesh.cell_count() {
+    for &cell in cells {
         let middle = position(model, state, (cell, &centroid));
         let mut contact = [Contact::default()];
         obstacle.probe(&[middle], What::Gap, &mut contact);

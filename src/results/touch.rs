@@ -15,7 +15,7 @@ use crate::model::interfaces::Interface;
 use crate::model::state::State;
 use crate::obstacle::Obstacle;
 use crate::results::estimate::{contact_modulus, punch_stiffness};
-use crate::results::swallowed::depth_inside;
+use crate::results::swallowed::{cells_beside, depth_inside};
 
 /// Depth over the size of a face from which on contact between its points was missed.
 const MISSED: f64 = 1e-3;
@@ -34,8 +34,8 @@ pub(crate) struct Touch<'t> {
     pub(crate) acts: Vec<bool>,
     /// Whether the obstacle is curved.
     pub(crate) is_curved: bool,
-    /// How deep the obstacle lies inside the body where it presses nowhere, in units of the
-    /// scaled body.
+    /// How deep the obstacle lies inside the body, where it presses beside the faces that may
+    /// touch it, in units of the scaled body.
     pub(crate) inside: f64,
     /// Number of dimensions of the body.
     dimension: usize,
@@ -52,9 +52,12 @@ impl<'t> Touch<'t> {
                 interface,
                 distances: nearest(&body, &interface.surface, &met),
                 is_curved: !obstacle.is_flat(),
-                inside: match acts.contains(&true) {
-                    true => 0.0,
-                    false => depth_inside(model, state, obstacle),
+                inside: {
+                    let cells = match acts.contains(&true) {
+                        true => cells_beside(model, &interface.surface),
+                        false => (0..model.mesh.cell_count()).collect(),
+                    };
+                    depth_inside(model, state, (obstacle, &cells))
                 },
                 acts,
                 dimension: model.plan.units.dimension,
@@ -69,10 +72,7 @@ impl<'t> Touch<'t> {
             true => MISSED_AT_THE_RIM,
             false => MISSED,
         };
-        let pressed = self.distances.iter().zip(&self.acts);
-        let pressed = pressed.filter(|(_, acts)| **acts);
-        let depths = pressed.map(|(distance, _)| -distance);
-        let usual = BEYOND_THE_PRESSED * depths.fold(0.0, f64::max);
+        let usual = self.usual_depth();
         let power = 1.0 / (self.dimension as f64 - 1.0);
         (0..self.acts.len()).filter_map(move |face| {
             let size = self.interface.surface.faces[face].flat_area.powf(power);
@@ -80,6 +80,14 @@ impl<'t> Touch<'t> {
             let is_missed = !self.acts[face] && depth > usual.max(least * size);
             is_missed.then_some((face, depth))
         })
+    }
+
+    /// Depth that is usual under pressure, between the points at which it acts.
+    pub(crate) fn usual_depth(&self) -> f64 {
+        let pressed = self.distances.iter().zip(&self.acts);
+        let pressed = pressed.filter(|(_, acts)| **acts);
+        let depths = pressed.map(|(distance, _)| -distance);
+        BEYOND_THE_PRESSED * depths.fold(0.0, f64::max)
     }
 
     /// Deepest overlap where nothing presses, in units of the scaled body; zero without one.

@@ -2,7 +2,7 @@
 //!
 //! | warning | found by |
 //! |---|---|
-//! | missed contact | distances between the points of the contact integrals, on faces without pressure |
+//! | missed contact | distances between the points of the contact integrals, on faces without pressure, and depths of cells beside all faces |
 //! | untouched obstacle | no pressure, and the obstacle no farther than before |
 //! | passed through | no pressure, and cells inside the obstacle, or poses on the way at which it is inside |
 //! | begins inside | distances before the first increment |
@@ -70,7 +70,9 @@ pub(crate) fn warnings(
     for touch in touches {
         let interface = touch.interface;
         all.extend(missed(model, &interface.name, touch.overlap()));
-        if !touch.acts.contains(&true) {
+        if touch.acts.contains(&true) {
+            all.extend(beside(model, touch));
+        } else {
             all.extend(untouched(model, (start, state), touch));
             let way = || passed(model, (start, state), interface);
             all.extend(swallowed(model, touch).or_else(way));
@@ -176,6 +178,19 @@ fn swallowed(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
             name,
             Some(depth),
             format!("obstacle `{name}` is {depth:.3e} deep inside the body and presses nowhere: it has slipped in between the nodes of its surface, smaller faces or more increments would feel it"),
+        )
+    })
+}
+
+/// An obstacle that presses, and lies inside the body where the scene lets it press nowhere.
+fn beside(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
+    (touch.inside > SWALLOWED.max(touch.usual_depth())).then(|| {
+        let (name, depth) = (&touch.interface.name, touch.inside * model.plan.units.length);
+        warning(
+            WarningKind::MissedContact,
+            name,
+            Some(depth),
+            format!("obstacle `{name}` is {depth:.3e} deep inside a part of the body that its `on` does not name, and presses nowhere there"),
         )
     })
 }
