@@ -214,6 +214,31 @@ fn springs_on_the_slip_end_where_one_level_does() {
     assert_slower_agreement(ContactMethod::RegularisedFriction);
 }
 
+/// In space, where directions of slip are unknown too.
+#[test]
+fn springs_on_the_slip_know_directions() {
+    let forces = [ContactMethod::OneLevel, ContactMethod::RegularisedFriction].map(|method| {
+        let mut scene = elastic(0.3);
+        scene.supports = vec![support("z0", HELD)];
+        let shape = Shape::Sphere {
+            centre: [0.45, 0.6, 1.5],
+            radius: 0.5,
+        };
+        let mut scene = rough(scene, ("tool", "z1"), shape, 0.3);
+        scene.solver.contact = Choice::Named(method);
+        let mut session = open(&scene, &mesh(cube(4)));
+        let step = travel("tool", 1, [0.03, 0.01, -0.06], [0.0; 3]);
+        let report = take(&mut session, &step).remove(0);
+        assert_eq!(report.termination, Termination::Converged, "{report:?}");
+        report.obstacles["tool"].force
+    });
+    let [a, b] = forces;
+    for axis in 0..3 {
+        assert!((a[axis] - b[axis]).abs() < 1e-6 * a[2].abs(), "{a:?} {b:?}");
+    }
+    assert!(a[0].abs() > 0.01 * a[2].abs());
+}
+
 fn assert_slower_agreement(other: ContactMethod) {
     let runs = [ContactMethod::OneLevel, other].map(|method| {
         let (mut scene, steps) = slide_block(0.5, 0.1);

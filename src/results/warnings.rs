@@ -350,8 +350,10 @@ fn of_the_body(model: &Model<'_>, state: &State, ending: &Ending, all: &mut Vec<
         ));
     }
     let strain = largest_strain(model, state);
-    let is_small_by_law = !model.is_rubber() && !model.plan.resolved.is_flow();
-    if is_small_by_law && strain > LARGE_STRAIN {
+    let resolved = &model.plan.resolved;
+    // A manufactured field is no motion that anyone has seen.
+    let is_field = resolved.is_flow() || resolved.manufactured.is_some();
+    if !model.is_rubber() && !is_field && strain > LARGE_STRAIN {
         all.push(warning(
             WarningKind::LargeStrain,
             "",
