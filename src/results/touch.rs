@@ -34,8 +34,8 @@ pub(crate) struct Touch<'t> {
     pub(crate) acts: Vec<bool>,
     /// Whether the obstacle is curved.
     pub(crate) is_curved: bool,
-    /// How deep the obstacle lies inside the body, where it presses beside the faces that may
-    /// touch it, in units of the scaled body.
+    /// How deep the obstacle lies inside the body; of one that presses, inside the cells without
+    /// a face that it may press. In units of the scaled body.
     pub(crate) inside: f64,
     /// Number of dimensions of the body.
     dimension: usize,
