@@ -1,0 +1,99 @@
+//! The pressure at which a confined block of rubber loses its lid:
+//!
+//! ```text
+//! int 2 mu |dev eps(v)|^2 - p int ((tr grad v)^2 - grad v : grad v^T) > 0   for all v with B v = 0, C v = 0
+//! ```
+//!
+//! The second integral vanishes where the rows C hold all of the P2 trace, as a support and
+//! quadratic pressures do; hats leave edge nodes free, that buckle at about one shear
+//! modulus. The values at no compression are those of an independent eigenvalue solver
+//! (incompressible; here K = 1e4 mu, so that the walls move by 3e-4 at most).
+
+use crate::common::meshes::{cube, mesh, square};
+use crate::common::scenes::{in_parts, obstacle, push, rubber, support};
+use crate::common::solve;
+use signorini::report::{Cause, Stability};
+use signorini::scene::{Choice, ContactSpace, OnInstability, RubberModel, Shape, StabilityCheck};
+use signorini::{MeshParts, Scene, StepReport};
+
+const BULK_MODULUS: f64 = 1e4;
+/// Shear moduli of pressure at the end of the step, and its increments.
+const PRESSURE: f64 = 3.0;
+const INCREMENTS: u32 = 30;
+
+/// The unit square or cube on rollers at all sides but the upper one, whose lid is an
+/// obstacle.
+fn confined(dimension: usize, space: ContactSpace) -> Scene {
+    let model = RubberModel::NeoHookean { shear_modulus: 1.0 };
+    let mut scene = rubber(model, Some(BULK_MODULUS));
+    let up = dimension - 1;
+    for (axis, name) in ["x", "y", "z"].into_iter().enumerate().take(dimension) {
+        let held = std::array::from_fn(|i| (i == axis).then_some(0.0));
+        let ends = ["0", "1"].into_iter().take(if axis == up { 1 } else { 2 });
+        let sides = ends.map(|end| support(&format!("{name}{end}"), held));
+        scene.supports.extend(sides);
+    }
+    let shape = Shape::HalfSpace {
+        point: along(up, 1.0),
+        normal: along(up, -1.0),
+    };
+    scene.obstacles = vec![obstacle("lid", ["", "y1", "z1"][up], shape)];
+    scene.solver.contact_space = Choice::Named(space);
+    scene.solver.penalty = Some(0.0);
+    scene.solver.stability = Choice::Named(StabilityCheck::Exact);
+    scene.solver.on_instability = Choice::Named(OnInstability::Stop);
+    scene
+}
+
+fn along(axis: usize, length: f64) -> [f64; 3] {
+    std::array::from_fn(|i| if i == axis { length } else { 0.0 })
+}
+
+/// Presses the block until it gives way, or to the end.
+fn pressed(parts: MeshParts, space: ContactSpace) -> Vec<StepReport> {
+    let dimension = parts.cell_kind.dimension();
+    let down = along(dimension - 1, -PRESSURE / BULK_MODULUS);
+    let step = in_parts(push("lid", down), INCREMENTS);
+    solve(&confined(dimension, space), &[step], &mesh(parts))
+}
+
+/// Pressure on the lid, of unit area.
+fn pressure(report: &StepReport) -> f64 {
+    let force = report.obstacles["lid"].force;
+    -force.iter().sum::<f64>()
+}
+
+/// Blocks with the critical pressures of hats on their lids.
+fn blocks() -> [(MeshParts, f64); 5] {
+    [
+        (square(2), 2.25),
+        (square(4), 1.21),
+        (square(8), 0.93),
+        (cube(2), 1.42),
+        (cube(4), 0.95),
+    ]
+}
+
+#[test]
+fn a_lid_of_hats_gives_way_at_the_pressure_of_the_eigenvalue_solver() {
+    for (parts, expected) in blocks() {
+        let reports = pressed(parts, ContactSpace::Linear);
+        let last = reports.last().expect("an increment");
+        assert_eq!(last.cause, Some(Cause::UnstableEquilibrium));
+        let found = pressure(last);
+        assert!((found - expected).abs() < 0.02, "{expected} {found}");
+    }
+}
+
+#[test]
+fn a_lid_of_quadratic_pressures_gives_way_at_none() {
+    for (parts, _) in blocks() {
+        let reports = pressed(parts, ContactSpace::Quadratic);
+        assert_eq!(reports.len(), INCREMENTS as usize);
+        for report in &reports {
+            assert_eq!(report.stability, Some(Stability::Minimum));
+        }
+        let found = pressure(&reports[reports.len() - 1]);
+        assert!((found / PRESSURE - 1.0).abs() < 1e-3, "{found}");
+    }
+}

@@ -1,0 +1,13 @@
+//! Stories of contact: the space of the pressure, the true surface, second attempts, families of scenes.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod confined_rubber;
+mod contact_space;
+mod critical_pressure;
+mod families;
+mod inf_sup;
+mod rotated_surfaces;
+mod second_attempt;
+mod true_surface;

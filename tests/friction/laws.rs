@@ -1,0 +1,269 @@
+//! What friction promises: exact thresholds, no creep, no dependence on the frame, history
+//! that is state, and nothing of it where nothing is rough.
+
+use std::sync::Arc;
+
+use crate::common::meshes::{cube, file, mesh, moved, unit_grid};
+use crate::common::scenes::{
+    HELD, elastic, mooney_rivlin, obstacle, plane, pull, rubber, support, turned,
+};
+use crate::common::{assert_converged, open, take};
+use signorini::report::WarningKind;
+use signorini::scene::{ObstacleTarget, Shape};
+use signorini::{
+    CancelToken, Cause, FieldName, Mesh, Prepared, Reuse, Scene, Session, Step, StepReport,
+    Termination,
+};
+
+/// With one rough obstacle named `tool`.
+fn rough(mut scene: Scene, on: &str, shape: Shape, friction: f64) -> Scene {
+    let mut tool = obstacle("tool", on, shape);
+    tool.friction = friction;
+    scene.obstacles = vec![tool];
+    scene
+}
+
+fn travel(increments: u32, translation: [f64; 3]) -> Step {
+    Step {
+        increments,
+        obstacles: vec![ObstacleTarget {
+            name: "tool".to_owned(),
+            translation: Some(translation),
+            rotation: None,
+            friction: None,
+        }],
+        ..Step::default()
+    }
+}
+
+fn reports(scene: &Scene, steps: &[Step], mesh: &Arc<Mesh>) -> Vec<StepReport> {
+    let mut session = open(scene, mesh);
+    steps
+        .iter()
+        .flat_map(|step| take(&mut session, step))
+        .collect()
+}
+
+/// A cube, bonded below, under a rough lid.
+fn pressed_cube(friction: f64) -> Scene {
+    let mut scene = elastic(0.5);
+    scene.supports = vec![support("z0", HELD)];
+    rough(
+        scene,
+        "z1",
+        plane([0.0, 0.0, 1.0], [0.0, 0.0, -1.0]),
+        friction,
+    )
+}
+
+#[test]
+fn a_dragged_wedge_pulls_by_the_law_to_rounding() {
+    // F / G = (tan a + mu) / (1 - mu tan a) where everything slips.
+    let slope: f64 = 0.1;
+    let length = slope.hypot(1.0);
+    let normal = [-slope / length, -1.0 / length, 0.0];
+    let mut scene = elastic(0.3);
+    scene.supports = vec![support("y0", [Some(0.0), Some(0.0), None])];
+    for friction in [0.1, 0.2, 0.3] {
+        let scene = rough(
+            scene.clone(),
+            "y1",
+            plane([1.0, 1.0, 0.0], normal),
+            friction,
+        );
+        let steps = [travel(1, [0.0, -0.1, 0.0]), travel(3, [-0.6, -0.04, 0.0])];
+        let reports = reports(&scene, &steps, &file("square_n8"));
+        let last = reports.last().expect("a result");
+        assert_converged(last);
+        let tool = &last.obstacles["tool"];
+        assert_eq!(tool.stick_vertices, 0);
+        let [x, y, _] = tool.force;
+        let exact = (slope + friction) / (1.0 - friction * slope);
+        assert!(
+            (x / y - exact).abs() < 1e-6,
+            "{friction}: {} {exact}",
+            x / y
+        );
+    }
+}
+
+#[test]
+fn a_block_on_a_slope_stays_up_to_the_angle_of_friction_and_no_further() {
+    let mut scene = elastic(0.3);
+    let friction = 0.3;
+    for (factor, holds) in [(0.5, true), (0.99, true), (1.0 + 1e-6, false)] {
+        scene.body_force = [factor * friction, -1.0, 0.0];
+        let scene = rough(
+            scene.clone(),
+            "y0",
+            plane([0.0; 3], [0.0, 1.0, 0.0]),
+            friction,
+        );
+        let report = &reports(&scene, &[Step::default()], &file("square_n8"))[0];
+        let expected = match holds {
+            true => (Termination::Converged, None),
+            false => (Termination::NotConverged, Some(Cause::NoEquilibrium)),
+        };
+        assert_eq!((report.termination, report.cause), expected, "{factor}");
+        if holds {
+            let force = report.obstacles["tool"].tangential_force[0];
+            assert!((force + factor * friction).abs() < 1e-7, "{force}");
+        }
+    }
+}
+
+#[test]
+fn what_sticks_does_not_creep() {
+    let scene = pressed_cube(0.3);
+    let press = [travel(1, [0.0, 0.0, -0.05]), travel(2, [0.012, 0.0, -0.05])];
+    let mut session = open(&scene, &mesh(cube(3)));
+    let before = press.iter().flat_map(|step| take(&mut session, step));
+    let before = before.last().expect("a result");
+    assert!(before.obstacles["tool"].stick_vertices > 0);
+    let rest = take(&mut session, &travel(1000, [0.012, 0.0, -0.05]));
+    let after = rest.last().expect("a result");
+    let pairs = before.obstacles["tool"]
+        .force
+        .iter()
+        .zip(after.obstacles["tool"].force);
+    let drift = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    assert!(drift < 1e-8, "{drift}");
+    assert!((before.strain_energy - after.strain_energy).abs() < 1e-8 * before.strain_energy);
+}
+
+#[test]
+fn slip_costs_energy_and_the_tool_pays_for_it() {
+    // F dc >= dE + D for a flat tool on a linear body, equal as increments shrink.
+    let scene = pressed_cube(0.2);
+    let mut lost = Vec::new();
+    for increments in [4, 8] {
+        let mut again = open(&scene, &mesh(cube(3)));
+        let (mut work, mut energy) = (0.0, 0.0);
+        let mut before = take(&mut again, &travel(1, [0.0, 0.0, -0.05]))[0].strain_energy;
+        for report in take(&mut again, &travel(increments, [0.2, 0.0, -0.05])) {
+            let tool = &report.obstacles["tool"];
+            assert!(tool.dissipated_energy >= 0.0);
+            work += tool.force[0] * 0.2 / f64::from(increments);
+            energy += report.strain_energy - before + tool.dissipated_energy;
+            before = report.strain_energy;
+        }
+        assert!(work >= energy - 1e-10, "{work} {energy}");
+        lost.push(work - energy);
+    }
+    assert!(lost[1] < 0.7 * lost[0], "{lost:?}");
+}
+
+/// A session where `other` is.
+fn session_like(scene: &Scene, other: &mut Session) -> Session {
+    let mesh = mesh(cube(3));
+    let plan = Arc::new(signorini::Plan::new(scene, &[], &mesh).expect("a valid scene"));
+    let prepared = Prepared::build(&plan, &mesh, &CancelToken::new()).expect("prepared");
+    let bytes = other.export();
+    Session::import(plan, mesh, Arc::new(prepared), Reuse::Built, &bytes).expect("its own bytes")
+}
+
+#[test]
+fn a_session_goes_on_from_a_checkpoint_with_the_same_bits() {
+    let scene = pressed_cube(0.3);
+    let mut session = open(&scene, &mesh(cube(3)));
+    take(&mut session, &travel(2, [0.03, 0.0, -0.05]));
+    let mut other = session_like(&scene, &mut session);
+    let step = travel(2, [-0.02, 0.01, -0.04]);
+    let [own, others] = [&mut session, &mut other].map(|session| take(session, &step));
+    for (a, b) in own.iter().zip(&others) {
+        assert_eq!(a.obstacles, b.obstacles);
+        assert_eq!(a.strain_energy.to_bits(), b.strain_energy.to_bits());
+    }
+    for field in [
+        FieldName::FrictionTraction,
+        FieldName::Slip,
+        FieldName::Displacement,
+    ] {
+        let values = [&session, &other].map(|session| session.field(field));
+        assert!(values[0].is_some() && values[0] == values[1], "{field:?}");
+    }
+}
+
+#[test]
+fn body_and_tool_that_turn_together_slip_by_nothing() {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.supports = vec![support("z0", HELD)];
+    let scene = rough(scene, "z1", plane([0.5, 0.5, 1.0], [0.0, 0.0, -1.0]), 0.2);
+    let press = travel(1, [0.0, 0.0, -0.1]);
+    let angle: f64 = 0.4;
+    // About the tool's reference point, which stays.
+    let about = [0.5, 0.5, 0.9];
+    let mut turn = travel(2, [0.0, 0.0, -0.1]);
+    turn.obstacles[0].rotation = Some([0.0, -angle, 0.0]);
+    turn.supports = vec![turned("z0", [0.0, -angle, 0.0], about)];
+    let found = reports(&scene, &[press, turn], &mesh(cube(3)));
+    let [pressed, .., turned] = &found[..] else {
+        panic!("three results");
+    };
+    assert_converged(turned);
+    let [before, after] = [pressed, turned].map(|report| report.obstacles["tool"]);
+    assert!((pressed.strain_energy - turned.strain_energy).abs() < 1e-7 * pressed.strain_energy);
+    let size = |force: [f64; 3]| force.iter().fold(0.0, |sum: f64, x| sum.hypot(*x));
+    assert!((size(before.force) - size(after.force)).abs() < 1e-7 * size(before.force));
+    assert!((before.dissipated_total - after.dissipated_total).abs() < 1e-9);
+}
+
+#[test]
+fn no_friction_in_a_step_is_the_frictionless_body() {
+    let step = travel(1, [0.02, 0.0, -0.05]);
+    let mut without = step.clone();
+    without.obstacles[0].friction = Some(0.0);
+    let mesh = mesh(cube(3));
+    let smooth = &reports(&pressed_cube(0.0), &[step], &mesh)[0];
+    let rough = &reports(&pressed_cube(0.5), &[without], &mesh)[0];
+    assert_converged(rough);
+    assert!((smooth.strain_energy - rough.strain_energy).abs() < 1e-8 * smooth.strain_energy);
+    assert_eq!(rough.obstacles["tool"].stick_vertices, 0);
+    assert!(smooth.unknowns.contact * 3 == rough.unknowns.contact);
+}
+
+/// A slanting strut, held above, whose foot is on a rough floor, under a load that lifts it
+/// where it is free and presses it where it sticks.
+fn strut() -> (Scene, Arc<Mesh>) {
+    let slant = 20_f64.to_radians().tan();
+    let strip = moved(unit_grid(1, 12), |[x, y, _]| [0.08 * x + slant * y, y, 0.0]);
+    let mut scene = elastic(0.3);
+    scene.supports = vec![support("y1", [Some(0.0), Some(0.0), None])];
+    let load = 246_f64.to_radians();
+    scene.body_force = [0.004 * load.cos(), 0.004 * load.sin(), 0.0];
+    let floor = plane([0.0; 3], [0.0, 1.0, 0.0]);
+    (rough(scene, "y0", floor, 1.5), mesh(strip))
+}
+
+#[test]
+fn a_strut_wedges_or_swings_free_by_its_path_and_both_say_so() {
+    let (scene, mesh) = strut();
+    let top = |increments, load, y| Step {
+        load: Some(load),
+        ..pull("y1", [Some(0.0), Some(y), None], increments)
+    };
+    let pressed = [top(2, 0.0, -0.01), top(4, 1.0, -0.01), top(4, 1.0, 0.0)];
+    let last = |steps: &[Step]| reports(&scene, steps, &mesh).pop().expect("a result");
+    let (free, wedged) = (last(&[Step::default()]), last(&pressed));
+    for report in [&free, &wedged] {
+        assert_converged(report);
+        let mut warnings = report.warnings.iter();
+        let warning = warnings.find(|warning| warning.kind == WarningKind::NotUnique);
+        assert!(warning.is_some_and(|warning| warning.value > Some(1.0)));
+    }
+    assert!(
+        free.obstacles["tool"]
+            .force
+            .iter()
+            .all(|value| *value == 0.0)
+    );
+    let [x, y, _] = wedged.obstacles["tool"].force;
+    assert!(y > 1e-4 && x.abs() < 1.5 * y);
+    // Where friction is too weak to wedge there is one state, and no warning.
+    let mut weak = scene.clone();
+    weak.obstacles[0].friction = 0.3;
+    let report = reports(&weak, &pressed, &mesh).pop().expect("a result");
+    assert_converged(&report);
+    let kinds = report.warnings.iter().map(|warning| warning.kind);
+    assert!(!kinds.into_iter().any(|kind| kind == WarningKind::NotUnique));
+}

@@ -1,0 +1,150 @@
+//! Rubber with friction: blocks and bodies pressed as far as without, a wheel that rolls, a
+//! block that is twisted, a seal under the pressure of a fluid; what tools do is stored or
+//! dissipated.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::common::meshes::{cube, file, mesh, ring};
+use crate::common::scenes::{
+    HELD, mooney_rivlin, obstacle, plane, rubber, squeezed_cube, support, travel,
+};
+use crate::common::{assert_converged, open, solve, take};
+use signorini::scene::{Pressure, Shape, SupportTarget};
+use signorini::{Scene, Step, StepReport};
+
+/// With one more obstacle of that friction.
+fn with_rough(scene: &mut Scene, (name, on): (&str, &[&str]), shape: Shape, friction: f64) {
+    let mut tool = obstacle(name, on[0], shape);
+    tool.on = on.iter().map(|&on| on.to_owned()).collect();
+    tool.friction = friction;
+    scene.obstacles.push(tool);
+}
+
+#[test]
+fn a_rough_plate_presses_a_block_as_far_as_a_smooth_one() {
+    let mut forces = Vec::new();
+    for friction in [0.0, 0.3, 1.0] {
+        let (mut scene, step) = squeezed_cube();
+        scene.supports = vec![support("z0", HELD)];
+        scene.obstacles[0].friction = friction;
+        let reports = solve(&scene, &[step], &mesh(cube(4)));
+        reports.iter().for_each(assert_converged);
+        let press = reports.last().expect("a result").obstacles["press"];
+        assert_eq!(friction > 0.0, press.dissipated_total > 0.0);
+        forces.push(press.force[2].abs());
+    }
+    // What friction holds needs more force, and friction that holds all the most.
+    assert!(
+        forces.is_sorted() && forces[2] < 1.2 * forces[0],
+        "{forces:?}"
+    );
+}
+
+/// Work of a plate that twists a pressed block, over what is stored and dissipated.
+fn twisted(increments: u32) -> f64 {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.supports = vec![support("z0", HELD)];
+    let plate = plane([0.5, 0.5, 1.0], [0.0, 0.0, -1.0]);
+    with_rough(&mut scene, ("plate", &["z1"]), plate, 0.5);
+    let down = [0.0, 0.0, -0.15];
+    let mut session = open(&scene, &mesh(cube(3)));
+    let pressed = take(&mut session, &travel("plate", 3, down, [0.0; 3]));
+    let mut before = pressed.last().expect("a result").clone();
+    let first = before.strain_energy;
+    let (mut work, mut lost) = (0.0, 0.0);
+    for report in take(
+        &mut session,
+        &travel("plate", increments, down, [0.0, 0.0, 0.8]),
+    ) {
+        assert_converged(&report);
+        let moment = |report: &StepReport| report.obstacles["plate"].moment[2];
+        work += 0.5 * (moment(&before) + moment(&report)) * 0.8 / f64::from(increments);
+        lost += report.obstacles["plate"].dissipated_energy;
+        before = report;
+    }
+    assert!(before.obstacles["plate"].slip_vertices > 0 && lost > 0.0);
+    (work - (before.strain_energy - first) - lost) / work
+}
+
+#[test]
+fn what_twists_a_block_is_stored_or_dissipated() {
+    let [coarse, fine] = [10, 20].map(twisted);
+    assert!(
+        coarse.abs() < 6e-3 && fine.abs() < 0.75 * coarse.abs(),
+        "{coarse} {fine}"
+    );
+}
+
+#[test]
+fn a_wheel_rolls_a_quarter_turn_without_sliding() {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.supports = vec![support("rim", [Some(0.0), Some(0.0), None])];
+    let road = plane([0.0, -1.0, 0.0], [0.0, 1.0, 0.0]);
+    with_rough(&mut scene, ("road", &["tread"]), road, 0.8);
+    let rim = |translation, angle: f64| SupportTarget {
+        name: "rim".to_owned(),
+        translation: Some(translation),
+        rotation: Some([0.0, 0.0, angle]),
+        about: Some([0.0; 3]),
+        ..SupportTarget::default()
+    };
+    let step = |increments, support| Step {
+        increments,
+        supports: vec![support],
+        ..Step::default()
+    };
+    let steps = [
+        step(2, rim([0.0, -0.06, 0.0], 0.0)),
+        step(18, rim([FRAC_PI_2, -0.06, 0.0], -FRAC_PI_2)),
+    ];
+    let reports = solve(&scene, &steps, &mesh(ring(64, 4, 0.6)));
+    assert_eq!(reports.len(), 20);
+    for report in &reports {
+        assert_converged(report);
+        let road = report.obstacles["road"];
+        let pull = road.tangential_force[0].abs();
+        assert!(road.stick_vertices > 0 && pull < 0.8 * road.force[1]);
+    }
+    // The axle moves on by the unloaded radius, the pressed wheel rolls on a shorter one: it
+    // is pushed back, more and more.
+    let pulls: Vec<f64> = (reports[3..].iter())
+        .map(|report| report.obstacles["road"].force[0])
+        .collect();
+    assert!(pulls.is_sorted(), "{pulls:?}");
+}
+
+#[test]
+fn a_fluid_pushes_a_rough_seal_to_the_wall_of_its_groove() {
+    let mut scene = rubber(mooney_rivlin(), Some(1000.0));
+    let sides: &[&str] = &["left", "right"];
+    let floor = plane([0.0, -1.0, 0.0], [0.0, 1.0, 0.0]);
+    let lid = plane([0.0, 1.0, 0.0], [0.0, -1.0, 0.0]);
+    let wall = plane([1.3, 0.0, 0.0], [-1.0, 0.0, 0.0]);
+    with_rough(&mut scene, ("floor", sides), floor, 0.3);
+    with_rough(&mut scene, ("lid", sides), lid, 0.3);
+    with_rough(&mut scene, ("wall", &["right"]), wall, 0.3);
+    scene.pressures = vec![Pressure {
+        on: vec!["left".to_owned()],
+        value: 1.0,
+    }];
+    let mut squeeze = travel("lid", 5, [0.0, -0.4, 0.0], [0.0; 3]);
+    squeeze.load = Some(0.0);
+    let fill = Step {
+        increments: 10,
+        load: Some(1.0),
+        ..Step::default()
+    };
+    let reports = solve(&scene, &[squeeze, fill], &file("section_h20"));
+    assert_eq!(reports.len(), 15);
+    reports.iter().for_each(assert_converged);
+    let [squeezed, held, filled] = [4, 6, 14].map(|number| &reports[number].obstacles);
+    // Friction alone holds the seal at first, then it slides to the wall.
+    assert!(squeezed["wall"].force[0] == 0.0 && held["wall"].force[0] == 0.0);
+    assert!(held["floor"].tangential_force[0] < -0.1);
+    assert!(filled["wall"].force[0] < -0.5);
+    for name in ["floor", "lid"] {
+        let [x, y, _] = filled[name].force;
+        assert!(x < 0.0 && x.abs() <= 0.3 * y.abs() * (1.0 + 1e-9));
+        assert!(filled[name].dissipated_total > 0.0);
+    }
+}

@@ -1,0 +1,82 @@
+//! How many preconditioner applications the product promises.
+
+use std::sync::Arc;
+
+use crate::common::meshes::{cube, file, mesh};
+use crate::common::scenes::{
+    cube_bend, hertz_plane, hertz_sphere, quarter_ball, quarter_block, traction,
+};
+use crate::common::solve_one;
+use signorini::{Mesh, Scene, Step, StepReport};
+
+const TOLERANCE: f64 = 1e-8;
+
+fn applications(scene: &Scene, mesh: &Arc<Mesh>) -> u32 {
+    solve_one(scene, &Step::default(), mesh).preconditioner_applications
+}
+
+#[test]
+fn the_saddle_point_takes_at_most_26_applications_on_every_mesh() {
+    for count in [4, 6, 8, 10] {
+        let taken = applications(&cube_bend(0.5), &mesh(cube(count)));
+        assert!(taken <= 26, "cube_n{count}: {taken}");
+    }
+}
+
+#[test]
+fn no_mixed_poisson_ratio_takes_4_more_than_one_half() {
+    let mesh = mesh(cube(6));
+    let incompressible = applications(&cube_bend(0.5), &mesh);
+    for distance in [0.05, 0.04, 0.02, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12] {
+        let taken = applications(&cube_bend(0.5 - distance), &mesh);
+        assert!(
+            taken <= 30 && taken <= incompressible + 4,
+            "{distance:e}: {taken}"
+        );
+    }
+}
+
+#[test]
+fn conjugate_gradients_take_at_most_20_below_the_mixed_range() {
+    let mesh = mesh(cube(6));
+    for poisson_ratio in [-0.9, -0.5, 0.0, 0.2, 0.3, 0.4, 0.44, 0.449] {
+        let taken = applications(&cube_bend(poisson_ratio), &mesh);
+        assert!(taken <= 20, "{poisson_ratio}: {taken}");
+    }
+}
+
+fn contact((mut scene, step): (Scene, Step), mesh: &Arc<Mesh>) -> StepReport {
+    scene.solver.tolerance = TOLERANCE;
+    let report = solve_one(&scene, &step, mesh);
+    assert!(
+        report.active_set_changes <= 3 * report.sqp_iterations,
+        "{report:?}"
+    );
+    report
+}
+
+#[test]
+fn a_flat_obstacle_costs_at_most_1_3_times_a_traction() {
+    for name in ["hemi_l1", "hemi_l2"] {
+        let mesh = file(name);
+        let mut scene = quarter_ball(0.5);
+        scene.tractions = vec![traction("contact", [0.0, 0.0, 0.01])];
+        let bound = 1.3 * f64::from(applications(&scene, &mesh));
+        let report = contact(hertz_plane(0.5), &mesh);
+        let taken = report.preconditioner_applications;
+        assert!(f64::from(taken) <= bound, "{name}: {taken} {bound}");
+        assert_eq!(report.sqp_iterations, 1);
+    }
+}
+
+#[test]
+fn a_curved_obstacle_costs_at_most_twice_a_traction() {
+    for name in ["indent_l1", "indent_l2"] {
+        let mesh = file(name);
+        let mut scene = quarter_block(0.5);
+        scene.tractions = vec![traction("z1", [0.0, 0.0, -0.01])];
+        let bound = 2 * applications(&scene, &mesh);
+        let taken = contact(hertz_sphere(0.5), &mesh).preconditioner_applications;
+        assert!(taken <= bound, "{name}: {taken} {bound}");
+    }
+}

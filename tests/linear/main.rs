@@ -1,0 +1,26 @@
+//! Stories of linear bodies and of everything that all bodies share: scenes, steps, results, estimates.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bad_methods;
+mod bad_scenes;
+mod bad_steps;
+mod balance;
+mod cook_membrane;
+mod counts;
+mod determinism;
+mod doubts;
+mod estimate;
+mod extremes;
+mod lifted;
+mod method_names;
+mod normal_supports;
+mod patch;
+mod plan_doubts;
+mod references;
+mod soft_volumes;
+mod steps;
+mod stokes;
+mod taylor_hood_orders;
+mod units;

@@ -1,0 +1,184 @@
+//! Supports that hold the normal component of a surface: the same as components where
+//! these can say it, and more where they cannot.
+
+use crate::common::meshes::{cube, file, mesh, moved, square};
+use crate::common::refusals::{assert_refused, block, unsupported};
+use crate::common::scenes::{
+    HELD, elastic, mooney_rivlin, probe, rubber, support, traction, turned,
+};
+use crate::common::{close, solve_one};
+use signorini::geometry::{Matrix3, rotation_matrix};
+use signorini::scene::{Choice, ElementKind, Profile, Support};
+use signorini::{Scene, Step, StepReport};
+
+/// A support of that group along its normal.
+fn along_normal(on: &str, value: f64) -> Support {
+    Support {
+        normal: Some(value),
+        ..support(on, [None; 3])
+    }
+}
+
+fn turn(rotation: &Matrix3, x: [f64; 3]) -> [f64; 3] {
+    rotation.map(|row| (0..3).map(|i| row[i] * x[i]).sum())
+}
+
+const LOAD: [f64; 3] = [0.06, -0.03, -0.2];
+const INSIDE: [f64; 3] = [0.8, 0.7, 0.6];
+
+/// A cube pulled at its top, on rollers below and at two sides.
+fn on_rollers(mut scene: Scene, supports: Vec<Support>, rotation: &Matrix3) -> StepReport {
+    scene.solver.tolerance = 1e-12;
+    scene.supports = supports;
+    scene.tractions = vec![traction("z1", turn(rotation, LOAD))];
+    scene.probes = vec![probe("inside", turn(rotation, INSIDE))];
+    let parts = moved(cube(3), |x| turn(rotation, x));
+    solve_one(&scene, &Step::default(), &mesh(parts))
+}
+
+fn assert_same_rollers(scene: fn() -> Scene) {
+    let components = crate::common::scenes::rollers();
+    let unturned = rotation_matrix([0.0; 3]);
+    let expected = on_rollers(scene(), components, &unturned);
+    let rotation = rotation_matrix([0.4, -0.7, 0.3]);
+    let normals = ["x0", "y0", "z0"].map(|on| along_normal(on, 0.0)).to_vec();
+    let found = on_rollers(scene(), normals, &rotation);
+    assert!(close(found.strain_energy, expected.strain_energy, 1e-10));
+    for (name, support) in &expected.supports {
+        let force = turn(&rotation, support.force);
+        for i in 0..3 {
+            let error = found.supports[name].force[i] - force[i];
+            assert!(error.abs() < 1e-10, "{name} {i}: {error:e}");
+        }
+    }
+    let moved = turn(&rotation, expected.probes["inside"].displacement);
+    for i in 0..3 {
+        let error = found.probes["inside"].displacement[i] - moved[i];
+        assert!(error.abs() < 1e-10, "{i}: {error:e}");
+    }
+}
+
+#[test]
+fn rollers_of_a_turned_cube_hold_as_those_along_the_axes() {
+    assert_same_rollers(|| elastic(0.5));
+    assert_same_rollers(|| elastic(0.3));
+}
+
+#[test]
+fn rollers_of_turned_rubber_hold_as_those_along_the_axes() {
+    assert_same_rollers(|| rubber(mooney_rivlin(), None));
+}
+
+#[test]
+fn a_lid_pressed_along_its_normal_is_one_pressed_by_its_component() {
+    let press = |lid: Support| {
+        let mut scene = rubber(mooney_rivlin(), Some(50.0));
+        scene.solver.tolerance = 1e-11;
+        scene.supports = vec![support("z0", HELD), lid];
+        solve_one(&scene, &Step::default(), &mesh(cube(3)))
+    };
+    let expected = press(support("z1", [None, None, Some(-0.1)]));
+    let found = press(along_normal("z1", -0.1));
+    assert!(close(found.strain_energy, expected.strain_energy, 1e-9));
+    let (force, reference) = (found.supports["z1"].force, expected.supports["z1"].force);
+    assert!(close(force[2], reference[2], 1e-8), "{force:?}");
+    assert!(force[2] < 0.0 && force[0].abs() < 1e-9 && force[1].abs() < 1e-9);
+}
+
+#[test]
+fn a_plane_body_slides_along_two_walls() {
+    let hold = |supports: Vec<Support>| {
+        let mut scene = elastic(0.5);
+        scene.solver.tolerance = 1e-12;
+        scene.supports = supports;
+        scene.tractions = vec![traction("y1", [0.02, -0.1, 0.0])];
+        solve_one(&scene, &Step::default(), &mesh(square(4)))
+    };
+    let expected = hold(vec![
+        support("x0", [Some(0.0), None, None]),
+        support("y0", [None, Some(0.0), None]),
+    ]);
+    let found = hold(vec![along_normal("x0", 0.0), along_normal("y0", 0.0)]);
+    assert!(close(found.strain_energy, expected.strain_energy, 1e-10));
+}
+
+/// A quarter of a ball whose flat top turns by half a right angle about a tilted axis,
+/// all else with it; energy and where its probe comes.
+fn turned_ball(of_curved_face: Support) -> (f64, [f64; 3]) {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.solver.tolerance = 1e-10;
+    scene.supports = vec![support("top", HELD), of_curved_face];
+    scene.probes = vec![probe("inside", [0.3, 0.3, -0.4])];
+    let rotation = [0.5, -0.3, 0.6];
+    let step = Step {
+        increments: 1,
+        supports: ["top", "contact"]
+            .map(|name| turned(name, rotation, [0.2, 0.0, 0.1]))
+            .to_vec(),
+        ..Step::default()
+    };
+    let report = solve_one(&scene, &step, &file("hemi_l1"));
+    (report.strain_energy, report.probes["inside"].displacement)
+}
+
+#[test]
+fn a_ball_held_along_its_curved_face_turns_as_a_bonded_one() {
+    let (energy, moved) = turned_ball(along_normal("contact", 0.0));
+    let (bonded_energy, expected) = turned_ball(support("contact", HELD));
+    assert!(
+        energy.abs() < 1e-12 && bonded_energy.abs() < 1e-12,
+        "{energy:e}"
+    );
+    for i in 0..3 {
+        let error = moved[i] - expected[i];
+        assert!(error.abs() < 1e-8, "{i}: {error:e}");
+    }
+    assert!(expected.iter().any(|x| x.abs() > 0.05));
+}
+
+/// A clamped block with one more support.
+fn with(extra: Support) -> Scene {
+    let mut scene = elastic(0.5);
+    scene.supports = vec![support("z0", HELD), extra];
+    scene
+}
+
+#[test]
+fn a_normal_that_makes_no_sense_is_refused_by_its_key() {
+    let beside = Support {
+        normal: Some(0.0),
+        ..support("x1", [Some(0.0), None, None])
+    };
+    assert_refused(&with(beside), "support.x1.normal", &["displacement"]);
+    let varied = Support {
+        profile: Profile::Parabolic,
+        ..along_normal("x1", 0.1)
+    };
+    assert_refused(&with(varied), "support.x1.normal", &["profile"]);
+    let infinite = along_normal("x1", f64::INFINITY);
+    assert_refused(&with(infinite), "support.x1.normal", &["finite"]);
+    // A group of anything but facets.
+    let elsewhere = Support {
+        on: vec!["body".to_owned()],
+        ..along_normal("x1", 0.0)
+    };
+    assert_refused(
+        &with(elsewhere),
+        "support.x1.on",
+        &["surface facets", "body"],
+    );
+    let held = along_normal("z0", 0.1);
+    let twice = Support {
+        name: "floor".to_owned(),
+        ..held
+    };
+    assert_refused(
+        &with(twice),
+        "support.floor.normal",
+        &["hold all its components"],
+    );
+    let mut compared = with(along_normal("x1", 0.0));
+    compared.solver.verify = false;
+    compared.solver.element = Choice::Named(ElementKind::Mini);
+    assert_eq!(unsupported(&compared, &block()).path, "support.x1.normal");
+}

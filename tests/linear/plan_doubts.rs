@@ -1,0 +1,103 @@
+//! What the plan doubts before anything is solved, and that it doubts nothing else.
+
+use crate::common::meshes::{cube, mesh};
+use crate::common::scenes::{HELD, elastic, material, obstacle, press, rubber, support};
+use signorini::scene::{Material, Modulus, RubberModel, Shape};
+use signorini::{Group, GroupKind, MeshParts, Plan, Scene};
+
+fn warnings(scene: &Scene, parts: MeshParts) -> Vec<String> {
+    let plan = Plan::new(scene, &[], &mesh(parts)).expect("a valid scene");
+    plan.report().warnings
+}
+
+/// A held block under a lid.
+fn pressed(scene: Scene) -> Scene {
+    Scene {
+        supports: vec![support("z0", HELD)],
+        obstacles: vec![press("z1")],
+        ..scene
+    }
+}
+
+#[test]
+fn a_sound_scene_is_not_doubted() {
+    for scene in [elastic(0.3), elastic(0.4999), elastic(0.5)] {
+        assert_eq!(warnings(&pressed(scene), cube(3)), [""; 0]);
+    }
+}
+
+#[test]
+fn flat_cells_are_named() {
+    let mut parts = cube(3);
+    parts.coordinates.iter_mut().for_each(|x| x[2] *= 0.01);
+    let mut scene = elastic(0.3);
+    scene.supports = vec![support("z0", HELD)];
+    let found = warnings(&scene, parts);
+    assert!(
+        found.len() == 1 && found[0].contains("is nearly flat"),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn volumes_that_hardly_change_are_named() {
+    let law = RubberModel::NeoHookean { shear_modulus: 1.0 };
+    for scene in [rubber(law, Some(1e7)), elastic(0.499_999_99)] {
+        let found = warnings(&pressed(scene), cube(2));
+        assert!(
+            found.len() == 1 && found[0].contains("change of volume"),
+            "{found:?}"
+        );
+    }
+}
+
+#[test]
+fn a_tool_between_the_vertices_is_named() {
+    let ball = |radius| Shape::Sphere {
+        centre: [0.5, 0.5, 1.0 + radius],
+        radius,
+    };
+    for (radius, count) in [(0.2, 1), (2.0, 0)] {
+        let mut scene = elastic(0.3);
+        scene.supports = vec![support("z0", HELD)];
+        scene.obstacles = vec![obstacle("ball", "z1", ball(radius))];
+        let found = warnings(&scene, cube(2));
+        assert_eq!(found.len(), count, "{found:?}");
+        assert!(
+            found.iter().all(|text| text.contains("`ball`")),
+            "{found:?}"
+        );
+    }
+}
+
+#[test]
+fn a_rigid_part_in_disguise_is_named() {
+    let mut parts = cube(2);
+    let half = parts.cells.len() / 8;
+    split(&mut parts, half);
+    let mut scene = pressed(elastic(0.3));
+    scene.materials = [("soft", 1.0), ("steel", 1e6)]
+        .map(|(group, stiffness)| Material {
+            group: group.to_owned(),
+            ..material(Modulus::Shear(stiffness), 0.3)
+        })
+        .into();
+    let found = warnings(&scene, parts);
+    assert!(
+        found.len() == 1 && found[0].contains("`steel`"),
+        "{found:?}"
+    );
+}
+
+/// Parts the cells of the group `body` in two.
+fn split(parts: &mut MeshParts, half: usize) {
+    let count = parts.cells.len() / 4;
+    parts.groups.retain(|group| group.name != "body");
+    for (name, cells) in [("soft", 0..half), ("steel", half..count)] {
+        parts.groups.push(Group {
+            name: name.to_owned(),
+            kind: GroupKind::Cells,
+            members: cells.map(|cell| cell as u32).collect(),
+        });
+    }
+}

@@ -1,0 +1,214 @@
+//! Bodies that lose their equilibrium: they fall to the next one, as a real body would, or
+//! stop, or go on along saddles, as the scene asks.
+
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+use crate::common::meshes::{mesh, moved, square, unit_grid};
+use crate::common::scenes::{HELD, in_parts, mooney_rivlin, obstacle, pull, push, rubber, support};
+use crate::common::{assert_converged, close, run, solve, values};
+use signorini::report::{Stability, WarningKind};
+use signorini::scene::{Choice, OnInstability, RubberModel, SceneKind, Shape, StabilityCheck};
+use signorini::{Cause, FieldName, Mesh, Scene, Step, StepReport, Termination};
+
+/// Height of the column over its width.
+const SLENDERNESS: f64 = 8.0;
+
+/// A column of unit width, bent by `bow` in the middle.
+fn column(bow: f64) -> Arc<Mesh> {
+    mesh(moved(unit_grid(3, 24), |[x, y, _]| {
+        let bent = bow * (0.5 - 0.5 * (2.0 * PI * y).cos());
+        [x + bent, SLENDERNESS * y, 0.0]
+    }))
+}
+
+/// The column pressed between clamped ends by that share of its height.
+fn pressed(
+    mesh: &Arc<Mesh>,
+    (share, increments): (f64, u32),
+    asked: OnInstability,
+) -> Vec<StepReport> {
+    let mut scene = clamped();
+    scene.solver.on_instability = Choice::Named(asked);
+    solve(&scene, &[squeeze(share, increments)], mesh)
+}
+
+/// The step that presses the column by that share of its height.
+fn squeeze(share: f64, increments: u32) -> Step {
+    let end = [Some(0.0), Some(-share * SLENDERNESS), None];
+    pull("y1", end, increments)
+}
+
+fn clamped() -> Scene {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.kind = Some(SceneKind::PlaneStrain);
+    let held = [Some(0.0), Some(0.0), None];
+    scene.supports = vec![support("y0", held), support("y1", held)];
+    scene
+}
+
+/// Force along the column that the upper end exerts.
+fn force(report: &StepReport) -> f64 {
+    report.supports["y1"].force[1]
+}
+
+/// Share of its height at which a clamped column of that slenderness buckles: Euler's load
+/// of a beam with shear, 1 / P = L^2 / (4 pi^2 E I) + 6 / (5 mu A), E = 4 mu.
+fn euler_share() -> f64 {
+    let bending = SLENDERNESS.powi(2) / (4.0 * PI * PI * 4.0 / 12.0);
+    1.0 / (bending + 1.2) / 4.0
+}
+
+#[test]
+fn a_straight_column_is_a_minimum_below_its_euler_load_and_a_saddle_above() {
+    let mesh = column(0.0);
+    for (share, expected) in [
+        (0.8 * euler_share(), Stability::Minimum),
+        (1.25 * euler_share(), Stability::Saddle),
+        (3.0 * euler_share(), Stability::Saddle),
+    ] {
+        let reports = pressed(&mesh, (share, 1), OnInstability::Continue);
+        assert_converged(&reports[0]);
+        assert_eq!(reports[0].stability, Some(expected), "{share}");
+        let doubts = reports[0].warnings.iter().map(|warning| warning.kind);
+        let is_doubted = doubts
+            .collect::<Vec<_>>()
+            .contains(&WarningKind::UnstableEquilibrium);
+        assert_eq!(is_doubted, expected == Stability::Saddle);
+    }
+}
+
+#[test]
+fn a_straight_column_pressed_far_at_once_falls_to_the_buckled_equilibrium() {
+    let mesh = column(0.0);
+    let share = 2.0 * euler_share();
+    let straight = pressed(&mesh, (share, 1), OnInstability::Continue);
+    for increments in [1, 10] {
+        let reports = pressed(&mesh, (share, increments), OnInstability::Descend);
+        reports.iter().for_each(assert_converged);
+        let last = reports.last().expect("an increment");
+        assert_eq!(last.stability, Some(Stability::Minimum));
+        let fall = reports
+            .iter()
+            .find_map(|report| report.snapped)
+            .expect("a fall");
+        assert!(
+            fall.energy_drop > 0.0 && fall.largest_motion > 0.1,
+            "{fall:?}"
+        );
+        let middle = 0.5 * SLENDERNESS;
+        assert!((fall.point[1] - middle).abs() < 0.2 * middle, "{fall:?}");
+        assert!(force(last).abs() < 0.7 * force(&straight[0]).abs());
+        assert!(last.strain_energy < straight[0].strain_energy);
+    }
+}
+
+#[test]
+fn a_bent_column_comes_to_one_equilibrium_however_it_is_pressed() {
+    let mesh = column(0.02);
+    let share = 2.0 * euler_share();
+    let ends = [1, 4, 20].map(|increments| {
+        let reports = pressed(&mesh, (share, increments), OnInstability::Descend);
+        reports.iter().for_each(assert_converged);
+        let last = reports.last().expect("an increment").clone();
+        assert_eq!(last.stability, Some(Stability::Minimum));
+        last
+    });
+    for other in &ends[1..] {
+        assert!(close(force(other), force(&ends[0]), 1e-6));
+        assert!(close(other.strain_energy, ends[0].strain_energy, 1e-6));
+    }
+}
+
+#[test]
+fn a_scene_that_asks_for_it_stops_at_the_last_minimum() {
+    let mesh = column(0.0);
+    let share = 2.0 * euler_share();
+    let mut scene = clamped();
+    scene.solver.on_instability = Choice::Named(OnInstability::Stop);
+    let (session, reports) = run(&scene, &[squeeze(share, 1)], &mesh);
+    assert_eq!(reports[0].termination, Termination::NotConverged);
+    assert_eq!(reports[0].cause, Some(Cause::UnstableEquilibrium));
+    assert_eq!(reports[0].stability, Some(Stability::Minimum));
+    assert!((0.3..0.7).contains(&reports[0].time), "{}", reports[0].time);
+    let mode = values(&session, FieldName::LowestMode);
+    let across = mode.chunks_exact(3).map(|x| x[0].abs()).fold(0.0, f64::max);
+    assert!((across - 1.0).abs() < 0.01, "{across}");
+    let site = reports[0].cause_site.expect("where it buckles");
+    let ([_, height, _], [across, ..]) =
+        (site.point.expect("a point"), site.motion.expect("a motion"));
+    assert!((0.4..0.6).contains(&(height / SLENDERNESS)), "{site:?}");
+    assert!(across.abs() > 0.95, "{site:?}");
+}
+
+#[test]
+fn an_equilibrium_that_nobody_has_certified_is_said_to_be_not_determined() {
+    let mesh = column(0.0);
+    for check in [StabilityCheck::Off, StabilityCheck::Follow] {
+        let mut scene = clamped();
+        scene.solver.stability = Choice::Named(check);
+        let step = pull("y1", [Some(0.0), Some(-0.1), None], 1);
+        let reports = solve(&scene, &[step], &mesh);
+        assert_converged(&reports[0]);
+        assert_eq!(reports[0].stability, Some(Stability::NotDetermined));
+    }
+}
+
+/// A rod of a tenth pressed into faces of an eighth.
+#[test]
+fn faces_too_large_for_their_pressure_are_named_with_their_place_and_the_size_it_takes() {
+    let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, None);
+    scene.supports = vec![
+        support("y0", HELD),
+        support("x0", [Some(0.0), None, None]),
+        support("x1", [Some(0.0), None, None]),
+    ];
+    let rod = Shape::Cylinder {
+        point: [0.515, 1.1, 0.0],
+        axis: [0.0, 0.0, 1.0],
+        radius: 0.1,
+    };
+    scene.obstacles = vec![obstacle("rod", "y1", rod)];
+    let reports = solve(&scene, &[push("rod", [0.0, -0.2, 0.0])], &mesh(square(8)));
+    let last = reports.last().expect("an increment");
+    assert_eq!(last.cause, Some(Cause::CoarseContact), "{last:?}");
+    let site = last.cause_site.expect("a place");
+    let point = site.point.expect("a point");
+    assert!((point[0] - 0.515).hypot(point[1] - 1.0) < 0.15, "{point:?}");
+    assert!(site.mesh_size.is_some_and(|size| size < 0.125), "{site:?}");
+}
+
+/// Half a wave of height 8 and rise 1, a third thick, clamped at both ends.
+fn arch() -> Arc<Mesh> {
+    mesh(moved(unit_grid(2, 32), |[x, y, _]| {
+        [
+            0.3 * x + 0.5 - 0.5 * (2.0 * PI * y).cos(),
+            SLENDERNESS * y,
+            0.0,
+        ]
+    }))
+}
+
+#[test]
+fn an_arch_pushed_through_snaps_to_one_equilibrium_in_one_increment_and_in_twenty() {
+    let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, None);
+    scene.supports = vec![support("y0", HELD), support("y1", HELD)];
+    let roller = Shape::Cylinder {
+        point: [2.3, 0.5 * SLENDERNESS, 0.0],
+        axis: [0.0, 0.0, 1.0],
+        radius: 1.0,
+    };
+    scene.obstacles = vec![obstacle("roller", "x1", roller)];
+    let ends = [1, 20].map(|increments| {
+        let step = in_parts(push("roller", [-1.5, 0.0, 0.0]), increments);
+        let reports = solve(&scene, &[step], &arch());
+        reports.iter().for_each(assert_converged);
+        let falls = reports.iter().filter_map(|report| report.snapped);
+        let energy: f64 = falls.map(|fall| fall.energy_drop).sum();
+        assert!(energy > 0.0, "{increments}: {energy}");
+        reports.last().expect("an increment").clone()
+    });
+    assert!(close(ends[0].strain_energy, ends[1].strain_energy, 1e-6));
+    let [once, slowly] = ends.map(|end| end.obstacles["roller"].force[0]);
+    assert!(once < 0.0 && close(once, slowly, 1e-6), "{once} {slowly}");
+}

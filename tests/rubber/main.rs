@@ -1,0 +1,17 @@
+//! Stories of rubber at finite strain.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod extremes;
+mod frames;
+mod instability;
+mod pressure;
+mod references;
+mod refusals;
+mod results;
+mod rings;
+mod rivlin;
+mod stops;
+mod turns;
+mod verification;
