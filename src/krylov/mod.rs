@@ -1,12 +1,14 @@
 //! Krylov methods over [`crate::linalg::LinearOperator`] and
 //! [`crate::linalg::Preconditioner`]: conjugate gradients for symmetric
-//! positive definite systems, truncated flexible GCR for saddle points.
+//! positive definite systems, truncated flexible GCR for saddle points, the Lanczos process
+//! for the sign of the least eigenvalue.
 //!
 //! A [`Monitor`] sees every residual and decides when to stop; no method
 //! prints, and every loop has a typed outcome.
 
 pub mod cg;
 pub mod gcr;
+pub mod least_eigenvalue;
 pub mod outlook;
 #[cfg(test)]
 pub(crate) mod samples;

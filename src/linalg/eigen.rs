@@ -1,4 +1,4 @@
-//! Eigenvalues of a dense matrix, and powers of a symmetric pencil:
+//! Eigenvalues of a dense matrix and of a tridiagonal one, and powers of a symmetric pencil:
 //!
 //! ```text
 //! A V = M V T,  V^T M V = I:   M V f(T) V^T M
@@ -61,6 +61,22 @@ pub fn pencil_power(
         }
     }
     Ok(power)
+}
+
+/// Least eigenvalue of a symmetric tridiagonal matrix and its vector of unit length, `beside`
+/// the entries beside its `diagonal` `[n]`, further ones unread; none where the iteration
+/// fails.
+pub fn least_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> Option<(f64, Vec<f64>)> {
+    let size = diagonal.len();
+    let matrix = Mat::from_fn(size, size, |i, j| match i.abs_diff(j) {
+        0 => diagonal[i],
+        1 => beside.get(i.min(j)).copied().unwrap_or(0.0),
+        _ => 0.0,
+    });
+    let eigen = SelfAdjointEigen::new(matrix.as_ref(), Side::Lower).ok()?;
+    let values = eigen.S().column_vector();
+    // Ascending.
+    (size > 0).then(|| (values[0], eigen.U().col(0).iter().copied().collect()))
 }
 
 /// Real and imaginary parts of the eigenvalues of a square matrix; none where the

@@ -15,6 +15,7 @@ pub(crate) mod energy;
 pub(crate) mod evaluate;
 pub(crate) mod friction;
 pub(crate) mod held;
+pub(crate) mod inside_out;
 pub(crate) mod interfaces;
 pub(crate) mod internal;
 pub(crate) mod joined;

@@ -25,6 +25,8 @@ pub enum WarningKind {
     CoarseFacets,
     /// Friction may admit another equilibrium under the same drive.
     NotUnique,
+    /// A cell is turned inside out: the mesh is too coarse for the deformation.
+    InsideOut,
     /// Digits are lost in motions far larger than the body's strains.
     LostDigits,
 }
@@ -44,6 +46,7 @@ impl WarningKind {
             Self::CoarseContact => "coarse_contact",
             Self::CoarseFacets => "coarse_facets",
             Self::NotUnique => "not_unique",
+            Self::InsideOut => "inside_out",
             Self::LostDigits => "lost_digits",
         }
     }

@@ -10,6 +10,7 @@
 //! | large strain | the largest strain at the centroid of a cell, of a linear solid |
 //! | coarse contact | pressure on two functions of a curved contact at most |
 //! | coarse facets | how far facets are off the surface that they stand for, over the squeeze |
+//! | inside out | det F below zero on a lattice of the cells whose bound allows it |
 //! | lost digits | displacements, or of rubber lengths, whose rounding is a strain of some share of the largest |
 //! | snapped, unstable equilibrium, not unique | what the solver did |
 //!
@@ -22,6 +23,7 @@ use crate::contact::nearest::nearest;
 use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
+use crate::model::inside_out::inside_out;
 use crate::model::interfaces::Interface;
 use crate::model::state::State;
 use crate::model::values::gradient_at;
@@ -364,7 +366,24 @@ fn of_the_body(model: &Model<'_>, state: &State, ending: &Ending, all: &mut Vec<
             ),
         ));
     }
+    all.extend(turned(model, state));
     all.extend(lost_digits(model, state, ending, strain));
+}
+
+/// A cell that is inside out.
+fn turned(model: &Model<'_>, state: &State) -> Option<Warning> {
+    inside_out(model, state).map(|worst| {
+        let ([x, y, z], cell) = (worst.point, worst.cell);
+        warning(
+            WarningKind::InsideOut,
+            "",
+            Some(worst.jacobian),
+            format!(
+                "cell {cell} is turned inside out at ({x:.4}, {y:.4}, {z:.4}), det F {:.3}: the mesh is too coarse there for this deformation, and the result is not to be trusted",
+                worst.jacobian
+            ),
+        )
+    })
 }
 
 /// Displacements so large, or strains of rubber so small, that rounding shows in the forces.

@@ -205,7 +205,14 @@ fn may_fall(run: &Run<'_>, ending: &Ending) -> bool {
     run.model.is_rubber()
         && is_lost
         && !is_elsewhere
+        && !gives_way(run)
         && settings.on_instability == OnInstability::Descend
+}
+
+/// Whether the pressure is above what the faces bear on a curved obstacle: what is lost then is
+/// the mesh's, and a fall would end in a well of it.
+fn gives_way(run: &Run<'_>) -> bool {
+    coarsest(run).is_some_and(|face| face.ratio > 1.0)
 }
 
 /// Whether an equilibrium was seen to be unstable, or nearly so.

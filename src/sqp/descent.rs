@@ -22,6 +22,7 @@ use super::run::Run;
 use crate::linalg::vector::{add_scaled, dot};
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Snap};
+use crate::model::inside_out::inside_out;
 use crate::model::proximal::{Proximal, mass};
 use crate::model::state::State;
 use crate::report::{Cause, Termination};
@@ -111,6 +112,10 @@ fn flow_down(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
         let kept = run.state.clone();
         let mut ending = attempt(run, drive);
         if ending.termination == Termination::Converged {
+            // A well of the mesh, not of the body.
+            if inside_out(&run.model, run.state).is_some() {
+                return None;
+            }
             flow.add_work(&[&kept.displacement, &run.state.displacement], 0.0);
             ending.snapped = Some(flow.snap(run, &before));
             return Some(ending);

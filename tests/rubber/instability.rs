@@ -4,8 +4,10 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use crate::common::meshes::{mesh, moved, square, unit_grid};
-use crate::common::scenes::{HELD, in_parts, mooney_rivlin, obstacle, pull, push, rubber, support};
+use crate::common::meshes::{cube, mesh, moved, square, unit_grid};
+use crate::common::scenes::{
+    HELD, in_parts, mooney_rivlin, obstacle, pull, push, rollers, rubber, support,
+};
 use crate::common::{assert_converged, close, run, solve, values};
 use signorini::report::{Stability, WarningKind};
 use signorini::scene::{Choice, OnInstability, RubberModel, SceneKind, Shape, StabilityCheck};
@@ -144,13 +146,73 @@ fn a_scene_that_asks_for_it_stops_at_the_last_minimum() {
 #[test]
 fn an_equilibrium_that_nobody_has_certified_is_said_to_be_not_determined() {
     let mesh = column(0.0);
-    for check in [StabilityCheck::Off, StabilityCheck::Follow] {
-        let mut scene = clamped();
-        scene.solver.stability = Choice::Named(check);
-        let step = pull("y1", [Some(0.0), Some(-0.1), None], 1);
-        let reports = solve(&scene, &[step], &mesh);
-        assert_converged(&reports[0]);
-        assert_eq!(reports[0].stability, Some(Stability::NotDetermined));
+    let mut scene = clamped();
+    scene.solver.stability = Choice::Named(StabilityCheck::Off);
+    let step = pull("y1", [Some(0.0), Some(-0.1), None], 1);
+    let reports = solve(&scene, &[step], &mesh);
+    assert_converged(&reports[0]);
+    assert_eq!(reports[0].stability, Some(Stability::NotDetermined));
+}
+
+/// Columns below and above their Euler load, straight and bent, pressed at once and in parts:
+/// what Lanczos steps say is what a count of the motions says.
+#[test]
+fn the_sign_of_the_least_eigenvalue_agrees_with_a_count_of_all_unstable_motions() {
+    let mut seen = [0, 0];
+    for (bow, share, increments) in [
+        (0.0, 0.5, 1),
+        (0.0, 0.95, 1),
+        (0.0, 1.05, 1),
+        (0.0, 2.0, 4),
+        (0.0, 4.0, 1),
+        (0.02, 0.95, 1),
+        (0.02, 3.0, 3),
+    ] {
+        let verdicts = [StabilityCheck::Exact, StabilityCheck::Follow].map(|check| {
+            let mut scene = clamped();
+            scene.solver.stability = Choice::Named(check);
+            scene.solver.on_instability = Choice::Named(OnInstability::Continue);
+            let step = squeeze(share * euler_share(), increments);
+            let reports = solve(&scene, &[step], &column(bow));
+            reports.iter().for_each(assert_converged);
+            reports
+                .iter()
+                .map(|report| report.stability)
+                .collect::<Vec<_>>()
+        });
+        assert_eq!(verdicts[0], verdicts[1], "{bow} {share}");
+        for verdict in &verdicts[0] {
+            seen[usize::from(*verdict == Some(Stability::Saddle))] += 1;
+        }
+    }
+    assert!(seen[0] >= 4 && seen[1] >= 4, "{seen:?}");
+}
+
+/// The lid of a roller box is a ball on two faces an edge: from a pressure on that these faces do
+/// not bear the mesh gives way, which is no fall of the body.
+#[test]
+fn a_mesh_that_gives_way_under_a_filled_lid_is_named_and_no_fall() {
+    let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, Some(1000.0));
+    scene.supports = rollers();
+    let ball = Shape::Sphere {
+        centre: [0.5, 0.5, 5.0],
+        radius: 4.0,
+    };
+    scene.supports.extend([
+        support("x1", [Some(0.0), None, None]),
+        support("y1", [None, Some(0.0), None]),
+    ]);
+    scene.obstacles = vec![obstacle("lid", "z1", ball)];
+    let step = in_parts(push("lid", [0.0, 0.0, -0.1]), 10);
+    let reports = solve(&scene, &[step], &mesh(cube(2)));
+    let mut before = 0.0;
+    for report in &reports {
+        let force = -report.obstacles["lid"].force[2];
+        match report.termination {
+            Termination::Converged => assert!(force >= before, "{force} behind {before}"),
+            _ => assert_eq!(report.cause, Some(Cause::CoarseContact), "{report:?}"),
+        }
+        before = force;
     }
 }
 

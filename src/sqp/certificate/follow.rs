@@ -29,10 +29,11 @@ const SHARP: Accuracy = Accuracy {
 /// Least eigenvalue that a rough step vouches for.
 const DOUBTFUL: f64 = 0.1;
 
-/// Follows the softest motion to the present equilibrium; none where a solve was stopped.
-pub(super) fn certified(run: &mut Run<'_>) -> Option<LowestMode> {
-    let now = run.evaluate();
-    let program = QuadraticProgram::new(run, &now, None, &mut 0.0);
+/// Follows the softest motion to the equilibrium of `program`; none where a solve was stopped.
+pub(super) fn certified_about(
+    run: &mut Run<'_>,
+    program: &QuadraticProgram<'_>,
+) -> Option<LowestMode> {
     let known = run.learned.lowest_mode.take();
     let mut motion = first_motion(run, known.as_ref());
     let steps = known.map_or(FIRST_STEPS, |_| LATER_STEPS);

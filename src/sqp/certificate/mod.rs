@@ -8,12 +8,14 @@
 //! | file | what it does | what it says |
 //! |---|---|---|
 //! | [`exact`] | counts the negative eigenvalues by a factor | minimum or saddle |
+//! | [`lanczos`] | finds the least eigenvalue from noise | minimum or saddle, or not determined |
 //! | [`follow`] | follows the eigenvalue nearest to zero | saddle, or not determined |
 //!
 //! Where l is negative another equilibrium is lower, and the body snaps or buckles into it.
 
 mod exact;
 mod follow;
+mod lanczos;
 
 use super::lowest_mode::LowestMode;
 use super::run::Run;
@@ -31,8 +33,9 @@ pub(crate) fn certify(run: &mut Run<'_>, ending: &mut Ending) {
     }
     let check = run.model.plan.stability.check;
     run.learned.lowest_mode = match check {
-        StabilityCheck::Exact => exact::certified(run),
-        StabilityCheck::Follow => follow::certified(run),
+        StabilityCheck::Exact if run.model.plan.counts_motions() => exact::certified(run),
+        StabilityCheck::Exact => lanczos::certified(run),
+        StabilityCheck::Follow => lanczos::certified(run),
         StabilityCheck::Off => None,
     };
     let mode = run.learned.lowest_mode.as_ref();

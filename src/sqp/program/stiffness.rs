@@ -9,14 +9,24 @@
 use super::QuadraticProgram;
 use super::step::blocks;
 use crate::inequality::{
-    BlockIterate, OneLevel, QpIterate, QpNorms, QpRun, QpScales, QpStatus, QpTargets,
+    BlockIterate, OneLevel, QpIterate, QpNorms, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
 };
 use crate::krylov::Verdict;
 use crate::linalg::vector::{dot, norm};
 use crate::linalg::{LinearOperator, SparseRows, Workspace};
 use crate::model::state::State;
 use crate::precond::Counted;
+use crate::sqp::lowest_mode;
 use crate::sqp::run::Run;
+
+/// What stands for the body in a solve on the present face.
+struct Terms<'a> {
+    stiffness: &'a dyn LinearOperator,
+    /// What is taken off it.
+    curvature: Option<&'a SparseRows>,
+    /// It and the pressures in one product, where there is one.
+    joint: Option<&'a dyn LinearOperator>,
+}
 
 /// How far one step of inverse iteration is solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +46,40 @@ impl QuadraticProgram<'_> {
         force: Vec<f64>,
         accuracy: Accuracy,
     ) -> Option<Vec<f64>> {
+        let pressure = self.pressure();
+        let terms = Terms {
+            stiffness: self.stiffness(),
+            curvature: self.released_by_all(),
+            joint: pressure.as_ref().and_then(|pressure| pressure.joint),
+        };
+        self.solve_on_face(run, (terms, force), accuracy)
+    }
+
+    /// The motion nearest to `motion`, in the stiffness at rest, among those that volume and
+    /// the present contacts admit; none where it was stopped.
+    pub(crate) fn admitted(
+        &self,
+        run: &mut Run<'_>,
+        motion: &[f64],
+        accuracy: Accuracy,
+    ) -> Option<Vec<f64>> {
+        let force = lowest_mode::at_rest(&run.model, motion, &mut run.work);
+        let terms = Terms {
+            stiffness: &self.model.prepared.stiffness,
+            curvature: None,
+            joint: None,
+        };
+        self.solve_on_face(run, (terms, force), accuracy)
+    }
+
+    /// The motion under `force` of a body with the stiffness of `terms`; none where it was
+    /// stopped.
+    fn solve_on_face(
+        &self,
+        run: &mut Run<'_>,
+        (terms, force): (Terms<'_>, Vec<f64>),
+        accuracy: Accuracy,
+    ) -> Option<Vec<f64>> {
         let mut iterate = at_rest(run.state, force);
         let targets = QpTargets {
             force_scale: norm(&iterate.force),
@@ -43,9 +87,14 @@ impl QuadraticProgram<'_> {
             multiplier_error: None,
         };
         let displacement = Counted::new(&*self.inverse.displacement);
-        let blocks = self.blocks();
+        let mut blocks = self.blocks();
+        blocks[0].joint = terms.joint;
         let step = self.block_step(&displacement, &mut run.work);
-        let problem = self.problem(self.released_by_all(), &displacement, &blocks, &*step);
+        let problem = QpProblem {
+            stiffness: terms.stiffness,
+            augmentation: terms.curvature.and(self.augmentation.as_ref()),
+            ..self.problem(terms.curvature, &displacement, &blocks, &*step)
+        };
         let Run {
             learned,
             watch,

@@ -1,0 +1,65 @@
+//! Whether there is an unstable motion, by the Lanczos process on the tangent with its
+//! constraints as stiff terms ([`crate::sqp::program`], `penalised`), from noise: where the
+//! least eigenvalue found is positive, no motion that volume and contact admit lowers the energy.
+//! Where it is not the constraints are made stiffer; a motion that lowers the energy still is
+//! projected on those that the constraints admit, and is the proof of a saddle if it does so there.
+//! Between the two nothing is determined, and [`super::follow`] has the word. Cost: some twenty
+//! products and applications where the body is far from unstable.
+
+use super::{follow, motion_without_symmetry};
+use crate::krylov::least_eigenvalue::Least;
+use crate::linalg::vector::scale;
+use crate::report::Stability;
+use crate::sqp::lowest_mode::{LowestMode, length_at_rest};
+use crate::sqp::program::{Accuracy, QuadraticProgram};
+use crate::sqp::run::Run;
+
+/// Stiffness of the constraints over what their metrics say, and steps at most.
+const TRIES: [(f64, usize); 3] = [(2.0, 40), (16.0, 60), (128.0, 80)];
+/// How well a motion that lowers the energy keeps the constraints.
+const KEPT: Accuracy = Accuracy {
+    level: 1e-3,
+    iterations: 100,
+};
+
+/// The softest motion of the present equilibrium, and whether there are unstable ones; none
+/// where it was stopped.
+pub(super) fn certified(run: &mut Run<'_>) -> Option<LowestMode> {
+    let now = run.evaluate();
+    let program = QuadraticProgram::new(run, &now, None, &mut 0.0);
+    let mut suspect = None;
+    for tried in TRIES {
+        let noise = motion_without_symmetry(run);
+        match program.least_eigenvalue(run, noise, tried) {
+            Least::Positive(motion) => return mode(run, (&program, motion), Stability::Minimum),
+            Least::Negative(motion) => suspect = Some(motion),
+            Least::NotFound(_) | Least::Nothing => break,
+        }
+    }
+    // Loads without a potential may lead back what lowers the energy.
+    if let Some(motion) = suspect.filter(|_| program.skew().is_none()) {
+        let motion = program.admitted(run, &motion, KEPT)?;
+        if program.curvature_along(&motion, &mut run.work) < 0.0 {
+            return mode(run, (&program, motion), Stability::Saddle);
+        }
+    }
+    follow::certified_about(run, &program)
+}
+
+/// The softest motion `motion`, scaled.
+fn mode(
+    run: &mut Run<'_>,
+    (program, mut motion): (&QuadraticProgram<'_>, Vec<f64>),
+    stability: Stability,
+) -> Option<LowestMode> {
+    let length = length_at_rest(&run.model, &motion, &mut run.work);
+    if !(length > 0.0 && length.is_finite()) {
+        return None;
+    }
+    scale(&mut motion, 1.0 / length);
+    Some(LowestMode {
+        eigenvalue: program.curvature_along(&motion, &mut run.work),
+        motion,
+        stability,
+    })
+}

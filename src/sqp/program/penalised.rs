@@ -1,0 +1,158 @@
+//! The stiffness of a program with its constraints as stiff terms,
+//!
+//! ```text
+//! K_w = K + B^T (M / (step mu) + S)^-1 B + C_A^T (w H_A^-1 + W) C_A,   K = A - curvature
+//! ```
+//!
+//! M the mass of the pressures, S their volume compliance, H_A the compliance metric of the
+//! multipliers that hold, W the springs of the approximate inverse. On motions without change of
+//! volume that keep all contacts it is K, and it is below what the constraints themselves add
+//! elsewhere: where K_w is positive, K is so among the motions that the constraints admit.
+//! `[displacement, displacement]`. Cost of a product: one of K, B, B^T, and a solve with the factor
+//! of H_A.
+
+use std::sync::Arc;
+
+use super::QuadraticProgram;
+use crate::krylov::least_eigenvalue::{Least, LeastEigenvalue};
+use crate::linalg::{DenseCholesky, LinearOperator, SparseRows, Workspace};
+use crate::precond::Counted;
+use crate::saddle::{EqualityBlock, Status};
+use crate::sqp::run::Run;
+
+/// K_w.
+struct Penalised<'a> {
+    /// A.
+    stiffness: &'a dyn LinearOperator,
+    /// What loads and contacts take off A.
+    released: Option<&'a SparseRows>,
+    /// Internal pressure.
+    volume: Option<EqualityBlock<'a>>,
+    /// Contact.
+    held: Option<Held<'a>>,
+    /// w, and how many times the first one the volume's stiffness is.
+    weight: f64,
+}
+
+/// The multipliers that hold.
+struct Held<'a> {
+    /// C of all multipliers `[multipliers, displacement]`.
+    rows: &'a SparseRows,
+    /// Those that hold, ascending.
+    selected: Vec<usize>,
+    /// Factor of H_A.
+    factor: Arc<DenseCholesky>,
+    /// W of the springs `[multipliers]`; empty where there are none.
+    springs: &'a [f64],
+}
+
+impl Held<'_> {
+    /// Adds what contact resists of the motion `x` to `y`.
+    fn add(&self, weight: f64, (x, y): (&[f64], &mut [f64]), work: &mut Workspace) {
+        let mut gaps = work.scratch(self.rows.rows());
+        self.rows.apply(x, &mut gaps, work);
+        let mut pressures = work.zeros(gaps.len());
+        let mut own: Vec<f64> = self.selected.iter().map(|&row| gaps[row]).collect();
+        self.factor.solve(&mut own);
+        for (&row, own) in self.selected.iter().zip(&own) {
+            let spring = self.springs.get(row).copied().unwrap_or(0.0);
+            pressures[row] = weight * own + spring * gaps[row];
+        }
+        self.rows.add_transposed(1.0, &pressures, y, work);
+        work.give(gaps);
+        work.give(pressures);
+    }
+}
+
+impl LinearOperator for Penalised<'_> {
+    fn rows(&self) -> usize {
+        self.stiffness.rows()
+    }
+
+    fn columns(&self) -> usize {
+        self.stiffness.columns()
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
+        self.stiffness.apply(x, y, work);
+        if let Some(released) = self.released {
+            released.subtract_product(x, y, work);
+        }
+        if let Some(volume) = &self.volume {
+            let mut change = work.scratch(volume.rows.rows());
+            volume.rows.apply(x, &mut change, work);
+            let mut pressure = work.scratch(change.len());
+            volume.metric.apply(&change, &mut pressure, work);
+            volume
+                .columns
+                .add_transposed(self.weight, &pressure, y, work);
+            work.give(change);
+            work.give(pressure);
+        }
+        if let Some(held) = &self.held {
+            held.add(self.weight, (x, y), work);
+        }
+    }
+
+    fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
+        self.apply(y, x, work);
+    }
+}
+
+impl QuadraticProgram<'_> {
+    /// The sign of the least eigenvalue of K_w beside the approximate inverse, from `force`, in
+    /// `steps` at most.
+    pub(crate) fn least_eigenvalue(
+        &self,
+        run: &mut Run<'_>,
+        force: Vec<f64>,
+        (weight, steps): (f64, usize),
+    ) -> Least {
+        let Ok(held) = self.held(&run.state.status) else {
+            return Least::Nothing;
+        };
+        let displacement = Counted::new(&*self.inverse.displacement);
+        let process = LeastEigenvalue {
+            operator: &Penalised {
+                stiffness: self.stiffness(),
+                released: self.released_by_all(),
+                volume: self.pressure(),
+                held,
+                weight,
+            },
+            preconditioner: &displacement,
+            steps,
+        };
+        let Run {
+            learned,
+            watch,
+            counters,
+            work,
+            ..
+        } = run;
+        learned.directions.clear(work);
+        let stopped = || watch.stopped(counters).is_some();
+        let least = process.solve(force, &stopped, work);
+        counters.eigenvalue_applications += displacement.applications();
+        least
+    }
+
+    /// The multipliers that hold; none where nothing touches.
+    ///
+    /// # Errors
+    /// Where the metric on them is not positive definite.
+    fn held(&self, status: &[Status]) -> Result<Option<Held<'_>>, crate::linalg::FactoriseError> {
+        let holds = |&row: &usize| status[row] == Status::Stick;
+        let selected: Vec<usize> = (0..status.len()).filter(holds).collect();
+        if selected.is_empty() {
+            return Ok(None);
+        }
+        let springs = self.inverse.springs.as_ref();
+        Ok(Some(Held {
+            factor: self.metric.matrix.factor_of_part(&selected)?,
+            rows: &self.now.coupling,
+            springs: springs.map_or(&[], |springs| springs.weights()),
+            selected,
+        }))
+    }
+}
