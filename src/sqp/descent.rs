@@ -34,6 +34,9 @@ const MOST_FAILURES: u32 = 5;
 /// Programs that a step, or the end where it is tried, may take: where they are more a
 /// program leads anywhere.
 const PATIENCE: u32 = 8;
+/// The same behind a step that failed: slender bodies turn far with little force, and programs
+/// go there by small parts.
+const MORE_PATIENCE: u32 = 24;
 /// Residuals that a step may leave.
 const ROUGH: f64 = 1e-3;
 /// Share of what moves the body that a step may leave.
@@ -45,6 +48,8 @@ const PUSH: f64 = 5e-3;
 const FIRST_WEIGHT: [f64; 2] = [4.0, 0.2];
 /// Least weight behind a saddle over the first.
 const LEAST_WEIGHT: f64 = 0.4;
+/// Change of the least weight behind a step that pulls more than all before.
+const RECEDING: f64 = 0.8;
 /// Change of the weight behind a step that was solved, and one that was not.
 const CHANGE: [f64; 2] = [0.5, 4.0];
 /// Steps with one pull behind a failure.
@@ -99,6 +104,7 @@ fn flow_down(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
         if ending.termination != Termination::Converged {
             run.state.clone_from(&kept);
             flow.fail();
+            run.patience = MORE_PATIENCE;
             if flow.failures > MOST_FAILURES {
                 return None;
             }
@@ -213,6 +219,10 @@ impl Flow {
         }
         let pull = self.weight * squares.sum::<f64>().sqrt();
         let ebbs = pull <= EBB * self.strongest;
+        // The saddle is the farther behind the longer the pull has grown.
+        if pull > self.strongest {
+            self.least *= RECEDING;
+        }
         self.strongest = match ebbs {
             true => pull,
             false => self.strongest.max(pull),

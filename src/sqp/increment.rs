@@ -9,7 +9,7 @@
 use super::predictor;
 use super::program::{QuadraticProgram, Step};
 use super::run::Run;
-use super::search::{Refused, search};
+use super::search::{Refused, leap, search};
 use super::verdict::{Verdict, of_status, verdict};
 use crate::inequality::QpScales;
 use crate::linalg::vector::{dot, largest, norm};
@@ -28,6 +28,8 @@ pub(crate) const MOST_PROGRAMS: u32 = 40;
 const WORTHWHILE: f64 = 0.1;
 /// Programs of a linear problem that may leave the residual as it is: rounding does.
 const MOST_IDLE: u32 = 5;
+/// Steps of an increment that are taken without progress.
+const MOST_LEAPS: u32 = 3;
 /// Stress in shear moduli below which a body without load is at rest: linear, and of rubber,
 /// whose law has a scale of its own.
 const LEAST_STRESS: [f64; 2] = [1e-11, 1e-9];
@@ -48,6 +50,8 @@ struct Iterate {
     least: f64,
     /// Programs since that have not halved it.
     idle: u32,
+    /// Steps that were taken without progress.
+    leaps: u32,
 }
 
 /// What a program that did not end leads to.
@@ -87,7 +91,10 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         }
         match search(run, &step, program.start(), at.first_force) {
             Ok(next) => at.advance(run.state, next, worst),
-            Err(refused) => return at.ending(run, refused.verdict()),
+            Err(refused) => match at.leap(run, &step, program.start(), refused) {
+                Some(next) => at.advance(run.state, next, worst),
+                None => return at.ending(run, refused.verdict()),
+            },
         }
     }
     at.ending(run, Verdict::failed(Cause::IterationLimit))
@@ -143,6 +150,7 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
         reduction: FIRST_REDUCTION,
         least: f64::INFINITY,
         idle: 0,
+        leaps: 0,
     }
 }
 
@@ -219,6 +227,25 @@ fn rounding(model: &Model<'_>, state: &State) -> f64 {
 }
 
 impl Iterate {
+    /// Residuals behind a step that brings no progress at once: slender bodies turn against forces
+    /// far smaller than those that turning by a straight line wakes in them, and the next program
+    /// takes these off (Chamberlain, Powell, Lemarechal and Pedersen, Math. Programming Study 16,
+    /// 1982). None where it turns cells inside out, in linear bodies, and too often.
+    fn leap(
+        &mut self,
+        run: &mut Run<'_>,
+        step: &Step,
+        now: &Evaluation,
+        refused: Refused,
+    ) -> Option<Evaluation> {
+        let is_tried = refused == Refused::Progress && !run.model.is_linear();
+        if !is_tried || self.leaps >= MOST_LEAPS {
+            return None;
+        }
+        self.leaps += 1;
+        leap(run, step, now)
+    }
+
     /// The four residuals at the present state; the state's scales grow with what they
     /// see.
     fn residuals(&self, state: &mut State) -> Residuals {

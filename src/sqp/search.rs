@@ -13,6 +13,8 @@ use crate::model::state::State;
 
 /// Below this a smaller part of the increment leads further.
 const LEAST_LENGTH: f64 = 1.0 / 256.0;
+/// The same of a step that is taken without progress.
+const LEAST_LEAP: f64 = 0.25;
 /// Least relative progress in one of the filter's measures.
 const LEAST_PROGRESS: f64 = 1e-4;
 /// Share of the least J that a step must leave.
@@ -64,6 +66,25 @@ pub(crate) fn search(
         }
     }
     Err(refused)
+}
+
+/// Moves the state along `step` as far as every point keeps its share of the volume, whatever the
+/// residuals say; the state stays where that is nowhere.
+pub(crate) fn leap(run: &mut Run<'_>, step: &Step, now: &Evaluation) -> Option<Evaluation> {
+    let old = run.state.clone();
+    let floor = now.least_jacobian.map(|least| JACOBIAN_SHARE * least);
+    let mut length = 1.0;
+    while length >= LEAST_LEAP {
+        step.apply(run.state, length);
+        let trial = run.evaluate();
+        if !is_inside_out(&trial, floor) {
+            run.counters.step_length = length;
+            return Some(trial);
+        }
+        run.state.clone_from(&old);
+        length *= 0.5;
+    }
+    None
 }
 
 /// Whether some point has less volume left than a step must leave.

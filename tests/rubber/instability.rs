@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::common::meshes::{cube, mesh, moved, square, unit_grid};
 use crate::common::scenes::{
-    HELD, in_parts, mooney_rivlin, obstacle, pull, push, rollers, rubber, support,
+    HELD, in_parts, mooney_rivlin, obstacle, pull, push, rollers, rubber, support, traction,
 };
 use crate::common::{assert_converged, close, run, solve, values};
 use signorini::report::{Stability, WarningKind};
@@ -152,6 +152,37 @@ fn an_equilibrium_that_nobody_has_certified_is_said_to_be_not_determined() {
     let reports = solve(&scene, &[step], &mesh);
     assert_converged(&reports[0]);
     assert_eq!(reports[0].stability, Some(Stability::NotDetermined));
+}
+
+/// Strain energy of the bent cantilever by an independent Newton method, with a side load that is
+/// taken away, on a mesh of the same size that leans to one side as this one does.
+const ELASTICA: f64 = 0.13181;
+
+/// A cantilever of ten widths under a dead load beyond its Euler load bends, at once and in parts.
+#[test]
+fn a_straight_cantilever_under_a_dead_load_beyond_euler_bends() {
+    let mesh = mesh(moved(unit_grid(1, 10), |[x, y, _]| [x, 10.0 * y, 0.0]));
+    for increments in [1, 20] {
+        let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, None);
+        scene.kind = Some(SceneKind::PlaneStrain);
+        scene.supports = vec![support("y0", HELD)];
+        scene.tractions = vec![traction("y1", [0.0, -0.02, 0.0])];
+        scene.solver.quadrature_degree = Some(8);
+        let step = Step {
+            increments,
+            ..Step::default()
+        };
+        let reports = solve(&scene, &[step], &mesh);
+        reports.iter().for_each(assert_converged);
+        let last = reports.last().expect("an increment");
+        assert_eq!(last.stability, Some(Stability::Minimum));
+        assert!(reports.iter().any(|report| report.snapped.is_some()));
+        assert!(
+            close(last.strain_energy, ELASTICA, 2e-2),
+            "{increments}: {}",
+            last.strain_energy
+        );
+    }
 }
 
 /// Columns below and above their Euler load, straight and bent, pressed at once and in parts:
