@@ -125,6 +125,63 @@ fn flow_around_a_ball_has_its_drag_and_loses_no_mass() {
     assert!((number(&last["volume_ratio"]) - 1.0).abs() < 1e-7);
 }
 
+/// A component of the force of an obstacle or support.
+fn force(result: &Value, kind: &str, name: &str, component: usize) -> f64 {
+    number(&result[kind][name]["force"][component])
+}
+
+#[test]
+fn the_fluid_pushes_the_o_ring_to_its_wall_which_it_seals() {
+    let (run, last) = solve("o-ring.toml", &[]);
+    let squeezed = &run.events("step")[4];
+    assert!(number(&squeezed["obstacles"]["lid"]["force"][1]) < -300.0);
+    assert!(force(squeezed, "obstacles", "wall", 0).abs() < 1e-9);
+    assert!(number(&last["obstacles"]["wall"]["max_pressure_deformed"]) > 4.0);
+}
+
+#[test]
+fn pin_and_sleeve_of_the_bush_are_in_balance() {
+    let (_, last) = solve("bush.toml", &[]);
+    for component in 0..2 {
+        let [pin, sleeve] = ["pin", "sleeve"].map(|name| force(&last, "supports", name, component));
+        assert!((pin + sleeve).abs() < 1e-6 * 264.0, "{pin} {sleeve}");
+    }
+    assert_near(&last["supports"]["pin"]["force"][0], 264.1, 1e-3);
+}
+
+#[test]
+fn the_lip_presses_its_shaft() {
+    let (_, last) = solve("lip.toml", &[]);
+    assert_near(&last["obstacles"]["shaft"]["force"][0], 5.189, 1e-3);
+    assert!(last["warnings"].as_array().unwrap().is_empty(), "{last}");
+}
+
+#[test]
+fn a_stopper_that_slips_takes_the_coefficient_times_the_force_on_its_wall() {
+    let (_, last) = solve("stopper.toml", &[]);
+    let wall = force(&last, "obstacles", "barrel", 0);
+    let plunger = force(&last, "supports", "plunger", 1);
+    assert!(
+        (plunger + 0.15 * wall).abs() < 1e-6 * plunger,
+        "{plunger} {wall}"
+    );
+}
+
+#[test]
+fn finger_and_tyre_are_in_balance_with_what_holds_them() {
+    for (scene, tool, held) in [("finger.toml", "rod", "bone"), ("tyre.toml", "road", "rim")] {
+        let (_, last) = solve(scene, &[]);
+        for component in 0..2 {
+            let tool = force(&last, "obstacles", tool, component);
+            let held = force(&last, "supports", held, component);
+            assert!(
+                (tool + held).abs() < 1e-6 * tool.abs().max(1.0),
+                "{scene}: {tool} {held}"
+            );
+        }
+    }
+}
+
 #[test]
 fn increments_are_a_result_each() {
     let (run, _) = solve("hertz-plane.toml", &["--set", "step.0.increments=3"]);
