@@ -21,8 +21,8 @@ pub struct Arguments {
     /// Folder for bench.csv, index.html and the figures
     #[arg(long, value_name = "DIR", default_value = "results/bench")]
     pub(crate) out: PathBuf,
-    /// A1m, cube-bend, hertz-sphere, hertz-plane, mr-uniax, mr-block or mr-sphere, several
-    /// times; default: all
+    /// A1m, cube-bend, hertz-sphere, hertz-plane, mr-uniax, mr-block, mr-sphere, cube-drag or
+    /// hertz-press, several times; default: all
     #[arg(long = "scene", value_name = "NAME", value_parser = families::find)]
     scenes: Vec<&'static Family>,
     /// Question to answer by its own runs, such as element or saddle, several times; default:

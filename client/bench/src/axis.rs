@@ -42,7 +42,7 @@ pub(crate) const SIZE: Axis = Axis {
     word: "unknowns",
     label: "unknowns (displacement, pressure, contact)",
     of: |row| Some(row.unknowns()).filter(|count| *count > 0.0),
-    of_peer: |peer| Some(peer.unknowns),
+    of_peer: |peer| peer.unknowns,
 };
 
 /// The tolerance that was asked for.

@@ -3,7 +3,8 @@
 use crate::family::Family;
 use crate::family::MeshSource::{self, Cube, Gmsh};
 use crate::family::Quantity::{
-    ContactPressure, ContactRadius, DisplacementH1, DisplacementL2, Force, PressureL2, StrainEnergy,
+    self, ContactPressure, ContactRadius, DisplacementH1, DisplacementL2, Force, PressureL2,
+    StrainEnergy, TangentialForce,
 };
 use crate::shaped::Shape;
 
@@ -11,6 +12,9 @@ const CUBE_BEND: &str = include_str!("../../examples/cube-bend.toml");
 const BENT: &str = include_str!("bent.toml");
 const CONTRAST: &str = include_str!("contrast.toml");
 const CUBE: MeshSource = Cube(Shape::Plain);
+/// The default, and the space that those of other solvers come closest to.
+const SPACES: &[&str] = &["auto", "contact_space=linear"];
+const FRICTION: &[Quantity] = &[Force, TangentialForce];
 
 /// All families.
 pub(crate) const FAMILIES: &[Family] = &[
@@ -111,6 +115,34 @@ pub(crate) const FAMILIES: &[Family] = &[
         &[1, 2],
         &[Force, StrainEnergy, ContactPressure, ContactRadius],
     ),
+    Family::new(
+        "cube-drag",
+        include_str!("../../examples/cube-drag.toml"),
+        CUBE,
+        "A compressible cube (Poisson ratio 0.3), held below; a rough plate (Coulomb friction, \
+         coefficient 0.3) presses it and drags it until a third of the contact slips. All of its \
+         top is in contact: much friction for so small a body. Other solvers have the same \
+         increments and meshes, but other contact conditions: equal meshes are not equal errors.",
+    )
+    .measured(&[4, 6, 10], &[4], FRICTION)
+    .by(SPACES),
+    Family::new(
+        "hertz-press",
+        include_str!("../../examples/hertz-plane.toml"),
+        Gmsh("hemi"),
+        "A rough plane (Coulomb friction, coefficient 0.3) pressed in four increments against \
+         a compressible half ball (Poisson ratio 0.3; a quarter is solved): the middle of the \
+         contact sticks, its rim slips outwards. The tangential force is that on the quarter, \
+         times four. Contact conditions differ: equal meshes are not equal errors.",
+    )
+    .with(&[
+        "material.body.poisson_ratio=0.3",
+        "obstacle.0.friction=0.3",
+        "step.0.increments=4",
+    ])
+    .of_a_quarter()
+    .measured(&[1, 2, 3, 4], &[1, 2], FRICTION)
+    .by(SPACES),
     Family::new(
         "cube-flat-10",
         BENT,

@@ -21,6 +21,9 @@ pub(crate) enum Quantity {
     StrainEnergy,
     /// Force of the obstacle on the whole body, along its motion.
     Force,
+    /// Its part across the motion along z: what friction carries. On a body that is made of
+    /// mirrored models it cancels out; there it is that many times the part on the model.
+    TangentialForce,
     /// Largest contact pressure.
     ContactPressure,
     /// Radius of the disc of the whole contact area.
@@ -29,12 +32,13 @@ pub(crate) enum Quantity {
 
 impl Quantity {
     /// All of them, in the order of the columns.
-    pub(crate) const ALL: [Self; 7] = [
+    pub(crate) const ALL: [Self; 8] = [
         Self::DisplacementL2,
         Self::DisplacementH1,
         Self::PressureL2,
         Self::StrainEnergy,
         Self::Force,
+        Self::TangentialForce,
         Self::ContactPressure,
         Self::ContactRadius,
     ];
@@ -47,6 +51,7 @@ impl Quantity {
             Self::PressureL2 => "pressure_l2",
             Self::StrainEnergy => "strain_energy",
             Self::Force => "force",
+            Self::TangentialForce => "tangential_force",
             Self::ContactPressure => "contact_pressure",
             Self::ContactRadius => "contact_radius",
         }
@@ -60,6 +65,7 @@ impl Quantity {
             Self::PressureL2 => "pressure (L2 norm)",
             Self::StrainEnergy => "strain energy",
             Self::Force => "contact force",
+            Self::TangentialForce => "tangential contact force",
             Self::ContactPressure => "largest contact pressure",
             Self::ContactRadius => "contact radius",
         }
@@ -72,7 +78,11 @@ impl Quantity {
             Self::DisplacementL2 => Some(1.220_536_6),
             Self::DisplacementH1 => Some(5.373_791_9),
             Self::PressureL2 => Some(0.235_702_3),
-            Self::StrainEnergy | Self::Force | Self::ContactPressure | Self::ContactRadius => None,
+            Self::StrainEnergy
+            | Self::Force
+            | Self::TangentialForce
+            | Self::ContactPressure
+            | Self::ContactRadius => None,
         }
     }
 
@@ -81,13 +91,12 @@ impl Quantity {
     pub(crate) fn read(self, step: &Value, whole_body: f64) -> Option<f64> {
         let error = |name: &str| step.pointer(&format!("/errors/{name}"))?.as_f64();
         let obstacle = || step.get("obstacles")?.as_object()?.values().next();
+        let force = |axis: &str| obstacle()?.pointer(&format!("/force/{axis}"))?.as_f64();
         match self {
             Self::DisplacementL2 | Self::DisplacementH1 | Self::PressureL2 => error(self.name()),
             Self::StrainEnergy => Some(step.get("strain_energy")?.as_f64()? * whole_body),
-            Self::Force => {
-                let along_z = obstacle()?.pointer("/force/2")?.as_f64()?;
-                Some(along_z.abs() * whole_body)
-            }
+            Self::Force => Some(force("2")?.abs() * whole_body),
+            Self::TangentialForce => Some(force("0")?.hypot(force("1")?) * whole_body),
             Self::ContactPressure => obstacle()?.get("max_pressure")?.as_f64(),
             Self::ContactRadius => {
                 let area = obstacle()?.get("contact_area")?.as_f64()? * whole_body;
@@ -161,6 +170,8 @@ pub(crate) struct Family {
     pub(crate) full: &'static [u32],
     /// The same in a quick run.
     pub(crate) quick: &'static [u32],
+    /// Methods of its chapter.
+    pub(crate) methods: &'static [&'static str],
     /// Changes of the scene file.
     pub(crate) settings: &'static [&'static str],
     /// How many times the model fills the whole body.
@@ -184,6 +195,7 @@ impl Family {
             source,
             full: &[],
             quick: &[],
+            methods: &["auto"],
             settings: &[],
             whole_body: 1.0,
             quantities: &[],
@@ -193,6 +205,12 @@ impl Family {
     /// With changes of the scene file.
     pub(crate) const fn with(mut self, settings: &'static [&'static str]) -> Self {
         self.settings = settings;
+        self
+    }
+
+    /// With these methods in its chapter.
+    pub(crate) const fn by(mut self, methods: &'static [&'static str]) -> Self {
+        self.methods = methods;
         self
     }
 
@@ -241,6 +259,8 @@ mod tests {
         let read = |quantity: Quantity| quantity.read(&step, 4.0);
         assert_eq!(read(Quantity::StrainEnergy), Some(2.0));
         assert_eq!(read(Quantity::Force), Some(12.0));
+        let tangential = read(Quantity::TangentialForce).unwrap();
+        assert!((tangential - 4.0 * 5.0_f64.sqrt()).abs() < 1e-12);
         assert_eq!(read(Quantity::ContactPressure), Some(7.0));
         assert_eq!(read(Quantity::ContactRadius), Some(2.0));
         assert_eq!(read(Quantity::PressureL2), None);

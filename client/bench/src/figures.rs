@@ -117,8 +117,8 @@ impl Results {
             (y.is_some() || state == State::Failed).then_some(Point { x, y, state, name })
         };
         let peer_point = |peer: &Peer| {
-            let y = peer.error(quantity, &self.references)?;
-            Some(point_of_peer(peer, (cost.of_peer)(peer)?, y, uncertainty))
+            let y = peer.error(quantity, &self.references);
+            point_of_peer(peer, (cost.of_peer)(peer)?, y, uncertainty)
         };
         Diagram {
             title: format!(
@@ -150,7 +150,7 @@ impl Results {
             let (x, y) = ((SIZE.of)(row)?, Some(row.numbers.seconds));
             Some(Point { x, y, state, name })
         };
-        let peer_point = |peer: &Peer| Some(point_of_peer(peer, peer.unknowns, peer.seconds, 0.0));
+        let peer_point = |peer: &Peer| point_of_peer(peer, peer.unknowns?, Some(peer.seconds), 0.0);
         Diagram {
             title: format!("{}: time", family.name),
             x: (Kind::Logarithmic, SIZE.label.to_owned()),
@@ -168,7 +168,7 @@ impl Results {
             Some(Point { x, y, state, name })
         };
         let peer_point =
-            |peer: &Peer| Some(point_of_peer(peer, peer.unknowns, peer.iterations?, 0.0));
+            |peer: &Peer| point_of_peer(peer, peer.unknowns?, Some(peer.iterations?), 0.0);
         Diagram {
             title: format!("{}: iterations", family.name),
             x: (Kind::Logarithmic, SIZE.label.to_owned()),
@@ -231,15 +231,16 @@ pub(crate) fn state(row: &Row, is_uncertain: bool) -> State {
     }
 }
 
-/// A peer's point, uncertain below `uncertainty`.
-fn point_of_peer(peer: &Peer, x: f64, y: f64, uncertainty: f64) -> Point {
-    let state = if y < uncertainty {
-        State::Uncertain
-    } else {
-        State::Good
+/// A peer's point, uncertain below `uncertainty`; none where there is neither a value
+/// nor a failure.
+fn point_of_peer(peer: &Peer, x: f64, y: Option<f64>, uncertainty: f64) -> Option<Point> {
+    let state = match (&peer.failure, y) {
+        (Some(_), _) => State::Failed,
+        (None, Some(y)) if y < uncertainty => State::Uncertain,
+        (None, _) => State::Good,
     };
-    let (y, name) = (Some(y), peer.level.to_string());
-    Point { x, y, state, name }
+    let name = peer.level.to_string();
+    (y.is_some() || state == State::Failed).then_some(Point { x, y, state, name })
 }
 
 fn bar(row: &Row) -> Bar {
@@ -265,4 +266,26 @@ fn phase_label(phase: &str) -> String {
         other => other,
     }
     .to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::peers::parse;
+    use crate::samples;
+
+    #[test]
+    fn failures_of_other_solvers_are_crosses_without_a_height() {
+        let text = "scene,level,solver,unknowns,seconds,failure,value_force\n\
+            cube-drag,n4,Other,2187,9,,0.0553\ncube-drag,n6,Other,,70,no convergence,\n";
+        let peers = parse(text).unwrap();
+        let results = samples::results(Vec::new());
+        let error = |peer: &Peer| peer.error(Quantity::Force, &results.references);
+        let good = point_of_peer(&peers[0], 9.0, error(&peers[0]), 0.0).unwrap();
+        let failed = point_of_peer(&peers[1], 70.0, error(&peers[1]), 0.0).unwrap();
+        assert_eq!((good.state, good.y.is_some()), (State::Good, true));
+        assert_eq!((failed.state, failed.y), (State::Failed, None));
+        // Neither a value nor a failure: nothing to draw.
+        assert!(point_of_peer(&peers[0], 9.0, None, 0.0).is_none());
+    }
 }

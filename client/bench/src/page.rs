@@ -59,6 +59,8 @@ const TERMS: &str = "<h2>How to read the figures</h2>
 <dd>How often the preconditioner of the displacement is applied, nested iterations included: what methods are compared by, since their iterations differ in cost.</dd>
 <dt>Tables of the questions</dt>
 <dd>On equal meshes: seconds over those of the first choice, which is what the plan takes by itself. At equal error: seconds interpolated along the curve of each choice, at the smallest error that two of them reach; ≤ where the coarsest mesh is below that error already. Over tolerances: seconds and errors over those of the tightest.</dd>
+<dt>Tables of other solvers</dt>
+<dd>The error is that of the first figure of the scene. Without friction the discrete problems are the same, but for GetFEM; with friction each has its own.</dd>
 <dt>Crosses</dt>
 <dd>Failures, at the time they took; at the upper edge where there is no result at all.</dd>
 </dl>
@@ -114,7 +116,7 @@ pub(crate) fn html(results: &Results, report: &Report) -> String {
     }
     if !results.rows.is_empty() {
         page.push_str(&seeds(results));
-        page.push_str(&failures(&results.rows, &report.left_out));
+        page.push_str(&failures(results, &report.left_out));
         page.push_str(&numbers(&results.rows));
     }
     let shipped = match results.findings.is_empty() {
@@ -196,19 +198,31 @@ fn about_peers(lines: &[String]) -> String {
     )
 }
 
-fn failures(rows: &[Row], left_out: &[LeftOut]) -> String {
+fn failures(results: &Results, left_out: &[LeftOut]) -> String {
     let columns = [
         Column::Text("case"),
         Column::Long("what happened"),
         Column::Number("seconds"),
     ];
-    let failed = rows.iter().filter(|row| !row.converged()).map(|row| {
+    let rows = results.rows.iter();
+    let failed = rows.filter(|row| !row.converged()).map(|row| {
         let seconds = format!("{:.2}", row.numbers.seconds);
         [row.case.name(), row.outcome.to_string(), seconds]
     });
+    let is_measured = |scene: &str| {
+        let mut rows = results.rows.iter();
+        rows.any(|row| row.case.family.name == scene)
+    };
+    let others = results.peers.rows.iter();
+    let others = others.filter(|peer| is_measured(&peer.scene));
+    let others = others.filter_map(|peer| {
+        let reason = peer.failure.clone()?;
+        let case = format!("{} {}, {}", peer.scene, peer.level, peer.solver);
+        Some([case, reason, format!("{:.2}", peer.seconds)])
+    });
     let left_out = left_out.iter().cloned();
     let left_out = left_out.map(|(case, reason)| [case, reason, "–".to_owned()]);
-    let table = Table::new(columns).with(failed.chain(left_out));
+    let table = Table::new(columns).with(failed.chain(others).chain(left_out));
     let text = match table.is_empty() {
         true => "<p>None: every case met its tolerance.</p>\n".to_owned(),
         false => table.html(),

@@ -1,9 +1,9 @@
 //! Figures of other solvers, from a CSV file.
 //!
-//! Columns, by name: `scene`, `level`, `solver`, `unknowns`, `seconds` and,
-//! each may be empty or left out, `peak_memory_mb`, `iterations` and
-//! `error_QUANTITY` (relative) or `value_QUANTITY` (compared with the limit of its
-//! family), for [`Quantity`] names; other columns are for readers. Lines that begin
+//! Columns, by name: `scene`, `level`, `solver`, `seconds`, `unknowns` (of failures it may
+//! be empty) and, each may be empty or left out, `failure` (what went wrong, after
+//! `seconds`), `peak_memory_mb`, `iterations` and `error_QUANTITY` (relative) or
+//! `value_QUANTITY` (compared with the limit of its family), for [`Quantity`] names; other columns are for readers. Lines that begin
 //! with `#` are comments: versions, machine, how to measure again. A peer without
 //! an error of its own is given that of the exact discrete solution on its mesh.
 
@@ -19,8 +19,12 @@ pub(crate) struct Peer {
     pub(crate) scene: String,
     pub(crate) level: Level,
     pub(crate) solver: String,
-    pub(crate) unknowns: f64,
+    /// None of some failures.
+    pub(crate) unknowns: Option<f64>,
+    /// To the result, or to the failure.
     pub(crate) seconds: f64,
+    /// Why it has no result.
+    pub(crate) failure: Option<String>,
     pub(crate) peak_memory_mb: Option<f64>,
     pub(crate) iterations: Option<f64>,
     errors: Vec<(Quantity, f64)>,
@@ -36,8 +40,11 @@ pub(crate) struct Peers {
 }
 
 impl Peer {
-    /// Its relative error.
+    /// Its relative error; none of a failure.
     pub(crate) fn error(&self, quantity: Quantity, references: &References) -> Option<f64> {
+        if self.failure.is_some() {
+            return None;
+        }
         let find = |list: &[(Quantity, f64)]| {
             let mut list = list.iter();
             list.find(|item| item.0 == quantity).map(|item| item.1)
@@ -126,12 +133,17 @@ fn peer(columns: &Columns<'_>) -> Result<Peer, String> {
         }
         Ok(found)
     };
+    let failure = columns.text("failure");
     Ok(Peer {
         scene: columns.required("scene")?.to_owned(),
         level: columns.required("level")?.parse()?,
         solver: columns.required("solver")?.to_owned(),
-        unknowns: columns.required_number("unknowns")?,
+        unknowns: match failure {
+            Some(_) => columns.number("unknowns")?,
+            None => Some(columns.required_number("unknowns")?),
+        },
         seconds: columns.required_number("seconds")?,
+        failure: failure.map(str::to_owned),
         peak_memory_mb: columns.number("peak_memory_mb")?,
         iterations: columns.number("iterations")?,
         errors: numbers("error")?,
@@ -171,6 +183,19 @@ mod tests {
         let expected = references.relative("hertz-plane", Quantity::Force, 0.0703);
         assert!(expected.is_some_and(|error| error > 1e-3));
         assert_eq!(peers[0].error(Quantity::Force, &references), expected);
+    }
+
+    #[test]
+    fn a_failure_has_seconds_and_a_reason_but_no_error() {
+        let text = "scene,level,solver,unknowns,seconds,failure\n\
+            hertz-plane,l2,Other,,300,no convergence\n";
+        let peers = parse(text).unwrap();
+        let references = References::shipped().unwrap();
+        assert_eq!(peers[0].failure.as_deref(), Some("no convergence"));
+        assert_eq!(peers[0].unknowns, None);
+        assert_eq!(peers[0].error(Quantity::Force, &references), None);
+        let fault = parse(&text.replace("no convergence", "")).unwrap_err();
+        assert_eq!(fault, "line 2: unknowns is missing");
     }
 
     #[test]

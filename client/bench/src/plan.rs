@@ -115,7 +115,6 @@ const FULL: Defaults = Defaults {
 /// Of a row of the study of extreme cases.
 const TRIAL_LIMIT: u64 = 90;
 const REPEATS: usize = 3;
-const METHODS: &[&str] = &["auto"];
 const TOLERANCES: &[f64] = &[1e-8, 1e-3];
 
 impl Wishes {
@@ -174,19 +173,12 @@ impl Wishes {
         defaults: &Defaults,
         cases: &mut Vec<(usize, Case)>,
     ) -> Result<(), String> {
-        let methods = match self.methods.as_slice() {
-            [] => METHODS
-                .iter()
-                .map(|name| name.parse())
-                .collect::<Result<_, _>>()?,
-            methods => methods.to_vec(),
-        };
         let tolerances = match self.tolerances.as_slice() {
             [] => TOLERANCES,
             tolerances => tolerances,
         };
         for (rank, family, level) in self.chapter_levels() {
-            for method in &methods {
+            for method in &self.methods_of(family)? {
                 for &tolerance in tolerances {
                     let case = Case {
                         family,
@@ -202,6 +194,13 @@ impl Wishes {
             }
         }
         Ok(())
+    }
+
+    fn methods_of(&self, family: &Family) -> Result<Vec<Method>, String> {
+        match self.methods.as_slice() {
+            [] => family.methods.iter().map(|name| name.parse()).collect(),
+            methods => Ok(methods.to_vec()),
+        }
     }
 
     fn limit(&self, seconds: u64) -> Duration {
@@ -357,10 +356,14 @@ mod tests {
                 "cube-bend n6, auto, tolerance 1e-6",
                 "mr-uniax n6, auto, tolerance 1e-6",
                 "mr-block n6, auto, tolerance 1e-6",
+                "cube-drag n6, auto, tolerance 1e-6",
+                "cube-drag n6, contact_space=linear, tolerance 1e-6",
                 "A1m n10, auto, tolerance 1e-6",
                 "cube-bend n10, auto, tolerance 1e-6",
                 "mr-uniax n10, auto, tolerance 1e-6",
                 "mr-block n10, auto, tolerance 1e-6",
+                "cube-drag n10, auto, tolerance 1e-6",
+                "cube-drag n10, contact_space=linear, tolerance 1e-6",
             ]
         );
     }

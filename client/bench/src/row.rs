@@ -75,9 +75,10 @@ impl Row {
 }
 
 /// Quantities whose value is in the table beside its error.
-const VALUES: [Quantity; 4] = [
+const VALUES: [Quantity; 5] = [
     Quantity::StrainEnergy,
     Quantity::Force,
+    Quantity::TangentialForce,
     Quantity::ContactPressure,
     Quantity::ContactRadius,
 ];

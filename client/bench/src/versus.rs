@@ -1,14 +1,15 @@
-//! Seconds of other solvers over ours, mesh by mesh: both solve the same discrete
-//! problem, so that equal meshes are equal errors.
+//! Seconds of other solvers over ours, mesh by mesh. Without friction both solve the same
+//! discrete problem, so that equal meshes are equal errors.
 
-use crate::family::{Family, Level};
+use crate::family::{Family, Level, Quantity};
 use crate::peers::Peer;
 use crate::results::Results;
 use crate::row::Row;
 use crate::table::{Column, Table};
-use crate::text::{in_seconds, times};
+use crate::text::{NOTHING, in_seconds, times, told};
 
-/// All meshes of a family that both solved, at the tightest of our tolerances.
+/// All meshes of a family that both took, at the tightest of our tolerances; errors are
+/// those of the family's first figure.
 pub(crate) fn table(results: &Results, family: &Family) -> Table {
     let peers = results.peers.rows.iter();
     let peers = peers.filter(|peer| peer.scene == family.name);
@@ -20,21 +21,36 @@ pub(crate) fn table(results: &Results, family: &Family) -> Table {
         Column::Number("its seconds"),
         Column::Number("Signorini"),
         Column::Number("its over Signorini's"),
+        Column::Number("its error"),
+        Column::Number("Signorini's error"),
     ];
-    let duels = peers
-        .into_iter()
-        .filter_map(|peer| Some(duel(peer, tightest(results, family, peer.level)?)));
+    let duels = peers.into_iter().filter_map(|peer| {
+        let ours = tightest(results, family, peer.level)?;
+        Some(duel(results, family.quantities.first(), peer, ours))
+    });
     Table::new(columns).with(duels)
 }
 
-fn duel(peer: &Peer, ours: &Row) -> [String; 5] {
+fn duel(results: &Results, quantity: Option<&Quantity>, peer: &Peer, ours: &Row) -> [String; 7] {
     let seconds = ours.numbers.seconds;
+    let own = quantity.and_then(|&quantity| ours.error(quantity));
+    let its = quantity.and_then(|&quantity| peer.error(quantity, &results.references));
+    let error = |error: f64| format!("{error:.1e}");
+    let (time, ratio) = match &peer.failure {
+        None => (in_seconds(peer.seconds), times(peer.seconds / seconds)),
+        Some(reason) => {
+            let after = in_seconds(peer.seconds);
+            (format!("{reason}, {after}"), NOTHING.to_owned())
+        }
+    };
     [
         peer.level.to_string(),
         peer.solver.clone(),
-        in_seconds(peer.seconds),
+        time,
         in_seconds(seconds),
-        times(peer.seconds / seconds),
+        ratio,
+        told(its, error),
+        told(own, error),
     ]
 }
 
@@ -67,6 +83,20 @@ mod tests {
         results.peers.rows = parse(peers).unwrap();
         let table = table(&results, find("hertz-plane").unwrap());
         let line = ["l2", "Other", "9.00 s", "2.00 s", "4.5\u{a0}×"];
-        assert_eq!(table.rows(), [line.map(str::to_owned)]);
+        assert_eq!(table.rows().len(), 1);
+        assert_eq!(table.rows()[0][..5], line);
+    }
+
+    #[test]
+    fn a_failure_is_told_with_its_reason_and_without_a_ratio() {
+        let mut ours = samples::row("cube-drag", "n4", "auto", 2.0);
+        ours.errors = vec![(Quantity::Force, 0.003)];
+        let mut results = samples::results(vec![ours]);
+        let peers = "scene,level,solver,unknowns,seconds,failure\n\
+            cube-drag,n4,Other,,30,no convergence\n";
+        results.peers.rows = parse(peers).unwrap();
+        let table = table(&results, find("cube-drag").unwrap());
+        let line = ["no convergence, 30.0 s", "2.00 s", "–", "–", "3.0e-3"];
+        assert_eq!(table.rows()[0][2..], line);
     }
 }

@@ -6,8 +6,8 @@ import sys
 import time
 
 COLUMNS = (
-    "scene level solver unknowns seconds peak_memory_mb iterations runs seconds_assembly seconds_setup seconds_solve "
-    "error_displacement_l2 error_displacement_h1 error_pressure_l2 value_strain_energy value_force value_contact_pressure "
+    "scene level solver unknowns seconds failure peak_memory_mb iterations runs seconds_assembly seconds_setup seconds_solve "
+    "error_displacement_l2 error_displacement_h1 error_pressure_l2 value_strain_energy value_force value_tangential_force value_contact_pressure "
     "threads version processor"
 ).split()
 

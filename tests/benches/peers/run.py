@@ -11,6 +11,7 @@ end of the output the ratio of each pair. A solver that is not installed is left
 import argparse
 import csv
 import json
+import math
 import os
 import subprocess
 import sys
@@ -20,10 +21,19 @@ import time
 from report import COLUMNS, processor, threads
 from scenes import HERE, PREFIX, ROOT, SHIPPED, WHOLE_BODY, cube
 
+FRICTION = ("cube-drag", "hertz-press")
 LINEAR, CONTACT, RUBBER = ("cube-bend", "A1m"), ("hertz-plane", "hertz-sphere"), ("mr-uniax", "mr-block", "mr-sphere")
 # Scenes by the letter of their levels.
-SCENES = {"n": (*LINEAR, "mr-uniax", "mr-block"), "l": (*CONTACT, "mr-sphere")}
-SCENE_FILES = {"A1m": "manufactured"}
+SCENES = {"n": (*LINEAR, "mr-uniax", "mr-block", "cube-drag"), "l": (*CONTACT, "mr-sphere", "hertz-press")}
+# Levels that other scenes go without.
+FRICTION_ONLY = ("n4", "n8")
+SCENE_FILES = {"A1m": "manufactured", "hertz-press": "hertz-plane"}
+# Changes of the scene file. The multipliers of the peers are of first order at best.
+ROUGH = ["solver.contact_space=linear"]
+SETTINGS = {
+    "cube-drag": ROUGH,
+    "hertz-press": [*ROUGH, "material.body.poisson_ratio=0.3", "obstacle.0.friction=0.3", "step.0.increments=4"],
+}
 SYSTEM_PYTHON = "/usr/bin/python3"
 
 # Name, script, further arguments, scenes, interpreter, largest levels worth trying.
@@ -34,8 +44,23 @@ PEERS = {
     "ngsolve-rubber": ("ngsolve_rubber.py", [], RUBBER, sys.executable, ["n10", "l3"]),
     "petsc-gamg": ("fenicsx_linear.py", [], LINEAR, SYSTEM_PYTHON, ["n16"]),
     "getfem": ("getfem_contact.py", [], CONTACT, SYSTEM_PYTHON, ["l4"]),
+    "getfem-friction": ("getfem_friction.py", [], FRICTION, SYSTEM_PYTHON, ["n10", "l4"]),
+    "calculix-mortar": ("calculix_friction.py", ["mortar"], FRICTION, SYSTEM_PYTHON, ["n8", "l1"]),
+    "calculix-penalty": ("calculix_friction.py", ["penalty"], FRICTION, SYSTEM_PYTHON, ["n8", "l4"]),
 }
-ALL_SIZES = "n6,n10,n16,n24,n34,l1,l2,l3,l4,l5"
+# What a row of a failure is called, as the scripts call their rows.
+LABELS = {
+    "ngsolve-two-level": "NGSolve two-level",
+    "ngsolve-pardiso": "NGSolve Pardiso",
+    "ngsolve-active-set": "NGSolve active set",
+    "ngsolve-rubber": "NGSolve active set",
+    "petsc-gamg": "PETSc GAMG",
+    "getfem": "GetFEM augmented Lagrangian",
+    "getfem-friction": "GetFEM augmented Lagrangian",
+    "calculix-mortar": "CalculiX mortar",
+    "calculix-penalty": "CalculiX penalty",
+}
+ALL_SIZES = "n4,n6,n8,n10,n16,n24,n34,l1,l2,l3,l4,l5"
 
 HEADER = """\
 # What other solvers needed for scenes of `signorini bench` (give this file as --peers). Written by tests/benches/peers/run.py.
@@ -58,6 +83,8 @@ def of_size(level):
 
 def is_worth_trying(name, scene, level):
     _, _, scenes, _, largest = PEERS[name]
+    if level in FRICTION_ONLY and scene not in FRICTION:
+        return False
     return scene in scenes and any(level[0] == most[0] and of_size(level) <= of_size(most) for most in largest)
 
 
@@ -85,12 +112,16 @@ def run(command, limit, folder=HERE):
 
 def peer(name, scene, level, arguments):
     script, more, scenes, python, _ = PEERS[name]
-    options = more if scenes is LINEAR else (["--meshes", arguments.meshes] if arguments.meshes else [])
+    options = [*more, "--meshes", arguments.meshes] if arguments.meshes and scenes is not LINEAR else more
+    start = time.perf_counter()
     output, fault = run([python, script, scene, level, *options], arguments.limit)
-    if output is None:
-        return None, fault
-    rows = [line for line in output.splitlines() if line.startswith("{")]
-    return (json.loads(rows[-1]), "") if rows else (None, "no result")
+    rows = [line for line in (output or "").splitlines() if line.startswith("{")]
+    if rows:
+        return json.loads(rows[-1]), ""
+    fault = fault or "no result"
+    seconds = time.perf_counter() - start
+    row = {"scene": scene, "level": level, "solver": LABELS[name], "seconds": seconds, "failure": fault}
+    return {**row, "threads": threads(), "version": "", "processor": processor()}, fault
 
 
 def msh_of(grid):
@@ -129,6 +160,7 @@ def signorini(scene, level, folder, arguments):
     file = os.path.join(ROOT, "client", "examples", f"{SCENE_FILES.get(scene, scene)}.toml")
     mesh = mesh_file(scene, level, folder, arguments.meshes)
     command = [arguments.signorini, "solve", "--json", "--quiet", file, "--set", f"mesh={mesh}", "--set", f"solver.tolerance={arguments.tolerance}"]
+    command += [part for key in SETTINGS.get(scene, ()) for part in ("--set", key)]
     output, fault = run(command, arguments.limit, folder)
     if output is None:
         return None, fault
@@ -153,12 +185,15 @@ def signorini(scene, level, folder, arguments):
     }
     for obstacle in step["obstacles"].values():
         row["value_force"] = WHOLE_BODY[scene] * abs(obstacle["force"][2])
+        if scene in FRICTION:
+            row["value_tangential_force"] = WHOLE_BODY[scene] * math.hypot(*obstacle["force"][:2])
         row["value_strain_energy"] = WHOLE_BODY[scene] * step["strain_energy"]
     return row, ""
 
 
 def median(rows):
-    """The row of median seconds, the faster one of an even number."""
+    """The row of median seconds, the faster one of an even number; a failure if there was one."""
+    rows = [row for row in rows if row.get("failure")] or rows
     rows = sorted(rows, key=lambda row: row["seconds"])
     row = dict(rows[(len(rows) - 1) // 2])
     row["runs"] = len(rows)
@@ -179,11 +214,11 @@ def measure(arguments, folder):
                     (name, lambda: peer(name, scene, level, arguments)),
                 ):
                     row, fault = task()
-                    told = f"{row['seconds']:.3f} s" if row else fault
+                    told = fault or f"{row['seconds']:.3f} s"
                     print(f"round {turn}: {scene} {level} {solver}: {told}", file=sys.stderr, flush=True)
                     if row:
                         found.setdefault((scene, level, solver), []).append(row)
-                    elif solver != "signorini":
+                    if fault and solver != "signorini":
                         # Finer meshes will not do better.
                         dropped.add((scene, name))
     return {key: median(rows) for key, rows in found.items()}
@@ -201,7 +236,7 @@ def text_of(row, column):
 def write(path, rows, header=""):
     with open(path, "w", newline="", encoding="utf-8") as file:
         file.write(header)
-        writer = csv.writer(file)
+        writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
         writer.writerows([text_of(row, column) for column in COLUMNS] for row in rows)
 
@@ -221,7 +256,7 @@ def tell_pairs(found):
     print("scene        level  solver                       peer s   ours s   ratio")
     for (scene, level, solver), row in found.items():
         ours = found.get((scene, level, "signorini"))
-        if solver != "signorini" and ours:
+        if solver != "signorini" and ours and not row.get("failure"):
             ratio = row["seconds"] / ours["seconds"]
             print(f"{scene:12} {level:5} {row['solver']:28} {row['seconds']:8.3f} {ours['seconds']:8.3f} {ratio:7.1f}")
 
@@ -230,7 +265,7 @@ def parsed():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--signorini", default=os.path.join(ROOT, "target", "release", "signorini"))
     parser.add_argument("--sizes", default=ALL_SIZES, help=ALL_SIZES)
-    parser.add_argument("--scenes", default=",".join(LINEAR + CONTACT + RUBBER))
+    parser.add_argument("--scenes", default=",".join(LINEAR + CONTACT + RUBBER + FRICTION))
     parser.add_argument("--solvers", default=",".join(PEERS), help=", ".join(PEERS))
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--limit", type=float, default=600.0, help="seconds of one run")
@@ -257,7 +292,7 @@ def main():
         "threads": threads(),
         "date": time.strftime("%Y-%m-%d"),
         "repeats": arguments.repeats,
-        "versions": "; ".join(sorted({row["version"] for row in peers})),
+        "versions": "; ".join(sorted({row["version"] for row in peers if row["version"]})),
     }
     path = os.path.join(arguments.out, "peers.csv")
     if arguments.add:

@@ -24,7 +24,7 @@ SHIPPED = os.path.join(ROOT, "client", "examples", "meshes")
 A1M_NORMS = {"displacement_l2": 1.2205366, "displacement_h1": 5.3737919, "pressure_l2": 0.2357023}
 DEPTH = 0.05
 # How many times the model fills the body.
-WHOLE_BODY = {"hertz-plane": 4.0, "hertz-sphere": 4.0, "mr-sphere": 4.0, "mr-block": 1.0, "mr-uniax": 1.0}
+WHOLE_BODY = {"hertz-plane": 4.0, "hertz-sphere": 4.0, "mr-sphere": 4.0, "mr-block": 1.0, "mr-uniax": 1.0, "cube-drag": 1.0, "hertz-press": 4.0}
 # Travel and increments of the scenes of rubber, and their coefficients of Mooney and Rivlin.
 TRAVEL = {"mr-sphere": (0.125, 5), "mr-block": (0.25, 10), "mr-uniax": (0.25, 5)}
 C10, C01 = 0.4, 0.1
@@ -98,7 +98,7 @@ def gmsh_file(path):
     return Grid(points[used], renumber[cells], renumber[np.concatenate(facets)], sides)
 
 
-PREFIX = {"hertz-plane": "hemi", "hertz-sphere": "indent", "mr-sphere": "indent"}
+PREFIX = {"hertz-plane": "hemi", "hertz-press": "hemi", "hertz-sphere": "indent", "mr-sphere": "indent"}
 
 
 def grid(scene, level, meshes=None):
