@@ -16,6 +16,10 @@ use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
 /// Steps before a Ritz value is believed: fewer see the rough motions only.
 const FIRST_STEPS: usize = 8;
+/// Steps that the least value has to stay.
+const MORE_STEPS: usize = 4;
+/// Share of a value above which a later one is the same.
+const STAYS: f64 = 0.9;
 /// Residual of the least Ritz pair over its value at which it is found.
 const RESIDUAL: f64 = 0.25;
 
@@ -60,6 +64,8 @@ struct Basis {
     beside: Vec<f64>,
     /// Vectors of unit length in M.
     vectors: Vec<Vec<f64>>,
+    /// Steps and value at which the least Ritz value was found.
+    seen: Option<(usize, f64)>,
 }
 
 impl Basis {
@@ -74,9 +80,25 @@ impl Basis {
         })
     }
 
-    /// Whether the least Ritz value stands for an eigenvalue.
-    fn is_found(&self) -> bool {
-        self.vectors.len() >= FIRST_STEPS && self.least().is_some_and(|least| least.is_found)
+    /// Whether the least Ritz value stands for an eigenvalue and is negative, or has stayed where
+    /// it is for a while: one that is lower shows late where noise has little of its vector.
+    fn is_settled(&mut self) -> bool {
+        let steps = self.vectors.len();
+        let Some(least) = self
+            .least()
+            .filter(|least| least.is_found && steps >= FIRST_STEPS)
+        else {
+            self.seen = None;
+            return false;
+        };
+        match self.seen {
+            _ if least.value < 0.0 => true,
+            Some((first, value)) if least.value >= STAYS * value => steps >= first + MORE_STEPS,
+            _ => {
+                self.seen = Some((steps, least.value));
+                false
+            }
+        }
     }
 
     /// What the steps say in all.
@@ -132,7 +154,7 @@ impl LeastEigenvalue<'_> {
         };
         let mut basis = Basis::default();
         let mut end = None;
-        while end.is_none() && basis.vectors.len() < self.steps && !basis.is_found() {
+        while end.is_none() && basis.vectors.len() < self.steps && !basis.is_settled() {
             end = match stopped() {
                 true => Some(Least::Nothing),
                 false => self.step(&mut process, &mut basis, work),

@@ -68,6 +68,9 @@ pub fn pencil_power(
 /// fails.
 pub fn least_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> Option<(f64, Vec<f64>)> {
     let size = diagonal.len();
+    if size == 0 {
+        return None;
+    }
     let matrix = Mat::from_fn(size, size, |i, j| match i.abs_diff(j) {
         0 => diagonal[i],
         1 => beside.get(i.min(j)).copied().unwrap_or(0.0),
@@ -76,7 +79,7 @@ pub fn least_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> Option<(f64, Ve
     let eigen = SelfAdjointEigen::new(matrix.as_ref(), Side::Lower).ok()?;
     let values = eigen.S().column_vector();
     // Ascending.
-    (size > 0).then(|| (values[0], eigen.U().col(0).iter().copied().collect()))
+    Some((values[0], eigen.U().col(0).iter().copied().collect()))
 }
 
 /// Real and imaginary parts of the eigenvalues of a square matrix; none where the

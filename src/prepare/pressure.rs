@@ -38,6 +38,19 @@ pub(crate) struct PressureBlock {
     pub(crate) is_enclosed: bool,
 }
 
+impl PressureBlock {
+    /// The inverse of M / (`weight` step mu) + S, in a body of that many dimensions.
+    pub(crate) fn softened(&self, weight: f64, dimension: usize) -> ChebyshevMass {
+        let share = weight.recip();
+        let softened = self.metric.mass().scaled_above(share, 0.0);
+        let sum = match &self.stabilisation {
+            Some(own) => softened.plus_multiple(1.0 - share, own),
+            None => softened,
+        };
+        ChebyshevMass::new(sum, dimension, MASS_STEPS)
+    }
+}
+
 /// Whether B^T 1 vanishes on free rows.
 fn constant_pressure_is_idle(coupling: &Divergence) -> bool {
     let mut work = Workspace::new();

@@ -1,10 +1,11 @@
 //! The stiffness of a program with its constraints as stiff terms,
 //!
 //! ```text
-//! K_w = K + B^T (M / (step mu) + S)^-1 B + C_A^T (w H_A^-1 + W) C_A,   K = A - curvature
+//! K_w = K + B^T (M / (w step mu) + S)^-1 B + C_A^T (w H_A^-1 + W) C_A,   K = A - curvature
 //! ```
 //!
-//! M the mass of the pressures, S their volume compliance, H_A the compliance metric of the
+//! M the mass of the pressures, S their volume compliance, both inverted by Chebyshev steps and
+//! taken a hundredth too small for what these leave, H_A the compliance metric of the
 //! multipliers that hold, W the springs of the approximate inverse. On motions without change of
 //! volume that keep all contacts it is K, and it is below what the constraints themselves add
 //! elsewhere: where K_w is positive, K is so among the motions that the constraints admit.
@@ -15,10 +16,16 @@ use std::sync::Arc;
 
 use super::QuadraticProgram;
 use crate::krylov::least_eigenvalue::{Least, LeastEigenvalue};
-use crate::linalg::{DenseCholesky, LinearOperator, SparseRows, Workspace};
+use crate::linalg::{
+    DenseCholesky, FactoriseError, LinearOperator, Preconditioner, SparseRows, Workspace,
+};
 use crate::precond::Counted;
+use crate::precond::schur::ChebyshevMass;
 use crate::saddle::{EqualityBlock, Status};
 use crate::sqp::run::Run;
+
+/// What is left of an inverse by Chebyshev steps that is below the exact one for certain.
+const SLACK: f64 = 0.99;
 
 /// K_w.
 struct Penalised<'a> {
@@ -27,11 +34,32 @@ struct Penalised<'a> {
     /// What loads and contacts take off A.
     released: Option<&'a SparseRows>,
     /// Internal pressure.
-    volume: Option<EqualityBlock<'a>>,
+    volume: Option<Volume<'a>>,
     /// Contact.
     held: Option<Held<'a>>,
-    /// w, and how many times the first one the volume's stiffness is.
+    /// w.
     weight: f64,
+}
+
+/// What the volume resists.
+struct Volume<'a> {
+    pressure: EqualityBlock<'a>,
+    /// Inverse of M / (w step mu) + S.
+    metric: ChebyshevMass,
+}
+
+impl Volume<'_> {
+    /// Adds what the volume resists of the motion `x` to `y`.
+    fn add(&self, (x, y): (&[f64], &mut [f64]), work: &mut Workspace) {
+        let mut change = work.scratch(self.pressure.rows.rows());
+        self.pressure.rows.apply(x, &mut change, work);
+        let mut pressure = work.scratch(change.len());
+        self.metric.apply(&change, &mut pressure, work);
+        let columns = self.pressure.columns;
+        columns.add_transposed(SLACK, &pressure, y, work);
+        work.give(change);
+        work.give(pressure);
+    }
 }
 
 /// The multipliers that hold.
@@ -79,15 +107,7 @@ impl LinearOperator for Penalised<'_> {
             released.subtract_product(x, y, work);
         }
         if let Some(volume) = &self.volume {
-            let mut change = work.scratch(volume.rows.rows());
-            volume.rows.apply(x, &mut change, work);
-            let mut pressure = work.scratch(change.len());
-            volume.metric.apply(&change, &mut pressure, work);
-            volume
-                .columns
-                .add_transposed(self.weight, &pressure, y, work);
-            work.give(change);
-            work.give(pressure);
+            volume.add((x, y), work);
         }
         if let Some(held) = &self.held {
             held.add(self.weight, (x, y), work);
@@ -116,7 +136,7 @@ impl QuadraticProgram<'_> {
             operator: &Penalised {
                 stiffness: self.stiffness(),
                 released: self.released_by_all(),
-                volume: self.pressure(),
+                volume: self.volume(weight),
                 held,
                 weight,
             },
@@ -137,11 +157,21 @@ impl QuadraticProgram<'_> {
         least
     }
 
+    /// What the volume resists; none in displacement form.
+    fn volume(&self, weight: f64) -> Option<Volume<'_>> {
+        let block = self.model.prepared.pressure.as_ref()?;
+        let dimension = self.model.plan.units.dimension;
+        Some(Volume {
+            pressure: self.pressure()?,
+            metric: block.softened(weight, dimension),
+        })
+    }
+
     /// The multipliers that hold; none where nothing touches.
     ///
     /// # Errors
     /// Where the metric on them is not positive definite.
-    fn held(&self, status: &[Status]) -> Result<Option<Held<'_>>, crate::linalg::FactoriseError> {
+    fn held(&self, status: &[Status]) -> Result<Option<Held<'_>>, FactoriseError> {
         let holds = |&row: &usize| status[row] == Status::Stick;
         let selected: Vec<usize> = (0..status.len()).filter(holds).collect();
         if selected.is_empty() {
