@@ -13,7 +13,7 @@ use signorini_proto::{array, v1::MeshArray};
 
 use crate::connect::{Client, answer};
 use crate::error::ClientError;
-use crate::formats::msh::MeshFile;
+use crate::formats::mesh::MeshFile;
 
 /// A mesh as it travels: header and encoded arrays.
 #[derive(Clone, Debug)]
@@ -184,6 +184,7 @@ fn header(mesh: &MeshFile, digest: String) -> Result<v1::MeshHeader, ClientError
         facet_count: count(mesh.facet_count())?,
         curved_edge_count: count(mesh.curved.len())?,
         groups: groups.collect::<Result<_, ClientError>>()?,
+        edge_count: 0,
     })
 }
 
@@ -276,7 +277,7 @@ pub(crate) fn missing(what: &str) -> ClientError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::msh::MeshGroup;
+    use crate::formats::mesh::MeshGroup;
 
     fn mesh(cells: usize) -> MeshFile {
         MeshFile {
