@@ -34,7 +34,7 @@ struct WireArray {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uploaded {
     /// The stored mesh.
-    pub mesh: v1::Mesh,
+    pub mesh: v1::StoredMesh,
     /// Whether the server had it before, so that nothing was sent.
     pub already_present: bool,
 }
@@ -223,7 +223,7 @@ impl Client {
     ///
     /// # Errors
     /// [`ClientError::Refused`] for any reason but `MESH_NOT_FOUND`.
-    pub async fn find_mesh(&self, digest: &str) -> Result<Option<v1::Mesh>, ClientError> {
+    pub async fn find_mesh(&self, digest: &str) -> Result<Option<v1::StoredMesh>, ClientError> {
         let request = v1::GetMeshRequest {
             name: resource(digest),
         };
@@ -238,7 +238,7 @@ impl Client {
     ///
     /// # Errors
     /// [`ClientError::Refused`].
-    pub async fn list_meshes(&self) -> Result<Vec<v1::Mesh>, ClientError> {
+    pub async fn list_meshes(&self) -> Result<Vec<v1::StoredMesh>, ClientError> {
         let mut meshes = Vec::new();
         let mut page_token = String::new();
         loop {

@@ -48,7 +48,7 @@ fn requests() -> Vec<Vec<u8>> {
             nanos: 5,
         }),
     };
-    let open = v1::Open {
+    let open = v1::SolveOpen {
         session: "sessions/abcd".into(),
         last_seen_event: Some(3),
         fields: vec![1, 2, 3, 4, 5, 6, 7],
@@ -65,7 +65,7 @@ fn requests() -> Vec<Vec<u8>> {
         creation.encode_to_vec(),
         update(Message::LoadStep(load)).encode_to_vec(),
         update(Message::Open(open)).encode_to_vec(),
-        update(Message::Cancel(v1::Cancel { sequence: 1 })).encode_to_vec(),
+        update(Message::Cancel(v1::SolveCancel { sequence: 1 })).encode_to_vec(),
     ]
 }
 

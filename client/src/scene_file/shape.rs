@@ -92,7 +92,7 @@ fn capped_cylinder(keys: &Keys<'_>) -> Kind {
 }
 
 fn cuboid(keys: &Keys<'_>) -> Kind {
-    Kind::Box(v1::Box {
+    Kind::Box(v1::BoxShape {
         centre: keys.required_vector("centre"),
         half_sizes: keys.required_vector("half_sizes"),
         rounding: keys.number("rounding"),
@@ -118,7 +118,7 @@ fn cone(keys: &Keys<'_>) -> Kind {
 }
 
 fn surface(keys: &Keys<'_>) -> Kind {
-    Kind::Surface(v1::Surface {
+    Kind::Surface(v1::SurfaceShape {
         surface: keys.required_text("file"),
         scale: keys.number("scale"),
     })

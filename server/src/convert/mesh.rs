@@ -132,9 +132,9 @@ pub(crate) struct MeshUse {
 }
 
 /// A stored mesh.
-pub(crate) fn mesh(mesh: &Mesh, uses: &MeshUse) -> wire::Mesh {
+pub(crate) fn mesh(mesh: &Mesh, uses: &MeshUse) -> wire::StoredMesh {
     let quality = mesh.quality();
-    wire::Mesh {
+    wire::StoredMesh {
         name: name(mesh.id()),
         digest: mesh.id().to_string(),
         cell_kind: wire_cell_kind(mesh.cell_kind()).into(),

@@ -159,7 +159,7 @@ impl Meshes {
     }
 
     /// Takes the lease, which would count as a session otherwise.
-    fn describe(&self, lease: Lease<Mesh>) -> Result<wire::Mesh, Fault> {
+    fn describe(&self, lease: Lease<Mesh>) -> Result<wire::StoredMesh, Fault> {
         let mesh = Arc::clone(lease.value());
         drop(lease);
         Ok(convert::mesh(
