@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use signorini_client::WireMesh;
-use signorini_client::formats::msh::{self, MeshFile};
+use signorini_client::formats::mesh::{self, MeshFile};
 use signorini_client::scene_file;
 use signorini_proto::v1;
 
@@ -46,9 +46,9 @@ pub(crate) fn load(arguments: &SceneArguments) -> Result<Input, Failure> {
     })
 }
 
-/// Reads a mesh file.
+/// Reads a mesh file of any format.
 pub(crate) fn load_mesh(path: &Path) -> Result<MeshFile, Failure> {
     let bytes = std::fs::read(path).map_err(|error| Failure::unreadable(path, &error))?;
-    msh::read(&bytes)
+    mesh::read(&bytes, path)
         .map_err(|error| Failure::new(Exit::Invalid, format!("{}: {error}", path.display())))
 }

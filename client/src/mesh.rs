@@ -13,7 +13,7 @@ use signorini_proto::{array, v1::MeshArray};
 
 use crate::connect::{Client, answer};
 use crate::error::ClientError;
-use crate::formats::msh::MeshFile;
+use crate::formats::mesh::MeshFile;
 
 /// A mesh as it travels: header and encoded arrays.
 #[derive(Clone, Debug)]
@@ -34,7 +34,7 @@ struct WireArray {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uploaded {
     /// The stored mesh.
-    pub mesh: v1::Mesh,
+    pub mesh: v1::StoredMesh,
     /// Whether the server had it before, so that nothing was sent.
     pub already_present: bool,
 }
@@ -184,6 +184,7 @@ fn header(mesh: &MeshFile, digest: String) -> Result<v1::MeshHeader, ClientError
         facet_count: count(mesh.facet_count())?,
         curved_edge_count: count(mesh.curved.len())?,
         groups: groups.collect::<Result<_, ClientError>>()?,
+        edge_count: 0,
     })
 }
 
@@ -222,7 +223,7 @@ impl Client {
     ///
     /// # Errors
     /// [`ClientError::Refused`] for any reason but `MESH_NOT_FOUND`.
-    pub async fn find_mesh(&self, digest: &str) -> Result<Option<v1::Mesh>, ClientError> {
+    pub async fn find_mesh(&self, digest: &str) -> Result<Option<v1::StoredMesh>, ClientError> {
         let request = v1::GetMeshRequest {
             name: resource(digest),
         };
@@ -237,7 +238,7 @@ impl Client {
     ///
     /// # Errors
     /// [`ClientError::Refused`].
-    pub async fn list_meshes(&self) -> Result<Vec<v1::Mesh>, ClientError> {
+    pub async fn list_meshes(&self) -> Result<Vec<v1::StoredMesh>, ClientError> {
         let mut meshes = Vec::new();
         let mut page_token = String::new();
         loop {
@@ -276,7 +277,7 @@ pub(crate) fn missing(what: &str) -> ClientError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::msh::MeshGroup;
+    use crate::formats::mesh::MeshGroup;
 
     fn mesh(cells: usize) -> MeshFile {
         MeshFile {

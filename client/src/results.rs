@@ -1,24 +1,37 @@
 //! The folder of `--out`: a PVD series of VTU files (the body) and VTP files
 //! (the obstacles), beside the result lines.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
-use signorini_client::formats::msh::MeshFile;
+use signorini_client::formats::Notes;
+use signorini_client::formats::derived::{
+    OutOfPlane, principal_stresses, principal_stretches, von_mises,
+};
+use signorini_client::formats::mesh::MeshFile;
 use signorini_client::formats::pvd::{self, PvdEntry};
-use signorini_client::formats::vtp::{self, BoundingBox, Outline, Pose};
+use signorini_client::formats::vtp::{self, BoundingBox, Pose};
 use signorini_client::formats::vtu::{Grid, GridField};
-use signorini_client::scene_file::outline;
+use signorini_client::scene_file::drawn_near;
 use signorini_client::solve::{Field, Increment};
 use signorini_proto::{v1, words};
 
 use crate::exit::{Exit, Failure};
 
+/// What the numbers of a field mean that do not say it themselves.
+const CONTACT_STATES: &str = "-1 not a candidate, 0 open, 1 in contact";
+
 /// Writes the results of one run.
 pub(crate) struct ResultFolder {
     folder: PathBuf,
     stem: String,
+    scene_name: String,
     grid: Grid,
-    obstacles: Vec<(String, Outline)>,
+    /// Whether stretches belong to its stress, and what stretches out of the plane.
+    stretches: Option<OutOfPlane>,
+    /// Around the undeformed body.
+    body: BoundingBox,
+    obstacles: Vec<(String, v1::Shape)>,
     entries: Vec<PvdEntry>,
     written: usize,
 }
@@ -38,15 +51,16 @@ impl ResultFolder {
         let curved = mesh.curved.iter();
         grid.bend(curved.map(|edge| (edge.ends, edge.offset.map(|x| x * scale))));
         let body = BoundingBox::of(&points);
-        let drawn = |obstacle: &v1::Obstacle| {
-            let outline = outline(obstacle.shape.as_ref()?, &body)?;
-            Some((obstacle.name.clone(), outline))
-        };
+        let obstacles = scene.obstacles.iter();
+        let shapes = obstacles.filter_map(|one| Some((one.name.clone(), one.shape.clone()?)));
         Ok(Self {
             folder: folder.to_owned(),
             stem: file_stem(&scene.name),
+            scene_name: scene.name.clone(),
             grid,
-            obstacles: scene.obstacles.iter().filter_map(drawn).collect(),
+            stretches: stretches(scene),
+            body,
+            obstacles: shapes.collect(),
             entries: Vec::new(),
             written: 0,
         })
@@ -69,33 +83,85 @@ impl ResultFolder {
         }
         self.written += 1;
         let number = self.written;
-        let body = self.body_file(&increment.fields)?;
+        let body = self.body_file(&increment.fields, increment.report.time)?;
         let name = format!("{}_{number:04}.vtu", self.stem);
         self.put(increment.report.time, 0, name, &body)?;
+        let near = self.neighbourhood(&increment.fields);
         for part in 0..self.obstacles.len() {
-            self.add_obstacle(part, &increment.report, number)?;
+            self.add_obstacle(part, &increment.report, number, &near)?;
         }
         // Rewritten each time, so that an interrupted run leaves a whole series.
         let series = self.series();
         write(&series, pvd::write(&self.entries).as_bytes())
     }
 
-    fn body_file(&self, fields: &[Field]) -> Result<Vec<u8>, Failure> {
-        let names: Vec<String> = fields
+    fn notes(&self, time: f64) -> Notes {
+        Notes {
+            time: Some(time),
+            texts: vec![("scene".to_owned(), self.scene_name.clone())],
+        }
+    }
+
+    fn body_file(&self, fields: &[Field], time: f64) -> Result<Vec<u8>, Failure> {
+        let named = fields.iter().map(|field| Named {
+            name: words::field(field.name),
+            components: field.components,
+            values: Cow::Borrowed(field.values.as_slice()),
+        });
+        let mut all: Vec<Named<'_>> = named.collect();
+        all.extend(self.derived(fields));
+        let mut notes = self.notes(time);
+        if all.iter().any(|field| field.name == "contact_state") {
+            let meaning = ("contact_state".to_owned(), CONTACT_STATES.to_owned());
+            notes.texts.push(meaning);
+        }
+        let fields: Vec<GridField<'_>> = all
             .iter()
-            .map(|field| words::field(field.name))
-            .collect();
-        let fields: Vec<GridField<'_>> = names
-            .iter()
-            .zip(fields)
-            .map(|(name, field)| GridField {
-                name,
+            .map(|field| GridField {
+                name: &field.name,
                 components: field.components,
                 values: &field.values,
             })
             .collect();
-        let written = self.grid.write(&fields);
+        let written = self.grid.write(&fields, &notes);
         written.map_err(|error| Failure::new(Exit::Server, error.to_string()))
+    }
+
+    /// What belongs to the stress, where it was asked for.
+    fn derived(&self, fields: &[Field]) -> Vec<Named<'static>> {
+        let find = |name| fields.iter().find(|field| field.name == name);
+        let Some(stress) = find(v1::FieldName::Stress) else {
+            return Vec::new();
+        };
+        let made = |name: &str, components, values| Named {
+            name: name.to_owned(),
+            components,
+            values: Cow::Owned(values),
+        };
+        let mut derived = vec![
+            made("von_mises", 1, von_mises(&stress.values)),
+            made("principal_stresses", 3, principal_stresses(&stress.values)),
+        ];
+        if let (Some(out), Some(motion)) = (self.stretches, find(v1::FieldName::Displacement)) {
+            let stretches = principal_stretches(&self.grid, &motion.values, out);
+            derived.push(made("principal_stretches", 3, stretches));
+        }
+        derived
+    }
+
+    /// The box around the body, undeformed and deformed, in which obstacles are drawn.
+    fn neighbourhood(&self, fields: &[Field]) -> BoundingBox {
+        let motion = fields
+            .iter()
+            .find(|field| field.name == v1::FieldName::Displacement);
+        let motion = motion.map_or(&[][..], |field| field.values.as_slice());
+        let (points, _) = self.grid.points().as_chunks::<3>();
+        let (motions, _) = motion.as_chunks::<3>();
+        let moved = points
+            .iter()
+            .zip(motions)
+            .map(|(&[x, y, z], &[u, v, w])| [x + u, y + v, z + w]);
+        self.body.with(moved).neighbourhood()
     }
 
     fn add_obstacle(
@@ -103,13 +169,19 @@ impl ResultFolder {
         part: usize,
         report: &v1::StepReport,
         number: usize,
+        near: &BoundingBox,
     ) -> Result<(), Failure> {
-        let Some((name, outline)) = self.obstacles.get(part) else {
+        let Some((name, shape)) = self.obstacles.get(part) else {
             return Ok(());
         };
         let pose = report.obstacle_poses.iter().find(|pose| pose.name == *name);
         let pose = pose.map(pose_of).unwrap_or_default();
-        let drawn = vtp::write(outline, &pose);
+        let Some(surface) = drawn_near(shape, &pose, near) else {
+            return Ok(());
+        };
+        let mut notes = self.notes(report.time);
+        notes.texts.push(("obstacle".to_owned(), name.clone()));
+        let drawn = vtp::write(&surface, &notes);
         let file = format!("{}_{}_{number:04}.vtp", self.stem, file_stem(name));
         self.put(report.time, part + 1, file, &drawn)
     }
@@ -119,6 +191,31 @@ impl ResultFolder {
         self.entries.push(PvdEntry { time, part, file });
         Ok(())
     }
+}
+
+/// A field of a file.
+struct Named<'a> {
+    name: String,
+    components: usize,
+    values: Cow<'a, [f64]>,
+}
+
+/// Whether a scene has rubber, whose stretches are drawn, and what stretches out of its plane.
+fn stretches(scene: &v1::Scene) -> Option<OutOfPlane> {
+    use v1::material::Model;
+    let is_rubber = |material: &v1::Material| match material.model {
+        Some(Model::MooneyRivlin(_) | Model::NeoHookean(_) | Model::Yeoh(_) | Model::Ogden(_)) => {
+            true
+        }
+        Some(Model::LinearElastic(_) | Model::Stokes(_)) | None => false,
+    };
+    let out = match scene.kind() {
+        v1::SceneKind::Axisymmetric => OutOfPlane::Hoop,
+        v1::SceneKind::Unspecified | v1::SceneKind::Solid | v1::SceneKind::PlaneStrain => {
+            OutOfPlane::Nothing
+        }
+    };
+    scene.materials.iter().any(is_rubber).then_some(out)
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {

@@ -50,7 +50,7 @@ const QUEUE: usize = 16;
 #[derive(Debug)]
 pub struct Solve {
     /// What the server said when the stream was opened.
-    pub opened: v1::Opened,
+    pub opened: v1::StreamOpened,
     /// Sends updates.
     pub updates: Updates,
     /// Receives answers.
@@ -105,7 +105,7 @@ impl Client {
         session: &str,
         kind: Kind,
         orders: mpsc::Receiver<Order>,
-    ) -> Result<(v1::Opened, Events), ClientError> {
+    ) -> Result<(v1::StreamOpened, Events), ClientError> {
         let source = Source {
             client: self.clone(),
             session: resource(session),

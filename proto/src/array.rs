@@ -1,8 +1,7 @@
 //! The one codec between bulk arrays and bytes on the wire.
 //!
-//! Values are little-endian and row-major. Whole arrays come as [`Array`];
-//! larger ones as slices with an offset in elements, which an [`Assembler`] puts
-//! together again; [`Progress`] checks the offsets for those who keep the values
+//! Values are little-endian and row-major. Arrays come as slices with an offset in
+//! elements, which an [`Assembler`] puts together again; [`Progress`] checks the offsets for those who keep the values
 //! in another form. Every length and shape is checked before anything is
 //! allocated, and an assembler grows with the bytes that arrive, never with the
 //! size that a peer announces. Cost: one pass and one copy.
@@ -12,7 +11,7 @@ mod assembler;
 use bytes::Bytes;
 
 use crate::CHUNK_BYTES;
-use crate::v1::{Array, ElementType};
+use crate::v1::ElementType;
 
 pub use assembler::{Assembler, Progress};
 
@@ -29,14 +28,6 @@ pub enum ArrayError {
         bytes: usize,
         /// Bytes of one element.
         element_bytes: usize,
-    },
-    /// The element type is not the one that the receiver expects.
-    #[error("element type {found} where {expected} is expected")]
-    WrongType {
-        /// Number of the type received.
-        found: i32,
-        /// Number of the type expected.
-        expected: i32,
     },
     /// An extent is negative, there are too many, or their product overflows.
     #[error("shape {0:?} is not valid")]
@@ -122,37 +113,6 @@ pub fn encode<E: Element>(values: &[E]) -> Bytes {
 pub fn decode<E: Element>(bytes: &[u8]) -> Result<Vec<E>, ArrayError> {
     check_whole::<E>(bytes)?;
     Ok(E::read(bytes).collect())
-}
-
-/// A whole array in one message.
-///
-/// # Errors
-/// [`ArrayError::BadShape`], [`ArrayError::WrongLength`], [`ArrayError::ChunkTooLarge`].
-pub fn to_array<E: Element>(values: &[E], shape: &[i64]) -> Result<Array, ArrayError> {
-    expect_length(values.len(), element_count(shape)?)?;
-    check_chunk(values.len() * E::SIZE)?;
-    Ok(Array {
-        element_type: E::TYPE.into(),
-        shape: shape.to_vec(),
-        data: encode(values),
-    })
-}
-
-/// The values of a whole array.
-///
-/// # Errors
-/// Any [`ArrayError`] but `WrongOffset`.
-pub fn from_array<E: Element>(array: &Array) -> Result<Vec<E>, ArrayError> {
-    if array.element_type != i32::from(E::TYPE) {
-        return Err(ArrayError::WrongType {
-            found: array.element_type,
-            expected: E::TYPE.into(),
-        });
-    }
-    check_chunk(array.data.len())?;
-    let values = decode(&array.data)?;
-    expect_length(values.len(), element_count(&array.shape)?)?;
-    Ok(values)
 }
 
 /// Number of elements of a shape; the empty shape is one element.
@@ -266,20 +226,6 @@ mod tests {
                 Err(ArrayError::BadShape(shape.to_vec()))
             );
         }
-    }
-
-    #[test]
-    fn whole_arrays_check_type_and_length() {
-        let array = to_array(&[1.0, 2.0, 3.0], &[1, 3]).unwrap();
-        assert_eq!(from_array::<f64>(&array), Ok(vec![1.0, 2.0, 3.0]));
-        assert!(matches!(
-            from_array::<i64>(&array),
-            Err(ArrayError::WrongType { .. })
-        ));
-        assert!(matches!(
-            to_array(&[1.0], &[2]),
-            Err(ArrayError::WrongLength { .. })
-        ));
     }
 
     proptest! {

@@ -218,11 +218,11 @@ async fn lists_of_fields_and_unread_bytes_end_at_their_maxima() {
             ..watch(&session, wire::WatchEnd::Idle)
         };
         let opens = [
-            wire::Open {
+            wire::SolveOpen {
                 fields,
                 ..open(&session)
             },
-            wire::Open {
+            wire::SolveOpen {
                 max_unread_bytes,
                 ..open(&session)
             },

@@ -29,7 +29,10 @@ fn header(header: wire::MeshHeader) -> wire::UploadMeshRequest {
 }
 
 async fn reading(server: &Server, name: &str) -> tonic::Streaming<wire::ReadMeshResponse> {
-    let request = wire::ReadMeshRequest { name: name.into() };
+    let request = wire::ReadMeshRequest {
+        name: name.into(),
+        ..Default::default()
+    };
     server
         .meshes()
         .read_mesh(request)
@@ -76,7 +79,9 @@ async fn read(server: &Server, name: &str) -> Read {
             wire::MeshArray::GroupMembers => members[chunk.group_index as usize].push(offset, data),
             wire::MeshArray::CurvedEdges => curved_edges.push(offset, data),
             wire::MeshArray::EdgeOffsets => edge_offsets.push(offset, data),
-            wire::MeshArray::Unspecified => panic!("no array"),
+            other @ (wire::MeshArray::Unspecified
+            | wire::MeshArray::Edges
+            | wire::MeshArray::CellEdges) => panic!("{other:?}"),
         }
         .unwrap();
     }
@@ -168,7 +173,10 @@ async fn a_mesh_that_is_being_read_is_kept() {
     let slow = tonic::transport::Endpoint::new(server.url.clone()).unwrap();
     let slow = slow.initial_stream_window_size(1 << 16).connect().await;
     let mut slow = MeshServiceClient::new(slow.unwrap());
-    let request = wire::ReadMeshRequest { name: name.clone() };
+    let request = wire::ReadMeshRequest {
+        name: name.clone(),
+        ..Default::default()
+    };
     let mut parts = slow.read_mesh(request).await.unwrap().into_inner();
     parts.message().await.unwrap().unwrap();
     let delete = || async {
@@ -181,7 +189,10 @@ async fn a_mesh_that_is_being_read_is_kept() {
     tokio::time::timeout(PATIENCE, gone)
         .await
         .expect("the end of a reading frees the mesh");
-    let request = wire::ReadMeshRequest { name };
+    let request = wire::ReadMeshRequest {
+        name,
+        ..Default::default()
+    };
     let status = server.meshes().read_mesh(request).await.unwrap_err();
     assert_eq!(reason(&status), "MESH_NOT_FOUND");
 }
@@ -278,6 +289,76 @@ async fn meshes_are_listed_in_pages_and_deleted() {
     server.meshes().delete_mesh(delete.clone()).await.unwrap();
     let gone = server.meshes().delete_mesh(delete).await.unwrap_err();
     assert_eq!(reason(&gone), "MESH_NOT_FOUND");
+}
+
+#[tokio::test]
+async fn an_upload_without_a_digest_is_answered_with_it() {
+    let (server, block) = (Server::start().await, Block::new(2));
+    let without = || {
+        let mut parts = block.messages();
+        parts[0] = header(wire::MeshHeader {
+            digest: String::new(),
+            ..block.header()
+        });
+        tokio_stream::iter(parts)
+    };
+    for already_present in [false, true] {
+        let answer = server.meshes().upload_mesh(without()).await.unwrap();
+        let answer = answer.into_inner();
+        assert_eq!(answer.already_present, already_present);
+        assert_eq!(answer.mesh.unwrap().digest, block.digest());
+    }
+}
+
+/// The chunks of one array, put together.
+async fn read_array<E: signorini_proto::array::Element>(
+    server: &Server,
+    name: &str,
+    array: wire::MeshArray,
+    length: usize,
+) -> Vec<E> {
+    let request = wire::ReadMeshRequest {
+        name: name.into(),
+        arrays: vec![array.into()],
+    };
+    let answer = server.meshes().read_mesh(request).await.unwrap();
+    let mut parts = answer.into_inner();
+    let mut values = Assembler::new(length);
+    while let Some(message) = parts.message().await.unwrap() {
+        if let Some(read_mesh_response::Part::Chunk(chunk)) = message.part {
+            assert_eq!(chunk.array(), array);
+            values.push(chunk.offset_elements, &chunk.data).unwrap();
+        }
+    }
+    values.finish().unwrap()
+}
+
+#[tokio::test]
+async fn edges_come_where_they_are_asked_for_and_number_the_rows_of_displacement() {
+    use wire::MeshArray::{CellEdges, Edges};
+    let (server, block) = (Server::start().await, Block::new(3));
+    let name = server.upload(&block).await;
+    let mut expected: Vec<[i32; 2]> = Vec::new();
+    let local = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
+    let pairs = |cell: &[i32]| local.map(|(a, b)| [cell[a].min(cell[b]), cell[a].max(cell[b])]);
+    for cell in block.cells.chunks(4) {
+        expected.extend(pairs(cell));
+    }
+    expected.sort_unstable();
+    expected.dedup();
+    let edges: Vec<i32> = read_array(&server, &name, Edges, 2 * expected.len()).await;
+    assert_eq!(edges, expected.concat());
+    let of_cells: Vec<i32> = read_array(&server, &name, CellEdges, 6 * block.cells.len() / 4).await;
+    for (cell, edges) in block.cells.chunks(4).zip(of_cells.chunks(6)) {
+        let found: Vec<[i32; 2]> = edges.iter().map(|edge| expected[*edge as usize]).collect();
+        assert_eq!(found, pairs(cell));
+    }
+    let unknown = wire::ReadMeshRequest {
+        name,
+        arrays: vec![99],
+    };
+    let status = server.meshes().read_mesh(unknown).await.unwrap_err();
+    assert_eq!(reason(&status), "REQUEST_INVALID");
 }
 
 #[tokio::test]

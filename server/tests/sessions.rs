@@ -233,7 +233,7 @@ async fn an_endless_iteration_interval_is_refused_and_leaves_the_session_free() 
     let (server, block) = (Server::start().await, Block::new(1));
     server.upload(&block).await;
     let session = server.session(block.scene()).await;
-    let endless = wire::Open {
+    let endless = wire::SolveOpen {
         iteration_interval: Some(forever()),
         ..open(&session)
     };

@@ -18,7 +18,7 @@ async fn pressed(n: i32) -> (Server, String) {
     (server, session)
 }
 
-fn with_fields(session: &str) -> wire::Open {
+fn with_fields(session: &str) -> wire::SolveOpen {
     let fields = [
         wire::FieldName::Displacement,
         wire::FieldName::Pressure,
@@ -26,7 +26,7 @@ fn with_fields(session: &str) -> wire::Open {
         wire::FieldName::Gap,
         wire::FieldName::ContactState,
     ];
-    wire::Open {
+    wire::SolveOpen {
         fields: fields.map(i32::from).to_vec(),
         ..open(session)
     }
@@ -142,7 +142,7 @@ async fn a_new_stream_gets_what_the_old_one_missed() {
     drop(stream);
     // The step is finished without a reader.
     let mut stream = loop {
-        let seen = wire::Open {
+        let seen = wire::SolveOpen {
             last_seen_event: Some(first.event),
             ..open(&session)
         };
@@ -206,7 +206,9 @@ async fn cancelling_while_preparing_is_answered_at_once() {
     let mut stream = server.open(open(&session)).await;
     stream.step(1, press(0.01, 1)).await;
     stream
-        .send(solve_request::Message::Cancel(wire::Cancel { sequence: 1 }))
+        .send(solve_request::Message::Cancel(wire::SolveCancel {
+            sequence: 1,
+        }))
         .await;
     let finished = stream.result().await;
     assert_eq!((finished.sequence, finished.last), (1, true));
@@ -318,7 +320,7 @@ async fn a_step_ends_at_its_wall_time_with_the_last_state() {
 async fn an_unread_stream_holds_up_the_next_increment_only() {
     let (server, session) = pressed(2).await;
     let fields = vec![i32::from(wire::FieldName::Displacement)];
-    let limited = wire::Open {
+    let limited = wire::SolveOpen {
         fields,
         max_unread_bytes: 1 << 20,
         ..open(&session)
@@ -361,7 +363,7 @@ async fn a_stream_without_open_or_with_two_is_refused() {
         .send(solve_request::Message::Open(open(&session)))
         .await;
     assert_eq!(reason(&stream.end().await.unwrap()), "REQUEST_INVALID");
-    let cancel = solve_request::Message::Cancel(wire::Cancel::default());
+    let cancel = solve_request::Message::Cancel(wire::SolveCancel::default());
     let first = wire::SolveRequest {
         message: Some(cancel),
     };

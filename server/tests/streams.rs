@@ -136,7 +136,7 @@ async fn an_acknowledged_update_recomputes_nothing() {
     stream.step(1, press(0.03, 2)).await;
     let first = [stream.result().await, stream.result().await];
     drop(stream);
-    let request = wire::Open {
+    let request = wire::SolveOpen {
         last_seen_event: Some(2),
         ..open(&session)
     };
@@ -156,7 +156,7 @@ async fn an_acknowledged_update_recomputes_nothing() {
 }
 
 /// Opens a stream as soon as the server has noticed that the one before is gone.
-async fn reopened(server: &Server, request: wire::Open) -> common::Stream {
+async fn reopened(server: &Server, request: wire::SolveOpen) -> common::Stream {
     use signorini_proto::v1::solve_response::Message;
     loop {
         let mut stream = server.stream(request.clone()).await;
@@ -175,7 +175,7 @@ async fn a_resumed_stream_gets_what_it_missed_of_a_running_step_exactly_once() {
     stream.step(1, press(0.05, 400)).await;
     let seen = stream.result().await.event;
     drop(stream);
-    let request = wire::Open {
+    let request = wire::SolveOpen {
         last_seen_event: Some(seen),
         ..open(&session)
     };
@@ -438,7 +438,7 @@ async fn a_step_that_waits_for_a_slot_ends_at_its_deadline() {
 #[tokio::test]
 async fn a_cancel_is_read_behind_unread_results_and_rejections() {
     let (server, session) = pressed(2, Config::embedded()).await;
-    let limited = wire::Open {
+    let limited = wire::SolveOpen {
         fields: every_field(),
         max_unread_bytes: 1 << 20,
         ..open(&session)
@@ -450,7 +450,9 @@ async fn a_cancel_is_read_behind_unread_results_and_rejections() {
         stream.step(7, press(0.05, 1)).await;
     }
     stream
-        .send(solve_request::Message::Cancel(wire::Cancel { sequence: 1 }))
+        .send(solve_request::Message::Cancel(wire::SolveCancel {
+            sequence: 1,
+        }))
         .await;
     // Nobody has read a byte of the stream.
     let results = watcher.update().await;

@@ -43,7 +43,7 @@ async fn put(
     show(&[uploaded.mesh], remote)
 }
 
-fn show(meshes: &[v1::Mesh], remote: &RemoteArguments) -> Result<Exit, Failure> {
+fn show(meshes: &[v1::StoredMesh], remote: &RemoteArguments) -> Result<Exit, Failure> {
     for mesh in meshes {
         let line = if remote.json {
             object(mesh).to_string()
@@ -55,7 +55,7 @@ fn show(meshes: &[v1::Mesh], remote: &RemoteArguments) -> Result<Exit, Failure> 
     Ok(Exit::Ok)
 }
 
-fn line(mesh: &v1::Mesh) -> String {
+fn line(mesh: &v1::StoredMesh) -> String {
     let groups: Vec<&str> = mesh
         .groups
         .iter()
@@ -72,7 +72,7 @@ fn line(mesh: &v1::Mesh) -> String {
     )
 }
 
-fn object(mesh: &v1::Mesh) -> Value {
+fn object(mesh: &v1::StoredMesh) -> Value {
     let groups: Vec<&str> = mesh
         .groups
         .iter()

@@ -1,11 +1,17 @@
-//! File formats: Gmsh meshes in, VTK files for ParaView out.
+//! File formats: meshes of Gmsh, Abaqus and VTK in, VTK files for ParaView out.
 //!
 //! Readers take bytes and never trust a count in them; writers produce bytes.
 //! Neither opens a file. Work and memory are linear in the size of the data.
 
+pub mod derived;
+pub mod inp;
+pub mod mesh;
 pub mod msh;
 pub mod pvd;
+pub mod vtk;
 pub mod vtp;
 pub mod vtu;
 
 mod vtk_xml;
+
+pub use vtk_xml::Notes;

@@ -28,6 +28,15 @@ scalar!(f64, "Float64");
 scalar!(i64, "Int64");
 scalar!(u8, "UInt8");
 
+/// What a file says about itself.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Notes {
+    /// Time of the result, as field data: ParaView and pyvista show it.
+    pub time: Option<f64>,
+    /// Texts by name, as comments for people.
+    pub texts: Vec<(String, String)>,
+}
+
 /// A file under construction: XML text, and the data its arrays refer to.
 pub(super) struct Writer {
     xml: String,
@@ -55,18 +64,47 @@ impl Writer {
 
     /// Appends an array of `components` values a row.
     pub(super) fn array<S: Scalar>(&mut self, name: &str, components: usize, values: &[S]) {
+        self.put(name, components, "", values);
+    }
+
+    /// Appends an array whose columns have names.
+    pub(super) fn named_array<S: Scalar>(&mut self, name: &str, columns: &[&str], values: &[S]) {
+        let mut attributes = String::new();
+        for (index, column) in columns.iter().enumerate() {
+            let column = escape(column);
+            attributes.push_str(&format!(" ComponentName{index}=\"{column}\""));
+        }
+        self.put(name, columns.len(), &attributes, values);
+    }
+
+    /// Appends an array of which `attributes` say more.
+    fn put<S: Scalar>(&mut self, name: &str, components: usize, attributes: &str, values: &[S]) {
         let (kind, offset) = (S::TYPE, self.data.len());
         let name = escape(name);
         // Writing to a string cannot fail.
         let _infallible = writeln!(
             self.xml,
-            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\" \
-             format=\"appended\" offset=\"{offset}\"/>"
+            "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\"\
+             {attributes} format=\"appended\" offset=\"{offset}\"/>"
         );
         let bytes = size_of_val(values) as u64;
         self.data.extend_from_slice(&bytes.to_le_bytes());
         for value in values {
             value.put(&mut self.data);
+        }
+    }
+
+    /// Appends what a file says about itself: the time as field data, texts as comments,
+    /// for arrays of text are no numbers to meshio and others.
+    pub(super) fn notes(&mut self, notes: &Notes) {
+        for (name, text) in &notes.texts {
+            let comment = format!("{name}: {text}").replace("--", "- -");
+            self.line(&format!("<!-- {} -->", escape(&comment)));
+        }
+        if let Some(time) = notes.time {
+            self.line("<FieldData>");
+            self.put("TimeValue", 1, " NumberOfTuples=\"1\"", &[time]);
+            self.line("</FieldData>");
         }
     }
 

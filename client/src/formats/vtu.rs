@@ -11,10 +11,20 @@
 //!
 //! Cost: the edges are sorted once a mesh; a file is one copy of its arrays.
 
-use super::vtk_xml::Writer;
+use super::vtk_xml::{Notes, Writer};
 
 const VTK_QUADRATIC_TRIANGLE: u8 = 22;
 const VTK_QUADRATIC_TETRA: u8 = 24;
+
+/// Fields that have one row a cell.
+const CELL_FIELDS: [&str; 6] = [
+    "error_estimate",
+    "jacobian",
+    "principal_stresses",
+    "principal_stretches",
+    "stress",
+    "von_mises",
+];
 
 /// Edges of a cell by local vertices, in VTK's order.
 const TRIANGLE_EDGES: &[(usize, usize)] = &[(0, 1), (1, 2), (0, 2)];
@@ -128,6 +138,16 @@ impl Grid {
         &self.points
     }
 
+    /// Nodes of the cells, in VTK's order, as many a row as [`Grid::nodes_per_cell`].
+    pub(super) fn connectivity(&self) -> &[i64] {
+        &self.connectivity
+    }
+
+    /// 6 for triangles, 10 for tetrahedra.
+    pub(super) fn nodes_per_cell(&self) -> usize {
+        self.nodes_per_cell
+    }
+
     fn connect(&mut self, vertices_per_cell: usize, local: &[(usize, usize)], cells: &[u32]) {
         self.connectivity
             .reserve(cells.len() / vertices_per_cell * self.nodes_per_cell);
@@ -166,9 +186,10 @@ impl Grid {
     ///
     /// # Errors
     /// [`GridError::Rows`].
-    pub fn write(&self, fields: &[GridField<'_>]) -> Result<Vec<u8>, GridError> {
+    pub fn write(&self, fields: &[GridField<'_>], notes: &Notes) -> Result<Vec<u8>, GridError> {
         let mut file = Writer::new("UnstructuredGrid");
         file.line("<UnstructuredGrid>");
+        file.notes(notes);
         let (points, cells) = (self.node_count(), self.cell_count());
         file.line(&format!(
             "<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">"
@@ -205,12 +226,10 @@ impl Grid {
         file.line("<PointData>");
         for field in on_points {
             match field.values.len() / field.components.max(1) {
-                rows if rows == self.node_count() => {
-                    file.array(field.name, field.components, field.values);
-                }
+                rows if rows == self.node_count() => write_field(file, field, field.values),
                 rows if rows == self.vertex_count => {
                     let values = self.on_nodes(field.components, field.values, middle(field.name));
-                    file.array(field.name, field.components, &values);
+                    write_field(file, field, &values);
                 }
                 rows => {
                     let name = field.name.to_owned();
@@ -221,7 +240,7 @@ impl Grid {
         file.line("</PointData>");
         file.line("<CellData>");
         for field in on_cells {
-            file.array(field.name, field.components, field.values);
+            write_field(file, field, field.values);
         }
         file.line("</CellData>");
         Ok(())
@@ -231,10 +250,20 @@ impl Grid {
     /// it is one that the service sends by cells.
     fn is_cell_field(&self, field: &GridField<'_>) -> bool {
         let rows = field.values.len() / field.components.max(1);
-        let by_name = matches!(field.name, "stress" | "jacobian" | "error_estimate");
+        let by_name = CELL_FIELDS.contains(&field.name);
         let elsewhere = rows == self.node_count() || rows == self.vertex_count;
         rows == self.cell_count() && (by_name || !elsewhere)
     }
+}
+
+fn write_field(file: &mut Writer, field: &GridField<'_>, values: &[f64]) {
+    let columns: &[&str] = match (field.name, field.components) {
+        (name, 3) if name.starts_with("principal_") => &["largest", "middle", "smallest"],
+        (_, 3) => &["x", "y", "z"],
+        (_, 6) => &["xx", "yy", "zz", "xy", "yz", "zx"],
+        (name, components) => return file.array(name, components, values),
+    };
+    file.named_array(field.name, columns, values);
 }
 
 fn mean(a: f64, b: f64) -> f64 {
@@ -332,7 +361,7 @@ mod tests {
             components: 1,
             values: &[0.0; 7],
         };
-        let error = grid.write(&[field]).unwrap_err();
+        let error = grid.write(&[field], &Notes::default()).unwrap_err();
         assert_eq!(
             error,
             GridError::Rows {
@@ -359,6 +388,32 @@ mod tests {
     }
 
     #[test]
+    fn columns_time_and_texts_have_names() {
+        let grid = Grid::new(3, &CORNERS[..3], &[0, 1, 2]).unwrap();
+        let field = |name, components, values| GridField {
+            name,
+            components,
+            values,
+        };
+        let fields = [
+            field("displacement", 3, &[0.0; 18][..]),
+            field("stress", 6, &[0.0; 6]),
+            field("principal_stresses", 3, &[0.0; 3]),
+        ];
+        let notes = Notes {
+            time: Some(1.5),
+            texts: vec![("scene".to_owned(), "a<b".to_owned())],
+        };
+        let bytes = grid.write(&fields, &notes).unwrap();
+        let text = String::from_utf8_lossy(&bytes);
+        assert!(text.contains("ComponentName0=\"x\" ComponentName1=\"y\" ComponentName2=\"z\""));
+        assert!(text.contains("ComponentName4=\"yz\" ComponentName5=\"zx\""));
+        assert!(text.contains("ComponentName0=\"largest\""));
+        assert!(text.contains("Name=\"TimeValue\" NumberOfComponents=\"1\" NumberOfTuples=\"1\""));
+        assert!(text.contains("<!-- scene: a&lt;b -->"));
+    }
+
+    #[test]
     fn appended_arrays_lie_where_the_header_says() {
         let grid = Grid::new(3, &CORNERS[..3], &[0, 1, 2]).unwrap();
         let field = GridField {
@@ -366,7 +421,7 @@ mod tests {
             components: 1,
             values: &[1.5],
         };
-        let bytes = grid.write(&[field]).unwrap();
+        let bytes = grid.write(&[field], &Notes::default()).unwrap();
         let text = String::from_utf8_lossy(&bytes);
         let offset = text.split("Name=\"jacobian\"").nth(1).unwrap();
         let offset: usize = offset

@@ -8,7 +8,7 @@ use signorini_proto::v1::read_mesh_response::Part;
 use super::{missing, resource};
 use crate::connect::{Client, answer};
 use crate::error::ClientError;
-use crate::formats::msh::{CurvedEdge, MeshFile, MeshGroup};
+use crate::formats::mesh::{CurvedEdge, MeshFile, MeshGroup};
 
 /// The arrays of a mesh on their way.
 struct Arrays {
@@ -57,7 +57,9 @@ impl Arrays {
                 let (_, members) = group.ok_or_else(|| missing("the group of a chunk"))?;
                 members.push(offset, data)?;
             }
-            MeshArray::Unspecified => return Err(missing("the array of a chunk")),
+            MeshArray::Unspecified | MeshArray::Edges | MeshArray::CellEdges => {
+                return Err(missing("an array of an uploaded mesh"));
+            }
         }
         Ok(())
     }
@@ -120,6 +122,7 @@ impl Client {
     pub async fn read_mesh(&self, name: &str) -> Result<MeshFile, ClientError> {
         let request = v1::ReadMeshRequest {
             name: resource(name),
+            arrays: Vec::new(),
         };
         let mut stream = answer(self.meshes().read_mesh(request)).await?.into_inner();
         let first = stream.message().await?.and_then(|first| first.part);
@@ -157,6 +160,7 @@ mod tests {
             facet_count: 1,
             groups: vec![group],
             curved_edge_count: 1,
+            edge_count: 0,
         }
     }
 

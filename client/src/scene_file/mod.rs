@@ -22,7 +22,7 @@ use signorini_proto::v1;
 use toml::Table;
 
 pub use overrides::Override;
-pub use shape::outline;
+pub use shape::{drawn_near, outline};
 
 use crate::error::Violation;
 use keys::{Faults, Keys};

@@ -1,7 +1,7 @@
 //! Shapes of obstacles: their keys in scene files, and what they look like.
 //!
-//! Infinite shapes are drawn as the piece that a body of the given bounding box can
-//! meet: a half-space as a square, a cylinder as a tube as long as the diagonal. All
+//! Shapes are drawn as the piece near a given box: a half-space as a square, a sphere as
+//! a cap, a cylinder as a strip as long as the diagonal, each whole where it is small. All
 //! that the client knows of a shape is in this file.
 
 use std::f64::consts::{PI, TAU};
@@ -11,11 +11,12 @@ use signorini_proto::v1::shape::Kind;
 
 use super::keys::Keys;
 use crate::formats::vtp::{
-    BoundingBox, Outline, Triangulation, Vector, add, dot, grid, scale, subtract, tangents, unit,
+    BoundingBox, Outline, Pose, Triangulation, Vector, add, cross, dot, scale, sheet, subtract,
+    tangents, unit,
 };
 
-/// Lines of latitude and half the lines of longitude of a sphere; a third of
-/// the facets around a cylinder.
+/// Rows and half the columns of the facets of a sphere; a third of the facets around a
+/// cylinder.
 const DIVISIONS: usize = 32;
 
 type ReadShape = fn(&Keys<'_>) -> Kind;
@@ -91,7 +92,7 @@ fn capped_cylinder(keys: &Keys<'_>) -> Kind {
 }
 
 fn cuboid(keys: &Keys<'_>) -> Kind {
-    Kind::Box(v1::Box {
+    Kind::Box(v1::BoxShape {
         centre: keys.required_vector("centre"),
         half_sizes: keys.required_vector("half_sizes"),
         rounding: keys.number("rounding"),
@@ -117,7 +118,7 @@ fn cone(keys: &Keys<'_>) -> Kind {
 }
 
 fn surface(keys: &Keys<'_>) -> Kind {
-    Kind::Surface(v1::Surface {
+    Kind::Surface(v1::SurfaceShape {
         surface: keys.required_text("file"),
         scale: keys.number("scale"),
     })
@@ -133,7 +134,14 @@ fn distance_grid(keys: &Keys<'_>) -> Kind {
     Kind::DistanceGrid(v1::DistanceGrid { grid })
 }
 
-/// What a shape looks like in its initial pose; none where it cannot be drawn.
+/// What of a moved shape is in a box; none where the shape cannot be drawn.
+pub fn drawn_near(shape: &v1::Shape, pose: &Pose, near: &BoundingBox) -> Option<Triangulation> {
+    let reference = outline(shape, near)?.reference;
+    let seen = near.seen_from(pose, reference);
+    Some(outline(shape, &seen)?.posed(pose).within(near))
+}
+
+/// What a shape looks like near a box in its initial pose; none where it cannot be drawn.
 pub fn outline(shape: &v1::Shape, body: &BoundingBox) -> Option<Outline> {
     let (surface, reference) = match shape.kind.as_ref()? {
         Kind::HalfSpace(shape) => {
@@ -142,7 +150,7 @@ pub fn outline(shape: &v1::Shape, body: &BoundingBox) -> Option<Outline> {
         }
         Kind::Sphere(shape) => {
             let centre = three(&shape.centre);
-            (globe(centre, shape.radius?), centre)
+            (globe(centre, shape.radius?, body), centre)
         }
         Kind::Cylinder(shape) => {
             let point = three(&shape.point);
@@ -182,28 +190,59 @@ fn square(point: Vector, normal: Vector, body: &BoundingBox) -> Triangulation {
     }
 }
 
-/// Meridians and parallels.
-fn globe(centre: Vector, radius: f64) -> Triangulation {
-    let columns = 2 * DIVISIONS;
-    let point = |row: usize, column: usize| {
-        let polar = PI * row as f64 / DIVISIONS as f64;
-        let around = TAU * column as f64 / columns as f64;
-        let ring = polar.sin();
-        let direction = [ring * around.cos(), ring * around.sin(), polar.cos()];
-        add(centre, scale(direction, radius))
-    };
-    grid(DIVISIONS, columns, point)
+/// The angle at the centre of a circle, from the direction to a box on, within which the
+/// circle comes near the box.
+fn reach(radius: f64, distance: f64, body: &BoundingBox) -> f64 {
+    let range = body.diagonal();
+    let cosine =
+        (distance * distance + radius * radius - range * range) / (2.0 * distance * radius);
+    match cosine.is_finite() {
+        true => cosine.clamp(-1.0, 1.0).acos(),
+        false => PI,
+    }
 }
 
-/// A tube around the point of its axis nearest to the body's centre.
+/// Meridians and parallels around the direction to the body; around z on a whole sphere.
+fn globe(centre: Vector, radius: f64, body: &BoundingBox) -> Triangulation {
+    let towards = subtract(body.centre(), centre);
+    let reach = reach(radius, dot(towards, towards).sqrt(), body);
+    let pole = if reach < PI {
+        unit(towards)
+    } else {
+        [0.0, 0.0, 1.0]
+    };
+    let (first, second) = tangents(pole);
+    let columns = 2 * DIVISIONS;
+    let point = |row: usize, column: usize| {
+        let polar = reach * row as f64 / DIVISIONS as f64;
+        let around = TAU * column as f64 / columns as f64;
+        let ring = add(
+            scale(first, polar.sin() * around.cos()),
+            scale(second, polar.sin() * around.sin()),
+        );
+        let direction = add(ring, scale(pole, polar.cos()));
+        add(centre, scale(direction, radius))
+    };
+    sheet(DIVISIONS, columns, point)
+}
+
+/// A tube around the point of its axis nearest to the body's centre: its strip near the body.
 fn tube(point: Vector, axis: Vector, radius: f64, body: &BoundingBox) -> Triangulation {
     let axis = unit(axis);
-    let (first, second) = tangents(axis);
-    let along = dot(subtract(body.centre(), point), axis);
+    let offset = subtract(body.centre(), point);
+    let along = dot(offset, axis);
+    let towards = subtract(offset, scale(axis, along));
+    let distance = dot(towards, towards).sqrt();
+    let reach = reach(radius, distance, body);
+    let (mut first, mut second) = tangents(axis);
+    if reach < PI {
+        first = unit(towards);
+        second = cross(axis, first);
+    }
     let extent = body.diagonal();
     let columns = 3 * DIVISIONS;
     let place = |row: usize, column: usize| {
-        let around = TAU * column as f64 / columns as f64;
+        let around = reach * (2.0 * column as f64 / columns as f64 - 1.0);
         let ring = add(
             scale(first, radius * around.cos()),
             scale(second, radius * around.sin()),
@@ -211,13 +250,12 @@ fn tube(point: Vector, axis: Vector, radius: f64, body: &BoundingBox) -> Triangu
         let offset = along + extent * (row as f64 - 0.5);
         add(point, add(ring, scale(axis, offset)))
     };
-    grid(1, columns, place)
+    sheet(1, columns, place)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::vtp::Pose;
 
     const BODY: BoundingBox = BoundingBox {
         low: [0.0; 3],
@@ -250,6 +288,35 @@ mod tests {
         for point in sphere.posed(&pose).points {
             assert!((distance(point, [1.0, 2.0, 2.0]) - 0.5).abs() < 1e-14);
         }
+    }
+
+    #[test]
+    fn a_large_ball_is_drawn_as_its_cap_and_a_far_one_not_at_all() {
+        let ball = |x: f64| v1::Shape {
+            kind: Some(Kind::Sphere(v1::Sphere {
+                centre: vec![x, 1.0, 1.0],
+                radius: Some(1000.0),
+            })),
+            inside: false,
+        };
+        let pose = Pose {
+            translation: [-5.0, 0.0, 0.0],
+            rotation: [0.0, 2.0, 1.0],
+        };
+        let near = BODY.neighbourhood();
+        let cap = drawn_near(&ball(1005.5), &pose, &near).unwrap();
+        assert!(cap.triangles.len() > 100);
+        for point in &cap.points {
+            // Facets are as far inside the ball as their size asks for.
+            let depth = 1000.0 - distance(*point, [1000.5, 1.0, 1.0]);
+            assert!((-1e-9..1e-3).contains(&depth), "{depth}");
+        }
+        assert!(
+            drawn_near(&ball(2000.0), &pose, &near)
+                .unwrap()
+                .points
+                .is_empty()
+        );
     }
 
     #[test]

@@ -50,7 +50,7 @@ pub enum Event {
         refusal: Box<Refusal>,
     },
     /// A sign of life.
-    Heartbeat(v1::Heartbeat),
+    Heartbeat(v1::StreamHeartbeat),
     /// The connection broke; another one is being tried. What was sent and what
     /// was received is kept, iteration statistics may be lost.
     ConnectionLost {

@@ -80,7 +80,7 @@ impl Incoming {
     }
 
     /// The message that every stream starts with.
-    pub(super) async fn opened(&mut self) -> Result<v1::Opened, Stop> {
+    pub(super) async fn opened(&mut self) -> Result<v1::StreamOpened, Stop> {
         match self.next().await? {
             Some(Response::Opened(opened)) => Ok(opened),
             _ => Err(missing("the first message `opened`").into()),

@@ -61,7 +61,7 @@ pub(super) struct Journal {
 
 impl Journal {
     /// Starts from the first `opened`; `last_seen` as it was asked for.
-    pub(super) fn new(last_seen: Option<i64>, opened: &v1::Opened) -> Self {
+    pub(super) fn new(last_seen: Option<i64>, opened: &v1::StreamOpened) -> Self {
         let (accepted, finished) = progress(opened);
         let newest = opened.last_event;
         Self {
@@ -161,7 +161,7 @@ impl Journal {
             // Nothing to cancel that this stream knows of, so nothing to repeat.
             self.cancels.remove(index);
         }
-        Some(Request::Cancel(v1::Cancel { sequence }))
+        Some(Request::Cancel(v1::SolveCancel { sequence }))
     }
 
     /// Takes an answer of the server and gives what the user shall see.
@@ -237,7 +237,7 @@ impl Journal {
     ///
     /// # Errors
     /// [`ClientError::Protocol`] when the session is not the one that it was.
-    pub(super) fn resume(&mut self, opened: &v1::Opened) -> Result<(), ClientError> {
+    pub(super) fn resume(&mut self, opened: &v1::StreamOpened) -> Result<(), ClientError> {
         if opened.last_event < self.seen {
             let (now, before) = (opened.last_event, self.seen);
             let message = format!("the session has {now} results and had {before}");
@@ -260,7 +260,7 @@ impl Journal {
 }
 
 /// Last accepted and last finished sequence.
-fn progress(opened: &v1::Opened) -> (i64, i64) {
+fn progress(opened: &v1::StreamOpened) -> (i64, i64) {
     opened.session.as_ref().map_or((0, 0), |session| {
         (
             session.last_accepted_sequence,
@@ -269,7 +269,7 @@ fn progress(opened: &v1::Opened) -> (i64, i64) {
     })
 }
 
-fn window(opened: &v1::Opened) -> i64 {
+fn window(opened: &v1::StreamOpened) -> i64 {
     i64::from(opened.max_in_flight).max(1)
 }
 

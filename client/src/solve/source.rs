@@ -18,7 +18,8 @@ use crate::connect::Client;
 use crate::error::ClientError;
 
 /// A connection that is being opened.
-pub(super) type Attaching = Pin<Box<dyn Future<Output = Result<(v1::Opened, Link), Stop>> + Send>>;
+pub(super) type Attaching =
+    Pin<Box<dyn Future<Output = Result<(v1::StreamOpened, Link), Stop>> + Send>>;
 
 /// What is opened again after a break.
 #[derive(Clone, Debug)]
@@ -64,7 +65,7 @@ impl Source {
 
     async fn solve(&self, attach: &Attach, seen: Option<i64>) -> Result<Link, Stop> {
         let (requests, outgoing) = mpsc::channel(QUEUE);
-        let open = Request::Open(v1::Open {
+        let open = Request::Open(v1::SolveOpen {
             session: self.session.clone(),
             last_seen_event: seen,
             fields: attach.fields.iter().copied().map(i32::from).collect(),

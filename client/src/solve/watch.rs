@@ -13,7 +13,7 @@ use crate::error::ClientError;
 #[derive(Debug)]
 pub struct Watch {
     /// What the server said when the stream was opened.
-    pub opened: v1::Opened,
+    pub opened: v1::StreamOpened,
     /// Receives results, statistics and heartbeats; goes on over broken
     /// connections as that of [`super::Solve`] does. Dropping it stops watching,
     /// never a step.

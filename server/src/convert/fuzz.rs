@@ -199,6 +199,7 @@ fn upload() -> Vec<u8> {
         facet_count: 2,
         groups: super::mesh::mesh(&mesh, &unused()).groups,
         curved_edge_count: 1,
+        edge_count: 0,
     };
     let indices =
         |values: &[u32]| array::encode(&values.iter().map(|v| *v as i32).collect::<Vec<_>>());

@@ -13,7 +13,7 @@ use signorini_proto::v1 as wire;
 use super::{MAXIMUM_NAME_BYTES, wide};
 use crate::fault::Fault;
 
-pub(crate) use reading::messages;
+pub(crate) use reading::{messages, wanted};
 pub(crate) use upload::Upload;
 
 const MAXIMUM_VERTICES: i64 = 200_000_000;
@@ -48,7 +48,8 @@ pub(crate) fn name(id: MeshId) -> String {
 /// A checked header: identity, sizes, groups.
 #[derive(Debug)]
 pub(crate) struct Header {
-    pub(crate) id: MeshId,
+    /// None where the upload leaves it to the server.
+    pub(crate) id: Option<MeshId>,
     cell_kind: CellKind,
     vertices: usize,
     cells: usize,
@@ -70,8 +71,12 @@ impl Header {
     /// # Errors
     /// `RequestInvalid` with the field, `MessageLimit` for a size beyond its maximum.
     pub(crate) fn new(message: wire::MeshHeader) -> Result<Self, Fault> {
-        let id = MeshId::from_hex(&message.digest)
-            .ok_or_else(|| Fault::request("header.digest", "must be 64 hexadecimal digits"))?;
+        let id = match message.digest.as_str() {
+            "" => None,
+            digest => Some(MeshId::from_hex(digest).ok_or_else(|| {
+                Fault::request("header.digest", "must be empty or 64 hexadecimal digits")
+            })?),
+        };
         if message.groups.len() > MAXIMUM_GROUPS {
             return Err(limit("header.groups", MAXIMUM_GROUPS as i64));
         }
@@ -127,9 +132,9 @@ pub(crate) struct MeshUse {
 }
 
 /// A stored mesh.
-pub(crate) fn mesh(mesh: &Mesh, uses: &MeshUse) -> wire::Mesh {
+pub(crate) fn mesh(mesh: &Mesh, uses: &MeshUse) -> wire::StoredMesh {
     let quality = mesh.quality();
-    wire::Mesh {
+    wire::StoredMesh {
         name: name(mesh.id()),
         digest: mesh.id().to_string(),
         cell_kind: wire_cell_kind(mesh.cell_kind()).into(),

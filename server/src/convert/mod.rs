@@ -30,6 +30,7 @@ pub(crate) struct Faults {
     invalid: Vec<Violation>,
     unsupported: Option<Violation>,
     misnamed: Vec<Violation>,
+    negative: Vec<Violation>,
 }
 
 impl Faults {
@@ -95,6 +96,18 @@ impl Faults {
         })
     }
 
+    /// A number that may not be negative. The library finds one that is, with its other
+    /// faults; here it is kept so that it comes before keys of later versions.
+    pub(crate) fn not_negative(&mut self, value: Option<f64>, path: &str) -> Option<f64> {
+        if let Some(number) = value.filter(|number| !(number.is_finite() && *number >= 0.0)) {
+            let message = format!("must be at least zero and finite, not {number}");
+            if self.negative.len() < MOST_FAULTS {
+                self.negative.push(violation(path, message));
+            }
+        }
+        value
+    }
+
     /// A name of allowed length.
     pub(crate) fn name(&mut self, name: &str, path: &str) -> String {
         if name.len() > MAXIMUM_NAME_BYTES {
@@ -120,8 +133,11 @@ impl Faults {
     /// of later versions. Names that nobody knows are not among it.
     pub(crate) fn outcome(mut self) -> Result<(), Fault> {
         self.refuse()?;
-        self.unsupported
-            .map_or(Ok(()), |one| Err(Fault::Unsupported(one)))
+        match self.unsupported {
+            Some(_) if !self.negative.is_empty() => Err(Fault::SceneInvalid(self.negative)),
+            Some(one) => Err(Fault::Unsupported(one)),
+            None => Ok(()),
+        }
     }
 }
 
@@ -162,5 +178,20 @@ mod tests {
         let mut faults = Faults::default();
         faults.later("pressure", "comes later");
         assert!(matches!(faults.outcome(), Err(Fault::Unsupported(_))));
+    }
+
+    #[test]
+    fn negative_friction_comes_before_a_shape_of_a_later_version() {
+        let mut faults = Faults::default();
+        assert_eq!(faults.not_negative(Some(-0.3), "friction"), Some(-0.3));
+        faults.later("shape.kind", "comes later");
+        match faults.outcome() {
+            Err(Fault::SceneInvalid(all)) => assert_eq!(all[0].path, "friction"),
+            other => panic!("{other:?}"),
+        }
+        // The library tells it otherwise, with whatever else is wrong.
+        let mut faults = Faults::default();
+        faults.not_negative(Some(f64::NAN), "friction");
+        assert_eq!(faults.outcome(), Ok(()));
     }
 }

@@ -197,8 +197,10 @@ fn obstacle(message: wire::Obstacle, index: usize, faults: &mut Faults) -> Obsta
         on: surfaces(message.on, &path, faults),
         shape: shape::shape(message.shape, &format!("{path}.shape"), faults),
         surface: shape::surface(message.surface, &path, faults),
-        friction: message.friction.unwrap_or(0.0),
-        tresca: message.tresca,
+        friction: faults
+            .not_negative(message.friction, &format!("{path}.friction"))
+            .unwrap_or(0.0),
+        tresca: faults.not_negative(message.tresca, &format!("{path}.tresca")),
     }
 }
 

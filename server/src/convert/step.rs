@@ -118,7 +118,7 @@ fn obstacle(target: &wire::ObstacleTarget, path: &str, faults: &mut Faults) -> O
         name: faults.name(&target.name, path),
         translation: faults.optional_vector(&target.translation, &format!("{path}.translation")),
         rotation: faults.optional_vector(&target.rotation, &format!("{path}.rotation")),
-        friction: target.friction,
+        friction: faults.not_negative(target.friction, &format!("{path}.friction")),
     }
 }
 

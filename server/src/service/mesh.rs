@@ -71,8 +71,10 @@ impl MeshService for Meshes {
         request: Request<wire::ReadMeshRequest>,
     ) -> Result<Response<Self::ReadMeshStream>, Status> {
         respond(&self.registry, async {
-            let id = convert::id_from_name(&request.into_inner().name, "name")?;
-            let messages = convert::messages(self.services.store.mesh(id)?);
+            let request = request.into_inner();
+            let id = convert::id_from_name(&request.name, "name")?;
+            let wanted = convert::wanted(&request.arrays)?;
+            let messages = convert::messages(self.services.store.mesh(id)?, &wanted);
             let stream: Self::ReadMeshStream = Box::pin(tokio_stream::iter(messages.map(Ok)));
             Ok(stream)
         })
@@ -104,10 +106,10 @@ impl Meshes {
             return Err(Fault::request("header", "must be the first message"));
         };
         let header = Header::new(header)?;
-        if let Ok(found) = self.services.store.mesh(header.id) {
+        let id = header.id;
+        if let Some(found) = id.and_then(|id| self.services.store.mesh(id).ok()) {
             return self.uploaded(found, Presence::Before);
         }
-        let id = header.id;
         // Held until the mesh itself is counted.
         let reservation = self.services.store.reserve(header.predicted_bytes())?;
         let most = IDLE + Duration::from_secs(header.array_bytes() / LEAST_BYTES_PER_SECOND);
@@ -126,6 +128,9 @@ impl Meshes {
             }
         }
         let mesh = aside(move || build(upload, id)).await??;
+        if let Ok(found) = self.services.store.mesh(mesh.id()) {
+            return self.uploaded(found, Presence::Before);
+        }
         let _excess = self.reserve_excess(&mesh, &reservation)?;
         self.uploaded(self.services.store.insert_mesh(mesh), Presence::New)
     }
@@ -154,7 +159,7 @@ impl Meshes {
     }
 
     /// Takes the lease, which would count as a session otherwise.
-    fn describe(&self, lease: Lease<Mesh>) -> Result<wire::Mesh, Fault> {
+    fn describe(&self, lease: Lease<Mesh>) -> Result<wire::StoredMesh, Fault> {
         let mesh = Arc::clone(lease.value());
         drop(lease);
         Ok(convert::mesh(
@@ -218,17 +223,17 @@ async fn within<T>(idle: Duration, arrival: impl Future<Output = T>) -> Result<T
     })
 }
 
-fn build(upload: Upload, declared: MeshId) -> Result<Mesh, Fault> {
+fn build(upload: Upload, declared: Option<MeshId>) -> Result<Mesh, Fault> {
     let invalid = |error: signorini::MeshError| Fault::MeshInvalid(error.to_string());
     let (parts, offsets) = upload.finish()?;
     let mesh = Mesh::second_order(parts, offsets).map_err(invalid)?;
-    if mesh.id() == declared {
-        return Ok(mesh);
+    match declared.filter(|declared| *declared != mesh.id()) {
+        None => Ok(mesh),
+        Some(declared) => Err(Fault::DigestMismatch {
+            declared: declared.to_string(),
+            computed: mesh.id().to_string(),
+        }),
     }
-    Err(Fault::DigestMismatch {
-        declared: declared.to_string(),
-        computed: mesh.id().to_string(),
-    })
 }
 
 #[cfg(test)]

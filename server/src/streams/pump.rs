@@ -108,7 +108,7 @@ pub(super) async fn run<T>(
 
 fn beat(attachment: &Attachment) -> Message {
     let (state, running_sequence) = *attachment.pulse.borrow();
-    Message::Heartbeat(wire::Heartbeat {
+    Message::Heartbeat(wire::StreamHeartbeat {
         state: state.into(),
         running_sequence,
     })

@@ -113,13 +113,13 @@ async fn first_message(
     Ok((open.session.clone(), open_request(&open, role)?))
 }
 
-fn on_disconnect(open: &wire::Open) -> Result<wire::DisconnectPolicy, Fault> {
+fn on_disconnect(open: &wire::SolveOpen) -> Result<wire::DisconnectPolicy, Fault> {
     let number = open.on_disconnect;
     wire::DisconnectPolicy::try_from(number)
         .map_err(|_| Fault::unsupported("open.on_disconnect", format!("number {number}")))
 }
 
-fn open_request(open: &wire::Open, role: Role) -> Result<OpenRequest, Fault> {
+fn open_request(open: &wire::SolveOpen, role: Role) -> Result<OpenRequest, Fault> {
     let interval = open.iteration_interval.as_ref();
     let interval = step::duration(interval, "open.iteration_interval")?;
     Ok(OpenRequest {

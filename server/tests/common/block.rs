@@ -129,6 +129,7 @@ impl Block {
                 member_count: members.len() as i64,
             })),
             curved_edge_count: (self.curved_edges.len() / 2) as i64,
+            edge_count: 0,
         }
     }
 

@@ -105,7 +105,7 @@ impl Server {
     }
 
     /// Opens a stream; `opened` is read already.
-    pub(crate) async fn open(&self, open: wire::Open) -> Stream {
+    pub(crate) async fn open(&self, open: wire::SolveOpen) -> Stream {
         let mut stream = self.stream(open).await;
         let Message::Opened(_) = stream.next().await else {
             panic!("`opened` comes first");
@@ -144,7 +144,7 @@ impl Server {
             .sequence
     }
 
-    pub(crate) async fn stream(&self, open: wire::Open) -> Stream {
+    pub(crate) async fn stream(&self, open: wire::SolveOpen) -> Stream {
         let (updates, outbound) = mpsc::channel(16);
         let first = solve_request::Message::Open(open);
         updates
@@ -305,8 +305,8 @@ impl Stream {
     }
 }
 
-pub(crate) fn open(session: &str) -> wire::Open {
-    wire::Open {
+pub(crate) fn open(session: &str) -> wire::SolveOpen {
+    wire::SolveOpen {
         session: session.into(),
         ..Default::default()
     }

@@ -29,7 +29,7 @@ pub(crate) enum Ending {
 /// closes one on which a thousand streams have ended in error.
 async fn call(
     server: &Server,
-    open: wire::Open,
+    open: wire::SolveOpen,
 ) -> (
     mpsc::Sender<wire::SolveRequest>,
     Streaming<wire::SolveResponse>,
@@ -81,7 +81,7 @@ impl Client {
         last_seen_event: Option<i64>,
         rng: &mut Rng,
     ) -> Self {
-        let request = wire::Open {
+        let request = wire::SolveOpen {
             last_seen_event,
             fields: vec![1; rng.usize(..2)],
             on_disconnect: rng.i32(0..=2),
@@ -166,7 +166,7 @@ impl Client {
 
     async fn cancel(&self, sequence: i64, journal: &mut Journal) {
         journal.message(None);
-        self.send(Some(Message::Cancel(wire::Cancel { sequence })))
+        self.send(Some(Message::Cancel(wire::SolveCancel { sequence })))
             .await;
     }
 

@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::formats::mesh::MeshFault;
+
 /// A place in the file: lines for text, bytes for binary data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Position {
@@ -80,45 +82,15 @@ pub enum Fault {
     /// A section without its end.
     #[error("section ${0} has no $End{0}")]
     Unterminated(String),
-    /// A node number used twice.
-    #[error("node {0} is defined twice")]
-    DuplicateNode(u64),
-    /// An element with a node that does not exist.
-    #[error("an element refers to node {0}, which does not exist")]
-    UnknownNode(u64),
-    /// A coordinate that is infinite or not a number.
-    #[error("node {0} has a coordinate that is not finite")]
-    NotFinite(u64),
     /// An element shape that the solver does not have.
     #[error("not supported yet: {0}; only tetrahedra and triangles carry a solution")]
     UnsupportedElement(String),
     /// A partitioned mesh.
     #[error("not supported yet: partitioned meshes (section $PartitionedEntities)")]
     Partitioned,
-    /// A plane mesh outside the plane z = 0.
-    #[error("a mesh of triangles must lie in the plane z = 0, but node {node} has z = {z}")]
-    NotPlanar {
-        /// Node number in the file.
-        node: u64,
-        /// Its z, as text.
-        z: String,
-    },
-    /// Two elements of second order that put the middle of one edge apart.
-    #[error(
-        "the edge between the nodes {0} and {1} has its middle at two places: elements of second order must share the node, or its place"
-    )]
-    EdgeDisagrees(u64, u64),
-    /// An edge whose middle is farther from the line than half its length.
-    #[error(
-        "the middle of the edge between the nodes {0} and {1} is farther away than half the edge: is the order of the nodes that of Gmsh?"
-    )]
-    EdgeTooFar(u64, u64),
-    /// Nothing to solve on.
-    #[error("no triangles or tetrahedra")]
-    NoCells,
-    /// More vertices or elements than 32-bit indices reach.
-    #[error("more than {0} vertices or elements")]
-    TooLarge(u64),
+    /// Nodes and elements that make no mesh.
+    #[error(transparent)]
+    Mesh(#[from] MeshFault),
 }
 
 /// A fault with its section and place.
@@ -134,7 +106,7 @@ pub struct MshError {
 
 impl MshError {
     /// A fault of the mesh as a whole.
-    pub(crate) fn whole(fault: Fault) -> Self {
+    pub(super) fn whole(fault: Fault) -> Self {
         Self {
             section: None,
             position: None,

@@ -10,71 +10,41 @@
 //! Cost: one pass over the bytes and one hash look-up an element. No allocation
 //! is larger than a constant times the size of the file, whatever it declares.
 
-mod build;
 mod cursor;
-mod curved;
 mod error;
-mod plane;
-mod raw;
+mod kind;
 mod v22;
 mod v41;
 
 #[cfg(test)]
 mod tests;
 
+pub use super::mesh::{CurvedEdge, MeshFile, MeshGroup};
 pub use error::{Fault, MshError, Position};
 
+use super::mesh;
+use super::mesh::raw::{Block, RawMesh};
 use cursor::{Cursor, Encoding};
-use raw::RawMesh;
 
-/// A named set of cells or facets.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct MeshGroup {
-    /// Physical name, or the physical number where there is no name.
-    pub name: String,
-    /// Of its members: that of the cells, or one less for facets.
-    pub dimension: usize,
-    /// Indices into cells or facets, ascending.
-    pub members: Vec<u32>,
+/// Everything read from a file.
+#[derive(Default)]
+struct Sections {
+    raw: RawMesh,
+    nodes: Option<Vec<(u64, [f64; 3])>>,
+    blocks: Option<Vec<Block>>,
 }
 
-/// An edge of the surface that is no line.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CurvedEdge {
-    /// Vertices, the lower one first.
-    pub ends: [u32; 2],
-    /// Its middle less the mean of its ends, length.
-    pub offset: [f64; 3],
-}
-
-/// A mesh as a file gives it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct MeshFile {
-    /// 3 for triangles, 4 for tetrahedra.
-    pub vertices_per_cell: usize,
-    /// One row a vertex [vertices, 3], length; z = 0 for triangles.
-    pub coordinates: Vec<[f64; 3]>,
-    /// Vertices of the cells, flat [cells, `vertices_per_cell`].
-    pub cells: Vec<u32>,
-    /// Vertices of the facets, flat [facets, `vertices_per_cell` - 1].
-    pub facets: Vec<u32>,
-    /// Facet groups, then cell groups, each by physical number.
-    pub groups: Vec<MeshGroup>,
-    /// Edges of the surface that are no lines, ascending by their ends.
-    pub curved: Vec<CurvedEdge>,
-    /// What the reader left out or changed.
-    pub warnings: Vec<String>,
-}
-
-impl MeshFile {
-    /// Cells.
-    pub fn cell_count(&self) -> usize {
-        self.cells.len() / self.vertices_per_cell
-    }
-
-    /// Facets.
-    pub fn facet_count(&self) -> usize {
-        self.facets.len() / (self.vertices_per_cell - 1)
+impl Sections {
+    fn mesh(self) -> Result<MeshFile, MshError> {
+        let missing = |section| MshError::whole(Fault::MissingSection(section));
+        let nodes = self.nodes.ok_or_else(|| missing("Nodes"))?;
+        let blocks = self.blocks.ok_or_else(|| missing("Elements"))?;
+        let raw = RawMesh {
+            nodes,
+            blocks,
+            ..self.raw
+        };
+        mesh::build(&raw).map_err(|fault| MshError::whole(fault.into()))
     }
 }
 
@@ -85,11 +55,11 @@ impl MeshFile {
 pub fn read(bytes: &[u8]) -> Result<MeshFile, MshError> {
     let mut cursor = Cursor::new(bytes);
     let version = format(&mut cursor)?;
-    let mut raw = RawMesh::default();
+    let mut sections = Sections::default();
     while let Some(section) = cursor.open_section()? {
-        read_section(&mut cursor, version, &section, &mut raw)?;
+        read_section(&mut cursor, version, &section, &mut sections)?;
     }
-    build::mesh(&raw)
+    sections.mesh()
 }
 
 /// The two versions differ in their sections of nodes and elements.
@@ -146,25 +116,25 @@ fn read_section(
     cursor: &mut Cursor<'_>,
     version: Version,
     section: &str,
-    raw: &mut RawMesh,
+    file: &mut Sections,
 ) -> Result<(), MshError> {
     match (section, version) {
-        ("PhysicalNames", _) => physical_names(cursor, raw)?,
-        ("Entities", Version::V41) => raw.entities = v41::entities(cursor)?,
+        ("PhysicalNames", _) => physical_names(cursor, &mut file.raw)?,
+        ("Entities", Version::V41) => file.raw.entities = v41::entities(cursor)?,
         ("PartitionedEntities", _) => return Err(cursor.error(Fault::Partitioned)),
         ("Nodes", _) => {
             let nodes = match version {
                 Version::V22 => v22::nodes(cursor)?,
                 Version::V41 => v41::nodes(cursor)?,
             };
-            once(cursor, &mut raw.nodes, nodes, "Nodes")?;
+            once(cursor, &mut file.nodes, nodes, "Nodes")?;
         }
         ("Elements", _) => {
             let blocks = match version {
                 Version::V22 => v22::elements(cursor)?,
                 Version::V41 => v41::elements(cursor)?,
             };
-            once(cursor, &mut raw.blocks, blocks, "Elements")?;
+            once(cursor, &mut file.blocks, blocks, "Elements")?;
         }
         _ => return cursor.skip_section(),
     }

@@ -4,7 +4,8 @@ use std::fmt::Write as _;
 
 use proptest::prelude::*;
 
-use super::{Fault, MeshFile, MeshGroup, MshError, Position, read};
+use super::{Fault, MeshFile, MshError, Position, read};
+use crate::formats::mesh::{MeshFault, MeshGroup};
 
 /// Two tetrahedra on a shared face, two marked facets, one unnamed group.
 const POINTS: [[f64; 3]; 5] = [
@@ -173,7 +174,7 @@ fn unknown_sections_are_skipped() {
 fn vertices_are_ordered_by_node_number() {
     let mesh = replaced("5 1 1 0.125", "50 1 1 0.125");
     let mesh = mesh.unwrap_err();
-    assert_eq!(mesh.fault, Fault::UnknownNode(5));
+    assert_eq!(mesh.fault, Fault::Mesh(MeshFault::UnknownNode(5)));
     let text = String::from_utf8(text_22()).unwrap();
     let text = text
         .replace("\n5 1 1 0.125", "\n50 1 1 0.125")
@@ -293,8 +294,14 @@ fn each_kind_of_bad_file_has_its_fault() {
         fault("$Nodes", "$Elements\n0\n$EndElements\n$Nodes"),
         Fault::RepeatedSection("Elements")
     );
-    assert_eq!(fault("1 0 0 0", "1 inf 0 0"), Fault::NotFinite(1));
-    assert_eq!(fault("\n2 1 0 0\n", "\n1 1 0 0\n"), Fault::DuplicateNode(1));
+    assert_eq!(
+        fault("1 0 0 0", "1 inf 0 0"),
+        Fault::Mesh(MeshFault::NotFinite(1))
+    );
+    assert_eq!(
+        fault("\n2 1 0 0\n", "\n1 1 0 0\n"),
+        Fault::Mesh(MeshFault::DuplicateNode(1))
+    );
     assert!(matches!(
         fault("1 2 2 7 7 1 3 2", "1 3 2 7 7 1 3 2 4"),
         Fault::UnsupportedElement(_)

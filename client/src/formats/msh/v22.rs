@@ -3,7 +3,8 @@
 
 use super::cursor::{Cursor, Encoding};
 use super::error::{Fault, MshError};
-use super::raw::{Block, ElementKind, Owner};
+use super::kind::kind as kind_of;
+use crate::formats::mesh::raw::{Block, ElementKind, Owner};
 
 /// The node section: number and coordinates of each.
 pub(super) fn nodes(cursor: &mut Cursor<'_>) -> Result<Vec<(u64, [f64; 3])>, MshError> {
@@ -89,7 +90,7 @@ fn binary_elements(
 
 fn kind(cursor: &mut Cursor<'_>) -> Result<ElementKind, MshError> {
     let number = cursor.integer("an element type")?;
-    ElementKind::from_number(number).map_err(|fault| cursor.error(fault))
+    kind_of(number).map_err(|fault| cursor.error(fault))
 }
 
 fn tag_count(cursor: &mut Cursor<'_>) -> Result<usize, MshError> {

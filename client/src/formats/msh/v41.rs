@@ -5,7 +5,8 @@ use std::collections::HashMap;
 
 use super::cursor::Cursor;
 use super::error::{Fault, MshError};
-use super::raw::{Block, ElementKind, Owner};
+use super::kind::kind;
+use crate::formats::mesh::raw::{Block, Owner};
 
 /// The entity section: physical groups by dimension and entity number.
 pub(super) fn entities(
@@ -130,7 +131,7 @@ fn element_block(cursor: &mut Cursor<'_>) -> Result<Block, MshError> {
     cursor.integer("an entity dimension")?;
     let owner = Owner::Entity(cursor.integer("an entity number")?);
     let number = cursor.integer("an element type")?;
-    let kind = ElementKind::from_number(number).map_err(|fault| cursor.error(fault))?;
+    let kind = kind(number).map_err(|fault| cursor.error(fault))?;
     let what = "the number of elements in a block";
     let declared = cursor.size(what)?;
     let count = cursor.bounded(what, declared, 1 + kind.nodes)?;

@@ -2,13 +2,13 @@
 
 use super::*;
 
-fn opened(accepted: i64, finished: i64, last_event: i64) -> v1::Opened {
+fn opened(accepted: i64, finished: i64, last_event: i64) -> v1::StreamOpened {
     let session = v1::Session {
         last_accepted_sequence: accepted,
         last_finished_sequence: finished,
         ..Default::default()
     };
-    v1::Opened {
+    v1::StreamOpened {
         session: Some(session),
         max_in_flight: 3,
         last_event,

@@ -9,6 +9,41 @@ use signorini_proto::v1::{self as wire, read_mesh_response::Part};
 use signorini_proto::{CHUNK_BYTES, array};
 
 use super::{wide, wire_cell_kind, wire_group};
+use crate::fault::Fault;
+
+const MOST_ARRAYS: usize = 100;
+
+/// The arrays of an upload.
+const UPLOADED: [wire::MeshArray; 6] = [
+    wire::MeshArray::Coordinates,
+    wire::MeshArray::Cells,
+    wire::MeshArray::Facets,
+    wire::MeshArray::CurvedEdges,
+    wire::MeshArray::EdgeOffsets,
+    wire::MeshArray::GroupMembers,
+];
+
+/// The arrays that a request asks for: those of an upload where it names none.
+///
+/// # Errors
+/// `RequestInvalid` for a number that names no array, or too many.
+pub(crate) fn wanted(numbers: &[i32]) -> Result<Vec<wire::MeshArray>, Fault> {
+    if numbers.is_empty() {
+        return Ok(UPLOADED.to_vec());
+    }
+    if numbers.len() > MOST_ARRAYS {
+        return Err(Fault::request("arrays", "names more than 100 arrays"));
+    }
+    let array = |number: &i32| {
+        let array = wire::MeshArray::try_from(*number).ok();
+        let known = array.filter(|array| *array != wire::MeshArray::Unspecified);
+        known.ok_or_else(|| Fault::request("arrays", "names no array of a mesh"))
+    };
+    let mut arrays = numbers.iter().map(array).collect::<Result<Vec<_>, _>>()?;
+    arrays.sort_unstable();
+    arrays.dedup();
+    Ok(arrays)
+}
 
 /// Some rows of one array.
 struct Slice {
@@ -18,12 +53,15 @@ struct Slice {
     rows: Range<usize>,
 }
 
-/// Header and chunks of a mesh; what holds it is kept as long as they are asked for.
-pub(crate) fn messages(
-    holder: impl AsRef<Mesh> + Send,
-) -> impl Iterator<Item = wire::ReadMeshResponse> + Send {
-    let header = Part::Header(header(holder.as_ref()));
-    let arrays = arrays(holder.as_ref());
+/// Header and chunks of a mesh, of the `wanted` arrays; what holds it is kept as long as
+/// they are asked for.
+pub(crate) fn messages<H: AsRef<Mesh> + Send>(
+    holder: H,
+    wanted: &[wire::MeshArray],
+) -> impl Iterator<Item = wire::ReadMeshResponse> + Send + use<H> {
+    let header = Part::Header(header(holder.as_ref(), wanted));
+    let mut arrays = arrays(holder.as_ref());
+    arrays.retain(|slice| wanted.contains(&slice.array));
     let slices = arrays.into_iter().flat_map(slices);
     let chunks = slices.map(move |slice| Part::Chunk(chunk(holder.as_ref(), &slice)));
     std::iter::once(header)
@@ -31,7 +69,15 @@ pub(crate) fn messages(
         .map(|part| wire::ReadMeshResponse { part: Some(part) })
 }
 
-fn header(mesh: &Mesh) -> wire::MeshHeader {
+fn header(mesh: &Mesh, wanted: &[wire::MeshArray]) -> wire::MeshHeader {
+    let is_of_edges = |array: &wire::MeshArray| {
+        matches!(array, wire::MeshArray::Edges | wire::MeshArray::CellEdges)
+    };
+    let edges = if wanted.iter().any(is_of_edges) {
+        mesh.edges().len()
+    } else {
+        0
+    };
     wire::MeshHeader {
         digest: mesh.id().to_string(),
         cell_kind: wire_cell_kind(mesh.cell_kind()).into(),
@@ -40,12 +86,15 @@ fn header(mesh: &Mesh) -> wire::MeshHeader {
         facet_count: wide(mesh.facet_count() as u64),
         groups: mesh.groups().iter().map(wire_group).collect(),
         curved_edge_count: wide(mesh.edge_offsets().len() as u64),
+        edge_count: wide(edges as u64),
     }
 }
 
 /// All arrays, each as one slice.
 fn arrays(mesh: &Mesh) -> Vec<Slice> {
-    use wire::MeshArray::{Cells, Coordinates, CurvedEdges, EdgeOffsets, Facets, GroupMembers};
+    use wire::MeshArray::{
+        CellEdges, Cells, Coordinates, CurvedEdges, EdgeOffsets, Edges, Facets, GroupMembers,
+    };
     let kind = mesh.cell_kind();
     let whole = |array, group, width, rows| Slice {
         array,
@@ -61,6 +110,8 @@ fn arrays(mesh: &Mesh) -> Vec<Slice> {
         whole(Facets, 0, kind.facet_vertices(), mesh.facet_count()),
         whole(CurvedEdges, 0, 2, mesh.edge_offsets().len()),
         whole(EdgeOffsets, 0, 3, mesh.edge_offsets().len()),
+        whole(Edges, 0, 2, mesh.edges().len()),
+        whole(CellEdges, 0, kind.edges().len(), mesh.cell_count()),
     ];
     arrays.extend(members);
     arrays
@@ -74,6 +125,8 @@ fn slices(whole: Slice) -> impl Iterator<Item = Slice> {
         | wire::MeshArray::CurvedEdges
         | wire::MeshArray::Cells
         | wire::MeshArray::Facets
+        | wire::MeshArray::Edges
+        | wire::MeshArray::CellEdges
         | wire::MeshArray::GroupMembers => size_of::<i32>(),
     };
     let step = CHUNK_BYTES / (size * whole.width);
@@ -100,6 +153,11 @@ fn chunk(mesh: &Mesh, slice: &Slice) -> wire::MeshChunk {
             let offsets = edges.unwrap_or_default().iter().flat_map(|one| one.offset);
             array::encode(&offsets.collect::<Vec<_>>())
         }
+        wire::MeshArray::Edges => {
+            let edges = mesh.edges().get(slice.rows.clone());
+            vertices(mesh, edges.map(<[[u32; 2]]>::as_flattened))
+        }
+        wire::MeshArray::CellEdges => indices(mesh.cell_edges().get(entries), |edge| edge),
         wire::MeshArray::GroupMembers => {
             let group = mesh.groups().get(slice.group);
             indices(

@@ -56,9 +56,13 @@ impl Upload {
                 self.edge_offsets.push("edge offsets", offset, data)
             }
             Ok(wire::MeshArray::GroupMembers) => self.push_members(chunk),
-            Ok(wire::MeshArray::Unspecified) | Err(_) => {
-                Err(Fault::request("chunk.array", "names no array of a mesh"))
-            }
+            Ok(
+                wire::MeshArray::Unspecified | wire::MeshArray::Edges | wire::MeshArray::CellEdges,
+            )
+            | Err(_) => Err(Fault::request(
+                "chunk.array",
+                "names no array of an uploaded mesh",
+            )),
         }
     }
 
@@ -186,7 +190,6 @@ fn named<T>(array: &str, outcome: Result<T, ArrayError>) -> Result<T, Fault> {
     outcome.map_err(|error| match error {
         ArrayError::ChunkTooLarge(_) => limit("bytes in `chunk.data`", CHUNK_BYTES as i64),
         ArrayError::PartialElement { .. }
-        | ArrayError::WrongType { .. }
         | ArrayError::BadShape(_)
         | ArrayError::WrongLength { .. }
         | ArrayError::WrongOffset { .. } => Fault::request(array, error.to_string()),

@@ -24,7 +24,7 @@ fn outbox(limit: u64) -> (Arc<Outbox>, Arc<Notify>) {
 }
 
 fn heartbeat(sequence: i64) -> Message {
-    Message::Heartbeat(wire::Heartbeat {
+    Message::Heartbeat(wire::StreamHeartbeat {
         running_sequence: sequence,
         ..Default::default()
     })

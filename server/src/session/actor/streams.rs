@@ -45,7 +45,7 @@ impl Actor {
                 self.watchers.insert(self.streams, watcher);
             }
         }
-        outbox.push(Message::Opened(wire::Opened {
+        outbox.push(Message::Opened(wire::StreamOpened {
             session: Some(self.describe()),
             max_in_flight: i32::try_from(self.services.config.maximum_in_flight)
                 .unwrap_or(i32::MAX),

@@ -11,7 +11,7 @@
 use std::collections::HashMap;
 
 use super::CurvedEdge;
-use super::error::Fault;
+use super::fault::MeshFault;
 use super::plane::{PLANE_TOLERANCE, extent};
 use super::raw::Block;
 
@@ -47,9 +47,9 @@ impl Source<'_> {
     /// nodes, `tag` finds the node of a vertex.
     pub(super) fn edges(
         &self,
-        index: impl Fn(u64) -> Result<u32, Fault>,
+        index: impl Fn(u64) -> Result<u32, MeshFault>,
         tag: impl Fn(u32) -> u64,
-    ) -> Result<Vec<CurvedEdge>, Fault> {
+    ) -> Result<Vec<CurvedEdge>, MeshFault> {
         let mut middles = self.middles(index)?;
         if middles.is_empty() {
             return Ok(Vec::new());
@@ -68,11 +68,11 @@ impl Source<'_> {
             let length = self.length(ends);
             let differs = |other: &[f64; 3]| distance(first, other) > ROUNDING * length;
             if others.iter().any(differs) {
-                return Err(Fault::EdgeDisagrees(tag(ends[0]), tag(ends[1])));
+                return Err(MeshFault::EdgeDisagrees(tag(ends[0]), tag(ends[1])));
             }
             let size = distance(first, &[0.0; 3]);
             if size > FARTHEST * length {
-                return Err(Fault::EdgeTooFar(tag(ends[0]), tag(ends[1])));
+                return Err(MeshFault::EdgeTooFar(tag(ends[0]), tag(ends[1])));
             }
             if size > ROUNDING * length && surface.binary_search(&ends).is_ok() {
                 let offset = *first;
@@ -83,7 +83,10 @@ impl Source<'_> {
     }
 
     /// The middles of the edges of all cells and facets of second order.
-    fn middles(&self, index: impl Fn(u64) -> Result<u32, Fault>) -> Result<Vec<Middle>, Fault> {
+    fn middles(
+        &self,
+        index: impl Fn(u64) -> Result<u32, MeshFault>,
+    ) -> Result<Vec<Middle>, MeshFault> {
         let mut middles = Vec::new();
         let bounding = self.dimension - 1..=self.dimension;
         let counted = self.blocks.iter();
@@ -105,7 +108,7 @@ impl Source<'_> {
     }
 
     /// Where the nodes of the middles are.
-    fn places(&self, middles: &[Middle]) -> Result<HashMap<u64, [f64; 3]>, Fault> {
+    fn places(&self, middles: &[Middle]) -> Result<HashMap<u64, [f64; 3]>, MeshFault> {
         let mut wanted: Vec<u64> = middles.iter().map(|middle| middle.node).collect();
         wanted.sort_unstable();
         wanted.dedup();
@@ -118,26 +121,30 @@ impl Source<'_> {
         for &(node, mut point) in all.filter(|(node, _)| wanted.binary_search(node).is_ok()) {
             let [x, y, z] = point;
             if !(x.is_finite() && y.is_finite() && z.is_finite()) {
-                return Err(Fault::NotFinite(node));
+                return Err(MeshFault::NotFinite(node));
             }
             if z.abs() > flat {
                 let z = z.to_string();
-                return Err(Fault::NotPlanar { node, z });
+                return Err(MeshFault::NotPlanar { node, z });
             }
             if self.dimension == 2 {
                 point = [x, y, 0.0];
             }
             if places.insert(node, point).is_some() {
-                return Err(Fault::DuplicateNode(node));
+                return Err(MeshFault::DuplicateNode(node));
             }
         }
         Ok(places)
     }
 
     /// Offset of a middle from the mean of its ends.
-    fn offset(&self, middle: &Middle, places: &HashMap<u64, [f64; 3]>) -> Result<[f64; 3], Fault> {
+    fn offset(
+        &self,
+        middle: &Middle,
+        places: &HashMap<u64, [f64; 3]>,
+    ) -> Result<[f64; 3], MeshFault> {
         let place = places.get(&middle.node);
-        let [x, y, z] = *place.ok_or(Fault::UnknownNode(middle.node))?;
+        let [x, y, z] = *place.ok_or(MeshFault::UnknownNode(middle.node))?;
         let [[ax, ay, az], [bx, by, bz]] = middle.ends.map(|end| self.point(end));
         Ok([
             x - 0.5 * (ax + bx),

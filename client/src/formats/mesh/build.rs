@@ -1,5 +1,5 @@
 //! Makes a mesh of what a file holds: the highest dimension present gives the
-//! cells, the one below it the facets, physical groups become named groups.
+//! cells, the one below it the facets, their groups become named groups.
 //!
 //! Vertices are ordered by node number, so that every version and encoding of
 //! one mesh gives the same mesh. Facets in no group are dropped: no key of a
@@ -8,7 +8,7 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::curved::Source;
-use super::error::{Fault, MshError};
+use super::fault::MeshFault;
 use super::plane::{PLANE_TOLERANCE, extent};
 use super::raw::{Block, Owner, RawMesh};
 use super::{CurvedEdge, MeshFile, MeshGroup};
@@ -17,18 +17,15 @@ use super::{CurvedEdge, MeshFile, MeshGroup};
 const LARGEST: u64 = i32::MAX as u64;
 
 /// The mesh of a file.
-pub(super) fn mesh(raw: &RawMesh) -> Result<MeshFile, MshError> {
-    let missing = |section| MshError::whole(Fault::MissingSection(section));
-    let nodes = raw.nodes.as_ref().ok_or_else(|| missing("Nodes"))?;
-    let blocks = raw.blocks.as_ref().ok_or_else(|| missing("Elements"))?;
-    assemble(raw, nodes, blocks).map_err(MshError::whole)
-}
-
-fn assemble(raw: &RawMesh, nodes: &[(u64, [f64; 3])], blocks: &[Block]) -> Result<MeshFile, Fault> {
+///
+/// # Errors
+/// The first [`MeshFault`] found.
+pub(crate) fn mesh(raw: &RawMesh) -> Result<MeshFile, MeshFault> {
+    let (nodes, blocks) = (&raw.nodes, &raw.blocks);
     let dimension = cell_dimension(blocks)?;
     let numbering = Numbering::new(nodes, blocks)?;
     let coordinates = coordinates(&numbering, dimension)?;
-    let cells = collect(raw, blocks, dimension, &numbering)?;
+    let cells = collect(raw, dimension, Part::Cells, &numbering)?;
     let source = Source {
         nodes,
         blocks,
@@ -38,7 +35,7 @@ fn assemble(raw: &RawMesh, nodes: &[(u64, [f64; 3])], blocks: &[Block]) -> Resul
     };
     let curved = source.edges(|tag| numbering.index(tag), |vertex| numbering.tag(vertex))?;
     let mut warnings = warnings(raw, blocks, dimension, &curved);
-    let facets = collect(raw, blocks, dimension - 1, &numbering)?;
+    let facets = collect(raw, dimension - 1, Part::Facets, &numbering)?;
     let mut groups = named(raw, dimension - 1, facets.groups, &mut warnings);
     groups.extend(named(raw, dimension, cells.groups, &mut warnings));
     Ok(MeshFile {
@@ -52,13 +49,13 @@ fn assemble(raw: &RawMesh, nodes: &[(u64, [f64; 3])], blocks: &[Block]) -> Resul
     })
 }
 
-fn cell_dimension(blocks: &[Block]) -> Result<usize, Fault> {
+fn cell_dimension(blocks: &[Block]) -> Result<usize, MeshFault> {
     let filled = blocks.iter().filter(|block| !block.nodes.is_empty());
     filled
         .map(|block| block.kind.dimension)
         .max()
         .filter(|dimension| *dimension >= 2)
-        .ok_or(Fault::NoCells)
+        .ok_or(MeshFault::NoCells)
 }
 
 /// Vertices in the order of their node numbers.
@@ -67,21 +64,21 @@ struct Numbering {
 }
 
 impl Numbering {
-    fn new(nodes: &[(u64, [f64; 3])], blocks: &[Block]) -> Result<Self, Fault> {
+    fn new(nodes: &[(u64, [f64; 3])], blocks: &[Block]) -> Result<Self, MeshFault> {
         let dropped = edge_nodes(blocks);
         let kept = nodes.iter().filter(|(tag, _)| !dropped.contains(tag));
         let mut sorted: Vec<_> = kept.copied().collect();
         sorted.sort_by_key(|(tag, _)| *tag);
         let neighbours = sorted.iter().zip(sorted.iter().skip(1));
         if let Some((twice, _)) = neighbours.into_iter().find(|(a, b)| a.0 == b.0) {
-            return Err(Fault::DuplicateNode(twice.0));
+            return Err(MeshFault::DuplicateNode(twice.0));
         }
         let infinite = |(_, point): &&(u64, [f64; 3])| point.iter().any(|x| !x.is_finite());
         if let Some((tag, _)) = sorted.iter().find(infinite) {
-            return Err(Fault::NotFinite(*tag));
+            return Err(MeshFault::NotFinite(*tag));
         }
         if sorted.len() as u64 > LARGEST {
-            return Err(Fault::TooLarge(LARGEST));
+            return Err(MeshFault::TooLarge(LARGEST));
         }
         Ok(Self { sorted })
     }
@@ -92,9 +89,10 @@ impl Numbering {
         found.map_or(u64::MAX, |(tag, _)| *tag)
     }
 
-    fn index(&self, tag: u64) -> Result<u32, Fault> {
-        // Gmsh numbers nodes from 1 without gaps in nearly every file.
-        let guess = usize::try_from(tag).unwrap_or(usize::MAX).wrapping_sub(1);
+    fn index(&self, tag: u64) -> Result<u32, MeshFault> {
+        // Nodes are numbered without gaps in nearly every file.
+        let first = self.sorted.first().map_or(0, |(tag, _)| *tag);
+        let guess = usize::try_from(tag.wrapping_sub(first)).unwrap_or(usize::MAX);
         let hit = self
             .sorted
             .get(guess)
@@ -106,7 +104,7 @@ impl Numbering {
         };
         index
             .and_then(|index| u32::try_from(index).ok())
-            .ok_or(Fault::UnknownNode(tag))
+            .ok_or(MeshFault::UnknownNode(tag))
     }
 }
 
@@ -132,7 +130,7 @@ fn edge_nodes(blocks: &[Block]) -> HashSet<u64> {
     middle
 }
 
-fn coordinates(numbering: &Numbering, dimension: usize) -> Result<Vec<[f64; 3]>, Fault> {
+fn coordinates(numbering: &Numbering, dimension: usize) -> Result<Vec<[f64; 3]>, MeshFault> {
     let points = numbering.sorted.iter();
     if dimension == 3 {
         return Ok(points.map(|(_, point)| *point).collect());
@@ -143,7 +141,7 @@ fn coordinates(numbering: &Numbering, dimension: usize) -> Result<Vec<[f64; 3]>,
             return Ok([*x, *y, 0.0]);
         }
         let (node, z) = (*node, z.to_string());
-        Err(Fault::NotPlanar { node, z })
+        Err(MeshFault::NotPlanar { node, z })
     };
     points.map(flat).collect()
 }
@@ -152,25 +150,30 @@ fn coordinates(numbering: &Numbering, dimension: usize) -> Result<Vec<[f64; 3]>,
 #[derive(Default)]
 struct Elements {
     vertices: Vec<u32>,
-    /// Members by physical group number.
+    /// Members by group number.
     groups: BTreeMap<i64, Vec<u32>>,
     /// Elements by vertices, with the groups each was seen in (MSH 2.2 only).
     seen: HashMap<[u32; 4], (u32, Vec<i64>)>,
 }
 
+/// What elements of one dimension are in a mesh.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Part {
+    Cells,
+    Facets,
+}
+
 fn collect(
     raw: &RawMesh,
-    blocks: &[Block],
     dimension: usize,
+    part: Part,
     numbering: &Numbering,
-) -> Result<Elements, Fault> {
+) -> Result<Elements, MeshFault> {
     let mut elements = Elements::default();
-    for block in blocks
-        .iter()
-        .filter(|block| block.kind.dimension == dimension)
-    {
+    let blocks = raw.blocks.iter();
+    for block in blocks.filter(|block| block.kind.dimension == dimension) {
         let groups = groups_of(raw, block);
-        if groups.is_empty() && is_facet(blocks, dimension) {
+        if groups.is_empty() && part == Part::Facets {
             continue;
         }
         for element in block.nodes.chunks_exact(block.kind.nodes) {
@@ -188,12 +191,6 @@ fn collect(
     Ok(elements)
 }
 
-fn is_facet(blocks: &[Block], dimension: usize) -> bool {
-    blocks
-        .iter()
-        .any(|block| block.kind.dimension > dimension && !block.nodes.is_empty())
-}
-
 fn groups_of(raw: &RawMesh, block: &Block) -> Vec<i64> {
     match block.owner {
         Owner::Physical(0) => Vec::new(),
@@ -208,7 +205,7 @@ fn groups_of(raw: &RawMesh, block: &Block) -> Vec<i64> {
 
 impl Elements {
     /// Adds an element to its groups.
-    fn add(&mut self, vertices: &[u32], groups: &[i64]) -> Result<(), Fault> {
+    fn add(&mut self, vertices: &[u32], groups: &[i64]) -> Result<(), MeshFault> {
         let next = self.next(vertices)?;
         self.vertices.extend(vertices);
         for group in groups {
@@ -217,17 +214,17 @@ impl Elements {
         Ok(())
     }
 
-    fn next(&self, vertices: &[u32]) -> Result<u32, Fault> {
+    fn next(&self, vertices: &[u32]) -> Result<u32, MeshFault> {
         let next = self.vertices.len() / vertices.len().max(1);
         let next = u32::try_from(next).ok();
         next.filter(|next| u64::from(*next) < LARGEST)
-            .ok_or(Fault::TooLarge(LARGEST))
+            .ok_or(MeshFault::TooLarge(LARGEST))
     }
 
     /// Adds an element of MSH 2.2, which writes an element once for each of its
     /// groups: the copies are one element. A copy in the *same* group is a
     /// fault of the mesh and is kept for the solver's check to find.
-    fn add_copy(&mut self, vertices: &[u32], group: i64) -> Result<(), Fault> {
+    fn add_copy(&mut self, vertices: &[u32], group: i64) -> Result<(), MeshFault> {
         let next = self.next(vertices)?;
         let mut key = [u32::MAX; 4];
         for (slot, vertex) in key.iter_mut().zip(vertices) {
@@ -261,7 +258,7 @@ fn named(
         match groups.iter_mut().find(|group| group.name == name) {
             Some(group) => {
                 warnings.push(format!(
-                    "physical groups of the same name \"{name}\" are taken as one"
+                    "groups of the same name \"{name}\" are taken as one"
                 ));
                 group.members.extend(members);
             }
@@ -300,7 +297,7 @@ fn warnings(
     }
     let ignored = raw.names.iter().filter(|((of, _), _)| *of + 1 < dimension);
     warnings.extend(ignored.map(|((of, _), name)| {
-        format!("physical group \"{name}\" of dimension {of} is ignored: only cells and facets have groups")
+        format!("group \"{name}\" of dimension {of} is ignored: only cells and facets have groups")
     }));
     warnings
 }

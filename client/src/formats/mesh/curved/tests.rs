@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 
 use proptest::prelude::*;
 
-use super::super::{CurvedEdge, Fault, MeshFile, MshError, read};
+use super::super::{CurvedEdge, MeshFault, MeshFile};
+use crate::formats::msh::{Fault, MshError, read};
 
 /// Corners of the octahedron; the axis from 0 to 1 is inside.
 const POINTS: [[f64; 3]; 6] = [
@@ -104,8 +105,11 @@ impl Draft {
         mesh
     }
 
-    fn fault(&self) -> Fault {
-        self.read().unwrap_err().fault
+    fn fault(&self) -> MeshFault {
+        let Fault::Mesh(fault) = self.read().unwrap_err().fault else {
+            panic!("a fault of the mesh is expected");
+        };
+        fault
     }
 }
 
@@ -204,7 +208,7 @@ fn elements_that_put_one_middle_apart_are_refused() {
     draft.sides[0][4] = own;
     draft.read().unwrap();
     draft.points[own] = shared.map(|x| x + 1e-3);
-    assert_eq!(draft.fault(), Fault::EdgeDisagrees(3, 4));
+    assert_eq!(draft.fault(), MeshFault::EdgeDisagrees(3, 4));
 }
 
 #[test]
@@ -215,12 +219,15 @@ fn the_order_of_another_program_is_refused() {
     }
     let fault = draft.fault();
     assert!(
-        matches!(fault, Fault::EdgeDisagrees(..) | Fault::EdgeTooFar(..)),
+        matches!(
+            fault,
+            MeshFault::EdgeDisagrees(..) | MeshFault::EdgeTooFar(..)
+        ),
         "{fault:?}"
     );
     assert_eq!(
         Draft::new(|_, _| [0.9, 0.0, 0.0]).fault(),
-        Fault::EdgeTooFar(1, 3)
+        MeshFault::EdgeTooFar(1, 3)
     );
 }
 
@@ -231,7 +238,7 @@ fn middles_that_are_no_points_are_refused() {
     assert!(draft.read().is_err());
     let mut draft = Draft::new(bulge);
     draft.cells[2][6] = 400;
-    assert_eq!(draft.fault(), Fault::UnknownNode(401));
+    assert_eq!(draft.fault(), MeshFault::UnknownNode(401));
 }
 
 #[test]
@@ -252,7 +259,10 @@ fn a_plane_mesh_keeps_the_arcs_of_its_lines() {
     assert_eq!(mesh.curved, expected);
     let error = read(text("0.5 0 0.1").as_bytes()).unwrap_err();
     assert!(
-        matches!(error.fault, Fault::NotPlanar { node: 2, .. }),
+        matches!(
+            error.fault,
+            Fault::Mesh(MeshFault::NotPlanar { node: 2, .. })
+        ),
         "{error}"
     );
 }

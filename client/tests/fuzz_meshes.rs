@@ -1,14 +1,15 @@
-//! No bytes make the reader of Gmsh meshes panic or take memory beyond its
-//! budget, and what it reads is a mesh.
+//! No bytes make the readers of meshes panic or take memory beyond their budget, and
+//! what they read is a mesh. `SIGNORINI_FUZZ_CASES=1000000` runs a million of each.
 
 mod fuzz;
 
 use fuzz::memory::Budget;
 use fuzz::{Campaign, Corpus, Form};
 use signorini_client::WireMesh;
-use signorini_client::formats::msh::{self, MeshFile};
+use signorini_client::formats::mesh::MeshFile;
+use signorini_client::formats::{inp, msh, vtk};
 
-const WORDS: [&str; 16] = [
+const MSH_WORDS: [&str; 16] = [
     "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n",
     "$MeshFormat\n2.2 1 8\n\x01\0\0\0\n$EndMeshFormat\n",
     "$PhysicalNames\n",
@@ -120,14 +121,124 @@ fn small_seeds() -> Vec<Vec<u8>> {
     vec![TEXT_22.into(), TEXT_41.into(), binary_22(), binary_41()]
 }
 
-fn corpus() -> Corpus {
+fn msh_corpus() -> Corpus {
     let cook: &[u8] = include_bytes!("../examples/meshes/cook_n16.msh");
     let cube: &[u8] = include_bytes!("../examples/meshes/cube_n6.msh");
     // Small files more often: a change hits their structure, not their numbers.
     let mut seeds = small_seeds();
     seeds.extend(small_seeds());
     seeds.extend([cook[..4000].to_vec(), cook.to_vec(), cube[..8000].to_vec()]);
-    Corpus::new(Form::File, seeds, &WORDS)
+    Corpus::new(Form::File, seeds, &MSH_WORDS)
+}
+
+const INP_WORDS: [&str; 28] = [
+    "*NODE\n",
+    "*NODE, NSET=",
+    "*ELEMENT, TYPE=C3D10M, ELSET=a\n",
+    "*ELEMENT, TYPE=CPE3\n",
+    "*ELEMENT, TYPE=S3R, ELSET=b\n",
+    "*ELEMENT, TYPE=T2D3\n",
+    "*NSET, NSET=a, GENERATE\n",
+    "*NSET, NSET=c, ELSET=a\n",
+    "*ELSET, ELSET=a\n",
+    "*ELSET, ELSET=b, INTERNAL, INSTANCE=i, GENERATE\n",
+    "*SURFACE, NAME=s\n",
+    "*SURFACE, TYPE=NODE, NAME=s\n",
+    "*PART, NAME=p\n",
+    "*END PART\n",
+    "*ASSEMBLY, NAME=x\n",
+    "*END ASSEMBLY\n",
+    "*INSTANCE, NAME=i, PART=p\n",
+    "*END INSTANCE\n",
+    "*SOLID SECTION, ELSET=a, MATERIAL=m\n",
+    "*STEP\n",
+    "** \n",
+    "a, S1\n",
+    "a,\n",
+    "1, 18446744073709551615, 1\n",
+    "i.a",
+    "\"",
+    ",",
+    "*",
+];
+
+/// A flat file with every keyword that is read.
+const INP_FLAT: &str = "*HEADING\n*NODE, NSET=all\n1, 0., 0., 0.\n2, 1., 0., 0.\n3, 0., 1., 0.\n\
+    4, 0., 0., 1.\n5, 1., 1., 1.\n*ELEMENT, TYPE=C3D4H, ELSET=a\n10, 1, 2, 3, 4\n20, 2, 3, 4, 5\n\
+    *ELEMENT, TYPE=S3, ELSET=b\n1, 1, 3, 2\n*NSET, NSET=floor\n1, 2, 3\n*NSET, NSET=c, ELSET=a\n\
+    *ELSET, ELSET=both, GENERATE\n10, 20, 10\n*ELSET, ELSET=d\na, both, 20\n\
+    *SURFACE, NAME=side\n10, S2\na, S3\n*SURFACE, NAME=skin\nboth,\n\
+    *SURFACE, TYPE=NODE, NAME=nodes\nfloor, 1.\n*SOLID SECTION, ELSET=both, MATERIAL=m\n";
+
+const INP_PART: &str = "*Heading\n*Part, name=p\n*Node\n1, 0., 0.\n2, 1., 0.\n3, 0., 1.\n\
+    4, 1., 1.\n5, 1.5, 0.5\n*Element, type=CAX3H\n1, 1, 2, 3\n2, 2, 4, 3\n\
+    *Element, type=T2D3, elset=line\n3, 2, 5, 4\n*End Part\n*Assembly, name=x\n\
+    *Instance, name=i, part=p\n 2., 0.5, 0.\n*End Instance\n*Node\n 1, 9., 9., 0.\n\
+    *Nset, nset=base, instance=i, generate\n 1, 2, 1\n*Elset, elset=e, internal, instance=i\n 1\n\
+    *Surface, type=ELEMENT, name=s\ne, S3\n*Nset, nset=again\ni.base,\n*End Assembly\n";
+
+fn inp_corpus() -> Corpus {
+    let ring: &[u8] = include_bytes!("formats/ring2.inp");
+    let sphere: &[u8] = include_bytes!("formats/sphere2.inp");
+    let meshio: &[u8] = include_bytes!("formats/meshio.inp");
+    let small = [INP_FLAT.as_bytes(), INP_PART.as_bytes(), meshio];
+    let mut seeds = small.repeat(4);
+    seeds.extend([ring, sphere]);
+    let seeds = seeds.into_iter().map(<[u8]>::to_vec);
+    Corpus::new(Form::File, seeds.collect(), &INP_WORDS)
+}
+
+const VTK_WORDS: [&str; 28] = [
+    "<Piece NumberOfPoints=\"5\" NumberOfCells=\"3\">",
+    "</Piece>",
+    "<DataArray type=\"UInt8\" Name=\"group\" format=\"appended\" offset=\"0\"/>",
+    "<DataArray type=\"Float32\" Name=\"types\" format=\"binary\">",
+    "</DataArray>",
+    "<AppendedData encoding=\"base64\">_",
+    "<AppendedData encoding=\"raw\">\n_",
+    " compressor=\"vtkZLibDataCompressor\"",
+    " header_type=\"UInt64\"",
+    " byte_order=\"BigEndian\"",
+    " NumberOfTuples=\"2\"",
+    "<!--",
+    "-->",
+    "&amp;",
+    "<![CDATA[",
+    "====",
+    "AAAA",
+    "BINARY\n",
+    "CELL_DATA 3\n",
+    "POINT_DATA 5\n",
+    "SCALARS group int\n",
+    "LOOKUP_TABLE default\n",
+    "FIELD FieldData 2\n",
+    "METADATA\n\n",
+    "OFFSETS vtktypeint64\n",
+    "CONNECTIVITY vtktypeint64\n",
+    "VECTORS v double\n",
+    "gmsh%3Aphysical 1 3 int\n",
+];
+
+fn vtk_seeds() -> Vec<Vec<u8>> {
+    let files: [&[u8]; 16] = [
+        include_bytes!("formats/text.vtu"),
+        include_bytes!("formats/base64.vtu"),
+        include_bytes!("formats/zlib.vtu"),
+        include_bytes!("formats/raw.vtu"),
+        include_bytes!("formats/appended64.vtu"),
+        include_bytes!("formats/appendedzlib.vtu"),
+        include_bytes!("formats/rawzlib.vtu"),
+        include_bytes!("formats/big.vtu"),
+        include_bytes!("formats/meshio.vtu"),
+        include_bytes!("formats/meshio_ascii.vtu"),
+        include_bytes!("formats/legacy42a.vtk"),
+        include_bytes!("formats/legacy42b.vtk"),
+        include_bytes!("formats/legacy51a.vtk"),
+        include_bytes!("formats/legacy51b.vtk"),
+        include_bytes!("formats/meshio.vtk"),
+        include_bytes!("formats/meshio_ascii.vtk"),
+    ];
+    files.into_iter().map(<[u8]>::to_vec).collect()
 }
 
 /// What every reader of a mesh relies on.
@@ -163,14 +274,14 @@ fn every_seed_is_a_mesh() {
     }
 }
 
-#[test]
-fn all_bytes_are_read_or_refused_within_the_budget() {
-    let (corpus, budget) = (corpus(), Budget::of_mebibytes(64));
-    let (mut read, mut refused) = (0_u64, 0_u64);
-    Campaign::from_environment().run(&corpus, |input, _| {
-        match msh::read(input) {
+/// Runs a campaign on a reader.
+fn run<E: std::fmt::Display>(corpus: &Corpus, read: impl Fn(&[u8]) -> Result<MeshFile, E>) {
+    let budget = Budget::of_mebibytes(64);
+    let (mut meshes, mut refused) = (0_u64, 0_u64);
+    Campaign::from_environment().run(corpus, |input, _| {
+        match read(input) {
             Ok(mesh) => {
-                read += 1;
+                meshes += 1;
                 check(&mesh);
                 assert_eq!(WireMesh::new(&mesh).unwrap().digest().len(), 64);
             }
@@ -181,7 +292,22 @@ fn all_bytes_are_read_or_refused_within_the_budget() {
         }
         budget.check();
     });
-    eprintln!("{read} files read, {refused} refused");
+    eprintln!("{meshes} files read, {refused} refused");
     // Changes that only ever break the form would test nothing behind it.
-    assert!(read > 0 || refused < 1000);
+    assert!(meshes > 0 || refused < 1000);
+}
+
+#[test]
+fn all_bytes_are_read_as_gmsh_or_refused_within_the_budget() {
+    run(&msh_corpus(), msh::read);
+}
+
+#[test]
+fn all_bytes_are_read_as_abaqus_or_refused_within_the_budget() {
+    run(&inp_corpus(), inp::read);
+}
+
+#[test]
+fn all_bytes_are_read_as_vtk_or_refused_within_the_budget() {
+    run(&Corpus::new(Form::File, vtk_seeds(), &VTK_WORDS), vtk::read);
 }

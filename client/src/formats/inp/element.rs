@@ -1,0 +1,87 @@
+//! Element types by the names of Abaqus.
+//!
+//! Suffixes (hybrid H, modified M, reduced R, thermal T ...) say how a cell is solved,
+//! which is not read: the scene says it. Types of surfaces and lines are taken as facets.
+
+use crate::formats::mesh::raw::ElementKind;
+
+const LINE_2: (usize, usize) = (1, 2);
+const LINE_3: (usize, usize) = (1, 3);
+const TRIANGLE_3: (usize, usize) = (2, 3);
+const TRIANGLE_6: (usize, usize) = (2, 6);
+const TETRAHEDRON_4: (usize, usize) = (3, 4);
+const TETRAHEDRON_10: (usize, usize) = (3, 10);
+
+/// Beginnings of names; what may follow is letters.
+const TYPES: [(&str, (usize, usize)); 33] = [
+    ("C3D4", TETRAHEDRON_4),
+    ("C3D10", TETRAHEDRON_10),
+    ("CPE3", TRIANGLE_3),
+    ("CPE6", TRIANGLE_6),
+    ("CPS3", TRIANGLE_3),
+    ("CPS6", TRIANGLE_6),
+    ("CAX3", TRIANGLE_3),
+    ("CAX6", TRIANGLE_6),
+    ("S3", TRIANGLE_3),
+    ("S6", TRIANGLE_6),
+    ("STRI3", TRIANGLE_3),
+    ("STRI65", TRIANGLE_6),
+    ("M3D3", TRIANGLE_3),
+    ("M3D6", TRIANGLE_6),
+    ("SFM3D3", TRIANGLE_3),
+    ("SFM3D6", TRIANGLE_6),
+    ("R3D3", TRIANGLE_3),
+    ("T2D2", LINE_2),
+    ("T2D3", LINE_3),
+    ("T3D2", LINE_2),
+    ("T3D3", LINE_3),
+    ("B21", LINE_2),
+    ("B22", LINE_3),
+    ("B31", LINE_2),
+    ("B32", LINE_3),
+    ("R2D2", LINE_2),
+    ("RAX2", LINE_2),
+    ("SAX1", LINE_2),
+    ("SAX2", LINE_3),
+    ("MAX1", LINE_2),
+    ("MAX2", LINE_3),
+    ("SFMAX1", LINE_2),
+    ("SFMAX2", LINE_3),
+];
+
+/// The kind of a type, in capitals; none of one that no mesh can be made of.
+pub(super) fn kind(name: &str) -> Option<ElementKind> {
+    let letters = |rest: &str| rest.bytes().all(|byte| byte.is_ascii_uppercase());
+    let found = TYPES
+        .iter()
+        .find(|(start, _)| name.strip_prefix(start).is_some_and(letters));
+    found.map(|&(_, (dimension, nodes))| ElementKind { dimension, nodes })
+}
+
+/// Local vertices of the face `S{number}` of a cell.
+pub(super) fn face(dimension: usize, number: usize) -> Option<&'static [usize]> {
+    let faces: &[&[usize]] = match dimension {
+        2 => &[&[0, 1], &[1, 2], &[2, 0]],
+        3 => &[&[0, 1, 2], &[0, 3, 1], &[1, 3, 2], &[2, 3, 0]],
+        _ => &[],
+    };
+    faces.get(number.checked_sub(1)?).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn suffixes_are_letters_and_digits_make_another_type() {
+        for name in ["C3D10", "C3D10M", "C3D10MH", "C3D10HS"] {
+            assert_eq!(kind(name).map(|kind| kind.nodes), Some(10), "{name}");
+        }
+        assert_eq!(kind("CAX6MH").map(|kind| kind.dimension), Some(2));
+        for name in [
+            "C3D8R", "C3D15", "CPE4H", "CAX8", "C3D40", "", "MASS", "S4R",
+        ] {
+            assert_eq!(kind(name), None, "{name}");
+        }
+    }
+}

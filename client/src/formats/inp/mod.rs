@@ -1,0 +1,48 @@
+//! Reads meshes of Abaqus input files (`.inp`), as Abaqus, Gmsh, CalculiX and most
+//! preprocessors write them.
+//!
+//! | in the file | in the mesh |
+//! |---|---|
+//! | `*NODE` | vertices, in the order of their numbers; middle nodes give the curved edges |
+//! | `*ELEMENT` C3D4, C3D10; CPE3, CPE6, CAX3, CAX6 (CPS3, CPS6), with suffixes H, M, ... | cells |
+//! | `*ELEMENT` of shells, membranes, beams and trusses | facets of the groups of their sets |
+//! | `*ELSET`, `ELSET=` | groups of cells |
+//! | `MATERIAL=` of `*SOLID SECTION` | groups of cells |
+//! | `*SURFACE` of faces (S1 to S4, or none for all outer ones) | groups of facets |
+//! | `*NSET`, `NSET=`, `*SURFACE, TYPE=NODE` | groups of the facets of the surface whose corners are all in the set |
+//! | `*PART`, `*INSTANCE` | one of each, moved by the translation of the instance |
+//!
+//! Where nothing names cells they are the group `body`, and where nothing names facets the
+//! whole surface is the group `boundary`. Sets marked `INTERNAL` are no groups. Everything
+//! else is left out: the scene says materials, supports and loads. Files have no units.
+//! Files that refer to others (`*INCLUDE`, `INPUT=`), that make nodes or elements
+//! (`*NGEN`, `*ELGEN`, ...) or have several parts are refused.
+//!
+//! Cost: one pass, one sort of the element numbers, and one of the outer facets where
+//! sets of nodes or no surface are in the file. Memory is bounded by a multiple of the
+//! size of the file, whatever its sets declare.
+
+mod build;
+mod cards;
+mod deck;
+mod element;
+mod error;
+mod gather;
+mod sets;
+
+#[cfg(test)]
+mod tests;
+
+use super::mesh::MeshFile;
+
+pub use error::{InpError, InpFault};
+
+/// Reads a mesh file.
+///
+/// # Errors
+/// The first fault found, with its keyword and line, or with the number of its element.
+pub fn read(bytes: &[u8]) -> Result<MeshFile, InpError> {
+    let deck = deck::deck(bytes)?;
+    // Real files name an element in a handful of sets.
+    build::mesh(deck, 4 * bytes.len())
+}
