@@ -11,7 +11,9 @@ from typing import Any
 from google.protobuf.duration_pb2 import Duration
 
 from ._encode import Problem, StepLike, field_numbers, load_step, obstacle_targets
+from ._journal import Event
 from .errors import SessionError
+from .results import Iteration
 from .v1 import scene_pb2
 from .v1 import session_service_pb2 as pb
 
@@ -59,6 +61,10 @@ class Options:
         return pb.CreateSessionRequest(
             scene=scene, session_id=self.name, request_id=uuid.uuid4().hex, ttl=duration(ttl)
         )
+
+    def wants(self, event: Event) -> bool:
+        """Whether the user sees it: the server sends one iteration in any case."""
+        return self.iterations is not None or not isinstance(event, Iteration)
 
     def open(self) -> pb.Open:
         """Attaches a stream. Iterations that nobody asked for are not sent."""

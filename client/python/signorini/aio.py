@@ -215,7 +215,7 @@ class Session:
                 return
             for event in events:
                 pending = self._pending.get(event.sequence)
-                if pending is not None:
+                if pending is not None and self._options.wants(event):
                     pending._take(event)
                     if pending.done:
                         del self._pending[event.sequence]

@@ -117,18 +117,17 @@ def fill(plotter: Any, result: Result, field: str, increment: int, warp: float) 
     plotter.set_background("white")
     values = scalars(result[increment], field)
     grid = dataset(result, increment, warp)
-    bar = {"title": field, "color": "black", "vertical": True}
+    bar = {"title": field.replace("_", " "), "color": "black", "vertical": False}
     on_cells = len(values) == len(result.mesh.cells) and field not in ON_SURFACE
     target = grid.cell_data if on_cells else grid.point_data
     target["drawn"] = values[: len(result.mesh.cells if on_cells else result.mesh.points)]
     plane = result.mesh.dimension == 2
-    body = grid if plane else grid.extract_surface()
-    style = {"show_edges": True, "edge_color": "grey", "line_width": 0.5}
+    style = {"show_edges": True, "edge_color": "grey", "line_width": 0.5, "ambient": 0.4}
     if plane and field in ON_SURFACE:
-        plotter.add_mesh(body, color="lightgrey", **style)
+        plotter.add_mesh(grid, color="lightgrey", **style)
         plotter.add_mesh(skin_of(grid, result), scalars="drawn", cmap=COLOURS, line_width=8, scalar_bar_args=bar)
     else:
-        plotter.add_mesh(body, scalars="drawn", cmap=COLOURS, scalar_bar_args=bar, **style)
+        plotter.add_mesh(grid, scalars="drawn", cmap=COLOURS, scalar_bar_args=bar, **style)
     if plane:
         plotter.view_xy()
     else:
