@@ -6,6 +6,7 @@ written here: the same keys, checked against the messages themselves.
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import json
 from collections.abc import Iterable, Mapping, Sequence
@@ -100,7 +101,17 @@ def load_step(step: StepLike) -> step_pb2.LoadStep:
 
 def obstacle_targets(moves: Mapping[str, MoveLike]) -> list[step_pb2.ObstacleTarget]:
     """Targets of obstacles by name; a bare vector is a translation."""
-    return [target(step_pb2.ObstacleTarget, "obstacle", *one) for one in moves.items()]
+    return [translation(name, move) for name, move in moves.items()]
+
+
+def translation(name: str, move: MoveLike) -> step_pb2.ObstacleTarget:
+    """A target; the usual one, a bare vector of three numbers, without a detour."""
+    vector = move.tolist() if isinstance(move, np.ndarray) else move
+    if isinstance(vector, (tuple, list)) and len(vector) == 3:
+        with contextlib.suppress(TypeError):
+            return step_pb2.ObstacleTarget(name=name, translation=vector)
+    one: step_pb2.ObstacleTarget = target(step_pb2.ObstacleTarget, "obstacle", name, move)
+    return one
 
 
 def target(kind: Any, what: str, name: str, given: Any) -> Any:
@@ -160,8 +171,3 @@ def field_names() -> list[str]:
     """Names of all fields."""
     values = scene_pb2.FieldName.DESCRIPTOR.values
     return [one.name.removeprefix("FIELD_NAME_").lower() for one in values if one.number]
-
-
-def vector(values: Any) -> list[float]:
-    """Three numbers."""
-    return [float(one) for one in np.asarray(values).ravel()]

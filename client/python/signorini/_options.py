@@ -48,6 +48,8 @@ class Options:
     verify: bool = False
     iterations: float | None = None
     patience: float = PATIENCE
+    #: Whether a session outlives its stream.
+    keep: bool = False
 
     def create(self, problem: Problem, embedded: bool) -> pb.CreateSessionRequest:
         """Asks for a session; the scene gets the fields, so that they come after a break, too."""

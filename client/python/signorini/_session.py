@@ -9,21 +9,19 @@ from __future__ import annotations
 import queue
 import time
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from types import TracebackType
 from typing import Any
 
 import grpc
 
-from ._connection import typed
 from ._encode import Problem, StepLike
 from ._journal import Event, Journal, Rejected, open_request
 from ._options import Options, busy, given_step, log, move_request, pauses, step_request
 from .client import Client
 from .errors import ConnectionBrokenError, SignoriniError, from_call
-from .mesh import Mesh
 from .reports import Plan
-from .results import Increment, Iteration
+from .results import Increment, Iteration, Result
 from .v1 import session_service_pb2 as pb
 
 __all__ = ["Pending", "Session"]
@@ -84,16 +82,16 @@ class Pending:
 class Session:
     """A session and its stream. Made by `signorini.session` and `Client.session`."""
 
-    def __init__(self, client: Client, name: str, options: Options, mesh: Mesh, plan: Plan, keep: bool) -> None:
+    def __init__(self, client: Client, name: str, problem: Problem, plan: Plan, options: Options) -> None:
         #: Name on the server, `sessions/...`.
         self.name = name
-        self.mesh = mesh
+        self.scene = problem.scene
+        self.mesh = problem.mesh
         self.plan = plan
         self._client = client
         self._options = options
-        self._keep = keep
+        self._keep = options.keep
         self._pending: dict[int, Pending] = {}
-        self._ready: deque[Event] = deque()
         self._requests: queue.SimpleQueue[pb.SolveRequest | None] = queue.SimpleQueue()
         self._call: Any = None
         opened = self._connect(None)
@@ -113,6 +111,10 @@ class Session:
     ) -> Pending:
         """Moves obstacles at constant load: `move(ball=(0, 0, -0.05))`, `move({"ball": Move(...)})`."""
         return self._send(move_request({**(moves or {}), **named}, increments, max_wall_time))
+
+    def collect(self, increments: Iterable[Increment]) -> Result:
+        """Increments of this session as a result: its tables, curves and pictures."""
+        return Result(self.scene, self.mesh, self.plan, list(increments))
 
     def cancel(self) -> int:
         """Cancels the step that runs, from any thread; its sequence, 0 when none runs."""
@@ -228,15 +230,15 @@ class Session:
             self._call = None
 
 
-def create(client: Client, problem: Problem, options: Options, keep: bool) -> Session:
+def create(client: Client, problem: Problem, options: Options) -> Session:
     """Uploads the mesh where needed, makes the session and opens its stream."""
     client.upload(problem.mesh)
     answer = client.create(options.create(problem, client.embedded))
-    return Session(client, answer.session.name, options, problem.mesh, Plan(answer.plan), keep)
+    return Session(client, answer.session.name, problem, Plan(answer.plan), options)
 
 
 def attach(client: Client, name: str, options: Options) -> Session:
     """Opens the stream of a session that is there; leaving it does not delete it."""
-    with typed(client.address):
-        session = client.get_session(name)
-    return Session(client, session.name, options, client.read_mesh(session.mesh), Plan(session.plan), True)
+    session = client.get_session(name)
+    problem = Problem(session.scene, client.read_mesh(session.mesh))
+    return Session(client, session.name, problem, Plan(session.plan), options)

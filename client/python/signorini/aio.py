@@ -13,7 +13,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections import deque
-from collections.abc import AsyncIterator, Callable, Mapping, Sequence
+from collections.abc import AsyncIterator, Callable, Iterable, Mapping, Sequence
 from types import TracebackType
 from typing import Any
 
@@ -119,6 +119,10 @@ class Session:
     def mesh(self) -> Mesh:
         """The mesh of its scene."""
         return self._problem.mesh
+
+    def collect(self, increments: Iterable[Increment]) -> Result:
+        """Increments of this session as a result: its tables, curves and pictures."""
+        return Result(self._problem.scene, self.mesh, self.plan, list(increments))
 
     async def step(self, step: StepLike | None = None, *, max_wall_time: float | None = None, **keys: Any) -> Pending:
         """Sends a load step: a `Step`, a dictionary, or its keys (`increments`, `load`, `obstacles`, `supports`)."""
@@ -298,6 +302,6 @@ async def solve(
     async with Session(lambda: one, server, options) as opened:
         pending = [await opened.step(step) for step in steps_of(one.scene)]
         increments = [increment for update in pending async for increment in update]
-        result = Result(one.scene, one.mesh, opened.plan, increments)
+        result = opened.collect(increments)
     tell(result)
     return result

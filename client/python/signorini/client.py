@@ -58,14 +58,14 @@ class Client:
         from ._session import create
 
         options = Options(fields=wanted, verify=verify, patience=patience)
-        with create(self, one, options, keep=False) as session:
+        with create(self, one, options) as session:
             pending = [session.step(step) for step in steps_of(one.scene)]
             increments = []
             for increment in (increment for update in pending for increment in update):
                 increments.append(increment)
                 if progress is not None:
                     progress(increment)
-            result = Result(one.scene, one.mesh, session.plan, increments)
+            result = session.collect(increments)
         tell(result)
         return result
 
@@ -98,8 +98,8 @@ class Client:
         """
         from ._session import create
 
-        options = Options(fields, name, ttl, iterations=iterations, patience=patience)
-        return create(self, problem(scene, mesh, set), options, keep)
+        options = Options(fields, name, ttl, iterations=iterations, patience=patience, keep=keep)
+        return create(self, problem(scene, mesh, set), options)
 
     def attach(
         self,
@@ -112,7 +112,7 @@ class Client:
         """The stream of a session that is there, by name."""
         from ._session import attach
 
-        return attach(self, name, Options(fields, iterations=iterations, patience=patience))
+        return attach(self, name, Options(fields, iterations=iterations, patience=patience, keep=True))
 
     def upload(self, mesh: Mesh) -> str:
         """Makes sure that the server has a mesh; its name there."""

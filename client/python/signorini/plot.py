@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
+from ._outlines import outlines
 from .mesh import boundary
 
 if TYPE_CHECKING:
@@ -117,7 +118,7 @@ def fill(plotter: Any, result: Result, field: str, increment: int, warp: float) 
     plotter.set_background("white")
     values = scalars(result[increment], field)
     grid = dataset(result, increment, warp)
-    bar = {"title": field.replace("_", " "), "color": "black", "vertical": False}
+    bar = {"title": field.replace("_", " "), "color": "black", "vertical": False, "n_labels": 4}
     on_cells = len(values) == len(result.mesh.cells) and field not in ON_SURFACE
     target = grid.cell_data if on_cells else grid.point_data
     target["drawn"] = values[: len(result.mesh.cells if on_cells else result.mesh.points)]
@@ -128,10 +129,15 @@ def fill(plotter: Any, result: Result, field: str, increment: int, warp: float) 
         plotter.add_mesh(skin_of(grid, result), scalars="drawn", cmap=COLOURS, line_width=8, scalar_bar_args=bar)
     else:
         plotter.add_mesh(grid, scalars="drawn", cmap=COLOURS, scalar_bar_args=bar, **style)
+    for outline in outlines(result, result[increment], grid):
+        plotter.add_mesh(outline, color="black" if plane else "steelblue", opacity=1.0 if plane else 0.25, line_width=2)
     if plane:
         plotter.view_xy()
     else:
+        plotter.camera_position = "iso"
         plotter.add_axes(color="black")
+    # The body fills the view, however large an obstacle is.
+    plotter.reset_camera(bounds=grid.bounds)
 
 
 def skin_of(grid: Any, result: Result) -> Any:
