@@ -183,7 +183,13 @@ class Client:
 
 def tell(result: Result) -> None:
     """Warns of what a mechanic would doubt."""
-    for message in [*result.plan.warnings, *(one.message for one in result.warnings)]:
+    kinds: dict[tuple[str, str], list[str]] = {}
+    for one in result.warnings:
+        kinds.setdefault((one.kind, one.subject), []).append(one.message)
+    doubts = [
+        messages[0] + (f" (and {len(messages) - 1} like it)" * (len(messages) > 1)) for messages in kinds.values()
+    ]
+    for message in [*result.plan.warnings, *doubts]:
         warnings.warn(message, SignoriniWarning, stacklevel=4)
 
 

@@ -130,14 +130,12 @@ def fill(plotter: Any, result: Result, field: str, increment: int, warp: float) 
     else:
         plotter.add_mesh(grid, scalars="drawn", cmap=COLOURS, scalar_bar_args=bar, **style)
     for outline in outlines(result, result[increment], grid):
-        plotter.add_mesh(outline, color="black" if plane else "steelblue", opacity=1.0 if plane else 0.25, line_width=2)
-    if plane:
-        plotter.view_xy()
-    else:
-        plotter.camera_position = "iso"
+        plotter.add_mesh(outline, color="black" if plane else "steelblue", opacity=1.0 if plane else 0.15, line_width=2)
+    if not plane:
         plotter.add_axes(color="black")
     # The body fills the view, however large an obstacle is.
-    plotter.reset_camera(bounds=grid.bounds)
+    middle, towards = np.array(grid.center), np.array([0, 0, 1] if plane else [0.58, -0.58, 0.58])
+    plotter.camera_position = [middle + 2.3 * grid.length * towards, middle, (0, 1, 0) if plane else (0, 0, 1)]
 
 
 def skin_of(grid: Any, result: Result) -> Any:

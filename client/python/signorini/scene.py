@@ -168,7 +168,8 @@ class CappedCylinder(Part):
     def as_dict(self) -> dict[str, Any]:
         """The table; its keys `from` and `to` are no names in Python."""
         table = super().as_dict()
-        return {**table, "from": table.pop("start"), "to": table.pop("end")}
+        ends = {"from": table.pop("start"), "to": table.pop("end")}
+        return {**table, **ends}
 
 
 @dataclass(kw_only=True)

@@ -53,6 +53,7 @@ def filled(kind: Any) -> dict[str, Any]:
     vectors |= {"about", "mu", "alpha"}
     values |= dict.fromkeys(vectors & values.keys(), (1, 2.5, 3))
     values |= {name: {"x": 1.0} for name in {"displacement", "force", "moment"} & values.keys()}
+    values |= {"normal": 0.0} if kind is s.Support else {}
     values |= {"inside": False} if "inside" in values else {}
     words = {"formulation": "mixed", "profile": "parabolic", "name": "n", "on": ["a", "b"], "surface": "smooth"}
     return kind(**{**values, **{key: word for key, word in words.items() if key in values}}).as_dict()

@@ -79,7 +79,7 @@ fn mesh(path: &Path) -> Result<Exit, Failure> {
 /// Writes messages to stdout.
 fn write(messages: impl Iterator<Item = Vec<u8>>) -> Result<Exit, Failure> {
     let mut stdout = std::io::stdout().lock();
-    let mut write_all = || {
+    let write_all = || {
         for message in messages {
             stdout.write_all(&message)?;
         }
