@@ -3,7 +3,7 @@
 `signorini/v1/`: messages, stubs and their types, by protoc. `signorini/reports.py`: read-only
 views of the messages of results, with the comments of the contract as documentation, so that
 a new number of a report needs no word in Python. Run by the build backend, and by hand for a
-checkout that is used in place. Without the folder `proto` (in a source archive) what is there is kept.
+checkout that is used in place.
 """
 
 import pathlib
@@ -42,8 +42,6 @@ __all__ = {names}
 
 def main():
     """Generates everything."""
-    if not PROTO.is_dir():
-        return
     files = sorted(path.relative_to(PROTO).as_posix() for path in (PROTO / "signorini/v1").glob("*.proto"))
     write_stubs(files)
     write_views(described(files))
