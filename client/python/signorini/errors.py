@@ -186,7 +186,8 @@ def refusal(status: Any, code: str) -> RefusedError:
 def from_call(error: Any, address: str) -> SignoriniError:
     """The exception of a call that failed; broken connections are `ConnectionBrokenError`."""
     code, message = error.code().name, error.details() or ""
-    details = dict(error.trailing_metadata() or ()).get(DETAILS)
+    # Not `dict(...)`: metadata of older asynchronous calls have keys, and no look-up by them.
+    details = next((value for key, value in error.trailing_metadata() or () if key == DETAILS), None)
     if details is not None:
         return refusal(status_pb2.Status.FromString(details), code)
     if code == "DEADLINE_EXCEEDED":
