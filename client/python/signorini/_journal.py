@@ -81,6 +81,8 @@ class Collector:
         """A slice of a field; one that is whole is taken as it is."""
         if self.finished is None or chunk.event != self.finished.event:
             raise ProtocolError("a field without its result")
+        if chunk.element_type not in ELEMENTS or len(chunk.data) % np.dtype(ELEMENTS[chunk.element_type]).itemsize:
+            raise ProtocolError("a field that is not of whole numbers")
         values = np.frombuffer(chunk.data, ELEMENTS[chunk.element_type])
         whole = values if self.buffer is None and chunk.last else self.fill(chunk, values)
         if not chunk.last:
@@ -111,7 +113,8 @@ class Collector:
 
 def name_of(number: int) -> str:
     """The name of a field."""
-    return str(scene_pb2.FieldName.Name(number)).removeprefix("FIELD_NAME_").lower()
+    known = scene_pb2.FieldName.DESCRIPTOR.values_by_number.get(number)
+    return known.name.removeprefix("FIELD_NAME_").lower() if known else f"field-{number}"
 
 
 class Journal:

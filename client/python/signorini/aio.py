@@ -114,6 +114,7 @@ class Session:
         self._reading = asyncio.Lock()
         self._writing = asyncio.Lock()
         self._call: Any = None
+        self._attached = False
 
     @property
     def mesh(self) -> Mesh:
@@ -159,6 +160,7 @@ class Session:
             answer = await self._stub.CreateSession(request, timeout=PLAN_SECONDS)
         self.name, self.plan = answer.session.name, Plan(answer.plan)
         self._journal = Journal(await self._connect(None), None)
+        self._attached = True
 
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
@@ -200,6 +202,9 @@ class Session:
 
     async def _flush(self) -> None:
         async with self._writing:
+            if not self._attached:
+                # Nothing may come before the first message of a connection.
+                return
             for request in self._journal.requests():
                 try:
                     await self._call.write(request)
@@ -258,12 +263,14 @@ class Session:
                 error = again
                 continue
             self._journal.resume(opened)
+            self._attached = True
             await self._flush()
             log.warning("connected again")
             return
         raise error
 
     def _abandon(self) -> None:
+        self._attached = False
         if self._call is not None:
             self._call.cancel()
 
