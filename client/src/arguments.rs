@@ -7,6 +7,8 @@ use clap_complete::Shell;
 use signorini_client::ServerAddress;
 use signorini_client::scene_file::Override;
 
+use crate::commands::embed::EmbedCommand;
+
 /// Contact of nearly incompressible bodies, rubber included: solve scenes, serve, look at servers.
 #[derive(Debug, Parser)]
 #[command(name = "signorini", version, after_help = EXIT_CODES)]
@@ -45,6 +47,9 @@ pub(crate) enum Command {
     /// Sessions of a server
     #[command(subcommand)]
     Session(SessionCommand),
+    /// What a library of another language asks of this program
+    #[command(subcommand, hide = true)]
+    Embed(EmbedCommand),
     /// Print a completion script for a shell
     Completions {
         /// The shell

@@ -88,8 +88,8 @@ impl WireMesh {
         format!("meshes/{}", self.header.digest)
     }
 
-    /// The messages of an upload.
-    fn requests(self) -> impl Iterator<Item = v1::UploadMeshRequest> {
+    /// The messages of an upload, the header first.
+    pub fn requests(self) -> impl Iterator<Item = v1::UploadMeshRequest> {
         let header = Part::Header(self.header);
         let chunks = self.arrays.into_iter().flat_map(WireArray::chunks);
         let parts = std::iter::once(header).chain(chunks.map(Part::Chunk));

@@ -4,6 +4,7 @@
 mod bench;
 mod cancel;
 mod completions;
+pub(crate) mod embed;
 mod fetch;
 mod mesh;
 mod plan;
@@ -37,6 +38,7 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         Command::Bench(arguments) => runtime.block_on(Box::pin(bench::run(arguments))),
         Command::Mesh(command) => runtime.block_on(mesh::run(command)),
         Command::Session(command) => runtime.block_on(session::run(command)),
+        Command::Embed(command) => runtime.block_on(embed::run(command)),
         Command::Completions { shell } => completions::run(shell),
     }
 }

@@ -84,8 +84,12 @@ impl IterationReader {
         }
     }
 
-    /// `newest` with the number of those skipped, if the stream has not seen it.
+    /// `newest` with the number of those skipped, if the stream has not seen it and it is not
+    /// too early for another one.
     pub(crate) fn pass(&mut self, newest: Newest) -> Option<wire::IterationStatistics> {
+        if Instant::now() < self.due {
+            return None;
+        }
         let skipped = newest.number.checked_sub(self.seen + 1)?;
         self.seen = newest.number;
         self.due = Instant::now() + self.interval;
@@ -148,5 +152,7 @@ mod tests {
         assert!(reader.take(0).is_some());
         iterations.publish(1, 0, report(2));
         assert_eq!(reader.take(0), None);
+        // Nor does the last one before a result come too early.
+        assert_eq!(reader.pass(iterations.newest()), None);
     }
 }

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Solves the scene of ../examples/hertz-sphere.toml through the service, with grpcio and generated stubs only.
+"""Solves the scene of ../../examples/hertz-sphere.toml with grpcio and generated stubs only, no package.
 
-Prints one line a result; see README.md for the stubs."""
+Prints one line a result; see README.md for the stubs.
+"""
 
 import argparse
 import hashlib
@@ -33,7 +34,7 @@ class Mesh:
 
     def __init__(self, path):
         source = meshio.read(path)
-        blocks = [(block, tags) for block, tags in zip(source.cells, source.cell_data["gmsh:physical"])]
+        blocks = [(block, tags) for block, tags in zip(source.cells, source.cell_data["gmsh:physical"], strict=True)]
         cells, cell_tags = joined(blocks, "tetra", 4)
         facets, facet_tags = joined(blocks, "triangle", 3)
         self.coordinates = source.points.astype("<f8")
@@ -49,7 +50,9 @@ class Mesh:
     def digest(self):
         """SHA-256 of the canonical bytes that mesh_service.proto defines."""
         digest = hashlib.sha256(b"signorini-mesh-v1\n")
-        digest.update(struct.pack("<B4Q", 4, len(self.coordinates), len(self.cells), len(self.facets), len(self.groups)))
+        digest.update(
+            struct.pack("<B4Q", 4, len(self.coordinates), len(self.cells), len(self.facets), len(self.groups))
+        )
         for array in (self.coordinates, self.cells, self.facets):
             digest.update(array.tobytes())
         for name, dimension, members in self.groups:
@@ -59,6 +62,7 @@ class Mesh:
         return digest.hexdigest()
 
     def header(self):
+        """First message of an upload."""
         kinds = {2: mesh_pb.GROUP_KIND_FACETS, 3: mesh_pb.GROUP_KIND_CELLS}
         return mesh_pb.MeshHeader(
             digest=self.digest(),
@@ -91,6 +95,7 @@ def joined(blocks, kind, vertices):
 
 
 def chunks(array, group_index, values):
+    """An array in messages of at most 1 MiB."""
     data, size = values.tobytes(), values.itemsize
     for start in range(0, len(data), CHUNK_BYTES):
         yield mesh_pb.UploadMeshRequest(
@@ -104,7 +109,7 @@ def chunks(array, group_index, values):
 
 
 def scene(mesh_name):
-    """The scene of ../examples/hertz-sphere.toml."""
+    """The scene of ../../examples/hertz-sphere.toml."""
     support = lambda name, on, **held: scene_pb.Support(  # noqa: E731
         name=name, on=[on], displacement=step_pb.Components(**held)
     )
@@ -112,9 +117,7 @@ def scene(mesh_name):
         name="hertz-sphere",
         mesh=mesh_name,
         materials=[
-            scene_pb.Material(
-                group="body", linear_elastic=scene_pb.LinearElastic(shear_modulus=1.0, poisson_ratio=0.5)
-            )
+            scene_pb.Material(group="body", linear_elastic=scene_pb.LinearElastic(shear_modulus=1.0, poisson_ratio=0.5))
         ],
         supports=[
             support("base", "z0", x=0.0, y=0.0, z=0.0),
@@ -135,6 +138,7 @@ def scene(mesh_name):
 
 
 def load_step():
+    """Presses the sphere into the block."""
     return step_pb.LoadStep(obstacles=[step_pb.ObstacleTarget(name="ball", translation=[0.0, 0.0, -0.05])])
 
 
@@ -155,7 +159,7 @@ def solve(sessions, session, step):
     # grpcio takes requests from this queue on a thread of its own.
     requests = queue.SimpleQueue()
     fields = [scene_pb.FIELD_NAME_DISPLACEMENT]
-    requests.put(session_pb.SolveRequest(open=session_pb.Open(session=session, fields=fields)))
+    requests.put(session_pb.SolveRequest(open=session_pb.SolveOpen(session=session, fields=fields)))
     requests.put(session_pb.SolveRequest(load_step=session_pb.LoadStepUpdate(sequence=1, step=step)))
     finished = None
     for response in sessions.Solve(iter(requests.get, None)):
@@ -173,9 +177,10 @@ def solve(sessions, session, step):
 
 
 def main():
+    """Uploads, solves, prints, cleans up."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--server", default="127.0.0.1:50051")
-    parser.add_argument("--mesh", default=HERE.parent / "examples" / "meshes" / "indent_l3.msh")
+    parser.add_argument("--mesh", default=HERE.parents[1] / "examples" / "meshes" / "indent_l3.msh")
     arguments = parser.parse_args()
     with grpc.insecure_channel(arguments.server) as channel:
         sessions = session_grpc.SessionServiceStub(channel)

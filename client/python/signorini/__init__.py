@@ -1,0 +1,84 @@
+"""Contact of nearly incompressible bodies: seals, tyres, soft robots, tissue.
+
+    import signorini as s
+    r = s.solve("o-ring.toml")
+    print(r.obstacles["top"].force)
+
+Without an address (`server=...`, or `SIGNORINI_SERVER`) a server of our own starts and ends with the
+interpreter. `signorini.aio` is the asynchronous twin, `signorini.v1` the messages of the contract.
+"""
+
+from . import errors
+from ._session import Pending, Session
+from .client import Client, connect, plan, session, solve
+from .errors import SignoriniError, SignoriniWarning
+from .mesh import Mesh, boundary
+from .results import Increment, Iteration, Result
+from .scene import (
+    Box,
+    CappedCylinder,
+    Cone,
+    Cylinder,
+    HalfSpace,
+    LinearElastic,
+    MooneyRivlin,
+    Move,
+    NeoHookean,
+    Obstacle,
+    Ogden,
+    Pressure,
+    Probe,
+    Scene,
+    Solver,
+    Sphere,
+    Step,
+    Stokes,
+    Support,
+    SupportMove,
+    Torus,
+    Traction,
+    Yeoh,
+)
+from .scenes import example
+
+__all__ = [
+    "Box",
+    "CappedCylinder",
+    "Client",
+    "Cone",
+    "Cylinder",
+    "HalfSpace",
+    "Increment",
+    "Iteration",
+    "LinearElastic",
+    "Mesh",
+    "MooneyRivlin",
+    "Move",
+    "NeoHookean",
+    "Obstacle",
+    "Ogden",
+    "Pending",
+    "Pressure",
+    "Probe",
+    "Result",
+    "Scene",
+    "Session",
+    "SignoriniError",
+    "SignoriniWarning",
+    "Solver",
+    "Sphere",
+    "Step",
+    "Stokes",
+    "Support",
+    "SupportMove",
+    "Torus",
+    "Traction",
+    "Yeoh",
+    "boundary",
+    "connect",
+    "errors",
+    "example",
+    "plan",
+    "session",
+    "solve",
+]

@@ -1,0 +1,335 @@
+"""Scenes as keyword classes, with the keys of scene files.
+
+`Scene(...)` is the same as the dictionary of a scene file, and may hold dictionaries in the place
+of any class. What the keys mean is in the manual of scenes; the program of the package reads them,
+so that a scene means the same here and on the command line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+import numpy.typing as npt
+
+from .mesh import Mesh
+
+Vector = Sequence[float] | npt.NDArray[Any]
+Names = str | Sequence[str]
+Components = Mapping[str, float]
+
+#: Key of scene files for a field of these classes that has another name.
+KEYS = {"materials": "material", "supports": "support", "tractions": "traction", "pressures": "pressure"}
+KEYS |= {"obstacles": "obstacle", "steps": "step", "probes": "probe"}
+
+
+class Part:
+    """A table of a scene file."""
+
+    #: Keys with a fixed value.
+    constant: ClassVar[dict[str, str]] = {}
+
+    def as_dict(self) -> dict[str, Any]:
+        """The table; what is None is left out."""
+        given = {KEYS.get(one.name, one.name): getattr(self, one.name) for one in fields(self)}  # type: ignore[arg-type]
+        return {**self.constant, **{key: plain(value) for key, value in given.items() if not empty(value)}}
+
+
+def empty(value: Any) -> bool:
+    """Whether a key is left out."""
+    return value is None or (isinstance(value, (list, tuple, dict)) and len(value) == 0)
+
+
+def plain(value: Any) -> Any:
+    """Values as TOML knows them: classes as tables, arrays as lists."""
+    if isinstance(value, Part):
+        return value.as_dict()
+    if isinstance(value, Mapping):
+        return {str(key): plain(one) for key, one in value.items() if one is not None}
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    if isinstance(value, (list, tuple)):
+        return [plain(one) for one in value]
+    return str(value) if isinstance(value, Path) else value
+
+
+@dataclass(kw_only=True)
+class LinearElastic(Part):
+    """Small strains; one modulus, and Poisson's ratio up to and including 0.5."""
+
+    constant = {"model": "linear-elastic"}
+    poisson_ratio: float
+    shear_modulus: float | None = None
+    young_modulus: float | None = None
+    formulation: str | None = None
+
+
+@dataclass(kw_only=True)
+class Stokes(Part):
+    """Viscous flow; displacements are velocities."""
+
+    constant = {"model": "stokes"}
+    viscosity: float
+    formulation: str | None = None
+
+
+@dataclass(kw_only=True)
+class MooneyRivlin(Part):
+    """Rubber with two constants; its shear modulus is 2 (c10 + c01)."""
+
+    constant = {"model": "mooney-rivlin"}
+    c10: float
+    c01: float
+    bulk_modulus: float | None = None
+    formulation: str | None = None
+
+
+@dataclass(kw_only=True)
+class NeoHookean(Part):
+    """Rubber with one constant."""
+
+    constant = {"model": "neo-hookean"}
+    shear_modulus: float
+    bulk_modulus: float | None = None
+    formulation: str | None = None
+
+
+@dataclass(kw_only=True)
+class Yeoh(Part):
+    """Rubber that stiffens: a cubic polynomial of the first invariant."""
+
+    constant = {"model": "yeoh"}
+    c10: float
+    c20: float
+    c30: float
+    bulk_modulus: float | None = None
+    formulation: str | None = None
+
+
+@dataclass(kw_only=True)
+class Ogden(Part):
+    """Rubber of one to three terms in the principal stretches."""
+
+    constant = {"model": "ogden"}
+    mu: Vector
+    alpha: Vector
+    bulk_modulus: float | None = None
+    formulation: str | None = None
+
+
+Material = LinearElastic | Stokes | MooneyRivlin | NeoHookean | Yeoh | Ogden | Mapping[str, Any]
+
+
+@dataclass(kw_only=True)
+class HalfSpace(Part):
+    """All behind a plane; `normal` points to the free side."""
+
+    constant = {"kind": "half-space"}
+    point: Vector
+    normal: Vector
+    inside: bool | None = None
+
+
+@dataclass(kw_only=True)
+class Sphere(Part):
+    """A ball, or a cavity with `inside`."""
+
+    constant = {"kind": "sphere"}
+    centre: Vector
+    radius: float
+    inside: bool | None = None
+
+
+@dataclass(kw_only=True)
+class Cylinder(Part):
+    """An infinite cylinder, or a bore with `inside`."""
+
+    constant = {"kind": "cylinder"}
+    point: Vector
+    axis: Vector
+    radius: float
+    inside: bool | None = None
+
+
+@dataclass(kw_only=True)
+class CappedCylinder(Part):
+    """A cylinder between two points."""
+
+    constant = {"kind": "capped-cylinder"}
+    start: Vector
+    end: Vector
+    radius: float
+    rounding: float | None = None
+    inside: bool | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """The table; its keys `from` and `to` are no names in Python."""
+        table = super().as_dict()
+        ends = {"from": table.pop("start"), "to": table.pop("end")}
+        return {**table, **ends}
+
+
+@dataclass(kw_only=True)
+class Box(Part):
+    """A box along the axes; `half_sizes` include the rounding."""
+
+    constant = {"kind": "box"}
+    centre: Vector
+    half_sizes: Vector
+    rounding: float | None = None
+    inside: bool | None = None
+
+
+@dataclass(kw_only=True)
+class Torus(Part):
+    """A ring."""
+
+    constant = {"kind": "torus"}
+    centre: Vector
+    axis: Vector
+    radius: float
+    tube_radius: float
+    inside: bool | None = None
+
+
+@dataclass(kw_only=True)
+class Cone(Part):
+    """An infinite cone; `axis` points into it, `angle` lies between axis and surface, radians."""
+
+    constant = {"kind": "cone"}
+    apex: Vector
+    axis: Vector
+    angle: float
+    rounding: float | None = None
+    inside: bool | None = None
+
+
+Shape = HalfSpace | Sphere | Cylinder | CappedCylinder | Box | Torus | Cone | Mapping[str, Any]
+
+
+@dataclass(kw_only=True)
+class Support(Part):
+    """Holds the named components of the displacement, or that along the normal, on surfaces."""
+
+    on: Names
+    displacement: Components | None = None
+    normal: float | None = None
+    profile: str | None = None
+    name: str | None = None
+
+
+@dataclass(kw_only=True)
+class Traction(Part):
+    """A dead load per undeformed area."""
+
+    on: Names
+    value: Vector
+
+
+@dataclass(kw_only=True)
+class Pressure(Part):
+    """A pressure that follows the deformed surface; positive pushes on the body."""
+
+    on: Names
+    value: float
+
+
+@dataclass(kw_only=True)
+class Obstacle(Part):
+    """A rigid tool that surfaces of the body may touch."""
+
+    name: str
+    on: Names
+    shape: Shape
+    friction: float | None = None
+    tresca: float | None = None
+    surface: str | None = None
+
+
+@dataclass(kw_only=True)
+class Move(Part):
+    """Where an obstacle shall be at the end of a step, from its first pose; radians."""
+
+    translation: Vector | None = None
+    rotation: Vector | None = None
+    force: Components | None = None
+    moment: Components | None = None
+    friction: float | None = None
+
+
+@dataclass(kw_only=True)
+class SupportMove(Part):
+    """What a support shall prescribe at the end of a step; radians."""
+
+    displacement: Components | None = None
+    translation: Vector | None = None
+    rotation: Vector | None = None
+    about: Vector | None = None
+
+
+@dataclass(kw_only=True)
+class Step(Part):
+    """A load step: targets that are reached in equal increments, each with a result."""
+
+    increments: int | None = None
+    load: float | None = None
+    obstacles: Mapping[str, Move | Mapping[str, Any]] = field(default_factory=dict)
+    supports: Mapping[str, SupportMove | Mapping[str, Any]] = field(default_factory=dict)
+
+
+@dataclass(kw_only=True)
+class Probe(Part):
+    """A point whose displacement and pressure each result tells."""
+
+    name: str
+    point: Vector
+
+
+@dataclass(kw_only=True)
+class Solver(Part):
+    """Numerical settings; none is ever needed."""
+
+    tolerance: float | str | None = None
+    quadrature_degree: int | str | None = None
+    max_wall_time: float | None = None
+    element: str | None = None
+    displacement_preconditioner: str | None = None
+    p1_solver: str | None = None
+    saddle: str | None = None
+    contact: str | None = None
+    contact_metric: str | None = None
+    contact_space: str | None = None
+    stability: str | None = None
+    on_instability: str | None = None
+    penalty: float | str | None = None
+    error_estimate: str | None = None
+
+
+@dataclass(kw_only=True)
+class Scene(Part):
+    """A whole problem. `mesh` is a file or a `Mesh`; `materials` are by group of cells."""
+
+    mesh: str | Path | Mesh
+    materials: Mapping[str, Material] = field(default_factory=dict)
+    supports: Sequence[Support | Mapping[str, Any]] = ()
+    tractions: Sequence[Traction | Mapping[str, Any]] = ()
+    pressures: Sequence[Pressure | Mapping[str, Any]] = ()
+    body_force: Vector | Mapping[str, Any] | None = None
+    obstacles: Sequence[Obstacle | Mapping[str, Any]] = ()
+    steps: Sequence[Step | Mapping[str, Any]] = ()
+    probes: Sequence[Probe | Mapping[str, Any]] = ()
+    kind: str | None = None
+    mesh_scale: float | None = None
+    name: str | None = None
+    solver: Solver | Mapping[str, Any] | None = None
+    manufactured: Mapping[str, str] | None = None
+    output: Mapping[str, Any] | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """The tables of a scene file; a `Mesh` stays as it is."""
+        table = super().as_dict()
+        force = table.get("body_force")
+        return {**table, "body_force": {"value": force}} if isinstance(force, list) else table

@@ -1,0 +1,138 @@
+"""The classes and the writer of steps know every key of the contract, and no other."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import signorini as s
+from signorini import _encode, _options, _program, reports
+from signorini.v1 import report_pb2, scene_pb2, step_pb2
+
+CLASSES = [
+    (s.LinearElastic, scene_pb2.LinearElastic, {"formulation"}, set()),
+    (s.Stokes, scene_pb2.Stokes, {"formulation"}, set()),
+    (s.MooneyRivlin, scene_pb2.MooneyRivlin, {"formulation"}, set()),
+    (s.NeoHookean, scene_pb2.NeoHookean, {"formulation"}, set()),
+    (s.Yeoh, scene_pb2.Yeoh, {"formulation"}, set()),
+    (s.Ogden, scene_pb2.Ogden, {"formulation"}, set()),
+    (s.HalfSpace, scene_pb2.HalfSpace, {"inside"}, set()),
+    (s.Sphere, scene_pb2.Sphere, {"inside"}, set()),
+    (s.Cylinder, scene_pb2.Cylinder, {"inside"}, set()),
+    (s.CappedCylinder, scene_pb2.CappedCylinder, {"inside", "start", "end"}, {"from", "to"}),
+    (s.Box, scene_pb2.Box, {"inside"}, set()),
+    (s.Torus, scene_pb2.Torus, {"inside"}, set()),
+    (s.Cone, scene_pb2.Cone, {"inside"}, set()),
+    (s.Support, scene_pb2.Support, set(), set()),
+    (s.Traction, scene_pb2.Traction, set(), set()),
+    (s.Pressure, scene_pb2.Pressure, set(), set()),
+    (s.Obstacle, scene_pb2.Obstacle, set(), set()),
+    (s.Probe, scene_pb2.Probe, set(), set()),
+    (s.Solver, scene_pb2.SolverOptions, set(), {"verify", "tolerance_rule"}),
+    (s.Step, step_pb2.LoadStep, set(), set()),
+    (s.Move, step_pb2.ObstacleTarget, set(), {"name"}),
+    (s.SupportMove, step_pb2.SupportTarget, set(), {"name"}),
+    (s.Scene, scene_pb2.Scene, set(), set()),
+]
+
+
+@pytest.mark.parametrize(("kind", "message", "own", "other"), CLASSES, ids=lambda one: getattr(one, "__name__", ""))
+def test_classes_have_the_fields_of_the_messages(kind: Any, message: Any, own: set[str], other: set[str]) -> None:
+    ours = {one.name for one in dataclasses.fields(kind)}
+    theirs = {one.name for one in message.DESCRIPTOR.fields}
+    assert ours - own == theirs - other
+
+
+def filled(kind: Any) -> dict[str, Any]:
+    """An instance with every key given."""
+    values: dict[str, Any] = {one.name: 0.25 for one in dataclasses.fields(kind)}
+    vectors = {"point", "normal", "centre", "axis", "half_sizes", "start", "end", "apex", "translation", "rotation"}
+    vectors |= {"about", "mu", "alpha"}
+    values |= dict.fromkeys(vectors & values.keys(), (1, 2.5, 3))
+    values |= {name: {"x": 1.0} for name in {"displacement", "force", "moment"} & values.keys()}
+    values |= {"normal": 0.0} if kind is s.Support else {}
+    values |= {"inside": False} if "inside" in values else {}
+    words = {"formulation": "mixed", "profile": "parabolic", "name": "n", "on": ["a", "b"], "surface": "smooth"}
+    return kind(**{**values, **{key: word for key, word in words.items() if key in values}}).as_dict()
+
+
+def scene() -> dict[str, Any]:
+    """Every key of scenes at once; only the form is read."""
+    step = {"increments": 3, "load": 0.5}
+    step |= {"obstacle": {"n": filled(s.Move)}, "support": {"n": {**filled(s.SupportMove)}}}
+    del step["support"]["n"]["displacement"]
+    linear = filled(s.LinearElastic)
+    del linear["young_modulus"]
+    materials = [s.Stokes, s.MooneyRivlin, s.NeoHookean, s.Yeoh, s.Ogden]
+    shapes = [s.HalfSpace, s.Sphere, s.Cylinder, s.CappedCylinder, s.Box, s.Torus, s.Cone]
+    obstacle = {"name": "n", "on": ["a"], "friction": 0.3, "tresca": 0.1, "surface": "smooth"}
+    solver = dict.fromkeys(filled(s.Solver), "auto")
+    solver |= {"tolerance": "discretisation", "max_wall_time": 3.0}
+    return {
+        "material": {"linear": linear, **{kind.__name__: filled(kind) for kind in materials}},
+        "support": [filled(s.Support)],
+        "traction": [{"on": "a", "value": [1, 2, 3]}],
+        "pressure": [filled(s.Pressure)],
+        "obstacle": [{**obstacle, "shape": filled(kind)} for kind in shapes],
+        "probe": [filled(s.Probe)],
+        "solver": solver,
+        "step": [step],
+        "output": {"fields": _encode.field_names(), "every": 2},
+        "manufactured": {"field": "A1m"},
+        "body_force": {"value": [0, 0, -1.0]},
+    }
+
+
+def test_every_key_of_the_classes_is_read_by_the_program() -> None:
+    tables = scene()
+    text = _encode.tomli_w.dumps(tables).encode()
+    message = scene_pb2.Scene.FromString(_program.read_scene(text, Path("scene"), ['mesh="a.msh"']))
+    assert len(message.materials) == 6
+    assert len(message.obstacles) == 7
+    assert list(message.output.fields) == [one.number for one in scene_pb2.FieldName.DESCRIPTOR.values if one.number]
+    assert message.steps[0] == _encode.load_step(tables["step"][0])
+
+
+def test_a_scene_of_classes_is_that_of_its_tables(ball: s.Scene) -> None:
+    ball.steps = [s.Step(increments=2, obstacles={"ball": s.Move(translation=(0, 0, -0.05))})]
+    by_classes, by_tables = _encode.problem(ball), _encode.problem(ball.as_dict())
+    assert by_classes.scene == by_tables.scene
+    assert by_classes.scene.steps[0].obstacles[0].translation[2] == -0.05
+    assert by_classes.scene.mesh == f"meshes/{ball.mesh.digest}"  # type: ignore[union-attr]
+
+
+def test_every_message_of_reports_has_a_view() -> None:
+    for name, message in report_pb2.DESCRIPTOR.message_types_by_name.items():
+        view = getattr(reports, name)(message._concrete_class())
+        assert view.names() == tuple(one.name for one in message.fields)
+        assert set(view.as_dict()) == set(view.names())
+
+
+def test_absent_numbers_are_none_and_enumerations_words() -> None:
+    message = report_pb2.StepReport(termination=2, cause=11)
+    view = reports.StepReport(message)
+    assert (view.termination, view.cause, view.fallback) == ("not_converged", "unstable_equilibrium", None)
+    assert view.error_estimate is None
+    message.error_estimate = 0.0
+    assert reports.StepReport(message).error_estimate == 0.0
+
+
+def test_updates_name_the_wrong_key() -> None:
+    for step, said in [
+        ({"increment": 1}, 'step.increment: unknown key; did you mean "increments"?'),
+        ({"obstacle": {"a": {"translate": 1}}}, "step.obstacle.a.translate: unknown key; did you mean"),
+        ({"obstacle": {"a": [0, 0]}}, "step.obstacle.a.translation: a list of three numbers is expected"),
+        ({"support": {"a": {"displacement": {"w": 1.0}}}}, "step.support.a.displacement.w: unknown key"),
+    ]:
+        with pytest.raises(s.errors.SceneError) as caught:
+            _encode.load_step(step)
+        assert str(caught.value).startswith(said)
+
+
+def test_pauses_double_up_to_two_seconds_until_the_patience_ends() -> None:
+    pauses = list(_options.pauses(9.0))
+    assert pauses == pytest.approx([0.05, 0.1, 0.2, 0.4, 0.8, 1.6, 2.0, 2.0, 1.85])
+    assert list(_options.pauses(0.0)) == []

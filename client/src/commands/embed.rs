@@ -1,0 +1,90 @@
+//! `embed`: what a library of another language asks of this program, so that scenes and
+//! meshes mean the same there, and a server lives no longer than its caller.
+//!
+//! Hidden from help: the package `signorini` of `client/python` is its only user and comes
+//! with the same build, so nothing here has to stay as it is.
+
+mod serve;
+
+use std::io::{Read as _, Write as _};
+use std::path::{Path, PathBuf};
+
+use clap::Subcommand;
+use prost::Message;
+use signorini_client::WireMesh;
+use signorini_client::scene_file::{self, Override};
+use signorini_proto::v1;
+
+use crate::exit::{Exit, Failure};
+use crate::input;
+use crate::text::note;
+
+/// One request.
+#[derive(Debug, Subcommand)]
+pub(crate) enum EmbedCommand {
+    /// Read a scene (TOML) from stdin, print the message; its `mesh` is a path
+    Scene {
+        /// Names the scene: its stem is the default name, its folder holds the mesh
+        path: PathBuf,
+        /// Change a key of the scene
+        #[arg(long = "set", value_name = "PATH=VALUE")]
+        overrides: Vec<Override>,
+    },
+    /// Read a mesh file, print the messages of its upload, each behind its length
+    Mesh {
+        /// The file
+        path: PathBuf,
+    },
+    /// Serve until stdin ends
+    Serve {
+        /// Where to listen: HOST:PORT or unix:PATH
+        listen: String,
+    },
+}
+
+pub(super) async fn run(command: EmbedCommand) -> Result<Exit, Failure> {
+    match command {
+        EmbedCommand::Scene { path, overrides } => scene(&path, &overrides),
+        EmbedCommand::Mesh { path } => mesh(&path),
+        EmbedCommand::Serve { listen } => serve::run(listen).await,
+    }
+}
+
+fn scene(path: &Path, overrides: &[Override]) -> Result<Exit, Failure> {
+    let mut text = String::new();
+    std::io::stdin()
+        .read_to_string(&mut text)
+        .map_err(|error| Failure::unreadable(path, &error))?;
+    let file = scene_file::read(&text, path, overrides)?;
+    let mesh = file.mesh.to_str().ok_or_else(|| {
+        let message = format!("mesh: {} is not UTF-8", file.mesh.display());
+        Failure::new(Exit::Invalid, message)
+    })?;
+    let scene = v1::Scene {
+        mesh: mesh.to_owned(),
+        ..file.scene
+    };
+    write(std::iter::once(scene.encode_to_vec()))
+}
+
+fn mesh(path: &Path) -> Result<Exit, Failure> {
+    let mesh = input::load_mesh(path)?;
+    for warning in &mesh.warnings {
+        note(&format!("warning: {warning}\n"));
+    }
+    let requests = WireMesh::new(&mesh)?.requests();
+    write(requests.map(|request| request.encode_length_delimited_to_vec()))
+}
+
+/// Writes messages to stdout.
+fn write(messages: impl Iterator<Item = Vec<u8>>) -> Result<Exit, Failure> {
+    let mut stdout = std::io::stdout().lock();
+    let write_all = || {
+        for message in messages {
+            stdout.write_all(&message)?;
+        }
+        stdout.flush()
+    };
+    write_all().map_err(|error| Failure::new(Exit::Usage, format!("stdout: {error}")))?;
+    Ok(Exit::Ok)
+}
