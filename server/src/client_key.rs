@@ -1,6 +1,7 @@
 //! Who a request comes from, as far as the transport tells: the basis of
 //! fairness between clients.
 
+use std::fmt;
 use std::net::SocketAddr;
 
 use tonic::Request;
@@ -12,6 +13,16 @@ pub(crate) enum ClientKey {
     Connection(SocketAddr),
     Process(i32),
     Unknown,
+}
+
+impl fmt::Display for ClientKey {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Connection(address) => write!(formatter, "{address}"),
+            Self::Process(number) => write!(formatter, "process {number}"),
+            Self::Unknown => formatter.write_str("unknown"),
+        }
+    }
 }
 
 impl ClientKey {

@@ -15,6 +15,8 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use ::metrics::Gauge;
+
 use crate::client_key::ClientKey;
 use crate::fair_queue::FairQueue;
 use crate::metrics::Metrics;
@@ -22,7 +24,19 @@ use crate::metrics::Metrics;
 /// How long a slot waits for the next job of the client that it has served.
 const LINGER: Duration = Duration::from_millis(5);
 
-type Job = Box<dyn FnOnce() + Send>;
+type Job = Box<dyn FnOnce(&Slot) + Send>;
+
+/// One solver thread, as its jobs see it.
+pub(crate) struct Slot {
+    residual: Gauge,
+}
+
+impl Slot {
+    /// Shows how far the running step is from its equilibrium.
+    pub(crate) fn show_residual(&self, residual: f64) {
+        self.residual.set(residual);
+    }
+}
 
 struct Waiting {
     job: Job,
@@ -102,6 +116,7 @@ impl SolverThreads {
     /// # Errors
     /// When the system gives no more threads.
     pub(crate) fn start(slots: usize, threads: usize, metrics: &Arc<Metrics>) -> io::Result<Self> {
+        metrics.slots(slots);
         let queue = Arc::new(JobQueue {
             backlog: Mutex::default(),
             arrived: Condvar::new(),
@@ -119,7 +134,8 @@ impl SolverThreads {
                 .build()
                 .map_err(io::Error::other)?;
             let queue = Arc::clone(&queue);
-            let run = move || serve_slot(&queue, &pool);
+            let residual = metrics.residual(slot);
+            let run = move || serve_slot(&queue, &pool, &Slot { residual });
             let builder = std::thread::Builder::new().name(format!("slot-{slot}"));
             started.lock_threads().push(builder.spawn(run)?);
         }
@@ -136,11 +152,11 @@ impl SolverThreads {
     pub(crate) fn submit<T: Send + 'static>(
         &self,
         client: ClientKey,
-        work: impl FnOnce() -> T + Send + 'static,
+        work: impl FnOnce(&Slot) -> T + Send + 'static,
         done: impl FnOnce(Result<T, Panicked>) + Send + 'static,
     ) {
-        let job = Box::new(move || {
-            let outcome = catch_unwind(AssertUnwindSafe(work));
+        let job = Box::new(move |slot: &Slot| {
+            let outcome = catch_unwind(AssertUnwindSafe(|| work(slot)));
             done(outcome.map_err(|payload| Panicked(said(payload.as_ref()))));
         });
         let mut state = self.queue.lock();
@@ -179,15 +195,17 @@ impl Drop for SolverThreads {
     }
 }
 
-fn serve_slot(queue: &JobQueue, pool: &rayon::ThreadPool) {
+fn serve_slot(queue: &JobQueue, pool: &rayon::ThreadPool, slot: &Slot) {
     let mut last = None;
     while let Some((client, waiting)) = queue.next(last) {
         let start = Instant::now();
         queue.metrics.job_started(waiting.since.elapsed());
         // The job catches the panics of its work; this one would be ours.
-        if catch_unwind(AssertUnwindSafe(|| pool.install(waiting.job))).is_err() {
+        let run = || pool.install(|| (waiting.job)(slot));
+        if catch_unwind(AssertUnwindSafe(run)).is_err() {
             tracing::error!("a job's report panicked");
         }
+        slot.show_residual(0.0);
         queue.metrics.job_ended();
         queue.finished(client, start.elapsed().as_secs_f64());
         last = Some(client);
@@ -214,12 +232,12 @@ mod tests {
         let other = sender.clone();
         solvers.submit(
             ClientKey::Unknown,
-            || -> u32 { panic!("broken") },
+            |_| -> u32 { panic!("broken") },
             move |outcome| other.send(outcome).unwrap(),
         );
         solvers.submit(
             ClientKey::Unknown,
-            || 7,
+            |_| 7,
             move |outcome| sender.send(outcome).unwrap(),
         );
         assert_eq!(receiver.recv().unwrap(), Err(Panicked("broken".into())));
@@ -233,7 +251,7 @@ mod tests {
         let (sender, receiver) = mpsc::channel();
         solvers.submit(
             ClientKey::Unknown,
-            rayon::current_num_threads,
+            |_| rayon::current_num_threads(),
             move |outcome| sender.send(outcome).unwrap(),
         );
         assert_eq!(receiver.recv().unwrap(), Ok(3));

@@ -28,6 +28,36 @@ pub enum ConfigError {
     },
 }
 
+/// How the lines of the log are written.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum LogFormat {
+    /// For people.
+    #[default]
+    Text,
+    /// One JSON object a line, for programs.
+    Json,
+}
+
+/// The least important lines that the log takes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, clap::ValueEnum)]
+#[serde(rename_all = "lowercase")]
+pub enum LogLevel {
+    /// Nothing.
+    Off,
+    /// Defects of the server.
+    Error,
+    /// Also what an operator should look at.
+    Warn,
+    /// Also each session, step and refusal.
+    #[default]
+    Info,
+    /// Also each increment, and streams that break.
+    Debug,
+    /// Everything, that of libraries included.
+    Trace,
+}
+
 /// Settings of one server.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -42,7 +72,7 @@ pub struct Config {
     /// Threads of each solve; 0: as many as the machine has cores.
     pub threads_per_slot: usize,
     /// Bytes for meshes, prepared data and sessions together; 0: three quarters
-    /// of the machine's memory.
+    /// of the memory of the machine, or of its control group where that has less.
     pub memory_budget_bytes: u64,
     /// Sessions that may exist at one time, at least 1.
     pub maximum_sessions: usize,
@@ -62,6 +92,10 @@ pub struct Config {
     pub heartbeat_seconds: u64,
     /// Seconds that a shutdown waits for running steps to stop; at most 2 592 000.
     pub drain_seconds: u64,
+    /// How the lines of the log are written, for [`crate::start_log`].
+    pub log_format: LogFormat,
+    /// The least important lines of the log, for [`crate::start_log`].
+    pub log_level: LogLevel,
 }
 
 impl Default for Config {
@@ -80,6 +114,8 @@ impl Default for Config {
             retained_field_bytes: 256 << 20,
             heartbeat_seconds: 10,
             drain_seconds: 30,
+            log_format: LogFormat::Text,
+            log_level: LogLevel::Info,
         }
     }
 }
@@ -167,7 +203,26 @@ fn range(key: &'static str, range: &'static str) -> ConfigError {
     ConfigError::Range { key, range }
 }
 
+/// Memory that this process may use: that of the machine, or less where a control
+/// group (a container, a systemd unit) sets a limit.
 fn machine_bytes() -> Option<u64> {
+    let limits = std::iter::once(installed_bytes()).chain(group_limits());
+    limits.flatten().min()
+}
+
+/// Limits of the process's control group (version 2): by its name, and by the root,
+/// which is the group itself inside a container.
+fn group_limits() -> [Option<u64>; 2] {
+    let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
+    let own = groups.lines().find_map(|line| line.strip_prefix("0::"));
+    [own.unwrap_or_default(), ""].map(|group| {
+        // `max` is no number: no limit.
+        let text = std::fs::read_to_string(format!("/sys/fs/cgroup{group}/memory.max")).ok()?;
+        text.trim().parse().ok()
+    })
+}
+
+fn installed_bytes() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("MemTotal:"))?;
     let kibibytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;

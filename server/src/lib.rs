@@ -20,6 +20,7 @@
     )
 )]
 
+mod calls;
 mod client_key;
 mod compute;
 mod config;
@@ -27,6 +28,7 @@ mod convert;
 mod fair_queue;
 mod fault;
 mod listen;
+mod log;
 mod memory;
 mod metrics;
 mod metrics_page;
@@ -40,6 +42,7 @@ mod store;
 mod streams;
 mod transport;
 
-pub use config::{Config, ConfigError};
+pub use config::{Config, ConfigError, LogFormat, LogLevel};
 pub use listen::{ListenError, Listener};
+pub use log::start_log;
 pub use serve::{ServeError, serve};

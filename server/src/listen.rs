@@ -30,6 +30,12 @@ pub enum ListenError {
     /// The path of the Unix socket is taken by something else.
     #[error("`{0}` exists and is not a socket that nobody serves")]
     Occupied(PathBuf),
+    /// The address of the metrics page cannot be served.
+    #[error(
+        "the metrics page: {0}; `--metrics-listen ADDRESS` (`metrics_listen` in the settings) \
+         puts it elsewhere, `--metrics-listen \"\"` leaves it out"
+    )]
+    MetricsPage(#[source] Box<ListenError>),
     /// The system refused.
     #[error("cannot listen on `{address}`: {source}")]
     System {
@@ -82,7 +88,7 @@ impl Listener {
         };
         let metrics = match config.metrics_listen.as_str() {
             "" => None,
-            address => Some(bind_loopback(address).await?),
+            address => Some(bind_loopback(address).await.map_err(of_page)?),
         };
         Ok(Self {
             socket,
@@ -160,6 +166,10 @@ async fn remove_stale(path: &Path) -> Result<(), ListenError> {
     std::fs::remove_file(path).map_err(|source| system(&path.display().to_string(), source))
 }
 
+fn of_page(error: ListenError) -> ListenError {
+    ListenError::MetricsPage(Box::new(error))
+}
+
 fn system(address: &str, source: io::Error) -> ListenError {
     ListenError::System {
         address: address.to_owned(),
@@ -206,6 +216,23 @@ mod tests {
             bind("nonsense").await,
             Err(ListenError::Address(_))
         ));
+    }
+
+    #[tokio::test]
+    async fn a_metrics_page_that_cannot_be_served_says_how_to_move_it() {
+        let taken = TcpListener::bind("127.0.0.1:0").await.unwrap();
+        let taken = taken.local_addr().unwrap().to_string();
+        for address in [taken.as_str(), "0.0.0.0:0", "nonsense"] {
+            let config = Config {
+                metrics_listen: address.to_owned(),
+                ..Config::embedded()
+            };
+            let message = Listener::bind(&config).await.unwrap_err().to_string();
+            let is_clear = message.starts_with("the metrics page: ")
+                && message.contains(address)
+                && message.contains("--metrics-listen");
+            assert!(is_clear, "{message}");
+        }
     }
 
     #[tokio::test]

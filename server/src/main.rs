@@ -4,35 +4,36 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use signorini_server::{Config, Listener, serve};
-use tracing_subscriber::EnvFilter;
+use signorini_server::{Config, Listener, LogFormat, LogLevel, serve, start_log};
 
 /// Serves contact problems of nearly incompressible bodies over gRPC.
 #[derive(Parser)]
 #[command(version)]
 struct Arguments {
     /// Settings in TOML; every key has a default.
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", env = "SIGNORINI_CONFIG")]
     config: Option<PathBuf>,
     /// Address of the service: 127.0.0.1:PORT or unix:/path.
-    #[arg(long, value_name = "ADDRESS")]
+    #[arg(long, value_name = "ADDRESS", env = "SIGNORINI_LISTEN")]
     listen: Option<String>,
     /// Address of the metrics page, 127.0.0.1:PORT; empty for none.
-    #[arg(long, value_name = "ADDRESS")]
+    #[arg(long, value_name = "ADDRESS", env = "SIGNORINI_METRICS_LISTEN")]
     metrics_listen: Option<String>,
+    /// How the log is written.
+    #[arg(long, value_name = "FORMAT", env = "SIGNORINI_LOG_FORMAT")]
+    log_format: Option<LogFormat>,
+    /// The least important lines of the log; `RUST_LOG` goes before it.
+    #[arg(long, value_name = "LEVEL", env = "SIGNORINI_LOG_LEVEL")]
+    log_level: Option<LogLevel>,
 }
 
 #[tokio::main]
 async fn main() -> ExitCode {
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info"));
-    tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_writer(std::io::stderr)
-        .init();
     match run(Arguments::parse()).await {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
-            tracing::error!("{error}");
+            // Said whatever the log takes: it is why there is no server.
+            eprintln!("error: {error}");
             ExitCode::FAILURE
         }
     }
@@ -40,12 +41,8 @@ async fn main() -> ExitCode {
 
 async fn run(arguments: Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let config = config(arguments)?;
+    start_log(&config);
     let listener = Listener::bind(&config).await?;
-    tracing::info!(
-        url = listener.url(),
-        metrics = listener.metrics_url(),
-        "listening"
-    );
     serve(listener, config, stop_signal()?).await?;
     Ok(())
 }
@@ -61,6 +58,8 @@ fn config(arguments: Arguments) -> Result<Config, Box<dyn std::error::Error>> {
     };
     config.listen = arguments.listen.unwrap_or(config.listen);
     config.metrics_listen = arguments.metrics_listen.unwrap_or(config.metrics_listen);
+    config.log_format = arguments.log_format.unwrap_or(config.log_format);
+    config.log_level = arguments.log_level.unwrap_or(config.log_level);
     Ok(config)
 }
 

@@ -1,4 +1,5 @@
-//! The Prometheus page: `GET /metrics` over plain HTTP on its own loopback port.
+//! The page of an operator, plain HTTP on its own loopback port: `/metrics` for
+//! Prometheus, `/healthz` for probes, and `/`, which says so.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -14,6 +15,7 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use tokio::net::TcpListener;
 
 use crate::metrics::Metrics;
+use crate::registry::Registry;
 
 const CONTENT_TYPE: &str = "text/plain; version=0.0.4; charset=utf-8";
 /// A client that sends its request more slowly is dropped.
@@ -22,24 +24,23 @@ const HEADER_TIME: Duration = Duration::from_secs(5);
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
 /// Serves pages until it is dropped.
-pub(crate) async fn serve(listener: TcpListener, metrics: Arc<Metrics>) {
+pub(crate) async fn serve(listener: TcpListener, page: Page) {
     loop {
         match listener.accept().await {
             Ok((stream, _)) => {
-                let metrics = Arc::clone(&metrics);
-                tokio::spawn(answer(TokioIo::new(stream), metrics));
+                tokio::spawn(answer(TokioIo::new(stream), page.clone()));
             }
             Err(error) => {
-                tracing::warn!(%error, "the metrics page cannot accept");
+                tracing::warn!(cause = error.to_string(), "the metrics page cannot accept");
                 tokio::time::sleep(ACCEPT_PAUSE).await;
             }
         }
     }
 }
 
-async fn answer(stream: TokioIo<tokio::net::TcpStream>, metrics: Arc<Metrics>) {
+async fn answer(stream: TokioIo<tokio::net::TcpStream>, page: Page) {
     let service = service_fn(move |request: Request<Incoming>| {
-        let response = respond(&request, &metrics);
+        let response = page.respond(request.method(), request.uri().path());
         async move { Ok::<_, Infallible>(response) }
     });
     let outcome = http1::Builder::new()
@@ -48,43 +49,66 @@ async fn answer(stream: TokioIo<tokio::net::TcpStream>, metrics: Arc<Metrics>) {
         .serve_connection(stream, service)
         .await;
     if let Err(error) = outcome {
-        tracing::debug!(%error, "a reader of the metrics page left");
+        tracing::debug!(
+            cause = error.to_string(),
+            "a reader of the metrics page left"
+        );
     }
 }
 
-fn respond<B>(request: &Request<B>, metrics: &Metrics) -> Response<Full<Bytes>> {
-    let (status, text) = match (request.method(), request.uri().path()) {
-        (&Method::GET, "/metrics") => (StatusCode::OK, metrics.render()),
-        (_, "/metrics") => (StatusCode::METHOD_NOT_ALLOWED, "use GET\n".to_owned()),
-        _ => (StatusCode::NOT_FOUND, "only /metrics is here\n".to_owned()),
-    };
+/// What is served.
+#[derive(Clone)]
+pub(crate) struct Page {
+    pub(crate) metrics: Arc<Metrics>,
+    pub(crate) registry: Arc<Registry>,
+    /// Where the service itself listens.
+    pub(crate) service: Arc<str>,
+}
+
+impl Page {
+    /// The answer; of one to HEAD hyper sends the headers.
+    fn respond(&self, method: &Method, path: &str) -> Response<Full<Bytes>> {
+        let (status, text) = match path {
+            _ if ![Method::GET, Method::HEAD].contains(method) => {
+                let text = "only GET and HEAD are answered\n".to_owned();
+                (StatusCode::METHOD_NOT_ALLOWED, text)
+            }
+            "/metrics" => (StatusCode::OK, self.metrics.render()),
+            "/healthz" => self.health(),
+            "/" => (StatusCode::OK, self.help()),
+            _ => (StatusCode::NOT_FOUND, self.help()),
+        };
+        response(status, text)
+    }
+
+    fn health(&self) -> (StatusCode, String) {
+        match self.registry.check_open() {
+            Ok(()) => (StatusCode::OK, "ok\n".to_owned()),
+            Err(fault) => (StatusCode::SERVICE_UNAVAILABLE, format!("{fault}\n")),
+        }
+    }
+
+    fn help(&self) -> String {
+        format!(
+            "Signorini {}\n\n\
+             /metrics  for Prometheus\n\
+             /healthz  200 while the server takes work, 503 while it shuts down\n\n\
+             The service itself speaks gRPC at {}.\n",
+            env!("CARGO_PKG_VERSION"),
+            self.service
+        )
+    }
+}
+
+fn response(status: StatusCode, text: String) -> Response<Full<Bytes>> {
     let mut response = Response::new(Full::new(Bytes::from(text)));
     *response.status_mut() = status;
+    let headers = response.headers_mut();
     let kind = header::HeaderValue::from_static(CONTENT_TYPE);
-    response.headers_mut().insert(header::CONTENT_TYPE, kind);
-    response
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn only_get_metrics_is_answered_with_the_page() {
-        let metrics = Metrics::new().unwrap();
-        let ask = |method: Method, path: &str| {
-            let request = Request::builder()
-                .method(method)
-                .uri(path)
-                .body(())
-                .unwrap();
-            respond(&request, &metrics).status()
-        };
-        assert_eq!(ask(Method::GET, "/metrics"), StatusCode::OK);
-        assert_eq!(
-            ask(Method::POST, "/metrics"),
-            StatusCode::METHOD_NOT_ALLOWED
-        );
-        assert_eq!(ask(Method::GET, "/"), StatusCode::NOT_FOUND);
+    headers.insert(header::CONTENT_TYPE, kind);
+    if status == StatusCode::METHOD_NOT_ALLOWED {
+        let allowed = header::HeaderValue::from_static("GET, HEAD");
+        headers.insert(header::ALLOW, allowed);
     }
+    response
 }

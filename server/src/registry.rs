@@ -66,9 +66,11 @@ impl Registry {
         })
     }
 
-    /// Counts a refused request.
+    /// Counts a refused request and writes it to the log.
     pub(crate) fn refused(&self, fault: &Fault) {
-        self.services.metrics.refused(status::reason(fault));
+        let reason = status::reason(fault);
+        self.services.metrics.refused(reason);
+        tracing::info!(reason, why = status::text(fault), "request refused");
     }
 
     /// Time of silence after which a stream gets a heartbeat.

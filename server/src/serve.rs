@@ -8,6 +8,7 @@ use std::io;
 use std::sync::Arc;
 use std::time::Duration;
 
+use signorini::assembly::simd::InstructionSet;
 use signorini_proto::FILE_DESCRIPTOR_SET;
 use signorini_proto::v1::mesh_service_server::MeshServiceServer;
 use signorini_proto::v1::session_service_server::SessionServiceServer;
@@ -18,18 +19,22 @@ use tonic::transport::Server;
 use tonic::transport::server::{Router, TcpIncoming};
 use tonic_health::ServingStatus;
 use tonic_health::server::HealthReporter;
+use tower::layer::util::{Identity, Stack};
 
+use crate::calls::{CountCalls, Methods};
 use crate::compute::SolverThreads;
 use crate::config::{Config, ConfigError};
 use crate::listen::{Listener, Socket};
-use crate::metrics::Metrics;
-use crate::metrics_page;
+use crate::metrics::{COMMIT, Metrics};
+use crate::metrics_page::{self, Page};
 use crate::registry::Registry;
 use crate::service::mesh::Meshes;
 use crate::service::session::Sessions;
 use crate::session::Services;
 use crate::store::Store;
 use crate::transport::{MESSAGE_BYTES, Reasoned};
+
+type CountedRouter = Router<Stack<CountCalls, Identity>>;
 
 const STREAM_WINDOW_BYTES: u32 = 1 << 20;
 const CONNECTION_WINDOW_BYTES: u32 = 4 << 20;
@@ -77,10 +82,15 @@ pub async fn serve(
     let services = services(config)?;
     let registry = Registry::new(&services);
     let (health, router) = router(&services, &registry).await?;
-    let helpers = helpers(&services, listener.metrics);
+    log_start(&services.config, &listener);
+    let page = Page {
+        metrics: Arc::clone(&services.metrics),
+        registry: Arc::clone(&registry),
+        service: listener.url().into(),
+    };
+    let helpers = helpers(page, listener.metrics);
     let (stop, stopped) = oneshot::channel();
     let mut server = tokio::spawn(run(router, listener.socket, stopped));
-    tracing::info!("serving");
     tokio::select! {
         ended = &mut server => {
             abort(&helpers);
@@ -115,6 +125,21 @@ pub async fn serve(
     }
 }
 
+/// Where the server is found, what it is and what it may use.
+fn log_start(config: &Config, listener: &Listener) {
+    tracing::info!(
+        url = listener.url(),
+        metrics = listener.metrics_url(),
+        version = env!("CARGO_PKG_VERSION"),
+        commit = COMMIT,
+        instruction_set = InstructionSet::of_this_machine().name(),
+        slots = config.solver_slots,
+        threads_per_slot = config.threads(),
+        memory_budget_bytes = config.budget(),
+        "serving"
+    );
+}
+
 fn services(config: Config) -> Result<Arc<Services>, ServeError> {
     let metrics = Metrics::new().map_err(|error| setup("metrics", &error))?;
     let solvers = SolverThreads::start(config.solver_slots, config.threads(), &metrics)
@@ -130,7 +155,7 @@ fn services(config: Config) -> Result<Arc<Services>, ServeError> {
 async fn router(
     services: &Arc<Services>,
     registry: &Arc<Registry>,
-) -> Result<(HealthReporter, Router), ServeError> {
+) -> Result<(HealthReporter, CountedRouter), ServeError> {
     let (health, health_service) = tonic_health::server::health_reporter();
     set_health(&health, ServingStatus::Serving).await;
     let meshes = Meshes {
@@ -149,7 +174,9 @@ async fn router(
             .register_encoded_file_descriptor_set(tonic_health::pb::FILE_DESCRIPTOR_SET)
     };
     let wrong = |error| setup("reflection", &error);
+    let methods = Methods::new(&services.metrics).map_err(|error| setup("metrics", &error))?;
     let router = Server::builder()
+        .layer(CountCalls(Arc::new(methods)))
         .initial_stream_window_size(STREAM_WINDOW_BYTES)
         .initial_connection_window_size(CONNECTION_WINDOW_BYTES)
         .max_concurrent_streams(STREAMS_PER_CONNECTION)
@@ -183,7 +210,7 @@ fn service_name<S: tonic::server::NamedService>() -> &'static str {
 }
 
 async fn run(
-    router: Router,
+    router: CountedRouter,
     socket: Socket,
     stopped: oneshot::Receiver<()>,
 ) -> Result<(), tonic::transport::Error> {
@@ -203,8 +230,8 @@ async fn run(
     }
 }
 
-fn helpers(services: &Arc<Services>, page: Option<tokio::net::TcpListener>) -> Vec<JoinHandle<()>> {
-    let metrics = Arc::clone(&services.metrics);
+fn helpers(page: Page, listener: Option<tokio::net::TcpListener>) -> Vec<JoinHandle<()>> {
+    let metrics = Arc::clone(&page.metrics);
     let upkeep = tokio::spawn(async move {
         let mut ticks = tokio::time::interval(UPKEEP);
         loop {
@@ -212,8 +239,7 @@ fn helpers(services: &Arc<Services>, page: Option<tokio::net::TcpListener>) -> V
             metrics.upkeep();
         }
     });
-    let metrics = Arc::clone(&services.metrics);
-    let page = page.map(|listener| tokio::spawn(metrics_page::serve(listener, metrics)));
+    let page = listener.map(|listener| tokio::spawn(metrics_page::serve(listener, page)));
     std::iter::once(upkeep).chain(page).collect()
 }
 

@@ -35,6 +35,43 @@ pub(crate) fn reason(fault: &Fault) -> &'static str {
     contract(fault).1
 }
 
+/// Every reason, in the order of the faults.
+pub(crate) const REASONS: [&str; 23] = [
+    "SCENE_INVALID",
+    "UNSUPPORTED_COMBINATION",
+    "REQUEST_INVALID",
+    "MESH_INVALID",
+    "MESH_DIGEST_MISMATCH",
+    "MESH_NOT_FOUND",
+    "MESH_IN_USE",
+    "SESSION_NOT_FOUND",
+    "SESSION_EXPIRED",
+    "SESSION_EXISTS",
+    "SESSION_BUSY",
+    "SESSION_DELETED",
+    "SESSION_FAILED",
+    "STEP_NOT_FOUND",
+    "SEQUENCE_GAP",
+    "SEQUENCE_NOT_RETAINED",
+    "MEMORY_BUDGET",
+    "QUEUE_FULL",
+    "SESSION_LIMIT",
+    "MESSAGE_LIMIT",
+    "STREAM_DEADLINE",
+    "SHUTTING_DOWN",
+    "INTERNAL",
+];
+
+/// What `fault` says, no longer than a log can bear: clients choose the names in it.
+pub(crate) fn text(fault: &Fault) -> String {
+    shortened(&fault.to_string())
+}
+
+/// As much of a client's text as an answer or the log takes.
+pub(crate) fn shortened(text: &str) -> String {
+    cut(text, MAXIMUM_TEXT)
+}
+
 /// The status of `fault` with all its details.
 pub(crate) fn rpc_status(fault: &Fault) -> pb::Status {
     let (code, reason) = contract(fault);
@@ -46,7 +83,7 @@ pub(crate) fn rpc_status(fault: &Fault) -> pb::Status {
     };
     let mut status = pb::Status {
         code: code.into(),
-        message: cut(&fault.to_string(), MAXIMUM_TEXT),
+        message: text(fault),
         details: vec![any("ErrorInfo", &info)],
     };
     status.details.extend(resource_info(fault));
@@ -330,6 +367,14 @@ mod tests {
             let info = status.get_details_error_info().unwrap();
             assert_eq!(info.metadata["violation_count"], "10000");
         }
+    }
+
+    #[test]
+    fn the_list_of_reasons_is_that_of_the_faults() {
+        let first = Fault::SceneInvalid(Vec::new());
+        let all = std::iter::successors(Some(first), |fault| following(fault, ""));
+        let reasons: Vec<_> = all.map(|fault| reason(&fault)).collect();
+        assert_eq!(reasons, REASONS);
     }
 
     #[test]

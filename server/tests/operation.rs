@@ -1,10 +1,12 @@
-//! What operators rely on: metrics, health, reflection, shutdown, Unix sockets.
+//! What operators rely on: metrics, log, health, reflection, shutdown, Unix sockets.
 
 mod common;
 
+use std::io::Read as _;
+use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use common::{Block, Server, open, page, press, reason, sample};
+use common::{Block, Server, answer, open, page, press, reason, sample};
 use signorini_proto::v1 as wire;
 use signorini_server::Config;
 use tonic_health::pb::health_client::HealthClient;
@@ -67,6 +69,203 @@ async fn the_metrics_page_counts_what_happened_and_has_no_summaries() {
     assert!(sample(&page, "signorini_iterations_total") > 0);
     assert!(sample(&page, "signorini_memory_bytes{kind=\"prepared\"}") > 0);
     assert_eq!(sample(&page, "signorini_krylov_iterations_count"), 4);
+    let slots = Config::default().solver_slots as u64;
+    assert_eq!(sample(&page, "signorini_slots"), slots);
+    // Nothing runs any more.
+    assert_eq!(sample(&page, "signorini_residual{slot=\"0\"}"), 0);
+}
+
+/// Series of a method, without those of its codes.
+fn method(metric: &str, service: &str, name: &str, kind: &str) -> String {
+    format!("{metric}{{grpc_service=\"{service}\",grpc_method=\"{name}\",grpc_type=\"{kind}\"")
+}
+
+#[tokio::test]
+async fn calls_are_counted_by_method_and_code_with_their_bytes() {
+    let config = Config {
+        metrics_listen: "127.0.0.1:0".into(),
+        ..Config::embedded()
+    };
+    let (server, block) = (Server::with(config).await, Block::new(1));
+    server.upload(&block).await;
+    let session = server.session(block.scene()).await;
+    let request = wire::GetSessionRequest {
+        name: "sessions/none".into(),
+    };
+    server.sessions().get_session(request).await.unwrap_err();
+    let mut stream = server.open(open(&session)).await;
+    stream.half_close();
+    assert!(stream.end().await.is_none());
+    health(&server, "").await;
+    let page = page(server.metrics_url.as_ref().unwrap()).await;
+    let sessions = "signorini.v1.SessionService";
+    let handled = |service, name, kind, code: &str| {
+        let start = method("grpc_server_handled_total", service, name, kind);
+        sample(&page, &format!("{start},grpc_code=\"{code}\"}}"))
+    };
+    assert_eq!(handled(sessions, "GetSession", "unary", "NotFound"), 1);
+    assert_eq!(handled(sessions, "GetSession", "unary", "OK"), 0);
+    assert_eq!(handled(sessions, "CreateSession", "unary", "OK"), 1);
+    assert_eq!(handled(sessions, "Solve", "bidi_stream", "OK"), 1);
+    let meshes = "signorini.v1.MeshService";
+    assert_eq!(handled(meshes, "UploadMesh", "client_stream", "OK"), 1);
+    assert_eq!(handled("grpc.health.v1.Health", "Check", "unary", "OK"), 1);
+    assert_eq!(handled("other", "other", "unary", "Unimplemented"), 0);
+    let watch = method(
+        "grpc_server_started_total",
+        sessions,
+        "Watch",
+        "server_stream",
+    );
+    assert_eq!(sample(&page, &format!("{watch}}}")), 0);
+    let create = method(
+        "grpc_server_handling_seconds_count",
+        sessions,
+        "CreateSession",
+        "unary",
+    );
+    assert_eq!(sample(&page, &format!("{create},grpc_code=\"OK\"}}")), 1);
+    // The mesh went in: its coordinates alone are 8 corners of three numbers.
+    assert!(sample(&page, "signorini_received_bytes_total") > 8 * 24);
+    assert!(sample(&page, "signorini_sent_bytes_total") > 0);
+    let is_series = |line: &&str| {
+        ["signorini_", "grpc_", "process_"]
+            .iter()
+            .any(|prefix| line.starts_with(prefix))
+    };
+    let series = page.lines().filter(is_series);
+    assert!(series.count() < 1500, "too many series");
+}
+
+#[tokio::test]
+async fn the_page_helps_those_who_come_by_and_answers_probes() {
+    let config = Config {
+        metrics_listen: "127.0.0.1:0".into(),
+        ..Config::embedded()
+    };
+    let server = Server::with(config).await;
+    let url = server.metrics_url.clone().unwrap();
+    let get = |path| answer(&url, "GET", path);
+    let help = get("/").await;
+    assert!(help.starts_with("HTTP/1.1 200"), "{help}");
+    assert!(
+        help.contains("/metrics") && help.contains(&server.url),
+        "{help}"
+    );
+    let health = get("/healthz").await;
+    assert!(
+        health.starts_with("HTTP/1.1 200") && health.ends_with("ok\n"),
+        "{health}"
+    );
+    assert!(get("/metric").await.starts_with("HTTP/1.1 404"));
+    let head = answer(&url, "HEAD", "/metrics").await;
+    assert!(
+        head.starts_with("HTTP/1.1 200") && head.ends_with("\r\n\r\n"),
+        "{head}"
+    );
+    let post = answer(&url, "POST", "/metrics").await;
+    assert!(
+        post.starts_with("HTTP/1.1 405") && post.contains("allow: GET, HEAD"),
+        "{post}"
+    );
+}
+
+/// A server program; killed when a test fails before it has stopped.
+struct Program(Child);
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        // It has ended already when the test succeeds.
+        let _ended = self.0.kill();
+    }
+}
+
+/// Solves one step, has one request refused, stops a server program of that log
+/// format, and returns its log.
+async fn log_of(format: &str) -> String {
+    let folder = std::env::temp_dir().join(format!("signorini-log-{}", std::process::id()));
+    let socket = format!("unix:{}-{format}.sock", folder.display());
+    let arguments = ["--listen", &socket, "--metrics-listen", "", "--log-format"];
+    let mut program = Program(
+        Command::new(env!("CARGO_BIN_EXE_signorini-server"))
+            .args(arguments)
+            .arg(format)
+            .env_remove("RUST_LOG")
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap(),
+    );
+    let server = Server::beside(&socket).await;
+    let block = Block::new(1);
+    server.upload(&block).await;
+    let scene = wire::Scene {
+        name: "a\nb \u{1b}[31mred".into(),
+        ..block.scene()
+    };
+    let session = server.session(scene).await;
+    let mut stream = server.open(open(&session)).await;
+    stream.step(1, press(0.02, 2)).await;
+    while !stream.result().await.last {}
+    let request = wire::GetSessionRequest {
+        name: "sessions/\u{1b}[2J\nnone".into(),
+    };
+    server.sessions().get_session(request).await.unwrap_err();
+    drop((stream, server));
+    let id = program.0.id().to_string();
+    assert!(Command::new("kill").arg(id).status().unwrap().success());
+    let mut log = String::new();
+    let mut stderr = program.0.stderr.take().unwrap();
+    stderr.read_to_string(&mut log).unwrap();
+    assert!(program.0.wait().unwrap().success(), "{log}");
+    log
+}
+
+#[tokio::test]
+async fn the_log_tells_of_addresses_sessions_steps_and_refusals() {
+    let log = log_of("text").await;
+    let line = |what: &str| {
+        let mut found = log.lines().filter(|line| line.contains(what));
+        let first = found
+            .next()
+            .unwrap_or_else(|| panic!("no `{what}` in\n{log}"));
+        assert!(found.next().is_none(), "`{what}` twice in\n{log}");
+        first.to_owned()
+    };
+    assert!(line(" serving ").contains("url=\"unix:"));
+    assert!(line("session started").contains("scene=\"a\\nb \\u{1b}[31mred\""));
+    let step = line("step finished");
+    for part in [
+        "termination=\"converged\"",
+        "increments=2",
+        "krylov_iterations=",
+        "seconds=",
+    ] {
+        assert!(step.contains(part), "{part} in {step}");
+    }
+    let refusal = line("SESSION_NOT_FOUND");
+    assert!(refusal.contains("request refused"), "{refusal}");
+    assert!(line("session ended").contains("ending=\"shut_down\""));
+    assert!(!log.contains('\u{1b}'), "{log}");
+}
+
+#[tokio::test]
+async fn the_log_of_programs_is_one_object_a_line() {
+    let log = log_of("json").await;
+    let lines: Vec<serde_json::Value> = log
+        .lines()
+        .map(|line| serde_json::from_str(line).unwrap())
+        .collect();
+    let step = lines.iter().find(|line| line["message"] == "step finished");
+    let step = step.unwrap_or_else(|| panic!("no step in\n{log}"));
+    assert_eq!(step["termination"], "converged");
+    assert_eq!(step["sequence"], 1);
+    assert!(step["seconds"].as_f64().unwrap() > 0.0);
+    assert!(
+        step["span"]["id"]
+            .as_str()
+            .unwrap()
+            .starts_with("sessions/")
+    );
 }
 
 #[tokio::test]

@@ -22,6 +22,15 @@ pub enum Termination {
 }
 
 impl Termination {
+    /// All, in the order in which they are listed.
+    pub const ALL: [Self; 5] = [
+        Self::Converged,
+        Self::NotConverged,
+        Self::Cancelled,
+        Self::DeadlineExceeded,
+        Self::InternalError,
+    ];
+
     /// The name used on the wire and in result lines.
     pub fn name(self) -> &'static str {
         match self {
@@ -68,6 +77,23 @@ pub enum Cause {
 }
 
 impl Cause {
+    /// All, in the order in which they are listed.
+    pub const ALL: [Self; 13] = [
+        Self::Stagnation,
+        Self::IterationLimit,
+        Self::ActiveSetCycle,
+        Self::StepTooSmall,
+        Self::LineSearch,
+        Self::NoEquilibrium,
+        Self::EnclosedVolume,
+        Self::NotFinite,
+        Self::IndefiniteTangent,
+        Self::LimitPoint,
+        Self::UnstableEquilibrium,
+        Self::CoarseContact,
+        Self::NegativeJacobian,
+    ];
+
     /// The name used on the wire and in result lines.
     pub fn name(self) -> &'static str {
         match self {

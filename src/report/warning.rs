@@ -32,6 +32,23 @@ pub enum WarningKind {
 }
 
 impl WarningKind {
+    /// All, in the order in which they are listed.
+    pub const ALL: [Self; 13] = [
+        Self::Snapped,
+        Self::UnstableEquilibrium,
+        Self::UntouchedObstacle,
+        Self::BeginsInside,
+        Self::PassedThrough,
+        Self::MissedContact,
+        Self::LargeStrain,
+        Self::FreeMotion,
+        Self::CoarseContact,
+        Self::CoarseFacets,
+        Self::NotUnique,
+        Self::InsideOut,
+        Self::LostDigits,
+    ];
+
     /// The word used on the wire and in result lines.
     pub fn name(self) -> &'static str {
         match self {
@@ -63,4 +80,35 @@ pub struct Warning {
     pub value: Option<f64>,
     /// A sentence for people.
     pub message: String,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The next kind: a walk that a new one has to join.
+    fn following(kind: WarningKind) -> Option<WarningKind> {
+        use WarningKind::*;
+        Some(match kind {
+            Snapped => UnstableEquilibrium,
+            UnstableEquilibrium => UntouchedObstacle,
+            UntouchedObstacle => BeginsInside,
+            BeginsInside => PassedThrough,
+            PassedThrough => MissedContact,
+            MissedContact => LargeStrain,
+            LargeStrain => FreeMotion,
+            FreeMotion => CoarseContact,
+            CoarseContact => CoarseFacets,
+            CoarseFacets => NotUnique,
+            NotUnique => InsideOut,
+            InsideOut => LostDigits,
+            LostDigits => return None,
+        })
+    }
+
+    #[test]
+    fn all_kinds_are_listed() {
+        let walk = std::iter::successors(Some(WarningKind::Snapped), |kind| following(*kind));
+        assert!(walk.eq(WarningKind::ALL));
+    }
 }

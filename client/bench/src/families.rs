@@ -8,7 +8,7 @@ use crate::family::Quantity::{
 };
 use crate::shaped::Shape;
 
-const CUBE_BEND: &str = include_str!("../../examples/cube-bend.toml");
+const CUBE_BEND: &str = include_str!("../examples/cube-bend.toml");
 const BENT: &str = include_str!("bent.toml");
 const CONTRAST: &str = include_str!("contrast.toml");
 const CUBE: MeshSource = Cube(Shape::Plain);
@@ -20,7 +20,7 @@ const FRICTION: &[Quantity] = &[Force, TangentialForce];
 pub(crate) const FAMILIES: &[Family] = &[
     Family::new(
         "A1m",
-        include_str!("../../examples/manufactured.toml"),
+        include_str!("../examples/manufactured.toml"),
         CUBE,
         "Incompressible unit cube with a manufactured solution; the errors are exact, \
          divided by the norms of the exact fields.",
@@ -40,7 +40,7 @@ pub(crate) const FAMILIES: &[Family] = &[
     .measured(&[6, 10, 16, 24, 34], &[6, 10, 16], &[StrainEnergy]),
     Family::new(
         "hertz-sphere",
-        include_str!("../../examples/hertz-sphere.toml"),
+        include_str!("../examples/hertz-sphere.toml"),
         Gmsh("indent"),
         "A rigid sphere pressed into an incompressible block (a quarter is solved), \
          meshes refined under the contact.",
@@ -53,7 +53,7 @@ pub(crate) const FAMILIES: &[Family] = &[
     ),
     Family::new(
         "hertz-rough",
-        include_str!("../../examples/hertz-sphere.toml"),
+        include_str!("../examples/hertz-sphere.toml"),
         Gmsh("indent"),
         "The rigid sphere with Coulomb friction, coefficient 0.3: the middle of the contact \
          sticks, its rim slips.",
@@ -70,7 +70,7 @@ pub(crate) const FAMILIES: &[Family] = &[
     .with(&["material.body.poisson_ratio=0.3"]),
     Family::new(
         "hertz-plane",
-        include_str!("../../examples/hertz-plane.toml"),
+        include_str!("../examples/hertz-plane.toml"),
         Gmsh("hemi"),
         "A rigid plane pressed against an incompressible half ball (a quarter is \
          solved), meshes refined at the pole. The largest contact pressure is that of \
@@ -84,7 +84,7 @@ pub(crate) const FAMILIES: &[Family] = &[
     ),
     Family::new(
         "mr-uniax",
-        include_str!("../../examples/mr-uniax.toml"),
+        include_str!("../examples/mr-uniax.toml"),
         CUBE,
         "A Mooney-Rivlin cube pressed to three quarters of its height between \
          frictionless planes, five increments: a homogeneous state, exact on every mesh \
@@ -93,7 +93,7 @@ pub(crate) const FAMILIES: &[Family] = &[
     .measured(&[6, 10, 16], &[6], &[Force, StrainEnergy]),
     Family::new(
         "mr-block",
-        include_str!("../../examples/mr-block.toml"),
+        include_str!("../examples/mr-block.toml"),
         CUBE,
         "A Mooney-Rivlin cube bonded to its base and pressed to three quarters of its \
          height by a frictionless plane, ten increments; the edges of the base set the \
@@ -102,7 +102,7 @@ pub(crate) const FAMILIES: &[Family] = &[
     .measured(&[6, 10, 16], &[6], &[Force, StrainEnergy]),
     Family::new(
         "mr-sphere",
-        include_str!("../../examples/mr-sphere.toml"),
+        include_str!("../examples/mr-sphere.toml"),
         Gmsh("indent"),
         "A rigid sphere pressed deep into a Mooney-Rivlin block (a quarter is solved), \
          five increments, meshes refined under the contact. The travel ends close to \
@@ -197,13 +197,13 @@ pub(crate) const FAMILIES: &[Family] = &[
     .with(&["material.inclusion.shear_modulus=1e-6"]),
     Family::new(
         "stokes-cylinder",
-        include_str!("../../examples/stokes-cylinder.toml"),
+        include_str!("../examples/stokes-cylinder.toml"),
         Gmsh("cylinder"),
         "Viscous flow through a plane channel around a cylinder.",
     ),
     Family::new(
         "stokes-obstacle",
-        include_str!("../../examples/stokes-obstacle.toml"),
+        include_str!("../examples/stokes-obstacle.toml"),
         Gmsh("ball"),
         "Viscous flow through a channel around a ball.",
     ),

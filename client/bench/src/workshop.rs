@@ -12,67 +12,43 @@ const SHIPPED: &[(&str, u32, &[u8])] = &[
     (
         "cylinder",
         1,
-        include_bytes!("../../examples/meshes/cylinder_l1.msh"),
+        include_bytes!("../examples/meshes/cylinder_l1.msh"),
     ),
     (
         "cylinder",
         2,
-        include_bytes!("../../examples/meshes/cylinder_l2.msh"),
+        include_bytes!("../examples/meshes/cylinder_l2.msh"),
     ),
-    (
-        "ball",
-        1,
-        include_bytes!("../../examples/meshes/ball_l1.msh"),
-    ),
-    (
-        "hemi",
-        1,
-        include_bytes!("../../examples/meshes/hemi_l1.msh"),
-    ),
-    (
-        "hemi",
-        2,
-        include_bytes!("../../examples/meshes/hemi_l2.msh"),
-    ),
-    (
-        "hemi",
-        3,
-        include_bytes!("../../examples/meshes/hemi_l3.msh"),
-    ),
-    (
-        "hemi",
-        4,
-        include_bytes!("../../examples/meshes/hemi_l4.msh"),
-    ),
-    (
-        "hemi",
-        5,
-        include_bytes!("../../examples/meshes/hemi_l5.msh"),
-    ),
+    ("ball", 1, include_bytes!("../examples/meshes/ball_l1.msh")),
+    ("hemi", 1, include_bytes!("../examples/meshes/hemi_l1.msh")),
+    ("hemi", 2, include_bytes!("../examples/meshes/hemi_l2.msh")),
+    ("hemi", 3, include_bytes!("../examples/meshes/hemi_l3.msh")),
+    ("hemi", 4, include_bytes!("../examples/meshes/hemi_l4.msh")),
+    ("hemi", 5, include_bytes!("../examples/meshes/hemi_l5.msh")),
     (
         "indent",
         1,
-        include_bytes!("../../examples/meshes/indent_l1.msh"),
+        include_bytes!("../examples/meshes/indent_l1.msh"),
     ),
     (
         "indent",
         2,
-        include_bytes!("../../examples/meshes/indent_l2.msh"),
+        include_bytes!("../examples/meshes/indent_l2.msh"),
     ),
     (
         "indent",
         3,
-        include_bytes!("../../examples/meshes/indent_l3.msh"),
+        include_bytes!("../examples/meshes/indent_l3.msh"),
     ),
     (
         "indent",
         4,
-        include_bytes!("../../examples/meshes/indent_l4.msh"),
+        include_bytes!("../examples/meshes/indent_l4.msh"),
     ),
     (
         "indent",
         5,
-        include_bytes!("../../examples/meshes/indent_l5.msh"),
+        include_bytes!("../examples/meshes/indent_l5.msh"),
     ),
 ];
 

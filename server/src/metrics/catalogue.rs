@@ -1,6 +1,10 @@
 //! The metrics by name: buckets, texts and units. Names carry the prefix
 //! `signorini_`, base units and `_total` for counters; every histogram has buckets,
 //! because one without would be exported as a summary.
+//!
+//! Calls are named as in go-grpc-middleware (`grpc_server_*`), so that its dashboards
+//! fit; what the process itself uses (`process_*`) is named by the crate
+//! `metrics-process`, as every Prometheus client does.
 
 use metrics::{Recorder, Unit};
 use metrics_exporter_prometheus::PrometheusRecorder;
@@ -39,21 +43,38 @@ pub(super) const CANCEL_SECONDS: &str = "signorini_cancel_seconds";
 pub(super) const REFUSED: &str = "signorini_refused_total";
 pub(super) const LEFT_BEHIND: &str = "signorini_steps_left_behind_total";
 pub(super) const COALESCED: &str = "signorini_iterations_coalesced_total";
+pub(super) const SLOTS: &str = "signorini_slots";
+pub(super) const RESIDUAL: &str = "signorini_residual";
+pub(super) const RECEIVED: &str = "signorini_received_bytes_total";
+pub(super) const SENT: &str = "signorini_sent_bytes_total";
+pub(super) const CALLS_STARTED: &str = "grpc_server_started_total";
+pub(super) const CALLS_HANDLED: &str = "grpc_server_handled_total";
+pub(super) const CALL_SECONDS: &str = "grpc_server_handling_seconds";
 
-/// 1 ms to 1 h.
+/// 1 ms to 1 h: steps of 1.6 up to 10 s, where most increments lie, so that a
+/// quantile of steps of 6 ms is no guess.
 const SECONDS: &[f64] = &[
-    0.001, 0.0025, 0.006, 0.016, 0.04, 0.1, 0.25, 0.6, 1.5, 4.0, 10.0, 25.0, 60.0, 150.0, 400.0,
-    1000.0, 3600.0,
+    0.001, 0.0016, 0.0025, 0.004, 0.006, 0.01, 0.016, 0.025, 0.04, 0.06, 0.1, 0.16, 0.25, 0.4, 0.6,
+    1.0, 1.6, 2.5, 4.0, 6.0, 10.0, 25.0, 60.0, 150.0, 400.0, 1000.0, 3600.0,
 ];
-/// 1 to 2048.
-const COUNTS: &[f64] = &[
-    1.0, 2.0, 4.0, 8.0, 12.0, 16.0, 24.0, 32.0, 64.0, 128.0, 256.0, 512.0, 1024.0, 2048.0,
+/// 1 ms to 1 h, coarser: there are as many of these as there are methods.
+const WAITS: &[f64] = &[
+    0.001, 0.0025, 0.006, 0.016, 0.04, 0.1, 0.25, 0.6, 1.5, 4.0, 10.0, 60.0, 600.0, 3600.0,
+];
+/// 1 to 64: what is counted in ones.
+const FEW: &[f64] = &[
+    1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 24.0, 32.0, 64.0,
+];
+/// 4 to 4096: what is counted in tens.
+const MANY: &[f64] = &[
+    4.0, 8.0, 12.0, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0, 64.0, 80.0, 100.0, 128.0, 180.0, 256.0,
+    400.0, 640.0, 1024.0, 2048.0, 4096.0,
 ];
 const VERTICES: &[f64] = &[
     1.0, 4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0, 16384.0, 65536.0,
 ];
 
-pub(super) const HISTOGRAMS: [(&str, &[f64], &str); 11] = [
+pub(super) const HISTOGRAMS: [(&str, &[f64], &str); 12] = [
     (
         SOLVE_SECONDS,
         SECONDS,
@@ -65,39 +86,44 @@ pub(super) const HISTOGRAMS: [(&str, &[f64], &str); 11] = [
         "Wall time of one increment by phase.",
     ),
     (
+        CALL_SECONDS,
+        WAITS,
+        "Time from a call to its last byte, by method and code; a stream lasts as long as it is open.",
+    ),
+    (
         QUEUE_WAIT,
-        SECONDS,
+        WAITS,
         "Time that a job waited for a solver slot.",
     ),
     (
         CANCEL_SECONDS,
-        SECONDS,
+        WAITS,
         "Time from a cancel request to the result of the step.",
     ),
-    (SQP_ITERATIONS, COUNTS, "SQP iterations of one increment."),
+    (SQP_ITERATIONS, FEW, "SQP iterations of one increment."),
     (
         KRYLOV_ITERATIONS,
-        COUNTS,
+        MANY,
         "Krylov iterations of one increment.",
     ),
     (
         APPLICATIONS,
-        COUNTS,
+        MANY,
         "Applications of the displacement preconditioner in one increment.",
     ),
     (
         SET_CHANGES,
-        COUNTS,
+        FEW,
         "Revisions of the active set in one increment.",
     ),
     (
         NEWTON_STEPS,
-        COUNTS,
+        FEW,
         "Steps of Newton's method for friction in one increment with friction.",
     ),
     (
         THRESHOLD_PASSES,
-        COUNTS,
+        FEW,
         "Passes over the threshold of friction in one increment of that method.",
     ),
     (
@@ -107,7 +133,7 @@ pub(super) const HISTOGRAMS: [(&str, &[f64], &str); 11] = [
     ),
 ];
 
-pub(super) const COUNTERS: [(&str, &str); 14] = [
+pub(super) const COUNTERS: [(&str, &str); 18] = [
     (ITERATIONS, "Krylov iterations of all sessions."),
     (INCREMENTS, "Finished increments by termination."),
     (STEPS, "Finished steps by termination."),
@@ -140,9 +166,13 @@ pub(super) const COUNTERS: [(&str, &str); 14] = [
         LEFT_BEHIND,
         "Steps answered while their solver thread could not stop.",
     ),
+    (RECEIVED, "Bytes of messages that clients sent."),
+    (SENT, "Bytes of messages that clients were sent."),
+    (CALLS_STARTED, "Calls begun, by method."),
+    (CALLS_HANDLED, "Calls ended, by method and code."),
 ];
 
-pub(super) const GAUGES: [(&str, &str); 9] = [
+pub(super) const GAUGES: [(&str, &str); 11] = [
     (BUILD_INFO, "1; the labels name the build."),
     (SESSIONS, "Sessions that exist."),
     (STREAMS, "Open solve streams."),
@@ -152,6 +182,11 @@ pub(super) const GAUGES: [(&str, &str); 9] = [
     (MEMORY_BUDGET, "Bytes that may be held."),
     (QUEUE_DEPTH, "Jobs that wait for a solver slot."),
     (SLOTS_BUSY, "Solver slots at work."),
+    (SLOTS, "Solver slots that there are."),
+    (
+        RESIDUAL,
+        "Largest residual of the step that runs in a slot; 0 while none does.",
+    ),
 ];
 
 /// Enters texts and units of all metrics.

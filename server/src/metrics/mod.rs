@@ -3,9 +3,12 @@
 //!
 //! Labels come from small fixed sets; sessions and meshes are never labels.
 //! Metrics live in a recorder of this server, not of the process, so that
-//! several servers in one process do not mix.
+//! several servers in one process do not mix. Every label has its series from the
+//! start (`start`): the first failure would be no increase otherwise.
 
+mod calls;
 mod catalogue;
+mod start;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -14,9 +17,13 @@ use metrics::{Counter, Gauge, Histogram, Key, Label, Level, Metadata, Recorder};
 use metrics_exporter_prometheus::{
     BuildError, Matcher, PrometheusBuilder, PrometheusHandle, PrometheusRecorder,
 };
-use signorini::report::{Cause, Fallback, StepReport, Termination, WarningKind};
+use signorini::report::{Seconds, StepReport, Termination};
 
+pub(crate) use calls::{CallKind, Method, OpenCall};
 use catalogue::*;
+pub(crate) use start::COMMIT;
+
+use crate::status;
 
 /// What a cache of the store holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,6 +34,8 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
+    const ALL: [Self; 3] = [Self::Mesh, Self::Prepared, Self::Session];
+
     fn name(self) -> &'static str {
         match self {
             Self::Mesh => "mesh",
@@ -40,7 +49,11 @@ impl Kind {
 pub(crate) struct Metrics {
     recorder: PrometheusRecorder,
     handle: PrometheusHandle,
+    /// What the process itself uses.
+    process: metrics_process::Collector,
     iterations: Counter,
+    received: Counter,
+    sent: Counter,
 }
 
 impl Metrics {
@@ -55,17 +68,22 @@ impl Metrics {
         }
         let recorder = builder.build_recorder();
         describe(&recorder);
+        let count = |name| recorder.register_counter(&Key::from_static_name(name), &METADATA);
         let metrics = Self {
             handle: recorder.handle(),
-            iterations: recorder.register_counter(&Key::from_static_name(ITERATIONS), &METADATA),
+            process: metrics_process::Collector::default(),
+            iterations: count(ITERATIONS),
+            received: count(RECEIVED),
+            sent: count(SENT),
             recorder,
         };
-        metrics.show_from_the_start();
+        metrics.show_from_the_start(&status::REASONS);
         Ok(Arc::new(metrics))
     }
 
     /// The page that Prometheus reads.
     pub(crate) fn render(&self) -> String {
+        metrics::with_local_recorder(&self.recorder, || self.process.collect());
         self.handle.render()
     }
 
@@ -101,14 +119,7 @@ impl Metrics {
             .increment(report.cut_backs.into());
         self.counter(FACTORISATIONS, &[])
             .increment(report.factorisations.into());
-        let seconds = &report.seconds;
-        for (phase, value) in [
-            ("prepare", seconds.prepare),
-            ("assemble", seconds.assemble),
-            ("factorise", seconds.factorise),
-            ("krylov", seconds.krylov),
-            ("contact", seconds.contact),
-        ] {
+        for (phase, value) in phases(&report.seconds) {
             self.histogram(PHASE_SECONDS, &[("phase", phase)])
                 .record(value);
         }
@@ -210,35 +221,19 @@ impl Metrics {
         self.gauge(MEMORY_BUDGET, &[]).set(bytes as f64);
     }
 
-    /// Series that dashboards and alerts ask for before anything happened.
-    fn show_from_the_start(&self) {
-        let version = [("version", env!("CARGO_PKG_VERSION"))];
-        self.gauge(BUILD_INFO, &version).set(1.0);
-        for (name, _) in GAUGES {
-            if ![BUILD_INFO, MEMORY].contains(&name) {
-                self.gauge(name, &[]).set(0.0);
-            }
-        }
-        for name in [CUT_BACKS, FACTORISATIONS, COALESCED, LEFT_BEHIND] {
-            self.counter(name, &[]).increment(0);
-        }
-        for termination in [Termination::Converged, Termination::NotConverged] {
-            self.counter(STEPS, &[("termination", termination.name())])
-                .increment(0);
-        }
-        self.counter(FAILURES, &[("cause", Cause::Stagnation.name())])
-            .increment(0);
-        for rung in Fallback::ALL {
-            self.counter(FALLBACKS, &[("rung", rung.name())])
-                .increment(0);
-        }
-        self.counter(WARNINGS, &[("kind", WarningKind::Snapped.name())])
-            .increment(0);
-        for kind in [Kind::Mesh, Kind::Prepared] {
-            for name in [CACHE_HITS, CACHE_MISSES, CACHE_EVICTIONS] {
-                self.counter(name, &[("kind", kind.name())]).increment(0);
-            }
-        }
+    /// Solver slots that there are.
+    pub(crate) fn slots(&self, count: usize) {
+        self.set(SLOTS, count);
+    }
+
+    /// Where a slot shows the residual of what it runs.
+    pub(crate) fn residual(&self, slot: usize) -> Gauge {
+        let labels = vec![Label::new("slot", slot.to_string())];
+        let gauge = self
+            .recorder
+            .register_gauge(&Key::from_parts(RESIDUAL, labels), &METADATA);
+        gauge.set(0.0);
+        gauge
     }
 
     fn set(&self, name: &'static str, value: usize) {
@@ -260,6 +255,17 @@ impl Metrics {
     }
 }
 
+/// The phases of an increment with their seconds.
+fn phases(seconds: &Seconds) -> [(&'static str, f64); 5] {
+    [
+        ("prepare", seconds.prepare),
+        ("assemble", seconds.assemble),
+        ("factorise", seconds.factorise),
+        ("krylov", seconds.krylov),
+        ("contact", seconds.contact),
+    ]
+}
+
 const METADATA: Metadata<'static> =
     Metadata::new(module_path!(), Level::INFO, Some(module_path!()));
 
@@ -272,55 +278,4 @@ fn key(name: &'static str, labels: &[(&'static str, &'static str)]) -> Key {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn filled() -> Arc<Metrics> {
-        let metrics = Metrics::new().unwrap();
-        metrics.increment(&StepReport {
-            termination: Termination::Converged,
-            newton_steps: 5,
-            threshold_passes: 3,
-            ..StepReport::default()
-        });
-        metrics.step(Termination::Converged);
-        metrics.cancelled(Duration::from_millis(1));
-        metrics.job_started(Duration::from_millis(1));
-        metrics.refused("QUEUE_FULL");
-        metrics.memory(Kind::Mesh, 1);
-        metrics.increment(&StepReport {
-            cause: Some(Cause::Stagnation),
-            ..StepReport::default()
-        });
-        metrics.iteration();
-        metrics
-    }
-
-    #[test]
-    fn every_histogram_has_buckets_and_every_metric_a_text() {
-        let page = filled().render();
-        assert!(!page.contains(" summary"), "{page}");
-        for (name, ..) in HISTOGRAMS {
-            assert!(page.contains(&format!("# TYPE {name} histogram")), "{name}");
-        }
-        for (name, _) in COUNTERS {
-            assert!(page.contains(&format!("# TYPE {name} counter")), "{name}");
-            assert!(name.ends_with("_total"));
-        }
-        for (name, _) in GAUGES {
-            assert!(page.contains(&format!("# TYPE {name} gauge")), "{name}");
-        }
-        let texts = page
-            .lines()
-            .filter(|line| line.starts_with("# HELP"))
-            .count();
-        assert_eq!(texts, HISTOGRAMS.len() + COUNTERS.len() + GAUGES.len());
-    }
-
-    #[test]
-    fn two_servers_of_one_process_do_not_mix() {
-        let (first, second) = (filled(), Metrics::new().unwrap());
-        assert!(first.render().contains("signorini_iterations_total 1"));
-        assert!(second.render().contains("signorini_iterations_total 0"));
-    }
-}
+mod tests;

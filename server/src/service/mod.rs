@@ -43,7 +43,7 @@ async fn aside<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> 
     let span = tracing::Span::current();
     let done = tokio::task::spawn_blocking(move || span.in_scope(work)).await;
     done.map_err(|error| {
-        tracing::error!(%error, "a request panicked");
+        tracing::error!(said = error.to_string(), "a request panicked");
         Fault::Internal
     })
 }

@@ -83,6 +83,18 @@ pub(crate) enum SessionEnd {
     Died,
 }
 
+impl SessionEnd {
+    /// The word in the log.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Deleted => "deleted",
+            Self::Expired => "expired",
+            Self::ShutDown => "shut_down",
+            Self::Died => "died",
+        }
+    }
+}
+
 /// Calls `ended` once, also when the actor panics.
 struct EndGuard<F: FnOnce(SessionEnd)>(Option<F>);
 
@@ -117,7 +129,7 @@ pub(crate) fn start(
     ended: impl FnOnce(SessionEnd) + Send + 'static,
 ) -> Handle {
     use tracing::Instrument;
-    let span = tracing::info_span!("session", name = %spec.name);
+    let span = tracing::info_span!("session", id = %spec.name);
     let (handle, inbox) = Handle::new(&spec.name, &spec.scene);
     let run = watched(actor::run(services, spec, inbox), ended);
     tokio::spawn(run.instrument(span));

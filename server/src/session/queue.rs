@@ -16,6 +16,15 @@ use crate::convert::step::Update;
 /// its solver thread.
 const PATIENCE: Duration = Duration::from_millis(150);
 
+/// What the increments of a step took so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Spent {
+    pub(super) sqp_iterations: u64,
+    pub(super) krylov_iterations: u64,
+    /// Wall time, s.
+    pub(super) seconds: f64,
+}
+
 /// One accepted update.
 pub(super) struct Accepted {
     pub(super) sequence: i64,
@@ -24,6 +33,7 @@ pub(super) struct Accepted {
     pub(super) cancelled_at: Option<Instant>,
     /// Results so far.
     pub(super) results: u32,
+    spent: Spent,
     max_wall_time: Option<Duration>,
     deadline: Option<AbortHandle>,
     stream_deadline: Option<AbortHandle>,
@@ -38,6 +48,7 @@ impl Accepted {
             cancel: CancelToken::new(),
             cancelled_at: None,
             results: 0,
+            spent: Spent::default(),
             max_wall_time: update.max_wall_time,
             deadline: None,
             stream_deadline: None,
@@ -49,6 +60,17 @@ impl Accepted {
     /// it begins, so the sequence counts them.
     pub(super) fn step_number(&self) -> u32 {
         u32::try_from(self.sequence).unwrap_or(u32::MAX)
+    }
+
+    /// Counts an increment that a solver finished.
+    pub(super) fn spend(&mut self, report: &StepReport) {
+        self.spent.sqp_iterations += u64::from(report.sqp_iterations);
+        self.spent.krylov_iterations += u64::from(report.krylov_iterations);
+        self.spent.seconds += report.seconds.total;
+    }
+
+    pub(super) fn spent(&self) -> Spent {
+        self.spent
     }
 
     /// Asks the step to stop.

@@ -15,7 +15,7 @@ use tokio::sync::{mpsc, oneshot};
 
 use super::Services;
 use crate::client_key::ClientKey;
-use crate::compute::{Panicked, said};
+use crate::compute::{Panicked, Slot, said};
 use crate::convert::field::KeptField;
 use crate::convert::report;
 use crate::memory::{self, OutOfMemory};
@@ -133,7 +133,7 @@ pub(super) enum Unprepared {
 }
 
 /// Does the next increment of a task.
-pub(super) fn advance(handoff: &Handoff, task: &Task) -> Outcome {
+pub(super) fn advance(handoff: &Handoff, task: &Task, slot: &Slot) -> Outcome {
     let Some(mut work) = take(handoff) else {
         return Outcome::Withdrawn;
     };
@@ -148,7 +148,7 @@ pub(super) fn advance(handoff: &Handoff, task: &Task) -> Outcome {
     if let Err(error) = memory::probe(task.scratch_bytes) {
         return Outcome::Broken(work, error.to_string());
     }
-    match catch_unwind(AssertUnwindSafe(|| increment(&mut work, run, task))) {
+    match catch_unwind(AssertUnwindSafe(|| increment(&mut work, run, task, slot))) {
         Ok(increment) => Outcome::Increment(work, Box::new(increment)),
         Err(payload) => {
             // Only the session is used again, and it goes back to its last state.
@@ -158,8 +158,8 @@ pub(super) fn advance(handoff: &Handoff, task: &Task) -> Outcome {
     }
 }
 
-fn increment(work: &mut Work, mut run: StepRun, task: &Task) -> Increment {
-    let mut reporter = Reporter { task };
+fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Increment {
+    let mut reporter = Reporter { task, slot };
     let done = work.session.advance(&mut run, &mut reporter, &task.cancel);
     let report = match done {
         Some(report) => numbered(report, task.number),
@@ -201,12 +201,14 @@ fn gather(session: &Session, wanted: &[FieldName]) -> Vec<KeptField> {
 /// Turns iterations into messages and metrics.
 struct Reporter<'a> {
     task: &'a Task,
+    slot: &'a Slot,
 }
 
 impl Observer for Reporter<'_> {
     fn iteration(&mut self, record: &IterationRecord) {
         fail::fail_point!("iteration");
         self.task.metrics.iteration();
+        self.slot.show_residual(record.residuals.largest());
         let report = report::iteration(&IterationRecord {
             step: self.task.number,
             ..record.clone()
@@ -284,10 +286,14 @@ async fn on_solver<T: Send + 'static>(
     work: impl FnOnce() -> T + Send + 'static,
 ) -> Result<T, Unprepared> {
     let (sender, receiver) = oneshot::channel();
-    services.solvers.submit(client, work, move |outcome| {
-        // The session may be gone; its value is dropped then.
-        let _gone = sender.send(outcome);
-    });
+    services.solvers.submit(
+        client,
+        |_| work(),
+        move |outcome| {
+            // The session may be gone; its value is dropped then.
+            let _gone = sender.send(outcome);
+        },
+    );
     let outcome = receiver.await.map_err(|_| Unprepared::Closed)?;
     if let Err(Panicked(said)) = &outcome {
         tracing::error!(said, "preparation panicked");

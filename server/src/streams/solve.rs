@@ -164,7 +164,7 @@ async fn read(
             Err(status) => {
                 // The connection broke or a message was no message; the pump
                 // notices the first, this ends the second.
-                tracing::debug!(%status, "stream ended by its client");
+                tracing::debug!(status = status.to_string(), "stream ended by its client");
                 let broken = || Fault::request("solve", "the stream broke");
                 let fault = transport::fault_of(&status).unwrap_or_else(broken);
                 return outbox.end(StreamEnd::Fault(fault));

@@ -7,6 +7,7 @@
 )]
 
 mod block;
+mod page;
 
 use signorini_proto::array;
 use signorini_proto::v1::mesh_service_client::MeshServiceClient;
@@ -21,6 +22,7 @@ use tonic::transport::Channel;
 use tonic_types::StatusExt;
 
 pub(crate) use block::Block;
+pub(crate) use page::{answer, page, sample};
 
 /// A server of this process.
 pub(crate) struct Server {
@@ -52,6 +54,26 @@ impl Server {
             channel,
             stop: Some(stop),
             serving,
+        }
+    }
+
+    /// A server of another process, which may still be starting.
+    pub(crate) async fn beside(url: &str) -> Self {
+        let endpoint = tonic::transport::Endpoint::new(url.to_owned()).unwrap();
+        let deadline = tokio::time::Instant::now() + std::time::Duration::from_secs(30);
+        let channel = loop {
+            match endpoint.connect().await {
+                Ok(channel) => break channel,
+                Err(error) => assert!(tokio::time::Instant::now() < deadline, "{error}"),
+            }
+            tokio::time::sleep(std::time::Duration::from_millis(10)).await;
+        };
+        Self {
+            url: url.to_owned(),
+            metrics_url: None,
+            channel,
+            stop: None,
+            serving: tokio::spawn(async { Ok(()) }),
         }
     }
 
@@ -368,28 +390,4 @@ pub(crate) fn rejection_reason(rejected: &wire::UpdateRejected) -> String {
     tonic_types::pb::ErrorInfo::decode(&any.value[..])
         .unwrap()
         .reason
-}
-
-/// The metrics page.
-pub(crate) async fn page(url: &str) -> String {
-    use tokio::io::{AsyncReadExt, AsyncWriteExt};
-    let address = url
-        .strip_prefix("http://")
-        .unwrap()
-        .strip_suffix("/metrics")
-        .unwrap();
-    let mut stream = tokio::net::TcpStream::connect(address).await.unwrap();
-    let request = format!("GET /metrics HTTP/1.1\r\nHost: {address}\r\nConnection: close\r\n\r\n");
-    stream.write_all(request.as_bytes()).await.unwrap();
-    let mut answer = String::new();
-    stream.read_to_string(&mut answer).await.unwrap();
-    assert!(answer.starts_with("HTTP/1.1 200 OK"), "{answer}");
-    answer
-}
-
-/// A whole number of the page.
-pub(crate) fn sample(page: &str, series: &str) -> u64 {
-    let value = |line: &str| line.strip_prefix(series)?.strip_prefix(' ')?.parse().ok();
-    let found: Option<f64> = page.lines().find_map(value);
-    found.unwrap_or_else(|| panic!("{series} is missing:\n{page}")) as u64
 }

@@ -5,8 +5,8 @@ macro_rules! of_tests {
     ($name:literal) => {
         (
             $name,
-            include_str!(concat!("../../../../tests/families/", $name, ".toml")),
-            include_bytes!(concat!("../../../../tests/families/", $name, ".msh")),
+            include_str!(concat!("../../families/", $name, ".toml")),
+            include_bytes!(concat!("../../families/", $name, ".msh")),
         )
     };
 }

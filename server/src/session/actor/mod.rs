@@ -11,6 +11,7 @@
 //! good state, and what the thread brings later is undone.
 
 mod describe;
+mod log;
 mod memory;
 mod results;
 mod stop;
@@ -107,10 +108,12 @@ pub(in crate::session) async fn run(
 ) -> SessionEnd {
     let (events, mut arrived) = mpsc::unbounded_channel();
     let mut actor = Actor::new(services, spec, events);
+    actor.log_start();
     actor.start_preparing();
     loop {
         actor.proceed();
         if let Some(ending) = actor.over() {
+            actor.log_end(ending);
             return ending;
         }
         let room = Arc::clone(&actor.room);
@@ -221,7 +224,7 @@ impl Actor {
             Event::Prepared(Ok(ready)) => self.ready(*ready),
             Event::Prepared(Err(error)) => {
                 self.spec.prepared = None;
-                tracing::warn!(%error, "preparation failed");
+                tracing::warn!(cause = error.to_string(), "preparation failed");
                 self.place = Place::Lost(error.to_string());
             }
             Event::Advanced(outcome) => self.advanced(outcome),
@@ -311,8 +314,8 @@ impl Actor {
         let held = Arc::clone(&self.spec.reservation);
         self.services.solvers.submit(
             self.client,
-            move || {
-                let outcome = span.in_scope(|| work::advance(&handoff, &task));
+            move |slot| {
+                let outcome = span.in_scope(|| work::advance(&handoff, &task, slot));
                 // The memory may outlive the session that asked for it.
                 drop(held);
                 outcome

@@ -1,19 +1,23 @@
 //! From an increment that ended to a kept and sent result.
 
-use super::{Actor, Fresh, Place};
+use super::{Actor, Fresh, Place, log};
 use crate::convert::field::KeptField;
 use crate::convert::report;
 use crate::results::kept::{KeptReport, KeptResult};
 use crate::results::unfinished;
 use crate::session::work::Increment;
 use signorini::ObstaclePose;
-use signorini::report::{FieldName, StepReport, Termination};
+use signorini::report::{Cause, FieldName, StepReport, Termination};
 
 impl Actor {
     pub(super) fn finish_increment(&mut self, increment: Increment) {
         self.state_bytes = increment.state_bytes;
         let report = increment.report;
         self.services.metrics.increment(&report);
+        log::increment(&report);
+        if let Some(current) = self.queue.current() {
+            current.spend(&report);
+        }
         self.last_report = Some(report.clone());
         self.last_poses.clone_from(&increment.poses);
         self.deliver(report, increment.poses, increment.asked, increment.fields);
@@ -49,7 +53,7 @@ impl Actor {
         asked: Option<Vec<FieldName>>,
         fields: Vec<KeptField>,
     ) {
-        let termination = report.termination;
+        let (termination, cause) = (report.termination, report.cause);
         let Some(current) = self.queue.current() else {
             return;
         };
@@ -71,13 +75,14 @@ impl Actor {
         };
         self.feed(Some(&fresh));
         if last {
-            self.finish_step(termination);
+            self.finish_step(termination, cause);
         }
         self.account();
     }
 
-    pub(super) fn finish_step(&mut self, termination: Termination) {
+    pub(super) fn finish_step(&mut self, termination: Termination, cause: Option<Cause>) {
         if let Some(finished) = self.queue.finish() {
+            log::step(&finished, termination, cause);
             self.last_finished = finished.sequence;
             self.services.metrics.step(termination);
             if let Some(asked) = finished.cancelled_at {

@@ -78,6 +78,12 @@ impl Actor {
 
     pub(super) fn reject(&self, sequence: i64, fault: &Fault) {
         self.services.metrics.refused(status::reason(fault));
+        tracing::info!(
+            sequence,
+            reason = status::reason(fault),
+            why = status::text(fault),
+            "update refused"
+        );
         if let Some(writer) = &self.writer {
             let status = Some(status::rpc_status(fault));
             let rejected = wire::UpdateRejected { sequence, status };

@@ -1,0 +1,322 @@
+#!/usr/bin/env python3
+"""Runs every query of every panel against a real Prometheus that watches a real server
+at work, and fails where one is empty.
+
+    try_dashboards.py PROGRAM [--seconds 60] [--pictures DIR]
+
+PROGRAM is `signorini`; `prometheus` is that of the path (Debian's is enough). Python's
+own library does but for --pictures, which needs matplotlib and draws each panel from the
+numbers that Grafana would get. Everything listens on loopback and ends with the script.
+"""
+
+import argparse
+import contextlib
+import itertools
+import json
+import math
+import pathlib
+import re
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import urllib.error
+import urllib.parse
+import urllib.request
+
+HERE = pathlib.Path(__file__).resolve().parent
+EXAMPLES = HERE.parent / "client" / "examples"
+DASHBOARDS = sorted((HERE / "grafana" / "dashboards").glob("*.json"))
+
+# Small enough that meshes and prepared data have to make room for each other.
+SETTINGS = """
+solver_slots = 2
+threads_per_slot = 1
+maximum_sessions = 6
+memory_budget_bytes = 64_000_000
+"""
+
+# Nothing can change the volume of a body that is held all around: fails in a moment.
+FULL = """
+name = "full"
+mesh = "{mesh}"
+kind = "plane-strain"
+[material.body]
+model = "linear-elastic"
+shear_modulus = 1.0
+poisson_ratio = 0.5
+[[support]]
+name = "walls"
+on = ["x0", "x1", "y0"]
+displacement = {{ x = 0.0, y = 0.0 }}
+[[support]]
+name = "lid"
+on = "y1"
+displacement = {{ x = 0.0, y = -0.1 }}
+"""
+
+
+def free_port():
+    with socket.socket() as found:
+        found.bind(("127.0.0.1", 0))
+        return found.getsockname()[1]
+
+
+def get(url):
+    with urllib.request.urlopen(url, timeout=30) as answer:
+        return answer.read().decode()
+
+
+def wait_for(url, seconds=30):
+    end = time.time() + seconds
+    while True:
+        try:
+            return get(url)
+        except (urllib.error.URLError, ConnectionError) as error:
+            if time.time() > end:
+                raise SystemExit(f"{url}: {error}") from error
+            time.sleep(0.1)
+
+
+@contextlib.contextmanager
+def running(command, log):
+    """A process that ends with the block."""
+    with open(log, "w") as lines:
+        process = subprocess.Popen(command, stdout=lines, stderr=subprocess.STDOUT)
+    try:
+        yield process
+    finally:
+        process.send_signal(signal.SIGTERM)
+        try:
+            process.wait(timeout=40)
+        except subprocess.TimeoutExpired:
+            process.kill()
+
+
+def start_server(program, folder, stack):
+    """Starts the server; returns the addresses of service and metrics page."""
+    service, page = free_port(), free_port()
+    settings = folder / "server.toml"
+    settings.write_text(SETTINGS)
+    command = [program, "serve", "--config", settings, "--listen", f"127.0.0.1:{service}"]
+    command += ["--metrics-listen", f"127.0.0.1:{page}"]
+    stack.enter_context(running(command, folder / "server.log"))
+    wait_for(f"http://127.0.0.1:{page}/healthz")
+    return f"http://127.0.0.1:{service}", f"127.0.0.1:{page}"
+
+
+def start_prometheus(page, folder, stack):
+    """Starts Prometheus with the shipped rules, looking every second."""
+    config = (HERE / "prometheus" / "prometheus.yml").read_text()
+    port = free_port()
+    config = config.replace("15s", "2s").replace("5s", "1s")
+    config = config.replace("127.0.0.1:9464", page).replace("127.0.0.1:9090", f"127.0.0.1:{port}")
+    for name in ["rules.yml", "alerts.yml"]:
+        config = config.replace(f"- {name}", f"- {HERE / 'prometheus' / name}")
+    (folder / "prometheus.yml").write_text(config)
+    command = ["prometheus", f"--config.file={folder / 'prometheus.yml'}"]
+    command += [f"--storage.tsdb.path={folder / 'data'}", f"--web.listen-address=127.0.0.1:{port}"]
+    stack.enter_context(running(command, folder / "prometheus.log"))
+    url = f"http://127.0.0.1:{port}"
+    wait_for(f"{url}/-/ready")
+    return url
+
+
+class Load:
+    """Clients that keep a server busy: scenes of every kind, one that fails, requests that
+    are refused, steps that are cancelled, results that are watched."""
+
+    def __init__(self, program, server, folder):
+        self.program, self.server, self.folder = program, server, folder
+        self.stop = threading.Event()
+        self.done, self.lock = {}, threading.Lock()
+        full = folder / "full.toml"
+        full.write_text(FULL.format(mesh=EXAMPLES / "meshes" / "square_n16.msh"))
+        self.full = full
+
+    def call(self, *arguments, expect=0):
+        command = [self.program, *map(str, arguments), "--server", self.server]
+        run = subprocess.run(command, capture_output=True, text=True, timeout=120)
+        with self.lock:
+            key = (arguments[0], run.returncode)
+            self.done[key] = self.done.get(key, 0) + 1
+        # A busy server may refuse (6), and a cancelled step is not converged (3).
+        if not self.stop.is_set() and run.returncode not in (expect, 3, 6):
+            print(f"{' '.join(command)}: code {run.returncode}\n{run.stderr}", file=sys.stderr)
+        return run
+
+    def solve(self, names, more=()):
+        for name in itertools.cycle(names):
+            if self.stop.is_set():
+                return
+            self.call("solve", EXAMPLES / name, "--quiet", *more)
+
+    def fail(self):
+        while not self.stop.wait(2.0):
+            self.call("solve", self.full, "--quiet", expect=3)
+            self.call("session", "show", "sessions/nobody", expect=2)
+
+    def cancel(self):
+        """Long steps that are watched and cancelled."""
+        scene = EXAMPLES / "mr-sphere.toml"
+        while not self.stop.wait(1.0):
+            detached = self.call("solve", scene, "--detach", "--set", "step.0.increments=400")
+            if detached.returncode != 0:
+                continue
+            name = detached.stdout.split()[-1]
+            watching = threading.Thread(target=self.call, args=("watch", name))
+            watching.start()
+            self.stop.wait(4.0)
+            self.call("cancel", name)
+            watching.join()
+            self.call("session", "delete", name)
+
+    def crowd(self):
+        """More sessions at once than there may be."""
+        while not self.stop.wait(6.0):
+            scene = EXAMPLES / "cook.toml"
+            all_at_once = [
+                threading.Thread(target=self.call, args=("solve", scene, "--quiet"))
+                for _ in range(8)
+            ]
+            for one in all_at_once:
+                one.start()
+            for one in all_at_once:
+                one.join()
+
+    def run(self, seconds):
+        scenes = ["hertz-plane.toml", "mr-uniax.toml", "cook.toml", "cube-bend.toml"]
+        out = ["--out", self.folder / "out"]
+        threads = [
+            threading.Thread(target=self.solve, args=(scenes,)),
+            threading.Thread(target=self.solve, args=(["slide-block.toml", "hertz-plane.toml"], out)),
+            threading.Thread(target=self.fail),
+            threading.Thread(target=self.cancel),
+            threading.Thread(target=self.crowd),
+        ]
+        for thread in threads:
+            thread.start()
+        time.sleep(seconds)
+        self.stop.set()
+        for thread in threads:
+            thread.join()
+
+
+class Asked:
+    """Queries as Grafana would send them for a range of time."""
+
+    def __init__(self, url, start, end):
+        self.url, self.start, self.end = url, start, end
+
+    def expression(self, text):
+        values = {
+            "$__rate_interval": "8s",
+            "$__range": f"{int(self.end - self.start)}s",
+            "$job": ".*",
+            "$instance": ".*",
+        }
+        for name, value in values.items():
+            text = text.replace(name, value)
+        left = re.search(r"\$\w+", text)
+        if left:
+            raise SystemExit(f"unknown variable {left.group()} in {text}")
+        return text
+
+    def api(self, path, **parameters):
+        url = f"{self.url}/api/v1/{path}?{urllib.parse.urlencode(parameters)}"
+        try:
+            return json.loads(get(url))["data"]
+        except urllib.error.HTTPError as error:
+            raise SystemExit(f"{parameters}: {error.read().decode()}") from error
+
+    def series(self, target):
+        """Finite points by legend."""
+        query = self.expression(target["expr"])
+        if target["instant"]:
+            found = self.api("query", query=query, time=self.end)["result"]
+            points = [(one["metric"], [one["value"]]) for one in found]
+        else:
+            found = self.api("query_range", query=query, start=self.start, end=self.end, step=1)
+            points = [(one["metric"], one["values"]) for one in found["result"]]
+        return {
+            legend(target, metric): finite for metric, values in points if (finite := numbers(values))
+        }
+
+
+def numbers(values):
+    pairs = [(when, float(value)) for when, value in values]
+    return [(when, value) for when, value in pairs if math.isfinite(value)]
+
+
+def legend(target, metric):
+    fill = lambda found: metric.get(found.group(1), "")
+    return re.sub(r"\{\{(\w+)\}\}", fill, target["legendFormat"]) or str(metric)
+
+
+def check(asked):
+    """Asks everything; returns the answers by dashboard and panel, and what was empty."""
+    answers, empty = {}, []
+    for path in DASHBOARDS:
+        board = json.loads(path.read_text())
+        panels = answers.setdefault(path.stem, (board, {}))[1]
+        for panel in board["panels"]:
+            found = {}
+            for target in panel["targets"]:
+                series = asked.series(target)
+                if not series:
+                    empty.append(f"{board['title']}: {panel['title']}: {target['expr']}")
+                found.update(series)
+            panels[panel["id"]] = found
+            count = sum(map(len, found.values()))
+            print(f"{board['title']:44} {panel['title']:44} {len(found):3} series {count:6} points")
+    return answers, empty
+
+
+def check_rules(asked):
+    """Recorded rules that gave nothing, and alerts that could not be asked."""
+    wrong = []
+    for group in asked.api("rules")["groups"]:
+        for rule in group["rules"]:
+            if rule["health"] != "ok":
+                wrong.append(f"rule {rule['name']}: {rule.get('lastError', rule['health'])}")
+            elif rule["type"] == "recording":
+                if not asked.api("query", query=rule["name"], time=asked.end)["result"]:
+                    wrong.append(f"rule {rule['name']}: nothing recorded")
+    return wrong
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("program", type=pathlib.Path)
+    parser.add_argument("--seconds", type=float, default=60.0, help="how long the server works")
+    parser.add_argument("--pictures", type=pathlib.Path, help="folder for a picture of each dashboard")
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name, contextlib.ExitStack() as stack:
+        folder, program = pathlib.Path(name), str(arguments.program.resolve())
+        server, page = start_server(program, folder, stack)
+        asked_url = start_prometheus(page, folder, stack)
+        start = time.time()
+        load = Load(program, server, folder)
+        load.run(arguments.seconds)
+        # One more look after the last result, and the rules once more.
+        time.sleep(4.0)
+        asked = Asked(asked_url, start, time.time())
+        answers, empty = check(asked)
+        empty += check_rules(asked)
+        print("calls by command and exit code:", load.done)
+        if arguments.pictures:
+            import draw_dashboards
+
+            draw_dashboards.draw(answers, arguments.pictures)
+        for line in empty:
+            print(f"EMPTY {line}", file=sys.stderr)
+        if empty:
+            print((folder / "server.log").read_text()[-3000:], file=sys.stderr)
+            sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

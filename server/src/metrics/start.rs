@@ -1,0 +1,108 @@
+//! The series that exist before anything happened: every label of every metric.
+//!
+//! A counter that appears with its first event has no increase there, so the first
+//! failure would be lost to alerts; a panel of a series that is missing says "no data".
+
+use signorini::assembly::simd::InstructionSet;
+use signorini::report::{Cause, Fallback, Seconds, Termination, WarningKind};
+
+use super::catalogue::*;
+use super::{Kind, Metrics, phases};
+
+/// The commit that the program was built from; `unknown` outside release builds.
+pub(crate) const COMMIT: &str = env!("SIGNORINI_COMMIT");
+
+impl Metrics {
+    /// Makes all series of fixed labels; `reasons` are those of refusals.
+    pub(super) fn show_from_the_start(&self, reasons: &[&'static str]) {
+        self.process_metrics();
+        self.gauges();
+        self.outcomes();
+        self.caches();
+        for name in [
+            CUT_BACKS,
+            FACTORISATIONS,
+            COALESCED,
+            LEFT_BEHIND,
+            RECEIVED,
+            SENT,
+        ] {
+            self.counter(name, &[]).increment(0);
+        }
+        for reason in reasons {
+            self.counter(REFUSED, &[("reason", reason)]).increment(0);
+        }
+        for name in [
+            QUEUE_WAIT,
+            CANCEL_SECONDS,
+            SQP_ITERATIONS,
+            KRYLOV_ITERATIONS,
+            APPLICATIONS,
+            SET_CHANGES,
+            NEWTON_STEPS,
+            THRESHOLD_PASSES,
+            CONTACT_VERTICES,
+        ] {
+            self.show_histogram(name, &[]);
+        }
+    }
+
+    fn process_metrics(&self) {
+        metrics::with_local_recorder(&self.recorder, || self.process.describe());
+    }
+
+    fn gauges(&self) {
+        let build = [
+            ("version", env!("CARGO_PKG_VERSION")),
+            ("commit", COMMIT),
+            ("instruction_set", InstructionSet::of_this_machine().name()),
+        ];
+        self.gauge(BUILD_INFO, &build).set(1.0);
+        for (name, _) in GAUGES {
+            if ![BUILD_INFO, MEMORY, RESIDUAL].contains(&name) {
+                self.gauge(name, &[]).set(0.0);
+            }
+        }
+        for kind in Kind::ALL {
+            self.memory(kind, 0);
+        }
+    }
+
+    /// How steps and increments end, and what is said of them.
+    fn outcomes(&self) {
+        for termination in Termination::ALL {
+            let label = [("termination", termination.name())];
+            self.counter(STEPS, &label).increment(0);
+            self.counter(INCREMENTS, &label).increment(0);
+            self.show_histogram(SOLVE_SECONDS, &label);
+        }
+        for cause in Cause::ALL {
+            self.counter(FAILURES, &[("cause", cause.name())])
+                .increment(0);
+        }
+        for rung in Fallback::ALL {
+            self.counter(FALLBACKS, &[("rung", rung.name())])
+                .increment(0);
+        }
+        for kind in WarningKind::ALL {
+            self.counter(WARNINGS, &[("kind", kind.name())])
+                .increment(0);
+        }
+        for (phase, _) in phases(&Seconds::default()) {
+            self.show_histogram(PHASE_SECONDS, &[("phase", phase)]);
+        }
+    }
+
+    fn show_histogram(&self, name: &'static str, labels: &[(&'static str, &'static str)]) {
+        // Registered is enough: the page shows it with no samples.
+        drop(self.histogram(name, labels));
+    }
+
+    fn caches(&self) {
+        for kind in [Kind::Mesh, Kind::Prepared] {
+            for name in [CACHE_HITS, CACHE_MISSES, CACHE_EVICTIONS] {
+                self.counter(name, &[("kind", kind.name())]).increment(0);
+            }
+        }
+    }
+}
