@@ -13,6 +13,9 @@ use signorini_proto::{v1, words};
 
 use crate::exit::{Exit, Failure};
 
+/// Name of the result lines in the folder.
+pub(crate) const LINES: &str = "results.jsonl";
+
 /// Writes the results of one run.
 pub(crate) struct ResultFolder {
     folder: PathBuf,
@@ -52,9 +55,14 @@ impl ResultFolder {
         })
     }
 
+    /// The folder itself.
+    pub(crate) fn path(&self) -> &Path {
+        &self.folder
+    }
+
     /// Path of the result lines.
     pub(crate) fn lines(&self) -> PathBuf {
-        self.folder.join("results.jsonl")
+        self.folder.join(LINES)
     }
 
     /// Path of the series.

@@ -3,8 +3,11 @@
 #[cfg(feature = "bench")]
 mod bench;
 mod cancel;
+mod check;
 mod completions;
 mod fetch;
+mod init;
+mod man;
 mod mesh;
 mod plan;
 mod serve;
@@ -31,13 +34,16 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         Command::Watch(arguments) => runtime.block_on(Box::pin(watch::run(arguments, started))),
         Command::Fetch(arguments) => runtime.block_on(Box::pin(fetch::run(arguments, started))),
         Command::Cancel(arguments) => runtime.block_on(cancel::run(arguments)),
+        Command::Check(arguments) => runtime.block_on(check::run(arguments)),
         Command::Plan(arguments) => runtime.block_on(plan::run(arguments)),
+        Command::Init { mesh, scene } => init::run(&mesh, scene),
         Command::Serve(arguments) => runtime.block_on(serve::run(arguments)),
         #[cfg(feature = "bench")]
         Command::Bench(arguments) => runtime.block_on(Box::pin(bench::run(arguments))),
         Command::Mesh(command) => runtime.block_on(mesh::run(command)),
         Command::Session(command) => runtime.block_on(session::run(command)),
         Command::Completions { shell } => completions::run(shell),
+        Command::Man { folder } => man::run(&folder),
     }
 }
 
