@@ -19,7 +19,7 @@ const AFTER_HELP: &str = "\
 Examples:
   signorini init ring.msh                    a commented scene for a mesh
   signorini check ring.toml                  every fault of it, solving nothing
-  signorini solve ring.toml --out results    forces, and files for ParaView
+  signorini solve ring.toml --out results    forces, report.html, files for ParaView
 
 Units are yours: one set of lengths, forces and stresses throughout (mm, N and MPa, say).
 Rotation vectors are in radians: a quarter turn is 1.5708.
@@ -37,7 +37,7 @@ Examples:
 
 The force of an obstacle is told along its first travel, positive when it presses that way; of one
 that never travels its size. What follows ± is the estimated error of the mesh. --out writes
-results.csv, results.jsonl and a series for ParaView.";
+report.html, results.csv, results.jsonl and a series for ParaView.";
 
 const SESSION_EXAMPLES: &str = "\
 Examples:
@@ -99,6 +99,12 @@ pub(crate) enum Command {
         /// Scene file to write, never over another; default: the mesh's name, ending in .toml
         scene: Option<PathBuf>,
     },
+    /// Make the page report.html of a folder of results again
+    Report {
+        /// Folder that solve --out or fetch --out has written
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
     /// Start a server
     #[command(after_help = SERVE_EXAMPLES)]
     Serve(ServeArguments),
@@ -144,7 +150,7 @@ pub(crate) struct SolveArguments {
     /// Print result lines: one JSON object a line on stdout
     #[arg(long)]
     pub(crate) json: bool,
-    /// Write tables, result lines and files for ParaView into this folder
+    /// Write a page, tables, result lines and files for ParaView into this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Hand all steps to the server, print the session's name and leave
@@ -225,7 +231,7 @@ pub(crate) struct WatchArguments {
 pub(crate) struct FetchArguments {
     /// Name or identifier
     pub(crate) session: String,
-    /// Write tables, result lines and files for ParaView into this folder
+    /// Write a page, tables, result lines and files for ParaView into this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Tell also what the solver did and left out

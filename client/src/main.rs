@@ -21,6 +21,7 @@ mod mesh_shape;
 mod output;
 mod progress;
 mod record;
+mod report_page;
 mod results;
 mod results_csv;
 mod scene_draft;

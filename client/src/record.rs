@@ -9,6 +9,7 @@ use signorini_proto::v1;
 use crate::exit::{Exit, Failure};
 use crate::output::LineSink;
 use crate::progress::{Progress, Verbosity};
+use crate::report_page;
 use crate::results::ResultFolder;
 use crate::results_csv::ResultsCsv;
 use crate::table::{self, Detail, Rows};
@@ -158,7 +159,7 @@ impl Record {
             .map_or(Exit::Ok, |last| Exit::from(last.termination()))
     }
 
-    /// Summary and table, also of a run that failed half-way.
+    /// Summary, page and table, also of a run that failed half-way.
     pub(crate) fn finish(
         mut self,
         outcome: Result<Exit, Failure>,
@@ -171,10 +172,19 @@ impl Record {
         let wall_seconds = started.elapsed().as_secs_f64();
         let summary = self.totals.summary(wall_seconds, peak_memory());
         self.lines.write(&summary)?;
+        let written = self.write_page();
         if self.verbosity != Verbosity::Quiet {
             self.show_table()?;
         }
-        outcome
+        // What went wrong before says more than a page that is missing.
+        outcome.and_then(|exit| written.map(|()| exit))
+    }
+
+    fn write_page(&self) -> Result<(), Failure> {
+        let folder = self.folder.as_ref();
+        folder.map_or(Ok(()), |folder| {
+            report_page::write(folder.results.path()).map(|_| ())
+        })
     }
 
     fn show_table(&self) -> Result<(), Failure> {
@@ -189,6 +199,8 @@ impl Record {
         if let Some(folder) = &self.folder {
             let series = folder.results.series();
             text.push_str(&format!("{:<18} {}\n", "written", series.display()));
+            let page = report_page::path(folder.results.path());
+            text.push_str(&format!("{:<18} {}\n", "", page.display()));
         }
         tell(&self.lines, &text)
     }

@@ -197,6 +197,7 @@ fn a_folder_of_results_holds_the_series_and_the_lines() {
     let lines = std::fs::read_to_string(folder.join("results.jsonl")).unwrap();
     assert_eq!(lines, run.stdout);
     check_table(&folder, &last);
+    check_page(&folder);
     let displacement = vtu_array(&folder.join("hertz-plane_0002.vtu"), "displacement");
     let points = vtu_array(&folder.join("hertz-plane_0002.vtu"), "Points");
     let pole = points
@@ -224,6 +225,25 @@ fn check_table(folder: &Path, last: &Value) {
     assert!((of("floor.force_z") - force).abs() < 1e-15);
     assert!((of("floor.force_along_travel") - force).abs() < 1e-12 && force > 0.0);
     assert!((of("floor.travel") - 0.05).abs() < 1e-12);
+}
+
+/// The page holds the numbers and the surface, and is made again as it was.
+fn check_page(folder: &Path) {
+    let path = folder.join("report.html");
+    let page = std::fs::read_to_string(&path).unwrap();
+    assert!(page.len() < 3_000_000, "{}", page.len());
+    for part in [
+        "hertz-plane",
+        "\"along\":",
+        "contact_pressure",
+        "\"triangles\":",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    std::fs::remove_file(&path).unwrap();
+    let again = run(["report", folder.to_str().unwrap()]);
+    assert_eq!(again.code, Some(0), "{}", again.stderr);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), page);
 }
 
 #[test]

@@ -10,6 +10,7 @@ mod init;
 mod man;
 mod mesh;
 mod plan;
+mod report;
 mod serve;
 mod session;
 mod solve;
@@ -37,6 +38,7 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         Command::Check(arguments) => runtime.block_on(check::run(arguments)),
         Command::Plan(arguments) => runtime.block_on(plan::run(arguments)),
         Command::Init { mesh, scene } => init::run(&mesh, scene),
+        Command::Report { folder } => report::run(&folder),
         Command::Serve(arguments) => runtime.block_on(serve::run(arguments)),
         #[cfg(feature = "bench")]
         Command::Bench(arguments) => runtime.block_on(Box::pin(bench::run(arguments))),
