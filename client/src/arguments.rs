@@ -11,15 +11,66 @@ use crate::commands::embed::EmbedCommand;
 
 /// Contact of nearly incompressible bodies, rubber included: solve scenes, serve, look at servers.
 #[derive(Debug, Parser)]
-#[command(name = "signorini", version, after_help = EXIT_CODES)]
+#[command(name = "signorini", version, after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     pub(crate) command: Command,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 ok, 2 usage, 3 not converged (results kept), \
-    4 invalid or unsupported scene or mesh, 5 no server, 6 refused (quota, queue, memory, size), \
-    7 deadline, 8 server error, 130 interrupted";
+const AFTER_HELP: &str = "\
+Examples:
+  signorini init ring.msh                    a commented scene for a mesh
+  signorini check ring.toml                  every fault of it, solving nothing
+  signorini solve ring.toml --out results    forces, report.html, files for ParaView
+
+Units are yours: one set of lengths, forces and stresses throughout (mm, N and MPa, say).
+Rotation vectors are in radians: a quarter turn is 1.5708.
+
+Exit codes: 0 ok, 2 usage (or a name that the server does not know), 3 not converged (results kept),
+4 invalid or unsupported scene or mesh, 5 no server, 6 refused (quota, queue, memory, size, in use),
+7 deadline, 8 server error, 130 interrupted";
+
+const SOLVE_EXAMPLES: &str = "\
+Examples:
+  signorini solve ring.toml
+  signorini solve ring.toml --out results --set step.0.increments=20
+  signorini solve ring.toml --set material.rubber.c10=0.4 --json > lines.jsonl
+  signorini solve ring.toml --server 127.0.0.1:50051 --detach --name ring-1
+
+The force of an obstacle is told along its first travel, positive when it presses that way; of one
+that never travels its size. What follows ± is the estimated error of the mesh. --out writes
+report.html, results.csv, results.jsonl and a series for ParaView.";
+
+const SESSION_EXAMPLES: &str = "\
+Examples:
+  export SIGNORINI_SERVER=127.0.0.1:50051
+  signorini solve ring.toml --detach --name ring-1
+  signorini watch ring-1
+  signorini fetch ring-1 --out results";
+
+const PLAN_EXAMPLES: &str = "\
+Examples:
+  signorini plan ring.toml
+  signorini plan ring.toml --set solver.contact_space=linear --json";
+
+const SERVE_EXAMPLES: &str = "\
+Examples:
+  signorini serve
+  signorini serve --listen unix:/run/signorini.sock --metrics-listen ''
+  signorini serve --config server.toml
+
+Without a configuration it listens on 127.0.0.1:50051, and shows metrics on
+http://127.0.0.1:9464/metrics. It prints its address once it listens.";
+
+const MESH_EXAMPLES: &str = "\
+Examples:
+  signorini mesh info ring.msh
+  signorini mesh put ring.msh --server 127.0.0.1:50051";
+
+const INIT_EXAMPLES: &str = "\
+Examples:
+  signorini init ring.msh              writes ring.toml beside the mesh
+  signorini init ring.msh study.toml";
 
 /// Seconds that a server takes at most: 30 days.
 const LONGEST_TTL: u64 = 30 * 24 * 3600;
@@ -27,22 +78,43 @@ const LONGEST_TTL: u64 = 30 * 24 * 3600;
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Solve a scene; without --server in a server of this process
+    #[command(after_help = SOLVE_EXAMPLES)]
     Solve(SolveArguments),
     /// Follow the results of a session, kept ones first
+    #[command(after_help = SESSION_EXAMPLES)]
     Watch(WatchArguments),
     /// Fetch the kept results of a session as solve --out writes them
+    #[command(after_help = SESSION_EXAMPLES)]
     Fetch(FetchArguments),
     /// Cancel a step of a session; its last good state is kept
     Cancel(CancelArguments),
+    /// Check a scene and its mesh: every fault of it, exit code 4; solves nothing
+    Check(CheckArguments),
     /// Print what a scene needs, what is left out and why
+    #[command(after_help = PLAN_EXAMPLES)]
     Plan(PlanArguments),
+    /// Write a commented scene for a mesh
+    #[command(after_help = INIT_EXAMPLES)]
+    Init {
+        /// Mesh file
+        mesh: PathBuf,
+        /// Scene file to write, never over another; default: the mesh's name, ending in .toml
+        scene: Option<PathBuf>,
+    },
+    /// Make the page report.html of a folder of results again
+    Report {
+        /// Folder that solve --out or fetch --out has written
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
     /// Start a server
+    #[command(after_help = SERVE_EXAMPLES)]
     Serve(ServeArguments),
     /// Measure error against run time: table, figures and a page
     #[cfg(feature = "bench")]
     Bench(signorini_bench::Arguments),
-    /// Meshes of a server
-    #[command(subcommand)]
+    /// A mesh file, and the meshes of a server
+    #[command(subcommand, after_help = MESH_EXAMPLES)]
     Mesh(MeshCommand),
     /// Sessions of a server
     #[command(subcommand)]
@@ -55,6 +127,12 @@ pub(crate) enum Command {
         /// The shell
         shell: Shell,
     },
+    /// Write manual pages into a folder
+    Man {
+        /// Folder, such as /usr/local/share/man/man1
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
 }
 
 /// A scene and changes to it.
@@ -65,24 +143,27 @@ pub(crate) struct SceneArguments {
     /// Change a key of the scene, such as obstacle.ball.shape.radius=2
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(crate) overrides: Vec<Override>,
-    /// Server to use: http://HOST:PORT or unix:PATH; default: one in this process
-    #[arg(long, value_name = "URL")]
+    /// Server to use: HOST:PORT, http://HOST:PORT or unix:PATH; default: one in this process
+    #[arg(long, value_name = "URL", env = "SIGNORINI_SERVER")]
     pub(crate) server: Option<ServerAddress>,
-    /// Print result lines: one JSON object a line on stdout
-    #[arg(long)]
-    pub(crate) json: bool,
 }
 
 #[derive(Args, Debug)]
 pub(crate) struct SolveArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
-    /// Write PVD, VTU and VTP files and result lines into this folder
+    /// Print result lines: one JSON object a line on stdout
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Write a page, tables, result lines and files for ParaView into this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Hand all steps to the server, print the session's name and leave
     #[arg(long, conflicts_with = "out")]
     pub(crate) detach: bool,
+    /// Name of the detached session: 4 to 63 of a-z, 0-9 and -, a letter first
+    #[arg(long, value_name = "NAME", requires = "detach")]
+    pub(crate) name: Option<String>,
     /// Time to live of the detached session since its last use; default: one day
     #[arg(long, value_name = "SECONDS", requires = "detach",
         value_parser = clap::value_parser!(u64).range(1..=LONGEST_TTL))]
@@ -93,12 +174,24 @@ pub(crate) struct SolveArguments {
     /// No progress, no warnings, no table
     #[arg(long)]
     pub(crate) quiet: bool,
+    /// Tell also what the solver did and left out
+    #[arg(long, conflicts_with = "quiet")]
+    pub(crate) verbose: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct CheckArguments {
+    #[command(flatten)]
+    pub(crate) scene: SceneArguments,
 }
 
 #[derive(Args, Debug)]
 pub(crate) struct PlanArguments {
     #[command(flatten)]
     pub(crate) scene: SceneArguments,
+    /// One JSON object
+    #[arg(long)]
+    pub(crate) json: bool,
 }
 
 #[derive(Args, Debug)]
@@ -117,8 +210,8 @@ pub(crate) struct ServeArguments {
 /// A server that runs already.
 #[derive(Args, Debug)]
 pub(crate) struct RemoteArguments {
-    /// Server: http://HOST:PORT or unix:PATH
-    #[arg(long, value_name = "URL")]
+    /// Server: HOST:PORT, http://HOST:PORT or unix:PATH
+    #[arg(long, value_name = "URL", env = "SIGNORINI_SERVER")]
     pub(crate) server: ServerAddress,
     /// One JSON object a line
     #[arg(long)]
@@ -132,6 +225,9 @@ pub(crate) struct WatchArguments {
     /// Go on when every step is answered, until the session ends
     #[arg(long)]
     pub(crate) follow: bool,
+    /// Tell also what the solver did and left out
+    #[arg(long)]
+    pub(crate) verbose: bool,
     #[command(flatten)]
     pub(crate) remote: RemoteArguments,
 }
@@ -140,9 +236,12 @@ pub(crate) struct WatchArguments {
 pub(crate) struct FetchArguments {
     /// Name or identifier
     pub(crate) session: String,
-    /// Write PVD, VTU and VTP files and result lines into this folder
+    /// Write a page, tables, result lines and files for ParaView into this folder
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
+    /// Tell also what the solver did and left out
+    #[arg(long)]
+    pub(crate) verbose: bool,
     /// One step only
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(i64).range(1..))]
     pub(crate) step: Option<i64>,
@@ -163,9 +262,17 @@ pub(crate) struct CancelArguments {
 
 #[derive(Debug, Subcommand)]
 pub(crate) enum MeshCommand {
+    /// Groups, sizes and quality of a mesh file; needs no server
+    Info {
+        /// Mesh file
+        file: PathBuf,
+        /// One JSON object
+        #[arg(long)]
+        json: bool,
+    },
     /// Upload a mesh file and print its digest
     Put {
-        /// Gmsh file
+        /// Mesh file
         file: PathBuf,
         #[command(flatten)]
         remote: RemoteArguments,

@@ -34,7 +34,7 @@ const PLAN_LIMIT: Duration = Duration::from_secs(600);
 /// Where a server listens.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ServerAddress {
-    /// `http://HOST:PORT`.
+    /// `http://HOST:PORT`; `HOST:PORT` is read as such.
     Http(String),
     /// `unix:PATH`.
     Unix(PathBuf),
@@ -50,9 +50,16 @@ impl FromStr for ServerAddress {
             let path = Some(path).filter(|path| !path.is_empty());
             return path.map(|path| Self::Unix(path.into())).ok_or_else(wrong);
         }
-        let uri: Uri = text.parse().map_err(|_| wrong())?;
-        if uri.scheme_str() == Some("http") && uri.authority().is_some() {
-            return Ok(Self::Http(text.to_owned()));
+        let url = match text.contains("://") {
+            true => text.to_owned(),
+            false => format!("http://{text}"),
+        };
+        let uri: Uri = url.parse().map_err(|_| wrong())?;
+        let is_bare = url != text;
+        let is_known = uri.scheme_str() == Some("http") && uri.authority().is_some();
+        // A word alone is rather a mistake than a host.
+        if is_known && (!is_bare || uri.port().is_some() && uri.path() == "/") {
+            return Ok(Self::Http(url));
         }
         Err(wrong())
     }
@@ -208,10 +215,17 @@ mod tests {
         );
         let http = "http://127.0.0.1:50051".parse::<ServerAddress>().unwrap();
         assert_eq!(http.to_string(), "http://127.0.0.1:50051");
+        for bare in ["127.0.0.1:50051", "localhost:1", "[::1]:50051"] {
+            let address = bare.parse::<ServerAddress>().unwrap();
+            assert_eq!(address.to_string(), format!("http://{bare}"));
+        }
         for wrong in [
             "",
             "unix:",
-            "127.0.0.1:50051",
+            "127.0.0.1",
+            "nowhere",
+            "host:port",
+            "127.0.0.1:50051/path",
             "ftp://host:1",
             "https://host:1",
             "http://",

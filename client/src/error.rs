@@ -96,7 +96,7 @@ impl Refusal {
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
     /// An address that is neither a URL nor a socket path.
-    #[error("\"{0}\" is no server address: http://HOST:PORT or unix:PATH is expected")]
+    #[error("\"{0}\" is no server address: HOST:PORT, http://HOST:PORT or unix:PATH is expected")]
     Address(String),
     /// Nobody answers at the address.
     #[error("no server answers at {address}: {message}")]

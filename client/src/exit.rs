@@ -1,6 +1,6 @@
 //! Exit codes, and the failures that lead to them.
 
-use std::io::Write as _;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -9,13 +9,15 @@ use signorini_client::{ClientError, Refusal, Violation};
 use signorini_proto::v1::Termination;
 use tonic::Code;
 
+use crate::text::note;
+
 /// How the process ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(crate) enum Exit {
     /// All well.
     Ok = 0,
-    /// Wrong arguments, or files that cannot be written.
+    /// Wrong arguments, names that the server does not know, or files that cannot be written.
     Usage = 2,
     /// A step did not converge; results are kept.
     NotConverged = 3,
@@ -23,7 +25,7 @@ pub(crate) enum Exit {
     Invalid = 4,
     /// No server answers.
     NoServer = 5,
-    /// Quota, queue, memory or size.
+    /// Quota, queue, memory or size, or a name that is in use.
     Refused = 6,
     /// Time is up.
     Deadline = 7,
@@ -63,9 +65,34 @@ impl Failure {
         Self { exit, messages }
     }
 
-    /// A file that cannot be read.
+    /// A file that cannot be read; where it was looked for when it is not there.
     pub(crate) fn unreadable(path: &Path, error: &std::io::Error) -> Self {
-        Self::new(Exit::Invalid, format!("{}: {error}", path.display()))
+        let mut message = format!("{}: {error}", path.display());
+        if error.kind() == ErrorKind::NotFound
+            && path.is_relative()
+            && let Ok(whole) = std::path::absolute(path)
+        {
+            message.push_str(&format!("; looked for {}", whole.display()));
+        }
+        Self::new(Exit::Invalid, message)
+    }
+
+    /// The same failure with a hint behind its last message.
+    #[must_use]
+    pub(crate) fn hint(mut self, hint: &str) -> Self {
+        if let Some(last) = self.messages.last_mut() {
+            last.push_str(hint);
+        }
+        self
+    }
+
+    /// The same failure, its messages saying which file they are about.
+    #[must_use]
+    pub(crate) fn about(mut self, path: &Path) -> Self {
+        for message in &mut self.messages {
+            message.insert_str(0, &format!("{}: ", path.display()));
+        }
+        self
     }
 
     /// A file that cannot be written.
@@ -83,10 +110,8 @@ impl Failure {
 
     /// Prints its messages, one a line.
     pub(crate) fn report(&self) -> Exit {
-        let mut stderr = std::io::stderr().lock();
         for message in &self.messages {
-            // Nobody is left to tell when stderr is closed.
-            let _closed = writeln!(stderr, "error: {message}");
+            note(&format!("error: {message}\n"));
         }
         self.exit
     }
@@ -143,10 +168,10 @@ impl From<ClientError> for Failure {
 
 fn exit_of(refusal: &Refusal) -> Exit {
     match refusal.reason.as_str() {
-        "SESSION_NOT_FOUND" | "SESSION_EXPIRED" | "SESSION_EXISTS" | "STEP_NOT_FOUND"
-        | "MESH_IN_USE" => {
+        "SESSION_NOT_FOUND" | "SESSION_EXPIRED" | "STEP_NOT_FOUND" | "REQUEST_INVALID" => {
             return Exit::Usage;
         }
+        "SESSION_EXISTS" | "MESH_IN_USE" => return Exit::Refused,
         "MESH_NOT_FOUND" => return Exit::Invalid,
         _ => {}
     }
@@ -200,6 +225,9 @@ mod tests {
             (Code::NotFound, "MESH_NOT_FOUND", Exit::Invalid),
             (Code::NotFound, "SESSION_NOT_FOUND", Exit::Usage),
             (Code::NotFound, "STEP_NOT_FOUND", Exit::Usage),
+            (Code::AlreadyExists, "SESSION_EXISTS", Exit::Refused),
+            (Code::FailedPrecondition, "MESH_IN_USE", Exit::Refused),
+            (Code::InvalidArgument, "REQUEST_INVALID", Exit::Usage),
             (Code::Unavailable, "SHUTTING_DOWN", Exit::NoServer),
             (Code::ResourceExhausted, "MEMORY_BUDGET", Exit::Refused),
             (Code::Aborted, "SESSION_BUSY", Exit::Refused),

@@ -17,12 +17,17 @@ mod commands;
 mod connection;
 mod exit;
 mod input;
+mod mesh_shape;
 mod output;
 mod progress;
 mod record;
+mod report_page;
 mod results;
+mod results_csv;
+mod scene_draft;
 mod table;
 mod text;
+mod travel;
 
 use std::process::ExitCode;
 use std::time::Instant;

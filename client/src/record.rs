@@ -1,4 +1,4 @@
-//! What a command makes of results: lines, files, a progress bar and a table.
+//! What a command makes of results: lines, files, a progress line and a table.
 
 use std::time::{Duration, Instant};
 
@@ -8,48 +8,63 @@ use signorini_proto::v1;
 
 use crate::exit::{Exit, Failure};
 use crate::output::LineSink;
-use crate::progress::{Progress, Visibility};
+use crate::progress::{Progress, Verbosity};
+use crate::report_page;
 use crate::results::ResultFolder;
-use crate::table;
+use crate::results_csv::ResultsCsv;
+use crate::table::{self, Detail, Rows};
 use crate::text::{note, print};
+use crate::travel::Travels;
 
-/// Between two updates of a progress bar.
+/// Between two updates of a progress line.
 const PROGRESS_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Everything that a command writes to and has gathered.
 pub(crate) struct Record {
     pub(crate) progress: Progress,
     lines: LineSink,
-    folder: Option<ResultFolder>,
+    folder: Option<Folder>,
     plan: v1::Plan,
     reports: Vec<v1::StepReport>,
     totals: Totals,
-    visibility: Visibility,
+    travels: Travels,
+    rows: Option<Rows>,
+    verbosity: Verbosity,
     /// What the reader doubts in scene and mesh, until the plan comes.
     of_input: Vec<String>,
 }
 
+/// The folder of `--out`.
+struct Folder {
+    results: ResultFolder,
+    csv: ResultsCsv,
+}
+
 impl Record {
     /// For a run of these steps.
-    pub(crate) fn new(lines: LineSink, steps: &[v1::LoadStep], visibility: Visibility) -> Self {
+    pub(crate) fn new(lines: LineSink, steps: &[v1::LoadStep], verbosity: Verbosity) -> Self {
         let increments = steps.iter().map(|step| step.increments.unwrap_or(1).max(1));
         let increments = increments.map(i64::from).sum::<i64>().unsigned_abs();
         Self {
-            progress: Progress::new(increments, visibility),
+            progress: Progress::new(increments, verbosity),
             lines,
             folder: None,
             plan: v1::Plan::default(),
             reports: Vec::new(),
             totals: Totals::default(),
-            visibility,
+            travels: Travels::of(steps),
+            // The result of the only increment is told in full anyway.
+            rows: (increments != 1 && verbosity != Verbosity::Quiet).then(Rows::default),
+            verbosity,
             of_input: Vec::new(),
         }
     }
 
-    /// Makes the folder for the results and starts its result lines anew.
-    pub(crate) fn open(&mut self, folder: ResultFolder) -> Result<(), Failure> {
-        self.lines.open_file(&folder.lines())?;
-        self.folder = Some(folder);
+    /// Makes the folder for the results and starts its files anew.
+    pub(crate) fn open(&mut self, results: ResultFolder) -> Result<(), Failure> {
+        self.lines.open_file(&results.lines())?;
+        let csv = ResultsCsv::create(results.path())?;
+        self.folder = Some(Folder { results, csv });
         Ok(())
     }
 
@@ -70,10 +85,8 @@ impl Record {
 
     /// Tells people about warnings.
     fn warn(&self, warnings: &[String]) {
-        if self.visibility == Visibility::Shown {
-            for warning in warnings {
-                self.progress.note(&format!("warning: {warning}"));
-            }
+        for warning in warnings {
+            self.remark(&format!("warning: {warning}"));
         }
     }
 
@@ -101,7 +114,7 @@ impl Record {
 
     /// For people who watch the progress.
     fn remark(&self, line: &str) {
-        if self.visibility == Visibility::Shown {
+        if self.verbosity != Verbosity::Quiet {
             self.progress.note(line);
         }
     }
@@ -109,17 +122,29 @@ impl Record {
     /// Takes a result; how its step ended, when it ends one.
     pub(crate) fn add(&mut self, increment: Increment) -> Result<Option<v1::Termination>, Failure> {
         self.lines.write(&result_line::step(&increment.report))?;
+        self.travels.see(&increment.report);
         if let Some(folder) = &mut self.folder {
-            folder.add(&increment)?;
+            folder.csv.add(&increment.report, &self.travels)?;
+            folder.results.add(&increment)?;
             if increment.fields_dropped {
                 self.warn(&["the fields of a result are no longer kept by the server".to_owned()]);
             }
         }
+        self.show_row(&increment.report)?;
         let termination = increment.report.termination();
         self.totals.add(&increment.report);
         self.reports.push(increment.report);
         self.progress.finished();
         Ok(increment.last.then_some(termination))
+    }
+
+    /// A row at once, so that a log tells how far a run is.
+    fn show_row(&mut self, report: &v1::StepReport) -> Result<(), Failure> {
+        let Some(rows) = &mut self.rows else {
+            return Ok(());
+        };
+        let row = rows.row(report, &self.travels);
+        self.progress.above(|| tell(&self.lines, &row))
     }
 
     /// Whether no result has come.
@@ -134,7 +159,7 @@ impl Record {
             .map_or(Exit::Ok, |last| Exit::from(last.termination()))
     }
 
-    /// Summary and table, also of a run that failed half-way.
+    /// Summary, page and table, also of a run that failed half-way.
     pub(crate) fn finish(
         mut self,
         outcome: Result<Exit, Failure>,
@@ -147,24 +172,47 @@ impl Record {
         let wall_seconds = started.elapsed().as_secs_f64();
         let summary = self.totals.summary(wall_seconds, peak_memory());
         self.lines.write(&summary)?;
-        if self.visibility == Visibility::Shown {
+        let written = self.write_page();
+        if self.verbosity != Verbosity::Quiet {
             self.show_table()?;
         }
-        outcome
+        // What went wrong before says more than a page that is missing.
+        outcome.and_then(|exit| written.map(|()| exit))
+    }
+
+    fn write_page(&self) -> Result<(), Failure> {
+        let folder = self.folder.as_ref();
+        folder.map_or(Ok(()), |folder| {
+            report_page::write(folder.results.path()).map(|_| ())
+        })
     }
 
     fn show_table(&self) -> Result<(), Failure> {
-        let mut text = table::results(&self.plan, &self.reports);
+        let detail = match self.verbosity {
+            Verbosity::Verbose => Detail::Full,
+            Verbosity::Normal | Verbosity::Quiet => Detail::Short,
+        };
+        let mut text = table::results(&self.plan, &self.reports, &self.travels, detail);
+        if self.rows.is_some() {
+            text.insert(0, '\n');
+        }
         if let Some(folder) = &self.folder {
-            let series = folder.series();
+            let series = folder.results.series();
             text.push_str(&format!("{:<18} {}\n", "written", series.display()));
+            let page = report_page::path(folder.results.path());
+            text.push_str(&format!("{:<18} {}\n", "", page.display()));
         }
-        if self.lines.has_stdout() {
-            note(&text);
-            return Ok(());
-        }
-        print(&text)
+        tell(&self.lines, &text)
     }
+}
+
+/// To stdout, unless result lines go there.
+fn tell(lines: &LineSink, text: &str) -> Result<(), Failure> {
+    if lines.has_stdout() {
+        note(text);
+        return Ok(());
+    }
+    print(text)
 }
 
 /// Peak resident memory of this process in bytes, where the system tells.

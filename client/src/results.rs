@@ -21,6 +21,9 @@ use crate::exit::{Exit, Failure};
 /// What the numbers of a field mean that do not say it themselves.
 const CONTACT_STATES: &str = "-1 not a candidate, 0 open, 1 in contact";
 
+/// Name of the result lines in the folder.
+pub(crate) const LINES: &str = "results.jsonl";
+
 /// Writes the results of one run.
 pub(crate) struct ResultFolder {
     folder: PathBuf,
@@ -66,9 +69,14 @@ impl ResultFolder {
         })
     }
 
+    /// The folder itself.
+    pub(crate) fn path(&self) -> &Path {
+        &self.folder
+    }
+
     /// Path of the result lines.
     pub(crate) fn lines(&self) -> PathBuf {
-        self.folder.join("results.jsonl")
+        self.folder.join(LINES)
     }
 
     /// Path of the series.

@@ -1,5 +1,9 @@
 //! Writes to stdout and stderr, and numbers for people.
+//!
+//! Names come from files and from servers: what could move a cursor, or turn the
+//! direction of writing, is spelled out before it reaches a terminal.
 
+use std::borrow::Cow;
 use std::io::{ErrorKind, Write};
 
 use crate::exit::{Exit, Failure};
@@ -8,7 +12,7 @@ use crate::exit::{Exit, Failure};
 pub(crate) fn print(text: &str) -> Result<(), Failure> {
     let mut stdout = std::io::stdout().lock();
     match stdout
-        .write_all(text.as_bytes())
+        .write_all(visible(text).as_bytes())
         .and_then(|()| stdout.flush())
     {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
@@ -20,7 +24,36 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 
 /// Writes to stderr, where failing can be told to nobody.
 pub(crate) fn note(text: &str) {
-    let _closed = std::io::stderr().write_all(text.as_bytes());
+    let _closed = std::io::stderr().write_all(visible(text).as_bytes());
+}
+
+/// The text with its lines and tabs, every other control character spelled out.
+pub(crate) fn visible(text: &str) -> Cow<'_, str> {
+    spelled(text, |c| is_control(c) && !matches!(c, '\n' | '\t'))
+}
+
+/// The text as a part of one line.
+pub(crate) fn one_line(text: &str) -> Cow<'_, str> {
+    spelled(text, is_control)
+}
+
+/// Control characters, and those that turn the direction of writing.
+fn is_control(c: char) -> bool {
+    c.is_control() || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+}
+
+fn spelled(text: &str, is_spelled: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if !text.contains(&is_spelled) {
+        return Cow::Borrowed(text);
+    }
+    let mut out = String::with_capacity(text.len() + 8);
+    for c in text.chars() {
+        match is_spelled(c) {
+            true => out.extend(c.escape_default()),
+            false => out.push(c),
+        }
+    }
+    Cow::Owned(out)
 }
 
 /// Six significant digits, without trailing zeros.
@@ -38,6 +71,36 @@ pub(crate) fn number(value: f64) -> String {
         true => fixed.trim_end_matches('0').trim_end_matches('.').to_owned(),
         false => fixed,
     }
+}
+
+/// A value with its error: two digits of the error, the value to the same place.
+pub(crate) fn with_error(value: f64, error: Option<f64>) -> String {
+    let usable = |error: &f64| error.is_finite() && *error > 0.0 && value.is_finite();
+    let Some(error) = error.filter(usable) else {
+        return number(value);
+    };
+    let size = value.abs().max(error);
+    let exponent = match (1e-3..1e6).contains(&size) {
+        true => 0,
+        false => size.log10().floor() as i32,
+    };
+    let unit = 10_f64.powi(exponent);
+    let decimals = (1 - (error / unit).log10().floor() as i32).clamp(0, 9) as usize;
+    let text = format!("{:.decimals$} ± {:.decimals$}", value / unit, error / unit);
+    match exponent {
+        0 => text,
+        exponent => format!("({text})e{exponent}"),
+    }
+}
+
+/// Per cent in two digits.
+pub(crate) fn percent(ratio: f64) -> String {
+    let percent = 100.0 * ratio;
+    if percent.abs() < 1e-3 {
+        return "0 %".to_owned();
+    }
+    let decimals = 1 - percent.abs().log10().floor() as i32;
+    format!("{percent:.*} %", decimals.clamp(0, 4) as usize)
 }
 
 /// Numbers in brackets.
@@ -76,6 +139,35 @@ mod tests {
         ] {
             assert_eq!(number(value), text);
         }
+    }
+
+    #[test]
+    fn what_could_move_a_cursor_is_spelled_out() {
+        assert_eq!(visible("a\u{1b}[2J\n\tb"), "a\\u{1b}[2J\n\tb");
+        assert_eq!(one_line("a\nb\u{9b}\u{202e}"), "a\\nb\\u{9b}\\u{202e}");
+        assert!(matches!(one_line("Dichtung µ"), Cow::Borrowed(_)));
+    }
+
+    #[test]
+    fn errors_have_two_digits_and_values_as_many_places() {
+        for (value, error, text) in [
+            (0.018_274_9, Some(5.04e-5), "0.018275 ± 0.000050"),
+            (246.2195, Some(1.26), "246.2 ± 1.3"),
+            (-246.2195, Some(31.0), "-246 ± 31"),
+            (0.0, Some(0.5), "0.00 ± 0.50"),
+            (1.5e-9, Some(2.0e-11), "(1.500 ± 0.020)e-9"),
+            (3.0e7, Some(1.0e4), "(3.0000 ± 0.0010)e7"),
+            (1.5, Some(f64::NAN), "1.5"),
+            (1.5, None, "1.5"),
+        ] {
+            assert_eq!(with_error(value, error), text);
+        }
+    }
+
+    #[test]
+    fn percents_have_two_digits() {
+        let texts = [0.0442, 0.3, 0.001, 1.5, 0.0].map(percent);
+        assert_eq!(texts, ["4.4 %", "30 %", "0.10 %", "150 %", "0 %"]);
     }
 
     #[test]

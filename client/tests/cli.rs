@@ -43,7 +43,7 @@ fn wrong_arguments_exit_with_2() {
         assert_eq!(run.code, Some(2), "{arguments:?}");
         assert_eq!(run.stdout, "");
     }
-    let run = run(["plan", "a.toml", "--server", "127.0.0.1:1"]);
+    let run = run(["plan", "a.toml", "--server", "nowhere"]);
     assert_eq!(run.code, Some(2));
     assert!(run.stderr.contains("unix:PATH"), "{}", run.stderr);
 }
@@ -115,10 +115,17 @@ fn a_port_of_another_protocol_exits_with_5_and_its_address() {
 
 #[test]
 fn files_that_do_not_exist_are_named() {
-    assert_refused(&run(["solve", "missing.toml"]), "error: missing.toml: ");
+    let here = std::env::current_dir().unwrap();
+    let absent = run(["solve", "missing.toml"]);
+    assert_refused(&absent, "error: missing.toml: ");
+    assert_refused(
+        &absent,
+        &format!("looked for {}", text(&here.join("missing.toml"))),
+    );
     let scene = example("cube-bend.toml");
     let run = run(["solve", text(&scene), "--set", "mesh=missing.msh"]);
     assert_refused(&run, "error: missing.msh: ");
+    assert_refused(&run, "beside the scene");
 }
 
 #[test]
@@ -132,6 +139,7 @@ fn broken_meshes_are_refused_with_the_place() {
     for (name, bytes, message) in [
         ("cut.msh", &whole[..whole.len() / 2], "line "),
         ("noise.msh", &noise[..], "not a Gmsh MSH file"),
+        ("other.stl", &b"solid part"[..], "meshio convert"),
     ] {
         let mesh = folder.join(name);
         std::fs::write(&mesh, bytes).unwrap();
@@ -167,4 +175,56 @@ fn an_empty_scene_is_refused() {
         &run(["solve", text(&scene)]),
         "error: mesh: required key is missing\n",
     );
+}
+
+#[test]
+fn a_scene_in_json_is_told_that_it_is_none_and_which() {
+    let scene = folder("json_scene").join("scene.json");
+    std::fs::write(&scene, "{\"mesh\": \"a.msh\"}").unwrap();
+    let run = run(["check", text(&scene)]);
+    assert_refused(&run, "it looks like JSON");
+    assert_refused(&run, &format!("error: {}: ", text(&scene)));
+}
+
+#[test]
+fn a_mesh_file_is_described_without_a_server() {
+    let mesh = example("meshes/indent_l1.msh");
+    let shown = run(["mesh", "info", text(&mesh)]);
+    assert_eq!(shown.code, Some(0), "{}", shown.stderr);
+    for part in ["tetrahedra", "group z1", " faces, from (", "mean ratio"] {
+        assert!(shown.stdout.contains(part), "{part}\n{}", shown.stdout);
+    }
+    let line = run(["mesh", "info", text(&mesh), "--json"])
+        .lines()
+        .remove(0);
+    let mut groups = line["groups"].as_array().unwrap().iter();
+    let top = groups.find(|group| group["name"] == "z1").unwrap();
+    assert!(top["low"][2].as_f64().unwrap().abs() < 1e-9, "{top}");
+    assert_eq!(line["cell_kind"], "tetrahedra");
+    let digest = line["name"].as_str().unwrap();
+    assert!(digest.starts_with("meshes/"), "{digest}");
+}
+
+#[test]
+fn manual_pages_cover_the_commands() {
+    let folder = folder("manual_pages");
+    assert_eq!(run(["man", text(&folder)]).code, Some(0));
+    let solve = std::fs::read_to_string(folder.join("signorini-solve.1")).unwrap();
+    assert!(
+        solve.contains("SIGNORINI_SERVER") && solve.contains("Examples"),
+        "{solve}"
+    );
+    assert!(folder.join("signorini-mesh-info.1").exists());
+}
+
+#[test]
+fn every_command_that_takes_a_scene_has_examples() {
+    for command in ["solve", "plan", "serve", "watch", "fetch", "init", "mesh"] {
+        let help = run([command, "--help"]);
+        assert!(
+            help.stdout.contains("Examples:\n  "),
+            "{command}\n{}",
+            help.stdout
+        );
+    }
 }

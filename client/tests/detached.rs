@@ -9,7 +9,7 @@ use std::path::Path;
 
 use common::process::{Process, serve, start};
 use common::schema::{fault, result_lines};
-use common::{example, folder, run};
+use common::{example, folder, run, signorini};
 use serde_json::Value;
 
 const LONG: &str = "step.0.increments=100000";
@@ -30,7 +30,7 @@ fn detach(url: &str, scene: &Path, set: &str) -> String {
     line["name"].as_str().unwrap().to_owned()
 }
 
-/// The files of a folder but the result lines, by name.
+/// The files for ParaView of a folder, by name: the others tell how long a run took.
 fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let entries = std::fs::read_dir(folder).unwrap();
     let files = entries.map(|entry| {
@@ -38,7 +38,10 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         let name = path.file_name().unwrap().to_str().unwrap().to_owned();
         (name, std::fs::read(path).unwrap())
     });
-    files.filter(|(name, _)| name != "results.jsonl").collect()
+    let timed = ["results.jsonl", "results.csv", "report.html"];
+    files
+        .filter(|(name, _)| !timed.contains(&name.as_str()))
+        .collect()
 }
 
 /// Results in a folder's lines, without what another run does in another time.
@@ -216,6 +219,46 @@ fn more_steps_than_the_server_holds_are_all_accepted_before_the_client_leaves() 
         "{}",
         none.stderr
     );
+    drop(process);
+}
+
+#[test]
+fn a_named_session_is_found_by_its_name_and_keeps_it() {
+    let (process, url) = server("named");
+    let bare = url.strip_prefix("http://").unwrap();
+    let with = |arguments: &[&str]| {
+        let output = signorini()
+            .args(arguments)
+            .env("SIGNORINI_SERVER", bare)
+            .output()
+            .unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        (
+            output.status.code(),
+            text(output.stdout),
+            text(output.stderr),
+        )
+    };
+    let none = with(&["session", "list"]);
+    assert_eq!((none.0, none.1.as_str()), (Some(0), ""));
+    assert!(none.2.contains("has no sessions"), "{}", none.2);
+    let scene = example("hertz-plane.toml");
+    let solve = ["solve", scene.to_str().unwrap(), "--detach", "--name"];
+    let named = with(&[&solve[..], &["ring-1"]].concat());
+    assert_eq!((named.0, named.1.as_str()), (Some(0), "sessions/ring-1\n"));
+    assert_eq!(with(&["watch", "ring-1"]).0, Some(0));
+    let listed = with(&["session", "list"]).1;
+    for part in [
+        "sessions/ring-1  ",
+        "1 of 1 steps done",
+        " old, expires in ",
+    ] {
+        assert!(listed.contains(part), "{listed}");
+    }
+    let twice = with(&[&solve[..], &["ring-1"]].concat());
+    assert_eq!(twice.0, Some(6), "{}", twice.2);
+    let wrong = with(&[&solve[..], &["Ring 1"]].concat());
+    assert_eq!(wrong.0, Some(2), "{}", wrong.2);
     drop(process);
 }
 

@@ -200,19 +200,35 @@ fn increments_are_a_result_each() {
 #[test]
 fn the_table_names_what_people_ask_for() {
     let scene = example("hertz-plane.toml");
-    let run = run(["solve", scene.to_str().unwrap()]);
-    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let short = run(["solve", scene.to_str().unwrap()]);
+    assert_eq!(short.code, Some(0), "{}", short.stderr);
     for label in [
         "obstacle floor",
+        "along its travel, of 0.05 so far",
+        " ± ",
         "contact area",
         "pressure",
+        "error estimate",
         "penetration",
-        "iterations",
         "seconds",
-        "left out",
     ] {
-        assert!(run.stdout.contains(label), "{label}\n{}", run.stdout);
+        assert!(short.stdout.contains(label), "{label}\n{}", short.stdout);
     }
+    let full = run(["solve", scene.to_str().unwrap(), "--verbose"]);
+    for label in ["iterations", "SQP", "left out", "residuals"] {
+        assert!(full.stdout.contains(label), "{label}\n{}", full.stdout);
+        assert!(!short.stdout.contains(label), "{label}\n{}", short.stdout);
+    }
+}
+
+#[test]
+fn names_cannot_reach_into_a_terminal() {
+    let scene = example("hertz-plane.toml");
+    let set = ["--set", "name=\"a\\u001b[2Jb\""];
+    let run = run(["solve", scene.to_str().unwrap()].into_iter().chain(set));
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    assert!(run.stdout.contains("a\\u{1b}[2Jb"), "{}", run.stdout);
+    assert!(!run.stdout.contains('\u{1b}'), "{}", run.stdout);
 }
 
 #[test]
@@ -237,6 +253,8 @@ fn a_folder_of_results_holds_the_series_and_the_lines() {
     }
     let lines = std::fs::read_to_string(folder.join("results.jsonl")).unwrap();
     assert_eq!(lines, run.stdout);
+    check_table(&folder, &last);
+    check_page(&folder);
     let displacement = vtu_array(&folder.join("hertz-plane_0002.vtu"), "displacement");
     let points = vtu_array(&folder.join("hertz-plane_0002.vtu"), "Points");
     let pole = points
@@ -248,6 +266,41 @@ fn a_folder_of_results_holds_the_series_and_the_lines() {
         let difference = displacement[3 * pole + component] - number(&probe[component]);
         assert!(difference.abs() <= 1e-12, "{difference}");
     }
+}
+
+/// The spreadsheet has a row an increment, with the numbers of the lines.
+fn check_table(folder: &Path, last: &Value) {
+    let mut table = csv::Reader::from_path(folder.join("results.csv")).unwrap();
+    let header = table.headers().unwrap().clone();
+    let rows: Vec<_> = table.records().map(Result::unwrap).collect();
+    assert_eq!(rows.len(), 2);
+    let of = |name: &str| {
+        let column = header.iter().position(|column| column == name).unwrap();
+        rows[1][column].parse::<f64>().unwrap()
+    };
+    let force = number(&last["obstacles"]["floor"]["force"][2]);
+    assert!((of("floor.force_z") - force).abs() < 1e-15);
+    assert!((of("floor.force_along_travel") - force).abs() < 1e-12 && force > 0.0);
+    assert!((of("floor.travel") - 0.05).abs() < 1e-12);
+}
+
+/// The page holds the numbers and the surface, and is made again as it was.
+fn check_page(folder: &Path) {
+    let path = folder.join("report.html");
+    let page = std::fs::read_to_string(&path).unwrap();
+    assert!(page.len() < 3_000_000, "{}", page.len());
+    for part in [
+        "hertz-plane",
+        "\"along\":",
+        "contact_pressure",
+        "\"triangles\":",
+    ] {
+        assert!(page.contains(part), "{part}");
+    }
+    std::fs::remove_file(&path).unwrap();
+    let again = run(["report", folder.to_str().unwrap()]);
+    assert_eq!(again.code, Some(0), "{}", again.stderr);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), page);
 }
 
 #[test]

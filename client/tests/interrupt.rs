@@ -66,3 +66,23 @@ fn interrupted(more: &[&str]) {
     assert_eq!(summary["event"], "summary");
     assert!(last["time"].as_f64().unwrap() < 1.0);
 }
+
+#[test]
+fn a_log_tells_each_increment_when_it_is_done() {
+    let scene = example("hertz-plane.toml");
+    let many = "step.0.increments=100000";
+    let mut child = signorini()
+        .args(["solve", scene.to_str().unwrap(), "--set", many])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    let told: Vec<String> = lines.take(4).map(Result::unwrap).collect();
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert!(told[1].starts_with("step incr"), "{told:?}");
+    for (row, start) in told[2..].iter().zip(["   1    1  ", "   1    2  "]) {
+        assert!(row.starts_with(start), "{told:?}");
+    }
+}

@@ -248,3 +248,64 @@ fn a_scene_without_a_step_says_so() {
         assert_eq!(is_kept, step.is_empty(), "{warnings}");
     }
 }
+
+#[test]
+fn a_group_in_another_case_is_the_one_that_is_meant() {
+    assert_refused(
+        &solve_set("hertz-sphere.toml", &["obstacle.ball.on=Z1"]),
+        &["did you mean `z1`?"],
+    );
+}
+
+#[test]
+fn a_mesh_without_groups_tells_how_to_give_them() {
+    let bare = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n".to_owned()
+        + NODES
+        + "$EndNodes\n$Elements\n1\n1 4 2 0 1 1 2 3 4\n$EndElements\n";
+    let run = solve("no_groups", SCENE, &bare);
+    assert_refused(&run, &["Physical Surface(\"top\")"]);
+}
+
+#[test]
+fn a_scene_is_checked_without_being_solved() {
+    let scene = example("hertz-sphere.toml");
+    let scene = scene.to_str().unwrap();
+    let sound = run(["check", scene]);
+    assert_eq!(sound.code, Some(0), "{}", sound.stderr);
+    assert!(
+        sound.stdout.contains("hertz-sphere.toml: no faults"),
+        "{}",
+        sound.stdout
+    );
+    let set = |change| ["--set", change];
+    let changes = [
+        set("material.body.poisson_ratio=0.6"),
+        set("support.base.on=roof"),
+    ];
+    let faulty = run(["check", scene].into_iter().chain(changes.concat()));
+    assert_refused(
+        &faulty,
+        &["material.body.poisson_ratio: ", "support.base.on: "],
+    );
+}
+
+#[test]
+fn a_drafted_scene_is_sound_and_never_written_over_another() {
+    let folder = folder("drafted");
+    for name in ["indent_l1.msh", "square_n16.msh"] {
+        let mesh = folder.join(name);
+        std::fs::copy(example("meshes").join(name), &mesh).unwrap();
+        let drafted = run(["init", mesh.to_str().unwrap()]);
+        assert_eq!(drafted.code, Some(0), "{}", drafted.stderr);
+        let scene = drafted.stdout.trim();
+        let checked = run(["check", scene]);
+        assert_eq!(checked.code, Some(0), "{}", checked.stderr);
+        let again = run(["init", mesh.to_str().unwrap()]);
+        assert_eq!(again.code, Some(2), "{}", again.stderr);
+        assert!(
+            again.stderr.contains("is there already"),
+            "{}",
+            again.stderr
+        );
+    }
+}

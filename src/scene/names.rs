@@ -1,4 +1,4 @@
-//! The nearest name for a misspelt one, by Levenshtein distance. Cost: letters
+//! The nearest name for a misspelt one, whatever its case, by Levenshtein distance. Cost: letters
 //! squared per candidate, at most a thousand candidates of 64 letters.
 
 /// Names that a hint looks at, and of these the ones that it lists.
@@ -15,7 +15,12 @@ pub(crate) fn hint<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Stri
     let nearest = known
         .iter()
         .filter(short)
-        .map(|candidate| (distance(name, candidate), candidate))
+        .map(|candidate| {
+            (
+                distance(&name.to_lowercase(), &candidate.to_lowercase()),
+                candidate,
+            )
+        })
         .filter(|(distance, candidate)| 2 * distance <= name.len().max(candidate.len()))
         .min();
     match nearest {
@@ -61,6 +66,8 @@ mod tests {
             hint("contct", known.into_iter()),
             "; did you mean `contact`?"
         );
+        let sides = ["x1", "z1"].into_iter();
+        assert_eq!(hint("Z1", sides), "; did you mean `z1`?");
         assert_eq!(
             hint("zzz", known.into_iter()),
             "; known: contact, top, body"

@@ -10,7 +10,7 @@ use super::{lightest_field, open_session};
 use crate::arguments::FetchArguments;
 use crate::exit::{Exit, Failure};
 use crate::output::LineSink;
-use crate::progress::Visibility;
+use crate::progress::Verbosity;
 use crate::record::Record;
 use crate::results::ResultFolder;
 
@@ -18,7 +18,7 @@ pub(super) async fn run(arguments: FetchArguments, started: Instant) -> Result<E
     let client = Client::connect(&arguments.remote.server).await?;
     let (session, scene) = open_session(&client, &arguments.session).await?;
     let lines = LineSink::for_json(arguments.remote.json);
-    let mut record = Record::new(lines, &scene.steps, Visibility::Shown);
+    let mut record = Record::new(lines, &scene.steps, Verbosity::of(arguments.verbose));
     let mut fields = lightest_field(&scene);
     if let Some(out) = &arguments.out {
         let mesh = client.read_mesh(&session.mesh).await?;

@@ -1,4 +1,6 @@
-//! `mesh put|list|delete`.
+//! `mesh info|put|list|delete`.
+
+mod info;
 
 use serde_json::{Value, json};
 use signorini_client::{Client, WireMesh};
@@ -7,17 +9,22 @@ use signorini_proto::v1;
 use crate::arguments::{MeshCommand, RemoteArguments};
 use crate::exit::{Exit, Failure};
 use crate::input;
-use crate::text::{bytes, note, print};
+use crate::text::{bytes, note, one_line, print};
 
 pub(super) async fn run(command: MeshCommand) -> Result<Exit, Failure> {
     match command {
+        MeshCommand::Info { file, json } => info::run(&file, json),
         MeshCommand::Put { file, remote } => {
             let mesh = input::load_mesh(&file)?;
             put(&mesh, &remote).await
         }
         MeshCommand::List { remote } => {
             let client = Client::connect(&remote.server).await?;
-            show(&client.list_meshes().await?, &remote)
+            let meshes = client.list_meshes().await?;
+            if meshes.is_empty() {
+                note(&format!("{} has no meshes\n", remote.server));
+            }
+            show(&meshes, &remote)
         }
         MeshCommand::Delete { digest, remote } => {
             let client = Client::connect(&remote.server).await?;
@@ -68,7 +75,7 @@ fn line(mesh: &v1::StoredMesh) -> String {
         mesh.cell_count,
         mesh.facet_count,
         bytes(mesh.memory_bytes),
-        groups.join(" "),
+        one_line(&groups.join(" ")),
     )
 }
 

@@ -3,11 +3,15 @@
 #[cfg(feature = "bench")]
 mod bench;
 mod cancel;
+mod check;
 mod completions;
 pub(crate) mod embed;
 mod fetch;
+mod init;
+mod man;
 mod mesh;
 mod plan;
+mod report;
 mod serve;
 mod session;
 mod solve;
@@ -32,7 +36,10 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         Command::Watch(arguments) => runtime.block_on(Box::pin(watch::run(arguments, started))),
         Command::Fetch(arguments) => runtime.block_on(Box::pin(fetch::run(arguments, started))),
         Command::Cancel(arguments) => runtime.block_on(cancel::run(arguments)),
+        Command::Check(arguments) => runtime.block_on(check::run(arguments)),
         Command::Plan(arguments) => runtime.block_on(plan::run(arguments)),
+        Command::Init { mesh, scene } => init::run(&mesh, scene),
+        Command::Report { folder } => report::run(&folder),
         Command::Serve(arguments) => runtime.block_on(serve::run(arguments)),
         #[cfg(feature = "bench")]
         Command::Bench(arguments) => runtime.block_on(Box::pin(bench::run(arguments))),
@@ -40,6 +47,7 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         Command::Session(command) => runtime.block_on(session::run(command)),
         Command::Embed(command) => runtime.block_on(embed::run(command)),
         Command::Completions { shell } => completions::run(shell),
+        Command::Man { folder } => man::run(&folder),
     }
 }
 

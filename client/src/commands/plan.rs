@@ -3,7 +3,7 @@
 use signorini_client::{Client, result_line};
 use signorini_proto::v1;
 
-use crate::arguments::PlanArguments;
+use crate::arguments::{PlanArguments, SceneArguments};
 use crate::connection::Connection;
 use crate::exit::{Exit, Failure};
 use crate::input::{self, Input};
@@ -11,8 +11,18 @@ use crate::table;
 use crate::text::{note, print};
 
 pub(super) async fn run(arguments: PlanArguments) -> Result<Exit, Failure> {
-    let arguments = arguments.scene;
-    let input = input::load(&arguments)?;
+    let plan = of(&arguments.scene).await?;
+    if arguments.json {
+        print(&format!("{}\n", result_line::plan(&plan)))?;
+    } else {
+        print(&table::plan(&plan))?;
+    }
+    Ok(Exit::Ok)
+}
+
+/// The plan of a scene, after its warnings have been told.
+pub(super) async fn of(arguments: &SceneArguments) -> Result<v1::Plan, Failure> {
+    let input = input::load(arguments)?;
     let mut warnings = input.mesh.warnings.clone();
     tell(&warnings);
     let connection = Connection::open(arguments.server.as_ref()).await?;
@@ -22,12 +32,7 @@ pub(super) async fn run(arguments: PlanArguments) -> Result<Exit, Failure> {
     tell(&plan.warnings);
     warnings.append(&mut plan.warnings);
     plan.warnings = warnings;
-    if arguments.json {
-        print(&format!("{}\n", result_line::plan(&plan)))?;
-    } else {
-        print(&table::plan(&plan))?;
-    }
-    Ok(Exit::Ok)
+    Ok(plan)
 }
 
 fn tell(warnings: &[String]) {

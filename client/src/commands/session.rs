@@ -1,5 +1,7 @@
 //! `session list|show|delete`.
 
+use std::time::{Duration, SystemTime};
+
 use serde_json::{Value, json};
 use signorini_client::Client;
 use signorini_proto::v1;
@@ -7,13 +9,17 @@ use signorini_proto::v1;
 use crate::arguments::{RemoteArguments, SessionCommand};
 use crate::exit::{Exit, Failure};
 use crate::table;
-use crate::text::{bytes, print};
+use crate::text::{bytes, note, one_line, print};
 
 pub(super) async fn run(command: SessionCommand) -> Result<Exit, Failure> {
     match command {
         SessionCommand::List { remote } => {
             let client = Client::connect(&remote.server).await?;
-            for session in client.list_sessions().await? {
+            let sessions = client.list_sessions().await?;
+            if sessions.is_empty() {
+                note(&format!("{} has no sessions\n", remote.server));
+            }
+            for session in sessions {
                 show(&session, &remote)?;
             }
         }
@@ -49,15 +55,47 @@ fn state(session: &v1::Session) -> String {
 }
 
 fn line(session: &v1::Session) -> String {
+    let now = SystemTime::now();
+    let since = |time: Option<prost_types::Timestamp>| {
+        let time = SystemTime::try_from(time?).ok()?;
+        Some(match now.duration_since(time) {
+            Ok(passed) => format!("{} old", span(passed)),
+            Err(ahead) => format!("expires in {}", span(ahead.duration())),
+        })
+    };
+    let parts = [
+        Some(format!(
+            "{} of {} steps done",
+            session.last_finished_sequence, session.last_accepted_sequence
+        )),
+        since(session.create_time),
+        since(session.expire_time),
+        Some(bytes(session.memory_bytes)),
+    ];
+    let parts: Vec<String> = parts.into_iter().flatten().collect();
     format!(
-        "{}  {} {}, {} updates accepted, {} finished, {}",
-        session.name,
-        session.scene_name,
+        "{}  {} {}, {}",
+        one_line(&session.name),
+        one_line(&session.scene_name),
         state(session),
-        session.last_accepted_sequence,
-        session.last_finished_sequence,
-        bytes(session.memory_bytes),
+        parts.join(", ")
     )
+}
+
+/// A time in its largest unit.
+fn span(time: Duration) -> String {
+    let seconds = time.as_secs();
+    match seconds {
+        0..120 => format!("{seconds} s"),
+        120..7200 => format!("{} min", seconds / 60),
+        7200..172_800 => format!("{} h", seconds / 3600),
+        _ => format!("{} days", seconds / 86_400),
+    }
+}
+
+/// Seconds since 1970.
+fn seconds(time: Option<prost_types::Timestamp>) -> Option<i64> {
+    time.map(|time| time.seconds)
 }
 
 fn object(session: &v1::Session) -> Value {
@@ -72,5 +110,36 @@ fn object(session: &v1::Session) -> Value {
         "memory_bytes": session.memory_bytes,
         "prepared_memory_bytes": session.prepared_memory_bytes,
         "prepared_reused": session.prepared_reused,
+        "create_time": seconds(session.create_time),
+        "expire_time": seconds(session.expire_time),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_tells_progress_age_and_end() {
+        let at = |offset: i64| {
+            let now = prost_types::Timestamp::from(SystemTime::now());
+            let seconds = now.seconds + offset;
+            Some(prost_types::Timestamp { seconds, ..now })
+        };
+        let session = v1::Session {
+            name: "sessions/ring-1".to_owned(),
+            scene_name: "ring\u{1b}".to_owned(),
+            state: v1::SessionState::Running.into(),
+            create_time: at(-600),
+            expire_time: at(90_001),
+            last_accepted_sequence: 5,
+            last_finished_sequence: 2,
+            ..Default::default()
+        };
+        assert_eq!(
+            line(&session),
+            "sessions/ring-1  ring\\u{1b} running, 2 of 5 steps done, 10 min old, \
+             expires in 25 h, 0 B"
+        );
+    }
 }

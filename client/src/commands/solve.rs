@@ -15,7 +15,7 @@ use crate::connection::Connection;
 use crate::exit::{Exit, Failure};
 use crate::input::{self, Input};
 use crate::output::LineSink;
-use crate::progress::Visibility;
+use crate::progress::Verbosity;
 use crate::record::Record;
 use crate::results::ResultFolder;
 use run::Run;
@@ -62,15 +62,15 @@ fn complete(scene: &mut v1::Scene, arguments: &SolveArguments) {
 }
 
 fn record(arguments: &SolveArguments, steps: &[v1::LoadStep]) -> Record {
-    let lines = LineSink::for_json(arguments.scene.json);
-    Record::new(lines, steps, visibility(arguments))
+    let lines = LineSink::for_json(arguments.json);
+    Record::new(lines, steps, verbosity(arguments))
 }
 
-fn visibility(arguments: &SolveArguments) -> Visibility {
+fn verbosity(arguments: &SolveArguments) -> Verbosity {
     if arguments.quiet {
-        Visibility::Hidden
+        Verbosity::Quiet
     } else {
-        Visibility::Shown
+        Verbosity::of(arguments.verbose)
     }
 }
 

@@ -10,14 +10,14 @@ use super::{interrupts, lightest_field, open_session};
 use crate::arguments::WatchArguments;
 use crate::exit::{Exit, Failure};
 use crate::output::LineSink;
-use crate::progress::Visibility;
+use crate::progress::Verbosity;
 use crate::record::Record;
 
 pub(super) async fn run(arguments: WatchArguments, started: Instant) -> Result<Exit, Failure> {
     let client = Client::connect(&arguments.remote.server).await?;
     let (session, scene) = open_session(&client, &arguments.session).await?;
     let lines = LineSink::for_json(arguments.remote.json);
-    let mut record = Record::new(lines, &scene.steps, Visibility::Shown);
+    let mut record = Record::new(lines, &scene.steps, Verbosity::of(arguments.verbose));
     record.plan(session.plan.unwrap_or_default())?;
     let until = match arguments.follow {
         true => v1::WatchEnd::Session,

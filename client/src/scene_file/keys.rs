@@ -43,11 +43,7 @@ impl<'a> Keys<'a> {
             faults,
         };
         for key in table.keys().filter(|key| !known.contains(&key.as_str())) {
-            let message = match nearest(key, known.iter().copied()) {
-                Some(near) => format!("unknown key; did you mean \"{near}\"?"),
-                None => format!("unknown key; known keys are {}", known.join(", ")),
-            };
-            faults.add(keys.at(key), message);
+            faults.add(keys.at(key), unknown_key(key, known));
         }
         keys
     }
@@ -213,13 +209,21 @@ impl<'a> Keys<'a> {
     pub(super) fn vector(&self, key: &str) -> Vec<f64> {
         let numbers = self.read(key, "a list of three numbers", |value| {
             let numbers = value.as_array()?;
-            let numbers = numbers
-                .iter()
-                .map(as_number)
-                .collect::<Option<Vec<f64>>>()?;
-            Some(numbers).filter(|numbers| numbers.len() == 3)
+            numbers.iter().map(as_number).collect::<Option<Vec<f64>>>()
         });
-        numbers.unwrap_or_default()
+        let Some(numbers) = numbers else {
+            return Vec::new();
+        };
+        let count = numbers.len();
+        if count == 3 {
+            return numbers;
+        }
+        let more = if count == 2 { ": add a third, 0" } else { "" };
+        self.fault(
+            key,
+            format!("a list of three numbers is expected, found {count}{more}"),
+        );
+        Vec::new()
     }
 
     pub(super) fn required_vector(&self, key: &str) -> Vec<f64> {
@@ -288,6 +292,21 @@ impl<'a> Keys<'a> {
                 Keys::new(path, table, known, self.faults)
             })
             .collect()
+    }
+}
+
+/// What is told of a key that nobody knows.
+fn unknown_key(key: &str, known: &[&str]) -> String {
+    let mut units = ["_degrees", "_degree", "_deg"].into_iter();
+    let bare = units.find_map(|unit| key.strip_suffix(unit));
+    if let Some(near) = bare.and_then(|bare| known.iter().find(|known| **known == bare)) {
+        return format!(
+            "unknown key; did you mean \"{near}\"? It is in radians: 90 degrees are 1.5708"
+        );
+    }
+    match nearest(key, known.iter().copied()) {
+        Some(near) => format!("unknown key; did you mean \"{near}\"?"),
+        None => format!("unknown key; known keys are {}", known.join(", ")),
     }
 }
 

@@ -12,6 +12,7 @@ mod overrides;
 mod shape;
 mod step;
 mod suggest;
+mod syntax;
 
 #[cfg(test)]
 mod tests;
@@ -79,9 +80,9 @@ pub enum SceneFileError {
 /// # Errors
 /// [`SceneFileError`], with every key that is wrong.
 pub fn read(text: &str, path: &Path, overrides: &[Override]) -> Result<SceneFile, SceneFileError> {
-    let mut table: Table = text.parse().map_err(|error: toml::de::Error| {
-        SceneFileError::Syntax(error.to_string().trim_end().to_owned())
-    })?;
+    let mut table: Table = text
+        .parse()
+        .map_err(|error| SceneFileError::Syntax(syntax::explain(text, &error)))?;
     let faults = Faults::default();
     for change in overrides {
         if let Err(violation) = change.apply(&mut table) {

@@ -1,7 +1,7 @@
 //! Changes of single keys from the command line: `PATH=VALUE`.
 //!
 //! A path is made of keys and, in arrays, of a `name` or a position from 0:
-//! `obstacle.ball.shape.radius=2`, `step.0.increments=4`. Tables on the way that
+//! `obstacle.ball.shape.radius=2`, `step.0.increments=4`, or `step[0].increments=4`. Tables on the way that
 //! do not exist are made. The value is read as TOML and taken as a string when
 //! it is none.
 
@@ -32,6 +32,8 @@ impl FromStr for Override {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (path, value) = text.split_once('=').ok_or("PATH=VALUE is expected")?;
+        // Messages name an element `step[0]`.
+        let path = path.replace('[', ".").replace(']', "");
         let path: Vec<String> = path.split('.').map(|part| part.trim().to_owned()).collect();
         if path.iter().any(String::is_empty) {
             return Err("the path before \"=\" has an empty part".to_owned());
@@ -167,6 +169,7 @@ mod tests {
         for change in [
             "obstacle.ball.shape.radius=2",
             "obstacle.0.shape.radius = 2",
+            "obstacle[0].shape.radius=2",
         ] {
             let table = changed(BALL, change).unwrap();
             assert_eq!(table["obstacle"][0]["shape"]["radius"], Value::Integer(2));

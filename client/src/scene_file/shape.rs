@@ -10,6 +10,7 @@ use signorini_proto::v1;
 use signorini_proto::v1::shape::Kind;
 
 use super::keys::Keys;
+use super::suggest::nearest;
 use crate::formats::vtp::{
     BoundingBox, Outline, Pose, Triangulation, Vector, add, cross, dot, scale, sheet, subtract,
     tangents, unit,
@@ -39,13 +40,37 @@ const SHAPES: &[(&str, &[&str], ReadShape)] = &[
     ("distance-grid", &["file"], distance_grid),
 ];
 
+/// Shapes that are read, so that the service can say that it does not have them yet.
+const LATER: &[&str] = &[
+    "capped-cylinder",
+    "box",
+    "torus",
+    "cone",
+    "surface",
+    "height-field",
+    "distance-grid",
+];
+
+fn unknown_kind(keys: &Keys<'_>, name: &str) {
+    let all = SHAPES.iter().map(|(known, _, _)| *known);
+    if nearest(name, all.clone()).is_some() {
+        return keys.unknown_word("kind", name, all);
+    }
+    let usable: Vec<&str> = all.filter(|known| !LATER.contains(known)).collect();
+    let (usable, later) = (usable.join(", "), LATER.join(", "));
+    keys.fault(
+        "kind",
+        format!("\"{name}\" is not known; known are {usable}; not supported yet: {later}"),
+    );
+}
+
 /// The shape that `keys` describe.
 pub(super) fn shape(keys: &Keys<'_>) -> v1::Shape {
     let name = keys.required_text("kind");
     let found = SHAPES.iter().find(|(known, _, _)| *known == name);
     let Some((_, own, read)) = found else {
         if keys.has("kind") {
-            keys.unknown_word("kind", &name, SHAPES.iter().map(|(known, _, _)| *known));
+            unknown_kind(keys, &name);
         }
         return v1::Shape::default();
     };

@@ -1,10 +1,11 @@
-//! The known word nearest to a misspelt one.
+//! The known word nearest to a misspelt one, whatever their case.
 
 /// The known word that differs least, if it is near enough to be meant.
 pub(super) fn nearest<'a>(word: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let word = word.to_lowercase();
     let candidates = known
         .into_iter()
-        .map(|candidate| (distance(word, candidate), candidate));
+        .map(|candidate| (distance(&word, &candidate.to_lowercase()), candidate));
     candidates
         .min_by_key(|(distance, _)| *distance)
         .filter(|(distance, candidate)| *distance <= 1 + candidate.len().min(word.len()) / 3)
@@ -54,5 +55,6 @@ mod tests {
         assert_eq!(nearest("shear_modul", known), Some("shear_modulus"));
         assert_eq!(nearest("poison_ratio", known), Some("poisson_ratio"));
         assert_eq!(nearest("colour", known), None);
+        assert_eq!(nearest("Z1", ["x1", "y1", "z1"]), Some("z1"));
     }
 }

@@ -102,6 +102,17 @@ fn unknown_keys_suggest_the_nearest() {
         "solver.tolerence: unknown key; did you mean \"tolerance\"?"
     );
     assert!(fault("[extra]").starts_with("extra: unknown key; known keys are name, mesh"));
+    let turned = fault("[[step]]\nobstacle.ball = { rotation_degrees = [0, 0, 90] }");
+    assert!(
+        turned.contains("did you mean \"rotation\"? It is in radians"),
+        "{turned}"
+    );
+    let addition = "[[obstacle]]\nname = \"ball\"\non = \"z1\"\nshape = { kind = \"blob\" }";
+    let unknown = fault(addition);
+    assert!(
+        unknown.contains("known are half-space, sphere, cylinder; not supported yet: "),
+        "{unknown}"
+    );
     let addition = "[[obstacle]]\nname = \"ball\"\non = \"z1\"\nshape = { kind = \"spere\" }";
     assert_eq!(
         fault(addition),
@@ -114,7 +125,7 @@ fn wrong_types_name_both_types() {
     assert_eq!(
         fault("[[traction]]\non = 3\nvalue = [0, 1]"),
         "traction[0].on: a string or a list of strings is expected, found an integer; \
-         traction[0].value: a list of three numbers is expected, found a list"
+         traction[0].value: a list of three numbers is expected, found 2: add a third, 0"
     );
     assert_eq!(
         fault("[[step]]\nincrements = 2.5"),

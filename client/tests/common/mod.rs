@@ -33,7 +33,9 @@ pub(crate) fn folder(test: &str) -> PathBuf {
 
 /// The command line tool.
 pub(crate) fn signorini() -> Command {
-    Command::new(env!("CARGO_BIN_EXE_signorini"))
+    let mut command = Command::new(env!("CARGO_BIN_EXE_signorini"));
+    command.env_remove("SIGNORINI_SERVER");
+    command
 }
 
 /// What a run left behind.

@@ -21,21 +21,24 @@ const LONGEST_PAUSE: Duration = Duration::from_millis(500);
 
 pub(super) async fn run(arguments: SolveArguments) -> Result<Exit, Failure> {
     let Some(server) = &arguments.scene.server else {
-        let message = "--detach needs --server URL: a server of this process ends with it";
+        let message = "--detach needs --server URL, or SIGNORINI_SERVER: \
+                       a server of this process ends with it";
         return Err(Failure::new(Exit::Usage, message));
     };
     let mut input = input::load(&arguments.scene)?;
     complete(&mut input.scene, &arguments);
     let client = Client::connect(server).await?;
     let ttl = arguments.ttl.map_or(DAY, Duration::from_secs);
-    let warnings = input.mesh.warnings.clone();
-    let steps = input.scene.steps.clone();
-    let (session, plan) = create(&client, input, ttl).await?;
-    if !arguments.quiet {
-        for warning in warnings.iter().chain(&plan.warnings) {
+    let tell = |warnings: &[String]| {
+        for warning in warnings.iter().filter(|_| !arguments.quiet) {
             note(&format!("warning: {warning}\n"));
         }
-    }
+    };
+    tell(&input.mesh.warnings);
+    let steps = input.scene.steps.clone();
+    let name = arguments.name.clone().unwrap_or_default();
+    let (session, plan) = create(&client, input, name, ttl).await?;
+    tell(&plan.warnings);
     let exit = hand_over(&client, &session.name, steps).await;
     if exit != Ok(Exit::Ok) {
         // Nobody gets its name, unless it cannot be deleted.
@@ -44,7 +47,7 @@ pub(super) async fn run(arguments: SolveArguments) -> Result<Exit, Failure> {
         }
         return exit;
     }
-    let line = match arguments.scene.json {
+    let line = match arguments.json {
         true => result_line::session(&session.name).to_string(),
         false => session.name,
     };
@@ -55,15 +58,16 @@ pub(super) async fn run(arguments: SolveArguments) -> Result<Exit, Failure> {
 async fn create(
     client: &Client,
     input: Input,
+    name: String,
     ttl: Duration,
 ) -> Result<(v1::Session, v1::Plan), Failure> {
     let uploaded = client.upload_mesh(input.wire).await;
     uploaded.map_err(|error| error.about(&input.mesh_path))?;
     let new = NewSession {
         scene: input.scene,
+        session_id: name,
         ttl: Some(ttl),
         on_disconnect: v1::DisconnectPolicy::FinishStep,
-        ..Default::default()
     };
     Ok(client.create_session(new).await?)
 }

@@ -27,7 +27,10 @@ impl fmt::Display for Position {
 #[non_exhaustive]
 pub enum Fault {
     /// The file does not begin with `$MeshFormat`.
-    #[error("not a Gmsh MSH file: it does not begin with $MeshFormat")]
+    #[error(
+        "not a Gmsh MSH file: it does not begin with $MeshFormat; convert it with `gmsh -save \
+         -format msh41 -o OUT.msh IN` or `meshio convert IN OUT.msh`, its named groups with it"
+    )]
     NotMsh,
     /// A version other than 2.2 and 4.1.
     #[error(

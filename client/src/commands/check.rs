@@ -1,0 +1,18 @@
+//! `check`: every fault of a scene and its mesh, without solving it.
+
+use super::plan;
+use crate::arguments::CheckArguments;
+use crate::exit::{Exit, Failure};
+use crate::text::print;
+
+pub(super) async fn run(arguments: CheckArguments) -> Result<Exit, Failure> {
+    let plan = plan::of(&arguments.scene).await?;
+    let scene = arguments.scene.scene.display();
+    let verdict = match plan.warnings.len() {
+        0 => "no faults".to_owned(),
+        1 => "no faults, 1 warning".to_owned(),
+        count => format!("no faults, {count} warnings"),
+    };
+    print(&format!("{scene}: {verdict}\n"))?;
+    Ok(Exit::Ok)
+}

@@ -1,0 +1,43 @@
+//! `init`: a commented scene for a mesh.
+
+use std::fs::OpenOptions;
+use std::io::{ErrorKind, Write as _};
+use std::path::{Path, PathBuf};
+
+use crate::exit::{Exit, Failure};
+use crate::input;
+use crate::scene_draft;
+use crate::text::print;
+
+pub(super) fn run(mesh: &Path, scene: Option<PathBuf>) -> Result<Exit, Failure> {
+    let read = input::load_mesh(mesh)?;
+    let scene = scene.unwrap_or_else(|| mesh.with_extension("toml"));
+    let named = as_named_in(&scene, mesh);
+    write_new(&scene, &scene_draft::draft(&read, &named))?;
+    let path = scene.display();
+    print(&format!("{path}\n"))?;
+    Ok(Exit::Ok)
+}
+
+/// The mesh as a scene in this place names it.
+fn as_named_in(scene: &Path, mesh: &Path) -> String {
+    let named = match (mesh.parent(), mesh.file_name()) {
+        (folder, Some(name)) if folder == scene.parent() => PathBuf::from(name),
+        _ => std::path::absolute(mesh).unwrap_or_else(|_| mesh.to_owned()),
+    };
+    named.to_string_lossy().into_owned()
+}
+
+/// Never over a file that is there.
+fn write_new(path: &Path, text: &str) -> Result<(), Failure> {
+    let file = OpenOptions::new().write(true).create_new(true).open(path);
+    let written = file.and_then(|mut file| file.write_all(text.as_bytes()));
+    written.map_err(|error| {
+        if error.kind() == ErrorKind::AlreadyExists {
+            let path = path.display();
+            let message = format!("{path} is there already; name another scene file");
+            return Failure::new(Exit::Usage, message);
+        }
+        Failure::unwritable(path, &error)
+    })
+}

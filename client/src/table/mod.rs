@@ -1,0 +1,98 @@
+//! Plans and results as text for people: a mechanic's words by default, the solver's
+//! own behind `--verbose` and in plans.
+
+mod cause;
+mod increment;
+mod plan;
+mod rows;
+
+use std::collections::HashSet;
+use std::fmt::Write as _;
+
+use signorini_proto::v1;
+
+pub(crate) use cause::cause;
+pub(crate) use plan::plan;
+pub(crate) use rows::Rows;
+
+use crate::text::one_line;
+use crate::travel::Travels;
+
+/// How much of a result is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Detail {
+    /// What a mechanic asks for.
+    Short,
+    /// And what the solver did.
+    Full,
+}
+
+/// Lines of a label and a value.
+#[derive(Default)]
+struct Lines(String);
+
+impl Lines {
+    fn add(&mut self, label: &str, value: &str) {
+        let (label, value) = (one_line(label), one_line(value));
+        // Writing to a string cannot fail.
+        let _infallible = writeln!(self.0, "{label:<18} {value}");
+    }
+
+    fn add_each<'a>(&mut self, label: &str, values: impl Iterator<Item = (&'a str, String)>) {
+        for (name, value) in values {
+            self.add(&format!("{label} {name}"), &value);
+        }
+    }
+}
+
+/// The last result of a run in full, and what was doubted before it.
+pub(crate) fn results(
+    plan: &v1::Plan,
+    reports: &[v1::StepReport],
+    travels: &Travels,
+    detail: Detail,
+) -> String {
+    let mut lines = Lines::default();
+    if let Some(last) = reports.last() {
+        lines.add("scene", &plan.name);
+        increment::outcome(&mut lines, last);
+        increment::loads(&mut lines, last, travels);
+        increment::quantities(&mut lines, last);
+        if detail == Detail::Full {
+            increment::solver(&mut lines, last);
+        } else {
+            increment::time(&mut lines, last);
+        }
+    }
+    for warning in earlier_warnings(reports) {
+        lines.add("warning", &warning);
+    }
+    if detail == Detail::Full {
+        plan::left_out(&mut lines, plan);
+    }
+    lines.0
+}
+
+/// What was doubted before the last increment and is not in the last one, once each, with the
+/// first increment of it.
+fn earlier_warnings(reports: &[v1::StepReport]) -> Vec<String> {
+    let Some((last, earlier)) = reports.split_last() else {
+        return Vec::new();
+    };
+    let about = |warning: &v1::Warning| (warning.kind.clone(), warning.subject.clone());
+    let mut told: HashSet<_> = last.warnings.iter().map(about).collect();
+    let mut lines = Vec::new();
+    for report in earlier {
+        for warning in &report.warnings {
+            if told.insert(about(warning)) {
+                let (step, increment) = (report.step, report.increment);
+                let message = &warning.message;
+                lines.push(format!("step {step}, increment {increment}: {message}"));
+            }
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests;

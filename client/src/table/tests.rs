@@ -1,0 +1,159 @@
+use std::collections::BTreeMap;
+
+use super::*;
+
+fn report() -> v1::StepReport {
+    let obstacle = v1::ObstacleResult {
+        force: vec![0.0, 0.0, -0.0177],
+        force_error: Some(4e-5),
+        contact_area: 0.0375,
+        max_pressure: 0.6,
+        ..Default::default()
+    };
+    let pose = v1::ObstaclePose {
+        name: "ball".to_owned(),
+        translation: vec![0.0, 0.0, -0.05],
+        ..Default::default()
+    };
+    v1::StepReport {
+        step: 1,
+        increment: 2,
+        termination: v1::Termination::NotConverged.into(),
+        cause: v1::Cause::LineSearch.into(),
+        error_estimate: Some(0.0442),
+        obstacles: BTreeMap::from([("ball".to_owned(), obstacle)]),
+        obstacle_poses: vec![pose],
+        ..Default::default()
+    }
+}
+
+fn omission() -> v1::Plan {
+    let (what, reason) = ("friction".to_owned(), "no obstacle has it".to_owned());
+    let left_out = vec![v1::PlanOmission { what, reason }];
+    v1::Plan {
+        name: "block".to_owned(),
+        left_out,
+        ..Default::default()
+    }
+}
+
+fn travels(report: &v1::StepReport) -> Travels {
+    let mut travels = Travels::default();
+    travels.see(report);
+    travels
+}
+
+fn told(reports: &[v1::StepReport], detail: Detail) -> String {
+    let travels = reports.first().map(travels).unwrap_or_default();
+    results(&omission(), reports, &travels, detail)
+}
+
+#[test]
+fn the_result_names_force_area_pressure_error_and_cause() {
+    let text = told(&[report()], Detail::Short);
+    for part in [
+        "not_converged (line_search): step 1, increment 2",
+        "why                no motion came nearer to an equilibrium",
+        "obstacle ball      force 0.017700 ± 0.000040 along its travel, of 0.05 so far: (0, 0, -0.0177)",
+        "                   contact area 0.0375, pressure 0.6 at most",
+        "error estimate     4.4 % of the deformation",
+    ] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+}
+
+#[test]
+fn the_words_of_the_solver_are_for_those_who_ask() {
+    let (short, full) = (
+        told(&[report()], Detail::Short),
+        told(&[report()], Detail::Full),
+    );
+    for word in ["SQP", "Krylov", "left out", "unknowns", "preconditioner"] {
+        assert!(!short.contains(word), "{word}\n{short}");
+        assert!(full.contains(word), "{word}\n{full}");
+    }
+}
+
+#[test]
+fn finite_strain_says_how_far_cells_are_from_turning_inside_out() {
+    let mut report = report();
+    assert!(!told(&[report.clone()], Detail::Short).contains("det F"));
+    report.min_jacobian = Some(0.9);
+    report.min_jacobian_bound = Some(0.85);
+    report.stability = v1::Stability::Minimum.into();
+    let obstacle = report.obstacles.get_mut("ball").unwrap();
+    obstacle.max_pressure_deformed = Some(0.55);
+    let text = told(&[report.clone()], Detail::Short);
+    for part in [
+        "det F              0.9 at least, nowhere below 0.85",
+        "last equilibrium   minimum of the energy",
+        "pressure 0.6 (0.55 per deformed area) at most",
+    ] {
+        assert!(text.contains(part), "{part}\n{text}");
+    }
+    report.termination = v1::Termination::Converged.into();
+    let text = told(&[report], Detail::Short);
+    assert!(text.contains("\nequilibrium        minimum"), "{text}");
+}
+
+#[test]
+fn warnings_of_all_increments_are_told_once() {
+    let warned = |increment: i32, kinds: &[&str]| v1::StepReport {
+        increment,
+        warnings: kinds
+            .iter()
+            .map(|&kind| v1::Warning {
+                kind: kind.to_owned(),
+                message: format!("it {kind}"),
+                ..Default::default()
+            })
+            .collect(),
+        ..report()
+    };
+    let reports = [
+        warned(1, &["snapped"]),
+        warned(2, &["snapped", "large_strain"]),
+        warned(3, &["large_strain"]),
+    ];
+    let text = told(&reports, Detail::Short);
+    let told: Vec<&str> = text.lines().filter(|l| l.starts_with("warning")).collect();
+    let expected = [
+        "warning            it large_strain",
+        "warning            step 1, increment 1: it snapped",
+    ];
+    assert_eq!(told, expected, "{text}");
+}
+
+#[test]
+fn every_increment_has_a_row_with_the_signed_force_and_what_is_unusual() {
+    let (mut rows, report) = (Rows::default(), report());
+    let travels = travels(&report);
+    let first = rows.row(&report, &travels);
+    let [_, header, row] = first.lines().collect::<Vec<_>>().try_into().unwrap();
+    assert_eq!(
+        header,
+        "step incr                  ball    error touching  seconds"
+    );
+    assert_eq!(
+        row,
+        "   1    2   0.017700 ± 0.000040    4.4 %        0    0.000  not converged, line search"
+    );
+    let second = rows.row(&report, &travels);
+    assert_eq!(second.trim_end(), row);
+}
+
+#[test]
+fn names_cannot_break_a_row() {
+    let mut report = report();
+    let obstacle = report.obstacles.remove("ball").unwrap();
+    let name = "b\u{1b}[2J\nall".to_owned();
+    report.obstacles.insert(name, obstacle);
+    let text = Rows::default().row(&report, &Travels::default());
+    assert_eq!(text.lines().count(), 3, "{text}");
+    assert!(!text.contains('\u{1b}'));
+    let told = told(&[report], Detail::Full);
+    assert!(
+        !told.contains('\u{1b}') && told.contains("b\\u{1b}[2J\\nall"),
+        "{told}"
+    );
+}

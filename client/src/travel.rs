@@ -1,0 +1,134 @@
+//! Along what the force of an obstacle is told.
+//!
+//! An obstacle that travels is judged along its first travel, in every increment: a
+//! plate that closes and opens again presses with one sign, and force against travel
+//! is one curve. Of an obstacle that never travels the size of its force is told.
+
+use std::collections::BTreeMap;
+
+use signorini_proto::v1;
+
+type Vector = [f64; 3];
+
+/// First travels of obstacles, as unit vectors by name.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Travels(BTreeMap<String, Vector>);
+
+impl Travels {
+    /// As the steps of a scene ask for them.
+    pub(crate) fn of(steps: &[v1::LoadStep]) -> Self {
+        let mut travels = Self::default();
+        for target in steps.iter().flat_map(|step| &step.obstacles) {
+            travels.learn(&target.name, &target.translation);
+        }
+        travels
+    }
+
+    /// Learns from the poses of a result what no step has said: obstacles driven by a
+    /// force, and steps that came from elsewhere.
+    pub(crate) fn see(&mut self, report: &v1::StepReport) {
+        for pose in &report.obstacle_poses {
+            self.learn(&pose.name, &pose.translation);
+        }
+    }
+
+    /// Takes a translation for the first travel of an obstacle, unless it has one or
+    /// this is none.
+    pub(crate) fn learn(&mut self, name: &str, translation: &[f64]) {
+        let size = dot(translation, translation).sqrt();
+        if self.0.contains_key(name) || !(size > 0.0 && size.is_finite()) {
+            return;
+        }
+        let mut unit = [0.0; 3];
+        for (unit, x) in unit.iter_mut().zip(translation) {
+            *unit = x / size;
+        }
+        self.0.insert(name.to_owned(), unit);
+    }
+
+    /// The part of a vector along the travel of an obstacle; none without a travel.
+    pub(crate) fn along(&self, name: &str, vector: &[f64]) -> Option<f64> {
+        let direction = self.0.get(name)?;
+        Some(dot(vector, direction))
+    }
+
+    /// Along its travel, what an obstacle does to the body; without a travel its size.
+    pub(crate) fn force(&self, name: &str, obstacle: &v1::ObstacleResult) -> f64 {
+        let size = || dot(&obstacle.force, &obstacle.force).sqrt();
+        self.along(name, &obstacle.force).unwrap_or_else(size)
+    }
+
+    /// How far an obstacle is along its travel.
+    pub(crate) fn distance(&self, name: &str, report: &v1::StepReport) -> Option<f64> {
+        let pose = report.obstacle_poses.iter().find(|pose| pose.name == name);
+        let translation = pose.map(|pose| pose.translation.as_slice());
+        self.along(name, translation.unwrap_or_default())
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn step(name: &str, translation: [f64; 3]) -> v1::LoadStep {
+        let target = v1::ObstacleTarget {
+            name: name.to_owned(),
+            translation: translation.to_vec(),
+            ..Default::default()
+        };
+        v1::LoadStep {
+            obstacles: vec![target],
+            ..Default::default()
+        }
+    }
+
+    fn pressed(force: [f64; 3]) -> v1::ObstacleResult {
+        v1::ObstacleResult {
+            force: force.to_vec(),
+            ..Default::default()
+        }
+    }
+
+    fn at(name: &str, translation: [f64; 3]) -> v1::StepReport {
+        let pose = v1::ObstaclePose {
+            name: name.to_owned(),
+            translation: translation.to_vec(),
+            ..Default::default()
+        };
+        v1::StepReport {
+            obstacle_poses: vec![pose],
+            ..Default::default()
+        }
+    }
+
+    #[test]
+    fn a_plate_that_opens_again_presses_with_one_sign() {
+        let steps = [step("top", [0.0, 0.0, -0.5]), step("top", [0.0; 3])];
+        let travels = Travels::of(&steps);
+        let force = travels.force("top", &pressed([0.1, 0.0, -2.0]));
+        let distance = travels.distance("top", &at("top", [0.0, 0.0, -0.25]));
+        assert!((force - 2.0).abs() < 1e-15);
+        assert_eq!(distance, Some(0.25));
+    }
+
+    #[test]
+    fn an_obstacle_that_stands_tells_the_size_of_its_force() {
+        let travels = Travels::of(&[step("top", [0.0; 3])]);
+        let force = travels.force("top", &pressed([3.0, 0.0, -4.0]));
+        assert!((force - 5.0).abs() < 1e-15);
+        assert_eq!(travels.distance("top", &at("top", [0.0; 3])), None);
+    }
+
+    #[test]
+    fn a_travel_that_no_step_names_is_learnt_from_a_pose() {
+        let mut travels = Travels::default();
+        travels.see(&at("pin", [2.0, 0.0, 0.0]));
+        travels.see(&at("pin", [0.0, 9.0, 0.0]));
+        let force = travels.force("pin", &pressed([-1.5, 7.0, 0.0]));
+        assert!((force + 1.5).abs() < 1e-15);
+    }
+}
