@@ -205,6 +205,14 @@ pub(crate) struct ServeArguments {
     /// Where the metrics page is served: HOST:PORT, or empty for nowhere
     #[arg(long, value_name = "ADDRESS")]
     pub(crate) metrics_listen: Option<String>,
+    /// How the log is written on stderr
+    #[cfg(feature = "embedded")]
+    #[arg(long, value_name = "FORMAT", env = "SIGNORINI_LOG_FORMAT")]
+    pub(crate) log_format: Option<signorini_server::LogFormat>,
+    /// The least important lines of the log; RUST_LOG goes before it
+    #[cfg(feature = "embedded")]
+    #[arg(long, value_name = "LEVEL", env = "SIGNORINI_LOG_LEVEL")]
+    pub(crate) log_level: Option<signorini_server::LogLevel>,
 }
 
 /// A server that runs already.

@@ -5,10 +5,10 @@ use crate::exit::{Exit, Failure};
 
 #[cfg(feature = "embedded")]
 pub(super) async fn run(arguments: ServeArguments) -> Result<Exit, Failure> {
-    use signorini_server::{Listener, serve};
+    use signorini_server::{Listener, serve, start_log};
 
-    log_to_stderr();
     let config = configuration(arguments)?;
+    start_log(&config);
     let usage = |error: &dyn std::error::Error| Failure::new(Exit::Usage, error.to_string());
     let listener = Listener::bind(&config)
         .await
@@ -39,23 +39,9 @@ fn configuration(arguments: ServeArguments) -> Result<signorini_server::Config, 
     };
     config.listen = arguments.listen.unwrap_or(config.listen);
     config.metrics_listen = arguments.metrics_listen.unwrap_or(config.metrics_listen);
+    config.log_format = arguments.log_format.unwrap_or(config.log_format);
+    config.log_level = arguments.log_level.unwrap_or(config.log_level);
     Ok(config)
-}
-
-/// Logs of level `info`, or as `RUST_LOG` says.
-#[cfg(feature = "embedded")]
-fn log_to_stderr() {
-    use std::io::IsTerminal as _;
-
-    use tracing_subscriber::EnvFilter;
-
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new("info"));
-    let colours = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
-    let subscriber = tracing_subscriber::fmt()
-        .with_env_filter(filter)
-        .with_ansi(colours);
-    // A subscriber that is set already keeps its place.
-    let _set = subscriber.with_writer(std::io::stderr).try_init();
 }
 
 /// Ends with the first interrupt or termination signal; the second one quits.
