@@ -182,7 +182,7 @@ impl LeastEigenvalue<'_> {
             return Some(Least::Nothing);
         }
         // With alternating signs of the vectors alpha alone gives its sign to the entries.
-        let sign = if basis.vectors.len() % 2 == 0 {
+        let sign = if basis.vectors.len().is_multiple_of(2) {
             1.0
         } else {
             -1.0

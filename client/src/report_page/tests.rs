@@ -1,5 +1,6 @@
 use std::collections::BTreeMap;
 
+use signorini_client::formats::Notes;
 use signorini_client::formats::vtu::{Grid, GridField};
 use signorini_client::result_line;
 use signorini_proto::v1;
@@ -63,7 +64,11 @@ fn write_series(folder: &Path) {
         components: 1,
         values: &[0.0, 1.0, 2.0, 3.0],
     };
-    std::fs::write(folder.join("a_0001.vtu"), grid.write(&[pressures]).unwrap()).unwrap();
+    std::fs::write(
+        folder.join("a_0001.vtu"),
+        grid.write(&[pressures], &Notes::default()).unwrap(),
+    )
+    .unwrap();
     let series = "<DataSet timestep=\"1\" part=\"0\" file=\"a_0001.vtu\"/>";
     std::fs::write(folder.join("a.pvd"), series).unwrap();
 }

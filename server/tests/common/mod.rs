@@ -22,6 +22,7 @@ use tonic::transport::Channel;
 use tonic_types::StatusExt;
 
 pub(crate) use block::Block;
+#[allow(unused_imports, reason = "every test file uses its part")]
 pub(crate) use page::{answer, page, sample};
 
 /// A server of this process.
