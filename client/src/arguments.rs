@@ -7,8 +7,6 @@ use clap_complete::Shell;
 use signorini_client::ServerAddress;
 use signorini_client::scene_file::Override;
 
-use crate::commands::embed::EmbedCommand;
-
 /// Contact of nearly incompressible bodies, rubber included: solve scenes, serve, look at servers.
 #[derive(Debug, Parser)]
 #[command(name = "signorini", version, after_help = AFTER_HELP)]
@@ -319,6 +317,29 @@ pub(crate) enum SessionCommand {
         session: String,
         #[command(flatten)]
         remote: RemoteArguments,
+    },
+}
+
+/// What a library of another language may ask.
+#[derive(Debug, Subcommand)]
+pub(crate) enum EmbedCommand {
+    /// Read a scene (TOML) from stdin, print the message; its `mesh` is a path
+    Scene {
+        /// Names the scene: its stem is the default name, its folder holds the mesh
+        path: PathBuf,
+        /// Change a key of the scene
+        #[arg(long = "set", value_name = "PATH=VALUE")]
+        overrides: Vec<Override>,
+    },
+    /// Read a mesh file, print the messages of its upload, each behind its length
+    Mesh {
+        /// The file
+        path: PathBuf,
+    },
+    /// Serve until stdin ends
+    Serve {
+        /// Where to listen: HOST:PORT or unix:PATH
+        listen: String,
     },
 }
 

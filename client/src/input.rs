@@ -3,7 +3,8 @@
 use std::path::Path;
 
 use signorini_client::WireMesh;
-use signorini_client::formats::mesh::{self, MeshFile};
+use signorini_client::formats::mesh::MeshFile;
+use signorini_client::formats::reader;
 use signorini_client::scene_file::{self, SceneFileError};
 use signorini_proto::v1;
 
@@ -71,6 +72,6 @@ pub(crate) fn load(arguments: &SceneArguments) -> Result<Input, Failure> {
 /// Reads a mesh file of any format.
 pub(crate) fn load_mesh(path: &Path) -> Result<MeshFile, Failure> {
     let bytes = std::fs::read(path).map_err(|error| Failure::unreadable(path, &error))?;
-    mesh::read(&bytes, path)
+    reader::read(&bytes, path)
         .map_err(|error| Failure::new(Exit::Invalid, format!("{}: {error}", path.display())))
 }

@@ -2,7 +2,7 @@
 //! stream, and the files around them (Gmsh, Abaqus and VTK meshes and TOML scenes in,
 //! VTK files and result lines out).
 //!
-//! A session in outline: [`formats::mesh::read`] a mesh, [`Client::upload_mesh`]
+//! A session in outline: [`formats::reader::read`] a mesh, [`Client::upload_mesh`]
 //! it, [`scene_file::read`] a scene and name the mesh in it,
 //! [`Client::create_session`], [`Client::solve`], send steps through
 //! [`solve::Updates`] and take results from [`solve::Events`]. Others follow the
@@ -11,7 +11,7 @@
 //!
 //! The library knows the wire format only, never the solver. It prints nothing;
 //! network errors and bad files are typed errors ([`ClientError`],
-//! [`formats::mesh::ReadError`], [`scene_file::SceneFileError`]). Cost beside the
+//! [`formats::reader::ReadError`], [`scene_file::SceneFileError`]). Cost beside the
 //! server's: one copy of each mesh and field.
 #![cfg_attr(
     not(test),

@@ -25,6 +25,7 @@ mod report_page;
 mod results;
 mod results_csv;
 mod scene_draft;
+mod stdout;
 mod table;
 mod text;
 mod travel;

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::exit::Failure;
-use crate::text::print;
+use crate::stdout::print;
 
 /// Receives result lines.
 pub(crate) struct LineSink {

@@ -12,8 +12,9 @@ use crate::progress::{Progress, Verbosity};
 use crate::report_page;
 use crate::results::ResultFolder;
 use crate::results_csv::ResultsCsv;
+use crate::stdout::print;
 use crate::table::{self, Detail, Rows};
-use crate::text::{note, print};
+use crate::text::note;
 use crate::travel::Travels;
 
 /// Between two updates of a progress line.

@@ -1,26 +1,10 @@
-//! Writes to stdout and stderr, and numbers for people.
+//! Writes to stderr, and text and numbers for people.
 //!
 //! Names come from files and from servers: what could move a cursor, or turn the
 //! direction of writing, is spelled out before it reaches a terminal.
 
 use std::borrow::Cow;
-use std::io::{ErrorKind, Write};
-
-use crate::exit::{Exit, Failure};
-
-/// Writes to stdout. A reader that has gone away ends the output, not the work.
-pub(crate) fn print(text: &str) -> Result<(), Failure> {
-    let mut stdout = std::io::stdout().lock();
-    match stdout
-        .write_all(visible(text).as_bytes())
-        .and_then(|()| stdout.flush())
-    {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            Err(Failure::new(Exit::Usage, format!("stdout: {error}")))
-        }
-        _ => Ok(()),
-    }
-}
+use std::io::Write;
 
 /// Writes to stderr, where failing can be told to nobody.
 pub(crate) fn note(text: &str) {

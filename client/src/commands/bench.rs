@@ -3,7 +3,8 @@
 use signorini_bench::{Arguments, BenchError, End, Watched};
 
 use crate::exit::{Exit, Failure};
-use crate::text::{note, print};
+use crate::stdout::print;
+use crate::text::note;
 
 pub(super) async fn run(arguments: Arguments) -> Result<Exit, Failure> {
     let program = std::env::current_exe()

@@ -4,7 +4,7 @@ use signorini_client::{Client, result_line};
 
 use crate::arguments::CancelArguments;
 use crate::exit::{Exit, Failure};
-use crate::text::print;
+use crate::stdout::print;
 
 pub(super) async fn run(arguments: CancelArguments) -> Result<Exit, Failure> {
     let client = Client::connect(&arguments.remote.server).await?;

@@ -3,7 +3,7 @@
 use super::plan;
 use crate::arguments::CheckArguments;
 use crate::exit::{Exit, Failure};
-use crate::text::print;
+use crate::stdout::print;
 
 pub(super) async fn run(arguments: CheckArguments) -> Result<Exit, Failure> {
     let plan = plan::of(&arguments.scene).await?;

@@ -5,7 +5,7 @@ use clap_complete::Shell;
 
 use crate::arguments::Arguments;
 use crate::exit::{Exit, Failure};
-use crate::text::print;
+use crate::stdout::print;
 
 pub(super) fn run(shell: Shell) -> Result<Exit, Failure> {
     let mut script = Vec::new();

@@ -7,40 +7,17 @@
 mod serve;
 
 use std::io::{Read as _, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use clap::Subcommand;
 use prost::Message;
 use signorini_client::WireMesh;
 use signorini_client::scene_file::{self, Override};
 use signorini_proto::v1;
 
+use crate::arguments::EmbedCommand;
 use crate::exit::{Exit, Failure};
 use crate::input;
 use crate::text::note;
-
-/// One request.
-#[derive(Debug, Subcommand)]
-pub(crate) enum EmbedCommand {
-    /// Read a scene (TOML) from stdin, print the message; its `mesh` is a path
-    Scene {
-        /// Names the scene: its stem is the default name, its folder holds the mesh
-        path: PathBuf,
-        /// Change a key of the scene
-        #[arg(long = "set", value_name = "PATH=VALUE")]
-        overrides: Vec<Override>,
-    },
-    /// Read a mesh file, print the messages of its upload, each behind its length
-    Mesh {
-        /// The file
-        path: PathBuf,
-    },
-    /// Serve until stdin ends
-    Serve {
-        /// Where to listen: HOST:PORT or unix:PATH
-        listen: String,
-    },
-}
 
 pub(super) async fn run(command: EmbedCommand) -> Result<Exit, Failure> {
     match command {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::exit::{Exit, Failure};
 use crate::input;
 use crate::scene_draft;
-use crate::text::print;
+use crate::stdout::print;
 
 pub(super) fn run(mesh: &Path, scene: Option<PathBuf>) -> Result<Exit, Failure> {
     let read = input::load_mesh(mesh)?;

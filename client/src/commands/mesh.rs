@@ -9,7 +9,8 @@ use signorini_proto::v1;
 use crate::arguments::{MeshCommand, RemoteArguments};
 use crate::exit::{Exit, Failure};
 use crate::input;
-use crate::text::{bytes, note, one_line, print};
+use crate::stdout::print;
+use crate::text::{bytes, note, one_line};
 
 pub(super) async fn run(command: MeshCommand) -> Result<Exit, Failure> {
     match command {

@@ -7,8 +7,9 @@ use crate::arguments::{PlanArguments, SceneArguments};
 use crate::connection::Connection;
 use crate::exit::{Exit, Failure};
 use crate::input::{self, Input};
+use crate::stdout::print;
 use crate::table;
-use crate::text::{note, print};
+use crate::text::note;
 
 pub(super) async fn run(arguments: PlanArguments) -> Result<Exit, Failure> {
     let plan = of(&arguments.scene).await?;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::exit::{Exit, Failure};
 use crate::report_page;
-use crate::text::print;
+use crate::stdout::print;
 
 pub(super) fn run(folder: &Path) -> Result<Exit, Failure> {
     let page = report_page::write(folder)?;

@@ -14,7 +14,7 @@ pub(super) async fn run(arguments: ServeArguments) -> Result<Exit, Failure> {
         .await
         .map_err(|error| usage(&error))?;
     // Scripts that let the server choose a port read it here.
-    crate::text::print(&format!("{}\n", listener.url()))?;
+    crate::stdout::print(&format!("{}\n", listener.url()))?;
     serve(listener, config, stop_signal())
         .await
         .map_err(|error| Failure::new(Exit::Server, error.to_string()))?;

@@ -8,8 +8,9 @@ use signorini_proto::v1;
 
 use crate::arguments::{RemoteArguments, SessionCommand};
 use crate::exit::{Exit, Failure};
+use crate::stdout::print;
 use crate::table;
-use crate::text::{bytes, note, one_line, print};
+use crate::text::{bytes, note, one_line};
 
 pub(super) async fn run(command: SessionCommand) -> Result<Exit, Failure> {
     match command {

@@ -8,6 +8,7 @@ pub mod inp;
 pub mod mesh;
 pub mod msh;
 pub mod pvd;
+pub mod reader;
 pub mod vtk;
 pub mod vtp;
 pub mod vtu;

@@ -8,6 +8,7 @@
 mod data;
 mod encode;
 mod lines;
+mod shape;
 mod surface;
 mod thin;
 mod vtk;

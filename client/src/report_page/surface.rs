@@ -8,6 +8,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::encode::{self, Coded};
+use super::shape::{Surface, Vector};
 use super::thin;
 use super::vtk::{self, Array, Arrays};
 
@@ -30,8 +31,6 @@ const FACES: [[usize; 6]; 4] = [
 ];
 /// The four triangles of a quadratic one.
 const PARTS: [[usize; 3]; 4] = [[0, 3, 5], [3, 1, 4], [5, 4, 2], [3, 4, 5]];
-
-pub(super) type Vector = [f64; 3];
 
 /// What the page draws, numbers as base64.
 #[derive(Debug, Serialize)]
@@ -64,16 +63,6 @@ struct NamedField {
 struct Drawn {
     points: Coded,
     triangles: String,
-}
-
-/// A surface before it is written down.
-#[derive(Debug, Default)]
-pub(super) struct Surface {
-    pub(super) points: Vec<Vector>,
-    pub(super) displacement: Option<Vec<Vector>>,
-    pub(super) fields: Vec<(String, Vec<f64>)>,
-    pub(super) triangles: Vec<[u32; 3]>,
-    pub(super) rim: Vec<[u32; 2]>,
 }
 
 /// The picture of a folder's last files; none where it has no series.

@@ -3,7 +3,7 @@
 
 use std::collections::HashMap;
 
-use super::surface::{Surface, Vector};
+use super::shape::{Surface, Vector};
 
 /// Growth of the grid's cells from try to try.
 const GROWTH: f64 = 1.25;

@@ -13,7 +13,7 @@ pub(super) async fn run(listen: String) -> Result<Exit, Failure> {
     let listener = Listener::bind(&config)
         .await
         .map_err(|error| Failure::new(Exit::Usage, error.to_string()))?;
-    crate::text::print(&format!("{}\n", listener.url()))?;
+    crate::stdout::print(&format!("{}\n", listener.url()))?;
     serve(listener, config, end_of_stdin())
         .await
         .map_err(|error| Failure::new(Exit::Server, error.to_string()))?;

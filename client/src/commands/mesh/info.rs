@@ -9,7 +9,8 @@ use signorini_client::formats::msh::MeshFile;
 use crate::exit::{Exit, Failure};
 use crate::input;
 use crate::mesh_shape::{Quality, Shape, group_box};
-use crate::text::{number, one_line, print, vector};
+use crate::stdout::print;
+use crate::text::{number, one_line, vector};
 
 pub(super) fn run(file: &Path, json: bool) -> Result<Exit, Failure> {
     let mesh = input::load_mesh(file)?;

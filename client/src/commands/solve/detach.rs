@@ -11,7 +11,8 @@ use crate::arguments::SolveArguments;
 use crate::commands::interrupts;
 use crate::exit::{Exit, Failure};
 use crate::input::{self, Input};
-use crate::text::{note, print};
+use crate::stdout::print;
+use crate::text::note;
 
 /// Time to live of a session whose client has left.
 const DAY: Duration = Duration::from_secs(24 * 3600);

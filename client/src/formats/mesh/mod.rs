@@ -1,13 +1,4 @@
-//! Meshes as files give them, and the choice of the reader of a file: by its content
-//! first, then by the extension of its name.
-//!
-//! | format | content | extension |
-//! |---|---|---|
-//! | Gmsh ([`msh`]) | `$MeshFormat` | `.msh` |
-//! | VTK ([`vtk`]) | `# vtk DataFile`, or XML with `<VTKFile` | `.vtk`, `.vtu` |
-//! | Abaqus ([`inp`]) | a first line `*KEYWORD` or `** comment` | `.inp` |
-//!
-//! Cost: as the readers; the choice looks at the first kibibyte.
+//! Meshes as files give them, and how readers build them.
 
 mod build;
 mod curved;
@@ -16,18 +7,9 @@ mod outer;
 mod plane;
 pub(crate) mod raw;
 
-use std::path::Path;
-
-use super::inp::{self, InpError};
-use super::msh::{self, MshError};
-use super::vtk::{self, VtkError};
-
 pub(crate) use build::mesh as build;
 pub use fault::MeshFault;
 pub(crate) use outer::{BODY, BOUNDARY, outer_facets};
-
-/// Bytes that the choice of a reader looks at.
-const HEAD: usize = 1024;
 
 /// A named set of cells or facets.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -77,110 +59,5 @@ impl MeshFile {
     /// Facets.
     pub fn facet_count(&self) -> usize {
         self.facets.len() / (self.vertices_per_cell - 1)
-    }
-}
-
-/// Why a file gives no mesh.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[non_exhaustive]
-pub enum ReadError {
-    /// A Gmsh file with a fault.
-    #[error(transparent)]
-    Msh(#[from] MshError),
-    /// An Abaqus file with a fault.
-    #[error(transparent)]
-    Inp(#[from] InpError),
-    /// A VTK file with a fault.
-    #[error(transparent)]
-    Vtk(#[from] VtkError),
-    /// No format that is read here.
-    #[error(
-        "not a mesh that is read here: Gmsh (.msh), Abaqus (.inp) and VTK (.vtu, .vtk) are; others can be converted with `gmsh IN -0 -format msh41 -o OUT.msh` or `meshio convert IN OUT.vtu`"
-    )]
-    UnknownFormat,
-}
-
-/// Formats that are read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    /// Gmsh MSH.
-    Msh,
-    /// Abaqus input.
-    Inp,
-    /// VTK, legacy or XML.
-    Vtk,
-}
-
-impl Format {
-    /// The format of some bytes; where they do not tell, that of the name of their file.
-    pub fn of(bytes: &[u8], path: &Path) -> Option<Self> {
-        Self::of_content(bytes).or_else(|| Self::of_extension(path))
-    }
-
-    fn of_content(bytes: &[u8]) -> Option<Self> {
-        let head = bytes.get(..HEAD).unwrap_or(bytes).trim_ascii_start();
-        let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
-        if head.starts_with(b"$MeshFormat") {
-            return Some(Self::Msh);
-        }
-        let has_root = || head.windows(8).any(|word| word == b"<VTKFile");
-        if head.starts_with(b"# vtk") || (head.starts_with(b"<") && has_root()) {
-            return Some(Self::Vtk);
-        }
-        let keyword = |byte: &u8| byte.is_ascii_alphabetic() || *byte == b'*';
-        match head {
-            [b'*', next, ..] if keyword(next) => Some(Self::Inp),
-            _ => None,
-        }
-    }
-
-    fn of_extension(path: &Path) -> Option<Self> {
-        let extension = path.extension()?.to_str()?.to_ascii_lowercase();
-        match extension.as_str() {
-            "msh" => Some(Self::Msh),
-            "inp" => Some(Self::Inp),
-            "vtk" | "vtu" => Some(Self::Vtk),
-            _ => None,
-        }
-    }
-}
-
-/// Reads a mesh in any of the formats; `path` is the name of its file.
-///
-/// # Errors
-/// [`ReadError`]: the first fault that its reader finds.
-pub fn read(bytes: &[u8], path: &Path) -> Result<MeshFile, ReadError> {
-    match Format::of(bytes, path).ok_or(ReadError::UnknownFormat)? {
-        Format::Msh => Ok(msh::read(bytes)?),
-        Format::Inp => Ok(inp::read(bytes)?),
-        Format::Vtk => Ok(vtk::read(bytes)?),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn of(bytes: &[u8], path: &str) -> Option<Format> {
-        Format::of(bytes, Path::new(path))
-    }
-
-    #[test]
-    fn content_tells_the_format_before_the_name_does() {
-        assert_eq!(of(b"$MeshFormat\n4.1", "part.inp"), Some(Format::Msh));
-        assert_eq!(of(b"** made by X\n*NODE", "part.msh"), Some(Format::Inp));
-        assert_eq!(of(b"\n*Heading\n", "part"), Some(Format::Inp));
-        assert_eq!(of(b"# vtk DataFile Version 2.0", "a"), Some(Format::Vtk));
-        let xml = b"\xef\xbb\xbf<?xml version=\"1.0\"?>\n<VTKFile type=";
-        assert_eq!(of(xml, "a"), Some(Format::Vtk));
-        assert_eq!(of(b"solid", "part.VTU"), Some(Format::Vtk));
-        assert_eq!(of(b"solid", "part.stl"), None);
-        assert_eq!(of(b"", "part"), None);
-    }
-
-    #[test]
-    fn an_unknown_format_is_answered_with_the_known_ones() {
-        let error = read(b"solid", Path::new("part.stl")).unwrap_err();
-        assert!(error.to_string().contains(".inp"), "{error}");
     }
 }
