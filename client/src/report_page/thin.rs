@@ -33,8 +33,8 @@ pub(super) fn to(mut surface: Surface, most: usize) -> Surface {
     let (low, high) = bounds(&surface.points);
     let mut size = {
         let extent = low.iter().zip(high).map(|(low, high)| high - low);
-        // A surface of so many cells has about so many nodes.
-        extent.fold(0.0, f64::max) / (most as f64 / 6.0).sqrt()
+        // As many cells as nodes may stay of a flat sheet; of a body they grow.
+        extent.fold(0.0, f64::max) / (most as f64).sqrt()
     };
     while surface.points.len() > most && size > 0.0 {
         surface = gathered(&surface, low, size);

@@ -107,7 +107,7 @@ fn unknown_keys_suggest_the_nearest() {
         turned.contains("did you mean \"rotation\"? It is in radians"),
         "{turned}"
     );
-    let addition = "[[obstacle]]\nname = \"ball\"\non = \"z1\"\nshape = { kind = \"pyramid\" }";
+    let addition = "[[obstacle]]\nname = \"ball\"\non = \"z1\"\nshape = { kind = \"wedge\" }";
     let unknown = fault(addition);
     assert!(
         unknown.contains("known are half-space, sphere, cylinder; not supported yet: "),
