@@ -69,11 +69,27 @@ impl DenseMatrix {
     pub fn principal(&self, selected: &[usize]) -> Self {
         let mut part = Self::zeros(selected.len(), selected.len());
         for (j, &column) in selected.iter().enumerate() {
-            for (i, &row) in selected.iter().enumerate() {
-                *part.at_mut(i, j) = self.at(row, column);
+            let from = self.column(column);
+            for (value, &row) in part.column_mut(j).iter_mut().zip(selected) {
+                *value = from[row];
             }
         }
         part
+    }
+
+    /// Copies the lower triangle of a square matrix to the upper one.
+    pub fn mirror(&mut self) {
+        /// Rows and columns that are copied together, so that both stay in the cache.
+        const BLOCK: usize = 32;
+        for first in (0..self.columns).step_by(BLOCK) {
+            for from in (first..self.rows).step_by(BLOCK) {
+                for column in first..(first + BLOCK).min(self.columns) {
+                    for row in from.max(column + 1)..(from + BLOCK).min(self.rows) {
+                        *self.at_mut(column, row) = self.at(row, column);
+                    }
+                }
+            }
+        }
     }
 
     /// `(L L^T)^-1` for a lower triangular `self = L`.

@@ -24,6 +24,12 @@ pub trait SymmetricMatrix: Send + Sync {
     /// Rows and columns `selected`, ascending, as a dense matrix.
     fn principal_part(&self, selected: &[usize]) -> DenseMatrix;
 
+    /// The same for a caller who asks for many parts that have most of their rows in common: a
+    /// matrix may keep what it has made.
+    fn part_again(&self, selected: &[usize]) -> DenseMatrix {
+        self.principal_part(selected)
+    }
+
     /// Factor of that part. A matrix may keep the last one: methods ask for the same part
     /// several times.
     ///

@@ -11,19 +11,23 @@
 //! dense; a part on the closed multipliers is formed where it is factorised. Cost:
 //! O(v^2) a product, O(n v + n^2) a part of n multipliers, for v contact vertices.
 
-use std::collections::{BTreeMap, HashMap};
+mod nodes;
+mod part;
+
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use rayon::prelude::*;
+use nodes::{AtNode, at_all_nodes, at_edges, of_nodes};
+use part::Known;
 
 use super::NodeBlocks;
 use super::p1::Traces;
 use super::volume_mode::VolumeMode;
 use crate::linalg::vector::{add_scaled, dot, scale};
 use crate::linalg::{
-    DenseCholesky, DenseMatrix, FactoriseError, LinearOperator, SparseRows, SparseRowsBuilder,
-    SymmetricMatrix, Workspace,
+    DenseCholesky, DenseMatrix, FactoriseError, LinearOperator, SparseRows, SymmetricMatrix,
+    Workspace,
 };
 
 /// Factor on the whole compliance, which brings its largest eigenvalue against the
@@ -69,6 +73,8 @@ pub struct Compliance {
     diagonal: OnceLock<Vec<f64>>,
     /// The part that was factorised last.
     last: Mutex<Option<Part>>,
+    /// The largest part that was asked for by entries; empty without friction.
+    known: Mutex<Known>,
 }
 
 /// A principal part with its factor.
@@ -100,6 +106,7 @@ impl Compliance {
             lift: 0.0,
             diagonal: OnceLock::new(),
             last: Mutex::new(None),
+            known: Mutex::default(),
         };
         let size = coupling.rows();
         let trace: f64 = (0..size).map(|i| out.entry(i, i)).sum();
@@ -111,19 +118,6 @@ impl Compliance {
     /// `[volumes][multipliers]`.
     pub fn volumes(&self) -> &[Vec<f64>] {
         &self.volumes
-    }
-
-    /// A11^-1 of one row `[traces]`.
-    fn flexibility(&self, row: usize) -> Vec<f64> {
-        let mut flexibility = vec![0.0; self.vertex_inverse.rows()];
-        for &(trace, value) in &self.vertex_rows[row] {
-            add_scaled(
-                &mut flexibility,
-                value,
-                self.vertex_inverse.column(trace as usize),
-            );
-        }
-        flexibility
     }
 
     /// What the inverse at the vertices gives between two rows.
@@ -140,24 +134,25 @@ impl Compliance {
         volumes.map(|seen| seen[row] * seen[column]).sum()
     }
 
-    /// Lower triangle of one column of a principal part, from its own place on.
-    fn column_of_part(&self, selected: &[usize], place: usize) -> Vec<f64> {
-        let column = selected[place];
-        let flexibility = self.flexibility(column);
-        let below = &selected[place..];
-        let smooth = below.iter().map(|&row| {
-            self.through_vertices(row, &flexibility) - self.through_volumes(row, column)
-        });
-        let mut entries: Vec<f64> = smooth.collect();
+    /// One entry, A11^-1 through the traces of both rows alone.
+    fn entry_of(&self, row: usize, column: usize) -> f64 {
+        let flexibility = |trace: u32| {
+            let own = self.vertex_rows[column].iter();
+            own.fold(0.0, |sum, &(other, value)| {
+                sum + value * self.vertex_inverse.at(trace as usize, other as usize)
+            })
+        };
+        let traces = self.vertex_rows[row].iter();
+        let smooth: f64 = traces.map(|&(t, value)| value * flexibility(t)).sum();
+        let mut entry = smooth - self.through_volumes(row, column);
         let (rows, values) = self.nodes.row(column);
-        for (&row, value) in rows.iter().zip(values) {
-            if let Ok(at) = below.binary_search(&(row as usize)) {
-                entries[at] += value;
-            }
+        if let Ok(at) = rows.binary_search(&(row as u32)) {
+            entry += values[at];
         }
-        entries[0] += self.lift;
-        scale(&mut entries, SCALE);
-        entries
+        if row == column {
+            entry += self.lift;
+        }
+        entry * SCALE
     }
 }
 
@@ -167,11 +162,7 @@ impl SymmetricMatrix for Compliance {
     }
 
     fn entry(&self, row: usize, column: usize) -> f64 {
-        let pair = [row.min(column), row.max(column)];
-        match row == column {
-            true => self.column_of_part(&pair[..1], 0)[0],
-            false => self.column_of_part(&pair, 0)[1],
-        }
+        self.entry_of(row.max(column), row.min(column))
     }
 
     fn diagonal(&self) -> Vec<f64> {
@@ -200,19 +191,25 @@ impl SymmetricMatrix for Compliance {
     }
 
     fn principal_part(&self, selected: &[usize]) -> DenseMatrix {
-        let size = selected.len();
-        let columns: Vec<Vec<f64>> = (0..size)
-            .into_par_iter()
-            .map(|place| self.column_of_part(selected, place))
-            .collect();
-        let mut part = DenseMatrix::zeros(size, size);
-        for (j, column) in columns.iter().enumerate() {
-            part.column_mut(j)[j..].copy_from_slice(column);
-            for (i, &value) in (j..).zip(column) {
-                *part.at_mut(j, i) = value;
-            }
+        self.part_beside(selected, &Known::default())
+    }
+
+    fn part_again(&self, selected: &[usize]) -> DenseMatrix {
+        let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_known = |row: &usize| known.selected.binary_search(row).is_ok();
+        if !selected.iter().all(is_known) {
+            let mut all: Vec<usize> = known.selected.iter().chain(selected).copied().collect();
+            all.sort_unstable();
+            all.dedup();
+            let matrix = self.part_beside(&all, &known);
+            *known = Known {
+                selected: all,
+                matrix,
+            };
         }
-        part
+        let place = |row: &usize| known.selected.partition_point(|other| other < row);
+        let places: Vec<usize> = selected.iter().map(place).collect();
+        known.matrix.principal(&places)
     }
 
     fn factor_of_part(&self, selected: &[usize]) -> Result<Arc<DenseCholesky>, FactoriseError> {
@@ -261,82 +258,10 @@ fn vertex_rows(parts: &ComplianceParts<'_>, coupling: &SparseRows) -> Vec<Vec<(u
     (0..coupling.rows()).map(row).collect()
 }
 
-/// What each row does at the nodes that move alone, in the Lagrange basis: rows
-/// ascending, by node.
-type AtNodes = BTreeMap<u32, Vec<(usize, [f64; 3])>>;
-
-/// The rows at the edges.
-fn at_edges(parts: &ComplianceParts<'_>, coupling: &SparseRows) -> AtNodes {
-    let c = parts.node_blocks.components();
-    let mut touching = AtNodes::new();
-    for row in 0..coupling.rows() {
-        let (columns, values) = coupling.row(row);
-        for (&unknown, &value) in columns.iter().zip(values) {
-            let (node, i) = (unknown / c as u32, unknown as usize % c);
-            if (node as usize) >= parts.vertex_count {
-                add_at(&mut touching, (node, row), i, value);
-            }
-        }
-    }
-    touching
-}
-
-/// The rows at the edges, and at the vertices less half of those at their edges: a
-/// vertex that moves alone leaves the midpoints where they are.
-fn at_all_nodes(parts: &ComplianceParts<'_>, coupling: &SparseRows, ends: &[[u32; 2]]) -> AtNodes {
-    let c = parts.node_blocks.components();
-    let mut touching = AtNodes::new();
-    for row in 0..coupling.rows() {
-        let (columns, values) = coupling.row(row);
-        for (&unknown, &value) in columns.iter().zip(values) {
-            let (node, i) = (unknown / c as u32, unknown as usize % c);
-            add_at(&mut touching, (node, row), i, value);
-            if let Some(edge) = (node as usize).checked_sub(parts.vertex_count) {
-                for &end in &ends[edge] {
-                    if !parts.is_held[end as usize * c + i] {
-                        add_at(&mut touching, (end, row), i, -0.5 * value);
-                    }
-                }
-            }
-        }
-    }
-    touching
-}
-
-fn add_at(touching: &mut AtNodes, (node, row): (u32, usize), component: usize, value: f64) {
-    let rows = touching.entry(node).or_default();
-    if rows.last().is_none_or(|last| last.0 != row) {
-        rows.push((row, [0.0; 3]));
-    }
-    if let Some(last) = rows.last_mut() {
-        last.1[component] += value;
-    }
-}
-
-/// C D^-1 C^T of the nodes that move alone `[size, size]`.
-fn of_nodes(parts: &ComplianceParts<'_>, touching: &AtNodes, size: usize) -> SparseRows {
-    let c = parts.node_blocks.components();
-    let mut rows: Vec<BTreeMap<u32, f64>> = vec![BTreeMap::new(); size];
-    for (node, touched) in touching {
-        let block = parts.node_blocks.block(*node as usize);
-        for (row, a) in touched {
-            for (column, b) in touched {
-                let products = (0..c).map(|i| a[i] * dot(&block[i * c..(i + 1) * c], &b[..c]));
-                *rows[*row].entry(*column as u32).or_default() += products.sum::<f64>();
-            }
-        }
-    }
-    let mut builder = SparseRowsBuilder::new(size);
-    for row in rows {
-        builder.push_row(&mut row.into_iter().collect::<Vec<_>>());
-    }
-    builder.finish()
-}
-
 /// w: what each row sees of the motion that an even pressure causes.
 fn seen_by(
     parts: &ComplianceParts<'_>,
-    (vertex_rows, touching): (&[Vec<(u32, f64)>], &AtNodes),
+    (vertex_rows, touching): (&[Vec<(u32, f64)>], &[(u32, AtNode)]),
     volume: &VolumeMode,
 ) -> Vec<f64> {
     let c = parts.node_blocks.components();
@@ -347,8 +272,8 @@ fn seen_by(
     };
     let rows = vertex_rows.iter();
     let mut seen: Vec<f64> = rows.map(|row| row.iter().map(along).sum()).collect();
-    for (&node, rows) in touching {
-        let first = node as usize * c;
+    for (node, rows) in touching {
+        let first = *node as usize * c;
         for (row, load) in rows {
             seen[*row] += dot(&load[..c], &volume.alone[first..first + c]);
         }

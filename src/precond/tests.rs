@@ -293,6 +293,9 @@ fn products_parts_and_entries_are_those_of_one_matrix() {
         let part = metric.principal_part(&[1, 3]);
         assert!((part.at(0, 1) - dense.at(1, 3)).abs() < 1e-15 * dense.at(0, 0));
         assert!((metric.entry(3, 1) - dense.at(1, 3)).abs() < 1e-15 * dense.at(0, 0));
+        for selected in [&[0, 2][..], &[2, 3], &[0, 1, 3], &[0, 2]] {
+            assert_eq!(metric.part_again(selected), metric.principal_part(selected));
+        }
         let factor = metric.factor_of_part(&[0, 2]).expect("positive definite");
         let again = metric.factor_of_part(&[0, 2]).expect("positive definite");
         assert!(Arc::ptr_eq(&factor, &again));

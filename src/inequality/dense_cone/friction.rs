@@ -19,6 +19,8 @@
 
 mod slip;
 
+use slip::SlipRow;
+
 use super::pivot::Pivots;
 use super::{DenseConeError, DenseProblem, DenseSolution};
 use crate::linalg::vector::{largest, norm};
@@ -324,14 +326,14 @@ impl<'p> Newton<'p> {
     fn step(&self, sides: &[Side], at: (&[f64], &[f64])) -> Result<Vec<f64>, FactoriseError> {
         let unknown = |&i: &usize| sides[i] != Side::Off;
         let selected: Vec<usize> = (0..sides.len()).filter(unknown).collect();
-        let mut matrix = self.problem.matrix.principal_part(&selected);
+        let mut matrix = self.problem.matrix.part_again(&selected);
         let mut right: Vec<f64> = selected.iter().map(|&i| -self.problem.linear[i]).collect();
-        for (number, point) in self.points().enumerate() {
-            if sides[point.first] == Side::Slips(number) {
-                let row = self.slip_row(point, at);
-                self.place(&row, (point, &selected), (&mut matrix, &mut right));
-            }
-        }
+        let points = self.points().enumerate();
+        let slips = points.filter(|(number, point)| sides[point.first] == Side::Slips(*number));
+        let rows: Vec<SlipRow> = slips
+            .map(|(_, point)| self.slip_row(point, &selected, at))
+            .collect();
+        self.place(&rows, (&mut matrix, &mut right));
         DenseLu::new(&matrix)?.solve(&mut right);
         let mut x = vec![0.0; sides.len()];
         for (&index, value) in selected.iter().zip(right) {

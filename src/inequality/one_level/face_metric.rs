@@ -61,7 +61,7 @@ impl FaceFactor {
                 ..*slide
             })
             .collect();
-        let mut whole = matrix.principal_part(&all);
+        let mut whole = matrix.part_again(&all);
         combine(&mut whole, &within);
         let own: Vec<usize> = selected
             .iter()

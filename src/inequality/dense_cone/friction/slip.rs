@@ -14,11 +14,24 @@ pub(super) struct SlipRow {
     right: [f64; 2],
     /// Step length rho.
     step: f64,
+    /// Slope of the bound.
+    slope: f64,
+    /// First of its tractions among the unknowns.
+    own: usize,
+    /// Its pressure among the unknowns.
+    partner: usize,
+    /// q of its tractions `[2]`.
+    linear: [f64; 2],
 }
 
 impl Newton<'_> {
-    /// The slip equation of a point at an iterate.
-    pub(super) fn slip_row(&self, point: Point, at: (&[f64], &[f64])) -> SlipRow {
+    /// The slip equation of a point at an iterate, among the unknowns `selected`.
+    pub(super) fn slip_row(
+        &self,
+        point: Point,
+        selected: &[usize],
+        at: (&[f64], &[f64]),
+    ) -> SlipRow {
         let width = self.width();
         let pulled = self.pulled(point, at);
         let length = norm(&pulled);
@@ -49,43 +62,56 @@ impl Newton<'_> {
             let product: f64 = matrix[i].iter().zip(&pulled).map(|(m, d)| m * d).sum();
             given * direction[i] - product
         });
+        let place = |index: usize| selected.partition_point(|&other| other < index);
+        let mut linear = [0.0; 2];
+        linear[..width].copy_from_slice(&self.problem.linear[point.first..point.first + width]);
         SlipRow {
             matrix,
             direction,
             right,
             step: self.point_step(point),
+            slope: point.bound.slope(),
+            own: place(point.first),
+            partner: place(point.partner),
+            linear,
         }
     }
 
-    /// Puts a slip equation in the place of s_t = 0.
-    pub(super) fn place(
-        &self,
-        row: &SlipRow,
-        (point, selected): (Point, &[usize]),
-        (matrix, right): (&mut DenseMatrix, &mut [f64]),
-    ) {
-        let at = |index: usize| selected.partition_point(|&other| other < index);
-        let (own, width) = (at(point.first), self.width());
-        let partner = at(point.partner);
-        for column in 0..selected.len() {
-            let mut known = [0.0; 2];
-            (0..width).for_each(|i| known[i] = matrix.at(own + i, column));
-            for i in 0..width {
-                let through: f64 = row.matrix[i].iter().zip(&known).map(|(m, k)| m * k).sum();
-                let mut entry = row.step * through;
-                if let Some(j) = column.checked_sub(own).filter(|&j| j < width) {
-                    entry += if i == j { 1.0 } else { 0.0 } - row.matrix[i][j];
-                }
-                if column == partner {
-                    entry -= point.bound.slope() * row.direction[i];
-                }
-                *matrix.at_mut(own + i, column) = entry;
+    /// Puts slip equations in the place of s_t = 0, column by column.
+    pub(super) fn place(&self, rows: &[SlipRow], (matrix, right): (&mut DenseMatrix, &mut [f64])) {
+        let width = self.width();
+        for column in 0..matrix.columns() {
+            let entries = matrix.column_mut(column);
+            for row in rows {
+                row.place(column, &mut entries[row.own..row.own + width]);
             }
         }
-        let linear = &self.problem.linear[point.first..point.first + width];
-        for i in 0..width {
-            let through: f64 = row.matrix[i].iter().zip(linear).map(|(m, q)| m * q).sum();
-            right[own + i] = row.right[i] - row.step * through;
+        for row in rows {
+            let own = &mut right[row.own..row.own + width];
+            for (i, value) in own.iter_mut().enumerate() {
+                let parts = row.matrix[i].iter().zip(&row.linear);
+                let through: f64 = parts.map(|(m, q)| m * q).sum();
+                *value = row.right[i] - row.step * through;
+            }
+        }
+    }
+}
+
+impl SlipRow {
+    /// Makes the entries of a column of its own rows from those of s_t.
+    fn place(&self, column: usize, entries: &mut [f64]) {
+        let mut known = [0.0; 2];
+        known[..entries.len()].copy_from_slice(entries);
+        let width = entries.len();
+        for (i, entry) in entries.iter_mut().enumerate() {
+            let through: f64 = self.matrix[i].iter().zip(&known).map(|(m, k)| m * k).sum();
+            *entry = self.step * through;
+            if let Some(j) = column.checked_sub(self.own).filter(|&j| j < width) {
+                *entry += if i == j { 1.0 } else { 0.0 } - self.matrix[i][j];
+            }
+            if column == self.partner {
+                *entry -= self.slope * self.direction[i];
+            }
         }
     }
 }
