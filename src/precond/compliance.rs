@@ -228,7 +228,7 @@ impl SymmetricMatrix for Compliance {
 
 /// Rows of the coupling on the traces: trace and what of the row lies along it. The
 /// directions of a vertex are orthogonal where it has several.
-fn vertex_rows(parts: &ComplianceParts<'_>, coupling: &SparseRows) -> Vec<Vec<(u32, f64)>> {
+fn vertex_rows(parts: &ComplianceParts<'_>, coupling: &SparseRows) -> Vec<TraceRow> {
     let c = parts.node_blocks.components() as u32;
     let mut traces_of: HashMap<u32, Range<u32>> = HashMap::new();
     for (trace, &vertex) in (0..).zip(parts.traces.vertices) {
@@ -258,10 +258,13 @@ fn vertex_rows(parts: &ComplianceParts<'_>, coupling: &SparseRows) -> Vec<Vec<(u
     (0..coupling.rows()).map(row).collect()
 }
 
+/// What one row sees of the traces at the vertices: their numbers and its entries there.
+type TraceRow = Vec<(u32, f64)>;
+
 /// w: what each row sees of the motion that an even pressure causes.
 fn seen_by(
     parts: &ComplianceParts<'_>,
-    (vertex_rows, touching): (&[Vec<(u32, f64)>], &[(u32, AtNode)]),
+    (vertex_rows, touching): (&[TraceRow], &[(u32, AtNode)]),
     volume: &VolumeMode,
 ) -> Vec<f64> {
     let c = parts.node_blocks.components();
