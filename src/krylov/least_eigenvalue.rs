@@ -16,18 +16,17 @@ use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
 /// Steps before a Ritz value is believed: fewer see the rough motions only.
 const FIRST_STEPS: usize = 8;
-/// Steps that the least value has to stay.
-const MORE_STEPS: usize = 4;
-/// Share of a value above which a later one is the same.
-const STAYS: f64 = 0.9;
+/// Probability that a lower eigenvalue has not shown, at most.
+const MISSED: f64 = 1e-3;
 /// Residual of the least Ritz pair over its value at which it is found.
 const RESIDUAL: f64 = 0.25;
 
 /// What the process says.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Least {
-    /// All eigenvalues are positive; the vector of the least one.
-    Positive(Vec<f64>),
+    /// All eigenvalues are positive, but for a probability of a thousandth; the vector of the least
+    /// one, of unit length in M, and its value.
+    Positive(Vec<f64>, f64),
     /// A vector along which the operator is negative, the least one where the steps sufficed.
     Negative(Vec<f64>),
     /// No eigenvalue has been found within the steps; the vector of the least Ritz value.
@@ -64,41 +63,36 @@ struct Basis {
     beside: Vec<f64>,
     /// Vectors of unit length in M.
     vectors: Vec<Vec<f64>>,
-    /// Steps and value at which the least Ritz value was found.
-    seen: Option<(usize, f64)>,
 }
 
 impl Basis {
     /// The least Ritz pair.
     fn least(&self) -> Option<Ritz> {
-        let (value, shares) = least_of_tridiagonal(&self.diagonal, &self.beside)?;
+        let (extremes, shares) = least_of_tridiagonal(&self.diagonal, &self.beside)?;
+        let value = extremes[0];
         let residual = (self.beside.last()? * shares.last()?).abs();
+        let is_certain = value < 0.0 || self.is_unlikely_missed(extremes);
         Some(Ritz {
-            is_found: residual <= RESIDUAL * value.abs(),
+            is_found: is_certain && residual <= RESIDUAL * value.abs(),
             value,
             shares,
         })
     }
 
-    /// Whether the least Ritz value stands for an eigenvalue and is negative, or has stayed where
-    /// it is for a while: one that is lower shows late where noise has little of its vector.
-    fn is_settled(&mut self) -> bool {
-        let steps = self.vectors.len();
-        let Some(least) = self
-            .least()
-            .filter(|least| least.is_found && steps >= FIRST_STEPS)
-        else {
-            self.seen = None;
+    /// Whether the least Ritz value is known well enough.
+    fn is_settled(&self) -> bool {
+        let has_begun = self.vectors.len() >= FIRST_STEPS;
+        has_begun && self.least().is_some_and(|least| least.is_found)
+    }
+
+    /// Whether a lower eigenvalue than the positive Ritz value `least` below `largest` would have
+    /// shown: the bound of the cited paper for starts without preference.
+    fn is_unlikely_missed(&self, [least, largest]: [f64; 2]) -> bool {
+        let (Some(first), steps) = (self.vectors.first(), self.vectors.len()) else {
             return false;
         };
-        match self.seen {
-            _ if least.value < 0.0 => true,
-            Some((first, value)) if least.value >= STAYS * value => steps >= first + MORE_STEPS,
-            _ => {
-                self.seen = Some((steps, least.value));
-                false
-            }
-        }
+        let rate = (least / largest).sqrt() * (2 * steps - 1) as f64;
+        1.648 * (first.len() as f64).sqrt() * (-rate).exp() <= MISSED
     }
 
     /// What the steps say in all.
@@ -111,7 +105,7 @@ impl Basis {
             add_scaled(&mut sum, *share, vector);
         }
         match least.value > 0.0 {
-            true if least.is_found => Least::Positive(sum),
+            true if least.is_found => Least::Positive(sum, least.value),
             true => Least::NotFound(sum),
             false => Least::Negative(sum),
         }
@@ -167,9 +161,9 @@ impl LeastEigenvalue<'_> {
             product,
             ..
         } = process;
+        // The basis is dropped: a pool would keep its memory for good.
         let used = [residual_motion, direction, product].into_iter();
-        used.chain(basis.vectors)
-            .for_each(|vector| work.give(vector));
+        used.for_each(|vector| work.give(vector));
         end
     }
 
@@ -187,7 +181,7 @@ impl LeastEigenvalue<'_> {
         } else {
             -1.0
         };
-        let mut vector = work.copy(&at.residual_motion);
+        let mut vector = at.residual_motion.clone();
         scale(&mut vector, sign / at.square.sqrt());
         basis.vectors.push(vector);
         let alpha = at.square / curvature;
@@ -244,7 +238,7 @@ mod tests {
     #[test]
     fn a_small_positive_eigenvalue_is_found_with_its_vector() {
         let (least, entries) = of(0.1, 40);
-        let Least::Positive(x) = least else {
+        let Least::Positive(x, _) = least else {
             panic!("{least:?}");
         };
         assert!((quotient(&x, &entries) - 0.1).abs() < 0.02);

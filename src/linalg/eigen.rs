@@ -63,10 +63,10 @@ pub fn pencil_power(
     Ok(power)
 }
 
-/// Least eigenvalue of a symmetric tridiagonal matrix and its vector of unit length, `beside`
+/// Least and largest eigenvalue of a symmetric tridiagonal matrix and the vector of the least, of unit length, `beside`
 /// the entries beside its `diagonal` `[n]`, further ones unread; none where the iteration
 /// fails.
-pub fn least_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> Option<(f64, Vec<f64>)> {
+pub fn least_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> Option<([f64; 2], Vec<f64>)> {
     let size = diagonal.len();
     if size == 0 {
         return None;
@@ -79,7 +79,8 @@ pub fn least_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> Option<(f64, Ve
     let eigen = SelfAdjointEigen::new(matrix.as_ref(), Side::Lower).ok()?;
     let values = eigen.S().column_vector();
     // Ascending.
-    Some((values[0], eigen.U().col(0).iter().copied().collect()))
+    let extremes = [values[0], values[size - 1]];
+    Some((extremes, eigen.U().col(0).iter().copied().collect()))
 }
 
 /// Real and imaginary parts of the eigenvalues of a square matrix; none where the

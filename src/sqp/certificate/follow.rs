@@ -5,6 +5,7 @@
 //! so that a positive one says little.
 
 use super::first_motion;
+use super::lanczos::NEUTRAL;
 use crate::linalg::vector::scale;
 use crate::report::Stability;
 use crate::sqp::lowest_mode::{LowestMode, at_rest, length_at_rest};
@@ -57,7 +58,7 @@ pub(super) fn certified_about(
         motion,
         eigenvalue,
         // Without a potential what lowers the energy may lead back.
-        stability: match eigenvalue > 0.0 || program.skew().is_some() {
+        stability: match eigenvalue > -NEUTRAL || program.skew().is_some() {
             true => Stability::NotDetermined,
             false => Stability::Saddle,
         },

@@ -15,12 +15,15 @@ use crate::sqp::program::{Accuracy, QuadraticProgram};
 use crate::sqp::run::Run;
 
 /// Stiffness of the constraints over what their metrics say, and steps at most.
-const TRIES: [(f64, usize); 3] = [(2.0, 40), (16.0, 60), (128.0, 80)];
+const TRIES: [(f64, usize); 3] = [(2.0, 80), (16.0, 80), (128.0, 80)];
 /// How well a motion that lowers the energy keeps the constraints.
 const KEPT: Accuracy = Accuracy {
-    level: 1e-3,
-    iterations: 100,
+    level: 1e-6,
+    iterations: 200,
 };
+/// Eigenvalue over that at rest below which a motion lowers the energy: those of a body that is
+/// free to move as a whole are rounding.
+pub(super) const NEUTRAL: f64 = 1e-6;
 
 /// The softest motion of the present equilibrium, and whether there are unstable ones; none
 /// where it was stopped.
@@ -31,25 +34,33 @@ pub(super) fn certified(run: &mut Run<'_>) -> Option<LowestMode> {
     for tried in TRIES {
         let noise = motion_without_symmetry(run);
         match program.least_eigenvalue(run, noise, tried) {
-            Least::Positive(motion) => return mode(run, (&program, motion), Stability::Minimum),
+            Least::Positive(motion, value) => {
+                let length = length_at_rest(&run.model, &motion, &mut run.work);
+                return mode(run, motion, value / (length * length), Stability::Minimum);
+            }
             Least::Negative(motion) => suspect = Some(motion),
             Least::NotFound(_) | Least::Nothing => break,
         }
     }
     // Loads without a potential may lead back what lowers the energy.
-    if let Some(motion) = suspect.filter(|_| program.skew().is_none()) {
-        let motion = program.admitted(run, &motion, KEPT)?;
-        if program.curvature_along(&motion, &mut run.work) < 0.0 {
-            return mode(run, (&program, motion), Stability::Saddle);
+    let suspect = suspect.filter(|_| program.skew().is_none());
+    let admitted = suspect.and_then(|motion| program.admitted(run, &motion, KEPT));
+    if let Some(motion) = admitted {
+        let length = length_at_rest(&run.model, &motion, &mut run.work);
+        let curvature = program.curvature_along(&motion, &mut run.work);
+        let eigenvalue = curvature / (length * length);
+        if eigenvalue < -NEUTRAL {
+            return mode(run, motion, eigenvalue, Stability::Saddle);
         }
     }
     follow::certified_about(run, &program)
 }
 
-/// The softest motion `motion`, scaled.
+/// The softest motion `motion`, scaled, with its eigenvalue.
 fn mode(
     run: &mut Run<'_>,
-    (program, mut motion): (&QuadraticProgram<'_>, Vec<f64>),
+    mut motion: Vec<f64>,
+    eigenvalue: f64,
     stability: Stability,
 ) -> Option<LowestMode> {
     let length = length_at_rest(&run.model, &motion, &mut run.work);
@@ -58,7 +69,7 @@ fn mode(
     }
     scale(&mut motion, 1.0 / length);
     Some(LowestMode {
-        eigenvalue: program.curvature_along(&motion, &mut run.work),
+        eigenvalue,
         motion,
         stability,
     })

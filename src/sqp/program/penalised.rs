@@ -33,6 +33,8 @@ struct Penalised<'a> {
     stiffness: &'a dyn LinearOperator,
     /// What loads and contacts take off A.
     released: Option<&'a SparseRows>,
+    /// What is added to that to make it symmetric; none where it is.
+    skew: Option<SparseRows>,
     /// Internal pressure.
     volume: Option<Volume<'a>>,
     /// Contact.
@@ -106,6 +108,9 @@ impl LinearOperator for Penalised<'_> {
         if let Some(released) = self.released {
             released.subtract_product(x, y, work);
         }
+        if let Some(skew) = &self.skew {
+            skew.subtract_product(x, y, work);
+        }
         if let Some(volume) = &self.volume {
             volume.add((x, y), work);
         }
@@ -136,6 +141,7 @@ impl QuadraticProgram<'_> {
             operator: &Penalised {
                 stiffness: self.stiffness(),
                 released: self.released_by_all(),
+                skew: self.skew(),
                 volume: self.volume(weight),
                 held,
                 weight,

@@ -9,14 +9,15 @@
 use super::QuadraticProgram;
 use super::step::blocks;
 use crate::inequality::{
-    BlockIterate, OneLevel, QpIterate, QpNorms, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
+    Augmentation, BlockIterate, OneLevel, QpIterate, QpNorms, QpProblem, QpRun, QpScales, QpStatus,
+    QpTargets,
 };
 use crate::krylov::Verdict;
 use crate::linalg::vector::{dot, norm};
 use crate::linalg::{LinearOperator, SparseRows, Workspace};
+use crate::model::held::mask;
 use crate::model::state::State;
 use crate::precond::Counted;
-use crate::sqp::lowest_mode;
 use crate::sqp::run::Run;
 
 /// What stands for the body in a solve on the present face.
@@ -26,6 +27,8 @@ struct Terms<'a> {
     curvature: Option<&'a SparseRows>,
     /// It and the pressures in one product, where there is one.
     joint: Option<&'a dyn LinearOperator>,
+    /// What contact pressure makes of it.
+    augmentation: Option<&'a Augmentation>,
 }
 
 /// How far one step of inverse iteration is solved.
@@ -51,35 +54,47 @@ impl QuadraticProgram<'_> {
             stiffness: self.stiffness(),
             curvature: self.released_by_all(),
             joint: pressure.as_ref().and_then(|pressure| pressure.joint),
+            augmentation: self.augmentation.as_ref(),
         };
-        self.solve_on_face(run, (terms, force), accuracy)
+        let (motion, status) = self.solve_on_face(run, (terms, force), accuracy);
+        match status {
+            Some(QpStatus::Interrupted | QpStatus::IndefiniteMetric | QpStatus::Unsupported) => {
+                None
+            }
+            _ => Some(motion),
+        }
     }
 
     /// The motion nearest to `motion`, in the stiffness at rest, among those that volume and
-    /// the present contacts admit; none where it was stopped.
+    /// the present contacts admit; none where it is not found.
     pub(crate) fn admitted(
         &self,
         run: &mut Run<'_>,
         motion: &[f64],
         accuracy: Accuracy,
     ) -> Option<Vec<f64>> {
-        let force = lowest_mode::at_rest(&run.model, motion, &mut run.work);
+        let stiffness = &self.model.prepared.stiffness;
+        let mut force = vec![0.0; motion.len()];
+        stiffness.apply(motion, &mut force, &mut run.work);
+        mask(&self.model.prepared.held, &mut force);
         let terms = Terms {
             stiffness: &self.model.prepared.stiffness,
             curvature: None,
             joint: None,
+            augmentation: None,
         };
-        self.solve_on_face(run, (terms, force), accuracy)
+        let (motion, status) = self.solve_on_face(run, (terms, force), accuracy);
+        status.is_none().then_some(motion)
     }
 
-    /// The motion under `force` of a body with the stiffness of `terms`; none where it was
-    /// stopped.
+    /// The motion under `force` of a body with the stiffness of `terms`, and why it is not
+    /// accurate where it is not.
     fn solve_on_face(
         &self,
         run: &mut Run<'_>,
         (terms, force): (Terms<'_>, Vec<f64>),
         accuracy: Accuracy,
-    ) -> Option<Vec<f64>> {
+    ) -> (Vec<f64>, Option<QpStatus>) {
         let mut iterate = at_rest(run.state, force);
         let targets = QpTargets {
             force_scale: norm(&iterate.force),
@@ -92,7 +107,7 @@ impl QuadraticProgram<'_> {
         let step = self.block_step(&displacement, &mut run.work);
         let problem = QpProblem {
             stiffness: terms.stiffness,
-            augmentation: terms.curvature.and(self.augmentation.as_ref()),
+            augmentation: terms.augmentation,
             ..self.problem(terms.curvature, &displacement, &blocks, &*step)
         };
         let Run {
@@ -117,12 +132,7 @@ impl QuadraticProgram<'_> {
         };
         let status = OneLevel::new(problem).solve_on_face(&mut iterate, &mut solve);
         counters.eigenvalue_applications += displacement.applications();
-        match status {
-            Some(QpStatus::Interrupted | QpStatus::IndefiniteMetric | QpStatus::Unsupported) => {
-                None
-            }
-            _ => Some(iterate.displacement),
-        }
+        (iterate.displacement, status)
     }
 
     /// x.(A - what is taken off) x.
