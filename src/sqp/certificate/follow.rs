@@ -4,8 +4,7 @@
 //! eigenvalue nearest to zero: one that falls far below it within one increment is missed,
 //! so that a positive one says little.
 
-use super::first_motion;
-use super::lanczos::NEUTRAL;
+use super::{NEUTRAL, first_motion};
 use crate::linalg::vector::scale;
 use crate::report::Stability;
 use crate::sqp::lowest_mode::{LowestMode, at_rest, length_at_rest};

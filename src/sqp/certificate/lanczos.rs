@@ -6,7 +6,7 @@
 //! Between the two nothing is determined, and [`super::follow`] has the word. Cost: some twenty
 //! products and applications where the body is far from unstable.
 
-use super::{follow, motion_without_symmetry};
+use super::{NEUTRAL, follow, motion_without_symmetry};
 use crate::krylov::least_eigenvalue::Least;
 use crate::linalg::vector::scale;
 use crate::report::Stability;
@@ -21,9 +21,6 @@ const KEPT: Accuracy = Accuracy {
     level: 1e-6,
     iterations: 200,
 };
-/// Eigenvalue over that at rest below which a motion lowers the energy: those of a body that is
-/// free to move as a whole are rounding.
-pub(super) const NEUTRAL: f64 = 1e-6;
 
 /// The softest motion of the present equilibrium, and whether there are unstable ones; none
 /// where it was stopped.

@@ -25,6 +25,10 @@ use crate::model::held::mask;
 use crate::report::{Cause, Stability, Termination};
 use crate::scene::{OnInstability, StabilityCheck};
 
+/// Eigenvalue over that at rest below which a motion lowers the energy: those of a body that is
+/// free to move as a whole are rounding.
+const NEUTRAL: f64 = 1e-6;
+
 /// Looks whether a converged state of rubber is a minimum; a saddle is no end unless the
 /// scene goes on along saddles.
 pub(crate) fn certify(run: &mut Run<'_>, ending: &mut Ending) {
