@@ -24,7 +24,9 @@ void main() {
   int i = int(t);
   vec3 c = mix(colours[i], colours[i + 1], t - float(i));
   if (bare.a > 0.0 && number <= limits.x + 1e-4 * (limits.y - limits.x)) c = bare.rgb;
-  colour = tint.a > 0.0 ? vec4(tint.rgb * light * tint.a, tint.a) : vec4(c * light, 1.0);
+  // A line has no side to be lit on.
+  float lit = tint.a < 1.0 ? light : 1.0;
+  colour = tint.a > 0.0 ? vec4(tint.rgb * lit * tint.a, tint.a) : vec4(c * lit, 1.0);
 }`;
 
 class View {
