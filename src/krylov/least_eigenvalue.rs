@@ -6,9 +6,8 @@
 //!
 //! by the Lanczos process that preconditioned conjugate gradients carry out (Golub and Van
 //! Loan, Matrix Computations, 10.1 to 10.3). A Ritz value is never below the least
-//! eigenvalue, so that a negative one proves that this is negative; that the least Ritz value belongs to the least eigenvalue holds for all starts but
-//! those without a part along its vector (Kuczynski and Wozniakowski, SIAM J. Matrix Anal.
-//! Appl. 13, 1992). Cost: a product and an application a step, a vector kept for each.
+//! eigenvalue, so that a negative one proves that this is negative; how likely a lower one has not
+//! shown yet is bounded by Kuczynski and Wozniakowski (SIAM J. Matrix Anal. Appl. 13, 1992). Cost: a product and an application a step, a vector kept for each.
 
 use crate::linalg::eigen::least_of_tridiagonal;
 use crate::linalg::vector::{add_scaled, dot, scale, scale_and_add};

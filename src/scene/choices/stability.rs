@@ -5,7 +5,7 @@ super::named! {
     pub enum StabilityCheck {
         /// All unstable motions counted by a factor of the tangent.
         Exact = "exact",
-        /// The softest motion followed from increment to increment.
+        /// The sign of the least eigenvalue, by Lanczos steps.
         Follow = "follow",
         /// Not at all.
         Off = "off",

@@ -1,9 +1,10 @@
 //! Whether there is an unstable motion, by the Lanczos process on the tangent with its
 //! constraints as stiff terms ([`crate::sqp::program`], `penalised`), from noise: where the
-//! least eigenvalue found is positive, no motion that volume and contact admit lowers the energy.
+//! least eigenvalue found is positive, no motion that volume and contact admit lowers the energy,
+//! but for a probability of a thousandth.
 //! Where it is not the constraints are made stiffer; a motion that lowers the energy still is
 //! projected on those that the constraints admit, and is the proof of a saddle if it does so there.
-//! Between the two nothing is determined, and [`super::follow`] has the word. Cost: some twenty
+//! Between the two nothing is determined, and [`super::follow`] has the word. Cost: some thirty
 //! products and applications where the body is far from unstable.
 
 use super::{NEUTRAL, follow, motion_without_symmetry};
