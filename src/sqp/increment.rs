@@ -69,7 +69,7 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         let motion = remaining_motion(&run.model, run.state, drive);
         let worst = at.residuals(run.state).largest();
         let ended = verdict(run, worst, motion.is_none());
-        if let Some(verdict) = ended.or_else(|| at.idleness(&run.model, worst)) {
+        if let Some(verdict) = ended.or_else(|| at.idleness(run, worst)) {
             return at.ending(run, verdict);
         }
         run.counters.sqp_iterations += 1;
@@ -253,14 +253,20 @@ impl Iterate {
     }
 
     /// The end of a linear problem whose programs are solved and bring nothing: what is
-    /// left of its residual is rounding.
-    fn idleness(&mut self, model: &Model<'_>, worst: f64) -> Option<Verdict> {
+    /// left of its residual is rounding, of the next rung perhaps less. Before that the kept
+    /// directions go, whose products rounding has parted from them.
+    fn idleness(&mut self, run: &mut Run<'_>, worst: f64) -> Option<Verdict> {
         if worst <= 0.5 * self.least {
             (self.least, self.idle) = (worst, 0);
             return None;
         }
         self.idle += 1;
-        let is_rounding = model.is_linear() && self.idle >= MOST_IDLE;
+        if !run.model.is_linear() {
+            return None;
+        }
+        run.learned.directions.clear(&mut run.work);
+        let is_rounding = self.idle >= MOST_IDLE;
+        run.counters.failed_programs += u32::from(is_rounding);
         is_rounding.then(|| Verdict::failed(Cause::Stagnation))
     }
 

@@ -8,7 +8,7 @@ use serde_json::Value;
 use signorini::scene::{Choice, ContactSpace, Named};
 use signorini::{StepReport, Termination};
 
-/// Of the energy and of the largest force. The solver's tolerance is 1e-10 here.
+/// Of the energy and of the largest force.
 const TOLERANCE: f64 = 1e-7;
 
 /// The scenes by name.
@@ -16,10 +16,11 @@ fn references() -> Value {
     serde_json::from_str(include_str!("../reference/families.json")).expect("valid JSON")
 }
 
-/// Every increment of a scene has the energy and the forces of the reference.
-fn check(name: &str, space: ContactSpace, steps: &Value) {
+/// Every increment of a scene, solved to `tolerance`, has the energy and the forces of the
+/// reference.
+fn check(name: &str, space: ContactSpace, tolerance: f64, steps: &Value) {
     let (mut scene, targets, mesh) = family(name);
-    scene.solver.tolerance = 1e-10;
+    scene.solver.tolerance = tolerance;
     scene.solver.contact_space = Choice::Named(space);
     let (_, reports) = run(&scene, &targets, &mesh);
     let steps = steps.as_array().expect("increments");
@@ -56,7 +57,7 @@ fn force_of(value: &Value) -> [f64; 3] {
 fn check_all(space: ContactSpace) {
     for (name, digits) in references().as_object().expect("scenes by name") {
         if let Some(steps) = digits.get(space.name()) {
-            check(name, space, steps);
+            check(name, space, 1e-10, steps);
         }
     }
 }
@@ -69,4 +70,15 @@ fn families_of_scenes_have_the_energy_and_forces_of_an_independent_solver() {
 #[test]
 fn with_hats_they_have_those_of_an_independent_solver_with_hats() {
     check_all(ContactSpace::Linear);
+}
+
+/// On 62 unknowns the kept directions span everything and drift from their products: an
+/// increment ended in `stagnation`, of which no second attempt knew.
+#[test]
+fn kept_directions_that_have_drifted_do_not_end_a_long_step() {
+    let name = "101-0325-five-clamped";
+    let steps = &references()[name]["quadratic"];
+    for tolerance in [1e-8, 1e-9] {
+        check(name, ContactSpace::Quadratic, tolerance, steps);
+    }
 }
