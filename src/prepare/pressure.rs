@@ -39,15 +39,16 @@ pub(crate) struct PressureBlock {
 }
 
 impl PressureBlock {
-    /// The inverse of M / (`weight` step mu) + S, in a body of that many dimensions.
-    pub(crate) fn softened(&self, weight: f64, dimension: usize) -> ChebyshevMass {
+    /// The inverse of M / (`weight` step mu) + S by that many Chebyshev steps, in a body of that
+    /// many dimensions.
+    pub(crate) fn softened(&self, weight: f64, steps: usize, dimension: usize) -> ChebyshevMass {
         let share = weight.recip();
         let softened = self.metric.mass().scaled_above(share, 0.0);
         let sum = match &self.stabilisation {
             Some(own) => softened.plus_multiple(1.0 - share, own),
             None => softened,
         };
-        ChebyshevMass::new(sum, dimension, MASS_STEPS)
+        ChebyshevMass::new(sum, dimension, steps)
     }
 }
 

@@ -24,6 +24,8 @@ use crate::precond::schur::ChebyshevMass;
 use crate::saddle::{EqualityBlock, Status};
 use crate::sqp::run::Run;
 
+/// Chebyshev steps of a product.
+const STEPS: usize = 6;
 /// What is left of an inverse by Chebyshev steps that is below the exact one for certain.
 const SLACK: f64 = 0.99;
 
@@ -169,7 +171,7 @@ impl QuadraticProgram<'_> {
         let dimension = self.model.plan.units.dimension;
         Some(Volume {
             pressure: self.pressure()?,
-            metric: block.softened(weight, dimension),
+            metric: block.softened(weight, STEPS, dimension),
         })
     }
 

@@ -14,11 +14,17 @@ use crate::inequality::{
 };
 use crate::krylov::Verdict;
 use crate::linalg::vector::{dot, norm};
-use crate::linalg::{LinearOperator, SparseRows, Workspace};
+use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::model::held::mask;
 use crate::model::state::State;
 use crate::precond::Counted;
 use crate::sqp::run::Run;
+
+/// Bulk over shear modulus, about, above which what is left of a change of volume is no energy
+/// but the error of a motion that has none.
+const STIFFEST: f64 = 1e4;
+/// Chebyshev steps whose error is rounding.
+const EXACT: usize = 32;
 
 /// What stands for the body in a solve on the present face.
 struct Terms<'a> {
@@ -135,13 +141,28 @@ impl QuadraticProgram<'_> {
         (iterate.displacement, status)
     }
 
-    /// x.(A - what is taken off) x.
+    /// x.(A - what is taken off) x, and what the volume resists where it can change.
     pub(crate) fn curvature_along(&self, x: &[f64], work: &mut Workspace) -> f64 {
-        let stiff = along(self.stiffness(), x, work);
+        let stiff = along(self.stiffness(), x, work) + self.volume_along(x, work);
         match self.released_by_all() {
             Some(released_by_all) => stiff - along(released_by_all, x, work),
             None => stiff,
         }
+    }
+
+    /// B x . S^-1 B x; zero where no volume can change.
+    fn volume_along(&self, x: &[f64], work: &mut Workspace) -> f64 {
+        let block = self.model.prepared.pressure.as_ref();
+        let block = block.filter(|block| block.stabilisation.is_some());
+        let (Some(block), Some(pressure)) = (block, self.pressure()) else {
+            return 0.0;
+        };
+        let metric = block.softened(STIFFEST, EXACT, self.model.plan.units.dimension);
+        let mut change = vec![0.0; pressure.rows.rows()];
+        pressure.rows.apply(x, &mut change, work);
+        let mut resisting = vec![0.0; change.len()];
+        metric.apply(&change, &mut resisting, work);
+        dot(&change, &resisting)
     }
 
     /// Whether the stiffness with the curvature of contact taken off is positive along
