@@ -35,6 +35,25 @@ pub(crate) struct State {
     pub(crate) slip: SlipState,
 }
 
+/// Where an increment began.
+#[derive(Clone, Debug)]
+pub(crate) struct Start {
+    /// Load factor, poses and prescribed motions.
+    pub(crate) drive: Drive,
+    /// Hierarchical displacement `[nodes * components]`.
+    pub(crate) displacement: Vec<f64>,
+}
+
+impl Start {
+    /// At that state.
+    pub(crate) fn at(state: &State) -> Self {
+        Self {
+            drive: state.drive.clone(),
+            displacement: state.displacement.clone(),
+        }
+    }
+}
+
 /// What friction did.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct SlipState {

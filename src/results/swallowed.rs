@@ -16,6 +16,8 @@ use crate::model::state::State;
 use crate::model::values::displacement_at;
 use crate::obstacle::{Contact, Obstacle, What};
 
+/// Share of a unit normal, squared, that is left to a vertex which supports hold along it.
+const FREE: f64 = 1e-6;
 /// Intervals of the lattice on an edge of a cell.
 const INTERVALS: u32 = 6;
 /// Distance of a centroid over the size of its cell beyond which no point of it is inside.
@@ -38,11 +40,14 @@ pub(crate) fn cells_beside(model: &Model<'_>, surface: &ContactSurface) -> Vec<u
     beside.map(|(cell, _)| cell).collect()
 }
 
-/// Greatest depth of a point of `cells` inside `obstacle`, in units of the scaled body.
+/// Greatest depth of a point of `cells` inside `obstacle`, or how far this has to move to come
+/// out where it fits between those points, `nearest` its distance from the faces. In units of the
+/// scaled body.
 pub(crate) fn depth_inside(
     model: &Model<'_>,
     state: &State,
     (obstacle, cells): (&dyn Obstacle, &[usize]),
+    nearest: f64,
 ) -> f64 {
     if is_away(model, state, obstacle) {
         return 0.0;
@@ -64,8 +69,91 @@ pub(crate) fn depth_inside(
         obstacle.probe(&points.collect::<Vec<_>>(), What::Gap, &mut contacts);
         let depths = contacts.iter().map(|contact| -contact.distance);
         deepest = depths.fold(deepest, f64::max);
+        if let Some(radius) = obstacle.inner_radius()
+            && contains(model, state, (cell, obstacle.reference_point()))
+        {
+            deepest = deepest.max(2.0 * radius + nearest.max(0.0));
+        }
     }
     deepest
+}
+
+/// Greatest depth of a vertex of `surface` inside `obstacle` that supports hold along the
+/// normal, in units of the scaled body.
+pub(crate) fn depth_where_held(
+    model: &Model<'_>,
+    state: &State,
+    (obstacle, surface): (&dyn Obstacle, &ContactSurface),
+) -> f64 {
+    let components = model.prepared.space.components;
+    let corners = surface
+        .faces
+        .iter()
+        .flat_map(|face| face.corners.iter().copied());
+    let depths = corners.map(|corner| {
+        let first = corner as usize * components;
+        let own = first..first + components;
+        let held = model.prepared.is_held.get(own.clone()).unwrap_or(&[]);
+        let moved = state.displacement.get(own).unwrap_or(&[]);
+        if !held.contains(&true) {
+            return 0.0;
+        }
+        let mut place = model.mesh.coordinates()[corner as usize];
+        for (i, x) in place.iter_mut().enumerate() {
+            *x = model.plan.units.coordinate_scale * *x + moved.get(i).unwrap_or(&0.0);
+        }
+        let mut contact = [Contact::default()];
+        obstacle.probe(&[place], What::Normal, &mut contact);
+        let normal = contact[0].normal;
+        let free = normal.iter().zip(held).filter(|(_, held)| !**held);
+        let share: f64 = free.map(|(n, _)| n * n).sum();
+        if share < FREE {
+            -contact[0].distance
+        } else {
+            0.0
+        }
+    });
+    depths.fold(0.0, f64::max)
+}
+
+/// Whether a point is in a cell, whose sides are taken straight between its deformed corners.
+fn contains(model: &Model<'_>, state: &State, (cell, point): (usize, [f64; 3])) -> bool {
+    let corners = model.prepared.geometry.vertices;
+    let places: Vec<[f64; 3]> = (0..corners)
+        .map(|corner| {
+            let mut at = [0.0; 4];
+            at[corner] = 1.0;
+            position(model, state, (cell, &at))
+        })
+        .collect();
+    // On the inner side of every side, as the corner opposite is.
+    (0..corners).all(|opposite| {
+        let others: Vec<[f64; 3]> = (0..corners)
+            .filter(|&corner| corner != opposite)
+            .map(|corner| places[corner])
+            .collect();
+        let side = |of: [f64; 3]| volume(&others, of);
+        side(point) * side(places[opposite]) >= 0.0
+    })
+}
+
+/// Twice the area, or six times the volume, of the cell over a side `[corners]` with its tip at
+/// `tip`.
+fn volume(side: &[[f64; 3]], tip: [f64; 3]) -> f64 {
+    let from = |point: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| point[i] - tip[i]) };
+    let edges: Vec<[f64; 3]> = side.iter().map(|&corner| from(corner)).collect();
+    match edges[..] {
+        [a, b] => a[0] * b[1] - a[1] * b[0],
+        [a, b, c] => {
+            let cross = [
+                b[1] * c[2] - b[2] * c[1],
+                b[2] * c[0] - b[0] * c[2],
+                b[0] * c[1] - b[1] * c[0],
+            ];
+            a[0] * cross[0] + a[1] * cross[1] + a[2] * cross[2]
+        }
+        _ => 0.0,
+    }
 }
 
 /// Whether the obstacle is beyond the ball around the body, at rest and as it has moved.

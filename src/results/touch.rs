@@ -15,7 +15,7 @@ use crate::model::interfaces::Interface;
 use crate::model::state::State;
 use crate::obstacle::Obstacle;
 use crate::results::estimate::{contact_modulus, punch_stiffness};
-use crate::results::swallowed::{cells_beside, depth_inside};
+use crate::results::swallowed::{cells_beside, depth_inside, depth_where_held};
 
 /// Depth over the size of a face from which on contact between its points was missed.
 const MISSED: f64 = 1e-3;
@@ -37,6 +37,8 @@ pub(crate) struct Touch<'t> {
     /// How deep the obstacle lies inside the body; of one that presses, inside the cells without
     /// a face that it may press. In units of the scaled body.
     pub(crate) inside: f64,
+    /// How deep it lies inside the body where supports hold this against it.
+    pub(crate) held_inside: f64,
     /// Number of dimensions of the body.
     dimension: usize,
 }
@@ -48,17 +50,18 @@ impl<'t> Touch<'t> {
         let met = model.placed(&state.drive).filter_map(|(interface, met)| {
             let obstacle = met.obstacle()?;
             let acts = acts(interface, state);
+            let distances = nearest(&body, &interface.surface, &met);
+            let cells = match acts.contains(&true) {
+                true => cells_beside(model, &interface.surface),
+                false => (0..model.mesh.cell_count()).collect(),
+            };
+            let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
             Some(Self {
                 interface,
-                distances: nearest(&body, &interface.surface, &met),
+                distances,
                 is_curved: !obstacle.is_flat(),
-                inside: {
-                    let cells = match acts.contains(&true) {
-                        true => cells_beside(model, &interface.surface),
-                        false => (0..model.mesh.cell_count()).collect(),
-                    };
-                    depth_inside(model, state, (obstacle, &cells))
-                },
+                inside: depth_inside(model, state, (obstacle, &cells), nearest),
+                held_inside: depth_where_held(model, state, (obstacle, &interface.surface)),
                 acts,
                 dimension: model.plan.units.dimension,
             })

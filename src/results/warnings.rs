@@ -2,13 +2,13 @@
 //!
 //! | warning | found by |
 //! |---|---|
-//! | missed contact | distances between the points of the contact integrals, on faces without pressure, and depths of cells beside all faces |
+//! | missed contact | distances between the points of the contact integrals, on faces without pressure, depths of cells beside all faces, and of vertices that supports hold |
 //! | untouched obstacle | no pressure, and the obstacle no farther than before |
 //! | passed through | no pressure, and cells inside the obstacle, or poses on the way at which it is inside |
 //! | begins inside | distances before the first increment |
 //! | free motion | rigid modes that supports leave, and no contact |
 //! | large strain | the largest strain at the centroid of a cell, of a linear solid |
-//! | coarse contact | pressure on two functions of a curved contact at most |
+//! | coarse contact | pressure on a few functions of a curved contact, or on a few of many |
 //! | coarse facets | how far facets are off the surface that they stand for, over the squeeze |
 //! | inside out | det F below zero on a lattice of the cells whose bound allows it |
 //! | lost digits | displacements, or of rubber lengths, whose rounding is a strain of some share of the largest |
@@ -19,34 +19,29 @@
 
 use std::collections::BTreeMap;
 
-use crate::contact::nearest::nearest;
 use crate::model::Model;
-use crate::model::drive::Drive;
 use crate::model::ending::Ending;
 use crate::model::inside_out::inside_out;
-use crate::model::interfaces::Interface;
-use crate::model::state::State;
+use crate::model::state::{Start, State};
 use crate::model::values::gradient_at;
 use crate::report::{ObstacleResult, Stability, Termination, Warning, WarningKind};
+use crate::results::passage::{begun_inside, passed, untouched};
 use crate::results::touch::Touch;
+use crate::scene::ContactSpace;
 
 /// Strain of a linear law beyond what it is meant for.
 const LARGE_STRAIN: f64 = 0.1;
-/// Closed functions of a curved contact that are few.
+/// Closed functions of a curved contact that are few, in the plane and in space: those of
+/// vertices, and those of vertices and edges.
 const FEW: [usize; 2] = [3, 6];
+const FEW_QUADRATIC: [usize; 2] = [4, 10];
+/// Functions of a flat obstacle over closed ones where these are few.
+const FLAT_SHARE: usize = 8;
 /// Times as many that are enough.
 const ENOUGH: usize = 4;
-/// Depth over the length of the body from which on an obstacle is inside it.
-const DEEP: f64 = 0.01;
-/// The same of one that no face overlaps.
+/// Depth over the length of the body from which on an obstacle is inside it that no face
+/// overlaps, or that a support presses the body into.
 const SWALLOWED: f64 = 1e-3;
-/// Least way between two poses that are looked at, over the length of the body.
-const POSE_SPACING: f64 = 0.25 * DEEP;
-/// Poses at least and at most, before they become fewer.
-const FEWEST_POSES: f64 = 100.0;
-const MOST_POSES: f64 = 4000.0;
-/// Faces times poses at most.
-const MOST_SAMPLES: f64 = 4e5;
 /// Sagitta of facets over the squeeze that is worth a word.
 const COARSE_FACETS: f64 = 0.05;
 /// Rounding of strains over the largest strain that is worth a word.
@@ -58,7 +53,7 @@ const WRONG: f64 = 0.1;
 /// `touches`.
 pub(crate) fn warnings(
     model: &Model<'_>,
-    (start, state): (&Drive, &State),
+    (start, state): (&Start, &State),
     (ending, touches): (&Ending, &[Touch<'_>]),
 ) -> Vec<Warning> {
     let mut all = Vec::new();
@@ -72,10 +67,11 @@ pub(crate) fn warnings(
     for touch in touches {
         let interface = touch.interface;
         all.extend(missed(model, &interface.name, touch.overlap()));
+        all.extend(held_inside(model, touch));
         if touch.acts.contains(&true) {
             all.extend(beside(model, touch));
         } else {
-            all.extend(untouched(model, (start, state), touch));
+            all.extend(untouched(model, (start, touch)));
             let way = || passed(model, (start, state), interface);
             all.extend(swallowed(model, touch).or_else(way));
         }
@@ -86,7 +82,12 @@ pub(crate) fn warnings(
 }
 
 /// A warning.
-fn warning(kind: WarningKind, subject: &str, value: Option<f64>, message: String) -> Warning {
+pub(super) fn warning(
+    kind: WarningKind,
+    subject: &str,
+    value: Option<f64>,
+    message: String,
+) -> Warning {
     Warning {
         kind,
         subject: subject.to_owned(),
@@ -148,24 +149,16 @@ fn missed(model: &Model<'_>, name: &str, overlap: f64) -> Option<Warning> {
     })
 }
 
-/// An obstacle that touches nothing though it came no farther away.
-fn untouched(
-    model: &Model<'_>,
-    (start, state): (&Drive, &State),
-    touch: &Touch<'_>,
-) -> Option<Warning> {
-    let least = |distances: &[f64]| distances.iter().copied().fold(f64::INFINITY, f64::min);
-    let at_start = (start, &state.displacement[..]);
-    let before = least(&distances(model, at_start, touch.interface));
-    let now = least(&touch.distances);
-    (now > 0.0 && now <= before * (1.0 + 1e-12)).then(|| {
+/// An obstacle inside the body where a support holds it.
+fn held_inside(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
+    (touch.held_inside > SWALLOWED).then(|| {
         let name = &touch.interface.name;
-        let gap = now * model.plan.units.length;
+        let depth = touch.held_inside * model.plan.units.length;
         warning(
-            WarningKind::UntouchedObstacle,
+            WarningKind::MissedContact,
             name,
-            Some(gap),
-            format!("obstacle `{name}` touches nothing: it is {gap:.4} away from the body"),
+            Some(depth),
+            format!("obstacle `{name}` is {depth:.3e} deep inside the body where a support holds it: supports come first, so that nothing presses there"),
         )
     })
 }
@@ -197,109 +190,6 @@ fn beside(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
     })
 }
 
-/// An obstacle that touches nothing at the end but was inside the body on its way.
-fn passed(
-    model: &Model<'_>,
-    (start, state): (&Drive, &State),
-    interface: &Interface,
-) -> Option<Warning> {
-    if *start == state.drive {
-        return None;
-    }
-    let way = way(model, (start, &state.drive), interface);
-    let most = MOST_SAMPLES / interface.surface.faces.len().max(1) as f64;
-    let most = most.clamp(FEWEST_POSES, MOST_POSES);
-    let distance_at = |share: f64| {
-        let drive = start.towards(&state.drive, share);
-        least_distance(model, (&drive, &state.displacement), interface)
-    };
-    let (mut gone, mut poses) = (0.0, 0.0);
-    // A tool that lifts off begins inside the body that has sprung back, and leaves it.
-    let mut last = distance_at(0.0);
-    let mut deepest = 0.0_f64;
-    loop {
-        // No nearer than it is can it come on a way as long as that.
-        let least = if poses < most {
-            POSE_SPACING
-        } else {
-            way / most
-        };
-        gone += last.max(least);
-        poses += 1.0;
-        if gone >= way {
-            break;
-        }
-        let distance = distance_at(gone / way);
-        if distance < last {
-            deepest = deepest.max(-distance);
-        }
-        last = distance;
-    }
-    (deepest > DEEP).then(|| {
-        let name = &interface.name;
-        warning(
-            WarningKind::PassedThrough,
-            name,
-            Some(deepest * model.plan.units.length),
-            format!("obstacle `{name}` passed through the body within the increment: take more increments"),
-        )
-    })
-}
-
-/// How far an obstacle moves, over the length of the body.
-fn way(model: &Model<'_>, (start, end): (&Drive, &Drive), interface: &Interface) -> f64 {
-    let pairs = start.poses.iter().zip(&end.poses);
-    let own = pairs.filter(|(pose, _)| pose.name == interface.name);
-    let distance = |a: [f64; 3], b: [f64; 3]| {
-        let squares = a.iter().zip(b).map(|(a, b)| (b - a).powi(2));
-        squares.sum::<f64>().sqrt()
-    };
-    let travel = own.map(|(from, to)| {
-        distance(from.translation, to.translation) / model.plan.units.length
-            + distance(from.rotation, to.rotation)
-    });
-    travel.sum()
-}
-
-/// An obstacle that is deep inside the undeformed body before the first increment.
-fn begun_inside(model: &Model<'_>, start: &Drive, interface: &Interface) -> Option<Warning> {
-    if *start != Drive::undeformed(model.plan) {
-        return None;
-    }
-    let at_rest = vec![0.0; model.prepared.space.displacement_unknowns()];
-    let depth = -least_distance(model, (start, &at_rest), interface);
-    (depth > DEEP).then(|| {
-        let (name, depth) = (&interface.name, depth * model.plan.units.length);
-        warning(
-            WarningKind::BeginsInside,
-            name,
-            Some(depth),
-            format!("obstacle `{name}` begins {depth:.4} deep inside the body"),
-        )
-    })
-}
-
-/// Signed distance of an obstacle from the body, in units of the scaled body.
-fn least_distance(model: &Model<'_>, at: (&Drive, &[f64]), interface: &Interface) -> f64 {
-    let distances = distances(model, at, interface);
-    distances.into_iter().fold(f64::INFINITY, f64::min)
-}
-
-/// Least signed distance of an obstacle from each of its faces, where `drive` puts it and
-/// `displacement` the body `[faces]`.
-fn distances(
-    model: &Model<'_>,
-    (drive, displacement): (&Drive, &[f64]),
-    interface: &Interface,
-) -> Vec<f64> {
-    let mut placed = model.placed(drive);
-    let met = placed.find(|(other, _)| other.name == interface.name);
-    let body = model.deformed(displacement);
-    met.map_or(Vec::new(), |(_, met)| {
-        nearest(&body, &interface.surface, &met)
-    })
-}
-
 /// Obstacles under which facets stand for a curved surface too coarsely, by their results.
 pub(crate) fn coarse_facets(results: &BTreeMap<String, ObstacleResult>) -> Vec<Warning> {
     let coarse = |(name, result): (&String, &ObstacleResult)| {
@@ -319,13 +209,21 @@ pub(crate) fn coarse_facets(results: &BTreeMap<String, ObstacleResult>) -> Vec<W
     results.iter().filter_map(coarse).collect()
 }
 
-/// A curved contact on a few functions, and the size of faces that would resolve it.
+/// A contact on a few functions, of a flat obstacle on a few of many, and the size of faces
+/// that would resolve it.
 fn coarse(model: &Model<'_>, state: &State, touch: &Touch<'_>) -> Option<Warning> {
     let status = touch.interface.own(&state.status);
     let closed = status.iter().filter(|status| status.is_closed()).count();
     let surface_dimension = model.plan.units.dimension - 1;
-    let few = FEW[surface_dimension - 1];
-    (touch.is_curved && (1..=few).contains(&closed)).then(|| {
+    let few = match model.plan.contact_space {
+        ContactSpace::Linear => FEW,
+        ContactSpace::Quadratic => FEW_QUADRATIC,
+    }[surface_dimension - 1];
+    let is_few = match touch.is_curved {
+        true => closed <= few,
+        false => closed <= few && FLAT_SHARE * closed < status.len(),
+    };
+    (closed > 0 && is_few).then(|| {
         let name = &touch.interface.name;
         let share = closed as f64 / (ENOUGH * few) as f64;
         let size = touch.pressed_size() * share.powf(1.0 / surface_dimension as f64);

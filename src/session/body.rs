@@ -13,7 +13,7 @@ use crate::model::counters::Counters;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
 use crate::model::friction::SlipStart;
-use crate::model::state::State;
+use crate::model::state::{Start, State};
 use crate::plan::Plan;
 use crate::report::{FieldData, FieldName, Seconds, StepReport};
 use crate::sqp::learned::Learned;
@@ -78,8 +78,8 @@ pub(crate) struct Advanced {
     pub(crate) ending: Ending,
     /// Part of the increment that the state has come to, from zero to one.
     pub(crate) part: f64,
-    /// What drove the body before it.
-    pub(crate) start: Drive,
+    /// Where the body was before it.
+    pub(crate) start: Start,
     /// Where slip counts from; none without friction.
     pub(crate) slip_start: Option<Arc<SlipStart>>,
     /// Counts and wall seconds of the increment.

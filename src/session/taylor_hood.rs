@@ -12,7 +12,7 @@ use crate::model::drive::Drive;
 use crate::model::friction::{SlipStart, note_slip};
 use crate::model::interfaces::Interfaces;
 use crate::model::loads::reference_load;
-use crate::model::state::State;
+use crate::model::state::{Start, State};
 use crate::plan::Plan;
 use crate::precond::PMultigrid;
 use crate::prepare::TaylorHoodData;
@@ -118,7 +118,7 @@ impl Body for TaylorHoodBody {
             ending,
             part,
             slip_start: run.model.slip_start,
-            start: before.drive.clone(),
+            start: Start::at(before),
             counters: run.counters,
             work: run.work,
         }

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::common::meshes::{cube, mesh, moved, unit_grid};
 use crate::common::scenes::{
-    HELD, elastic, in_parts, obstacle, press, push, rubber, support, traction,
+    HELD, elastic, in_parts, obstacle, press, pull, push, rubber, support, traction,
 };
 use crate::common::{assert_converged, open, solve, solve_one, take};
 use signorini::report::WarningKind;
@@ -242,4 +242,43 @@ fn a_tool_that_slips_in_between_nodes_is_named() {
             );
         }
     }
+}
+
+/// Smaller than the space between any points of a cell that are looked at.
+#[test]
+fn a_needle_that_lies_in_a_cell_is_named() {
+    for radius in [0.02, 0.002] {
+        let scene = block(sphere([0.4, 0.55, 1.0 + radius], radius));
+        let report = solve_one(&scene, &push("tool", [0.0, 0.0, -0.1]), &coarse());
+        assert_eq!(doubts(&report), [WarningKind::PassedThrough], "{radius}");
+        let depth = report.warnings[0].value.expect("the depth");
+        assert!((depth - 0.1).abs() < 1e-3, "{depth}");
+    }
+}
+
+#[test]
+fn a_body_carried_through_a_tool_is_named() {
+    let mut scene = block(sphere([2.0, 0.5, 0.9], 0.2));
+    scene.obstacles[0].on = vec!["x1".to_owned(), "z1".to_owned()];
+    for (travel, is_through) in [(3.0, true), (0.3, false)] {
+        let step = pull("z0", [Some(travel), Some(0.0), Some(0.0)], 1);
+        let kinds = doubts(&solve_one(&scene, &step, &coarse()));
+        let is_named = kinds.contains(&WarningKind::PassedThrough);
+        assert_eq!(is_named, is_through, "{kinds:?}");
+    }
+}
+
+/// The wall goes into the edge that the base holds: nothing can press there.
+#[test]
+fn a_support_that_holds_the_body_inside_an_obstacle_is_named() {
+    let mut scene = block(Shape::HalfSpace {
+        point: [1.0, 0.0, 0.0],
+        normal: [-1.0, 0.0, 0.0],
+    });
+    scene.obstacles[0].on = vec!["x1".to_owned()];
+    let report = solve_one(&scene, &push("tool", [-0.05, 0.0, 0.0]), &coarse());
+    let mut missed = report.warnings.iter();
+    let missed = missed.find(|warning| warning.kind == WarningKind::MissedContact);
+    let depth = missed.and_then(|warning| warning.value).expect("the depth");
+    assert!((depth - 0.05).abs() < 1e-12, "{depth}");
 }

@@ -13,7 +13,7 @@ use crate::linalg::vector::dot;
 use crate::mesh::Mesh;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
-use crate::model::state::State;
+use crate::model::state::{Start, State};
 use crate::plan::Plan;
 use crate::report::{Cause, FieldData, FieldName, StepReport, Termination};
 use crate::session::body::{Advanced, Body, Increment, Shared};
@@ -55,7 +55,7 @@ impl Body for EnrichedBody {
         Advanced {
             ending,
             part: if is_good { 1.0 } else { 0.0 },
-            start: before.drive.clone(),
+            start: Start::at(before),
             slip_start: None,
             counters: run.counters,
             work: run.work,

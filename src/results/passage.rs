@@ -1,0 +1,181 @@
+//! Where an obstacle has been on its way through an increment, beside the body as it moved:
+//!
+//! ```text
+//! d(s) = min over faces of the distance,   pose and displacement a share s of the way
+//! ```
+//!
+//! Both ways are taken straight: a body that turns far within an increment is looked at where
+//! it ends. Distances are lengths of the scaled body. Cost: some distances a face at poses as
+//! far apart as the obstacle is from the body.
+
+use super::touch::Touch;
+use super::warnings::warning;
+use crate::contact::nearest::nearest;
+use crate::linalg::vector::norm;
+use crate::model::Model;
+use crate::model::drive::Drive;
+use crate::model::interfaces::Interface;
+use crate::model::state::{Start, State};
+use crate::report::{Warning, WarningKind};
+
+/// Depth over the length of the body from which on an obstacle is inside it.
+const DEEP: f64 = 0.01;
+/// Least way between two poses that are looked at, over the length of the body.
+const POSE_SPACING: f64 = 0.25 * DEEP;
+/// Poses at least and at most, before they become fewer.
+const FEWEST_POSES: f64 = 100.0;
+const MOST_POSES: f64 = 4000.0;
+/// Faces times poses at most.
+const MOST_SAMPLES: f64 = 4e5;
+/// Turn of a support, radians, along which its body is not taken to move straight.
+const FAR_TURN: f64 = 0.3;
+
+/// An obstacle that touches nothing though it came no farther away.
+pub(super) fn untouched(
+    model: &Model<'_>,
+    (start, touch): (&Start, &Touch<'_>),
+) -> Option<Warning> {
+    let at_start = (&start.drive, &start.displacement[..]);
+    let before = least_distance(model, at_start, touch.interface);
+    let now = least(&touch.distances);
+    (now > 0.0 && now <= before * (1.0 + 1e-12)).then(|| {
+        let name = &touch.interface.name;
+        let gap = now * model.plan.units.length;
+        warning(
+            WarningKind::UntouchedObstacle,
+            name,
+            Some(gap),
+            format!("obstacle `{name}` touches nothing: it is {gap:.4} away from the body"),
+        )
+    })
+}
+
+/// An obstacle that touches nothing at the end but was inside the body on its way.
+pub(super) fn passed(
+    model: &Model<'_>,
+    (start, state): (&Start, &State),
+    interface: &Interface,
+) -> Option<Warning> {
+    let moved = moved(start, state);
+    let way = way(model, (&start.drive, &state.drive), interface) + longest(model, &moved);
+    if way == 0.0 {
+        return None;
+    }
+    let most = MOST_SAMPLES / interface.surface.faces.len().max(1) as f64;
+    let most = most.clamp(FEWEST_POSES, MOST_POSES);
+    let mut displacement = state.displacement.clone();
+    let mut distance_at = |share: f64| {
+        let drive = start.drive.towards(&state.drive, share);
+        let entries = state.displacement.iter().zip(&moved);
+        for (at, (end, moved)) in displacement.iter_mut().zip(entries) {
+            *at = end - (1.0 - share) * moved;
+        }
+        least_distance(model, (&drive, &displacement), interface)
+    };
+    let (mut gone, mut poses) = (0.0, 0.0);
+    // What touches the body at the start may overlap it between the nodes.
+    let mut last = distance_at(0.0);
+    let mut deepest = 0.0_f64;
+    loop {
+        // No nearer than it is can it come on a way as long as that.
+        let least = if poses < most {
+            POSE_SPACING
+        } else {
+            way / most
+        };
+        gone += last.max(least);
+        poses += 1.0;
+        if gone >= way {
+            break;
+        }
+        let distance = distance_at(gone / way);
+        if distance < last {
+            deepest = deepest.max(-distance);
+        }
+        last = distance;
+    }
+    (deepest > DEEP).then(|| {
+        let name = &interface.name;
+        warning(
+            WarningKind::PassedThrough,
+            name,
+            Some(deepest * model.plan.units.length),
+            format!("obstacle `{name}` passed through the body within the increment: take more increments"),
+        )
+    })
+}
+
+/// An obstacle that is deep inside the undeformed body before the first increment.
+pub(super) fn begun_inside(
+    model: &Model<'_>,
+    start: &Start,
+    interface: &Interface,
+) -> Option<Warning> {
+    if start.drive != Drive::undeformed(model.plan) {
+        return None;
+    }
+    let at_rest = vec![0.0; model.prepared.space.displacement_unknowns()];
+    let depth = -least_distance(model, (&start.drive, &at_rest), interface);
+    (depth > DEEP).then(|| {
+        let (name, depth) = (&interface.name, depth * model.plan.units.length);
+        warning(
+            WarningKind::BeginsInside,
+            name,
+            Some(depth),
+            format!("obstacle `{name}` begins {depth:.4} deep inside the body"),
+        )
+    })
+}
+
+/// How the body moved from `start` to `state` `[displacement]`; not at all where supports turn
+/// it far.
+fn moved(start: &Start, state: &State) -> Vec<f64> {
+    let turns = start.drive.motions.iter().zip(&state.drive.motions);
+    let mut turns = turns.map(|(from, to)| distance(from.rotation, to.rotation));
+    if turns.any(|turn| turn > FAR_TURN) {
+        return vec![0.0; state.displacement.len()];
+    }
+    let entries = state.displacement.iter().zip(&start.displacement);
+    entries.map(|(end, start)| end - start).collect()
+}
+
+/// Largest motion of a node.
+fn longest(model: &Model<'_>, moved: &[f64]) -> f64 {
+    let nodes = moved.chunks_exact(model.prepared.space.components);
+    nodes.map(norm).fold(0.0, f64::max)
+}
+
+/// How far an obstacle moves, over the length of the body.
+fn way(model: &Model<'_>, (start, end): (&Drive, &Drive), interface: &Interface) -> f64 {
+    let pairs = start.poses.iter().zip(&end.poses);
+    let own = pairs.filter(|(pose, _)| pose.name == interface.name);
+    let travel = own.map(|(from, to)| {
+        distance(from.translation, to.translation) / model.plan.units.length
+            + distance(from.rotation, to.rotation)
+    });
+    travel.sum()
+}
+
+/// Length of a - b `[3]`.
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    norm(&[a[0] - b[0], a[1] - b[1], a[2] - b[2]])
+}
+
+fn least(distances: &[f64]) -> f64 {
+    distances.iter().copied().fold(f64::INFINITY, f64::min)
+}
+
+/// Signed distance of an obstacle from the body where `drive` puts it and `displacement` the
+/// body.
+fn least_distance(
+    model: &Model<'_>,
+    (drive, displacement): (&Drive, &[f64]),
+    interface: &Interface,
+) -> f64 {
+    let mut placed = model.placed(drive);
+    let met = placed.find(|(other, _)| other.name == interface.name);
+    let body = model.deformed(displacement);
+    met.map_or(f64::INFINITY, |(_, met)| {
+        least(&nearest(&body, &interface.surface, &met))
+    })
+}
