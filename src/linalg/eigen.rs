@@ -83,6 +83,18 @@ pub fn least_of_tridiagonal(diagonal: &[f64], beside: &[f64]) -> Option<([f64; 2
     Some((extremes, eigen.U().col(0).iter().copied().collect()))
 }
 
+/// Eigenvectors of unit length of a symmetric matrix, whose lower triangle is read, by ascending
+/// eigenvalue; none where the iteration fails.
+pub fn symmetric(matrix: &DenseMatrix) -> Option<Vec<Vec<f64>>> {
+    let eigen = SelfAdjointEigen::new(matrix.view(), Side::Lower).ok()?;
+    let vectors = eigen.U().col_iter();
+    Some(
+        vectors
+            .map(|vector| vector.iter().copied().collect())
+            .collect(),
+    )
+}
+
 /// Real and imaginary parts of the eigenvalues of a square matrix; none where the
 /// iteration fails.
 pub fn eigenvalues(matrix: &DenseMatrix) -> Option<Vec<[f64; 2]>> {

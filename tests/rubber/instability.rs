@@ -231,6 +231,39 @@ fn the_sign_of_the_least_eigenvalue_agrees_with_a_count_of_all_unstable_motions(
     assert!(seen[0] >= 3 && seen[1] >= 3, "{seen:?}");
 }
 
+/// A block between two plates, free to slide: that motion, which costs nothing, hides none.
+#[test]
+fn a_body_that_slides_freely_is_certified_where_its_softest_motion_is_seen() {
+    let verdicts = [StabilityCheck::Exact, StabilityCheck::Follow].map(|check| {
+        let mut scene = clamped();
+        scene.supports.clear();
+        let plate = |height: f64, up: f64| Shape::HalfSpace {
+            point: [0.0, height, 0.0],
+            normal: [0.0, up, 0.0],
+        };
+        scene.obstacles = vec![
+            obstacle("floor", "y0", plate(0.0, 1.0)),
+            obstacle("lid", "y1", plate(1.0, -1.0)),
+        ];
+        scene.solver.stability = Choice::Named(check);
+        let step = in_parts(push("lid", [0.0, -0.2, 0.0]), 4);
+        let reports = solve(&scene, &[step], &mesh(square(4)));
+        reports.iter().for_each(assert_converged);
+        let found = reports.iter().map(|report| report.stability);
+        found.collect::<Vec<_>>()
+    });
+    assert!(
+        verdicts[0]
+            .iter()
+            .all(|said| *said == Some(Stability::Minimum))
+    );
+    let is_seen = |said: &&Option<Stability>| **said == Some(Stability::Minimum);
+    let seen = verdicts[1].iter().filter(is_seen).count();
+    let is_open = |said: &&Option<Stability>| **said == Some(Stability::NotDetermined);
+    let open = verdicts[1].iter().filter(is_open).count();
+    assert!(seen >= 2 && seen + open == 4, "{:?}", verdicts[1]);
+}
+
 /// The lid of a roller box is a ball on two faces an edge: from a pressure on that these faces do
 /// not bear the mesh gives way, which is no fall of the body.
 #[test]

@@ -11,6 +11,7 @@
 mod augmentation;
 mod factorised;
 mod inverse;
+mod loose;
 mod penalised;
 mod solve;
 pub(crate) mod step;

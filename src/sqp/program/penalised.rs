@@ -8,13 +8,15 @@
 //! taken a hundredth too small for what these leave, H_A the compliance metric of the
 //! multipliers that hold, W the springs of the approximate inverse. On motions without change of
 //! volume that keep all contacts it is K, and it is below what the constraints themselves add
-//! elsewhere: where K_w is positive, K is so among the motions that the constraints admit.
+//! elsewhere: where K_w is positive, K is so among the motions that the constraints admit. Rigid
+//! motions that nothing resists are made stiff besides (`loose`).
 //! `[displacement, displacement]`. Cost of a product: one of K, B, B^T, and a solve with the factor
 //! of H_A.
 
 use std::sync::Arc;
 
 use super::QuadraticProgram;
+use super::loose::Loose;
 use crate::krylov::least_eigenvalue::{Least, LeastEigenvalue};
 use crate::linalg::{
     DenseCholesky, FactoriseError, LinearOperator, Preconditioner, SparseRows, Workspace,
@@ -43,6 +45,8 @@ struct Penalised<'a> {
     held: Option<Held<'a>>,
     /// w.
     weight: f64,
+    /// Rigid motions; none where supports hold the body.
+    loose: Option<Loose>,
 }
 
 /// What the volume resists.
@@ -119,6 +123,9 @@ impl LinearOperator for Penalised<'_> {
         if let Some(held) = &self.held {
             held.add(self.weight, (x, y), work);
         }
+        if let Some(loose) = &self.loose {
+            loose.add(x, y);
+        }
     }
 
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
@@ -139,15 +146,19 @@ impl QuadraticProgram<'_> {
             return Least::Nothing;
         };
         let displacement = Counted::new(&*self.inverse.displacement);
+        let mut operator = Penalised {
+            stiffness: self.stiffness(),
+            released: self.released_by_all(),
+            skew: self.skew(),
+            volume: self.volume(weight),
+            held,
+            weight,
+            loose: None,
+        };
+        let means: (&dyn LinearOperator, &dyn Preconditioner) = (&operator, &displacement);
+        operator.loose = self.loose(run.state, means, &mut run.work);
         let process = LeastEigenvalue {
-            operator: &Penalised {
-                stiffness: self.stiffness(),
-                released: self.released_by_all(),
-                skew: self.skew(),
-                volume: self.volume(weight),
-                held,
-                weight,
-            },
+            operator: &operator,
             preconditioner: &displacement,
             steps,
         };
