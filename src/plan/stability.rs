@@ -57,7 +57,7 @@ impl Plan {
         let flops = estimate::saddle_factor(self.units.dimension, self.unknowns).1;
         match self.stability.check {
             StabilityCheck::Exact if !self.counts_motions() => format!(
-                "sign of the least eigenvalue by Lanczos steps, 30 to 60 applications an equilibrium, more where it is near zero: counting unstable motions takes {:.0} Gflop, above {:.0}",
+                "sign of the least eigenvalue by Lanczos steps, 15 to 60 applications an equilibrium, more where it is near zero: counting unstable motions takes {:.0} Gflop, above {:.0}",
                 flops / 1e9,
                 MOST_FACTOR_FLOPS / 1e9
             ),
@@ -68,7 +68,7 @@ impl Plan {
                 )
             }
             StabilityCheck::Follow => {
-                "sign of the least eigenvalue by Lanczos steps, 30 to 60 applications an equilibrium, more where it is near zero"
+                "sign of the least eigenvalue by Lanczos steps, 15 to 60 applications an equilibrium, more where it is near zero"
                     .into()
             }
             StabilityCheck::Off => "no certificate".into(),

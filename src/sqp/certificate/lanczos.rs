@@ -4,7 +4,7 @@
 //! but for a probability of a thousandth.
 //! Where it is not the constraints are made stiffer; a motion that lowers the energy still is
 //! projected on those that the constraints admit, and is the proof of a saddle if it does so there.
-//! Between the two nothing is determined, and [`super::follow`] has the word. Cost: some thirty
+//! Between the two nothing is determined, and [`super::follow`] has the word. Cost: some twenty
 //! products and applications where the body is far from unstable.
 
 use super::{NEUTRAL, follow, motion_without_symmetry};
