@@ -18,6 +18,8 @@ const CUBE_ENTRIES: f64 = 4.9e6;
 const CUBE_FLOPS: f64 = 2.4e9;
 /// Vectors of displacement length that a step holds at its peak.
 const VECTORS: u64 = 40;
+/// The same of a certificate by Lanczos steps beside it: most take twenty.
+const CERTIFICATE_VECTORS: u64 = 40;
 /// Bytes per cell of the matrix-free operator and of the geometry it is made from.
 const CELL_BYTES: u64 = 330;
 
@@ -98,7 +100,11 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
         false => 0,
     };
     let dense = 3 * contact * contact + own;
-    let vectors = VECTORS * (plan.unknowns.displacement + plan.unknowns.pressure);
+    let steps = match plan.certifies_by_steps() {
+        true => CERTIFICATE_VECTORS * plan.unknowns.displacement,
+        false => 0,
+    };
+    let vectors = VECTORS * (plan.unknowns.displacement + plan.unknowns.pressure) + steps;
     let blocks = plan.unknowns.displacement * components;
     let cell_bytes = match plan.element {
         ElementKind::TaylorHood => CELL_BYTES,

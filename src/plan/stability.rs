@@ -52,6 +52,17 @@ impl Plan {
         estimate::saddle_factor(self.units.dimension, self.unknowns).1 <= MOST_FACTOR_FLOPS
     }
 
+    /// Whether equilibria are certified by Lanczos steps.
+    pub(super) fn certifies_by_steps(&self) -> bool {
+        let is_rubber = self.resolved.is_rubber();
+        is_rubber
+            && match self.stability.check {
+                StabilityCheck::Exact => !self.counts_motions(),
+                StabilityCheck::Follow => true,
+                StabilityCheck::Off => false,
+            }
+    }
+
     /// The check in words, with its cost.
     pub(super) fn stability_in_words(&self) -> String {
         let flops = estimate::saddle_factor(self.units.dimension, self.unknowns).1;

@@ -6,7 +6,7 @@
 
 use super::attempt::attempt;
 use super::descent::descend;
-use super::diagnosis::{NEARLY, coarsest, is_soft, name_the_end};
+use super::diagnosis::{NEARLY, coarsest, is_soft, name_the_end, name_the_impossible};
 use super::increment;
 use super::initial_penetration::InitialPenetration;
 use super::passing::longest_part;
@@ -64,6 +64,7 @@ pub(crate) fn approach(run: &mut Run<'_>, goal: &Drive) -> (Ending, f64) {
         falling: first_fall(run.state),
     };
     let (mut ending, part) = way.walk(run);
+    name_the_impossible(run, &mut ending, goal);
     ending.snapped = way.snapped;
     (ending, part)
 }

@@ -13,6 +13,7 @@
 use std::sync::Arc;
 
 use super::approach::approach;
+use super::diagnosis::is_full;
 use super::learned::Learned;
 use super::run::{Retry, Run};
 use super::rung::Rung;
@@ -39,7 +40,7 @@ pub(crate) fn climb(run: &mut Run<'_>, goal: &Drive, start: &State) -> (Ending, 
     if run.by_factor && end.0.termination == Termination::Converged {
         end.0.fallback.get_or_insert(Fallback::Direct);
     }
-    if rungs.is_empty() || !is_failure_of_the_method(run, &end.0) {
+    if rungs.is_empty() || !is_failure_of_the_method(run, &end.0) || is_full(run, goal) {
         return end;
     }
     let mut best = run.state.clone();

@@ -5,14 +5,16 @@
 use std::sync::Arc;
 
 use crate::common::curved::slab;
-use crate::common::meshes::{cube, file, irregular, mesh};
+use crate::common::meshes::{cube, file, irregular, mesh, square};
 use crate::common::scenes::{
     HELD, bonded_cube, cube_bend, in_parts, indented_block, mooney_rivlin, obstacle, press, pull,
     push, rubber, squeezed_cube, support, traction,
 };
 use crate::common::{assert_converged, close, open, run, solve, solve_one, take, values};
 use signorini::report::Stability;
-use signorini::scene::{Choice, ContactSpace, OnInstability, RubberModel, Shape, StabilityCheck};
+use signorini::scene::{
+    Choice, ContactSpace, OnInstability, RubberModel, SceneKind, Shape, StabilityCheck,
+};
 use signorini::{Cause, FieldName, Mesh, Scene, Session, Step, StepReport, Termination};
 
 fn block() -> Arc<Mesh> {
@@ -188,6 +190,38 @@ fn a_lid_cannot_compress_what_fills_its_box() {
     let last = reports.last().expect("an increment");
     assert_eq!(last.termination, Termination::NotConverged);
     assert_eq!(last.cause, Some(Cause::EnclosedVolume));
+}
+
+/// A round lid fills the box on the way: until then the body gives way to it.
+#[test]
+fn a_round_lid_comes_no_deeper_than_the_box_is_full() {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.kind = Some(SceneKind::PlaneStrain);
+    let floor = support("y0", [None, Some(0.0), None]);
+    let wall = |name: &str| support(name, [Some(0.0), None, None]);
+    scene.supports = vec![floor, wall("x0"), wall("x1")];
+    let shape = Shape::Cylinder {
+        point: [0.5, 2.0, 0.0],
+        axis: [0.0, 0.0, 1.0],
+        radius: 1.0,
+    };
+    scene.obstacles = vec![obstacle("lid", "y1", shape)];
+    let step = push("lid", [0.0, -0.2, 0.0]);
+    let reports = solve(&scene, std::slice::from_ref(&step), &mesh(square(4)));
+    let full = reports.last().expect("an increment");
+    assert_eq!(full.cause, Some(Cause::EnclosedVolume));
+    // Of the unit length, by the area under the arc of sixty degrees.
+    let depth = 1.0 - (3.0_f64.sqrt() / 4.0 + std::f64::consts::PI / 6.0);
+    assert!(
+        (0.9 * depth..depth).contains(&(0.2 * full.load)),
+        "{}",
+        full.load
+    );
+    // With a side that is free it never is.
+    scene.supports.pop();
+    let step = in_parts(step, 4);
+    let reports = solve(&scene, &[step], &mesh(square(4)));
+    reports.iter().for_each(assert_converged);
 }
 
 #[test]
