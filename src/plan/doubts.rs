@@ -5,6 +5,7 @@
 //! | flat cells | the least mean ratio of a cell |
 //! | contrast | the stiffest over the softest shear modulus |
 //! | nearly incompressible | the first Lame parameter over the shear modulus |
+//! | far away | the largest coordinate over the length of the body |
 //! | tool below the mesh | the radius of an obstacle beside the edges that may touch it |
 //!
 //! Cost: one pass over materials and over the facets of round obstacles.
@@ -21,6 +22,10 @@ const CONTRAST: f64 = 1e5;
 /// Lame parameter over shear modulus from which on exact incompressibility says the same.
 const NEARLY_INCOMPRESSIBLE: f64 = 1e5;
 
+/// Largest coordinate over the length of the body beyond which its shape loses digits that
+/// contact needs.
+const FAR: f64 = 1e6;
+
 /// All doubts about a scene on a mesh.
 pub(super) fn doubts(
     scene: &Scene,
@@ -29,6 +34,7 @@ pub(super) fn doubts(
 ) -> Vec<String> {
     let mut all: Vec<String> = Vec::new();
     all.extend(flat_cells(mesh));
+    all.extend(far_away(mesh, units));
     all.extend(contrast(scene, resolved));
     all.extend(nearly_incompressible(scene, resolved));
     all.extend(
@@ -46,6 +52,19 @@ fn flat_cells(mesh: &Mesh) -> Option<String> {
         format!(
             "cell {} is nearly flat: mean ratio {:.1e}, one where it is regular; iterations and errors grow",
             quality.worst_cell, quality.minimum
+        )
+    })
+}
+
+/// A body so far from the origin that coordinates round its shape.
+fn far_away(mesh: &Mesh, units: &Units) -> Option<String> {
+    let coordinates = mesh.coordinates().as_flattened().iter();
+    let largest = coordinates.fold(0.0_f64, |most, x| most.max(x.abs()));
+    let ratio = largest / units.length;
+    (ratio > FAR).then(|| {
+        let rounding = f64::EPSILON * ratio;
+        format!(
+            "the body lies {ratio:.0e} of its lengths away from the origin: its coordinates keep {rounding:.0e} of a length; move it and its obstacles to the origin"
         )
     })
 }

@@ -101,3 +101,16 @@ fn split(parts: &mut MeshParts, half: usize) {
         });
     }
 }
+
+#[test]
+fn a_body_whose_place_rounds_its_shape_is_named() {
+    for (away, count) in [(1e3, 0), (1e9, 1)] {
+        let mut parts = cube(2);
+        parts.coordinates.iter_mut().for_each(|x| x[1] += away);
+        let mut scene = elastic(0.3);
+        scene.supports = vec![support("z0", HELD)];
+        let found = warnings(&scene, parts);
+        let is_named = found.iter().all(|one| one.contains("away from the origin"));
+        assert!(found.len() == count && is_named, "{found:?}");
+    }
+}
