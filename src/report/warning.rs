@@ -82,6 +82,23 @@ pub struct Warning {
     pub message: String,
 }
 
+impl Warning {
+    /// About `subject`, which is empty where it is the whole body.
+    pub(crate) fn new(
+        kind: WarningKind,
+        subject: &str,
+        value: Option<f64>,
+        message: String,
+    ) -> Self {
+        Self {
+            kind,
+            subject: subject.to_owned(),
+            value,
+            message,
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

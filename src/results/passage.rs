@@ -9,7 +9,6 @@
 //! far apart as the obstacle is from the body.
 
 use super::touch::Touch;
-use super::warnings::warning;
 use crate::contact::nearest::nearest;
 use crate::linalg::vector::norm;
 use crate::model::Model;
@@ -41,7 +40,7 @@ pub(super) fn untouched(
     (now > 0.0 && now <= before * (1.0 + 1e-12)).then(|| {
         let name = &touch.interface.name;
         let gap = now * model.plan.units.length;
-        warning(
+        Warning::new(
             WarningKind::UntouchedObstacle,
             name,
             Some(gap),
@@ -96,7 +95,7 @@ pub(super) fn passed(
     }
     (deepest > DEEP).then(|| {
         let name = &interface.name;
-        warning(
+        Warning::new(
             WarningKind::PassedThrough,
             name,
             Some(deepest * model.plan.units.length),
@@ -118,7 +117,7 @@ pub(super) fn begun_inside(
     let depth = -least_distance(model, (&start.drive, &at_rest), interface);
     (depth > DEEP).then(|| {
         let (name, depth) = (&interface.name, depth * model.plan.units.length);
-        warning(
+        Warning::new(
             WarningKind::BeginsInside,
             name,
             Some(depth),

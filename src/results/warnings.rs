@@ -81,27 +81,12 @@ pub(crate) fn warnings(
     all
 }
 
-/// A warning.
-pub(super) fn warning(
-    kind: WarningKind,
-    subject: &str,
-    value: Option<f64>,
-    message: String,
-) -> Warning {
-    Warning {
-        kind,
-        subject: subject.to_owned(),
-        value,
-        message,
-    }
-}
-
 /// A fall on the way, and a saddle at the end.
 fn of_stability(model: &Model<'_>, ending: &Ending, all: &mut Vec<Warning>) {
     if let Some(snap) = ending.snapped {
         let snapped = snap.in_units(&model.plan.units);
         let [x, y, z] = snapped.point;
-        all.push(warning(
+        all.push(Warning::new(
             WarningKind::Snapped,
             "",
             Some(snapped.largest_motion),
@@ -118,7 +103,7 @@ fn of_stability(model: &Model<'_>, ending: &Ending, all: &mut Vec<Warning>) {
     if let Some(rival) = ending.rival {
         let [own, other] = [rival.own, rival.other]
             .map(|[stick, slip, open]| format!("{stick} stick, {slip} slip and {open} are open"));
-        all.push(warning(
+        all.push(Warning::new(
             WarningKind::NotUnique,
             "",
             Some(rival.indicator),
@@ -127,7 +112,7 @@ fn of_stability(model: &Model<'_>, ending: &Ending, all: &mut Vec<Warning>) {
     }
     let is_saddle = ending.stability == Some(Stability::Saddle);
     if is_saddle && ending.termination == Termination::Converged {
-        all.push(warning(
+        all.push(Warning::new(
             WarningKind::UnstableEquilibrium,
             "",
             None,
@@ -140,7 +125,7 @@ fn of_stability(model: &Model<'_>, ending: &Ending, all: &mut Vec<Warning>) {
 fn missed(model: &Model<'_>, name: &str, overlap: f64) -> Option<Warning> {
     let deepest = overlap * model.plan.units.length;
     (deepest > 0.0).then(|| {
-        warning(
+        Warning::new(
             WarningKind::MissedContact,
             name,
             Some(deepest),
@@ -154,7 +139,7 @@ fn held_inside(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
     (touch.held_inside > SWALLOWED).then(|| {
         let name = &touch.interface.name;
         let depth = touch.held_inside * model.plan.units.length;
-        warning(
+        Warning::new(
             WarningKind::MissedContact,
             name,
             Some(depth),
@@ -168,7 +153,7 @@ fn swallowed(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
     let is_felt = touch.overlap() > 0.0;
     (touch.inside > SWALLOWED && !is_felt).then(|| {
         let (name, depth) = (&touch.interface.name, touch.inside * model.plan.units.length);
-        warning(
+        Warning::new(
             WarningKind::PassedThrough,
             name,
             Some(depth),
@@ -181,7 +166,7 @@ fn swallowed(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
 fn beside(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
     (touch.inside > SWALLOWED.max(touch.usual_depth())).then(|| {
         let (name, depth) = (&touch.interface.name, touch.inside * model.plan.units.length);
-        warning(
+        Warning::new(
             WarningKind::MissedContact,
             name,
             Some(depth),
@@ -197,7 +182,7 @@ pub(crate) fn coarse_facets(results: &BTreeMap<String, ObstacleResult>) -> Vec<W
             .geometry_error
             .filter(|&error| error > COARSE_FACETS)?;
         let percent = 100.0 * error;
-        Some(warning(
+        Some(Warning::new(
             WarningKind::CoarseFacets,
             name,
             Some(error),
@@ -228,7 +213,7 @@ fn coarse(model: &Model<'_>, state: &State, touch: &Touch<'_>) -> Option<Warning
         let share = closed as f64 / (ENOUGH * few) as f64;
         let size = touch.pressed_size() * share.powf(1.0 / surface_dimension as f64);
         let size = size * model.plan.units.length;
-        warning(
+        Warning::new(
             WarningKind::CoarseContact,
             name,
             Some(closed as f64),
@@ -242,7 +227,7 @@ fn of_the_body(model: &Model<'_>, state: &State, ending: &Ending, all: &mut Vec<
     let touches = state.status.iter().any(|status| status.is_closed());
     if model.plan.is_floating() && !touches {
         let modes = model.plan.resolved.free_modes.join(", ");
-        all.push(warning(
+        all.push(Warning::new(
             WarningKind::FreeMotion,
             "",
             None,
@@ -254,7 +239,7 @@ fn of_the_body(model: &Model<'_>, state: &State, ending: &Ending, all: &mut Vec<
     // A manufactured field is no motion that anyone has seen.
     let is_field = resolved.is_flow() || resolved.manufactured.is_some();
     if !model.is_rubber() && !is_field && strain > LARGE_STRAIN {
-        all.push(warning(
+        all.push(Warning::new(
             WarningKind::LargeStrain,
             "",
             Some(strain),
@@ -272,7 +257,7 @@ fn of_the_body(model: &Model<'_>, state: &State, ending: &Ending, all: &mut Vec<
 fn turned(model: &Model<'_>, state: &State) -> Option<Warning> {
     inside_out(model, state).map(|worst| {
         let ([x, y, z], cell) = (worst.point, worst.cell);
-        warning(
+        Warning::new(
             WarningKind::InsideOut,
             "",
             Some(worst.jacobian),
@@ -301,7 +286,7 @@ fn lost_digits(model: &Model<'_>, state: &State, ending: &Ending, strain: f64) -
     let unsolved = ending.residuals.largest() * largest;
     let bound = strain.min(1.0);
     (strain > 0.0 && (rounding > LOST * bound || unsolved > WRONG * bound)).then(|| {
-        warning(
+        Warning::new(
             WarningKind::LostDigits,
             "",
             Some(largest * model.plan.units.length),
