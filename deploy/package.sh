@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes target/package/signorini-VERSION-TARGET.tar.gz: the stripped release program, licence,
-# README, completions, settings and unit. Needs the Rust toolchain and strip.
+# README, manual, completions, settings and unit. Needs the Rust toolchain and strip.
 #
 #   deploy/package.sh            all of the program
 #   deploy/package.sh --lean     without the command `bench`
@@ -47,6 +47,7 @@ mkdir -p "$folder/completions" "$folder/deploy"
 cp "$program" "$folder/signorini"
 strip --strip-all "$folder/signorini"
 cp LICENSE README.md "$folder"
+cp -r client/manual "$folder/manual"
 cp deploy/server.toml deploy/signorini.service "$folder/deploy"
 for shell in bash zsh fish; do
     "$folder/signorini" completions "$shell" >"$folder/completions/signorini.$shell"

@@ -17,6 +17,8 @@ mod commands;
 mod connection;
 mod exit;
 mod input;
+#[cfg(test)]
+mod manual;
 mod mesh_shape;
 mod output;
 mod progress;

@@ -21,6 +21,9 @@ use crate::exit::{Exit, Failure};
 /// What the numbers of a field mean that do not say it themselves.
 const CONTACT_STATES: &str = "-1 not a candidate, 0 open, 1 in contact";
 
+/// Fields that are made of the stress and the displacement.
+pub(crate) const DERIVED: [&str; 3] = ["von_mises", "principal_stresses", "principal_stretches"];
+
 /// Name of the result lines in the folder.
 pub(crate) const LINES: &str = "results.jsonl";
 
@@ -146,13 +149,14 @@ impl ResultFolder {
             components,
             values: Cow::Owned(values),
         };
+        let [mises, stresses, stretches] = DERIVED;
         let mut derived = vec![
-            made("von_mises", 1, von_mises(&stress.values)),
-            made("principal_stresses", 3, principal_stresses(&stress.values)),
+            made(mises, 1, von_mises(&stress.values)),
+            made(stresses, 3, principal_stresses(&stress.values)),
         ];
         if let (Some(out), Some(motion)) = (self.stretches, find(v1::FieldName::Displacement)) {
-            let stretches = principal_stretches(&self.grid, &motion.values, out);
-            derived.push(made("principal_stretches", 3, stretches));
+            let values = principal_stretches(&self.grid, &motion.values, out);
+            derived.push(made(stretches, 3, values));
         }
         derived
     }

@@ -161,6 +161,12 @@ fn three(values: Option<&[f64]>) -> [String; 3] {
     [0, 1, 2].map(|axis| cell(values.get(axis).copied()))
 }
 
+/// The columns that a first result makes.
+#[cfg(test)]
+pub(crate) fn header(report: &v1::StepReport) -> Vec<String> {
+    Columns::of(report).header()
+}
+
 #[cfg(test)]
 mod tests {
     use std::collections::BTreeMap;

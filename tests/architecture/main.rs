@@ -1,8 +1,9 @@
 //! The house has two wings and one hall: every `use crate::` of the library
 //! follows the table below, and faer stays behind one door. No files of any crate
-//! import each other in a circle, and production knows no comparison.
+//! import each other in a circle, and production knows no comparison. Pages lead somewhere.
 
 mod circles;
+mod manual;
 mod modules;
 mod tokens;
 

@@ -1,9 +1,11 @@
-//! The README, the contract and the library know the same names of methods.
+//! The manual, the contract and the library know the same names of methods, and the manual
+//! every cause and warning.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
+use signorini::report::{Cause, WarningKind};
 use signorini::scene::{
     Choice, ContactMethod, ContactSpace, DisplacementMethod, ElementKind, ErrorEstimate,
     MetricKind, Named, OnInstability, P1Solver, SaddleMethod, StabilityCheck,
@@ -46,26 +48,49 @@ fn quoted(text: &str) -> BTreeSet<String> {
 }
 
 /// The row of a table that begins with `key`, without that key.
-fn row<'a>(readme: &'a str, key: &str) -> Option<&'a str> {
+fn row<'a>(page: &'a str, key: &str) -> Option<&'a str> {
     let start = format!("| `{key}` |");
-    let mut lines = readme.lines();
+    let mut lines = page.lines();
     lines.find_map(|line| line.strip_prefix(start.as_str()))
 }
 
 #[test]
-fn the_table_of_methods_in_the_readme_has_every_name() {
-    let readme = text("README.md");
+fn the_table_of_methods_in_the_manual_has_every_name() {
+    let page = text("client/manual/scenes.md");
     for (key, mut names) in lists() {
-        // The setting without a row is listed with those that are no methods.
-        let Some(row) = row(&readme, key) else {
-            let names: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
-            let words = format!("`{key}` ({})", names.join(", "));
-            assert!(readme.contains(&words), "{words}");
+        // The setting without a row of methods is listed with those that are no methods.
+        let listed: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+        let words = format!("`{key}` ({})", listed.join(", "));
+        if page.contains(&words) {
             continue;
-        };
+        }
         names.remove("auto");
+        let row = row(&page, key).unwrap_or_else(|| panic!("{key} has no row"));
         assert_eq!(quoted(row), names, "{key}");
     }
+}
+
+/// Words between backticks in the first cells of a table.
+fn first_cells(page: &str) -> Vec<String> {
+    let rows = page.lines().filter(|line| line.starts_with('|'));
+    let cells = rows.filter_map(|row| row.split('|').nth(1));
+    cells.flat_map(quoted).collect()
+}
+
+#[test]
+fn every_cause_and_every_warning_has_a_row_in_the_manual() {
+    let page = text("client/manual/does-not-converge.md");
+    let (causes, rest) = page.split_once("\n## ").expect("a section");
+    let (warnings, _) = rest.split_once("\n## ").expect("another one");
+    let mut told = [causes, warnings].map(first_cells);
+    told.iter_mut().for_each(|names| names.sort());
+    let mut known = [
+        Cause::ALL.map(Cause::name).to_vec(),
+        WarningKind::ALL.map(WarningKind::name).to_vec(),
+    ];
+    known.iter_mut().for_each(|names| names.sort_unstable());
+    assert_eq!(told[0], known[0]);
+    assert_eq!(told[1], known[1]);
 }
 
 /// The comment above the field `key` of the solver options.

@@ -62,6 +62,31 @@ fn every_histogram_has_buckets_and_every_metric_a_text() {
     assert_eq!(count("# HELP"), count("# TYPE"));
 }
 
+#[test]
+fn every_metric_and_reason_is_in_the_manual() {
+    let path = concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../client/manual/operations.md"
+    );
+    let page = std::fs::read_to_string(path).unwrap();
+    let quoted: Vec<&str> = page.split('`').skip(1).step_by(2).collect();
+    let metrics = (HISTOGRAMS.iter().map(|(name, ..)| *name))
+        .chain(COUNTERS.iter().map(|(name, _)| *name))
+        .chain(GAUGES.iter().map(|(name, _)| *name));
+    let mut known: Vec<&str> = metrics.chain(status::REASONS).collect();
+    let told = |name: &&str| quoted.contains(name);
+    let missing: Vec<&&str> = known.iter().filter(|name| !told(name)).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+    known.retain(|name| name.starts_with("signorini_"));
+    let is_metric = |span: &&&str| span.starts_with("signorini_") && !span.contains('=');
+    let stale: Vec<&&str> = quoted
+        .iter()
+        .filter(is_metric)
+        .filter(|span| !known.contains(span))
+        .collect();
+    assert!(stale.is_empty(), "{stale:?}");
+}
+
 /// The names of an enum of the contract but its first, in small letters.
 fn words(prefix: &str, name: impl Fn(i32) -> Option<&'static str>) -> Vec<String> {
     (1..)
