@@ -5,7 +5,7 @@
 #   deploy/package.sh            all of the program
 #   deploy/package.sh --lean     without the command `bench`
 #
-# With cargo-zigbuild on the path (pip install ziglang; cargo install cargo-zigbuild) the
+# With cargo-zigbuild on the path (pip install cargo-zigbuild) the
 # program runs on every Linux from glibc 2.28 on; without, on those at least as new as this.
 # The kernels for AVX2 and AVX-512 are in it and chosen at run time: it needs no more of the
 # processor than its architecture has.

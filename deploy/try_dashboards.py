@@ -36,7 +36,7 @@ SETTINGS = """
 solver_slots = 2
 threads_per_slot = 1
 maximum_sessions = 6
-memory_budget_bytes = 64_000_000
+memory_budget_bytes = 46_000_000
 """
 
 # Nothing can change the volume of a body that is held all around: fails in a moment.

@@ -22,7 +22,7 @@ step wheel
 wheel=${WHEEL:-}
 if [ -z "$wheel" ]; then
     "$newest" -m venv "$work/build"
-    "$work/build/bin/pip" --quiet wheel --no-deps --wheel-dir "$work" .
+    "$work/build/bin/pip" --quiet wheel --no-deps --config-settings portable=yes --wheel-dir "$work" .
     wheel=$(echo "$work"/signorini-*.whl)
 fi
 ls -l "$wheel"

@@ -53,6 +53,13 @@ fn meshes_are_put_listed_and_deleted_over_a_unix_socket() {
         Some(0)
     );
     assert_eq!(run(["mesh", "list"].into_iter().chain(server)).stdout, "");
+    let bent = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/formats/sphere2.inp");
+    let put = run(["mesh", "put", bent].into_iter().chain(server));
+    assert!(
+        put.stdout.contains("30 facets, 45 curved edges"),
+        "{}",
+        put.stdout
+    );
     let missing = run(["session", "show", "sessions/none"]
         .into_iter()
         .chain(server));

@@ -50,7 +50,7 @@ pub struct Arguments {
     /// Folder of Gmsh meshes that replace or add to those of this program
     #[arg(long, value_name = "DIR")]
     pub(crate) meshes: Option<PathBuf>,
-    /// CSV file with figures of other solvers, drawn beside ours
+    /// CSV file with figures of other solvers, drawn beside ours; default: those of this program
     #[arg(long, value_name = "FILE")]
     pub(crate) peers: Option<PathBuf>,
 }

@@ -14,6 +14,8 @@ pub(crate) struct Axis {
     pub(crate) label: &'static str,
     /// Its value in a run of ours.
     pub(crate) of: fn(&Row) -> Option<f64>,
+    /// Its least and greatest value where several runs stand behind a row.
+    pub(crate) spread: fn(&Row) -> Option<(f64, f64)>,
     /// Its value in a run of another solver.
     pub(crate) of_peer: fn(&Peer) -> Option<f64>,
 }
@@ -24,6 +26,7 @@ pub(crate) const TIME: Axis = Axis {
     word: "time",
     label: "wall time of the solve, cold process (s)",
     of: |row| Some(row.numbers.seconds),
+    spread: |row| (row.repeats > 1).then_some((row.least_seconds, row.most_seconds)),
     of_peer: |peer| Some(peer.seconds),
 };
 
@@ -33,6 +36,7 @@ pub(crate) const MEMORY: Axis = Axis {
     word: "memory",
     label: "peak memory of the process (MB)",
     of: Row::peak_memory_mb,
+    spread: |_| None,
     of_peer: |peer| peer.peak_memory_mb,
 };
 
@@ -42,6 +46,7 @@ pub(crate) const SIZE: Axis = Axis {
     word: "unknowns",
     label: "unknowns (displacement, pressure, contact)",
     of: |row| Some(row.unknowns()).filter(|count| *count > 0.0),
+    spread: |_| None,
     of_peer: |peer| peer.unknowns,
 };
 
@@ -51,5 +56,6 @@ pub(crate) const TOLERANCE: Axis = Axis {
     word: "the tolerance",
     label: "tolerance of the residuals",
     of: |row| Some(row.case.tolerance),
+    spread: |_| None,
     of_peer: |_| None,
 };

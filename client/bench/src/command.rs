@@ -9,7 +9,7 @@ use crate::error::BenchError;
 use crate::extremes::{self, Finding, Trying, Verdict};
 use crate::machine::Machine;
 use crate::page::{self, LeftOut, Report};
-use crate::peers::{self, Peers};
+use crate::peers;
 use crate::picture::Figure;
 use crate::plan::Plan;
 use crate::reference::References;
@@ -67,7 +67,7 @@ where
     let references = References::shipped().map_err(BenchError::Arguments)?;
     let peers = match &arguments.peers {
         Some(path) => peers::read(path).map_err(BenchError::Peers)?,
-        None => Peers::default(),
+        None => peers::shipped().map_err(BenchError::Peers)?,
     };
     std::fs::create_dir_all(&arguments.out).map_err(BenchError::unwritable(&arguments.out))?;
     let started = Instant::now();

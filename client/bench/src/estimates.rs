@@ -56,7 +56,13 @@ fn points(curve: &[&Row], value: impl Fn(&Row) -> Option<f64>) -> Vec<Point> {
     good.filter_map(|row| {
         let (y, name) = (Some(value(row)?), row.case.level.to_string());
         let (x, state) = (row.unknowns(), State::Good);
-        Some(Point { x, y, state, name })
+        Some(Point {
+            x,
+            y,
+            state,
+            name,
+            spread: None,
+        })
     })
     .collect()
 }

@@ -117,7 +117,7 @@ pub(crate) const FAMILIES: &[Family] = &[
     ),
     Family::new(
         "cube-drag",
-        include_str!("../../examples/cube-drag.toml"),
+        include_str!("../examples/cube-drag.toml"),
         CUBE,
         "A compressible cube (Poisson ratio 0.3), held below; a rough plate (Coulomb friction, \
          coefficient 0.3) presses it and drags it until a third of the contact slips. All of its \
@@ -128,7 +128,7 @@ pub(crate) const FAMILIES: &[Family] = &[
     .by(SPACES),
     Family::new(
         "hertz-press",
-        include_str!("../../examples/hertz-plane.toml"),
+        include_str!("../examples/hertz-plane.toml"),
         Gmsh("hemi"),
         "A rough plane (Coulomb friction, coefficient 0.3) pressed in four increments against \
          a compressible half ball (Poisson ratio 0.3; a quarter is solved): the middle of the \

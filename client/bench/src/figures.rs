@@ -38,11 +38,12 @@ impl Results {
 
     fn figures(&self, family: &'static Family) -> Vec<Figure> {
         let mut diagrams = Vec::new();
-        for cost in [TIME, MEMORY] {
-            for quantity in family.quantities {
-                let name = format!("{}-{}-{}", family.name, quantity.name(), cost.name);
-                diagrams.push((name, self.error_against(family, *quantity, &cost)));
-            }
+        let times = family.quantities.iter().map(|quantity| (*quantity, TIME));
+        // Memory is that of the mesh, whatever is read off the solution.
+        let memory = family.quantities.iter().take(1);
+        for (quantity, cost) in times.chain(memory.map(|quantity| (*quantity, MEMORY))) {
+            let name = format!("{}-{}-{}", family.name, quantity.name(), cost.name);
+            diagrams.push((name, self.error_against(family, quantity, &cost)));
         }
         diagrams.push((
             format!("{}-time-unknowns", family.name),
@@ -114,7 +115,15 @@ impl Results {
             let y = row.error(quantity);
             let state = state(row, y.is_some_and(|error| error < uncertainty));
             let (x, name) = ((cost.of)(row)?, row.case.level.to_string());
-            (y.is_some() || state == State::Failed).then_some(Point { x, y, state, name })
+            let spread = (cost.spread)(row);
+            let point = Point {
+                x,
+                y,
+                state,
+                name,
+                spread,
+            };
+            (y.is_some() || state == State::Failed).then_some(point)
         };
         let peer_point = |peer: &Peer| {
             let y = peer.error(quantity, &self.references);
@@ -148,7 +157,13 @@ impl Results {
         let point = |row: &Row| {
             let (state, name) = (state(row, false), row.case.level.to_string());
             let (x, y) = ((SIZE.of)(row)?, Some(row.numbers.seconds));
-            Some(Point { x, y, state, name })
+            Some(Point {
+                x,
+                y,
+                state,
+                name,
+                spread: None,
+            })
         };
         let peer_point = |peer: &Peer| point_of_peer(peer, peer.unknowns?, Some(peer.seconds), 0.0);
         Diagram {
@@ -165,7 +180,13 @@ impl Results {
         let point = |row: &Row| {
             let (state, name) = (state(row, false), row.case.level.to_string());
             let (x, y) = ((SIZE.of)(row)?, Some(row.numbers.iterations as f64));
-            Some(Point { x, y, state, name })
+            Some(Point {
+                x,
+                y,
+                state,
+                name,
+                spread: None,
+            })
         };
         let peer_point =
             |peer: &Peer| point_of_peer(peer, peer.unknowns?, Some(peer.iterations?), 0.0);
@@ -240,7 +261,13 @@ fn point_of_peer(peer: &Peer, x: f64, y: Option<f64>, uncertainty: f64) -> Optio
         (None, _) => State::Good,
     };
     let name = peer.level.to_string();
-    (y.is_some() || state == State::Failed).then_some(Point { x, y, state, name })
+    (y.is_some() || state == State::Failed).then_some(Point {
+        x,
+        y,
+        state,
+        name,
+        spread: None,
+    })
 }
 
 fn bar(row: &Row) -> Bar {

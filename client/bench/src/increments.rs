@@ -53,6 +53,7 @@ fn points(curve: &[&Row], count: Count) -> Vec<Point> {
             y: Some(y),
             state,
             name,
+            spread: None,
         })
     })
     .collect()

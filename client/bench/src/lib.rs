@@ -11,7 +11,7 @@
 //! `study_figures` and answered by the table that `answer` takes from the rows. One of
 //! them, `extremes`, has rows of its own: cases whose result is known without the solver.
 //! `versus` sets other solvers beside ours, `seed` the experiments that the method
-//! comes from.
+//! comes from; `summary` says in three sentences what follows.
 //!
 //! Runs go in rounds, every case once a round, so that the noise of a shared
 //! machine spreads over all cases and a budget that ends leaves fewer repeats,
@@ -53,6 +53,7 @@ mod outcome;
 mod page;
 mod peers;
 mod picture;
+mod pictures;
 mod plan;
 mod reference;
 mod results;
@@ -65,6 +66,7 @@ mod shaped;
 mod strand;
 mod study;
 mod study_figures;
+mod summary;
 mod table;
 mod text;
 mod versus;

@@ -7,15 +7,12 @@ pub(crate) struct Machine {
     pub(crate) processor: String,
     /// Cores that this process may use; the solver takes a thread for each.
     pub(crate) cores: usize,
-    /// Commit when it was known to the build, else the version.
+    /// Version and commit.
     pub(crate) build: String,
 }
 
 impl Machine {
-    /// The one this process runs on.
-    ///
-    /// `SIGNORINI_COMMIT`, set while the program is built or run (for example to
-    /// `git rev-parse --short HEAD`), names the commit.
+    /// The one this process runs on; `build.rs` names the commit.
     pub(crate) fn here() -> Self {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         Self {
@@ -42,11 +39,7 @@ impl Machine {
 
 fn build() -> String {
     let version = env!("CARGO_PKG_VERSION");
-    let built = option_env!("SIGNORINI_COMMIT").map(str::to_owned);
-    match built.or_else(|| std::env::var("SIGNORINI_COMMIT").ok()) {
-        Some(commit) if !commit.is_empty() => format!("signorini {version}, commit {commit}"),
-        _ => format!("signorini {version}, commit not recorded"),
-    }
+    format!("signorini {version}, commit {}", env!("SIGNORINI_COMMIT"))
 }
 
 fn processor() -> Option<String> {

@@ -10,7 +10,7 @@ use crate::row::Row;
 use crate::study::Measure;
 use crate::study_figures::Inquiry;
 use crate::table::{Column, Table};
-use crate::{seed, versus};
+use crate::{pictures, seed, summary, versus};
 
 /// A case without a row, and why.
 pub(crate) type LeftOut = (String, String);
@@ -31,19 +31,27 @@ dd { margin: 0 0 .4em 1em; }
 .figures { display: flex; flex-wrap: wrap; gap: 12px; }
 figure { margin: 0; flex: 1 1 min(460px, 100%); max-width: 652px; }
 figure svg { width: 100%; height: auto; display: block; border: 1px solid #9999; border-radius: 4px; }
+.about { display: flex; gap: 16px; align-items: center; }
+.about p { flex: 1 1 auto; }
+.scene { flex: 0 0 auto; width: min(200px, 40%); height: auto; background: #fff; border-radius: 4px; }
+ul.summary { max-width: 46em; padding-left: 1.2em; }
+ul.summary li { margin-bottom: .4em; }
+summary { font-weight: bold; cursor: pointer; }
 .table { overflow-x: auto; margin-bottom: 12px; }
 table { border-collapse: collapse; font-size: 14px; font-variant-numeric: tabular-nums; }
 th, td { padding: 3px 10px; text-align: right; border-bottom: 1px solid #9996; white-space: nowrap; }
 th.text, td.text { text-align: left; }
 td.long { white-space: normal; min-width: 12em; }
 ul.contents { columns: 20em; padding-left: 1.2em; }
+@media (prefers-color-scheme: dark) { figure svg [fill='#ffffff'] { fill: #161616; } figure svg [fill='#222222'] { fill: #e6e6e6; } figure svg [fill='#666666'] { fill: #aaaaaa; } figure svg [stroke='#666666'] { stroke: #999999; } figure svg [fill='#dddddd'] { fill: #3a3a3a; } figure svg [stroke='#dddddd'] { stroke: #3a3a3a; } figure svg :is(path, polyline) { filter: brightness(1.5); } }
 @media print { body { max-width: none; font-size: 10pt; } .figures { display: block; } figure { break-inside: avoid; display: inline-block; width: 48%; margin-bottom: 8px; } h2 { break-after: avoid; } .table { overflow: visible; } table { font-size: 7pt; } }
 </style>
 </head>
 <body>
 "#;
 
-const TERMS: &str = "<h2>How to read the figures</h2>
+const TERMS: &str = "<details>
+<summary>How to read the figures</summary>
 <dl>
 <dt>Better is to the left and below</dt>
 <dd>Each curve runs over meshes, from coarse to fine; each point is one scene on one mesh. Names such as n16 stand for 16 cells an edge, l3 for the third of the Gmsh meshes.</dd>
@@ -64,6 +72,7 @@ const TERMS: &str = "<h2>How to read the figures</h2>
 <dt>Crosses</dt>
 <dd>Failures, at the time they took; at the upper edge where there is no result at all.</dd>
 </dl>
+</details>
 ";
 
 /// What the page shows beside the rows.
@@ -97,13 +106,19 @@ pub(crate) fn html(results: &Results, report: &Report) -> String {
         escaped(&machine),
         report.minutes
     ));
+    page.push_str(&summary::html(results, &report.chapters));
     page.push_str(&contents(results, report));
     if !results.rows.is_empty() {
         page.push_str(TERMS);
     }
     for Chapter { family, figures } in &report.chapters {
-        let table = versus::table(results, family);
-        page.push_str(&section(family.name, family.about, &table, figures));
+        page.push_str(&heading(family.name));
+        page.push_str(&format!(
+            "<div class=\"about\">{}<p>{}</p></div>\n",
+            pictures::html(family.name),
+            escaped(family.about)
+        ));
+        page.push_str(&body(&versus::table(results, family), figures));
     }
     for one in &report.inquiries {
         let about = format!("{} {}", one.study.about, one.remark);
@@ -166,9 +181,12 @@ fn heading(title: &str) -> String {
 
 /// A title, what it is about, what follows from the rows, and the figures.
 fn section(title: &str, about: &str, table: &Table, figures: &[Figure]) -> String {
-    let mut text = heading(title);
-    text.push_str(&format!("<p>{}</p>\n", escaped(about)));
-    text.push_str(&table.html());
+    let about = format!("<p>{}</p>\n", escaped(about));
+    heading(title) + &about + &body(table, figures)
+}
+
+fn body(table: &Table, figures: &[Figure]) -> String {
+    let mut text = table.html();
     text.push_str("<div class=\"figures\">\n");
     for Figure { name, svg } in figures {
         text.push_str(&format!(
@@ -240,6 +258,7 @@ fn numbers(rows: &[Row]) -> String {
         Column::Number("iterations"),
         Column::Number("seconds, median"),
         Column::Number("least"),
+        Column::Number("most"),
         Column::Number("runs"),
         Column::Number("peak MB"),
         Column::Long("relative errors"),
@@ -247,7 +266,7 @@ fn numbers(rows: &[Row]) -> String {
     heading(NUMBERS) + &Table::new(columns).with(rows.iter().map(number_row)).html()
 }
 
-fn number_row(row: &Row) -> [String; 11] {
+fn number_row(row: &Row) -> [String; 12] {
     let memory = row.peak_memory_mb();
     let error =
         |error: &(Quantity, f64)| format!("{} {:.2e}", error.0.name().replace('_', " "), error.1);
@@ -261,6 +280,7 @@ fn number_row(row: &Row) -> [String; 11] {
         row.numbers.iterations.to_string(),
         format!("{:.3}", row.numbers.seconds),
         format!("{:.3}", row.least_seconds),
+        format!("{:.3}", row.most_seconds),
         row.repeats.to_string(),
         memory.map_or_else(|| "–".to_owned(), |memory| format!("{memory:.0}")),
         errors.join(", "),

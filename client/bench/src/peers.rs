@@ -1,4 +1,4 @@
-//! Figures of other solvers, from a CSV file.
+//! Figures of other solvers, from a CSV file: the one that the program carries, or another.
 //!
 //! Columns, by name: `scene`, `level`, `solver`, `seconds`, `unknowns` (of failures it may
 //! be empty) and, each may be empty or left out, `failure` (what went wrong, after
@@ -12,6 +12,8 @@ use std::path::Path;
 use crate::commented::reader;
 use crate::family::{Level, Quantity};
 use crate::reference::References;
+
+const SHIPPED: &str = include_str!("../peers.csv");
 
 /// One run of another solver.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,10 +65,22 @@ impl Peer {
 pub(crate) fn read(path: &Path) -> Result<Peers, String> {
     let about = |message: String| format!("{}: {message}", path.display());
     let text = std::fs::read_to_string(path).map_err(|error| about(error.to_string()))?;
+    with_comments(&text).map_err(about)
+}
+
+/// The peers that the program carries.
+///
+/// # Errors
+/// A line that cannot be read, which a test excludes.
+pub(crate) fn shipped() -> Result<Peers, String> {
+    with_comments(SHIPPED)
+}
+
+fn with_comments(text: &str) -> Result<Peers, String> {
     let comments = text.lines().filter_map(|line| line.strip_prefix('#'));
     Ok(Peers {
         about: comments.map(|line| line.trim_end().to_owned()).collect(),
-        rows: parse(&text).map_err(about)?,
+        rows: parse(text)?,
     })
 }
 
@@ -215,11 +229,7 @@ mod tests {
 
     #[test]
     fn the_shipped_peers_can_be_read() {
-        let path = concat!(
-            env!("CARGO_MANIFEST_DIR"),
-            "/../../tests/benches/peers/peers.csv"
-        );
-        let peers = read(Path::new(path)).unwrap();
+        let peers = shipped().unwrap();
         assert!(peers.rows.iter().any(|peer| peer.scene == "hertz-plane"));
         let about = peers.about.join(" ");
         assert!(

@@ -94,7 +94,7 @@ impl Results {
         };
         lines.push(format!("{machine}; {runs}."));
         if !peers.is_empty() {
-            lines.push("Dashed: other solvers, from the file of --peers.".to_owned());
+            lines.push("Dashed: other solvers, measured elsewhere and before.".to_owned());
         }
         lines
     }

@@ -18,6 +18,8 @@ pub(crate) struct Row {
     pub(crate) repeats: usize,
     /// Of the fastest run.
     pub(crate) least_seconds: f64,
+    /// Of the slowest run.
+    pub(crate) most_seconds: f64,
     /// Relative.
     pub(crate) errors: Vec<(Quantity, f64)>,
 }
@@ -30,6 +32,7 @@ impl Row {
         let seconds = |run: &Run| run.numbers.seconds;
         runs.sort_by(|a, b| seconds(a).total_cmp(&seconds(b)));
         let least_seconds = seconds(runs.first()?);
+        let most_seconds = seconds(runs.last()?);
         // A failure is what a case is told by, however often it went well.
         let failure = runs
             .iter()
@@ -45,6 +48,7 @@ impl Row {
             numbers: run.numbers,
             repeats,
             least_seconds,
+            most_seconds,
             case,
         })
     }
@@ -102,6 +106,7 @@ fn titles() -> Vec<String> {
         "repeats",
         "seconds_median",
         "seconds_least",
+        "seconds_most",
         "seconds_error_norms",
     ]
     .map(str::to_owned)
@@ -134,7 +139,10 @@ fn fields(row: &Row, machine: &Machine) -> Vec<String> {
     ];
     fields.extend(counts.map(|count| count.to_string()));
     fields.push(row.repeats.to_string());
-    fields.extend([numbers.seconds, row.least_seconds].map(|seconds| format!("{seconds:.6}")));
+    fields.extend(
+        [numbers.seconds, row.least_seconds, row.most_seconds]
+            .map(|seconds| format!("{seconds:.6}")),
+    );
     fields.push(format!("{:.6}", numbers.error_norm_seconds));
     fields.extend(numbers.phases.map(|seconds| format!("{seconds:.6}")));
     fields.push(
@@ -214,8 +222,8 @@ pub(crate) mod tests {
         let runs = [3.0, 1.0, 2.0].map(|seconds| run(seconds, Outcome::Converged, 0.07));
         let row = row(runs.to_vec()).unwrap();
         assert_eq!(
-            (row.numbers.seconds, row.least_seconds, row.repeats),
-            (2.0, 1.0, 3)
+            (row.least_seconds, row.numbers.seconds, row.most_seconds),
+            (1.0, 2.0, 3.0)
         );
         assert!(row.error(Quantity::Force).unwrap() < 0.03);
         assert_eq!(row.error(Quantity::StrainEnergy), None);

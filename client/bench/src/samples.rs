@@ -33,6 +33,7 @@ pub(crate) fn row(scene: &str, level: &str, keys: &str, seconds: f64) -> Row {
         numbers,
         repeats: 1,
         least_seconds: seconds,
+        most_seconds: seconds,
         errors: Vec::new(),
     }
 }

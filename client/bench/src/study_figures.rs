@@ -105,7 +105,13 @@ fn curves(strands: &[Strand<'_>], point: impl Fn(&Row) -> Option<Point>) -> Vec<
 fn at(row: &Row, across: &Axis, y: f64) -> Option<Point> {
     let (state, name) = (state(row, false), row.case.level.to_string());
     let (x, y) = ((across.of)(row)?, row.converged().then_some(y));
-    Some(Point { x, y, state, name })
+    Some(Point {
+        x,
+        y,
+        state,
+        name,
+        spread: None,
+    })
 }
 
 /// Applications and seconds over unknowns.

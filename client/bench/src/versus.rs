@@ -11,10 +11,6 @@ use crate::text::{NOTHING, in_seconds, times, told};
 /// All meshes of a family that both took, at the tightest of our tolerances; errors are
 /// those of the family's first figure.
 pub(crate) fn table(results: &Results, family: &Family) -> Table {
-    let peers = results.peers.rows.iter();
-    let peers = peers.filter(|peer| peer.scene == family.name);
-    let mut peers: Vec<&Peer> = peers.collect();
-    peers.sort_by_key(|peer| peer.level);
     let columns = [
         Column::Group("mesh"),
         Column::Text("other solver"),
@@ -24,11 +20,19 @@ pub(crate) fn table(results: &Results, family: &Family) -> Table {
         Column::Number("its error"),
         Column::Number("Signorini's error"),
     ];
-    let duels = peers.into_iter().filter_map(|peer| {
-        let ours = tightest(results, family, peer.level)?;
-        Some(duel(results, family.quantities.first(), peer, ours))
-    });
-    Table::new(columns).with(duels)
+    let duels = duels(results, family).into_iter();
+    let lines = duels.map(|(peer, ours)| duel(results, family.quantities.first(), peer, ours));
+    Table::new(columns).with(lines)
+}
+
+/// Runs of others on meshes that ours took too, coarse meshes first.
+pub(crate) fn duels<'a>(results: &'a Results, family: &Family) -> Vec<(&'a Peer, &'a Row)> {
+    let peers = results.peers.rows.iter();
+    let peers = peers.filter(|peer| peer.scene == family.name);
+    let duels = peers.filter_map(|peer| Some((peer, tightest(results, family, peer.level)?)));
+    let mut duels: Vec<_> = duels.collect();
+    duels.sort_by_key(|(peer, _)| peer.level);
+    duels
 }
 
 fn duel(results: &Results, quantity: Option<&Quantity>, peer: &Peer, ours: &Row) -> [String; 7] {
@@ -55,7 +59,7 @@ fn duel(results: &Results, quantity: Option<&Quantity>, peer: &Peer, ours: &Row)
 }
 
 /// The row of the default method at the tightest tolerance.
-fn tightest<'a>(results: &'a Results, family: &Family, level: Level) -> Option<&'a Row> {
+pub(crate) fn tightest<'a>(results: &'a Results, family: &Family, level: Level) -> Option<&'a Row> {
     let rows = results.rows.iter().filter(|row| {
         let case = &row.case;
         row.converged()

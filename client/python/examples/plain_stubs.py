@@ -182,7 +182,9 @@ def main():
     parser.add_argument("--server", default="127.0.0.1:50051")
     parser.add_argument("--mesh", default=HERE.parents[1] / "examples" / "meshes" / "indent_l3.msh")
     arguments = parser.parse_args()
-    with grpc.insecure_channel(arguments.server) as channel:
+    # The path of a Unix socket, which gRPC takes as the name of the host, is no name to the server.
+    options = [("grpc.default_authority", "localhost")] if arguments.server.startswith("unix:") else None
+    with grpc.insecure_channel(arguments.server, options=options) as channel:
         sessions = session_grpc.SessionServiceStub(channel)
         mesh_name = upload(channel, Mesh(arguments.mesh))
         request = session_pb.CreateSessionRequest(scene=scene(mesh_name))

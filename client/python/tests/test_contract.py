@@ -23,7 +23,7 @@ CLASSES = [
     (s.Sphere, scene_pb2.Sphere, {"inside"}, set()),
     (s.Cylinder, scene_pb2.Cylinder, {"inside"}, set()),
     (s.CappedCylinder, scene_pb2.CappedCylinder, {"inside", "start", "end"}, {"from", "to"}),
-    (s.Box, scene_pb2.Box, {"inside"}, set()),
+    (s.Box, scene_pb2.BoxShape, {"inside"}, set()),
     (s.Torus, scene_pb2.Torus, {"inside"}, set()),
     (s.Cone, scene_pb2.Cone, {"inside"}, set()),
     (s.Support, scene_pb2.Support, set(), set()),

@@ -69,8 +69,12 @@ fn line(mesh: &v1::StoredMesh) -> String {
         .iter()
         .map(|group| group.name.as_str())
         .collect();
+    let curved = match mesh.curved_edge_count {
+        0 => String::new(),
+        count => format!("{count} curved edges, "),
+    };
     format!(
-        "{}  {} vertices, {} cells, {} facets, {}, groups {}",
+        "{}  {} vertices, {} cells, {} facets, {curved}{}, groups {}",
         mesh.digest,
         mesh.vertex_count,
         mesh.cell_count,
@@ -91,6 +95,7 @@ fn object(mesh: &v1::StoredMesh) -> Value {
         "vertices": mesh.vertex_count,
         "cells": mesh.cell_count,
         "facets": mesh.facet_count,
+        "curved_edges": mesh.curved_edge_count,
         "groups": groups,
         "memory_bytes": mesh.memory_bytes,
         "sessions": mesh.session_count,

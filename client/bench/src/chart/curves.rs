@@ -24,6 +24,8 @@ pub(crate) struct Point {
     pub(crate) state: State,
     /// Such as `n16`.
     pub(crate) name: String,
+    /// Least and greatest `x` of the runs that the point stands for.
+    pub(crate) spread: Option<(f64, f64)>,
 }
 
 /// How a line is drawn.
@@ -88,9 +90,13 @@ impl Diagram {
 
     fn frame(&self) -> Frame {
         let points = || self.curves.iter().flat_map(|curve| &curve.points);
+        let across = points().flat_map(|point| {
+            let (least, most) = point.spread.unwrap_or((point.x, point.x));
+            [point.x, least, most]
+        });
         let level = self.level.iter().map(|level| level.value);
         let up = points().filter_map(|point| point.y).chain(level);
-        Frame::new((self.x.0, self.y.0), points().map(|point| point.x), up)
+        Frame::new((self.x.0, self.y.0), across, up)
     }
 
     fn draw_level(&self, svg: &mut Svg, frame: &Frame) {
@@ -239,6 +245,7 @@ impl Names {
 fn draw_points(svg: &mut Svg, frame: &Frame, index: usize, curve: &Curve, names: &mut Names) {
     for point in &curve.points {
         let state = point.state;
+        draw_spread(svg, frame, index, point);
         let note = format!("{}, {}", curve.label, point.name);
         marker(svg, place(frame, point), Sign { index, state }, &note);
         // One curve names its meshes; more names would cover each other.
@@ -249,6 +256,25 @@ fn draw_points(svg: &mut Svg, frame: &Frame, index: usize, curve: &Curve, names:
             }
         } else if index == 0 && names.take(place(frame, point), &point.name) {
             draw_name(svg, place(frame, point), slope(curve), &point.name);
+        }
+    }
+}
+
+/// A bar over the runs of a point, where it is longer than its sign.
+fn draw_spread(svg: &mut Svg, frame: &Frame, index: usize, point: &Point) {
+    let Some((least, most)) = point.spread else {
+        return;
+    };
+    let (left, right, y) = (
+        frame.across(least),
+        frame.across(most),
+        place(frame, point).1,
+    );
+    if right - left > 2.0 {
+        let style = format!("stroke=\"{}\" stroke-width=\"1.2\"", colour(index));
+        svg.line((left, y), (right, y), &style);
+        for end in [left, right] {
+            svg.line((end, y - 3.5), (end, y + 3.5), &style);
         }
     }
 }
@@ -326,6 +352,7 @@ mod tests {
             y,
             state,
             name: "n6".to_owned(),
+            spread: None,
         }
     }
 
@@ -363,6 +390,16 @@ mod tests {
             .unwrap();
         assert_eq!(line.matches(',').count(), 2, "{line}");
         assert!(svg.contains(">failure</text>"));
+    }
+
+    #[test]
+    fn the_spread_of_the_runs_is_a_bar_that_fits_the_frame() {
+        let mut good = point(1.0, Some(1e-2), State::Good);
+        let narrow = diagram(vec![good.clone()]).svg();
+        good.spread = Some((0.5, 2.0));
+        let wide = diagram(vec![good]).svg();
+        let lines = |svg: &str| svg.matches("stroke-width=\"1.2\"").count();
+        assert_eq!((lines(&narrow), lines(&wide)), (0, 3));
     }
 
     #[test]

@@ -27,7 +27,9 @@ mod cards;
 mod deck;
 mod element;
 mod error;
+mod fields;
 mod gather;
+mod reader;
 mod sets;
 
 #[cfg(test)]
@@ -42,7 +44,7 @@ pub use error::{InpError, InpFault};
 /// # Errors
 /// The first fault found, with its keyword and line, or with the number of its element.
 pub fn read(bytes: &[u8]) -> Result<MeshFile, InpError> {
-    let deck = deck::deck(bytes)?;
+    let deck = reader::deck(bytes)?;
     // Real files name an element in a handful of sets.
     build::mesh(deck, 4 * bytes.len())
 }

@@ -1,0 +1,64 @@
+//! Single fields of data lines: whole numbers, coordinates, faces.
+
+use super::cards::{Data, Keyword, excerpt};
+use super::error::{InpError, InpFault};
+use super::sets::Run;
+
+/// The fault of a keyword that names another file.
+pub(super) fn include(keyword: &Keyword) -> InpError {
+    let file = keyword.value("INPUT").unwrap_or_default().to_owned();
+    keyword.error(InpFault::Include(file))
+}
+
+fn unexpected(keyword: &Keyword, line: usize, expected: &'static str, field: &[u8]) -> InpError {
+    let found = excerpt(field);
+    keyword.error_at(line, InpFault::Unexpected { expected, found })
+}
+
+/// A whole number; `expected` says of what.
+pub(super) fn natural(
+    keyword: &Keyword,
+    line: usize,
+    field: &[u8],
+    expected: &'static str,
+) -> Result<u64, InpError> {
+    let number = std::str::from_utf8(field)
+        .ok()
+        .and_then(|field| field.parse().ok());
+    number.ok_or_else(|| unexpected(keyword, line, expected, field))
+}
+
+/// A number, with the exponents of Fortran too; nothing is zero.
+pub(super) fn real(keyword: &Keyword, line: usize, field: &[u8]) -> Result<f64, InpError> {
+    if field.is_empty() {
+        return Ok(0.0);
+    }
+    let wrong = || unexpected(keyword, line, "a coordinate", field);
+    let field = std::str::from_utf8(field).map_err(|_| wrong())?;
+    let parsed = field
+        .parse()
+        .or_else(|_| field.replace(['d', 'D'], "e").parse());
+    parsed.map_err(|_| wrong())
+}
+
+/// First, last and step of a line of `GENERATE`.
+pub(super) fn run(keyword: &Keyword, data: &Data<'_>) -> Result<Run, InpError> {
+    let number = |at: usize| {
+        let field = data.fields.get(at).copied().unwrap_or_default();
+        natural(keyword, data.line, field, "a number of the set")
+    };
+    let (first, last) = (number(0)?, number(1)?);
+    let step = match data.fields.len() {
+        0..=2 => 1,
+        _ => number(2)?.max(1),
+    };
+    Ok(Run { first, last, step })
+}
+
+/// The number of a face by its name.
+pub(super) fn face_number(keyword: &Keyword, line: usize, name: &str) -> Result<usize, InpError> {
+    let number = name
+        .strip_prefix('S')
+        .and_then(|number| number.parse().ok());
+    number.ok_or_else(|| unexpected(keyword, line, "a face (S1 to S4)", name.as_bytes()))
+}
