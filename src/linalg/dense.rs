@@ -119,6 +119,54 @@ impl DenseMatrix {
         product
     }
 
+    /// The same for a `right` with about as many columns as rows, zero above a staircase:
+    /// what it leaves zero is not computed. Cost: two ninths of the above.
+    pub fn inverse_of_product_below(&self, mut right: Self) -> Self {
+        /// Columns that are worked on together.
+        const PANEL: usize = 64;
+        let (rows, size) = (self.rows, right.columns);
+        let starts: Vec<usize> = (0..size).step_by(PANEL).collect();
+        let tops: Vec<usize> = starts
+            .iter()
+            .map(|&start| {
+                let panel = start..(start + PANEL).min(size);
+                let top = |column: usize| right.column(column).iter().position(|&v| v != 0.0);
+                panel.map(|j| top(j).unwrap_or(rows)).min().unwrap_or(rows)
+            })
+            .collect();
+        for (&start, &top) in starts.iter().zip(&tops) {
+            let width = PANEL.min(size - start);
+            let panel = &mut right.values[start * rows..(start + width) * rows];
+            let panel = MatMut::from_column_major_slice_mut(panel, rows, width);
+            faer::linalg::triangular_solve::solve_lower_triangular_in_place(
+                self.view().submatrix(top, top, rows - top, rows - top),
+                panel.subrows_mut(top, rows - top),
+                faer::Par::Seq,
+            );
+        }
+        let mut product = Self::zeros(size, size);
+        for (at, &start) in starts.iter().enumerate() {
+            let width = PANEL.min(size - start);
+            for (&below, &top) in starts[at..].iter().zip(&tops[at..]) {
+                let top = top.max(tops[at]);
+                let height = PANEL.min(size - below);
+                let part = |first, count| right.view().submatrix(top, first, rows - top, count);
+                let target = &mut product.values[start * size..(start + width) * size];
+                let target = MatMut::from_column_major_slice_mut(target, size, width);
+                faer::linalg::matmul::matmul(
+                    target.subrows_mut(below, height),
+                    faer::Accum::Replace,
+                    part(below, height).transpose(),
+                    part(start, width),
+                    1.0,
+                    faer::Par::Seq,
+                );
+            }
+        }
+        product.mirror();
+        product
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
         8 * self.values.len() as u64
