@@ -28,8 +28,11 @@ pub(super) type LastFactor = RefCell<Option<Known>>;
 
 /// A factor with the face that it belongs to.
 pub(super) struct Known {
+    /// Unknowns of the face, ascending.
     selected: Vec<usize>,
+    /// Its points that slip.
     slides: Vec<Slide>,
+    /// The factor on them.
     factor: Arc<FaceFactor>,
 }
 
