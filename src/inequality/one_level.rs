@@ -36,6 +36,7 @@ use super::metric::nearest;
 use super::qp::{BlockIterate, QpIterate, QpOutcome, QpProblem, QpRun, QpScales, QpStatus};
 use crate::krylov::Outcome;
 use crate::linalg::vector::largest;
+use face_metric::LastFactor;
 use history::{By, Friction, History};
 use monitor::Review;
 
@@ -119,9 +120,10 @@ impl<'a> OneLevel<'a> {
             rule: self.rule,
             largest: largest_scales(&blocks, run),
             blocks,
+            last: LastFactor::default(),
         };
         let iterations = run.iterations;
-        let face = faces.run_face(iterate, run, Review::AtTheEnd, iterations);
+        let face = faces.run_face(iterate, run, (Review::AtTheEnd, REVIEW), iterations);
         face.map_or_else(Some, |face| face.failed)
     }
 }
@@ -135,6 +137,7 @@ impl InequalitySolver for OneLevel<'_> {
                 rule: self.rule,
                 largest: largest_scales(&blocks, run),
                 blocks,
+                last: LastFactor::default(),
             };
             faces.solve(iterate, run, &mut outcome)
         });
@@ -165,6 +168,8 @@ struct Faces<'c, 'a> {
     largest: QpScales,
     /// Equalities and contact of the problem, told apart.
     blocks: Blocks<'a>,
+    /// The factor of the last face where points slip.
+    last: LastFactor,
 }
 
 impl Faces<'_, '_> {
@@ -190,6 +195,7 @@ impl Faces<'_, '_> {
                 true => Review::AtTheEnd,
             },
             one_by_one: false,
+            reduction: REVIEW,
             friction: self.is_rough().then(Friction::new),
         };
         // Kept directions carry the products of the body alone; those of contact on this
@@ -217,7 +223,7 @@ impl Faces<'_, '_> {
         let left = run.iterations - outcome.iterations;
         let level = run.targets.level;
         run.targets.level *= history.sharpness();
-        let face = self.run_face(iterate, run, history.review, left);
+        let face = self.run_face(iterate, run, (history.review, history.reduction), left);
         run.targets.level = level;
         let face = match face {
             Ok(face) => face,
@@ -259,6 +265,8 @@ impl Faces<'_, '_> {
         if next.status != self.blocks.contact_of(iterate).status {
             outcome.set_changes += 1;
             history.enter(&next, &face)?;
+        } else {
+            history.turn();
         }
         self.move_to(iterate, next, run);
         ControlFlow::Continue(())

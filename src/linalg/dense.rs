@@ -13,6 +13,13 @@ pub struct DenseMatrix {
     values: Vec<f64>,
 }
 
+/// Columns of a matrix that are worked on together.
+struct Panel {
+    columns: std::ops::Range<usize>,
+    /// Row above which they are zero.
+    top: usize,
+}
+
 impl DenseMatrix {
     /// A zero matrix.
     pub fn zeros(rows: usize, columns: usize) -> Self {
@@ -119,6 +126,71 @@ impl DenseMatrix {
         product
     }
 
+    /// The same for a `right` with about as many columns as rows, zero above a staircase:
+    /// what it leaves zero is not computed. Cost: two ninths of the above.
+    pub fn inverse_of_product_below(&self, mut right: Self) -> Self {
+        let panels = right.panels();
+        for panel in &panels {
+            let top = panel.top;
+            let columns = &mut right.values[panel.columns.start * self.rows..];
+            let columns = &mut columns[..panel.columns.len() * self.rows];
+            let columns =
+                MatMut::from_column_major_slice_mut(columns, self.rows, panel.columns.len());
+            faer::linalg::triangular_solve::solve_lower_triangular_in_place(
+                self.view()
+                    .submatrix(top, top, self.rows - top, self.rows - top),
+                columns.subrows_mut(top, self.rows - top),
+                faer::Par::Seq,
+            );
+        }
+        right.product_below(&panels)
+    }
+
+    /// Columns in groups, with the row above which they are zero.
+    fn panels(&self) -> Vec<Panel> {
+        /// Columns that are worked on together.
+        const WIDTH: usize = 64;
+        let top = |column: usize| {
+            let entries = self.column(column).iter();
+            entries.take_while(|&&value| value == 0.0).count()
+        };
+        let panel = |start: usize| {
+            let columns = start..(start + WIDTH).min(self.columns);
+            let top = columns.clone().map(top).min().unwrap_or(self.rows);
+            Panel { columns, top }
+        };
+        (0..self.columns).step_by(WIDTH).map(panel).collect()
+    }
+
+    /// `A^T A`, without the rows above which its panels are zero.
+    fn product_below(&self, panels: &[Panel]) -> Self {
+        let size = self.columns;
+        let mut product = Self::zeros(size, size);
+        for (at, panel) in panels.iter().enumerate() {
+            let width = panel.columns.len();
+            let columns = &mut product.values[panel.columns.start * size..];
+            let columns = &mut columns[..width * size];
+            for below in &panels[at..] {
+                let top = below.top.max(panel.top);
+                let part = |panel: &Panel| {
+                    let (start, width) = (panel.columns.start, panel.columns.len());
+                    self.view().submatrix(top, start, self.rows - top, width)
+                };
+                let target = MatMut::from_column_major_slice_mut(columns, size, width);
+                faer::linalg::matmul::matmul(
+                    target.subrows_mut(below.columns.start, below.columns.len()),
+                    faer::Accum::Replace,
+                    part(below).transpose(),
+                    part(panel),
+                    1.0,
+                    faer::Par::Seq,
+                );
+            }
+        }
+        product.mirror();
+        product
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
         8 * self.values.len() as u64
@@ -221,6 +293,28 @@ mod tests {
             }
         }
         matrix
+    }
+
+    #[test]
+    fn a_staircase_gives_the_same_inverse_as_all_rows() {
+        const SIZE: usize = 150;
+        let mut lower = DenseMatrix::zeros(SIZE, SIZE);
+        let mut right = DenseMatrix::zeros(SIZE, SIZE - 10);
+        for column in 0..SIZE {
+            for row in column..SIZE {
+                let value = ((row * 7 + column * 13) % 11) as f64 / 11.0 - 0.4;
+                *lower.at_mut(row, column) = if row == column { 4.0 } else { value / 20.0 };
+                if column < SIZE - 10 && row < column + 3 {
+                    *right.at_mut(row, column) = 1.0 + value;
+                }
+            }
+        }
+        let all = lower.inverse_of_product_on(right.clone());
+        let below = lower.inverse_of_product_below(right);
+        for column in 0..SIZE - 10 {
+            let pairs = all.column(column).iter().zip(below.column(column));
+            pairs.for_each(|(a, b)| assert!((a - b).abs() < 1e-14, "{a} {b}"));
+        }
     }
 
     #[test]

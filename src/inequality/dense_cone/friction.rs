@@ -15,9 +15,11 @@
 //! ```
 //!
 //! It starts from the present multipliers, then from all that is closed sticking. Usually 4 to
-//! 8 steps, each one LU factor of the closed part.
+//! 8 steps, each one LU factor of the closed part or, on many points, some Krylov iterations
+//! (`system`).
 
 mod slip;
+mod system;
 
 use slip::SlipRow;
 
@@ -35,6 +37,10 @@ const MOST_STEPS: u32 = 40;
 /// the square, is of rounding: a metric on a thousand points has no more digits, and what is
 /// sought is a face.
 const CLOSE: f64 = 1e-6;
+/// The same on many points, where a step costs more than what it could still turn.
+const CLOSE_ON_MANY: f64 = 1e-4;
+/// Unknowns up to which a factor costs less than iterations.
+const FEW: usize = 200;
 
 /// The cones of a product and the first of their multipliers; none where it has none.
 pub(crate) fn cones<'a>(set: &ProductSet<'a>) -> Option<(Cones<'a>, usize)> {
@@ -144,6 +150,14 @@ impl Side {
             Side::On => Status::Stick,
             Side::Slips(_) => Status::Slip,
         }
+    }
+}
+
+/// Change of the multipliers, over the largest, that ends Newton's method on such sides.
+fn close_for(sides: &[Side]) -> f64 {
+    match sides.iter().filter(|&&side| side != Side::Off).count() > FEW {
+        true => CLOSE_ON_MANY,
+        false => CLOSE,
     }
 }
 
@@ -265,7 +279,7 @@ impl<'p> Newton<'p> {
             let change = change.fold(0.0, f64::max);
             let is_same = last.as_ref() == Some(&sides);
             x = next;
-            if is_same && change <= CLOSE * largest(&x) {
+            if is_same && change <= close_for(&sides) * largest(&x) {
                 return Ok(Run::Solved(self.solution(x, &sides, steps)));
             }
             if !change.is_finite() {
@@ -333,8 +347,17 @@ impl<'p> Newton<'p> {
         let rows: Vec<SlipRow> = slips
             .map(|(_, point)| self.slip_row(point, &selected, at))
             .collect();
+        let metric = match selected.len() > FEW {
+            true => self.metric(&rows, (&selected, &matrix)),
+            false => None,
+        };
         self.place(&rows, (&mut matrix, &mut right));
-        DenseLu::new(&matrix)?.solve(&mut right);
+        let start: Vec<f64> = selected.iter().map(|&i| at.0[i]).collect();
+        let solved = metric.and_then(|metric| metric.solve(&matrix, &right, start));
+        match solved {
+            Some(solution) => right = solution,
+            None => DenseLu::new(&matrix)?.solve(&mut right),
+        }
         let mut x = vec![0.0; sides.len()];
         for (&index, value) in selected.iter().zip(right) {
             x[index] = value;

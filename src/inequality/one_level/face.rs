@@ -16,7 +16,7 @@
 use super::super::blocks::Blocks;
 use super::super::qp::{QpIterate, QpProblem, QpRun, QpStatus};
 use super::augmented::Augmented;
-use super::face_metric::FaceMetric;
+use super::face_metric::{FaceMetric, LastFactor};
 use super::monitor::{FaceMonitor, Review};
 use super::shared::shared_on_the_face;
 use super::slides::{Shape, add_along, expand, gather, unknowns};
@@ -158,6 +158,7 @@ impl<'a> Restricted<'a> {
         problem: &QpProblem<'a>,
         blocks: &Blocks<'a>,
         (status, face): (&'a [Status], &'a Shape<'a>),
+        last: &LastFactor,
     ) -> Result<Self, FactoriseError> {
         let contact = &blocks.contact;
         let terms = problem.augmentation;
@@ -171,7 +172,7 @@ impl<'a> Restricted<'a> {
             rows: on_face(contact.rows, false),
             columns: on_face(contact.columns, true),
             softness: softness(contact.moduli, face),
-            metric: FaceMetric::new(contact, face)?,
+            metric: FaceMetric::new(contact, face, last)?,
             shared: shared_on_the_face(contact, status),
             springs: sprung::on_the_face(problem.springs, contact.moduli, status),
             augmented: terms
@@ -225,7 +226,7 @@ impl Faces<'_, '_> {
         &self,
         iterate: &mut QpIterate,
         run: &mut QpRun<'_, '_>,
-        review: Review,
+        (review, reduction): (Review, f64),
         iterations: u32,
     ) -> Result<Face, QpStatus> {
         let contact = self.blocks.contact_of(iterate);
@@ -234,7 +235,7 @@ impl Faces<'_, '_> {
             unknowns: unknowns(&status, &slides),
             slides: &slides,
         };
-        let restricted = Restricted::new(self.problem, &self.blocks, (&status, &face))
+        let restricted = Restricted::new(self.problem, &self.blocks, (&status, &face), &self.last)
             .map_err(|_| QpStatus::IndefiniteMetric)?;
         let mut packed = self.pack(iterate, run.work);
         if let Some(augmented) = &restricted.augmented {
@@ -251,6 +252,7 @@ impl Faces<'_, '_> {
             largest: self.largest,
             scales: run.scales,
             review,
+            reduction,
             start: 0.0,
             iterations: 0,
             reached: false,

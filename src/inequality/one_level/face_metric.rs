@@ -7,16 +7,48 @@
 //!
 //! Cost: a third, or two thirds, of the cube of the number of unknowns.
 
+use std::cell::RefCell;
 use std::sync::Arc;
 
 use super::GAP_WEIGHT;
 use super::slides::{Shape, gather};
 use crate::inequality::Slide;
 use crate::inequality::blocks::ContactBlock;
-use crate::linalg::vector::add_scaled;
+use crate::linalg::vector::{add_scaled, norm};
 use crate::linalg::{
     DenseCholesky, DenseLu, DenseMatrix, FactoriseError, Preconditioner, SymmetricMatrix, Workspace,
 };
+
+/// Least cosine between directions of slip for which the factor of an earlier face serves:
+/// they turn much on the way from face to face only where sides change, too.
+const ALIKE: f64 = 0.9;
+
+/// The factor of the last face where points slip, which serves as long as they only turn.
+pub(super) type LastFactor = RefCell<Option<Known>>;
+
+/// A factor with the face that it belongs to.
+pub(super) struct Known {
+    /// Unknowns of the face, ascending.
+    selected: Vec<usize>,
+    /// Its points that slip.
+    slides: Vec<Slide>,
+    /// The factor on them.
+    factor: Arc<FaceFactor>,
+}
+
+impl Known {
+    /// Whether a face has the same unknowns, and its points slip in about the same directions.
+    fn serves(&self, selected: &[usize], slides: &[Slide]) -> bool {
+        let is_alike = |(a, b): (&Slide, &Slide)| {
+            let along: f64 = a.along.iter().zip(b.along).map(|(a, b)| a * b).sum();
+            let sizes = norm(&a.along) * norm(&b.along);
+            a.first == b.first && along >= ALIKE * sizes
+        };
+        self.selected == selected
+            && self.slides.len() == slides.len()
+            && self.slides.iter().zip(slides).all(is_alike)
+    }
+}
 
 /// The weighted compliance's inverse on the face.
 pub(super) struct FaceMetric<'a> {
@@ -25,11 +57,11 @@ pub(super) struct FaceMetric<'a> {
     /// Moduli by which their residuals are weighted besides; empty where all are one.
     moduli: &'a [f64],
     /// Factor of the compliance's principal part on them.
-    factor: FaceFactor,
+    factor: Arc<FaceFactor>,
 }
 
 /// A factor of the compliance on a face.
-enum FaceFactor {
+pub(super) enum FaceFactor {
     /// Where nothing follows: symmetric.
     Cholesky(Arc<DenseCholesky>),
     /// With the columns of what follows added to those of what is followed.
@@ -114,15 +146,29 @@ impl<'a> FaceMetric<'a> {
     pub(super) fn new(
         contact: &ContactBlock<'a>,
         face: &Shape<'_>,
+        last: &LastFactor,
     ) -> Result<Self, FactoriseError> {
         let is_unknown = |&i: &usize| face.unknowns[i];
         let selected: Vec<usize> = (0..face.unknowns.len()).filter(is_unknown).collect();
+        let mut last = last.borrow_mut();
+        let known = last
+            .as_ref()
+            .filter(|known| !face.slides.is_empty() && known.serves(&selected, face.slides));
+        let factor = match known {
+            Some(known) => known.factor.clone(),
+            None => {
+                let matrix = contact.sprung.unwrap_or(contact.matrix);
+                let factor = Arc::new(FaceFactor::new(matrix, &selected, face.slides)?);
+                *last = Some(Known {
+                    selected: selected.clone(),
+                    slides: face.slides.to_vec(),
+                    factor: factor.clone(),
+                });
+                factor
+            }
+        };
         Ok(Self {
-            factor: FaceFactor::new(
-                contact.sprung.unwrap_or(contact.matrix),
-                &selected,
-                face.slides,
-            )?,
+            factor,
             moduli: contact.moduli,
             selected,
         })

@@ -14,9 +14,12 @@ use crate::saddle::Status;
 /// Faces in a row that may be solved already; some are usual where tractions turn.
 const MOST_IDLE: u32 = 200;
 
-/// Changes of sides with friction behind which faces are solved to their end; more of those
-/// that are not lead about without end, where many points carry little.
+/// Changes of sides with friction behind which faces are solved to their end, and follow from
+/// the residuals of many points, too; more of those that are not lead about without end,
+/// where many points carry little.
 const STRAY: u32 = 8;
+/// Reduction of the face residual between reviews where points only turn.
+const TURNING: f64 = 0.01;
 /// Share of what is wrong that a face with friction is to leave; where it leaves more the next
 /// one follows by the other rule.
 const WORTHWHILE: f64 = 0.5;
@@ -43,6 +46,8 @@ pub(super) struct History {
     pub(super) visited: HashSet<Vec<Status>>,
     /// When the present face is reviewed; at the end once a face has come back.
     pub(super) review: Review,
+    /// Reduction of the face residual until the next review.
+    pub(super) reduction: f64,
     /// Faces one after the other that took no iteration.
     pub(super) idle: u32,
     /// Whether one multiplier changes sides at a time, since blocks of them have cycled.
@@ -91,10 +96,19 @@ impl History {
         }
     }
 
+    /// Notes that the next face has the sides of the present one: where points only turn,
+    /// faces are steps of Newton's method on smooth equations, worth more digits each.
+    pub(super) fn turn(&mut self) {
+        if self.friction.is_some() {
+            self.reduction = TURNING;
+        }
+    }
+
     /// Notes the next face; one that returns is solved to the end, once that was done
     /// already faces change by one multiplier at a time, and one that returns still
     /// ends the solve.
     pub(super) fn enter(&mut self, next: &DenseSolution, face: &Face) -> ControlFlow<QpStatus> {
+        self.reduction = REVIEW;
         if self.friction.as_mut().is_some_and(Friction::strays) {
             self.review = Review::AtTheEnd;
         }
@@ -139,11 +153,11 @@ impl Friction {
     /// the present one; `is_near` says whether residuals change little.
     pub(super) fn rule(&mut self, wrong: f64, is_near: bool) -> By {
         let by = match (self.by, wrong <= WORTHWHILE * self.wrong) {
-            (Some(by), true) => by,
+            // At first the residuals of many points are not yet those of their faces.
+            _ if !is_near && self.changes < STRAY => By::Metric,
+            (Some(By::Metric), true) if !is_near => By::Metric,
             (Some(By::Residuals), false) => By::Metric,
-            (Some(By::Metric), false) => By::Residuals,
-            (None, _) if is_near => By::Residuals,
-            (None, _) => By::Metric,
+            _ => By::Residuals,
         };
         self.by = Some(by);
         self.wrong = wrong;

@@ -2,9 +2,9 @@
 //! when the face is reviewed. Cost: a few norms an iteration.
 
 use super::super::qp::{Progress, QpNorms, QpScales, QpTargets};
+use super::GAP_WEIGHT;
 use super::augmented::Augmented;
 use super::weights::unweigh;
-use super::{GAP_WEIGHT, REVIEW};
 use crate::krylov::{Monitor, Verdict};
 use crate::linalg::Workspace;
 use crate::linalg::vector::{norm, scale};
@@ -38,6 +38,8 @@ pub(super) struct FaceMonitor<'a, 'b> {
     pub(super) largest: QpScales,
     /// When the face is reviewed.
     pub(super) review: Review,
+    /// Reduction of the residual behind which it is, where not at the end.
+    pub(super) reduction: f64,
     /// Largest relative norm at the start of the face, which a review while reducing is
     /// measured against.
     pub(super) start: f64,
@@ -104,7 +106,7 @@ impl Monitor for FaceMonitor<'_, '_> {
             self.interrupted = true;
             return Verdict::Stop;
         }
-        let review = self.review == Review::WhenReduced && relative <= REVIEW * self.start;
+        let review = self.review == Review::WhenReduced && relative <= self.reduction * self.start;
         match self.reached || review {
             true => Verdict::Stop,
             false => Verdict::Continue,

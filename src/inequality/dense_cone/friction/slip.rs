@@ -17,9 +17,9 @@ pub(super) struct SlipRow {
     /// Slope of the bound.
     slope: f64,
     /// First of its tractions among the unknowns.
-    own: usize,
+    pub(super) own: usize,
     /// Its pressure among the unknowns.
-    partner: usize,
+    pub(super) partner: usize,
     /// q of its tractions `[2]`.
     linear: [f64; 2],
 }
@@ -91,13 +91,49 @@ impl Newton<'_> {
             for (i, value) in own.iter_mut().enumerate() {
                 let parts = row.matrix[i].iter().zip(&row.linear);
                 let through: f64 = parts.map(|(m, q)| m * q).sum();
-                *value = row.right[i] - row.step * through;
+                *value = row.right[i] / row.step - through;
             }
         }
     }
 }
 
+/// Least part of M along d that counts: what is on the edge of its disc has none.
+const LEAST_SHARE: f64 = 1e-6;
+
 impl SlipRow {
+    /// M in the frame of d, its rows off the diagonal left out, no less than what counts.
+    fn shares(&self) -> [f64; 2] {
+        let [x, y] = self.direction;
+        let quotient = |[x, y]: [f64; 2]| {
+            let m = &self.matrix;
+            x * (m[0][0] * x + m[0][1] * y) + y * (m[1][0] * x + m[1][1] * y)
+        };
+        [quotient([x, y]), quotient([-y, x])].map(|share| share.clamp(LEAST_SHARE, 1.0))
+    }
+
+    /// (1 - M) / (rho M) of `shares`, in the axes of the tractions: what gives way.
+    pub(super) fn softness(&self) -> [[f64; 2]; 2] {
+        let [x, y] = self.direction;
+        let [along, across] = self.shares().map(|share| (1.0 / share - 1.0) / self.step);
+        [
+            [along * x * x + across * y * y, (along - across) * x * y],
+            [(along - across) * x * y, along * y * y + across * x * x],
+        ]
+    }
+
+    /// The gap along the tractions that the equation's residual is, the traction that follows
+    /// `pressure` with it; in place.
+    pub(super) fn gap(&self, pressure: f64, residual: &mut [f64]) {
+        let mut known = [0.0; 2];
+        known[..residual.len()].copy_from_slice(residual);
+        let ([x, y], shares) = (self.direction, self.shares());
+        let follows = self.slope * pressure / self.step;
+        let along = (known[0] * x + known[1] * y + follows) / shares[0];
+        let across = (known[1] * x - known[0] * y) / shares[1];
+        let gap = [along * x - across * y, along * y + across * x];
+        residual.copy_from_slice(&gap[..residual.len()]);
+    }
+
     /// Makes the entries of a column of its own rows from those of s_t.
     fn place(&self, column: usize, entries: &mut [f64]) {
         let mut known = [0.0; 2];
@@ -105,12 +141,12 @@ impl SlipRow {
         let width = entries.len();
         for (i, entry) in entries.iter_mut().enumerate() {
             let through: f64 = self.matrix[i].iter().zip(&known).map(|(m, k)| m * k).sum();
-            *entry = self.step * through;
+            *entry = through;
             if let Some(j) = column.checked_sub(self.own).filter(|&j| j < width) {
-                *entry += if i == j { 1.0 } else { 0.0 } - self.matrix[i][j];
+                *entry += (if i == j { 1.0 } else { 0.0 } - self.matrix[i][j]) / self.step;
             }
             if column == self.partner {
-                *entry -= self.slope * self.direction[i];
+                *entry -= self.slope * self.direction[i] / self.step;
             }
         }
     }
