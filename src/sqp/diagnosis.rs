@@ -1,9 +1,10 @@
 //! Causes that the methods can only notice as stagnation: loads that nothing resists,
 //! a volume that cannot change, a body about to snap.
 
+use super::enclosure::is_full;
 use super::run::Run;
 use crate::contact::coarseness::{Coarsest, coarsest as coarsest_face};
-use crate::contact::gap::{evaluate_gaps, linearise};
+use crate::contact::gap::linearise;
 use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
@@ -16,9 +17,6 @@ use crate::report::{Cause, Termination};
 const SOFT: f64 = 0.1;
 /// Share of a constant pressure's forces that contact may leave.
 const CLOSED: f64 = 1e-6;
-/// Share of what overlaps and is open by which one has to exceed the other: areas are those of
-/// the undeformed body.
-const UNEVEN: f64 = 0.2;
 /// Share of the bearable size of faces from which on the failure of a method is that of the
 /// mesh: the bound is one of even pressures, and the pressure that is kept is that before the
 /// failure.
@@ -129,58 +127,6 @@ pub(crate) fn name_the_impossible(run: &Run<'_>, ending: &mut Ending, goal: &Dri
     if failed && may_be_full && is_full(run, goal) {
         ending.cause = Some(Cause::EnclosedVolume);
     }
-}
-
-/// Whether no side of a body that keeps its volume is free, and obstacles at `goal` overlap it, as
-/// it is, by more than they leave open.
-pub(crate) fn is_full(run: &Run<'_>, goal: &Drive) -> bool {
-    let model = &run.model;
-    if !is_covered(model) {
-        return false;
-    }
-    let body = model.deformed(&run.state.displacement);
-    let contacts = model.placed(goal);
-    let contacts = contacts.filter(|(interface, _)| interface.is_contact());
-    let (mut net, mut all) = (0.0, 0.0);
-    for (interface, met) in contacts {
-        let (gaps, _) = evaluate_gaps(&body, &interface.surface, &met);
-        net += gaps.iter().sum::<f64>();
-        all += gaps.iter().map(|gap| gap.abs()).sum::<f64>();
-    }
-    net < -UNEVEN * all
-}
-
-/// Whether a body that keeps its volume has no face but those that supports hold along the
-/// normal and those of one obstacle each.
-fn is_covered(model: &Model<'_>) -> bool {
-    let fixed = model.prepared.pressure.as_ref();
-    let Some(block) = fixed.filter(|block| block.stabilisation.is_none()) else {
-        return false;
-    };
-    let c = model.prepared.space.components;
-    let mut pushed = vec![0.0; block.coupling.size];
-    let ones = vec![1.0; block.coupling.vertices];
-    let mut work = Workspace::new();
-    block
-        .coupling
-        .apply_transposed(&ones, &mut pushed, &mut work);
-    let largest = pushed.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-    let interfaces = model.interfaces.list.iter();
-    let mut facets: Vec<u32> = Vec::new();
-    for interface in interfaces {
-        facets.extend(&interface.facets);
-        for face in &interface.surface.faces {
-            for &node in &face.nodes {
-                let first = node as usize * c;
-                pushed[first..first + c].fill(0.0);
-            }
-        }
-    }
-    let count = facets.len();
-    facets.sort_unstable();
-    facets.dedup();
-    let is_free = |x: &f64| x.abs() > CLOSED * largest;
-    facets.len() == count && !pushed.iter().any(is_free)
 }
 
 /// Whether the body has grown so soft that it is about to snap.

@@ -13,7 +13,7 @@
 use std::sync::Arc;
 
 use super::approach::approach;
-use super::diagnosis::is_full;
+use super::enclosure::is_full;
 use super::learned::Learned;
 use super::run::{Retry, Run};
 use super::rung::Rung;

@@ -16,7 +16,7 @@
 //! | [`increment`] | programs until the four criteria hold: [`predictor`], [`program`], [`search`], [`verdict`] |
 //! | [`certificate`] | whether the equilibrium is a minimum |
 //! | [`descent`] | down the energy where an equilibrium is lost |
-//! | [`diagnosis`], [`site`] | causes that only the end shows, and where they lie |
+//! | [`diagnosis`], [`enclosure`], [`site`] | causes that only the end shows, and where they lie |
 //! | [`learned`] | what is kept for the next increment: [`trend`], [`lowest_mode`], [`preconditioner_refresh`], [`saddle_layout`] |
 //!
 //! Everything is non-dimensional inside.
@@ -29,6 +29,7 @@ pub(crate) mod chooser;
 pub(crate) mod contact_metric;
 mod descent;
 mod diagnosis;
+mod enclosure;
 pub(crate) mod increment;
 mod initial_penetration;
 pub(crate) mod ladder;
