@@ -8,7 +8,7 @@
 //! | begins inside | distances before the first increment |
 //! | free motion | rigid modes that supports leave, and no contact |
 //! | large strain | the largest strain at the centroid of a cell, of a linear solid |
-//! | coarse contact | pressure on a few functions of a curved contact, or on a few of many |
+//! | coarse contact | pressure on a few functions of a curved contact |
 //! | coarse facets | how far facets are off the surface that they stand for, over the squeeze |
 //! | inside out | det F below zero on a lattice of the cells whose bound allows it |
 //! | lost digits | displacements, or of rubber lengths, whose rounding is a strain of some share of the largest |
@@ -35,8 +35,6 @@ const LARGE_STRAIN: f64 = 0.1;
 /// vertices, and those of vertices and edges.
 const FEW: [usize; 2] = [3, 6];
 const FEW_QUADRATIC: [usize; 2] = [4, 10];
-/// Functions of a flat obstacle over closed ones where these are few.
-const FLAT_SHARE: usize = 8;
 /// Times as many that are enough.
 const ENOUGH: usize = 4;
 /// Depth over the length of the body from which on an obstacle is inside it that no face
@@ -194,8 +192,7 @@ pub(crate) fn coarse_facets(results: &BTreeMap<String, ObstacleResult>) -> Vec<W
     results.iter().filter_map(coarse).collect()
 }
 
-/// A contact on a few functions, of a flat obstacle on a few of many, and the size of faces
-/// that would resolve it.
+/// A curved contact on a few functions, and the size of faces that would resolve it.
 fn coarse(model: &Model<'_>, state: &State, touch: &Touch<'_>) -> Option<Warning> {
     let status = touch.interface.own(&state.status);
     let closed = status.iter().filter(|status| status.is_closed()).count();
@@ -204,11 +201,7 @@ fn coarse(model: &Model<'_>, state: &State, touch: &Touch<'_>) -> Option<Warning
         ContactSpace::Linear => FEW,
         ContactSpace::Quadratic => FEW_QUADRATIC,
     }[surface_dimension - 1];
-    let is_few = match touch.is_curved {
-        true => closed <= few,
-        false => closed <= few && FLAT_SHARE * closed < status.len(),
-    };
-    (closed > 0 && is_few).then(|| {
+    (touch.is_curved && (1..=few).contains(&closed)).then(|| {
         let name = &touch.interface.name;
         let share = closed as f64 / (ENOUGH * few) as f64;
         let size = touch.pressed_size() * share.powf(1.0 / surface_dimension as f64);

@@ -36,10 +36,15 @@ pub(crate) fn explain(run: &mut Run<'_>, ending: &mut Ending) {
     );
     // A factor moves the body where iterations would stagnate.
     let is_forced = run.by_factor && ending.cause == Some(Cause::NegativeJacobian);
+    // What slides off without end leaves all numbers.
+    let is_lost = ending.cause == Some(Cause::NotFinite);
+    let model = &run.model;
+    if is_lost && slides_off(model, &run.state.drive) == Some(true) {
+        ending.cause = Some(Cause::NoEquilibrium);
+    }
     if !stuck && !is_forced {
         return;
     }
-    let model = &run.model;
     let touches = run.state.status.iter().any(|status| status.is_closed());
     let pressure = model.prepared.pressure.as_ref();
     let is_enclosed = pressure.is_some_and(|block| block.is_enclosed);

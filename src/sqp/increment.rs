@@ -264,9 +264,12 @@ impl Iterate {
         if !run.model.is_linear() {
             return None;
         }
-        run.learned.directions.clear(&mut run.work);
         let is_rounding = self.idle >= MOST_IDLE;
-        run.counters.failed_programs += u32::from(is_rounding);
+        // What friction lets slide off grows from program to program, and is no rounding.
+        if !run.model.plan.has_friction() {
+            run.learned.directions.clear(&mut run.work);
+            run.counters.failed_programs += u32::from(is_rounding);
+        }
         is_rounding.then(|| Verdict::failed(Cause::Stagnation))
     }
 

@@ -14,10 +14,12 @@ use crate::saddle::Status;
 /// Faces in a row that may be solved already; some are usual where tractions turn.
 const MOST_IDLE: u32 = 200;
 
-/// Changes of sides with friction behind which faces are solved to their end, and follow from
-/// the residuals of many points, too; more of those that are not lead about without end,
-/// where many points carry little.
+/// Changes of sides with friction behind which faces are solved to their end; more of those
+/// that are not lead about without end, where many points carry little.
 const STRAY: u32 = 8;
+/// Changes of sides at first that follow from the metric where the residuals would change many:
+/// with eight a belt on a drum, whose points carry little, does not come to an end.
+const EARLY: u32 = 3;
 /// Reduction of the face residual between reviews where points only turn.
 const TURNING: f64 = 0.01;
 /// Share of what is wrong that a face with friction is to leave; where it leaves more the next
@@ -154,8 +156,8 @@ impl Friction {
     pub(super) fn rule(&mut self, wrong: f64, is_near: bool) -> By {
         let by = match (self.by, wrong <= WORTHWHILE * self.wrong) {
             // At first the residuals of many points are not yet those of their faces.
-            _ if !is_near && self.changes < STRAY => By::Metric,
-            (Some(By::Metric), true) if !is_near => By::Metric,
+            _ if !is_near && self.changes < EARLY => By::Metric,
+            (Some(by), true) => by,
             (Some(By::Residuals), false) => By::Metric,
             _ => By::Residuals,
         };
