@@ -230,7 +230,8 @@ impl Iterate {
     /// Residuals behind a step that brings no progress at once: slender bodies turn against forces
     /// far smaller than those that turning by a straight line wakes in them, and the next program
     /// takes these off (Chamberlain, Powell, Lemarechal and Pedersen, Math. Programming Study 16,
-    /// 1982). None where it turns cells inside out, in linear bodies, and too often.
+    /// 1982). None where it turns cells inside out, in linear bodies, on a fall, whose steps are
+    /// small enough, and too often.
     fn leap(
         &mut self,
         run: &mut Run<'_>,
@@ -238,7 +239,8 @@ impl Iterate {
         now: &Evaluation,
         refused: Refused,
     ) -> Option<Evaluation> {
-        let is_tried = refused == Refused::Progress && !run.model.is_linear();
+        let may_leap = !run.model.is_linear() && run.model.proximal.is_none();
+        let is_tried = refused == Refused::Progress && may_leap;
         if !is_tried || self.leaps >= MOST_LEAPS {
             return None;
         }

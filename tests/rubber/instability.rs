@@ -111,6 +111,18 @@ fn a_straight_column_pressed_far_at_once_falls_to_the_buckled_equilibrium() {
 }
 
 #[test]
+fn a_straight_column_pressed_far_beyond_its_load_comes_to_rest_too() {
+    let mesh = column(0.0);
+    for (factor, increments) in [(3.0, 1), (5.0, 1), (5.0, 4)] {
+        let share = factor * euler_share();
+        let reports = pressed(&mesh, (share, increments), OnInstability::Descend);
+        reports.iter().for_each(assert_converged);
+        let last = reports.last().expect("an increment");
+        assert_eq!(last.stability, Some(Stability::Minimum), "{factor}");
+    }
+}
+
+#[test]
 fn a_bent_column_comes_to_one_equilibrium_however_it_is_pressed() {
     let mesh = column(0.02);
     let share = 2.0 * euler_share();
