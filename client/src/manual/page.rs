@@ -41,28 +41,23 @@ impl Page {
 
     /// What stands under the heading for which `is_meant` holds, to the next of any depth.
     pub(super) fn section(&self, what: &str, is_meant: impl Fn(&str) -> bool) -> Self {
-        let is_heading = |line: &&str| line.starts_with('#');
-        let mut lines = self.text.lines();
-        let found = lines
-            .by_ref()
-            .find(|line| is_heading(line) && is_meant(line.trim_start_matches('#').trim()));
-        assert!(found.is_some(), "{} has no section on {what}", self.name);
-        let text: Vec<&str> = lines.take_while(|line| !is_heading(line)).collect();
-        Self {
-            name: format!("{}, {what}", self.name),
-            text: text.join("\n"),
-        }
+        self.part("#", what, is_meant)
     }
 
     /// The same with the sections that lie deeper.
     pub(super) fn chapter(&self, what: &str, is_meant: impl Fn(&str) -> bool) -> Self {
-        let is_chapter = |line: &&str| line.starts_with("## ");
+        self.part("## ", what, is_meant)
+    }
+
+    /// What stands between headings that begin with `mark`.
+    fn part(&self, mark: &str, what: &str, is_meant: impl Fn(&str) -> bool) -> Self {
+        let is_heading = |line: &&str| line.starts_with(mark);
         let mut lines = self.text.lines();
         let found = lines
             .by_ref()
-            .find(|line| is_chapter(line) && is_meant(line.trim_start_matches('#').trim()));
-        assert!(found.is_some(), "{} has no chapter on {what}", self.name);
-        let text: Vec<&str> = lines.take_while(|line| !is_chapter(line)).collect();
+            .find(|line| is_heading(line) && is_meant(line.trim_start_matches('#').trim()));
+        assert!(found.is_some(), "{} has no part on {what}", self.name);
+        let text: Vec<&str> = lines.take_while(|line| !is_heading(line)).collect();
         Self {
             name: format!("{}, {what}", self.name),
             text: text.join("\n"),
