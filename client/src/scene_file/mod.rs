@@ -8,6 +8,7 @@
 mod body;
 mod keys;
 mod obstacle;
+mod outline;
 mod overrides;
 mod shape;
 mod step;
@@ -22,8 +23,8 @@ use std::path::{Path, PathBuf};
 use signorini_proto::v1;
 use toml::Table;
 
+pub use outline::{drawn_near, outline};
 pub use overrides::Override;
-pub use shape::{drawn_near, outline};
 
 use crate::error::Violation;
 use keys::{Faults, Keys};

@@ -7,10 +7,19 @@ use super::Faults;
 
 /// Converts a shape; `path` is its key, such as `obstacle.ball.shape`.
 pub(crate) fn shape(message: Option<wire::Shape>, path: &str, faults: &mut Faults) -> Shape {
-    use wire::shape::Kind;
     let message = message.unwrap_or_default();
-    faults.later_if(message.inside.then_some(()), path, "inside");
-    match message.kind {
+    let of = solid(message.kind, path, faults);
+    match message.inside {
+        true => Shape::Cavity(of.into()),
+        false => of,
+    }
+}
+
+/// Converts a shape seen from outside.
+fn solid(kind: Option<wire::shape::Kind>, path: &str, faults: &mut Faults) -> Shape {
+    use wire::shape::Kind;
+    let rounding = |rounding: Option<f64>| rounding.unwrap_or_default();
+    match kind {
         Some(Kind::HalfSpace(shape)) => Shape::HalfSpace {
             point: faults.vector(&shape.point, &format!("{path}.point")),
             normal: faults.vector(&shape.normal, &format!("{path}.normal")),
@@ -23,6 +32,29 @@ pub(crate) fn shape(message: Option<wire::Shape>, path: &str, faults: &mut Fault
             point: faults.vector(&shape.point, &format!("{path}.point")),
             axis: faults.vector(&shape.axis, &format!("{path}.axis")),
             radius: faults.required(shape.radius, &format!("{path}.radius")),
+        },
+        Some(Kind::CappedCylinder(shape)) => Shape::CappedCylinder {
+            from: faults.vector(&shape.from, &format!("{path}.from")),
+            to: faults.vector(&shape.to, &format!("{path}.to")),
+            radius: faults.required(shape.radius, &format!("{path}.radius")),
+            rounding: rounding(shape.rounding),
+        },
+        Some(Kind::Box(shape)) => Shape::Box {
+            centre: faults.vector(&shape.centre, &format!("{path}.centre")),
+            half_sizes: faults.vector(&shape.half_sizes, &format!("{path}.half_sizes")),
+            rounding: rounding(shape.rounding),
+        },
+        Some(Kind::Torus(shape)) => Shape::Torus {
+            centre: faults.vector(&shape.centre, &format!("{path}.centre")),
+            axis: faults.vector(&shape.axis, &format!("{path}.axis")),
+            radius: faults.required(shape.radius, &format!("{path}.radius")),
+            tube_radius: faults.required(shape.tube_radius, &format!("{path}.tube_radius")),
+        },
+        Some(Kind::Cone(shape)) => Shape::Cone {
+            apex: faults.vector(&shape.apex, &format!("{path}.apex")),
+            axis: faults.vector(&shape.axis, &format!("{path}.axis")),
+            angle: faults.required(shape.angle, &format!("{path}.angle")),
+            rounding: rounding(shape.rounding),
         },
         Some(later) => {
             let message = format!("`{}` comes in a later version", name(&later));
