@@ -75,6 +75,10 @@ impl Section for Capped {
         self.rounding
     }
 
+    fn is_smooth(&self) -> bool {
+        false
+    }
+
     fn is_symmetric(&self) -> bool {
         self.half_length >= self.radius
     }

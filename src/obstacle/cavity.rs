@@ -58,6 +58,10 @@ impl Obstacle for Cavity {
         None
     }
 
+    fn is_smooth(&self) -> bool {
+        self.shape.is_smooth()
+    }
+
     fn is_closed(&self) -> bool {
         false
     }

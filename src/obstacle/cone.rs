@@ -87,6 +87,10 @@ impl Section for Tip {
         self.rounding
     }
 
+    fn is_smooth(&self) -> bool {
+        false
+    }
+
     fn is_symmetric(&self) -> bool {
         false
     }

@@ -92,6 +92,10 @@ impl Obstacle for Cuboid {
         Some(self.rounding)
     }
 
+    fn is_smooth(&self) -> bool {
+        false
+    }
+
     fn is_closed(&self) -> bool {
         true
     }

@@ -87,6 +87,10 @@ impl Obstacle for Cylinder {
         Some(self.radius)
     }
 
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn is_closed(&self) -> bool {
         true
     }

@@ -59,6 +59,10 @@ impl Obstacle for HalfSpace {
         None
     }
 
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn is_closed(&self) -> bool {
         false
     }

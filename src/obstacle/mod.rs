@@ -23,6 +23,7 @@ mod moving;
 mod revolution;
 mod shape;
 mod sphere;
+pub mod surface;
 mod torus;
 
 use std::fmt;
@@ -90,6 +91,9 @@ pub trait Obstacle: fmt::Debug + Send + Sync {
     /// Smallest radius of curvature of the convex parts of the surface, a length, zero at sharp
     /// edges; none where no part is convex.
     fn sharpest_radius(&self) -> Option<f64>;
+
+    /// Whether the normal turns without jumps of its rate: the curvature is continuous.
+    fn is_smooth(&self) -> bool;
 
     /// Whether the shape has an inside that a body may lie in, in place of the outside.
     fn is_closed(&self) -> bool;

@@ -92,6 +92,10 @@ impl Obstacle for Moving {
         self.shape.sharpest_radius()
     }
 
+    fn is_smooth(&self) -> bool {
+        self.shape.is_smooth()
+    }
+
     fn is_closed(&self) -> bool {
         self.shape.is_closed()
     }

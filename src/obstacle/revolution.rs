@@ -40,6 +40,9 @@ pub(super) trait Section: fmt::Debug + Send + Sync {
     /// Smallest radius of curvature of its convex parts; zero at corners.
     fn sharpest_radius(&self) -> f64;
 
+    /// Whether its curvature is continuous.
+    fn is_smooth(&self) -> bool;
+
     /// Whether the section is the same upside down, about its origin.
     fn is_symmetric(&self) -> bool;
 }
@@ -156,6 +159,10 @@ impl<S: Section> Obstacle for Revolved<S> {
 
     fn sharpest_radius(&self) -> Option<f64> {
         Some(self.section.sharpest_radius())
+    }
+
+    fn is_smooth(&self) -> bool {
+        self.section.is_smooth()
     }
 
     fn is_closed(&self) -> bool {

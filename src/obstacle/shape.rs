@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::capped_cylinder::capped_cylinder;
 use super::cone::cone;
+use super::surface::{SurfaceShape, Triangulated};
 use super::torus::torus;
 use super::{Cavity, Cuboid, Cylinder, HalfSpace, Obstacle, ObstacleError, Sphere};
 
@@ -75,6 +76,8 @@ pub enum Shape {
         /// Radius of the ball that rounds the tip.
         rounding: f64,
     },
+    /// A triangulated surface, its origin the reference point.
+    Surface(SurfaceShape),
     /// A closed shape as a cavity, the body inside it.
     Cavity(Arc<Shape>),
 }
@@ -129,6 +132,7 @@ impl Shape {
                 angle,
                 rounding,
             } => Arc::new(cone((place(apex), *axis), (*angle, rounding / length))?),
+            Self::Surface(shape) => Arc::new(Triangulated::new(shape, length)?),
             Self::Cavity(shape) => Arc::new(Cavity::new(shape.build(length)?)?),
         })
     }

@@ -73,6 +73,10 @@ impl Obstacle for Sphere {
         Some(self.radius)
     }
 
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn is_closed(&self) -> bool {
         true
     }

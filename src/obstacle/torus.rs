@@ -76,6 +76,10 @@ impl Section for Tube {
         self.tube_radius
     }
 
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
     fn is_symmetric(&self) -> bool {
         true
     }

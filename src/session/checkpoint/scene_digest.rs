@@ -7,6 +7,8 @@
 
 use sha2::{Digest, Sha256};
 
+use crate::obstacle::surface::{Between, SurfaceShape};
+
 use crate::scene::{
     Formulation, Material, MaterialModel, Modulus, Obstacle, Pressure, Probe, Profile, RubberModel,
     Scene, SceneKind, Shape, SolverOptions, Support, SurfaceGeometry, ToleranceRule, Traction,
@@ -224,6 +226,7 @@ impl Canonical {
                 angle,
                 rounding,
             } => ("cone", [apex, axis], vec![*angle, *rounding]),
+            Shape::Surface(shape) => return self.surface(shape),
             Shape::Cavity(of) => {
                 self.text("cavity");
                 return self.shape(of);
@@ -236,6 +239,19 @@ impl Canonical {
             [] => self.optional(None),
             [radius] => self.optional(Some(radius)),
             _ => self.numbers(&numbers),
+        }
+    }
+
+    fn surface(&mut self, shape: &SurfaceShape) {
+        self.text("surface");
+        let between = match shape.between {
+            Between::Facets => 0.0,
+            Between::Patches(angle) => angle,
+        };
+        self.numbers(&[shape.scale, between]);
+        self.numbers(shape.surface.vertices().as_flattened());
+        for facet in shape.surface.facets() {
+            self.numbers(&facet.map(f64::from));
         }
     }
 
