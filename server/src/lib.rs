@@ -40,6 +40,7 @@ mod session;
 mod status;
 mod store;
 mod streams;
+mod surfaces;
 mod transport;
 
 pub use config::{Config, ConfigError, LogFormat, LogLevel};

@@ -12,6 +12,7 @@ use signorini::assembly::simd::InstructionSet;
 use signorini_proto::FILE_DESCRIPTOR_SET;
 use signorini_proto::v1::mesh_service_server::MeshServiceServer;
 use signorini_proto::v1::session_service_server::SessionServiceServer;
+use signorini_proto::v1::surface_service_server::SurfaceServiceServer;
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 use tokio_stream::wrappers::UnixListenerStream;
@@ -30,8 +31,10 @@ use crate::metrics_page::{self, Page};
 use crate::registry::Registry;
 use crate::service::mesh::Meshes;
 use crate::service::session::Sessions;
+use crate::service::surface::SurfaceDoor;
 use crate::session::Services;
 use crate::store::Store;
+use crate::surfaces::Surfaces;
 use crate::transport::{MESSAGE_BYTES, Reasoned};
 
 type CountedRouter = Router<Stack<CountCalls, Identity>>;
@@ -147,6 +150,7 @@ fn services(config: Config) -> Result<Arc<Services>, ServeError> {
     Ok(Arc::new(Services {
         store: Store::new(config.budget(), &metrics),
         config,
+        surfaces: Surfaces::default(),
         metrics,
         solvers,
     }))
@@ -166,6 +170,11 @@ async fn router(
         services: Arc::clone(services),
         registry: Arc::clone(registry),
     };
+    let surfaces = SurfaceDoor {
+        services: Arc::clone(services),
+        registry: Arc::clone(registry),
+    };
+    let surfaces = SurfaceServiceServer::new(surfaces).max_decoding_message_size(MESSAGE_BYTES);
     let meshes = MeshServiceServer::new(meshes).max_decoding_message_size(MESSAGE_BYTES);
     let sessions = SessionServiceServer::new(sessions).max_decoding_message_size(MESSAGE_BYTES);
     let reflection = || {
@@ -186,12 +195,13 @@ async fn router(
         .add_service(reflection().build_v1().map_err(wrong)?)
         .add_service(reflection().build_v1alpha().map_err(wrong)?)
         .add_service(Reasoned::new(meshes, registry))
+        .add_service(Reasoned::new(surfaces, registry))
         .add_service(Reasoned::new(sessions, registry));
     Ok((health, router))
 }
 
 async fn set_health(health: &HealthReporter, status: ServingStatus) {
-    let names = ["", mesh_name(), session_name()];
+    let names = ["", mesh_name(), surface_name(), session_name()];
     for name in names {
         health.set_service_status(name, status).await;
     }
@@ -199,6 +209,10 @@ async fn set_health(health: &HealthReporter, status: ServingStatus) {
 
 fn mesh_name() -> &'static str {
     service_name::<MeshServiceServer<Meshes>>()
+}
+
+fn surface_name() -> &'static str {
+    service_name::<SurfaceServiceServer<SurfaceDoor>>()
 }
 
 fn session_name() -> &'static str {

@@ -54,6 +54,14 @@ pub enum ObstacleError {
         /// What was given, radians.
         value: f64,
     },
+    /// An angle between facets that is none.
+    #[error("{parameter} must lie between 0 and 180 degrees, as {degrees} does not")]
+    NotBetweenFacets {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// What was given, degrees.
+        degrees: f64,
+    },
     /// A cavity in the form of a shape without an inside.
     #[error("the shape has no inside: only closed shapes are cavities")]
     NotClosed {
@@ -80,6 +88,7 @@ impl ObstacleError {
             | Self::Negative { parameter, .. }
             | Self::TooLarge { parameter, .. }
             | Self::NotAnAngle { parameter, .. }
+            | Self::NotBetweenFacets { parameter, .. }
             | Self::NotClosed { parameter }
             | Self::OutOfPlane { parameter } => parameter,
         }

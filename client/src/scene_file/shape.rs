@@ -21,13 +21,17 @@ const SHAPES: &[(&str, &[&str], ReadShape)] = &[
     ("box", &["centre", "half_sizes", "rounding"], cuboid),
     ("torus", &["centre", "axis", "radius", "tube_radius"], torus),
     ("cone", &["apex", "axis", "angle", "rounding"], cone),
-    ("surface", &["file", "scale"], surface),
+    (
+        "surface",
+        &["file", "scale", "facets", "feature_angle"],
+        surface,
+    ),
     ("height-field", &["file"], height_field),
     ("distance-grid", &["file"], distance_grid),
 ];
 
 /// Shapes that are read, so that the service can say that it does not have them yet.
-const LATER: &[&str] = &["surface", "height-field", "distance-grid"];
+const LATER: &[&str] = &["height-field", "distance-grid"];
 
 fn unknown_kind(keys: &Keys<'_>, name: &str) {
     let all = SHAPES.iter().map(|(known, _, _)| *known);
@@ -124,6 +128,8 @@ fn surface(keys: &Keys<'_>) -> Kind {
     Kind::Surface(v1::SurfaceShape {
         surface: keys.required_text("file"),
         scale: keys.number("scale"),
+        facets: keys.boolean("facets").unwrap_or_default(),
+        feature_angle: keys.number("feature_angle"),
     })
 }
 

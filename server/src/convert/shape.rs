@@ -1,14 +1,25 @@
 //! Shapes of obstacles.
 
+use std::sync::Arc;
+
+use signorini::obstacle::surface::{Between, SurfaceShape};
 use signorini::scene::{Shape, SurfaceGeometry};
 use signorini_proto::v1 as wire;
 
 use super::Faults;
+use super::surface::SurfacesByName;
+
+/// Angle between facets beyond which their edge is a feature, degrees.
+const FEATURE_ANGLE: f64 = 30.0;
 
 /// Converts a shape; `path` is its key, such as `obstacle.ball.shape`.
-pub(crate) fn shape(message: Option<wire::Shape>, path: &str, faults: &mut Faults) -> Shape {
+pub(crate) fn shape(
+    message: Option<wire::Shape>,
+    path: &str,
+    (surfaces, faults): (&SurfacesByName, &mut Faults),
+) -> Shape {
     let message = message.unwrap_or_default();
-    let of = solid(message.kind, path, faults);
+    let of = solid(message.kind, path, (surfaces, faults));
     match message.inside {
         true => Shape::Cavity(of.into()),
         false => of,
@@ -16,7 +27,11 @@ pub(crate) fn shape(message: Option<wire::Shape>, path: &str, faults: &mut Fault
 }
 
 /// Converts a shape seen from outside.
-fn solid(kind: Option<wire::shape::Kind>, path: &str, faults: &mut Faults) -> Shape {
+fn solid(
+    kind: Option<wire::shape::Kind>,
+    path: &str,
+    (surfaces, faults): (&SurfacesByName, &mut Faults),
+) -> Shape {
     use wire::shape::Kind;
     let rounding = |rounding: Option<f64>| rounding.unwrap_or_default();
     match kind {
@@ -56,6 +71,23 @@ fn solid(kind: Option<wire::shape::Kind>, path: &str, faults: &mut Faults) -> Sh
             angle: faults.required(shape.angle, &format!("{path}.angle")),
             rounding: rounding(shape.rounding),
         },
+        Some(Kind::Surface(shape)) => {
+            let between = match (shape.facets, shape.feature_angle) {
+                (true, _) => Between::Facets,
+                (false, angle) => Between::Patches(angle.unwrap_or(FEATURE_ANGLE).to_radians()),
+            };
+            match surfaces.get(&shape.surface) {
+                Some(surface) => Shape::Surface(SurfaceShape {
+                    surface: Arc::clone(surface),
+                    scale: shape.scale.unwrap_or(1.0),
+                    between,
+                }),
+                None => {
+                    faults.add(format!("{path}.file"), "names no uploaded surface");
+                    placeholder()
+                }
+            }
+        }
         Some(later) => {
             let message = format!("`{}` comes in a later version", name(&later));
             faults.later(format!("{path}.kind"), message);

@@ -2,6 +2,7 @@
 
 pub(crate) mod mesh;
 pub(crate) mod session;
+pub(crate) mod surface;
 mod timeout;
 
 use std::future::Future;

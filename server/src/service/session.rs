@@ -16,7 +16,8 @@ use super::{aside, page_size, respond, timeout};
 use crate::client_key::ClientKey;
 use crate::convert::field::{self, Encoding};
 use crate::convert::scene::SceneRequest;
-use crate::convert::{report, scene, step};
+use crate::convert::surface::SurfacesByName;
+use crate::convert::{report, scene, step, surface};
 use crate::fault::Fault;
 use crate::registry::{Claimed, Registry};
 use crate::results::kept::messages;
@@ -217,7 +218,8 @@ impl Sessions {
     }
 
     async fn plan(&self, message: wire::Scene) -> Result<Planned, Fault> {
-        let request = scene::scene(message)?;
+        let surfaces = self.surfaces(&message)?;
+        let request = scene::scene(message, &surfaces)?;
         let mesh = self.services.store.mesh(request.mesh)?;
         let planned = aside(move || {
             let plan = request.plan(mesh.value())?;
@@ -228,6 +230,15 @@ impl Sessions {
             })
         });
         planned.await?
+    }
+
+    /// The surfaces that a scene names.
+    fn surfaces(&self, scene: &wire::Scene) -> Result<SurfacesByName, Fault> {
+        let one = |name: String| {
+            let digest = surface::digest_of(&name, "obstacle.shape.surface")?;
+            Ok((name, self.services.surfaces.get(&digest)?.surface))
+        };
+        surface::names(scene).into_iter().map(one).collect()
     }
 
     /// Refuses a client that has too much waiting already.

@@ -25,6 +25,7 @@ use crate::config::Config;
 use crate::convert::scene::Output;
 use crate::metrics::Metrics;
 use crate::store::{Lease, Reservation, Store};
+use crate::surfaces::Surfaces;
 
 pub(crate) use handle::{Attachment, Command, Handle, OpenRequest, ReadRequest, Role};
 
@@ -36,6 +37,8 @@ pub(crate) struct Services {
     pub(crate) metrics: Arc<Metrics>,
     /// Meshes and prepared data, under one byte budget.
     pub(crate) store: Arc<Store>,
+    /// Triangulated surfaces of tools.
+    pub(crate) surfaces: Surfaces,
     /// The threads on which sessions compute.
     pub(crate) solvers: SolverThreads,
 }

@@ -57,8 +57,10 @@ impl Triangulated {
             Between::Facets => 0.0,
             Between::Patches(angle) if angle > 0.0 && angle < std::f64::consts::PI => angle,
             Between::Patches(value) => {
-                let parameter = "feature_angle";
-                return Err(ObstacleError::NotAnAngle { parameter, value });
+                return Err(ObstacleError::NotBetweenFacets {
+                    parameter: "feature_angle",
+                    degrees: value.to_degrees(),
+                });
             }
         };
         let features = normals::features(surface, &flat, angle);
