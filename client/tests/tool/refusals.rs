@@ -2,11 +2,9 @@
 //! names the thing.
 #![cfg(feature = "embedded")]
 
-mod common;
-
 use std::path::Path;
 
-use common::{Run, example, folder, run};
+use crate::common::{Run, example, folder, run};
 
 /// One tetrahedron held on its floor.
 const SCENE: &str = r#"
