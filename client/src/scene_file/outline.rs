@@ -242,9 +242,10 @@ fn cuboid(shape: &v1::BoxShape, centre: Vector) -> Option<Triangulation> {
             down.sin() * across.sin(),
             down.cos(),
         ];
-        let signs = [side.cos(), side.sin(), half.cos()].map(f64::signum);
-        let moved = [0, 1, 2].map(|i: usize| signs[i] * core[i] + rounding * direction[i]);
-        add(centre, moved)
+        let [x, y, z] = direction.map(|length| rounding * length);
+        let [left, behind, below] = [side.cos(), side.sin(), half.cos()].map(f64::signum);
+        let [a, b, c] = core;
+        add(centre, [left * a + x, behind * b + y, below * c + z])
     };
     Some(sheet(rows, around.len() - 1, place))
 }

@@ -1,7 +1,7 @@
 //! No bytes make decoding, conversion and planning panic: each is taken or
 //! refused with a reason, in a status that fits into trailers.
 
-#[path = "../../../client/tests/fuzz/engine.rs"]
+#[path = "../../../client/tests/common/fuzz/engine.rs"]
 mod engine;
 
 use bytes::Bytes;

@@ -2,11 +2,9 @@
 //!
 //! `SIGNORINI_CANCELS` sets their number.
 
-mod common;
-
 use std::time::Duration;
 
-use common::{Block, Server, open, press};
+use crate::common::{Block, Server, open, press};
 use signorini_proto::v1 as wire;
 
 /// Ends a test that would wait for ever.

@@ -1,13 +1,11 @@
 //! The command line tool before it solves anything: arguments, files, messages
 //! and exit codes.
 
-mod common;
-
 use std::io::{Read as _, Write as _};
 use std::net::TcpListener;
 use std::path::Path;
 
-use common::{Run, example, folder, run};
+use crate::common::{Run, example, folder, run};
 
 fn text(path: &Path) -> &str {
     path.to_str().unwrap()

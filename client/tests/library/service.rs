@@ -1,11 +1,9 @@
 //! The client library against the server itself.
 #![cfg(feature = "embedded")]
 
-mod common;
-
 use std::time::Duration;
 
-use common::server::{Server, connect, load, lowered, reason, result, session};
+use crate::common::server::{Server, connect, load, lowered, reason, result, session};
 use signorini_client::solve::{Attach, Event};
 use signorini_proto::v1;
 

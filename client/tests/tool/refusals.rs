@@ -2,11 +2,9 @@
 //! names the thing.
 #![cfg(feature = "embedded")]
 
-mod common;
-
 use std::path::Path;
 
-use common::{Run, example, folder, run};
+use crate::common::{Run, example, folder, run};
 
 /// One tetrahedron held on its floor.
 const SCENE: &str = r#"
@@ -130,7 +128,6 @@ fn keys_of_later_capabilities_are_not_supported_yet() {
     for change in [
         "pressure.0={ on = \"z1\", value = 1.0 }",
         "step.0.support.base={ rotation = [0, 0, 7] }",
-        "obstacle.ball.shape={ kind = \"torus\", centre = [0, 0, 1], axis = [0, 0, 1], radius = 1, tube_radius = 0.1 }",
         "step.0.obstacle.ball={ force = { z = -1.0 } }",
     ] {
         assert_refused(

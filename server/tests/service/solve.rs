@@ -5,9 +5,7 @@
     reason = "what a test does not expect is a failure"
 )]
 
-mod common;
-
-use common::{Block, Server, open, press, reason, rejection_reason};
+use crate::common::{Block, Server, open, press, reason, rejection_reason};
 use signorini_proto::v1::{self as wire, solve_request, solve_response::Message};
 use signorini_server::Config;
 

@@ -2,7 +2,7 @@
 
 use signorini_proto::v1 as wire;
 
-use super::common::press;
+use crate::common::press;
 
 /// A key of the scene, its maximum, and how it is given a size.
 pub(crate) type SceneCase = (&'static str, usize, fn(&mut wire::Scene, usize));

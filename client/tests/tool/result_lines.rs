@@ -1,10 +1,8 @@
 //! Result lines keep to their schema.
 
-mod common;
-
 use std::collections::BTreeMap;
 
-use common::schema::{fault, result_lines};
+use crate::common::schema::{fault, result_lines};
 use serde_json::{Value, json};
 use signorini_client::result_line::{self, Totals};
 use signorini_proto::v1;

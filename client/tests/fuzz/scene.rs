@@ -1,12 +1,10 @@
 //! No text makes the reader of scene files panic or take memory beyond its budget.
 
-mod fuzz;
-
 use std::path::Path;
 
+use crate::fuzz::memory::Budget;
+use crate::fuzz::{Campaign, Corpus, Form};
 use fastrand::Rng;
-use fuzz::memory::Budget;
-use fuzz::{Campaign, Corpus, Form};
 use prost::Message;
 use signorini_client::scene_file::{self, Override};
 
@@ -52,13 +50,13 @@ const CHANGES: [&str; 10] = [
 
 fn corpus() -> Corpus {
     let seeds = [
-        include_str!("../src/scene_file/every_key.toml"),
-        include_str!("../examples/cook.toml"),
-        include_str!("../examples/cube-bend.toml"),
-        include_str!("../examples/hertz-plane.toml"),
-        include_str!("../examples/hertz-sphere.toml"),
-        include_str!("../examples/manufactured.toml"),
-        include_str!("../examples/stokes-cylinder.toml"),
+        include_str!("../../src/scene_file/every_key.toml"),
+        include_str!("../../examples/cook.toml"),
+        include_str!("../../examples/cube-bend.toml"),
+        include_str!("../../examples/hertz-plane.toml"),
+        include_str!("../../examples/hertz-sphere.toml"),
+        include_str!("../../examples/manufactured.toml"),
+        include_str!("../../examples/stokes-cylinder.toml"),
     ];
     Corpus::new(Form::File, seeds.map(Vec::from).into(), &WORDS)
 }
@@ -105,7 +103,7 @@ fn every_override_is_read_or_refused() {
     Campaign::from_environment().run(&corpus, |input, _| {
         let text = String::from_utf8_lossy(input);
         if let Ok(change) = text.parse::<Override>() {
-            let every_key = include_str!("../src/scene_file/every_key.toml");
+            let every_key = include_str!("../../src/scene_file/every_key.toml");
             scene_file::read(every_key, Path::new("scene.toml"), &[change]).ok();
         }
         budget.check();

@@ -1,11 +1,9 @@
 //! The bench, on its smallest meshes.
 #![cfg(all(feature = "embedded", feature = "bench"))]
 
-mod common;
-
 use std::path::Path;
 
-use common::{Run, folder, run};
+use crate::common::{Run, folder, run};
 
 /// Rows of a table by the names of its columns.
 struct Table {

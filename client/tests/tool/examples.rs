@@ -1,12 +1,10 @@
 //! Every example, solved through the server of the process, against its
 //! reference.
 
-mod common;
-
 use std::path::Path;
 
-use common::schema::{fault, result_lines};
-use common::{Run, example, folder, run};
+use crate::common::schema::{fault, result_lines};
+use crate::common::{Run, example, folder, run};
 use serde_json::Value;
 
 /// Of the quarter models, from independent codes on the same meshes; of the sphere with

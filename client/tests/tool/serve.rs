@@ -1,10 +1,8 @@
 //! `serve` and the commands that look at a server.
 #![cfg(feature = "embedded")]
 
-mod common;
-
-use common::process::serve;
-use common::{example, run};
+use crate::common::process::serve;
+use crate::common::{example, run};
 
 #[test]
 fn a_served_scene_is_solved_and_the_server_ends_on_a_signal() {

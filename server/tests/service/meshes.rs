@@ -1,10 +1,8 @@
 //! Meshes: uploaded once, named by their content, refused with a reason.
 
-mod common;
-
 use std::time::Duration;
 
-use common::{Block, Server, reason};
+use crate::common::{Block, Server, reason};
 use signorini_proto::array::Assembler;
 use signorini_proto::v1::mesh_service_client::MeshServiceClient;
 use signorini_proto::v1::{self as wire, read_mesh_response, upload_mesh_request::Part};

@@ -1,13 +1,11 @@
 //! Ctrl-C while a scene is being solved.
 #![cfg(feature = "embedded")]
 
-mod common;
-
 use std::io::{BufRead as _, BufReader};
 use std::process::{Command, Stdio};
 
-use common::process::serve;
-use common::{example, signorini};
+use crate::common::process::serve;
+use crate::common::{example, signorini};
 use serde_json::Value;
 
 #[test]

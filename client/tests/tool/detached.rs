@@ -1,15 +1,13 @@
 //! Scenes that a server goes on solving when their client has left.
 #![cfg(feature = "embedded")]
 
-mod common;
-
 use std::collections::BTreeMap;
 use std::io::{BufRead as _, BufReader, Read as _};
 use std::path::Path;
 
-use common::process::{Process, serve, start};
-use common::schema::{fault, result_lines};
-use common::{example, folder, run, signorini};
+use crate::common::process::{Process, serve, start};
+use crate::common::schema::{fault, result_lines};
+use crate::common::{example, folder, run, signorini};
 use serde_json::Value;
 
 const LONG: &str = "step.0.increments=100000";

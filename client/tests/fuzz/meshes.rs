@@ -1,10 +1,8 @@
 //! No bytes make the readers of meshes panic or take memory beyond their budget, and
 //! what they read is a mesh. `SIGNORINI_FUZZ_CASES=1000000` runs a million of each.
 
-mod fuzz;
-
-use fuzz::memory::Budget;
-use fuzz::{Campaign, Corpus, Form};
+use crate::fuzz::memory::Budget;
+use crate::fuzz::{Campaign, Corpus, Form};
 use signorini_client::WireMesh;
 use signorini_client::formats::mesh::MeshFile;
 use signorini_client::formats::{inp, msh, vtk};
@@ -122,8 +120,8 @@ fn small_seeds() -> Vec<Vec<u8>> {
 }
 
 fn msh_corpus() -> Corpus {
-    let cook: &[u8] = include_bytes!("../examples/meshes/cook_n16.msh");
-    let cube: &[u8] = include_bytes!("../examples/meshes/cube_n6.msh");
+    let cook: &[u8] = include_bytes!("../../examples/meshes/cook_n16.msh");
+    let cube: &[u8] = include_bytes!("../../examples/meshes/cube_n6.msh");
     // Small files more often: a change hits their structure, not their numbers.
     let mut seeds = small_seeds();
     seeds.extend(small_seeds());
@@ -178,9 +176,9 @@ const INP_PART: &str = "*Heading\n*Part, name=p\n*Node\n1, 0., 0.\n2, 1., 0.\n3,
     *Surface, type=ELEMENT, name=s\ne, S3\n*Nset, nset=again\ni.base,\n*End Assembly\n";
 
 fn inp_corpus() -> Corpus {
-    let ring: &[u8] = include_bytes!("formats/ring2.inp");
-    let sphere: &[u8] = include_bytes!("formats/sphere2.inp");
-    let meshio: &[u8] = include_bytes!("formats/meshio.inp");
+    let ring: &[u8] = include_bytes!("../formats/ring2.inp");
+    let sphere: &[u8] = include_bytes!("../formats/sphere2.inp");
+    let meshio: &[u8] = include_bytes!("../formats/meshio.inp");
     let small = [INP_FLAT.as_bytes(), INP_PART.as_bytes(), meshio];
     let mut seeds = small.repeat(4);
     seeds.extend([ring, sphere]);
@@ -221,22 +219,22 @@ const VTK_WORDS: [&str; 28] = [
 
 fn vtk_seeds() -> Vec<Vec<u8>> {
     let files: [&[u8]; 16] = [
-        include_bytes!("formats/text.vtu"),
-        include_bytes!("formats/base64.vtu"),
-        include_bytes!("formats/zlib.vtu"),
-        include_bytes!("formats/raw.vtu"),
-        include_bytes!("formats/appended64.vtu"),
-        include_bytes!("formats/appendedzlib.vtu"),
-        include_bytes!("formats/rawzlib.vtu"),
-        include_bytes!("formats/big.vtu"),
-        include_bytes!("formats/meshio.vtu"),
-        include_bytes!("formats/meshio_ascii.vtu"),
-        include_bytes!("formats/legacy42a.vtk"),
-        include_bytes!("formats/legacy42b.vtk"),
-        include_bytes!("formats/legacy51a.vtk"),
-        include_bytes!("formats/legacy51b.vtk"),
-        include_bytes!("formats/meshio.vtk"),
-        include_bytes!("formats/meshio_ascii.vtk"),
+        include_bytes!("../formats/text.vtu"),
+        include_bytes!("../formats/base64.vtu"),
+        include_bytes!("../formats/zlib.vtu"),
+        include_bytes!("../formats/raw.vtu"),
+        include_bytes!("../formats/appended64.vtu"),
+        include_bytes!("../formats/appendedzlib.vtu"),
+        include_bytes!("../formats/rawzlib.vtu"),
+        include_bytes!("../formats/big.vtu"),
+        include_bytes!("../formats/meshio.vtu"),
+        include_bytes!("../formats/meshio_ascii.vtu"),
+        include_bytes!("../formats/legacy42a.vtk"),
+        include_bytes!("../formats/legacy42b.vtk"),
+        include_bytes!("../formats/legacy51a.vtk"),
+        include_bytes!("../formats/legacy51b.vtk"),
+        include_bytes!("../formats/meshio.vtk"),
+        include_bytes!("../formats/meshio_ascii.vtk"),
     ];
     files.into_iter().map(<[u8]>::to_vec).collect()
 }

@@ -1,12 +1,10 @@
 //! What the transport lets through and what it refuses, with reasons; and what
 //! one connection bears.
 
-mod common;
-
 use std::time::Duration;
 
+use crate::common::{Block, Server, reason};
 use bytes::{Buf as _, BufMut as _};
-use common::{Block, Server, reason};
 use prost::Message as _;
 use signorini_proto::CHUNK_BYTES;
 use signorini_proto::v1::{self as wire, upload_mesh_request::Part};

@@ -1,10 +1,8 @@
 //! Sessions: planned, created, listed, refused with the paths of faulty keys.
 
-mod common;
-
 use std::time::Duration;
 
-use common::{Block, Server, open, paths, reason};
+use crate::common::{Block, Server, open, paths, reason};
 use signorini_proto::v1 as wire;
 use signorini_server::Config;
 

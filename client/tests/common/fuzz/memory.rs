@@ -1,6 +1,7 @@
 //! The heap of a fuzzing binary: counted, and limited for good.
 
 use std::alloc::System;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use cap::Cap;
 
@@ -10,17 +11,25 @@ const HARD_LIMIT: usize = 4 << 30;
 #[global_allocator]
 static HEAP: Cap<System> = Cap::new(System, HARD_LIMIT);
 
+/// Campaigns of one program take turns: the heap is counted for all of it.
+static ONE_AT_A_TIME: Mutex<()> = Mutex::new(());
+
 /// What the cases of a campaign may hold beyond what was held at its start.
 pub(crate) struct Budget {
     start: usize,
     allowance: usize,
+    _alone: MutexGuard<'static, ()>,
 }
 
 impl Budget {
+    /// Waits until no other campaign is under way.
     pub(crate) fn of_mebibytes(allowance: usize) -> Self {
+        // A campaign that failed has told so.
+        let alone = ONE_AT_A_TIME.lock().unwrap_or_else(PoisonError::into_inner);
         Self {
             start: HEAP.allocated(),
             allowance: allowance << 20,
+            _alone: alone,
         }
     }
 

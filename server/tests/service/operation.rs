@@ -1,12 +1,10 @@
 //! What operators rely on: metrics, log, health, reflection, shutdown, Unix sockets.
 
-mod common;
-
 use std::io::Read as _;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-use common::{Block, Server, answer, open, page, press, reason, sample};
+use crate::common::{Block, Server, answer, open, page, press, reason, sample};
 use signorini_proto::v1 as wire;
 use signorini_server::Config;
 use tonic_health::pb::health_client::HealthClient;

@@ -2,7 +2,7 @@
 
 use signorini_server::Config;
 
-const SHIPPED: &str = include_str!("../../deploy/server.toml");
+const SHIPPED: &str = include_str!("../../../deploy/server.toml");
 
 #[test]
 fn the_shipped_settings_are_the_defaults() {

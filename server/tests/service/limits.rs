@@ -1,12 +1,9 @@
 //! Every list and size of a request has a maximum: what reaches it is taken,
 //! one more is refused with a reason and the path of the key.
 
-#[path = "limits/cases.rs"]
 mod cases;
-mod common;
-
+use crate::common::{Block, Server, open, paths, reason, watch};
 use cases::{LISTS, NAMES, NUMBERS, word, words};
-use common::{Block, Server, open, paths, reason, watch};
 use signorini_proto::v1::{self as wire, upload_mesh_request::Part};
 use tonic::{Code, Status};
 use tonic_types::StatusExt;

@@ -5,9 +5,9 @@
     reason = "what a test does not expect is a failure"
 )]
 
-mod common;
-
-use common::{Block, Server, duration, open, page, press, reason, rejection_reason, sample, watch};
+use crate::common::{
+    Block, Server, duration, open, page, press, reason, rejection_reason, sample, watch,
+};
 use signorini_proto::v1::{self as wire, solve_request, watch_response};
 use signorini_server::Config;
 
@@ -156,7 +156,7 @@ async fn an_acknowledged_update_recomputes_nothing() {
 }
 
 /// Opens a stream as soon as the server has noticed that the one before is gone.
-async fn reopened(server: &Server, request: wire::SolveOpen) -> common::Stream {
+async fn reopened(server: &Server, request: wire::SolveOpen) -> crate::common::Stream {
     use signorini_proto::v1::solve_response::Message;
     loop {
         let mut stream = server.stream(request.clone()).await;

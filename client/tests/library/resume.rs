@@ -1,12 +1,10 @@
 //! Streams over connections that break.
 #![cfg(feature = "embedded")]
 
-mod common;
-
 use std::time::Duration;
 
-use common::proxy::Proxy;
-use common::server::{Server, connect, load, lowered, reason, result, session};
+use crate::common::proxy::Proxy;
+use crate::common::server::{Server, connect, load, lowered, reason, result, session};
 use prost::Message as _;
 use signorini_client::solve::{Attach, Event, Events, Increment, Solve, WatchOptions};
 use signorini_client::{Client, ClientError, NewSession};
@@ -309,7 +307,7 @@ async fn a_stored_mesh_is_read_back_as_it_was_sent() {
     let (_, mesh) = load("hertz-plane.toml");
     let uploaded = server.client.upload_mesh(mesh.clone()).await.unwrap();
     let read = server.client.read_mesh(&uploaded.mesh.name).await.unwrap();
-    let path = common::example("meshes/hemi_l2.msh");
+    let path = crate::common::example("meshes/hemi_l2.msh");
     let file = signorini_client::formats::msh::read(&std::fs::read(path).unwrap()).unwrap();
     assert_eq!(
         (read.coordinates, read.cells),

@@ -1,9 +1,7 @@
 //! Methods for comparison, asked for by name from a scene file.
 #![cfg(feature = "embedded")]
 
-mod common;
-
-use common::{Run, example, run};
+use crate::common::{Run, example, run};
 use serde_json::Value;
 
 fn with(command: &str, changes: &[&str]) -> Run {

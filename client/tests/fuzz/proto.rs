@@ -1,12 +1,10 @@
 //! No bytes make the decoders of messages, arrays and statuses panic or take
 //! memory beyond their budget, and what is decoded is encoded again as it was.
 
-mod fuzz;
-
 use std::path::Path;
 
-use fuzz::memory::Budget;
-use fuzz::{Campaign, Corpus, Form};
+use crate::fuzz::memory::Budget;
+use crate::fuzz::{Campaign, Corpus, Form};
 use prost::Message;
 use signorini_client::{Refusal, scene_file};
 use signorini_proto::array::{self, Assembler};
@@ -26,7 +24,7 @@ const WORDS: [&str; 8] = [
 ];
 
 fn scene() -> v1::Scene {
-    let every_key = include_str!("../src/scene_file/every_key.toml");
+    let every_key = include_str!("../../src/scene_file/every_key.toml");
     let file = scene_file::read(every_key, Path::new("every.toml"), &[]).unwrap();
     v1::Scene {
         mesh: format!("meshes/{}", "0123456789abcdef".repeat(4)),
