@@ -5,6 +5,9 @@ use std::time::Duration;
 
 use serde::Deserialize;
 
+use crate::compute::Slots;
+use crate::limits;
+
 /// Used when the machine's memory cannot be read.
 const FALLBACK_BUDGET_BYTES: u64 = 8 << 30;
 
@@ -69,16 +72,28 @@ pub struct Config {
     pub metrics_listen: String,
     /// Solves that run at one time, at least 1.
     pub solver_slots: usize,
+    /// Slots that take no work known to be long, so that short work need not wait for
+    /// it; of one slot none, and fewer than `solver_slots` in any case.
+    pub short_slots: usize,
     /// Threads of each solve; 0: as many as the machine has cores.
     pub threads_per_slot: usize,
     /// Bytes for meshes, prepared data and sessions together; 0: three quarters
-    /// of the memory of the machine, or of its control group where that has less.
+    /// of the memory of the machine, or of its control group or address space (`ulimit
+    /// -v`) where those have less.
     pub memory_budget_bytes: u64,
     /// Sessions that may exist at one time, at least 1.
     pub maximum_sessions: usize,
     /// Solves of one client that may wait for a slot before new ones are refused, at
     /// least 1. A client is a TCP connection, or a process behind a Unix socket.
     pub maximum_queued: usize,
+    /// Seconds that one step may run, those in which it waits for a slot left out; 0 for
+    /// no such limit, at most 2 592 000.
+    pub maximum_step_seconds: u64,
+    /// Connections that may be open at one time, at least 1; fewer where the process
+    /// may have fewer descriptors.
+    pub maximum_connections: usize,
+    /// Connections of one user of the machine, at least 1 and at most half of all.
+    pub maximum_client_connections: usize,
     /// Accepted updates that may wait in one session, at least 1.
     pub maximum_in_flight: usize,
     /// Seconds without a call after which a session expires, unless it asks for
@@ -104,10 +119,14 @@ impl Default for Config {
             listen: "127.0.0.1:50051".to_owned(),
             metrics_listen: "127.0.0.1:9464".to_owned(),
             solver_slots: 2,
+            short_slots: 1,
             threads_per_slot: 0,
             memory_budget_bytes: 0,
             maximum_sessions: 1000,
             maximum_queued: 64,
+            maximum_step_seconds: 3600,
+            maximum_connections: 4096,
+            maximum_client_connections: 2048,
             maximum_in_flight: 64,
             session_ttl_seconds: 900,
             retained_results: 4096,
@@ -151,6 +170,11 @@ impl Config {
             ("maximum_sessions", self.maximum_sessions as u64),
             ("maximum_queued", self.maximum_queued as u64),
             ("maximum_in_flight", self.maximum_in_flight as u64),
+            ("maximum_connections", self.maximum_connections as u64),
+            (
+                "maximum_client_connections",
+                self.maximum_client_connections as u64,
+            ),
             ("session_ttl_seconds", self.session_ttl_seconds),
             ("retained_results", self.retained_results as u64),
             ("heartbeat_seconds", self.heartbeat_seconds),
@@ -159,6 +183,7 @@ impl Config {
             ("session_ttl_seconds", self.session_ttl_seconds),
             ("heartbeat_seconds", self.heartbeat_seconds),
             ("drain_seconds", self.drain_seconds),
+            ("maximum_step_seconds", self.maximum_step_seconds),
         ];
         if self.retained_results <= self.maximum_in_flight {
             return Err(range("retained_results", "above maximum_in_flight"));
@@ -172,6 +197,14 @@ impl Config {
         }
     }
 
+    pub(crate) fn slots(&self) -> Slots {
+        Slots {
+            count: self.solver_slots,
+            short: self.short_slots.min(self.solver_slots.saturating_sub(1)),
+            threads: self.threads(),
+        }
+    }
+
     pub(crate) fn threads(&self) -> usize {
         match self.threads_per_slot {
             0 => std::thread::available_parallelism().map_or(1, usize::from),
@@ -179,9 +212,15 @@ impl Config {
         }
     }
 
+    /// Longest time that a step may have a slot.
+    pub(crate) fn step_time(&self) -> Option<Duration> {
+        let seconds = Some(self.maximum_step_seconds).filter(|seconds| *seconds > 0);
+        seconds.map(Duration::from_secs)
+    }
+
     pub(crate) fn budget(&self) -> u64 {
         match self.memory_budget_bytes {
-            0 => machine_bytes().map_or(FALLBACK_BUDGET_BYTES, |bytes| bytes / 4 * 3),
+            0 => limits::memory_bytes().map_or(FALLBACK_BUDGET_BYTES, |bytes| bytes / 4 * 3),
             bytes => bytes,
         }
     }
@@ -201,32 +240,6 @@ impl Config {
 
 fn range(key: &'static str, range: &'static str) -> ConfigError {
     ConfigError::Range { key, range }
-}
-
-/// Memory that this process may use: that of the machine, or less where a control
-/// group (a container, a systemd unit) sets a limit.
-fn machine_bytes() -> Option<u64> {
-    let limits = std::iter::once(installed_bytes()).chain(group_limits());
-    limits.flatten().min()
-}
-
-/// Limits of the process's control group (version 2): by its name, and by the root,
-/// which is the group itself inside a container.
-fn group_limits() -> [Option<u64>; 2] {
-    let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
-    let own = groups.lines().find_map(|line| line.strip_prefix("0::"));
-    [own.unwrap_or_default(), ""].map(|group| {
-        // `max` is no number: no limit.
-        let text = std::fs::read_to_string(format!("/sys/fs/cgroup{group}/memory.max")).ok()?;
-        text.trim().parse().ok()
-    })
-}
-
-fn installed_bytes() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find(|line| line.starts_with("MemTotal:"))?;
-    let kibibytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
-    kibibytes.checked_mul(1024)
 }
 
 #[cfg(test)]

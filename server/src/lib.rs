@@ -20,6 +20,7 @@
     )
 )]
 
+mod accept;
 mod calls;
 mod client_key;
 mod compute;
@@ -27,6 +28,8 @@ mod config;
 mod convert;
 mod fair_queue;
 mod fault;
+mod gates;
+mod limits;
 mod listen;
 mod log;
 mod memory;
@@ -34,6 +37,7 @@ mod metrics;
 mod metrics_page;
 mod registry;
 mod results;
+mod retry;
 mod serve;
 mod service;
 mod session;

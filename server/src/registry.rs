@@ -85,6 +85,7 @@ impl Registry {
     /// Counts a stream as long as the guard lives.
     pub(crate) fn stream(self: &Arc<Self>) -> StreamGuard {
         self.streams.send_modify(|count| *count += 1);
+        self.services.metrics.stream_opened();
         StreamGuard(Arc::clone(self))
     }
 
@@ -213,6 +214,7 @@ pub(crate) struct StreamGuard(Arc<Registry>);
 impl Drop for StreamGuard {
     fn drop(&mut self) {
         self.0.streams.send_modify(|count| *count -= 1);
+        self.0.services.metrics.stream_closed();
     }
 }
 

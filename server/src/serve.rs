@@ -15,16 +15,18 @@ use signorini_proto::v1::session_service_server::SessionServiceServer;
 use signorini_proto::v1::surface_service_server::SurfaceServiceServer;
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
-use tokio_stream::wrappers::UnixListenerStream;
+use tokio::time::{Instant, timeout_at};
 use tonic::transport::Server;
-use tonic::transport::server::{Router, TcpIncoming};
+use tonic::transport::server::Router;
 use tonic_health::ServingStatus;
 use tonic_health::server::HealthReporter;
 use tower::layer::util::{Identity, Stack};
 
+use crate::accept::{self, Door, Source};
 use crate::calls::{CountCalls, Methods};
 use crate::compute::SolverThreads;
 use crate::config::{Config, ConfigError};
+use crate::gates::{GateMessages, Gates};
 use crate::listen::{Listener, Socket};
 use crate::metrics::{COMMIT, Metrics};
 use crate::metrics_page::{self, Page};
@@ -37,7 +39,7 @@ use crate::store::Store;
 use crate::surfaces::Surfaces;
 use crate::transport::{MESSAGE_BYTES, Reasoned};
 
-type CountedRouter = Router<Stack<CountCalls, Identity>>;
+type GuardedRouter = Router<Stack<GateMessages, Stack<CountCalls, Identity>>>;
 
 const STREAM_WINDOW_BYTES: u32 = 1 << 20;
 const CONNECTION_WINDOW_BYTES: u32 = 4 << 20;
@@ -93,7 +95,8 @@ pub async fn serve(
     };
     let helpers = helpers(page, listener.metrics);
     let (stop, stopped) = oneshot::channel();
-    let mut server = tokio::spawn(run(router, listener.socket, stopped));
+    let door = Door::new(&services.config, &services.metrics);
+    let mut server = tokio::spawn(run(router, listener.socket, door, stopped));
     tokio::select! {
         ended = &mut server => {
             abort(&helpers);
@@ -103,22 +106,20 @@ pub async fn serve(
     }
     tracing::info!("shutting down");
     set_health(&health, ServingStatus::NotServing).await;
-    if tokio::time::timeout(drain_time, registry.drain())
-        .await
-        .is_err()
-    {
+    // One clock for all of it: what comes first leaves something for what follows.
+    let end = Instant::now() + drain_time;
+    let delivered = end - LAST_CALL.min(drain_time / 4);
+    if timeout_at(delivered, registry.drain()).await.is_err() {
         tracing::warn!("sessions did not stop in time");
     }
-    if tokio::time::timeout(drain_time, registry.streams_gone())
-        .await
-        .is_err()
-    {
+    if timeout_at(delivered, registry.streams_gone()).await.is_err() {
         tracing::warn!("some streams did not take their last results in time");
     }
     drop(stop);
-    let ended = tokio::time::timeout(LAST_CALL, &mut server).await;
+    let left = end.saturating_duration_since(Instant::now());
+    let ended = tokio::time::timeout(LAST_CALL.min(left / 2), &mut server).await;
     abort(&helpers);
-    close(&services, drain_time).await;
+    close(&services, end).await;
     match ended {
         Ok(ended) => joined(ended),
         Err(_) => {
@@ -145,9 +146,11 @@ fn log_start(config: &Config, listener: &Listener) {
 
 fn services(config: Config) -> Result<Arc<Services>, ServeError> {
     let metrics = Metrics::new().map_err(|error| setup("metrics", &error))?;
-    let solvers = SolverThreads::start(config.solver_slots, config.threads(), &metrics)
+    let solvers = SolverThreads::start(config.slots(), &metrics)
         .map_err(ServeError::Threads)?;
+    let gates = Gates::new(config.budget(), &metrics);
     Ok(Arc::new(Services {
+        gates: gates.map_err(|error| setup("the descriptors", &error))?,
         store: Store::new(config.budget(), &metrics),
         config,
         surfaces: Surfaces::default(),
@@ -159,7 +162,7 @@ fn services(config: Config) -> Result<Arc<Services>, ServeError> {
 async fn router(
     services: &Arc<Services>,
     registry: &Arc<Registry>,
-) -> Result<(HealthReporter, CountedRouter), ServeError> {
+) -> Result<(HealthReporter, GuardedRouter), ServeError> {
     let (health, health_service) = tonic_health::server::health_reporter();
     set_health(&health, ServingStatus::Serving).await;
     let meshes = Meshes {
@@ -186,6 +189,7 @@ async fn router(
     let methods = Methods::new(&services.metrics).map_err(|error| setup("metrics", &error))?;
     let router = Server::builder()
         .layer(CountCalls(Arc::new(methods)))
+        .layer(GateMessages(Arc::clone(&services.gates.decode)))
         .initial_stream_window_size(STREAM_WINDOW_BYTES)
         .initial_connection_window_size(CONNECTION_WINDOW_BYTES)
         .max_concurrent_streams(STREAMS_PER_CONNECTION)
@@ -224,24 +228,21 @@ fn service_name<S: tonic::server::NamedService>() -> &'static str {
 }
 
 async fn run(
-    router: CountedRouter,
+    router: GuardedRouter,
     socket: Socket,
+    door: Arc<Door>,
     stopped: oneshot::Receiver<()>,
 ) -> Result<(), tonic::transport::Error> {
     let stopped = async {
         // Dropping the sender is the signal.
         let _signal = stopped.await;
     };
-    match socket {
-        Socket::Tcp(listener) => {
-            let incoming = TcpIncoming::from(listener).with_nodelay(Some(true));
-            router.serve_with_incoming_shutdown(incoming, stopped).await
-        }
-        Socket::Unix(listener, _file) => {
-            let incoming = UnixListenerStream::new(listener);
-            router.serve_with_incoming_shutdown(incoming, stopped).await
-        }
-    }
+    let (source, _file) = match socket {
+        Socket::Tcp(listener) => (Source::Tcp(listener), None),
+        Socket::Unix(listener, file) => (Source::Unix(listener), Some(file)),
+    };
+    let incoming = accept::incoming(source, door);
+    router.serve_with_incoming_shutdown(incoming, stopped).await
 }
 
 fn helpers(page: Page, listener: Option<tokio::net::TcpListener>) -> Vec<JoinHandle<()>> {
@@ -265,7 +266,7 @@ fn abort(helpers: &[JoinHandle<()>]) {
 
 /// Joins the solver threads; one that cannot be interrupted is left behind, in a
 /// thread that no runtime waits for.
-async fn close(services: &Arc<Services>, patience: Duration) {
+async fn close(services: &Arc<Services>, end: Instant) {
     let services = Arc::clone(services);
     let (closed, joined) = oneshot::channel();
     let joiner = std::thread::Builder::new().spawn(move || {
@@ -273,7 +274,7 @@ async fn close(services: &Arc<Services>, patience: Duration) {
         // Nobody waits any more when it took too long.
         let _late = closed.send(());
     });
-    let joined = tokio::time::timeout(patience, joined).await;
+    let joined = timeout_at(end, joined).await;
     if joiner.is_err() || joined.is_err() {
         tracing::warn!("a solver thread did not stop in time");
     }

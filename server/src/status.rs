@@ -4,8 +4,6 @@
 //! Statuses travel in HTTP/2 trailers, so each is kept below [`LIMIT_BYTES`]:
 //! at most [`MAXIMUM_VIOLATIONS`] violations, long texts cut.
 
-use std::time::Duration;
-
 use prost::Message as _;
 use prost_types::Any;
 use signorini::scene::Violation;
@@ -13,6 +11,7 @@ use tonic::Code;
 use tonic_types::pb;
 
 use crate::fault::Fault;
+use crate::retry;
 
 /// Encoded size that no status reaches.
 const LIMIT_BYTES: usize = 4096;
@@ -221,10 +220,17 @@ fn resource_info(fault: &Fault) -> Option<Any> {
 }
 
 fn retry_info(fault: &Fault) -> Option<Any> {
-    if !matches!(fault, Fault::QueueFull { .. } | Fault::ShuttingDown) {
+    let comes_again = matches!(
+        fault,
+        Fault::QueueFull { .. }
+            | Fault::SessionLimit { .. }
+            | Fault::MemoryBudget { .. }
+            | Fault::ShuttingDown
+    );
+    if !comes_again {
         return None;
     }
-    let delay = prost_types::Duration::try_from(Duration::from_secs(1)).ok()?;
+    let delay = prost_types::Duration::try_from(retry::delay()).ok()?;
     let info = pb::RetryInfo {
         retry_delay: Some(delay),
     };

@@ -149,6 +149,11 @@ impl Store {
         Arc::new(store)
     }
 
+    /// Bytes that may be held.
+    pub(crate) fn budget(&self) -> u64 {
+        self.budget
+    }
+
     /// A mesh by its identity.
     pub(crate) fn mesh(&self, id: MeshId) -> Result<Lease<Mesh>, Fault> {
         let mut inner = self.lock();
@@ -353,6 +358,21 @@ impl Reservation {
     /// The bytes for which there is no room; the reservation is then as before.
     pub(crate) fn resize(&mut self, bytes: u64) -> Result<(), u64> {
         self.store.grow(self.bytes, bytes)?;
+        self.bytes = bytes;
+        Ok(())
+    }
+
+    /// As [`Reservation::resize`], with the fault for a request.
+    ///
+    /// # Errors
+    /// `MemoryBudget`; the reservation is then as before.
+    pub(crate) fn claim(&mut self, bytes: u64) -> Result<(), Fault> {
+        let held = |lacking: u64| Fault::MemoryBudget {
+            predicted: bytes,
+            held: (self.store.budget + lacking).saturating_sub(bytes),
+            budget: self.store.budget,
+        };
+        self.store.grow(self.bytes, bytes).map_err(held)?;
         self.bytes = bytes;
         Ok(())
     }

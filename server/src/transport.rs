@@ -16,9 +16,14 @@ use crate::registry::Registry;
 /// Largest message, bytes.
 pub(crate) const MESSAGE_BYTES: usize = 4 << 20;
 
-/// The fault behind a status that the transport made while it read a request;
+/// The fault behind a status that the transport, or the gate before it, made while it
+/// read a request;
 /// `None` for a broken connection and for statuses of this service.
 pub(crate) fn fault_of(status: &Status) -> Option<Fault> {
+    let source = std::error::Error::source(status);
+    if let Some(fault) = source.and_then(|source| source.downcast_ref::<Fault>()) {
+        return Some(fault.clone());
+    }
     if !status.details().is_empty() {
         return None;
     }

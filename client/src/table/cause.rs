@@ -54,6 +54,10 @@ pub(crate) fn cause(cause: Cause) -> Option<&'static str> {
             "the faces are too large for the pressure on this curved obstacle: mesh the contact \
              finer"
         }
+        Cause::ServerTimeLimit => {
+            "the step took as long as any step may on this server (maximum_step_seconds): give it \
+             more increments, or ask for a longer time"
+        }
     };
     Some(sentence)
 }

@@ -189,6 +189,10 @@ fn cell_kind(number: i32) -> Result<CellKind, Fault> {
 }
 
 fn group(message: wire::MeshGroup) -> Result<GroupHeader, Fault> {
+    if message.name.chars().any(char::is_control) {
+        let text = "has a control character";
+        return Err(Fault::request("header.groups.name", text));
+    }
     if message.name.len() > MAXIMUM_NAME_BYTES {
         return Err(limit("header.groups.name", MAXIMUM_NAME_BYTES as i64));
     }

@@ -109,10 +109,14 @@ impl Faults {
         value
     }
 
-    /// A name of allowed length.
+    /// A name of allowed length that a terminal shows as it is.
     pub(crate) fn name(&mut self, name: &str, path: &str) -> String {
         if name.len() > MAXIMUM_NAME_BYTES {
             self.add(path, format!("is longer than {MAXIMUM_NAME_BYTES} bytes"));
+            return String::new();
+        }
+        if name.chars().any(char::is_control) {
+            self.add(path, "has a control character");
             return String::new();
         }
         name.to_owned()

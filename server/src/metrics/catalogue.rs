@@ -41,6 +41,11 @@ pub(super) const QUEUE_WAIT: &str = "signorini_queue_wait_seconds";
 pub(super) const SLOTS_BUSY: &str = "signorini_slots_busy";
 pub(super) const CANCEL_SECONDS: &str = "signorini_cancel_seconds";
 pub(super) const REFUSED: &str = "signorini_refused_total";
+pub(super) const PAUSES: &str = "signorini_slot_pauses_total";
+pub(super) const CONNECTIONS: &str = "signorini_connections";
+pub(super) const TURNED_AWAY: &str = "signorini_connections_turned_away_total";
+pub(super) const DECODING: &str = "signorini_decoding_bytes";
+pub(super) const UPLOADS: &str = "signorini_uploads";
 pub(super) const LEFT_BEHIND: &str = "signorini_steps_left_behind_total";
 pub(super) const COALESCED: &str = "signorini_iterations_coalesced_total";
 pub(super) const SLOTS: &str = "signorini_slots";
@@ -133,7 +138,7 @@ pub(super) const HISTOGRAMS: [(&str, &[f64], &str); 12] = [
     ),
 ];
 
-pub(super) const COUNTERS: [(&str, &str); 18] = [
+pub(super) const COUNTERS: [(&str, &str); 20] = [
     (ITERATIONS, "Krylov iterations of all sessions."),
     (INCREMENTS, "Finished increments by termination."),
     (STEPS, "Finished steps by termination."),
@@ -166,16 +171,33 @@ pub(super) const COUNTERS: [(&str, &str); 18] = [
         LEFT_BEHIND,
         "Steps answered while their solver thread could not stop.",
     ),
+    (
+        PAUSES,
+        "Times that a step gave its slot to a client that had less.",
+    ),
+    (
+        TURNED_AWAY,
+        "Connections closed because there were too many, they were silent, or no descriptor was left; by reason.",
+    ),
     (RECEIVED, "Bytes of messages that clients sent."),
     (SENT, "Bytes of messages that clients were sent."),
     (CALLS_STARTED, "Calls begun, by method."),
     (CALLS_HANDLED, "Calls ended, by method and code."),
 ];
 
-pub(super) const GAUGES: [(&str, &str); 11] = [
+pub(super) const GAUGES: [(&str, &str); 14] = [
     (BUILD_INFO, "1; the labels name the build."),
     (SESSIONS, "Sessions that exist."),
-    (STREAMS, "Open solve streams."),
+    (
+        STREAMS,
+        "Open `Solve` and `Watch` streams, those included that have named no session yet.",
+    ),
+    (CONNECTIONS, "Open connections."),
+    (
+        DECODING,
+        "Bytes taken by messages of clients that are received, decoded and handled.",
+    ),
+    (UPLOADS, "Uploads of meshes under way."),
     (MESHES, "Meshes in the store."),
     (PREPARED, "Prepared data in the store."),
     (MEMORY, "Bytes held, by kind."),

@@ -25,6 +25,9 @@ pub(crate) use start::COMMIT;
 
 use crate::status;
 
+/// The cause of the contract that no solver gives.
+const SERVER_TIME_LIMIT: &str = "server_time_limit";
+
 /// What a cache of the store holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
@@ -143,6 +146,12 @@ impl Metrics {
         }
     }
 
+    /// An increment reached the ceiling of its step's time.
+    pub(crate) fn server_time_limit(&self) {
+        self.counter(FAILURES, &[("cause", SERVER_TIME_LIMIT)])
+            .increment(1);
+    }
+
     /// One finished step.
     pub(crate) fn step(&self, termination: Termination) {
         self.counter(STEPS, &[("termination", termination.name())])
@@ -192,6 +201,36 @@ impl Metrics {
 
     pub(crate) fn job_ended(&self) {
         self.gauge(SLOTS_BUSY, &[]).decrement(1.0);
+    }
+
+    /// A job gave its slot away.
+    pub(crate) fn paused(&self) {
+        self.counter(PAUSES, &[]).increment(1);
+        self.gauge(SLOTS_BUSY, &[]).decrement(1.0);
+    }
+
+    pub(crate) fn resumed(&self) {
+        self.gauge(SLOTS_BUSY, &[]).increment(1.0);
+    }
+
+    pub(crate) fn connections(&self, count: usize) {
+        self.set(CONNECTIONS, count);
+    }
+
+    pub(crate) fn turned_away(&self, why: &'static str) {
+        self.turned_away_by(why).increment(1);
+    }
+
+    fn turned_away_by(&self, why: &'static str) -> Counter {
+        self.counter(TURNED_AWAY, &[("reason", why)])
+    }
+
+    pub(crate) fn decoding(&self, bytes: usize) {
+        self.set(DECODING, bytes);
+    }
+
+    pub(crate) fn uploads(&self, count: usize) {
+        self.set(UPLOADS, count);
     }
 
     pub(crate) fn sessions(&self, count: usize) {

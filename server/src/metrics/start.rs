@@ -7,7 +7,8 @@ use signorini::assembly::simd::InstructionSet;
 use signorini::report::{Cause, Fallback, Seconds, Termination, WarningKind};
 
 use super::catalogue::*;
-use super::{Kind, Metrics, phases};
+use super::{Kind, Metrics, SERVER_TIME_LIMIT, phases};
+use crate::accept::Away;
 
 /// The commit that the program was built from; `unknown` outside release builds.
 pub(crate) const COMMIT: &str = env!("SIGNORINI_COMMIT");
@@ -24,6 +25,7 @@ impl Metrics {
             FACTORISATIONS,
             COALESCED,
             LEFT_BEHIND,
+            PAUSES,
             RECEIVED,
             SENT,
         ] {
@@ -31,6 +33,9 @@ impl Metrics {
         }
         for reason in reasons {
             self.counter(REFUSED, &[("reason", reason)]).increment(0);
+        }
+        for why in Away::ALL {
+            self.turned_away_by(why.name()).increment(0);
         }
         for name in [
             QUEUE_WAIT,
@@ -76,9 +81,9 @@ impl Metrics {
             self.counter(INCREMENTS, &label).increment(0);
             self.show_histogram(SOLVE_SECONDS, &label);
         }
-        for cause in Cause::ALL {
-            self.counter(FAILURES, &[("cause", cause.name())])
-                .increment(0);
+        let causes = Cause::ALL.map(Cause::name).into_iter();
+        for cause in causes.chain([SERVER_TIME_LIMIT]) {
+            self.counter(FAILURES, &[("cause", cause)]).increment(0);
         }
         for rung in Fallback::ALL {
             self.counter(FALLBACKS, &[("rung", rung.name())])

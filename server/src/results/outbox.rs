@@ -64,6 +64,8 @@ struct State {
     answers: usize,
     /// The session waits for room.
     is_awaited: bool,
+    /// It waits until nothing is unread.
+    needs_empty: bool,
     end: Option<StreamEnd>,
 }
 
@@ -176,7 +178,23 @@ impl Outbox {
         has_room
     }
 
+    /// Lets nothing more in before all is read, and wakes the session then: memory is
+    /// lacking.
+    pub(crate) fn await_empty(&self) {
+        let mut state = self.lock();
+        (state.is_awaited, state.needs_empty) = (true, true);
+        let is_read = self.fits(&state);
+        drop(state);
+        if is_read {
+            // It was read meanwhile.
+            self.room.notify_one();
+        }
+    }
+
     fn fits(&self, state: &State) -> bool {
+        if state.needs_empty {
+            return state.unread_bytes() == 0;
+        }
         state.unread_bytes() <= self.limit.bytes && state.results < self.limit.results
     }
 
@@ -211,6 +229,7 @@ impl Outbox {
         {
             let wakes = state.is_awaited && self.fits(&state);
             state.is_awaited &= !wakes;
+            state.needs_empty &= !wakes;
             drop(state);
             if wakes {
                 self.room.notify_one();

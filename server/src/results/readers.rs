@@ -13,7 +13,6 @@ use super::iterations::Newest;
 use super::kept::Kept;
 use super::outbox::{Outbox, StreamEnd};
 use crate::fault::Fault;
-use crate::metrics::Metrics;
 use crate::status;
 
 /// A result that is new in the session.
@@ -40,25 +39,17 @@ pub(crate) struct Reader {
     /// Results up to this event came before this stream, to nobody's knowledge.
     missed: i64,
     repeats: VecDeque<Repeat>,
-    metrics: Arc<Metrics>,
 }
 
 impl Reader {
     /// A reader of results behind the event `start`, of which the client has not
     /// seen those up to `missed`.
-    pub(crate) fn new(
-        outbox: Arc<Outbox>,
-        start: i64,
-        missed: i64,
-        metrics: &Arc<Metrics>,
-    ) -> Self {
-        metrics.stream_opened();
+    pub(crate) fn new(outbox: Arc<Outbox>, start: i64, missed: i64) -> Self {
         Self {
             outbox,
             cursor: start,
             missed,
             repeats: VecDeque::new(),
-            metrics: Arc::clone(metrics),
         }
     }
 
@@ -141,7 +132,6 @@ impl Reader {
 
 impl Drop for Reader {
     fn drop(&mut self) {
-        self.metrics.stream_closed();
         // The first end stays, so this one reaches only the stream of an actor
         // that died.
         self.outbox.end(StreamEnd::Fault(Fault::Internal));

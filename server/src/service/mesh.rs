@@ -2,26 +2,29 @@
 
 use std::future::Future;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use prost::Message as _;
 use signorini::mesh::{Mesh, MeshId};
 use signorini_proto::v1::{self as wire, mesh_service_server::MeshService, upload_mesh_request};
+use tokio::time::Instant;
 use tonic::codegen::BoxStream;
 use tonic::{Request, Response, Status, Streaming};
 
 use super::{aside, page_size, respond};
+use crate::client_key::{ClientIdentity, ClientKey};
 use crate::convert::mesh::{self as convert, Header, Upload};
 use crate::fault::Fault;
+use crate::gates::UploadShare;
 use crate::registry::Registry;
 use crate::session::Services;
 use crate::store::{Lease, Reservation};
 use crate::transport;
 
-/// An upload that sends nothing for so long gives its memory back.
+/// Time that every upload has; one that sends nothing for so long gives its memory back.
 const IDLE: Duration = Duration::from_secs(60);
 
-/// An upload slower than this, after its first minute, counts as abandoned.
+/// An upload slower than this after that time counts as abandoned.
 const LEAST_BYTES_PER_SECOND: u64 = 64 << 10;
 /// Encoded size that ends a page of meshes.
 const PAGE_BYTES: usize = 1 << 20;
@@ -41,7 +44,8 @@ impl MeshService for Meshes {
         &self,
         request: Request<Streaming<wire::UploadMeshRequest>>,
     ) -> Result<Response<wire::UploadMeshResponse>, Status> {
-        respond(&self.registry, self.upload(request.into_inner())).await
+        let client = ClientKey::of(&request).identity;
+        respond(&self.registry, self.upload(request.into_inner(), client)).await
     }
 
     #[tracing::instrument(skip_all)]
@@ -99,10 +103,12 @@ impl Meshes {
     async fn upload(
         &self,
         mut inbound: Streaming<wire::UploadMeshRequest>,
+        client: ClientIdentity,
     ) -> Result<wire::UploadMeshResponse, Fault> {
         use upload_mesh_request::Part;
         self.registry.check_open()?;
-        let Some(Part::Header(header)) = next(&mut inbound).await? else {
+        let mut taken = Taken::new(&self.services, client)?;
+        let Some(Part::Header(header)) = next(&mut inbound, taken.end()).await? else {
             return Err(Fault::request("header", "must be the first message"));
         };
         let header = Header::new(header)?;
@@ -110,18 +116,14 @@ impl Meshes {
         if let Some(found) = id.and_then(|id| self.services.store.mesh(id).ok()) {
             return self.uploaded(found, Presence::Before);
         }
-        // Held until the mesh itself is counted.
-        let reservation = self.services.store.reserve(header.predicted_bytes())?;
-        let most = IDLE + Duration::from_secs(header.array_bytes() / LEAST_BYTES_PER_SECOND);
-        let end = Instant::now() + most;
+        taken.expect(&header)?;
         let mut upload = Upload::new(header);
-        while let Some(part) = next(&mut inbound).await? {
-            if Instant::now() > end {
-                let text = format!("took longer than {} seconds", most.as_secs());
-                return Err(Fault::request("upload", text));
-            }
+        while let Some(part) = next(&mut inbound, taken.end()).await? {
             match part {
-                Part::Chunk(chunk) => upload.push(&chunk)?,
+                Part::Chunk(chunk) => {
+                    taken.grow(chunk.data.len() as u64)?;
+                    upload.push(&chunk)?;
+                }
                 Part::Header(_) => {
                     return Err(Fault::request("header", "must be the first message only"));
                 }
@@ -131,7 +133,7 @@ impl Meshes {
         if let Ok(found) = self.services.store.mesh(mesh.id()) {
             return self.uploaded(found, Presence::Before);
         }
-        let _excess = self.reserve_excess(&mesh, &reservation)?;
+        let _excess = self.reserve_excess(&mesh, taken.bytes())?;
         self.uploaded(self.services.store.insert_mesh(mesh), Presence::New)
     }
 
@@ -139,9 +141,9 @@ impl Meshes {
     fn reserve_excess(
         &self,
         mesh: &Mesh,
-        taken: &Reservation,
+        taken: u64,
     ) -> Result<Option<Reservation>, Fault> {
-        match mesh.bytes().saturating_sub(taken.bytes()) {
+        match mesh.bytes().saturating_sub(taken) {
             0 => Ok(None),
             excess => self.services.store.reserve(excess).map(Some),
         }
@@ -200,13 +202,70 @@ enum Presence {
     New,
 }
 
+/// What an upload has taken of the budget: as much as its chunks that have come are of
+/// all, held until the mesh itself is counted.
+struct Taken {
+    reservation: Reservation,
+    share: UploadShare,
+    begun: Instant,
+    received: u64,
+    /// Of the arrays on the wire, and of the upload with the mesh made of it.
+    announced: u64,
+    predicted: u64,
+}
+
+impl Taken {
+    fn new(services: &Services, client: ClientIdentity) -> Result<Self, Fault> {
+        Ok(Self {
+            reservation: services.store.reserve(0)?,
+            share: services.gates.uploads.begin(client),
+            begun: Instant::now(),
+            received: 0,
+            announced: 0,
+            predicted: 0,
+        })
+    }
+
+    /// Refuses at once what can never fit.
+    fn expect(&mut self, header: &Header) -> Result<(), Fault> {
+        (self.announced, self.predicted) = (header.array_bytes(), header.predicted_bytes());
+        self.take(self.predicted)?;
+        self.take(0)
+    }
+
+    fn take(&mut self, bytes: u64) -> Result<(), Fault> {
+        self.share.grow(bytes)?;
+        self.reservation.claim(bytes)
+    }
+
+    /// Takes the part of a chunk before it is stored.
+    fn grow(&mut self, bytes: u64) -> Result<(), Fault> {
+        self.received = self.received.saturating_add(bytes);
+        let part = u128::from(self.predicted) * u128::from(self.received);
+        let part = part / u128::from(self.announced.max(1));
+        // More than was announced is refused where it is stored.
+        let part = u64::try_from(part).unwrap_or(u64::MAX).min(self.predicted);
+        self.take(part)
+    }
+
+    /// When the upload has become too slow: it has a minute, and more for what has come.
+    fn end(&self) -> Instant {
+        self.begun + IDLE + Duration::from_secs(self.received / LEAST_BYTES_PER_SECOND)
+    }
+
+    fn bytes(&self) -> u64 {
+        self.reservation.bytes()
+    }
+}
+
 async fn next(
     inbound: &mut Streaming<wire::UploadMeshRequest>,
+    end: Instant,
 ) -> Result<Option<upload_mesh_request::Part>, Fault> {
     let broken = |status: Status| {
         transport::fault_of(&status).unwrap_or_else(|| Fault::request("upload", status.message()))
     };
-    match within(IDLE, inbound.message()).await?.map_err(broken)? {
+    match by(end, inbound.message()).await?.map_err(broken)? {
         None => Ok(None),
         Some(message) => message.part.map(Some).ok_or_else(|| {
             Fault::unsupported("upload", "a message that this version does not know")
@@ -215,10 +274,13 @@ async fn next(
 }
 
 /// The outcome of `arrival`, if it comes before an upload counts as abandoned.
-async fn within<T>(idle: Duration, arrival: impl Future<Output = T>) -> Result<T, Fault> {
-    let arrived = tokio::time::timeout(idle, arrival).await;
+async fn by<T>(end: Instant, arrival: impl Future<Output = T>) -> Result<T, Fault> {
+    let arrived = tokio::time::timeout_at(end, arrival).await;
     arrived.map_err(|_| {
-        let text = format!("nothing came for {} seconds", idle.as_secs());
+        let text = format!(
+            "came slower than {LEAST_BYTES_PER_SECOND} bytes a second after its first {} seconds",
+            IDLE.as_secs()
+        );
         Fault::request("upload", text)
     })
 }
@@ -243,7 +305,7 @@ mod tests {
     #[tokio::test]
     async fn an_upload_that_goes_silent_ends_with_a_reason() {
         let silent = std::future::pending::<()>();
-        let fault = within(Duration::from_millis(1), silent).await.unwrap_err();
+        let fault = by(Instant::now(), silent).await.unwrap_err();
         assert!(matches!(fault, Fault::RequestInvalid(_)), "{fault}");
     }
 }

@@ -180,7 +180,7 @@ impl Sessions {
         let on_disconnect = request.on_disconnect();
         let scene = request.scene.ok_or_else(missing)?;
         if request.validate_only {
-            let plan = self.plan(scene).await?.plan;
+            let plan = self.plan(scene, client).await?.plan;
             return Ok(wire::CreateSessionResponse {
                 session: None,
                 plan: Some(report::plan(plan.report())),
@@ -195,15 +195,17 @@ impl Sessions {
             Claimed::New(claim) => claim,
         };
         let kept = Arc::new(scene.clone());
-        let planned = self.plan(scene).await?;
+        let planned = self.plan(scene, client).await?;
         let plan_report = report::plan(planned.plan.report());
         let own_bytes = OWN_FACTOR * (kept.encoded_len() + plan_report.encoded_len()) as u64;
-        let taken = self.reserve(&planned, own_bytes)?;
+        let result_bytes = result_bytes(&planned);
+        let taken = self.reserve(&planned, own_bytes + result_bytes)?;
         let spec = SessionSpec {
             name: claim.name().to_owned(),
             reservation: Arc::new(Mutex::new(taken.reservation)),
             prepared: taken.prepared,
             own_bytes,
+            result_bytes,
             plan: Arc::new(planned.plan),
             plan_report,
             scene: kept,
@@ -217,10 +219,13 @@ impl Sessions {
         created(&claim.start(spec)).await
     }
 
-    async fn plan(&self, message: wire::Scene) -> Result<Planned, Fault> {
+    async fn plan(&self, message: wire::Scene, client: ClientKey) -> Result<Planned, Fault> {
         let surfaces = self.surfaces(&message)?;
         let request = scene::scene(message, &surfaces)?;
         let mesh = self.services.store.mesh(request.mesh)?;
+        let _turn = self.services.gates.plans.turn(client).await;
+        // A plan numbers the mesh and finds its surfaces: about the mesh once more.
+        let _memory = self.services.store.reserve(mesh.value().bytes())?;
         let planned = aside(move || {
             let plan = request.plan(mesh.value())?;
             Ok::<_, Fault>(Planned {
@@ -252,14 +257,12 @@ impl Sessions {
 
     /// Takes the predicted memory with one result, less what another session has
     /// prepared, and keeps that from being dropped.
-    fn reserve(&self, planned: &Planned, own_bytes: u64) -> Result<Taken, Fault> {
+    fn reserve(&self, planned: &Planned, beside: u64) -> Result<Taken, Fault> {
         let (store, report) = (&self.services.store, planned.plan.report());
         let prepared = store.hold_prepared(&planned.plan.key());
         let there = prepared.as_ref().map_or(0, |lease| lease.value().bytes());
-        let fields = planned.request.output.fields.len() as u64;
-        let result = 8 * fields * report.unknowns.displacement;
         let predicted = report.predicted_bytes.saturating_sub(there);
-        let reservation = store.reserve(predicted.saturating_add(result + own_bytes))?;
+        let reservation = store.reserve(predicted.saturating_add(beside))?;
         Ok(Taken {
             reservation,
             prepared,
@@ -321,6 +324,12 @@ impl Sessions {
         });
         Ok(Box::pin(tokio_stream::iter(responses).map(Ok)))
     }
+}
+
+/// About what the fields of one result take, bytes.
+fn result_bytes(planned: &Planned) -> u64 {
+    let fields = planned.request.output.fields.len() as u64;
+    8 * fields * planned.plan.report().unknowns.displacement
 }
 
 fn check_request(request: &wire::CreateSessionRequest) -> Result<(), Fault> {

@@ -7,6 +7,7 @@
 //! One stream writes, any number watches.
 
 mod actor;
+mod clock;
 mod handle;
 mod queue;
 mod work;
@@ -23,6 +24,7 @@ use crate::client_key::ClientKey;
 use crate::compute::SolverThreads;
 use crate::config::Config;
 use crate::convert::scene::Output;
+use crate::gates::Gates;
 use crate::metrics::Metrics;
 use crate::store::{Lease, Reservation, Store};
 use crate::surfaces::Surfaces;
@@ -41,6 +43,8 @@ pub(crate) struct Services {
     pub(crate) surfaces: Surfaces,
     /// The threads on which sessions compute.
     pub(crate) solvers: SolverThreads,
+    /// Who may plan, upload and send large messages, and how much of it at one time.
+    pub(crate) gates: Gates,
 }
 
 /// Everything that a new session starts from.
@@ -65,6 +69,8 @@ pub(crate) struct SessionSpec {
     pub(crate) reservation: Arc<Mutex<Reservation>>,
     /// Keeps prepared data that are there already until the session has them.
     pub(crate) prepared: Option<Lease<Prepared>>,
+    /// Of one result with the fields of the scene, bytes.
+    pub(crate) result_bytes: u64,
     /// Held by the scene and the plan, bytes.
     pub(crate) own_bytes: u64,
     /// Time without a call after which the session expires.

@@ -1,6 +1,7 @@
 //! Updates that a session accepted, in sequence; the first one is the current.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 use std::time::Duration;
 
 use signorini::report::{CancelToken, StepReport};
@@ -9,12 +10,16 @@ use tokio::sync::mpsc;
 use tokio::task::AbortHandle;
 use tokio::time::Instant;
 
+use super::clock::SlotClock;
 use super::work::Event;
 use crate::convert::step::Update;
 
 /// A step that was told to stop and has not after this time is answered without
 /// its solver thread.
 const PATIENCE: Duration = Duration::from_millis(150);
+
+/// How often the time of a step that waits for a slot is looked at.
+const SHORTEST_LOOK: Duration = Duration::from_millis(50);
 
 /// What the increments of a step took so far.
 #[derive(Clone, Copy, Debug, Default)]
@@ -35,6 +40,11 @@ pub(super) struct Accepted {
     pub(super) results: u32,
     spent: Spent,
     max_wall_time: Option<Duration>,
+    /// Time that it had a slot.
+    pub(super) slot_clock: Arc<SlotClock>,
+    /// It had a slot as long as any step may.
+    pub(super) is_too_long: bool,
+    ceiling: Option<AbortHandle>,
     deadline: Option<AbortHandle>,
     stream_deadline: Option<AbortHandle>,
     patience: Option<AbortHandle>,
@@ -50,6 +60,9 @@ impl Accepted {
             results: 0,
             spent: Spent::default(),
             max_wall_time: update.max_wall_time,
+            slot_clock: Arc::default(),
+            is_too_long: false,
+            ceiling: None,
             deadline: None,
             stream_deadline: None,
             patience: None,
@@ -113,6 +126,27 @@ impl Accepted {
         }
     }
 
+    /// Ends the step when it had a slot for `limit`; started once.
+    pub(super) fn start_ceiling(
+        &mut self,
+        limit: Option<Duration>,
+        events: &mpsc::UnboundedSender<Event>,
+    ) {
+        let (Some(limit), None) = (limit, &self.ceiling) else {
+            return;
+        };
+        let (clock, events, sequence) =
+            (Arc::clone(&self.slot_clock), events.clone(), self.sequence);
+        let watch = tokio::spawn(async move {
+            while let Some(left) = limit.checked_sub(clock.used()) {
+                tokio::time::sleep(left.max(SHORTEST_LOOK)).await;
+            }
+            // A session that is gone has no step.
+            let _gone = events.send(Event::Ceiling(sequence));
+        });
+        self.ceiling = Some(watch.abort_handle());
+    }
+
     /// Starts, once, the time that a step which shall stop gets to do so.
     pub(super) fn start_patience(&mut self, events: &mpsc::UnboundedSender<Event>) {
         if self.patience.is_none() {
@@ -130,10 +164,9 @@ impl Accepted {
 
 impl Drop for Accepted {
     fn drop(&mut self) {
-        for clock in [&self.deadline, &self.stream_deadline, &self.patience]
-            .into_iter()
-            .flatten()
-        {
+        let (ceiling, deadline) = (&self.ceiling, &self.deadline);
+        let clocks = [ceiling, deadline, &self.stream_deadline, &self.patience];
+        for clock in clocks.into_iter().flatten() {
             clock.abort();
         }
     }

@@ -2,6 +2,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use signorini::mesh::Mesh;
 use signorini::plan::Plan;
@@ -14,8 +15,9 @@ use signorini::{ObstaclePose, Reuse, Session, StepRun};
 use tokio::sync::{mpsc, oneshot};
 
 use super::Services;
-use crate::client_key::ClientKey;
-use crate::compute::{Panicked, Slot, said};
+use super::clock::SlotClock;
+use crate::client_key::Flow;
+use crate::compute::{Length, Panicked, Slot, said};
 use crate::convert::field::KeptField;
 use crate::convert::report;
 use crate::memory::{self, OutOfMemory};
@@ -69,6 +71,8 @@ pub(super) struct Task {
     pub(super) number: u32,
     pub(super) step: Step,
     pub(super) cancel: CancelToken,
+    /// Time that the step had a slot.
+    pub(super) clock: Arc<SlotClock>,
     pub(super) wanted: Vec<FieldName>,
     /// Fields come with every n-th increment and the last of the step.
     pub(super) every: u32,
@@ -107,6 +111,8 @@ pub(super) enum Event {
     Advanced(Result<Outcome, Panicked>),
     /// The time of this sequence is up.
     Deadline(i64),
+    /// This sequence had a slot as long as any step may.
+    Ceiling(i64),
     /// This sequence was told to stop long enough ago.
     OutOfPatience(i64),
 }
@@ -138,6 +144,7 @@ pub(super) fn advance(handoff: &Handoff, task: &Task, slot: &Slot) -> Outcome {
         return Outcome::Withdrawn;
     };
     let _span = tracing::info_span!("step", sequence = task.sequence).entered();
+    let _running = task.clock.run();
     let run = match work.run.take() {
         Some(run) => run,
         None => match work.session.begin_step(&task.step) {
@@ -159,10 +166,15 @@ pub(super) fn advance(handoff: &Handoff, task: &Task, slot: &Slot) -> Outcome {
 }
 
 fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Increment {
-    let mut reporter = Reporter { task, slot };
+    let mut reporter = Reporter {
+        task,
+        slot,
+        paused: Duration::ZERO,
+    };
     let done = work.session.advance(&mut run, &mut reporter, &task.cancel);
+    let paused = reporter.paused.as_secs_f64();
     let report = match done {
-        Some(report) => numbered(report, task.number),
+        Some(report) => numbered(without(report, paused), task.number),
         // Only a step that is finished has no further increment.
         None => unfinished::report(task.number, run.done(), Termination::InternalError),
     };
@@ -175,6 +187,15 @@ fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Inc
         asked,
         state_bytes: work.session.bytes(),
     }
+}
+
+/// The report without the time in which its solve had no slot.
+fn without(mut report: StepReport, paused: f64) -> StepReport {
+    // Iterations are reported from inside the Krylov method.
+    for seconds in [&mut report.seconds.total, &mut report.seconds.krylov] {
+        *seconds = (*seconds - paused).max(0.0);
+    }
+    report
 }
 
 /// The report under the number of its update: the library counts the steps that
@@ -202,6 +223,8 @@ fn gather(session: &Session, wanted: &[FieldName]) -> Vec<KeptField> {
 struct Reporter<'a> {
     task: &'a Task,
     slot: &'a Slot,
+    /// Time in which others had the slot.
+    paused: Duration,
 }
 
 impl Observer for Reporter<'_> {
@@ -215,6 +238,22 @@ impl Observer for Reporter<'_> {
         });
         let (sequence, after) = (self.task.sequence, self.task.after_event);
         self.task.iterations.publish(sequence, after, report);
+        let cancel = &self.task.cancel;
+        let is_stopped = || cancel.stopped().is_some();
+        let clock = &self.task.clock;
+        self.paused += clock.without(|| self.slot.pause(&is_stopped));
+    }
+}
+
+/// Unknowns from which a body is long work before anything of it has run: some 0.3 s
+/// a factorisation on one core.
+const LONG_UNKNOWNS: u64 = 60_000;
+
+/// Whether work on a plan is long, as far as its size tells.
+pub(super) fn length(plan: &Plan) -> Length {
+    match plan.report().unknowns.displacement < LONG_UNKNOWNS {
+        true => Length::Short,
+        false => Length::Long,
     }
 }
 
@@ -222,7 +261,8 @@ impl Observer for Reporter<'_> {
 pub(super) struct Preparation {
     pub(super) plan: Arc<Plan>,
     pub(super) mesh: Arc<Mesh>,
-    pub(super) client: ClientKey,
+    /// Whose share it uses.
+    pub(super) flow: Flow,
     pub(super) cancel: CancelToken,
     /// Held as long as the work may hold memory.
     pub(super) reservation: Arc<Mutex<Reservation>>,
@@ -243,7 +283,7 @@ async fn ready(services: &Arc<Services>, preparation: Preparation) -> Result<Rea
     let Preparation {
         plan,
         mesh,
-        client,
+        flow,
         cancel,
         reservation,
     } = preparation;
@@ -260,7 +300,8 @@ async fn ready(services: &Arc<Services>, preparation: Preparation) -> Result<Rea
                 drop(held);
                 built
             };
-            let built = on_solver(services, client, build).await??;
+            let length = length(&plan);
+            let built = on_solver(services, flow, length, build).await??;
             (
                 services.store.insert_prepared(plan.key(), mesh.id(), built),
                 Reuse::Built,
@@ -270,7 +311,7 @@ async fn ready(services: &Arc<Services>, preparation: Preparation) -> Result<Rea
     drop(guard);
     let shared = Arc::clone(prepared.value());
     let begin = move || Session::new(plan, mesh, shared, reuse);
-    let session = on_solver(services, client, begin).await?;
+    let session = on_solver(services, flow, Length::Short, begin).await?;
     drop(reservation);
     Ok(Ready {
         state_bytes: session.bytes(),
@@ -282,12 +323,14 @@ async fn ready(services: &Arc<Services>, preparation: Preparation) -> Result<Rea
 
 async fn on_solver<T: Send + 'static>(
     services: &Services,
-    client: ClientKey,
+    flow: Flow,
+    length: Length,
     work: impl FnOnce() -> T + Send + 'static,
 ) -> Result<T, Unprepared> {
     let (sender, receiver) = oneshot::channel();
     services.solvers.submit(
-        client,
+        flow,
+        length,
         |_| work(),
         move |outcome| {
             // The session may be gone; its value is dropped then.

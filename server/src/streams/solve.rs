@@ -27,6 +27,9 @@ const UNREAD_DEFAULT: i64 = 64 << 20;
 const UNREAD_LEAST: i64 = 1 << 20;
 const UNREAD_MOST: i64 = 1 << 30;
 
+/// Time in which a stream has to say which session it is for.
+const FIRST_MESSAGE: Duration = Duration::from_secs(10);
+
 /// What the transport tells about a stream.
 pub(crate) struct Call {
     pub(crate) client: ClientKey,
@@ -98,7 +101,9 @@ async fn first_message(
     deadline: Option<Instant>,
 ) -> Result<(String, OpenRequest), Fault> {
     let missing = || Fault::request("open", "must be the first message");
-    let first = match inbound.message().await {
+    let first = tokio::time::timeout(FIRST_MESSAGE, inbound.message()).await;
+    let late = |_| Fault::request("open", "did not come within 10 seconds");
+    let first = match first.map_err(late)? {
         Ok(first) => first.ok_or_else(missing)?,
         Err(status) => return Err(transport::fault_of(&status).unwrap_or_else(missing)),
     };

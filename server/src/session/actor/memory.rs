@@ -24,6 +24,25 @@ impl Actor {
         }
     }
 
+    /// Takes the memory of one more result before there is one. While it is lacking a
+    /// writer has to read what it has; with nothing unread the newest result takes the
+    /// place of older ones.
+    pub(super) fn has_memory(&mut self) -> bool {
+        let unread = self.writer.as_ref().map(|writer| &writer.reader.outbox);
+        let unread_bytes = unread.map_or(0, |outbox| outbox.unread_bytes());
+        let pinned = unread_bytes.saturating_sub(self.kept.bytes());
+        let state = self.state_bytes.max(self.predicted_rest());
+        let held = self.spec.own_bytes + pinned + state + self.kept.bytes();
+        let next = self.spec.result_bytes;
+        if lock(&self.spec.reservation).resize(held + next).is_ok() || unread_bytes == 0 {
+            return true;
+        }
+        if let Some(outbox) = unread {
+            outbox.await_empty();
+        }
+        false
+    }
+
     /// The prediction without what is shared.
     fn predicted_rest(&self) -> u64 {
         let predicted = self.spec.plan.report().predicted_bytes;

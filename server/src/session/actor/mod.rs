@@ -34,7 +34,7 @@ use super::queue::UpdateQueue;
 use super::work::{self, Event, Handoff, Outcome, Preparation, Ready, Task, Work};
 use super::{Services, SessionEnd, SessionSpec};
 use crate::client_key::ClientKey;
-use crate::compute::Panicked;
+use crate::compute::{LONG, Length, Panicked};
 use crate::config::LONGEST_SECONDS;
 use crate::fault::Fault;
 use crate::results::iterations::Iterations;
@@ -82,6 +82,10 @@ struct Actor {
     fields: Vec<FieldName>,
     /// Whose share of the solver threads the session uses.
     client: ClientKey,
+    /// Under which it has a share of its client's.
+    number: u64,
+    /// The last increment was long work.
+    was_long: bool,
     iterations: Iterations,
     last_finished: i64,
     last_event: i64,
@@ -150,6 +154,8 @@ impl Actor {
             streams: 0,
             fields: spec.output.fields.clone(),
             client: spec.client,
+            number: services.solvers.new_session(),
+            was_long: false,
             iterations: Iterations::default(),
             last_finished: 0,
             last_event: 0,
@@ -171,7 +177,7 @@ impl Actor {
         let preparation = Preparation {
             plan: Arc::clone(&self.spec.plan),
             mesh: Arc::clone(self.spec.mesh.value()),
-            client: self.client,
+            flow: self.client.flow(self.number),
             cancel: self.stop_preparing.clone(),
             reservation: Arc::clone(&self.spec.reservation),
         };
@@ -229,6 +235,7 @@ impl Actor {
             }
             Event::Advanced(outcome) => self.advanced(outcome),
             Event::Deadline(sequence) => self.deadline(sequence),
+            Event::Ceiling(sequence) => self.ceiling(sequence),
             Event::OutOfPatience(sequence) => self.leave_behind(sequence),
         }
     }
@@ -274,7 +281,7 @@ impl Actor {
             self.refuse_all(&fault);
         } else if self.queue.is_empty() {
             self.end_finished_streams();
-        } else if self.writer_has_room() {
+        } else if self.writer_has_room() && self.has_memory() {
             self.dispatch();
         }
         self.show();
@@ -288,15 +295,22 @@ impl Actor {
         let (wanted, every) = (self.wanted(), self.spec.output.every);
         let scratch_bytes = self.scratch_bytes();
         let limit = self.spec.plan.scene().solver.max_wall_time;
+        let ceiling = self.services.config.step_time();
+        let length = match self.was_long {
+            true => Length::Long,
+            false => work::length(&self.spec.plan),
+        };
         let Some(current) = self.queue.current() else {
             return;
         };
         current.start_clock(limit, &self.events);
+        current.start_ceiling(ceiling, &self.events);
         let task = Task {
             sequence: current.sequence,
             number: current.step_number(),
             step: current.step.clone(),
             cancel: current.cancel.clone(),
+            clock: Arc::clone(&current.slot_clock),
             wanted,
             every,
             scratch_bytes,
@@ -313,7 +327,8 @@ impl Actor {
         let (span, events) = (tracing::Span::current(), self.events.clone());
         let held = Arc::clone(&self.spec.reservation);
         self.services.solvers.submit(
-            self.client,
+            self.client.flow(self.number),
+            length,
             move |slot| {
                 let outcome = span.in_scope(|| work::advance(&handoff, &task, slot));
                 // The memory may outlive the session that asked for it.

@@ -1,6 +1,7 @@
 //! From an increment that ended to a kept and sent result.
 
 use super::{Actor, Fresh, Place, log};
+use crate::compute::LONG;
 use crate::convert::field::KeptField;
 use crate::convert::report;
 use crate::results::kept::{KeptReport, KeptResult};
@@ -8,11 +9,13 @@ use crate::results::unfinished;
 use crate::session::work::Increment;
 use signorini::ObstaclePose;
 use signorini::report::{Cause, FieldName, StepReport, Termination};
+use signorini_proto::v1 as wire;
 
 impl Actor {
     pub(super) fn finish_increment(&mut self, increment: Increment) {
         self.state_bytes = increment.state_bytes;
         let report = increment.report;
+        self.was_long = report.seconds.total > LONG.as_secs_f64();
         self.services.metrics.increment(&report);
         log::increment(&report);
         if let Some(current) = self.queue.current() {
@@ -59,11 +62,17 @@ impl Actor {
         };
         current.results += 1;
         let last = current.is_last(&report);
+        let is_too_long = current.is_too_long && termination == Termination::DeadlineExceeded;
         self.last_event += 1;
+        let mut report = report::step(report, poses);
+        if is_too_long {
+            report.cause = wire::Cause::ServerTimeLimit.into();
+            self.services.metrics.server_time_limit();
+        }
         let result = self.kept.push(KeptResult {
             sequence: current.sequence,
             event: self.last_event,
-            report: KeptReport::from(&report::step(report, poses)),
+            report: KeptReport::from(&report),
             last,
             asked,
             fields,

@@ -41,6 +41,15 @@ impl Actor {
         }
     }
 
+    /// A step had a slot as long as any may.
+    pub(super) fn ceiling(&mut self, sequence: i64) {
+        if let Some(accepted) = self.queue.find(sequence) {
+            tracing::info!(sequence, "a step reached `maximum_step_seconds`");
+            accepted.is_too_long = true;
+            accepted.expire();
+        }
+    }
+
     /// Answers a step whose solver thread does not stop.
     pub(super) fn leave_behind(&mut self, sequence: i64) {
         let is_current = self.queue.current_sequence() == sequence;

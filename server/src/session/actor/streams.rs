@@ -11,6 +11,9 @@ use crate::fault::Fault;
 use crate::results::outbox::{Limit, Outbox, StreamEnd, Wanted};
 use crate::session::handle::{Attachment, OpenRequest, Role};
 
+/// Part of the budget that one reader may leave unread.
+const UNREAD_PART: u64 = 8;
+
 /// Results that wait for one watcher beside the kept ones.
 const MOST_WATCHED: usize = 2;
 
@@ -29,7 +32,7 @@ impl Actor {
             Some(_) => 0,
             None => start,
         };
-        let reader = Reader::new(Arc::clone(&outbox), start, missed, &self.services.metrics);
+        let reader = Reader::new(Arc::clone(&outbox), start, missed);
         self.streams += 1;
         match role {
             Role::Writer {
@@ -68,7 +71,8 @@ impl Actor {
         let encoding = request.encoding;
         let wanted = Wanted { fields, encoding };
         let limit = Limit {
-            bytes: request.max_unread_bytes,
+            // Not more than its part of the budget, whatever the client asks for.
+            bytes: request.max_unread_bytes.min(self.services.store.budget() / UNREAD_PART),
             results: match request.role {
                 Role::Writer { .. } => usize::MAX,
                 // The rest waits among the kept ones, where it costs nothing.

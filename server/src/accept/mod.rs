@@ -1,0 +1,262 @@
+//! The door for connections: accepts them, counts them, and turns away what is too much.
+//!
+//! There are at most so many in all and of one client, so that no user of the machine
+//! takes all descriptors. A connection that has not said in time that it speaks HTTP/2
+//! is closed. Where the process has no descriptor left the door waits a moment and
+//! says so, instead of asking again at once.
+
+mod connection;
+mod peer;
+
+use std::collections::HashMap;
+use std::io;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use tokio::net::{TcpListener, UnixListener};
+use tokio::sync::mpsc;
+use tokio_stream::wrappers::ReceiverStream;
+
+use crate::client_key::{ClientIdentity, ClientKey};
+use crate::config::Config;
+use crate::limits;
+use crate::metrics::Metrics;
+pub(crate) use connection::{Connection, Peer};
+
+/// Pause after a failure to accept.
+const PAUSE: Duration = Duration::from_millis(100);
+
+/// Descriptors that are no connections: files, the runtime, the metrics page.
+const OWN_DESCRIPTORS: u64 = 32;
+
+/// Why a connection was turned away.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Away {
+    /// There are as many as may be.
+    All,
+    /// The client has as many as it may have.
+    Client,
+    /// It did not speak HTTP/2 in time.
+    Silent,
+    /// The system gave no descriptor.
+    Descriptors,
+}
+
+impl Away {
+    pub(crate) const ALL: [Self; 4] = [Self::All, Self::Client, Self::Silent, Self::Descriptors];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::All => "all",
+            Self::Client => "client",
+            Self::Silent => "silent",
+            Self::Descriptors => "descriptors",
+        }
+    }
+}
+
+/// The open connections by client.
+pub(crate) struct Door {
+    open: Mutex<HashMap<ClientIdentity, usize>>,
+    most: usize,
+    most_of_client: usize,
+    metrics: Arc<Metrics>,
+}
+
+impl Door {
+    pub(crate) fn new(config: &Config, metrics: &Arc<Metrics>) -> Arc<Self> {
+        let most = most(config.maximum_connections, limits::descriptors());
+        Arc::new(Self {
+            open: Mutex::default(),
+            most,
+            // Never all: somebody else has to be able to come in.
+            most_of_client: config.maximum_client_connections.min(most.div_ceil(2)),
+            metrics: Arc::clone(metrics),
+        })
+    }
+
+    /// Counts one more connection of a client as long as the guard lives.
+    fn enter(self: &Arc<Self>, client: ClientIdentity) -> Result<Guard, Away> {
+        let mut open = self.lock();
+        let all: usize = open.values().sum();
+        if all >= self.most {
+            return Err(Away::All);
+        }
+        let own = open.entry(client).or_default();
+        if *own >= self.most_of_client {
+            return Err(Away::Client);
+        }
+        *own += 1;
+        self.metrics.connections(all + 1);
+        let door = Arc::clone(self);
+        Ok(Guard { door, client })
+    }
+
+    pub(crate) fn turn_away(&self, why: Away) {
+        self.metrics.turned_away(why.name());
+        tracing::debug!(why = why.name(), "connection turned away");
+    }
+
+    fn lock(&self) -> MutexGuard<'_, HashMap<ClientIdentity, usize>> {
+        self.open.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Connections that fit beside what the process needs for itself.
+fn most(asked: usize, descriptors: Option<u64>) -> usize {
+    let Some(descriptors) = descriptors else {
+        return asked;
+    };
+    let left = descriptors.saturating_sub(OWN_DESCRIPTORS).max(descriptors / 4);
+    asked.min(usize::try_from(left).unwrap_or(usize::MAX))
+}
+
+/// One open connection.
+pub(crate) struct Guard {
+    door: Arc<Door>,
+    client: ClientIdentity,
+}
+
+impl Guard {
+    pub(crate) fn door(&self) -> &Door {
+        &self.door
+    }
+}
+
+impl Drop for Guard {
+    fn drop(&mut self) {
+        let mut open = self.door.lock();
+        if let Some(own) = open.get_mut(&self.client) {
+            *own -= 1;
+            if *own == 0 {
+                open.remove(&self.client);
+            }
+        }
+        self.door.metrics.connections(open.values().sum());
+    }
+}
+
+/// Where connections come from.
+pub(crate) enum Source {
+    Tcp(TcpListener),
+    Unix(UnixListener),
+}
+
+/// Accepts connections until nobody takes them any more.
+pub(crate) fn incoming(
+    source: Source,
+    door: Arc<Door>,
+) -> ReceiverStream<Result<Connection, io::Error>> {
+    let (sender, connections) = mpsc::channel(64);
+    tokio::spawn(async move {
+        match source {
+            Source::Tcp(listener) => {
+                accept_all(door, sender, async || accept_tcp(&listener).await).await;
+            }
+            Source::Unix(listener) => {
+                accept_all(door, sender, async || accept_unix(&listener).await).await;
+            }
+        }
+    });
+    ReceiverStream::new(connections)
+}
+
+type Accepted = (connection::Stream, ClientKey);
+
+async fn accept_tcp(listener: &TcpListener) -> io::Result<Accepted> {
+    let (stream, address) = listener.accept().await?;
+    stream.set_nodelay(true)?;
+    let client = match stream.local_addr() {
+        // A look into a file of the kernel, which a runtime's thread shall not wait for.
+        Ok(local) => tokio::task::spawn_blocking(move || peer::of_tcp(address, local)).await,
+        Err(_) => return Ok((connection::Stream::Tcp(stream), peer::by_address(address))),
+    };
+    let client = client.unwrap_or_else(|_| peer::by_address(address));
+    Ok((connection::Stream::Tcp(stream), client))
+}
+
+async fn accept_unix(listener: &UnixListener) -> io::Result<Accepted> {
+    let (stream, _) = listener.accept().await?;
+    let client = peer::of_unix(&stream);
+    Ok((connection::Stream::Unix(stream), client))
+}
+
+async fn accept_all(
+    door: Arc<Door>,
+    sender: mpsc::Sender<Result<Connection, io::Error>>,
+    accept: impl AsyncFn() -> io::Result<Accepted>,
+) {
+    let mut is_out = false;
+    loop {
+        let accepted = tokio::select! {
+            accepted = accept() => accepted,
+            () = sender.closed() => return,
+        };
+        let (stream, client) = match accepted {
+            Ok(accepted) => accepted,
+            Err(error) => {
+                if is_out_of_descriptors(&error) {
+                    door.turn_away(Away::Descriptors);
+                    if !is_out {
+                        tracing::warn!(%error, "no descriptor for a new connection; `ulimit -n`");
+                    }
+                    is_out = true;
+                    tokio::time::sleep(PAUSE).await;
+                }
+                continue;
+            }
+        };
+        is_out = false;
+        match door.enter(client.identity) {
+            Ok(guard) => {
+                let connection = Connection::new(stream, client, guard);
+                if sender.send(Ok(connection)).await.is_err() {
+                    return;
+                }
+            }
+            // Dropped, which closes it.
+            Err(why) => door.turn_away(why),
+        }
+    }
+}
+
+fn is_out_of_descriptors(error: &io::Error) -> bool {
+    const ENFILE: i32 = 23;
+    const EMFILE: i32 = 24;
+    const ENOBUFS: i32 = 105;
+    const ENOMEM: i32 = 12;
+    let code = error.raw_os_error();
+    code.is_some_and(|code| [ENFILE, EMFILE, ENOBUFS, ENOMEM].contains(&code))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn connections_leave_descriptors_for_the_server_itself() {
+        assert_eq!(most(1024, None), 1024);
+        assert_eq!(most(1024, Some(1 << 20)), 1024);
+        assert_eq!(most(1024, Some(256)), 224);
+        assert_eq!(most(1024, Some(40)), 10);
+    }
+
+    #[test]
+    fn one_client_never_has_all_and_gives_back_what_it_had() {
+        let config = Config {
+            maximum_connections: 4,
+            maximum_client_connections: 100,
+            ..Config::embedded()
+        };
+        let door = Door::new(&config, &Metrics::new().unwrap());
+        let [greedy, other] = [1, 2].map(ClientIdentity::User);
+        let held: Vec<_> = (0..2).map(|_| door.enter(greedy).ok().unwrap()).collect();
+        assert_eq!(door.enter(greedy).err(), Some(Away::Client));
+        let others: Vec<_> = (0..2).map(|_| door.enter(other).ok().unwrap()).collect();
+        assert_eq!(door.enter(ClientIdentity::User(3)).err(), Some(Away::All));
+        drop(held);
+        assert!(door.enter(greedy).is_ok());
+        drop(others);
+        assert!(door.lock().is_empty());
+    }
+}

@@ -1,0 +1,208 @@
+//! The body of a request behind the gate: whole messages, each with its room.
+
+use std::future::Future;
+use std::pin::Pin;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::task::{Context, Poll, ready};
+use std::time::Duration;
+
+use bytes::{Buf as _, Bytes, BytesMut};
+use hyper::body::{Body as HttpBody, Frame};
+use tokio::time::Sleep;
+use tonic::Status;
+use tonic::body::Body;
+
+use super::decode::{Decode, Permit};
+use crate::fault::Fault;
+use crate::transport::MESSAGE_BYTES;
+
+/// Before each message: a flag and the length (gRPC over HTTP/2).
+const PREFIX_BYTES: usize = 5;
+/// How long the bytes of a message may take, beside those of a slow line.
+const GRACE: Duration = Duration::from_secs(10);
+const LEAST_BYTES_PER_SECOND: u64 = 64 << 10;
+
+/// Room that a call keeps until it is answered.
+pub(super) type Kept = Arc<Mutex<Vec<Permit>>>;
+
+type Waiting = Pin<Box<dyn Future<Output = Result<Permit, Fault>> + Send>>;
+
+enum Stage {
+    /// Before a message.
+    Between,
+    /// For room for a message of that size with its prefix.
+    Waits(usize, Waiting),
+    Collects(usize, Permit, Pin<Box<Sleep>>),
+    /// Too large a message follows, which the transport refuses by its prefix.
+    Passes,
+    Over,
+}
+
+/// A body of whole messages.
+pub(super) struct Gated {
+    inner: Body,
+    gate: Arc<Decode>,
+    /// What its messages are; `None` for calls that are not of the contract.
+    shape: Option<usize>,
+    /// Where room goes that is kept until the answer.
+    kept: Option<Kept>,
+    /// Room of the message that was handed on last.
+    last: Vec<Permit>,
+    collected: BytesMut,
+    stage: Stage,
+}
+
+impl Gated {
+    pub(super) fn new(
+        inner: Body,
+        gate: Arc<Decode>,
+        shape: Option<usize>,
+        kept: Option<Kept>,
+    ) -> Self {
+        Self {
+            inner,
+            gate,
+            shape,
+            kept,
+            last: Vec::new(),
+            collected: BytesMut::new(),
+            stage: Stage::Between,
+        }
+    }
+
+    /// The bytes of the next message with its prefix, when that has arrived.
+    fn announced(&self) -> Option<usize> {
+        let prefix = self.collected.get(..PREFIX_BYTES)?;
+        let length = prefix.get(1..)?.try_into().ok().map(u32::from_be_bytes)?;
+        Some(PREFIX_BYTES + length as usize)
+    }
+
+    /// Hands on a message that has arrived.
+    fn message(&mut self, size: usize, received: Permit) -> Result<Bytes, Fault> {
+        let message = self.collected.split_to(size).freeze();
+        let shape = self.shape;
+        let content = message.get(PREFIX_BYTES..).unwrap_or_default();
+        let decoded = shape.map(|shape| self.gate.decode(shape, content));
+        let permits = std::iter::once(received).chain(decoded.transpose()?);
+        match &self.kept {
+            Some(kept) => kept
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .extend(permits),
+            None => self.last = permits.collect(),
+        }
+        Ok(message)
+    }
+
+    fn fail(&mut self, fault: Fault) -> Poll<Option<Result<Frame<Bytes>, Status>>> {
+        self.stage = Stage::Over;
+        self.gate.refused(&fault);
+        let mut status = Status::from(fault.clone());
+        // For streams, which end with their own status.
+        status.set_source(Arc::new(fault));
+        Poll::Ready(Some(Err(status)))
+    }
+}
+
+impl HttpBody for Gated {
+    type Data = Bytes;
+    type Error = Status;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, Status>>> {
+        let this = &mut *self;
+        // Whoever asks again has decoded the last one.
+        this.last.clear();
+        loop {
+            match std::mem::replace(&mut this.stage, Stage::Over) {
+                Stage::Over => return Poll::Ready(None),
+                Stage::Passes => {
+                    this.stage = Stage::Passes;
+                    if this.collected.has_remaining() {
+                        let rest = this.collected.split().freeze();
+                        return Poll::Ready(Some(Ok(Frame::data(rest))));
+                    }
+                    return Pin::new(&mut this.inner).poll_frame(context);
+                }
+                Stage::Between => match this.announced() {
+                    Some(size) if size > PREFIX_BYTES + MESSAGE_BYTES => {
+                        this.stage = Stage::Passes;
+                    }
+                    Some(size) => {
+                        let room = Arc::clone(&this.gate).receive(size);
+                        this.stage = Stage::Waits(size, Box::pin(room));
+                    }
+                    None => {
+                        this.stage = Stage::Between;
+                        if let Some(end) = ready!(this.collect(context)) {
+                            return Poll::Ready(end);
+                        }
+                    }
+                },
+                Stage::Waits(size, mut room) => match room.as_mut().poll(context) {
+                    Poll::Pending => {
+                        this.stage = Stage::Waits(size, room);
+                        return Poll::Pending;
+                    }
+                    Poll::Ready(Err(fault)) => return this.fail(fault),
+                    Poll::Ready(Ok(permit)) => {
+                        let slow = Duration::from_secs(size as u64 / LEAST_BYTES_PER_SECOND);
+                        let clock = Box::pin(tokio::time::sleep(GRACE + slow));
+                        this.stage = Stage::Collects(size, permit, clock);
+                    }
+                },
+                Stage::Collects(size, permit, mut clock) => {
+                    if this.collected.len() >= size {
+                        this.stage = Stage::Between;
+                        return match this.message(size, permit) {
+                            Ok(message) => Poll::Ready(Some(Ok(Frame::data(message)))),
+                            Err(fault) => this.fail(fault),
+                        };
+                    }
+                    let is_late = clock.as_mut().poll(context).is_ready();
+                    this.stage = Stage::Collects(size, permit, clock);
+                    if is_late {
+                        return this.fail(Fault::request("message", "came too slowly"));
+                    }
+                    if let Some(end) = ready!(this.collect(context)) {
+                        return Poll::Ready(end);
+                    }
+                }
+            }
+        }
+    }
+}
+
+impl Gated {
+    /// Adds the next bytes; the end of the body, or its failure, is returned.
+    #[expect(clippy::type_complexity, reason = "what a body returns")]
+    fn collect(
+        &mut self,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Option<Result<Frame<Bytes>, Status>>>> {
+        let next = ready!(Pin::new(&mut self.inner).poll_frame(context));
+        let frame = match next {
+            Some(Ok(frame)) => frame,
+            Some(Err(status)) => {
+                self.stage = Stage::Over;
+                return Poll::Ready(Some(Some(Err(status))));
+            }
+            None => {
+                self.stage = Stage::Over;
+                // A part of a message: the transport says what is wrong with it.
+                let rest = self.collected.split().freeze();
+                let rest = (!rest.is_empty()).then(|| Ok(Frame::data(rest)));
+                return Poll::Ready(Some(rest));
+            }
+        };
+        match frame.into_data() {
+            Ok(data) => {
+                self.collected.extend_from_slice(&data);
+                Poll::Ready(None)
+            }
+            Err(frame) => Poll::Ready(Some(Some(Ok(frame)))),
+        }
+    }
+}
