@@ -127,6 +127,12 @@ pub enum ClientError {
     /// The server holds the connection and does not answer.
     #[error("the server does not answer within {} s", .0.as_secs())]
     Silent(Duration),
+    /// The server came back without the session: it was restarted.
+    #[error(
+        "the server was restarted, or somebody deleted the session meanwhile: it has no \
+         \"{0}\" any more; results so far are kept, solve again for the others"
+    )]
+    SessionLost(String),
     /// Results that came during a break are no longer kept.
     #[error("results {first} to {last} are lost: the server no longer keeps them")]
     ResultsLost {
@@ -180,6 +186,7 @@ impl ClientError {
             | Self::MeshTooLarge(_)
             | Self::Broken { .. }
             | Self::Silent(_)
+            | Self::SessionLost(_)
             | Self::ResultsLost { .. }
             | Self::Closed => None,
         }

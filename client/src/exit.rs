@@ -31,6 +31,10 @@ pub(crate) enum Exit {
     Deadline = 7,
     /// A fault of the server.
     Server = 8,
+    /// No room for what is to be written.
+    DiskFull = 9,
+    /// The server was restarted and has lost the session; results so far are kept.
+    Restarted = 10,
     /// Ctrl-C.
     Interrupted = 130,
 }
@@ -97,6 +101,14 @@ impl Failure {
 
     /// A file that cannot be written.
     pub(crate) fn unwritable(path: &Path, error: &std::io::Error) -> Self {
+        let is_full = matches!(
+            error.kind(),
+            ErrorKind::StorageFull | ErrorKind::QuotaExceeded | ErrorKind::FileTooLarge
+        );
+        if is_full {
+            let text = format!("{}: {error}; files before it are whole", path.display());
+            return Self::new(Exit::DiskFull, text);
+        }
         Self::new(Exit::Usage, format!("{}: {error}", path.display()))
     }
 
@@ -156,6 +168,7 @@ impl From<ClientError> for Failure {
             | ClientError::Broken { .. }
             | ClientError::Silent(_) => Exit::NoServer,
             ClientError::MeshTooLarge(_) => Exit::Invalid,
+            ClientError::SessionLost(_) => Exit::Restarted,
             ClientError::Refused(_)
             | ClientError::Protocol(_)
             | ClientError::Array(_)
@@ -236,6 +249,18 @@ mod tests {
         ] {
             assert_eq!(exit_of(&refusal(code, reason)), exit, "{reason}");
         }
+    }
+
+    #[test]
+    fn a_full_disk_and_a_lost_session_have_codes_of_their_own() {
+        let path = Path::new("out/ring_0001.vtu");
+        let full = Failure::unwritable(path, &ErrorKind::StorageFull.into());
+        assert_eq!(full.exit, Exit::DiskFull);
+        assert!(full.messages[0].starts_with("out/ring_0001.vtu: "));
+        let denied = Failure::unwritable(path, &ErrorKind::PermissionDenied.into());
+        assert_eq!(denied.exit, Exit::Usage);
+        let lost = Failure::from(ClientError::SessionLost("sessions/ring-1".to_owned()));
+        assert_eq!(lost.exit, Exit::Restarted);
     }
 
     #[test]

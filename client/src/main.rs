@@ -31,6 +31,7 @@ mod stdout;
 mod table;
 mod text;
 mod travel;
+mod whole_file;
 
 use std::process::ExitCode;
 use std::time::Instant;

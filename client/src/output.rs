@@ -8,6 +8,7 @@ use serde_json::Value;
 
 use crate::exit::Failure;
 use crate::stdout::print;
+use crate::whole_file;
 
 /// Receives result lines.
 pub(crate) struct LineSink {
@@ -31,7 +32,7 @@ impl LineSink {
 
     /// From now on also writes each line to a new file.
     pub(crate) fn open_file(&mut self, path: &Path) -> Result<(), Failure> {
-        let file = File::create(path).map_err(|error| Failure::unwritable(path, &error))?;
+        let file = whole_file::create(path).map_err(|error| Failure::unwritable(path, &error))?;
         self.file = Some((path.to_owned(), BufWriter::new(file)));
         Ok(())
     }

@@ -2,6 +2,7 @@
 //! (the obstacles), beside the result lines.
 
 use std::borrow::Cow;
+use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use signorini_client::formats::Notes;
@@ -17,12 +18,16 @@ use signorini_client::solve::{Field, Increment};
 use signorini_proto::{v1, words};
 
 use crate::exit::{Exit, Failure};
+use crate::whole_file;
 
 /// What the numbers of a field mean that do not say it themselves.
 const CONTACT_STATES: &str = "-1 not a candidate, 0 open, 1 in contact";
 
 /// Fields that are made of the stress and the displacement.
 pub(crate) const DERIVED: [&str; 3] = ["von_mises", "principal_stresses", "principal_stretches"];
+
+/// Bytes of a name in the name of a file: two and a number fit every file system.
+const LONGEST_STEM: usize = 100;
 
 /// Name of the result lines in the folder.
 pub(crate) const LINES: &str = "results.jsonl";
@@ -37,7 +42,8 @@ pub(crate) struct ResultFolder {
     stretches: Option<OutOfPlane>,
     /// Around the undeformed body.
     body: BoundingBox,
-    obstacles: Vec<(String, v1::Shape)>,
+    /// Names, the part of a file's name that stands for each, and shapes.
+    obstacles: Vec<(String, String, v1::Shape)>,
     entries: Vec<PvdEntry>,
     written: usize,
 }
@@ -57,8 +63,10 @@ impl ResultFolder {
         let curved = mesh.curved.iter();
         grid.bend(curved.map(|edge| (edge.ends, edge.offset.map(|x| x * scale))));
         let body = BoundingBox::of(&points);
-        let obstacles = scene.obstacles.iter();
-        let shapes = obstacles.filter_map(|one| Some((one.name.clone(), one.shape.clone()?)));
+        let stems = unique_stems(scene.obstacles.iter().map(|one| one.name.as_str()));
+        let obstacles = scene.obstacles.iter().zip(stems);
+        let shapes =
+            obstacles.filter_map(|(one, stem)| Some((one.name.clone(), stem, one.shape.clone()?)));
         Ok(Self {
             folder: folder.to_owned(),
             stem: file_stem(&scene.name),
@@ -183,7 +191,7 @@ impl ResultFolder {
         number: usize,
         near: &BoundingBox,
     ) -> Result<(), Failure> {
-        let Some((name, shape)) = self.obstacles.get(part) else {
+        let Some((name, stem, shape)) = self.obstacles.get(part) else {
             return Ok(());
         };
         let pose = report.obstacle_poses.iter().find(|pose| pose.name == *name);
@@ -194,7 +202,7 @@ impl ResultFolder {
         let mut notes = self.notes(report.time);
         notes.texts.push(("obstacle".to_owned(), name.clone()));
         let drawn = vtp::write(&surface, &notes);
-        let file = format!("{}_{}_{number:04}.vtp", self.stem, file_stem(name));
+        let file = format!("{}_{stem}_{number:04}.vtp", self.stem);
         self.put(report.time, part + 1, file, &drawn)
     }
 
@@ -231,7 +239,7 @@ fn stretches(scene: &v1::Scene) -> Option<OutOfPlane> {
 }
 
 fn write(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    std::fs::write(path, bytes).map_err(|error| Failure::unwritable(path, &error))
+    whole_file::write(path, bytes).map_err(|error| Failure::unwritable(path, &error))
 }
 
 fn three(values: &[f64]) -> [f64; 3] {
@@ -256,11 +264,27 @@ fn file_stem(name: &str) -> String {
     };
     let stem: String = name.chars().map(safe).collect();
     let stem = stem.trim_start_matches('.');
-    if stem.is_empty() {
-        "scene".to_owned()
-    } else {
-        stem.to_owned()
+    let end = (0..=LONGEST_STEM.min(stem.len()))
+        .rev()
+        .find(|end| stem.is_char_boundary(*end));
+    match stem.get(..end.unwrap_or(0)) {
+        None | Some("") => "scene".to_owned(),
+        Some(stem) => stem.to_owned(),
     }
+}
+
+/// As [`file_stem`] for each name, no two alike, also where case does not count.
+fn unique_stems<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
+    let mut taken = HashSet::new();
+    let unique = |name: &str| {
+        let plain = file_stem(name);
+        let numbered = (2..).map(|number| format!("{plain}_{number}"));
+        let mut all = std::iter::once(plain.clone()).chain(numbered);
+        let free = all.find(|stem| taken.insert(stem.to_lowercase()));
+        // There is always a free number.
+        free.unwrap_or(plain)
+    };
+    names.map(unique).collect()
 }
 
 #[cfg(test)]
@@ -272,5 +296,16 @@ mod tests {
         assert_eq!(file_stem("hertz-sphere 2/3"), "hertz-sphere_2_3");
         assert_eq!(file_stem("../../etc"), "_.._etc");
         assert_eq!(file_stem(""), "scene");
+        assert_eq!(file_stem(&"\u{b5}".repeat(256)).len(), LONGEST_STEM);
+    }
+
+    #[test]
+    fn no_two_names_share_a_file() {
+        let names = ["a b", "a_b", "A_b", "a_b_2", "", "scene"];
+        let stems = unique_stems(names.into_iter());
+        assert_eq!(
+            stems,
+            ["a_b", "a_b_2", "A_b_3", "a_b_2_2", "scene", "scene_2"]
+        );
     }
 }

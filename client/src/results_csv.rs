@@ -11,6 +11,7 @@ use signorini_proto::{v1, words};
 
 use crate::exit::Failure;
 use crate::travel::Travels;
+use crate::whole_file;
 
 /// Name of the file in a folder of results.
 pub(crate) const FILE: &str = "results.csv";
@@ -35,7 +36,7 @@ impl ResultsCsv {
     /// Begins the file in a folder.
     pub(crate) fn create(folder: &Path) -> Result<Self, Failure> {
         let path = folder.join(FILE);
-        let file = File::create(&path).map_err(|error| Failure::unwritable(&path, &error))?;
+        let file = whole_file::create(&path).map_err(|error| Failure::unwritable(&path, &error))?;
         Ok(Self {
             writer: Writer::from_writer(file),
             path,

@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 
 use crate::exit::{Exit, Failure};
 use crate::results::LINES;
+use crate::whole_file;
 
 const TEMPLATE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("page.css");
@@ -46,7 +47,7 @@ pub(crate) fn write(folder: &Path) -> Result<PathBuf, Failure> {
     let picture = surface::last_picture(folder);
     let page = page(&data::of(&lines, picture))?;
     let path = path(folder);
-    std::fs::write(&path, page).map_err(|error| Failure::unwritable(&path, &error))?;
+    whole_file::write(&path, page.as_bytes()).map_err(|error| Failure::unwritable(&path, &error))?;
     Ok(path)
 }
 

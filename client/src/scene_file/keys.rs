@@ -8,13 +8,24 @@ use toml::{Table, Value};
 use super::suggest::nearest;
 use crate::error::Violation;
 
+/// Faults that are told, as many as the server looks for.
+const MOST: usize = 100;
+
 /// Faults found so far.
 #[derive(Debug, Default)]
 pub(super) struct Faults(RefCell<Vec<Violation>>);
 
 impl Faults {
     pub(super) fn add(&self, path: String, message: String) {
-        self.0.borrow_mut().push(Violation { path, message });
+        let mut all = self.0.borrow_mut();
+        match all.len() {
+            0..MOST => all.push(Violation { path, message }),
+            MOST => all.push(Violation {
+                path: String::new(),
+                message: format!("there are more than these {MOST} faults"),
+            }),
+            _ => {}
+        }
     }
 
     pub(super) fn finish(self) -> Result<(), Vec<Violation>> {

@@ -40,8 +40,7 @@ impl From<Status> for Stop {
     /// A status that the service or a gateway wrote has no source; one that this
     /// side made from a failure of the transport has.
     fn from(status: Status) -> Self {
-        let gateway =
-            status.code() == Code::Unavailable && Refusal::from(&status).reason.is_empty();
+        let gateway = is_of_gateway(&status) && Refusal::from(&status).reason.is_empty();
         match status.source() {
             Some(source) if source.is::<Unanswered>() => Self::Broken(status.into()),
             Some(source) => broken(root_cause(source)),
@@ -49,6 +48,17 @@ impl From<Status> for Stop {
             None => Self::Fault(status.into()),
         }
     }
+}
+
+/// Whether a status without a reason comes from something between here and the service.
+fn is_of_gateway(status: &Status) -> bool {
+    // A page of HTML in place of an answer: tonic finds no message in it and tells the
+    // status of HTTP.
+    let pages = ["502 Bad Gateway", "503 Service Unavailable", "504 Gateway Timeout"];
+    let code = status.code();
+    let is_page = pages.iter().any(|page| status.message().contains(page));
+    matches!(code, Code::Unavailable | Code::Cancelled)
+        || (matches!(code, Code::Internal | Code::Unknown) && is_page)
 }
 
 impl From<Stop> for ClientError {
@@ -151,7 +161,16 @@ mod tests {
             cause.to_string().ends_with("broke: reset by peer"),
             "{cause}"
         );
-        let gateway = Status::unavailable("no upstream");
-        assert!(matches!(Stop::from(gateway), Stop::Broken(_)));
+        let page = "protocol error: received message with invalid compression flag: 60 (valid \
+                    flags are 0 and 1) while receiving response with status: 502 Bad Gateway";
+        for gateway in [
+            Status::unavailable("no upstream"),
+            Status::cancelled("stream reset"),
+            Status::internal(page),
+        ] {
+            assert!(matches!(Stop::from(gateway), Stop::Broken(_)));
+        }
+        let other = page.replace("502 Bad Gateway", "200 OK");
+        assert!(matches!(Stop::from(Status::internal(other)), Stop::Fault(_)));
     }
 }

@@ -193,6 +193,11 @@ impl Pump {
             Ok(Err(Stop::Broken(cause))) => Ok(Err(cause)),
             // The server has not noticed the break yet.
             Ok(Err(Stop::Fault(error))) if error.is_reason("SESSION_BUSY") => Ok(Err(error)),
+            // It was there before the break.
+            Ok(Err(Stop::Fault(error))) if error.is_reason("SESSION_NOT_FOUND") => {
+                let name = self.source.session.clone();
+                Err(StreamEnd::Fault(ClientError::SessionLost(name)))
+            }
             Ok(Err(Stop::Fault(error))) => Err(StreamEnd::Fault(error)),
             Err(_) => Ok(Err(ClientError::Silent(self.source.patience()))),
         }
