@@ -14,7 +14,9 @@ use std::path::{Path, PathBuf};
 /// Of the system; what stood under the name is then as before.
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let (beside, mut file) = open_beside(path)?;
-    let written = file.write_all(bytes).and_then(|()| std::fs::rename(&beside, path));
+    let written = file
+        .write_all(bytes)
+        .and_then(|()| std::fs::rename(&beside, path));
     if written.is_err() {
         // The failure that is told is the first one.
         let _gone = std::fs::remove_file(&beside);
@@ -42,7 +44,12 @@ fn open_beside(path: &Path) -> io::Result<(PathBuf, File)> {
     let name = path.file_name().ok_or(ErrorKind::InvalidInput)?;
     let name = format!(".{}.{}.part", name.to_string_lossy(), std::process::id());
     let beside = path.with_file_name(name);
-    let open = || OpenOptions::new().write(true).create_new(true).open(&beside);
+    let open = || {
+        OpenOptions::new()
+            .write(true)
+            .create_new(true)
+            .open(&beside)
+    };
     let file = match open() {
         // Of a killed process of the same number.
         Err(error) if error.kind() == ErrorKind::AlreadyExists => {

@@ -58,7 +58,8 @@ impl<K: Copy + Eq + Hash, T> Node<K, T> {
     fn child(&mut self, key: K) -> &mut Self {
         if !self.children.contains_key(&key) && self.children.len() >= REMEMBERED {
             let now = self.now;
-            self.children.retain(|_, one| !one.is_idle() || one.finish > now);
+            self.children
+                .retain(|_, one| !one.is_idle() || one.finish > now);
         }
         self.children.entry(key).or_default()
     }

@@ -26,7 +26,9 @@ struct Pressure {
 impl Pressure {
     /// Counts one more; the wait before it is drawn.
     fn refuse(&mut self, now: Instant) -> Duration {
-        let since = self.at.map_or(Duration::ZERO, |at| now.saturating_duration_since(at));
+        let since = self
+            .at
+            .map_or(Duration::ZERO, |at| now.saturating_duration_since(at));
         self.refusals *= (-since.as_secs_f64() / HALF_LIFE).exp2();
         let wait = SHORTEST.as_secs_f64() * (1.0 + self.refusals / DOUBLING);
         self.refusals += 1.0;

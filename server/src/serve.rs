@@ -112,7 +112,10 @@ pub async fn serve(
     if timeout_at(delivered, registry.drain()).await.is_err() {
         tracing::warn!("sessions did not stop in time");
     }
-    if timeout_at(delivered, registry.streams_gone()).await.is_err() {
+    if timeout_at(delivered, registry.streams_gone())
+        .await
+        .is_err()
+    {
         tracing::warn!("some streams did not take their last results in time");
     }
     drop(stop);
@@ -146,8 +149,7 @@ fn log_start(config: &Config, listener: &Listener) {
 
 fn services(config: Config) -> Result<Arc<Services>, ServeError> {
     let metrics = Metrics::new().map_err(|error| setup("metrics", &error))?;
-    let solvers = SolverThreads::start(config.slots(), &metrics)
-        .map_err(ServeError::Threads)?;
+    let solvers = SolverThreads::start(config.slots(), &metrics).map_err(ServeError::Threads)?;
     let gates = Gates::new(config.budget(), &metrics);
     Ok(Arc::new(Services {
         gates: gates.map_err(|error| setup("the descriptors", &error))?,

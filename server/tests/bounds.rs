@@ -54,7 +54,10 @@ async fn results_that_nobody_reads_stay_in_the_budget_and_none_is_lost() {
     let (server, block) = (Server::with(small).await, Block::new(4));
     server.upload(&block).await;
     let mut scene = block.scene();
-    let fields = vec![wire::FieldName::Displacement.into(), wire::FieldName::Stress.into()];
+    let fields = vec![
+        wire::FieldName::Displacement.into(),
+        wire::FieldName::Stress.into(),
+    ];
     scene.output.get_or_insert_default().fields = fields;
     let session = server.session(scene).await;
     let mut stream = server
@@ -72,7 +75,10 @@ async fn results_that_nobody_reads_stay_in_the_budget_and_none_is_lost() {
     }
     assert!(most <= BUDGET, "{most}");
     let unfinished = server.describe(&session).await;
-    assert_eq!(unfinished.last_finished_sequence, 0, "it waits for its reader");
+    assert_eq!(
+        unfinished.last_finished_sequence, 0,
+        "it waits for its reader"
+    );
     for increment in 1..=RESULTS {
         let finished = stream.result().await;
         assert_eq!(finished.event, i64::from(increment));
@@ -181,10 +187,19 @@ async fn whoever_is_refused_for_want_of_room_is_told_when_to_come_again() {
     server.session(block.scene()).await;
     let mut waits = Vec::new();
     for _ in 0..20 {
-        let status = server.sessions().create_session(request(block.scene())).await;
+        let status = server
+            .sessions()
+            .create_session(request(block.scene()))
+            .await;
         let status = status.unwrap_err();
         assert_eq!(reason(&status), "SESSION_LIMIT");
-        waits.push(status.get_details_retry_info().unwrap().retry_delay.unwrap());
+        waits.push(
+            status
+                .get_details_retry_info()
+                .unwrap()
+                .retry_delay
+                .unwrap(),
+        );
     }
     assert!(waits.iter().all(|wait| *wait >= Duration::from_millis(500)));
     waits.sort();
@@ -237,7 +252,10 @@ async fn a_shutdown_takes_its_time_once_whatever_clients_do() {
     let (mut server, block) = (Server::with(quick).await, Block::new(3));
     server.upload(&block).await;
     let mut scene = block.scene();
-    let fields = vec![wire::FieldName::Displacement.into(), wire::FieldName::Stress.into()];
+    let fields = vec![
+        wire::FieldName::Displacement.into(),
+        wire::FieldName::Stress.into(),
+    ];
     scene.output.get_or_insert_default().fields = fields;
     let session = server.session(scene).await;
     // This writer reads nothing, and this stream names no session.

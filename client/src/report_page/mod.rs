@@ -47,7 +47,8 @@ pub(crate) fn write(folder: &Path) -> Result<PathBuf, Failure> {
     let picture = surface::last_picture(folder);
     let page = page(&data::of(&lines, picture))?;
     let path = path(folder);
-    whole_file::write(&path, page.as_bytes()).map_err(|error| Failure::unwritable(&path, &error))?;
+    whole_file::write(&path, page.as_bytes())
+        .map_err(|error| Failure::unwritable(&path, &error))?;
     Ok(path)
 }
 

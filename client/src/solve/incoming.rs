@@ -54,7 +54,11 @@ impl From<Status> for Stop {
 fn is_of_gateway(status: &Status) -> bool {
     // A page of HTML in place of an answer: tonic finds no message in it and tells the
     // status of HTTP.
-    let pages = ["502 Bad Gateway", "503 Service Unavailable", "504 Gateway Timeout"];
+    let pages = [
+        "502 Bad Gateway",
+        "503 Service Unavailable",
+        "504 Gateway Timeout",
+    ];
     let code = status.code();
     let is_page = pages.iter().any(|page| status.message().contains(page));
     matches!(code, Code::Unavailable | Code::Cancelled)
@@ -171,6 +175,9 @@ mod tests {
             assert!(matches!(Stop::from(gateway), Stop::Broken(_)));
         }
         let other = page.replace("502 Bad Gateway", "200 OK");
-        assert!(matches!(Stop::from(Status::internal(other)), Stop::Fault(_)));
+        assert!(matches!(
+            Stop::from(Status::internal(other)),
+            Stop::Fault(_)
+        ));
     }
 }

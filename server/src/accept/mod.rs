@@ -107,7 +107,9 @@ fn most(asked: usize, descriptors: Option<u64>) -> usize {
     let Some(descriptors) = descriptors else {
         return asked;
     };
-    let left = descriptors.saturating_sub(OWN_DESCRIPTORS).max(descriptors / 4);
+    let left = descriptors
+        .saturating_sub(OWN_DESCRIPTORS)
+        .max(descriptors / 4);
     asked.min(usize::try_from(left).unwrap_or(usize::MAX))
 }
 
@@ -149,19 +151,24 @@ pub(crate) fn incoming(
 ) -> ReceiverStream<Result<Connection, io::Error>> {
     let (sender, connections) = mpsc::channel(64);
     tokio::spawn(async move {
-        match source {
-            Source::Tcp(listener) => {
-                accept_all(door, sender, async || accept_tcp(&listener).await).await;
-            }
-            Source::Unix(listener) => {
-                accept_all(door, sender, async || accept_unix(&listener).await).await;
-            }
+        tokio::select! {
+            () = accept_all(&door, &sender, &source) => {}
+            () = sender.closed() => {}
         }
     });
     ReceiverStream::new(connections)
 }
 
 type Accepted = (connection::Stream, ClientKey);
+
+impl Source {
+    async fn accept(&self) -> io::Result<Accepted> {
+        match self {
+            Self::Tcp(listener) => accept_tcp(listener).await,
+            Self::Unix(listener) => accept_unix(listener).await,
+        }
+    }
+}
 
 async fn accept_tcp(listener: &TcpListener) -> io::Result<Accepted> {
     let (stream, address) = listener.accept().await?;
@@ -182,40 +189,35 @@ async fn accept_unix(listener: &UnixListener) -> io::Result<Accepted> {
 }
 
 async fn accept_all(
-    door: Arc<Door>,
-    sender: mpsc::Sender<Result<Connection, io::Error>>,
-    accept: impl AsyncFn() -> io::Result<Accepted>,
+    door: &Arc<Door>,
+    sender: &mpsc::Sender<Result<Connection, io::Error>>,
+    source: &Source,
 ) {
     let mut is_out = false;
     loop {
-        let accepted = tokio::select! {
-            accepted = accept() => accepted,
-            () = sender.closed() => return,
-        };
-        let (stream, client) = match accepted {
-            Ok(accepted) => accepted,
-            Err(error) => {
-                if is_out_of_descriptors(&error) {
-                    door.turn_away(Away::Descriptors);
-                    if !is_out {
-                        tracing::warn!(%error, "no descriptor for a new connection; `ulimit -n`");
+        match source.accept().await {
+            Ok((stream, client)) => {
+                is_out = false;
+                match door.enter(client.identity) {
+                    Ok(guard) => {
+                        let connection = Connection::new(stream, client, guard);
+                        // Nobody takes it when the server stops.
+                        let _stopped = sender.send(Ok(connection)).await;
                     }
-                    is_out = true;
-                    tokio::time::sleep(PAUSE).await;
-                }
-                continue;
-            }
-        };
-        is_out = false;
-        match door.enter(client.identity) {
-            Ok(guard) => {
-                let connection = Connection::new(stream, client, guard);
-                if sender.send(Ok(connection)).await.is_err() {
-                    return;
+                    // Dropped, which closes it.
+                    Err(why) => door.turn_away(why),
                 }
             }
-            // Dropped, which closes it.
-            Err(why) => door.turn_away(why),
+            Err(error) if is_out_of_descriptors(&error) => {
+                door.turn_away(Away::Descriptors);
+                if !is_out {
+                    tracing::warn!(%error, "no descriptor for a new connection: `ulimit -n`");
+                }
+                is_out = true;
+                tokio::time::sleep(PAUSE).await;
+            }
+            // Of one connection, which has gone.
+            Err(error) => tracing::debug!(%error, "a connection was not accepted"),
         }
     }
 }

@@ -82,7 +82,8 @@ mod tests {
             0: 0100007F:C383 00000000:0000 0A 00000000:00000000 00:00000000 00000000  0 0 1 1\n\
             1: 0100007F:9C40 0100007F:C383 01 00000000:00000000 00:00000000 00000000  1001 0 2 1\n\
             2: 0100007F:C383 0100007F:9C40 01 00000000:00000000 00:00000000 00000000  7 0 3 1\n";
-        let [client, server] = [40_000, 50_051].map(|port| SocketAddr::from(([127, 0, 0, 1], port)));
+        let [client, server] =
+            [40_000, 50_051].map(|port| SocketAddr::from(([127, 0, 0, 1], port)));
         if cfg!(target_endian = "little") {
             assert_eq!(user(table, client, server), Some(1001));
             assert_eq!(user(table, server, client), Some(7));
@@ -101,7 +102,10 @@ mod tests {
             let (_accepted, address) = listener.accept().await.unwrap();
             found.push(of_tcp(address, local));
         }
-        assert!(matches!(found[0].identity, ClientIdentity::User(_)), "{found:?}");
+        assert!(
+            matches!(found[0].identity, ClientIdentity::User(_)),
+            "{found:?}"
+        );
         assert_eq!(found[0].identity, found[1].identity);
         assert_ne!(found[0].strand, found[1].strand);
     }

@@ -87,7 +87,9 @@ impl JobQueue {
             }),
             arrived: Condvar::new(),
             slots,
-            residuals: (0..slots.count).map(|slot| metrics.residual(slot)).collect(),
+            residuals: (0..slots.count)
+                .map(|slot| metrics.residual(slot))
+                .collect(),
             metrics: Arc::clone(metrics),
         }
     }
@@ -167,13 +169,14 @@ impl JobQueue {
         let Some(slot) = turn.slot else {
             return state;
         };
-        state.jobs.finished(flow, turn.since.elapsed().as_secs_f64());
+        state
+            .jobs
+            .finished(flow, turn.since.elapsed().as_secs_f64());
         if turn.length == Length::Long {
             state.long -= 1;
         }
-        let awaited = |state: &mut Backlog| {
-            !state.closed && state.jobs.would_be_next(flow, self.may(state))
-        };
+        let awaited =
+            |state: &mut Backlog| !state.closed && state.jobs.would_be_next(flow, self.may(state));
         let waited = self.arrived.wait_timeout_while(state, LINGER, awaited);
         state = waited.unwrap_or_else(PoisonError::into_inner).0;
         state.free.push(slot);
@@ -276,7 +279,8 @@ impl JobQueue {
             }
             if stopped() {
                 // It ends within an iteration; that needs no slot.
-                let own = |one: &Waiting| matches!(one.work, Work::Resume(number) if number == ticket);
+                let own =
+                    |one: &Waiting| matches!(one.work, Work::Resume(number) if number == ticket);
                 state.jobs.remove(flow, own);
                 break;
             }

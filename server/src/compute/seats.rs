@@ -54,7 +54,10 @@ fn serve(queue: &Arc<JobQueue>, pool: &rayon::ThreadPool) {
         }
         slot.show_residual(0.0);
         queue.job_ended();
-        let turn = slot.turn.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let turn = slot
+            .turn
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner);
         last = Some((flow, turn));
     }
 }

@@ -1,4 +1,5 @@
 use std::sync::mpsc;
+use std::time::Instant;
 
 use super::*;
 use crate::client_key::{ClientIdentity, ClientKey, Strand};
@@ -55,15 +56,24 @@ fn endless(
 ) -> (mpsc::Sender<()>, mpsc::Receiver<Result<Duration, Panicked>>) {
     let (stop, stopped) = mpsc::channel();
     let stopped = Mutex::new(stopped);
-    let is_over = move || !matches!(stopped.lock().unwrap().try_recv(), Err(mpsc::TryRecvError::Empty));
-    let job = start(solvers, flow, Length::Short, move |slot| iterate(slot, &is_over));
+    let is_over = move || {
+        !matches!(
+            stopped.lock().unwrap().try_recv(),
+            Err(mpsc::TryRecvError::Empty)
+        )
+    };
+    let job = start(solvers, flow, Length::Short, move |slot| {
+        iterate(slot, &is_over)
+    });
     (stop, job)
 }
 
 #[test]
 fn a_panic_is_reported_and_the_slot_goes_on() {
     let solvers = slots(1, 0, 1);
-    let broken = start(&solvers, flow(0, 0), Length::Short, |_| -> u32 { panic!("broken") });
+    let broken = start(&solvers, flow(0, 0), Length::Short, |_| -> u32 {
+        panic!("broken")
+    });
     let whole = start(&solvers, flow(0, 0), Length::Short, |_| 7);
     assert_eq!(broken.recv().unwrap(), Err(Panicked("broken".into())));
     assert_eq!(whole.recv().unwrap(), Ok(7));
@@ -73,7 +83,9 @@ fn a_panic_is_reported_and_the_slot_goes_on() {
 #[test]
 fn jobs_run_in_the_pool_of_their_slot() {
     let solvers = slots(1, 0, 3);
-    let threads = start(&solvers, flow(0, 0), Length::Short, |_| rayon::current_num_threads());
+    let threads = start(&solvers, flow(0, 0), Length::Short, |_| {
+        rayon::current_num_threads()
+    });
     assert_eq!(threads.recv().unwrap(), Ok(3));
     solvers.close();
 }
@@ -95,7 +107,9 @@ fn a_job_without_end_lets_those_of_others_pass_and_goes_on() {
 #[test]
 fn two_jobs_without_end_share_the_slot_for_long_work_and_the_other_stays_free() {
     let solvers = slots(2, 1, 1);
-    let all: Vec<_> = (1..=2).map(|session| endless(&solvers, flow(1, session))).collect();
+    let all: Vec<_> = (1..=2)
+        .map(|session| endless(&solvers, flow(1, session)))
+        .collect();
     std::thread::sleep(3 * LONG);
     // This one never pauses, so nobody would have made room for it.
     let asked = Instant::now();

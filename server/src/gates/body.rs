@@ -25,6 +25,9 @@ const LEAST_BYTES_PER_SECOND: u64 = 64 << 10;
 /// Room that a call keeps until it is answered.
 pub(super) type Kept = Arc<Mutex<Vec<Permit>>>;
 
+/// What a body gives.
+type Next = Option<Result<Frame<Bytes>, Status>>;
+
 type Waiting = Pin<Box<dyn Future<Output = Result<Permit, Fault>> + Send>>;
 
 enum Stage {
@@ -94,7 +97,7 @@ impl Gated {
         Ok(message)
     }
 
-    fn fail(&mut self, fault: Fault) -> Poll<Option<Result<Frame<Bytes>, Status>>> {
+    fn fail(&mut self, fault: Fault) -> Poll<Next> {
         self.stage = Stage::Over;
         self.gate.refused(&fault);
         let mut status = Status::from(fault.clone());
@@ -108,10 +111,7 @@ impl HttpBody for Gated {
     type Data = Bytes;
     type Error = Status;
 
-    fn poll_frame(
-        mut self: Pin<&mut Self>,
-        context: &mut Context<'_>,
-    ) -> Poll<Option<Result<Frame<Bytes>, Status>>> {
+    fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Next> {
         let this = &mut *self;
         // Whoever asks again has decoded the last one.
         this.last.clear();
@@ -177,11 +177,7 @@ impl HttpBody for Gated {
 
 impl Gated {
     /// Adds the next bytes; the end of the body, or its failure, is returned.
-    #[expect(clippy::type_complexity, reason = "what a body returns")]
-    fn collect(
-        &mut self,
-        context: &mut Context<'_>,
-    ) -> Poll<Option<Option<Result<Frame<Bytes>, Status>>>> {
+    fn collect(&mut self, context: &mut Context<'_>) -> Poll<Option<Next>> {
         let next = ready!(Pin::new(&mut self.inner).poll_frame(context));
         let frame = match next {
             Some(Ok(frame)) => frame,

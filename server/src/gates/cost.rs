@@ -87,14 +87,22 @@ impl Shapes {
     /// Bytes that `message` takes when it is decoded, counted up to `most`; bytes that
     /// are no message cost what was found before the fault.
     pub(super) fn cost(&self, shape: usize, message: &[u8], most: u64) -> u64 {
-        let mut walk = Walk { all: self, cost: 0, most };
+        let mut walk = Walk {
+            all: self,
+            cost: 0,
+            most,
+        };
         // What ends the walk is found again by the decoder, which tells the client.
         let _fault = walk.message(shape, message, 0);
         walk.cost
     }
 }
 
-fn collect<'a>(scope: &str, message: &'a DescriptorProto, all: &mut Vec<(String, &'a DescriptorProto)>) {
+fn collect<'a>(
+    scope: &str,
+    message: &'a DescriptorProto,
+    all: &mut Vec<(String, &'a DescriptorProto)>,
+) {
     let name = format!("{scope}.{}", message.name());
     for nested in &message.nested_type {
         collect(&name, nested, all);
@@ -108,10 +116,20 @@ fn shape(message: &DescriptorProto, numbers: &HashMap<&str, usize>) -> Shape {
             .get(field.type_name())
             .map_or(Content::Text, |number| Content::Structure(*number)),
         Type::String | Type::Bytes | Type::Group => Content::Text,
-        Type::Double | Type::Float | Type::Fixed32 | Type::Fixed64 | Type::Sfixed32
+        Type::Double
+        | Type::Float
+        | Type::Fixed32
+        | Type::Fixed64
+        | Type::Sfixed32
         | Type::Sfixed64 => Content::Fixed,
-        Type::Int32 | Type::Int64 | Type::Uint32 | Type::Uint64 | Type::Sint32 | Type::Sint64
-        | Type::Bool | Type::Enum => Content::Varints,
+        Type::Int32
+        | Type::Int64
+        | Type::Uint32
+        | Type::Uint64
+        | Type::Sint32
+        | Type::Sint64
+        | Type::Bool
+        | Type::Enum => Content::Varints,
     };
     let fields = message.field.iter().filter_map(|field| {
         // A number that is not repeated has its place in the structure.
@@ -262,7 +280,11 @@ mod tests {
         let upload = counted("/signorini.v1.MeshService/UploadMesh");
         assert!(counted(CREATE) >= size_of::<wire::CreateSessionRequest>() as u64 / 4);
         assert!(solve > 0 && upload > 0);
-        assert!(shapes.method("/signorini.v1.SessionService/Nothing").is_none());
+        assert!(
+            shapes
+                .method("/signorini.v1.SessionService/Nothing")
+                .is_none()
+        );
     }
 
     #[test]
@@ -285,7 +307,11 @@ mod tests {
         let bytes = with_obstacles(100_000).encode_to_vec();
         let found = shapes.cost(shape, &bytes, 1 << 20);
         assert!(found > 1 << 20 && found < (1 << 20) + 4096, "{found}");
-        for bytes in [&[0xff; 20][..], &[0x0a, 0xff, 0xff, 0xff, 0xff, 0x0f], &[7, 7]] {
+        for bytes in [
+            &[0xff; 20][..],
+            &[0x0a, 0xff, 0xff, 0xff, 0xff, 0x0f],
+            &[7, 7],
+        ] {
             assert!(shapes.cost(shape, bytes, 1 << 20) < 4096);
         }
     }

@@ -66,10 +66,19 @@ pub(crate) struct Decode {
 }
 
 /// Room that a message has.
-pub(super) struct Permit(#[expect(dead_code, reason = "held")] OwnedSemaphorePermit);
+pub(super) struct Permit {
+    _held: OwnedSemaphorePermit,
+}
+
+fn held(permit: OwnedSemaphorePermit) -> Permit {
+    Permit { _held: permit }
+}
 
 impl Decode {
-    pub(super) fn new(budget: u64, metrics: &Arc<Metrics>) -> Result<Arc<Self>, prost::DecodeError> {
+    pub(super) fn new(
+        budget: u64,
+        metrics: &Arc<Metrics>,
+    ) -> Result<Arc<Self>, prost::DecodeError> {
         let bytes = (budget / PART).clamp(LEAST_BYTES, MOST_BYTES);
         let small = bytes / SMALL_PART as u64;
         Ok(Arc::new(Self {
@@ -94,7 +103,7 @@ impl Decode {
         let waited = tokio::time::timeout(PATIENCE, free.acquire_many_owned(units(bytes as u64)));
         let permit = waited.await.ok().and_then(Result::ok);
         self.show();
-        permit.map(Permit).ok_or_else(|| self.full(bytes as u64))
+        permit.map(held).ok_or_else(|| self.full(bytes as u64))
     }
 
     /// Takes what a message of `shape` will be in memory.
@@ -113,7 +122,7 @@ impl Decode {
         let free = Arc::clone(&self.room(message.len().max(cost as usize / 16)).free);
         let permit = free.try_acquire_many_owned(units(cost)).ok();
         self.show();
-        permit.map(Permit).ok_or_else(|| self.full(cost))
+        permit.map(held).ok_or_else(|| self.full(cost))
     }
 
     fn full(&self, bytes: u64) -> Fault {

@@ -56,7 +56,11 @@ mod tests {
         });
         let first = plans.turn(greedy).await;
         let wait = Duration::from_millis(20);
-        assert!(tokio::time::timeout(wait, plans.turn(greedy)).await.is_err());
+        assert!(
+            tokio::time::timeout(wait, plans.turn(greedy))
+                .await
+                .is_err()
+        );
         assert!(tokio::time::timeout(wait, plans.turn(other)).await.is_ok());
         drop(first);
         assert!(tokio::time::timeout(wait, plans.turn(greedy)).await.is_ok());

@@ -138,11 +138,7 @@ impl Meshes {
     }
 
     /// Takes what a mesh needs beyond its prediction, if anything.
-    fn reserve_excess(
-        &self,
-        mesh: &Mesh,
-        taken: u64,
-    ) -> Result<Option<Reservation>, Fault> {
+    fn reserve_excess(&self, mesh: &Mesh, taken: u64) -> Result<Option<Reservation>, Fault> {
         match mesh.bytes().saturating_sub(taken) {
             0 => Ok(None),
             excess => self.services.store.reserve(excess).map(Some),

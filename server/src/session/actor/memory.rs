@@ -27,7 +27,7 @@ impl Actor {
     /// Takes the memory of one more result before there is one. While it is lacking a
     /// writer has to read what it has; with nothing unread the newest result takes the
     /// place of older ones.
-    pub(super) fn has_memory(&mut self) -> bool {
+    pub(super) fn has_memory(&self) -> bool {
         let unread = self.writer.as_ref().map(|writer| &writer.reader.outbox);
         let unread_bytes = unread.map_or(0, |outbox| outbox.unread_bytes());
         let pinned = unread_bytes.saturating_sub(self.kept.bytes());

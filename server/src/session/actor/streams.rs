@@ -72,7 +72,9 @@ impl Actor {
         let wanted = Wanted { fields, encoding };
         let limit = Limit {
             // Not more than its part of the budget, whatever the client asks for.
-            bytes: request.max_unread_bytes.min(self.services.store.budget() / UNREAD_PART),
+            bytes: request
+                .max_unread_bytes
+                .min(self.services.store.budget() / UNREAD_PART),
             results: match request.role {
                 Role::Writer { .. } => usize::MAX,
                 // The rest waits among the kept ones, where it costs nothing.
