@@ -154,6 +154,7 @@
 #![doc = include_str!("decisions/0034-matrices-of-triangles.md")]
 #![doc = include_str!("decisions/0035-loads-without-a-potential.md")]
 #![doc = include_str!("decisions/0036-scales-and-rounding.md")]
+#![doc = include_str!("decisions/0037-shares-and-gates.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]
