@@ -24,11 +24,10 @@ pub(super) fn of_tcp(address: SocketAddr, local: SocketAddr) -> ClientKey {
         SocketAddr::V4(_) => "/proc/net/tcp",
         SocketAddr::V6(_) => "/proc/net/tcp6",
     };
-    let user = std::fs::read_to_string(table).ok();
-    let user = user.and_then(|table| user(&table, address, local));
-    match user {
-        Some(user) => ClientKey {
-            identity: ClientIdentity::User(user),
+    let table = std::fs::read_to_string(table).unwrap_or_default();
+    match user(&table, address, local) {
+        Some(number) => ClientKey {
+            identity: ClientIdentity::User(number),
             strand: Strand::Connection(address),
         },
         None => by_address(address),

@@ -34,7 +34,7 @@ use super::queue::UpdateQueue;
 use super::work::{self, Event, Handoff, Outcome, Preparation, Ready, Task, Work};
 use super::{Services, SessionEnd, SessionSpec};
 use crate::client_key::ClientKey;
-use crate::compute::{LONG, Length, Panicked};
+use crate::compute::{Length, Panicked};
 use crate::config::LONGEST_SECONDS;
 use crate::fault::Fault;
 use crate::results::iterations::Iterations;
