@@ -9,6 +9,7 @@ use tonic::body::Body;
 use tonic::codegen::{BoxFuture, Service, http};
 use tonic::server::NamedService;
 use tonic::{Code, Status};
+use tonic_types::StatusExt as _;
 
 use crate::fault::Fault;
 use crate::registry::Registry;
@@ -16,14 +17,9 @@ use crate::registry::Registry;
 /// Largest message, bytes.
 pub(crate) const MESSAGE_BYTES: usize = 4 << 20;
 
-/// The fault behind a status that the transport, or the gate before it, made while it
-/// read a request;
+/// The fault behind a status that the transport made while it read a request;
 /// `None` for a broken connection and for statuses of this service.
 pub(crate) fn fault_of(status: &Status) -> Option<Fault> {
-    let source = std::error::Error::source(status);
-    if let Some(fault) = source.and_then(|source| source.downcast_ref::<Fault>()) {
-        return Some(fault.clone());
-    }
     if !status.details().is_empty() {
         return None;
     }
@@ -48,6 +44,28 @@ pub(crate) fn fault_of(status: &Status) -> Option<Fault> {
         | Code::Unavailable
         | Code::DataLoss
         | Code::Unauthenticated => None,
+    }
+}
+
+/// As [`fault_of`] for a stream that was read in part: also the fault with which the gate
+/// before the transport refused one of its messages.
+pub(crate) fn fault_of_stream(status: &Status) -> Option<Fault> {
+    let Some(info) = status.get_details_error_info() else {
+        return fault_of(status);
+    };
+    let text = |key: &str| info.metadata.get(key).cloned().unwrap_or_default();
+    let number = |key: &str| text(key).parse().unwrap_or(0);
+    match info.reason.as_str() {
+        "MESSAGE_LIMIT" => Some(Fault::MessageLimit {
+            what: text("what"),
+            limit: number("limit"),
+        }),
+        "MEMORY_BUDGET" => Some(Fault::MemoryBudget {
+            predicted: number("predicted_bytes"),
+            held: number("held_bytes"),
+            budget: number("budget_bytes"),
+        }),
+        _ => Some(Fault::request("message", status.message())),
     }
 }
 
@@ -113,5 +131,22 @@ mod tests {
         assert_eq!(fault_of(&own), None);
         assert_eq!(fault_of(&Status::from(Fault::Internal)), None);
         assert_eq!(fault_of(&Status::cancelled("the client is gone")), None);
+    }
+
+    #[test]
+    fn what_the_gate_refused_in_a_stream_is_known_again() {
+        let limit = Fault::MessageLimit {
+            what: "bytes".to_owned(),
+            limit: 7,
+        };
+        let memory = Fault::MemoryBudget {
+            predicted: 1,
+            held: 2,
+            budget: 3,
+        };
+        for fault in [limit, memory] {
+            let status = Status::from(fault.clone());
+            assert_eq!(fault_of_stream(&status), Some(fault));
+        }
     }
 }

@@ -99,11 +99,19 @@ impl Gated {
 
     fn fail(&mut self, fault: Fault) -> Poll<Next> {
         self.stage = Stage::Over;
-        self.gate.refused(&fault);
-        let mut status = Status::from(fault.clone());
-        // For streams, which end with their own status.
-        status.set_source(Arc::new(fault));
-        Poll::Ready(Some(Err(status)))
+        if self.kept.is_some() {
+            // A stream counts what it ends with.
+            self.gate.refused(&fault);
+        }
+        Poll::Ready(Some(Err(fault.into())))
+    }
+}
+
+impl Drop for Gated {
+    fn drop(&mut self) {
+        self.last.clear();
+        self.stage = Stage::Over;
+        self.gate.show();
     }
 }
 

@@ -259,7 +259,8 @@ async fn next(
     end: Instant,
 ) -> Result<Option<upload_mesh_request::Part>, Fault> {
     let broken = |status: Status| {
-        transport::fault_of(&status).unwrap_or_else(|| Fault::request("upload", status.message()))
+        transport::fault_of_stream(&status)
+            .unwrap_or_else(|| Fault::request("upload", status.message()))
     };
     match by(end, inbound.message()).await?.map_err(broken)? {
         None => Ok(None),

@@ -105,7 +105,7 @@ async fn first_message(
     let late = |_| Fault::request("open", "did not come within 10 seconds");
     let first = match first.map_err(late)? {
         Ok(first) => first.ok_or_else(missing)?,
-        Err(status) => return Err(transport::fault_of(&status).unwrap_or_else(missing)),
+        Err(status) => return Err(transport::fault_of_stream(&status).unwrap_or_else(missing)),
     };
     let Some(solve_request::Message::Open(open)) = first.message else {
         return Err(missing());
@@ -171,7 +171,7 @@ async fn read(
                 // notices the first, this ends the second.
                 tracing::debug!(status = status.to_string(), "stream ended by its client");
                 let broken = || Fault::request("solve", "the stream broke");
-                let fault = transport::fault_of(&status).unwrap_or_else(broken);
+                let fault = transport::fault_of_stream(&status).unwrap_or_else(broken);
                 return outbox.end(StreamEnd::Fault(fault));
             }
         }
