@@ -124,7 +124,8 @@ fn answer(digest: &str, stored: &Stored, already_present: bool) -> wire::UploadS
 
 async fn next(inbound: &mut Streaming<wire::UploadSurfaceRequest>) -> Result<Option<Part>, Fault> {
     let broken = |status: Status| {
-        transport::fault_of(&status).unwrap_or_else(|| Fault::request("upload", status.message()))
+        transport::fault_of_stream(&status)
+            .unwrap_or_else(|| Fault::request("upload", status.message()))
     };
     let silent = |_| {
         let text = format!("nothing came for {} seconds", IDLE.as_secs());
