@@ -110,6 +110,7 @@ impl Gated {
 impl Drop for Gated {
     fn drop(&mut self) {
         self.last.clear();
+        self.kept = None;
         self.stage = Stage::Over;
         self.gate.show();
     }
@@ -122,7 +123,10 @@ impl HttpBody for Gated {
     fn poll_frame(mut self: Pin<&mut Self>, context: &mut Context<'_>) -> Poll<Next> {
         let this = &mut *self;
         // Whoever asks again has decoded the last one.
-        this.last.clear();
+        if !this.last.is_empty() {
+            this.last.clear();
+            this.gate.show();
+        }
         loop {
             match std::mem::replace(&mut this.stage, Stage::Over) {
                 Stage::Over => return Poll::Ready(None),
