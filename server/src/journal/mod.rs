@@ -1,0 +1,194 @@
+//! The data folder: what the server acknowledged and has to know after a kill.
+//!
+//! ```text
+//! FORMAT            version of all of this
+//! journal.redb      sessions, accepted updates, results, checkpoints
+//! meshes/{digest}   meshes, named by their content
+//! states/{digest}   exported states, named by their content
+//! ```
+//!
+//! One thread writes: it takes all changes that wait, commits them at once, and tells
+//! their owners when the disk has them. The room knows bytes and names; what they mean
+//! is known to sessions. A name in the folder is a digest that this server computed.
+
+mod database;
+mod error;
+mod files;
+mod record;
+mod writer;
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, PoisonError, RwLock};
+
+use redb::Database;
+use signorini::mesh::MeshId;
+
+use crate::metrics::Metrics;
+
+pub(crate) use database::{Change, Listed, Stored};
+pub use error::JournalError;
+pub(crate) use record::{
+    StoredCheckpoint, StoredField, StoredFields, StoredMesh, StoredResult, StoredSession,
+    StoredUpdate,
+};
+use writer::Writer;
+
+/// Of the layout of the folder, the tables and the messages in them.
+const FORMAT: u32 = 1;
+const FORMAT_FILE: &str = "FORMAT";
+const DATABASE_FILE: &str = "journal.redb";
+
+/// Called when the disk has a change, or when it will not get it.
+pub(crate) type Done = Box<dyn FnOnce(Result<(), JournalError>) + Send>;
+
+/// How soon changes shall reach the disk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Urgency {
+    /// Somebody waits.
+    Now,
+    /// With the next that somebody waits for, or a moment later.
+    Soon,
+}
+
+/// The data folder of a running server.
+pub(crate) struct Journal {
+    folder: PathBuf,
+    database: Arc<Shelf>,
+    writer: Writer,
+}
+
+/// Where the open database lies: nowhere while a disk that failed is not back.
+pub(crate) struct Shelf {
+    path: PathBuf,
+    database: RwLock<Option<Database>>,
+}
+
+impl Shelf {
+    /// Runs `work` on the database.
+    fn with<T>(
+        &self,
+        work: impl FnOnce(&Database) -> Result<T, JournalError>,
+    ) -> Result<T, JournalError> {
+        let guard = self.database.read().unwrap_or_else(PoisonError::into_inner);
+        let gone = || JournalError::Unwritable("the disk failed and is not back yet".to_owned());
+        let database = guard.as_ref().ok_or_else(gone)?;
+        let work = std::panic::AssertUnwindSafe(|| work(database));
+        let damaged = |_| JournalError::Damaged("a page is not as it was written".to_owned());
+        std::panic::catch_unwind(work).map_err(damaged)?
+    }
+
+    /// Closes the database after a failure and opens it again, which brings back what
+    /// was committed.
+    fn reopen(&self) -> Result<(), JournalError> {
+        let mut guard = self.database.write().unwrap_or_else(PoisonError::into_inner);
+        *guard = None;
+        *guard = Some(database::open(&self.path)?);
+        Ok(())
+    }
+}
+
+impl Journal {
+    /// Opens a data folder, or makes it.
+    ///
+    /// # Errors
+    /// [`JournalError`] for a folder that cannot be used, is used already, has another
+    /// format or is damaged.
+    pub(crate) fn open(folder: &Path, metrics: &Arc<Metrics>) -> Result<Self, JournalError> {
+        for part in [folder.to_owned(), folder.join("meshes"), folder.join("states")] {
+            files::make_folder(&part)?;
+            files::drop_parts(&part)?;
+        }
+        check_format(folder)?;
+        let path = folder.join(DATABASE_FILE);
+        let opened = database::open(&path)?;
+        database::make_tables(&opened)?;
+        let database = Arc::new(Shelf {
+            path,
+            database: RwLock::new(Some(opened)),
+        });
+        let writer = Writer::start(Arc::clone(&database), metrics)
+            .map_err(|error| JournalError::at(folder, &error))?;
+        Ok(Self {
+            folder: folder.to_owned(),
+            database,
+            writer,
+        })
+    }
+
+    /// Hands changes of the session `name` to the disk, in order; `done` is called once.
+    pub(crate) fn submit(&self, name: &str, changes: Vec<Change>, urgency: Urgency, done: Done) {
+        self.writer.submit(name, changes, urgency, done);
+    }
+
+    /// As [`Journal::submit`]; returns when the disk has them.
+    ///
+    /// # Errors
+    /// [`JournalError::Unwritable`]; none of them is stored then.
+    pub(crate) async fn store(&self, name: &str, changes: Vec<Change>) -> Result<(), JournalError> {
+        let (sender, receiver) = tokio::sync::oneshot::channel();
+        let done = Box::new(move |outcome| {
+            // Whoever asked may have left.
+            let _left = sender.send(outcome);
+        });
+        self.submit(name, changes, Urgency::Now, done);
+        let closed = |_| JournalError::Unwritable("the server is shutting down".to_owned());
+        receiver.await.map_err(closed)?
+    }
+
+    /// Every stored session. Blocks.
+    pub(crate) fn sessions(&self) -> Result<Vec<(String, Listed)>, JournalError> {
+        self.database.with(database::list)
+    }
+
+    /// All of one session. Blocks.
+    pub(crate) fn load(&self, name: &str) -> Result<Option<Stored>, JournalError> {
+        self.database.with(|open| database::load(open, name))
+    }
+
+    /// The stored meshes. Blocks.
+    pub(crate) fn meshes(&self) -> Result<Vec<(String, StoredMesh)>, JournalError> {
+        self.database.with(database::meshes)
+    }
+
+    /// The file of a mesh.
+    pub(crate) fn mesh_file(&self, id: MeshId) -> PathBuf {
+        self.folder.join("meshes").join(id.to_string())
+    }
+
+    /// Writes the messages of a mesh into its file. Blocks.
+    pub(crate) fn write_mesh<M: prost::Message>(
+        &self,
+        id: MeshId,
+        messages: impl Iterator<Item = M>,
+    ) -> Result<(), JournalError> {
+        files::write(&self.mesh_file(id), |file| {
+            for message in messages {
+                file.write_all(&message.encode_length_delimited_to_vec())?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Returns when everything submitted so far is written; later changes are lost.
+    pub(crate) fn close(&self) {
+        self.writer.close();
+    }
+}
+
+/// Reads the version of a folder, or writes it into a new one.
+fn check_format(folder: &Path) -> Result<(), JournalError> {
+    let path = folder.join(FORMAT_FILE);
+    let own = format!("signorini data {FORMAT}\n");
+    match std::fs::read_to_string(&path) {
+        Ok(text) if text == own => Ok(()),
+        Ok(text) => Err(JournalError::Version {
+            path: folder.display().to_string(),
+            found: text.trim().chars().take(80).collect(),
+            known: FORMAT,
+        }),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            files::write(&path, |file| file.write_all(own.as_bytes()))
+        }
+        Err(error) => Err(JournalError::at(&path, &error)),
+    }
+}
