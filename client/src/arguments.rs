@@ -54,6 +54,7 @@ Examples:
 const SERVE_EXAMPLES: &str = "\
 Examples:
   signorini serve
+  signorini serve --data /var/lib/signorini
   signorini serve --listen unix:/run/signorini.sock --metrics-listen ''
   signorini serve --config server.toml
 
@@ -203,6 +204,10 @@ pub(crate) struct ServeArguments {
     /// Where the metrics page is served: HOST:PORT, or empty for nowhere
     #[arg(long, value_name = "ADDRESS")]
     pub(crate) metrics_listen: Option<String>,
+    /// Data folder, made if it is missing; without one nothing outlives the server
+    #[cfg(feature = "embedded")]
+    #[arg(long, value_name = "DIR", env = "SIGNORINI_DATA")]
+    pub(crate) data: Option<String>,
     /// How the log is written on stderr
     #[cfg(feature = "embedded")]
     #[arg(long, value_name = "FORMAT", env = "SIGNORINI_LOG_FORMAT")]

@@ -92,6 +92,9 @@ pub struct Config {
     pub heartbeat_seconds: u64,
     /// Seconds that a shutdown waits for running steps to stop; at most 2 592 000.
     pub drain_seconds: u64,
+    /// Data folder: sessions, their updates and results, and meshes outlive the server
+    /// in it; empty: nothing does.
+    pub data: String,
     /// How the lines of the log are written, for [`crate::start_log`].
     pub log_format: LogFormat,
     /// The least important lines of the log, for [`crate::start_log`].
@@ -114,6 +117,7 @@ impl Default for Config {
             retained_field_bytes: 256 << 20,
             heartbeat_seconds: 10,
             drain_seconds: 30,
+            data: String::new(),
             log_format: LogFormat::Text,
             log_level: LogLevel::Info,
         }

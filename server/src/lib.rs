@@ -8,7 +8,9 @@
 //! room knows those behind it, never those before it: `results` no session, `session`
 //! no registry, `registry` no stream. Only `status`
 //! makes a gRPC status, only `metrics` names a metric, only `convert` sees both
-//! wire and domain types. The server reads and writes no files.
+//! wire and domain types, only `journal` reads and writes files, under names that are
+//! digests which the server computed. With a data folder, `session` hands each change to
+//! `journal` and shows a result when the disk has it; `wake` brings a session back.
 
 #![cfg_attr(
     not(test),
@@ -27,11 +29,13 @@ mod config;
 mod convert;
 mod fair_queue;
 mod fault;
+mod journal;
 mod listen;
 mod log;
 mod memory;
 mod metrics;
 mod metrics_page;
+mod planning;
 mod registry;
 mod results;
 mod serve;
@@ -41,8 +45,10 @@ mod status;
 mod store;
 mod streams;
 mod transport;
+mod wake;
 
 pub use config::{Config, ConfigError, LogFormat, LogLevel};
+pub use journal::JournalError;
 pub use listen::{ListenError, Listener};
 pub use log::start_log;
 pub use serve::{ServeError, serve};

@@ -5,6 +5,7 @@
 
 use std::future::Future;
 use std::io;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -24,6 +25,7 @@ use tower::layer::util::{Identity, Stack};
 use crate::calls::{CountCalls, Methods};
 use crate::compute::SolverThreads;
 use crate::config::{Config, ConfigError};
+use crate::journal::{Journal, JournalError};
 use crate::listen::{Listener, Socket};
 use crate::metrics::{COMMIT, Metrics};
 use crate::metrics_page::{self, Page};
@@ -63,6 +65,9 @@ pub enum ServeError {
         /// Its message.
         why: String,
     },
+    /// The data folder cannot be used.
+    #[error(transparent)]
+    Data(#[from] JournalError),
     /// The transport failed.
     #[error("the transport failed: {0}")]
     Transport(#[from] tonic::transport::Error),
@@ -80,7 +85,7 @@ pub async fn serve(
     config.check()?;
     let drain_time = config.drain();
     let services = services(config)?;
-    let registry = Registry::new(&services);
+    let registry = Registry::new(&services)?;
     let (health, router) = router(&services, &registry).await?;
     log_start(&services.config, &listener);
     let page = Page {
@@ -88,7 +93,7 @@ pub async fn serve(
         registry: Arc::clone(&registry),
         service: listener.url().into(),
     };
-    let helpers = helpers(page, listener.metrics);
+    let helpers = helpers(page, &registry, listener.metrics);
     let (stop, stopped) = oneshot::channel();
     let mut server = tokio::spawn(run(router, listener.socket, stopped));
     tokio::select! {
@@ -136,6 +141,10 @@ fn log_start(config: &Config, listener: &Listener) {
         slots = config.solver_slots,
         threads_per_slot = config.threads(),
         memory_budget_bytes = config.budget(),
+        data = match config.data.as_str() {
+            "" => "none: nothing outlives this server",
+            folder => folder,
+        },
         "serving"
     );
 }
@@ -144,7 +153,12 @@ fn services(config: Config) -> Result<Arc<Services>, ServeError> {
     let metrics = Metrics::new().map_err(|error| setup("metrics", &error))?;
     let solvers = SolverThreads::start(config.solver_slots, config.threads(), &metrics)
         .map_err(ServeError::Threads)?;
+    let journal = match config.data.as_str() {
+        "" => None,
+        folder => Some(Arc::new(Journal::open(Path::new(folder), &metrics)?)),
+    };
     Ok(Arc::new(Services {
+        journal,
         store: Store::new(config.budget(), &metrics),
         config,
         metrics,
@@ -230,13 +244,18 @@ async fn run(
     }
 }
 
-fn helpers(page: Page, listener: Option<tokio::net::TcpListener>) -> Vec<JoinHandle<()>> {
-    let metrics = Arc::clone(&page.metrics);
+fn helpers(
+    page: Page,
+    registry: &Arc<Registry>,
+    listener: Option<tokio::net::TcpListener>,
+) -> Vec<JoinHandle<()>> {
+    let (metrics, registry) = (Arc::clone(&page.metrics), Arc::clone(registry));
     let upkeep = tokio::spawn(async move {
         let mut ticks = tokio::time::interval(UPKEEP);
         loop {
             ticks.tick().await;
             metrics.upkeep();
+            registry.expire_asleep().await;
         }
     });
     let page = listener.map(|listener| tokio::spawn(metrics_page::serve(listener, page)));
@@ -256,6 +275,9 @@ async fn close(services: &Arc<Services>, patience: Duration) {
     let (closed, joined) = oneshot::channel();
     let joiner = std::thread::Builder::new().spawn(move || {
         services.solvers.close();
+        if let Some(journal) = &services.journal {
+            journal.close();
+        }
         // Nobody waits any more when it took too long.
         let _late = closed.send(());
     });

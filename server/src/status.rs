@@ -36,7 +36,7 @@ pub(crate) fn reason(fault: &Fault) -> &'static str {
 }
 
 /// Every reason, in the order of the faults.
-pub(crate) const REASONS: [&str; 23] = [
+pub(crate) const REASONS: [&str; 27] = [
     "SCENE_INVALID",
     "UNSUPPORTED_COMBINATION",
     "REQUEST_INVALID",
@@ -59,6 +59,10 @@ pub(crate) const REASONS: [&str; 23] = [
     "MESSAGE_LIMIT",
     "STREAM_DEADLINE",
     "SHUTTING_DOWN",
+    "DATA_UNWRITABLE",
+    "SESSION_DAMAGED",
+    "STATE_NOT_FOUND",
+    "STATE_INVALID",
     "INTERNAL",
 ];
 
@@ -116,6 +120,10 @@ fn contract(fault: &Fault) -> (Code, &'static str) {
         Fault::MessageLimit { .. } => (Code::ResourceExhausted, "MESSAGE_LIMIT"),
         Fault::StreamDeadline => (Code::DeadlineExceeded, "STREAM_DEADLINE"),
         Fault::ShuttingDown => (Code::Unavailable, "SHUTTING_DOWN"),
+        Fault::Unwritable(_) => (Code::Unavailable, "DATA_UNWRITABLE"),
+        Fault::SessionDamaged { .. } => (Code::DataLoss, "SESSION_DAMAGED"),
+        Fault::StateNotFound(_) => (Code::NotFound, "STATE_NOT_FOUND"),
+        Fault::StateInvalid(_) => (Code::InvalidArgument, "STATE_INVALID"),
         Fault::Internal => (Code::Internal, "INTERNAL"),
     }
 }
@@ -137,7 +145,9 @@ fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
         | Fault::SessionExpired(name)
         | Fault::SessionExists(name)
         | Fault::SessionDeleted(name)
+        | Fault::SessionDamaged { name, .. }
         | Fault::SessionFailed { name, .. } => vec![("session", name.clone())],
+        Fault::StateNotFound(name) => vec![("state", name.clone())],
         Fault::SessionBusy { held_since, .. } => vec![("held_since", held_since.to_string())],
         Fault::StepNotFound { sequence, .. } => vec![("sequence", sequence.to_string())],
         Fault::SequenceGap { expected, .. } => vec![("expected", expected.to_string())],
@@ -157,9 +167,12 @@ fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
         Fault::MessageLimit { what, limit } => {
             vec![("what", what.clone()), ("limit", limit.to_string())]
         }
-        Fault::MeshInvalid(_) | Fault::StreamDeadline | Fault::ShuttingDown | Fault::Internal => {
-            Vec::new()
-        }
+        Fault::MeshInvalid(_)
+        | Fault::StreamDeadline
+        | Fault::ShuttingDown
+        | Fault::Unwritable(_)
+        | Fault::StateInvalid(_)
+        | Fault::Internal => Vec::new(),
     }
 }
 
@@ -211,7 +224,10 @@ fn resource_info(fault: &Fault) -> Option<Any> {
 }
 
 fn retry_info(fault: &Fault) -> Option<Any> {
-    if !matches!(fault, Fault::QueueFull { .. } | Fault::ShuttingDown) {
+    if !matches!(
+        fault,
+        Fault::QueueFull { .. } | Fault::ShuttingDown | Fault::Unwritable(_)
+    ) {
         return None;
     }
     let delay = prost_types::Duration::try_from(Duration::from_secs(1)).ok()?;

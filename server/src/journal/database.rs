@@ -30,6 +30,9 @@ const CACHE_BYTES: usize = 16 << 20;
 /// One thing to write.
 #[derive(Clone, Debug)]
 pub(crate) enum Change {
+    /// Whoever writes this knows what the disk has of the session: changes that failed
+    /// before no longer hold up later ones.
+    Begin,
     /// A session is made.
     Session(StoredSession),
     /// An update is accepted.
@@ -75,9 +78,8 @@ pub(crate) struct Listed {
 
 /// Opens the database, or makes it; the format it says to have, if it is not new.
 pub(super) fn open(path: &Path) -> Result<Database, JournalError> {
-    let opened = std::panic::catch_unwind(|| {
-        Database::builder().set_cache_size(CACHE_BYTES).create(path)
-    });
+    let opened =
+        std::panic::catch_unwind(|| Database::builder().set_cache_size(CACHE_BYTES).create(path));
     let at = path.display().to_string();
     match opened {
         Ok(Ok(database)) => Ok(database),
@@ -86,7 +88,9 @@ pub(super) fn open(path: &Path) -> Result<Database, JournalError> {
             Err(JournalError::at(path, &why))
         }
         Ok(Err(error)) => Err(JournalError::Damaged(format!("{at}: {error}"))),
-        Err(_) => Err(JournalError::Damaged(format!("{at}: a page is not as it was written"))),
+        Err(_) => Err(JournalError::Damaged(format!(
+            "{at}: a page is not as it was written"
+        ))),
     }
 }
 
@@ -129,6 +133,7 @@ impl<'a> Tables<'a> {
             bytes
         };
         match change {
+            Change::Begin => {}
             Change::Session(session) => {
                 let bytes = seal(sealed(session));
                 self.sessions.insert(name, bytes.as_slice())?;
@@ -200,7 +205,9 @@ pub(super) fn commit<'a>(
 ) -> Result<usize, JournalError> {
     let mut write = database.begin_write()?;
     let refused = |error: redb::SetDurabilityError| JournalError::Unwritable(error.to_string());
-    write.set_durability(Durability::Immediate).map_err(refused)?;
+    write
+        .set_durability(Durability::Immediate)
+        .map_err(refused)?;
     let mut bytes = 0;
     {
         let mut tables = Tables::open(&write)?;
@@ -225,6 +232,16 @@ pub(super) fn list(database: &Database) -> Result<Vec<(String, Listed)>, Journal
     Ok(found)
 }
 
+/// One stored session as a list tells it.
+pub(super) fn list_one(database: &Database, name: &str) -> Result<Option<Listed>, JournalError> {
+    let read = database.begin_read()?;
+    let Some(session) = read.open_table(SESSIONS)?.get(name)? else {
+        return Ok(None);
+    };
+    let session = opened(session.value(), name)?;
+    listed(&read, name, session).map(Some)
+}
+
 fn listed(
     read: &ReadTransaction,
     name: &str,
@@ -237,8 +254,10 @@ fn listed(
     let accepted = accepted.map_or(0, |(key, _)| key.value().1);
     let mut ends = results.range(all)?;
     let mut result = |entry: Option<Result<_, redb::StorageError>>| {
-        let entry: Option<(redb::AccessGuard<'_, (&str, i64)>, redb::AccessGuard<'_, &[u8]>)> =
-            entry.transpose()?;
+        let entry: Option<(
+            redb::AccessGuard<'_, (&str, i64)>,
+            redb::AccessGuard<'_, &[u8]>,
+        )> = entry.transpose()?;
         let stored = entry.map(|(_, value)| opened::<StoredResult>(value.value(), name));
         stored.transpose()
     };
@@ -273,7 +292,11 @@ pub(super) fn load(database: &Database, name: &str) -> Result<Option<Stored>, Jo
         let event = key.value().1;
         let own = fields.get((name, event))?;
         let own = own.map(|fields| opened(fields.value(), name)).transpose()?;
-        results.push((event, opened(result.value(), name)?, own.unwrap_or_default()));
+        results.push((
+            event,
+            opened(result.value(), name)?,
+            own.unwrap_or_default(),
+        ));
     }
     let checkpoint = read.open_table(CHECKPOINTS)?.get(name)?;
     let checkpoint = checkpoint.map(|bytes| opened(bytes.value(), name));

@@ -28,7 +28,10 @@ pub(super) fn write(
     written.map_err(wrong)
 }
 
-fn write_beside(beside: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+fn write_beside(
+    beside: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
     let mut file = BufWriter::new(File::create(beside)?);
     fill(&mut file)?;
     fail::fail_point!("file-sync", |_| Err(io::Error::other("failpoint")));

@@ -80,7 +80,10 @@ impl Shelf {
     /// Closes the database after a failure and opens it again, which brings back what
     /// was committed.
     fn reopen(&self) -> Result<(), JournalError> {
-        let mut guard = self.database.write().unwrap_or_else(PoisonError::into_inner);
+        let mut guard = self
+            .database
+            .write()
+            .unwrap_or_else(PoisonError::into_inner);
         *guard = None;
         *guard = Some(database::open(&self.path)?);
         Ok(())
@@ -94,7 +97,11 @@ impl Journal {
     /// [`JournalError`] for a folder that cannot be used, is used already, has another
     /// format or is damaged.
     pub(crate) fn open(folder: &Path, metrics: &Arc<Metrics>) -> Result<Self, JournalError> {
-        for part in [folder.to_owned(), folder.join("meshes"), folder.join("states")] {
+        for part in [
+            folder.to_owned(),
+            folder.join("meshes"),
+            folder.join("states"),
+        ] {
             files::make_folder(&part)?;
             files::drop_parts(&part)?;
         }
@@ -140,6 +147,16 @@ impl Journal {
         self.database.with(database::list)
     }
 
+    /// What a list tells of one session; none where it is not stored or not readable
+    /// now. Blocks.
+    pub(crate) fn listed(&self, name: &str) -> Option<Listed> {
+        let found = self.database.with(|open| database::list_one(open, name));
+        found.unwrap_or_else(|why| {
+            tracing::error!(why = why.to_string(), "a session cannot be read");
+            None
+        })
+    }
+
     /// All of one session. Blocks.
     pub(crate) fn load(&self, name: &str) -> Result<Option<Stored>, JournalError> {
         self.database.with(|open| database::load(open, name))
@@ -150,8 +167,31 @@ impl Journal {
         self.database.with(database::meshes)
     }
 
+    /// The bytes of a mesh's file; none where there is no such file. Blocks.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub(crate) fn read_mesh(&self, id: MeshId) -> Result<Option<Vec<u8>>, JournalError> {
+        let path = self.mesh_file(id);
+        match std::fs::read(&path) {
+            Ok(bytes) => Ok(Some(bytes)),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(JournalError::at(&path, &error)),
+        }
+    }
+
+    /// Drops the file of a mesh. Blocks.
+    pub(crate) fn drop_mesh(&self, id: MeshId) -> Result<(), JournalError> {
+        let path = self.mesh_file(id);
+        match std::fs::remove_file(&path) {
+            Ok(()) => Ok(()),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+            Err(error) => Err(JournalError::at(&path, &error)),
+        }
+    }
+
     /// The file of a mesh.
-    pub(crate) fn mesh_file(&self, id: MeshId) -> PathBuf {
+    fn mesh_file(&self, id: MeshId) -> PathBuf {
         self.folder.join("meshes").join(id.to_string())
     }
 

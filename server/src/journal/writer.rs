@@ -1,5 +1,6 @@
 //! The thread that writes: one commit for all changes that wait.
 
+use std::collections::HashSet;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -35,7 +36,9 @@ impl Writer {
         let (sender, receiver) = mpsc::channel();
         let metrics = Arc::clone(metrics);
         let run = move || run(&shelf, &receiver, &metrics);
-        let thread = std::thread::Builder::new().name("journal".to_owned()).spawn(run)?;
+        let thread = std::thread::Builder::new()
+            .name("journal".to_owned())
+            .spawn(run)?;
         Ok(Self {
             jobs: Mutex::new(Some(sender)),
             thread: Mutex::new(Some(thread)),
@@ -64,7 +67,11 @@ impl Writer {
     /// Waits until everything is written.
     pub(super) fn close(&self) {
         *self.jobs.lock().unwrap_or_else(PoisonError::into_inner) = None;
-        let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let thread = self
+            .thread
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .take();
         if thread.is_some_and(|thread| thread.join().is_err()) {
             tracing::error!("the journal ended by a panic");
         }
@@ -72,16 +79,51 @@ impl Writer {
 }
 
 fn run(shelf: &Shelf, jobs: &Receiver<Job>, metrics: &Metrics) {
+    let mut broken = Broken::default();
     while let Ok(first) = jobs.recv() {
-        let batch = gather(first, jobs);
+        let batch = broken.refuse(gather(first, jobs));
+        if batch.is_empty() {
+            continue;
+        }
         let outcome = commit(shelf, &batch, metrics);
         if let Err(error) = &outcome {
             metrics.journal_failed();
             tracing::error!(why = error.to_string(), "the journal cannot be written");
+            broken.enter(&batch);
         }
         for job in batch {
             (job.done)(outcome.clone());
         }
+    }
+}
+
+/// Sessions of which a change was lost: later ones would leave a gap.
+#[derive(Default)]
+struct Broken(HashSet<Box<str>>);
+
+impl Broken {
+    /// Refuses the changes of such sessions, but for one that begins anew.
+    fn refuse(&mut self, batch: Vec<Job>) -> Vec<Job> {
+        let mut left = Vec::with_capacity(batch.len());
+        for job in batch {
+            if matches!(job.changes.first(), Some(Change::Begin)) {
+                self.0.remove(&job.name);
+            }
+            match self.0.contains(&job.name) {
+                true => {
+                    let why = "an earlier change of this session was lost".to_owned();
+                    (job.done)(Err(JournalError::Unwritable(why)));
+                }
+                false => left.push(job),
+            }
+        }
+        left
+    }
+
+    fn enter(&mut self, batch: &[Job]) {
+        let names = batch.iter().map(|job| job.name.clone());
+        // What has no name belongs to no session.
+        self.0.extend(names.filter(|name| !name.is_empty()));
     }
 }
 

@@ -26,6 +26,9 @@ impl Metrics {
             LEFT_BEHIND,
             RECEIVED,
             SENT,
+            JOURNAL_BYTES,
+            JOURNAL_FAILURES,
+            REPLAY_DIFFERENCES,
         ] {
             self.counter(name, &[]).increment(0);
         }
@@ -35,6 +38,8 @@ impl Metrics {
         for name in [
             QUEUE_WAIT,
             CANCEL_SECONDS,
+            JOURNAL_COMMIT_SECONDS,
+            REPLAY_SECONDS,
             SQP_ITERATIONS,
             KRYLOV_ITERATIONS,
             APPLICATIONS,

@@ -10,9 +10,11 @@ use signorini_proto::v1::{self as wire, mesh_service_server::MeshService, upload
 use tonic::codegen::BoxStream;
 use tonic::{Request, Response, Status, Streaming};
 
-use super::{aside, page_size, respond};
+use super::{page_size, respond};
 use crate::convert::mesh::{self as convert, Header, Upload};
 use crate::fault::Fault;
+use crate::journal::Change;
+use crate::planning::{self, aside};
 use crate::registry::Registry;
 use crate::session::Services;
 use crate::store::{Lease, Reservation};
@@ -51,7 +53,7 @@ impl MeshService for Meshes {
     ) -> Result<Response<wire::GetMeshResponse>, Status> {
         respond(&self.registry, async {
             let id = convert::id_from_name(&request.into_inner().name, "name")?;
-            let mesh = Some(self.describe(self.services.store.mesh(id)?)?);
+            let mesh = Some(self.describe(planning::mesh(&self.services, id).await?)?);
             Ok(wire::GetMeshResponse { mesh })
         })
         .await
@@ -74,7 +76,7 @@ impl MeshService for Meshes {
             let request = request.into_inner();
             let id = convert::id_from_name(&request.name, "name")?;
             let wanted = convert::wanted(&request.arrays)?;
-            let messages = convert::messages(self.services.store.mesh(id)?, &wanted);
+            let messages = convert::messages(planning::mesh(&self.services, id).await?, &wanted);
             let stream: Self::ReadMeshStream = Box::pin(tokio_stream::iter(messages.map(Ok)));
             Ok(stream)
         })
@@ -88,7 +90,7 @@ impl MeshService for Meshes {
     ) -> Result<Response<wire::DeleteMeshResponse>, Status> {
         respond(&self.registry, async {
             let id = convert::id_from_name(&request.into_inner().name, "name")?;
-            self.services.store.delete_mesh(id)?;
+            self.delete(id).await?;
             Ok(wire::DeleteMeshResponse {})
         })
         .await
@@ -107,7 +109,9 @@ impl Meshes {
         };
         let header = Header::new(header)?;
         let id = header.id;
-        if let Some(found) = id.and_then(|id| self.services.store.mesh(id).ok()) {
+        if let Some(id) = id
+            && let Ok(found) = planning::mesh(&self.services, id).await
+        {
             return self.uploaded(found, Presence::Before);
         }
         // Held until the mesh itself is counted.
@@ -128,11 +132,34 @@ impl Meshes {
             }
         }
         let mesh = aside(move || build(upload, id)).await??;
-        if let Ok(found) = self.services.store.mesh(mesh.id()) {
+        if let Ok(found) = planning::mesh(&self.services, mesh.id()).await {
             return self.uploaded(found, Presence::Before);
         }
         let _excess = self.reserve_excess(&mesh, &reservation)?;
+        // On disk before anybody finds it.
+        let mesh = match &self.services.journal {
+            Some(journal) => planning::store_mesh(journal, mesh).await?,
+            None => mesh,
+        };
         self.uploaded(self.services.store.insert_mesh(mesh), Presence::New)
+    }
+
+    /// Drops a mesh that no session uses, awake or not, from memory and disk.
+    async fn delete(&self, id: MeshId) -> Result<(), Fault> {
+        let name = convert::name(id);
+        let sessions = self.registry.asleep_on(&name);
+        if sessions > 0 {
+            return Err(Fault::MeshInUse { name, sessions });
+        }
+        drop(planning::mesh(&self.services, id).await?);
+        self.services.store.delete_mesh(id)?;
+        let Some(journal) = self.services.journal.clone() else {
+            return Ok(());
+        };
+        let dropped = journal.store("", vec![Change::DropMesh(name)]).await;
+        dropped.map_err(planning::unwritable)?;
+        let drop = move || journal.drop_mesh(id);
+        aside(drop).await?.map_err(planning::unwritable)
     }
 
     /// Takes what a mesh needs beyond its prediction, if anything.

@@ -1,33 +1,29 @@
 //! `SessionService`.
 
 use std::pin::Pin;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use std::time::SystemTime;
 
 use prost::Message;
-use signorini::plan::Plan;
-use signorini::prepare::Prepared;
 use signorini_proto::v1::{self as wire, session_service_server::SessionService};
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
 use tonic::{Request, Response, Status, Streaming};
 
-use super::{aside, page_size, respond, timeout};
+use super::{page_size, respond, timeout};
 use crate::client_key::ClientKey;
 use crate::convert::field::{self, Encoding};
-use crate::convert::scene::SceneRequest;
-use crate::convert::{report, scene, step};
+use crate::convert::{mesh, report, step};
 use crate::fault::Fault;
-use crate::registry::{Claimed, Registry};
+use crate::journal::{Change, StoredSession};
+use crate::planning::{self, Planned};
+use crate::registry::{Claim, Claimed, Registry};
 use crate::results::kept::messages;
 use crate::session::{Handle, ReadRequest, Services, SessionSpec};
-use crate::store::{Lease, Reservation};
 use crate::streams;
 
 const MAXIMUM_REQUEST_ID_BYTES: usize = 64;
 const MAXIMUM_SCENE_BYTES: usize = 3 << 20;
-/// Memory of a decoded message over its encoded size, about.
-const OWN_FACTOR: u64 = 4;
 
 type Messages<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;
 
@@ -59,7 +55,7 @@ impl SessionService for Sessions {
         request: Request<wire::GetSessionRequest>,
     ) -> Result<Response<wire::GetSessionResponse>, Status> {
         respond(&self.registry, async {
-            let handle = self.registry.get(&request.into_inner().name)?;
+            let handle = self.registry.get(&request.into_inner().name).await?;
             let mut session = handle.describe().await?;
             session.scene = Some(handle.scene());
             let session = Some(session);
@@ -82,7 +78,7 @@ impl SessionService for Sessions {
         request: Request<wire::DeleteSessionRequest>,
     ) -> Result<Response<wire::DeleteSessionResponse>, Status> {
         respond(&self.registry, async {
-            let handle = self.registry.get(&request.into_inner().name)?;
+            let handle = self.registry.get(&request.into_inner().name).await?;
             handle.delete().await?;
             handle.ended().await;
             Ok(wire::DeleteSessionResponse {})
@@ -118,7 +114,7 @@ impl SessionService for Sessions {
     ) -> Result<Response<wire::CancelStepResponse>, Status> {
         respond(&self.registry, async {
             let request = request.into_inner();
-            let handle = self.registry.get(&request.name)?;
+            let handle = self.registry.get(&request.name).await?;
             let sequence = handle.cancel(request.sequence).await?;
             Ok(wire::CancelStepResponse { sequence })
         })
@@ -152,19 +148,6 @@ fn checkpoints(path: &str) -> Fault {
     Fault::unsupported(path, "checkpoints come in a later version")
 }
 
-/// Memory taken for a session.
-struct Taken {
-    reservation: Reservation,
-    prepared: Option<Lease<Prepared>>,
-}
-
-/// A scene with its mesh and its plan.
-struct Planned {
-    request: SceneRequest,
-    mesh: Lease<signorini::mesh::Mesh>,
-    plan: Plan,
-}
-
 impl Sessions {
     async fn create(
         &self,
@@ -177,9 +160,14 @@ impl Sessions {
         let ttl = step::duration(request.ttl.as_ref(), "ttl")?;
         let missing = || Fault::request("scene", "is required");
         let on_disconnect = request.on_disconnect();
+        let asked = self
+            .services
+            .journal
+            .as_ref()
+            .map(|_| request.encode_to_vec());
         let scene = request.scene.ok_or_else(missing)?;
         if request.validate_only {
-            let plan = self.plan(scene).await?.plan;
+            let plan = planning::plan(&self.services, scene).await?.plan;
             return Ok(wire::CreateSessionResponse {
                 session: None,
                 plan: Some(report::plan(plan.report())),
@@ -194,13 +182,14 @@ impl Sessions {
             Claimed::New(claim) => claim,
         };
         let kept = Arc::new(scene.clone());
-        let planned = self.plan(scene).await?;
+        let planned = planning::plan(&self.services, scene).await?;
         let plan_report = report::plan(planned.plan.report());
-        let own_bytes = OWN_FACTOR * (kept.encoded_len() + plan_report.encoded_len()) as u64;
-        let taken = self.reserve(&planned, own_bytes)?;
+        let own_bytes = planning::own_bytes(&kept, &plan_report);
+        let taken = planning::reserve(&self.services.store, &planned, own_bytes)?;
+        self.store(&claim, asked, &planned).await?;
         let spec = SessionSpec {
             name: claim.name().to_owned(),
-            reservation: Arc::new(Mutex::new(taken.reservation)),
+            reservation: taken.reservation,
             prepared: taken.prepared,
             own_bytes,
             plan: Arc::new(planned.plan),
@@ -212,22 +201,9 @@ impl Sessions {
             output: planned.request.output,
             ttl: ttl.unwrap_or_else(|| self.services.config.ttl()),
             created: SystemTime::now(),
+            recovered: None,
         };
         created(&claim.start(spec)).await
-    }
-
-    async fn plan(&self, message: wire::Scene) -> Result<Planned, Fault> {
-        let request = scene::scene(message)?;
-        let mesh = self.services.store.mesh(request.mesh)?;
-        let planned = aside(move || {
-            let plan = request.plan(mesh.value())?;
-            Ok::<_, Fault>(Planned {
-                request,
-                mesh,
-                plan,
-            })
-        });
-        planned.await?
     }
 
     /// Refuses a client that has too much waiting already.
@@ -239,20 +215,25 @@ impl Sessions {
         }
     }
 
-    /// Takes the predicted memory with one result, less what another session has
-    /// prepared, and keeps that from being dropped.
-    fn reserve(&self, planned: &Planned, own_bytes: u64) -> Result<Taken, Fault> {
-        let (store, report) = (&self.services.store, planned.plan.report());
-        let prepared = store.hold_prepared(&planned.plan.key());
-        let there = prepared.as_ref().map_or(0, |lease| lease.value().bytes());
-        let fields = planned.request.output.fields.len() as u64;
-        let result = 8 * fields * report.unknowns.displacement;
-        let predicted = report.predicted_bytes.saturating_sub(there);
-        let reservation = store.reserve(predicted.saturating_add(result + own_bytes))?;
-        Ok(Taken {
-            reservation,
-            prepared,
-        })
+    /// Puts a new session on disk, before anybody hears of it.
+    async fn store(
+        &self,
+        claim: &Claim,
+        request: Option<Vec<u8>>,
+        planned: &Planned,
+    ) -> Result<(), Fault> {
+        let (Some(journal), Some(request)) = (&self.services.journal, request) else {
+            return Ok(());
+        };
+        let session = StoredSession {
+            request: request.into(),
+            created: Some(SystemTime::now().into()),
+            mesh: mesh::name(planned.mesh.value().id()),
+            scene_name: planned.plan.report().name.clone(),
+        };
+        let changes = vec![Change::Begin, Change::Delete, Change::Session(session)];
+        let stored = journal.store(claim.name(), changes).await;
+        stored.map_err(planning::unwritable)
     }
 
     async fn list(
@@ -261,11 +242,11 @@ impl Sessions {
     ) -> Result<wire::ListSessionsResponse, Fault> {
         let size = page_size(request.page_size)?;
         let found = self.registry.list(&request.page_token, size);
-        let last = found
-            .last()
-            .filter(|_| found.len() == size)
-            .map(|(name, _)| name.clone());
-        let mut sessions = Vec::with_capacity(found.len());
+        let mut sessions = self.registry.list_asleep(&request.page_token, size);
+        let mut names: Vec<String> = found.iter().map(|(name, _)| name.clone()).collect();
+        names.extend(sessions.iter().map(|one| one.name.clone()));
+        names.sort_unstable();
+        let last = names.get(size - 1).cloned();
         for (_, handle) in &found {
             // One that ended meanwhile is left out.
             if let Ok(session) = handle.list().await {
@@ -275,6 +256,10 @@ impl Sessions {
                 });
             }
         }
+        if let Some(last) = &last {
+            sessions.retain(|one| one.name <= *last);
+        }
+        sessions.sort_unstable_by(|one, other| one.name.cmp(&other.name));
         let next_page_token = last.unwrap_or_default();
         Ok(wire::ListSessionsResponse {
             sessions,
@@ -286,7 +271,7 @@ impl Sessions {
         &self,
         request: wire::ReadStepRequest,
     ) -> Result<Messages<wire::ReadStepResponse>, Fault> {
-        let handle = self.registry.get(&request.name)?;
+        let handle = self.registry.get(&request.name).await?;
         let fields = field::names(&request.fields, "fields")?;
         let encoding: Encoding = field::encoding(request.element_type)?;
         let (sequence, increment) = (request.sequence, request.increment);

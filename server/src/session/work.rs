@@ -14,10 +14,12 @@ use signorini::{ObstaclePose, Reuse, Session, StepRun};
 use tokio::sync::{mpsc, oneshot};
 
 use super::Services;
+use super::replay::{Cost, Ground, Ledger, Replay, ReplayError, Replayed};
 use crate::client_key::ClientKey;
 use crate::compute::{Panicked, Slot, said};
 use crate::convert::field::KeptField;
 use crate::convert::report;
+use crate::journal::JournalError;
 use crate::memory::{self, OutOfMemory};
 use crate::metrics::Metrics;
 use crate::results::iterations::Iterations;
@@ -26,8 +28,8 @@ use crate::store::{Lease, Reservation};
 
 /// The state of a session with the step under way; where it is, nobody else is.
 pub(super) struct Work {
-    session: Session,
-    run: Option<StepRun>,
+    pub(super) session: Session,
+    pub(super) run: Option<StepRun>,
 }
 
 impl Work {
@@ -78,6 +80,8 @@ pub(super) struct Task {
     pub(super) after_event: i64,
     pub(super) iterations: Iterations,
     pub(super) metrics: Arc<Metrics>,
+    /// What a replay would have to do again so far; none where there is no journal.
+    pub(super) ledger: Option<Ledger>,
 }
 
 /// One increment done.
@@ -88,6 +92,10 @@ pub(super) struct Increment {
     pub(super) asked: Option<Vec<FieldName>>,
     pub(super) fields: Vec<KeptField>,
     pub(super) state_bytes: u64,
+    /// What doing it again would take.
+    pub(super) cost: Cost,
+    /// The state behind it, where the journal shall have it.
+    pub(super) checkpoint: Option<Vec<u8>>,
 }
 
 /// How a task ended.
@@ -109,6 +117,10 @@ pub(super) enum Event {
     Deadline(i64),
     /// This sequence was told to stop long enough ago.
     OutOfPatience(i64),
+    /// The state as bytes, with the session that goes on without what it had learnt.
+    Exported(Result<(Box<Work>, Vec<u8>), Panicked>),
+    /// The disk has the changes up to this one, or will not get it.
+    Journalled(u64, Result<(), JournalError>),
 }
 
 /// A session that can step.
@@ -117,6 +129,7 @@ pub(super) struct Ready {
     pub(super) prepared: Lease<Prepared>,
     pub(super) reuse: Reuse,
     pub(super) state_bytes: u64,
+    pub(super) replayed: Replayed,
 }
 
 /// Why a session cannot step.
@@ -130,6 +143,8 @@ pub(super) enum Unprepared {
     Panicked(#[from] Panicked),
     #[error("the server is shutting down")]
     Closed,
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
 }
 
 /// Does the next increment of a task.
@@ -166,6 +181,14 @@ fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Inc
         // Only a step that is finished has no further increment.
         None => unfinished::report(task.number, run.done(), Termination::InternalError),
     };
+    let cost = Cost::of(&report);
+    let is_due = task
+        .ledger
+        .is_some_and(|ledger| ledger.is_due(&cost, report.termination));
+    // A thread that is left behind has to undo the increment.
+    let is_done = task.cancel.stopped().is_none();
+    let is_out_of_time = report.termination == Termination::DeadlineExceeded;
+    let checkpoint = (is_due && (is_done || is_out_of_time)).then(|| work.session.export());
     work.run = Some(run);
     let asked = is_due(&report, task).then(|| task.wanted.clone());
     Increment {
@@ -174,12 +197,14 @@ fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Inc
         fields: gather(&work.session, asked.as_deref().unwrap_or_default()),
         asked,
         state_bytes: work.session.bytes(),
+        cost,
+        checkpoint,
     }
 }
 
 /// The report under the number of its update: the library counts the steps that
 /// began, and does not know of those that stopped before.
-fn numbered(report: StepReport, step: u32) -> StepReport {
+pub(super) fn numbered(report: StepReport, step: u32) -> StepReport {
     StepReport {
         time: report.time + (f64::from(step) - f64::from(report.step)),
         step,
@@ -226,6 +251,8 @@ pub(super) struct Preparation {
     pub(super) cancel: CancelToken,
     /// Held as long as the work may hold memory.
     pub(super) reservation: Arc<Mutex<Reservation>>,
+    /// What an earlier server did in this session.
+    pub(super) replay: Option<Box<Replay>>,
 }
 
 /// Builds what the plan needs, or finds it, and tells the actor.
@@ -246,6 +273,7 @@ async fn ready(services: &Arc<Services>, preparation: Preparation) -> Result<Rea
         client,
         cancel,
         reservation,
+        replay,
     } = preparation;
     let turn = services.store.turn(plan.key());
     let guard = turn.lock().await;
@@ -269,14 +297,24 @@ async fn ready(services: &Arc<Services>, preparation: Preparation) -> Result<Rea
     };
     drop(guard);
     let shared = Arc::clone(prepared.value());
-    let begin = move || Session::new(plan, mesh, shared, reuse);
-    let session = on_solver(services, client, begin).await?;
+    let ground = Ground {
+        plan,
+        mesh,
+        prepared: shared,
+        reuse,
+    };
+    let begin = move || match replay {
+        None => Ok((ground.session(), None, Replayed::default())),
+        Some(replay) => replay.run(ground),
+    };
+    let (session, run, replayed) = on_solver(services, client, begin).await??;
     drop(reservation);
     Ok(Ready {
         state_bytes: session.bytes(),
-        work: Box::new(Work { session, run: None }),
+        work: Box::new(Work { session, run }),
         prepared,
         reuse,
+        replayed,
     })
 }
 

@@ -1,0 +1,157 @@
+//! From a scene to what a session starts with: mesh, plan and memory.
+
+use std::sync::{Arc, Mutex};
+use std::time::SystemTime;
+
+use prost::Message as _;
+use signorini::mesh::{Mesh, MeshId};
+use signorini::plan::Plan;
+use signorini::prepare::Prepared;
+use signorini_proto::v1 as wire;
+
+use crate::convert::mesh::{self as convert, MeshUse};
+use crate::convert::scene::{self, SceneRequest};
+use crate::fault::Fault;
+use crate::journal::{Change, Journal, JournalError, StoredMesh};
+use crate::session::Services;
+use crate::store::{Lease, Reservation, Store};
+
+/// Memory of a decoded message over its encoded size, about.
+const OWN_FACTOR: u64 = 4;
+
+/// A scene with its mesh and its plan.
+pub(crate) struct Planned {
+    pub(crate) request: SceneRequest,
+    pub(crate) mesh: Lease<Mesh>,
+    pub(crate) plan: Plan,
+}
+
+/// Memory taken for a session.
+pub(crate) struct Taken {
+    pub(crate) reservation: Arc<Mutex<Reservation>>,
+    pub(crate) prepared: Option<Lease<Prepared>>,
+}
+
+/// Checks and plans a scene on its mesh.
+pub(crate) async fn plan(services: &Arc<Services>, message: wire::Scene) -> Result<Planned, Fault> {
+    let request = scene::scene(message)?;
+    let mesh = mesh(services, request.mesh).await?;
+    let planned = aside(move || {
+        let plan = request.plan(mesh.value())?;
+        Ok::<_, Fault>(Planned {
+            request,
+            mesh,
+            plan,
+        })
+    });
+    planned.await?
+}
+
+/// Bytes that a session's messages take.
+pub(crate) fn own_bytes(scene: &wire::Scene, plan: &wire::Plan) -> u64 {
+    OWN_FACTOR * (scene.encoded_len() + plan.encoded_len()) as u64
+}
+
+/// Takes the predicted memory with one result, less what another session has
+/// prepared, and keeps that from being dropped.
+pub(crate) fn reserve(
+    store: &Arc<Store>,
+    planned: &Planned,
+    own_bytes: u64,
+) -> Result<Taken, Fault> {
+    let report = planned.plan.report();
+    let prepared = store.hold_prepared(&planned.plan.key());
+    let there = prepared.as_ref().map_or(0, |lease| lease.value().bytes());
+    let fields = planned.request.output.fields.len() as u64;
+    let result = 8 * fields * report.unknowns.displacement;
+    let predicted = report.predicted_bytes.saturating_sub(there);
+    let reservation = store.reserve(predicted.saturating_add(result + own_bytes))?;
+    Ok(Taken {
+        reservation: Arc::new(Mutex::new(reservation)),
+        prepared,
+    })
+}
+
+/// A mesh by its identity, from memory or the data folder.
+pub(crate) async fn mesh(services: &Arc<Services>, id: MeshId) -> Result<Lease<Mesh>, Fault> {
+    let missing = match services.store.mesh(id) {
+        Ok(mesh) => return Ok(mesh),
+        Err(missing) => missing,
+    };
+    let Some(journal) = services.journal.clone() else {
+        return Err(missing);
+    };
+    let services = Arc::clone(services);
+    aside(move || match journal.read_mesh(id).map_err(unwritable)? {
+        Some(bytes) => read_mesh(&services.store, id, &bytes),
+        None => Err(missing),
+    })
+    .await?
+}
+
+/// A mesh out of its file, taken into memory.
+fn read_mesh(store: &Arc<Store>, id: MeshId, bytes: &[u8]) -> Result<Lease<Mesh>, Fault> {
+    let reservation = store.reserve(2 * bytes.len() as u64)?;
+    let mesh = convert::from_file(bytes)?;
+    if mesh.id() != id {
+        let name = convert::name(id);
+        return Err(Fault::MeshInvalid(format!(
+            "the file of `{name}` holds another mesh"
+        )));
+    }
+    drop(reservation);
+    drop(store.reserve(mesh.bytes())?);
+    Ok(store.insert_mesh(mesh))
+}
+
+/// Puts a mesh on disk, its file first.
+pub(crate) async fn store_mesh(journal: &Arc<Journal>, mesh: Mesh) -> Result<Mesh, Fault> {
+    let writer = Arc::clone(journal);
+    let write = move || {
+        let written = Arc::new(mesh);
+        let messages = convert::messages(Held(Arc::clone(&written)), &convert::uploaded());
+        let outcome = writer.write_mesh(written.id(), messages);
+        // Whoever wrote has let go of it.
+        outcome.map(|()| Arc::into_inner(written))
+    };
+    let mesh = aside(write)
+        .await?
+        .map_err(unwritable)?
+        .ok_or(Fault::Internal)?;
+    let now = SystemTime::now();
+    let uses = MeshUse {
+        sessions: 0,
+        created: now,
+        used: now,
+    };
+    let described = convert::mesh(&mesh, &uses).encode_to_vec().into();
+    let change = Change::Mesh(convert::name(mesh.id()), StoredMesh { described });
+    let stored = journal.store("", vec![change]).await;
+    stored.map_err(unwritable).map(|()| mesh)
+}
+
+/// A mesh while it is written.
+struct Held(Arc<Mesh>);
+
+impl AsRef<Mesh> for Held {
+    fn as_ref(&self) -> &Mesh {
+        &self.0
+    }
+}
+
+/// What a client hears when the data folder refuses something.
+pub(crate) fn unwritable(error: JournalError) -> Fault {
+    Fault::Unwritable(error.to_string())
+}
+
+/// Runs a short computation off the threads that serve connections.
+pub(crate) async fn aside<T: Send + 'static>(
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, Fault> {
+    let span = tracing::Span::current();
+    let done = tokio::task::spawn_blocking(move || span.in_scope(work)).await;
+    done.map_err(|error| {
+        tracing::error!(said = error.to_string(), "a request panicked");
+        Fault::Internal
+    })
+}
