@@ -61,6 +61,14 @@ Examples:
 Without a configuration it listens on 127.0.0.1:50051, and shows metrics on
 http://127.0.0.1:9464/metrics. It prints its address once it listens.";
 
+#[cfg(feature = "embedded")]
+const DATA_EXAMPLES: &str = "\
+Examples:
+  signorini serve --data /var/lib/signorini
+  signorini backup /var/lib/signorini monday
+  signorini fsck monday
+  signorini restore monday /var/lib/signorini-2";
+
 const MESH_EXAMPLES: &str = "\
 Examples:
   signorini mesh info ring.msh
@@ -109,6 +117,36 @@ pub(crate) enum Command {
     /// Start a server
     #[command(after_help = SERVE_EXAMPLES)]
     Serve(ServeArguments),
+    /// Copy the data folder of a server, which may be running
+    #[command(after_help = DATA_EXAMPLES)]
+    #[cfg(feature = "embedded")]
+    Backup {
+        /// Data folder
+        #[arg(value_name = "DATA")]
+        data: PathBuf,
+        /// Folder to make
+        #[arg(value_name = "DIR")]
+        target: PathBuf,
+    },
+    /// Make a data folder from a backup without faults
+    #[command(after_help = DATA_EXAMPLES)]
+    #[cfg(feature = "embedded")]
+    Restore {
+        /// Folder that backup has made
+        #[arg(value_name = "DIR")]
+        backup: PathBuf,
+        /// Data folder to make
+        #[arg(value_name = "DATA")]
+        data: PathBuf,
+    },
+    /// Check a data folder that no server uses: every fault of it, exit code 8
+    #[command(after_help = DATA_EXAMPLES)]
+    #[cfg(feature = "embedded")]
+    Fsck {
+        /// Data folder, or a backup
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
     /// Measure error against run time: table, figures and a page
     #[cfg(feature = "bench")]
     Bench(signorini_bench::Arguments),

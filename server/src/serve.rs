@@ -25,6 +25,7 @@ use tower::layer::util::{Identity, Stack};
 use crate::calls::{CountCalls, Methods};
 use crate::compute::SolverThreads;
 use crate::config::{Config, ConfigError};
+use crate::control;
 use crate::journal::{Journal, JournalError};
 use crate::listen::{Listener, Socket};
 use crate::metrics::{COMMIT, Metrics};
@@ -33,6 +34,7 @@ use crate::registry::Registry;
 use crate::service::mesh::Meshes;
 use crate::service::session::Sessions;
 use crate::session::Services;
+use crate::states::States;
 use crate::store::Store;
 use crate::transport::{MESSAGE_BYTES, Reasoned};
 
@@ -45,6 +47,8 @@ const STREAMS_PER_CONNECTION: u32 = 4096;
 const KEEPALIVE: Duration = Duration::from_secs(30);
 const KEEPALIVE_ANSWER: Duration = Duration::from_secs(10);
 const UPKEEP: Duration = Duration::from_secs(5);
+/// How often the data folder is looked through for results that shall go.
+const TRIM: Duration = Duration::from_secs(60);
 /// Connections that only watch the health service get this long to leave.
 const LAST_CALL: Duration = Duration::from_secs(1);
 
@@ -93,7 +97,7 @@ pub async fn serve(
         registry: Arc::clone(&registry),
         service: listener.url().into(),
     };
-    let helpers = helpers(page, &registry, listener.metrics);
+    let helpers = helpers(page, &services, &registry, listener.metrics);
     let (stop, stopped) = oneshot::channel();
     let mut server = tokio::spawn(run(router, listener.socket, stopped));
     tokio::select! {
@@ -179,6 +183,7 @@ async fn router(
     let sessions = Sessions {
         services: Arc::clone(services),
         registry: Arc::clone(registry),
+        states: States::default(),
     };
     let meshes = MeshServiceServer::new(meshes).max_decoding_message_size(MESSAGE_BYTES);
     let sessions = SessionServiceServer::new(sessions).max_decoding_message_size(MESSAGE_BYTES);
@@ -246,9 +251,11 @@ async fn run(
 
 fn helpers(
     page: Page,
+    services: &Arc<Services>,
     registry: &Arc<Registry>,
     listener: Option<tokio::net::TcpListener>,
 ) -> Vec<JoinHandle<()>> {
+    let (journal, config) = (services.journal.clone(), services.config.clone());
     let (metrics, registry) = (Arc::clone(&page.metrics), Arc::clone(registry));
     let upkeep = tokio::spawn(async move {
         let mut ticks = tokio::time::interval(UPKEEP);
@@ -259,7 +266,27 @@ fn helpers(
         }
     });
     let page = listener.map(|listener| tokio::spawn(metrics_page::serve(listener, page)));
-    std::iter::once(upkeep).chain(page).collect()
+    let trim = journal.clone().map(|journal| tokio::spawn(trim(journal, config)));
+    let control = journal.map(|journal| tokio::spawn(control::serve(journal)));
+    std::iter::once(upkeep).chain(page).chain(control).chain(trim).collect()
+}
+
+/// Drops from time to time what the data folder shall not keep.
+async fn trim(journal: Arc<Journal>, config: Config) {
+    let mut ticks = tokio::time::interval(TRIM);
+    loop {
+        ticks.tick().await;
+        let Some(limit) = config.data_limit() else {
+            continue;
+        };
+        let journal = Arc::clone(&journal);
+        match tokio::task::spawn_blocking(move || journal.trim(limit)).await {
+            Ok(Ok(0)) => {}
+            Ok(Ok(sessions)) => tracing::info!(sessions, "old results dropped from disk"),
+            Ok(Err(why)) => tracing::error!(why = why.to_string(), "old results stay on disk"),
+            Err(why) => tracing::error!(why = why.to_string(), "old results stay on disk"),
+        }
+    }
 }
 
 fn abort(helpers: &[JoinHandle<()>]) {

@@ -19,10 +19,17 @@ use super::record::{
 const META: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("meta");
 const SESSIONS: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("sessions");
 const UPDATES: TableDefinition<'_, (&str, i64), &[u8]> = TableDefinition::new("updates");
-const RESULTS: TableDefinition<'_, (&str, i64), &[u8]> = TableDefinition::new("results");
+pub(super) const RESULTS: TableDefinition<'_, (&str, i64), &[u8]> = TableDefinition::new("results");
 const FIELDS: TableDefinition<'_, (&str, i64), &[u8]> = TableDefinition::new("fields");
-const CHECKPOINTS: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("checkpoints");
+pub(super) const CHECKPOINTS: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("checkpoints");
 const MESHES: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("meshes");
+
+/// The tables whose keys are names.
+pub(super) const BY_NAME: [TableDefinition<'_, &str, &[u8]>; 4] =
+    [META, SESSIONS, CHECKPOINTS, MESHES];
+/// The tables whose keys are a session and a number.
+pub(super) const BY_PLACE: [TableDefinition<'_, (&str, i64), &[u8]>; 3] =
+    [UPDATES, RESULTS, FIELDS];
 
 /// Pages that the database keeps in memory.
 const CACHE_BYTES: usize = 16 << 20;
@@ -240,6 +247,14 @@ pub(super) fn list_one(database: &Database, name: &str) -> Result<Option<Listed>
     };
     let session = opened(session.value(), name)?;
     listed(&read, name, session).map(Some)
+}
+
+/// Names of the sessions, readable or not.
+pub(super) fn names(database: &Database) -> Result<Vec<String>, JournalError> {
+    let read = database.begin_read()?;
+    let table = read.open_table(SESSIONS)?;
+    let all = table.iter()?.map(|entry| Ok(entry?.0.value().to_owned()));
+    all.collect()
 }
 
 fn listed(

@@ -47,6 +47,15 @@ fn sync_folder(path: &Path) -> io::Result<()> {
     }
 }
 
+/// All of a file; none where there is no such file.
+pub(super) fn read(path: &Path) -> Result<Option<Vec<u8>>, JournalError> {
+    match fs::read(path) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(JournalError::at(path, &error)),
+    }
+}
+
 /// Makes a folder that only its owner reads, and those above it.
 pub(super) fn make_folder(path: &Path) -> Result<(), JournalError> {
     use std::os::unix::fs::DirBuilderExt;

@@ -11,10 +11,13 @@
 //! their owners when the disk has them. The room knows bytes and names; what they mean
 //! is known to sessions. A name in the folder is a digest that this server computed.
 
+mod backup;
 mod database;
 mod error;
 mod files;
+mod inspect;
 mod record;
+mod retention;
 mod writer;
 
 use std::path::{Path, PathBuf};
@@ -27,16 +30,20 @@ use crate::metrics::Metrics;
 
 pub(crate) use database::{Change, Listed, Stored};
 pub use error::JournalError;
+pub(crate) use inspect::inspect;
 pub(crate) use record::{
     StoredCheckpoint, StoredField, StoredFields, StoredMesh, StoredResult, StoredSession,
     StoredUpdate,
 };
+pub(crate) use retention::Limit;
 use writer::Writer;
 
 /// Of the layout of the folder, the tables and the messages in them.
 const FORMAT: u32 = 1;
 const FORMAT_FILE: &str = "FORMAT";
 const DATABASE_FILE: &str = "journal.redb";
+/// Folders in it.
+const PARTS: [&str; 2] = ["meshes", "states"];
 
 /// Called when the disk has a change, or when it will not get it.
 pub(crate) type Done = Box<dyn FnOnce(Result<(), JournalError>) + Send>;
@@ -97,13 +104,10 @@ impl Journal {
     /// [`JournalError`] for a folder that cannot be used, is used already, has another
     /// format or is damaged.
     pub(crate) fn open(folder: &Path, metrics: &Arc<Metrics>) -> Result<Self, JournalError> {
-        for part in [
-            folder.to_owned(),
-            folder.join("meshes"),
-            folder.join("states"),
-        ] {
-            files::make_folder(&part)?;
-            files::drop_parts(&part)?;
+        files::make_folder(folder)?;
+        for part in PARTS {
+            files::make_folder(&folder.join(part))?;
+            files::drop_parts(&folder.join(part))?;
         }
         check_format(folder)?;
         let path = folder.join(DATABASE_FILE);
@@ -172,12 +176,7 @@ impl Journal {
     /// # Errors
     /// When it cannot be read.
     pub(crate) fn read_mesh(&self, id: MeshId) -> Result<Option<Vec<u8>>, JournalError> {
-        let path = self.mesh_file(id);
-        match std::fs::read(&path) {
-            Ok(bytes) => Ok(Some(bytes)),
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-            Err(error) => Err(JournalError::at(&path, &error)),
-        }
+        files::read(&self.mesh_file(id))
     }
 
     /// Drops the file of a mesh. Blocks.
@@ -207,6 +206,50 @@ impl Journal {
             }
             Ok(())
         })
+    }
+
+    /// Writes a state into its file; `digest` was computed from its bytes. Blocks.
+    pub(crate) fn write_state(&self, digest: &str, bytes: &[u8]) -> Result<(), JournalError> {
+        files::write(&self.state_file(digest), |file| file.write_all(bytes))
+    }
+
+    /// The bytes of a state's file; none where there is no such file. Blocks.
+    pub(crate) fn read_state(&self, digest: &str) -> Result<Option<Vec<u8>>, JournalError> {
+        files::read(&self.state_file(digest))
+    }
+
+    fn state_file(&self, digest: &str) -> PathBuf {
+        self.folder.join("states").join(digest)
+    }
+
+    /// Drops results that the limit does not allow to stay; how many sessions have lost
+    /// some. Blocks.
+    pub(crate) fn trim(&self, limit: Limit) -> Result<usize, JournalError> {
+        let outdated = self.database.with(|open| retention::outdated(open, limit))?;
+        for (name, first) in &outdated {
+            let dropped = vec![Change::DropResults(*first)];
+            self.submit(name, dropped, Urgency::Soon, Box::new(|_| {}));
+        }
+        Ok(outdated.len())
+    }
+
+    /// Copies everything as it is now into `target`, which must not exist. Blocks.
+    ///
+    /// # Errors
+    /// When something cannot be read or written.
+    pub(crate) fn backup(&self, target: &Path) -> Result<(), JournalError> {
+        self.database.with(|open| backup::copy(open, &self.folder, target))
+    }
+
+    /// As [`Journal::backup`], of a folder that no server uses. Blocks.
+    pub(crate) fn copy(folder: &Path, target: &Path) -> Result<(), JournalError> {
+        check_format(folder)?;
+        let open = database::open(&folder.join(DATABASE_FILE))?;
+        backup::copy(&open, folder, target)
+    }
+
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
     }
 
     /// Returns when everything submitted so far is written; later changes are lost.

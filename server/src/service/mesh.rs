@@ -64,7 +64,7 @@ impl MeshService for Meshes {
         &self,
         request: Request<wire::ListMeshesRequest>,
     ) -> Result<Response<wire::ListMeshesResponse>, Status> {
-        respond(&self.registry, async { self.list(&request.into_inner()) }).await
+        respond(&self.registry, self.list(request.into_inner())).await
     }
 
     #[tracing::instrument(skip_all)]
@@ -195,16 +195,20 @@ impl Meshes {
         ))
     }
 
-    fn list(&self, request: &wire::ListMeshesRequest) -> Result<wire::ListMeshesResponse, Fault> {
+    async fn list(
+        &self,
+        request: wire::ListMeshesRequest,
+    ) -> Result<wire::ListMeshesResponse, Fault> {
         let size = page_size(request.page_size)?;
         let after = match request.page_token.as_str() {
             "" => None,
             token => Some(convert::id_from_name(token, "page_token")?),
         };
         let found = self.services.store.meshes(after, size);
+        let found: Vec<_> = found.iter().map(|(mesh, uses)| convert::mesh(mesh, uses)).collect();
+        let found = self.with_stored(found, (&request.page_token, size)).await?;
         let (mut meshes, mut bytes) = (Vec::new(), 0);
-        for (mesh, uses) in &found {
-            let mesh = convert::mesh(mesh, uses);
+        for mesh in found.iter().cloned() {
             bytes += mesh.encoded_len();
             meshes.push(mesh);
             if bytes > PAGE_BYTES {
@@ -217,6 +221,27 @@ impl Meshes {
             meshes,
             next_page_token: last.unwrap_or_default(),
         })
+    }
+
+    /// Meshes in memory with those that only the data folder has, in order of their names.
+    async fn with_stored(
+        &self,
+        mut found: Vec<wire::StoredMesh>,
+        (after, size): (&str, usize),
+    ) -> Result<Vec<wire::StoredMesh>, Fault> {
+        let Some(journal) = self.services.journal.clone() else {
+            return Ok(found);
+        };
+        let stored = aside(move || journal.meshes()).await?;
+        for (name, mesh) in stored.map_err(planning::unwritable)? {
+            let is_new = name.as_str() > after && found.iter().all(|one| one.name != name);
+            if let (true, Ok(mesh)) = (is_new, wire::StoredMesh::decode(mesh.described)) {
+                found.push(mesh);
+            }
+        }
+        found.sort_unstable_by(|one, other| one.name.cmp(&other.name));
+        found.truncate(size);
+        Ok(found)
     }
 }
 

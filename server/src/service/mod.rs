@@ -2,6 +2,7 @@
 
 pub(crate) mod mesh;
 pub(crate) mod session;
+mod state;
 mod timeout;
 
 use std::future::Future;

@@ -4,13 +4,15 @@ use std::pin::Pin;
 use std::sync::Arc;
 use std::time::SystemTime;
 
+use bytes::Bytes;
 use prost::Message;
+use signorini::Rounding;
 use signorini_proto::v1::{self as wire, session_service_server::SessionService};
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
 use tonic::{Request, Response, Status, Streaming};
 
-use super::{page_size, respond, timeout};
+use super::{page_size, respond, state, timeout};
 use crate::client_key::ClientKey;
 use crate::convert::field::{self, Encoding};
 use crate::convert::{mesh, report, step};
@@ -19,7 +21,8 @@ use crate::journal::{Change, StoredSession};
 use crate::planning::{self, Planned};
 use crate::registry::{Claim, Claimed, Registry};
 use crate::results::kept::messages;
-use crate::session::{Handle, ReadRequest, Services, SessionSpec};
+use crate::session::{Handle, ReadRequest, Recovered, Services, SessionSpec};
+use crate::states::States;
 use crate::streams;
 
 const MAXIMUM_REQUEST_ID_BYTES: usize = 64;
@@ -31,6 +34,7 @@ type Messages<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;
 pub(crate) struct Sessions {
     pub(crate) services: Arc<Services>,
     pub(crate) registry: Arc<Registry>,
+    pub(crate) states: States,
 }
 
 #[tonic::async_trait]
@@ -129,29 +133,37 @@ impl SessionService for Sessions {
         respond(&self.registry, self.read(request.into_inner())).await
     }
 
+    #[tracing::instrument(skip_all)]
     async fn export_state(
         &self,
-        _request: Request<wire::ExportStateRequest>,
+        request: Request<wire::ExportStateRequest>,
     ) -> Result<Response<Self::ExportStateStream>, Status> {
-        respond(&self.registry, async { Err(checkpoints("export_state")) }).await
+        respond(&self.registry, async {
+            let handle = self.registry.get(&request.into_inner().name).await?;
+            let slices = state::export(handle).await?;
+            let stream: Self::ExportStateStream = Box::pin(tokio_stream::iter(slices.map(Ok)));
+            Ok(stream)
+        })
+        .await
     }
 
+    #[tracing::instrument(skip_all)]
     async fn import_state(
         &self,
-        _request: Request<Streaming<wire::ImportStateRequest>>,
+        request: Request<Streaming<wire::ImportStateRequest>>,
     ) -> Result<Response<wire::ImportStateResponse>, Status> {
-        respond(&self.registry, async { Err(checkpoints("import_state")) }).await
+        respond(&self.registry, async {
+            self.registry.check_open()?;
+            state::import(&self.services, &self.states, request.into_inner()).await
+        })
+        .await
     }
-}
-
-fn checkpoints(path: &str) -> Fault {
-    Fault::unsupported(path, "checkpoints come in a later version")
 }
 
 impl Sessions {
     async fn create(
         &self,
-        request: wire::CreateSessionRequest,
+        mut request: wire::CreateSessionRequest,
         client: ClientKey,
     ) -> Result<wire::CreateSessionResponse, Fault> {
         self.registry.check_open()?;
@@ -186,7 +198,8 @@ impl Sessions {
         let plan_report = report::plan(planned.plan.report());
         let own_bytes = planning::own_bytes(&kept, &plan_report);
         let taken = planning::reserve(&self.services.store, &planned, own_bytes)?;
-        self.store(&claim, asked, &planned).await?;
+        let recovered = from_state.map(|state| start(&planned, state)).transpose()?;
+        self.store(&claim, asked, &planned, recovered.as_deref()).await?;
         let spec = SessionSpec {
             name: claim.name().to_owned(),
             reservation: taken.reservation,
@@ -201,7 +214,7 @@ impl Sessions {
             output: planned.request.output,
             ttl: ttl.unwrap_or_else(|| self.services.config.ttl()),
             created: SystemTime::now(),
-            recovered: None,
+            recovered,
         };
         created(&claim.start(spec)).await
     }
@@ -215,12 +228,32 @@ impl Sessions {
         }
     }
 
+    /// The imported state that a request starts from; its scene becomes the request's
+    /// where that has none.
+    async fn from_state(
+        &self,
+        request: &mut wire::CreateSessionRequest,
+    ) -> Result<Option<Bytes>, Fault> {
+        if request.from_state.is_empty() {
+            return Ok(None);
+        }
+        let journal = self.services.journal.as_ref();
+        let found = self.states.get(journal, &request.from_state).await?;
+        if request.scene.is_none() {
+            let scene = wire::Scene::decode(found.scene);
+            let wrong = |_| Fault::StateInvalid("the state names no scene".to_owned());
+            request.scene = Some(scene.map_err(wrong)?);
+        }
+        Ok(Some(found.state))
+    }
+
     /// Puts a new session on disk, before anybody hears of it.
     async fn store(
         &self,
         claim: &Claim,
         request: Option<Vec<u8>>,
         planned: &Planned,
+        recovered: Option<&Recovered>,
     ) -> Result<(), Fault> {
         let (Some(journal), Some(request)) = (&self.services.journal, request) else {
             return Ok(());
@@ -231,7 +264,9 @@ impl Sessions {
             mesh: mesh::name(planned.mesh.value().id()),
             scene_name: planned.plan.report().name.clone(),
         };
-        let changes = vec![Change::Begin, Change::Delete, Change::Session(session)];
+        let mut changes = vec![Change::Begin, Change::Delete, Change::Session(session)];
+        let start = recovered.and_then(|one| one.checkpoint.clone());
+        changes.extend(start.map(Change::Checkpoint));
         let stored = journal.store(claim.name(), changes).await;
         stored.map_err(planning::unwritable)
     }
@@ -297,10 +332,14 @@ impl Sessions {
     }
 }
 
+/// Where a session starts that goes on from the state of another one.
+fn start(planned: &Planned, state: Bytes) -> Result<Box<Recovered>, Fault> {
+    let checked = signorini::Session::check_import(&planned.plan, &state, Rounding::Same);
+    checked.map_err(|error| Fault::StateInvalid(error.to_string()))?;
+    Ok(Box::new(Recovered::at(state)))
+}
+
 fn check_request(request: &wire::CreateSessionRequest) -> Result<(), Fault> {
-    if !request.from_state.is_empty() {
-        return Err(checkpoints("from_state"));
-    }
     if request.request_id.len() > MAXIMUM_REQUEST_ID_BYTES {
         return Err(Fault::request("request_id", "is longer than 64 bytes"));
     }

@@ -16,10 +16,23 @@ pub(crate) struct Recovered {
     /// Kept results, oldest first.
     pub(super) results: Vec<KeptResult>,
     /// Where the state comes from; the beginning without one.
-    pub(super) checkpoint: Option<StoredCheckpoint>,
+    pub(crate) checkpoint: Option<StoredCheckpoint>,
 }
 
 impl Recovered {
+    /// The beginning of a session that goes on from the state of another one.
+    pub(crate) fn at(state: bytes::Bytes) -> Self {
+        let checkpoint = StoredCheckpoint {
+            state,
+            ..StoredCheckpoint::default()
+        };
+        Self {
+            updates: Vec::new(),
+            results: Vec::new(),
+            checkpoint: Some(checkpoint),
+        }
+    }
+
     /// Reads what was stored of the session `name`.
     ///
     /// # Errors

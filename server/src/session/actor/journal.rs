@@ -195,9 +195,10 @@ impl Actor {
             let step = self.replay_step(&update, behind, checkpoint.as_ref());
             steps.extend(step.filter(|step| step.before > 0 || !step.results.is_empty()));
             if sequence > self.last_finished {
-                let results = self.kept.of_sequence(sequence).len();
+                let newest = self.kept.of_sequence(sequence).pop();
+                let results = newest.map_or(0, |newest| newest.report.increment);
                 if let Some(accepted) = self.queue.push(update) {
-                    accepted.results = u32::try_from(results).unwrap_or(u32::MAX);
+                    accepted.results = u32::try_from(results).unwrap_or_default();
                     if is_cancelled {
                         accepted.cancel();
                     }
