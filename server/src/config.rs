@@ -216,7 +216,9 @@ impl Config {
 impl Config {
     /// What the data folder may keep now; none without a limit.
     pub(crate) fn data_limit(&self) -> Option<Limit> {
-        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let now = SystemTime::now()
+            .duration_since(UNIX_EPOCH)
+            .unwrap_or_default();
         let age = i64::try_from(self.data_seconds).unwrap_or(i64::MAX);
         let limit = Limit {
             bytes: match self.data_bytes {

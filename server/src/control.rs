@@ -80,7 +80,9 @@ pub(crate) async fn serve(journal: Arc<Journal>) {
 }
 
 fn copy(journal: &Journal) -> Result<PathBuf, JournalError> {
-    let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let now = SystemTime::now()
+        .duration_since(UNIX_EPOCH)
+        .unwrap_or_default();
     let backups = journal.folder().join(BACKUPS);
     fs::create_dir_all(&backups)
         .map_err(|error| JournalError::Unwritable(format!("{}: {error}", backups.display())))?;
@@ -103,7 +105,9 @@ pub fn backup(data: &Path, target: &Path) -> Result<(), BackupError> {
     };
     let mut answer = String::new();
     let mut reader = BufReader::new(stream);
-    reader.read_line(&mut answer).map_err(|error| wrong(data, &error))?;
+    reader
+        .read_line(&mut answer)
+        .map_err(|error| wrong(data, &error))?;
     match answer.trim_end().split_once(' ') {
         Some(("ok", made)) => take_away(Path::new(made), target),
         Some((_, why)) => Err(BackupError::Refused(why.to_owned())),

@@ -146,7 +146,10 @@ fn gap(numbers: impl Iterator<Item = i64>) -> Option<i64> {
 }
 
 fn file_name(file: &Path) -> String {
-    file.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    file.file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
 }
 
 fn mesh_name(file: &Path) -> String {

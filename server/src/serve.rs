@@ -266,9 +266,15 @@ fn helpers(
         }
     });
     let page = listener.map(|listener| tokio::spawn(metrics_page::serve(listener, page)));
-    let trim = journal.clone().map(|journal| tokio::spawn(trim(journal, config)));
+    let trim = journal
+        .clone()
+        .map(|journal| tokio::spawn(trim(journal, config)));
     let control = journal.map(|journal| tokio::spawn(control::serve(journal)));
-    std::iter::once(upkeep).chain(page).chain(control).chain(trim).collect()
+    std::iter::once(upkeep)
+        .chain(page)
+        .chain(control)
+        .chain(trim)
+        .collect()
 }
 
 /// Drops from time to time what the data folder shall not keep.

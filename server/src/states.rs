@@ -75,7 +75,10 @@ impl State {
 
 /// SHA-256 in hexadecimal digits.
 pub(crate) fn digest(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    Sha256::digest(bytes)
+        .iter()
+        .map(|byte| format!("{byte:02x}"))
+        .collect()
 }
 
 /// `states/{digest}`.
@@ -122,13 +125,18 @@ impl States {
         let digest = checked(name)?;
         let found = match journal.cloned() {
             Some(journal) => {
-                let read = move || journal.read_state(&digest).map(|bytes| bytes.map(Bytes::from));
+                let read = move || {
+                    journal
+                        .read_state(&digest)
+                        .map(|bytes| bytes.map(Bytes::from))
+                };
                 aside(read).await?.map_err(unwritable)?
             }
             None => {
                 let kept = self.lock();
                 let mut all = kept.iter();
-                all.find(|(other, _, _)| *other == digest).map(|one| one.1.clone())
+                all.find(|(other, _, _)| *other == digest)
+                    .map(|one| one.1.clone())
             }
         };
         State::from_bytes(&found.ok_or_else(|| Fault::StateNotFound(name.to_owned()))?)
@@ -212,7 +220,13 @@ mod tests {
     fn only_digests_name_files() {
         let digest = "0".repeat(64);
         assert_eq!(checked(&name(&digest)), Ok(digest.clone()));
-        for bad in ["states/", "states/../x", &digest, "states/ABCD", &format!("states/{digest}0")] {
+        for bad in [
+            "states/",
+            "states/../x",
+            &digest,
+            "states/ABCD",
+            &format!("states/{digest}0"),
+        ] {
             assert!(checked(bad).is_err(), "{bad}");
         }
     }

@@ -39,7 +39,9 @@ async fn pressed(data: &Path, steps: i64) -> (Server, String) {
     let session = server.session(block.scene()).await;
     let mut stream = server.open(open(&session)).await;
     for sequence in 1..=steps {
-        stream.step(sequence, press(0.01 * sequence as f64, 1)).await;
+        stream
+            .step(sequence, press(0.01 * sequence as f64, 1))
+            .await;
         assert!(stream.result().await.last);
     }
     (server, session)
@@ -51,7 +53,11 @@ async fn force(server: &Server, session: &str, sequence: i64) -> Vec<u64> {
     stream.step(sequence, press(0.05, 1)).await;
     let report = stream.result().await.report.unwrap();
     assert_eq!(report.termination(), wire::Termination::Converged);
-    report.obstacles["ball"].force.iter().map(|one| one.to_bits()).collect()
+    report.obstacles["ball"]
+        .force
+        .iter()
+        .map(|one| one.to_bits())
+        .collect()
 }
 
 #[tokio::test(flavor = "multi_thread")]
@@ -60,7 +66,9 @@ async fn a_server_that_was_stopped_goes_on_and_a_deleted_session_stays_away() {
     let data = folder("stopped").join("data");
     let (server, session) = pressed(&data, 3).await;
     let deleted = server.session(Block::new(1).scene()).await;
-    let request = wire::DeleteSessionRequest { name: deleted.clone() };
+    let request = wire::DeleteSessionRequest {
+        name: deleted.clone(),
+    };
     server.sessions().delete_session(request).await.unwrap();
     let kept = server.read(&session, 2, 0).await;
     stop(server).await;
@@ -84,7 +92,10 @@ async fn a_full_disk_refuses_what_is_new_and_loses_nothing_that_was_answered() {
     let mut stream = server.open(open(&session)).await;
     stream.step(3, press(0.04, 1)).await;
     let end = stream.end().await.expect("the stream cannot go on");
-    assert_eq!((end.code(), reason(&end).as_str()), (Code::Unavailable, "DATA_UNWRITABLE"));
+    assert_eq!(
+        (end.code(), reason(&end).as_str()),
+        (Code::Unavailable, "DATA_UNWRITABLE")
+    );
     let request = wire::CreateSessionRequest {
         scene: Some(Block::new(1).scene()),
         ..Default::default()
@@ -96,7 +107,13 @@ async fn a_full_disk_refuses_what_is_new_and_loses_nothing_that_was_answered() {
     fail::remove("journal-commit");
     // The client asks for the same again, as after any break.
     let described = server.describe(&session).await;
-    assert_eq!((described.last_accepted_sequence, described.last_finished_sequence), (2, 2));
+    assert_eq!(
+        (
+            described.last_accepted_sequence,
+            described.last_finished_sequence
+        ),
+        (2, 2)
+    );
     force(&server, &session, 3).await;
     stop(server).await;
     let server = on(&data).await;
@@ -152,7 +169,10 @@ async fn a_damaged_page_is_refused_by_its_name_and_the_rest_serves() {
     let server = on(&data).await;
     let request = wire::GetSessionRequest { name: session };
     let refused = server.sessions().get_session(request).await.unwrap_err();
-    assert_eq!((refused.code(), reason(&refused).as_str()), (Code::DataLoss, "SESSION_DAMAGED"));
+    assert_eq!(
+        (refused.code(), reason(&refused).as_str()),
+        (Code::DataLoss, "SESSION_DAMAGED")
+    );
     let _ = other;
     let parts = tokio_stream::iter(Block::new(1).messages());
     server.meshes().upload_mesh(parts).await.unwrap();
@@ -167,7 +187,10 @@ fn folders_that_do_not_serve_are_refused_with_what_is_wrong() {
     std::fs::write(tests.join("server.toml"), "metrics_listen = \"\"\n").unwrap();
     // Not a folder.
     std::fs::write(tests.join("data"), b"a file").unwrap();
-    assert!(Process::refusal(&tests).contains("data"), "names the folder");
+    assert!(
+        Process::refusal(&tests).contains("data"),
+        "names the folder"
+    );
     std::fs::remove_file(tests.join("data")).unwrap();
     // Of another server.
     let data = tests.join("data");
@@ -200,13 +223,22 @@ async fn a_state_travels_to_another_server_and_goes_on_with_the_same_bits() {
             from_state: state,
             ..Default::default()
         };
-        let made = server.sessions().create_session(request).await.unwrap().into_inner();
+        let made = server
+            .sessions()
+            .create_session(request)
+            .await
+            .unwrap()
+            .into_inner();
         let name = made.session.unwrap().name;
         assert_eq!(force(server, &name, 1).await, expected);
     }
     // A session that began with a state comes back to it.
-    let sessions = there.sessions().list_sessions(wire::ListSessionsRequest::default());
-    let name = sessions.await.unwrap().into_inner().sessions[0].name.clone();
+    let sessions = there
+        .sessions()
+        .list_sessions(wire::ListSessionsRequest::default());
+    let name = sessions.await.unwrap().into_inner().sessions[0]
+        .name
+        .clone();
     stop(there).await;
     let there = on(&tests.join("there")).await;
     assert_eq!(there.describe(&name).await.last_finished_sequence, 1);
@@ -254,8 +286,15 @@ async fn foreign_and_damaged_states_are_refused() {
 }
 
 async fn export(server: &Server, session: &str) -> Vec<u8> {
-    let request = wire::ExportStateRequest { name: session.into() };
-    let mut slices = server.sessions().export_state(request).await.unwrap().into_inner();
+    let request = wire::ExportStateRequest {
+        name: session.into(),
+    };
+    let mut slices = server
+        .sessions()
+        .export_state(request)
+        .await
+        .unwrap()
+        .into_inner();
     let mut bytes = Vec::new();
     while let Some(slice) = slices.message().await.unwrap() {
         assert_eq!(slice.offset, bytes.len() as i64);
@@ -296,7 +335,10 @@ async fn a_backup_of_a_running_server_is_a_data_folder() {
     stop(server).await;
     let found = restore(&tests.join("copy"), &tests.join("again")).unwrap();
     assert_eq!((found.sessions, found.results, found.meshes), (1, 2, 1));
-    assert!(restore(&tests.join("copy"), &data).is_err(), "nothing is written over");
+    assert!(
+        restore(&tests.join("copy"), &data).is_err(),
+        "nothing is written over"
+    );
     let server = on(&tests.join("again")).await;
     assert_eq!(force(&server, &session, 3).await, after);
     stop(server).await;

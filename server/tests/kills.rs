@@ -3,6 +3,7 @@
 
 mod common;
 
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use common::{Block, Process, Server, Stream, folder, open, press};
@@ -148,8 +149,11 @@ fn scene(block: &Block) -> wire::Scene {
 }
 
 /// The results of a server that nobody kills.
-async fn undisturbed(folder: &std::path::Path, block: &Block) -> Client {
+async fn undisturbed(folder: &Path, block: &Block) -> Client {
     let calm = folder.join("calm");
+    if calm.exists() {
+        std::fs::remove_dir_all(&calm).unwrap();
+    }
     std::fs::create_dir_all(&calm).unwrap();
     let process = Process::start(&calm, "");
     let server = process.connect().await;
@@ -159,39 +163,96 @@ async fn undisturbed(folder: &std::path::Path, block: &Block) -> Client {
     client
 }
 
+/// Two clients on one server that is killed so often beneath them; then all their results
+/// are those of `expected`, and can be read again.
+async fn round(folder: &Path, block: &Block, expected: &Client, kills: usize) {
+    let mut process = Process::start(folder, "");
+    let server = process.connect().await;
+    server.upload(block).await;
+    let mut one = Client::new(session(&server, block, "one-story").await);
+    let mut other = Client::new(session(&server, block, "other-story").await);
+    drop(server);
+    for kill in 0..kills {
+        let goal = STEPS * (kill as i64 + 1) / kills as i64;
+        let server = process.connect().await;
+        let life = Duration::from_millis(fastrand::u64(5..200));
+        let both = async { tokio::join!(one.run(&server, goal), other.run(&server, goal)) };
+        if let Ok((first, second)) = timeout(life, both).await {
+            first.and(second).unwrap();
+        }
+        process.kill();
+        process.restart();
+        if fastrand::u8(..10) == 0 {
+            // And once more while it starts.
+            tokio::time::sleep(Duration::from_millis(fastrand::u64(..30))).await;
+            process.kill();
+            process.restart();
+        }
+    }
+    let server = process.connect().await;
+    for client in [&mut one, &mut other] {
+        timeout(PATIENCE, client.run(&server, STEPS))
+            .await
+            .unwrap()
+            .unwrap();
+        client.check(&server).await;
+        for (found, expected) in client.results.iter().zip(&expected.results) {
+            assert_eq!(found, expected);
+        }
+        assert_eq!(client.fields, expected.fields);
+        let increments: i64 = (1..=STEPS).map(parts).sum();
+        assert_eq!(client.results.len() as i64, increments);
+    }
+    drop(process);
+    assert_eq!(
+        signorini_server::fsck(&folder.join("data")).unwrap().faults,
+        Vec::<String>::new()
+    );
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn kills_at_random_moments_lose_nothing_and_change_no_bit() {
     let (folder, block) = (folder("kills"), Block::new(2));
     let expected = undisturbed(&folder, &block).await;
-    let mut process = Process::start(&folder, "");
-    let server = process.connect().await;
-    server.upload(&block).await;
-    let mut client = Client::new(session(&server, &block, "story").await);
-    drop(server);
-    for kill in 0..KILLS {
-        let goal = STEPS * (kill as i64 + 1) / KILLS as i64;
-        let server = process.connect().await;
-        let life = Duration::from_millis(fastrand::u64(20..200));
-        let ended = timeout(life, client.run(&server, goal)).await;
-        assert!(
-            !matches!(&ended, Ok(Err(status)) if status.code() != tonic::Code::Unavailable),
-            "{ended:?}"
-        );
-        process.kill();
-        process.restart();
+    round(&folder, &block, &expected, KILLS).await;
+}
+
+/// As many kills as `SIGNORINI_KILLS` says, in rounds; the log in the folder
+/// `SIGNORINI_KILLS_DIR` counts them, so that a run that was stopped goes on.
+#[tokio::test(flavor = "multi_thread")]
+#[ignore = "by hand: hours"]
+async fn many_kills_at_random_moments_lose_nothing_and_change_no_bit() {
+    let number = |name| std::env::var(name).unwrap_or_default().parse();
+    let wanted: usize = number("SIGNORINI_KILLS").unwrap_or(3000);
+    let folder = std::env::var("SIGNORINI_KILLS_DIR").unwrap_or_else(|_| {
+        let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("many-kills");
+        folder.to_str().unwrap().to_owned()
+    });
+    let folder = Path::new(&folder);
+    std::fs::create_dir_all(folder).unwrap();
+    let log = folder.join("kills.log");
+    let done = std::fs::read_to_string(&log).unwrap_or_default();
+    let done: usize = done
+        .lines()
+        .filter(|line| line.ends_with("nothing lost"))
+        .count();
+    let block = Block::new(2);
+    let expected = undisturbed(folder, &block).await;
+    for number in done..wanted.div_ceil(KILLS) {
+        let data = folder.join("round");
+        if data.exists() {
+            std::fs::remove_dir_all(&data).unwrap();
+        }
+        std::fs::create_dir_all(&data).unwrap();
+        round(&data, &block, &expected, KILLS).await;
+        let line = format!("{} kills: nothing lost\n", (number + 1) * KILLS);
+        let mut file = std::fs::OpenOptions::new()
+            .append(true)
+            .create(true)
+            .open(&log)
+            .unwrap();
+        std::io::Write::write_all(&mut file, line.as_bytes()).unwrap();
     }
-    let server = process.connect().await;
-    timeout(PATIENCE, client.run(&server, STEPS))
-        .await
-        .unwrap()
-        .unwrap();
-    client.check(&server).await;
-    for (one, other) in client.results.iter().zip(&expected.results) {
-        assert_eq!(one, other);
-    }
-    assert_eq!(client.fields, expected.fields);
-    let increments: i64 = (1..=STEPS).map(parts).sum();
-    assert_eq!(client.results.len() as i64, increments);
 }
 
 #[tokio::test(flavor = "multi_thread")]

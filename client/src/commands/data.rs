@@ -20,7 +20,8 @@ pub(super) fn restore(backup: &Path, data: &Path) -> Result<Exit, Failure> {
 }
 
 pub(super) fn fsck(folder: &Path) -> Result<Exit, Failure> {
-    let usage = |error: signorini_server::JournalError| Failure::new(Exit::Usage, error.to_string());
+    let usage =
+        |error: signorini_server::JournalError| Failure::new(Exit::Usage, error.to_string());
     let found = signorini_server::fsck(folder).map_err(usage)?;
     stdout::print(&found.to_string())?;
     Ok(match found.faults.is_empty() {

@@ -37,7 +37,8 @@ fn make(source: &Database, folder: &Path, target: &Path) -> Result<(), JournalEr
     copy_database(source, &target.join(DATABASE_FILE))?;
     copy_files(folder, target)?;
     let format = folder.join(FORMAT_FILE);
-    fs::copy(&format, target.join(FORMAT_FILE)).map_err(|error| JournalError::at(&format, &error))?;
+    fs::copy(&format, target.join(FORMAT_FILE))
+        .map_err(|error| JournalError::at(&format, &error))?;
     Ok(())
 }
 

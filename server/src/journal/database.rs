@@ -21,7 +21,8 @@ const SESSIONS: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("session
 const UPDATES: TableDefinition<'_, (&str, i64), &[u8]> = TableDefinition::new("updates");
 pub(super) const RESULTS: TableDefinition<'_, (&str, i64), &[u8]> = TableDefinition::new("results");
 const FIELDS: TableDefinition<'_, (&str, i64), &[u8]> = TableDefinition::new("fields");
-pub(super) const CHECKPOINTS: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("checkpoints");
+pub(super) const CHECKPOINTS: TableDefinition<'_, &str, &[u8]> =
+    TableDefinition::new("checkpoints");
 const MESHES: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("meshes");
 
 /// The tables whose keys are names.
@@ -268,7 +269,7 @@ fn listed(
     let accepted = updates.range(all.clone())?.next_back().transpose()?;
     let accepted = accepted.map_or(0, |(key, _)| key.value().1);
     let mut ends = results.range(all)?;
-    let mut result = |entry: Option<Result<_, redb::StorageError>>| {
+    let result = |entry: Option<Result<_, redb::StorageError>>| {
         let entry: Option<(
             redb::AccessGuard<'_, (&str, i64)>,
             redb::AccessGuard<'_, &[u8]>,

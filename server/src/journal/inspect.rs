@@ -24,7 +24,10 @@ pub(crate) struct Inspection {
 pub(crate) fn inspect(folder: &Path) -> Result<Inspection, JournalError> {
     let format = folder.join(FORMAT_FILE);
     if files::read(&format)?.is_none() {
-        return Err(JournalError::at(folder, &"no data folder: it has no file FORMAT"));
+        return Err(JournalError::at(
+            folder,
+            &"no data folder: it has no file FORMAT",
+        ));
     }
     check_format(folder)?;
     let path = folder.join(DATABASE_FILE);
@@ -41,11 +44,17 @@ pub(crate) fn inspect(folder: &Path) -> Result<Inspection, JournalError> {
         (name, stored)
     };
     let sessions = names.into_iter().map(load).collect();
-    let meshes = database::meshes(&open)?.into_iter().map(|(name, _)| name).collect();
+    let meshes = database::meshes(&open)?
+        .into_iter()
+        .map(|(name, _)| name)
+        .collect();
     let [of_meshes, of_states] = PARTS.map(|part| list(&folder.join(part)));
     let files = [of_meshes?, of_states?];
     let all = files.iter().flatten().chain([&path]);
-    let bytes = all.filter_map(|file| fs::metadata(file).ok()).map(|data| data.len()).sum();
+    let bytes = all
+        .filter_map(|file| fs::metadata(file).ok())
+        .map(|data| data.len())
+        .sum();
     Ok(Inspection {
         is_sound,
         sessions,

@@ -225,7 +225,9 @@ impl Journal {
     /// Drops results that the limit does not allow to stay; how many sessions have lost
     /// some. Blocks.
     pub(crate) fn trim(&self, limit: Limit) -> Result<usize, JournalError> {
-        let outdated = self.database.with(|open| retention::outdated(open, limit))?;
+        let outdated = self
+            .database
+            .with(|open| retention::outdated(open, limit))?;
         for (name, first) in &outdated {
             let dropped = vec![Change::DropResults(*first)];
             self.submit(name, dropped, Urgency::Soon, Box::new(|_| {}));
@@ -238,7 +240,8 @@ impl Journal {
     /// # Errors
     /// When something cannot be read or written.
     pub(crate) fn backup(&self, target: &Path) -> Result<(), JournalError> {
-        self.database.with(|open| backup::copy(open, &self.folder, target))
+        self.database
+            .with(|open| backup::copy(open, &self.folder, target))
     }
 
     /// As [`Journal::backup`], of a folder that no server uses. Blocks.

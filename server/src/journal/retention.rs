@@ -57,7 +57,9 @@ fn droppable(database: &Database) -> Result<(Vec<(String, One)>, u64), JournalEr
         let (name, checkpoint) = entry?;
         let name = name.value();
         let behind = opened::<StoredCheckpoint>(checkpoint.value(), name)?.event;
-        let newest = results.range((name, i64::MIN)..=(name, i64::MAX))?.next_back();
+        let newest = results
+            .range((name, i64::MIN)..=(name, i64::MAX))?
+            .next_back();
         let newest = newest.transpose()?.map_or(0, |(key, _)| key.value().1);
         for entry in results.range((name, i64::MIN)..=(name, behind.min(newest - 1)))? {
             let (key, value) = entry?;

@@ -205,7 +205,10 @@ impl Meshes {
             token => Some(convert::id_from_name(token, "page_token")?),
         };
         let found = self.services.store.meshes(after, size);
-        let found: Vec<_> = found.iter().map(|(mesh, uses)| convert::mesh(mesh, uses)).collect();
+        let found: Vec<_> = found
+            .iter()
+            .map(|(mesh, uses)| convert::mesh(mesh, uses))
+            .collect();
         let found = self.with_stored(found, (&request.page_token, size)).await?;
         let (mut meshes, mut bytes) = (Vec::new(), 0);
         for mesh in found.iter().cloned() {

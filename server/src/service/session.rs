@@ -172,6 +172,7 @@ impl Sessions {
         let ttl = step::duration(request.ttl.as_ref(), "ttl")?;
         let missing = || Fault::request("scene", "is required");
         let on_disconnect = request.on_disconnect();
+        let from_state = self.from_state(&mut request).await?;
         let asked = self
             .services
             .journal
@@ -199,7 +200,8 @@ impl Sessions {
         let own_bytes = planning::own_bytes(&kept, &plan_report);
         let taken = planning::reserve(&self.services.store, &planned, own_bytes)?;
         let recovered = from_state.map(|state| start(&planned, state)).transpose()?;
-        self.store(&claim, asked, &planned, recovered.as_deref()).await?;
+        self.store(&claim, asked, &planned, recovered.as_deref())
+            .await?;
         let spec = SessionSpec {
             name: claim.name().to_owned(),
             reservation: taken.reservation,

@@ -63,7 +63,8 @@ pub(super) async fn import(
     }
     State::from_bytes(&upload.bytes)?;
     let held = (Bytes::from(upload.bytes), upload.reservation);
-    kept.keep(services.journal.as_ref(), &computed, held).await?;
+    kept.keep(services.journal.as_ref(), &computed, held)
+        .await?;
     let state = states::name(&computed);
     Ok(wire::ImportStateResponse { state })
 }

@@ -182,13 +182,13 @@ fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Inc
         None => unfinished::report(task.number, run.done(), Termination::InternalError),
     };
     let cost = Cost::of(&report);
-    let is_due = task
+    let is_time = task
         .ledger
         .is_some_and(|ledger| ledger.is_due(&cost, report.termination));
     // A thread that is left behind has to undo the increment.
     let is_done = task.cancel.stopped().is_none();
     let is_out_of_time = report.termination == Termination::DeadlineExceeded;
-    let checkpoint = (is_due && (is_done || is_out_of_time)).then(|| work.session.export());
+    let checkpoint = (is_time && (is_done || is_out_of_time)).then(|| work.session.export());
     work.run = Some(run);
     let asked = is_due(&report, task).then(|| task.wanted.clone());
     Increment {
