@@ -84,6 +84,15 @@ impl Shelf {
         std::panic::catch_unwind(work).map_err(damaged)?
     }
 
+    /// Gives the database back: another server may open it.
+    fn close(&self) {
+        let mut guard = self
+            .database
+            .write()
+            .unwrap_or_else(PoisonError::into_inner);
+        *guard = None;
+    }
+
     /// Closes the database after a failure and opens it again, which brings back what
     /// was committed.
     fn reopen(&self) -> Result<(), JournalError> {
@@ -258,6 +267,7 @@ impl Journal {
     /// Returns when everything submitted so far is written; later changes are lost.
     pub(crate) fn close(&self) {
         self.writer.close();
+        self.database.close();
     }
 }
 

@@ -110,7 +110,7 @@ impl Actor {
 
     /// Updates from `sequence` on have lost their place.
     pub(super) fn log_withdrawn(&mut self, sequence: i64) {
-        if sequence > 0 && sequence <= self.queue.last_accepted() {
+        if self.queue.find(sequence).is_some() {
             self.log.fixed = self.record(vec![Change::Withdraw(sequence)], Urgency::Soon);
         }
     }

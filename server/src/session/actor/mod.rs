@@ -89,6 +89,8 @@ struct Actor {
     iterations: Iterations,
     last_finished: i64,
     last_event: i64,
+    /// A step was stopped before the state was there to stop in.
+    is_stopped_early: bool,
     /// Of the last increment that a solver finished.
     last_report: Option<wire::StepReport>,
     /// The newest result, for readers that see it when the disk has it.
@@ -164,6 +166,7 @@ impl Actor {
             iterations: Iterations::default(),
             last_finished: 0,
             last_event: 0,
+            is_stopped_early: false,
             last_report: None,
             fresh: None,
             log: Log::new(services.journal.is_some(), config.retained_results),
@@ -370,7 +373,11 @@ impl Actor {
         self.state_bytes = ready.state_bytes;
         self.prepared = Some((ready.prepared, ready.reuse));
         self.spec.prepared = None;
-        self.place = Place::Home(ready.work);
+        let mut work = ready.work;
+        if std::mem::take(&mut self.is_stopped_early) {
+            work.stop();
+        }
+        self.place = Place::Home(work);
         self.replayed(ready.replayed);
         self.account();
     }

@@ -56,8 +56,10 @@ impl Actor {
             ),
             None => (Vec::new(), Vec::new()),
         };
-        if let Place::Home(work) = &mut self.place {
-            work.stop();
+        match &mut self.place {
+            Place::Home(work) => work.stop(),
+            Place::Preparing => self.is_stopped_early = true,
+            Place::Away(_) | Place::Behind | Place::Lost(_) => {}
         }
         let ending = Ending {
             termination,
