@@ -56,6 +56,9 @@ pub(crate) enum Fault {
     StreamDeadline,
     #[error("the server is shutting down")]
     ShuttingDown,
+    /// The session is in the data folder and goes on with the next call.
+    #[error("the server is shutting down; the session goes on when it is back")]
+    Interrupted,
     /// The data folder takes nothing now; what was acknowledged is there.
     #[error("{0}")]
     Unwritable(String),

@@ -120,6 +120,7 @@ fn contract(fault: &Fault) -> (Code, &'static str) {
         Fault::MessageLimit { .. } => (Code::ResourceExhausted, "MESSAGE_LIMIT"),
         Fault::StreamDeadline => (Code::DeadlineExceeded, "STREAM_DEADLINE"),
         Fault::ShuttingDown => (Code::Unavailable, "SHUTTING_DOWN"),
+        Fault::Interrupted => (Code::Unavailable, "SHUTTING_DOWN"),
         Fault::Unwritable(_) => (Code::Unavailable, "DATA_UNWRITABLE"),
         Fault::SessionDamaged { .. } => (Code::DataLoss, "SESSION_DAMAGED"),
         Fault::StateNotFound(_) => (Code::NotFound, "STATE_NOT_FOUND"),
@@ -148,6 +149,7 @@ fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
         | Fault::SessionDamaged { name, .. }
         | Fault::SessionFailed { name, .. } => vec![("session", name.clone())],
         Fault::StateNotFound(name) => vec![("state", name.clone())],
+        Fault::Interrupted | Fault::Unwritable(_) => vec![("resumes", "true".to_owned())],
         Fault::SessionBusy { held_since, .. } => vec![("held_since", held_since.to_string())],
         Fault::StepNotFound { sequence, .. } => vec![("sequence", sequence.to_string())],
         Fault::SequenceGap { expected, .. } => vec![("expected", expected.to_string())],
@@ -170,7 +172,6 @@ fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
         Fault::MeshInvalid(_)
         | Fault::StreamDeadline
         | Fault::ShuttingDown
-        | Fault::Unwritable(_)
         | Fault::StateInvalid(_)
         | Fault::Internal => Vec::new(),
     }
@@ -226,7 +227,7 @@ fn resource_info(fault: &Fault) -> Option<Any> {
 fn retry_info(fault: &Fault) -> Option<Any> {
     if !matches!(
         fault,
-        Fault::QueueFull { .. } | Fault::ShuttingDown | Fault::Unwritable(_)
+        Fault::QueueFull { .. } | Fault::ShuttingDown | Fault::Interrupted | Fault::Unwritable(_)
     ) {
         return None;
     }

@@ -402,7 +402,8 @@ impl Actor {
 
     fn parting(&self) -> Fault {
         match &self.ending {
-            Some(SessionEnd::ShutDown | SessionEnd::Interrupted(None)) => Fault::ShuttingDown,
+            Some(SessionEnd::ShutDown) if !self.log.is_kept() => Fault::ShuttingDown,
+            Some(SessionEnd::ShutDown | SessionEnd::Interrupted(None)) => Fault::Interrupted,
             Some(SessionEnd::Interrupted(Some(why))) => Fault::Unwritable(why.to_string()),
             Some(SessionEnd::Expired) => Fault::SessionExpired(self.spec.name.clone()),
             Some(SessionEnd::Deleted | SessionEnd::Died) | None => {

@@ -55,7 +55,8 @@ impl Actor {
             session: Some(self.describe()),
             max_in_flight: i32::try_from(self.services.config.maximum_in_flight)
                 .unwrap_or(i32::MAX),
-            last_event: shown,
+            // What the client has seen is there, or is being made again.
+            last_event: shown.max(start),
         }));
         self.feed(None);
         Ok(Attachment {
