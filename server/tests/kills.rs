@@ -10,6 +10,8 @@ use common::{Block, Process, Server, Stream, folder, open, press};
 use signorini_proto::v1::{self as wire, solve_response::Message};
 use tokio::time::timeout;
 
+/// A checkpoint every 40 results, of which no more are kept.
+const SETTINGS: &str = "maximum_in_flight = 16\nretained_results = 40\n";
 /// Ends a test that would wait for ever.
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Kills of the test; more are done by hand (`SIGNORINI_KILLS`).
@@ -112,11 +114,16 @@ impl Client {
         Ok(())
     }
 
-    /// Asks for everything again, and compares.
+    /// Asks for everything that is kept again, and compares.
     async fn check(&self, server: &Server) {
         let session = server.describe(&self.session).await;
         assert!(session.last_finished_sequence >= self.next() - 1);
+        let kept = session.first_retained_sequence;
+        assert!(kept > 1 && kept < self.next());
         for (index, result) in self.results.iter().enumerate() {
+            if result.sequence < kept {
+                continue;
+            }
             let increment = result.report.as_ref().unwrap().increment;
             let again = server.read(&self.session, result.sequence, increment).await;
             assert_eq!(bare(again.0), *result, "result {index}");
@@ -155,7 +162,7 @@ async fn undisturbed(folder: &Path, block: &Block) -> Client {
         std::fs::remove_dir_all(&calm).unwrap();
     }
     std::fs::create_dir_all(&calm).unwrap();
-    let process = Process::start(&calm, "");
+    let process = Process::start(&calm, SETTINGS);
     let server = process.connect().await;
     server.upload(block).await;
     let mut client = Client::new(session(&server, block, "story").await);
@@ -166,7 +173,7 @@ async fn undisturbed(folder: &Path, block: &Block) -> Client {
 /// Two clients on one server that is killed so often beneath them; then all their results
 /// are those of `expected`, and can be read again.
 async fn round(folder: &Path, block: &Block, expected: &Client, kills: usize) {
-    let mut process = Process::start(folder, "");
+    let mut process = Process::start(folder, SETTINGS);
     let server = process.connect().await;
     server.upload(block).await;
     let mut one = Client::new(session(&server, block, "one-story").await);

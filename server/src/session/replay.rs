@@ -20,8 +20,8 @@ use super::work::numbered;
 use crate::convert::report;
 use crate::journal::StoredCheckpoint;
 
-/// What a replay may cost: about half a second on one core.
-const MOST_COST: f64 = 3e7;
+/// What a replay may cost: about three quarters of a second on one core of 2020.
+const MOST_COST: f64 = 1.5e7;
 /// What a quadratic program costs beside its Krylov iterations, in applications of
 /// the preconditioner.
 const PROGRAM_COST: f64 = 20.0;
@@ -62,13 +62,19 @@ impl Ledger {
 
     /// Whether a checkpoint is due behind an increment.
     pub(super) fn is_due(&self, next: &Cost, termination: Termination) -> bool {
-        // How far an increment came before its time was up, no replay finds again.
-        termination == Termination::DeadlineExceeded
-            || self.cost + next.0 > MOST_COST
-            || self.results + 1 >= self.most_results
+        match termination {
+            // How far it came before its time was up, no replay finds again.
+            Termination::DeadlineExceeded => true,
+            // No replay repeats it.
+            Termination::Cancelled | Termination::InternalError => false,
+            Termination::Converged | Termination::NotConverged => {
+                self.cost + next.0 > MOST_COST || self.results + 1 >= self.most_results
+            }
+        }
     }
 
-    /// Counts an increment, with a checkpoint behind it or not.
+    /// Counts a result, with a checkpoint behind it or not; one that was stopped takes
+    /// nothing.
     pub(super) fn count(&mut self, cost: Cost, is_checkpoint: bool) {
         match is_checkpoint {
             true => *self = Self::new(self.most_results),
@@ -202,6 +208,9 @@ impl Way {
         }
         if stopped.is_some() {
             session.stop();
+            if let Some(ledger) = &mut self.replayed.ledger {
+                ledger.count(Cost::default(), false);
+            }
         }
         Ok(run.filter(|_| !step.is_finished))
     }

@@ -69,7 +69,8 @@ impl Actor {
             state: state.clone().into(),
         };
         let mark = self.record(vec![Change::Checkpoint(checkpoint)], Urgency::Now);
-        self.log.fix(mark, self.services.config.retained_results);
+        let retained = self.services.config.retained_results;
+        self.log.fix(mark, self.last_event, retained);
         for exporter in std::mem::take(&mut self.exporters) {
             self.exported.push((mark, exporter, state.clone()));
         }

@@ -4,10 +4,11 @@
 //! it again: its update and the last change that no replay repeats, such as a step that
 //! was cancelled. What a replay repeats follows with the next commit.
 
-use std::collections::VecDeque;
+use std::collections::BTreeMap;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use signorini::report::Termination;
+use signorini_proto::v1 as wire;
 
 use super::results::Ending;
 use super::{Actor, answer};
@@ -33,6 +34,8 @@ pub(super) struct Log {
     /// Mark of the newest change that no replay repeats.
     fixed: u64,
     ledger: Ledger,
+    /// Event of the newest checkpoint: results behind it are needed.
+    checkpoint: i64,
 }
 
 impl Log {
@@ -43,6 +46,7 @@ impl Log {
             durable: if is_kept { 0 } else { u64::MAX },
             fixed: 0,
             ledger: Ledger::new(retained_results),
+            checkpoint: 0,
         }
     }
 
@@ -54,13 +58,18 @@ impl Log {
         self.is_kept.then_some(self.ledger)
     }
 
-    pub(super) fn count(&mut self, cost: Cost, is_checkpoint: bool) {
+    /// Counts a result of that event.
+    fn count(&mut self, event: i64, cost: Cost, is_checkpoint: bool) {
         self.ledger.count(cost, is_checkpoint);
+        if is_checkpoint {
+            self.checkpoint = event;
+        }
     }
 
     /// The state was written with the change `mark`, where no replay would write it.
-    pub(super) fn fix(&mut self, mark: u64, retained_results: usize) {
+    pub(super) fn fix(&mut self, mark: u64, event: i64, retained_results: usize) {
         self.fixed = mark;
+        self.checkpoint = event;
         self.ledger = Ledger::new(retained_results);
     }
 
@@ -120,6 +129,8 @@ impl Actor {
         if !self.log.is_kept {
             return 0;
         }
+        let is_checkpoint = ending.checkpoint.is_some();
+        self.log.count(result.event, ending.cost, is_checkpoint);
         let (report, fields) = stored(result, unix_seconds());
         let mut changes = vec![Change::Result(result.event, report, fields)];
         changes.extend(ending.checkpoint.map(|state| {
@@ -152,6 +163,7 @@ impl Actor {
         }
         let retained = self.services.config.retained_results;
         let first = event + 1 - i64::try_from(retained).unwrap_or(i64::MAX);
+        let first = first.min(self.log.checkpoint + 1);
         let results = (first > 1).then_some(Change::DropResults(first));
         let fields = self.kept.first_with_fields().map(Change::DropFields);
         results.into_iter().chain(fields).collect()
@@ -179,7 +191,14 @@ impl Actor {
             results,
             checkpoint,
         } = *self.spec.recovered.take()?;
+        let behind = checkpoint.as_ref().map_or(0, |one| one.event);
+        self.log.checkpoint = behind;
+        let mut known = Known::new();
         for result in results {
+            if let (true, Some(report)) = (result.event > behind, result.report.decode()) {
+                let of_update = known.entry(result.sequence).or_default();
+                of_update.push((result.event, report, result.last));
+            }
             self.kept.push(result);
         }
         if let Some(newest) = self.kept.newest() {
@@ -188,12 +207,12 @@ impl Actor {
             self.last_report = newest.report.decode();
         }
         self.queue.resume_behind(self.last_finished);
-        let behind = checkpoint.as_ref().map_or(0, |one| one.event);
         let mut steps = Vec::new();
         for (update, is_cancelled) in updates {
             let sequence = update.sequence;
-            let step = self.replay_step(&update, behind, checkpoint.as_ref());
-            steps.extend(step.filter(|step| step.before > 0 || !step.results.is_empty()));
+            let results = known.remove(&sequence).unwrap_or_default();
+            let step = replay_step(&update, results, checkpoint.as_ref());
+            steps.extend(Some(step).filter(|one| one.before > 0 || !one.results.is_empty()));
             if sequence > self.last_finished {
                 let newest = self.kept.of_sequence(sequence).pop();
                 let results = newest.map_or(0, |newest| newest.report.increment);
@@ -211,30 +230,6 @@ impl Actor {
             ledger: self.log.ledger,
             cancel: self.stop_preparing.clone(),
         }))
-    }
-
-    /// What is known of an update and lies behind the event of the checkpoint.
-    fn replay_step(
-        &self,
-        update: &Update,
-        behind: i64,
-        checkpoint: Option<&StoredCheckpoint>,
-    ) -> Option<ReplayStep> {
-        let kept = self.kept.of_sequence(update.sequence);
-        let is_finished = kept.last().is_some_and(|newest| newest.last);
-        let results: VecDeque<_> = kept
-            .iter()
-            .filter(|result| result.event > behind)
-            .filter_map(|result| Some((result.event, result.report.decode()?)))
-            .collect();
-        let under_way = checkpoint.filter(|one| one.sequence == update.sequence);
-        Some(ReplayStep {
-            sequence: update.sequence,
-            step: update.step.clone(),
-            before: under_way.map_or(0, |one| one.done),
-            results: results.into(),
-            is_finished,
-        })
     }
 
     /// The state is where an earlier server left it.
@@ -263,6 +258,7 @@ impl Actor {
             tracing::warn!("a replay gave other results than the first run");
         }
         if let Some(checkpoint) = replayed.checkpoint {
+            self.log.checkpoint = checkpoint.event;
             self.record(vec![Change::Checkpoint(checkpoint)], Urgency::Soon);
         }
     }
@@ -289,6 +285,28 @@ impl Actor {
         for deleter in self.deleters.drain(..) {
             answer(deleter, ());
         }
+    }
+}
+
+/// Results behind the checkpoint by update: event, report, whether it is the last one.
+type Known = BTreeMap<i64, Vec<(i64, wire::StepReport, bool)>>;
+
+/// What an earlier server did in an update, behind the checkpoint.
+fn replay_step(
+    update: &Update,
+    results: Vec<(i64, wire::StepReport, bool)>,
+    checkpoint: Option<&StoredCheckpoint>,
+) -> ReplayStep {
+    let under_way = checkpoint.filter(|one| one.sequence == update.sequence);
+    ReplayStep {
+        sequence: update.sequence,
+        step: update.step.clone(),
+        before: under_way.map_or(0, |one| one.done),
+        is_finished: results.last().is_some_and(|newest| newest.2),
+        results: results
+            .into_iter()
+            .map(|(event, report, _)| (event, report))
+            .collect(),
     }
 }
 

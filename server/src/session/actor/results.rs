@@ -5,6 +5,7 @@ use crate::convert::field::KeptField;
 use crate::convert::report;
 use crate::results::kept::{KeptReport, KeptResult};
 use crate::results::unfinished;
+use crate::session::replay::Cost;
 use crate::session::work::Increment;
 use signorini::report::{Cause, FieldName, Termination};
 use signorini_proto::v1 as wire;
@@ -13,6 +14,8 @@ use signorini_proto::v1 as wire;
 pub(super) struct Ending {
     pub(super) termination: Termination,
     pub(super) cause: Option<Cause>,
+    /// What a replay would take for it.
+    pub(super) cost: Cost,
     /// The state behind it, where the journal shall have it.
     pub(super) checkpoint: Option<Vec<u8>>,
 }
@@ -26,11 +29,15 @@ impl Actor {
         if let Some(current) = self.queue.current() {
             current.spend(&report);
         }
-        self.log
-            .count(increment.cost, increment.checkpoint.is_some());
         let ending = Ending {
             termination: report.termination,
             cause: report.cause,
+            cost: match report.termination {
+                Termination::Converged | Termination::NotConverged => increment.cost,
+                Termination::Cancelled
+                | Termination::DeadlineExceeded
+                | Termination::InternalError => Cost::default(),
+            },
             checkpoint: increment.checkpoint,
         };
         let report = report::step(report, increment.poses);
@@ -64,6 +71,7 @@ impl Actor {
         let ending = Ending {
             termination,
             cause: None,
+            cost: Cost::default(),
             checkpoint: None,
         };
         self.deliver(&report, ending, Some(asked), fields);
