@@ -233,12 +233,9 @@ async fn a_state_travels_to_another_server_and_goes_on_with_the_same_bits() {
         assert_eq!(force(server, &name, 1).await, expected);
     }
     // A session that began with a state comes back to it.
-    let sessions = there
-        .sessions()
-        .list_sessions(wire::ListSessionsRequest::default());
-    let name = sessions.await.unwrap().into_inner().sessions[0]
-        .name
-        .clone();
+    let request = wire::ListSessionsRequest::default();
+    let list = there.sessions().list_sessions(request).await.unwrap();
+    let name = list.into_inner().sessions[0].name.clone();
     stop(there).await;
     let there = on(&tests.join("there")).await;
     assert_eq!(there.describe(&name).await.last_finished_sequence, 1);
@@ -316,8 +313,9 @@ async fn import(server: &Server, bytes: &[u8]) -> Result<String, tonic::Status> 
             data: bytes::Bytes::copy_from_slice(data),
         })
         .collect();
-    let call = server.sessions().import_state(tokio_stream::iter(slices));
-    Ok(call.await?.into_inner().state)
+    let mut client = server.sessions();
+    let call = client.import_state(tokio_stream::iter(slices)).await;
+    Ok(call?.into_inner().state)
 }
 
 #[tokio::test(flavor = "multi_thread")]

@@ -334,3 +334,6 @@ pub(super) fn meshes(database: &Database) -> Result<Vec<(String, StoredMesh)>, J
     }
     Ok(found)
 }
+
+#[cfg(test)]
+mod tests;

@@ -95,8 +95,12 @@ fn command(folder: &Path) -> Command {
 }
 
 fn spawn(folder: &Path) -> Child {
-    let log = std::fs::OpenOptions::new().append(true).create(true);
-    let log = log.open(folder.join("log")).unwrap();
+    let path = folder.join("log");
+    let log = std::fs::OpenOptions::new()
+        .append(true)
+        .create(true)
+        .open(path)
+        .unwrap();
     command(folder)
         .stderr(log)
         .stdout(Stdio::null())
