@@ -104,39 +104,17 @@ fn read_mesh(store: &Arc<Store>, id: MeshId, bytes: &[u8]) -> Result<Lease<Mesh>
     Ok(store.insert_mesh(mesh))
 }
 
-/// Puts a mesh on disk, its file first.
-pub(crate) async fn store_mesh(journal: &Arc<Journal>, mesh: Mesh) -> Result<Mesh, Fault> {
-    let writer = Arc::clone(journal);
-    let write = move || {
-        let written = Arc::new(mesh);
-        let messages = convert::messages(Held(Arc::clone(&written)), &convert::uploaded());
-        let outcome = writer.write_mesh(written.id(), messages);
-        // Whoever wrote has let go of it.
-        outcome.map(|()| Arc::into_inner(written))
-    };
-    let mesh = aside(write)
-        .await?
-        .map_err(unwritable)?
-        .ok_or(Fault::Internal)?;
+/// Tells the journal of a mesh whose file is on the disk.
+pub(crate) async fn store_mesh(journal: &Journal, mesh: &Mesh) -> Result<(), Fault> {
     let now = SystemTime::now();
     let uses = MeshUse {
         sessions: 0,
         created: now,
         used: now,
     };
-    let described = convert::mesh(&mesh, &uses).encode_to_vec().into();
+    let described = convert::mesh(mesh, &uses).encode_to_vec().into();
     let change = Change::Mesh(convert::name(mesh.id()), StoredMesh { described });
-    let stored = journal.store("", vec![change]).await;
-    stored.map_err(unwritable).map(|()| mesh)
-}
-
-/// A mesh while it is written.
-struct Held(Arc<Mesh>);
-
-impl AsRef<Mesh> for Held {
-    fn as_ref(&self) -> &Mesh {
-        &self.0
-    }
+    journal.store("", vec![change]).await.map_err(unwritable)
 }
 
 /// What a client hears when the data folder refuses something.

@@ -2,19 +2,20 @@
 //!
 //! Sizes are those of the header, checked before anything is allocated.
 
+mod file;
 mod reading;
 mod upload;
 
 use std::time::SystemTime;
 
-use prost::Message as _;
 use signorini::mesh::{CellKind, Group, GroupKind, Mesh, MeshId};
 use signorini_proto::v1 as wire;
 
 use super::{MAXIMUM_NAME_BYTES, wide};
 use crate::fault::Fault;
 
-pub(crate) use reading::{messages, uploaded, wanted};
+pub(crate) use file::{read as from_file, write as to_file};
+pub(crate) use reading::{messages, wanted};
 pub(crate) use upload::Upload;
 
 const MAXIMUM_VERTICES: i64 = 200_000_000;
@@ -123,29 +124,6 @@ impl Header {
         let mesh = self.array_bytes() + found;
         mesh + mesh / MARGIN
     }
-}
-
-/// A mesh from messages of `ReadMeshResponse`, each behind its length.
-///
-/// # Errors
-/// `MeshInvalid` for other bytes, and what an upload of them is refused for.
-pub(crate) fn from_file(mut bytes: &[u8]) -> Result<Mesh, Fault> {
-    use wire::read_mesh_response::Part;
-    let wrong = || Fault::MeshInvalid("the file holds no mesh".to_owned());
-    let mut upload: Option<Upload> = None;
-    while !bytes.is_empty() {
-        let message = wire::ReadMeshResponse::decode_length_delimited(&mut bytes);
-        match (message.map_err(|_| wrong())?.part, &mut upload) {
-            (Some(Part::Header(header)), None) => {
-                upload = Some(Upload::new(Header::new(header)?));
-            }
-            (Some(Part::Chunk(chunk)), Some(upload)) => upload.push(&chunk)?,
-            (Some(Part::Header(_) | Part::Chunk(_)) | None, _) => return Err(wrong()),
-        }
-    }
-    let (parts, offsets) = upload.ok_or_else(wrong)?.finish()?;
-    let invalid = |error: signorini::MeshError| Fault::MeshInvalid(error.to_string());
-    Mesh::second_order(parts, offsets).map_err(invalid)
 }
 
 /// When a mesh came and was used.

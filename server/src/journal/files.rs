@@ -6,37 +6,67 @@
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::error::JournalError;
 
-/// Writes a file whole, in its place when the disk has it.
-pub(super) fn write(
-    path: &Path,
-    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<(), JournalError> {
-    let wrong = |error: io::Error| JournalError::Unwritable(format!("{}: {error}", path.display()));
-    let beside = path.with_extension("part");
-    let written = write_beside(&beside, fill).and_then(|()| {
-        fail::fail_point!("file-rename", |_| Err(io::Error::other("failpoint")));
-        fs::rename(&beside, path)?;
-        sync_folder(path)
-    });
-    if written.is_err() {
-        // Nothing of use is in it, and it may not exist.
-        let _left = fs::remove_file(&beside);
+/// A file that is on the disk and has no name yet; gone unless it gets one.
+pub(crate) struct Part(PathBuf);
+
+impl Part {
+    /// Writes a file without a name into `folder`.
+    pub(super) fn write(
+        folder: &Path,
+        fill: impl FnOnce(&mut dyn FnMut(&[u8]) -> io::Result<()>) -> io::Result<()>,
+    ) -> Result<Self, JournalError> {
+        static NUMBER: AtomicU64 = AtomicU64::new(0);
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let part = Self(folder.join(format!("{number}.part")));
+        match part.fill(fill) {
+            Ok(()) => Ok(part),
+            Err(error) => Err(unwritable(&part.0, &error)),
+        }
     }
-    written.map_err(wrong)
+
+    fn fill(
+        &self,
+        fill: impl FnOnce(&mut dyn FnMut(&[u8]) -> io::Result<()>) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let mut file = BufWriter::new(File::create(&self.0)?);
+        fill(&mut |bytes| file.write_all(bytes))?;
+        fail::fail_point!("file-sync", |_| Err(io::Error::other("failpoint")));
+        let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+        file.sync_all()
+    }
+
+    /// Gives it its name, on the disk too.
+    pub(super) fn keep(self, path: &Path) -> Result<(), JournalError> {
+        let named = self.name(path);
+        named.map_err(|error| unwritable(path, &error))
+    }
+
+    fn name(&self, path: &Path) -> io::Result<()> {
+        fail::fail_point!("file-rename", |_| Err(io::Error::other("failpoint")));
+        fs::rename(&self.0, path)?;
+        sync_folder(path)
+    }
 }
 
-fn write_beside(
-    beside: &Path,
-    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
-    let mut file = BufWriter::new(File::create(beside)?);
-    fill(&mut file)?;
-    fail::fail_point!("file-sync", |_| Err(io::Error::other("failpoint")));
-    let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
-    file.sync_all()
+impl Drop for Part {
+    fn drop(&mut self) {
+        // It is not there any more when it has a name.
+        let _named = fs::remove_file(&self.0);
+    }
+}
+
+fn unwritable(path: &Path, error: &io::Error) -> JournalError {
+    JournalError::Unwritable(format!("{}: {error}", path.display()))
+}
+
+/// Writes a file whole, in its place when the disk has it.
+pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), JournalError> {
+    let folder = path.parent().unwrap_or(path);
+    Part::write(folder, |put| put(bytes))?.keep(path)
 }
 
 /// The name of a file reaches the disk with its folder.

@@ -30,6 +30,7 @@ use crate::metrics::Metrics;
 
 pub(crate) use database::{Change, Listed, Stored};
 pub use error::JournalError;
+pub(crate) use files::Part;
 pub(crate) use inspect::inspect;
 pub(crate) use record::{
     StoredCheckpoint, StoredField, StoredFields, StoredMesh, StoredResult, StoredSession,
@@ -203,23 +204,22 @@ impl Journal {
         self.folder.join("meshes").join(id.to_string())
     }
 
-    /// Writes the messages of a mesh into its file. Blocks.
-    pub(crate) fn write_mesh<M: prost::Message>(
+    /// Writes the bytes of a mesh beside its place, which is not known yet. Blocks.
+    pub(crate) fn write_part(
         &self,
-        id: MeshId,
-        messages: impl Iterator<Item = M>,
-    ) -> Result<(), JournalError> {
-        files::write(&self.mesh_file(id), |file| {
-            for message in messages {
-                file.write_all(&message.encode_length_delimited_to_vec())?;
-            }
-            Ok(())
-        })
+        fill: impl FnOnce(&mut dyn FnMut(&[u8]) -> std::io::Result<()>) -> std::io::Result<()>,
+    ) -> Result<Part, JournalError> {
+        Part::write(&self.folder.join("meshes"), fill)
+    }
+
+    /// Gives a mesh its place. Blocks.
+    pub(crate) fn keep_mesh(&self, part: Part, id: MeshId) -> Result<(), JournalError> {
+        part.keep(&self.mesh_file(id))
     }
 
     /// Writes a state into its file; `digest` was computed from its bytes. Blocks.
     pub(crate) fn write_state(&self, digest: &str, bytes: &[u8]) -> Result<(), JournalError> {
-        files::write(&self.state_file(digest), |file| file.write_all(bytes))
+        files::write(&self.state_file(digest), bytes)
     }
 
     /// The bytes of a state's file; none where there is no such file. Blocks.
@@ -283,7 +283,7 @@ fn check_format(folder: &Path) -> Result<(), JournalError> {
             known: FORMAT,
         }),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            files::write(&path, |file| file.write_all(own.as_bytes()))
+            files::write(&path, own.as_bytes())
         }
         Err(error) => Err(JournalError::at(&path, &error)),
     }

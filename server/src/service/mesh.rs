@@ -13,7 +13,7 @@ use tonic::{Request, Response, Status, Streaming};
 use super::{page_size, respond};
 use crate::convert::mesh::{self as convert, Header, Upload};
 use crate::fault::Fault;
-use crate::journal::Change;
+use crate::journal::{Change, Journal};
 use crate::planning::{self, aside};
 use crate::registry::Registry;
 use crate::session::Services;
@@ -131,16 +131,16 @@ impl Meshes {
                 }
             }
         }
-        let mesh = aside(move || build(upload, id)).await??;
+        let journal = self.services.journal.clone();
+        let mesh = aside(move || build(upload, id, journal.as_deref())).await??;
         if let Ok(found) = planning::mesh(&self.services, mesh.id()).await {
             return self.uploaded(found, Presence::Before);
         }
         let _excess = self.reserve_excess(&mesh, &reservation)?;
         // On disk before anybody finds it.
-        let mesh = match &self.services.journal {
-            Some(journal) => planning::store_mesh(journal, mesh).await?,
-            None => mesh,
-        };
+        if let Some(journal) = &self.services.journal {
+            planning::store_mesh(journal, &mesh).await?;
+        }
         self.uploaded(self.services.store.insert_mesh(mesh), Presence::New)
     }
 
@@ -278,17 +278,30 @@ async fn within<T>(idle: Duration, arrival: impl Future<Output = T>) -> Result<T
     })
 }
 
-fn build(upload: Upload, declared: Option<MeshId>) -> Result<Mesh, Fault> {
+/// The mesh of an upload, its file on the disk where there is a data folder.
+fn build(
+    upload: Upload,
+    declared: Option<MeshId>,
+    journal: Option<&Journal>,
+) -> Result<Mesh, Fault> {
     let invalid = |error: signorini::MeshError| Fault::MeshInvalid(error.to_string());
     let (parts, offsets) = upload.finish()?;
+    let write =
+        |journal: &Journal| journal.write_part(|put| convert::to_file(&parts, &offsets, put));
+    let part = journal.map(write).transpose();
+    let part = part.map_err(planning::unwritable)?;
     let mesh = Mesh::second_order(parts, offsets).map_err(invalid)?;
-    match declared.filter(|declared| *declared != mesh.id()) {
-        None => Ok(mesh),
-        Some(declared) => Err(Fault::DigestMismatch {
+    if let Some(declared) = declared.filter(|declared| *declared != mesh.id()) {
+        return Err(Fault::DigestMismatch {
             declared: declared.to_string(),
             computed: mesh.id().to_string(),
-        }),
+        });
     }
+    if let (Some(journal), Some(part)) = (journal, part) {
+        let kept = journal.keep_mesh(part, mesh.id());
+        kept.map_err(planning::unwritable)?;
+    }
+    Ok(mesh)
 }
 
 #[cfg(test)]

@@ -13,6 +13,7 @@ use crate::fault::Fault;
 
 const MOST_ARRAYS: usize = 100;
 
+/// The arrays of an upload.
 const UPLOADED: [wire::MeshArray; 6] = [
     wire::MeshArray::Coordinates,
     wire::MeshArray::Cells,
@@ -21,11 +22,6 @@ const UPLOADED: [wire::MeshArray; 6] = [
     wire::MeshArray::EdgeOffsets,
     wire::MeshArray::GroupMembers,
 ];
-
-/// The arrays of an upload.
-pub(crate) fn uploaded() -> [wire::MeshArray; 6] {
-    UPLOADED
-}
 
 /// The arrays that a request asks for: those of an upload where it names none.
 ///
