@@ -38,6 +38,7 @@ fn bare(mut result: wire::StepFinished) -> wire::StepFinished {
         report.reused.clear();
         report.factorisations = 0;
         report.eigenvalue_applications = 0;
+        report.compliance_columns = 0;
     }
     result
 }

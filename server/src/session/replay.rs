@@ -287,6 +287,7 @@ fn bare(report: wire::StepReport) -> wire::StepReport {
         reused: Vec::new(),
         factorisations: 0,
         eigenvalue_applications: 0,
+        compliance_columns: 0,
         ..report
     }
 }
