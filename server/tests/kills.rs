@@ -269,11 +269,13 @@ async fn two_hundred_sessions_on_disk_hold_up_no_start_and_wake_when_they_are_ca
     let mut process = Process::start(&folder, "");
     let server = process.connect().await;
     server.upload(&block).await;
+    let mut clients = Vec::new();
     for number in 0..200 {
         let name = session(&server, &block, &format!("many-{number}")).await;
         if number % 20 == 0 {
             let mut client = Client::new(name);
             client.run(&server, 3).await.unwrap();
+            clients.push(client);
         }
     }
     process.kill();
@@ -299,7 +301,7 @@ async fn two_hundred_sessions_on_disk_hold_up_no_start_and_wake_when_they_are_ca
         all.iter()
             .all(|one| one.state() == wire::SessionState::Asleep)
     );
-    let mut client = Client::new("sessions/many-20".into());
+    let client = &mut clients[1];
     timeout(PATIENCE, client.run(&server, 4))
         .await
         .unwrap()

@@ -73,7 +73,7 @@ pub(crate) struct Stored {
 }
 
 /// What a list tells of a stored session.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Listed {
     pub(crate) session: StoredSession,
     /// Largest sequence accepted.
@@ -234,8 +234,16 @@ pub(super) fn list(database: &Database) -> Result<Vec<(String, Listed)>, Journal
     for entry in read.open_table(SESSIONS)?.iter()? {
         let (name, session) = entry?;
         let name = name.value();
-        let session = opened(session.value(), name)?;
-        found.push((name.to_owned(), listed(&read, name, session)?));
+        // One that is damaged says so when it is called; the others serve.
+        let session = opened(session.value(), name);
+        let listed = match session.and_then(|session| listed(&read, name, session)) {
+            Err(JournalError::Damaged(why)) => {
+                tracing::error!(name, why, "a session is damaged");
+                Listed::default()
+            }
+            outcome => outcome?,
+        };
+        found.push((name.to_owned(), listed));
     }
     Ok(found)
 }
