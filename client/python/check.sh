@@ -21,7 +21,7 @@ environment() {
 step wheel
 wheel=${WHEEL:-}
 if [ -z "$wheel" ]; then
-    "$newest" -m venv "$work/build"
+    "$oldest" -m venv "$work/build"
     "$work/build/bin/pip" --quiet wheel --no-deps --config-settings portable=yes --wheel-dir "$work" .
     wheel=$(echo "$work"/signorini-*.whl)
 fi

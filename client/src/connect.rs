@@ -12,6 +12,7 @@ use std::time::Duration;
 
 use signorini_proto::v1::mesh_service_client::MeshServiceClient;
 use signorini_proto::v1::session_service_client::SessionServiceClient;
+use signorini_proto::v1::surface_service_client::SurfaceServiceClient;
 use tonic::body::Body;
 use tonic::codegen::http::{Request, Response};
 use tonic::transport::{Channel, Endpoint, Uri};
@@ -106,6 +107,10 @@ impl Client {
 
     pub(crate) fn meshes(&self) -> MeshServiceClient<Transport> {
         MeshServiceClient::new(self.channel.clone())
+    }
+
+    pub(crate) fn surfaces(&self) -> SurfaceServiceClient<Transport> {
+        SurfaceServiceClient::new(self.channel.clone())
     }
 
     pub(crate) fn sessions(&self) -> SessionServiceClient<Transport> {

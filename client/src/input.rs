@@ -1,12 +1,14 @@
 //! Reads the files that a command names.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use signorini_client::WireMesh;
 use signorini_client::formats::mesh::MeshFile;
 use signorini_client::formats::reader;
+use signorini_client::formats::stl;
 use signorini_client::scene_file::{self, SceneFileError};
+use signorini_client::{Client, WireMesh, WireSurface};
 use signorini_proto::v1;
+use signorini_proto::v1::shape::Kind;
 
 use crate::arguments::SceneArguments;
 use crate::exit::{Exit, Failure};
@@ -28,9 +30,24 @@ pub(crate) struct Input {
     /// Names its mesh by digest.
     pub(crate) scene: v1::Scene,
     /// Where the mesh was read.
-    pub(crate) mesh_path: std::path::PathBuf,
+    pub(crate) mesh_path: PathBuf,
     pub(crate) mesh: MeshFile,
     pub(crate) wire: WireMesh,
+    /// Surfaces that the scene names by digest, with their files.
+    pub(crate) surfaces: Vec<(PathBuf, WireSurface)>,
+}
+
+impl Input {
+    /// Makes sure that the server has the mesh and the surfaces.
+    pub(crate) async fn upload(&mut self, client: &Client) -> Result<(), Failure> {
+        let uploaded = client.upload_mesh(self.wire.clone()).await;
+        uploaded.map_err(|error| error.about(&self.mesh_path))?;
+        for (path, surface) in self.surfaces.drain(..) {
+            let uploaded = client.upload_surface(surface).await;
+            uploaded.map_err(|error| error.about(&path))?;
+        }
+        Ok(())
+    }
 }
 
 /// Reads a scene and the mesh it names.
@@ -57,16 +74,41 @@ pub(crate) fn load(arguments: &SceneArguments) -> Result<Input, Failure> {
         mesh.warnings.push(WITHOUT_STEPS.to_owned());
     }
     let wire = WireMesh::new(&mesh)?;
-    let scene = v1::Scene {
+    let mut scene = v1::Scene {
         mesh: wire.name(),
         ..file.scene
     };
+    let surfaces = load_surfaces(&mut scene, &file.surfaces)?;
     Ok(Input {
         scene,
         mesh_path: file.mesh,
         mesh,
         wire,
+        surfaces,
     })
+}
+
+/// Reads the surfaces of obstacles, and names them in the scene.
+fn load_surfaces(
+    scene: &mut v1::Scene,
+    files: &[(usize, PathBuf)],
+) -> Result<Vec<(PathBuf, WireSurface)>, Failure> {
+    let mut surfaces = Vec::new();
+    for (index, path) in files {
+        let bytes = std::fs::read(path).map_err(|error| Failure::unreadable(path, &error))?;
+        let read = stl::read(&bytes)
+            .map_err(|error| Failure::new(Exit::Invalid, format!("{}: {error}", path.display())))?;
+        let wire = WireSurface::new(&read)?;
+        let shape = scene
+            .obstacles
+            .get_mut(*index)
+            .and_then(|one| one.shape.as_mut());
+        if let Some(Kind::Surface(surface)) = shape.and_then(|shape| shape.kind.as_mut()) {
+            surface.surface = wire.name();
+        }
+        surfaces.push((path.clone(), wire));
+    }
+    Ok(surfaces)
 }
 
 /// Reads a mesh file of any format.

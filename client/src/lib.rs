@@ -32,9 +32,11 @@ pub mod result_line;
 pub mod scene_file;
 mod session;
 pub mod solve;
+mod surface;
 
 pub use connect::{Client, ServerAddress};
 pub use error::{ClientError, Refusal, Violation};
 pub use mesh::{Uploaded, WireMesh};
 pub use read::StepResults;
 pub use session::NewSession;
+pub use surface::WireSurface;

@@ -12,6 +12,9 @@ const MAGIC: &[u8] = b"signorini-mesh-v1\n";
 /// Of meshes with curved edges.
 const CURVED_MAGIC: &[u8] = b"signorini-mesh-v2\n";
 
+/// Of triangulated surfaces.
+const SURFACE_MAGIC: &[u8] = b"signorini-surface-v1\n";
+
 /// One named set of cells or facets.
 #[derive(Clone, Copy, Debug)]
 pub struct GroupArrays<'a> {
@@ -70,6 +73,18 @@ pub fn mesh_digest(mesh: &MeshArrays<'_>) -> [u8; 32] {
         put_array(&mut hash, mesh.curved_edges);
         put_array(&mut hash, mesh.edge_offsets);
     }
+    hash.finalize().into()
+}
+
+/// SHA-256 of the canonical bytes of a triangulated surface, defined in
+/// `surface_service.proto`: coordinates `[vertices, 3]` and facets `[facets, 3]`, flat.
+pub fn surface_digest(coordinates: &[f64], facets: &[i32]) -> [u8; 32] {
+    let mut hash = Sha256::new();
+    hash.update(SURFACE_MAGIC);
+    put_count(&mut hash, coordinates.len() / 3);
+    put_count(&mut hash, facets.len() / 3);
+    put_array(&mut hash, coordinates);
+    put_array(&mut hash, facets);
     hash.finalize().into()
 }
 

@@ -21,6 +21,12 @@ pub(crate) enum Fault {
     MeshNotFound(String),
     #[error("`{name}` is used by {sessions} sessions")]
     MeshInUse { name: String, sessions: usize },
+    #[error("surface: {0}")]
+    SurfaceInvalid(String),
+    #[error("no surface `{0}`; upload it first")]
+    SurfaceNotFound(String),
+    #[error("`{0}` is used by sessions")]
+    SurfaceInUse(String),
     #[error("no session `{0}`")]
     SessionNotFound(String),
     #[error("`{0}` expired")]

@@ -47,6 +47,7 @@ mod states;
 mod status;
 mod store;
 mod streams;
+mod surfaces;
 mod transport;
 mod wake;
 

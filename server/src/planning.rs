@@ -11,6 +11,7 @@ use signorini_proto::v1 as wire;
 
 use crate::convert::mesh::{self as convert, MeshUse};
 use crate::convert::scene::{self, SceneRequest};
+use crate::convert::surface::{self, SurfacesByName};
 use crate::fault::Fault;
 use crate::journal::{Change, Journal, JournalError, StoredMesh};
 use crate::session::Services;
@@ -34,7 +35,8 @@ pub(crate) struct Taken {
 
 /// Checks and plans a scene on its mesh.
 pub(crate) async fn plan(services: &Arc<Services>, message: wire::Scene) -> Result<Planned, Fault> {
-    let request = scene::scene(message)?;
+    let surfaces = surfaces(services, &message)?;
+    let request = scene::scene(message, &surfaces)?;
     let mesh = mesh(services, request.mesh).await?;
     let planned = aside(move || {
         let plan = request.plan(mesh.value())?;
@@ -45,6 +47,15 @@ pub(crate) async fn plan(services: &Arc<Services>, message: wire::Scene) -> Resu
         })
     });
     planned.await?
+}
+
+/// The surfaces that a scene names.
+fn surfaces(services: &Services, scene: &wire::Scene) -> Result<SurfacesByName, Fault> {
+    let one = |name: String| {
+        let digest = surface::digest_of(&name, "obstacle.shape.surface")?;
+        Ok((name, services.surfaces.get(&digest)?.surface))
+    };
+    surface::names(scene).into_iter().map(one).collect()
 }
 
 /// Bytes that a session's messages take.

@@ -13,6 +13,7 @@ use signorini::assembly::simd::InstructionSet;
 use signorini_proto::FILE_DESCRIPTOR_SET;
 use signorini_proto::v1::mesh_service_server::MeshServiceServer;
 use signorini_proto::v1::session_service_server::SessionServiceServer;
+use signorini_proto::v1::surface_service_server::SurfaceServiceServer;
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 use tokio_stream::wrappers::UnixListenerStream;
@@ -33,9 +34,11 @@ use crate::metrics_page::{self, Page};
 use crate::registry::Registry;
 use crate::service::mesh::Meshes;
 use crate::service::session::Sessions;
+use crate::service::surface::SurfaceDoor;
 use crate::session::Services;
 use crate::states::States;
 use crate::store::Store;
+use crate::surfaces::Surfaces;
 use crate::transport::{MESSAGE_BYTES, Reasoned};
 
 type CountedRouter = Router<Stack<CountCalls, Identity>>;
@@ -165,6 +168,7 @@ fn services(config: Config) -> Result<Arc<Services>, ServeError> {
         journal,
         store: Store::new(config.budget(), &metrics),
         config,
+        surfaces: Surfaces::default(),
         metrics,
         solvers,
     }))
@@ -185,6 +189,11 @@ async fn router(
         registry: Arc::clone(registry),
         states: States::default(),
     };
+    let surfaces = SurfaceDoor {
+        services: Arc::clone(services),
+        registry: Arc::clone(registry),
+    };
+    let surfaces = SurfaceServiceServer::new(surfaces).max_decoding_message_size(MESSAGE_BYTES);
     let meshes = MeshServiceServer::new(meshes).max_decoding_message_size(MESSAGE_BYTES);
     let sessions = SessionServiceServer::new(sessions).max_decoding_message_size(MESSAGE_BYTES);
     let reflection = || {
@@ -205,12 +214,13 @@ async fn router(
         .add_service(reflection().build_v1().map_err(wrong)?)
         .add_service(reflection().build_v1alpha().map_err(wrong)?)
         .add_service(Reasoned::new(meshes, registry))
+        .add_service(Reasoned::new(surfaces, registry))
         .add_service(Reasoned::new(sessions, registry));
     Ok((health, router))
 }
 
 async fn set_health(health: &HealthReporter, status: ServingStatus) {
-    let names = ["", mesh_name(), session_name()];
+    let names = ["", mesh_name(), surface_name(), session_name()];
     for name in names {
         health.set_service_status(name, status).await;
     }
@@ -218,6 +228,10 @@ async fn set_health(health: &HealthReporter, status: ServingStatus) {
 
 fn mesh_name() -> &'static str {
     service_name::<MeshServiceServer<Meshes>>()
+}
+
+fn surface_name() -> &'static str {
+    service_name::<SurfaceServiceServer<SurfaceDoor>>()
 }
 
 fn session_name() -> &'static str {

@@ -105,6 +105,9 @@ fn contract(fault: &Fault) -> (Code, &'static str) {
         Fault::DigestMismatch { .. } => (Code::InvalidArgument, "MESH_DIGEST_MISMATCH"),
         Fault::MeshNotFound(_) => (Code::NotFound, "MESH_NOT_FOUND"),
         Fault::MeshInUse { .. } => (Code::FailedPrecondition, "MESH_IN_USE"),
+        Fault::SurfaceInvalid(_) => (Code::InvalidArgument, "SURFACE_INVALID"),
+        Fault::SurfaceNotFound(_) => (Code::NotFound, "SURFACE_NOT_FOUND"),
+        Fault::SurfaceInUse(_) => (Code::FailedPrecondition, "SURFACE_IN_USE"),
         Fault::SessionNotFound(_) => (Code::NotFound, "SESSION_NOT_FOUND"),
         Fault::SessionExpired(_) => (Code::NotFound, "SESSION_EXPIRED"),
         Fault::SessionExists(_) => (Code::AlreadyExists, "SESSION_EXISTS"),
@@ -142,6 +145,9 @@ fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
         }
         Fault::MeshNotFound(name) => vec![("mesh", name.clone())],
         Fault::MeshInUse { sessions, .. } => vec![("sessions", sessions.to_string())],
+        Fault::SurfaceNotFound(name) | Fault::SurfaceInUse(name) => {
+            vec![("surface", name.clone())]
+        }
         Fault::SessionNotFound(name)
         | Fault::SessionExpired(name)
         | Fault::SessionExists(name)
@@ -170,6 +176,7 @@ fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
             vec![("what", what.clone()), ("limit", limit.to_string())]
         }
         Fault::MeshInvalid(_)
+        | Fault::SurfaceInvalid(_)
         | Fault::StreamDeadline
         | Fault::ShuttingDown
         | Fault::StateInvalid(_)
@@ -211,6 +218,8 @@ fn add_violations(status: &mut pb::Status, all: &[Violation]) {
 fn resource_info(fault: &Fault) -> Option<Any> {
     let (kind, name) = if let Fault::MeshNotFound(name) = fault {
         ("mesh", name)
+    } else if let Fault::SurfaceNotFound(name) = fault {
+        ("surface", name)
     } else if let Fault::SessionNotFound(name) | Fault::SessionExpired(name) = fault {
         ("session", name)
     } else {
@@ -298,7 +307,10 @@ mod tests {
                 name: text,
                 sessions: many,
             },
-            Fault::MeshInUse { .. } => Fault::SessionNotFound(text),
+            Fault::MeshInUse { .. } => Fault::SurfaceInvalid(text),
+            Fault::SurfaceInvalid(_) => Fault::SurfaceNotFound(text),
+            Fault::SurfaceNotFound(_) => Fault::SurfaceInUse(text),
+            Fault::SurfaceInUse(_) => Fault::SessionNotFound(text),
             Fault::SessionNotFound(_) => Fault::SessionExpired(text),
             Fault::SessionExpired(_) => Fault::SessionExists(text),
             Fault::SessionExists(_) => Fault::SessionBusy {

@@ -2,7 +2,7 @@
 //! with a reason, within a budget of memory, and good requests work afterwards.
 
 #[allow(dead_code, reason = "campaigns of calls run by themselves")]
-#[path = "../../client/tests/fuzz/mod.rs"]
+#[path = "../../client/tests/common/fuzz/mod.rs"]
 mod fuzz;
 
 mod common;

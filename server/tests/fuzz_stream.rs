@@ -5,7 +5,7 @@
 //! A campaign counts messages; each case is a session of its own.
 
 #[allow(dead_code, unused_imports, reason = "only the campaign is used")]
-#[path = "../../client/tests/fuzz/mod.rs"]
+#[path = "../../client/tests/common/fuzz/mod.rs"]
 mod fuzz;
 
 #[path = "fuzz_stream/client.rs"]

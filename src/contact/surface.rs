@@ -21,7 +21,9 @@ use crate::mesh::{EdgeOffset, Mesh};
 use crate::space::TaylorHood;
 
 /// Degree of the rule on faces.
-const FACE_DEGREE: u32 = 8;
+pub const FACE_DEGREE: u32 = 8;
+/// Degree where the curvature of an obstacle jumps.
+pub const KINKED_DEGREE: u32 = 16;
 
 /// The candidate surface of one obstacle.
 #[derive(Clone, Debug)]
@@ -128,7 +130,7 @@ impl ContactSurface {
         let carriers = layout.nodes;
         let mut weights = vec![0.0; carriers.len()];
         let curved = faces.iter().find(|face| face.curve.is_some());
-        let rule = curved.map(|face| face_rule(face.corners.len()));
+        let rule = curved.map(|face| face_rule(face.corners.len(), FACE_DEGREE));
         for (face, functions) in faces.iter_mut().zip(layout.faces) {
             face.functions = functions;
             for (k, &function) in face.functions.iter().enumerate() {
@@ -174,11 +176,12 @@ impl ContactSurface {
 }
 
 /// The rule of contact integrals on faces with that many corners: the distance to a
-/// curved obstacle along a quadratic face is integrated to far below the tolerance.
-pub fn face_rule(corners: usize) -> Rule {
+/// curved obstacle along a quadratic face is integrated to far below the tolerance by
+/// [`FACE_DEGREE`]. Where the curvature jumps no degree does; [`KINKED_DEGREE`] leaves some 1e-5.
+pub fn face_rule(corners: usize, degree: u32) -> Rule {
     match corners {
-        2 => rule(Simplex::Segment, FACE_DEGREE),
-        _ => rule(Simplex::Triangle, FACE_DEGREE),
+        2 => rule(Simplex::Segment, degree),
+        _ => rule(Simplex::Triangle, degree),
     }
 }
 

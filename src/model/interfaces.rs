@@ -24,7 +24,7 @@ use crate::contact::basis::Bernstein;
 use crate::contact::gap::Deformed;
 use crate::contact::patches::outward;
 use crate::contact::smooth::{sagittas, smooth_offsets};
-use crate::contact::surface::face_rule;
+use crate::contact::surface::{FACE_DEGREE, KINKED_DEGREE, face_rule};
 use crate::contact::{ContactFace, ContactSurface, Counterpart, Guide, Kinematics};
 use crate::element::quadrature::Rule;
 use crate::geometry::RigidMotion;
@@ -160,6 +160,14 @@ pub(crate) struct Interfaces {
     pub(crate) friction: Option<Friction>,
 }
 
+/// Degree of the rule that all contact integrals take.
+fn contact_degree(plan: &Plan) -> u32 {
+    match plan.obstacles.iter().all(|one| one.shape.is_smooth()) {
+        true => FACE_DEGREE,
+        false => KINKED_DEGREE,
+    }
+}
+
 impl Interfaces {
     /// Those of `plan`.
     pub(crate) fn new(plan: &Plan, mesh: &Mesh, space: &TaylorHood) -> Self {
@@ -172,7 +180,7 @@ impl Interfaces {
         });
         let mut list: Vec<Interface> = contacts.chain(guides).collect();
         number_guides(plan, &mut list);
-        let rule = face_rule(plan.units.dimension);
+        let rule = face_rule(plan.units.dimension, contact_degree(plan));
         let at_rest = vec![0.0; space.displacement_unknowns()];
         let body = Deformed {
             mesh,

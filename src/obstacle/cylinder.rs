@@ -2,7 +2,7 @@
 //! d(x) = |w| − R, n = w/|w|, H = (I − a aᵀ − n nᵀ)/|w|.
 
 use super::{
-    Contact, Obstacle, ObstacleError, What, check_direction, check_length, check_plane,
+    Ball, Contact, Obstacle, ObstacleError, What, check_direction, check_length, check_plane,
     check_point, is_central, orthogonal, round_curvature,
 };
 use crate::geometry::vector3::{dot, norm, scale, sub};
@@ -76,8 +76,23 @@ impl Obstacle for Cylinder {
         false
     }
 
-    fn inner_radius(&self) -> Option<f64> {
+    fn inner_ball(&self) -> Option<Ball> {
+        Some(Ball {
+            centre: self.point,
+            radius: self.radius,
+        })
+    }
+
+    fn sharpest_radius(&self) -> Option<f64> {
         Some(self.radius)
+    }
+
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
+    fn is_closed(&self) -> bool {
+        true
     }
 
     fn lies_in_plane(&self) -> Result<(), ObstacleError> {

@@ -26,8 +26,52 @@ pub enum ObstacleError {
         /// Name of the parameter.
         parameter: &'static str,
     },
+    /// A length below zero.
+    #[error("{parameter} must not be below zero, as {value} is")]
+    Negative {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// What was given.
+        value: f64,
+    },
+    /// A length that the others leave no room for.
+    #[error("{parameter} is {value}, the other lengths leave room for {limit} at most")]
+    TooLarge {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// What was given.
+        value: f64,
+        /// Largest value.
+        limit: f64,
+    },
+    /// Half an angle of a cone that is not one.
+    #[error(
+        "{parameter} must lie between 0 and 1.5708 radians, a right angle, as {value} does not"
+    )]
+    NotAnAngle {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// What was given, radians.
+        value: f64,
+    },
+    /// An angle between facets that is none.
+    #[error("{parameter} must lie between 0 and 180 degrees, as {degrees} does not")]
+    NotBetweenFacets {
+        /// Name of the parameter.
+        parameter: &'static str,
+        /// What was given, degrees.
+        degrees: f64,
+    },
+    /// A cavity in the form of a shape without an inside.
+    #[error("the shape has no inside: only closed shapes are cavities")]
+    NotClosed {
+        /// Name of the parameter.
+        parameter: &'static str,
+    },
     /// A shape that would push a flat body out of its plane.
-    #[error("does not lie in the plane z = 0 of the body (a cylinder's axis must be z)")]
+    #[error(
+        "does not lie in the plane z = 0 of the body (centres and points need z = 0, a cylinder the axis z, a box half sizes along z above its others')"
+    )]
     OutOfPlane {
         /// Name of the parameter.
         parameter: &'static str,
@@ -41,6 +85,11 @@ impl ObstacleError {
             Self::NotFinite { parameter }
             | Self::NotPositive { parameter, .. }
             | Self::ZeroLength { parameter }
+            | Self::Negative { parameter, .. }
+            | Self::TooLarge { parameter, .. }
+            | Self::NotAnAngle { parameter, .. }
+            | Self::NotBetweenFacets { parameter, .. }
+            | Self::NotClosed { parameter }
             | Self::OutOfPlane { parameter } => parameter,
         }
     }

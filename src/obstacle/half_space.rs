@@ -3,7 +3,9 @@
 //! n the unit normal towards the free side, p a point of the plane, lengths those of the
 //! caller of the shape. Exact and linear: it adds no curvature to a tangent.
 
-use super::{Contact, Obstacle, ObstacleError, What, check_direction, check_plane, check_point};
+use super::{
+    Ball, Contact, Obstacle, ObstacleError, What, check_direction, check_plane, check_point,
+};
 use crate::geometry::vector3::{dot, sub};
 
 /// A half-space whose plane passes through its reference point.
@@ -49,8 +51,20 @@ impl Obstacle for HalfSpace {
         true
     }
 
-    fn inner_radius(&self) -> Option<f64> {
+    fn inner_ball(&self) -> Option<Ball> {
         None
+    }
+
+    fn sharpest_radius(&self) -> Option<f64> {
+        None
+    }
+
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
+    fn is_closed(&self) -> bool {
+        false
     }
 
     fn lies_in_plane(&self) -> Result<(), ObstacleError> {

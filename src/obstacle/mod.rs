@@ -11,19 +11,30 @@
 //! A new shape is a file beside this one, a variant of [`Shape`] and a line in
 //! [`Shape::build`]; nothing else in the library knows which shapes there are.
 
+mod capped_cylinder;
+mod cavity;
+mod cone;
+mod corner;
+mod cuboid;
 mod cylinder;
 mod error;
 mod half_space;
 mod moving;
+mod revolution;
+mod shape;
 mod sphere;
+pub mod surface;
+mod torus;
 
 use std::fmt;
-use std::sync::Arc;
 
+pub use cavity::Cavity;
+pub use cuboid::Cuboid;
 pub use cylinder::Cylinder;
 pub use error::ObstacleError;
 pub use half_space::HalfSpace;
 pub use moving::Moving;
+pub use shape::Shape;
 pub use sphere::Sphere;
 
 use crate::geometry::Matrix3;
@@ -52,6 +63,15 @@ pub enum What {
     Curvature,
 }
 
+/// A ball.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ball {
+    /// Centre `[3]`.
+    pub centre: [f64; 3],
+    /// Radius, length.
+    pub radius: f64,
+}
+
 /// A rigid body that points cannot enter.
 pub trait Obstacle: fmt::Debug + Send + Sync {
     /// What the obstacle is to each of `points` `[points][3]`, into `out`
@@ -65,8 +85,18 @@ pub trait Obstacle: fmt::Debug + Send + Sync {
     /// Whether the distance is linear in the point.
     fn is_flat(&self) -> bool;
 
-    /// Radius of the largest ball inside, a length; none where there is no largest.
-    fn inner_radius(&self) -> Option<f64>;
+    /// A largest ball inside; none where there is no largest.
+    fn inner_ball(&self) -> Option<Ball>;
+
+    /// Smallest radius of curvature of the convex parts of the surface, a length, zero at sharp
+    /// edges; none where no part is convex.
+    fn sharpest_radius(&self) -> Option<f64>;
+
+    /// Whether the normal turns without jumps of its rate: the curvature is continuous.
+    fn is_smooth(&self) -> bool;
+
+    /// Whether the shape has an inside that a body may lie in, in place of the outside.
+    fn is_closed(&self) -> bool;
 
     /// Whether a body in the plane z = 0 meets the shape in that plane only: its
     /// normals there have no z.
@@ -81,55 +111,6 @@ pub trait Obstacle: fmt::Debug + Send + Sync {
         self.probe(&[point], What::Curvature, &mut out);
         let [contact] = out;
         contact
-    }
-}
-
-/// A shape as scenes give it, in its initial pose and in the caller's lengths.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
-    /// All points behind a plane, which the body may touch from the free side.
-    HalfSpace {
-        /// A point of the plane, and the reference point.
-        point: [f64; 3],
-        /// Towards the free side; any length above zero.
-        normal: [f64; 3],
-    },
-    /// A ball, which the body may touch from outside.
-    Sphere {
-        /// Centre, and the reference point.
-        centre: [f64; 3],
-        /// Above zero.
-        radius: f64,
-    },
-    /// An infinite circular cylinder, which the body may touch from outside.
-    Cylinder {
-        /// A point of the axis, and the reference point.
-        point: [f64; 3],
-        /// Any length above zero.
-        axis: [f64; 3],
-        /// Above zero.
-        radius: f64,
-    },
-}
-
-impl Shape {
-    /// The obstacle with all lengths divided by `length`.
-    ///
-    /// # Errors
-    /// The first parameter that has no meaning.
-    pub fn build(&self, length: f64) -> Result<Arc<dyn Obstacle>, ObstacleError> {
-        let place = |point: &[f64; 3]| point.map(|x| x / length);
-        Ok(match self {
-            Self::HalfSpace { point, normal } => Arc::new(HalfSpace::new(place(point), *normal)?),
-            Self::Sphere { centre, radius } => {
-                Arc::new(Sphere::new(place(centre), radius / length)?)
-            }
-            Self::Cylinder {
-                point,
-                axis,
-                radius,
-            } => Arc::new(Cylinder::new(place(point), *axis, radius / length)?),
-        })
     }
 }
 
@@ -162,6 +143,26 @@ fn check_length(parameter: &'static str, length: f64) -> Result<f64, ObstacleErr
             parameter,
             value: length,
         })
+    }
+}
+
+/// The rounding, refused where it is not finite, negative or above `limit`.
+fn check_rounding(rounding: f64, limit: f64) -> Result<f64, ObstacleError> {
+    let parameter = "rounding";
+    if !rounding.is_finite() {
+        Err(ObstacleError::NotFinite { parameter })
+    } else if rounding < 0.0 {
+        let value = rounding;
+        Err(ObstacleError::Negative { parameter, value })
+    } else if rounding > limit {
+        let value = rounding;
+        Err(ObstacleError::TooLarge {
+            parameter,
+            value,
+            limit,
+        })
+    } else {
+        Ok(rounding)
     }
 }
 

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::{Contact, Obstacle, ObstacleError, What};
+use super::{Ball, Contact, Obstacle, ObstacleError, What};
 use crate::geometry::rigid_motion::{conjugate, multiply, multiply_transposed};
 use crate::geometry::vector3::{add, sub};
 use crate::geometry::{Matrix3, RigidMotion};
@@ -81,8 +81,23 @@ impl Obstacle for Moving {
         self.shape.is_flat()
     }
 
-    fn inner_radius(&self) -> Option<f64> {
-        self.shape.inner_radius()
+    fn inner_ball(&self) -> Option<Ball> {
+        self.shape.inner_ball().map(|ball| Ball {
+            centre: self.motion.apply(ball.centre),
+            ..ball
+        })
+    }
+
+    fn sharpest_radius(&self) -> Option<f64> {
+        self.shape.sharpest_radius()
+    }
+
+    fn is_smooth(&self) -> bool {
+        self.shape.is_smooth()
+    }
+
+    fn is_closed(&self) -> bool {
+        self.shape.is_closed()
     }
 
     /// As the shape does in its own pose: scenes move a flat body's obstacles in the

@@ -4,8 +4,8 @@
 //! unless it has passed through the surface.
 
 use super::{
-    Contact, Obstacle, ObstacleError, What, check_length, check_plane, check_point, is_central,
-    round_curvature,
+    Ball, Contact, Obstacle, ObstacleError, What, check_length, check_plane, check_point,
+    is_central, round_curvature,
 };
 use crate::geometry::vector3::{norm, scale, sub};
 
@@ -62,8 +62,23 @@ impl Obstacle for Sphere {
         false
     }
 
-    fn inner_radius(&self) -> Option<f64> {
+    fn inner_ball(&self) -> Option<Ball> {
+        Some(Ball {
+            centre: self.centre,
+            radius: self.radius,
+        })
+    }
+
+    fn sharpest_radius(&self) -> Option<f64> {
         Some(self.radius)
+    }
+
+    fn is_smooth(&self) -> bool {
+        true
+    }
+
+    fn is_closed(&self) -> bool {
+        true
     }
 
     fn lies_in_plane(&self) -> Result<(), ObstacleError> {

@@ -16,14 +16,68 @@ fn direction() -> impl Strategy<Value = [f64; 3]> {
     vector(2.0).prop_filter("length", long_enough)
 }
 
+/// Every kind of shape, solid; `share` of what its lengths leave room for is its rounding.
+fn solid(kind: usize, (place, along): ([f64; 3], [f64; 3]), (radius, share): (f64, f64)) -> Shape {
+    match kind {
+        0 => Shape::HalfSpace {
+            point: place,
+            normal: along,
+        },
+        1 => Shape::Sphere {
+            centre: place,
+            radius,
+        },
+        2 => Shape::Cylinder {
+            point: place,
+            axis: along,
+            radius,
+        },
+        3 => Shape::CappedCylinder {
+            from: place,
+            to: add(place, along),
+            radius,
+            rounding: share * radius.min(0.5 * norm(along)),
+        },
+        4 => {
+            let half_sizes = along.map(|size| 0.2 + size.abs());
+            let least = half_sizes.into_iter().fold(f64::INFINITY, f64::min);
+            Shape::Box {
+                centre: place,
+                half_sizes,
+                rounding: share * least,
+            }
+        }
+        5 => Shape::Torus {
+            centre: place,
+            axis: along,
+            radius,
+            tube_radius: (0.1 + 0.8 * share) * radius,
+        },
+        _ => Shape::Cone {
+            apex: place,
+            axis: along,
+            angle: 0.1 + 1.4 * share,
+            rounding: radius,
+        },
+    }
+}
+
 fn shape() -> impl Strategy<Value = Arc<dyn Obstacle>> {
-    (0..3, vector(1.0), direction(), 0.2..2.0).prop_map(|(kind, place, along, radius)| {
-        let built: Arc<dyn Obstacle> = match kind {
-            0 => Arc::new(HalfSpace::new(place, along).expect("valid")),
-            1 => Arc::new(Sphere::new(place, radius).expect("valid")),
-            _ => Arc::new(Cylinder::new(place, along, radius).expect("valid")),
+    let parts = (
+        0..7_usize,
+        vector(1.0),
+        direction(),
+        0.2..2.0,
+        0.0..1.0,
+        any::<bool>(),
+    );
+    parts.prop_map(|(kind, place, along, radius, share, is_cavity)| {
+        let solid = solid(kind, (place, along), (radius, share));
+        let shape = match is_cavity && kind > 0 {
+            true => Shape::Cavity(solid.into()),
+            false => solid,
         };
-        built
+        shape.build(1.0).expect("valid")
     })
 }
 
@@ -100,9 +154,18 @@ proptest! {
     fn normal_and_curvature_are_derivatives_of_the_distance(
         obstacle in moved(), point in vector(4.0),
     ) {
-        // Differences need room: curvature changes fast near a centre or axis.
-        let sharpest = obstacle.distance(point).curvature.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        // Differences need room: curvature changes fast near a centre or axis, and jumps where
+        // faces, edges and corners of a shape meet.
+        let here = obstacle.distance(point);
+        let sharpest = here.curvature.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         prop_assume!(sharpest < 5.0);
+        let is_apart = |axis, by| {
+            let there = obstacle.distance(shifted(point, axis, by));
+            let bend = there.curvature.as_flattened().iter().zip(here.curvature.as_flattened());
+            bend.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) > 1e-2
+                || norm(sub(there.normal, here.normal)) > 1e-2
+        };
+        prop_assume!(!(0..3).any(|axis| is_apart(axis, 1e-4) || is_apart(axis, -1e-4)));
         let (normal_error, curvature_error) = difference_errors(&obstacle, point);
         prop_assert!(normal_error < 1e-8, "normal {normal_error:e}");
         prop_assert!(curvature_error < 1e-7, "curvature {curvature_error:e}");
@@ -114,6 +177,9 @@ proptest! {
         prop_assert!((norm(here.normal) - 1.0).abs() < 1e-13);
         let foot = sub(point, scale(here.distance, here.normal));
         prop_assert!(obstacle.distance(foot).distance.abs() < 1e-12);
+        // Exact distances change by the length of a step at most.
+        let other = obstacle.distance(add(point, [0.3, -0.2, 0.1]));
+        prop_assert!((other.distance - here.distance).abs() <= 0.14_f64.sqrt() + 1e-12);
         prop_assert!(norm(multiply(&here.curvature, here.normal)) < 1e-10 * (1.0 + 1.0 / norm(here.normal)));
     }
 
@@ -158,6 +224,113 @@ fn distances_are_positive_on_the_free_side() {
     assert!((ball.distance([1.2, 0.0, 0.0]).distance + 0.3).abs() < 1e-15);
     let roller = Cylinder::new([0.0; 3], [0.0, 3.0, 0.0], 1.0).expect("valid");
     assert!((roller.distance([3.0, 100.0, 4.0]).distance - 4.0).abs() < 1e-13);
+}
+
+/// Distances by hand.
+#[test]
+fn tools_have_their_distances_and_curvatures() {
+    let near = |shape: Shape, point: [f64; 3], distance: f64, curvature: f64| {
+        let found = shape.build(1.0).expect("valid").distance(point);
+        assert!(
+            (found.distance - distance).abs() < 1e-14,
+            "{shape:?} {found:?}"
+        );
+        let sum: f64 = (0..3).map(|i| found.curvature[i][i]).sum();
+        assert!((sum - curvature).abs() < 1e-13, "{shape:?} {found:?}");
+    };
+    let torus = || Shape::Torus {
+        centre: [0.0, 0.0, 1.0],
+        axis: [0.0, 0.0, 2.0],
+        radius: 2.0,
+        tube_radius: 0.5,
+    };
+    // Below the tube, outside, and in the hole, where the ring around the axis bends back.
+    near(torus(), [0.0, 2.0, 0.0], 0.5, 1.0);
+    near(torus(), [3.0, 0.0, 1.0], 0.5, 1.0 + 1.0 / 3.0);
+    near(torus(), [0.0, 1.0, 1.0], 0.5, 1.0 - 1.0);
+    near(Shape::Cavity(torus().into()), [0.0, 2.0, 1.2], 0.3, -5.0);
+    let cuboid = |rounding| Shape::Box {
+        centre: [0.0; 3],
+        half_sizes: [1.0, 2.0, 3.0],
+        rounding,
+    };
+    near(cuboid(0.5), [1.25, 0.0, 0.0], 0.25, 0.0);
+    near(cuboid(0.5), [0.8, 1.9, 0.0], 0.0, 2.0);
+    near(
+        cuboid(0.5),
+        [0.5 + 1.0, 1.5 + 1.0, 2.5 + 1.0],
+        3.0_f64.sqrt() - 0.5,
+        2.0 / 3.0_f64.sqrt(),
+    );
+    near(cuboid(0.0), [0.0, 0.5, 2.9], -0.1, 0.0);
+    let rod = Shape::CappedCylinder {
+        from: [0.0, 0.0, 1.0],
+        to: [0.0, 0.0, 5.0],
+        radius: 1.0,
+        rounding: 0.25,
+    };
+    near(rod.clone(), [0.2, 0.0, 5.5], 0.5, 0.0);
+    near(rod.clone(), [3.0, 0.0, 3.0], 2.0, 1.0 / 3.0);
+    near(
+        rod,
+        [0.75 + 0.3, 0.0, 0.85],
+        0.3 * 2.0_f64.sqrt() - 0.0 - 0.25 + (0.3_f64.hypot(0.4) - 0.3 * 2.0_f64.sqrt()),
+        2.0 + 0.6 / 1.05,
+    );
+    let cone = Shape::Cone {
+        apex: [0.0, 0.0, -1.0],
+        axis: [0.0, 0.0, 1.0],
+        angle: std::f64::consts::FRAC_PI_6,
+        rounding: 0.5,
+    };
+    // The ball's centre is at the origin; its lowest point and a point of the side.
+    near(cone.clone(), [0.0, 0.0, -1.0], 0.5, 2.0);
+    near(
+        cone,
+        [2.0 * 3.0_f64.sqrt(), 0.0, 2.0],
+        1.5,
+        0.75_f64.sqrt() / (2.0 * 3.0_f64.sqrt()),
+    );
+}
+
+#[test]
+fn tools_without_room_are_refused_by_name() {
+    let refused = |shape: Shape| shape.build(1.0).expect_err("refused").parameter();
+    let rod = |to, rounding| Shape::CappedCylinder {
+        from: [0.0; 3],
+        to,
+        radius: 1.0,
+        rounding,
+    };
+    assert_eq!(refused(rod([0.0; 3], 0.0)), "to");
+    assert_eq!(refused(rod([0.0, 0.0, 1.0], 0.6)), "rounding");
+    assert_eq!(refused(rod([0.0, 0.0, 1.0], f64::NAN)), "rounding");
+    let cuboid = |half_sizes, rounding| Shape::Box {
+        centre: [0.0; 3],
+        half_sizes,
+        rounding,
+    };
+    assert_eq!(refused(cuboid([1.0, 0.0, 1.0], 0.0)), "half_sizes");
+    assert_eq!(refused(cuboid([1.0; 3], -0.1)), "rounding");
+    assert_eq!(refused(cuboid([1.0, 0.5, 1.0], 0.6)), "rounding");
+    let torus = Shape::Torus {
+        centre: [0.0; 3],
+        axis: [0.0, 0.0, 1.0],
+        radius: 1.0,
+        tube_radius: 1.0,
+    };
+    assert_eq!(refused(torus), "tube_radius");
+    let cone = |angle| Shape::Cone {
+        apex: [0.0; 3],
+        axis: [0.0, 0.0, 1.0],
+        angle,
+        rounding: 0.0,
+    };
+    for angle in [0.0, -1.0, 1.6, f64::NAN, f64::INFINITY] {
+        assert_eq!(refused(cone(angle)), "angle");
+    }
+    let plane = half_space([0.0, 0.0, 1.0]);
+    assert_eq!(refused(Shape::Cavity(plane.into())), "inside");
 }
 
 #[test]

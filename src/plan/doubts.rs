@@ -105,13 +105,13 @@ fn nearly_incompressible(scene: &Scene, resolved: &Resolved) -> Option<String> {
 
 /// A round obstacle that fits between the vertices of the mesh.
 fn below_the_mesh(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -> Option<String> {
-    let radius = obstacle.shape.inner_radius()? * units.length;
+    let inner = obstacle.shape.inner_ball()?.radius * units.length;
     let longest = |&facet: &u32| longest_edge(mesh, facet as usize);
     // The finest faces are where the tool is meant to touch.
     let shortest = (obstacle.facets.iter().map(longest)).fold(f64::INFINITY, f64::min);
-    (radius < shortest && shortest.is_finite()).then(|| {
+    (inner < shortest && shortest.is_finite()).then(|| {
         format!(
-            "obstacle `{}` has a radius of {radius:.3}, all edges that may touch it are longer, from {shortest:.3} on: a finer mesh sees more of its contact",
+            "obstacle `{}` has a radius of {inner:.3}, all edges that may touch it are longer, from {shortest:.3} on: a finer mesh sees more of its contact",
             obstacle.name
         )
     })

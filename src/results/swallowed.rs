@@ -69,10 +69,10 @@ pub(crate) fn depth_inside(
         obstacle.probe(&points.collect::<Vec<_>>(), What::Gap, &mut contacts);
         let depths = contacts.iter().map(|contact| -contact.distance);
         deepest = depths.fold(deepest, f64::max);
-        if let Some(radius) = obstacle.inner_radius()
-            && contains(model, state, (cell, obstacle.reference_point()))
+        if let Some(ball) = obstacle.inner_ball()
+            && contains(model, state, (cell, ball.centre))
         {
-            deepest = deepest.max(2.0 * radius + nearest.max(0.0));
+            deepest = deepest.max(2.0 * ball.radius + nearest.max(0.0));
         }
     }
     deepest

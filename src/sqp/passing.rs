@@ -24,10 +24,10 @@ pub(super) fn longest_part(model: &Model<'_>, state: &State, goal: &Drive) -> f6
     let [from, to] = [&state.drive, goal].map(|drive| model.interfaces.obstacles(drive, length));
     let mut longest = 1.0_f64;
     for (index, (from, to)) in from.iter().zip(&to).enumerate() {
-        let Some(radius) = from.inner_radius() else {
+        let (Some(ball), Some(end)) = (from.inner_ball(), to.inner_ball()) else {
             continue;
         };
-        let ends = [from, to].map(Obstacle::reference_point);
+        let (radius, ends) = (ball.radius, [ball.centre, end.centre]);
         let squares = (0..3).map(|i| (ends[1][i] - ends[0][i]).powi(2));
         let advance = squares.sum::<f64>().sqrt();
         let is_far = advance > HARMLESS * radius;

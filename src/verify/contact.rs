@@ -20,6 +20,8 @@ use crate::obstacle::{Contact, What};
 /// Another rule on the faces than the solver's own would change the discrete
 /// problem; this is the degree that the contract names.
 const FACE_DEGREE: u32 = 8;
+/// Degree where the curvature of an obstacle jumps.
+const KINKED_DEGREE: u32 = 16;
 
 /// Weighted gaps, those of tractions zero, and contact pressures `[multipliers]`; adds the contact force to
 /// `force` `[nodes, 3]`.
@@ -66,10 +68,15 @@ impl<'a, 'm> Faces<'a, 'm> {
             2 => (Simplex::Segment, &[(0, 1)]),
             _ => (Simplex::Triangle, &[(0, 1), (0, 2), (1, 2)]),
         };
+        let mut shapes = model.plan.obstacles.iter().map(|one| &one.shape);
+        let degree = match shapes.all(|shape| shape.is_smooth()) {
+            true => FACE_DEGREE,
+            false => KINKED_DEGREE,
+        };
         Self {
             model,
             nodal,
-            rule: rule(simplex, FACE_DEGREE),
+            rule: rule(simplex, degree),
             pairs,
         }
     }

@@ -16,7 +16,7 @@ use signorini::assembly::probe::{Probed, Probes};
 use signorini::assembly::{CellGeometry, CellModuli, Grid, Stiffness};
 use signorini::contact::basis::{Bernstein, Hats};
 use signorini::contact::gap::Deformed;
-use signorini::contact::surface::face_rule;
+use signorini::contact::surface::{FACE_DEGREE, face_rule};
 use signorini::contact::{ContactBasis, ContactSurface, linearise};
 use signorini::linalg::cholesky::{LowerColumns, Precision, SparseCholesky};
 use signorini::linalg::ordering::nested_dissection;
@@ -63,7 +63,7 @@ impl Body {
             scale: 1.0,
             space: &self.space,
             displacement: &vec![0.0; self.held.len()],
-            rule: &face_rule(self.space.components),
+            rule: &face_rule(self.space.components, FACE_DEGREE),
         };
         linearise(&body, &self.surface, &lid, &self.held).rows
     }

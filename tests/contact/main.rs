@@ -10,4 +10,5 @@ mod families;
 mod inf_sup;
 mod rotated_surfaces;
 mod second_attempt;
+mod tools;
 mod true_surface;

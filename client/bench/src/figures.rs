@@ -45,22 +45,16 @@ impl Results {
             let name = format!("{}-{}-{}", family.name, quantity.name(), cost.name);
             diagrams.push((name, self.error_against(family, quantity, &cost)));
         }
-        diagrams.push((
-            format!("{}-time-unknowns", family.name),
-            self.seconds_against_unknowns(family),
-        ));
-        diagrams.push((
-            format!("{}-iterations", family.name),
-            self.iterations(family),
-        ));
-        diagrams.push((
-            format!("{}-increments", family.name),
-            increments::diagram(self, family),
-        ));
-        diagrams.push((
-            format!("{}-estimate", family.name),
-            estimates::diagram(self, family),
-        ));
+        // Against unknowns there is nothing to read off a single mesh.
+        let against_unknowns = [
+            ("time-unknowns", self.seconds_against_unknowns(family)),
+            ("iterations", self.iterations(family)),
+            ("increments", increments::diagram(self, family)),
+            ("estimate", estimates::diagram(self, family)),
+        ];
+        let sloped = against_unknowns.into_iter();
+        let sloped = sloped.filter(|(_, diagram)| diagram.has_slope());
+        diagrams.extend(sloped.map(|(name, diagram)| (format!("{}-{name}", family.name), diagram)));
         let drawn = diagrams
             .into_iter()
             .filter(|(_, diagram)| !diagram.is_empty());

@@ -33,11 +33,11 @@ figure { margin: 0; flex: 1 1 min(460px, 100%); max-width: 652px; }
 figure svg { width: 100%; height: auto; display: block; border: 1px solid #9999; border-radius: 4px; }
 .about { display: flex; gap: 16px; align-items: center; }
 .about p { flex: 1 1 auto; }
-.scene { flex: 0 0 auto; width: min(200px, 40%); height: auto; background: #fff; border-radius: 4px; }
+.scene { flex: 0 0 auto; width: min(200px, 40%); height: auto; }
 ul.summary { max-width: 46em; padding-left: 1.2em; }
 ul.summary li { margin-bottom: .4em; }
 summary { font-weight: bold; cursor: pointer; }
-.table { overflow-x: auto; margin-bottom: 12px; }
+.table { overflow-x: auto; margin: 12px 0; }
 table { border-collapse: collapse; font-size: 14px; font-variant-numeric: tabular-nums; }
 th, td { padding: 3px 10px; text-align: right; border-bottom: 1px solid #9996; white-space: nowrap; }
 th.text, td.text { text-align: left; }

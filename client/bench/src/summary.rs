@@ -73,24 +73,39 @@ fn others(results: &Results) -> Option<String> {
         .collect();
     let ratio = |duel: &Duel<'_>| duel.0.seconds / duel.1.numbers.seconds;
     let (least, most) = extremes(&duels, ratio)?;
-    let slower = duels
-        .iter()
-        .filter(|duel| duel.0.seconds < duel.1.least_seconds);
-    let beyond = duels
-        .iter()
-        .filter(|duel| duel.0.seconds > duel.1.most_seconds);
     Some(format!(
         "On {} meshes without friction that other solvers took too, the fastest of them needs \
-         between {} ({}) and {} ({}) the seconds of Signorini at its tight tolerance; Signorini is \
-         faster beyond the spread of its runs on {}, slower on {}.",
+         between {} ({}) and {} ({}) the seconds of Signorini at its tight tolerance; {}.",
         duels.len(),
         times(ratio(least)),
         met(least),
         times(ratio(most)),
         met(most),
-        beyond.count(),
-        slower.count(),
+        beyond_spread(&duels),
     ))
+}
+
+/// How many meshes tell the solvers apart; a single run has no spread.
+fn beyond_spread(duels: &[Duel<'_>]) -> String {
+    let repeated: Vec<_> = duels.iter().filter(|duel| duel.1.repeats > 1).collect();
+    if repeated.is_empty() {
+        return "it was run once on each, so that no spread is known".to_owned();
+    }
+    let slower = repeated
+        .iter()
+        .filter(|duel| duel.0.seconds < duel.1.least_seconds);
+    let faster = repeated
+        .iter()
+        .filter(|duel| duel.0.seconds > duel.1.most_seconds);
+    let once = match duels.len() - repeated.len() {
+        0 => String::new(),
+        once => format!(" ({once} with one run do not count)"),
+    };
+    format!(
+        "Signorini is faster beyond the spread of its runs on {}, slower on {}{once}",
+        faster.count(),
+        slower.count()
+    )
 }
 
 fn met((peer, row): &Duel<'_>) -> String {
@@ -181,6 +196,7 @@ mod tests {
         let mut row = samples::row("hertz-plane", level, "auto", seconds);
         (row.case.tolerance, row.case.place) = (tolerance, crate::plan::Place::Chapter);
         row.errors = vec![(Quantity::Force, error)];
+        row.repeats = 3;
         row
     }
 
@@ -210,6 +226,20 @@ mod tests {
         let peers = "scene,level,solver,unknowns,seconds\nhertz-plane,l1,Other,1,1.2\n";
         results.peers.rows = parse(peers).unwrap();
         assert!(others(&results).unwrap().ends_with("on 0, slower on 0."));
+    }
+
+    #[test]
+    fn a_single_run_is_neither_faster_nor_slower() {
+        let mut once = measured("l1", 1e-8, 1.0, 0.1);
+        once.repeats = 1;
+        let mut results = samples::results(vec![once]);
+        let peers = "scene,level,solver,unknowns,seconds\nhertz-plane,l1,Other,1,9\n\
+            hertz-plane,l2,Other,1,9\n";
+        results.peers.rows = parse(peers).unwrap();
+        assert!(others(&results).unwrap().ends_with("no spread is known."));
+        results.rows.push(measured("l2", 1e-8, 1.0, 0.1));
+        let said = "on 1, slower on 0 (1 with one run do not count).";
+        assert!(others(&results).unwrap().ends_with(said));
     }
 
     #[test]

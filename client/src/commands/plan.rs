@@ -42,8 +42,7 @@ fn tell(warnings: &[String]) {
     }
 }
 
-async fn fetch(client: &Client, input: Input) -> Result<v1::Plan, Failure> {
-    let uploaded = client.upload_mesh(input.wire).await;
-    uploaded.map_err(|error| error.about(&input.mesh_path))?;
+async fn fetch(client: &Client, mut input: Input) -> Result<v1::Plan, Failure> {
+    input.upload(client).await?;
     Ok(client.plan(input.scene).await?)
 }

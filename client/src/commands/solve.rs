@@ -77,14 +77,13 @@ fn verbosity(arguments: &SolveArguments) -> Verbosity {
 async fn solve(
     connection: &Connection,
     run: &mut Run,
-    input: Input,
+    mut input: Input,
     out: Option<&Path>,
 ) -> Result<Exit, Failure> {
     let client = &connection.client;
     run.record.progress.phase("uploading the mesh");
-    let uploaded = client.upload_mesh(input.wire).await;
     // The plan repeats what the server has to say about the mesh.
-    uploaded.map_err(|error| error.about(&input.mesh_path))?;
+    input.upload(client).await?;
     let new = NewSession {
         scene: input.scene.clone(),
         ..Default::default()

@@ -9,6 +9,7 @@ pub mod mesh;
 pub mod msh;
 pub mod pvd;
 pub mod reader;
+pub mod stl;
 pub mod vtk;
 pub mod vtp;
 pub mod vtu;

@@ -8,6 +8,7 @@
 mod body;
 mod keys;
 mod obstacle;
+mod outline;
 mod overrides;
 mod shape;
 mod step;
@@ -20,10 +21,11 @@ mod tests;
 use std::path::{Path, PathBuf};
 
 use signorini_proto::v1;
+use signorini_proto::v1::shape::Kind;
 use toml::Table;
 
+pub use outline::{drawn_near, outline};
 pub use overrides::Override;
-pub use shape::{drawn_near, outline};
 
 use crate::error::Violation;
 use keys::{Faults, Keys};
@@ -59,6 +61,9 @@ pub struct SceneFile {
     pub scene: v1::Scene,
     /// Path of the mesh file.
     pub mesh: PathBuf,
+    /// Paths of the triangulated surfaces, by the place of their obstacle; their names in the
+    /// message are still what the file says.
+    pub surfaces: Vec<(usize, PathBuf)>,
 }
 
 /// Why a scene file cannot be read.
@@ -103,9 +108,24 @@ pub fn read(text: &str, path: &Path, overrides: &[Override]) -> Result<SceneFile
     };
     faults.finish().map_err(SceneFileError::Invalid)?;
     Ok(SceneFile {
+        surfaces: surfaces(&scene, path.parent().unwrap_or(Path::new(""))),
         scene,
         mesh: folder.join(mesh),
     })
+}
+
+/// Files of the surfaces of obstacles, relative to `folder`.
+fn surfaces(scene: &v1::Scene, folder: &Path) -> Vec<(usize, PathBuf)> {
+    let obstacles = scene.obstacles.iter().enumerate();
+    let file = |(index, obstacle): (usize, &v1::Obstacle)| match obstacle
+        .shape
+        .as_ref()
+        .and_then(|shape| shape.kind.as_ref())
+    {
+        Some(Kind::Surface(surface)) => Some((index, folder.join(&surface.surface))),
+        Some(_) | None => None,
+    };
+    obstacles.filter_map(file).collect()
 }
 
 fn scene(keys: &Keys<'_>, stem: String) -> v1::Scene {

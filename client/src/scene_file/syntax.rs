@@ -23,11 +23,12 @@ fn line_at(text: &str, byte: usize) -> &str {
     rest.lines().next().unwrap_or_default()
 }
 
-/// Whether the value of a line is a single number with a comma in it.
+/// Whether a value of a line is a single number with a comma in it.
 fn has_decimal_comma(line: &str) -> bool {
-    let Some((_, value)) = line.split_once('=') else {
-        return false;
-    };
+    line.split('=').skip(1).any(is_decimal_comma)
+}
+
+fn is_decimal_comma(value: &str) -> bool {
     let value = value.trim().trim_start_matches(['-', '+']);
     let (whole, rest) = value.split_once(',').unwrap_or((value, ""));
     let is_digits = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
@@ -46,7 +47,14 @@ mod tests {
     fn json_and_decimal_commas_are_recognised() {
         assert!(told("{\"mesh\": \"a.msh\"}").contains("a scene is TOML"));
         assert!(told("mesh = \"ä.msh\"\nradius = 0,5\n").contains("0.5, not 0,5"));
-        for other in ["point = [0,5", "mesh = ", "radius = 1 mm"] {
+        let inline = "shape = { centre = [0, 0, 1], radius = 1,0 }";
+        assert!(told(inline).contains("0.5, not 0,5"));
+        for other in [
+            "point = [0,5",
+            "mesh = ",
+            "radius = 1 mm",
+            "shape = { a = 1, b }",
+        ] {
             let message = told(other);
             assert!(!message.contains("not 0,5"), "{message}");
         }

@@ -1,7 +1,7 @@
 //! No bytes make decoding, conversion and planning panic: each is taken or
 //! refused with a reason, in a status that fits into trailers.
 
-#[path = "../../../client/tests/fuzz/engine.rs"]
+#[path = "../../../client/tests/common/fuzz/engine.rs"]
 mod engine;
 
 use bytes::Bytes;
@@ -254,7 +254,7 @@ fn check(fault: &Fault) {
 }
 
 fn planned(message: wire::Scene, mesh: &Mesh) -> Result<(), Fault> {
-    let request = scene::scene(message)?;
+    let request = scene::scene(message, &Default::default())?;
     let plan = request.plan(mesh)?;
     report::plan(plan.report());
     Ok(())
@@ -290,7 +290,7 @@ fn every_scene_is_planned_or_refused() {
 #[test]
 fn every_update_is_checked_or_refused() {
     let mesh = Mesh::new(parts()).unwrap();
-    let base = scene::scene(good_scene(&mesh)).unwrap();
+    let base = scene::scene(good_scene(&mesh), &Default::default()).unwrap();
     let plan = Plan::new(&base.scene, &base.steps, &mesh).unwrap();
     let load = wire::LoadStepUpdate {
         sequence: 1,

@@ -17,6 +17,7 @@ use crate::fault::Fault;
 pub(crate) use file::{read as from_file, write as to_file};
 pub(crate) use reading::{messages, wanted};
 pub(crate) use upload::Upload;
+pub(super) use upload::{Indices, Points};
 
 const MAXIMUM_VERTICES: i64 = 200_000_000;
 const MAXIMUM_CELLS: i64 = 400_000_000;
@@ -214,14 +215,14 @@ fn group(message: wire::MeshGroup) -> Result<GroupHeader, Fault> {
     })
 }
 
-fn size(count: i64, maximum: i64, path: &str) -> Result<usize, Fault> {
+pub(super) fn size(count: i64, maximum: i64, path: &str) -> Result<usize, Fault> {
     if count > maximum {
         return Err(limit(path, maximum));
     }
     usize::try_from(count).map_err(|_| Fault::request(path, "must not be negative"))
 }
 
-fn limit(what: &str, limit: i64) -> Fault {
+pub(super) fn limit(what: &str, limit: i64) -> Fault {
     Fault::MessageLimit {
         what: what.to_owned(),
         limit: limit.unsigned_abs(),

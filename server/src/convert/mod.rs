@@ -12,6 +12,7 @@ pub(crate) mod report;
 pub(crate) mod scene;
 pub(crate) mod shape;
 pub(crate) mod step;
+pub(crate) mod surface;
 
 use signorini::scene::Violation;
 use signorini_proto::v1 as wire;

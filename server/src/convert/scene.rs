@@ -9,6 +9,7 @@ use signorini::scene::{
 };
 use signorini_proto::v1 as wire;
 
+use super::surface::SurfacesByName;
 use super::{Faults, MOST_FAULTS, components, field, material, mesh, named, shape, step};
 use crate::fault::Fault;
 
@@ -64,14 +65,17 @@ pub(crate) struct Output {
 /// # Errors
 /// `SceneInvalid` with the paths of all malformed keys, `Unsupported` for a key
 /// of a later version, `RequestInvalid` for a malformed mesh name.
-pub(crate) fn scene(message: wire::Scene) -> Result<SceneRequest, Fault> {
+pub(crate) fn scene(
+    message: wire::Scene,
+    surfaces: &SurfacesByName,
+) -> Result<SceneRequest, Fault> {
     let mesh = mesh::id_from_name(&message.mesh, "mesh")?;
     let mut faults = Faults::default();
     limits(&message, &mut faults);
     faults.refuse()?;
     let output = output(message.output.as_ref(), &mut faults);
     let steps = steps(message.steps.iter(), &mut faults);
-    let scene = body(message, &mut faults);
+    let scene = body(message, surfaces, &mut faults);
     let misnamed = std::mem::take(&mut faults.misnamed);
     faults.outcome()?;
     Ok(SceneRequest {
@@ -93,7 +97,7 @@ fn limits(message: &wire::Scene, faults: &mut Faults) {
     faults.at_most(&message.steps, MAXIMUM_STEPS, "step");
 }
 
-fn body(message: wire::Scene, faults: &mut Faults) -> Scene {
+fn body(message: wire::Scene, surfaces: &SurfacesByName, faults: &mut Faults) -> Scene {
     Scene {
         name: faults.name(&message.name, "name"),
         mesh_scale: message.mesh_scale,
@@ -107,7 +111,9 @@ fn body(message: wire::Scene, faults: &mut Faults) -> Scene {
         body_force: faults
             .optional_vector(&message.body_force, "body_force.value")
             .unwrap_or_default(),
-        obstacles: collect(message.obstacles, faults, obstacle),
+        obstacles: collect(message.obstacles, faults, |one, index, faults| {
+            obstacle(one, index, (surfaces, faults))
+        }),
         manufactured: (!message.manufactured.is_empty())
             .then(|| faults.name(&message.manufactured, "manufactured.field")),
         probes: collect(message.probes, faults, probe),
@@ -190,12 +196,20 @@ fn pressure(message: wire::Pressure, index: usize, faults: &mut Faults) -> Press
     }
 }
 
-fn obstacle(message: wire::Obstacle, index: usize, faults: &mut Faults) -> Obstacle {
+fn obstacle(
+    message: wire::Obstacle,
+    index: usize,
+    (named_surfaces, faults): (&SurfacesByName, &mut Faults),
+) -> Obstacle {
     let path = named("obstacle", &message.name, index);
     Obstacle {
         name: faults.name(&message.name, &path),
         on: surfaces(message.on, &path, faults),
-        shape: shape::shape(message.shape, &format!("{path}.shape"), faults),
+        shape: shape::shape(
+            message.shape,
+            &format!("{path}.shape"),
+            (named_surfaces, faults),
+        ),
         surface: shape::surface(message.surface, &path, faults),
         friction: faults
             .not_negative(message.friction, &format!("{path}.friction"))
@@ -347,7 +361,7 @@ mod tests {
 
     #[test]
     fn flow_profile_and_element_reach_the_library() {
-        let scene = scene(flow()).unwrap().scene;
+        let scene = scene(flow(), &SurfacesByName::default()).unwrap().scene;
         let law = MaterialModel::Stokes {
             viscosity: 0.5,
             formulation: Formulation::Auto,
@@ -373,7 +387,10 @@ mod tests {
             groups: Vec::new(),
         };
         let mesh = Mesh::new(cell).unwrap();
-        match scene(message).unwrap().plan(&mesh) {
+        match scene(message, &SurfacesByName::default())
+            .unwrap()
+            .plan(&mesh)
+        {
             Err(Fault::SceneInvalid(all)) => {
                 let last = all.last().expect("a fault");
                 assert_eq!(last.path, "solver.saddle");
@@ -388,7 +405,7 @@ mod tests {
     fn a_profile_of_a_later_contract_is_refused_by_its_key() {
         let mut message = flow();
         message.supports[0].profile = 7;
-        match scene(message) {
+        match scene(message, &SurfacesByName::default()) {
             Err(Fault::Unsupported(one)) => assert_eq!(one.path, "support.inflow.profile"),
             other => panic!("{other:?}"),
         }
@@ -398,7 +415,7 @@ mod tests {
     fn a_viscosity_is_required() {
         let mut message = flow();
         message.materials[0].model = Some(wire::material::Model::Stokes(wire::Stokes::default()));
-        match scene(message) {
+        match scene(message, &SurfacesByName::default()) {
             Err(Fault::SceneInvalid(all)) => assert_eq!(all[0].path, "material.body.viscosity"),
             other => panic!("{other:?}"),
         }

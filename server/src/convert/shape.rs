@@ -1,16 +1,40 @@
 //! Shapes of obstacles.
 
+use std::sync::Arc;
+
+use signorini::obstacle::surface::{Between, SurfaceShape};
 use signorini::scene::{Shape, SurfaceGeometry};
 use signorini_proto::v1 as wire;
 
 use super::Faults;
+use super::surface::SurfacesByName;
+
+/// Angle between facets beyond which their edge is a feature, degrees.
+const FEATURE_ANGLE: f64 = 30.0;
 
 /// Converts a shape; `path` is its key, such as `obstacle.ball.shape`.
-pub(crate) fn shape(message: Option<wire::Shape>, path: &str, faults: &mut Faults) -> Shape {
-    use wire::shape::Kind;
+pub(crate) fn shape(
+    message: Option<wire::Shape>,
+    path: &str,
+    (surfaces, faults): (&SurfacesByName, &mut Faults),
+) -> Shape {
     let message = message.unwrap_or_default();
-    faults.later_if(message.inside.then_some(()), path, "inside");
-    match message.kind {
+    let of = solid(message.kind, path, (surfaces, faults));
+    match message.inside {
+        true => Shape::Cavity(of.into()),
+        false => of,
+    }
+}
+
+/// Converts a shape seen from outside.
+fn solid(
+    kind: Option<wire::shape::Kind>,
+    path: &str,
+    (surfaces, faults): (&SurfacesByName, &mut Faults),
+) -> Shape {
+    use wire::shape::Kind;
+    let rounding = |rounding: Option<f64>| rounding.unwrap_or_default();
+    match kind {
         Some(Kind::HalfSpace(shape)) => Shape::HalfSpace {
             point: faults.vector(&shape.point, &format!("{path}.point")),
             normal: faults.vector(&shape.normal, &format!("{path}.normal")),
@@ -24,6 +48,46 @@ pub(crate) fn shape(message: Option<wire::Shape>, path: &str, faults: &mut Fault
             axis: faults.vector(&shape.axis, &format!("{path}.axis")),
             radius: faults.required(shape.radius, &format!("{path}.radius")),
         },
+        Some(Kind::CappedCylinder(shape)) => Shape::CappedCylinder {
+            from: faults.vector(&shape.from, &format!("{path}.from")),
+            to: faults.vector(&shape.to, &format!("{path}.to")),
+            radius: faults.required(shape.radius, &format!("{path}.radius")),
+            rounding: rounding(shape.rounding),
+        },
+        Some(Kind::Box(shape)) => Shape::Box {
+            centre: faults.vector(&shape.centre, &format!("{path}.centre")),
+            half_sizes: faults.vector(&shape.half_sizes, &format!("{path}.half_sizes")),
+            rounding: rounding(shape.rounding),
+        },
+        Some(Kind::Torus(shape)) => Shape::Torus {
+            centre: faults.vector(&shape.centre, &format!("{path}.centre")),
+            axis: faults.vector(&shape.axis, &format!("{path}.axis")),
+            radius: faults.required(shape.radius, &format!("{path}.radius")),
+            tube_radius: faults.required(shape.tube_radius, &format!("{path}.tube_radius")),
+        },
+        Some(Kind::Cone(shape)) => Shape::Cone {
+            apex: faults.vector(&shape.apex, &format!("{path}.apex")),
+            axis: faults.vector(&shape.axis, &format!("{path}.axis")),
+            angle: faults.required(shape.angle, &format!("{path}.angle")),
+            rounding: rounding(shape.rounding),
+        },
+        Some(Kind::Surface(shape)) => {
+            let between = match (shape.facets, shape.feature_angle) {
+                (true, _) => Between::Facets,
+                (false, angle) => Between::Patches(angle.unwrap_or(FEATURE_ANGLE).to_radians()),
+            };
+            match surfaces.get(&shape.surface) {
+                Some(surface) => Shape::Surface(SurfaceShape {
+                    surface: Arc::clone(surface),
+                    scale: shape.scale.unwrap_or(1.0),
+                    between,
+                }),
+                None => {
+                    faults.add(format!("{path}.file"), "names no uploaded surface");
+                    placeholder()
+                }
+            }
+        }
         Some(later) => {
             let message = format!("`{}` comes in a later version", name(&later));
             faults.later(format!("{path}.kind"), message);

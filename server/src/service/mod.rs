@@ -3,6 +3,7 @@
 pub(crate) mod mesh;
 pub(crate) mod session;
 mod state;
+pub(crate) mod surface;
 mod timeout;
 
 use std::future::Future;

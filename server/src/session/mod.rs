@@ -28,6 +28,7 @@ use crate::convert::scene::Output;
 use crate::journal::{Journal, JournalError};
 use crate::metrics::Metrics;
 use crate::store::{Lease, Reservation, Store};
+use crate::surfaces::Surfaces;
 
 pub(crate) use recovered::Recovered;
 
@@ -41,6 +42,8 @@ pub(crate) struct Services {
     pub(crate) metrics: Arc<Metrics>,
     /// Meshes and prepared data, under one byte budget.
     pub(crate) store: Arc<Store>,
+    /// Triangulated surfaces of tools.
+    pub(crate) surfaces: Surfaces,
     /// The threads on which sessions compute.
     pub(crate) solvers: SolverThreads,
     /// The data folder, if there is one.

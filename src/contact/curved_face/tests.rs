@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::*;
 use crate::contact::basis::Bernstein;
 use crate::contact::gap::Deformed;
-use crate::contact::surface::face_rule;
+use crate::contact::surface::{FACE_DEGREE, face_rule};
 use crate::contact::{ContactSurface, linearise};
 use crate::geometry::rigid_motion::{multiply, rotation_matrix};
 use crate::mesh::{EdgeOffset, GroupKind, Mesh, MeshParts, samples};
@@ -128,7 +128,7 @@ fn linearised(
         scale: 1.0,
         space: &space,
         displacement: &displacement,
-        rule: &face_rule(c),
+        rule: &face_rule(c, FACE_DEGREE),
     };
     let surface = round.surface(round.flat());
     let obstacle = Moving::new(shape.clone(), [0.0; 3], rotation);

@@ -7,6 +7,8 @@
 
 use sha2::{Digest, Sha256};
 
+use crate::obstacle::surface::{Between, SurfaceShape};
+
 use crate::scene::{
     Formulation, Material, MaterialModel, Modulus, Obstacle, Pressure, Probe, Profile, RubberModel,
     Scene, SceneKind, Shape, SolverOptions, Support, SurfaceGeometry, ToleranceRule, Traction,
@@ -188,19 +190,69 @@ impl Canonical {
         }
         self.text(name);
         self.texts(on);
-        let (kind, [first, second], radius) = match shape {
-            Shape::HalfSpace { point, normal } => ("half-space", [point, normal], None),
-            Shape::Sphere { centre, radius } => ("sphere", [centre, &[0.0; 3]], Some(*radius)),
+        self.shape(shape);
+    }
+
+    fn shape(&mut self, shape: &Shape) {
+        let none = &[0.0; 3];
+        let (kind, [first, second], numbers): (_, [&[f64; 3]; 2], Vec<f64>) = match shape {
+            Shape::HalfSpace { point, normal } => ("half-space", [point, normal], vec![]),
+            Shape::Sphere { centre, radius } => ("sphere", [centre, none], vec![*radius]),
             Shape::Cylinder {
                 point,
                 axis,
                 radius,
-            } => ("cylinder", [point, axis], Some(*radius)),
+            } => ("cylinder", [point, axis], vec![*radius]),
+            Shape::CappedCylinder {
+                from,
+                to,
+                radius,
+                rounding,
+            } => ("capped-cylinder", [from, to], vec![*radius, *rounding]),
+            Shape::Box {
+                centre,
+                half_sizes,
+                rounding,
+            } => ("box", [centre, half_sizes], vec![*rounding]),
+            Shape::Torus {
+                centre,
+                axis,
+                radius,
+                tube_radius,
+            } => ("torus", [centre, axis], vec![*radius, *tube_radius]),
+            Shape::Cone {
+                apex,
+                axis,
+                angle,
+                rounding,
+            } => ("cone", [apex, axis], vec![*angle, *rounding]),
+            Shape::Surface(shape) => return self.surface(shape),
+            Shape::Cavity(of) => {
+                self.text("cavity");
+                return self.shape(of);
+            }
         };
         self.text(kind);
         self.numbers(first);
         self.numbers(second);
-        self.optional(radius);
+        match numbers[..] {
+            [] => self.optional(None),
+            [radius] => self.optional(Some(radius)),
+            _ => self.numbers(&numbers),
+        }
+    }
+
+    fn surface(&mut self, shape: &SurfaceShape) {
+        self.text("surface");
+        let between = match shape.between {
+            Between::Facets => 0.0,
+            Between::Patches(angle) => angle,
+        };
+        self.numbers(&[shape.scale, between]);
+        self.numbers(shape.surface.vertices().as_flattened());
+        for facet in shape.surface.facets() {
+            self.numbers(&facet.map(f64::from));
+        }
     }
 
     fn probe(&mut self, probe: &Probe) {

@@ -53,7 +53,8 @@ def draw(scene, folder, picture):
     plotter.view_vector((-1.0, -1.6, 0.7))
     plotter.reset_camera(bounds=body.bounds)
     plotter.camera.zoom(1.1)
-    plotter.screenshot(picture)
+    # The page behind is light or dark.
+    plotter.screenshot(picture, transparent_background=True)
     plotter.close()
 
 

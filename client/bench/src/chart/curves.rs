@@ -70,6 +70,11 @@ impl Diagram {
         self.curves.iter().all(|curve| curve.points.is_empty())
     }
 
+    /// Whether one of the curves has a slope to be read.
+    pub(crate) fn has_slope(&self) -> bool {
+        self.curves.iter().any(|curve| curve.points.len() > 1)
+    }
+
     /// The picture.
     pub(crate) fn svg(&self) -> String {
         let mut svg = Svg::default();
@@ -415,5 +420,14 @@ mod tests {
             assert!(svg.contains(text), "{text}");
         }
         assert!(diagram(Vec::new()).is_empty());
+    }
+
+    #[test]
+    fn two_points_of_one_curve_make_a_slope() {
+        let good = |seconds| point(seconds, Some(1e-2), State::Good);
+        let mut dots = diagram(vec![good(0.1)]);
+        dots.curves.extend(diagram(vec![good(1.0)]).curves);
+        assert!(!dots.has_slope());
+        assert!(diagram(vec![good(0.1), good(1.0)]).has_slope());
     }
 }

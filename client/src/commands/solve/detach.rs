@@ -58,12 +58,11 @@ pub(super) async fn run(arguments: SolveArguments) -> Result<Exit, Failure> {
 
 async fn create(
     client: &Client,
-    input: Input,
+    mut input: Input,
     name: String,
     ttl: Duration,
 ) -> Result<(v1::Session, v1::Plan), Failure> {
-    let uploaded = client.upload_mesh(input.wire).await;
-    uploaded.map_err(|error| error.about(&input.mesh_path))?;
+    input.upload(client).await?;
     let new = NewSession {
         scene: input.scene,
         session_id: name,

@@ -113,20 +113,25 @@ fn offsets(ends: Indices, offsets: Points) -> Result<Vec<EdgeOffset>, Fault> {
 }
 
 /// Points; a chunk may end within one.
-struct Points {
+pub(in crate::convert) struct Points {
     progress: Progress,
     rows: Vec<[f64; 3]>,
 }
 
 impl Points {
-    fn new(expected: usize) -> Self {
+    pub(in crate::convert) fn new(expected: usize) -> Self {
         Self {
             progress: Progress::new(3 * expected),
             rows: Vec::new(),
         }
     }
 
-    fn push(&mut self, array: &str, offset: i64, data: &[u8]) -> Result<(), Fault> {
+    pub(in crate::convert) fn push(
+        &mut self,
+        array: &str,
+        offset: i64,
+        data: &[u8],
+    ) -> Result<(), Fault> {
         let before = self.progress.received();
         named(array, self.progress.accept::<f64>(offset, data))?;
         let received = self.progress.received();
@@ -138,27 +143,32 @@ impl Points {
         Ok(())
     }
 
-    fn finish(self, array: &str) -> Result<Vec<[f64; 3]>, Fault> {
+    pub(in crate::convert) fn finish(self, array: &str) -> Result<Vec<[f64; 3]>, Fault> {
         named(array, self.progress.finish())?;
         Ok(self.rows)
     }
 }
 
 /// Indices of vertices, cells or facets; signed on the wire.
-struct Indices {
+pub(in crate::convert) struct Indices {
     progress: Progress,
     values: Vec<u32>,
 }
 
 impl Indices {
-    fn new(expected: usize) -> Self {
+    pub(in crate::convert) fn new(expected: usize) -> Self {
         Self {
             progress: Progress::new(expected),
             values: Vec::new(),
         }
     }
 
-    fn push(&mut self, array: &str, offset: i64, data: &[u8]) -> Result<(), Fault> {
+    pub(in crate::convert) fn push(
+        &mut self,
+        array: &str,
+        offset: i64,
+        data: &[u8],
+    ) -> Result<(), Fault> {
         named(array, self.progress.accept::<i32>(offset, data))?;
         let signs = i32::read(data).fold(0, |signs, value| signs | value);
         if signs < 0 {
@@ -175,7 +185,7 @@ impl Indices {
         Fault::MeshInvalid(format!("{array}: entry {position} is {value}"))
     }
 
-    fn finish(mut self, array: &str) -> Result<Vec<u32>, Fault> {
+    pub(in crate::convert) fn finish(mut self, array: &str) -> Result<Vec<u32>, Fault> {
         named(array, self.progress.finish())?;
         self.values.shrink_to_fit();
         Ok(self.values)

@@ -1,0 +1,265 @@
+//! Triangulated surfaces from STL files, text or binary.
+//!
+//! A file repeats the corners of every facet: those nearer than [`WELD`] of the diagonal of their
+//! box are one vertex. Whether the surface is closed and oriented is for the service to say.
+//! Normals of the file are not read. Cost: one pass, some 100 bytes a facet.
+
+use std::collections::HashMap;
+use std::io::Cursor;
+
+/// Distance of corners that are one vertex, over the diagonal of the surface's box.
+pub const WELD: f64 = 1e-6;
+/// Bytes of a binary file before its facets: header and count.
+const BINARY_HEADER: usize = 84;
+/// Bytes of a facet in a binary file.
+const BINARY_FACET: usize = 50;
+
+/// A surface of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SurfaceFile {
+    /// Vertices `[vertices][3]`, welded.
+    pub vertices: Vec<[f64; 3]>,
+    /// Corners of the facets, in the order of the file.
+    pub facets: Vec<[u32; 3]>,
+}
+
+/// Why a file is no surface.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum StlError {
+    /// The reader's words.
+    #[error("facet {facet}: {said}")]
+    Unreadable {
+        /// Facet that could not be read, from 0.
+        facet: usize,
+        /// What is wrong.
+        said: String,
+    },
+    /// Fewer facets than the file announces.
+    #[error("{there} facets where {announced} are announced: the file is cut")]
+    Cut {
+        /// Facets that are there.
+        there: usize,
+        /// Facets of the header.
+        announced: usize,
+    },
+    /// A corner that is NaN or infinite.
+    #[error("facet {facet} has a corner that is not finite")]
+    NotFinite {
+        /// The facet.
+        facet: usize,
+    },
+    /// No facet at all.
+    #[error("has no facets; an STL file begins with `solid`, or is binary")]
+    Empty,
+}
+
+/// Reads a file.
+///
+/// # Errors
+/// [`StlError`] with the facet.
+pub fn read(bytes: &[u8]) -> Result<SurfaceFile, StlError> {
+    check_length(bytes)?;
+    let unreadable = |facet: usize| {
+        move |error: std::io::Error| StlError::Unreadable {
+            facet,
+            said: error.to_string(),
+        }
+    };
+    let mut cursor = Cursor::new(bytes);
+    let reader = stl_io::create_stl_reader(&mut cursor).map_err(unreadable(0))?;
+    let mut corners: Vec<[[f64; 3]; 3]> = Vec::new();
+    for (facet, triangle) in reader.enumerate() {
+        let triangle = triangle.map_err(unreadable(facet))?;
+        let places = triangle.vertices.map(|vertex| vertex.0.map(f64::from));
+        if !places.as_flattened().iter().all(|x| x.is_finite()) {
+            return Err(StlError::NotFinite { facet });
+        }
+        corners.push(places);
+    }
+    match corners.is_empty() {
+        true => Err(StlError::Empty),
+        false => Ok(weld(&corners)),
+    }
+}
+
+/// A binary file says how many facets it has.
+fn check_length(bytes: &[u8]) -> Result<(), StlError> {
+    if bytes.starts_with(b"solid") {
+        return Ok(());
+    }
+    let Some(count) = bytes.get(BINARY_HEADER - 4..BINARY_HEADER) else {
+        return Err(StlError::Empty);
+    };
+    let count = count.try_into().map_or(0, u32::from_le_bytes);
+    let there = (bytes.len() - BINARY_HEADER) / BINARY_FACET;
+    let announced = count as usize;
+    match announced <= there {
+        true => Ok(()),
+        false => Err(StlError::Cut { there, announced }),
+    }
+}
+
+/// Makes one vertex of corners that are near each other; the first one gives the place.
+fn weld(corners: &[[[f64; 3]; 3]]) -> SurfaceFile {
+    let points = corners.as_flattened();
+    let (low, high) = points.iter().fold(
+        ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]),
+        |(low, high), point| (pick(low, *point, f64::min), pick(high, *point, f64::max)),
+    );
+    let extent = pick(high, low, |high, low| high - low);
+    let diagonal = extent.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let near = (WELD * diagonal).max(f64::MIN_POSITIVE);
+    let mut welder = Welder {
+        near,
+        low,
+        cells: HashMap::with_capacity(points.len() / 4),
+        vertices: Vec::with_capacity(points.len() / 5),
+    };
+    let facets = corners
+        .iter()
+        .map(|facet| facet.map(|point| welder.vertex(point)));
+    SurfaceFile {
+        facets: facets.collect(),
+        vertices: welder.vertices,
+    }
+}
+
+fn pick(a: [f64; 3], b: [f64; 3], of: impl Fn(f64, f64) -> f64) -> [f64; 3] {
+    let [x, y, z] = a;
+    let [u, v, w] = b;
+    [of(x, u), of(y, v), of(z, w)]
+}
+
+/// Vertices by the cells of a grid as wide as what is welded.
+struct Welder {
+    near: f64,
+    low: [f64; 3],
+    cells: HashMap<[i64; 3], Vec<u32>>,
+    vertices: Vec<[f64; 3]>,
+}
+
+impl Welder {
+    fn vertex(&mut self, point: [f64; 3]) -> u32 {
+        let own = pick(point, self.low, |x, low| ((x - low) / self.near).floor());
+        let own = own.map(|x| x as i64);
+        for offset in 0..27 {
+            let [x, y, z] = own;
+            let beside = [
+                x + offset % 3 - 1,
+                y + offset / 3 % 3 - 1,
+                z + offset / 9 - 1,
+            ];
+            let found = self.cells.get(&beside).and_then(|cell| {
+                cell.iter()
+                    .copied()
+                    .find(|&vertex| self.is_near(vertex, point))
+            });
+            if let Some(vertex) = found {
+                return vertex;
+            }
+        }
+        let index = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);
+        self.vertices.push(point);
+        self.cells.entry(own).or_default().push(index);
+        index
+    }
+
+    fn is_near(&self, vertex: u32, point: [f64; 3]) -> bool {
+        let Some(other) = self.vertices.get(vertex as usize) else {
+            return false;
+        };
+        let offset = pick(*other, point, |a, b| a - b);
+        offset.iter().map(|x| x * x).sum::<f64>() <= self.near * self.near
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A tetrahedron as text.
+    fn text() -> String {
+        let corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]];
+        let facets = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
+        let mut text = "solid block\n".to_owned();
+        for facet in facets {
+            text += "facet normal 0 0 0\nouter loop\n";
+            for corner in facet {
+                let [x, y, z]: [i32; 3] = corners[corner];
+                text += &format!("vertex {x} {y} {z}.0000001\n");
+            }
+            text += "endloop\nendfacet\n";
+        }
+        text + "endsolid block\n"
+    }
+
+    /// The same as bytes.
+    fn binary() -> Vec<u8> {
+        let read = read(text().as_bytes()).unwrap();
+        let mut bytes = vec![0; 80];
+        bytes.extend((read.facets.len() as u32).to_le_bytes());
+        for facet in &read.facets {
+            bytes.extend([0; 12]);
+            for corner in facet {
+                for x in read.vertices[*corner as usize] {
+                    bytes.extend((x as f32).to_le_bytes());
+                }
+            }
+            bytes.extend([0; 2]);
+        }
+        bytes
+    }
+
+    #[test]
+    fn text_and_bytes_are_read_and_corners_welded() {
+        let surface = read(text().as_bytes()).unwrap();
+        assert_eq!(surface.facets.len(), 4);
+        assert_eq!(surface.vertices.len(), 4);
+        assert_eq!(read(&binary()).unwrap(), surface);
+    }
+
+    #[test]
+    fn a_cut_file_and_one_of_something_else_are_refused() {
+        let bytes = binary();
+        let cut = read(&bytes[..bytes.len() - 60]).unwrap_err();
+        assert_eq!(
+            cut,
+            StlError::Cut {
+                there: 2,
+                announced: 4
+            }
+        );
+        assert!(read(b"").is_err());
+        assert!(read(b"solid nothing\nendsolid nothing\n").is_err());
+        let broken = text().replace("vertex 0 1 0", "vertex 0 nan 0");
+        assert!(read(broken.as_bytes()).is_err());
+    }
+
+    #[test]
+    fn thirty_thousand_broken_files_are_read_or_refused() {
+        let mut rng = fastrand::Rng::with_seed(18);
+        let seeds = [text().into_bytes(), binary()];
+        let (mut good, mut bad) = (0, 0);
+        for round in 0..30_000 {
+            let mut bytes = seeds[round % 2].clone();
+            for _ in 0..rng.usize(1..6) {
+                let place = rng.usize(..bytes.len());
+                match rng.u8(..4) {
+                    0 => bytes[place] = rng.u8(..),
+                    1 => bytes.truncate(place.max(1)),
+                    2 => bytes.insert(place, rng.u8(..)),
+                    _ => drop(bytes.remove(place)),
+                }
+                if bytes.is_empty() {
+                    bytes.push(b's');
+                }
+            }
+            match read(&bytes) {
+                Ok(_) => good += 1,
+                Err(_) => bad += 1,
+            }
+        }
+        assert!(good > 100 && bad > 100, "{good} {bad}");
+    }
+}

@@ -1,0 +1,14 @@
+//! The command line tool, run as a process of its own: what it prints, writes and answers.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod bench;
+mod cli;
+mod detached;
+mod examples;
+mod interrupt;
+mod methods;
+mod refusals;
+mod result_lines;
+mod serve;

@@ -1,0 +1,242 @@
+//! Result lines keep to their schema.
+
+use std::collections::BTreeMap;
+
+use crate::common::schema::{fault, result_lines};
+use serde_json::{Value, json};
+use signorini_client::result_line::{self, Totals};
+use signorini_proto::v1;
+
+fn report() -> v1::StepReport {
+    let vector = vec![0.5, -1.0, 0.0];
+    let obstacle = v1::ObstacleResult {
+        force: vector.clone(),
+        moment: vector.clone(),
+        centre_of_pressure: vector.clone(),
+        tangential_force: vector.clone(),
+        contact_area: 0.25,
+        ..Default::default()
+    };
+    let support = v1::SupportResult {
+        force: vector.clone(),
+    };
+    let probe = v1::ProbeResult {
+        displacement: vector.clone(),
+        pressure: None,
+    };
+    v1::StepReport {
+        step: 1,
+        increment: 2,
+        time: 0.5,
+        load: 1.0,
+        termination: v1::Termination::NotConverged.into(),
+        cause: v1::Cause::LineSearch.into(),
+        krylov_iterations: 7,
+        residuals: Some(v1::Residuals {
+            gap: 1e-9,
+            ..Default::default()
+        }),
+        obstacles: BTreeMap::from([("ball".to_owned(), obstacle)]),
+        supports: BTreeMap::from([("base".to_owned(), support)]),
+        probes: BTreeMap::from([("pole".to_owned(), probe)]),
+        errors: Some(v1::ManufacturedErrors {
+            displacement_l2: 0.1,
+            ..Default::default()
+        }),
+        seconds: Some(v1::Seconds {
+            total: 1.5,
+            ..Default::default()
+        }),
+        unknowns: Some(v1::Unknowns {
+            displacement: 30,
+            pressure: 4,
+            contact: 0,
+        }),
+        obstacle_poses: vec![v1::ObstaclePose {
+            name: "ball".to_owned(),
+            translation: vector.clone(),
+            rotation: vector,
+        }],
+        ..Default::default()
+    }
+}
+
+fn plan() -> v1::Plan {
+    let text = |text: &str| text.to_owned();
+    v1::Plan {
+        name: text("block"),
+        kind: v1::SceneKind::PlaneStrain.into(),
+        formulation: v1::Formulation::Mixed.into(),
+        decisions: vec![v1::PlanEntry {
+            what: text("saddle"),
+            choice: text("gcr"),
+            reason: text("mixed"),
+        }],
+        left_out: vec![v1::PlanOmission {
+            what: text("friction"),
+            reason: text("no obstacle has it"),
+        }],
+        ..Default::default()
+    }
+}
+
+fn assert_matches(line: &Value) {
+    assert_eq!(fault(&result_lines(), line), None, "{line}");
+}
+
+#[test]
+fn every_kind_of_line_matches_the_schema() {
+    let mut totals = Totals::default();
+    assert_matches(&totals.summary(0.1, None));
+    totals.add(&report());
+    let iteration = v1::IterationStatistics {
+        sequence: 1,
+        report: None,
+        skipped_count: 3,
+    };
+    for line in [
+        result_line::plan(&plan()),
+        result_line::iteration(&iteration),
+        result_line::step(&report()),
+        totals.summary(2.0, Some(1 << 20)),
+        result_line::session("sessions/a"),
+        result_line::cancel("sessions/a", 3),
+        result_line::cancel("sessions/a", 0),
+    ] {
+        assert_matches(&line);
+    }
+}
+
+#[test]
+fn the_schema_refuses_missing_unknown_and_mistyped_keys() {
+    let schema = result_lines();
+    for (key, value) in [
+        ("load", Value::Null),
+        ("extra", json!(1)),
+        ("termination", json!("done")),
+    ] {
+        let mut line = result_line::step(&report());
+        line[key] = value;
+        assert!(fault(&schema, &line).is_some(), "{key}");
+    }
+    let mut line = result_line::step(&report());
+    line.as_object_mut().unwrap().remove("residuals");
+    assert!(fault(&schema, &line).is_some());
+}
+
+#[test]
+fn names_are_those_of_the_contract() {
+    let line = result_line::step(&report());
+    assert_eq!(
+        (&line["termination"], &line["cause"]),
+        (&json!("not_converged"), &json!("line_search"))
+    );
+    assert_eq!(line["obstacles"]["ball"]["force"], json!([0.5, -1.0, 0.0]));
+    assert_eq!(line["probes"]["pole"]["pressure"], Value::Null);
+    assert_eq!(result_line::plan(&plan())["kind"], "plane-strain");
+    let converged = v1::StepReport {
+        termination: v1::Termination::Converged.into(),
+        ..report()
+    };
+    assert_eq!(
+        result_line::step(&v1::StepReport {
+            cause: 0,
+            ..converged
+        })["cause"],
+        Value::Null
+    );
+}
+
+#[test]
+fn every_cause_and_kind_of_equilibrium_keeps_to_the_schema() {
+    let schema = result_lines();
+    let causes = (0..).map_while(|number| v1::Cause::try_from(number).ok());
+    let kinds = (0..).map_while(|number| v1::Stability::try_from(number).ok());
+    let (causes, kinds): (Vec<_>, Vec<_>) = (causes.collect(), kinds.collect());
+    assert!(causes.contains(&v1::Cause::NegativeJacobian) && kinds.len() == 4);
+    for (cause, kind) in causes
+        .iter()
+        .flat_map(|c| kinds.iter().map(move |k| (c, k)))
+    {
+        let line = result_line::step(&v1::StepReport {
+            cause: (*cause).into(),
+            stability: (*kind).into(),
+            min_jacobian: Some(0.7),
+            min_jacobian_bound: Some(0.6),
+            ..report()
+        });
+        assert_eq!(fault(&schema, &line), None);
+        assert_eq!(line["min_jacobian_bound"], 0.6);
+        let is_known = *kind != v1::Stability::Unspecified;
+        assert_eq!(line["stability"].is_string(), is_known);
+    }
+}
+
+#[test]
+fn every_second_attempt_keeps_to_the_schema_and_has_its_word() {
+    let schema = result_lines();
+    let all = (0..).map_while(|number| v1::Fallback::try_from(number).ok());
+    let mut words = Vec::new();
+    for fallback in all {
+        let line = result_line::step(&v1::StepReport {
+            fallback: fallback.into(),
+            ..report()
+        });
+        assert_eq!(fault(&schema, &line), None);
+        words.push(line["fallback"].clone());
+    }
+    assert_eq!(
+        json!(words),
+        json!([null, "mass_metric", "mprgp", "direct"])
+    );
+}
+
+#[test]
+fn totals_add_up_over_increments() {
+    let mut totals = Totals::default();
+    totals.add(&report());
+    totals.add(&report());
+    let line = totals.summary(2.0, None);
+    assert_eq!(line["totals"]["krylov_iterations"], 14);
+    assert_eq!(line["totals"]["seconds"]["total"], 3.0);
+    assert_eq!(
+        (&line["totals"]["converged"], &line["termination"]),
+        (&json!(0), &json!("not_converged"))
+    );
+}
+
+#[test]
+fn numbers_survive_printing_bit_for_bit() {
+    let report = v1::StepReport {
+        strain_energy: 0.1 + 0.2,
+        ..report()
+    };
+    let text = result_line::step(&report).to_string();
+    let line: Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(
+        line["strain_energy"].as_f64().map(f64::to_bits),
+        Some((0.1_f64 + 0.2).to_bits())
+    );
+}
+
+#[test]
+fn the_keys_of_a_result_keep_their_order() {
+    let expected = [
+        r#"{"event":"step","step":0,"increment":0,"time":0.0,"load":0.0,"#,
+        r#""termination":"unspecified","cause":null,"cause_site":null,"fallback":null,"#,
+        r#""snapped":null,"warnings":[],"sqp_iterations":0,"#,
+        r#""krylov_iterations":0,"preconditioner_applications":0,"#,
+        r#""eigenvalue_applications":0,"compliance_columns":0,"contact_products":0,"#,
+        r#""active_set_changes":0,"newton_steps":0,"threshold_passes":0,"cut_backs":0,"factorisations":0,"active_vertices":0,"#,
+        r#""strain_energy":0.0,"volume_ratio":0.0,"min_jacobian":null,"#,
+        r#""min_jacobian_bound":null,"stability":null,"penalty":0.0,"#,
+        r#""max_penetration":0.0,"residuals":null,"tolerance":0.0,"obstacles":{},"#,
+        r#""supports":{},"probes":{},"error_estimate":null,"errors":null,"#,
+        r#""seconds":{"prepare":0.0,"assemble":0.0,"factorise":0.0,"krylov":0.0,"#,
+        r#""contact":0.0,"error_norms":0.0,"total":0.0},"unknowns":{"displacement":0,"#,
+        r#""pressure":0,"contact":0},"memory_bytes":0,"reused":[],"instruction_set":"","#,
+        r#""verification":null,"poses":{}}"#,
+    ];
+    let line = result_line::step(&v1::StepReport::default());
+    assert_eq!(line.to_string(), expected.concat());
+}

@@ -1,0 +1,141 @@
+//! `SurfaceService`.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use signorini_proto::v1::{
+    self as wire, surface_service_server::SurfaceService, upload_surface_request::Part,
+};
+use tonic::{Request, Response, Status, Streaming};
+
+use super::respond;
+use crate::convert::surface::{self as convert, Upload};
+use crate::fault::Fault;
+use crate::planning::aside;
+use crate::registry::Registry;
+use crate::session::Services;
+use crate::surfaces::Stored;
+use crate::transport;
+
+/// An upload that sends nothing for so long gives its memory back.
+const IDLE: Duration = Duration::from_secs(60);
+/// An upload that takes longer counts as abandoned.
+const LONGEST: Duration = Duration::from_secs(600);
+
+/// The service.
+pub(crate) struct SurfaceDoor {
+    pub(crate) services: Arc<Services>,
+    pub(crate) registry: Arc<Registry>,
+}
+
+#[tonic::async_trait]
+impl SurfaceService for SurfaceDoor {
+    #[tracing::instrument(skip_all)]
+    async fn upload_surface(
+        &self,
+        request: Request<Streaming<wire::UploadSurfaceRequest>>,
+    ) -> Result<Response<wire::UploadSurfaceResponse>, Status> {
+        respond(&self.registry, self.upload(request.into_inner())).await
+    }
+
+    #[tracing::instrument(skip_all)]
+    async fn get_surface(
+        &self,
+        request: Request<wire::GetSurfaceRequest>,
+    ) -> Result<Response<wire::GetSurfaceResponse>, Status> {
+        respond(&self.registry, async {
+            let digest = convert::digest_of(&request.into_inner().name, "name")?;
+            let found = self.services.surfaces.get(&digest)?;
+            let surface = Some(convert::surface(&digest, &found));
+            Ok(wire::GetSurfaceResponse { surface })
+        })
+        .await
+    }
+
+    #[tracing::instrument(skip_all)]
+    async fn list_surfaces(
+        &self,
+        _request: Request<wire::ListSurfacesRequest>,
+    ) -> Result<Response<wire::ListSurfacesResponse>, Status> {
+        respond(&self.registry, async {
+            let all = self.services.surfaces.all();
+            let one = |(digest, stored): &(String, Stored)| convert::surface(digest, stored);
+            let surfaces = all.iter().map(one).collect();
+            Ok(wire::ListSurfacesResponse { surfaces })
+        })
+        .await
+    }
+
+    #[tracing::instrument(skip_all)]
+    async fn delete_surface(
+        &self,
+        request: Request<wire::DeleteSurfaceRequest>,
+    ) -> Result<Response<wire::DeleteSurfaceResponse>, Status> {
+        respond(&self.registry, async {
+            let digest = convert::digest_of(&request.into_inner().name, "name")?;
+            self.services.surfaces.delete(&digest)?;
+            Ok(wire::DeleteSurfaceResponse {})
+        })
+        .await
+    }
+}
+
+impl SurfaceDoor {
+    async fn upload(
+        &self,
+        mut inbound: Streaming<wire::UploadSurfaceRequest>,
+    ) -> Result<wire::UploadSurfaceResponse, Fault> {
+        self.registry.check_open()?;
+        let Some(Part::Header(header)) = next(&mut inbound).await? else {
+            return Err(Fault::request("header", "must be the first message"));
+        };
+        let mut upload = Upload::new(header)?;
+        let surfaces = &self.services.surfaces;
+        if let Some(digest) = &upload.digest
+            && let Ok(found) = surfaces.get(digest)
+        {
+            return Ok(answer(digest, &found, true));
+        }
+        let reserved = surfaces.reserve(&self.services.store, upload.predicted_bytes())?;
+        let end = Instant::now() + LONGEST;
+        while let Some(part) = next(&mut inbound).await? {
+            if Instant::now() > end {
+                let text = format!("took longer than {} seconds", LONGEST.as_secs());
+                return Err(Fault::request("upload", text));
+            }
+            match part {
+                Part::Chunk(chunk) => upload.push(&chunk)?,
+                Part::Header(_) => {
+                    return Err(Fault::request("header", "must be the first message only"));
+                }
+            }
+        }
+        let (digest, surface) = aside(move || upload.finish()).await??;
+        let stored = surfaces.insert(digest.clone(), surface, reserved);
+        Ok(answer(&digest, &stored, false))
+    }
+}
+
+fn answer(digest: &str, stored: &Stored, already_present: bool) -> wire::UploadSurfaceResponse {
+    wire::UploadSurfaceResponse {
+        surface: Some(convert::surface(digest, stored)),
+        already_present,
+    }
+}
+
+async fn next(inbound: &mut Streaming<wire::UploadSurfaceRequest>) -> Result<Option<Part>, Fault> {
+    let broken = |status: Status| {
+        transport::fault_of(&status).unwrap_or_else(|| Fault::request("upload", status.message()))
+    };
+    let silent = |_| {
+        let text = format!("nothing came for {} seconds", IDLE.as_secs());
+        Fault::request("upload", text)
+    };
+    let arrived = tokio::time::timeout(IDLE, inbound.message()).await;
+    match arrived.map_err(silent)?.map_err(broken)? {
+        None => Ok(None),
+        Some(message) => message.part.map(Some).ok_or_else(|| {
+            Fault::unsupported("upload", "a message that this version does not know")
+        }),
+    }
+}

@@ -1,0 +1,121 @@
+//! Triangulated surfaces in memory, shared by sessions, counted in the byte budget.
+//!
+//! They are found by their digest. What a session uses is kept; the rest goes, oldest first,
+//! where another needs its room or its place.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::SystemTime;
+
+use signorini::obstacle::surface::TriangulatedSurface;
+
+use crate::convert::surface::name;
+use crate::fault::Fault;
+use crate::store::{Reservation, Store};
+
+/// Most surfaces that are kept.
+const MOST: usize = 1000;
+
+/// One surface.
+#[derive(Clone)]
+pub(crate) struct Stored {
+    pub(crate) surface: Arc<TriangulatedSurface>,
+    pub(crate) created: SystemTime,
+}
+
+struct Entry {
+    stored: Stored,
+    _bytes: Reservation,
+}
+
+impl Entry {
+    fn is_used(&self) -> bool {
+        Arc::strong_count(&self.stored.surface) > 1
+    }
+}
+
+/// The surfaces.
+#[derive(Default)]
+pub(crate) struct Surfaces(Mutex<BTreeMap<String, Entry>>);
+
+impl Surfaces {
+    /// A surface by its digest.
+    ///
+    /// # Errors
+    /// `SurfaceNotFound`.
+    pub(crate) fn get(&self, digest: &str) -> Result<Stored, Fault> {
+        let found = self.lock().get(digest).map(|entry| entry.stored.clone());
+        found.ok_or_else(|| Fault::SurfaceNotFound(name(digest)))
+    }
+
+    /// All surfaces in order of their digests.
+    pub(crate) fn all(&self) -> Vec<(String, Stored)> {
+        let inner = self.lock();
+        let one = |(digest, entry): (&String, &Entry)| (digest.clone(), entry.stored.clone());
+        inner.iter().map(one).collect()
+    }
+
+    /// Takes `bytes` out of the budget, dropping surfaces that nobody uses.
+    ///
+    /// # Errors
+    /// `MemoryBudget` when even that does not make room.
+    pub(crate) fn reserve(&self, store: &Arc<Store>, bytes: u64) -> Result<Reservation, Fault> {
+        loop {
+            let refused = match store.reserve(bytes) {
+                Ok(reservation) => return Ok(reservation),
+                Err(fault) => fault,
+            };
+            if !self.drop_oldest() {
+                return Err(refused);
+            }
+        }
+    }
+
+    /// Keeps a surface under the bytes reserved for its upload.
+    pub(crate) fn insert(
+        &self,
+        digest: String,
+        surface: TriangulatedSurface,
+        mut bytes: Reservation,
+    ) -> Stored {
+        while self.lock().len() >= MOST && self.drop_oldest() {}
+        bytes.force(surface.bytes());
+        let mut inner = self.lock();
+        let entry = inner.entry(digest).or_insert_with(|| Entry {
+            stored: Stored {
+                surface: Arc::new(surface),
+                created: SystemTime::now(),
+            },
+            _bytes: bytes,
+        });
+        entry.stored.clone()
+    }
+
+    /// Drops a surface that no session uses.
+    ///
+    /// # Errors
+    /// `SurfaceNotFound`, `SurfaceInUse`.
+    pub(crate) fn delete(&self, digest: &str) -> Result<(), Fault> {
+        let mut inner = self.lock();
+        match inner.get(digest) {
+            None => return Err(Fault::SurfaceNotFound(name(digest))),
+            Some(entry) if entry.is_used() => return Err(Fault::SurfaceInUse(name(digest))),
+            Some(_) => inner.remove(digest),
+        };
+        Ok(())
+    }
+
+    /// Drops the oldest surface that nobody uses; whether there was one.
+    fn drop_oldest(&self) -> bool {
+        let mut inner = self.lock();
+        let unused = inner.iter().filter(|(_, entry)| !entry.is_used());
+        let oldest = unused.min_by_key(|(_, entry)| entry.stored.created);
+        let digest = oldest.map(|(digest, _)| digest.clone());
+        digest.is_some_and(|digest| inner.remove(&digest).is_some())
+    }
+
+    fn lock(&self) -> MutexGuard<'_, BTreeMap<String, Entry>> {
+        // No code of others runs under the lock, so a poisoned state is whole.
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}

@@ -1,0 +1,17 @@
+//! The server over the wire: every call, its refusals and limits, and what operators see.
+//!
+//! Tests that change or count what the whole process shares are programs of their own:
+//! `defects` (fail points), `fuzz_requests`, `fuzz_stream` and `mesh_memory` (the heap).
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod cancels;
+mod deploy;
+mod limits;
+mod meshes;
+mod operation;
+mod sessions;
+mod solve;
+mod streams;
+mod transport;

@@ -1,0 +1,138 @@
+//! What keeps a triangulation from being the surface of a solid, each fault with its facet.
+
+use std::collections::HashSet;
+
+use thiserror::Error;
+
+use crate::geometry::vector3::{cross, dot, is_finite, norm, sub};
+
+/// Height of a facet over its longest edge below which it is a line.
+const FLAT: f64 = 1e-12;
+
+/// Why a triangulation is refused.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum SurfaceError {
+    /// Nothing to press with.
+    #[error("has no facets")]
+    Empty,
+    /// More facets or vertices than indices count.
+    #[error("has more than {limit} facets or vertices")]
+    TooLarge {
+        /// The most.
+        limit: u32,
+    },
+    /// A coordinate is NaN or infinite.
+    #[error("vertex {vertex} is not finite")]
+    NotFinite {
+        /// Index of the vertex.
+        vertex: usize,
+    },
+    /// A corner that is no vertex.
+    #[error("facet {facet} names vertex {vertex}, there are {count}")]
+    NoVertex {
+        /// Index of the facet.
+        facet: usize,
+        /// Its corner.
+        vertex: u32,
+        /// Number of vertices.
+        count: usize,
+    },
+    /// Corners on a line.
+    #[error("facet {facet} at {at:?} has no area")]
+    Degenerate {
+        /// Index of the facet.
+        facet: usize,
+        /// Its first corner.
+        at: [f64; 3],
+    },
+    /// A facet twice.
+    #[error("facet {facet} is there twice")]
+    Duplicate {
+        /// Index of the second.
+        facet: usize,
+    },
+    /// An edge of one facet only.
+    #[error("facet {facet} has an open edge from vertex {from} to {to}: the surface is not closed")]
+    Open {
+        /// Index of the facet.
+        facet: usize,
+        /// First vertex of the edge.
+        from: u32,
+        /// Second vertex of the edge.
+        to: u32,
+    },
+    /// An edge that two facets go along in one direction, or more than two facets share.
+    #[error(
+        "facet {facet} and others share the edge from vertex {from} to {to} in one direction: turn facets around, or part solids that touch there"
+    )]
+    Orientation {
+        /// Index of the facet.
+        facet: usize,
+        /// First vertex of the edge.
+        from: u32,
+        /// Second vertex of the edge.
+        to: u32,
+    },
+    /// The outside is within.
+    #[error(
+        "facet 0 and all others are clockwise from outside: turn them around, or use `inside = true` for a cavity"
+    )]
+    InsideOut,
+}
+
+/// Checks each facet for itself.
+pub(super) fn facets(vertices: &[[f64; 3]], facets: &[[u32; 3]]) -> Result<(), SurfaceError> {
+    let limit = u32::MAX;
+    if facets.is_empty() {
+        return Err(SurfaceError::Empty);
+    }
+    if facets.len() >= limit as usize || vertices.len() >= limit as usize {
+        return Err(SurfaceError::TooLarge { limit });
+    }
+    if let Some(vertex) = vertices.iter().position(|place| !is_finite(*place)) {
+        return Err(SurfaceError::NotFinite { vertex });
+    }
+    let mut seen = HashSet::with_capacity(facets.len());
+    for (index, corners) in facets.iter().enumerate() {
+        one_facet(vertices, index, corners)?;
+        let mut sorted = *corners;
+        sorted.sort_unstable();
+        if !seen.insert(sorted) {
+            return Err(SurfaceError::Duplicate { facet: index });
+        }
+    }
+    Ok(())
+}
+
+fn one_facet(vertices: &[[f64; 3]], facet: usize, corners: &[u32; 3]) -> Result<(), SurfaceError> {
+    let count = vertices.len();
+    if let Some(&vertex) = corners.iter().find(|vertex| **vertex as usize >= count) {
+        return Err(SurfaceError::NoVertex {
+            facet,
+            vertex,
+            count,
+        });
+    }
+    let [a, b, c] = corners.map(|vertex| vertices[vertex as usize]);
+    let longest = [sub(b, a), sub(c, b), sub(a, c)].map(norm);
+    let longest = longest.into_iter().fold(0.0, f64::max);
+    let area = norm(cross(sub(b, a), sub(c, a)));
+    match area > FLAT * longest * longest {
+        true => Ok(()),
+        false => Err(SurfaceError::Degenerate { facet, at: a }),
+    }
+}
+
+/// Checks that the volume inside is above zero.
+pub(super) fn orientation(vertices: &[[f64; 3]], facets: &[[u32; 3]]) -> Result<(), SurfaceError> {
+    let origin = vertices[facets[0][0] as usize];
+    let volume = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|vertex| sub(vertices[vertex as usize], origin));
+        dot(a, cross(b, c))
+    };
+    match facets.iter().map(volume).sum::<f64>() > 0.0 {
+        true => Ok(()),
+        false => Err(SurfaceError::InsideOut),
+    }
+}
