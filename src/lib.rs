@@ -189,4 +189,4 @@ pub use report::{
     Silent, StepReport, Termination,
 };
 pub use scene::{Scene, SceneError, Step, Violation};
-pub use session::{CheckpointError, ObstaclePose, Origin, Reuse, Session, StepRun};
+pub use session::{CheckpointError, ObstaclePose, Origin, Reuse, Rounding, Session, StepRun};

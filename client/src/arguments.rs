@@ -55,11 +55,20 @@ Examples:
 const SERVE_EXAMPLES: &str = "\
 Examples:
   signorini serve
+  signorini serve --data /var/lib/signorini
   signorini serve --listen unix:/run/signorini.sock --metrics-listen ''
   signorini serve --config server.toml
 
 Without a configuration it listens on 127.0.0.1:50051, and shows metrics on
 http://127.0.0.1:9464/metrics. It prints its address once it listens.";
+
+#[cfg(feature = "embedded")]
+const DATA_EXAMPLES: &str = "\
+Examples:
+  signorini serve --data /var/lib/signorini
+  signorini backup /var/lib/signorini monday
+  signorini fsck monday
+  signorini restore monday /var/lib/signorini-2";
 
 const MESH_EXAMPLES: &str = "\
 Examples:
@@ -109,6 +118,36 @@ pub(crate) enum Command {
     /// Start a server
     #[command(after_help = SERVE_EXAMPLES)]
     Serve(ServeArguments),
+    /// Copy the data folder of a server, which may be running
+    #[command(after_help = DATA_EXAMPLES)]
+    #[cfg(feature = "embedded")]
+    Backup {
+        /// Data folder
+        #[arg(value_name = "DATA")]
+        data: PathBuf,
+        /// Folder to make
+        #[arg(value_name = "DIR")]
+        target: PathBuf,
+    },
+    /// Make a data folder from a backup without faults
+    #[command(after_help = DATA_EXAMPLES)]
+    #[cfg(feature = "embedded")]
+    Restore {
+        /// Folder that backup has made
+        #[arg(value_name = "DIR")]
+        backup: PathBuf,
+        /// Data folder to make
+        #[arg(value_name = "DATA")]
+        data: PathBuf,
+    },
+    /// Check a data folder that no server uses: every fault of it, exit code 8
+    #[command(after_help = DATA_EXAMPLES)]
+    #[cfg(feature = "embedded")]
+    Fsck {
+        /// Data folder, or a backup
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
     /// Measure error against run time: table, figures and a page
     #[cfg(feature = "bench")]
     Bench(signorini_bench::Arguments),
@@ -204,6 +243,10 @@ pub(crate) struct ServeArguments {
     /// Where the metrics page is served: HOST:PORT, or empty for nowhere
     #[arg(long, value_name = "ADDRESS")]
     pub(crate) metrics_listen: Option<String>,
+    /// Data folder, made if it is missing; without one nothing outlives the server
+    #[cfg(feature = "embedded")]
+    #[arg(long, value_name = "DIR", env = "SIGNORINI_DATA")]
+    pub(crate) data: Option<String>,
     /// How the log is written on stderr
     #[cfg(feature = "embedded")]
     #[arg(long, value_name = "FORMAT", env = "SIGNORINI_LOG_FORMAT")]

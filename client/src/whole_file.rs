@@ -92,7 +92,7 @@ mod tests {
         assert!(write(missing, b"text").is_err());
         assert!(create(missing).is_err());
         // A device without room is the disk that is full.
-        let full = std::fs::OpenOptions::new().write(true).open("/dev/full");
+        let full = OpenOptions::new().write(true).open("/dev/full");
         if let Ok(mut full) = full {
             let error = full.write_all(b"text").unwrap_err();
             assert_eq!(error.kind(), ErrorKind::StorageFull);

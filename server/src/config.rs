@@ -1,11 +1,12 @@
 //! The server's settings: one flat struct, read from TOML, every key with a
 //! default. Unknown keys are errors.
 
-use std::time::Duration;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use serde::Deserialize;
 
 use crate::compute::Slots;
+use crate::journal::Limit;
 use crate::limits;
 
 /// Used when the machine's memory cannot be read.
@@ -107,6 +108,15 @@ pub struct Config {
     pub heartbeat_seconds: u64,
     /// Seconds that a shutdown waits for running steps to stop; at most 2 592 000.
     pub drain_seconds: u64,
+    /// Data folder: sessions, their updates and results, and meshes outlive the server
+    /// in it; empty: nothing does.
+    pub data: String,
+    /// Bytes of results in the data folder, beyond which the oldest go, but for those
+    /// that a session needs; 0: no limit.
+    pub data_bytes: u64,
+    /// Seconds after which results in the data folder go, but for those that a session
+    /// needs; 0: never.
+    pub data_seconds: u64,
     /// How the lines of the log are written, for [`crate::start_log`].
     pub log_format: LogFormat,
     /// The least important lines of the log, for [`crate::start_log`].
@@ -133,6 +143,9 @@ impl Default for Config {
             retained_field_bytes: 256 << 20,
             heartbeat_seconds: 10,
             drain_seconds: 30,
+            data: String::new(),
+            data_bytes: 0,
+            data_seconds: 0,
             log_format: LogFormat::Text,
             log_level: LogLevel::Info,
         }
@@ -235,6 +248,27 @@ impl Config {
 
     pub(crate) fn drain(&self) -> Duration {
         Duration::from_secs(self.drain_seconds)
+    }
+}
+
+impl Config {
+    /// What the data folder may keep now; none without a limit.
+    pub(crate) fn data_limit(&self) -> Option<Limit> {
+        let now = SystemTime::now()
+            .duration_since(UNIX_EPOCH)
+            .unwrap_or_default();
+        let age = i64::try_from(self.data_seconds).unwrap_or(i64::MAX);
+        let limit = Limit {
+            bytes: match self.data_bytes {
+                0 => u64::MAX,
+                bytes => bytes,
+            },
+            oldest: match age {
+                0 => i64::MIN,
+                age => now.as_secs().cast_signed().saturating_sub(age),
+            },
+        };
+        (self.data_bytes > 0 || self.data_seconds > 0).then_some(limit)
     }
 }
 

@@ -62,6 +62,19 @@ pub(crate) enum Fault {
     StreamDeadline,
     #[error("the server is shutting down")]
     ShuttingDown,
+    /// The session is in the data folder and goes on with the next call.
+    #[error("the server is shutting down; the session goes on when it is back")]
+    Interrupted,
+    /// The data folder takes nothing now; what was acknowledged is there.
+    #[error("{0}")]
+    Unwritable(String),
+    #[error("`{name}` cannot be read from the data folder: {why}")]
+    SessionDamaged { name: String, why: String },
+    #[error("no state `{0}`; import it first")]
+    StateNotFound(String),
+    /// Bytes that no session goes on from.
+    #[error("{0}")]
+    StateInvalid(String),
     #[error("a defect of the server; its log says more")]
     Internal,
 }

@@ -8,7 +8,9 @@
 //! room knows those behind it, never those before it: `results` no session, `session`
 //! no registry, `registry` no stream. Only `status`
 //! makes a gRPC status, only `metrics` names a metric, only `convert` sees both
-//! wire and domain types. The server reads and writes no files.
+//! wire and domain types, only `journal` reads and writes files, under names that are
+//! digests which the server computed. With a data folder, `session` hands each change to
+//! `journal` and shows a result when the disk has it; `wake` brings a session back.
 
 #![cfg_attr(
     not(test),
@@ -25,29 +27,38 @@ mod calls;
 mod client_key;
 mod compute;
 mod config;
+mod control;
 mod convert;
 mod fair_queue;
 mod fault;
+mod fsck;
 mod gates;
+mod journal;
 mod limits;
 mod listen;
 mod log;
 mod memory;
 mod metrics;
 mod metrics_page;
+mod planning;
 mod registry;
 mod results;
 mod retry;
 mod serve;
 mod service;
 mod session;
+mod states;
 mod status;
 mod store;
 mod streams;
 mod surfaces;
 mod transport;
+mod wake;
 
 pub use config::{Config, ConfigError, LogFormat, LogLevel};
+pub use control::{BackupError, backup, restore};
+pub use fsck::{Fsck, fsck};
+pub use journal::JournalError;
 pub use listen::{ListenError, Listener};
 pub use log::start_log;
 pub use serve::{ServeError, serve};

@@ -19,6 +19,9 @@ struct Arguments {
     /// Address of the metrics page, 127.0.0.1:PORT; empty for none.
     #[arg(long, value_name = "ADDRESS", env = "SIGNORINI_METRICS_LISTEN")]
     metrics_listen: Option<String>,
+    /// Data folder, made if it is missing; without one nothing outlives the server.
+    #[arg(long, value_name = "DIR", env = "SIGNORINI_DATA")]
+    data: Option<String>,
     /// How the log is written.
     #[arg(long, value_name = "FORMAT", env = "SIGNORINI_LOG_FORMAT")]
     log_format: Option<LogFormat>,
@@ -58,6 +61,7 @@ fn config(arguments: Arguments) -> Result<Config, Box<dyn std::error::Error>> {
     };
     config.listen = arguments.listen.unwrap_or(config.listen);
     config.metrics_listen = arguments.metrics_listen.unwrap_or(config.metrics_listen);
+    config.data = arguments.data.unwrap_or(config.data);
     config.log_format = arguments.log_format.unwrap_or(config.log_format);
     config.log_level = arguments.log_level.unwrap_or(config.log_level);
     Ok(config)

@@ -7,12 +7,19 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use prost::Message as _;
+use signorini_proto::v1 as wire;
 use tokio::sync::{Notify, watch};
+use tokio::time::Instant;
 
+use crate::config::Config;
+use crate::convert::step;
 use crate::fault::Fault;
+use crate::journal::{Change, JournalError, Listed};
 use crate::metrics::Metrics;
 use crate::session::{self, Handle, Services, SessionEnd, SessionSpec};
 use crate::status;
+use crate::wake;
 
 const PREFIX: &str = "sessions/";
 /// Names of expired sessions that are remembered, to say so.
@@ -30,17 +37,69 @@ struct Directory {
     /// Session name by request identifier.
     requests: HashMap<String, String>,
     expired: VecDeque<String>,
+    /// Those that the data folder has and no actor.
+    asleep: BTreeMap<String, Sleeper>,
+}
+
+/// A session that only the data folder has.
+#[derive(Clone)]
+struct Sleeper {
+    /// As lists show it.
+    described: wire::Session,
+    ttl: Duration,
+    since: Instant,
+    is_waking: bool,
+}
+
+/// Where a session is.
+enum Found {
+    Awake(Handle),
+    /// The caller wakes it.
+    Asleep(Waking),
+    /// Another call wakes it.
+    Waking,
 }
 
 impl Directory {
     /// The session of a request, if one is made or being made (`None` inside).
-    fn of_request(&self, request_id: &str) -> Option<Option<&Handle>> {
+    fn of_request(&self, request_id: &str) -> Option<Option<String>> {
         let name = self.requests.get(request_id)?;
-        Some(self.sessions.get(name)?.as_ref())
+        let is_made = match self.sessions.get(name) {
+            Some(handle) => handle.is_some(),
+            None => self.asleep.contains_key(name),
+        };
+        Some(is_made.then(|| name.clone()))
+    }
+
+    /// Enters a session that only the data folder has.
+    fn enter(&mut self, name: String, listed: &Listed, config: &Config) {
+        // One that cannot be read is told so when it is called.
+        let request = wire::CreateSessionRequest::decode(listed.session.request.clone());
+        let request = request.unwrap_or_default();
+        if !request.request_id.is_empty() {
+            self.requests.insert(request.request_id, name.clone());
+        }
+        let ttl = step::duration(request.ttl.as_ref(), "ttl");
+        let sleeper = Sleeper {
+            described: wake::described(&name, listed),
+            ttl: ttl.ok().flatten().unwrap_or_else(|| config.ttl()),
+            since: Instant::now(),
+            is_waking: false,
+        };
+        self.asleep.insert(name, sleeper);
+    }
+
+    fn len(&self) -> usize {
+        self.sessions.len() + self.asleep.len()
+    }
+
+    fn contains(&self, name: &str) -> bool {
+        self.sessions.contains_key(name) || self.asleep.contains_key(name)
     }
 
     fn forget(&mut self, name: &str) {
         self.sessions.remove(name);
+        self.asleep.remove(name);
         self.requests.retain(|_, session| session != name);
     }
 }
@@ -56,14 +115,24 @@ pub(crate) struct Registry {
 }
 
 impl Registry {
-    pub(crate) fn new(services: &Arc<Services>) -> Arc<Self> {
-        Arc::new(Self {
-            directory: Mutex::default(),
+    /// All sessions that the data folder has.
+    ///
+    /// # Errors
+    /// [`JournalError`] when it cannot be read.
+    pub(crate) fn new(services: &Arc<Services>) -> Result<Arc<Self>, JournalError> {
+        let mut directory = Directory::default();
+        let stored = services.journal.as_ref().map(|journal| journal.sessions());
+        for (name, listed) in stored.transpose()?.unwrap_or_default() {
+            directory.enter(name, &listed, &services.config);
+        }
+        services.metrics.asleep(directory.asleep.len());
+        Ok(Arc::new(Self {
+            directory: Mutex::new(directory),
             draining: AtomicBool::new(false),
             settled: Notify::new(),
             streams: watch::Sender::new(0),
             services: Arc::clone(services),
-        })
+        }))
     }
 
     /// Counts a refused request and writes it to the log.
@@ -104,15 +173,38 @@ impl Registry {
         }
     }
 
-    /// The session of that name.
-    pub(crate) fn get(&self, name: &str) -> Result<Handle, Fault> {
+    /// The session of that name, out of the data folder where it has to be.
+    pub(crate) async fn get(self: &Arc<Self>, name: &str) -> Result<Handle, Fault> {
+        loop {
+            let mut settled = pin!(self.settled.notified());
+            // Registered before the look, so that no change falls between.
+            settled.as_mut().enable();
+            match self.find(name)? {
+                Found::Awake(handle) => return Ok(handle),
+                Found::Asleep(waking) => {
+                    let spec = wake::spec(&self.services, name).await?;
+                    return Ok(waking.claim().start(spec));
+                }
+                Found::Waking => settled.await,
+            }
+        }
+    }
+
+    fn find(self: &Arc<Self>, name: &str) -> Result<Found, Fault> {
         self.check_open()?;
         if name.len() > LONGEST_NAME {
             return Err(Fault::request("name", "is longer than 256 bytes"));
         }
-        let inner = self.lock();
+        let mut inner = self.lock();
         if let Some(Some(handle)) = inner.sessions.get(name) {
-            return Ok(handle.clone());
+            return Ok(Found::Awake(handle.clone()));
+        }
+        if let Some(sleeper) = inner.asleep.get_mut(name) {
+            if std::mem::replace(&mut sleeper.is_waking, true) {
+                return Ok(Found::Waking);
+            }
+            let (registry, name) = (Arc::clone(self), name.to_owned());
+            return Ok(Found::Asleep(Waking { registry, name }));
         }
         let name = name.to_owned();
         if inner.expired.contains(&name) {
@@ -132,15 +224,21 @@ impl Registry {
             let mut settled = pin!(self.settled.notified());
             // Registered before the look, so that no change falls between.
             settled.as_mut().enable();
-            if let Some(claimed) = self.try_claim(id, request_id)? {
-                return Ok(claimed);
+            match self.try_claim(id, request_id)? {
+                Some(Ok(claim)) => return Ok(Claimed::New(claim)),
+                Some(Err(made)) => return Ok(Claimed::Made(Box::pin(self.get(&made)).await?)),
+                None => settled.await,
             }
-            settled.await;
         }
     }
 
-    /// As [`Registry::claim`]; `None` while the session of this request is being made.
-    fn try_claim(self: &Arc<Self>, id: &str, request_id: &str) -> Result<Option<Claimed>, Fault> {
+    /// As [`Registry::claim`], with the name of a session that is there; `None` while the
+    /// session of this request is being made.
+    fn try_claim(
+        self: &Arc<Self>,
+        id: &str,
+        request_id: &str,
+    ) -> Result<Option<Result<Claim, String>>, Fault> {
         self.check_open()?;
         let name = match id {
             "" => new_name(),
@@ -148,13 +246,13 @@ impl Registry {
         };
         let mut inner = self.lock();
         if let Some(made) = inner.of_request(request_id) {
-            return Ok(made.cloned().map(Claimed::Made));
+            return Ok(made.map(Err));
         }
         let limit = self.services.config.maximum_sessions;
-        if inner.sessions.len() >= limit {
+        if inner.len() >= limit {
             return Err(Fault::SessionLimit { limit });
         }
-        if inner.sessions.contains_key(&name) {
+        if inner.contains(&name) {
             return Err(Fault::SessionExists(name));
         }
         inner.sessions.insert(name.clone(), None);
@@ -162,7 +260,46 @@ impl Registry {
             inner.requests.insert(request_id.to_owned(), name.clone());
         }
         let registry = Arc::clone(self);
-        Ok(Some(Claimed::New(Claim { registry, name })))
+        Ok(Some(Ok(Claim { registry, name })))
+    }
+
+    /// Up to `count` sessions that only the data folder has behind `after`, in order of
+    /// their names.
+    pub(crate) fn list_asleep(&self, after: &str, count: usize) -> Vec<wire::Session> {
+        let inner = self.lock();
+        let behind = inner.asleep.values().map(|one| &one.described);
+        let behind = behind.filter(|one| one.name.as_str() > after);
+        behind.take(count).cloned().collect()
+    }
+
+    /// Sessions that only the data folder has and that need the mesh `name`.
+    pub(crate) fn asleep_on(&self, name: &str) -> usize {
+        let inner = self.lock();
+        let on = |one: &&Sleeper| one.described.mesh == name;
+        inner.asleep.values().filter(on).count()
+    }
+
+    /// Forgets those whose time to live has passed; nobody called for them.
+    pub(crate) async fn expire_asleep(&self) {
+        let Some(journal) = &self.services.journal else {
+            return;
+        };
+        let over = |one: &Sleeper| !one.is_waking && one.since.elapsed() >= one.ttl;
+        let names: Vec<String> = {
+            let mut inner = self.lock();
+            let all = inner.asleep.iter_mut().filter(|(_, one)| over(one));
+            all.map(|(name, one)| {
+                one.is_waking = true;
+                name.clone()
+            })
+            .collect()
+        };
+        for name in names {
+            match journal.store(&name, vec![Change::Delete]).await {
+                Ok(()) => self.ended(&name, &SessionEnd::Expired),
+                Err(why) => tracing::error!(why = why.to_string(), "a session stays on disk"),
+            }
+        }
     }
 
     /// Up to `count` sessions behind `after`, in order of their names.
@@ -188,16 +325,30 @@ impl Registry {
         }
     }
 
-    fn ended(&self, name: &str, ending: SessionEnd) {
+    fn ended(&self, name: &str, ending: &SessionEnd) {
+        let stored = self.stored(name, ending);
         let mut inner = self.lock();
-        inner.forget(name);
-        if ending == SessionEnd::Expired {
+        match stored {
+            Some(listed) => {
+                inner.sessions.remove(name);
+                inner.enter(name.to_owned(), &listed, &self.services.config);
+            }
+            None => inner.forget(name),
+        }
+        if *ending == SessionEnd::Expired {
             inner.expired.push_back(name.to_owned());
             if inner.expired.len() > REMEMBERED {
                 inner.expired.pop_front();
             }
         }
         self.services.metrics.sessions(inner.sessions.len());
+        self.services.metrics.asleep(inner.asleep.len());
+    }
+
+    /// What the data folder has of a session that goes on later.
+    fn stored(&self, name: &str, ending: &SessionEnd) -> Option<Listed> {
+        let journal = self.services.journal.as_ref()?;
+        ending.is_interruption().then(|| journal.listed(name))?
     }
 
     fn lock(&self) -> MutexGuard<'_, Directory> {
@@ -225,6 +376,29 @@ pub(crate) enum Claimed {
     Made(Handle),
 }
 
+/// A session that is being woken; asleep again unless that succeeds.
+struct Waking {
+    registry: Arc<Registry>,
+    name: String,
+}
+
+impl Waking {
+    /// The name, for a session that starts under it.
+    fn claim(&self) -> Claim {
+        let (registry, name) = (Arc::clone(&self.registry), self.name.clone());
+        Claim { registry, name }
+    }
+}
+
+impl Drop for Waking {
+    fn drop(&mut self) {
+        if let Some(sleeper) = self.registry.lock().asleep.get_mut(&self.name) {
+            sleeper.is_waking = false;
+        }
+        self.registry.settled.notify_waiters();
+    }
+}
+
 /// A name taken; given back unless a session starts under it.
 pub(crate) struct Claim {
     registry: Arc<Registry>,
@@ -243,12 +417,14 @@ impl Claim {
         let (by_name, name) = (Arc::clone(&registry), self.name.clone());
         // The lock keeps an actor that ends at once from being entered afterwards.
         let mut inner = registry.lock();
-        let ended = move |ending| by_name.ended(&name, ending);
+        let ended = move |ending| by_name.ended(&name, &ending);
         let handle = session::start(Arc::clone(&registry.services), spec, ended);
+        inner.asleep.remove(&self.name);
         inner
             .sessions
             .insert(self.name.clone(), Some(handle.clone()));
         registry.services.metrics.sessions(inner.sessions.len());
+        registry.services.metrics.asleep(inner.asleep.len());
         drop(inner);
         registry.settled.notify_waiters();
         handle

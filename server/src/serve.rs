@@ -5,6 +5,7 @@
 
 use std::future::Future;
 use std::io;
+use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -26,7 +27,9 @@ use crate::accept::{self, Door, Source};
 use crate::calls::{CountCalls, Methods};
 use crate::compute::SolverThreads;
 use crate::config::{Config, ConfigError};
+use crate::control;
 use crate::gates::{GateMessages, Gates};
+use crate::journal::{Journal, JournalError};
 use crate::listen::{Listener, Socket};
 use crate::metrics::{COMMIT, Metrics};
 use crate::metrics_page::{self, Page};
@@ -35,6 +38,7 @@ use crate::service::mesh::Meshes;
 use crate::service::session::Sessions;
 use crate::service::surface::SurfaceDoor;
 use crate::session::Services;
+use crate::states::States;
 use crate::store::Store;
 use crate::surfaces::Surfaces;
 use crate::transport::{MESSAGE_BYTES, Reasoned};
@@ -48,6 +52,8 @@ const STREAMS_PER_CONNECTION: u32 = 4096;
 const KEEPALIVE: Duration = Duration::from_secs(30);
 const KEEPALIVE_ANSWER: Duration = Duration::from_secs(10);
 const UPKEEP: Duration = Duration::from_secs(5);
+/// How often the data folder is looked through for results that shall go.
+const TRIM: Duration = Duration::from_secs(60);
 /// Connections that only watch the health service get this long to leave.
 const LAST_CALL: Duration = Duration::from_secs(1);
 
@@ -68,6 +74,9 @@ pub enum ServeError {
         /// Its message.
         why: String,
     },
+    /// The data folder cannot be used.
+    #[error(transparent)]
+    Data(#[from] JournalError),
     /// The transport failed.
     #[error("the transport failed: {0}")]
     Transport(#[from] tonic::transport::Error),
@@ -85,7 +94,7 @@ pub async fn serve(
     config.check()?;
     let drain_time = config.drain();
     let services = services(config)?;
-    let registry = Registry::new(&services);
+    let registry = Registry::new(&services)?;
     let (health, router) = router(&services, &registry).await?;
     log_start(&services.config, &listener);
     let page = Page {
@@ -93,7 +102,7 @@ pub async fn serve(
         registry: Arc::clone(&registry),
         service: listener.url().into(),
     };
-    let helpers = helpers(page, listener.metrics);
+    let helpers = helpers(page, &services, &registry, listener.metrics);
     let (stop, stopped) = oneshot::channel();
     let door = Door::new(&services.config, &services.metrics);
     let mut server = tokio::spawn(run(router, listener.socket, door, stopped));
@@ -143,6 +152,10 @@ fn log_start(config: &Config, listener: &Listener) {
         slots = config.solver_slots,
         threads_per_slot = config.threads(),
         memory_budget_bytes = config.budget(),
+        data = match config.data.as_str() {
+            "" => "none: nothing outlives this server",
+            folder => folder,
+        },
         "serving"
     );
 }
@@ -151,8 +164,13 @@ fn services(config: Config) -> Result<Arc<Services>, ServeError> {
     let metrics = Metrics::new().map_err(|error| setup("metrics", &error))?;
     let solvers = SolverThreads::start(config.slots(), &metrics).map_err(ServeError::Threads)?;
     let gates = Gates::new(config.budget(), &metrics);
+    let journal = match config.data.as_str() {
+        "" => None,
+        folder => Some(Arc::new(Journal::open(Path::new(folder), &metrics)?)),
+    };
     Ok(Arc::new(Services {
         gates: gates.map_err(|error| setup("the descriptors", &error))?,
+        journal,
         store: Store::new(config.budget(), &metrics),
         config,
         surfaces: Surfaces::default(),
@@ -174,6 +192,7 @@ async fn router(
     let sessions = Sessions {
         services: Arc::clone(services),
         registry: Arc::clone(registry),
+        states: States::default(),
     };
     let surfaces = SurfaceDoor {
         services: Arc::clone(services),
@@ -247,17 +266,50 @@ async fn run(
     router.serve_with_incoming_shutdown(incoming, stopped).await
 }
 
-fn helpers(page: Page, listener: Option<tokio::net::TcpListener>) -> Vec<JoinHandle<()>> {
-    let metrics = Arc::clone(&page.metrics);
+fn helpers(
+    page: Page,
+    services: &Arc<Services>,
+    registry: &Arc<Registry>,
+    listener: Option<tokio::net::TcpListener>,
+) -> Vec<JoinHandle<()>> {
+    let (journal, config) = (services.journal.clone(), services.config.clone());
+    let (metrics, registry) = (Arc::clone(&page.metrics), Arc::clone(registry));
     let upkeep = tokio::spawn(async move {
         let mut ticks = tokio::time::interval(UPKEEP);
         loop {
             ticks.tick().await;
             metrics.upkeep();
+            registry.expire_asleep().await;
         }
     });
     let page = listener.map(|listener| tokio::spawn(metrics_page::serve(listener, page)));
-    std::iter::once(upkeep).chain(page).collect()
+    let trim = journal
+        .clone()
+        .map(|journal| tokio::spawn(trim(journal, config)));
+    let control = journal.map(|journal| tokio::spawn(control::serve(journal)));
+    std::iter::once(upkeep)
+        .chain(page)
+        .chain(control)
+        .chain(trim)
+        .collect()
+}
+
+/// Drops from time to time what the data folder shall not keep.
+async fn trim(journal: Arc<Journal>, config: Config) {
+    let mut ticks = tokio::time::interval(TRIM);
+    loop {
+        ticks.tick().await;
+        let Some(limit) = config.data_limit() else {
+            continue;
+        };
+        let journal = Arc::clone(&journal);
+        match tokio::task::spawn_blocking(move || journal.trim(limit)).await {
+            Ok(Ok(0)) => {}
+            Ok(Ok(sessions)) => tracing::info!(sessions, "old results dropped from disk"),
+            Ok(Err(why)) => tracing::error!(why = why.to_string(), "old results stay on disk"),
+            Err(why) => tracing::error!(why = why.to_string(), "old results stay on disk"),
+        }
+    }
 }
 
 fn abort(helpers: &[JoinHandle<()>]) {
@@ -273,6 +325,9 @@ async fn close(services: &Arc<Services>, end: Instant) {
     let (closed, joined) = oneshot::channel();
     let joiner = std::thread::Builder::new().spawn(move || {
         services.solvers.close();
+        if let Some(journal) = &services.journal {
+            journal.close();
+        }
         // Nobody waits any more when it took too long.
         let _late = closed.send(());
     });

@@ -35,7 +35,7 @@ pub(crate) fn reason(fault: &Fault) -> &'static str {
 }
 
 /// Every reason, in the order of the faults.
-pub(crate) const REASONS: [&str; 23] = [
+pub(crate) const REASONS: [&str; 27] = [
     "SCENE_INVALID",
     "UNSUPPORTED_COMBINATION",
     "REQUEST_INVALID",
@@ -58,6 +58,10 @@ pub(crate) const REASONS: [&str; 23] = [
     "MESSAGE_LIMIT",
     "STREAM_DEADLINE",
     "SHUTTING_DOWN",
+    "DATA_UNWRITABLE",
+    "SESSION_DAMAGED",
+    "STATE_NOT_FOUND",
+    "STATE_INVALID",
     "INTERNAL",
 ];
 
@@ -118,6 +122,11 @@ fn contract(fault: &Fault) -> (Code, &'static str) {
         Fault::MessageLimit { .. } => (Code::ResourceExhausted, "MESSAGE_LIMIT"),
         Fault::StreamDeadline => (Code::DeadlineExceeded, "STREAM_DEADLINE"),
         Fault::ShuttingDown => (Code::Unavailable, "SHUTTING_DOWN"),
+        Fault::Interrupted => (Code::Unavailable, "SHUTTING_DOWN"),
+        Fault::Unwritable(_) => (Code::Unavailable, "DATA_UNWRITABLE"),
+        Fault::SessionDamaged { .. } => (Code::DataLoss, "SESSION_DAMAGED"),
+        Fault::StateNotFound(_) => (Code::NotFound, "STATE_NOT_FOUND"),
+        Fault::StateInvalid(_) => (Code::InvalidArgument, "STATE_INVALID"),
         Fault::Internal => (Code::Internal, "INTERNAL"),
     }
 }
@@ -142,7 +151,10 @@ fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
         | Fault::SessionExpired(name)
         | Fault::SessionExists(name)
         | Fault::SessionDeleted(name)
+        | Fault::SessionDamaged { name, .. }
         | Fault::SessionFailed { name, .. } => vec![("session", name.clone())],
+        Fault::StateNotFound(name) => vec![("state", name.clone())],
+        Fault::Interrupted | Fault::Unwritable(_) => vec![("resumes", "true".to_owned())],
         Fault::SessionBusy { held_since, .. } => vec![("held_since", held_since.to_string())],
         Fault::StepNotFound { sequence, .. } => vec![("sequence", sequence.to_string())],
         Fault::SequenceGap { expected, .. } => vec![("expected", expected.to_string())],
@@ -166,6 +178,7 @@ fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
         | Fault::SurfaceInvalid(_)
         | Fault::StreamDeadline
         | Fault::ShuttingDown
+        | Fault::StateInvalid(_)
         | Fault::Internal => Vec::new(),
     }
 }
@@ -226,6 +239,8 @@ fn retry_info(fault: &Fault) -> Option<Any> {
             | Fault::SessionLimit { .. }
             | Fault::MemoryBudget { .. }
             | Fault::ShuttingDown
+            | Fault::Interrupted
+            | Fault::Unwritable(_)
     );
     if !comes_again {
         return None;
@@ -337,7 +352,15 @@ mod tests {
             },
             Fault::MessageLimit { .. } => Fault::StreamDeadline,
             Fault::StreamDeadline => Fault::ShuttingDown,
-            Fault::ShuttingDown => Fault::Internal,
+            Fault::ShuttingDown => Fault::Interrupted,
+            Fault::Interrupted => Fault::Unwritable(text),
+            Fault::Unwritable(_) => Fault::SessionDamaged {
+                name: text.clone(),
+                why: text,
+            },
+            Fault::SessionDamaged { .. } => Fault::StateNotFound(text),
+            Fault::StateNotFound(_) => Fault::StateInvalid(text),
+            Fault::StateInvalid(_) => Fault::Internal,
             Fault::Internal => return None,
         })
     }
@@ -392,7 +415,9 @@ mod tests {
     fn the_list_of_reasons_is_that_of_the_faults() {
         let first = Fault::SceneInvalid(Vec::new());
         let all = std::iter::successors(Some(first), |fault| following(fault, ""));
-        let reasons: Vec<_> = all.map(|fault| reason(&fault)).collect();
+        let mut reasons: Vec<_> = all.map(|fault| reason(&fault)).collect();
+        // A shutdown has two texts.
+        reasons.dedup();
         assert_eq!(reasons, REASONS);
     }
 

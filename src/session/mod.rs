@@ -33,7 +33,7 @@ use body::{Advanced, Body, Increment};
 use checkpoint::Checkpoint;
 
 pub use crate::model::drive::ObstaclePose;
-pub use checkpoint::{CheckpointError, Origin};
+pub use checkpoint::{CheckpointError, Origin, Rounding};
 pub use step_run::{Reuse, StepRun};
 
 /// A state that load steps move.
@@ -112,7 +112,22 @@ impl Session {
         reuse: Reuse,
         bytes: &[u8],
     ) -> Result<Self, CheckpointError> {
-        let checkpoint = Checkpoint::decode(&plan, bytes)?;
+        Self::import_rounded(plan, mesh, prepared, reuse, (bytes, Rounding::Same))
+    }
+
+    /// As [`Session::import`], for bytes that another instruction set may have rounded:
+    /// later results are then the same up to rounding.
+    ///
+    /// # Errors
+    /// As [`Session::import`].
+    pub fn import_rounded(
+        plan: Arc<Plan>,
+        mesh: Arc<Mesh>,
+        prepared: Arc<Prepared>,
+        reuse: Reuse,
+        (bytes, rounding): (&[u8], Rounding),
+    ) -> Result<Self, CheckpointError> {
+        let checkpoint = Checkpoint::decode(&plan, bytes, rounding)?;
         let mut session = Self::new(plan, mesh, prepared, reuse);
         let Checkpoint {
             state,
@@ -127,6 +142,19 @@ impl Session {
         session.steps = steps;
         session.moved = moved;
         Ok(session)
+    }
+
+    /// Whether [`Session::import`] takes `bytes` on a session of `plan`, before anything
+    /// is prepared.
+    ///
+    /// # Errors
+    /// Those of the import.
+    pub fn check_import(
+        plan: &Plan,
+        bytes: &[u8],
+        rounding: Rounding,
+    ) -> Result<(), CheckpointError> {
+        Checkpoint::decode(plan, bytes, rounding).map(|_| ())
     }
 
     /// The state between two increments as bytes, for [`Session::import`]; they begin

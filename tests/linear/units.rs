@@ -61,6 +61,7 @@ impl Factors {
                     *point = scaled(*point, self.length);
                     *radius *= self.length;
                 }
+                other => panic!("no scene here has {other:?}"),
             }
         }
         for probe in &mut scene.probes {

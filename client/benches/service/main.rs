@@ -2,7 +2,7 @@
 //! loopback, figures on stdout.
 //!
 //! `cargo bench -p signorini-client --bench service -- NAME [COUNT]` runs one of
-//! `updates`, `overhead`, `fields`, `control`, `flood`, `cancels`, `abandon`,
+//! `updates`, `journal`, `overhead`, `fields`, `control`, `flood`, `cancels`, `abandon`,
 //! `watchers`, `hostile`; without a name each runs with a small count.
 //! `SIGNORINI_BENCH_MESH` names a larger mesh for `overhead` and `fields`.
 
@@ -20,6 +20,7 @@ mod control;
 mod fields;
 mod figures;
 mod hostile;
+mod journal;
 mod leases;
 mod server;
 mod updates;
@@ -29,8 +30,9 @@ type Run = fn(u32) -> Job;
 type Job = std::pin::Pin<Box<dyn Future<Output = ()>>>;
 
 /// Name, what it runs, count without an argument.
-const ALL: [(&str, Run, u32); 9] = [
+const ALL: [(&str, Run, u32); 10] = [
     ("updates", |count| Box::pin(updates::run(count)), 200),
+    ("journal", |count| Box::pin(journal::run(count)), 200),
     ("overhead", |count| Box::pin(updates::overhead(count)), 5),
     ("fields", |count| Box::pin(fields::run(count)), 64),
     ("control", |count| Box::pin(control::run(count)), 2000),

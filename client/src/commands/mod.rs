@@ -5,6 +5,8 @@ mod bench;
 mod cancel;
 mod check;
 mod completions;
+#[cfg(feature = "embedded")]
+mod data;
 pub(crate) mod embed;
 mod fetch;
 mod init;
@@ -41,6 +43,12 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         Command::Init { mesh, scene } => init::run(&mesh, scene),
         Command::Report { folder } => report::run(&folder),
         Command::Serve(arguments) => runtime.block_on(serve::run(arguments)),
+        #[cfg(feature = "embedded")]
+        Command::Backup { data, target } => data::backup(&data, &target),
+        #[cfg(feature = "embedded")]
+        Command::Restore { backup, data } => data::restore(&backup, &data),
+        #[cfg(feature = "embedded")]
+        Command::Fsck { folder } => data::fsck(&folder),
         #[cfg(feature = "bench")]
         Command::Bench(arguments) => runtime.block_on(Box::pin(bench::run(arguments))),
         Command::Mesh(command) => runtime.block_on(mesh::run(command)),

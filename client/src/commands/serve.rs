@@ -39,6 +39,7 @@ fn configuration(arguments: ServeArguments) -> Result<signorini_server::Config, 
     };
     config.listen = arguments.listen.unwrap_or(config.listen);
     config.metrics_listen = arguments.metrics_listen.unwrap_or(config.metrics_listen);
+    config.data = arguments.data.unwrap_or(config.data);
     config.log_format = arguments.log_format.unwrap_or(config.log_format);
     config.log_level = arguments.log_level.unwrap_or(config.log_level);
     Ok(config)

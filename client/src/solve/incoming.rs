@@ -40,11 +40,18 @@ impl From<Status> for Stop {
     /// A status that the service or a gateway wrote has no source; one that this
     /// side made from a failure of the transport has.
     fn from(status: Status) -> Self {
-        let gateway = is_of_gateway(&status) && Refusal::from(&status).reason.is_empty();
+        let refusal = Refusal::from(&status);
+        let gateway = is_of_gateway(&status) && refusal.reason.is_empty();
+        // The session is in the data folder of a server that is being restarted, or
+        // whose disk is full.
+        let resumes = refusal
+            .metadata
+            .get("resumes")
+            .is_some_and(|value| value == "true");
         match status.source() {
             Some(source) if source.is::<Unanswered>() => Self::Broken(status.into()),
             Some(source) => broken(root_cause(source)),
-            None if gateway => broken(status.message().to_owned()),
+            None if gateway || resumes => broken(status.message().to_owned()),
             None => Self::Fault(status.into()),
         }
     }
@@ -153,6 +160,14 @@ mod tests {
         }
         let missing = Status::unimplemented("no such method");
         assert!(matches!(Stop::from(missing), Stop::Fault(_)));
+    }
+
+    #[test]
+    fn a_session_that_goes_on_later_is_waited_for() {
+        let metadata = [("resumes".to_owned(), "true".to_owned())];
+        let details = ErrorDetails::with_error_info("SHUTTING_DOWN", "signorini", metadata);
+        let said = Status::with_error_details(Code::Unavailable, "no", details);
+        assert!(matches!(Stop::from(said), Stop::Broken(_)));
     }
 
     #[test]

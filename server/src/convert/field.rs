@@ -41,6 +41,24 @@ impl KeptField {
         }
     }
 
+    /// Rows and columns.
+    pub(crate) fn shape(&self) -> (u64, u64) {
+        (self.rows, self.components)
+    }
+
+    /// As it was taken apart before; `None` where the parts do not fit.
+    pub(crate) fn from_parts(number: i32, shape: (u64, u64), data: Bytes) -> Option<Self> {
+        let name = wire::FieldName::try_from(number).ok().and_then(domain)?;
+        let (rows, components) = shape;
+        let bytes = rows.checked_mul(components)?.checked_mul(8)?;
+        (bytes == data.len() as u64).then_some(Self {
+            name,
+            rows,
+            components,
+            data,
+        })
+    }
+
     /// Its messages, in order.
     pub(crate) fn chunks(
         &self,

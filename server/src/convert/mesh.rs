@@ -2,6 +2,7 @@
 //!
 //! Sizes are those of the header, checked before anything is allocated.
 
+mod file;
 mod reading;
 mod upload;
 
@@ -13,6 +14,7 @@ use signorini_proto::v1 as wire;
 use super::{MAXIMUM_NAME_BYTES, wide};
 use crate::fault::Fault;
 
+pub(crate) use file::{read as from_file, write as to_file};
 pub(crate) use reading::{messages, wanted};
 pub(crate) use upload::Upload;
 pub(super) use upload::{Indices, Points};

@@ -52,6 +52,12 @@ pub(super) const SLOTS: &str = "signorini_slots";
 pub(super) const RESIDUAL: &str = "signorini_residual";
 pub(super) const RECEIVED: &str = "signorini_received_bytes_total";
 pub(super) const SENT: &str = "signorini_sent_bytes_total";
+pub(super) const JOURNAL_COMMIT_SECONDS: &str = "signorini_journal_commit_seconds";
+pub(super) const JOURNAL_BYTES: &str = "signorini_journal_bytes_total";
+pub(super) const JOURNAL_FAILURES: &str = "signorini_journal_failures_total";
+pub(super) const REPLAY_SECONDS: &str = "signorini_replay_seconds";
+pub(super) const REPLAY_DIFFERENCES: &str = "signorini_replay_differences_total";
+pub(super) const ASLEEP: &str = "signorini_sessions_asleep";
 pub(super) const CALLS_STARTED: &str = "grpc_server_started_total";
 pub(super) const CALLS_HANDLED: &str = "grpc_server_handled_total";
 pub(super) const CALL_SECONDS: &str = "grpc_server_handling_seconds";
@@ -79,7 +85,17 @@ const VERTICES: &[f64] = &[
     1.0, 4.0, 16.0, 64.0, 256.0, 1024.0, 4096.0, 16384.0, 65536.0,
 ];
 
-pub(super) const HISTOGRAMS: [(&str, &[f64], &str); 12] = [
+pub(super) const HISTOGRAMS: [(&str, &[f64], &str); 14] = [
+    (
+        JOURNAL_COMMIT_SECONDS,
+        WAITS,
+        "Time of one commit of the journal: writing, and waiting for the disk.",
+    ),
+    (
+        REPLAY_SECONDS,
+        WAITS,
+        "Time that a session from the journal took to get back to its state.",
+    ),
     (
         SOLVE_SECONDS,
         SECONDS,
@@ -138,7 +154,13 @@ pub(super) const HISTOGRAMS: [(&str, &[f64], &str); 12] = [
     ),
 ];
 
-pub(super) const COUNTERS: [(&str, &str); 20] = [
+pub(super) const COUNTERS: [(&str, &str); 23] = [
+    (JOURNAL_BYTES, "Bytes handed to the journal."),
+    (JOURNAL_FAILURES, "Commits that the disk refused."),
+    (
+        REPLAY_DIFFERENCES,
+        "Results that a replay found otherwise than the first run.",
+    ),
     (ITERATIONS, "Krylov iterations of all sessions."),
     (INCREMENTS, "Finished increments by termination."),
     (STEPS, "Finished steps by termination."),
@@ -185,9 +207,13 @@ pub(super) const COUNTERS: [(&str, &str); 20] = [
     (CALLS_HANDLED, "Calls ended, by method and code."),
 ];
 
-pub(super) const GAUGES: [(&str, &str); 14] = [
+pub(super) const GAUGES: [(&str, &str); 15] = [
     (BUILD_INFO, "1; the labels name the build."),
     (SESSIONS, "Sessions that exist."),
+    (
+        ASLEEP,
+        "Sessions that are in the data folder only until they are called.",
+    ),
     (
         STREAMS,
         "Open `Solve` and `Watch` streams, those included that have named no session yet.",

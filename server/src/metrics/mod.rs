@@ -152,6 +152,30 @@ impl Metrics {
             .increment(1);
     }
 
+    /// One commit of the journal.
+    pub(crate) fn journal_commit(&self, time: Duration, bytes: usize) {
+        self.histogram(JOURNAL_COMMIT_SECONDS, &[])
+            .record(time.as_secs_f64());
+        self.counter(JOURNAL_BYTES, &[]).increment(bytes as u64);
+    }
+
+    /// A commit that the disk refused.
+    pub(crate) fn journal_failed(&self) {
+        self.counter(JOURNAL_FAILURES, &[]).increment(1);
+    }
+
+    /// A session is back at its state.
+    pub(crate) fn replay(&self, seconds: f64, differing: u32) {
+        self.histogram(REPLAY_SECONDS, &[]).record(seconds);
+        self.counter(REPLAY_DIFFERENCES, &[])
+            .increment(differing.into());
+    }
+
+    /// Sessions that only the data folder has.
+    pub(crate) fn asleep(&self, count: usize) {
+        self.gauge(ASLEEP, &[]).set(count as f64);
+    }
+
     /// One finished step.
     pub(crate) fn step(&self, termination: Termination) {
         self.counter(STEPS, &[("termination", termination.name())])

@@ -28,6 +28,9 @@ impl Metrics {
             PAUSES,
             RECEIVED,
             SENT,
+            JOURNAL_BYTES,
+            JOURNAL_FAILURES,
+            REPLAY_DIFFERENCES,
         ] {
             self.counter(name, &[]).increment(0);
         }
@@ -40,6 +43,8 @@ impl Metrics {
         for name in [
             QUEUE_WAIT,
             CANCEL_SECONDS,
+            JOURNAL_COMMIT_SECONDS,
+            REPLAY_SECONDS,
             SQP_ITERATIONS,
             KRYLOV_ITERATIONS,
             APPLICATIONS,

@@ -33,7 +33,18 @@ impl From<&wire::StepReport> for KeptReport {
 }
 
 impl KeptReport {
-    fn decode(&self) -> Option<wire::StepReport> {
+    /// As it was encoded before.
+    pub(crate) fn from_encoded(encoded: Bytes) -> Option<Self> {
+        let report = wire::StepReport::decode(encoded.clone()).ok()?;
+        let increment = report.increment;
+        Some(Self { increment, encoded })
+    }
+
+    pub(crate) fn encoded(&self) -> Bytes {
+        self.encoded.clone()
+    }
+
+    pub(crate) fn decode(&self) -> Option<wire::StepReport> {
         // It was encoded here, so it decodes.
         wire::StepReport::decode(self.encoded.clone()).ok()
     }
@@ -57,6 +68,8 @@ pub(crate) struct KeptResult {
     pub(crate) fields: Vec<KeptField>,
     /// Its fields left retention.
     pub(crate) dropped: bool,
+    /// Change of the session's journal that has to be on disk before anybody sees it.
+    pub(crate) needs: u64,
 }
 
 impl KeptResult {
@@ -124,6 +137,8 @@ pub(crate) struct Kept {
     report_bytes: u64,
     maximum_results: usize,
     maximum_field_bytes: u64,
+    /// Last change of the session's journal that is on disk.
+    durable: u64,
 }
 
 impl Kept {
@@ -134,7 +149,32 @@ impl Kept {
             report_bytes: 0,
             maximum_results,
             maximum_field_bytes,
+            durable: u64::MAX,
         }
+    }
+
+    /// Shows results that need a change of the journal up to `mark`, and no others.
+    pub(crate) fn show(&mut self, mark: u64) {
+        self.durable = mark;
+    }
+
+    fn is_shown(&self, result: &KeptResult) -> bool {
+        result.needs <= self.durable
+    }
+
+    /// The newest result that readers see; `newest` without results.
+    pub(crate) fn shown_event(&self, newest: i64) -> i64 {
+        match self.first_hidden() {
+            Some(hidden) => hidden.event - 1,
+            None => newest,
+        }
+    }
+
+    /// The first result that waits for the disk.
+    pub(crate) fn first_hidden(&self) -> Option<&Arc<KeptResult>> {
+        // Later results need later changes.
+        let first = self.results.partition_point(|one| self.is_shown(one));
+        self.results.get(first)
     }
 
     /// Keeps a result and drops what no longer fits.
@@ -175,7 +215,8 @@ impl Kept {
 
     /// Results of one sequence.
     pub(crate) fn of_sequence(&self, sequence: i64) -> Vec<Arc<KeptResult>> {
-        let wanted = |result: &&Arc<KeptResult>| result.sequence == sequence;
+        let wanted =
+            |result: &&Arc<KeptResult>| result.sequence == sequence && self.is_shown(result);
         self.results.iter().filter(wanted).cloned().collect()
     }
 
@@ -186,18 +227,21 @@ impl Kept {
         seen.map_or(newest, |seen| seen.max(oldest).min(newest))
     }
 
-    /// The oldest result with an event above `event`.
+    /// The oldest result with an event above `event`, if readers see it.
     pub(crate) fn behind(&self, event: i64) -> Option<&Arc<KeptResult>> {
         // Events have no gaps, so the position follows from the number.
         let oldest = self.results.front()?.event;
         let position = usize::try_from(event + 1 - oldest).unwrap_or(0);
-        self.results.get(position)
+        self.results
+            .get(position)
+            .filter(|result| self.is_shown(result))
     }
 
     /// First and last event of a sequence.
     pub(crate) fn events_of(&self, sequence: i64) -> Option<(i64, i64)> {
         let first = self.results.partition_point(|one| one.sequence < sequence);
-        let end = self.results.partition_point(|one| one.sequence <= sequence);
+        let seen = |one: &Arc<KeptResult>| one.sequence <= sequence && self.is_shown(one);
+        let end = self.results.partition_point(seen);
         let last = self.results.get(end.checked_sub(1)?)?;
         Some((self.results.get(first)?.event, last.event)).filter(|_| first < end)
     }
@@ -209,6 +253,12 @@ impl Kept {
             Some(oldest) => oldest.sequence + 1,
             None => 0,
         }
+    }
+
+    /// Event of the oldest result that has fields.
+    pub(crate) fn first_with_fields(&self) -> Option<i64> {
+        let mut all = self.results.iter();
+        all.find(|one| !one.fields.is_empty()).map(|one| one.event)
     }
 
     /// Bytes of reports and fields.
@@ -257,6 +307,7 @@ mod tests {
             asked: Some(vec![FieldName::Gap, FieldName::Pressure]),
             fields: vec![KeptField::new(&field)],
             dropped: false,
+            needs: 0,
         }
     }
 

@@ -1,6 +1,7 @@
 //! Results of increments that no solver finished.
 
 use signorini::report::{StepReport, Termination};
+use signorini_proto::v1 as wire;
 
 /// A report that names the increment and how it ended, with nothing done.
 pub(crate) fn report(step: u32, increment: u32, termination: Termination) -> StepReport {
@@ -16,18 +17,15 @@ pub(crate) fn report(step: u32, increment: u32, termination: Termination) -> Ste
 }
 
 /// The last good state, reported again for an increment that was stopped before
-/// it began.
+/// it began and is `blank` otherwise.
 pub(crate) fn stopped(
-    last: Option<&StepReport>,
-    step: u32,
-    increment: u32,
-    termination: Termination,
-) -> StepReport {
-    let blank = report(step, increment, termination);
-    let Some(last) = last else {
+    last: Option<&wire::StepReport>,
+    blank: wire::StepReport,
+) -> wire::StepReport {
+    let Some(last) = last.cloned() else {
         return blank;
     };
-    StepReport {
+    wire::StepReport {
         time: last.time,
         load: last.load,
         active_vertices: last.active_vertices,
@@ -40,14 +38,15 @@ pub(crate) fn stopped(
         max_penetration: last.max_penetration,
         residuals: last.residuals,
         tolerance: last.tolerance,
-        obstacles: last.obstacles.clone(),
-        supports: last.supports.clone(),
-        probes: last.probes.clone(),
+        obstacles: last.obstacles,
+        supports: last.supports,
+        probes: last.probes,
         error_estimate: last.error_estimate,
         errors: last.errors,
         unknowns: last.unknowns,
         memory_bytes: last.memory_bytes,
-        instruction_set: last.instruction_set.clone(),
+        instruction_set: last.instruction_set,
+        obstacle_poses: last.obstacle_poses,
         ..blank
     }
 }

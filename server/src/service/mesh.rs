@@ -11,11 +11,13 @@ use tokio::time::Instant;
 use tonic::codegen::BoxStream;
 use tonic::{Request, Response, Status, Streaming};
 
-use super::{aside, page_size, respond};
+use super::{page_size, respond};
 use crate::client_key::{ClientIdentity, ClientKey};
 use crate::convert::mesh::{self as convert, Header, Upload};
 use crate::fault::Fault;
 use crate::gates::UploadShare;
+use crate::journal::{Change, Journal};
+use crate::planning::{self, aside};
 use crate::registry::Registry;
 use crate::session::Services;
 use crate::store::{Lease, Reservation};
@@ -55,7 +57,7 @@ impl MeshService for Meshes {
     ) -> Result<Response<wire::GetMeshResponse>, Status> {
         respond(&self.registry, async {
             let id = convert::id_from_name(&request.into_inner().name, "name")?;
-            let mesh = Some(self.describe(self.services.store.mesh(id)?)?);
+            let mesh = Some(self.describe(planning::mesh(&self.services, id).await?)?);
             Ok(wire::GetMeshResponse { mesh })
         })
         .await
@@ -66,7 +68,7 @@ impl MeshService for Meshes {
         &self,
         request: Request<wire::ListMeshesRequest>,
     ) -> Result<Response<wire::ListMeshesResponse>, Status> {
-        respond(&self.registry, async { self.list(&request.into_inner()) }).await
+        respond(&self.registry, self.list(request.into_inner())).await
     }
 
     #[tracing::instrument(skip_all)]
@@ -78,7 +80,7 @@ impl MeshService for Meshes {
             let request = request.into_inner();
             let id = convert::id_from_name(&request.name, "name")?;
             let wanted = convert::wanted(&request.arrays)?;
-            let messages = convert::messages(self.services.store.mesh(id)?, &wanted);
+            let messages = convert::messages(planning::mesh(&self.services, id).await?, &wanted);
             let stream: Self::ReadMeshStream = Box::pin(tokio_stream::iter(messages.map(Ok)));
             Ok(stream)
         })
@@ -92,7 +94,7 @@ impl MeshService for Meshes {
     ) -> Result<Response<wire::DeleteMeshResponse>, Status> {
         respond(&self.registry, async {
             let id = convert::id_from_name(&request.into_inner().name, "name")?;
-            self.services.store.delete_mesh(id)?;
+            self.delete(id).await?;
             Ok(wire::DeleteMeshResponse {})
         })
         .await
@@ -113,7 +115,9 @@ impl Meshes {
         };
         let header = Header::new(header)?;
         let id = header.id;
-        if let Some(found) = id.and_then(|id| self.services.store.mesh(id).ok()) {
+        if let Some(id) = id
+            && let Ok(found) = planning::mesh(&self.services, id).await
+        {
             return self.uploaded(found, Presence::Before);
         }
         taken.expect(&header)?;
@@ -129,12 +133,35 @@ impl Meshes {
                 }
             }
         }
-        let mesh = aside(move || build(upload, id)).await??;
-        if let Ok(found) = self.services.store.mesh(mesh.id()) {
+        let journal = self.services.journal.clone();
+        let mesh = aside(move || build(upload, id, journal.as_deref())).await??;
+        if let Ok(found) = planning::mesh(&self.services, mesh.id()).await {
             return self.uploaded(found, Presence::Before);
         }
         let _excess = self.reserve_excess(&mesh, taken.bytes())?;
+        // On disk before anybody finds it.
+        if let Some(journal) = &self.services.journal {
+            planning::store_mesh(journal, &mesh).await?;
+        }
         self.uploaded(self.services.store.insert_mesh(mesh), Presence::New)
+    }
+
+    /// Drops a mesh that no session uses, awake or not, from memory and disk.
+    async fn delete(&self, id: MeshId) -> Result<(), Fault> {
+        let name = convert::name(id);
+        let sessions = self.registry.asleep_on(&name);
+        if sessions > 0 {
+            return Err(Fault::MeshInUse { name, sessions });
+        }
+        drop(planning::mesh(&self.services, id).await?);
+        self.services.store.delete_mesh(id)?;
+        let Some(journal) = self.services.journal.clone() else {
+            return Ok(());
+        };
+        let dropped = journal.store("", vec![Change::DropMesh(name)]).await;
+        dropped.map_err(planning::unwritable)?;
+        let drop = move || journal.drop_mesh(id);
+        aside(drop).await?.map_err(planning::unwritable)
     }
 
     /// Takes what a mesh needs beyond its prediction, if anything.
@@ -166,16 +193,23 @@ impl Meshes {
         ))
     }
 
-    fn list(&self, request: &wire::ListMeshesRequest) -> Result<wire::ListMeshesResponse, Fault> {
+    async fn list(
+        &self,
+        request: wire::ListMeshesRequest,
+    ) -> Result<wire::ListMeshesResponse, Fault> {
         let size = page_size(request.page_size)?;
         let after = match request.page_token.as_str() {
             "" => None,
             token => Some(convert::id_from_name(token, "page_token")?),
         };
         let found = self.services.store.meshes(after, size);
+        let found: Vec<_> = found
+            .iter()
+            .map(|(mesh, uses)| convert::mesh(mesh, uses))
+            .collect();
+        let found = self.with_stored(found, (&request.page_token, size)).await?;
         let (mut meshes, mut bytes) = (Vec::new(), 0);
-        for (mesh, uses) in &found {
-            let mesh = convert::mesh(mesh, uses);
+        for mesh in found.iter().cloned() {
             bytes += mesh.encoded_len();
             meshes.push(mesh);
             if bytes > PAGE_BYTES {
@@ -188,6 +222,27 @@ impl Meshes {
             meshes,
             next_page_token: last.unwrap_or_default(),
         })
+    }
+
+    /// Meshes in memory with those that only the data folder has, in order of their names.
+    async fn with_stored(
+        &self,
+        mut found: Vec<wire::StoredMesh>,
+        (after, size): (&str, usize),
+    ) -> Result<Vec<wire::StoredMesh>, Fault> {
+        let Some(journal) = self.services.journal.clone() else {
+            return Ok(found);
+        };
+        let stored = aside(move || journal.meshes()).await?;
+        for (name, mesh) in stored.map_err(planning::unwritable)? {
+            let is_new = name.as_str() > after && found.iter().all(|one| one.name != name);
+            if let (true, Ok(mesh)) = (is_new, wire::StoredMesh::decode(mesh.described)) {
+                found.push(mesh);
+            }
+        }
+        found.sort_unstable_by(|one, other| one.name.cmp(&other.name));
+        found.truncate(size);
+        Ok(found)
     }
 }
 
@@ -282,17 +337,30 @@ async fn by<T>(end: Instant, arrival: impl Future<Output = T>) -> Result<T, Faul
     })
 }
 
-fn build(upload: Upload, declared: Option<MeshId>) -> Result<Mesh, Fault> {
+/// The mesh of an upload, its file on the disk where there is a data folder.
+fn build(
+    upload: Upload,
+    declared: Option<MeshId>,
+    journal: Option<&Journal>,
+) -> Result<Mesh, Fault> {
     let invalid = |error: signorini::MeshError| Fault::MeshInvalid(error.to_string());
     let (parts, offsets) = upload.finish()?;
+    let write =
+        |journal: &Journal| journal.write_part(|put| convert::to_file(&parts, &offsets, put));
+    let part = journal.map(write).transpose();
+    let part = part.map_err(planning::unwritable)?;
     let mesh = Mesh::second_order(parts, offsets).map_err(invalid)?;
-    match declared.filter(|declared| *declared != mesh.id()) {
-        None => Ok(mesh),
-        Some(declared) => Err(Fault::DigestMismatch {
+    if let Some(declared) = declared.filter(|declared| *declared != mesh.id()) {
+        return Err(Fault::DigestMismatch {
             declared: declared.to_string(),
             computed: mesh.id().to_string(),
-        }),
+        });
     }
+    if let (Some(journal), Some(part)) = (journal, part) {
+        let kept = journal.keep_mesh(part, mesh.id());
+        kept.map_err(planning::unwritable)?;
+    }
+    Ok(mesh)
 }
 
 #[cfg(test)]

@@ -2,6 +2,7 @@
 
 pub(crate) mod mesh;
 pub(crate) mod session;
+mod state;
 pub(crate) mod surface;
 mod timeout;
 
@@ -37,14 +38,4 @@ fn page_size(asked: i32) -> Result<usize, Fault> {
         Ok(size) if size <= PAGE_MOST => Ok(size),
         Ok(_) | Err(_) => Err(Fault::request("page_size", "must lie between 0 and 1000")),
     }
-}
-
-/// Runs a short computation off the threads that serve connections.
-async fn aside<T: Send + 'static>(work: impl FnOnce() -> T + Send + 'static) -> Result<T, Fault> {
-    let span = tracing::Span::current();
-    let done = tokio::task::spawn_blocking(move || span.in_scope(work)).await;
-    done.map_err(|error| {
-        tracing::error!(said = error.to_string(), "a request panicked");
-        Fault::Internal
-    })
 }

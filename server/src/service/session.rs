@@ -1,34 +1,32 @@
 //! `SessionService`.
 
 use std::pin::Pin;
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use std::time::SystemTime;
 
+use bytes::Bytes;
 use prost::Message;
-use signorini::plan::Plan;
-use signorini::prepare::Prepared;
+use signorini::Rounding;
 use signorini_proto::v1::{self as wire, session_service_server::SessionService};
 use tokio_stream::wrappers::ReceiverStream;
 use tokio_stream::{Stream, StreamExt};
 use tonic::{Request, Response, Status, Streaming};
 
-use super::{aside, page_size, respond, timeout};
+use super::{page_size, respond, state, timeout};
 use crate::client_key::ClientKey;
 use crate::convert::field::{self, Encoding};
-use crate::convert::scene::SceneRequest;
-use crate::convert::surface::SurfacesByName;
-use crate::convert::{report, scene, step, surface};
+use crate::convert::{mesh, report, step};
 use crate::fault::Fault;
-use crate::registry::{Claimed, Registry};
+use crate::journal::{Change, StoredSession};
+use crate::planning::{self, Planned};
+use crate::registry::{Claim, Claimed, Registry};
 use crate::results::kept::messages;
-use crate::session::{Handle, ReadRequest, Services, SessionSpec};
-use crate::store::{Lease, Reservation};
+use crate::session::{Handle, ReadRequest, Recovered, Services, SessionSpec};
+use crate::states::States;
 use crate::streams;
 
 const MAXIMUM_REQUEST_ID_BYTES: usize = 64;
 const MAXIMUM_SCENE_BYTES: usize = 3 << 20;
-/// Memory of a decoded message over its encoded size, about.
-const OWN_FACTOR: u64 = 4;
 
 type Messages<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;
 
@@ -36,6 +34,7 @@ type Messages<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;
 pub(crate) struct Sessions {
     pub(crate) services: Arc<Services>,
     pub(crate) registry: Arc<Registry>,
+    pub(crate) states: States,
 }
 
 #[tonic::async_trait]
@@ -60,7 +59,7 @@ impl SessionService for Sessions {
         request: Request<wire::GetSessionRequest>,
     ) -> Result<Response<wire::GetSessionResponse>, Status> {
         respond(&self.registry, async {
-            let handle = self.registry.get(&request.into_inner().name)?;
+            let handle = self.registry.get(&request.into_inner().name).await?;
             let mut session = handle.describe().await?;
             session.scene = Some(handle.scene());
             let session = Some(session);
@@ -83,7 +82,7 @@ impl SessionService for Sessions {
         request: Request<wire::DeleteSessionRequest>,
     ) -> Result<Response<wire::DeleteSessionResponse>, Status> {
         respond(&self.registry, async {
-            let handle = self.registry.get(&request.into_inner().name)?;
+            let handle = self.registry.get(&request.into_inner().name).await?;
             handle.delete().await?;
             handle.ended().await;
             Ok(wire::DeleteSessionResponse {})
@@ -119,7 +118,7 @@ impl SessionService for Sessions {
     ) -> Result<Response<wire::CancelStepResponse>, Status> {
         respond(&self.registry, async {
             let request = request.into_inner();
-            let handle = self.registry.get(&request.name)?;
+            let handle = self.registry.get(&request.name).await?;
             let sequence = handle.cancel(request.sequence).await?;
             Ok(wire::CancelStepResponse { sequence })
         })
@@ -134,42 +133,37 @@ impl SessionService for Sessions {
         respond(&self.registry, self.read(request.into_inner())).await
     }
 
+    #[tracing::instrument(skip_all)]
     async fn export_state(
         &self,
-        _request: Request<wire::ExportStateRequest>,
+        request: Request<wire::ExportStateRequest>,
     ) -> Result<Response<Self::ExportStateStream>, Status> {
-        respond(&self.registry, async { Err(checkpoints("export_state")) }).await
+        respond(&self.registry, async {
+            let handle = self.registry.get(&request.into_inner().name).await?;
+            let slices = state::export(handle).await?;
+            let stream: Self::ExportStateStream = Box::pin(tokio_stream::iter(slices.map(Ok)));
+            Ok(stream)
+        })
+        .await
     }
 
+    #[tracing::instrument(skip_all)]
     async fn import_state(
         &self,
-        _request: Request<Streaming<wire::ImportStateRequest>>,
+        request: Request<Streaming<wire::ImportStateRequest>>,
     ) -> Result<Response<wire::ImportStateResponse>, Status> {
-        respond(&self.registry, async { Err(checkpoints("import_state")) }).await
+        respond(&self.registry, async {
+            self.registry.check_open()?;
+            state::import(&self.services, &self.states, request.into_inner()).await
+        })
+        .await
     }
-}
-
-fn checkpoints(path: &str) -> Fault {
-    Fault::unsupported(path, "checkpoints come in a later version")
-}
-
-/// Memory taken for a session.
-struct Taken {
-    reservation: Reservation,
-    prepared: Option<Lease<Prepared>>,
-}
-
-/// A scene with its mesh and its plan.
-struct Planned {
-    request: SceneRequest,
-    mesh: Lease<signorini::mesh::Mesh>,
-    plan: Plan,
 }
 
 impl Sessions {
     async fn create(
         &self,
-        request: wire::CreateSessionRequest,
+        mut request: wire::CreateSessionRequest,
         client: ClientKey,
     ) -> Result<wire::CreateSessionResponse, Fault> {
         self.registry.check_open()?;
@@ -178,6 +172,12 @@ impl Sessions {
         let ttl = step::duration(request.ttl.as_ref(), "ttl")?;
         let missing = || Fault::request("scene", "is required");
         let on_disconnect = request.on_disconnect();
+        let from_state = self.from_state(&mut request).await?;
+        let asked = self
+            .services
+            .journal
+            .as_ref()
+            .map(|_| request.encode_to_vec());
         let scene = request.scene.ok_or_else(missing)?;
         if request.validate_only {
             let plan = self.plan(scene, client).await?.plan;
@@ -197,12 +197,15 @@ impl Sessions {
         let kept = Arc::new(scene.clone());
         let planned = self.plan(scene, client).await?;
         let plan_report = report::plan(planned.plan.report());
-        let own_bytes = OWN_FACTOR * (kept.encoded_len() + plan_report.encoded_len()) as u64;
-        let result_bytes = result_bytes(&planned);
-        let taken = self.reserve(&planned, own_bytes + result_bytes)?;
+        let own_bytes = planning::own_bytes(&kept, &plan_report);
+        let result_bytes = planning::result_bytes(&planned);
+        let taken = planning::reserve(&self.services.store, &planned, own_bytes)?;
+        let recovered = from_state.map(|state| start(&planned, state)).transpose()?;
+        self.store(&claim, asked, &planned, recovered.as_deref())
+            .await?;
         let spec = SessionSpec {
             name: claim.name().to_owned(),
-            reservation: Arc::new(Mutex::new(taken.reservation)),
+            reservation: taken.reservation,
             prepared: taken.prepared,
             own_bytes,
             result_bytes,
@@ -215,35 +218,15 @@ impl Sessions {
             output: planned.request.output,
             ttl: ttl.unwrap_or_else(|| self.services.config.ttl()),
             created: SystemTime::now(),
+            recovered,
         };
         created(&claim.start(spec)).await
     }
 
+    /// A plan, when it is this client's turn.
     async fn plan(&self, message: wire::Scene, client: ClientKey) -> Result<Planned, Fault> {
-        let surfaces = self.surfaces(&message)?;
-        let request = scene::scene(message, &surfaces)?;
-        let mesh = self.services.store.mesh(request.mesh)?;
         let _turn = self.services.gates.plans.turn(client).await;
-        // A plan numbers the mesh and finds its surfaces: about the mesh once more.
-        let _memory = self.services.store.reserve(mesh.value().bytes())?;
-        let planned = aside(move || {
-            let plan = request.plan(mesh.value())?;
-            Ok::<_, Fault>(Planned {
-                request,
-                mesh,
-                plan,
-            })
-        });
-        planned.await?
-    }
-
-    /// The surfaces that a scene names.
-    fn surfaces(&self, scene: &wire::Scene) -> Result<SurfacesByName, Fault> {
-        let one = |name: String| {
-            let digest = surface::digest_of(&name, "obstacle.shape.surface")?;
-            Ok((name, self.services.surfaces.get(&digest)?.surface))
-        };
-        surface::names(scene).into_iter().map(one).collect()
+        planning::plan(&self.services, message).await
     }
 
     /// Refuses a client that has too much waiting already.
@@ -255,18 +238,47 @@ impl Sessions {
         }
     }
 
-    /// Takes the predicted memory with one result, less what another session has
-    /// prepared, and keeps that from being dropped.
-    fn reserve(&self, planned: &Planned, beside: u64) -> Result<Taken, Fault> {
-        let (store, report) = (&self.services.store, planned.plan.report());
-        let prepared = store.hold_prepared(&planned.plan.key());
-        let there = prepared.as_ref().map_or(0, |lease| lease.value().bytes());
-        let predicted = report.predicted_bytes.saturating_sub(there);
-        let reservation = store.reserve(predicted.saturating_add(beside))?;
-        Ok(Taken {
-            reservation,
-            prepared,
-        })
+    /// The imported state that a request starts from; its scene becomes the request's
+    /// where that has none.
+    async fn from_state(
+        &self,
+        request: &mut wire::CreateSessionRequest,
+    ) -> Result<Option<Bytes>, Fault> {
+        if request.from_state.is_empty() {
+            return Ok(None);
+        }
+        let journal = self.services.journal.as_ref();
+        let found = self.states.get(journal, &request.from_state).await?;
+        if request.scene.is_none() {
+            let scene = wire::Scene::decode(found.scene);
+            let wrong = |_| Fault::StateInvalid("the state names no scene".to_owned());
+            request.scene = Some(scene.map_err(wrong)?);
+        }
+        Ok(Some(found.state))
+    }
+
+    /// Puts a new session on disk, before anybody hears of it.
+    async fn store(
+        &self,
+        claim: &Claim,
+        request: Option<Vec<u8>>,
+        planned: &Planned,
+        recovered: Option<&Recovered>,
+    ) -> Result<(), Fault> {
+        let (Some(journal), Some(request)) = (&self.services.journal, request) else {
+            return Ok(());
+        };
+        let session = StoredSession {
+            request: request.into(),
+            created: Some(SystemTime::now().into()),
+            mesh: mesh::name(planned.mesh.value().id()),
+            scene_name: planned.plan.report().name.clone(),
+        };
+        let mut changes = vec![Change::Begin, Change::Delete, Change::Session(session)];
+        let start = recovered.and_then(|one| one.checkpoint.clone());
+        changes.extend(start.map(Change::Checkpoint));
+        let stored = journal.store(claim.name(), changes).await;
+        stored.map_err(planning::unwritable)
     }
 
     async fn list(
@@ -275,11 +287,11 @@ impl Sessions {
     ) -> Result<wire::ListSessionsResponse, Fault> {
         let size = page_size(request.page_size)?;
         let found = self.registry.list(&request.page_token, size);
-        let last = found
-            .last()
-            .filter(|_| found.len() == size)
-            .map(|(name, _)| name.clone());
-        let mut sessions = Vec::with_capacity(found.len());
+        let mut sessions = self.registry.list_asleep(&request.page_token, size);
+        let mut names: Vec<String> = found.iter().map(|(name, _)| name.clone()).collect();
+        names.extend(sessions.iter().map(|one| one.name.clone()));
+        names.sort_unstable();
+        let last = names.get(size - 1).cloned();
         for (_, handle) in &found {
             // One that ended meanwhile is left out.
             if let Ok(session) = handle.list().await {
@@ -289,6 +301,10 @@ impl Sessions {
                 });
             }
         }
+        if let Some(last) = &last {
+            sessions.retain(|one| one.name <= *last);
+        }
+        sessions.sort_unstable_by(|one, other| one.name.cmp(&other.name));
         let next_page_token = last.unwrap_or_default();
         Ok(wire::ListSessionsResponse {
             sessions,
@@ -300,7 +316,7 @@ impl Sessions {
         &self,
         request: wire::ReadStepRequest,
     ) -> Result<Messages<wire::ReadStepResponse>, Fault> {
-        let handle = self.registry.get(&request.name)?;
+        let handle = self.registry.get(&request.name).await?;
         let fields = field::names(&request.fields, "fields")?;
         let encoding: Encoding = field::encoding(request.element_type)?;
         let (sequence, increment) = (request.sequence, request.increment);
@@ -326,16 +342,14 @@ impl Sessions {
     }
 }
 
-/// About what the fields of one result take, bytes.
-fn result_bytes(planned: &Planned) -> u64 {
-    let fields = planned.request.output.fields.len() as u64;
-    8 * fields * planned.plan.report().unknowns.displacement
+/// Where a session starts that goes on from the state of another one.
+fn start(planned: &Planned, state: Bytes) -> Result<Box<Recovered>, Fault> {
+    let checked = signorini::Session::check_import(&planned.plan, &state, Rounding::Same);
+    checked.map_err(|error| Fault::StateInvalid(error.to_string()))?;
+    Ok(Box::new(Recovered::at(state)))
 }
 
 fn check_request(request: &wire::CreateSessionRequest) -> Result<(), Fault> {
-    if !request.from_state.is_empty() {
-        return Err(checkpoints("from_state"));
-    }
     if request.request_id.len() > MAXIMUM_REQUEST_ID_BYTES {
         return Err(Fault::request("request_id", "is longer than 64 bytes"));
     }

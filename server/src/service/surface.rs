@@ -8,9 +8,10 @@ use signorini_proto::v1::{
 };
 use tonic::{Request, Response, Status, Streaming};
 
-use super::{aside, respond};
+use super::respond;
 use crate::convert::surface::{self as convert, Upload};
 use crate::fault::Fault;
+use crate::planning::aside;
 use crate::registry::Registry;
 use crate::session::Services;
 use crate::surfaces::Stored;

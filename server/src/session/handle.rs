@@ -84,6 +84,8 @@ pub(crate) enum Command {
     /// Answered when every command before it is handled.
     Handled(oneshot::Sender<()>),
     Read(ReadRequest, oneshot::Sender<Result<ReadAnswer, Fault>>),
+    /// The state between two steps, when there is one.
+    Export(oneshot::Sender<Result<Vec<u8>, Fault>>),
     Delete(oneshot::Sender<()>),
     ShutDown,
 }
@@ -142,6 +144,11 @@ impl Handle {
     /// Kept results.
     pub(crate) async fn read(&self, request: ReadRequest) -> Result<ReadAnswer, Fault> {
         self.ask(|reply| Command::Read(request, reply)).await?
+    }
+
+    /// The state between two steps, on disk where there is a data folder.
+    pub(crate) async fn export(&self) -> Result<Vec<u8>, Fault> {
+        self.ask(Command::Export).await?
     }
 
     /// Ends the session.

@@ -10,6 +10,8 @@ mod actor;
 mod clock;
 mod handle;
 mod queue;
+mod recovered;
+mod replay;
 mod work;
 
 use std::future::Future;
@@ -25,9 +27,12 @@ use crate::compute::SolverThreads;
 use crate::config::Config;
 use crate::convert::scene::Output;
 use crate::gates::Gates;
+use crate::journal::{Journal, JournalError};
 use crate::metrics::Metrics;
 use crate::store::{Lease, Reservation, Store};
 use crate::surfaces::Surfaces;
+
+pub(crate) use recovered::Recovered;
 
 pub(crate) use handle::{Attachment, Command, Handle, OpenRequest, ReadRequest, Role};
 
@@ -45,6 +50,8 @@ pub(crate) struct Services {
     pub(crate) solvers: SolverThreads,
     /// Who may plan, upload and send large messages, and how much of it at one time.
     pub(crate) gates: Gates,
+    /// The data folder, if there is one.
+    pub(crate) journal: Option<Arc<Journal>>,
 }
 
 /// Everything that a new session starts from.
@@ -77,10 +84,12 @@ pub(crate) struct SessionSpec {
     pub(crate) ttl: Duration,
     /// When it was asked for.
     pub(crate) created: SystemTime,
+    /// What the journal knows of it, for one that goes on.
+    pub(crate) recovered: Option<Box<Recovered>>,
 }
 
 /// How a session's actor ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum SessionEnd {
     /// A client deleted it.
     Deleted,
@@ -90,16 +99,27 @@ pub(crate) enum SessionEnd {
     ShutDown,
     /// A defect ended the actor itself.
     Died,
+    /// It goes on from the journal with the next call; the journal refused something.
+    Interrupted(Option<JournalError>),
 }
 
 impl SessionEnd {
     /// The word in the log.
-    fn name(self) -> &'static str {
+    fn name(&self) -> &'static str {
         match self {
             Self::Deleted => "deleted",
             Self::Expired => "expired",
             Self::ShutDown => "shut_down",
             Self::Died => "died",
+            Self::Interrupted(_) => "interrupted",
+        }
+    }
+
+    /// Whether a session in the journal goes on with the next call.
+    pub(crate) fn is_interruption(&self) -> bool {
+        match self {
+            Self::ShutDown | Self::Died | Self::Interrupted(_) => true,
+            Self::Deleted | Self::Expired => false,
         }
     }
 }

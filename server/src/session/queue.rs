@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Duration;
 
-use signorini::report::{CancelToken, StepReport};
+use bytes::Bytes;
+use signorini::report::{CancelToken, StepReport, Termination};
 use signorini::scene::Step;
 use tokio::sync::mpsc;
 use tokio::task::AbortHandle;
@@ -38,6 +39,10 @@ pub(super) struct Accepted {
     pub(super) cancelled_at: Option<Instant>,
     /// Results so far.
     pub(super) results: u32,
+    /// The `SolveRequest` that brought it, encoded.
+    pub(super) encoded: Bytes,
+    /// Change of the journal that holds it.
+    pub(super) mark: u64,
     spent: Spent,
     max_wall_time: Option<Duration>,
     /// Time that it had a slot.
@@ -58,6 +63,8 @@ impl Accepted {
             cancel: CancelToken::new(),
             cancelled_at: None,
             results: 0,
+            encoded: update.encoded,
+            mark: 0,
             spent: Spent::default(),
             max_wall_time: update.max_wall_time,
             slot_clock: Arc::default(),
@@ -155,10 +162,9 @@ impl Accepted {
         }
     }
 
-    /// Whether `report` is the last of this step.
-    pub(super) fn is_last(&self, report: &StepReport) -> bool {
-        let converged = report.termination == signorini::report::Termination::Converged;
-        !converged || self.results >= self.step.increments
+    /// Whether the newest result, which ended so, is the last of this step.
+    pub(super) fn is_last(&self, termination: Termination) -> bool {
+        termination != Termination::Converged || self.results >= self.step.increments
     }
 }
 
@@ -200,6 +206,23 @@ impl UpdateQueue {
 
     pub(super) fn is_empty(&self) -> bool {
         self.waiting.is_empty()
+    }
+
+    /// The updates up to `sequence` are finished already.
+    pub(super) fn resume_behind(&mut self, sequence: i64) {
+        self.last_accepted = sequence;
+    }
+
+    /// The largest sequence that is accepted for good: the disk has it.
+    pub(super) fn durably_accepted(&self, durable: u64) -> i64 {
+        let waits = self.waiting.iter().find(|one| one.mark > durable);
+        waits.map_or(self.last_accepted, |one| one.sequence - 1)
+    }
+
+    /// Results that are still to come, at most.
+    pub(super) fn results_to_come(&self) -> i64 {
+        let left = |one: &Accepted| i64::from(one.step.increments.saturating_sub(one.results));
+        self.waiting.iter().map(left).sum()
     }
 
     /// Appends the next update and returns it.

@@ -16,10 +16,12 @@ use tokio::sync::{mpsc, oneshot};
 
 use super::Services;
 use super::clock::SlotClock;
+use super::replay::{Cost, Ground, Ledger, Replay, ReplayError, Replayed};
 use crate::client_key::Flow;
 use crate::compute::{Length, Panicked, Slot, said};
 use crate::convert::field::KeptField;
 use crate::convert::report;
+use crate::journal::JournalError;
 use crate::memory::{self, OutOfMemory};
 use crate::metrics::Metrics;
 use crate::results::iterations::Iterations;
@@ -28,8 +30,8 @@ use crate::store::{Lease, Reservation};
 
 /// The state of a session with the step under way; where it is, nobody else is.
 pub(super) struct Work {
-    session: Session,
-    run: Option<StepRun>,
+    pub(super) session: Session,
+    pub(super) run: Option<StepRun>,
 }
 
 impl Work {
@@ -82,6 +84,8 @@ pub(super) struct Task {
     pub(super) after_event: i64,
     pub(super) iterations: Iterations,
     pub(super) metrics: Arc<Metrics>,
+    /// What a replay would have to do again so far; none where there is no journal.
+    pub(super) ledger: Option<Ledger>,
 }
 
 /// One increment done.
@@ -92,6 +96,10 @@ pub(super) struct Increment {
     pub(super) asked: Option<Vec<FieldName>>,
     pub(super) fields: Vec<KeptField>,
     pub(super) state_bytes: u64,
+    /// What doing it again would take.
+    pub(super) cost: Cost,
+    /// The state behind it, where the journal shall have it.
+    pub(super) checkpoint: Option<Vec<u8>>,
 }
 
 /// How a task ended.
@@ -115,6 +123,10 @@ pub(super) enum Event {
     Ceiling(i64),
     /// This sequence was told to stop long enough ago.
     OutOfPatience(i64),
+    /// The state as bytes, with the session that goes on without what it had learnt.
+    Exported(Result<(Box<Work>, Vec<u8>), Panicked>),
+    /// The disk has the changes up to this one, or will not get it.
+    Journalled(u64, Result<(), JournalError>),
 }
 
 /// A session that can step.
@@ -123,6 +135,7 @@ pub(super) struct Ready {
     pub(super) prepared: Lease<Prepared>,
     pub(super) reuse: Reuse,
     pub(super) state_bytes: u64,
+    pub(super) replayed: Replayed,
 }
 
 /// Why a session cannot step.
@@ -136,6 +149,8 @@ pub(super) enum Unprepared {
     Panicked(#[from] Panicked),
     #[error("the server is shutting down")]
     Closed,
+    #[error(transparent)]
+    Replay(#[from] ReplayError),
 }
 
 /// Does the next increment of a task.
@@ -178,6 +193,14 @@ fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Inc
         // Only a step that is finished has no further increment.
         None => unfinished::report(task.number, run.done(), Termination::InternalError),
     };
+    let cost = Cost::of(&report);
+    let is_time = task
+        .ledger
+        .is_some_and(|ledger| ledger.is_due(&cost, report.termination));
+    // A thread that is left behind has to undo the increment.
+    let is_done = task.cancel.stopped().is_none();
+    let is_out_of_time = report.termination == Termination::DeadlineExceeded;
+    let checkpoint = (is_time && (is_done || is_out_of_time)).then(|| work.session.export());
     work.run = Some(run);
     let asked = is_due(&report, task).then(|| task.wanted.clone());
     Increment {
@@ -186,6 +209,8 @@ fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Inc
         fields: gather(&work.session, asked.as_deref().unwrap_or_default()),
         asked,
         state_bytes: work.session.bytes(),
+        cost,
+        checkpoint,
     }
 }
 
@@ -200,7 +225,7 @@ fn without(mut report: StepReport, paused: f64) -> StepReport {
 
 /// The report under the number of its update: the library counts the steps that
 /// began, and does not know of those that stopped before.
-fn numbered(report: StepReport, step: u32) -> StepReport {
+pub(super) fn numbered(report: StepReport, step: u32) -> StepReport {
     StepReport {
         time: report.time + (f64::from(step) - f64::from(report.step)),
         step,
@@ -266,6 +291,8 @@ pub(super) struct Preparation {
     pub(super) cancel: CancelToken,
     /// Held as long as the work may hold memory.
     pub(super) reservation: Arc<Mutex<Reservation>>,
+    /// What an earlier server did in this session.
+    pub(super) replay: Option<Box<Replay>>,
 }
 
 /// Builds what the plan needs, or finds it, and tells the actor.
@@ -286,6 +313,7 @@ async fn ready(services: &Arc<Services>, preparation: Preparation) -> Result<Rea
         flow,
         cancel,
         reservation,
+        replay,
     } = preparation;
     let turn = services.store.turn(plan.key());
     let guard = turn.lock().await;
@@ -310,14 +338,28 @@ async fn ready(services: &Arc<Services>, preparation: Preparation) -> Result<Rea
     };
     drop(guard);
     let shared = Arc::clone(prepared.value());
-    let begin = move || Session::new(plan, mesh, shared, reuse);
-    let session = on_solver(services, flow, Length::Short, begin).await?;
+    let ground = Ground {
+        plan,
+        mesh,
+        prepared: shared,
+        reuse,
+    };
+    let length = match &replay {
+        None => Length::Short,
+        Some(_) => Length::Long,
+    };
+    let begin = move || match replay {
+        None => Ok((ground.session(), None, Replayed::default())),
+        Some(replay) => replay.run(ground),
+    };
+    let (session, run, replayed) = on_solver(services, flow, length, begin).await??;
     drop(reservation);
     Ok(Ready {
         state_bytes: session.bytes(),
-        work: Box::new(Work { session, run: None }),
+        work: Box::new(Work { session, run }),
         prepared,
         reuse,
+        replayed,
     })
 }
 

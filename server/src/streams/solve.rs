@@ -59,7 +59,7 @@ async fn serve(
         .timeout
         .and_then(|time| Instant::now().checked_add(time));
     let (name, request) = first_message(&mut inbound, call.client, deadline).await?;
-    let handle = registry.get(&name)?;
+    let handle = registry.get(&name).await?;
     let mut attachment = handle.attach(request).await?;
     let (number, outbox) = (attachment.number, Arc::clone(&attachment.outbox));
     let reading = read(handle.clone(), number, outbox, inbound);

@@ -29,7 +29,7 @@ async fn serve(
     request: wire::WatchRequest,
     sender: Sender<wire::WatchResponse>,
 ) -> Result<(), Fault> {
-    let handle = registry.get(&request.name)?;
+    let handle = registry.get(&request.name).await?;
     let mut attachment = handle.attach(open_request(&request)?).await?;
     let attached = Attached::new(handle, attachment.number);
     let (heartbeat, metrics) = (registry.heartbeat(), registry.metrics());

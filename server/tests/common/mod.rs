@@ -8,6 +8,7 @@
 
 mod block;
 mod page;
+mod process;
 
 use signorini_proto::array;
 use signorini_proto::v1::mesh_service_client::MeshServiceClient;
@@ -24,6 +25,8 @@ use tonic_types::StatusExt;
 pub(crate) use block::Block;
 #[allow(unused_imports, reason = "every test file uses its part")]
 pub(crate) use page::{answer, page, sample};
+#[allow(unused_imports, reason = "every test file uses its part")]
+pub(crate) use process::{Process, folder};
 
 /// A server of this process.
 pub(crate) struct Server {
@@ -142,6 +145,47 @@ impl Server {
         endpoint.connect().await.unwrap()
     }
 
+    /// As [`Server::open`], with the status of a server that is gone.
+    pub(crate) async fn try_open(&self, open: wire::SolveOpen) -> Result<Stream, tonic::Status> {
+        let (updates, messages) = mpsc::channel(16);
+        let message = Some(solve_request::Message::Open(open));
+        updates.send(wire::SolveRequest { message }).await.unwrap();
+        let call = self.sessions().solve(ReceiverStream::new(messages)).await?;
+        let mut stream = Stream {
+            updates: Some(updates),
+            answers: call.into_inner(),
+        };
+        match stream.try_next().await? {
+            Message::Opened(_) => Ok(stream),
+            other => panic!("{other:?} before `opened`"),
+        }
+    }
+
+    /// A kept result with the bytes of its fields.
+    pub(crate) async fn read(
+        &self,
+        session: &str,
+        sequence: i64,
+        increment: i32,
+    ) -> (wire::StepFinished, Vec<u8>) {
+        use wire::read_step_response::Message;
+        let request = wire::ReadStepRequest {
+            name: session.into(),
+            sequence,
+            increment,
+            ..Default::default()
+        };
+        let call = self.sessions().read_step(request).await.unwrap();
+        let (mut answers, mut result, mut bytes) = (call.into_inner(), None, Vec::new());
+        while let Some(answer) = answers.message().await.unwrap() {
+            match answer.message.unwrap() {
+                Message::StepFinished(one) => result = Some(one),
+                Message::Field(chunk) => bytes.extend_from_slice(&chunk.data),
+            }
+        }
+        (result.unwrap(), bytes)
+    }
+
     /// Follows a session; `opened` is read already.
     pub(crate) async fn watch(&self, request: wire::WatchRequest) -> Watcher {
         let call = self.sessions().watch(request).await;
@@ -256,6 +300,23 @@ impl Stream {
         };
         self.send(solve_request::Message::ObstacleUpdate(update))
             .await;
+    }
+
+    /// As [`Stream::step`], with the end of the stream as a status.
+    pub(crate) async fn try_step(
+        &self,
+        sequence: i64,
+        step: wire::LoadStep,
+    ) -> Result<(), tonic::Status> {
+        let update = wire::LoadStepUpdate {
+            sequence,
+            step: Some(step),
+            max_wall_time: None,
+        };
+        let message = Some(solve_request::Message::LoadStep(update));
+        let request = wire::SolveRequest { message };
+        let sent = self.updates.as_ref().unwrap().send(request).await;
+        sent.map_err(|_| tonic::Status::unavailable("the stream is gone"))
     }
 
     pub(crate) fn half_close(&mut self) {

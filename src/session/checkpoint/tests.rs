@@ -1,6 +1,6 @@
 //! Every field travels, and every key of a scene counts.
 
-use super::{Checkpoint, CheckpointError, MOST_STEPS, scene_digest};
+use super::{Checkpoint, CheckpointError, MOST_STEPS, Rounding, scene_digest};
 use crate::mesh::samples;
 use crate::plan::Plan;
 use crate::saddle::Status;
@@ -81,13 +81,16 @@ fn every_field_is_read_back_and_changes_the_bytes() {
         |one| one.state.penalty = 0.1,
     ];
     let bytes = rest.clone().encode(&plan);
-    assert_eq!(Checkpoint::decode(&plan, &bytes), Ok(rest.clone()));
+    assert_eq!(
+        Checkpoint::decode(&plan, &bytes, Rounding::Same),
+        Ok(rest.clone())
+    );
     for (index, change) in changes.into_iter().enumerate() {
         let mut changed = rest.clone();
         change(&mut changed);
         let other = changed.clone().encode(&plan);
         assert_ne!(other, bytes, "{index}");
-        let read = Checkpoint::decode(&plan, &other).expect("what was written");
+        let read = Checkpoint::decode(&plan, &other, Rounding::Same).expect("what was written");
         assert_eq!(read, changed, "{index}");
         // Equal numbers may differ in the sign of a zero.
         assert_eq!(read.encode(&plan), other, "{index}");
@@ -112,7 +115,7 @@ fn what_no_session_writes_is_refused_by_the_name_of_the_field() {
     for (change, expected) in cases {
         let mut changed = at_rest(&plan);
         change(&mut changed);
-        match Checkpoint::decode(&plan, &changed.encode(&plan)) {
+        match Checkpoint::decode(&plan, &changed.encode(&plan), Rounding::Same) {
             Err(CheckpointError::Malformed { field, .. }) => assert_eq!(field, expected),
             other => panic!("{expected}: {other:?}"),
         }
@@ -124,7 +127,7 @@ fn a_drive_of_other_obstacles_is_refused() {
     let plan = plan();
     let mut changed = at_rest(&plan);
     changed.target.poses.clear();
-    let refusal = Checkpoint::decode(&plan, &changed.encode(&plan));
+    let refusal = Checkpoint::decode(&plan, &changed.encode(&plan), Rounding::Same);
     let message = refusal.expect_err("a refusal").to_string();
     assert!(
         message.contains("`obstacles` has another length"),

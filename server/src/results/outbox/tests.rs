@@ -44,6 +44,7 @@ fn result(event: i64, values: usize) -> Arc<KeptResult> {
         asked: Some(vec![FieldName::Gap]),
         fields: vec![KeptField::new(&field)],
         dropped: false,
+        needs: 0,
     })
 }
 

@@ -40,8 +40,8 @@ impl Actor {
             mesh: mesh::name(self.spec.mesh.value().id()),
             create_time: Some(self.spec.created.into()),
             expire_time: Some(expire.into()),
-            last_accepted_sequence: self.queue.last_accepted(),
-            last_finished_sequence: self.last_finished,
+            last_accepted_sequence: self.queue.durably_accepted(self.log.durable),
+            last_finished_sequence: self.shown_finished(),
             first_retained_sequence: self.kept.first_sequence(),
             attached: self.writer.is_some(),
             memory_bytes: wide(lock(&self.spec.reservation).bytes()),
@@ -53,6 +53,12 @@ impl Actor {
             scene: None,
             watcher_count: i32::try_from(self.watchers.len()).unwrap_or(i32::MAX),
         }
+    }
+
+    /// The largest finished sequence of which every result is shown.
+    fn shown_finished(&self) -> i64 {
+        let hidden = self.kept.first_hidden();
+        hidden.map_or(self.last_finished, |one| one.sequence - 1)
     }
 
     pub(super) fn failure(&self) -> Option<Fault> {

@@ -24,7 +24,7 @@ impl Actor {
         );
     }
 
-    pub(super) fn log_end(&self, ending: SessionEnd) {
+    pub(super) fn log_end(&self, ending: &SessionEnd) {
         let age = self.spec.created.elapsed().unwrap_or_default();
         tracing::info!(
             ending = ending.name(),

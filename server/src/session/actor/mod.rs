@@ -11,6 +11,8 @@
 //! good state, and what the thread brings later is undone.
 
 mod describe;
+mod export;
+mod journal;
 mod log;
 mod memory;
 mod results;
@@ -22,9 +24,9 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, SystemTime};
 
+use signorini::Reuse;
 use signorini::prepare::Prepared;
-use signorini::report::{CancelToken, FieldName, StepReport, Termination};
-use signorini::{ObstaclePose, Reuse};
+use signorini::report::{CancelToken, FieldName, Termination};
 use signorini_proto::v1 as wire;
 use tokio::sync::{Notify, mpsc, oneshot, watch};
 use tokio::time::Instant;
@@ -41,6 +43,8 @@ use crate::results::iterations::Iterations;
 use crate::results::kept::Kept;
 use crate::results::readers::{Fresh, Reader};
 use crate::store::Lease;
+use export::Exporter;
+use journal::Log;
 
 /// Where the state of the session is.
 enum Place {
@@ -89,15 +93,23 @@ struct Actor {
     iterations: Iterations,
     last_finished: i64,
     last_event: i64,
+    /// A step was stopped before the state was there to stop in.
+    is_stopped_early: bool,
     /// Of the last increment that a solver finished.
-    last_report: Option<StepReport>,
-    last_poses: Vec<ObstaclePose>,
+    last_report: Option<wire::StepReport>,
+    /// The newest result, for readers that see it when the disk has it.
+    fresh: Option<Fresh>,
+    /// What the data folder knows of the session.
+    log: Log,
     prepared: Option<(Lease<Prepared>, Reuse)>,
     state_bytes: u64,
     expires: Instant,
     stop_preparing: CancelToken,
     ending: Option<SessionEnd>,
     deleters: Vec<oneshot::Sender<()>>,
+    /// Who waits for the state, for its being on disk behind the mark.
+    exporters: Vec<Exporter>,
+    exported: Vec<(u64, Exporter, Vec<u8>)>,
     pulse: watch::Sender<Pulse>,
     events: mpsc::UnboundedSender<Event>,
     /// Some reader has room again.
@@ -117,7 +129,8 @@ pub(in crate::session) async fn run(
     loop {
         actor.proceed();
         if let Some(ending) = actor.over() {
-            actor.log_end(ending);
+            actor.log_end(&ending);
+            actor.forget_stored(&ending).await;
             return ending;
         }
         let room = Arc::clone(&actor.room);
@@ -144,7 +157,7 @@ impl Actor {
     ) -> Self {
         let config = &services.config;
         Self {
-            kept: Kept::new(config.retained_results, config.retained_field_bytes),
+            kept: kept(&services),
             expires: after(spec.ttl),
             state_bytes: 0,
             place: Place::Preparing,
@@ -159,12 +172,16 @@ impl Actor {
             iterations: Iterations::default(),
             last_finished: 0,
             last_event: 0,
+            is_stopped_early: false,
             last_report: None,
-            last_poses: Vec::new(),
+            fresh: None,
+            log: Log::new(services.journal.is_some(), config.retained_results),
             prepared: None,
             stop_preparing: CancelToken::new(),
             ending: None,
             deleters: Vec::new(),
+            exporters: Vec::new(),
+            exported: Vec::new(),
             pulse: watch::Sender::new((wire::SessionState::Preparing, 0)),
             events,
             room: Arc::new(Notify::new()),
@@ -173,13 +190,15 @@ impl Actor {
         }
     }
 
-    fn start_preparing(&self) {
+    fn start_preparing(&mut self) {
+        let replay = self.recover();
         let preparation = Preparation {
             plan: Arc::clone(&self.spec.plan),
             mesh: Arc::clone(self.spec.mesh.value()),
             flow: self.client.flow(self.number),
             cancel: self.stop_preparing.clone(),
             reservation: Arc::clone(&self.spec.reservation),
+            replay,
         };
         let (services, events) = (Arc::clone(&self.services), self.events.clone());
         tokio::spawn(work::prepare(services, preparation, events));
@@ -216,6 +235,7 @@ impl Actor {
             Command::Describe(reply) | Command::List(reply) => answer(reply, self.describe()),
             Command::Handled(reply) => answer(reply, ()),
             Command::Read(request, reply) => answer(reply, self.read(&request)),
+            Command::Export(reply) => self.exporters.push(reply),
             Command::Delete(reply) => {
                 self.deleters.push(reply);
                 self.end(SessionEnd::Deleted);
@@ -237,6 +257,8 @@ impl Actor {
             Event::Deadline(sequence) => self.deadline(sequence),
             Event::Ceiling(sequence) => self.ceiling(sequence),
             Event::OutOfPatience(sequence) => self.leave_behind(sequence),
+            Event::Journalled(mark, outcome) => self.journalled(mark, outcome),
+            Event::Exported(outcome) => self.exported(outcome),
         }
     }
 
@@ -244,7 +266,9 @@ impl Actor {
         let is_late = matches!(self.place, Place::Behind);
         match outcome {
             Ok(Outcome::Withdrawn) => {}
-            Ok(Outcome::Increment(work, _)) if is_late => self.undo_late(work),
+            Ok(Outcome::Increment(work, increment)) if is_late => {
+                self.undo_late(work, &increment);
+            }
             Ok(Outcome::Refused(work, _) | Outcome::Broken(work, _)) if is_late => {
                 self.come_home_late(work);
             }
@@ -279,9 +303,12 @@ impl Actor {
                 why: why.clone(),
             };
             self.refuse_all(&fault);
+            self.refuse_exports(&fault);
+        } else if self.export() {
+            // The step behind waits.
         } else if self.queue.is_empty() {
             self.end_finished_streams();
-        } else if self.writer_has_room() && self.has_memory() {
+        } else if self.writer_has_room() && self.log.has_room() && self.has_memory() {
             self.dispatch();
         }
         self.show();
@@ -317,6 +344,7 @@ impl Actor {
             after_event: self.last_event,
             iterations: self.iterations.clone(),
             metrics: Arc::clone(&self.services.metrics),
+            ledger: self.log.ledger(),
         };
         let handoff = Handoff::default();
         let empty = Place::Away(Arc::clone(&handoff));
@@ -360,7 +388,12 @@ impl Actor {
         self.state_bytes = ready.state_bytes;
         self.prepared = Some((ready.prepared, ready.reuse));
         self.spec.prepared = None;
-        self.place = Place::Home(ready.work);
+        let mut work = ready.work;
+        if std::mem::take(&mut self.is_stopped_early) {
+            work.stop();
+        }
+        self.place = Place::Home(work);
+        self.replayed(ready.replayed);
         self.account();
     }
 
@@ -370,8 +403,12 @@ impl Actor {
 
     /// Stops everything; [`Actor::over`] says when that has happened.
     fn end(&mut self, ending: SessionEnd) {
+        let goes_on_later = self.log.is_kept() && ending.is_interruption();
         self.ending.get_or_insert(ending);
         self.stop_preparing.cancel();
+        if goes_on_later {
+            return self.interrupt();
+        }
         for dropped in self.queue.keep_current() {
             self.reject(dropped.sequence, &self.parting());
         }
@@ -379,8 +416,10 @@ impl Actor {
     }
 
     fn parting(&self) -> Fault {
-        match self.ending {
-            Some(SessionEnd::ShutDown) => Fault::ShuttingDown,
+        match &self.ending {
+            Some(SessionEnd::ShutDown) if !self.log.is_kept() => Fault::ShuttingDown,
+            Some(SessionEnd::ShutDown | SessionEnd::Interrupted(None)) => Fault::Interrupted,
+            Some(SessionEnd::Interrupted(Some(why))) => Fault::Unwritable(why.to_string()),
             Some(SessionEnd::Expired) => Fault::SessionExpired(self.spec.name.clone()),
             Some(SessionEnd::Deleted | SessionEnd::Died) | None => {
                 Fault::SessionDeleted(self.spec.name.clone())
@@ -390,13 +429,21 @@ impl Actor {
 
     /// The ending, when nothing runs any more.
     fn over(&mut self) -> Option<SessionEnd> {
-        let ending = self.ending.filter(|_| self.queue.is_empty())?;
+        let ending = self.ending.clone().filter(|_| self.queue.is_empty())?;
+        self.refuse_exports(&self.parting());
         self.end_streams(&self.parting());
-        for deleter in self.deleters.drain(..) {
-            answer(deleter, ());
-        }
         Some(ending)
     }
+}
+
+/// No results yet; with a journal each is shown when the disk has it.
+fn kept(services: &Services) -> Kept {
+    let config = &services.config;
+    let mut kept = Kept::new(config.retained_results, config.retained_field_bytes);
+    if services.journal.is_some() {
+        kept.show(0);
+    }
+    kept
 }
 
 /// The instant `time` from now.

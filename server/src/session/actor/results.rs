@@ -6,10 +6,20 @@ use crate::convert::field::KeptField;
 use crate::convert::report;
 use crate::results::kept::{KeptReport, KeptResult};
 use crate::results::unfinished;
+use crate::session::replay::Cost;
 use crate::session::work::Increment;
-use signorini::ObstaclePose;
-use signorini::report::{Cause, FieldName, StepReport, Termination};
+use signorini::report::{Cause, FieldName, Termination};
 use signorini_proto::v1 as wire;
+
+/// How an increment ended.
+pub(super) struct Ending {
+    pub(super) termination: Termination,
+    pub(super) cause: Option<Cause>,
+    /// What a replay would take for it.
+    pub(super) cost: Cost,
+    /// The state behind it, where the journal shall have it.
+    pub(super) checkpoint: Option<Vec<u8>>,
+}
 
 impl Actor {
     pub(super) fn finish_increment(&mut self, increment: Increment) {
@@ -21,9 +31,20 @@ impl Actor {
         if let Some(current) = self.queue.current() {
             current.spend(&report);
         }
+        let ending = Ending {
+            termination: report.termination,
+            cause: report.cause,
+            cost: match report.termination {
+                Termination::Converged | Termination::NotConverged => increment.cost,
+                Termination::Cancelled
+                | Termination::DeadlineExceeded
+                | Termination::InternalError => Cost::default(),
+            },
+            checkpoint: increment.checkpoint,
+        };
+        let report = report::step(report, increment.poses);
         self.last_report = Some(report.clone());
-        self.last_poses.clone_from(&increment.poses);
-        self.deliver(report, increment.poses, increment.asked, increment.fields);
+        self.deliver(&report, ending, increment.asked, increment.fields);
     }
 
     /// Finishes the current step with the last good state.
@@ -32,8 +53,10 @@ impl Actor {
             return;
         };
         let (step, increment) = (current.step_number(), current.results + 1);
-        let report = unfinished::stopped(self.last_report.as_ref(), step, increment, termination);
-        self.services.metrics.increment(&report);
+        let blank = unfinished::report(step, increment, termination);
+        self.services.metrics.increment(&blank);
+        let blank = report::step(blank, Vec::new());
+        let report = unfinished::stopped(self.last_report.as_ref(), blank);
         let (asked, fields) = match self.kept.newest() {
             // Of a last result fields are due, even if the newest has none.
             Some(newest) => (
@@ -42,47 +65,63 @@ impl Actor {
             ),
             None => (Vec::new(), Vec::new()),
         };
-        if let Place::Home(work) = &mut self.place {
-            work.stop();
+        match &mut self.place {
+            Place::Home(work) => work.stop(),
+            Place::Preparing => self.is_stopped_early = true,
+            Place::Away(_) | Place::Behind | Place::Lost(_) => {}
         }
-        self.deliver(report, self.last_poses.clone(), Some(asked), fields);
+        let ending = Ending {
+            termination,
+            cause: None,
+            cost: Cost::default(),
+            checkpoint: None,
+        };
+        self.deliver(&report, ending, Some(asked), fields);
     }
 
     /// Keeps and sends a result; the last one finishes the step.
     pub(super) fn deliver(
         &mut self,
-        report: StepReport,
-        poses: Vec<ObstaclePose>,
+        report: &wire::StepReport,
+        ending: Ending,
         asked: Option<Vec<FieldName>>,
         fields: Vec<KeptField>,
     ) {
-        let (termination, cause) = (report.termination, report.cause);
+        let (termination, cause) = (ending.termination, ending.cause);
         let Some(current) = self.queue.current() else {
             return;
         };
         current.results += 1;
-        let last = current.is_last(&report);
+        let last = current.is_last(termination);
         let is_too_long = current.is_too_long && termination == Termination::DeadlineExceeded;
         self.last_event += 1;
-        let mut report = report::step(report, poses);
+        let mut kept = KeptReport::from(report);
         if is_too_long {
-            report.cause = wire::Cause::ServerTimeLimit.into();
+            let cause = wire::Cause::ServerTimeLimit.into();
+            kept = KeptReport::from(&wire::StepReport {
+                cause,
+                ..report.clone()
+            });
             self.services.metrics.server_time_limit();
         }
-        let result = self.kept.push(KeptResult {
+        let mut result = KeptResult {
             sequence: current.sequence,
             event: self.last_event,
-            report: KeptReport::from(&report),
+            report: kept,
             last,
             asked,
             fields,
             dropped: false,
-        });
+            needs: 0,
+        };
+        result.needs = self.log_result(&result, ending);
+        let result = self.kept.push(result);
         let fresh = Fresh {
             event: result.event,
             iteration: self.iterations.newest(),
         };
         self.feed(Some(&fresh));
+        self.fresh = Some(fresh);
         if last {
             self.finish_step(termination, cause);
         }

@@ -3,7 +3,8 @@
 use signorini::report::Termination;
 
 use super::{Actor, Place};
-use crate::session::work::{self, Work};
+use crate::session::SessionEnd;
+use crate::session::work::{self, Increment, Work};
 
 impl Actor {
     /// Finishes every step at the head of the queue that shall stop and that no
@@ -31,7 +32,11 @@ impl Actor {
     }
 
     pub(super) fn cancel(&mut self, sequence: i64) -> i64 {
-        self.queue.cancel(sequence).unwrap_or(0)
+        let cancelled = self.queue.cancel(sequence);
+        if let Some(sequence) = cancelled {
+            self.log_cancelled(sequence);
+        }
+        cancelled.unwrap_or(0)
     }
 
     /// The time of a step is up.
@@ -72,7 +77,12 @@ impl Actor {
     }
 
     /// As `come_home_late`, after an increment: it was answered as not done.
-    pub(super) fn undo_late(&mut self, mut work: Box<Work>) {
+    pub(super) fn undo_late(&mut self, mut work: Box<Work>, increment: &Increment) {
+        let is_undone = increment.report.termination == Termination::Cancelled;
+        if increment.checkpoint.is_some() && !is_undone {
+            // It cannot be undone any more; the journal knows the state before.
+            return self.end(SessionEnd::Interrupted(None));
+        }
         work.take_back();
         self.place = Place::Home(work);
     }

@@ -27,7 +27,13 @@ impl Actor {
         }
         let iterations = self.iterations.reader(request.iteration_interval);
         let outbox = self.new_outbox(&request);
-        let start = self.kept.seen(request.last_seen_event, self.last_event);
+        let shown = self.kept.shown_event(self.last_event);
+        // Results that a killed server sent and did not store are made again.
+        let most = shown + self.queue.results_to_come();
+        let start = match request.last_seen_event {
+            Some(seen) if seen > shown => seen.min(most),
+            seen => self.kept.seen(seen, shown),
+        };
         let missed = match request.last_seen_event {
             Some(_) => 0,
             None => start,
@@ -52,7 +58,8 @@ impl Actor {
             session: Some(self.describe()),
             max_in_flight: i32::try_from(self.services.config.maximum_in_flight)
                 .unwrap_or(i32::MAX),
-            last_event: self.last_event,
+            // What the client has seen is there, or is being made again.
+            last_event: shown.max(start),
         }));
         self.feed(None);
         Ok(Attachment {
@@ -113,6 +120,7 @@ impl Actor {
         };
         match writer.on_disconnect {
             wire::DisconnectPolicy::CancelStep => {
+                self.log_withdrawn(self.queue.current_sequence() + 1);
                 self.queue.keep_current();
                 self.cancel(0);
             }
@@ -148,14 +156,16 @@ impl Actor {
     /// Every update is answered: ends the streams that wait for no more.
     pub(super) fn end_finished_streams(&mut self) {
         let newest = self.last_event;
+        let is_shown = self.kept.first_hidden().is_none();
         if self.writer_has_room()
+            && is_shown
             && let Some(writer) = self.writer.as_ref().filter(|writer| writer.half_closed)
         {
             writer.reader.outbox.end(StreamEnd::Done);
         }
         for watcher in self.watchers.values() {
             let is_idle = watcher.until == wire::WatchEnd::Idle;
-            if is_idle && watcher.reader.cursor() >= newest {
+            if is_idle && is_shown && watcher.reader.cursor() >= newest {
                 watcher.reader.outbox.end(StreamEnd::Done);
             }
         }

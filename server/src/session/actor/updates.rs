@@ -19,7 +19,9 @@ impl Actor {
             self.reject(sequence, &fault);
         } else {
             let deadline = self.stream_deadline();
+            let mark = self.log_update(&update);
             if let Some(accepted) = self.queue.push(update) {
+                accepted.mark = mark;
                 accepted.stream_ends_at(deadline, &self.events);
             }
         }
@@ -94,6 +96,7 @@ impl Actor {
     /// The current update was faulty; those behind it have lost their place.
     pub(super) fn refuse_current(&mut self, fault: &Fault) {
         let expected = self.queue.current_sequence();
+        self.log_withdrawn(expected);
         for refused in self.queue.refuse() {
             let received = refused.sequence;
             match received == expected {
@@ -104,6 +107,7 @@ impl Actor {
     }
 
     pub(super) fn refuse_all(&mut self, fault: &Fault) {
+        self.log_withdrawn(self.queue.current_sequence());
         for refused in self.queue.refuse() {
             self.reject(refused.sequence, fault);
         }

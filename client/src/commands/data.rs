@@ -1,0 +1,41 @@
+//! `backup`, `restore` and `fsck`: the data folder of a server.
+
+use std::path::Path;
+
+use signorini_server::BackupError;
+
+use crate::exit::{Exit, Failure};
+use crate::stdout;
+
+pub(super) fn backup(data: &Path, target: &Path) -> Result<Exit, Failure> {
+    signorini_server::backup(data, target).map_err(failure)?;
+    stdout::print(&format!("{}\n", target.display()))?;
+    Ok(Exit::Ok)
+}
+
+pub(super) fn restore(backup: &Path, data: &Path) -> Result<Exit, Failure> {
+    let restored = signorini_server::restore(backup, data).map_err(failure)?;
+    stdout::print(&restored.to_string())?;
+    Ok(Exit::Ok)
+}
+
+pub(super) fn fsck(folder: &Path) -> Result<Exit, Failure> {
+    let usage =
+        |error: signorini_server::JournalError| Failure::new(Exit::Usage, error.to_string());
+    let found = signorini_server::fsck(folder).map_err(usage)?;
+    stdout::print(&found.to_string())?;
+    Ok(match found.faults.is_empty() {
+        true => Exit::Ok,
+        false => Exit::Server,
+    })
+}
+
+/// A faulty backup and a server that refuses are faults of theirs; the rest is a folder
+/// that was named wrongly or cannot be written.
+fn failure(error: BackupError) -> Failure {
+    let exit = match &error {
+        BackupError::Refused(_) | BackupError::Faulty(_) => Exit::Server,
+        BackupError::Data(_) | BackupError::Copy { .. } => Exit::Usage,
+    };
+    Failure::new(exit, error.to_string())
+}

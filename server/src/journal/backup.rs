@@ -1,0 +1,104 @@
+//! A copy of a data folder while a server uses it, which is a data folder again.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition};
+
+use super::database;
+use super::error::JournalError;
+use super::files;
+use super::{DATABASE_FILE, FORMAT_FILE, PARTS};
+
+/// Copies the folder into `target`, which must not exist: all sessions as they are at
+/// one moment, and the files that they need.
+pub(super) fn copy(source: &Database, folder: &Path, target: &Path) -> Result<(), JournalError> {
+    let beside = target.with_extension("part");
+    if target.exists() {
+        return Err(JournalError::at(target, &"exists already"));
+    }
+    remove(&beside)?;
+    let made = make(source, folder, &beside).and_then(|()| {
+        fs::rename(&beside, target).map_err(|error| JournalError::at(target, &error))
+    });
+    if made.is_err() {
+        remove(&beside)?;
+    }
+    made
+}
+
+fn make(source: &Database, folder: &Path, target: &Path) -> Result<(), JournalError> {
+    for part in PARTS {
+        files::make_folder(&target.join(part))?;
+    }
+    // A file that goes or comes meanwhile is in one of the two.
+    copy_files(folder, target)?;
+    copy_database(source, &target.join(DATABASE_FILE))?;
+    copy_files(folder, target)?;
+    let format = folder.join(FORMAT_FILE);
+    fs::copy(&format, target.join(FORMAT_FILE))
+        .map_err(|error| JournalError::at(&format, &error))?;
+    Ok(())
+}
+
+/// Files never change, so a second name is a copy; where that cannot be, their bytes.
+fn copy_files(folder: &Path, target: &Path) -> Result<(), JournalError> {
+    for part in PARTS {
+        let from = folder.join(part);
+        let wrong = |error: io::Error| JournalError::at(&from, &error);
+        for entry in fs::read_dir(&from).map_err(wrong)? {
+            let entry = entry.map_err(wrong)?;
+            let to = target.join(part).join(entry.file_name());
+            let is_part = entry.path().extension().is_some_and(|end| end == "part");
+            if is_part || to.exists() {
+                continue;
+            }
+            if fs::hard_link(entry.path(), &to).is_err() {
+                match fs::copy(entry.path(), &to) {
+                    // It has been dropped since.
+                    Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                    outcome => drop(outcome.map_err(wrong)?),
+                }
+            }
+        }
+    }
+    Ok(())
+}
+
+fn copy_database(source: &Database, path: &Path) -> Result<(), JournalError> {
+    let read = source.begin_read()?;
+    let target = database::open(path)?;
+    let write = target.begin_write()?;
+    for table in database::BY_NAME {
+        copy_table(&read, &write, table)?;
+    }
+    for table in database::BY_PLACE {
+        copy_table(&read, &write, table)?;
+    }
+    write.commit()?;
+    Ok(())
+}
+
+fn copy_table<K: redb::Key + 'static>(
+    read: &redb::ReadTransaction,
+    write: &redb::WriteTransaction,
+    table: TableDefinition<'_, K, &'static [u8]>,
+) -> Result<(), JournalError> {
+    let mut copy = write.open_table(table)?;
+    for entry in read.open_table(table)?.iter()? {
+        let (key, value) = entry?;
+        copy.insert(key.value(), value.value())?;
+    }
+    Ok(())
+}
+
+/// Removes what an earlier copy has left.
+fn remove(folder: &Path) -> Result<(), JournalError> {
+    match fs::remove_dir_all(folder) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(JournalError::at(folder, &error))
+        }
+        Ok(()) | Err(_) => Ok(()),
+    }
+}

@@ -1,0 +1,347 @@
+//! The tables, what is written into them and how they are read.
+//!
+//! A commit returns when the disk has it. Values are sealed; keys begin with the name
+//! of their session, so that all of one session lies together.
+
+use std::path::Path;
+
+use redb::{
+    Database, Durability, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition,
+    WriteTransaction,
+};
+
+use super::error::JournalError;
+use super::record::{
+    StoredCheckpoint, StoredFields, StoredMesh, StoredResult, StoredSession, StoredUpdate, opened,
+    sealed,
+};
+
+const META: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("meta");
+const SESSIONS: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("sessions");
+const UPDATES: TableDefinition<'_, (&str, i64), &[u8]> = TableDefinition::new("updates");
+pub(super) const RESULTS: TableDefinition<'_, (&str, i64), &[u8]> = TableDefinition::new("results");
+const FIELDS: TableDefinition<'_, (&str, i64), &[u8]> = TableDefinition::new("fields");
+pub(super) const CHECKPOINTS: TableDefinition<'_, &str, &[u8]> =
+    TableDefinition::new("checkpoints");
+const MESHES: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("meshes");
+
+/// The tables whose keys are names.
+pub(super) const BY_NAME: [TableDefinition<'_, &str, &[u8]>; 4] =
+    [META, SESSIONS, CHECKPOINTS, MESHES];
+/// The tables whose keys are a session and a number.
+pub(super) const BY_PLACE: [TableDefinition<'_, (&str, i64), &[u8]>; 3] =
+    [UPDATES, RESULTS, FIELDS];
+
+/// Pages that the database keeps in memory.
+const CACHE_BYTES: usize = 16 << 20;
+
+/// One thing to write.
+#[derive(Clone, Debug)]
+pub(crate) enum Change {
+    /// Whoever writes this knows what the disk has of the session: changes that failed
+    /// before no longer hold up later ones.
+    Begin,
+    /// A session is made.
+    Session(StoredSession),
+    /// An update is accepted.
+    Update(i64, StoredUpdate),
+    /// Updates from this sequence on have lost their place.
+    Withdraw(i64),
+    /// A result, by its event.
+    Result(i64, StoredResult, StoredFields),
+    /// A state to go on from; updates that lead to it are of no more use.
+    Checkpoint(StoredCheckpoint),
+    /// Results before this event are dropped.
+    DropResults(i64),
+    /// Fields of results before this event are dropped.
+    DropFields(i64),
+    /// The session is over.
+    Delete,
+    /// A mesh, by its name.
+    Mesh(String, StoredMesh),
+    /// A mesh is dropped.
+    DropMesh(String),
+}
+
+/// A session with all that is stored of it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Stored {
+    pub(crate) session: StoredSession,
+    pub(crate) updates: Vec<(i64, StoredUpdate)>,
+    pub(crate) results: Vec<(i64, StoredResult, StoredFields)>,
+    pub(crate) checkpoint: Option<StoredCheckpoint>,
+}
+
+/// What a list tells of a stored session.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Listed {
+    pub(crate) session: StoredSession,
+    /// Largest sequence accepted.
+    pub(crate) accepted: i64,
+    /// Largest sequence finished.
+    pub(crate) finished: i64,
+    /// Smallest sequence with a result.
+    pub(crate) first: i64,
+}
+
+/// Opens the database, or makes it; the format it says to have, if it is not new.
+pub(super) fn open(path: &Path) -> Result<Database, JournalError> {
+    let opened =
+        std::panic::catch_unwind(|| Database::builder().set_cache_size(CACHE_BYTES).create(path));
+    let at = path.display().to_string();
+    match opened {
+        Ok(Ok(database)) => Ok(database),
+        Ok(Err(redb::DatabaseError::DatabaseAlreadyOpen)) => Err(JournalError::InUse(at)),
+        Ok(Err(redb::DatabaseError::Storage(redb::StorageError::Io(why)))) => {
+            Err(JournalError::at(path, &why))
+        }
+        Ok(Err(error)) => Err(JournalError::Damaged(format!("{at}: {error}"))),
+        Err(_) => Err(JournalError::Damaged(format!(
+            "{at}: a page is not as it was written"
+        ))),
+    }
+}
+
+/// Makes every table, so that readers find them.
+pub(super) fn make_tables(database: &Database) -> Result<(), JournalError> {
+    let write = database.begin_write()?;
+    Tables::open(&write)?;
+    write.commit()?;
+    Ok(())
+}
+
+/// The tables of one transaction.
+struct Tables<'a> {
+    sessions: redb::Table<'a, &'static str, &'static [u8]>,
+    updates: redb::Table<'a, (&'static str, i64), &'static [u8]>,
+    results: redb::Table<'a, (&'static str, i64), &'static [u8]>,
+    fields: redb::Table<'a, (&'static str, i64), &'static [u8]>,
+    checkpoints: redb::Table<'a, &'static str, &'static [u8]>,
+    meshes: redb::Table<'a, &'static str, &'static [u8]>,
+}
+
+impl<'a> Tables<'a> {
+    fn open(write: &'a WriteTransaction) -> Result<Self, JournalError> {
+        write.open_table(META)?;
+        Ok(Self {
+            sessions: write.open_table(SESSIONS)?,
+            updates: write.open_table(UPDATES)?,
+            results: write.open_table(RESULTS)?,
+            fields: write.open_table(FIELDS)?,
+            checkpoints: write.open_table(CHECKPOINTS)?,
+            meshes: write.open_table(MESHES)?,
+        })
+    }
+
+    /// Writes a change of the session `name`; the bytes that it takes.
+    fn apply(&mut self, name: &str, change: &Change) -> Result<usize, JournalError> {
+        let mut written = 0;
+        let mut seal = |bytes: Vec<u8>| {
+            written += bytes.len();
+            bytes
+        };
+        match change {
+            Change::Begin => {}
+            Change::Session(session) => {
+                let bytes = seal(sealed(session));
+                self.sessions.insert(name, bytes.as_slice())?;
+            }
+            Change::Update(sequence, update) => {
+                let bytes = seal(sealed(update));
+                self.updates.insert((name, *sequence), bytes.as_slice())?;
+            }
+            Change::Withdraw(from) => drop_keys(&mut self.updates, name, *from, i64::MAX)?,
+            Change::Result(event, result, fields) => {
+                let bytes = seal(sealed(result));
+                self.results.insert((name, *event), bytes.as_slice())?;
+                if !fields.fields.is_empty() {
+                    let bytes = seal(sealed(fields));
+                    self.fields.insert((name, *event), bytes.as_slice())?;
+                }
+            }
+            Change::Checkpoint(checkpoint) => {
+                let bytes = seal(sealed(checkpoint));
+                self.checkpoints.insert(name, bytes.as_slice())?;
+                let needed = checkpoint.sequence + i64::from(checkpoint.done == 0);
+                drop_keys(&mut self.updates, name, i64::MIN, needed - 1)?;
+            }
+            Change::DropResults(before) => {
+                drop_keys(&mut self.results, name, i64::MIN, before - 1)?;
+                drop_keys(&mut self.fields, name, i64::MIN, before - 1)?;
+            }
+            Change::DropFields(before) => {
+                drop_keys(&mut self.fields, name, i64::MIN, before - 1)?;
+            }
+            Change::Delete => self.delete(name)?,
+            Change::Mesh(mesh, stored) => {
+                let bytes = seal(sealed(stored));
+                self.meshes.insert(mesh.as_str(), bytes.as_slice())?;
+            }
+            Change::DropMesh(mesh) => {
+                self.meshes.remove(mesh.as_str())?;
+            }
+        }
+        Ok(written)
+    }
+
+    fn delete(&mut self, name: &str) -> Result<(), JournalError> {
+        self.sessions.remove(name)?;
+        self.checkpoints.remove(name)?;
+        drop_keys(&mut self.updates, name, i64::MIN, i64::MAX)?;
+        drop_keys(&mut self.results, name, i64::MIN, i64::MAX)?;
+        drop_keys(&mut self.fields, name, i64::MIN, i64::MAX)
+    }
+}
+
+/// Drops the entries of a session from `first` to `last`.
+fn drop_keys(
+    table: &mut redb::Table<'_, (&'static str, i64), &'static [u8]>,
+    name: &str,
+    first: i64,
+    last: i64,
+) -> Result<(), JournalError> {
+    if first <= last {
+        table.retain_in((name, first)..=(name, last), |_, _| false)?;
+    }
+    Ok(())
+}
+
+/// Writes all changes at once and returns when the disk has them; the bytes written.
+pub(super) fn commit<'a>(
+    database: &Database,
+    changes: impl Iterator<Item = (&'a str, &'a Change)>,
+) -> Result<usize, JournalError> {
+    let mut write = database.begin_write()?;
+    let refused = |error: redb::SetDurabilityError| JournalError::Unwritable(error.to_string());
+    write
+        .set_durability(Durability::Immediate)
+        .map_err(refused)?;
+    let mut bytes = 0;
+    {
+        let mut tables = Tables::open(&write)?;
+        for (name, change) in changes {
+            bytes += tables.apply(name, change)?;
+        }
+    }
+    write.commit()?;
+    Ok(bytes)
+}
+
+/// Every stored session, in order of the names.
+pub(super) fn list(database: &Database) -> Result<Vec<(String, Listed)>, JournalError> {
+    let read = database.begin_read()?;
+    let mut found = Vec::new();
+    for entry in read.open_table(SESSIONS)?.iter()? {
+        let (name, session) = entry?;
+        let name = name.value();
+        // One that is damaged says so when it is called; the others serve.
+        let session = opened(session.value(), name);
+        let listed = match session.and_then(|session| listed(&read, name, session)) {
+            Err(JournalError::Damaged(why)) => {
+                tracing::error!(name, why, "a session is damaged");
+                Listed::default()
+            }
+            outcome => outcome?,
+        };
+        found.push((name.to_owned(), listed));
+    }
+    Ok(found)
+}
+
+/// One stored session as a list tells it.
+pub(super) fn list_one(database: &Database, name: &str) -> Result<Option<Listed>, JournalError> {
+    let read = database.begin_read()?;
+    let Some(session) = read.open_table(SESSIONS)?.get(name)? else {
+        return Ok(None);
+    };
+    let session = opened(session.value(), name)?;
+    listed(&read, name, session).map(Some)
+}
+
+/// Names of the sessions, readable or not.
+pub(super) fn names(database: &Database) -> Result<Vec<String>, JournalError> {
+    let read = database.begin_read()?;
+    let table = read.open_table(SESSIONS)?;
+    let all = table.iter()?.map(|entry| Ok(entry?.0.value().to_owned()));
+    all.collect()
+}
+
+fn listed(
+    read: &ReadTransaction,
+    name: &str,
+    session: StoredSession,
+) -> Result<Listed, JournalError> {
+    let all = (name, i64::MIN)..=(name, i64::MAX);
+    let updates = read.open_table(UPDATES)?;
+    let results = read.open_table(RESULTS)?;
+    let accepted = updates.range(all.clone())?.next_back().transpose()?;
+    let accepted = accepted.map_or(0, |(key, _)| key.value().1);
+    let mut ends = results.range(all)?;
+    let result = |entry: Option<Result<_, redb::StorageError>>| {
+        let entry: Option<(
+            redb::AccessGuard<'_, (&str, i64)>,
+            redb::AccessGuard<'_, &[u8]>,
+        )> = entry.transpose()?;
+        let stored = entry.map(|(_, value)| opened::<StoredResult>(value.value(), name));
+        stored.transpose()
+    };
+    let newest = result(ends.next_back())?;
+    let oldest = result(ends.next())?.or_else(|| newest.clone());
+    let finished = newest.map_or(0, |one| one.sequence - i64::from(!one.last));
+    Ok(Listed {
+        session,
+        accepted: accepted.max(finished),
+        finished,
+        first: oldest.map_or(0, |one| one.sequence),
+    })
+}
+
+/// All of one session; none where there is no such session.
+pub(super) fn load(database: &Database, name: &str) -> Result<Option<Stored>, JournalError> {
+    let read = database.begin_read()?;
+    let Some(session) = read.open_table(SESSIONS)?.get(name)? else {
+        return Ok(None);
+    };
+    let session = opened(session.value(), name)?;
+    let all = || (name, i64::MIN)..=(name, i64::MAX);
+    let mut updates = Vec::new();
+    for entry in read.open_table(UPDATES)?.range(all())? {
+        let (key, update) = entry?;
+        updates.push((key.value().1, opened(update.value(), name)?));
+    }
+    let fields = read.open_table(FIELDS)?;
+    let mut results = Vec::new();
+    for entry in read.open_table(RESULTS)?.range(all())? {
+        let (key, result) = entry?;
+        let event = key.value().1;
+        let own = fields.get((name, event))?;
+        let own = own.map(|fields| opened(fields.value(), name)).transpose()?;
+        results.push((
+            event,
+            opened(result.value(), name)?,
+            own.unwrap_or_default(),
+        ));
+    }
+    let checkpoint = read.open_table(CHECKPOINTS)?.get(name)?;
+    let checkpoint = checkpoint.map(|bytes| opened(bytes.value(), name));
+    Ok(Some(Stored {
+        session,
+        updates,
+        results,
+        checkpoint: checkpoint.transpose()?,
+    }))
+}
+
+/// The meshes by name.
+pub(super) fn meshes(database: &Database) -> Result<Vec<(String, StoredMesh)>, JournalError> {
+    let read = database.begin_read()?;
+    let mut found = Vec::new();
+    for entry in read.open_table(MESHES)?.iter()? {
+        let (name, mesh) = entry?;
+        found.push((name.value().to_owned(), opened(mesh.value(), name.value())?));
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,107 @@
+//! Files of the data folder, named by the digests of what they hold.
+//!
+//! A file is written beside its place, reaches the disk, and then takes its name: under
+//! a name there is all of it or nothing.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use super::error::JournalError;
+
+/// A file that is on the disk and has no name yet; gone unless it gets one.
+pub(crate) struct Part(PathBuf);
+
+impl Part {
+    /// Writes a file without a name into `folder`.
+    pub(super) fn write(
+        folder: &Path,
+        fill: impl FnOnce(&mut dyn FnMut(&[u8]) -> io::Result<()>) -> io::Result<()>,
+    ) -> Result<Self, JournalError> {
+        static NUMBER: AtomicU64 = AtomicU64::new(0);
+        let number = NUMBER.fetch_add(1, Ordering::Relaxed);
+        let part = Self(folder.join(format!("{number}.part")));
+        match part.fill(fill) {
+            Ok(()) => Ok(part),
+            Err(error) => Err(unwritable(&part.0, &error)),
+        }
+    }
+
+    fn fill(
+        &self,
+        fill: impl FnOnce(&mut dyn FnMut(&[u8]) -> io::Result<()>) -> io::Result<()>,
+    ) -> io::Result<()> {
+        let mut file = BufWriter::new(File::create(&self.0)?);
+        fill(&mut |bytes| file.write_all(bytes))?;
+        fail::fail_point!("file-sync", |_| Err(io::Error::other("failpoint")));
+        let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+        file.sync_all()
+    }
+
+    /// Gives it its name, on the disk too.
+    pub(super) fn keep(self, path: &Path) -> Result<(), JournalError> {
+        let named = self.name(path);
+        named.map_err(|error| unwritable(path, &error))
+    }
+
+    fn name(&self, path: &Path) -> io::Result<()> {
+        fail::fail_point!("file-rename", |_| Err(io::Error::other("failpoint")));
+        fs::rename(&self.0, path)?;
+        sync_folder(path)
+    }
+}
+
+impl Drop for Part {
+    fn drop(&mut self) {
+        // It is not there any more when it has a name.
+        let _named = fs::remove_file(&self.0);
+    }
+}
+
+fn unwritable(path: &Path, error: &io::Error) -> JournalError {
+    JournalError::Unwritable(format!("{}: {error}", path.display()))
+}
+
+/// Writes a file whole, in its place when the disk has it.
+pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), JournalError> {
+    let folder = path.parent().unwrap_or(path);
+    Part::write(folder, |put| put(bytes))?.keep(path)
+}
+
+/// The name of a file reaches the disk with its folder.
+fn sync_folder(path: &Path) -> io::Result<()> {
+    match path.parent() {
+        Some(folder) => File::open(folder)?.sync_all(),
+        None => Ok(()),
+    }
+}
+
+/// All of a file; none where there is no such file.
+pub(super) fn read(path: &Path) -> Result<Option<Vec<u8>>, JournalError> {
+    match fs::read(path) {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(JournalError::at(path, &error)),
+    }
+}
+
+/// Makes a folder that only its owner reads, and those above it.
+pub(super) fn make_folder(path: &Path) -> Result<(), JournalError> {
+    use std::os::unix::fs::DirBuilderExt;
+    let mut builder = fs::DirBuilder::new();
+    let made = builder.recursive(true).mode(0o700).create(path);
+    made.map_err(|error| JournalError::at(path, &error))
+}
+
+/// Drops what a writer that was killed has left.
+pub(super) fn drop_parts(folder: &Path) -> Result<(), JournalError> {
+    let wrong = |error: io::Error| JournalError::at(folder, &error);
+    for entry in fs::read_dir(folder).map_err(wrong)? {
+        let path: PathBuf = entry.map_err(wrong)?.path();
+        if path.extension().is_some_and(|end| end == "part") {
+            fs::remove_file(&path).map_err(wrong)?;
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,78 @@
+//! A data folder that no server uses, looked at piece by piece.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::error::JournalError;
+use super::{DATABASE_FILE, FORMAT_FILE, PARTS, Stored, check_format, database, files};
+
+/// What is in a data folder.
+pub(crate) struct Inspection {
+    /// Whether every page of the database is as it was written.
+    pub(crate) is_sound: bool,
+    /// Each session by name, or why it cannot be read.
+    pub(crate) sessions: Vec<(String, Result<Stored, JournalError>)>,
+    /// Names of the meshes in the database.
+    pub(crate) meshes: Vec<String>,
+    /// Files of meshes, and of states.
+    pub(crate) files: [Vec<PathBuf>; 2],
+    /// Bytes of everything.
+    pub(crate) bytes: u64,
+}
+
+/// Looks at a folder; changes nothing but what a crash has left half done.
+pub(crate) fn inspect(folder: &Path) -> Result<Inspection, JournalError> {
+    let format = folder.join(FORMAT_FILE);
+    if files::read(&format)?.is_none() {
+        return Err(JournalError::at(
+            folder,
+            &"no data folder: it has no file FORMAT",
+        ));
+    }
+    check_format(folder)?;
+    let path = folder.join(DATABASE_FILE);
+    let mut open = database::open(&path)?;
+    let checked = std::panic::AssertUnwindSafe(|| open.check_integrity().unwrap_or(false));
+    let is_sound = std::panic::catch_unwind(checked).unwrap_or(false);
+    let names = database::names(&open)?;
+    let load = |name: String| {
+        let loaded = std::panic::AssertUnwindSafe(|| database::load(&open, &name));
+        let damaged = |_| JournalError::Damaged("a page is not as it was written".to_owned());
+        let missing = || JournalError::Damaged("it is listed and not there".to_owned());
+        let loaded = std::panic::catch_unwind(loaded).map_err(damaged);
+        let stored = loaded.and_then(|found| found?.ok_or_else(missing));
+        (name, stored)
+    };
+    let sessions = names.into_iter().map(load).collect();
+    let meshes = database::meshes(&open)?
+        .into_iter()
+        .map(|(name, _)| name)
+        .collect();
+    let [of_meshes, of_states] = PARTS.map(|part| list(&folder.join(part)));
+    let files = [of_meshes?, of_states?];
+    let all = files.iter().flatten().chain([&path]);
+    let bytes = all
+        .filter_map(|file| fs::metadata(file).ok())
+        .map(|data| data.len())
+        .sum();
+    Ok(Inspection {
+        is_sound,
+        sessions,
+        meshes,
+        files,
+        bytes,
+    })
+}
+
+fn list(folder: &Path) -> Result<Vec<PathBuf>, JournalError> {
+    let wrong = |error: std::io::Error| JournalError::at(folder, &error);
+    let mut found = Vec::new();
+    for entry in fs::read_dir(folder).map_err(wrong)? {
+        let path = entry.map_err(wrong)?.path();
+        if path.extension().is_none() {
+            found.push(path);
+        }
+    }
+    found.sort();
+    Ok(found)
+}

@@ -1,0 +1,290 @@
+//! The data folder: what the server acknowledged and has to know after a kill.
+//!
+//! ```text
+//! FORMAT            version of all of this
+//! journal.redb      sessions, accepted updates, results, checkpoints
+//! meshes/{digest}   meshes, named by their content
+//! states/{digest}   exported states, named by their content
+//! ```
+//!
+//! One thread writes: it takes all changes that wait, commits them at once, and tells
+//! their owners when the disk has them. The room knows bytes and names; what they mean
+//! is known to sessions. A name in the folder is a digest that this server computed.
+
+mod backup;
+mod database;
+mod error;
+mod files;
+mod inspect;
+mod record;
+mod retention;
+mod writer;
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, PoisonError, RwLock};
+
+use redb::Database;
+use signorini::mesh::MeshId;
+
+use crate::metrics::Metrics;
+
+pub(crate) use database::{Change, Listed, Stored};
+pub use error::JournalError;
+pub(crate) use files::Part;
+pub(crate) use inspect::inspect;
+pub(crate) use record::{
+    StoredCheckpoint, StoredField, StoredFields, StoredMesh, StoredResult, StoredSession,
+    StoredUpdate,
+};
+pub(crate) use retention::Limit;
+use writer::Writer;
+
+/// Of the layout of the folder, the tables and the messages in them.
+const FORMAT: u32 = 1;
+const FORMAT_FILE: &str = "FORMAT";
+const DATABASE_FILE: &str = "journal.redb";
+/// Folders in it.
+const PARTS: [&str; 2] = ["meshes", "states"];
+
+/// Called when the disk has a change, or when it will not get it.
+pub(crate) type Done = Box<dyn FnOnce(Result<(), JournalError>) + Send>;
+
+/// How soon changes shall reach the disk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Urgency {
+    /// Somebody waits.
+    Now,
+    /// With the next that somebody waits for, or a moment later.
+    Soon,
+}
+
+/// The data folder of a running server.
+pub(crate) struct Journal {
+    folder: PathBuf,
+    database: Arc<Shelf>,
+    writer: Writer,
+}
+
+/// Where the open database lies: nowhere while a disk that failed is not back.
+pub(crate) struct Shelf {
+    path: PathBuf,
+    database: RwLock<Option<Database>>,
+}
+
+impl Shelf {
+    /// Runs `work` on the database.
+    fn with<T>(
+        &self,
+        work: impl FnOnce(&Database) -> Result<T, JournalError>,
+    ) -> Result<T, JournalError> {
+        let guard = self.database.read().unwrap_or_else(PoisonError::into_inner);
+        let gone = || JournalError::Unwritable("the disk failed and is not back yet".to_owned());
+        let database = guard.as_ref().ok_or_else(gone)?;
+        let work = std::panic::AssertUnwindSafe(|| work(database));
+        let damaged = |_| JournalError::Damaged("a page is not as it was written".to_owned());
+        std::panic::catch_unwind(work).map_err(damaged)?
+    }
+
+    /// Gives the database back: another server may open it.
+    fn close(&self) {
+        let mut guard = self
+            .database
+            .write()
+            .unwrap_or_else(PoisonError::into_inner);
+        *guard = None;
+    }
+
+    /// Closes the database after a failure and opens it again, which brings back what
+    /// was committed.
+    fn reopen(&self) -> Result<(), JournalError> {
+        let mut guard = self
+            .database
+            .write()
+            .unwrap_or_else(PoisonError::into_inner);
+        *guard = None;
+        *guard = Some(database::open(&self.path)?);
+        Ok(())
+    }
+}
+
+impl Journal {
+    /// Opens a data folder, or makes it.
+    ///
+    /// # Errors
+    /// [`JournalError`] for a folder that cannot be used, is used already, has another
+    /// format or is damaged.
+    pub(crate) fn open(folder: &Path, metrics: &Arc<Metrics>) -> Result<Self, JournalError> {
+        files::make_folder(folder)?;
+        for part in PARTS {
+            files::make_folder(&folder.join(part))?;
+            files::drop_parts(&folder.join(part))?;
+        }
+        check_format(folder)?;
+        let path = folder.join(DATABASE_FILE);
+        let opened = database::open(&path)?;
+        database::make_tables(&opened)?;
+        let database = Arc::new(Shelf {
+            path,
+            database: RwLock::new(Some(opened)),
+        });
+        let writer = Writer::start(Arc::clone(&database), metrics)
+            .map_err(|error| JournalError::at(folder, &error))?;
+        Ok(Self {
+            folder: folder.to_owned(),
+            database,
+            writer,
+        })
+    }
+
+    /// Hands changes of the session `name` to the disk, in order; `done` is called once.
+    pub(crate) fn submit(&self, name: &str, changes: Vec<Change>, urgency: Urgency, done: Done) {
+        self.writer.submit(name, changes, urgency, done);
+    }
+
+    /// As [`Journal::submit`]; returns when the disk has them.
+    ///
+    /// # Errors
+    /// [`JournalError::Unwritable`]; none of them is stored then.
+    pub(crate) async fn store(&self, name: &str, changes: Vec<Change>) -> Result<(), JournalError> {
+        let (sender, receiver) = tokio::sync::oneshot::channel();
+        let done = Box::new(move |outcome| {
+            // Whoever asked may have left.
+            let _left = sender.send(outcome);
+        });
+        self.submit(name, changes, Urgency::Now, done);
+        let closed = |_| JournalError::Unwritable("the server is shutting down".to_owned());
+        receiver.await.map_err(closed)?
+    }
+
+    /// Every stored session. Blocks.
+    pub(crate) fn sessions(&self) -> Result<Vec<(String, Listed)>, JournalError> {
+        self.database.with(database::list)
+    }
+
+    /// What a list tells of one session; none where it is not stored or not readable
+    /// now. Blocks.
+    pub(crate) fn listed(&self, name: &str) -> Option<Listed> {
+        let found = self.database.with(|open| database::list_one(open, name));
+        found.unwrap_or_else(|why| {
+            tracing::error!(why = why.to_string(), "a session cannot be read");
+            None
+        })
+    }
+
+    /// All of one session. Blocks.
+    pub(crate) fn load(&self, name: &str) -> Result<Option<Stored>, JournalError> {
+        self.database.with(|open| database::load(open, name))
+    }
+
+    /// The stored meshes. Blocks.
+    pub(crate) fn meshes(&self) -> Result<Vec<(String, StoredMesh)>, JournalError> {
+        self.database.with(database::meshes)
+    }
+
+    /// The bytes of a mesh's file; none where there is no such file. Blocks.
+    ///
+    /// # Errors
+    /// When it cannot be read.
+    pub(crate) fn read_mesh(&self, id: MeshId) -> Result<Option<Vec<u8>>, JournalError> {
+        files::read(&self.mesh_file(id))
+    }
+
+    /// Drops the file of a mesh. Blocks.
+    pub(crate) fn drop_mesh(&self, id: MeshId) -> Result<(), JournalError> {
+        let path = self.mesh_file(id);
+        match std::fs::remove_file(&path) {
+            Ok(()) => Ok(()),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+            Err(error) => Err(JournalError::at(&path, &error)),
+        }
+    }
+
+    /// The file of a mesh.
+    fn mesh_file(&self, id: MeshId) -> PathBuf {
+        self.folder.join("meshes").join(id.to_string())
+    }
+
+    /// Writes the bytes of a mesh beside its place, which is not known yet. Blocks.
+    pub(crate) fn write_part(
+        &self,
+        fill: impl FnOnce(&mut dyn FnMut(&[u8]) -> std::io::Result<()>) -> std::io::Result<()>,
+    ) -> Result<Part, JournalError> {
+        Part::write(&self.folder.join("meshes"), fill)
+    }
+
+    /// Gives a mesh its place. Blocks.
+    pub(crate) fn keep_mesh(&self, part: Part, id: MeshId) -> Result<(), JournalError> {
+        part.keep(&self.mesh_file(id))
+    }
+
+    /// Writes a state into its file; `digest` was computed from its bytes. Blocks.
+    pub(crate) fn write_state(&self, digest: &str, bytes: &[u8]) -> Result<(), JournalError> {
+        files::write(&self.state_file(digest), bytes)
+    }
+
+    /// The bytes of a state's file; none where there is no such file. Blocks.
+    pub(crate) fn read_state(&self, digest: &str) -> Result<Option<Vec<u8>>, JournalError> {
+        files::read(&self.state_file(digest))
+    }
+
+    fn state_file(&self, digest: &str) -> PathBuf {
+        self.folder.join("states").join(digest)
+    }
+
+    /// Drops results that the limit does not allow to stay; how many sessions have lost
+    /// some. Blocks.
+    pub(crate) fn trim(&self, limit: Limit) -> Result<usize, JournalError> {
+        let outdated = self
+            .database
+            .with(|open| retention::outdated(open, limit))?;
+        for (name, first) in &outdated {
+            let dropped = vec![Change::DropResults(*first)];
+            self.submit(name, dropped, Urgency::Soon, Box::new(|_| {}));
+        }
+        Ok(outdated.len())
+    }
+
+    /// Copies everything as it is now into `target`, which must not exist. Blocks.
+    ///
+    /// # Errors
+    /// When something cannot be read or written.
+    pub(crate) fn backup(&self, target: &Path) -> Result<(), JournalError> {
+        self.database
+            .with(|open| backup::copy(open, &self.folder, target))
+    }
+
+    /// As [`Journal::backup`], of a folder that no server uses. Blocks.
+    pub(crate) fn copy(folder: &Path, target: &Path) -> Result<(), JournalError> {
+        check_format(folder)?;
+        let open = database::open(&folder.join(DATABASE_FILE))?;
+        backup::copy(&open, folder, target)
+    }
+
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Returns when everything submitted so far is written; later changes are lost.
+    pub(crate) fn close(&self) {
+        self.writer.close();
+        self.database.close();
+    }
+}
+
+/// Reads the version of a folder, or writes it into a new one.
+fn check_format(folder: &Path) -> Result<(), JournalError> {
+    let path = folder.join(FORMAT_FILE);
+    let own = format!("signorini data {FORMAT}\n");
+    match std::fs::read_to_string(&path) {
+        Ok(text) if text == own => Ok(()),
+        Ok(text) => Err(JournalError::Version {
+            path: folder.display().to_string(),
+            found: text.trim().chars().take(80).collect(),
+            known: FORMAT,
+        }),
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            files::write(&path, own.as_bytes())
+        }
+        Err(error) => Err(JournalError::at(&path, &error)),
+    }
+}

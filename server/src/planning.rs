@@ -1,0 +1,153 @@
+//! From a scene to what a session starts with: mesh, plan and memory.
+
+use std::sync::{Arc, Mutex};
+use std::time::SystemTime;
+
+use prost::Message as _;
+use signorini::mesh::{Mesh, MeshId};
+use signorini::plan::Plan;
+use signorini::prepare::Prepared;
+use signorini_proto::v1 as wire;
+
+use crate::convert::mesh::{self as convert, MeshUse};
+use crate::convert::scene::{self, SceneRequest};
+use crate::convert::surface::{self, SurfacesByName};
+use crate::fault::Fault;
+use crate::journal::{Change, Journal, JournalError, StoredMesh};
+use crate::session::Services;
+use crate::store::{Lease, Reservation, Store};
+
+/// Memory of a decoded message over its encoded size, about.
+const OWN_FACTOR: u64 = 4;
+
+/// A scene with its mesh and its plan.
+pub(crate) struct Planned {
+    pub(crate) request: SceneRequest,
+    pub(crate) mesh: Lease<Mesh>,
+    pub(crate) plan: Plan,
+}
+
+/// Memory taken for a session.
+pub(crate) struct Taken {
+    pub(crate) reservation: Arc<Mutex<Reservation>>,
+    pub(crate) prepared: Option<Lease<Prepared>>,
+}
+
+/// Checks and plans a scene on its mesh.
+pub(crate) async fn plan(services: &Arc<Services>, message: wire::Scene) -> Result<Planned, Fault> {
+    let surfaces = surfaces(services, &message)?;
+    let request = scene::scene(message, &surfaces)?;
+    let mesh = mesh(services, request.mesh).await?;
+    // A plan numbers the mesh and finds its surfaces: about the mesh once more.
+    let _memory = services.store.reserve(mesh.value().bytes())?;
+    let planned = aside(move || {
+        let plan = request.plan(mesh.value())?;
+        Ok::<_, Fault>(Planned {
+            request,
+            mesh,
+            plan,
+        })
+    });
+    planned.await?
+}
+
+/// The surfaces that a scene names.
+fn surfaces(services: &Services, scene: &wire::Scene) -> Result<SurfacesByName, Fault> {
+    let one = |name: String| {
+        let digest = surface::digest_of(&name, "obstacle.shape.surface")?;
+        Ok((name, services.surfaces.get(&digest)?.surface))
+    };
+    surface::names(scene).into_iter().map(one).collect()
+}
+
+/// About what the fields of one result take, bytes.
+pub(crate) fn result_bytes(planned: &Planned) -> u64 {
+    let fields = planned.request.output.fields.len() as u64;
+    8 * fields * planned.plan.report().unknowns.displacement
+}
+
+/// Bytes that a session's messages take.
+pub(crate) fn own_bytes(scene: &wire::Scene, plan: &wire::Plan) -> u64 {
+    OWN_FACTOR * (scene.encoded_len() + plan.encoded_len()) as u64
+}
+
+/// Takes the predicted memory with one result, less what another session has
+/// prepared, and keeps that from being dropped.
+pub(crate) fn reserve(
+    store: &Arc<Store>,
+    planned: &Planned,
+    own_bytes: u64,
+) -> Result<Taken, Fault> {
+    let report = planned.plan.report();
+    let prepared = store.hold_prepared(&planned.plan.key());
+    let there = prepared.as_ref().map_or(0, |lease| lease.value().bytes());
+    let result = result_bytes(planned);
+    let predicted = report.predicted_bytes.saturating_sub(there);
+    let reservation = store.reserve(predicted.saturating_add(result + own_bytes))?;
+    Ok(Taken {
+        reservation: Arc::new(Mutex::new(reservation)),
+        prepared,
+    })
+}
+
+/// A mesh by its identity, from memory or the data folder.
+pub(crate) async fn mesh(services: &Arc<Services>, id: MeshId) -> Result<Lease<Mesh>, Fault> {
+    let missing = match services.store.mesh(id) {
+        Ok(mesh) => return Ok(mesh),
+        Err(missing) => missing,
+    };
+    let Some(journal) = services.journal.clone() else {
+        return Err(missing);
+    };
+    let services = Arc::clone(services);
+    aside(move || match journal.read_mesh(id).map_err(unwritable)? {
+        Some(bytes) => read_mesh(&services.store, id, &bytes),
+        None => Err(missing),
+    })
+    .await?
+}
+
+/// A mesh out of its file, taken into memory.
+fn read_mesh(store: &Arc<Store>, id: MeshId, bytes: &[u8]) -> Result<Lease<Mesh>, Fault> {
+    let reservation = store.reserve(2 * bytes.len() as u64)?;
+    let mesh = convert::from_file(bytes)?;
+    if mesh.id() != id {
+        let name = convert::name(id);
+        return Err(Fault::MeshInvalid(format!(
+            "the file of `{name}` holds another mesh"
+        )));
+    }
+    drop(reservation);
+    drop(store.reserve(mesh.bytes())?);
+    Ok(store.insert_mesh(mesh))
+}
+
+/// Tells the journal of a mesh whose file is on the disk.
+pub(crate) async fn store_mesh(journal: &Journal, mesh: &Mesh) -> Result<(), Fault> {
+    let now = SystemTime::now();
+    let uses = MeshUse {
+        sessions: 0,
+        created: now,
+        used: now,
+    };
+    let described = convert::mesh(mesh, &uses).encode_to_vec().into();
+    let change = Change::Mesh(convert::name(mesh.id()), StoredMesh { described });
+    journal.store("", vec![change]).await.map_err(unwritable)
+}
+
+/// What a client hears when the data folder refuses something.
+pub(crate) fn unwritable(error: JournalError) -> Fault {
+    Fault::Unwritable(error.to_string())
+}
+
+/// Runs a short computation off the threads that serve connections.
+pub(crate) async fn aside<T: Send + 'static>(
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Result<T, Fault> {
+    let span = tracing::Span::current();
+    let done = tokio::task::spawn_blocking(move || span.in_scope(work)).await;
+    done.map_err(|error| {
+        tracing::error!(said = error.to_string(), "a request panicked");
+        Fault::Internal
+    })
+}

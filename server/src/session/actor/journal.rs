@@ -1,0 +1,316 @@
+//! What a session writes into the journal and how it goes on from it.
+//!
+//! Every change has a number, its mark. A result is shown when the disk has what makes
+//! it again: its update and the last change that no replay repeats, such as a step that
+//! was cancelled. What a replay repeats follows with the next commit.
+
+use std::collections::BTreeMap;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use signorini::report::Termination;
+use signorini_proto::v1 as wire;
+
+use super::results::Ending;
+use super::{Actor, answer};
+use crate::convert::step::Update;
+use crate::journal::{Change, JournalError, StoredCheckpoint, StoredUpdate, Urgency};
+use crate::results::kept::KeptResult;
+use crate::session::SessionEnd;
+use crate::session::recovered::{Recovered, stored};
+use crate::session::replay::{Cost, Ledger, Replay, ReplayStep, Replayed};
+
+/// Changes that may wait for the disk before the next increment waits.
+const MOST_WAITING: u64 = 256;
+/// Results are dropped from the disk in groups of so many.
+const DROPPED_TOGETHER: i64 = 32;
+
+/// How far the disk has what the session did.
+pub(super) struct Log {
+    is_kept: bool,
+    /// Mark of the newest change.
+    submitted: u64,
+    /// Mark of the newest change that the disk has.
+    pub(super) durable: u64,
+    /// Mark of the newest change that no replay repeats.
+    fixed: u64,
+    ledger: Ledger,
+    /// Event of the newest checkpoint: results behind it are needed.
+    checkpoint: i64,
+}
+
+impl Log {
+    pub(super) fn new(is_kept: bool, retained_results: usize) -> Self {
+        Self {
+            is_kept,
+            submitted: 0,
+            durable: if is_kept { 0 } else { u64::MAX },
+            fixed: 0,
+            ledger: Ledger::new(retained_results),
+            checkpoint: 0,
+        }
+    }
+
+    pub(super) fn is_kept(&self) -> bool {
+        self.is_kept
+    }
+
+    pub(super) fn ledger(&self) -> Option<Ledger> {
+        self.is_kept.then_some(self.ledger)
+    }
+
+    /// Counts a result of that event.
+    fn count(&mut self, event: i64, cost: Cost, is_checkpoint: bool) {
+        self.ledger.count(cost, is_checkpoint);
+        if is_checkpoint {
+            self.checkpoint = event;
+        }
+    }
+
+    /// The state was written with the change `mark`, where no replay would write it.
+    pub(super) fn fix(&mut self, mark: u64, event: i64, retained_results: usize) {
+        self.fixed = mark;
+        self.checkpoint = event;
+        self.ledger = Ledger::new(retained_results);
+    }
+
+    /// Whether the disk keeps up.
+    pub(super) fn has_room(&self) -> bool {
+        self.submitted.saturating_sub(self.durable) < MOST_WAITING
+    }
+}
+
+impl Actor {
+    /// Hands changes to the disk; their mark, 0 without a journal.
+    pub(super) fn record(&mut self, changes: Vec<Change>, urgency: Urgency) -> u64 {
+        use crate::session::work::Event;
+        let Some(journal) = &self.services.journal else {
+            return 0;
+        };
+        self.log.submitted += 1;
+        let (mark, events) = (self.log.submitted, self.events.clone());
+        let done = Box::new(move |outcome| {
+            // A session that is over has what it needs.
+            let _over = events.send(Event::Journalled(mark, outcome));
+        });
+        journal.submit(&self.spec.name, changes, urgency, done);
+        mark
+    }
+
+    pub(super) fn log_update(&mut self, update: &Update) -> u64 {
+        let stored = StoredUpdate {
+            encoded: update.encoded.clone(),
+            cancelled: false,
+        };
+        let change = Change::Update(update.sequence, stored);
+        self.record(vec![change], Urgency::Now)
+    }
+
+    /// A step was asked to stop: it shall, after a kill too.
+    pub(super) fn log_cancelled(&mut self, sequence: i64) {
+        let Some(accepted) = self.queue.find(sequence) else {
+            return;
+        };
+        let stored = StoredUpdate {
+            encoded: accepted.encoded.clone(),
+            cancelled: true,
+        };
+        self.record(vec![Change::Update(sequence, stored)], Urgency::Now);
+    }
+
+    /// Updates from `sequence` on have lost their place.
+    pub(super) fn log_withdrawn(&mut self, sequence: i64) {
+        if self.queue.find(sequence).is_some() {
+            self.log.fixed = self.record(vec![Change::Withdraw(sequence)], Urgency::Soon);
+        }
+    }
+
+    /// Writes a result; the mark that the disk has to have before it is shown.
+    pub(super) fn log_result(&mut self, result: &KeptResult, ending: Ending) -> u64 {
+        if !self.log.is_kept {
+            return 0;
+        }
+        let is_checkpoint = ending.checkpoint.is_some();
+        self.log.count(result.event, ending.cost, is_checkpoint);
+        let (report, fields) = stored(result, unix_seconds());
+        let mut changes = vec![Change::Result(result.event, report, fields)];
+        changes.extend(ending.checkpoint.map(|state| {
+            let done = u32::try_from(result.report.increment).unwrap_or_default();
+            Change::Checkpoint(StoredCheckpoint {
+                event: result.event,
+                sequence: result.sequence,
+                done: if result.last { 0 } else { done },
+                state: state.into(),
+            })
+        }));
+        changes.extend(self.outdated(result.event));
+        let mark = self.queue.current().map_or(0, |current| current.mark);
+        match ending.termination {
+            Termination::Converged | Termination::NotConverged => {
+                self.record(changes, Urgency::Soon);
+                mark.max(self.log.fixed)
+            }
+            Termination::Cancelled | Termination::DeadlineExceeded | Termination::InternalError => {
+                self.log.fixed = self.record(changes, Urgency::Now);
+                self.log.fixed
+            }
+        }
+    }
+
+    /// What need no longer be kept on disk now and then.
+    fn outdated(&self, event: i64) -> Vec<Change> {
+        if event % DROPPED_TOGETHER != 0 {
+            return Vec::new();
+        }
+        let retained = self.services.config.retained_results;
+        let first = event + 1 - i64::try_from(retained).unwrap_or(i64::MAX);
+        let first = first.min(self.log.checkpoint + 1);
+        let results = (first > 1).then_some(Change::DropResults(first));
+        let fields = self.kept.first_with_fields().map(Change::DropFields);
+        results.into_iter().chain(fields).collect()
+    }
+
+    /// The disk has the changes up to `mark`, or refuses them.
+    pub(super) fn journalled(&mut self, mark: u64, outcome: Result<(), JournalError>) {
+        match outcome {
+            Ok(()) => {
+                self.log.durable = self.log.durable.max(mark);
+                self.kept.show(self.log.durable);
+                let fresh = self.fresh.take();
+                self.feed(fresh.as_ref());
+                self.fresh = fresh;
+                self.answer_exports();
+            }
+            Err(why) => self.end(SessionEnd::Interrupted(Some(why))),
+        }
+    }
+
+    /// Takes over what the journal knows; what is to be done again.
+    pub(super) fn recover(&mut self) -> Option<Box<Replay>> {
+        let Recovered {
+            updates,
+            results,
+            checkpoint,
+        } = *self.spec.recovered.take()?;
+        let behind = checkpoint.as_ref().map_or(0, |one| one.event);
+        self.log.checkpoint = behind;
+        let mut known = Known::new();
+        for result in results {
+            if let (true, Some(report)) = (result.event > behind, result.report.decode()) {
+                let of_update = known.entry(result.sequence).or_default();
+                of_update.push((result.event, report, result.last));
+            }
+            self.kept.push(result);
+        }
+        if let Some(newest) = self.kept.newest() {
+            self.last_event = newest.event;
+            self.last_finished = newest.sequence - i64::from(!newest.last);
+            self.last_report = newest.report.decode();
+        }
+        self.queue.resume_behind(self.last_finished);
+        let mut steps = Vec::new();
+        for (update, is_cancelled) in updates {
+            let sequence = update.sequence;
+            let results = known.remove(&sequence).unwrap_or_default();
+            let step = replay_step(&update, results, checkpoint.as_ref());
+            steps.extend(Some(step).filter(|one| one.before > 0 || !one.results.is_empty()));
+            if sequence > self.last_finished {
+                let newest = self.kept.of_sequence(sequence).pop();
+                let results = newest.map_or(0, |newest| newest.report.increment);
+                if let Some(accepted) = self.queue.push(update) {
+                    accepted.results = u32::try_from(results).unwrap_or_default();
+                    if is_cancelled {
+                        accepted.cancel();
+                    }
+                }
+            }
+        }
+        Some(Box::new(Replay {
+            checkpoint,
+            steps,
+            ledger: self.log.ledger,
+            cancel: self.stop_preparing.clone(),
+        }))
+    }
+
+    /// The state is where an earlier server left it.
+    pub(super) fn replayed(&mut self, replayed: Replayed) {
+        let Some(ledger) = replayed.ledger else {
+            return;
+        };
+        self.log.ledger = ledger;
+        self.services
+            .metrics
+            .replay(replayed.seconds, replayed.differing);
+        tracing::info!(
+            increments = replayed.increments,
+            seconds = replayed.seconds,
+            differing = replayed.differing,
+            finished = self.last_finished,
+            waiting = self.queue.len(),
+            "session resumed"
+        );
+        if replayed.is_foreign {
+            tracing::warn!(
+                "the state was rounded by another instruction set: results are the same up to rounding"
+            );
+        }
+        if replayed.differing > 0 {
+            tracing::warn!("a replay gave other results than the first run");
+        }
+        if let Some(checkpoint) = replayed.checkpoint {
+            self.log.checkpoint = checkpoint.event;
+            self.record(vec![Change::Checkpoint(checkpoint)], Urgency::Soon);
+        }
+    }
+
+    /// Leaves everything to the journal: nothing is answered that is not answered yet.
+    pub(super) fn interrupt(&mut self) {
+        if let Some(current) = self.queue.current() {
+            current.cancel();
+        }
+        self.queue.refuse();
+    }
+
+    /// Drops a session from the disk that does not go on, and tells those who asked.
+    pub(super) async fn forget_stored(&mut self, ending: &SessionEnd) {
+        if let Some(journal) = self
+            .services
+            .journal
+            .clone()
+            .filter(|_| !ending.is_interruption())
+            && let Err(why) = journal.store(&self.spec.name, vec![Change::Delete]).await
+        {
+            tracing::error!(why = why.to_string(), "a session stays on disk");
+        }
+        for deleter in self.deleters.drain(..) {
+            answer(deleter, ());
+        }
+    }
+}
+
+/// Results behind the checkpoint by update: event, report, whether it is the last one.
+type Known = BTreeMap<i64, Vec<(i64, wire::StepReport, bool)>>;
+
+/// What an earlier server did in an update, behind the checkpoint.
+fn replay_step(
+    update: &Update,
+    results: Vec<(i64, wire::StepReport, bool)>,
+    checkpoint: Option<&StoredCheckpoint>,
+) -> ReplayStep {
+    let under_way = checkpoint.filter(|one| one.sequence == update.sequence);
+    ReplayStep {
+        sequence: update.sequence,
+        step: update.step.clone(),
+        before: under_way.map_or(0, |one| one.done),
+        is_finished: results.last().is_some_and(|newest| newest.2),
+        results: results
+            .into_iter()
+            .map(|(event, report, _)| (event, report))
+            .collect(),
+    }
+}
+
+fn unix_seconds() -> i64 {
+    let since = SystemTime::now().duration_since(UNIX_EPOCH);
+    since.map_or(0, |since| since.as_secs().cast_signed())
+}
