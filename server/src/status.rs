@@ -35,7 +35,7 @@ pub(crate) fn reason(fault: &Fault) -> &'static str {
 }
 
 /// Every reason, in the order of the faults.
-pub(crate) const REASONS: [&str; 27] = [
+pub(crate) const REASONS: [&str; 30] = [
     "SCENE_INVALID",
     "UNSUPPORTED_COMBINATION",
     "REQUEST_INVALID",
@@ -43,6 +43,9 @@ pub(crate) const REASONS: [&str; 27] = [
     "MESH_DIGEST_MISMATCH",
     "MESH_NOT_FOUND",
     "MESH_IN_USE",
+    "SURFACE_INVALID",
+    "SURFACE_NOT_FOUND",
+    "SURFACE_IN_USE",
     "SESSION_NOT_FOUND",
     "SESSION_EXPIRED",
     "SESSION_EXISTS",

@@ -175,7 +175,7 @@ fn the_lid_of_a_box_shaped_cavity_is_a_plane() {
     let (scene, step) = bonded_cube();
     let mesh = mesh(cube(3));
     let plane = solve(&scene, std::slice::from_ref(&step), &mesh);
-    let mut inside = scene.clone();
+    let mut inside = scene;
     let cuboid = Shape::Box {
         centre: [0.5, 0.5, -4.0],
         half_sizes: [9.0, 9.0, 5.0],

@@ -61,7 +61,12 @@ impl Factors {
                     *point = scaled(*point, self.length);
                     *radius *= self.length;
                 }
-                other => panic!("no scene here has {other:?}"),
+                Shape::CappedCylinder { .. }
+                | Shape::Box { .. }
+                | Shape::Torus { .. }
+                | Shape::Cone { .. }
+                | Shape::Surface(_)
+                | Shape::Cavity(_) => panic!("no scene here has such a tool"),
             }
         }
         for probe in &mut scene.probes {

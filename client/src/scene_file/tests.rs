@@ -110,7 +110,8 @@ fn unknown_keys_suggest_the_nearest() {
     let addition = "[[obstacle]]\nname = \"ball\"\non = \"z1\"\nshape = { kind = \"wedge\" }";
     let unknown = fault(addition);
     assert!(
-        unknown.contains("known are half-space, sphere, cylinder; not supported yet: "),
+        unknown.contains("known are half-space, sphere, cylinder, ")
+            && unknown.contains("; not supported yet: height-field"),
         "{unknown}"
     );
     let addition = "[[obstacle]]\nname = \"ball\"\non = \"z1\"\nshape = { kind = \"spere\" }";

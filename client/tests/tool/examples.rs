@@ -224,9 +224,11 @@ fn names_cannot_reach_into_a_terminal() {
     let scene = example("hertz-plane.toml");
     let set = ["--set", "name=\"a\\u001b[2Jb\""];
     let run = run(["solve", scene.to_str().unwrap()].into_iter().chain(set));
-    assert_eq!(run.code, Some(0), "{}", run.stderr);
-    assert!(run.stdout.contains("a\\u{1b}[2Jb"), "{}", run.stdout);
-    assert!(!run.stdout.contains('\u{1b}'), "{}", run.stdout);
+    assert_eq!(run.code, Some(4), "{}", run.stderr);
+    let refused = "name: has a control character";
+    assert!(run.stderr.contains(refused), "{}", run.stderr);
+    let told = run.stdout + &run.stderr;
+    assert!(!told.contains('\u{1b}'), "{told}");
 }
 
 #[test]

@@ -84,6 +84,12 @@ pub(crate) struct Listed {
     pub(crate) first: i64,
 }
 
+/// An entry of a table: session and number, message.
+type Row<'a> = (
+    redb::AccessGuard<'a, (&'static str, i64)>,
+    redb::AccessGuard<'a, &'static [u8]>,
+);
+
 /// Opens the database, or makes it; the format it says to have, if it is not new.
 pub(super) fn open(path: &Path) -> Result<Database, JournalError> {
     let opened =
@@ -277,11 +283,8 @@ fn listed(
     let accepted = updates.range(all.clone())?.next_back().transpose()?;
     let accepted = accepted.map_or(0, |(key, _)| key.value().1);
     let mut ends = results.range(all)?;
-    let result = |entry: Option<Result<_, redb::StorageError>>| {
-        let entry: Option<(
-            redb::AccessGuard<'_, (&str, i64)>,
-            redb::AccessGuard<'_, &[u8]>,
-        )> = entry.transpose()?;
+    let result = |entry: Option<Result<Row<'_>, redb::StorageError>>| {
+        let entry = entry.transpose()?;
         let stored = entry.map(|(_, value)| opened::<StoredResult>(value.value(), name));
         stored.transpose()
     };

@@ -172,7 +172,7 @@ impl Sessions {
         let ttl = step::duration(request.ttl.as_ref(), "ttl")?;
         let missing = || Fault::request("scene", "is required");
         let on_disconnect = request.on_disconnect();
-        let from_state = self.from_state(&mut request).await?;
+        let from_state = self.imported_state(&mut request).await?;
         let asked = self
             .services
             .journal
@@ -240,7 +240,7 @@ impl Sessions {
 
     /// The imported state that a request starts from; its scene becomes the request's
     /// where that has none.
-    async fn from_state(
+    async fn imported_state(
         &self,
         request: &mut wire::CreateSessionRequest,
     ) -> Result<Option<Bytes>, Fault> {
@@ -272,7 +272,7 @@ impl Sessions {
             request: request.into(),
             created: Some(SystemTime::now().into()),
             mesh: mesh::name(planned.mesh.value().id()),
-            scene_name: planned.plan.report().name.clone(),
+            scene_name: planned.plan.report().name,
         };
         let mut changes = vec![Change::Begin, Change::Delete, Change::Session(session)];
         let start = recovered.and_then(|one| one.checkpoint.clone());

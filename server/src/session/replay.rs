@@ -157,7 +157,7 @@ pub(super) struct Replayed {
 impl Replay {
     /// Goes the way; the session, with the step that is under way.
     pub(super) fn run(
-        self: Box<Self>,
+        self,
         ground: Ground,
     ) -> Result<(Session, Option<StepRun>, Replayed), ReplayError> {
         let start = Instant::now();

@@ -350,7 +350,7 @@ async fn ready(services: &Arc<Services>, preparation: Preparation) -> Result<Rea
     };
     let begin = move || match replay {
         None => Ok((ground.session(), None, Replayed::default())),
-        Some(replay) => replay.run(ground),
+        Some(replay) => (*replay).run(ground),
     };
     let (session, run, replayed) = on_solver(services, flow, length, begin).await??;
     drop(reservation);

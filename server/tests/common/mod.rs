@@ -432,7 +432,9 @@ pub(crate) fn press(depth: f64, increments: i32) -> wire::LoadStep {
 
 /// The reason in a status.
 pub(crate) fn reason(status: &tonic::Status) -> String {
-    status.get_details_error_info().unwrap().reason
+    let info = status.get_details_error_info();
+    info.unwrap_or_else(|| panic!("{status:?} has no reason"))
+        .reason
 }
 
 /// Paths of all violations in a status.

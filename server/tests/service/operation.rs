@@ -197,7 +197,7 @@ async fn log_of(format: &str) -> String {
     let block = Block::new(1);
     server.upload(&block).await;
     let scene = wire::Scene {
-        name: "a\nb \u{1b}[31mred".into(),
+        name: "a \"quoted\" red".into(),
         ..block.scene()
     };
     let session = server.session(scene).await;
@@ -230,7 +230,7 @@ async fn the_log_tells_of_addresses_sessions_steps_and_refusals() {
         first.to_owned()
     };
     assert!(line(" serving ").contains("url=\"unix:"));
-    assert!(line("session started").contains("scene=\"a\\nb \\u{1b}[31mred\""));
+    assert!(line("session started").contains("scene=\"a \\\"quoted\\\" red\""));
     let step = line("step finished");
     for part in [
         "termination=\"converged\"",

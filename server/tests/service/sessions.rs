@@ -293,19 +293,3 @@ async fn predicted_memory_above_the_budget_is_refused_with_numbers() {
     assert_eq!(metadata["budget_bytes"], (1 << 20).to_string());
     assert!(metadata["predicted_bytes"].parse::<u64>().unwrap() > 1 << 20);
 }
-
-#[tokio::test]
-async fn checkpoints_are_refused_as_not_there_yet() {
-    let server = Server::start().await;
-    let request = wire::ExportStateRequest {
-        name: "sessions/any".into(),
-    };
-    let status = server.sessions().export_state(request).await.unwrap_err();
-    assert_eq!(status.code(), tonic::Code::Unimplemented);
-    let request = wire::CreateSessionRequest {
-        from_state: "states/0".into(),
-        ..Default::default()
-    };
-    let status = server.sessions().create_session(request).await.unwrap_err();
-    assert_eq!(reason(&status), "UNSUPPORTED_COMBINATION");
-}
