@@ -117,7 +117,7 @@ async fn a_full_disk_refuses_what_is_new_and_loses_nothing_that_was_answered() {
     assert!(server.read(&session, 2, 0).await.0.last);
     stop(server).await;
     let server = on(&data).await;
-    assert_eq!(server.describe(&session).await.last_finished_sequence, 3);
+    assert_eq!(server.describe(&session).await.last_accepted_sequence, 3);
     stop(server).await;
 }
 
@@ -126,6 +126,9 @@ async fn a_mesh_whose_file_fails_is_refused_and_leaves_no_part() {
     let _alone = alone().await;
     let data = folder("torn").join("data");
     let (server, block) = (on(&data).await, Block::new(2));
+    // An answer comes when the folder is open.
+    let list = wire::ListMeshesRequest::default();
+    server.meshes().list_meshes(list).await.unwrap();
     for point in ["file-sync", "file-rename"] {
         fail::cfg(point, "return").unwrap();
         let parts = tokio_stream::iter(block.messages());
