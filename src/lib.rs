@@ -155,6 +155,7 @@
 #![doc = include_str!("decisions/0035-loads-without-a-potential.md")]
 #![doc = include_str!("decisions/0036-scales-and-rounding.md")]
 #![doc = include_str!("decisions/0037-shares-and-gates.md")]
+#![doc = include_str!("decisions/0038-triangulated-tools.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

@@ -11,8 +11,6 @@ use std::net::SocketAddr;
 
 use tonic::Request;
 
-use crate::accept::Peer;
-
 /// Whose share of the server a request uses. A name that a token proves will be a
 /// further kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -58,6 +56,12 @@ impl fmt::Display for ClientKey {
             Strand::Unknown => formatter.write_str("unknown"),
         }
     }
+}
+
+/// Who is at the other end of a connection.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Peer {
+    pub(crate) client: ClientKey,
 }
 
 impl ClientKey {

@@ -1,6 +1,9 @@
-//! What the system lets this process have: memory and descriptors.
+//! What the system lets this process have: memory and descriptors; and how large a message is.
 
 use std::path::Path;
+
+/// Largest message, bytes.
+pub(crate) const MESSAGE_BYTES: usize = 4 << 20;
 
 /// Memory that this process may use: that of the machine, or less where a control
 /// group (a container, a systemd unit) or `ulimit -v` sets a limit.

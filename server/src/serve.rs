@@ -30,6 +30,7 @@ use crate::config::{Config, ConfigError};
 use crate::control;
 use crate::gates::{GateMessages, Gates};
 use crate::journal::{Journal, JournalError};
+use crate::limits::MESSAGE_BYTES;
 use crate::listen::{Listener, Socket};
 use crate::metrics::{COMMIT, Metrics};
 use crate::metrics_page::{self, Page};
@@ -41,7 +42,7 @@ use crate::session::Services;
 use crate::states::States;
 use crate::store::Store;
 use crate::surfaces::Surfaces;
-use crate::transport::{MESSAGE_BYTES, Reasoned};
+use crate::transport::Reasoned;
 
 type GuardedRouter = Router<Stack<GateMessages, Stack<CountCalls, Identity>>>;
 

@@ -12,10 +12,8 @@ use tonic::{Code, Status};
 use tonic_types::StatusExt as _;
 
 use crate::fault::Fault;
+use crate::limits::MESSAGE_BYTES;
 use crate::registry::Registry;
-
-/// Largest message, bytes.
-pub(crate) const MESSAGE_BYTES: usize = 4 << 20;
 
 /// The fault behind a status that the transport made while it read a request;
 /// `None` for a broken connection and for statuses of this service.

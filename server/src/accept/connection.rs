@@ -10,20 +10,15 @@ use tokio::net::{TcpStream, UnixStream};
 use tokio::time::Sleep;
 use tonic::transport::server::Connected;
 
-use super::{Away, Guard};
-use crate::client_key::ClientKey;
+use super::Guard;
+use crate::client_key::{ClientKey, Peer};
+use crate::metrics::Away;
 
 /// Time in which a connection has to say that it speaks HTTP/2.
 const HANDSHAKE: Duration = Duration::from_secs(10);
 
 /// Bytes of the preface of HTTP/2 and of the frame behind it (RFC 9113, 3.4).
 const PREFACE_BYTES: usize = 24 + 9;
-
-/// Who is at the other end.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Peer {
-    pub(crate) client: ClientKey,
-}
 
 pub(crate) enum Stream {
     Tcp(TcpStream),

@@ -20,40 +20,14 @@ use tokio_stream::wrappers::ReceiverStream;
 use crate::client_key::{ClientIdentity, ClientKey};
 use crate::config::Config;
 use crate::limits;
-use crate::metrics::Metrics;
-pub(crate) use connection::{Connection, Peer};
+use crate::metrics::{Away, Metrics};
+pub(crate) use connection::Connection;
 
 /// Pause after a failure to accept.
 const PAUSE: Duration = Duration::from_millis(100);
 
 /// Descriptors that are no connections: files, the runtime, the metrics page.
 const OWN_DESCRIPTORS: u64 = 32;
-
-/// Why a connection was turned away.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Away {
-    /// There are as many as may be.
-    All,
-    /// The client has as many as it may have.
-    Client,
-    /// It did not speak HTTP/2 in time.
-    Silent,
-    /// The system gave no descriptor.
-    Descriptors,
-}
-
-impl Away {
-    pub(crate) const ALL: [Self; 4] = [Self::All, Self::Client, Self::Silent, Self::Descriptors];
-
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::All => "all",
-            Self::Client => "client",
-            Self::Silent => "silent",
-            Self::Descriptors => "descriptors",
-        }
-    }
-}
 
 /// The open connections by client.
 pub(crate) struct Door {

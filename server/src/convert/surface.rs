@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::sync::Arc;
+use std::time::SystemTime;
 
 use signorini::obstacle::surface::TriangulatedSurface;
 use signorini_proto::digest::{hex, surface_digest};
@@ -10,7 +11,6 @@ use signorini_proto::v1 as wire;
 use super::mesh::{Indices, Points, limit, size};
 use super::wide;
 use crate::fault::Fault;
-use crate::surfaces::Stored;
 
 const MAXIMUM_VERTICES: i64 = 10_000_000;
 const MAXIMUM_FACETS: i64 = 20_000_000;
@@ -140,14 +140,18 @@ impl Upload {
     }
 }
 
-/// A stored surface.
-pub(crate) fn surface(digest: &str, stored: &Stored) -> wire::StoredSurface {
+/// A surface that came at a time.
+pub(crate) fn surface(
+    digest: &str,
+    surface: &TriangulatedSurface,
+    created: SystemTime,
+) -> wire::StoredSurface {
     wire::StoredSurface {
         name: name(digest),
         digest: digest.to_owned(),
-        vertex_count: wide(stored.surface.vertices().len() as u64),
-        facet_count: wide(stored.surface.facets().len() as u64),
-        memory_bytes: wide(stored.surface.bytes()),
-        create_time: Some(stored.created.into()),
+        vertex_count: wide(surface.vertices().len() as u64),
+        facet_count: wide(surface.facets().len() as u64),
+        memory_bytes: wide(surface.bytes()),
+        create_time: Some(created.into()),
     }
 }

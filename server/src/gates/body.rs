@@ -14,7 +14,7 @@ use tonic::body::Body;
 
 use super::decode::{Decode, Permit};
 use crate::fault::Fault;
-use crate::transport::MESSAGE_BYTES;
+use crate::limits::MESSAGE_BYTES;
 
 /// Before each message: a flag and the length (gRPC over HTTP/2).
 const PREFIX_BYTES: usize = 5;

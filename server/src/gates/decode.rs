@@ -5,17 +5,11 @@
 //! a stream until it asks for the next message. Small messages have a room of their
 //! own, so that large ones cannot keep an update waiting.
 
-use std::convert::Infallible;
 use std::sync::Arc;
-use std::task::{Context, Poll};
 use std::time::Duration;
 
 use tokio::sync::{OwnedSemaphorePermit, Semaphore};
-use tonic::body::Body;
-use tonic::codegen::{BoxFuture, Service, http};
-use tower::Layer;
 
-use super::body::{Gated, Kept};
 use super::cost::Shapes;
 use crate::fault::Fault;
 use crate::metrics::Metrics;
@@ -149,57 +143,4 @@ impl Decode {
 
 fn units(bytes: u64) -> u32 {
     u32::try_from(bytes.div_ceil(UNIT_BYTES)).unwrap_or(u32::MAX)
-}
-
-/// Puts the gate before the services.
-#[derive(Clone)]
-pub(crate) struct GateMessages(pub(crate) Arc<Decode>);
-
-impl<S> Layer<S> for GateMessages {
-    type Service = Guarded<S>;
-
-    fn layer(&self, inner: S) -> Guarded<S> {
-        let gate = Arc::clone(&self.0);
-        Guarded { inner, gate }
-    }
-}
-
-/// Services behind the gate.
-#[derive(Clone)]
-pub(crate) struct Guarded<S> {
-    inner: S,
-    gate: Arc<Decode>,
-}
-
-impl<S> Service<http::Request<Body>> for Guarded<S>
-where
-    S: Service<http::Request<Body>, Response = http::Response<Body>, Error = Infallible>,
-    S::Future: Send + 'static,
-{
-    type Response = http::Response<Body>;
-    type Error = Infallible;
-    type Future = BoxFuture<Self::Response, Infallible>;
-
-    fn poll_ready(&mut self, context: &mut Context<'_>) -> Poll<Result<(), Infallible>> {
-        self.inner.poll_ready(context)
-    }
-
-    fn call(&mut self, request: http::Request<Body>) -> Self::Future {
-        let method = self.gate.shapes.method(request.uri().path());
-        let kept = Kept::default();
-        let (shape, is_stream) = method.unzip();
-        let request = request.map(|inner| {
-            let keeps = is_stream == Some(false);
-            let kept = keeps.then(|| Arc::clone(&kept));
-            let gate = Arc::clone(&self.gate);
-            Body::new(Gated::new(inner, gate, shape, kept))
-        });
-        let (answer, gate) = (self.inner.call(request), Arc::clone(&self.gate));
-        Box::pin(async move {
-            let response = answer.await?;
-            drop(kept);
-            gate.show();
-            Ok(response)
-        })
-    }
 }

@@ -4,12 +4,14 @@
 pub(crate) mod body;
 mod cost;
 mod decode;
+mod layer;
 mod plans;
 mod uploads;
 
 use std::sync::Arc;
 
-pub(crate) use decode::{Decode, GateMessages};
+pub(crate) use decode::Decode;
+pub(crate) use layer::GateMessages;
 pub(crate) use plans::Plans;
 pub(crate) use uploads::{UploadShare, Uploads};
 

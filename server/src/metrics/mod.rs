@@ -6,6 +6,7 @@
 //! several servers in one process do not mix. Every label has its series from the
 //! start (`start`): the first failure would be no increase otherwise.
 
+mod away;
 mod calls;
 mod catalogue;
 mod start;
@@ -24,6 +25,8 @@ use catalogue::*;
 pub(crate) use start::COMMIT;
 
 use crate::status;
+
+pub(crate) use away::Away;
 
 /// The cause of the contract that no solver gives.
 const SERVER_TIME_LIMIT: &str = "server_time_limit";

@@ -7,8 +7,7 @@ use signorini::assembly::simd::InstructionSet;
 use signorini::report::{Cause, Fallback, Seconds, Termination, WarningKind};
 
 use super::catalogue::*;
-use super::{Kind, Metrics, SERVER_TIME_LIMIT, phases};
-use crate::accept::Away;
+use super::{Away, Kind, Metrics, SERVER_TIME_LIMIT, phases};
 
 /// The commit that the program was built from; `unknown` outside release builds.
 pub(crate) const COMMIT: &str = env!("SIGNORINI_COMMIT");

@@ -46,7 +46,7 @@ impl SurfaceService for SurfaceDoor {
         respond(&self.registry, async {
             let digest = convert::digest_of(&request.into_inner().name, "name")?;
             let found = self.services.surfaces.get(&digest)?;
-            let surface = Some(convert::surface(&digest, &found));
+            let surface = Some(convert::surface(&digest, &found.surface, found.created));
             Ok(wire::GetSurfaceResponse { surface })
         })
         .await
@@ -59,7 +59,9 @@ impl SurfaceService for SurfaceDoor {
     ) -> Result<Response<wire::ListSurfacesResponse>, Status> {
         respond(&self.registry, async {
             let all = self.services.surfaces.all();
-            let one = |(digest, stored): &(String, Stored)| convert::surface(digest, stored);
+            let one = |(digest, stored): &(String, Stored)| {
+                convert::surface(digest, &stored.surface, stored.created)
+            };
             let surfaces = all.iter().map(one).collect();
             Ok(wire::ListSurfacesResponse { surfaces })
         })
@@ -118,7 +120,7 @@ impl SurfaceDoor {
 
 fn answer(digest: &str, stored: &Stored, already_present: bool) -> wire::UploadSurfaceResponse {
     wire::UploadSurfaceResponse {
-        surface: Some(convert::surface(digest, stored)),
+        surface: Some(convert::surface(digest, &stored.surface, stored.created)),
         already_present,
     }
 }

@@ -16,7 +16,6 @@ use signorini::scene::{SceneError, Step};
 use signorini::{CheckpointError, Reuse, Rounding, Session, StepRun};
 use signorini_proto::v1 as wire;
 
-use super::work::numbered;
 use crate::convert::report;
 use crate::journal::StoredCheckpoint;
 
@@ -152,6 +151,16 @@ pub(super) struct Replayed {
     pub(super) is_foreign: bool,
     /// The newest state that was due for the journal.
     pub(super) checkpoint: Option<StoredCheckpoint>,
+}
+
+/// The report under the number of its update: the library counts the steps that
+/// began, and does not know of those that stopped before.
+pub(super) fn numbered(report: StepReport, step: u32) -> StepReport {
+    StepReport {
+        time: report.time + (f64::from(step) - f64::from(report.step)),
+        step,
+        ..report
+    }
 }
 
 impl Replay {

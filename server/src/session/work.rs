@@ -16,7 +16,7 @@ use tokio::sync::{mpsc, oneshot};
 
 use super::Services;
 use super::clock::SlotClock;
-use super::replay::{Cost, Ground, Ledger, Replay, ReplayError, Replayed};
+use super::replay::{Cost, Ground, Ledger, Replay, ReplayError, Replayed, numbered};
 use crate::client_key::Flow;
 use crate::compute::{Length, Panicked, Slot, said};
 use crate::convert::field::KeptField;
@@ -221,16 +221,6 @@ fn without(mut report: StepReport, paused: f64) -> StepReport {
         *seconds = (*seconds - paused).max(0.0);
     }
     report
-}
-
-/// The report under the number of its update: the library counts the steps that
-/// began, and does not know of those that stopped before.
-pub(super) fn numbered(report: StepReport, step: u32) -> StepReport {
-    StepReport {
-        time: report.time + (f64::from(step) - f64::from(report.step)),
-        step,
-        ..report
-    }
 }
 
 fn is_due(report: &StepReport, task: &Task) -> bool {

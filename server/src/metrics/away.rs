@@ -1,0 +1,27 @@
+//! Why connections are turned away, by the names in metrics and the log.
+
+/// Why a connection was turned away.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Away {
+    /// There are as many as may be.
+    All,
+    /// The client has as many as it may have.
+    Client,
+    /// It did not speak HTTP/2 in time.
+    Silent,
+    /// The system gave no descriptor.
+    Descriptors,
+}
+
+impl Away {
+    pub(crate) const ALL: [Self; 4] = [Self::All, Self::Client, Self::Silent, Self::Descriptors];
+
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::All => "all",
+            Self::Client => "client",
+            Self::Silent => "silent",
+            Self::Descriptors => "descriptors",
+        }
+    }
+}
