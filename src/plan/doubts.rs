@@ -7,6 +7,7 @@
 //! | nearly incompressible | the first Lame parameter over the shear modulus |
 //! | far away | the largest coordinate over the length of the body |
 //! | tool below the mesh | the radius of an obstacle beside the edges that may touch it |
+//! | edges below the mesh | the radius of an obstacle's edges or tip beside the same |
 //!
 //! Cost: one pass over materials and over the facets of round obstacles.
 
@@ -37,11 +38,9 @@ pub(super) fn doubts(
     all.extend(far_away(mesh, units));
     all.extend(contrast(scene, resolved));
     all.extend(nearly_incompressible(scene, resolved));
-    all.extend(
-        obstacles
-            .iter()
-            .filter_map(|one| below_the_mesh(one, (mesh, units))),
-    );
+    all.extend(obstacles.iter().filter_map(|one| {
+        below_the_mesh(one, (mesh, units)).or_else(|| edges(one, (mesh, units)))
+    }));
     all
 }
 
@@ -106,15 +105,36 @@ fn nearly_incompressible(scene: &Scene, resolved: &Resolved) -> Option<String> {
 /// A round obstacle that fits between the vertices of the mesh.
 fn below_the_mesh(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -> Option<String> {
     let inner = obstacle.shape.inner_ball()?.radius * units.length;
-    let longest = |&facet: &u32| longest_edge(mesh, facet as usize);
-    // The finest faces are where the tool is meant to touch.
-    let shortest = (obstacle.facets.iter().map(longest)).fold(f64::INFINITY, f64::min);
+    let shortest = finest_face(obstacle, mesh);
     (inner < shortest && shortest.is_finite()).then(|| {
         format!(
             "obstacle `{}` has a radius of {inner:.3}, all edges that may touch it are longer, from {shortest:.3} on: a finer mesh sees more of its contact",
             obstacle.name
         )
     })
+}
+
+/// An obstacle whose edges or tip are sharper than the faces that may touch it resolve.
+fn edges(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -> Option<String> {
+    let inner = (obstacle.shape.inner_ball()).map_or(f64::INFINITY, |ball| ball.radius);
+    let sharpest = obstacle
+        .shape
+        .sharpest_radius()
+        .filter(|one| *one < inner)?
+        * units.length;
+    let shortest = finest_face(obstacle, mesh);
+    (sharpest < shortest && shortest.is_finite()).then(|| {
+        format!(
+            "obstacle `{}` has edges or a tip of radius {sharpest:.3}, below the edges that may touch it, from {shortest:.3} on: where they touch, pressures are those of the mesh",
+            obstacle.name
+        )
+    })
+}
+
+/// Longest edge of the finest face that may touch an obstacle, which is where it is meant to.
+fn finest_face(obstacle: &ResolvedObstacle, mesh: &Mesh) -> f64 {
+    let longest = |&facet: &u32| longest_edge(mesh, facet as usize);
+    (obstacle.facets.iter().map(longest)).fold(f64::INFINITY, f64::min)
 }
 
 /// Length of the longest edge of an uploaded facet.

@@ -52,6 +52,22 @@ fn volumes_that_hardly_change_are_named() {
 }
 
 #[test]
+fn edges_of_a_tool_below_the_mesh_are_named() {
+    for (rounding, count) in [(0.0, 1), (0.05, 1), (0.9, 0)] {
+        let mut scene = pressed(elastic(0.3));
+        let shape = Shape::Box {
+            centre: [0.5, 0.5, 2.0],
+            half_sizes: [1.0; 3],
+            rounding,
+        };
+        scene.obstacles = vec![obstacle("tool", "z1", shape)];
+        let found = warnings(&scene, cube(3));
+        assert_eq!(found.len(), count, "{found:?}");
+        assert!(found.iter().all(|one| one.contains("edges or a tip")));
+    }
+}
+
+#[test]
 fn a_tool_between_the_vertices_is_named() {
     let ball = |radius| Shape::Sphere {
         centre: [0.5, 0.5, 1.0 + radius],
