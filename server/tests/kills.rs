@@ -105,16 +105,28 @@ impl Client {
                         }
                     }
                 }
-                assert_eq!(result.event, self.seen() + 1, "results are gapless");
-                self.fields.push((result.event, bytes));
-                self.results.push(bare(result));
+                self.keep(result, bytes);
             }
             Message::Iteration(_) | Message::Heartbeat(_) => {}
-            Message::Opened(_) | Message::Field(_) | Message::UpdateRejected(_) => {
-                panic!("no result came")
+            other @ (Message::Opened(_) | Message::Field(_) | Message::UpdateRejected(_)) => {
+                panic!("no result: {other:?}")
             }
         }
         Ok(())
+    }
+
+    /// An update that was sent again is answered again, also in parts that came before.
+    fn keep(&mut self, result: wire::StepFinished, bytes: Vec<u8>) {
+        let (event, result) = (result.event, bare(result));
+        let earlier = self.results.iter().position(|one| one.event == event);
+        if let Some(earlier) = earlier {
+            assert_eq!(self.results[earlier], result, "answered twice");
+            assert_eq!(self.fields[earlier], (event, bytes), "answered twice");
+            return;
+        }
+        assert_eq!(event, self.seen() + 1, "results are gapless");
+        self.fields.push((event, bytes));
+        self.results.push(result);
     }
 
     /// Asks for everything that is kept again, and compares.

@@ -193,6 +193,8 @@ fn post_after(time: Duration, events: &mpsc::UnboundedSender<Event>, event: Even
 pub(super) struct UpdateQueue {
     waiting: VecDeque<Accepted>,
     last_accepted: i64,
+    /// The last update that an earlier server accepted.
+    last_resumed: i64,
 }
 
 impl UpdateQueue {
@@ -208,9 +210,23 @@ impl UpdateQueue {
         self.waiting.is_empty()
     }
 
+    /// Unfinished updates that count against the limit in flight. Those that an earlier
+    /// server accepted do not: it may have shown their results, which are made again.
+    pub(super) fn in_flight(&self) -> usize {
+        let resumed = self
+            .waiting
+            .partition_point(|accepted| accepted.sequence <= self.last_resumed);
+        self.waiting.len() - resumed
+    }
+
     /// The updates up to `sequence` are finished already.
     pub(super) fn resume_behind(&mut self, sequence: i64) {
         self.last_accepted = sequence;
+    }
+
+    /// All updates so far were accepted by an earlier server.
+    pub(super) fn end_resumption(&mut self) {
+        self.last_resumed = self.last_accepted;
     }
 
     /// The largest sequence that is accepted for good: the disk has it.

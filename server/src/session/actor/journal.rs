@@ -224,6 +224,7 @@ impl Actor {
                 }
             }
         }
+        self.queue.end_resumption();
         Some(Box::new(Replay {
             checkpoint,
             steps,

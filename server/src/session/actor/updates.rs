@@ -36,7 +36,7 @@ impl Actor {
         if received != expected {
             return Err(Fault::SequenceGap { received, expected });
         }
-        if self.queue.len() >= config.maximum_in_flight {
+        if self.queue.in_flight() >= config.maximum_in_flight {
             let limit = config.maximum_in_flight;
             return Err(Fault::QueueFull { limit });
         }
