@@ -92,6 +92,18 @@ impl<'a> Model<'a> {
         }
     }
 
+    /// Place of a vertex of the mesh displaced by `displacement` `[displacement unknowns]`;
+    /// the origin for one that the mesh lacks.
+    pub(crate) fn place(&self, vertex: usize, displacement: &[f64]) -> [f64; 3] {
+        let rest = self.mesh.coordinates().get(vertex).unwrap_or(&[0.0; 3]);
+        let first = vertex * self.prepared.space.components;
+        let moved = displacement.get(first..).unwrap_or(&[]);
+        let moved = moved.iter().take(self.prepared.space.components);
+        let mut place = rest.map(|x| self.plan.units.coordinate_scale * x);
+        place.iter_mut().zip(moved).for_each(|(x, u)| *x += u);
+        place
+    }
+
     /// Every surface with what it meets where `drive` has it, in the order of the
     /// multipliers.
     pub(crate) fn placed(&self, drive: &Drive) -> impl Iterator<Item = (&'a Interface, Placed)> {

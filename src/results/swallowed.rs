@@ -10,6 +10,7 @@
 //! distance a cell where it is near.
 
 use crate::contact::surface::ContactSurface;
+use crate::geometry::vector3::{cross, dot, sub};
 use crate::linalg::vector::norm;
 use crate::model::Model;
 use crate::model::state::State;
@@ -93,15 +94,11 @@ pub(crate) fn depth_where_held(
     let depths = corners.map(|corner| {
         let first = corner as usize * components;
         let own = first..first + components;
-        let held = model.prepared.is_held.get(own.clone()).unwrap_or(&[]);
-        let moved = state.displacement.get(own).unwrap_or(&[]);
+        let held = model.prepared.is_held.get(own).unwrap_or(&[]);
         if !held.contains(&true) {
             return 0.0;
         }
-        let mut place = model.mesh.coordinates()[corner as usize];
-        for (i, x) in place.iter_mut().enumerate() {
-            *x = model.plan.units.coordinate_scale * *x + moved.get(i).unwrap_or(&0.0);
-        }
+        let place = model.place(corner as usize, &state.displacement);
         let mut contact = [Contact::default()];
         obstacle.probe(&[place], What::Normal, &mut contact);
         let normal = contact[0].normal;
@@ -140,18 +137,10 @@ fn contains(model: &Model<'_>, state: &State, (cell, point): (usize, [f64; 3])) 
 /// Twice the area, or six times the volume, of the cell over a side `[corners]` with its tip at
 /// `tip`.
 fn volume(side: &[[f64; 3]], tip: [f64; 3]) -> f64 {
-    let from = |point: [f64; 3]| -> [f64; 3] { std::array::from_fn(|i| point[i] - tip[i]) };
-    let edges: Vec<[f64; 3]> = side.iter().map(|&corner| from(corner)).collect();
+    let edges: Vec<[f64; 3]> = side.iter().map(|&corner| sub(corner, tip)).collect();
     match edges[..] {
         [a, b] => a[0] * b[1] - a[1] * b[0],
-        [a, b, c] => {
-            let cross = [
-                b[1] * c[2] - b[2] * c[1],
-                b[2] * c[0] - b[0] * c[2],
-                b[0] * c[1] - b[1] * c[0],
-            ];
-            a[0] * cross[0] + a[1] * cross[1] + a[2] * cross[2]
-        }
+        [a, b, c] => dot(a, cross(b, c)),
         _ => 0.0,
     }
 }

@@ -1,12 +1,12 @@
 //! Causes that the methods can only notice as stagnation: loads that nothing resists,
 //! a volume that cannot change, a body about to snap.
 
-use super::enclosure::is_full;
+use super::enclosure::{constant_pressure_force, is_full};
 use super::run::Run;
 use crate::contact::coarseness::{Coarsest, coarsest as coarsest_face};
 use crate::contact::gap::linearise;
+use crate::linalg::Workspace;
 use crate::linalg::vector::{add_scaled, dot, norm};
-use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
@@ -87,14 +87,10 @@ fn slides_off(model: &Model<'_>, drive: &Drive) -> Option<bool> {
 /// Whether contact everywhere would hold a constant pressure at rest: obstacles
 /// then fix a volume which the material fixes too.
 fn is_closed_by_contact(model: &Model<'_>, drive: &Drive, work: &mut Workspace) -> bool {
-    let fixed = model.prepared.pressure.as_ref();
-    let Some(block) = fixed.filter(|block| block.stabilisation.is_none()) else {
+    let Some(mut pushed) = constant_pressure_force(model, work) else {
         return false;
     };
-    let size = block.coupling.size;
-    let mut pushed = vec![0.0; size];
-    let ones = vec![1.0; block.coupling.vertices];
-    block.coupling.apply_transposed(&ones, &mut pushed, work);
+    let size = pushed.len();
     let before = norm(&pushed);
     let mut taken: Vec<Vec<f64>> = Vec::new();
     let rest = vec![0.0; size];

@@ -12,7 +12,7 @@ use super::run::Run;
 use crate::assembly::load::facet_measure;
 use crate::contact::ContactSurface;
 use crate::contact::gap::evaluate_gaps;
-use crate::linalg::vector::dot;
+use crate::linalg::vector::{add_scaled, dot};
 use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
 use crate::model::drive::Drive;
@@ -58,19 +58,12 @@ fn faces_all(
     (state, surface): (&State, &ContactSurface),
     obstacle: &dyn Obstacle,
 ) -> bool {
-    let (c, scale) = (
-        model.prepared.space.components,
-        model.plan.units.coordinate_scale,
-    );
     surface.faces.iter().all(|face| {
+        let share = 1.0 / face.corners.len() as f64;
         let mut middle = [0.0; 3];
         for &corner in &face.corners {
-            let at = model.mesh.coordinates()[corner as usize];
-            let moved = &state.displacement[corner as usize * c..][..c];
-            for (i, sum) in middle.iter_mut().enumerate() {
-                let place = scale * at[i] + moved.get(i).unwrap_or(&0.0);
-                *sum += place / face.corners.len() as f64;
-            }
+            let place = model.place(corner as usize, &state.displacement);
+            add_scaled(&mut middle, share, &place);
         }
         let mut met = [Contact::default()];
         obstacle.probe(&[middle], What::Normal, &mut met);
@@ -82,17 +75,10 @@ fn faces_all(
 /// Whether a body that keeps its volume has no face but those that supports hold along the
 /// normal and those of one obstacle each.
 fn is_covered(model: &Model<'_>) -> bool {
-    let fixed = model.prepared.pressure.as_ref();
-    let Some(block) = fixed.filter(|block| block.stabilisation.is_none()) else {
+    let Some(mut pushed) = constant_pressure_force(model, &mut Workspace::new()) else {
         return false;
     };
     let c = model.prepared.space.components;
-    let mut pushed = vec![0.0; block.coupling.size];
-    let ones = vec![1.0; block.coupling.vertices];
-    let mut work = Workspace::new();
-    block
-        .coupling
-        .apply_transposed(&ones, &mut pushed, &mut work);
     let largest = pushed.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
     let interfaces = model.interfaces.list.iter();
     let mut facets: Vec<u32> = Vec::new();
@@ -110,4 +96,15 @@ fn is_covered(model: &Model<'_>) -> bool {
     facets.dedup();
     let is_free = |x: &f64| x.abs() > CLOSED * largest;
     facets.len() == count && !pushed.iter().any(is_free)
+}
+
+/// B^T 1 at rest `[displacement]`: what a constant pressure pushes; none of a body that may
+/// change its volume.
+pub(super) fn constant_pressure_force(model: &Model<'_>, work: &mut Workspace) -> Option<Vec<f64>> {
+    let fixed = model.prepared.pressure.as_ref();
+    let block = fixed.filter(|block| block.stabilisation.is_none())?;
+    let mut force = vec![0.0; block.coupling.size];
+    let ones = vec![1.0; block.coupling.vertices];
+    block.coupling.apply_transposed(&ones, &mut force, work);
+    Some(force)
 }

@@ -122,17 +122,13 @@ fn rigid_motion(model: &Model<'_>, state: &State, (from, to): (usize, usize)) ->
     let space = &model.prepared.space;
     let c = space.components;
     let mut motion = vec![0.0; state.displacement.len()];
-    let nodes = motion.chunks_exact_mut(c);
-    let moved = state.displacement.chunks_exact(c);
-    for (node, (own, moved)) in nodes.zip(moved).enumerate() {
-        // Corrections of edges turn, and have no place.
-        let rest = model.mesh.coordinates().get(node);
-        let place = |axis: usize| {
-            moved[axis] + rest.map_or(0.0, |x| model.plan.units.coordinate_scale * x[axis])
-        };
+    let vertices = model.mesh.coordinates().len();
+    for (node, own) in motion.chunks_exact_mut(c).enumerate() {
+        // Corrections of edges turn, and have no place of their own.
+        let place = model.place(node, &state.displacement);
         if from != to {
-            (own[from], own[to]) = (-place(to), place(from));
-        } else if rest.is_some() {
+            (own[from], own[to]) = (-place[to], place[from]);
+        } else if node < vertices {
             own[from] = 1.0;
         }
     }
