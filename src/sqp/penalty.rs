@@ -15,6 +15,9 @@ use crate::report::{Cause, Termination};
 
 /// Failures of one part after another that bring the volume term in.
 const PATIENCE: u32 = 2;
+/// The same with friction, where no certificate says that a state is soft: the iterations stop
+/// where it is, and smaller parts only come nearer.
+const PATIENCE_WITH_FRICTION: u32 = 1;
 /// First shares of a penalty: what the pair has moved wrongly comes back by degrees.
 const GENTLE: [f64; 2] = [0.0625, 0.25];
 
@@ -24,9 +27,13 @@ pub(crate) fn next_penalty(run: &Run<'_>, ending: &Ending, parts: &Parts) -> Opt
     if run.model.plan.never_takes_a_penalty() {
         return None;
     }
+    let patience = match run.model.interfaces.friction {
+        Some(_) => PATIENCE_WITH_FRICTION,
+        None => PATIENCE,
+    };
     let is_lost = ending.cause == Some(Cause::UnstableEquilibrium)
         || is_soft(run)
-        || parts.failures >= PATIENCE;
+        || parts.failures >= patience;
     let pressures = run.state.pressure.iter();
     let largest = pressures.fold(0.0, |most: f64, p| most.max(p.abs()));
     let present = run.state.penalty.max(parts.tried);
