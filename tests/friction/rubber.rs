@@ -9,7 +9,7 @@ use crate::common::scenes::{
     HELD, mooney_rivlin, obstacle, plane, rubber, squeezed_cube, support, travel,
 };
 use crate::common::{assert_converged, open, solve, take};
-use signorini::scene::{Pressure, Shape, SupportTarget};
+use signorini::scene::{Choice, ContactSpace, Pressure, Shape, SupportTarget};
 use signorini::{Scene, Step, StepReport};
 
 /// With one more obstacle of that friction.
@@ -40,6 +40,19 @@ fn a_rough_plate_presses_a_block_as_far_as_a_smooth_one() {
     );
 }
 
+#[test]
+fn functions_of_vertices_alone_press_a_rough_block_as_far_with_a_penalty() {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.supports = vec![support("z0", HELD)];
+    scene.solver.contact_space = Choice::Named(ContactSpace::Linear);
+    let press = plane([0.5, 0.5, 1.0], [0.0, 0.0, -1.0]);
+    with_rough(&mut scene, ("press", &["z1"]), press, 0.3);
+    let down = travel("press", 10, [0.0, 0.0, -0.25], [0.0; 3]);
+    let reports = solve(&scene, &[down], &mesh(cube(6)));
+    assert_eq!(reports.len(), 10);
+    reports.iter().for_each(assert_converged);
+}
+
 /// Work of a plate that twists a pressed block, over what is stored and dissipated.
 fn twisted(increments: u32) -> f64 {
     let mut scene = rubber(mooney_rivlin(), None);
@@ -68,11 +81,35 @@ fn twisted(increments: u32) -> f64 {
 
 #[test]
 fn what_twists_a_block_is_stored_or_dissipated() {
-    let [coarse, fine] = [10, 20].map(twisted);
+    let [coarse, fine] = [40, 80].map(twisted);
     assert!(
-        coarse.abs() < 6e-3 && fine.abs() < 0.75 * coarse.abs(),
+        fine.abs() < 1e-3 && fine.abs() < 0.75 * coarse.abs(),
         "{coarse} {fine}"
     );
+}
+
+/// What the rim of a wheel has done behind its axle's first step, less what is stored and
+/// dissipated, over the work and the energy that come and go.
+fn rolled(reports: &[StepReport], lowered: f64) -> f64 {
+    let turn = FRAC_PI_2 / (reports.len() - 1) as f64;
+    // The rim holds what the road does: the same force and, about the axle, the same moment.
+    let power = |(number, report): (usize, &StepReport)| {
+        let road = report.obstacles["road"];
+        let [x, y, _] = road.force;
+        let axle = number as f64 * turn;
+        let moment = road.moment[2] - axle * y + (1.0 - lowered) * x;
+        moment - x
+    };
+    let powers: Vec<f64> = reports.iter().enumerate().map(power).collect();
+    let work: f64 = powers
+        .windows(2)
+        .map(|pair| 0.5 * (pair[0] + pair[1]) * turn)
+        .sum();
+    let lost: f64 = (reports[1..].iter())
+        .map(|report| report.obstacles["road"].dissipated_energy)
+        .sum();
+    let (first, last) = (&reports[0], &reports[reports.len() - 1]);
+    (work - (last.strain_energy - first.strain_energy) - lost) / last.strain_energy
 }
 
 #[test]
@@ -111,6 +148,41 @@ fn a_wheel_rolls_a_quarter_turn_without_sliding() {
         .map(|report| report.obstacles["road"].force[0])
         .collect();
     assert!(pulls.is_sorted(), "{pulls:?}");
+    let defect = rolled(&reports[1..], 0.06);
+    assert!(defect.abs() < 1e-3, "{defect}");
+}
+
+/// Work of a lid that squeezes a seal between rough plates, over what is stored and dissipated.
+fn squeezed(increments: u32) -> f64 {
+    let mut scene = rubber(mooney_rivlin(), Some(1000.0));
+    let sides: &[&str] = &["left", "right"];
+    let floor = plane([0.0, -1.0, 0.0], [0.0, 1.0, 0.0]);
+    let lid = plane([0.0, 1.0, 0.0], [0.0, -1.0, 0.0]);
+    with_rough(&mut scene, ("floor", sides), floor, 0.3);
+    with_rough(&mut scene, ("lid", sides), lid, 0.3);
+    let squeeze = travel("lid", increments, [0.0, -0.4, 0.0], [0.0; 3]);
+    let reports = solve(&scene, &[squeeze], &file("section_h20"));
+    reports.iter().for_each(assert_converged);
+    let mut force = 0.0;
+    let (mut work, mut lost) = (0.0, 0.0);
+    for report in &reports {
+        let next = report.obstacles["lid"].force[1];
+        work -= 0.5 * (force + next) * 0.4 / f64::from(increments);
+        let dissipated = |name: &str| report.obstacles[name].dissipated_energy;
+        lost += dissipated("floor") + dissipated("lid");
+        force = next;
+    }
+    let stored = reports.last().expect("a result").strain_energy;
+    (work - stored - lost) / work
+}
+
+#[test]
+fn what_squeezes_a_rough_seal_is_stored_or_dissipated() {
+    let [coarse, fine] = [10, 20].map(squeezed);
+    assert!(
+        fine.abs() < 1e-3 && fine.abs() < 0.75 * coarse.abs(),
+        "{coarse} {fine}"
+    );
 }
 
 #[test]
