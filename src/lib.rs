@@ -156,6 +156,7 @@
 #![doc = include_str!("decisions/0036-scales-and-rounding.md")]
 #![doc = include_str!("decisions/0037-shares-and-gates.md")]
 #![doc = include_str!("decisions/0038-triangulated-tools.md")]
+#![doc = include_str!("decisions/0039-who-may-do-what.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

@@ -1,11 +1,18 @@
 //! The arguments of the command line.
 
+mod access;
+
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
-use signorini_client::ServerAddress;
 use signorini_client::scene_file::Override;
+use signorini_client::{Client, ServerAddress};
+
+use crate::exit::Failure;
+pub(crate) use access::AccessArguments;
+#[cfg(feature = "embedded")]
+pub(crate) use access::{CertsCommand, TokenCommand};
 
 /// Contact of nearly incompressible bodies, rubber included: solve scenes, serve, look at servers.
 #[derive(Debug, Parser)]
@@ -25,7 +32,8 @@ Units are yours: one set of lengths, forces and stresses throughout (mm, N and M
 Rotation vectors are in radians: a quarter turn is 1.5708.
 
 Exit codes: 0 ok, 2 usage (or a name that the server does not know), 3 not converged (results kept),
-4 invalid or unsupported scene or mesh, 5 no server, 6 refused (quota, queue, memory, size, in use),
+4 invalid or unsupported scene or mesh, 5 no server, 6 refused (quota, queue, memory, size, in use,
+token),
 7 deadline, 8 server error, 9 no room on the disk, 10 server restarted (results kept),
 130 interrupted";
 
@@ -63,12 +71,27 @@ Without a configuration it listens on 127.0.0.1:50051, and shows metrics on
 http://127.0.0.1:9464/metrics. It prints its address once it listens.";
 
 #[cfg(feature = "embedded")]
+const CONFIG_EXAMPLES: &str = "\
+Examples:
+  signorini config check server.toml
+  signorini config show --config server.toml --data /var/lib/signorini";
+
+#[cfg(feature = "embedded")]
 const DATA_EXAMPLES: &str = "\
 Examples:
   signorini serve --data /var/lib/signorini
   signorini backup /var/lib/signorini monday
   signorini fsck monday
   signorini restore monday /var/lib/signorini-2";
+
+#[cfg(feature = "embedded")]
+const ACCESS_EXAMPLES: &str = "\
+Examples:
+  signorini certs init certificates --host solver.example
+  signorini token add line-1 --role solve --tokens tokens.toml > line-1.token
+  signorini session list --server https://solver.example:50051 --ca certificates/ca.pem \
+    --token-file line-1.token
+  signorini token revoke line-1 --tokens tokens.toml";
 
 const MESH_EXAMPLES: &str = "\
 Examples:
@@ -118,6 +141,10 @@ pub(crate) enum Command {
     /// Start a server
     #[command(after_help = SERVE_EXAMPLES)]
     Serve(ServeArguments),
+    /// The settings of a server
+    #[command(subcommand, after_help = CONFIG_EXAMPLES)]
+    #[cfg(feature = "embedded")]
+    Config(ConfigCommand),
     /// Copy the data folder of a server, which may be running
     #[command(after_help = DATA_EXAMPLES)]
     #[cfg(feature = "embedded")]
@@ -148,6 +175,14 @@ pub(crate) enum Command {
         #[arg(value_name = "DIR")]
         folder: PathBuf,
     },
+    /// Tokens that a server asks for
+    #[command(subcommand, after_help = ACCESS_EXAMPLES)]
+    #[cfg(feature = "embedded")]
+    Token(TokenCommand),
+    /// Certificates for a server and its clients
+    #[command(subcommand, after_help = ACCESS_EXAMPLES)]
+    #[cfg(feature = "embedded")]
+    Certs(CertsCommand),
     /// Measure error against run time: table, figures and a page
     #[cfg(feature = "bench")]
     Bench(signorini_bench::Arguments),
@@ -181,9 +216,11 @@ pub(crate) struct SceneArguments {
     /// Change a key of the scene, such as obstacle.ball.shape.radius=2
     #[arg(long = "set", value_name = "PATH=VALUE")]
     pub(crate) overrides: Vec<Override>,
-    /// Server to use: HOST:PORT, http://HOST:PORT or unix:PATH; default: one in this process
+    /// Server to use: HOST:PORT, http(s)://HOST:PORT or unix:PATH; default: one in this process
     #[arg(long, value_name = "URL", env = "SIGNORINI_SERVER")]
     pub(crate) server: Option<ServerAddress>,
+    #[command(flatten)]
+    pub(crate) access: AccessArguments,
 }
 
 #[derive(Args, Debug)]
@@ -232,7 +269,7 @@ pub(crate) struct PlanArguments {
     pub(crate) json: bool,
 }
 
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(crate) struct ServeArguments {
     /// Configuration file (TOML)
     #[arg(long, value_name = "FILE")]
@@ -257,15 +294,36 @@ pub(crate) struct ServeArguments {
     pub(crate) log_level: Option<signorini_server::LogLevel>,
 }
 
+#[cfg(feature = "embedded")]
+#[derive(Debug, Subcommand)]
+pub(crate) enum ConfigCommand {
+    /// Check settings and the files that they name: the first fault, exit code 2
+    Check {
+        /// Configuration file (TOML)
+        file: PathBuf,
+    },
+    /// Print what serve would use with the same flags, and where each value comes from
+    Show(ServeArguments),
+}
+
 /// A server that runs already.
 #[derive(Args, Debug)]
 pub(crate) struct RemoteArguments {
-    /// Server: HOST:PORT, http://HOST:PORT or unix:PATH
+    /// Server: HOST:PORT, http(s)://HOST:PORT or unix:PATH
     #[arg(long, value_name = "URL", env = "SIGNORINI_SERVER")]
     pub(crate) server: ServerAddress,
+    #[command(flatten)]
+    pub(crate) access: AccessArguments,
     /// One JSON object a line
     #[arg(long)]
     pub(crate) json: bool,
+}
+
+impl RemoteArguments {
+    /// Connects with what the server may ask for.
+    pub(crate) async fn connect(&self) -> Result<Client, Failure> {
+        Ok(Client::connect_with(&self.server, &self.access.read()?).await?)
+    }
 }
 
 #[derive(Args, Debug)]

@@ -1,4 +1,5 @@
-//! Connections to a server: TCP by URL, or a Unix socket by path.
+//! Connections to a server: TCP by URL, with transport security or without, or a Unix socket by
+//! path.
 //!
 //! Flow-control windows are those of the service (1 MiB a stream, 4 MiB a
 //! connection), so that fields and meshes are not throttled by HTTP/2's small
@@ -6,6 +7,7 @@
 
 use std::fmt;
 use std::future::Future;
+use std::net::IpAddr;
 use std::path::PathBuf;
 use std::str::FromStr;
 use std::time::Duration;
@@ -14,11 +16,13 @@ use signorini_proto::v1::mesh_service_client::MeshServiceClient;
 use signorini_proto::v1::session_service_client::SessionServiceClient;
 use signorini_proto::v1::surface_service_client::SurfaceServiceClient;
 use tonic::body::Body;
-use tonic::codegen::http::{Request, Response};
-use tonic::transport::{Channel, Endpoint, Uri};
+use tonic::codegen::http::header::AUTHORIZATION;
+use tonic::codegen::http::{HeaderValue, Request, Response};
+use tonic::transport::{Channel, ClientTlsConfig, Endpoint, Uri};
 use tower::ServiceExt as _;
 use tower::util::BoxCloneSyncService;
 
+use crate::credentials::Credentials;
 use crate::error::{ClientError, Unanswered};
 
 const STREAM_WINDOW: u32 = 1 << 20;
@@ -37,6 +41,8 @@ const PLAN_LIMIT: Duration = Duration::from_secs(600);
 pub enum ServerAddress {
     /// `http://HOST:PORT`; `HOST:PORT` is read as such.
     Http(String),
+    /// `https://HOST:PORT`.
+    Https(String),
     /// `unix:PATH`.
     Unix(PathBuf),
 }
@@ -57,6 +63,9 @@ impl FromStr for ServerAddress {
         };
         let uri: Uri = url.parse().map_err(|_| wrong())?;
         let is_bare = url != text;
+        if uri.scheme_str() == Some("https") && uri.authority().is_some() {
+            return Ok(Self::Https(url));
+        }
         let is_known = uri.scheme_str() == Some("http") && uri.authority().is_some();
         // A word alone is rather a mistake than a host.
         if is_known && (!is_bare || uri.port().is_some() && uri.path() == "/") {
@@ -69,7 +78,7 @@ impl FromStr for ServerAddress {
 impl fmt::Display for ServerAddress {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Http(url) => out.write_str(url),
+            Self::Http(url) | Self::Https(url) => out.write_str(url),
             Self::Unix(path) => write!(out, "unix:{}", path.display()),
         }
     }
@@ -91,13 +100,30 @@ impl Client {
     /// # Errors
     /// [`ClientError::Unreachable`].
     pub async fn connect(address: &ServerAddress) -> Result<Self, ClientError> {
+        Self::connect_with(address, &Credentials::default()).await
+    }
+
+    /// Connects, and shows what a server may ask for.
+    ///
+    /// # Errors
+    /// [`ClientError::Unreachable`]; [`ClientError::NoAuthority`] and
+    /// [`ClientError::Readable`] where the address and the credentials do not go together.
+    pub async fn connect_with(
+        address: &ServerAddress,
+        credentials: &Credentials,
+    ) -> Result<Self, ClientError> {
+        let token = credentials.header();
         let channel = match address {
-            ServerAddress::Http(url) => connect_tcp(url).await,
+            ServerAddress::Http(url) if token.is_some() && !is_loopback(url) => {
+                return Err(ClientError::Readable(url.clone()));
+            }
+            ServerAddress::Http(url) => connect_tcp(url, None).await,
+            ServerAddress::Https(url) => connect_tcp(url, Some(credentials.tls(url)?)).await,
             ServerAddress::Unix(path) => connect_unix(path.clone()).await,
         };
         channel
             .map(|channel| Self {
-                channel: named(channel, address.to_string()),
+                channel: named(channel, address.to_string(), token),
             })
             .map_err(|error| ClientError::Unreachable {
                 address: address.to_string(),
@@ -150,11 +176,25 @@ async fn within<T, E: Into<ClientError>>(
 
 /// Whatever listens there may accept the connection and yet be no server: that
 /// shows only when a call fails without any answer.
-fn named(channel: Channel, address: String) -> Transport {
-    Transport::new(channel.map_err(move |error| {
+fn named(channel: Channel, address: String, token: Option<HeaderValue>) -> Transport {
+    let shown = channel.map_request(move |mut request: Request<Body>| {
+        if let Some(token) = &token {
+            request.headers_mut().insert(AUTHORIZATION, token.clone());
+        }
+        request
+    });
+    Transport::new(shown.map_err(move |error| {
         let (address, message) = (address, root_cause(&error));
         Unanswered { address, message }
     }))
+}
+
+/// Whether nobody but this machine reads what is sent there.
+fn is_loopback(url: &str) -> bool {
+    let uri: Option<Uri> = url.parse().ok();
+    let host = uri.as_ref().and_then(Uri::host).unwrap_or_default();
+    let address = host.trim_matches(['[', ']']).parse::<IpAddr>();
+    host == "localhost" || address.is_ok_and(|address| address.is_loopback())
 }
 
 fn configured(endpoint: Endpoint) -> Endpoint {
@@ -168,8 +208,14 @@ fn configured(endpoint: Endpoint) -> Endpoint {
         .tcp_nodelay(true)
 }
 
-async fn connect_tcp(url: &str) -> Result<Channel, tonic::transport::Error> {
-    let endpoint = Endpoint::from_shared(url.to_owned())?;
+async fn connect_tcp(
+    url: &str,
+    tls: Option<ClientTlsConfig>,
+) -> Result<Channel, tonic::transport::Error> {
+    let mut endpoint = Endpoint::from_shared(url.to_owned())?;
+    if let Some(tls) = tls {
+        endpoint = endpoint.tls_config(tls)?;
+    }
     configured(endpoint).connect().await
 }
 
@@ -224,6 +270,8 @@ mod tests {
             let address = bare.parse::<ServerAddress>().unwrap();
             assert_eq!(address.to_string(), format!("http://{bare}"));
         }
+        let https = "https://host:1".parse::<ServerAddress>().unwrap();
+        assert_eq!(https, ServerAddress::Https("https://host:1".to_owned()));
         for wrong in [
             "",
             "unix:",
@@ -232,10 +280,26 @@ mod tests {
             "host:port",
             "127.0.0.1:50051/path",
             "ftp://host:1",
-            "https://host:1",
             "http://",
         ] {
             assert!(wrong.parse::<ServerAddress>().is_err(), "{wrong}");
         }
+    }
+
+    #[tokio::test]
+    async fn a_token_does_not_travel_readable_and_https_needs_an_authority() {
+        let token = Credentials::default().with_token("signorini_1").unwrap();
+        let connect = async |address: &str| {
+            let address = address.parse::<ServerAddress>().unwrap();
+            Client::connect_with(&address, &token).await.unwrap_err()
+        };
+        let readable = connect("http://192.0.2.1:50051").await;
+        assert!(matches!(readable, ClientError::Readable(_)), "{readable}");
+        let unknown = connect("https://192.0.2.1:50051").await;
+        assert!(matches!(unknown, ClientError::NoAuthority(_)), "{unknown}");
+        for own in ["http://127.0.0.1:1", "http://localhost:1", "http://[::1]:1"] {
+            assert!(is_loopback(own), "{own}");
+        }
+        assert!(!is_loopback("http://localhost.example.org:1"));
     }
 }

@@ -1,7 +1,8 @@
 //! The server of a command: one that runs, or one started in this process.
 
-use signorini_client::{Client, ServerAddress};
+use signorini_client::Client;
 
+use crate::arguments::SceneArguments;
 #[cfg(not(feature = "embedded"))]
 use crate::exit::Exit;
 use crate::exit::Failure;
@@ -15,10 +16,10 @@ pub(crate) struct Connection {
 
 impl Connection {
     /// Connects to a server, or starts one.
-    pub(crate) async fn open(server: Option<&ServerAddress>) -> Result<Self, Failure> {
-        match server {
+    pub(crate) async fn open(arguments: &SceneArguments) -> Result<Self, Failure> {
+        match &arguments.server {
             Some(address) => Ok(Self {
-                client: Client::connect(address).await?,
+                client: Client::connect_with(address, &arguments.access.read()?).await?,
                 #[cfg(feature = "embedded")]
                 server: None,
             }),

@@ -96,8 +96,23 @@ impl Refusal {
 #[derive(Debug, thiserror::Error)]
 pub enum ClientError {
     /// An address that is neither a URL nor a socket path.
-    #[error("\"{0}\" is no server address: HOST:PORT, http://HOST:PORT or unix:PATH is expected")]
+    #[error(
+        "\"{0}\" is no server address: HOST:PORT, http://HOST:PORT, https://HOST:PORT or \
+         unix:PATH is expected"
+    )]
     Address(String),
+    /// A text that cannot be a token.
+    #[error("what was given as the token is no single word")]
+    Token,
+    /// Nothing says whose certificates are to be trusted.
+    #[error(
+        "{0} shows a certificate, but no authority is known: give --ca FILE or SIGNORINI_CA \
+         (`ca.pem` of `signorini certs init`, or the bundle of the system)"
+    )]
+    NoAuthority(String),
+    /// A token would travel readable through a network.
+    #[error("a token is not sent to {0}: other machines could read it; use https://HOST:PORT")]
+    Readable(String),
     /// Nobody answers at the address.
     #[error("no server answers at {address}: {message}")]
     Unreachable {
@@ -180,6 +195,9 @@ impl ClientError {
         match self {
             Self::Refused(refusal) => Some(refusal),
             Self::Address(_)
+            | Self::Token
+            | Self::NoAuthority(_)
+            | Self::Readable(_)
             | Self::Unreachable { .. }
             | Self::Protocol(_)
             | Self::Array(_)

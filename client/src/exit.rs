@@ -25,7 +25,7 @@ pub(crate) enum Exit {
     Invalid = 4,
     /// No server answers.
     NoServer = 5,
-    /// Quota, queue, memory or size, or a name that is in use.
+    /// Quota, queue, memory or size, a name that is in use, or a token that does not do.
     Refused = 6,
     /// Time is up.
     Deadline = 7,
@@ -120,6 +120,12 @@ impl Failure {
         }
     }
 
+    /// Its messages in one line.
+    #[cfg(feature = "embedded")]
+    pub(crate) fn line(&self) -> String {
+        self.messages.join("; ")
+    }
+
     /// Prints its messages, one a line.
     pub(crate) fn report(&self) -> Exit {
         for message in &self.messages {
@@ -163,7 +169,10 @@ impl From<ClientError> for Failure {
             return Self::from(refusal);
         }
         let exit = match error {
-            ClientError::Address(_) => Exit::Usage,
+            ClientError::Address(_)
+            | ClientError::Token
+            | ClientError::NoAuthority(_)
+            | ClientError::Readable(_) => Exit::Usage,
             ClientError::Unreachable { .. }
             | ClientError::Broken { .. }
             | ClientError::Silent(_) => Exit::NoServer,
@@ -193,20 +202,21 @@ fn exit_of(refusal: &Refusal) -> Exit {
         // A server that lacks the whole method has no reason to give.
         Code::Unimplemented if !refusal.reason.is_empty() => Exit::Invalid,
         Code::Unavailable => Exit::NoServer,
-        Code::ResourceExhausted | Code::Aborted => Exit::Refused,
+        Code::ResourceExhausted
+        | Code::Aborted
+        | Code::PermissionDenied
+        | Code::Unauthenticated => Exit::Refused,
         Code::DeadlineExceeded => Exit::Deadline,
         Code::Ok
         | Code::Cancelled
         | Code::Unknown
         | Code::NotFound
         | Code::AlreadyExists
-        | Code::PermissionDenied
         | Code::FailedPrecondition
         | Code::OutOfRange
         | Code::Unimplemented
         | Code::Internal
-        | Code::DataLoss
-        | Code::Unauthenticated => Exit::Server,
+        | Code::DataLoss => Exit::Server,
     }
 }
 
@@ -244,6 +254,8 @@ mod tests {
             (Code::Unavailable, "SHUTTING_DOWN", Exit::NoServer),
             (Code::ResourceExhausted, "MEMORY_BUDGET", Exit::Refused),
             (Code::Aborted, "SESSION_BUSY", Exit::Refused),
+            (Code::Unauthenticated, "UNAUTHENTICATED", Exit::Refused),
+            (Code::PermissionDenied, "PERMISSION_DENIED", Exit::Refused),
             (Code::DeadlineExceeded, "", Exit::Deadline),
             (Code::Internal, "INTERNAL", Exit::Server),
         ] {

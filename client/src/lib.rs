@@ -24,6 +24,7 @@
 )]
 
 mod connect;
+mod credentials;
 mod error;
 pub mod formats;
 mod mesh;
@@ -35,6 +36,7 @@ pub mod solve;
 mod surface;
 
 pub use connect::{Client, ServerAddress};
+pub use credentials::Credentials;
 pub use error::{ClientError, Refusal, Violation};
 pub use mesh::{Uploaded, WireMesh};
 pub use read::StepResults;

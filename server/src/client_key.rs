@@ -3,7 +3,8 @@
 //!
 //! A client is a user of this machine: the one at the other end of a Unix socket
 //! (`SO_PEERCRED`) or of a loopback connection (the table of sockets of Linux). Where
-//! neither is known a client is a connection. What one client has is shared out
+//! neither is known a client is a connection, or the machine that it comes from. On a server
+//! with a token file a client is the name that a call proves, whatever its connection. What one client has is shared out
 //! between its strands: processes behind a Unix socket, or TCP connections.
 
 use std::fmt;
@@ -11,13 +12,16 @@ use std::net::SocketAddr;
 
 use tonic::Request;
 
-/// Whose share of the server a request uses. A name that a token proves will be a
-/// further kind.
+use crate::client_name::ClientName;
+
+/// Whose share of the server a request uses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum ClientIdentity {
+    /// Proven by a token or a certificate.
+    Named(ClientName),
     /// User of this machine, by number.
     User(u32),
-    /// Nothing is known but the address.
+    /// Nothing is known but the address; with port 0 a machine.
     Address(SocketAddr),
     Unknown,
 }
@@ -47,8 +51,10 @@ pub(crate) enum Share {
 
 impl fmt::Display for ClientKey {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let ClientIdentity::User(number) = self.identity {
-            write!(formatter, "user {number}, ")?;
+        match self.identity {
+            ClientIdentity::Named(name) => write!(formatter, "{name}, ")?,
+            ClientIdentity::User(number) => write!(formatter, "user {number}, ")?,
+            ClientIdentity::Address(_) | ClientIdentity::Unknown => {}
         }
         match self.strand {
             Strand::Connection(address) => write!(formatter, "{address}"),
@@ -62,6 +68,15 @@ impl fmt::Display for ClientKey {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Peer {
     pub(crate) client: ClientKey,
+    /// What its certificate says, which the handshake has checked.
+    pub(crate) certificate: Option<ClientName>,
+}
+
+impl Peer {
+    pub(crate) const UNKNOWN: Self = Self {
+        client: ClientKey::UNKNOWN,
+        certificate: None,
+    };
 }
 
 impl ClientKey {
@@ -73,7 +88,7 @@ impl ClientKey {
     /// The client of a request.
     pub(crate) fn of<T>(request: &Request<T>) -> Self {
         let peer = request.extensions().get::<Peer>();
-        peer.map_or(Self::UNKNOWN, |peer| peer.client)
+        peer.unwrap_or(&Peer::UNKNOWN).client
     }
 
     /// The shares of all its sessions.

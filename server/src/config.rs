@@ -1,9 +1,12 @@
 //! The server's settings: one flat struct, read from TOML, every key with a
 //! default. Unknown keys are errors.
 
+mod nearest;
+
+use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::compute::Slots;
 use crate::journal::Limit;
@@ -33,7 +36,7 @@ pub enum ConfigError {
 }
 
 /// How the lines of the log are written.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum LogFormat {
     /// For people.
@@ -44,7 +47,7 @@ pub enum LogFormat {
 }
 
 /// The least important lines that the log takes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum LogLevel {
     /// Nothing.
@@ -63,12 +66,29 @@ pub enum LogLevel {
 }
 
 /// Settings of one server.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Config {
     /// Where the service listens: `127.0.0.1:50051`, `[::1]:50051`,
-    /// `localhost:50051` or `unix:/path/to/socket`; port 0 takes a free one.
+    /// `localhost:50051` or `unix:/path/to/socket`; port 0 takes a free one. Any other
+    /// address needs `tls_certificate`, `tls_key` and `tokens`.
     pub listen: String,
+    /// Certificates of the server (PEM), its own first; empty: no transport security.
+    pub tls_certificate: String,
+    /// Key of the first of them (PEM).
+    pub tls_key: String,
+    /// Certificates of the authority that has to have signed those of clients (PEM); empty:
+    /// clients need none.
+    pub tls_client_ca: String,
+    /// Token file: every call has to prove a name of it; empty: nobody is asked.
+    pub tokens: String,
+    /// Sessions that one name of the token file may have at one time; 0: as many as there
+    /// may be.
+    pub maximum_client_sessions: usize,
+    /// Whether reflection is served, on a server with tokens to those who have one.
+    pub reflection: bool,
+    /// Whether gRPC health is served, to everybody who reaches the address.
+    pub health: bool,
     /// Where the Prometheus page `/metrics` is served, loopback only; empty: nowhere.
     pub metrics_listen: String,
     /// Solves that run at one time, at least 1.
@@ -127,6 +147,13 @@ impl Default for Config {
     fn default() -> Self {
         Self {
             listen: "127.0.0.1:50051".to_owned(),
+            tls_certificate: String::new(),
+            tls_key: String::new(),
+            tls_client_ca: String::new(),
+            tokens: String::new(),
+            maximum_client_sessions: 0,
+            reflection: true,
+            health: true,
             metrics_listen: "127.0.0.1:9464".to_owned(),
             solver_slots: 2,
             short_slots: 1,
@@ -168,9 +195,21 @@ impl Config {
     /// [`ConfigError`] with the key or the place in the text.
     pub fn from_toml(text: &str) -> Result<Self, ConfigError> {
         let config: Self =
-            toml::from_str(text).map_err(|error| ConfigError::Syntax(error.to_string()))?;
+            toml::from_str(text).map_err(|error| ConfigError::Syntax(nearest::told(&error)))?;
         config.check()?;
         Ok(config)
+    }
+
+    /// Every key with its value as TOML writes it, in alphabetical order.
+    pub fn keys(&self) -> Vec<(String, String)> {
+        // A flat struct of numbers and texts is always a table.
+        let table = toml::Table::try_from(self).unwrap_or_default();
+        let mut keys: Vec<_> = table
+            .into_iter()
+            .map(|(key, value)| (key, value.to_string()))
+            .collect();
+        keys.sort_unstable();
+        keys
     }
 
     /// Checks every range.
@@ -198,6 +237,19 @@ impl Config {
             ("drain_seconds", self.drain_seconds),
             ("maximum_step_seconds", self.maximum_step_seconds),
         ];
+        if self.tls_certificate.is_empty() != self.tls_key.is_empty() {
+            return Err(range(
+                "tls_key",
+                "given where tls_certificate is, and only there",
+            ));
+        }
+        if self.tls_certificate.is_empty() && !self.tls_client_ca.is_empty() {
+            return Err(range("tls_client_ca", "left out where tls_certificate is"));
+        }
+        if !self.tls_client_ca.is_empty() && self.tokens.is_empty() {
+            let why = "beside tokens, which says what a certificate's common name may do";
+            return Err(range("tls_client_ca", why));
+        }
         if self.retained_results <= self.maximum_in_flight {
             return Err(range("retained_results", "above maximum_in_flight"));
         }
@@ -208,6 +260,20 @@ impl Config {
             (None, Some((key, _))) => Err(range(key, "at most 2592000, which is 30 days")),
             (None, None) => Ok(()),
         }
+    }
+
+    /// The file that says who may do what, where somebody is asked.
+    pub(crate) fn token_file(&self) -> Option<&Path> {
+        named(&self.tokens)
+    }
+
+    /// The files of transport security, where there is any.
+    pub(crate) fn tls_files(&self) -> Option<TlsFiles> {
+        Some(TlsFiles {
+            certificate: named(&self.tls_certificate)?.to_owned(),
+            key: named(&self.tls_key)?.to_owned(),
+            client_authority: named(&self.tls_client_ca).map(Path::to_owned),
+        })
     }
 
     pub(crate) fn slots(&self) -> Slots {
@@ -270,6 +336,19 @@ impl Config {
         };
         (self.data_bytes > 0 || self.data_seconds > 0).then_some(limit)
     }
+}
+
+/// Files of transport security.
+#[derive(Clone, Debug)]
+pub(crate) struct TlsFiles {
+    pub(crate) certificate: PathBuf,
+    pub(crate) key: PathBuf,
+    /// Of clients.
+    pub(crate) client_authority: Option<PathBuf>,
+}
+
+fn named(file: &str) -> Option<&Path> {
+    (!file.is_empty()).then(|| Path::new(file))
 }
 
 fn range(key: &'static str, range: &'static str) -> ConfigError {

@@ -75,6 +75,17 @@ pub(crate) enum Fault {
     /// Bytes that no session goes on from.
     #[error("{0}")]
     StateInvalid(String),
+    /// One text for all of it: whoever guesses learns nothing.
+    #[error(
+        "this server asks for a token that it knows: `--token-file FILE` or SIGNORINI_TOKEN for \
+         clients, `signorini token add` on the server"
+    )]
+    Unauthenticated,
+    #[error("this needs the role {needed}; the token has {role}")]
+    PermissionDenied {
+        role: &'static str,
+        needed: &'static str,
+    },
     #[error("a defect of the server; its log says more")]
     Internal,
 }

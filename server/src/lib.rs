@@ -3,7 +3,7 @@
 //!
 //! The way of a request: `service` and `streams` (door) → `convert` (wire to
 //! domain) → `registry` and `session` (mailbox, one actor each) → `compute` (solver
-//! threads) → `results` → `streams`. Handlers never compute, solver threads never
+//! threads) → `results` → `streams`. Before the door `access` asks who comes and what that one may do. Handlers never compute, solver threads never
 //! wait, the outbox of `results` is the only place where the two speeds meet. A
 //! room knows those behind it, never those before it: `results` no session, `session`
 //! no registry, `registry` no stream. Only `status`
@@ -23,8 +23,10 @@
 )]
 
 mod accept;
+mod access;
 mod calls;
 mod client_key;
+mod client_name;
 mod compute;
 mod config;
 mod control;
@@ -55,10 +57,12 @@ mod surfaces;
 mod transport;
 mod wake;
 
+pub use access::{AccessError, Entry, NewToken, Role, TokenFile};
+pub use client_name::{ClientName, ClientNameError};
 pub use config::{Config, ConfigError, LogFormat, LogLevel};
 pub use control::{BackupError, backup, restore};
 pub use fsck::{Fsck, fsck};
 pub use journal::JournalError;
 pub use listen::{ListenError, Listener};
-pub use log::start_log;
-pub use serve::{ServeError, serve};
+pub use log::{LogSwitch, follow_log_level, start_log};
+pub use serve::{ServeError, check, serve};

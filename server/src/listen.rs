@@ -1,7 +1,6 @@
-//! Where the server listens: loopback TCP or a Unix socket of mode 0600.
-//!
-//! Any other address is refused: without transport security everybody who
-//! reaches the port could use the server.
+//! Where the server listens: loopback TCP or a Unix socket of mode 0600, and any other
+//! address with transport security and tokens only: without them everybody who reaches the
+//! port could use the server.
 
 use std::io;
 use std::net::{IpAddr, SocketAddr};
@@ -22,11 +21,22 @@ pub enum ListenError {
     Address(String),
     /// Reachable from other machines.
     #[error(
-        "`{0}` can be reached from other machines, which needs transport security that this \
-         server does not have yet; listen on `127.0.0.1:PORT` or `unix:/path/to/socket` and \
-         forward it, for example with `ssh -L PORT:127.0.0.1:PORT HOST`"
+        "`{0}` can be reached from other machines, which needs transport security and tokens: \
+         `signorini certs init DIR` makes certificates (`tls_certificate` and `tls_key` in the \
+         settings), `signorini token add NAME --role ROLE --tokens FILE` a token (`tokens`); or \
+         listen on `127.0.0.1:PORT` or `unix:/path/to/socket` and forward it, for example with \
+         `ssh -L PORT:127.0.0.1:PORT HOST`"
     )]
     Exposed(String),
+    /// The metrics page has no transport security of its own.
+    #[error(
+        "`{0}` can be reached from other machines, but this page has neither transport security \
+         nor tokens; use `127.0.0.1:PORT`, and a proxy or `ssh -L` before it"
+    )]
+    ExposedPage(String),
+    /// Transport security for a Unix socket.
+    #[error("`{0}` takes no transport security; leave `tls_certificate` out or listen on a port")]
+    SecuredSocket(String),
     /// The path of the Unix socket is taken by something else.
     #[error("`{0}` exists and is not a socket that nobody serves")]
     Occupied(PathBuf),
@@ -78,17 +88,22 @@ impl Listener {
     /// # Errors
     /// [`ListenError`], naming the address and what to write instead.
     pub async fn bind(config: &Config) -> Result<Self, ListenError> {
+        Self::check(config)?;
         let (socket, url) = match config.listen.strip_prefix(UNIX_PREFIX) {
             Some(path) => bind_unix(Path::new(path)).await?,
             None => {
-                let listener = bind_loopback(&config.listen).await?;
+                let listener = bind(&config.listen, service_address(config)?).await?;
                 let address = local_address(&listener, &config.listen)?;
-                (Socket::Tcp(listener), format!("http://{address}"))
+                let scheme = match config.tls_files() {
+                    Some(_) => "https",
+                    None => "http",
+                };
+                (Socket::Tcp(listener), format!("{scheme}://{address}"))
             }
         };
         let metrics = match config.metrics_listen.as_str() {
             "" => None,
-            address => Some(bind_loopback(address).await.map_err(of_page)?),
+            address => Some(bind_page(address).await.map_err(of_page)?),
         };
         Ok(Self {
             socket,
@@ -97,7 +112,20 @@ impl Listener {
         })
     }
 
-    /// What a client connects to: `http://127.0.0.1:PORT` or `unix:/path`.
+    /// Whether the addresses of `config` may be served at all.
+    pub(crate) fn check(config: &Config) -> Result<(), ListenError> {
+        if !config.listen.starts_with(UNIX_PREFIX) {
+            service_address(config)?;
+        } else if config.tls_files().is_some() {
+            return Err(ListenError::SecuredSocket(config.listen.clone()));
+        }
+        if !config.metrics_listen.is_empty() {
+            page_address(&config.metrics_listen).map_err(of_page)?;
+        }
+        Ok(())
+    }
+
+    /// What a client connects to: `http://127.0.0.1:PORT`, `https://HOST:PORT` or `unix:/path`.
     pub fn url(&self) -> &str {
         &self.url
     }
@@ -109,7 +137,35 @@ impl Listener {
     }
 }
 
-async fn bind_loopback(address: &str) -> Result<TcpListener, ListenError> {
+/// The address of the service, if it may be served.
+fn service_address(config: &Config) -> Result<SocketAddr, ListenError> {
+    let address = socket_address(&config.listen)?;
+    let is_closed = config.tls_files().is_some() && config.token_file().is_some();
+    match address.ip().is_loopback() || is_closed {
+        true => Ok(address),
+        false => Err(ListenError::Exposed(config.listen.clone())),
+    }
+}
+
+/// The address of the metrics page, if it may be served.
+fn page_address(written: &str) -> Result<SocketAddr, ListenError> {
+    let address = socket_address(written)?;
+    match address.ip().is_loopback() {
+        true => Ok(address),
+        false => Err(ListenError::ExposedPage(written.to_owned())),
+    }
+}
+
+async fn bind_page(written: &str) -> Result<TcpListener, ListenError> {
+    bind(written, page_address(written)?).await
+}
+
+async fn bind(written: &str, address: SocketAddr) -> Result<TcpListener, ListenError> {
+    let listener = TcpListener::bind(address).await;
+    listener.map_err(|source| system(written, source))
+}
+
+fn socket_address(address: &str) -> Result<SocketAddr, ListenError> {
     let wrong = || ListenError::Address(address.to_owned());
     let (host, port) = address.rsplit_once(':').ok_or_else(wrong)?;
     let port: u16 = port.parse().map_err(|_| wrong())?;
@@ -119,12 +175,7 @@ async fn bind_loopback(address: &str) -> Result<TcpListener, ListenError> {
     };
     // Names other than localhost are not resolved: an answer may change.
     let host: IpAddr = host.parse().map_err(|_| wrong())?;
-    if !host.is_loopback() {
-        return Err(ListenError::Exposed(address.to_owned()));
-    }
-    TcpListener::bind(SocketAddr::new(host, port))
-        .await
-        .map_err(|source| system(address, source))
+    Ok(SocketAddr::new(host, port))
 }
 
 fn local_address(listener: &TcpListener, asked: &str) -> Result<SocketAddr, ListenError> {

@@ -7,6 +7,7 @@
 use std::fmt::{self, Write as _};
 use std::io::IsTerminal as _;
 
+use tokio::signal::unix::{SignalKind, signal};
 use tracing::field::Field;
 use tracing_subscriber::EnvFilter;
 use tracing_subscriber::field::MakeExt as _;
@@ -15,23 +16,66 @@ use tracing_subscriber::fmt::format::{Writer, debug_fn};
 
 use crate::config::{Config, LogFormat, LogLevel};
 
+/// Lines of calls that change something.
+const AUDIT: &str = "audit=info";
+
+/// Changes the level of the log of this process while it runs.
+pub struct LogSwitch(Box<dyn Fn(EnvFilter) -> bool + Send + Sync>);
+
 /// Sends the log of this process to stderr, as `config` says; `RUST_LOG` goes before
-/// its level and may name modules. A log that is set up already stays.
-pub fn start_log(config: &Config) {
-    let level = EnvFilter::default().add_directive(level(config.log_level).into());
-    let filter = EnvFilter::try_from_default_env().unwrap_or(level);
+/// its level and may name modules. A log that is set up already stays. The switch of its
+/// level, where something else does not go before it.
+pub fn start_log(config: &Config) -> Option<LogSwitch> {
+    let given = EnvFilter::try_from_default_env().ok();
+    let is_given = given.is_some();
+    let filter = given.unwrap_or_else(|| default_filter(config.log_level));
     let lines = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(std::io::stderr);
     // A subscriber that is set already keeps its place.
-    let _set = match config.log_format {
-        LogFormat::Json => lines.json().flatten_event(true).try_init(),
+    let switch = match config.log_format {
+        LogFormat::Json => {
+            let lines = lines.json().flatten_event(true).with_filter_reloading();
+            let handle = lines.reload_handle();
+            let change = move |filter| handle.reload(filter).is_ok();
+            lines.try_init().map(|()| LogSwitch(Box::new(change)))
+        }
         LogFormat::Text => {
             let colours = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
             let fields = debug_fn(write_field).delimited(" ");
-            lines.with_ansi(colours).fmt_fields(fields).try_init()
+            let lines = lines.with_ansi(colours).fmt_fields(fields);
+            let lines = lines.with_filter_reloading();
+            let handle = lines.reload_handle();
+            let change = move |filter| handle.reload(filter).is_ok();
+            lines.try_init().map(|()| LogSwitch(Box::new(change)))
         }
     };
+    switch.ok().filter(|_| !is_given)
+}
+
+/// Takes up the level that `read` finds at each SIGHUP; returns when none can come.
+pub async fn follow_log_level(switch: LogSwitch, read: impl Fn() -> Result<LogLevel, String>) {
+    let Ok(mut hangup) = signal(SignalKind::hangup()) else {
+        return;
+    };
+    while hangup.recv().await.is_some() {
+        match read() {
+            Ok(level) if (switch.0)(default_filter(level)) => {
+                tracing::info!(?level, "level of the log set");
+            }
+            Ok(_) => tracing::error!("the level of the log cannot change any more"),
+            Err(why) => tracing::error!(why, "the level of the log stays"),
+        }
+    }
+}
+
+/// Lines of the level, and who changed what whatever the level, unless nothing is written.
+fn default_filter(least: LogLevel) -> EnvFilter {
+    let filter = EnvFilter::default().add_directive(level(least).into());
+    match (least, AUDIT.parse()) {
+        (LogLevel::Off, _) | (_, Err(_)) => filter,
+        (_, Ok(audit)) => filter.add_directive(audit),
+    }
 }
 
 fn level(level: LogLevel) -> LevelFilter {

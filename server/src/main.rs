@@ -4,10 +4,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use signorini_server::{Config, Listener, LogFormat, LogLevel, serve, start_log};
+use signorini_server::{Config, Listener, LogFormat, LogLevel, follow_log_level, serve, start_log};
 
 /// Serves contact problems of nearly incompressible bodies over gRPC.
-#[derive(Parser)]
+#[derive(Clone, Parser)]
 #[command(version)]
 struct Arguments {
     /// Settings in TOML; every key has a default.
@@ -43,8 +43,10 @@ async fn main() -> ExitCode {
 }
 
 async fn run(arguments: Arguments) -> Result<(), Box<dyn std::error::Error>> {
-    let config = config(arguments)?;
-    start_log(&config);
+    let config = config(arguments.clone())?;
+    if let (Some(switch), Some(_)) = (start_log(&config), &arguments.config) {
+        tokio::spawn(follow_log_level(switch, move || level(arguments.clone())));
+    }
     let listener = Listener::bind(&config).await?;
     serve(listener, config, stop_signal()?).await?;
     Ok(())
@@ -65,6 +67,12 @@ fn config(arguments: Arguments) -> Result<Config, Box<dyn std::error::Error>> {
     config.log_format = arguments.log_format.unwrap_or(config.log_format);
     config.log_level = arguments.log_level.unwrap_or(config.log_level);
     Ok(config)
+}
+
+/// The level of the log that the settings name now.
+fn level(arguments: Arguments) -> Result<LogLevel, String> {
+    let config = config(arguments).map_err(|error| error.to_string());
+    config.map(|config| config.log_level)
 }
 
 /// Completes at SIGTERM or ctrl-c; a second signal ends the process at once.

@@ -1,5 +1,5 @@
 //! The page of an operator, plain HTTP on its own loopback port: `/metrics` for
-//! Prometheus, `/healthz` for probes, and `/`, which says so.
+//! Prometheus, `/healthz` and `/livez` for probes, and `/`, which says so.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -75,6 +75,7 @@ impl Page {
             }
             "/metrics" => (StatusCode::OK, self.metrics.render()),
             "/healthz" => self.health(),
+            "/livez" => (StatusCode::OK, "ok\n".to_owned()),
             "/" => (StatusCode::OK, self.help()),
             _ => (StatusCode::NOT_FOUND, self.help()),
         };
@@ -92,7 +93,8 @@ impl Page {
         format!(
             "Signorini {}\n\n\
              /metrics  for Prometheus\n\
-             /healthz  200 while the server takes work, 503 while it shuts down\n\n\
+             /healthz  200 while the server takes work, 503 while it shuts down\n\
+             /livez    200 while it answers at all\n\n\
              The service itself speaks gRPC at {}.\n",
             env!("CARGO_PKG_VERSION"),
             self.service

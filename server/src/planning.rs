@@ -9,6 +9,7 @@ use signorini::plan::Plan;
 use signorini::prepare::Prepared;
 use signorini_proto::v1 as wire;
 
+use crate::access::{Caller, Owners};
 use crate::convert::mesh::{self as convert, MeshUse};
 use crate::convert::scene::{self, SceneRequest};
 use crate::convert::surface::{self, SurfacesByName};
@@ -71,6 +72,30 @@ pub(crate) fn own_bytes(scene: &wire::Scene, plan: &wire::Plan) -> u64 {
     OWN_FACTOR * (scene.encoded_len() + plan.encoded_len()) as u64
 }
 
+/// Refuses a scene with a mesh or a surface that is not there for `caller`.
+///
+/// # Errors
+/// `MeshNotFound` and `SurfaceNotFound`; other faults of the scene are found by [`plan`].
+pub(crate) async fn check_uploads(
+    services: &Arc<Services>,
+    scene: &wire::Scene,
+    caller: &Caller,
+) -> Result<(), Fault> {
+    if caller.sees_all() {
+        return Ok(());
+    }
+    if let Ok(id) = convert::id_from_name(&scene.mesh, "mesh")
+        && mesh(services, id).await.is_ok()
+    {
+        services.store.check_owner(id, caller)?;
+    }
+    for name in surface::names(scene) {
+        let digest = surface::digest_of(&name, "obstacle.shape.surface")?;
+        services.surfaces.get_for(caller, &digest)?;
+    }
+    Ok(())
+}
+
 /// Takes the predicted memory with one result, less what another session has
 /// prepared, and keeps that from being dropped.
 pub(crate) fn reserve(
@@ -101,14 +126,62 @@ pub(crate) async fn mesh(services: &Arc<Services>, id: MeshId) -> Result<Lease<M
     };
     let services = Arc::clone(services);
     aside(move || match journal.read_mesh(id).map_err(unwritable)? {
-        Some(bytes) => read_mesh(&services.store, id, &bytes),
+        Some(bytes) => read_mesh(&services.store, id, &bytes, owners(&journal, id)?),
         None => Err(missing),
     })
     .await?
 }
 
+/// A mesh that somebody has uploaded before: one whose file alone is there was not acknowledged,
+/// and is nobody's.
+pub(crate) async fn known_mesh(
+    services: &Arc<Services>,
+    id: MeshId,
+) -> Result<Option<Lease<Mesh>>, Fault> {
+    if let Ok(found) = services.store.mesh(id) {
+        return Ok(Some(found));
+    }
+    let Some(journal) = services.journal.clone() else {
+        return Ok(None);
+    };
+    let stored = aside(move || journal.mesh(&convert::name(id))).await?;
+    match stored.map_err(unwritable)? {
+        Some(_) => mesh(services, id).await.map(Some),
+        None => Ok(None),
+    }
+}
+
+/// As [`mesh`], if it is there for `caller`.
+///
+/// # Errors
+/// `MeshNotFound`, as for one that is not there at all.
+pub(crate) async fn mesh_for(
+    services: &Arc<Services>,
+    id: MeshId,
+    caller: &Caller,
+) -> Result<Lease<Mesh>, Fault> {
+    let found = mesh(services, id).await?;
+    services.store.check_owner(id, caller)?;
+    Ok(found)
+}
+
+/// Whom a mesh of the data folder belongs to.
+fn owners(journal: &Journal, id: MeshId) -> Result<Owners, Fault> {
+    let name = convert::name(id);
+    let Some(stored) = journal.mesh(&name).map_err(unwritable)? else {
+        return Ok(Owners::default());
+    };
+    Owners::from_stored(&stored.owners)
+        .map_err(|owner| Fault::Unwritable(format!("`{name}` has the owner \"{owner}\"")))
+}
+
 /// A mesh out of its file, taken into memory.
-fn read_mesh(store: &Arc<Store>, id: MeshId, bytes: &[u8]) -> Result<Lease<Mesh>, Fault> {
+fn read_mesh(
+    store: &Arc<Store>,
+    id: MeshId,
+    bytes: &[u8],
+    owners: Owners,
+) -> Result<Lease<Mesh>, Fault> {
     let reservation = store.reserve(2 * bytes.len() as u64)?;
     let mesh = convert::from_file(bytes)?;
     if mesh.id() != id {
@@ -119,11 +192,15 @@ fn read_mesh(store: &Arc<Store>, id: MeshId, bytes: &[u8]) -> Result<Lease<Mesh>
     }
     drop(reservation);
     drop(store.reserve(mesh.bytes())?);
-    Ok(store.insert_mesh(mesh))
+    Ok(store.insert_mesh(mesh, owners))
 }
 
-/// Tells the journal of a mesh whose file is on the disk.
-pub(crate) async fn store_mesh(journal: &Journal, mesh: &Mesh) -> Result<(), Fault> {
+/// Tells the journal of a mesh whose file is on the disk, and whom it belongs to.
+pub(crate) async fn store_mesh(
+    journal: &Journal,
+    mesh: &Mesh,
+    owners: &Owners,
+) -> Result<(), Fault> {
     let now = SystemTime::now();
     let uses = MeshUse {
         sessions: 0,
@@ -131,7 +208,9 @@ pub(crate) async fn store_mesh(journal: &Journal, mesh: &Mesh) -> Result<(), Fau
         used: now,
     };
     let described = convert::mesh(mesh, &uses).encode_to_vec().into();
-    let change = Change::Mesh(convert::name(mesh.id()), StoredMesh { described });
+    let owners = owners.stored();
+    let stored = StoredMesh { described, owners };
+    let change = Change::Mesh(convert::name(mesh.id()), stored);
     journal.store("", vec![change]).await.map_err(unwritable)
 }
 

@@ -12,6 +12,8 @@ use signorini_proto::v1 as wire;
 use tokio::sync::{Notify, watch};
 use tokio::time::Instant;
 
+use crate::access::Caller;
+use crate::client_name::ClientName;
 use crate::config::Config;
 use crate::convert::step;
 use crate::fault::Fault;
@@ -34,9 +36,11 @@ const LONGEST_ID: usize = 63;
 struct Directory {
     /// `None` while a session is being made.
     sessions: BTreeMap<String, Option<Handle>>,
-    /// Session name by request identifier.
-    requests: HashMap<String, String>,
-    expired: VecDeque<String>,
+    /// Session name by whose request it was and its identifier.
+    requests: HashMap<(Option<ClientName>, String), String>,
+    /// Whom sessions belong to, those that are being made included; the others belong to all.
+    owners: HashMap<String, ClientName>,
+    expired: VecDeque<(String, Option<ClientName>)>,
     /// Those that the data folder has and no actor.
     asleep: BTreeMap<String, Sleeper>,
 }
@@ -62,8 +66,8 @@ enum Found {
 
 impl Directory {
     /// The session of a request, if one is made or being made (`None` inside).
-    fn of_request(&self, request_id: &str) -> Option<Option<String>> {
-        let name = self.requests.get(request_id)?;
+    fn of_request(&self, request: &(Option<ClientName>, String)) -> Option<Option<String>> {
+        let name = self.requests.get(request)?;
         let is_made = match self.sessions.get(name) {
             Some(handle) => handle.is_some(),
             None => self.asleep.contains_key(name),
@@ -76,8 +80,13 @@ impl Directory {
         // One that cannot be read is told so when it is called.
         let request = wire::CreateSessionRequest::decode(listed.session.request.clone());
         let request = request.unwrap_or_default();
+        let owner = wake::owner(listed);
         if !request.request_id.is_empty() {
-            self.requests.insert(request.request_id, name.clone());
+            let request = (owner, request.request_id);
+            self.requests.insert(request, name.clone());
+        }
+        if let Some(owner) = owner {
+            self.owners.insert(name.clone(), owner);
         }
         let ttl = step::duration(request.ttl.as_ref(), "ttl");
         let sleeper = Sleeper {
@@ -93,6 +102,15 @@ impl Directory {
         self.sessions.len() + self.asleep.len()
     }
 
+    /// Sessions of one owner.
+    fn count_of(&self, owner: ClientName) -> usize {
+        self.owners.values().filter(|one| **one == owner).count()
+    }
+
+    fn may_see(&self, caller: &Caller, name: &str) -> bool {
+        caller.may_see(self.owners.get(name).copied())
+    }
+
     fn contains(&self, name: &str) -> bool {
         self.sessions.contains_key(name) || self.asleep.contains_key(name)
     }
@@ -100,6 +118,7 @@ impl Directory {
     fn forget(&mut self, name: &str) {
         self.sessions.remove(name);
         self.asleep.remove(name);
+        self.owners.remove(name);
         self.requests.retain(|_, session| session != name);
     }
 }
@@ -173,13 +192,19 @@ impl Registry {
         }
     }
 
-    /// The session of that name, out of the data folder where it has to be.
-    pub(crate) async fn get(self: &Arc<Self>, name: &str) -> Result<Handle, Fault> {
+    /// The session of that name, out of the data folder where it has to be. One of another
+    /// client is not there.
+    pub(crate) async fn get(
+        self: &Arc<Self>,
+        caller: &Caller,
+        name: &str,
+    ) -> Result<Handle, Fault> {
+        caller.note(name);
         loop {
             let mut settled = pin!(self.settled.notified());
             // Registered before the look, so that no change falls between.
             settled.as_mut().enable();
-            match self.find(name)? {
+            match self.find(caller, name)? {
                 Found::Awake(handle) => return Ok(handle),
                 Found::Asleep(waking) => {
                     let spec = wake::spec(&self.services, name).await?;
@@ -190,12 +215,15 @@ impl Registry {
         }
     }
 
-    fn find(self: &Arc<Self>, name: &str) -> Result<Found, Fault> {
+    fn find(self: &Arc<Self>, caller: &Caller, name: &str) -> Result<Found, Fault> {
         self.check_open()?;
         if name.len() > LONGEST_NAME {
             return Err(Fault::request("name", "is longer than 256 bytes"));
         }
         let mut inner = self.lock();
+        if !inner.may_see(caller, name) {
+            return Err(Fault::SessionNotFound(name.to_owned()));
+        }
         if let Some(Some(handle)) = inner.sessions.get(name) {
             return Ok(Found::Awake(handle.clone()));
         }
@@ -206,8 +234,10 @@ impl Registry {
             let (registry, name) = (Arc::clone(self), name.to_owned());
             return Ok(Found::Asleep(Waking { registry, name }));
         }
+        let is_it = |(one, owner): &(String, _)| one == name && caller.may_see(*owner);
+        let is_expired = inner.expired.iter().any(is_it);
         let name = name.to_owned();
-        if inner.expired.contains(&name) {
+        if is_expired {
             return Err(Fault::SessionExpired(name));
         }
         Err(Fault::SessionNotFound(name))
@@ -217,6 +247,7 @@ impl Registry {
     /// request of this identifier made; waits while that one is being made.
     pub(crate) async fn claim(
         self: &Arc<Self>,
+        caller: &Caller,
         id: &str,
         request_id: &str,
     ) -> Result<Claimed, Fault> {
@@ -224,9 +255,11 @@ impl Registry {
             let mut settled = pin!(self.settled.notified());
             // Registered before the look, so that no change falls between.
             settled.as_mut().enable();
-            match self.try_claim(id, request_id)? {
+            match self.try_claim(caller, id, request_id)? {
                 Some(Ok(claim)) => return Ok(Claimed::New(claim)),
-                Some(Err(made)) => return Ok(Claimed::Made(Box::pin(self.get(&made)).await?)),
+                Some(Err(made)) => {
+                    return Ok(Claimed::Made(Box::pin(self.get(caller, &made)).await?));
+                }
                 None => settled.await,
             }
         }
@@ -236,6 +269,7 @@ impl Registry {
     /// session of this request is being made.
     fn try_claim(
         self: &Arc<Self>,
+        caller: &Caller,
         id: &str,
         request_id: &str,
     ) -> Result<Option<Result<Claim, String>>, Fault> {
@@ -244,31 +278,52 @@ impl Registry {
             "" => new_name(),
             id => checked_name(id)?,
         };
+        let request = (caller.name(), request_id.to_owned());
         let mut inner = self.lock();
-        if let Some(made) = inner.of_request(request_id) {
+        if let Some(made) = inner.of_request(&request) {
             return Ok(made.map(Err));
         }
-        let limit = self.services.config.maximum_sessions;
-        if inner.len() >= limit {
-            return Err(Fault::SessionLimit { limit });
-        }
+        self.check_room(&inner, caller)?;
         if inner.contains(&name) {
             return Err(Fault::SessionExists(name));
         }
         inner.sessions.insert(name.clone(), None);
         if !request_id.is_empty() {
-            inner.requests.insert(request_id.to_owned(), name.clone());
+            inner.requests.insert(request, name.clone());
         }
+        if let Some(owner) = caller.name() {
+            inner.owners.insert(name.clone(), owner);
+        }
+        caller.note(&name);
         let registry = Arc::clone(self);
         Ok(Some(Ok(Claim { registry, name })))
     }
 
+    /// Refuses one more session than there may be, in all or of one client.
+    fn check_room(&self, inner: &Directory, caller: &Caller) -> Result<(), Fault> {
+        let config = &self.services.config;
+        let refused = |limit| Err(Fault::SessionLimit { limit });
+        let own = caller.name().map_or(0, |name| inner.count_of(name));
+        match (config.maximum_sessions, config.maximum_client_sessions) {
+            (limit, _) if inner.len() >= limit => refused(limit),
+            (_, limit) if limit > 0 && own >= limit => refused(limit),
+            _ => Ok(()),
+        }
+    }
+
     /// Up to `count` sessions that only the data folder has behind `after`, in order of
     /// their names.
-    pub(crate) fn list_asleep(&self, after: &str, count: usize) -> Vec<wire::Session> {
+    pub(crate) fn list_asleep(
+        &self,
+        caller: &Caller,
+        after: &str,
+        count: usize,
+    ) -> Vec<wire::Session> {
         let inner = self.lock();
         let behind = inner.asleep.values().map(|one| &one.described);
-        let behind = behind.filter(|one| one.name.as_str() > after);
+        let is_shown =
+            |one: &&wire::Session| one.name.as_str() > after && inner.may_see(caller, &one.name);
+        let behind = behind.filter(is_shown);
         behind.take(count).cloned().collect()
     }
 
@@ -303,24 +358,27 @@ impl Registry {
     }
 
     /// Up to `count` sessions behind `after`, in order of their names.
-    pub(crate) fn list(&self, after: &str, count: usize) -> Vec<(String, Handle)> {
+    pub(crate) fn list(&self, caller: &Caller, after: &str, count: usize) -> Vec<(String, Handle)> {
         let inner = self.lock();
-        let behind = inner
-            .sessions
-            .iter()
-            .filter(|(name, _)| name.as_str() > after);
+        let is_shown = |name: &str| name > after && inner.may_see(caller, name);
+        let behind = inner.sessions.iter().filter(|(name, _)| is_shown(name));
         let made = behind.filter_map(|(name, handle)| Some((name.clone(), handle.clone()?)));
         made.take(count).collect()
+    }
+
+    /// Every session that has an actor.
+    fn awake(&self) -> Vec<Handle> {
+        self.lock().sessions.values().flatten().cloned().collect()
     }
 
     /// Stops every session, refuses new ones, and returns when all have ended.
     pub(crate) async fn drain(&self) {
         self.draining.store(true, Ordering::SeqCst);
-        let all = self.list("", usize::MAX);
-        for (_, handle) in &all {
+        let all = self.awake();
+        for handle in &all {
             handle.shut_down().await;
         }
-        for (_, handle) in &all {
+        for handle in &all {
             handle.ended().await;
         }
     }
@@ -328,6 +386,7 @@ impl Registry {
     fn ended(&self, name: &str, ending: &SessionEnd) {
         let stored = self.stored(name, ending);
         let mut inner = self.lock();
+        let owner = inner.owners.get(name).copied();
         match stored {
             Some(listed) => {
                 inner.sessions.remove(name);
@@ -336,7 +395,7 @@ impl Registry {
             None => inner.forget(name),
         }
         if *ending == SessionEnd::Expired {
-            inner.expired.push_back(name.to_owned());
+            inner.expired.push_back((name.to_owned(), owner));
             if inner.expired.len() > REMEMBERED {
                 inner.expired.pop_front();
             }

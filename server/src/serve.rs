@@ -24,6 +24,7 @@ use tonic_health::server::HealthReporter;
 use tower::layer::util::{Identity, Stack};
 
 use crate::accept::{self, Door, Source};
+use crate::access::{self, Access, AccessError, Authorize, Certificates};
 use crate::calls::{CountCalls, Methods};
 use crate::compute::SolverThreads;
 use crate::config::{Config, ConfigError};
@@ -31,7 +32,7 @@ use crate::control;
 use crate::gates::{GateMessages, Gates};
 use crate::journal::{Journal, JournalError};
 use crate::limits::MESSAGE_BYTES;
-use crate::listen::{Listener, Socket};
+use crate::listen::{ListenError, Listener, Socket};
 use crate::metrics::{COMMIT, Metrics};
 use crate::metrics_page::{self, Page};
 use crate::registry::Registry;
@@ -44,7 +45,7 @@ use crate::store::Store;
 use crate::surfaces::Surfaces;
 use crate::transport::Reasoned;
 
-type GuardedRouter = Router<Stack<GateMessages, Stack<CountCalls, Identity>>>;
+type GuardedRouter = Router<Stack<GateMessages, Stack<Authorize, Stack<CountCalls, Identity>>>>;
 
 const STREAM_WINDOW_BYTES: u32 = 1 << 20;
 const CONNECTION_WINDOW_BYTES: u32 = 4 << 20;
@@ -55,6 +56,8 @@ const KEEPALIVE_ANSWER: Duration = Duration::from_secs(10);
 const UPKEEP: Duration = Duration::from_secs(5);
 /// How often the data folder is looked through for results that shall go.
 const TRIM: Duration = Duration::from_secs(60);
+/// Name in gRPC health that says SERVING as long as the process answers, also in shutdown.
+const LIVENESS: &str = "liveness";
 /// Connections that only watch the health service get this long to leave.
 const LAST_CALL: Duration = Duration::from_secs(1);
 
@@ -75,12 +78,29 @@ pub enum ServeError {
         /// Its message.
         why: String,
     },
+    /// An address cannot be served.
+    #[error(transparent)]
+    Address(#[from] ListenError),
+    /// Tokens or certificates cannot be used.
+    #[error(transparent)]
+    Access(#[from] AccessError),
     /// The data folder cannot be used.
     #[error(transparent)]
     Data(#[from] JournalError),
     /// The transport failed.
     #[error("the transport failed: {0}")]
     Transport(#[from] tonic::transport::Error),
+}
+
+/// Checks settings as a start does, short of taking addresses and the data folder: ranges, tokens,
+/// certificates, and whether the address needs them.
+///
+/// # Errors
+/// [`ServeError`] for the first that keeps a server from starting.
+pub fn check(config: &Config) -> Result<(), ServeError> {
+    config.check()?;
+    Access::open(config)?;
+    Ok(Listener::check(config)?)
 }
 
 /// Serves on `listener` until `shutdown` completes; then drains and returns.
@@ -94,19 +114,22 @@ pub async fn serve(
 ) -> Result<(), ServeError> {
     config.check()?;
     let drain_time = config.drain();
+    let access = Access::open(&config)?;
     let services = services(config)?;
     let registry = Registry::new(&services)?;
-    let (health, router) = router(&services, &registry).await?;
+    let (health, router) = router(&services, &registry, &access).await?;
     log_start(&services.config, &listener);
     let page = Page {
         metrics: Arc::clone(&services.metrics),
         registry: Arc::clone(&registry),
         service: listener.url().into(),
     };
-    let helpers = helpers(page, &services, &registry, listener.metrics);
+    let mut helpers = helpers(page, &services, &registry, listener.metrics);
+    helpers.push(tokio::spawn(access::watch_files(access.clone())));
     let (stop, stopped) = oneshot::channel();
     let door = Door::new(&services.config, &services.metrics);
-    let mut server = tokio::spawn(run(router, listener.socket, door, stopped));
+    let incoming = (listener.socket, access.certificates());
+    let mut server = tokio::spawn(run(router, incoming, door, stopped));
     tokio::select! {
         ended = &mut server => {
             abort(&helpers);
@@ -183,9 +206,14 @@ fn services(config: Config) -> Result<Arc<Services>, ServeError> {
 async fn router(
     services: &Arc<Services>,
     registry: &Arc<Registry>,
+    access: &Access,
 ) -> Result<(HealthReporter, GuardedRouter), ServeError> {
     let (health, health_service) = tonic_health::server::health_reporter();
     set_health(&health, ServingStatus::Serving).await;
+    // Of the process, not of its readiness: a probe that restarts it asks for this.
+    health
+        .set_service_status(LIVENESS, ServingStatus::Serving)
+        .await;
     let meshes = Meshes {
         services: Arc::clone(services),
         registry: Arc::clone(registry),
@@ -209,17 +237,34 @@ async fn router(
     };
     let wrong = |error| setup("reflection", &error);
     let methods = Methods::new(&services.metrics).map_err(|error| setup("metrics", &error))?;
+    let config = &services.config;
+    let health_service = config.health.then_some(health_service);
+    let (v1, v1alpha) = match config.reflection {
+        true => (
+            Some(reflection().build_v1()),
+            Some(reflection().build_v1alpha()),
+        ),
+        false => (None, None),
+    };
+    let (v1, v1alpha) = (
+        v1.transpose().map_err(wrong)?,
+        v1alpha.transpose().map_err(wrong)?,
+    );
     let router = Server::builder()
         .layer(CountCalls(Arc::new(methods)))
+        .layer(Authorize {
+            access: access.clone(),
+            metrics: Arc::clone(&services.metrics),
+        })
         .layer(GateMessages(Arc::clone(&services.gates.decode)))
         .initial_stream_window_size(STREAM_WINDOW_BYTES)
         .initial_connection_window_size(CONNECTION_WINDOW_BYTES)
         .max_concurrent_streams(STREAMS_PER_CONNECTION)
         .http2_keepalive_interval(Some(KEEPALIVE))
         .http2_keepalive_timeout(Some(KEEPALIVE_ANSWER))
-        .add_service(health_service)
-        .add_service(reflection().build_v1().map_err(wrong)?)
-        .add_service(reflection().build_v1alpha().map_err(wrong)?)
+        .add_optional_service(health_service)
+        .add_optional_service(v1)
+        .add_optional_service(v1alpha)
         .add_service(Reasoned::new(meshes, registry))
         .add_service(Reasoned::new(surfaces, registry))
         .add_service(Reasoned::new(sessions, registry));
@@ -251,7 +296,7 @@ fn service_name<S: tonic::server::NamedService>() -> &'static str {
 
 async fn run(
     router: GuardedRouter,
-    socket: Socket,
+    (socket, certificates): (Socket, Option<Arc<Certificates>>),
     door: Arc<Door>,
     stopped: oneshot::Receiver<()>,
 ) -> Result<(), tonic::transport::Error> {
@@ -260,7 +305,10 @@ async fn run(
         let _signal = stopped.await;
     };
     let (source, _file) = match socket {
-        Socket::Tcp(listener) => (Source::Tcp(listener), None),
+        Socket::Tcp(listener) => match certificates {
+            Some(certificates) => (Source::Tls(listener, certificates), None),
+            None => (Source::Tcp(listener), None),
+        },
         Socket::Unix(listener, file) => (Source::Unix(listener), Some(file)),
     };
     let incoming = accept::incoming(source, door);

@@ -35,7 +35,7 @@ pub(crate) fn reason(fault: &Fault) -> &'static str {
 }
 
 /// Every reason, in the order of the faults.
-pub(crate) const REASONS: [&str; 30] = [
+pub(crate) const REASONS: [&str; 32] = [
     "SCENE_INVALID",
     "UNSUPPORTED_COMBINATION",
     "REQUEST_INVALID",
@@ -65,6 +65,8 @@ pub(crate) const REASONS: [&str; 30] = [
     "SESSION_DAMAGED",
     "STATE_NOT_FOUND",
     "STATE_INVALID",
+    "UNAUTHENTICATED",
+    "PERMISSION_DENIED",
     "INTERNAL",
 ];
 
@@ -130,6 +132,8 @@ fn contract(fault: &Fault) -> (Code, &'static str) {
         Fault::SessionDamaged { .. } => (Code::DataLoss, "SESSION_DAMAGED"),
         Fault::StateNotFound(_) => (Code::NotFound, "STATE_NOT_FOUND"),
         Fault::StateInvalid(_) => (Code::InvalidArgument, "STATE_INVALID"),
+        Fault::Unauthenticated => (Code::Unauthenticated, "UNAUTHENTICATED"),
+        Fault::PermissionDenied { .. } => (Code::PermissionDenied, "PERMISSION_DENIED"),
         Fault::Internal => (Code::Internal, "INTERNAL"),
     }
 }
@@ -177,8 +181,13 @@ fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
         Fault::MessageLimit { what, limit } => {
             vec![("what", what.clone()), ("limit", limit.to_string())]
         }
+        Fault::PermissionDenied { role, needed } => vec![
+            ("role", (*role).to_owned()),
+            ("needed", (*needed).to_owned()),
+        ],
         Fault::MeshInvalid(_)
         | Fault::SurfaceInvalid(_)
+        | Fault::Unauthenticated
         | Fault::StreamDeadline
         | Fault::ShuttingDown
         | Fault::StateInvalid(_)
@@ -363,7 +372,12 @@ mod tests {
             },
             Fault::SessionDamaged { .. } => Fault::StateNotFound(text),
             Fault::StateNotFound(_) => Fault::StateInvalid(text),
-            Fault::StateInvalid(_) => Fault::Internal,
+            Fault::StateInvalid(_) => Fault::Unauthenticated,
+            Fault::Unauthenticated => Fault::PermissionDenied {
+                role: "read",
+                needed: "admin",
+            },
+            Fault::PermissionDenied { .. } => Fault::Internal,
             Fault::Internal => return None,
         })
     }

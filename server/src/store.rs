@@ -13,6 +13,7 @@ use signorini::mesh::{Mesh, MeshId};
 use signorini::plan::PreparedKey;
 use signorini::prepare::Prepared;
 
+use crate::access::{Caller, Owners};
 use crate::convert::mesh::{MeshUse, name};
 use crate::fault::Fault;
 use crate::metrics::{Kind, Metrics};
@@ -72,6 +73,8 @@ struct PreparedEntry {
 #[derive(Default)]
 struct Contents {
     meshes: BTreeMap<MeshId, Entry<Mesh>>,
+    /// Of each of them.
+    owners: HashMap<MeshId, Owners>,
     prepared: HashMap<PreparedKey, PreparedEntry>,
     turns: HashMap<PreparedKey, Arc<tokio::sync::Mutex<()>>>,
     reserved: u64,
@@ -124,6 +127,7 @@ impl Contents {
 
     fn remove_mesh(&mut self, id: MeshId) {
         self.meshes.remove(&id);
+        self.owners.remove(&id);
         // Prepared data of a mesh are of no use without it.
         self.prepared.retain(|_, one| one.mesh != id);
     }
@@ -164,10 +168,11 @@ impl Store {
     }
 
     /// Keeps a mesh.
-    pub(crate) fn insert_mesh(&self, mesh: Mesh) -> Lease<Mesh> {
+    pub(crate) fn insert_mesh(&self, mesh: Mesh, owners: Owners) -> Lease<Mesh> {
         let mut inner = self.lock();
         let tick = inner.next_tick();
         let bytes = mesh.bytes();
+        inner.owners.entry(mesh.id()).or_insert(owners);
         let entry = inner
             .meshes
             .entry(mesh.id())
@@ -188,12 +193,16 @@ impl Store {
     }
 
     /// Up to `count` meshes behind `after`, in order of their identities.
-    pub(crate) fn meshes(&self, after: Option<MeshId>, count: usize) -> Vec<(Arc<Mesh>, MeshUse)> {
+    pub(crate) fn meshes(
+        &self,
+        caller: &Caller,
+        after: Option<MeshId>,
+        count: usize,
+    ) -> Vec<(Arc<Mesh>, MeshUse)> {
         let inner = self.lock();
-        let behind = inner
-            .meshes
-            .iter()
-            .filter(|(id, _)| after.is_none_or(|after| **id > after));
+        let admits = |id: &MeshId| inner.owners.get(id).is_none_or(|one| one.admit(caller));
+        let is_shown = |id: &MeshId| after.is_none_or(|after| *id > after) && admits(id);
+        let behind = inner.meshes.iter().filter(|(id, _)| is_shown(id));
         behind
             .take(count)
             .map(|(_, entry)| (Arc::clone(&entry.value), uses(entry)))
@@ -410,5 +419,6 @@ fn uses(entry: &Entry<Mesh>) -> MeshUse {
     }
 }
 
+mod owned;
 #[cfg(test)]
 mod tests;

@@ -9,6 +9,7 @@ use std::time::SystemTime;
 
 use signorini::obstacle::surface::TriangulatedSurface;
 
+use crate::access::{Caller, Owners};
 use crate::convert::surface::name;
 use crate::fault::Fault;
 use crate::store::{Reservation, Store};
@@ -25,6 +26,7 @@ pub(crate) struct Stored {
 
 struct Entry {
     stored: Stored,
+    owners: Owners,
     _bytes: Reservation,
 }
 
@@ -48,11 +50,23 @@ impl Surfaces {
         found.ok_or_else(|| Fault::SurfaceNotFound(name(digest)))
     }
 
+    /// The surface of that digest, if it is there for `caller`.
+    ///
+    /// # Errors
+    /// `SurfaceNotFound`.
+    pub(crate) fn get_for(&self, caller: &Caller, digest: &str) -> Result<Stored, Fault> {
+        let inner = self.lock();
+        let found = inner.get(digest).filter(|entry| entry.owners.admit(caller));
+        let found = found.map(|entry| entry.stored.clone());
+        found.ok_or_else(|| Fault::SurfaceNotFound(name(digest)))
+    }
+
     /// All surfaces in order of their digests.
-    pub(crate) fn all(&self) -> Vec<(String, Stored)> {
+    pub(crate) fn all(&self, caller: &Caller) -> Vec<(String, Stored)> {
         let inner = self.lock();
         let one = |(digest, entry): (&String, &Entry)| (digest.clone(), entry.stored.clone());
-        inner.iter().map(one).collect()
+        let shown = inner.iter().filter(|(_, entry)| entry.owners.admit(caller));
+        shown.map(one).collect()
     }
 
     /// Takes `bytes` out of the budget, dropping surfaces that nobody uses.
@@ -74,6 +88,7 @@ impl Surfaces {
     /// Keeps a surface under the bytes reserved for its upload.
     pub(crate) fn insert(
         &self,
+        caller: &Caller,
         digest: String,
         surface: TriangulatedSurface,
         mut bytes: Reservation,
@@ -86,8 +101,11 @@ impl Surfaces {
                 surface: Arc::new(surface),
                 created: SystemTime::now(),
             },
+            owners: Owners::of(caller),
             _bytes: bytes,
         });
+        // Nothing new for one whose it is.
+        let _new = entry.owners.join(caller);
         entry.stored.clone()
     }
 
@@ -95,13 +113,20 @@ impl Surfaces {
     ///
     /// # Errors
     /// `SurfaceNotFound`, `SurfaceInUse`.
-    pub(crate) fn delete(&self, digest: &str) -> Result<(), Fault> {
+    pub(crate) fn delete(&self, caller: &Caller, digest: &str) -> Result<(), Fault> {
         let mut inner = self.lock();
-        match inner.get(digest) {
-            None => return Err(Fault::SurfaceNotFound(name(digest))),
-            Some(entry) if entry.is_used() => return Err(Fault::SurfaceInUse(name(digest))),
-            Some(_) => inner.remove(digest),
+        let found = inner.get_mut(digest);
+        let Some(entry) = found.filter(|entry| entry.owners.admit(caller)) else {
+            return Err(Fault::SurfaceNotFound(name(digest)));
         };
+        // Where others have sent it too, it stays for them.
+        if entry.owners.leave(caller) {
+            return Ok(());
+        }
+        if entry.is_used() {
+            return Err(Fault::SurfaceInUse(name(digest)));
+        }
+        inner.remove(digest);
         Ok(())
     }
 

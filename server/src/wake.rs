@@ -7,6 +7,7 @@ use prost::Message as _;
 use signorini_proto::v1 as wire;
 
 use crate::client_key::ClientKey;
+use crate::client_name::ClientName;
 use crate::convert::{report, step};
 use crate::fault::Fault;
 use crate::journal::{Change, JournalError, Listed, Stored};
@@ -82,6 +83,11 @@ async fn load(services: &Arc<Services>, name: &str) -> Result<Stored, Fault> {
         | JournalError::Unwritable(_) => unwritable(error),
     });
     found?.ok_or_else(missing)
+}
+
+/// Whom a session of the data folder belongs to.
+pub(crate) fn owner(listed: &Listed) -> Option<ClientName> {
+    listed.session.owner.parse().ok()
 }
 
 /// How a list describes a session that only the data folder has.

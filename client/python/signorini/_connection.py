@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import grpc
+import grpc.aio
 
 from . import _server
 from .errors import ConnectionBrokenError, SignoriniError, UnreachableError, from_call
@@ -47,14 +49,48 @@ def resolve(server: str | None) -> tuple[str, bool]:
 
 
 def target(text: str) -> str:
-    """`http://HOST:PORT`, `HOST:PORT` or `unix:PATH` as gRPC takes it."""
+    """`http://HOST:PORT`, `HOST:PORT` or `unix:PATH` as gRPC takes it; `https://HOST:PORT` stays."""
     if text.startswith("unix:"):
         return "unix:" + text.removeprefix("unix:").removeprefix("//")
-    address = text.removeprefix("http://").rstrip("/")
+    scheme = "https://" if text.startswith("https://") else ""
+    address = text.removeprefix("http://").removeprefix(scheme).rstrip("/")
     host, _, port = address.rpartition(":")
     if not host or not port.isdigit() or "//" in host:
-        raise ValueError(f'"{text}" is no server address: HOST:PORT, http://HOST:PORT or unix:PATH is expected')
-    return address
+        raise ValueError(f'"{text}" is no server address: HOST:PORT, http(s)://HOST:PORT or unix:PATH is expected')
+    return scheme + address
+
+
+def channel(address: str, *, aio: bool = False) -> Any:
+    """A channel to an address of `target`, with what the environment says about tokens and certificates."""
+    calls = _token(address)
+    module = grpc.aio if aio else grpc
+    if address.startswith("https://"):
+        own = grpc.ssl_channel_credentials(_file("SIGNORINI_CA"), _file("SIGNORINI_KEY"), _file("SIGNORINI_CERT"))
+        # The name in the certificate is that of the address.
+        options = [one for one in OPTIONS if one[0] != "grpc.default_authority"]
+    elif calls is None:
+        return module.insecure_channel(address, OPTIONS)
+    elif address.startswith("unix:"):
+        own, options = grpc.local_channel_credentials(grpc.LocalConnectionType.UDS), OPTIONS
+    else:
+        raise ValueError(f"a token is not sent to {address}: others could read it; use https://HOST:PORT or unix:PATH")
+    if calls is not None:
+        own = grpc.composite_channel_credentials(own, calls)
+    return module.secure_channel(address.removeprefix("https://"), own, options)
+
+
+def _token(address: str) -> Any:
+    """The token of `SIGNORINI_TOKEN_FILE` or `SIGNORINI_TOKEN`, which a server of our own does not ask for."""
+    if any(target(one.address) == address for one in _server._running):
+        return None
+    text = _file("SIGNORINI_TOKEN_FILE") or os.environ.get("SIGNORINI_TOKEN", "").encode()
+    token = text.decode().strip()
+    return grpc.access_token_call_credentials(token) if token else None
+
+
+def _file(variable: str) -> bytes | None:
+    path = os.environ.get(variable)
+    return Path(path).read_bytes() if path else None
 
 
 @contextmanager

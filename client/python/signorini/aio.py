@@ -20,7 +20,7 @@ from typing import Any
 import grpc
 import grpc.aio
 
-from ._connection import ANSWER_SECONDS, OPTIONS, PLAN_SECONDS, resolve, typed
+from ._connection import ANSWER_SECONDS, PLAN_SECONDS, channel, resolve, typed
 from ._encode import Problem, SceneLike, StepLike, problem
 from ._journal import Event, Journal, Rejected, open_request
 from ._options import (
@@ -144,7 +144,7 @@ class Session:
         """Uploads the mesh where needed, makes the session and opens its stream."""
         self._problem = await asyncio.to_thread(self._read)
         self._address, embedded = await asyncio.to_thread(resolve, self._server)
-        self._channel = grpc.aio.insecure_channel(self._address, OPTIONS)
+        self._channel = channel(self._address, aio=True)
         self._stub = session_service_pb2_grpc.SessionServiceStub(self._channel)  # type: ignore[no-untyped-call]
         try:
             await self._open(embedded)

@@ -8,9 +8,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-import grpc
-
-from ._connection import ANSWER_SECONDS, OPTIONS, PLAN_SECONDS, resolve, typed
+from ._connection import ANSWER_SECONDS, PLAN_SECONDS, channel, resolve, typed
 from ._encode import SceneLike, problem
 from ._options import PATIENCE, Options, default_fields, resource, steps_of
 from .errors import NotFoundError, SignoriniWarning
@@ -32,7 +30,7 @@ class Client:
     def __init__(self, address: str, *, embedded: bool = False) -> None:
         self.address = address
         self.embedded = embedded
-        self.channel = grpc.insecure_channel(address, OPTIONS)
+        self.channel = channel(address)
         self.sessions_stub = session_service_pb2_grpc.SessionServiceStub(self.channel)  # type: ignore[no-untyped-call]
         self.meshes_stub = mesh_service_pb2_grpc.MeshServiceStub(self.channel)  # type: ignore[no-untyped-call]
 

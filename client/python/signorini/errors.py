@@ -8,6 +8,7 @@ from typing import Any
 from google.rpc import error_details_pb2, status_pb2
 
 __all__ = [
+    "AccessError",
     "ConnectionBrokenError",
     "DeadlineError",
     "MeshError",
@@ -135,6 +136,10 @@ class ShutdownError(RefusedError):
     """The server shuts down."""
 
 
+class AccessError(RefusedError):
+    """A token that the server does not know, or whose role does not do."""
+
+
 class ServerError(RefusedError):
     """A defect of the server."""
 
@@ -162,6 +167,8 @@ BY_REASON: dict[str, type[RefusedError]] = {
     "MESSAGE_LIMIT": QuotaError,
     "STREAM_DEADLINE": DeadlineError,
     "SHUTTING_DOWN": ShutdownError,
+    "UNAUTHENTICATED": AccessError,
+    "PERMISSION_DENIED": AccessError,
     "INTERNAL": ServerError,
 }
 

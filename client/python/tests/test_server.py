@@ -74,11 +74,12 @@ def test_addresses_are_hosts_with_ports_or_sockets() -> None:
         ("127.0.0.1:50051", "127.0.0.1:50051"),
         ("http://127.0.0.1:50051/", "127.0.0.1:50051"),
         ("[::1]:50051", "[::1]:50051"),
+        ("https://solver.example:50051/", "https://solver.example:50051"),
         ("unix:/run/s.sock", "unix:/run/s.sock"),
         ("unix:///run/s.sock", "unix:/run/s.sock"),
     ]:
         assert _connection.target(given) == taken
-    for wrong in ["", "localhost", "https://host:1", "ftp://host:1", "host:port"]:
+    for wrong in ["", "localhost", "https://host", "ftp://host:1", "host:port"]:
         with pytest.raises(ValueError, match="no server address"):
             _connection.target(wrong)
 

@@ -1,13 +1,13 @@
 //! `cancel`: ends a step of a session with its last good state.
 
-use signorini_client::{Client, result_line};
+use signorini_client::result_line;
 
 use crate::arguments::CancelArguments;
 use crate::exit::{Exit, Failure};
 use crate::stdout::print;
 
 pub(super) async fn run(arguments: CancelArguments) -> Result<Exit, Failure> {
-    let client = Client::connect(&arguments.remote.server).await?;
+    let client = arguments.remote.connect().await?;
     let (session, wanted) = (&arguments.session, arguments.sequence.unwrap_or(0));
     let cancelled = client.cancel_step(session, wanted).await?;
     let line = match (arguments.remote.json, cancelled) {

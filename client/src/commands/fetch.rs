@@ -15,7 +15,7 @@ use crate::record::Record;
 use crate::results::ResultFolder;
 
 pub(super) async fn run(arguments: FetchArguments, started: Instant) -> Result<Exit, Failure> {
-    let client = Client::connect(&arguments.remote.server).await?;
+    let client = arguments.remote.connect().await?;
     let (session, scene) = open_session(&client, &arguments.session).await?;
     let lines = LineSink::for_json(arguments.remote.json);
     let mut record = Record::new(lines, &scene.steps, Verbosity::of(arguments.verbose));

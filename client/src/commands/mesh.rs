@@ -3,7 +3,7 @@
 mod info;
 
 use serde_json::{Value, json};
-use signorini_client::{Client, WireMesh};
+use signorini_client::WireMesh;
 use signorini_proto::v1;
 
 use crate::arguments::{MeshCommand, RemoteArguments};
@@ -20,7 +20,7 @@ pub(super) async fn run(command: MeshCommand) -> Result<Exit, Failure> {
             put(&mesh, &remote).await
         }
         MeshCommand::List { remote } => {
-            let client = Client::connect(&remote.server).await?;
+            let client = remote.connect().await?;
             let meshes = client.list_meshes().await?;
             if meshes.is_empty() {
                 note(&format!("{} has no meshes\n", remote.server));
@@ -28,7 +28,7 @@ pub(super) async fn run(command: MeshCommand) -> Result<Exit, Failure> {
             show(&meshes, &remote)
         }
         MeshCommand::Delete { digest, remote } => {
-            let client = Client::connect(&remote.server).await?;
+            let client = remote.connect().await?;
             client.delete_mesh(&digest).await?;
             Ok(Exit::Ok)
         }
@@ -40,7 +40,7 @@ async fn put(
     remote: &RemoteArguments,
 ) -> Result<Exit, Failure> {
     let wire = WireMesh::new(mesh)?;
-    let client = Client::connect(&remote.server).await?;
+    let client = remote.connect().await?;
     let uploaded = client.upload_mesh(wire).await?;
     for warning in mesh.warnings.iter().chain(&uploaded.mesh.warnings) {
         note(&format!("warning: {warning}\n"));

@@ -3,8 +3,12 @@
 #[cfg(feature = "bench")]
 mod bench;
 mod cancel;
+#[cfg(feature = "embedded")]
+mod certs;
 mod check;
 mod completions;
+#[cfg(feature = "embedded")]
+mod config;
 #[cfg(feature = "embedded")]
 mod data;
 pub(crate) mod embed;
@@ -17,6 +21,8 @@ mod report;
 mod serve;
 mod session;
 mod solve;
+#[cfg(feature = "embedded")]
+mod token;
 mod watch;
 
 use std::time::Instant;
@@ -44,11 +50,17 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         Command::Report { folder } => report::run(&folder),
         Command::Serve(arguments) => runtime.block_on(serve::run(arguments)),
         #[cfg(feature = "embedded")]
+        Command::Config(command) => config::run(command),
+        #[cfg(feature = "embedded")]
         Command::Backup { data, target } => data::backup(&data, &target),
         #[cfg(feature = "embedded")]
         Command::Restore { backup, data } => data::restore(&backup, &data),
         #[cfg(feature = "embedded")]
         Command::Fsck { folder } => data::fsck(&folder),
+        #[cfg(feature = "embedded")]
+        Command::Token(command) => token::run(command),
+        #[cfg(feature = "embedded")]
+        Command::Certs(command) => certs::run(command),
         #[cfg(feature = "bench")]
         Command::Bench(arguments) => runtime.block_on(Box::pin(bench::run(arguments))),
         Command::Mesh(command) => runtime.block_on(mesh::run(command)),

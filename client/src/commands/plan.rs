@@ -26,7 +26,7 @@ pub(super) async fn of(arguments: &SceneArguments) -> Result<v1::Plan, Failure> 
     let input = input::load(arguments)?;
     let mut warnings = input.mesh.warnings.clone();
     tell(&warnings);
-    let connection = Connection::open(arguments.server.as_ref()).await?;
+    let connection = Connection::open(arguments).await?;
     let plan = fetch(&connection.client, input).await;
     connection.close().await;
     let mut plan = plan?;

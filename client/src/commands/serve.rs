@@ -5,10 +5,16 @@ use crate::exit::{Exit, Failure};
 
 #[cfg(feature = "embedded")]
 pub(super) async fn run(arguments: ServeArguments) -> Result<Exit, Failure> {
-    use signorini_server::{Listener, serve, start_log};
+    use signorini_server::{Listener, follow_log_level, serve, start_log};
 
-    let config = configuration(arguments)?;
-    start_log(&config);
+    let (config, _) = super::config::resolved(arguments.clone())?;
+    if let (Some(switch), Some(_)) = (start_log(&config), &arguments.config) {
+        let level = move || match super::config::resolved(arguments.clone()) {
+            Ok((config, _)) => Ok(config.log_level),
+            Err(failure) => Err(failure.line()),
+        };
+        tokio::spawn(follow_log_level(switch, level));
+    }
     let usage = |error: &dyn std::error::Error| Failure::new(Exit::Usage, error.to_string());
     let listener = Listener::bind(&config)
         .await
@@ -19,30 +25,6 @@ pub(super) async fn run(arguments: ServeArguments) -> Result<Exit, Failure> {
         .await
         .map_err(|error| Failure::new(Exit::Server, error.to_string()))?;
     Ok(Exit::Ok)
-}
-
-/// Defaults, then the file, then the arguments.
-#[cfg(feature = "embedded")]
-fn configuration(arguments: ServeArguments) -> Result<signorini_server::Config, Failure> {
-    use signorini_server::Config;
-
-    let mut config = match arguments.config {
-        None => Config::default(),
-        Some(path) => {
-            let text = std::fs::read_to_string(&path).map_err(|error| {
-                Failure::new(Exit::Usage, format!("{}: {error}", path.display()))
-            })?;
-            Config::from_toml(&text).map_err(|error| {
-                Failure::new(Exit::Usage, format!("{}: {error}", path.display()))
-            })?
-        }
-    };
-    config.listen = arguments.listen.unwrap_or(config.listen);
-    config.metrics_listen = arguments.metrics_listen.unwrap_or(config.metrics_listen);
-    config.data = arguments.data.unwrap_or(config.data);
-    config.log_format = arguments.log_format.unwrap_or(config.log_format);
-    config.log_level = arguments.log_level.unwrap_or(config.log_level);
-    Ok(config)
 }
 
 /// Ends with the first interrupt or termination signal; the second one quits.

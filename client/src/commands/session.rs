@@ -3,7 +3,6 @@
 use std::time::{Duration, SystemTime};
 
 use serde_json::{Value, json};
-use signorini_client::Client;
 use signorini_proto::v1;
 
 use crate::arguments::{RemoteArguments, SessionCommand};
@@ -15,7 +14,7 @@ use crate::text::{bytes, note, one_line};
 pub(super) async fn run(command: SessionCommand) -> Result<Exit, Failure> {
     match command {
         SessionCommand::List { remote } => {
-            let client = Client::connect(&remote.server).await?;
+            let client = remote.connect().await?;
             let sessions = client.list_sessions().await?;
             if sessions.is_empty() {
                 note(&format!("{} has no sessions\n", remote.server));
@@ -25,7 +24,7 @@ pub(super) async fn run(command: SessionCommand) -> Result<Exit, Failure> {
             }
         }
         SessionCommand::Show { session, remote } => {
-            let client = Client::connect(&remote.server).await?;
+            let client = remote.connect().await?;
             let session = client.get_session(&session).await?;
             show(&session, &remote)?;
             if let Some(plan) = session.plan.as_ref().filter(|_| !remote.json) {
@@ -33,7 +32,7 @@ pub(super) async fn run(command: SessionCommand) -> Result<Exit, Failure> {
             }
         }
         SessionCommand::Delete { session, remote } => {
-            let client = Client::connect(&remote.server).await?;
+            let client = remote.connect().await?;
             client.delete_session(&session).await?;
         }
     }

@@ -38,7 +38,7 @@ pub(super) async fn run(arguments: SolveArguments, started: Instant) -> Result<E
     let mut run = Run::new(record(&arguments, &input.scene.steps));
     run.record.input(&input.mesh.warnings);
     run.record.progress.phase("starting");
-    let connection = Connection::open(arguments.scene.server.as_ref()).await?;
+    let connection = Connection::open(&arguments.scene).await?;
     let outcome = solve(&connection, &mut run, input, arguments.out.as_deref()).await;
     connection.close().await;
     run.record.finish(outcome, started)

@@ -2,8 +2,8 @@
 
 use std::time::Instant;
 
+use signorini_client::ClientError;
 use signorini_client::solve::{Events, Watch, WatchOptions};
-use signorini_client::{Client, ClientError};
 use signorini_proto::v1;
 
 use super::{interrupts, lightest_field, open_session};
@@ -14,7 +14,7 @@ use crate::progress::Verbosity;
 use crate::record::Record;
 
 pub(super) async fn run(arguments: WatchArguments, started: Instant) -> Result<Exit, Failure> {
-    let client = Client::connect(&arguments.remote.server).await?;
+    let client = arguments.remote.connect().await?;
     let (session, scene) = open_session(&client, &arguments.session).await?;
     let lines = LineSink::for_json(arguments.remote.json);
     let mut record = Record::new(lines, &scene.steps, Verbosity::of(arguments.verbose));

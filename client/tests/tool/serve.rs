@@ -2,7 +2,7 @@
 #![cfg(feature = "embedded")]
 
 use crate::common::process::serve;
-use crate::common::{example, run};
+use crate::common::{example, folder, run};
 
 #[test]
 fn a_served_scene_is_solved_and_the_server_ends_on_a_signal() {
@@ -70,6 +70,88 @@ fn addresses_that_others_can_reach_are_refused() {
     let refused = run(["serve", "--listen", "0.0.0.0:0"]);
     assert_eq!(refused.code, Some(2));
     assert!(refused.stderr.contains("0.0.0.0:0"), "{}", refused.stderr);
+}
+
+#[test]
+fn a_secured_server_is_used_with_what_the_tool_has_made() {
+    let made = folder("serve_tls_files");
+    let path = |name: &str| made.join(name).to_str().unwrap().to_owned();
+    let (tokens, authority) = (path("tokens.toml"), path("ca.pem"));
+    let certs = run(["certs", "init", made.to_str().unwrap()]);
+    assert_eq!(certs.code, Some(0), "{}", certs.stderr);
+    let add = |name, role| {
+        let added = run(["token", "add", name, "--role", role, "--tokens", &tokens]);
+        assert_eq!(added.code, Some(0), "{}", added.stderr);
+        let file = path(name);
+        std::fs::write(&file, added.stdout).unwrap();
+        file
+    };
+    let (solver, reader) = (add("line-1", "solve"), add("screen", "read"));
+    let [certificate, key] = ["server.pem", "server.key"].map(path);
+    let more =
+        format!("tokens = {tokens:?}\ntls_certificate = {certificate:?}\ntls_key = {key:?}\n");
+    let (process, url) = serve("127.0.0.1:0", "serve_tls", &more);
+    assert!(url.starts_with("https://127.0.0.1:"), "{url}");
+    let server = ["--server", &url, "--ca", &authority];
+    let shown = |token| server.into_iter().chain(["--token-file", token]);
+    let scene = example("hertz-plane.toml");
+    let solve = ["solve", scene.to_str().unwrap(), "--quiet"];
+    let solved = run(solve.into_iter().chain(shown(&solver)));
+    assert_eq!(solved.code, Some(0), "{}", solved.stderr);
+    let listed = run(["mesh", "list"].into_iter().chain(shown(&reader)));
+    assert_eq!((listed.code, listed.stdout.as_str()), (Some(0), ""));
+    for (token, said) in [
+        (Some(&reader), "PERMISSION_DENIED"),
+        (None, "UNAUTHENTICATED"),
+    ] {
+        let token = token.map(|token| ["--token-file", token]);
+        let arguments = solve.into_iter().chain(server);
+        let refused = run(arguments.chain(token.into_iter().flatten()));
+        assert_eq!(refused.code, Some(6), "{}", refused.stderr);
+        assert!(refused.stderr.contains(said), "{}", refused.stderr);
+    }
+    let unknown = run(["session", "list", "--server", &url]);
+    assert_eq!(unknown.code, Some(2));
+    assert!(unknown.stderr.contains("--ca"), "{}", unknown.stderr);
+    let list = run(["token", "list", "--json", "--tokens", &tokens]);
+    assert_eq!(list.lines()[1]["name"], "screen");
+    for code in [0, 2] {
+        let revoked = run(["token", "revoke", "screen", "--tokens", &tokens]);
+        assert_eq!(revoked.code, Some(code), "{}", revoked.stderr);
+    }
+    drop(process);
+}
+
+#[test]
+fn settings_are_checked_and_shown_with_their_origin() {
+    let file = folder("config_show").join("server.toml");
+    let path = file.to_str().unwrap();
+    std::fs::write(&file, "solver_slots = 3\nlog_level = \"debug\"\n").unwrap();
+    let checked = run(["config", "check", path]);
+    assert_eq!(checked.code, Some(0), "{}", checked.stderr);
+    let shown = run(["config", "show", "--config", path, "--log-level=warn"]);
+    let line = |key: &str| {
+        let mut lines = shown.stdout.lines();
+        let found = lines.find(|line| line.starts_with(key)).unwrap_or_default();
+        found
+            .split_whitespace()
+            .skip(2)
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    assert_eq!(line("solver_slots"), format!("3 # {path}"));
+    assert_eq!(line("log_level"), "\"warn\" # --log-level");
+    assert_eq!(line("heartbeat_seconds"), "10 # default");
+    for (text, said) in [
+        ("solver_slot = 3", "did you mean `solver_slots`"),
+        ("tokens = \"nowhere.toml\"", "nowhere.toml"),
+        ("listen = \"0.0.0.0:1\"", "signorini certs init"),
+    ] {
+        std::fs::write(&file, text).unwrap();
+        let refused = run(["config", "check", path]);
+        assert_eq!(refused.code, Some(2), "{}", refused.stderr);
+        assert!(refused.stderr.contains(said), "{}", refused.stderr);
+    }
 }
 
 #[test]

@@ -8,14 +8,16 @@ use std::time::Duration;
 use tokio::io::{AsyncRead, AsyncWrite, ReadBuf};
 use tokio::net::{TcpStream, UnixStream};
 use tokio::time::Sleep;
+use tokio_rustls::server::TlsStream;
 use tonic::transport::server::Connected;
 
 use super::Guard;
-use crate::client_key::{ClientKey, Peer};
+use crate::client_key::Peer;
 use crate::metrics::Away;
 
-/// Time in which a connection has to say that it speaks HTTP/2.
-const HANDSHAKE: Duration = Duration::from_secs(10);
+/// Time in which a connection has to say that it speaks HTTP/2, and before it to end the
+/// handshake of transport security.
+pub(super) const HANDSHAKE: Duration = Duration::from_secs(10);
 
 /// Bytes of the preface of HTTP/2 and of the frame behind it (RFC 9113, 3.4).
 const PREFACE_BYTES: usize = 24 + 9;
@@ -23,12 +25,13 @@ const PREFACE_BYTES: usize = 24 + 9;
 pub(crate) enum Stream {
     Tcp(TcpStream),
     Unix(UnixStream),
+    Tls(Box<TlsStream<TcpStream>>),
 }
 
 /// A connection that counts at its door.
 pub(crate) struct Connection {
     stream: Stream,
-    client: ClientKey,
+    peer: Peer,
     guard: Guard,
     /// Until the client has begun.
     handshake: Option<Pin<Box<Sleep>>>,
@@ -36,10 +39,10 @@ pub(crate) struct Connection {
 }
 
 impl Connection {
-    pub(super) fn new(stream: Stream, client: ClientKey, guard: Guard) -> Self {
+    pub(super) fn new(stream: Stream, peer: Peer, guard: Guard) -> Self {
         Self {
             stream,
-            client,
+            peer,
             guard,
             handshake: Some(Box::pin(tokio::time::sleep(HANDSHAKE))),
             received: 0,
@@ -64,9 +67,7 @@ impl Connected for Connection {
     type ConnectInfo = Peer;
 
     fn connect_info(&self) -> Peer {
-        Peer {
-            client: self.client,
-        }
+        self.peer
     }
 }
 
@@ -80,6 +81,7 @@ impl AsyncRead for Connection {
         let read = match &mut self.stream {
             Stream::Tcp(stream) => Pin::new(stream).poll_read(context, buffer),
             Stream::Unix(stream) => Pin::new(stream).poll_read(context, buffer),
+            Stream::Tls(stream) => Pin::new(stream).poll_read(context, buffer),
         };
         if self.handshake.is_some() {
             if read.is_pending() {
@@ -104,6 +106,7 @@ impl AsyncWrite for Connection {
         match &mut self.stream {
             Stream::Tcp(stream) => Pin::new(stream).poll_write(context, bytes),
             Stream::Unix(stream) => Pin::new(stream).poll_write(context, bytes),
+            Stream::Tls(stream) => Pin::new(stream).poll_write(context, bytes),
         }
     }
 
@@ -115,6 +118,7 @@ impl AsyncWrite for Connection {
         match &mut self.stream {
             Stream::Tcp(stream) => Pin::new(stream).poll_write_vectored(context, bytes),
             Stream::Unix(stream) => Pin::new(stream).poll_write_vectored(context, bytes),
+            Stream::Tls(stream) => Pin::new(stream).poll_write_vectored(context, bytes),
         }
     }
 
@@ -126,6 +130,7 @@ impl AsyncWrite for Connection {
         match &mut self.stream {
             Stream::Tcp(stream) => Pin::new(stream).poll_flush(context),
             Stream::Unix(stream) => Pin::new(stream).poll_flush(context),
+            Stream::Tls(stream) => Pin::new(stream).poll_flush(context),
         }
     }
 
@@ -133,6 +138,7 @@ impl AsyncWrite for Connection {
         match &mut self.stream {
             Stream::Tcp(stream) => Pin::new(stream).poll_shutdown(context),
             Stream::Unix(stream) => Pin::new(stream).poll_shutdown(context),
+            Stream::Tls(stream) => Pin::new(stream).poll_shutdown(context),
         }
     }
 }

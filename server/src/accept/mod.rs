@@ -2,7 +2,7 @@
 //!
 //! There are at most so many in all and of one client, so that no user of the machine
 //! takes all descriptors. A connection that has not said in time that it speaks HTTP/2
-//! is closed. Where the process has no descriptor left the door waits a moment and
+//! is closed, and one whose handshake of transport security fails or takes too long. Where the process has no descriptor left the door waits a moment and
 //! says so, instead of asking again at once.
 
 mod connection;
@@ -13,11 +13,13 @@ use std::io;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use tokio::net::{TcpListener, UnixListener};
+use tokio::net::{TcpListener, TcpStream, UnixListener};
 use tokio::sync::mpsc;
+use tokio_rustls::TlsAcceptor;
 use tokio_stream::wrappers::ReceiverStream;
 
-use crate::client_key::{ClientIdentity, ClientKey};
+use crate::access::{Certificates, common_name};
+use crate::client_key::{ClientIdentity, ClientKey, Peer};
 use crate::config::Config;
 use crate::limits;
 use crate::metrics::{Away, Metrics};
@@ -115,6 +117,7 @@ impl Drop for Guard {
 /// Where connections come from.
 pub(crate) enum Source {
     Tcp(TcpListener),
+    Tls(TcpListener, Arc<Certificates>),
     Unix(UnixListener),
 }
 
@@ -133,33 +136,46 @@ pub(crate) fn incoming(
     ReceiverStream::new(connections)
 }
 
-type Accepted = (connection::Stream, ClientKey);
+type Accepted = (Begun, ClientKey);
+
+/// A connection that is accepted and says nothing yet.
+enum Begun {
+    Open(connection::Stream),
+    Tls(TcpStream, TlsAcceptor),
+}
 
 impl Source {
     async fn accept(&self) -> io::Result<Accepted> {
         match self {
-            Self::Tcp(listener) => accept_tcp(listener).await,
+            Self::Tcp(listener) => {
+                let (stream, client) = accept_tcp(listener).await?;
+                Ok((Begun::Open(connection::Stream::Tcp(stream)), client))
+            }
+            Self::Tls(listener, certificates) => {
+                let (stream, client) = accept_tcp(listener).await?;
+                Ok((Begun::Tls(stream, certificates.current().into()), client))
+            }
             Self::Unix(listener) => accept_unix(listener).await,
         }
     }
 }
 
-async fn accept_tcp(listener: &TcpListener) -> io::Result<Accepted> {
+async fn accept_tcp(listener: &TcpListener) -> io::Result<(TcpStream, ClientKey)> {
     let (stream, address) = listener.accept().await?;
     stream.set_nodelay(true)?;
     let client = match stream.local_addr() {
         // A look into a file of the kernel, which a runtime's thread shall not wait for.
         Ok(local) => tokio::task::spawn_blocking(move || peer::of_tcp(address, local)).await,
-        Err(_) => return Ok((connection::Stream::Tcp(stream), peer::by_address(address))),
+        Err(_) => return Ok((stream, peer::by_address(address))),
     };
     let client = client.unwrap_or_else(|_| peer::by_address(address));
-    Ok((connection::Stream::Tcp(stream), client))
+    Ok((stream, client))
 }
 
 async fn accept_unix(listener: &UnixListener) -> io::Result<Accepted> {
     let (stream, _) = listener.accept().await?;
     let client = peer::of_unix(&stream);
-    Ok((connection::Stream::Unix(stream), client))
+    Ok((Begun::Open(connection::Stream::Unix(stream)), client))
 }
 
 async fn accept_all(
@@ -173,11 +189,7 @@ async fn accept_all(
             Ok((stream, client)) => {
                 is_out = false;
                 match door.enter(client.identity) {
-                    Ok(guard) => {
-                        let connection = Connection::new(stream, client, guard);
-                        // Nobody takes it when the server stops.
-                        let _stopped = sender.send(Ok(connection)).await;
-                    }
+                    Ok(guard) => begin(stream, client, guard, sender).await,
                     // Dropped, which closes it.
                     Err(why) => door.turn_away(why),
                 }
@@ -192,6 +204,65 @@ async fn accept_all(
             }
             // Of one connection, which has gone.
             Err(error) => tracing::debug!(%error, "a connection was not accepted"),
+        }
+    }
+}
+
+/// Hands a connection on; one that begins with a handshake when that is done.
+async fn begin(
+    begun: Begun,
+    client: ClientKey,
+    guard: Guard,
+    sender: &mpsc::Sender<Result<Connection, io::Error>>,
+) {
+    let certificate = None;
+    match begun {
+        Begun::Open(stream) => {
+            let peer = Peer {
+                client,
+                certificate,
+            };
+            let connection = Connection::new(stream, peer, guard);
+            // Nobody takes it when the server stops.
+            let _stopped = sender.send(Ok(connection)).await;
+        }
+        Begun::Tls(stream, acceptor) => {
+            let sender = sender.clone();
+            tokio::spawn(async move {
+                if let Some(connection) = shake_hands(stream, acceptor, client, guard).await {
+                    let _stopped = sender.send(Ok(connection)).await;
+                }
+            });
+        }
+    }
+}
+
+async fn shake_hands(
+    stream: TcpStream,
+    acceptor: TlsAcceptor,
+    client: ClientKey,
+    guard: Guard,
+) -> Option<Connection> {
+    let Ok(done) = tokio::time::timeout(connection::HANDSHAKE, acceptor.accept(stream)).await
+    else {
+        guard.door().turn_away(Away::Silent);
+        return None;
+    };
+    match done {
+        Ok(stream) => {
+            let shown = stream.get_ref().1.peer_certificates();
+            let certificate = shown.and_then(|all| common_name(all.first()?));
+            let peer = Peer {
+                client,
+                certificate,
+            };
+            let stream = connection::Stream::Tls(Box::new(stream));
+            Some(Connection::new(stream, peer, guard))
+        }
+        Err(error) => {
+            guard.door().turn_away(Away::Handshake);
+            tracing::info!(%client, %error, "handshake failed");
+            None
         }
     }
 }

@@ -20,6 +20,9 @@ pub(super) fn of_unix(stream: &UnixStream) -> ClientKey {
 /// The peer at `address` of a connection to `local`: its user where the table of
 /// sockets has it, which is that of this network namespace.
 pub(super) fn of_tcp(address: SocketAddr, local: SocketAddr) -> ClientKey {
+    if !address.ip().is_loopback() {
+        return by_address(address);
+    }
     let table = match address {
         SocketAddr::V4(_) => "/proc/net/tcp",
         SocketAddr::V6(_) => "/proc/net/tcp6",
@@ -34,10 +37,14 @@ pub(super) fn of_tcp(address: SocketAddr, local: SocketAddr) -> ClientKey {
     }
 }
 
-/// A peer of which nothing is known but its address.
+/// A peer of which nothing is known but its address: another machine is one client.
 pub(super) fn by_address(address: SocketAddr) -> ClientKey {
+    let known = match address.ip().is_loopback() {
+        true => address,
+        false => SocketAddr::new(address.ip(), 0),
+    };
     ClientKey {
-        identity: ClientIdentity::Address(address),
+        identity: ClientIdentity::Address(known),
         strand: Strand::Connection(address),
     }
 }

@@ -335,6 +335,13 @@ pub(super) fn load(database: &Database, name: &str) -> Result<Option<Stored>, Jo
     }))
 }
 
+/// One mesh.
+pub(super) fn mesh(database: &Database, name: &str) -> Result<Option<StoredMesh>, JournalError> {
+    let read = database.begin_read()?;
+    let found = read.open_table(MESHES)?.get(name)?;
+    found.map(|bytes| opened(bytes.value(), name)).transpose()
+}
+
 /// The meshes by name.
 pub(super) fn meshes(database: &Database) -> Result<Vec<(String, StoredMesh)>, JournalError> {
     let read = database.begin_read()?;

@@ -176,6 +176,15 @@ impl Journal {
         self.database.with(|open| database::load(open, name))
     }
 
+    /// One stored mesh. Blocks.
+    ///
+    /// # Errors
+    /// [`JournalError`] when it cannot be read.
+    pub(crate) fn mesh(&self, name: &str) -> Result<Option<StoredMesh>, JournalError> {
+        self.database
+            .with(|database| database::mesh(database, name))
+    }
+
     /// The stored meshes. Blocks.
     pub(crate) fn meshes(&self) -> Result<Vec<(String, StoredMesh)>, JournalError> {
         self.database.with(database::meshes)

@@ -27,6 +27,10 @@ pub(crate) struct StoredSession {
     /// Name of the scene.
     #[prost(string, tag = "4")]
     pub(crate) scene_name: String,
+    /// Name of the client that it belongs to; empty: it belongs to all, as one of a server
+    /// without tokens does.
+    #[prost(string, tag = "5")]
+    pub(crate) owner: String,
 }
 
 /// An accepted update.
@@ -114,6 +118,9 @@ pub(crate) struct StoredMesh {
     /// Its description, a `StoredMesh` of the contract, encoded.
     #[prost(bytes = "bytes", tag = "1")]
     pub(crate) described: Bytes,
+    /// Names of the clients that have sent it; none: it belongs to all.
+    #[prost(string, repeated, tag = "2")]
+    pub(crate) owners: Vec<String>,
 }
 
 /// A message with its seal.

@@ -11,10 +11,18 @@ pub(crate) enum Away {
     Silent,
     /// The system gave no descriptor.
     Descriptors,
+    /// Its handshake of transport security failed.
+    Handshake,
 }
 
 impl Away {
-    pub(crate) const ALL: [Self; 4] = [Self::All, Self::Client, Self::Silent, Self::Descriptors];
+    pub(crate) const ALL: [Self; 5] = [
+        Self::All,
+        Self::Client,
+        Self::Silent,
+        Self::Descriptors,
+        Self::Handshake,
+    ];
 
     pub(crate) fn name(self) -> &'static str {
         match self {
@@ -22,6 +30,7 @@ impl Away {
             Self::Client => "client",
             Self::Silent => "silent",
             Self::Descriptors => "descriptors",
+            Self::Handshake => "handshake",
         }
     }
 }

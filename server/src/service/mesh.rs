@@ -12,6 +12,7 @@ use tonic::codegen::BoxStream;
 use tonic::{Request, Response, Status, Streaming};
 
 use super::{page_size, respond};
+use crate::access::{Caller, Owners};
 use crate::client_key::{ClientIdentity, ClientKey};
 use crate::convert::mesh::{self as convert, Header, Upload};
 use crate::fault::Fault;
@@ -46,8 +47,8 @@ impl MeshService for Meshes {
         &self,
         request: Request<Streaming<wire::UploadMeshRequest>>,
     ) -> Result<Response<wire::UploadMeshResponse>, Status> {
-        let client = ClientKey::of(&request).identity;
-        respond(&self.registry, self.upload(request.into_inner(), client)).await
+        let call = (Caller::of(&request), ClientKey::of(&request).identity);
+        respond(&self.registry, self.upload(request.into_inner(), call)).await
     }
 
     #[tracing::instrument(skip_all)]
@@ -55,9 +56,11 @@ impl MeshService for Meshes {
         &self,
         request: Request<wire::GetMeshRequest>,
     ) -> Result<Response<wire::GetMeshResponse>, Status> {
+        let caller = Caller::of(&request);
         respond(&self.registry, async {
             let id = convert::id_from_name(&request.into_inner().name, "name")?;
-            let mesh = Some(self.describe(planning::mesh(&self.services, id).await?)?);
+            let found = planning::mesh_for(&self.services, id, &caller).await?;
+            let mesh = Some(self.describe(found)?);
             Ok(wire::GetMeshResponse { mesh })
         })
         .await
@@ -68,7 +71,8 @@ impl MeshService for Meshes {
         &self,
         request: Request<wire::ListMeshesRequest>,
     ) -> Result<Response<wire::ListMeshesResponse>, Status> {
-        respond(&self.registry, self.list(request.into_inner())).await
+        let caller = Caller::of(&request);
+        respond(&self.registry, self.list(request.into_inner(), &caller)).await
     }
 
     #[tracing::instrument(skip_all)]
@@ -76,11 +80,13 @@ impl MeshService for Meshes {
         &self,
         request: Request<wire::ReadMeshRequest>,
     ) -> Result<Response<Self::ReadMeshStream>, Status> {
+        let caller = Caller::of(&request);
         respond(&self.registry, async {
             let request = request.into_inner();
             let id = convert::id_from_name(&request.name, "name")?;
             let wanted = convert::wanted(&request.arrays)?;
-            let messages = convert::messages(planning::mesh(&self.services, id).await?, &wanted);
+            let found = planning::mesh_for(&self.services, id, &caller).await?;
+            let messages = convert::messages(found, &wanted);
             let stream: Self::ReadMeshStream = Box::pin(tokio_stream::iter(messages.map(Ok)));
             Ok(stream)
         })
@@ -92,9 +98,12 @@ impl MeshService for Meshes {
         &self,
         request: Request<wire::DeleteMeshRequest>,
     ) -> Result<Response<wire::DeleteMeshResponse>, Status> {
+        let caller = Caller::of(&request);
         respond(&self.registry, async {
-            let id = convert::id_from_name(&request.into_inner().name, "name")?;
-            self.delete(id).await?;
+            let name = request.into_inner().name;
+            let id = convert::id_from_name(&name, "name")?;
+            caller.note(&name);
+            self.delete(id, &caller).await?;
             Ok(wire::DeleteMeshResponse {})
         })
         .await
@@ -105,7 +114,7 @@ impl Meshes {
     async fn upload(
         &self,
         mut inbound: Streaming<wire::UploadMeshRequest>,
-        client: ClientIdentity,
+        (caller, client): (Caller, ClientIdentity),
     ) -> Result<wire::UploadMeshResponse, Fault> {
         use upload_mesh_request::Part;
         self.registry.check_open()?;
@@ -116,8 +125,9 @@ impl Meshes {
         let header = Header::new(header)?;
         let id = header.id;
         if let Some(id) = id
-            && let Ok(found) = planning::mesh(&self.services, id).await
+            && let Ok(found) = planning::mesh_for(&self.services, id, &caller).await
         {
+            caller.note(&convert::name(id));
             return self.uploaded(found, Presence::Before);
         }
         taken.expect(&header)?;
@@ -135,25 +145,49 @@ impl Meshes {
         }
         let journal = self.services.journal.clone();
         let mesh = aside(move || build(upload, id, journal.as_deref())).await??;
-        if let Ok(found) = planning::mesh(&self.services, mesh.id()).await {
-            return self.uploaded(found, Presence::Before);
+        caller.note(&convert::name(mesh.id()));
+        if let Some(found) = planning::known_mesh(&self.services, mesh.id()).await? {
+            let presence = self.join(&found, &caller).await?;
+            return self.uploaded(found, presence);
         }
+        let owners = Owners::of(&caller);
         let _excess = self.reserve_excess(&mesh, taken.bytes())?;
         // On disk before anybody finds it.
         if let Some(journal) = &self.services.journal {
-            planning::store_mesh(journal, &mesh).await?;
+            planning::store_mesh(journal, &mesh, &owners).await?;
         }
-        self.uploaded(self.services.store.insert_mesh(mesh), Presence::New)
+        let found = self.services.store.insert_mesh(mesh, owners);
+        self.uploaded(found, Presence::New)
     }
 
-    /// Drops a mesh that no session uses, awake or not, from memory and disk.
-    async fn delete(&self, id: MeshId) -> Result<(), Fault> {
+    /// Counts one more in who has sent a mesh that is there: new to that one, whoever had it.
+    async fn join(&self, found: &Lease<Mesh>, caller: &Caller) -> Result<Presence, Fault> {
+        let mesh = found.value();
+        let Some(owners) = self.services.store.join(mesh.id(), caller) else {
+            return Ok(Presence::Before);
+        };
+        if let Some(journal) = &self.services.journal {
+            planning::store_mesh(journal, mesh, &owners).await?;
+        }
+        Ok(Presence::New)
+    }
+
+    /// Drops a mesh that no session uses, awake or not, from memory and disk; for a client
+    /// alone where others have sent it too.
+    async fn delete(&self, id: MeshId, caller: &Caller) -> Result<(), Fault> {
+        let found = planning::mesh_for(&self.services, id, caller).await?;
+        if let Some(others) = self.services.store.leave(id, caller) {
+            return match &self.services.journal {
+                Some(journal) => planning::store_mesh(journal, found.value(), &others).await,
+                None => Ok(()),
+            };
+        }
+        drop(found);
         let name = convert::name(id);
         let sessions = self.registry.asleep_on(&name);
         if sessions > 0 {
             return Err(Fault::MeshInUse { name, sessions });
         }
-        drop(planning::mesh(&self.services, id).await?);
         self.services.store.delete_mesh(id)?;
         let Some(journal) = self.services.journal.clone() else {
             return Ok(());
@@ -196,18 +230,20 @@ impl Meshes {
     async fn list(
         &self,
         request: wire::ListMeshesRequest,
+        caller: &Caller,
     ) -> Result<wire::ListMeshesResponse, Fault> {
         let size = page_size(request.page_size)?;
         let after = match request.page_token.as_str() {
             "" => None,
             token => Some(convert::id_from_name(token, "page_token")?),
         };
-        let found = self.services.store.meshes(after, size);
+        let found = self.services.store.meshes(caller, after, size);
         let found: Vec<_> = found
             .iter()
             .map(|(mesh, uses)| convert::mesh(mesh, uses))
             .collect();
-        let found = self.with_stored(found, (&request.page_token, size)).await?;
+        let page = (request.page_token.as_str(), size);
+        let found = self.with_stored(found, page, caller).await?;
         let (mut meshes, mut bytes) = (Vec::new(), 0);
         for mesh in found.iter().cloned() {
             bytes += mesh.encoded_len();
@@ -229,6 +265,7 @@ impl Meshes {
         &self,
         mut found: Vec<wire::StoredMesh>,
         (after, size): (&str, usize),
+        caller: &Caller,
     ) -> Result<Vec<wire::StoredMesh>, Fault> {
         let Some(journal) = self.services.journal.clone() else {
             return Ok(found);
@@ -236,7 +273,9 @@ impl Meshes {
         let stored = aside(move || journal.meshes()).await?;
         for (name, mesh) in stored.map_err(planning::unwritable)? {
             let is_new = name.as_str() > after && found.iter().all(|one| one.name != name);
-            if let (true, Ok(mesh)) = (is_new, wire::StoredMesh::decode(mesh.described)) {
+            let owners = Owners::from_stored(&mesh.owners);
+            let is_shown = is_new && owners.is_ok_and(|owners| owners.admit(caller));
+            if let (true, Ok(mesh)) = (is_shown, wire::StoredMesh::decode(mesh.described)) {
                 found.push(mesh);
             }
         }

@@ -13,6 +13,7 @@ use tokio_stream::{Stream, StreamExt};
 use tonic::{Request, Response, Status, Streaming};
 
 use super::{page_size, respond, state, timeout};
+use crate::access::Caller;
 use crate::client_key::ClientKey;
 use crate::convert::field::{self, Encoding};
 use crate::convert::{mesh, report, step};
@@ -49,8 +50,8 @@ impl SessionService for Sessions {
         &self,
         request: Request<wire::CreateSessionRequest>,
     ) -> Result<Response<wire::CreateSessionResponse>, Status> {
-        let client = ClientKey::of(&request);
-        respond(&self.registry, self.create(request.into_inner(), client)).await
+        let call = (Caller::of(&request), ClientKey::of(&request));
+        respond(&self.registry, self.create(request.into_inner(), call)).await
     }
 
     #[tracing::instrument(skip_all)]
@@ -58,8 +59,10 @@ impl SessionService for Sessions {
         &self,
         request: Request<wire::GetSessionRequest>,
     ) -> Result<Response<wire::GetSessionResponse>, Status> {
+        let caller = Caller::of(&request);
         respond(&self.registry, async {
-            let handle = self.registry.get(&request.into_inner().name).await?;
+            let name = request.into_inner().name;
+            let handle = self.registry.get(&caller, &name).await?;
             let mut session = handle.describe().await?;
             session.scene = Some(handle.scene());
             let session = Some(session);
@@ -73,7 +76,8 @@ impl SessionService for Sessions {
         &self,
         request: Request<wire::ListSessionsRequest>,
     ) -> Result<Response<wire::ListSessionsResponse>, Status> {
-        respond(&self.registry, self.list(request.into_inner())).await
+        let caller = Caller::of(&request);
+        respond(&self.registry, self.list(request.into_inner(), &caller)).await
     }
 
     #[tracing::instrument(skip_all)]
@@ -81,8 +85,10 @@ impl SessionService for Sessions {
         &self,
         request: Request<wire::DeleteSessionRequest>,
     ) -> Result<Response<wire::DeleteSessionResponse>, Status> {
+        let caller = Caller::of(&request);
         respond(&self.registry, async {
-            let handle = self.registry.get(&request.into_inner().name).await?;
+            let name = request.into_inner().name;
+            let handle = self.registry.get(&caller, &name).await?;
             handle.delete().await?;
             handle.ended().await;
             Ok(wire::DeleteSessionResponse {})
@@ -96,6 +102,7 @@ impl SessionService for Sessions {
     ) -> Result<Response<Self::SolveStream>, Status> {
         // Answered before anything is read: a client may wait for the headers.
         let call = streams::Call {
+            caller: Caller::of(&request),
             client: ClientKey::of(&request),
             timeout: timeout::of(request.metadata()),
         };
@@ -107,7 +114,8 @@ impl SessionService for Sessions {
         &self,
         request: Request<wire::WatchRequest>,
     ) -> Result<Response<Self::WatchStream>, Status> {
-        let answers = streams::open_watch(&self.registry, request.into_inner());
+        let caller = Caller::of(&request);
+        let answers = streams::open_watch(&self.registry, request.into_inner(), caller);
         Ok(Response::new(ReceiverStream::new(answers)))
     }
 
@@ -116,9 +124,10 @@ impl SessionService for Sessions {
         &self,
         request: Request<wire::CancelStepRequest>,
     ) -> Result<Response<wire::CancelStepResponse>, Status> {
+        let caller = Caller::of(&request);
         respond(&self.registry, async {
             let request = request.into_inner();
-            let handle = self.registry.get(&request.name).await?;
+            let handle = self.registry.get(&caller, &request.name).await?;
             let sequence = handle.cancel(request.sequence).await?;
             Ok(wire::CancelStepResponse { sequence })
         })
@@ -130,7 +139,8 @@ impl SessionService for Sessions {
         &self,
         request: Request<wire::ReadStepRequest>,
     ) -> Result<Response<Self::ReadStepStream>, Status> {
-        respond(&self.registry, self.read(request.into_inner())).await
+        let caller = Caller::of(&request);
+        respond(&self.registry, self.read(request.into_inner(), &caller)).await
     }
 
     #[tracing::instrument(skip_all)]
@@ -138,8 +148,10 @@ impl SessionService for Sessions {
         &self,
         request: Request<wire::ExportStateRequest>,
     ) -> Result<Response<Self::ExportStateStream>, Status> {
+        let caller = Caller::of(&request);
         respond(&self.registry, async {
-            let handle = self.registry.get(&request.into_inner().name).await?;
+            let name = request.into_inner().name;
+            let handle = self.registry.get(&caller, &name).await?;
             let slices = state::export(handle).await?;
             let stream: Self::ExportStateStream = Box::pin(tokio_stream::iter(slices.map(Ok)));
             Ok(stream)
@@ -152,9 +164,12 @@ impl SessionService for Sessions {
         &self,
         request: Request<Streaming<wire::ImportStateRequest>>,
     ) -> Result<Response<wire::ImportStateResponse>, Status> {
+        let caller = Caller::of(&request);
         respond(&self.registry, async {
             self.registry.check_open()?;
-            state::import(&self.services, &self.states, request.into_inner()).await
+            let made = state::import(&self.services, &self.states, request.into_inner()).await?;
+            caller.note(&made.state);
+            Ok(made)
         })
         .await
     }
@@ -164,7 +179,7 @@ impl Sessions {
     async fn create(
         &self,
         mut request: wire::CreateSessionRequest,
-        client: ClientKey,
+        (caller, client): (Caller, ClientKey),
     ) -> Result<wire::CreateSessionResponse, Fault> {
         self.registry.check_open()?;
         check_request(&request)?;
@@ -179,6 +194,7 @@ impl Sessions {
             .as_ref()
             .map(|_| request.encode_to_vec());
         let scene = request.scene.ok_or_else(missing)?;
+        planning::check_uploads(&self.services, &scene, &caller).await?;
         if request.validate_only {
             let plan = self.plan(scene, client).await?.plan;
             return Ok(wire::CreateSessionResponse {
@@ -189,7 +205,7 @@ impl Sessions {
         // Before planning, so that a repeat meanwhile finds this request.
         let claimed = self
             .registry
-            .claim(&request.session_id, &request.request_id);
+            .claim(&caller, &request.session_id, &request.request_id);
         let claim = match claimed.await? {
             Claimed::Made(handle) => return created(&handle).await,
             Claimed::New(claim) => claim,
@@ -201,6 +217,7 @@ impl Sessions {
         let result_bytes = planning::result_bytes(&planned);
         let taken = planning::reserve(&self.services.store, &planned, own_bytes)?;
         let recovered = from_state.map(|state| start(&planned, state)).transpose()?;
+        let asked = asked.map(|request| (request, &caller));
         self.store(&claim, asked, &planned, recovered.as_deref())
             .await?;
         let spec = SessionSpec {
@@ -261,11 +278,11 @@ impl Sessions {
     async fn store(
         &self,
         claim: &Claim,
-        request: Option<Vec<u8>>,
+        request: Option<(Vec<u8>, &Caller)>,
         planned: &Planned,
         recovered: Option<&Recovered>,
     ) -> Result<(), Fault> {
-        let (Some(journal), Some(request)) = (&self.services.journal, request) else {
+        let (Some(journal), Some((request, caller))) = (&self.services.journal, request) else {
             return Ok(());
         };
         let session = StoredSession {
@@ -273,6 +290,9 @@ impl Sessions {
             created: Some(SystemTime::now().into()),
             mesh: mesh::name(planned.mesh.value().id()),
             scene_name: planned.plan.report().name,
+            owner: caller
+                .name()
+                .map_or_else(String::new, |name| name.to_string()),
         };
         let mut changes = vec![Change::Begin, Change::Delete, Change::Session(session)];
         let start = recovered.and_then(|one| one.checkpoint.clone());
@@ -284,10 +304,12 @@ impl Sessions {
     async fn list(
         &self,
         request: wire::ListSessionsRequest,
+        caller: &Caller,
     ) -> Result<wire::ListSessionsResponse, Fault> {
         let size = page_size(request.page_size)?;
-        let found = self.registry.list(&request.page_token, size);
-        let mut sessions = self.registry.list_asleep(&request.page_token, size);
+        let found = self.registry.list(caller, &request.page_token, size);
+        let asleep = self.registry.list_asleep(caller, &request.page_token, size);
+        let mut sessions = asleep;
         let mut names: Vec<String> = found.iter().map(|(name, _)| name.clone()).collect();
         names.extend(sessions.iter().map(|one| one.name.clone()));
         names.sort_unstable();
@@ -315,8 +337,9 @@ impl Sessions {
     async fn read(
         &self,
         request: wire::ReadStepRequest,
+        caller: &Caller,
     ) -> Result<Messages<wire::ReadStepResponse>, Fault> {
-        let handle = self.registry.get(&request.name).await?;
+        let handle = self.registry.get(caller, &request.name).await?;
         let fields = field::names(&request.fields, "fields")?;
         let encoding: Encoding = field::encoding(request.element_type)?;
         let (sequence, increment) = (request.sequence, request.increment);

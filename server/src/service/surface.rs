@@ -9,6 +9,7 @@ use signorini_proto::v1::{
 use tonic::{Request, Response, Status, Streaming};
 
 use super::respond;
+use crate::access::Caller;
 use crate::convert::surface::{self as convert, Upload};
 use crate::fault::Fault;
 use crate::planning::aside;
@@ -35,7 +36,8 @@ impl SurfaceService for SurfaceDoor {
         &self,
         request: Request<Streaming<wire::UploadSurfaceRequest>>,
     ) -> Result<Response<wire::UploadSurfaceResponse>, Status> {
-        respond(&self.registry, self.upload(request.into_inner())).await
+        let caller = Caller::of(&request);
+        respond(&self.registry, self.upload(request.into_inner(), &caller)).await
     }
 
     #[tracing::instrument(skip_all)]
@@ -43,9 +45,10 @@ impl SurfaceService for SurfaceDoor {
         &self,
         request: Request<wire::GetSurfaceRequest>,
     ) -> Result<Response<wire::GetSurfaceResponse>, Status> {
+        let caller = Caller::of(&request);
         respond(&self.registry, async {
             let digest = convert::digest_of(&request.into_inner().name, "name")?;
-            let found = self.services.surfaces.get(&digest)?;
+            let found = self.services.surfaces.get_for(&caller, &digest)?;
             let surface = Some(convert::surface(&digest, &found.surface, found.created));
             Ok(wire::GetSurfaceResponse { surface })
         })
@@ -55,10 +58,11 @@ impl SurfaceService for SurfaceDoor {
     #[tracing::instrument(skip_all)]
     async fn list_surfaces(
         &self,
-        _request: Request<wire::ListSurfacesRequest>,
+        request: Request<wire::ListSurfacesRequest>,
     ) -> Result<Response<wire::ListSurfacesResponse>, Status> {
+        let caller = Caller::of(&request);
         respond(&self.registry, async {
-            let all = self.services.surfaces.all();
+            let all = self.services.surfaces.all(&caller);
             let one = |(digest, stored): &(String, Stored)| {
                 convert::surface(digest, &stored.surface, stored.created)
             };
@@ -73,9 +77,12 @@ impl SurfaceService for SurfaceDoor {
         &self,
         request: Request<wire::DeleteSurfaceRequest>,
     ) -> Result<Response<wire::DeleteSurfaceResponse>, Status> {
+        let caller = Caller::of(&request);
         respond(&self.registry, async {
-            let digest = convert::digest_of(&request.into_inner().name, "name")?;
-            self.services.surfaces.delete(&digest)?;
+            let name = request.into_inner().name;
+            let digest = convert::digest_of(&name, "name")?;
+            caller.note(&name);
+            self.services.surfaces.delete(&caller, &digest)?;
             Ok(wire::DeleteSurfaceResponse {})
         })
         .await
@@ -86,6 +93,7 @@ impl SurfaceDoor {
     async fn upload(
         &self,
         mut inbound: Streaming<wire::UploadSurfaceRequest>,
+        caller: &Caller,
     ) -> Result<wire::UploadSurfaceResponse, Fault> {
         self.registry.check_open()?;
         let Some(Part::Header(header)) = next(&mut inbound).await? else {
@@ -94,8 +102,9 @@ impl SurfaceDoor {
         let mut upload = Upload::new(header)?;
         let surfaces = &self.services.surfaces;
         if let Some(digest) = &upload.digest
-            && let Ok(found) = surfaces.get(digest)
+            && let Ok(found) = surfaces.get_for(caller, digest)
         {
+            caller.note(&convert::name(digest));
             return Ok(answer(digest, &found, true));
         }
         let reserved = surfaces.reserve(&self.services.store, upload.predicted_bytes())?;
@@ -113,7 +122,8 @@ impl SurfaceDoor {
             }
         }
         let (digest, surface) = aside(move || upload.finish()).await??;
-        let stored = surfaces.insert(digest.clone(), surface, reserved);
+        caller.note(&convert::name(&digest));
+        let stored = surfaces.insert(caller, digest.clone(), surface, reserved);
         Ok(answer(&digest, &stored, false))
     }
 }

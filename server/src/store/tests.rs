@@ -23,9 +23,15 @@ fn store(meshes: u64) -> (Arc<Store>, u64) {
 #[test]
 fn room_is_made_least_recently_used_first_and_never_from_what_is_in_use() {
     let (store, bytes) = store(3);
-    let used = store.insert_mesh(triangle(1.0));
-    let old = store.insert_mesh(triangle(2.0)).value().id();
-    let new = store.insert_mesh(triangle(3.0)).value().id();
+    let used = store.insert_mesh(triangle(1.0), Owners::default());
+    let old = store
+        .insert_mesh(triangle(2.0), Owners::default())
+        .value()
+        .id();
+    let new = store
+        .insert_mesh(triangle(3.0), Owners::default())
+        .value()
+        .id();
     let reservation = store.reserve(bytes).unwrap();
     assert!(store.mesh(old).is_err());
     assert!(store.mesh(new).is_ok());
@@ -39,7 +45,7 @@ fn room_is_made_least_recently_used_first_and_never_from_what_is_in_use() {
 #[test]
 fn a_mesh_in_use_is_not_deleted() {
     let (store, _) = store(3);
-    let lease = store.insert_mesh(triangle(1.0));
+    let lease = store.insert_mesh(triangle(1.0), Owners::default());
     let id = lease.value().id();
     assert!(matches!(
         store.delete_mesh(id),
@@ -53,8 +59,11 @@ fn a_mesh_in_use_is_not_deleted() {
 #[test]
 fn what_cannot_fit_drops_nothing() {
     let (store, bytes) = store(3);
-    let _used = store.insert_mesh(triangle(1.0));
-    let unused = store.insert_mesh(triangle(2.0)).value().id();
+    let _used = store.insert_mesh(triangle(1.0), Owners::default());
+    let unused = store
+        .insert_mesh(triangle(2.0), Owners::default())
+        .value()
+        .id();
     let refused = store.reserve(3 * bytes).map(drop);
     let budget = 3 * bytes;
     let expected = Fault::MemoryBudget {

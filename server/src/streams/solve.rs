@@ -15,6 +15,7 @@ use tonic::{Status, Streaming};
 use tracing::Instrument;
 
 use super::pump::{self, Attached, Sender};
+use crate::access::Caller;
 use crate::client_key::ClientKey;
 use crate::convert::{field, step};
 use crate::fault::Fault;
@@ -32,6 +33,7 @@ const FIRST_MESSAGE: Duration = Duration::from_secs(10);
 
 /// What the transport tells about a stream.
 pub(crate) struct Call {
+    pub(crate) caller: Caller,
     pub(crate) client: ClientKey,
     /// Time that the client gives the whole stream.
     pub(crate) timeout: Option<Duration>,
@@ -59,7 +61,7 @@ async fn serve(
         .timeout
         .and_then(|time| Instant::now().checked_add(time));
     let (name, request) = first_message(&mut inbound, call.client, deadline).await?;
-    let handle = registry.get(&name).await?;
+    let handle = registry.get(&call.caller, &name).await?;
     let mut attachment = handle.attach(request).await?;
     let (number, outbox) = (attachment.number, Arc::clone(&attachment.outbox));
     let reading = read(handle.clone(), number, outbox, inbound);
@@ -74,6 +76,7 @@ async fn serve(
     let ended = tokio::select! {
         ended = pumping => ended,
         () = passed(deadline) => Err(Fault::StreamDeadline),
+        () = call.caller.revoked() => Err(Fault::Unauthenticated),
     };
     attached.leave().await;
     ended

@@ -8,6 +8,7 @@ use tonic::Status;
 
 use super::pump::{self, Attached, Sender};
 use super::solve::unread_limit;
+use crate::access::Caller;
 use crate::convert::{field, step};
 use crate::fault::Fault;
 use crate::registry::Registry;
@@ -17,10 +18,11 @@ use crate::session::{OpenRequest, Role};
 pub(crate) fn open(
     registry: &Arc<Registry>,
     request: wire::WatchRequest,
+    caller: Caller,
 ) -> mpsc::Receiver<Result<wire::WatchResponse, Status>> {
     let span = tracing::info_span!("watch");
     pump::spawn(registry, span, |registry, sender| {
-        serve(registry, request, sender)
+        serve(registry, request, sender, caller)
     })
 }
 
@@ -28,12 +30,17 @@ async fn serve(
     registry: Arc<Registry>,
     request: wire::WatchRequest,
     sender: Sender<wire::WatchResponse>,
+    caller: Caller,
 ) -> Result<(), Fault> {
-    let handle = registry.get(&request.name).await?;
+    let handle = registry.get(&caller, &request.name).await?;
     let mut attachment = handle.attach(open_request(&request)?).await?;
     let attached = Attached::new(handle, attachment.number);
     let (heartbeat, metrics) = (registry.heartbeat(), registry.metrics());
-    let ended = pump::run(&mut attachment, &sender, heartbeat, metrics, response).await;
+    let pumping = pump::run(&mut attachment, &sender, heartbeat, metrics, response);
+    let ended = tokio::select! {
+        ended = pumping => ended,
+        () = caller.revoked() => Err(Fault::Unauthenticated),
+    };
     attached.leave().await;
     ended
 }

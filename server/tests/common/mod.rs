@@ -43,6 +43,14 @@ impl Server {
     }
 
     pub(crate) async fn with(config: Config) -> Self {
+        let mut server = Self::listening(config).await;
+        let endpoint = tonic::transport::Endpoint::new(server.url.clone()).unwrap();
+        server.channel = endpoint.connect().await.unwrap();
+        server
+    }
+
+    /// A server that nobody has connected to.
+    pub(crate) async fn listening(config: Config) -> Self {
         let listener = Listener::bind(&config).await.unwrap();
         let (url, metrics_url) = (listener.url().to_owned(), listener.metrics_url());
         let (stop, stopped) = oneshot::channel::<()>();
@@ -50,8 +58,7 @@ impl Server {
             stopped.await.ok();
         };
         let serving = tokio::spawn(serve(listener, config, shutdown));
-        let endpoint = tonic::transport::Endpoint::new(url.clone()).unwrap();
-        let channel = endpoint.connect().await.unwrap();
+        let channel = tonic::transport::Endpoint::from_static("http://nobody").connect_lazy();
         Self {
             url,
             metrics_url,

@@ -86,6 +86,7 @@ fn command(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_signorini-server"));
     let socket = format!("unix:{}", folder.join("socket").display());
     command
+        .env_remove("RUST_LOG")
         .arg("--config")
         .arg(folder.join("server.toml"))
         .args(["--listen", &socket])

@@ -155,6 +155,7 @@ async fn the_page_helps_those_who_come_by_and_answers_probes() {
         health.starts_with("HTTP/1.1 200") && health.ends_with("ok\n"),
         "{health}"
     );
+    assert!(get("/livez").await.ends_with("ok\n"));
     assert!(get("/metric").await.starts_with("HTTP/1.1 404"));
     let head = answer(&url, "HEAD", "/metrics").await;
     assert!(
@@ -166,6 +167,12 @@ async fn the_page_helps_those_who_come_by_and_answers_probes() {
         post.starts_with("HTTP/1.1 405") && post.contains("allow: GET, HEAD"),
         "{post}"
     );
+}
+
+/// Number of the user who runs the tests.
+fn own_user() -> u32 {
+    use std::os::unix::fs::MetadataExt as _;
+    std::fs::metadata("/proc/self").unwrap().uid()
 }
 
 /// A server program; killed when a test fails before it has stopped.
@@ -240,6 +247,19 @@ async fn the_log_tells_of_addresses_sessions_steps_and_refusals() {
     ] {
         assert!(step.contains(part), "{part} in {step}");
     }
+    let user = format!("user {}", own_user());
+    for (what, outcome) in [
+        ("\"MeshService/UploadMesh\"", "outcome=\"Ok\""),
+        ("\"SessionService/CreateSession\"", "outcome=\"Ok\""),
+        // Its client and the server end together: either may be first.
+        ("\"SessionService/Solve\"", "outcome="),
+    ] {
+        let call = line(what);
+        for part in ["INFO audit: call", &user, "about=\"", outcome] {
+            assert!(call.contains(part), "{part} in {call}");
+        }
+    }
+    assert!(!log.contains("audit: call who=unknown"), "{log}");
     let refusal = line("SESSION_NOT_FOUND");
     assert!(refusal.contains("request refused"), "{refusal}");
     assert!(line("session ended").contains("ending=\"shut_down\""));
@@ -300,6 +320,29 @@ async fn shutdown_delivers_the_last_state_ends_the_streams_and_returns() {
     assert_eq!(last.termination(), wire::Termination::Cancelled);
     assert_eq!(reason(&stream.end().await.unwrap()), "SHUTTING_DOWN");
     server.stopped().await.unwrap();
+}
+
+#[tokio::test]
+async fn a_server_that_shuts_down_is_not_ready_and_lives() {
+    let mut server = Server::start().await;
+    let watch = async |service: &str| {
+        let request = HealthCheckRequest {
+            service: service.to_owned(),
+        };
+        let call = HealthClient::new(server.channel.clone());
+        let mut answers = call.clone().watch(request).await.unwrap().into_inner();
+        let first = answers.message().await.unwrap().unwrap();
+        assert_eq!(first.status(), ServingStatus::Serving, "{service}");
+        answers
+    };
+    let (mut ready, mut live) = (watch("").await, watch("liveness").await);
+    server.signal_stop();
+    let changed = ready.message().await.unwrap().unwrap();
+    assert_eq!(changed.status(), ServingStatus::NotServing);
+    server.stopped().await.unwrap();
+    // No other word; the connection may outlive the server.
+    let last = tokio::time::timeout(Duration::from_millis(100), live.message()).await;
+    assert!(!matches!(last, Ok(Ok(Some(_)))), "{last:?}");
 }
 
 #[tokio::test]

@@ -28,7 +28,7 @@ pub(super) async fn run(arguments: SolveArguments) -> Result<Exit, Failure> {
     };
     let mut input = input::load(&arguments.scene)?;
     complete(&mut input.scene, &arguments);
-    let client = Client::connect(server).await?;
+    let client = Client::connect_with(server, &arguments.scene.access.read()?).await?;
     let ttl = arguments.ttl.map_or(DAY, Duration::from_secs);
     let tell = |warnings: &[String]| {
         for warning in warnings.iter().filter(|_| !arguments.quiet) {

@@ -1,0 +1,186 @@
+//! The layer that asks each call who it is, before a message of it is read.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+use std::task::{Context, Poll};
+
+use bytes::Bytes;
+use http_body_util::BodyExt as _;
+use hyper::body::Frame;
+use tonic::Status;
+use tonic::body::Body;
+use tonic::codegen::{BoxFuture, Service, http};
+use tower::Layer;
+
+use super::audit::Line;
+use super::table::{Effect, Need, rule};
+use super::{Access, Caller, Entry, TokenFile};
+use crate::client_key::{ClientIdentity, Peer};
+use crate::fault::Fault;
+use crate::metrics::Metrics;
+use crate::status;
+
+const SCHEME: &str = "bearer ";
+
+/// Puts the question before the services.
+#[derive(Clone)]
+pub(crate) struct Authorize {
+    pub(crate) access: Access,
+    pub(crate) metrics: Arc<Metrics>,
+}
+
+impl<S> Layer<S> for Authorize {
+    type Service = Authorized<S>;
+
+    fn layer(&self, inner: S) -> Authorized<S> {
+        let asked = self.clone();
+        Authorized { inner, asked }
+    }
+}
+
+/// Services that only the right callers reach.
+#[derive(Clone)]
+pub(crate) struct Authorized<S> {
+    inner: S,
+    asked: Authorize,
+}
+
+impl<S> Service<http::Request<Body>> for Authorized<S>
+where
+    S: Service<http::Request<Body>, Response = http::Response<Body>, Error = Infallible>,
+    S::Future: Send + 'static,
+{
+    type Response = http::Response<Body>;
+    type Error = Infallible;
+    type Future = BoxFuture<Self::Response, Infallible>;
+
+    fn poll_ready(&mut self, context: &mut Context<'_>) -> Poll<Result<(), Infallible>> {
+        self.inner.poll_ready(context)
+    }
+
+    fn call(&mut self, mut request: http::Request<Body>) -> Self::Future {
+        let path = request.uri().path().to_owned();
+        let (_, need, effect) = rule(&path);
+        let admitted = self.asked.admit(&mut request, need);
+        let peer = request.extensions().get::<Peer>().copied();
+        let client = peer.unwrap_or(Peer::UNKNOWN).client;
+        let line =
+            (effect == Effect::Changes).then(|| Line::new(client, admitted.as_ref().ok(), &path));
+        if let Err(fault) = admitted {
+            let refusal = self.asked.refuse(fault);
+            return Box::pin(async move { Ok(audited(refusal, line)) });
+        }
+        let answer = self.inner.call(request);
+        Box::pin(async move { Ok(audited(answer.await?, line)) })
+    }
+}
+
+impl Authorize {
+    /// The caller of a request, which the request carries on; its share of the server is
+    /// that of its name.
+    fn admit(&self, request: &mut http::Request<Body>, need: Need) -> Result<Caller, Fault> {
+        let caller = match (&self.access.tokens, need) {
+            (None, _) => Caller::anybody(),
+            (Some(_), Need::Nothing) => Caller::nobody(),
+            (Some(tokens), Need::Role(needed)) => {
+                let tokens = tokens.sender.subscribe();
+                let entry = entry(&tokens.borrow(), request)?;
+                if entry.role() < needed {
+                    let (role, needed) = (entry.role().name(), needed.name());
+                    return Err(Fault::PermissionDenied { role, needed });
+                }
+                Caller::known(entry, tokens)
+            }
+        };
+        let name = caller.name().map(ClientIdentity::Named);
+        if let (Some(name), Some(peer)) = (name, request.extensions_mut().get_mut::<Peer>()) {
+            peer.client.identity = name;
+        }
+        request.extensions_mut().insert(caller.clone());
+        Ok(caller)
+    }
+
+    fn refuse(&self, fault: Fault) -> http::Response<Body> {
+        let reason = status::reason(&fault);
+        self.metrics.refused(reason);
+        tracing::info!(reason, why = status::text(&fault), "request refused");
+        Status::from(fault).into_http()
+    }
+}
+
+/// The entry that a request proves: by its token, or without one by the certificate of its
+/// connection.
+fn entry(tokens: &TokenFile, request: &http::Request<Body>) -> Result<Entry, Fault> {
+    let headers = request.headers();
+    let found = match headers.get(http::header::AUTHORIZATION) {
+        Some(header) => token(header).and_then(|token| tokens.of_token(token)),
+        None => {
+            let peer = request.extensions().get::<Peer>();
+            let name = peer.and_then(|peer| peer.certificate);
+            name.and_then(|name| tokens.of_certificate(name))
+        }
+    };
+    found.cloned().ok_or(Fault::Unauthenticated)
+}
+
+/// The token of `Bearer TOKEN`; the scheme in letters of any case (RFC 9110, 11.1).
+fn token(header: &http::HeaderValue) -> Option<&str> {
+    let (scheme, token) = header.to_str().ok()?.split_at_checked(SCHEME.len())?;
+    let is_bearer = scheme.eq_ignore_ascii_case(SCHEME);
+    is_bearer.then(|| token.trim_start_matches(' '))
+}
+
+/// The response, which takes its line along until the outcome is seen.
+fn audited(response: http::Response<Body>, line: Option<Line>) -> http::Response<Body> {
+    let Some(mut line) = line else {
+        return response;
+    };
+    line.see(response.headers());
+    let see = move |frame: Frame<Bytes>| {
+        if let Some(trailers) = frame.trailers_ref() {
+            line.see(trailers);
+        }
+        frame
+    };
+    response.map(|body| Body::new(body.map_frame(see)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_a_bearer_has_a_token() {
+        let read = |text: &str| {
+            let header = http::HeaderValue::from_bytes(text.as_bytes()).unwrap();
+            token(&header).map(str::to_owned)
+        };
+        for good in ["Bearer abc", "bearer abc", "BEARER   abc"] {
+            assert_eq!(read(good).as_deref(), Some("abc"), "{good}");
+        }
+        for bad in [
+            "",
+            "abc",
+            "Bearer",
+            "Basic abc",
+            "Bearerabc",
+            "Bearer\u{e9} abc",
+        ] {
+            assert_eq!(read(bad), None, "{bad}");
+        }
+    }
+
+    #[test]
+    fn no_bytes_of_a_header_make_a_token_of_another() {
+        let mut random = fastrand::Rng::with_seed(5);
+        for _ in 0..5000 {
+            let bytes: Vec<u8> = (0..random.usize(..40)).map(|_| random.u8(..)).collect();
+            let Ok(header) = http::HeaderValue::from_bytes(&bytes) else {
+                continue;
+            };
+            if let Some(token) = token(&header) {
+                assert!(bytes.ends_with(token.as_bytes()));
+            }
+        }
+    }
+}
