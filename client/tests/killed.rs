@@ -10,7 +10,7 @@ use common::process::{Process, serve};
 use common::{example, folder, signorini};
 use serde_json::Value;
 
-const INCREMENTS: u64 = 200;
+const INCREMENTS: u64 = 80;
 
 /// Where a server of this test lies and listens.
 struct Place {
@@ -54,12 +54,12 @@ fn a_solve_outlives_the_server_that_it_asks() {
         increments.push(line["increment"].as_u64().unwrap());
         match increments.len() {
             // As a crash, and as an upgrade.
-            20 | 90 => {
+            20 | 60 => {
                 server.signal("-KILL");
                 server.0.wait().unwrap();
                 server = place.start().0;
             }
-            50 => {
+            40 => {
                 server.signal("-TERM");
                 assert!(server.0.wait().unwrap().success());
                 server = place.start().0;

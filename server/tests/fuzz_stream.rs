@@ -192,8 +192,8 @@ async fn any_order_of_messages_keeps_the_promises_of_the_stream() {
     server.upload(&block).await;
     let (campaign, budget) = (Campaign::from_environment(), Budget::of_mebibytes(128));
     let (mut totals, mut case) = ([0; 3], campaign.first);
-    // A message of a stream takes as long as two calls.
-    while totals[0] < campaign.cases / 2 {
+    // A message of a stream takes as long as four calls.
+    while totals[0] < campaign.cases / 4 {
         let mut rng = campaign.generator(case);
         let mut told = Told {
             campaign,
@@ -209,7 +209,7 @@ async fn any_order_of_messages_keeps_the_promises_of_the_stream() {
     }
     let [messages, results, rejections] = totals;
     eprintln!("{messages} messages, {results} results, {rejections} rejections");
-    assert!(messages < 1000 || (results > 0 && rejections > 0));
+    assert!(messages < 500 || (results > 0 && rejections > 0));
     let session = server.session(block.scene()).await;
     assert_eq!(server.describe(&session).await.name, session);
 }

@@ -69,14 +69,14 @@ async fn a_watcher_sees_iterations_and_cannot_hold_up_the_writer() {
     let mut stream = server.open(open(&session)).await;
     let mut slow = server.watch(request).await;
     // Far more than the mebibyte and the windows that the watcher leaves unread.
-    stream.step(1, press(0.05, 3000)).await;
+    stream.step(1, press(0.05, 1200)).await;
     let mut last = stream.result().await;
     while !last.last {
         last = stream.result().await;
     }
-    assert_eq!(last.event, 3000);
+    assert_eq!(last.event, 1200);
     let (mut events, mut iterations, mut bytes) = (Vec::new(), 0, 0);
-    while events.last() != Some(&3000) {
+    while events.last() != Some(&1200) {
         match slow.next().await.unwrap().unwrap() {
             watch_response::Message::StepFinished(finished) => events.push(finished.event),
             watch_response::Message::Field(chunk) => bytes += chunk.data.len(),
@@ -85,7 +85,7 @@ async fn a_watcher_sees_iterations_and_cannot_hold_up_the_writer() {
         }
     }
     assert!(
-        events.iter().copied().eq(1..=3000),
+        events.iter().copied().eq(1..=1200),
         "every result, in order"
     );
     assert!(iterations > 0);
