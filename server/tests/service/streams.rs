@@ -117,10 +117,10 @@ async fn a_watcher_that_falls_behind_what_is_kept_is_told_so() {
     };
     let mut stream = server.open(open(&session)).await;
     let mut slow = server.watch(request).await;
-    stream.step(1, press(0.05, 3000)).await;
+    stream.step(1, press(0.05, 1500)).await;
     while !stream.result().await.last {}
     let (results, end) = slow.results().await;
-    assert!(results.len() < 3000);
+    assert!(results.len() < 1500);
     let gapless = (1..=results.len() as i64).collect::<Vec<_>>();
     assert_eq!(
         results.iter().map(|one| one.event).collect::<Vec<_>>(),
