@@ -129,10 +129,21 @@ impl Client {
         self.results.push(result);
     }
 
+    /// The session once it has all that was shown: a result may be shown before the disk has it.
+    async fn made_again(&self, server: &Server) -> wire::Session {
+        loop {
+            let session = server.describe(&self.session).await;
+            if session.last_finished_sequence >= self.next() - 1 {
+                return session;
+            }
+            tokio::time::sleep(Duration::from_millis(20)).await;
+        }
+    }
+
     /// Asks for everything that is kept again, and compares.
     async fn check(&self, server: &Server) {
-        let session = server.describe(&self.session).await;
-        assert!(session.last_finished_sequence >= self.next() - 1);
+        let made = timeout(PATIENCE, self.made_again(server)).await;
+        let session = made.expect("what was shown is made again from its update");
         let kept = session.first_retained_sequence;
         assert!(kept > 1 && kept < self.next());
         for (index, result) in self.results.iter().enumerate() {
