@@ -157,6 +157,7 @@
 #![doc = include_str!("decisions/0037-shares-and-gates.md")]
 #![doc = include_str!("decisions/0038-triangulated-tools.md")]
 #![doc = include_str!("decisions/0039-who-may-do-what.md")]
+#![doc = include_str!("decisions/0040-pushed-tools.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

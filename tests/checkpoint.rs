@@ -16,7 +16,7 @@ use common::scenes::{
 };
 use common::{assert_converged, take, values};
 use signorini::report::Seconds;
-use signorini::scene::{Choice, ElementKind};
+use signorini::scene::{Choice, ElementKind, ObstacleTarget};
 use signorini::{
     CancelToken, CheckpointError, FieldName, Mesh, Plan, Prepared, Reuse, Scene, Session, Silent,
     Step, StepReport, StepRun,
@@ -76,8 +76,9 @@ struct Story {
 /// A name, and what sets the story up.
 type Named = (&'static str, fn() -> Story);
 
-const STORIES: [Named; 4] = [
+const STORIES: [Named; 5] = [
     ("linear-contact", || contact(ElementKind::TaylorHood)),
+    ("linear-contact-pushed", pushed),
     ("linear-contact-mini", || contact(ElementKind::Mini)),
     ("rubber-under-a-sphere", rubber_under_a_sphere),
     ("rubber-twisted", rubber_twisted),
@@ -95,6 +96,23 @@ fn contact(element: ElementKind) -> Story {
         under_way: in_parts(ball(0.05), 3),
         done: 1,
         after: vec![ball(0.02), ball(0.04)],
+    }
+}
+
+fn pushed() -> Story {
+    let push = |force: f64| Step {
+        obstacles: vec![ObstacleTarget {
+            name: "ball".to_owned(),
+            force: [None, None, Some(-force)],
+            ..ObstacleTarget::default()
+        }],
+        ..Step::default()
+    };
+    Story {
+        before: vec![push(0.004)],
+        under_way: in_parts(push(0.0125), 3),
+        after: vec![push(0.006)],
+        ..contact(ElementKind::TaylorHood)
     }
 }
 
@@ -226,6 +244,11 @@ fn goes_on_elsewhere(name: &str) {
 #[test]
 fn linear_contact_goes_on_in_another_process_with_the_same_bits() {
     goes_on_elsewhere("linear-contact");
+}
+
+#[test]
+fn a_push_goes_on_in_another_process_with_the_same_bits() {
+    goes_on_elsewhere("linear-contact-pushed");
 }
 
 #[test]

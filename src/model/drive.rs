@@ -12,6 +12,7 @@
 //! Obstacles and supports are in the order of the plan. Lengths are the caller's, angles
 //! radians.
 
+use super::push::{Control, Push};
 use crate::geometry::rigid_motion::RigidMotion;
 use crate::plan::Plan;
 use crate::scene::{ObstacleTarget, Step, SupportTarget};
@@ -30,6 +31,22 @@ pub struct ObstaclePose {
     pub rotation: [f64; 3],
 }
 
+impl ObstaclePose {
+    /// Takes over what a step names, but for the components that follow from `push`.
+    fn lead(&mut self, target: &ObstacleTarget, push: &Push) {
+        let own = [&mut self.translation, &mut self.rotation];
+        let named = [target.translation, target.rotation];
+        let axes = own.into_iter().zip(named).zip([0, 3]);
+        for ((own, named), first) in axes {
+            for (axis, value) in named.into_iter().flatten().enumerate() {
+                if push.components[first + axis].is_none() {
+                    own[axis] = value;
+                }
+            }
+        }
+    }
+}
+
 /// Everything that ramps.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Drive {
@@ -37,6 +54,8 @@ pub(crate) struct Drive {
     pub(crate) load: f64,
     /// Pose of each obstacle, in the order of the plan.
     pub(crate) poses: Vec<ObstaclePose>,
+    /// What each obstacle shall exert, in the order of the plan; empty where all are led.
+    pub(crate) pushes: Vec<Push>,
     /// Coefficient of friction of each obstacle, in the order of the plan; constant through
     /// a step. Empty where no obstacle is rough.
     pub(crate) friction: Vec<f64>,
@@ -60,6 +79,7 @@ impl Drive {
                     ..ObstaclePose::default()
                 })
                 .collect(),
+            pushes: Vec::new(),
             friction: match plan.has_friction() {
                 true => plan.obstacles.iter().map(|one| one.friction).collect(),
                 false => Vec::new(),
@@ -103,8 +123,47 @@ impl Drive {
             if let (Some(own), Some(new)) = (self.friction.get_mut(index), target.friction) {
                 *own = new;
             }
-            pose.translation = target.translation.unwrap_or(pose.translation);
-            pose.rotation = target.rotation.unwrap_or(pose.rotation);
+            let push = self.pushes.get(index).copied().unwrap_or_default();
+            let push = push.after(target);
+            pose.lead(target, &push);
+            self.push(index, push);
+        }
+    }
+
+    /// Notes what an obstacle shall exert; where none shall exert anything no push is left.
+    fn push(&mut self, index: usize, push: Push) {
+        self.pushes.resize(self.poses.len(), Push::default());
+        self.pushes[index] = push;
+        if self.pushes.iter().all(Push::is_none) {
+            self.pushes.clear();
+        }
+    }
+
+    /// The components of poses that follow from pushes, in the order of the obstacles.
+    pub(crate) fn controls(&self) -> Vec<Control> {
+        let pushes = self.pushes.iter().enumerate();
+        let controls = pushes.flat_map(|(obstacle, push)| {
+            let axes = (0..6).filter(|&axis| push.components[axis].is_some());
+            axes.map(move |axis| Control { obstacle, axis })
+        });
+        controls.collect()
+    }
+
+    /// This drive with the poses of `other` where they follow from pushes.
+    pub(crate) fn carried_by(&self, other: &Self) -> Self {
+        let mut carried = self.clone();
+        for control in self.controls() {
+            *carried.component(control) = *other.clone().component(control);
+        }
+        carried
+    }
+
+    /// One component of a pose.
+    pub(crate) fn component(&mut self, control: Control) -> &mut f64 {
+        let pose = &mut self.poses[control.obstacle];
+        match control.axis {
+            axis @ 0..3 => &mut pose.translation[axis],
+            axis => &mut pose.rotation[axis - 3],
         }
     }
 
@@ -134,6 +193,10 @@ impl Drive {
     /// r where the way from `to` to this drive is r times that from `from` to `to`,
     /// to round-off; none where it is another way, or one of them has no length.
     pub(crate) fn continues(&self, from: &Self, to: &Self) -> Option<f64> {
+        let controls = self.controls();
+        if from.controls() != controls || to.controls() != controls {
+            return None;
+        }
         let [a, b, c] = [from, to, self].map(|drive| drive.values(self));
         // Each value over its own size: loads, lengths and angles have no common one.
         let ways = a.iter().zip(&b).zip(&c).map(|((a, b), c)| {
@@ -149,9 +212,15 @@ impl Drive {
         (length > 0.0 && ratio != 0.0 && is_parallel).then_some(ratio)
     }
 
-    /// All numbers, motions expressed about the reference points of `other`.
+    /// All numbers that are given, motions expressed about the reference points of `other`:
+    /// of a pose that follows from a push, the push.
     fn values(&self, other: &Self) -> Vec<f64> {
-        let poses = self.poses.iter();
+        let mut given = self.clone();
+        for control in self.controls() {
+            let value = self.pushes[control.obstacle].components[control.axis];
+            *given.component(control) = value.unwrap_or_default();
+        }
+        let poses = given.poses.iter();
         let poses = poses.flat_map(|pose| [pose.translation, pose.rotation]);
         let motions = self.motions.iter().zip(&other.motions);
         let motions = motions.flat_map(|(motion, other)| {
@@ -194,6 +263,7 @@ impl Drive {
                     rotation: mix3(a.rotation, b.rotation),
                 })
                 .collect(),
+            pushes: self.pushes_towards(end, fraction),
             friction: end.friction.clone(),
             supports: self
                 .supports
@@ -217,199 +287,29 @@ impl Drive {
                 .collect(),
         }
     }
+
+    /// What obstacles exert on the way to `end`.
+    fn pushes_towards(&self, end: &Self, fraction: f64) -> Vec<Push> {
+        let pushes = end.pushes.iter().enumerate();
+        let pushes = pushes.map(|(index, end)| match self.pushes.get(index) {
+            Some(start) => start.towards(end, fraction),
+            None => *end,
+        });
+        pushes.collect()
+    }
+
+    /// This drive with a push to start from wherever `end` has one: that of its own, else what
+    /// the obstacle has `exerted` `[obstacles][6]`.
+    pub(crate) fn pushing_like(&self, end: &Self, exerted: &[[f64; 6]]) -> Self {
+        let own = |index: usize| self.pushes.get(index).copied().unwrap_or_default();
+        let pushes = end.pushes.iter().zip(exerted).enumerate();
+        let pushes = pushes.map(|(index, (end, exerted))| own(index).filled(end, exerted));
+        Self {
+            pushes: pushes.collect(),
+            ..self.clone()
+        }
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use std::f64::consts::{PI, TAU};
-
-    use super::*;
-    use crate::geometry::vector3::{norm, sub};
-    use crate::mesh::samples;
-    use crate::scene::{
-        Formulation, Material, MaterialModel, Modulus, Obstacle, Profile, Scene, Shape, Support,
-    };
-
-    fn plan() -> Plan {
-        let scene = Scene {
-            materials: vec![Material {
-                group: "body".to_owned(),
-                model: MaterialModel::LinearElastic {
-                    modulus: Modulus::Shear(1.0),
-                    poisson_ratio: 0.3,
-                    formulation: Formulation::Auto,
-                },
-            }],
-            supports: vec![Support {
-                name: "wall".to_owned(),
-                on: vec!["x0".to_owned()],
-                normal: None,
-                displacement: [Some(0.5), None, Some(0.0)],
-                profile: Profile::Constant,
-            }],
-            obstacles: vec![Obstacle {
-                name: "ball".to_owned(),
-                on: vec!["z1".to_owned()],
-                shape: Shape::Sphere {
-                    centre: [0.0; 3],
-                    radius: 1.0,
-                },
-                surface: crate::scene::SurfaceGeometry::default(),
-                friction: 0.0,
-                tresca: None,
-            }],
-            ..Scene::default()
-        };
-        Plan::new(&scene, &[], &samples::cube(1)).expect("a valid scene")
-    }
-
-    fn step() -> Step {
-        Step {
-            load: Some(-2.0),
-            obstacles: vec![ObstacleTarget {
-                name: "ball".to_owned(),
-                translation: Some([1.0, 2.0, 3.0]),
-                rotation: None,
-                friction: None,
-            }],
-            supports: vec![SupportTarget {
-                name: "wall".to_owned(),
-                displacement: [None, None, Some(4.0)],
-                ..SupportTarget::default()
-            }],
-            ..Step::default()
-        }
-    }
-
-    /// Bits, so that equal means the same number.
-    fn bits(vector: [f64; 3]) -> [u64; 3] {
-        vector.map(f64::to_bits)
-    }
-
-    #[test]
-    fn the_first_step_leads_to_full_load_and_the_scenes_values() {
-        let target = Drive::first_target(&plan()).after(&plan(), &Step::default());
-        assert_eq!(target.load.to_bits(), 1.0_f64.to_bits());
-        assert_eq!(bits(target.supports[0]), bits([0.5, 0.0, 0.0]));
-        assert_eq!(bits(target.poses[0].translation), bits([0.0; 3]));
-    }
-
-    #[test]
-    fn a_step_changes_what_it_names() {
-        let first = Drive::first_target(&plan());
-        let end = first.after(&plan(), &step());
-        assert_eq!(end.load.to_bits(), (-2.0_f64).to_bits());
-        assert_eq!(bits(end.supports[0]), bits([0.5, 0.0, 4.0]));
-        assert_eq!(bits(end.poses[0].translation), bits([1.0, 2.0, 3.0]));
-        assert_eq!(bits(end.poses[0].rotation), bits([0.0; 3]));
-        assert_eq!(end.after(&plan(), &Step::default()), end);
-    }
-
-    #[test]
-    fn everything_ramps_linearly_and_ends_exactly() {
-        let start = Drive::undeformed(&plan());
-        let end = Drive::first_target(&plan()).after(&plan(), &step());
-        let half = start.towards(&end, 0.5);
-        assert!((half.load + 1.0).abs() < 1e-15);
-        assert_eq!(bits(half.supports[0]), bits([0.25, 0.0, 2.0]));
-        assert_eq!(bits(half.poses[0].translation), bits([0.5, 1.0, 1.5]));
-        assert_eq!(start.towards(&end, 0.0), start);
-        assert_eq!(start.towards(&end, 1.0), end);
-    }
-
-    /// A step that turns the wall about z through `turn`, then shifts it along x.
-    fn turning(turn: f64, about: [f64; 3], shift: f64) -> Step {
-        Step {
-            obstacles: vec![ObstacleTarget {
-                name: "ball".to_owned(),
-                translation: None,
-                rotation: Some([0.0, 0.0, turn]),
-                friction: None,
-            }],
-            supports: vec![SupportTarget {
-                name: "wall".to_owned(),
-                translation: Some([shift, 0.0, 0.0]),
-                rotation: Some([0.0, 0.0, turn]),
-                about: Some(about),
-                ..SupportTarget::default()
-            }],
-            ..Step::default()
-        }
-    }
-
-    #[test]
-    fn several_turns_of_supports_and_obstacles_survive_a_ramp() {
-        let start = Drive::undeformed(&plan());
-        let end = start.after(&plan(), &turning(3.0 * TAU, [1.0, 0.0, 0.0], 0.0));
-        let part = start.towards(&end, 0.25);
-        assert_eq!(bits(part.poses[0].rotation), bits([0.0, 0.0, 0.75 * TAU]));
-        // Three quarters of a turn about (1, 0, 0) lead from the origin to (1, 1, 0).
-        let moved = part.motions[0].apply([0.0; 3]);
-        assert!(norm(sub(moved, [1.0, 1.0, 0.0])) < 1e-15, "{moved:?}");
-        assert!(part.moves_supports() && !start.moves_supports());
-    }
-
-    #[test]
-    fn a_motion_is_kept_until_a_step_names_another() {
-        let first = Drive::first_target(&plan());
-        let turned = first.after(&plan(), &turning(PI, [1.0, 0.0, 0.0], 0.5));
-        let later = turned.after(&plan(), &step());
-        assert_eq!(later.motions, turned.motions);
-        assert_eq!(bits(later.supports[0]), bits([0.5, 0.0, 4.0]));
-    }
-
-    #[test]
-    fn a_motion_about_another_point_starts_where_the_last_one_ended() {
-        let start = Drive::undeformed(&plan());
-        let turned = start.after(&plan(), &turning(0.5 * PI, [1.0, 0.0, 0.0], 0.3));
-        let end = turned.after(&plan(), &turning(PI, [0.0, 2.0, 0.0], -0.2));
-        let point = [0.4, 0.7, -0.2];
-        let soon = turned.towards(&end, 1e-9).motions[0].apply(point);
-        let before = turned.motions[0].apply(point);
-        assert!(norm(sub(soon, before)) < 1e-8, "{soon:?} {before:?}");
-        let late = turned.towards(&end, 1.0 - 1e-9).motions[0].apply(point);
-        let after = end.motions[0].apply(point);
-        assert!(norm(sub(late, after)) < 1e-8, "{late:?} {after:?}");
-    }
-
-    #[test]
-    fn equal_increments_of_a_ramp_continue_each_other() {
-        let start = Drive::undeformed(&plan());
-        let end = start.after(&plan(), &turning(PI, [1.0, 0.0, 0.0], 0.3));
-        let [a, b, c] = [0.1, 0.3, 0.8].map(|fraction| start.towards(&end, fraction));
-        let further = c.continues(&a, &b).expect("the same direction");
-        assert!((further - 2.5).abs() < 1e-12, "{further}");
-        let back = a.continues(&b, &c).expect("the way back");
-        assert!((back + 1.4).abs() < 1e-12, "{back}");
-    }
-
-    #[test]
-    fn another_direction_and_rest_continue_nothing() {
-        let start = Drive::undeformed(&plan());
-        let turned = start.after(&plan(), &turning(PI, [1.0, 0.0, 0.0], 0.3));
-        let loaded = Drive {
-            load: 1.0,
-            ..turned.clone()
-        };
-        let further = loaded.towards(
-            &turned.after(&plan(), &turning(2.0 * PI, [1.0, 0.0, 0.0], 0.6)),
-            0.5,
-        );
-        assert_eq!(loaded.continues(&start, &turned), None);
-        assert_eq!(further.continues(&turned, &loaded), None);
-        assert_eq!(turned.continues(&start, &start), None);
-        assert_eq!(turned.continues(&start, &turned), None);
-    }
-
-    #[test]
-    fn units_do_not_change_how_far_a_ramp_goes_on() {
-        for unit in [1e-6, 1.0, 1e6] {
-            let shifted = |by: f64| Drive {
-                load: 0.5 * by,
-                ..Drive::undeformed(&plan()).after(&plan(), &turning(by, [0.0; 3], unit * by))
-            };
-            let further = shifted(0.7).continues(&shifted(0.1), &shifted(0.3));
-            assert!(further.is_some_and(|further| (further - 2.0).abs() < 1e-12));
-        }
-    }
-}
+mod tests;

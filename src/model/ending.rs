@@ -4,7 +4,8 @@
 //! the scaled body. An increment that does not converge ends with its last good state and
 //! the residuals of that state.
 
-use crate::plan::Units;
+use super::push::Control;
+use crate::plan::{Plan, Units};
 use crate::report::{Cause, CauseSite, Fallback, Residuals, Snapped, Stability, Termination};
 
 /// The estimated error of the displacement.
@@ -62,15 +63,22 @@ pub(crate) struct Site {
     pub(crate) motion: Option<[f64; 3]>,
     /// Size that faces have to fall below, non-dimensional.
     pub(crate) mesh_size: Option<f64>,
+    /// Push that nothing balances.
+    pub(crate) unbalanced: Option<Control>,
 }
 
 impl Site {
-    /// In the caller's units.
-    pub(crate) fn in_units(self, units: &Units) -> CauseSite {
+    /// In the caller's units and names.
+    pub(crate) fn in_words_of(self, plan: &Plan) -> CauseSite {
+        let key = |control: Control| {
+            let obstacle = plan.obstacles.get(control.obstacle)?;
+            Some(format!("obstacle.{}.{}", obstacle.name, control.key()))
+        };
         CauseSite {
-            point: self.point.map(|point| units.of_mesh(point)),
+            point: self.point.map(|point| plan.units.of_mesh(point)),
             motion: self.motion,
-            mesh_size: self.mesh_size.map(|size| size * units.length),
+            mesh_size: self.mesh_size.map(|size| size * plan.units.length),
+            key: self.unbalanced.and_then(key),
         }
     }
 }

@@ -15,6 +15,7 @@ pub(crate) mod estimate;
 mod friction;
 pub(crate) mod held;
 pub(crate) mod p1;
+mod push;
 mod report;
 pub(crate) mod rubber;
 pub(crate) mod saddle;
@@ -126,6 +127,7 @@ impl Plan {
         friction::roughen(&mut obstacles, steps);
         let space = TaylorHood::new(mesh);
         let element = element::choose(scene.solver.element);
+        push::check_pushes(element, steps)?;
         let contact_space = contact_space(scene, element);
         let held = held_unknowns(&resolved, mesh, &space);
         let body = surfaces::Body {

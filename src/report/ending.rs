@@ -126,7 +126,7 @@ pub struct Snapped {
 }
 
 /// Where an increment that did not converge lost its equilibrium.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct CauseSite {
     /// Undeformed point of the body, in the caller's unit of length; none where the whole
     /// body is concerned.
@@ -137,6 +137,9 @@ pub struct CauseSite {
     /// Size that faces there have to fall below, in the caller's unit of length; none
     /// where the mesh is not to blame.
     pub mesh_size: Option<f64>,
+    /// Key of a step that asks for what cannot be, as `obstacle.ball.force.x`; none where none
+    /// does.
+    pub key: Option<String>,
 }
 
 /// What kind of equilibrium a state is.

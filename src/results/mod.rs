@@ -7,6 +7,7 @@
 
 pub(crate) mod errors;
 pub(crate) mod estimate;
+pub(crate) mod exerted;
 pub(crate) mod fields;
 pub(crate) mod finite_strain;
 pub(crate) mod friction;

@@ -59,7 +59,7 @@ pub(crate) fn report(
         min_jacobian: inside.response.map(|response| response.least_jacobian),
         min_jacobian_bound: jacobian_bound(model, state),
         stability: ending.stability,
-        cause_site: ending.site.map(|site| site.in_units(units)),
+        cause_site: ending.site.map(|site| site.in_words_of(model.plan)),
         snapped: ending.snapped.map(|snap| snap.in_units(units)),
         max_penetration: ending.max_penetration * units.length,
         obstacles: obstacles(model, state, estimated.as_ref()),

@@ -8,12 +8,27 @@
 pub struct ObstacleTarget {
     /// Name of the obstacle that moves.
     pub name: String,
-    /// Translation from the initial pose `[3]`, length.
+    /// Translation from the initial pose `[3]`, length; components with a force are not read.
     pub translation: Option<[f64; 3]>,
-    /// Rotation vector about the reference point `[3]`, radians.
+    /// Rotation vector about the reference point `[3]`, radians; components with a moment are
+    /// not read.
     pub rotation: Option<[f64; 3]>,
+    /// Force that the obstacle shall exert on the body, component by component `[3]`: along
+    /// those that are named it moves freely, until a step names a translation and no force.
+    pub force: [Option<f64>; 3],
+    /// Moment about the reference point that the obstacle shall exert on the body `[3]`: about
+    /// those axes that are named it turns freely, until a step names a rotation and no moment.
+    pub moment: [Option<f64>; 3],
     /// Coefficient of friction from the first increment of the step on.
     pub friction: Option<f64>,
+}
+
+impl ObstacleTarget {
+    /// Whether the obstacle is pushed rather than led in some component.
+    pub fn names_push(&self) -> bool {
+        let mut components = self.force.iter().chain(&self.moment);
+        components.any(Option::is_some)
+    }
 }
 
 /// What one support shall prescribe at the end of a step.

@@ -37,6 +37,10 @@ pub(crate) trait Body: Debug + Send + Sync {
     /// from outside stopped before any part of it converged leaves the state `before`.
     fn advance<'a>(&'a self, increment: Increment<'a>, goal: &Drive, before: &State) -> Advanced;
 
+    /// What each obstacle exerts on the body at `state`: forces, then moments about the
+    /// reference points `[obstacles][6]`, in the caller's units.
+    fn exerted(&self, state: &State) -> Vec<[f64; 6]>;
+
     /// The report of an increment, without what only the session knows.
     fn report(&self, state: &State, advanced: &mut Advanced) -> StepReport;
 

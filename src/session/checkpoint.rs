@@ -20,6 +20,7 @@ use sha2::{Digest, Sha256};
 
 use crate::assembly::simd::InstructionSet;
 use crate::model::drive::Drive;
+use crate::model::push::Push;
 use crate::model::state::{SlipState, State};
 use crate::plan::Plan;
 
@@ -28,8 +29,11 @@ pub use error::{CheckpointError, Origin};
 
 /// What every checkpoint begins with.
 const MAGIC: &[u8; 21] = b"signorini-checkpoint\n";
-/// Of the format; another one says nothing about its bytes beyond this number.
+/// Of the format, where all obstacles are led; another one says nothing about its bytes beyond
+/// this number.
 const VERSION: u32 = 1;
+/// Of the format with what obstacles shall exert in every drive.
+const WITH_PUSHES: u32 = 2;
 /// Bytes of a SHA-256 digest.
 const DIGEST: usize = 32;
 /// More steps than any session takes.
@@ -64,13 +68,14 @@ impl Checkpoint {
     /// As bytes that only a session of the same plan reads.
     pub(crate) fn encode(mut self, plan: &Plan) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
-        bytes.extend(VERSION.to_le_bytes());
+        let version = self.version();
+        bytes.extend(version.to_le_bytes());
         for (_, own) in origins(plan) {
             bytes.push(own.len() as u8);
             bytes.extend(own);
         }
         let mut writer = Writer { bytes };
-        let Ok(()) = self.visit(&mut writer);
+        let Ok(()) = self.visit(version, &mut writer);
         let mut bytes = writer.bytes;
         let digest = Sha256::digest(&bytes);
         bytes.extend(digest);
@@ -87,9 +92,8 @@ impl Checkpoint {
         bytes: &[u8],
         rounding: Rounding,
     ) -> Result<Self, CheckpointError> {
-        let mut reader = Reader {
-            rest: verified(bytes)?,
-        };
+        let (version, rest) = verified(bytes)?;
+        let mut reader = Reader { rest };
         for (origin, here) in origins(plan) {
             let written = reader.short("origin")?;
             let is_excused = origin == Origin::InstructionSet && rounding == Rounding::Any;
@@ -98,7 +102,7 @@ impl Checkpoint {
             }
         }
         let mut checkpoint = Self::shaped(plan);
-        checkpoint.visit(&mut reader)?;
+        checkpoint.visit(version, &mut reader)?;
         reader.end()?;
         checkpoint.check()?;
         Ok(checkpoint)
@@ -116,18 +120,28 @@ impl Checkpoint {
         }
     }
 
+    /// Version of the format that holds all of it.
+    fn version(&self) -> u32 {
+        let drives = [&self.target, &self.state.drive];
+        let mut drives = drives.into_iter().chain(&self.begun);
+        match drives.all(|drive| drive.pushes.is_empty()) {
+            true => VERSION,
+            false => WITH_PUSHES,
+        }
+    }
+
     /// Leads `fields` through all of it: the order of the bytes.
-    fn visit<E>(&mut self, fields: &mut impl Fields<Error = E>) -> Result<(), E> {
+    fn visit<E>(&mut self, version: u32, fields: &mut impl Fields<Error = E>) -> Result<(), E> {
         fields.count("steps", &mut self.steps)?;
         fields.flags("moved", from_mut(&mut self.moved))?;
-        visit_drive(&mut self.target, fields)?;
+        visit_drive(&mut self.target, version, fields)?;
         let mut is_under_way = self.begun.is_some();
         fields.flags("begun", from_mut(&mut is_under_way))?;
         match &mut self.begun {
-            Some(begun) if is_under_way => visit_drive(begun, fields)?,
+            Some(begun) if is_under_way => visit_drive(begun, version, fields)?,
             _ => self.begun = None,
         }
-        visit_state(&mut self.state, fields)
+        visit_state(&mut self.state, version, fields)
     }
 
     /// What the fields say together.
@@ -142,14 +156,14 @@ impl Checkpoint {
     }
 }
 
-/// What stands between version and digest, if the bytes are those that were written.
-fn verified(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
+/// The version and what stands between it and the digest, if the bytes are those that were written.
+fn verified(bytes: &[u8]) -> Result<(u32, &[u8]), CheckpointError> {
     let rest = bytes.strip_prefix(MAGIC);
     let rest = rest.ok_or(CheckpointError::NotACheckpoint)?;
     let (version, rest) = rest.split_first_chunk().ok_or(CheckpointError::Damaged)?;
     let found = u32::from_le_bytes(*version);
-    if found != VERSION {
-        let known = VERSION;
+    if !(VERSION..=WITH_PUSHES).contains(&found) {
+        let known = WITH_PUSHES;
         return Err(CheckpointError::UnknownVersion { found, known });
     }
     let (body, written) = rest
@@ -157,7 +171,7 @@ fn verified(bytes: &[u8]) -> Result<&[u8], CheckpointError> {
         .ok_or(CheckpointError::Damaged)?;
     let (covered, _) = bytes.split_at(bytes.len() - DIGEST);
     match Sha256::digest(covered)[..] == written[..] {
-        true => Ok(body),
+        true => Ok((found, body)),
         false => Err(CheckpointError::Damaged),
     }
 }
@@ -174,12 +188,16 @@ fn origins(plan: &Plan) -> [(Origin, Vec<u8>); 4] {
     ]
 }
 
-fn visit_state<E>(state: &mut State, fields: &mut impl Fields<Error = E>) -> Result<(), E> {
+fn visit_state<E>(
+    state: &mut State,
+    version: u32,
+    fields: &mut impl Fields<Error = E>,
+) -> Result<(), E> {
     fields.numbers("displacement", &mut state.displacement)?;
     fields.numbers("pressure", &mut state.pressure)?;
     fields.numbers("contact pressure", &mut state.multiplier)?;
     fields.statuses("contact statuses", &mut state.status)?;
-    visit_drive(&mut state.drive, fields)?;
+    visit_drive(&mut state.drive, version, fields)?;
     let scales = &mut state.scales;
     fields.magnitude("scale of the constraint", &mut scales.constraint)?;
     fields.magnitude("scale of the gap", &mut scales.gap)?;
@@ -198,13 +216,20 @@ fn visit_slip<E>(slip: &mut SlipState, fields: &mut impl Fields<Error = E>) -> R
     fields.numbers("dissipated energy", &mut slip.total)
 }
 
-fn visit_drive<E>(drive: &mut Drive, fields: &mut impl Fields<Error = E>) -> Result<(), E> {
+fn visit_drive<E>(
+    drive: &mut Drive,
+    version: u32,
+    fields: &mut impl Fields<Error = E>,
+) -> Result<(), E> {
     fields.numbers("load factor", from_mut(&mut drive.load))?;
     fields.length("obstacles", drive.poses.len())?;
     for pose in &mut drive.poses {
         fields.name("obstacle", &pose.name)?;
         fields.numbers("translation of an obstacle", &mut pose.translation)?;
         fields.numbers("rotation of an obstacle", &mut pose.rotation)?;
+    }
+    if version == WITH_PUSHES {
+        visit_pushes(drive, fields)?;
     }
     if !drive.friction.is_empty() {
         fields.numbers("friction", &mut drive.friction)?;
@@ -216,6 +241,26 @@ fn visit_drive<E>(drive: &mut Drive, fields: &mut impl Fields<Error = E>) -> Res
         fields.numbers("rotation of a support", &mut motion.rotation)?;
         fields.numbers("reference point of a support", &mut motion.about)?;
     }
+    Ok(())
+}
+
+/// Which components of each pose are pushed, and by what; zero where none is.
+fn visit_pushes<E>(drive: &mut Drive, fields: &mut impl Fields<Error = E>) -> Result<(), E> {
+    let mut pushes = drive.pushes.clone();
+    pushes.resize(drive.poses.len(), Push::default());
+    for push in &mut pushes {
+        let mut flags = push.components.map(|component| component.is_some());
+        let mut values = push.components.map(Option::unwrap_or_default);
+        fields.flags("pushed components", &mut flags)?;
+        fields.numbers("push", &mut values)?;
+        let components = flags.into_iter().zip(values);
+        let slots = push.components.iter_mut().zip(components);
+        slots.for_each(|(slot, (is_pushed, value))| *slot = is_pushed.then_some(value));
+    }
+    drive.pushes = match pushes.iter().all(Push::is_none) {
+        true => Vec::new(),
+        false => pushes,
+    };
     Ok(())
 }
 

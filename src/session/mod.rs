@@ -197,6 +197,7 @@ impl Session {
     /// [`SceneError`] with the path of every faulty key.
     pub fn check_step(&self, step: &Step) -> Result<(), SceneError> {
         check_step(self.plan().scene(), step, self.body.mesh())?;
+        self.plan().check_pushes(step)?;
         self.plan().check_friction(step)
     }
 
@@ -206,12 +207,24 @@ impl Session {
     /// [`SceneError`]; the session is then as before.
     pub fn begin_step(&mut self, step: &Step) -> Result<StepRun, SceneError> {
         self.check_step(step)?;
-        let end = self.target.after(self.plan(), step);
+        // Where a push has led an obstacle is known now.
+        let reached = self.target.carried_by(&self.state.drive);
+        let end = reached.after(self.plan(), step);
         self.steps += 1;
         self.learned.rung = None;
         self.target = end.clone();
-        let start = self.begun.insert(self.state.drive.clone());
+        let start = self.start_towards(&end);
+        let start = self.begun.insert(start);
         Ok(StepRun::new(start.clone(), end, step.increments))
+    }
+
+    /// What drives the body now, with what its obstacles exert where `end` pushes them.
+    fn start_towards(&self, end: &Drive) -> Drive {
+        let now = &self.state.drive;
+        if now.controls() == end.controls() {
+            return now.clone();
+        }
+        now.pushing_like(end, &self.body.exerted(&self.state))
     }
 
     /// Does the next increment; none when the step is finished. A result that

@@ -105,6 +105,7 @@ mod tests {
         let rest = Drive {
             load: 0.0,
             poses: Vec::new(),
+            pushes: Vec::new(),
             friction: Vec::new(),
             supports: Vec::new(),
             motions: Vec::new(),

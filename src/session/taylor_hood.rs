@@ -17,6 +17,7 @@ use crate::plan::Plan;
 use crate::precond::PMultigrid;
 use crate::prepare::TaylorHoodData;
 use crate::report::{FieldData, FieldName, StepReport};
+use crate::results::exerted::exerted;
 use crate::results::touch::Touch;
 use crate::results::warnings::{coarse_facets, warnings};
 use crate::results::{fields, step};
@@ -106,7 +107,7 @@ impl Body for TaylorHoodBody {
             run.model.slip_start = Some(SlipStart::at(before).into());
         }
         let (mut ending, part) = climb(&mut run, goal, before);
-        ending.site = locate(&mut run, &ending, goal);
+        ending.site = ending.site.or_else(|| locate(&mut run, &ending, goal));
         if ending.is_stopped() {
             if part == 0.0 {
                 run.state.clone_from(before);
@@ -122,6 +123,10 @@ impl Body for TaylorHoodBody {
             counters: run.counters,
             work: run.work,
         }
+    }
+
+    fn exerted(&self, state: &State) -> Vec<[f64; 6]> {
+        exerted(&self.model(), state)
     }
 
     fn report(&self, state: &State, advanced: &mut Advanced) -> StepReport {

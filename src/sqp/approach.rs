@@ -51,6 +51,7 @@ struct Way<'w> {
 /// ended and the part reached.
 pub(crate) fn approach(run: &mut Run<'_>, goal: &Drive) -> (Ending, f64) {
     let start = run.state.drive.clone();
+    let goal = &goal.carried_by(&start);
     let penetration = InitialPenetration::of(&run.model, run.state, &start);
     let mut way = Way {
         start,
@@ -234,7 +235,7 @@ fn is_meaningful(ending: &Ending) -> bool {
         ending.cause,
         Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
     );
-    !is_unbounded && ending.residuals.largest() < MEANINGFUL
+    !is_unbounded && !is_unmet(ending) && ending.residuals.largest() < MEANINGFUL
 }
 
 /// A linear problem that fails as a whole fails in parts too, and so does a
@@ -250,8 +251,14 @@ fn cut_backs_help(run: &Run<'_>, ending: &Ending) -> bool {
     let is_linear = model.is_linear() && !model.plan.has_friction();
     let is_spent =
         model.plan.contact.method.is_nested() && ending.cause == Some(Cause::IterationLimit);
-    let is_hopeless = is_spent || ending.cause == Some(Cause::EnclosedVolume);
+    let is_hopeless = is_spent || ending.cause == Some(Cause::EnclosedVolume) || is_unmet(ending);
     (!is_linear && !is_hopeless) || ending.cause == Some(Cause::ActiveSetCycle)
+}
+
+/// Whether an obstacle does not exert what it shall.
+fn is_unmet(ending: &Ending) -> bool {
+    let site = ending.site.as_ref();
+    site.is_some_and(|site| site.unbalanced.is_some())
 }
 
 /// The end of a way that leads no further than its last good part; a step that was

@@ -1,8 +1,8 @@
 //! One part of an increment, solved and judged: equilibrium as accurately as the scene
-//! asks, the cause where there is none, the mean of a pressure that nothing fixes,
+//! asks, of pushed obstacles too, the cause where there is none, the mean of a pressure that nothing fixes,
 //! whether the equilibrium is a minimum, and whether friction admits others.
 
-use super::accuracy;
+use super::balance;
 use super::certificate::certify;
 use super::diagnosis::explain;
 use super::run::Run;
@@ -16,7 +16,7 @@ use crate::model::state::State;
 
 /// Solves one part and says what kind of equilibrium it led to.
 pub(crate) fn attempt(run: &mut Run<'_>, drive: &Drive) -> Ending {
-    let mut ending = accuracy::solve(run, drive);
+    let mut ending = balance::solve(run, drive);
     explain(run, &mut ending);
     centre_pressure(&run.model, run.state);
     certify(run, &mut ending);

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::lowest_mode::LowestMode;
 use super::preconditioner_refresh::PreconditionerRefresh;
+use super::push_stiffness::PushStiffness;
 use super::rung::Rung;
 use super::saddle_layout::SaddleLayout;
 use super::trend::Trend;
@@ -34,6 +35,8 @@ pub(crate) struct Learned {
     /// The rung that solved the last increment of the step, where the next one begins;
     /// none where the plan's own method does.
     pub(crate) rung: Option<Arc<Rung>>,
+    /// How stiff the body is under the obstacles that are pushed; none before the first push.
+    pub(crate) under_pushes: Option<PushStiffness>,
 }
 
 impl Learned {
@@ -47,6 +50,7 @@ impl Learned {
             linearised: Arc::default(),
             layout: None,
             rung: None,
+            under_pushes: None,
         }
     }
 

@@ -12,6 +12,7 @@
 //! | [`ladder`] | the plan's own method, then others where it fails |
 //! | [`approach`] | the way to the increment's end, in parts: [`step_control`], [`initial_penetration`], [`passing`], [`penalty`] |
 //! | [`attempt`] | one part, solved and judged |
+//! | [`balance`] | the poses of pushed obstacles: [`push_stiffness`] |
 //! | [`accuracy`] | how far residuals are reduced |
 //! | [`increment`] | programs until the four criteria hold: [`predictor`], [`program`], [`search`], [`verdict`] |
 //! | [`certificate`] | whether the equilibrium is a minimum |
@@ -24,6 +25,7 @@
 mod accuracy;
 pub(crate) mod approach;
 mod attempt;
+mod balance;
 mod certificate;
 pub(crate) mod chooser;
 pub(crate) mod contact_metric;
@@ -42,6 +44,7 @@ mod penalty;
 mod preconditioner_refresh;
 mod predictor;
 pub(crate) mod program;
+mod push_stiffness;
 mod rigid_predictor;
 pub(crate) mod run;
 mod rung;

@@ -54,7 +54,7 @@ fn of_motion(model: &Model<'_>, motion: &[f64]) -> Option<Site> {
     (length > 0.0 && length.is_finite()).then(|| Site {
         point: Some(model.mesh.coordinates()[vertex]),
         motion: Some(direction(own, length)),
-        mesh_size: None,
+        ..Site::default()
     })
 }
 
@@ -72,8 +72,8 @@ fn of_faces(run: &Run<'_>) -> Option<Site> {
     let coarse = coarsest(run)?;
     Some(Site {
         point: Some(middle(&run.model, &coarse.corners)),
-        motion: None,
         mesh_size: Some(NEARLY * coarse.size / coarse.ratio),
+        ..Site::default()
     })
 }
 

@@ -52,6 +52,11 @@ fn vector(value: &Value) -> [f64; 3] {
     std::array::from_fn(|i| values[i].as_float().expect("a number"))
 }
 
+/// Named components; none where there is no table.
+fn components(table: Option<&Value>) -> [Option<f64>; 3] {
+    ["x", "y", "z"].map(|axis| table?.get(axis)?.as_float())
+}
+
 fn material((group, value): (&String, &Value)) -> Material {
     let table = value.as_table().expect("a table");
     let bulk_modulus = table.get("bulk_modulus").and_then(Value::as_float);
@@ -116,9 +121,9 @@ fn step(table: &Table) -> Step {
     let obstacles = table.get("obstacle").and_then(Value::as_table);
     let target = |(name, value): (&String, &Value)| ObstacleTarget {
         name: name.clone(),
-        translation: Some(vector(&value["translation"])),
-        rotation: None,
-        friction: None,
+        translation: value.get("translation").map(vector),
+        force: components(value.get("force")),
+        ..ObstacleTarget::default()
     };
     Step {
         increments: u32::try_from(increments).expect("a small count"),

@@ -95,8 +95,7 @@ pub(crate) fn push(name: &str, translation: [f64; 3]) -> Step {
         obstacles: vec![ObstacleTarget {
             name: name.to_owned(),
             translation: Some(translation),
-            rotation: None,
-            friction: None,
+            ..ObstacleTarget::default()
         }],
         ..Step::default()
     }

@@ -8,6 +8,7 @@ mod contact_space;
 mod critical_pressure;
 mod families;
 mod inf_sup;
+mod pushed;
 mod rotated_surfaces;
 mod second_attempt;
 mod tools;

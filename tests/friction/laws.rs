@@ -29,8 +29,7 @@ fn travel(increments: u32, translation: [f64; 3]) -> Step {
         obstacles: vec![ObstacleTarget {
             name: "tool".to_owned(),
             translation: Some(translation),
-            rotation: None,
-            friction: None,
+            ..ObstacleTarget::default()
         }],
         ..Step::default()
     }

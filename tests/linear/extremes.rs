@@ -73,7 +73,7 @@ fn a_body_pulled_off_its_obstacle_has_no_equilibrium() {
     assert_eq!(reports.len(), 1);
     assert_eq!(reports[0].termination, Termination::NotConverged);
     assert_eq!(reports[0].cause, Some(Cause::NoEquilibrium));
-    let motion = reports[0].cause_site.and_then(|site| site.motion);
+    let motion = reports[0].cause_site.clone().and_then(|site| site.motion);
     let [x, y, z] = motion.expect("a motion");
     assert!(
         x.abs() + y.abs() < 1e-9 && close(z, 1.0, 1e-12),

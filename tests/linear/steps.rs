@@ -25,9 +25,8 @@ fn turn(name: &str, rotation: [f64; 3]) -> Step {
     Step {
         obstacles: vec![ObstacleTarget {
             name: name.to_owned(),
-            translation: None,
             rotation: Some(rotation),
-            friction: None,
+            ..ObstacleTarget::default()
         }],
         ..Step::default()
     }

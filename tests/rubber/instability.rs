@@ -153,7 +153,7 @@ fn a_scene_that_asks_for_it_stops_at_the_last_minimum() {
     let mode = values(&session, FieldName::LowestMode);
     let across = mode.chunks_exact(3).map(|x| x[0].abs()).fold(0.0, f64::max);
     assert!((across - 1.0).abs() < 0.01, "{across}");
-    let site = reports[0].cause_site.expect("where it buckles");
+    let site = reports[0].cause_site.clone().expect("where it buckles");
     let ([_, height, _], [across, ..]) =
         (site.point.expect("a point"), site.motion.expect("a motion"));
     assert!((0.4..0.6).contains(&(height / SLENDERNESS)), "{site:?}");
@@ -323,7 +323,7 @@ fn faces_too_large_for_their_pressure_are_named_with_their_place_and_the_size_it
     let reports = solve(&scene, &[push("rod", [0.0, -0.2, 0.0])], &mesh(square(8)));
     let last = reports.last().expect("an increment");
     assert_eq!(last.cause, Some(Cause::CoarseContact), "{last:?}");
-    let site = last.cause_site.expect("a place");
+    let site = last.cause_site.clone().expect("a place");
     let point = site.point.expect("a point");
     assert!((point[0] - 0.515).hypot(point[1] - 1.0) < 0.15, "{point:?}");
     assert!(site.mesh_size.is_some_and(|size| size < 0.125), "{site:?}");

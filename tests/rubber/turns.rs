@@ -79,9 +79,8 @@ fn turn(session: &mut Session, stressed: &StepReport, turns: f64, increments: u3
     let touching = scene.obstacles.iter();
     let obstacles = touching.map(|obstacle| ObstacleTarget {
         name: obstacle.name.clone(),
-        translation: None,
         rotation: Some(rotation),
-        friction: None,
+        ..ObstacleTarget::default()
     });
     let step = Step {
         increments,

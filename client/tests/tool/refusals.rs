@@ -128,7 +128,6 @@ fn keys_of_later_capabilities_are_not_supported_yet() {
     for change in [
         "pressure.0={ on = \"z1\", value = 1.0 }",
         "step.0.support.base={ rotation = [0, 0, 7] }",
-        "step.0.obstacle.ball={ force = { z = -1.0 } }",
     ] {
         assert_refused(
             &solve_set("hertz-sphere.toml", &[change]),

@@ -53,16 +53,6 @@ impl Faults {
             .get_or_insert_with(|| violation(path, message));
     }
 
-    /// As [`Faults::later`], when the key is `present`.
-    pub(crate) fn later_if<T>(&mut self, present: Option<T>, path: &str, key: &str) {
-        if present.is_some() {
-            self.later(
-                format!("{path}.{key}"),
-                format!("`{key}` comes in a later version"),
-            );
-        }
-    }
-
     /// A list of at most `limit` entries.
     pub(crate) fn at_most<T>(&mut self, list: &[T], limit: usize, path: &str) {
         if list.len() > limit {

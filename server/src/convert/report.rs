@@ -168,6 +168,7 @@ fn cause_site(value: CauseSite) -> wire::CauseSite {
         point: list(value.point),
         motion: list(value.motion),
         mesh_size: value.mesh_size,
+        key: value.key.unwrap_or_default(),
     }
 }
 

@@ -112,12 +112,12 @@ fn increments(number: Option<i32>, path: &str, faults: &mut Faults) -> u32 {
 }
 
 fn obstacle(target: &wire::ObstacleTarget, path: &str, faults: &mut Faults) -> ObstacleTarget {
-    faults.later_if(target.force, path, "force");
-    faults.later_if(target.moment, path, "moment");
     ObstacleTarget {
         name: faults.name(&target.name, path),
         translation: faults.optional_vector(&target.translation, &format!("{path}.translation")),
         rotation: faults.optional_vector(&target.rotation, &format!("{path}.rotation")),
+        force: components(target.force),
+        moment: components(target.moment),
         friction: faults.not_negative(target.friction, &format!("{path}.friction")),
     }
 }

@@ -62,6 +62,11 @@ impl Body for EnrichedBody {
         }
     }
 
+    /// Nothing: no step pushes obstacles on such an element.
+    fn exerted(&self, _: &State) -> Vec<[f64; 6]> {
+        vec![[0.0; 6]; self.plan.obstacles.len()]
+    }
+
     fn report(&self, state: &State, advanced: &mut Advanced) -> StepReport {
         let Advanced {
             ending,

@@ -72,6 +72,32 @@ impl Steps<'_> {
         if let Some(rotation) = target.rotation {
             in_plane_rotation(faults, self.mesh, &format!("{path}.rotation"), rotation);
         }
+        self.push(target, path, faults);
+    }
+
+    /// What an obstacle shall exert: a flat body is pushed in its plane, one of revolution
+    /// along its axis.
+    fn push(&self, target: &ObstacleTarget, path: &str, faults: &mut Faults) {
+        let is_flat = self.mesh.cell_kind().dimension() == 2;
+        let is_turned = is_flat && self.scene.kind == Some(SceneKind::Axisymmetric);
+        let keys = [("force", target.force), ("moment", target.moment)];
+        for (key, components) in keys {
+            for (axis, value) in components.into_iter().enumerate() {
+                let Some(value) = value else {
+                    continue;
+                };
+                let path = format!("{path}.{key}.{}", AXES[axis]);
+                faults.finite(&path, &[value]);
+                if is_turned && (key, axis) != ("force", 1) {
+                    faults.add(path, "an axisymmetric body is pushed along y only");
+                } else if is_flat && (key == "force") != (axis < 2) {
+                    faults.add(
+                        path,
+                        "a plane body is pushed along x and y and turned about z",
+                    );
+                }
+            }
+        }
     }
 
     /// The friction that a step names.

@@ -2,6 +2,7 @@
 
 use super::{Checkpoint, CheckpointError, MOST_STEPS, Rounding, scene_digest};
 use crate::mesh::samples;
+use crate::model::push::Push;
 use crate::plan::Plan;
 use crate::saddle::Status;
 use crate::scene::{
@@ -53,11 +54,18 @@ fn at_rest(plan: &Plan) -> Checkpoint {
     }
 }
 
+/// A push of the ball along one axis.
+fn pushed(axis: usize, value: f64) -> Vec<Push> {
+    let mut push = Push::default();
+    push.components[axis] = Some(value);
+    vec![push]
+}
+
 #[test]
 fn every_field_is_read_back_and_changes_the_bytes() {
     let plan = plan();
     let rest = at_rest(&plan);
-    let changes: [fn(&mut Checkpoint); 21] = [
+    let changes: [fn(&mut Checkpoint); 24] = [
         |one| one.steps += 1,
         |one| one.moved = true,
         |one| one.begun = None,
@@ -65,6 +73,13 @@ fn every_field_is_read_back_and_changes_the_bytes() {
         |one| one.target.load = 0.5,
         |one| one.target.poses[0].translation[2] = -0.5,
         |one| one.target.poses[0].rotation[0] = -0.0,
+        |one| one.target.pushes = pushed(2, -0.5),
+        |one| one.state.drive.pushes = pushed(5, 0.0),
+        |one| {
+            one.begun
+                .iter_mut()
+                .for_each(|begun| begun.pushes = pushed(0, 1.0))
+        },
         |one| one.state.displacement[7] = 1e-300,
         |one| one.state.pressure[3] = -2.0,
         |one| one.state.multiplier[1] = f64::MIN_POSITIVE / 4.0,

@@ -59,8 +59,7 @@ fn press() -> Step {
         obstacles: vec![ObstacleTarget {
             name: "ball".to_owned(),
             translation: Some([0.0, 0.0, -0.05]),
-            rotation: None,
-            friction: None,
+            ..ObstacleTarget::default()
         }],
         ..Step::default()
     }

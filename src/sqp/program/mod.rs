@@ -24,7 +24,7 @@ use super::run::Run;
 use crate::contact::curvature;
 use crate::inequality::Augmentation;
 use crate::linalg::vector::norm;
-use crate::linalg::{LinearOperator, SparseRows};
+use crate::linalg::{LinearOperator, SparseRows, SymmetricMatrix};
 use crate::model::Model;
 use crate::model::counters::timed;
 use crate::model::evaluate::Evaluation;
@@ -131,6 +131,12 @@ impl<'a> QuadraticProgram<'a> {
     /// what is.
     pub(crate) fn force_scale(&self) -> f64 {
         self.force_scale
+    }
+
+    /// Metric of the multipliers at this linearisation `[multipliers, multipliers]`; without
+    /// rows where the method reads weights alone.
+    pub(crate) fn metric(&self) -> &dyn SymmetricMatrix {
+        &*self.metric.matrix
     }
 
     /// Residuals that the program starts from.

@@ -1,0 +1,122 @@
+//! How the forces of pushed obstacles change with their poses.
+//!
+//! ```text
+//! J = df/dz,   J += (df - J dz) dz^T / dz.dz
+//! ```
+//!
+//! Broyden's rule (Dennis and Schnabel, Numerical Methods for Unconstrained Optimization, 8.1).
+//! Where J has no part obstacles move freely and balance nothing. Lengths are those of the
+//! scaled body, angles radians. Cost: nothing beside a solve.
+
+use crate::linalg::DenseMatrix;
+use crate::linalg::eigen::symmetric;
+use crate::linalg::vector::{add_scaled, dot, norm, scale};
+use crate::model::push::Control;
+
+/// Singular value over the largest below which obstacles move freely.
+const FREE: f64 = 1e-7;
+/// Longest step, over the body's length and in radians.
+pub(crate) const LONGEST: f64 = 0.1;
+
+/// J of some controls.
+#[derive(Clone, Debug)]
+pub(crate) struct PushStiffness {
+    /// The components of poses that J belongs to.
+    pub(crate) controls: Vec<Control>,
+    /// J, column by column `[controls][controls]`.
+    pub(crate) columns: Vec<Vec<f64>>,
+}
+
+impl PushStiffness {
+    /// Takes over that the step dz changed the forces by `change` `[controls]`.
+    pub(crate) fn learn(&mut self, step: &[f64], change: &[f64]) {
+        let square = dot(step, step);
+        if !(square > 0.0 && square.is_finite()) {
+            return;
+        }
+        let mut error = change.to_vec();
+        for (column, part) in self.columns.iter().zip(step) {
+            add_scaled(&mut error, -part, column);
+        }
+        for (column, part) in self.columns.iter_mut().zip(step) {
+            add_scaled(column, part / square, &error);
+        }
+    }
+
+    /// The shortest dz with J dz = -`misfit` as far as J reaches, and what it leaves of the
+    /// misfit `[controls]`.
+    pub(crate) fn solve(&self, misfit: &[f64]) -> (Vec<f64>, Vec<f64>) {
+        let size = misfit.len();
+        let (mut step, mut rest) = (vec![0.0; size], misfit.to_vec());
+        let mut normal = DenseMatrix::zeros(size, size);
+        for i in 0..size {
+            for j in 0..size {
+                *normal.at_mut(i, j) = dot(&self.columns[i], &self.columns[j]);
+            }
+        }
+        let directions = symmetric(&normal).unwrap_or_default();
+        let images: Vec<Vec<f64>> = directions.iter().map(|v| self.product(v)).collect();
+        let largest = images.iter().map(|image| norm(image)).fold(0.0, f64::max);
+        for (direction, image) in directions.iter().zip(&images) {
+            let square = dot(image, image);
+            if square.sqrt() > FREE * largest {
+                let part = dot(image, misfit) / square;
+                add_scaled(&mut step, -part, direction);
+                add_scaled(&mut rest, -part, image);
+            }
+        }
+        let length = norm(&step);
+        if length > LONGEST {
+            scale(&mut step, LONGEST / length);
+        }
+        (step, rest)
+    }
+
+    /// J x.
+    fn product(&self, x: &[f64]) -> Vec<f64> {
+        let mut product = vec![0.0; x.len()];
+        for (column, part) in self.columns.iter().zip(x) {
+            add_scaled(&mut product, *part, column);
+        }
+        product
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of a spring along the first axis and none along the second.
+    fn spring(stiffness: f64) -> PushStiffness {
+        let controls = [2, 0].map(|axis| Control { obstacle: 0, axis });
+        PushStiffness {
+            controls: controls.to_vec(),
+            columns: vec![vec![stiffness, 0.0], vec![0.0, 0.0]],
+        }
+    }
+
+    #[test]
+    fn a_step_takes_off_what_the_spring_takes_up_and_leaves_the_rest() {
+        let (step, rest) = spring(20.0).solve(&[-1.0, 0.5]);
+        assert!((step[0] - 0.05).abs() < 1e-15 && step[1].abs() < 1e-15);
+        assert!(rest[0].abs() < 1e-15 && (rest[1] - 0.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn steps_are_bounded() {
+        let (step, _) = spring(1e-3).solve(&[-1.0, 0.0]);
+        assert!((step[0] - LONGEST).abs() < 1e-15);
+    }
+
+    #[test]
+    fn what_a_step_has_shown_is_learnt() {
+        let mut stiffness = spring(20.0);
+        stiffness.learn(&[0.1, 0.0], &[1.0, 0.2]);
+        let (step, rest) = stiffness.solve(&[1.0, 0.2]);
+        assert!((step[0] + 0.1).abs() < 1e-15);
+        assert!(norm(&rest) < 1e-15);
+        // A step of no length says nothing.
+        stiffness.learn(&[0.0, 0.0], &[1.0, 0.2]);
+        assert!((stiffness.solve(&[1.0, 0.2]).0[0] + 0.1).abs() < 1e-15);
+    }
+}
