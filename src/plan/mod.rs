@@ -403,6 +403,13 @@ impl Plan {
     }
 }
 
+impl Plan {
+    /// Largest over smallest shear modulus of the body.
+    pub(crate) fn contrast(&self) -> f64 {
+        contrast(&self.resolved)
+    }
+}
+
 /// Largest over smallest shear modulus.
 fn contrast(resolved: &Resolved) -> f64 {
     let shear = resolved.materials.iter().map(|m| m.law.shear_modulus);

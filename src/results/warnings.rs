@@ -243,7 +243,22 @@ fn of_the_body(model: &Model<'_>, state: &State, ending: &Ending, all: &mut Vec<
         ));
     }
     all.extend(turned(model, state));
-    all.extend(lost_digits(model, state, ending, strain));
+    let lost = lost_digits(model, state, ending, strain);
+    all.extend(lost.or_else(|| lost_in_contrast(model)));
+}
+
+/// Moduli so far apart that the rounding of the stiff part's forces shows in the soft one's.
+fn lost_in_contrast(model: &Model<'_>) -> Option<Warning> {
+    let contrast = model.plan.contrast();
+    let rounding = f64::EPSILON * contrast;
+    (rounding > LOST).then(|| {
+        Warning::new(
+            WarningKind::LostDigits,
+            "",
+            Some(contrast),
+            format!("moduli are {contrast:.0e} apart: forces of the soft part keep {rounding:.0e} of themselves only"),
+        )
+    })
 }
 
 /// A cell that is inside out.

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use crate::common::meshes::{cube, file, irregular, mesh, moved, slivers, with_inclusion};
 use crate::common::scenes::{
-    HELD, cube_bend, elastic, material, obstacle, push, small_indentation, support, traction,
+    HELD, cube_bend, elastic, material, obstacle, pull, push, small_indentation, support, traction,
 };
 use crate::common::{close, difference, run, run_one, solve, solve_one, values};
+use signorini::report::{Warning, WarningKind};
 use signorini::scene::{Choice, ContactSpace, Material, Modulus, Shape};
 use signorini::{
     Cause, CellKind, FieldName, Group, GroupKind, Mesh, MeshParts, Scene, Step, Termination,
@@ -133,6 +134,25 @@ fn stiffness_contrasts_of_six_decades_are_solved() {
             solve_one(&scene, &Step::default(), &mesh);
         }
     }
+}
+
+#[test]
+fn digits_that_twelve_decades_of_contrast_hide_are_said() {
+    let warnings = |contrast: f64| {
+        let mut scene = elastic(0.5);
+        scene.materials = vec![of_group("body", 1.0), of_group("inclusion", contrast)];
+        scene.supports = vec![support("z0", HELD), support("z1", HELD)];
+        let layer = |x: [f64; 3]| x[2] > 0.5 && x[2] < 0.75;
+        let parts = with_inclusion(cube(4), "inclusion", layer);
+        let step = pull("z1", [Some(0.02), None, None], 1);
+        solve_one(&scene, &step, &mesh(parts)).warnings
+    };
+    let is_said = |warnings: Vec<Warning>| {
+        let mut kinds = warnings.iter().map(|warning| warning.kind);
+        kinds.any(|kind| kind == WarningKind::LostDigits)
+    };
+    assert!(is_said(warnings(1e-12)));
+    assert!(!is_said(warnings(1e-6)));
 }
 
 /// A layer whose cells are `height` times as high as wide, bonded below and
