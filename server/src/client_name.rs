@@ -20,6 +20,14 @@ pub struct ClientName {
 pub struct ClientNameError;
 
 impl ClientName {
+    /// Whom something belongs to whose stored owner this version cannot read: nobody has such
+    /// a name, so that only who sees all sees it.
+    pub(crate) const UNREADABLE: Self = {
+        let mut bytes = [0; LONGEST];
+        bytes[0] = b'?';
+        Self { bytes, length: 1 }
+    };
+
     /// The name as text.
     pub fn as_str(&self) -> &str {
         let bytes = self.bytes.get(..usize::from(self.length));
@@ -71,5 +79,7 @@ mod tests {
         for bad in ["", "-a", ".a", "a b", "a/b", "a\n", "\u{e9}", &long] {
             assert_eq!(bad.parse::<ClientName>(), Err(ClientNameError), "{bad}");
         }
+        let nobody = ClientName::UNREADABLE.to_string();
+        assert_eq!(nobody.parse::<ClientName>(), Err(ClientNameError));
     }
 }

@@ -85,9 +85,17 @@ async fn load(services: &Arc<Services>, name: &str) -> Result<Stored, Fault> {
     found?.ok_or_else(missing)
 }
 
-/// Whom a session of the data folder belongs to.
+/// Whom a session of the data folder belongs to; none where everybody may see it.
 pub(crate) fn owner(listed: &Listed) -> Option<ClientName> {
-    listed.session.owner.parse().ok()
+    owner_of(&listed.session.owner)
+}
+
+/// A name that this version does not know is somebody's all the same.
+fn owner_of(stored: &str) -> Option<ClientName> {
+    match stored {
+        "" => None,
+        name => Some(name.parse().unwrap_or(ClientName::UNREADABLE)),
+    }
 }
 
 /// How a list describes a session that only the data folder has.
@@ -102,5 +110,19 @@ pub(crate) fn described(name: &str, listed: &Listed) -> wire::Session {
         last_finished_sequence: listed.finished,
         first_retained_sequence: listed.first,
         ..Default::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_session_whose_owner_cannot_be_read_is_not_everybodys() {
+        assert_eq!(owner_of(""), None);
+        assert_eq!(owner_of("line-1"), Some("line-1".parse().unwrap()));
+        for unknown in ["a b", "-x", &"a".repeat(40)] {
+            assert_eq!(owner_of(unknown), Some(ClientName::UNREADABLE));
+        }
     }
 }
