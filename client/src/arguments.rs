@@ -175,6 +175,13 @@ pub(crate) enum Command {
         #[arg(value_name = "DIR")]
         folder: PathBuf,
     },
+    /// What this machine gives a server, and what will hold it up; exit code 8 where it cannot work
+    #[cfg(feature = "embedded")]
+    Doctor {
+        /// Folder where a server shall keep its data
+        #[arg(value_name = "DIR", default_value = ".")]
+        folder: PathBuf,
+    },
     /// Tokens that a server asks for
     #[command(subcommand, after_help = ACCESS_EXAMPLES)]
     #[cfg(feature = "embedded")]

@@ -1,4 +1,4 @@
-//! `backup`, `restore` and `fsck`: the data folder of a server.
+//! `backup`, `restore`, `fsck` and `doctor`: the data folder of a server, and the machine under it.
 
 use std::path::Path;
 
@@ -25,6 +25,15 @@ pub(super) fn fsck(folder: &Path) -> Result<Exit, Failure> {
     let found = signorini_server::fsck(folder).map_err(usage)?;
     stdout::print(&found.to_string())?;
     Ok(match found.faults.is_empty() {
+        true => Exit::Ok,
+        false => Exit::Server,
+    })
+}
+
+pub(super) fn doctor(folder: &Path) -> Result<Exit, Failure> {
+    let found = signorini_server::doctor(folder);
+    stdout::print(&found.to_string())?;
+    Ok(match found.is_fit() {
         true => Exit::Ok,
         false => Exit::Server,
     })

@@ -58,6 +58,8 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         #[cfg(feature = "embedded")]
         Command::Fsck { folder } => data::fsck(&folder),
         #[cfg(feature = "embedded")]
+        Command::Doctor { folder } => data::doctor(&folder),
+        #[cfg(feature = "embedded")]
         Command::Token(command) => token::run(command),
         #[cfg(feature = "embedded")]
         Command::Certs(command) => certs::run(command),

@@ -169,3 +169,17 @@ fn a_plan_says_what_is_built_and_what_is_left_out() {
     let plan = run(["plan", scene.to_str().unwrap(), "--json"]);
     assert_eq!(plan.lines()[0]["unknowns"]["displacement"], 6591);
 }
+
+#[test]
+fn the_doctor_says_what_a_server_finds_here() {
+    let folder = folder("doctor");
+    let run = run(["doctor", folder.to_str().unwrap()]);
+    assert_eq!(run.code, Some(0), "{}", run.stdout);
+    for what in ["instruction set", "cores", "memory", "descriptors", "clock"] {
+        assert!(run.stdout.contains(what), "{}", run.stdout);
+    }
+    let gone = folder.join("not-there");
+    let run = crate::common::run(["doctor", gone.to_str().unwrap()]);
+    assert_eq!(run.code, Some(8), "{}", run.stdout);
+    assert!(run.stdout.contains("fault   writes to disk"));
+}
