@@ -8,13 +8,16 @@
 //! | far away | the largest coordinate over the length of the body |
 //! | tool below the mesh | the radius of an obstacle beside the edges that may touch it |
 //! | edges below the mesh | the radius of an obstacle's edges or tip beside the same |
+//! | begins inside | distances of the vertices that an obstacle may touch, in its first pose |
+//! | long way | the travel of a step over the length of the body |
 //!
-//! Cost: one pass over materials and over the facets of round obstacles.
+//! Cost: one pass over materials and facets, one distance a vertex that may be touched.
 
 use super::Units;
 use crate::mesh::Mesh;
-use crate::scene::Scene;
+use crate::obstacle::{Contact, What};
 use crate::scene::validate::{Resolved, ResolvedObstacle};
+use crate::scene::{Scene, Step};
 
 /// Mean ratio below which a cell is flat: sides of about 1 : 12 in the plane, 1 : 20 in space.
 const FLAT: f64 = 0.15;
@@ -27,9 +30,14 @@ const NEARLY_INCOMPRESSIBLE: f64 = 1e5;
 /// contact needs.
 const FAR: f64 = 1e6;
 
-/// All doubts about a scene on a mesh.
+/// Depth over the length of the body from which on an obstacle begins inside it.
+const DEEP: f64 = 0.01;
+/// Lengths of the body beyond which a travel is more likely in another unit.
+const LONG_WAY: f64 = 1e3;
+
+/// All doubts about a scene and its steps on a mesh.
 pub(super) fn doubts(
-    scene: &Scene,
+    (scene, steps): (&Scene, &[Step]),
     (resolved, obstacles): (&Resolved, &[ResolvedObstacle]),
     (mesh, units): (&Mesh, &Units),
 ) -> Vec<String> {
@@ -41,7 +49,59 @@ pub(super) fn doubts(
     all.extend(obstacles.iter().filter_map(|one| {
         below_the_mesh(one, (mesh, units)).or_else(|| edges(one, (mesh, units)))
     }));
+    all.extend(
+        obstacles
+            .iter()
+            .filter_map(|one| begins_inside(one, (mesh, units))),
+    );
+    all.extend(long_way(steps, units));
     all
+}
+
+/// An obstacle that lies in the body before anything has moved.
+fn begins_inside(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -> Option<String> {
+    let facets = obstacle.facets.iter();
+    let vertices = facets.flat_map(|&facet| mesh.facet(facet as usize).iter().copied());
+    let vertices: Vec<u32> = std::collections::BTreeSet::from_iter(vertices)
+        .into_iter()
+        .collect();
+    let place = |&vertex: &u32| mesh.coordinates()[vertex as usize];
+    let scaled = |vertex: &u32| place(vertex).map(|x| x * units.coordinate_scale);
+    let points: Vec<[f64; 3]> = vertices.iter().map(scaled).collect();
+    let mut found = vec![Contact::default(); points.len()];
+    obstacle.shape.probe(&points, What::Gap, &mut found);
+    let inside = found.iter().filter(|one| one.distance < -DEEP).count();
+    let by_depth = |a: &(_, &Contact), b: &(_, &Contact)| a.1.distance.total_cmp(&b.1.distance);
+    let (vertex, deepest) = vertices.iter().zip(&found).min_by(by_depth)?;
+    (inside > 0).then(|| {
+        let depth = -deepest.distance * units.length;
+        let [x, y, z] = units.of_mesh(place(vertex));
+        format!(
+            "obstacle `{}` begins up to {depth:.4} inside the body, at ({x:.4}, {y:.4}, {z:.4}), with {inside} of {} vertices that it may touch: the first increment pushes the body out of it",
+            obstacle.name,
+            vertices.len()
+        )
+    })
+}
+
+/// A step in which an obstacle travels farther than any body is thick.
+fn long_way(steps: &[Step], units: &Units) -> Option<String> {
+    let targets = steps.iter().flat_map(|step| &step.obstacles);
+    let far = targets.filter_map(|target| {
+        let way = target
+            .translation?
+            .iter()
+            .map(|x| x * x)
+            .sum::<f64>()
+            .sqrt()
+            / units.length;
+        (way > LONG_WAY).then_some((target, way))
+    });
+    let (target, way) = far.max_by(|a, b| a.1.total_cmp(&b.1))?;
+    Some(format!(
+        "obstacle `{}` travels {way:.0e} lengths of the body: is the step in the units of the mesh?",
+        target.name
+    ))
 }
 
 /// Cells that are nearly flat.

@@ -173,7 +173,7 @@ impl Plan {
         let saddle = saddle_for(scene, unknowns, [displacement.demand(), p1.solver.demand()]);
         let mut own = conflicts(&resolved, mesh);
         own.extend(doubts::doubts(
-            scene,
+            (scene, steps),
             (&resolved, &obstacles),
             (mesh, &units),
         ));

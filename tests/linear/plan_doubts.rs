@@ -1,7 +1,7 @@
 //! What the plan doubts before anything is solved, and that it doubts nothing else.
 
 use crate::common::meshes::{cube, mesh};
-use crate::common::scenes::{HELD, elastic, material, obstacle, press, rubber, support};
+use crate::common::scenes::{HELD, elastic, material, obstacle, press, push, rubber, support};
 use signorini::scene::{Material, Modulus, RubberModel, Shape};
 use signorini::{Group, GroupKind, MeshParts, Plan, Scene};
 
@@ -129,4 +129,40 @@ fn a_body_whose_place_rounds_its_shape_is_named() {
         let is_named = found.iter().all(|one| one.contains("away from the origin"));
         assert!(found.len() == count && is_named, "{found:?}");
     }
+}
+
+#[test]
+fn a_tool_that_lies_in_the_body_is_named_with_its_depth_before_anything_is_solved() {
+    let over = |height: f64| {
+        let mut scene = pressed(elastic(0.3));
+        let shape = Shape::Sphere {
+            centre: [0.5, 0.5, height],
+            radius: 0.3,
+        };
+        scene.obstacles = vec![obstacle("ball", "z1", shape)];
+        warnings(&scene, cube(4))
+    };
+    let found = over(1.2);
+    let named = found.iter().find(|one| one.contains("begins up to"));
+    let named = named.expect("a doubt");
+    assert!(named.contains("`ball` begins up to 0.1000"), "{named}");
+    assert!(named.contains("(0.5000, 0.5000, 1.0000)"), "{named}");
+    assert!(named.contains("1 of 25 vertices"), "{named}");
+    assert!(!over(1.3).iter().any(|one| one.contains("begins")));
+}
+
+#[test]
+fn a_step_in_other_units_is_doubted() {
+    let scene = pressed(elastic(0.3));
+    let found = |way: f64| {
+        let steps = [push("press", [0.0, 0.0, -way])];
+        let plan = Plan::new(&scene, &steps, &mesh(cube(2))).expect("a valid scene");
+        plan.report().warnings
+    };
+    let far = found(5000.0);
+    assert!(
+        far.iter().any(|one| one.contains("units of the mesh")),
+        "{far:?}"
+    );
+    assert_eq!(found(0.1), [""; 0]);
 }
