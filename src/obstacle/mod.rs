@@ -18,6 +18,7 @@ mod corner;
 mod cuboid;
 mod cylinder;
 mod error;
+pub mod grid;
 mod half_space;
 mod moving;
 mod revolution;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::capped_cylinder::capped_cylinder;
 use super::cone::cone;
+use super::grid::{DistanceGrid, HeightField, Sampled};
 use super::surface::{SurfaceShape, Triangulated};
 use super::torus::torus;
 use super::{Cavity, Cuboid, Cylinder, HalfSpace, Obstacle, ObstacleError, Sphere};
@@ -78,6 +79,10 @@ pub enum Shape {
     },
     /// A triangulated surface, its origin the reference point.
     Surface(SurfaceShape),
+    /// All points below heights over a plane, its origin the reference point.
+    HeightField(Arc<HeightField>),
+    /// All points of negative distance, its origin the reference point.
+    DistanceGrid(Arc<DistanceGrid>),
     /// A closed shape as a cavity, the body inside it.
     Cavity(Arc<Shape>),
 }
@@ -133,6 +138,8 @@ impl Shape {
                 rounding,
             } => Arc::new(cone((place(apex), *axis), (*angle, rounding / length))?),
             Self::Surface(shape) => Arc::new(Triangulated::new(shape, length)?),
+            Self::HeightField(grid) => Arc::new(Sampled::new(grid, length)),
+            Self::DistanceGrid(grid) => Arc::new(Sampled::new(grid, length)),
             Self::Cavity(shape) => Arc::new(Cavity::new(shape.build(length)?)?),
         })
     }

@@ -7,6 +7,7 @@
 
 use sha2::{Digest, Sha256};
 
+use crate::obstacle::grid::Lattice;
 use crate::obstacle::surface::{Between, SurfaceShape};
 
 use crate::scene::{
@@ -227,6 +228,12 @@ impl Canonical {
                 rounding,
             } => ("cone", [apex, axis], vec![*angle, *rounding]),
             Shape::Surface(shape) => return self.surface(shape),
+            Shape::HeightField(grid) => {
+                return self.grid("height-field", grid.lattice(), grid.coefficients());
+            }
+            Shape::DistanceGrid(grid) => {
+                return self.grid("distance-grid", grid.lattice(), grid.coefficients());
+            }
             Shape::Cavity(of) => {
                 self.text("cavity");
                 return self.shape(of);
@@ -253,6 +260,19 @@ impl Canonical {
         for facet in shape.surface.facets() {
             self.numbers(&facet.map(f64::from));
         }
+    }
+
+    fn grid<const N: usize>(&mut self, kind: &str, lattice: &Lattice<N>, values: &[f64]) {
+        let Lattice {
+            counts,
+            origin,
+            spacing,
+        } = lattice;
+        self.text(kind);
+        counts.iter().for_each(|count| self.length(*count));
+        self.numbers(origin);
+        self.numbers(spacing);
+        self.numbers(values);
     }
 
     fn probe(&mut self, probe: &Probe) {
