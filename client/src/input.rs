@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use signorini_client::formats::grid;
 use signorini_client::formats::mesh::MeshFile;
 use signorini_client::formats::reader;
 use signorini_client::formats::stl;
@@ -95,20 +96,34 @@ fn load_surfaces(
 ) -> Result<Vec<(PathBuf, WireSurface)>, Failure> {
     let mut surfaces = Vec::new();
     for (index, path) in files {
-        let bytes = std::fs::read(path).map_err(|error| Failure::unreadable(path, &error))?;
-        let read = stl::read(&bytes)
-            .map_err(|error| Failure::new(Exit::Invalid, format!("{}: {error}", path.display())))?;
-        let wire = WireSurface::new(&read)?;
         let shape = scene
             .obstacles
             .get_mut(*index)
             .and_then(|one| one.shape.as_mut());
-        if let Some(Kind::Surface(surface)) = shape.and_then(|shape| shape.kind.as_mut()) {
-            surface.surface = wire.name();
+        if let Some(kind) = shape.and_then(|shape| shape.kind.as_mut()) {
+            surfaces.push((path.clone(), load_surface(kind, path)?));
         }
-        surfaces.push((path.clone(), wire));
     }
     Ok(surfaces)
+}
+
+/// Reads the file of a shape, and names what is in it there.
+fn load_surface(kind: &mut Kind, path: &Path) -> Result<WireSurface, Failure> {
+    let bytes = std::fs::read(path).map_err(|error| Failure::unreadable(path, &error))?;
+    let wrong = |error: &dyn std::fmt::Display| {
+        Failure::new(Exit::Invalid, format!("{}: {error}", path.display()))
+    };
+    let wire = match kind {
+        Kind::Surface(_) => WireSurface::new(&stl::read(&bytes).map_err(|error| wrong(&error))?)?,
+        _ => WireSurface::of_grid(&grid::read(&bytes).map_err(|error| wrong(&error))?),
+    };
+    match kind {
+        Kind::Surface(surface) => surface.surface = wire.name(),
+        Kind::HeightField(field) => field.grid = wire.name(),
+        Kind::DistanceGrid(distances) => distances.grid = wire.name(),
+        _ => {}
+    }
+    Ok(wire)
 }
 
 /// Reads a mesh file of any format.

@@ -1,25 +1,33 @@
-//! Triangulated surfaces of the service: named by the digest of their arrays, uploaded once.
+//! Surfaces of tools of the service, triangulated or grids: named by the digest of their arrays,
+//! uploaded once.
 
 use bytes::Bytes;
 use signorini_proto::array;
-use signorini_proto::digest::{hex, surface_digest};
+use signorini_proto::digest::{grid_digest, hex, surface_digest};
 use signorini_proto::v1::upload_surface_request::Part;
 use signorini_proto::v1::{self, SurfaceArray};
 
 use crate::connect::{Client, answer};
 use crate::error::ClientError;
+use crate::formats::grid::GridFile;
 use crate::formats::stl::SurfaceFile;
 
 /// A surface as it travels.
 #[derive(Clone, Debug)]
 pub struct WireSurface {
     header: v1::SurfaceHeader,
-    coordinates: Bytes,
-    facets: Bytes,
+    arrays: Vec<WireArray>,
+}
+
+#[derive(Clone, Debug)]
+struct WireArray {
+    name: SurfaceArray,
+    element_bytes: usize,
+    data: Bytes,
 }
 
 impl WireSurface {
-    /// Encodes a surface and computes its digest.
+    /// Encodes a triangulated surface and computes its digest.
     ///
     /// # Errors
     /// [`ClientError::MeshTooLarge`] for indices beyond 31 bits.
@@ -35,10 +43,30 @@ impl WireSurface {
                 digest: hex(&surface_digest(coordinates, &facets)),
                 vertex_count: surface.vertices.len() as i64,
                 facet_count: surface.facets.len() as i64,
+                grid: None,
             },
-            coordinates: array::encode(coordinates),
-            facets: array::encode(&facets),
+            arrays: vec![
+                wire_array(SurfaceArray::Coordinates, coordinates),
+                wire_array(SurfaceArray::Facets, &facets),
+            ],
         })
+    }
+
+    /// Encodes a grid and computes its digest.
+    pub fn of_grid(grid: &GridFile) -> Self {
+        let (origin, spacing) = (&grid.origin, &grid.spacing);
+        Self {
+            header: v1::SurfaceHeader {
+                digest: hex(&grid_digest(&grid.counts, (origin, spacing), &grid.values)),
+                grid: Some(v1::Grid {
+                    counts: grid.counts.iter().map(|count| *count as i64).collect(),
+                    origin: origin.clone(),
+                    spacing: spacing.clone(),
+                }),
+                ..v1::SurfaceHeader::default()
+            },
+            arrays: vec![wire_array(SurfaceArray::Values, &grid.values)],
+        }
     }
 
     /// Name of the resource, `surfaces/{digest}`.
@@ -48,18 +76,25 @@ impl WireSurface {
 
     /// The messages of an upload, the header first.
     pub fn requests(self) -> impl Iterator<Item = v1::UploadSurfaceRequest> {
-        let header = Part::Header(self.header);
-        let coordinates = chunks::<f64>(SurfaceArray::Coordinates, self.coordinates);
-        let facets = chunks::<i32>(SurfaceArray::Facets, self.facets);
-        let parts = std::iter::once(header).chain(coordinates).chain(facets);
+        let header = std::iter::once(Part::Header(self.header));
+        let parts = header.chain(self.arrays.into_iter().flat_map(chunks));
         parts.map(|part| v1::UploadSurfaceRequest { part: Some(part) })
     }
 }
 
-fn chunks<E: array::Element>(array: SurfaceArray, data: Bytes) -> impl Iterator<Item = Part> {
-    array::chunks(data, E::SIZE).map(move |chunk| {
+fn wire_array<E: array::Element>(name: SurfaceArray, values: &[E]) -> WireArray {
+    WireArray {
+        name,
+        element_bytes: E::SIZE,
+        data: array::encode(values),
+    }
+}
+
+fn chunks(array: WireArray) -> impl Iterator<Item = Part> {
+    let name = array.name.into();
+    array::chunks(array.data, array.element_bytes).map(move |chunk| {
         Part::Chunk(v1::SurfaceChunk {
-            array: array.into(),
+            array: name,
             offset_elements: chunk.offset_elements,
             data: chunk.data,
         })
@@ -70,7 +105,7 @@ impl Client {
     /// Makes sure that the server has a surface.
     ///
     /// # Errors
-    /// [`ClientError::Refused`]: `SURFACE_INVALID` with the facet, `MEMORY_BUDGET` and others.
+    /// [`ClientError::Refused`]: `SURFACE_INVALID` with the facet or node, `MEMORY_BUDGET` and others.
     pub async fn upload_surface(&self, surface: WireSurface) -> Result<(), ClientError> {
         let name = surface.name();
         match answer(self.surfaces().get_surface(v1::GetSurfaceRequest { name })).await {

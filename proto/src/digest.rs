@@ -15,6 +15,9 @@ const CURVED_MAGIC: &[u8] = b"signorini-mesh-v2\n";
 /// Of triangulated surfaces.
 const SURFACE_MAGIC: &[u8] = b"signorini-surface-v1\n";
 
+/// Of grids.
+const GRID_MAGIC: &[u8] = b"signorini-grid-v1\n";
+
 /// One named set of cells or facets.
 #[derive(Clone, Copy, Debug)]
 pub struct GroupArrays<'a> {
@@ -88,6 +91,23 @@ pub fn surface_digest(coordinates: &[f64], facets: &[i32]) -> [u8; 32] {
     hash.finalize().into()
 }
 
+/// SHA-256 of the canonical bytes of a grid, defined in `surface_service.proto`: one count,
+/// coordinate of the origin and spacing an axis, and the values.
+pub fn grid_digest(
+    counts: &[usize],
+    (origin, spacing): (&[f64], &[f64]),
+    values: &[f64],
+) -> [u8; 32] {
+    let mut hash = Sha256::new();
+    hash.update(GRID_MAGIC);
+    put_count(&mut hash, counts.len());
+    counts.iter().for_each(|&count| put_count(&mut hash, count));
+    put_array(&mut hash, origin);
+    put_array(&mut hash, spacing);
+    put_array(&mut hash, values);
+    hash.finalize().into()
+}
+
 /// Lower-case hexadecimal digits, as names of resources use them.
 pub fn hex(digest: &[u8; 32]) -> String {
     digest.iter().map(|byte| format!("{byte:02x}")).collect()
@@ -157,5 +177,18 @@ mod tests {
         bytes.extend(curved.edge_offsets.iter().flat_map(|x| x.to_le_bytes()));
         let expected: [u8; 32] = Sha256::digest(&bytes).into();
         assert_eq!(mesh_digest(&curved), expected);
+    }
+    #[test]
+    fn digest_of_a_grid_is_the_hash_of_the_documented_bytes() {
+        let mut bytes = b"signorini-grid-v1\n".to_vec();
+        for count in [2_u64, 2, 1] {
+            bytes.extend(count.to_le_bytes());
+        }
+        for value in [0.5_f64, -0.5, 1.0, 2.0, 7.0, 8.0] {
+            bytes.extend(value.to_le_bytes());
+        }
+        let expected: [u8; 32] = Sha256::digest(&bytes).into();
+        let found = grid_digest(&[2, 1], (&[0.5, -0.5], &[1.0, 2.0]), &[7.0, 8.0]);
+        assert_eq!(found, expected);
     }
 }

@@ -1,4 +1,4 @@
-//! Triangulated surfaces in memory, shared by sessions, counted in the byte budget.
+//! Surfaces of tools in memory, shared by sessions, counted in the byte budget.
 //!
 //! They are found by their digest. What a session uses is kept; the rest goes, oldest first,
 //! where another needs its room or its place.
@@ -7,10 +7,8 @@ use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
 
-use signorini::obstacle::surface::TriangulatedSurface;
-
 use crate::access::{Caller, Owners};
-use crate::convert::surface::name;
+use crate::convert::surface::{Surface, name};
 use crate::fault::Fault;
 use crate::store::{Reservation, Store};
 
@@ -20,7 +18,7 @@ const MOST: usize = 1000;
 /// One surface.
 #[derive(Clone)]
 pub(crate) struct Stored {
-    pub(crate) surface: Arc<TriangulatedSurface>,
+    pub(crate) surface: Surface,
     pub(crate) created: SystemTime,
 }
 
@@ -32,7 +30,7 @@ struct Entry {
 
 impl Entry {
     fn is_used(&self) -> bool {
-        Arc::strong_count(&self.stored.surface) > 1
+        self.stored.surface.is_shared()
     }
 }
 
@@ -90,7 +88,7 @@ impl Surfaces {
         &self,
         caller: &Caller,
         digest: String,
-        surface: TriangulatedSurface,
+        surface: Surface,
         mut bytes: Reservation,
     ) -> Stored {
         while self.lock().len() >= MOST && self.drop_oldest() {}
@@ -98,7 +96,7 @@ impl Surfaces {
         let mut inner = self.lock();
         let entry = inner.entry(digest).or_insert_with(|| Entry {
             stored: Stored {
-                surface: Arc::new(surface),
+                surface,
                 created: SystemTime::now(),
             },
             owners: Owners::of(caller),

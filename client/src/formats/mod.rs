@@ -1,9 +1,11 @@
-//! File formats: meshes of Gmsh, Abaqus and VTK in, VTK files for ParaView out.
+//! File formats: meshes of Gmsh, Abaqus and VTK, surfaces and grids of tools in, VTK files for
+//! ParaView out.
 //!
 //! Readers take bytes and never trust a count in them; writers produce bytes.
 //! Neither opens a file. Work and memory are linear in the size of the data.
 
 pub mod derived;
+pub mod grid;
 pub mod inp;
 pub mod mesh;
 pub mod msh;

@@ -61,7 +61,7 @@ pub struct SceneFile {
     pub scene: v1::Scene,
     /// Path of the mesh file.
     pub mesh: PathBuf,
-    /// Paths of the triangulated surfaces, by the place of their obstacle; their names in the
+    /// Paths of the triangulated surfaces and grids, by the place of their obstacle; their names in the
     /// message are still what the file says.
     pub surfaces: Vec<(usize, PathBuf)>,
 }
@@ -123,6 +123,8 @@ fn surfaces(scene: &v1::Scene, folder: &Path) -> Vec<(usize, PathBuf)> {
         .and_then(|shape| shape.kind.as_ref())
     {
         Some(Kind::Surface(surface)) => Some((index, folder.join(&surface.surface))),
+        Some(Kind::HeightField(field)) => Some((index, folder.join(&field.grid))),
+        Some(Kind::DistanceGrid(distances)) => Some((index, folder.join(&distances.grid))),
         Some(_) | None => None,
     };
     obstacles.filter_map(file).collect()

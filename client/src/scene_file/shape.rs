@@ -30,19 +30,16 @@ const SHAPES: &[(&str, &[&str], ReadShape)] = &[
     ("distance-grid", &["file"], distance_grid),
 ];
 
-/// Shapes that are read, so that the service can say that it does not have them yet.
-const LATER: &[&str] = &["height-field", "distance-grid"];
-
 fn unknown_kind(keys: &Keys<'_>, name: &str) {
     let all = SHAPES.iter().map(|(known, _, _)| *known);
     if nearest(name, all.clone()).is_some() {
         return keys.unknown_word("kind", name, all);
     }
-    let usable: Vec<&str> = all.filter(|known| !LATER.contains(known)).collect();
-    let (usable, later) = (usable.join(", "), LATER.join(", "));
+    let known: Vec<&str> = all.collect();
+    let known = known.join(", ");
     keys.fault(
         "kind",
-        format!("\"{name}\" is not known; known are {usable}; not supported yet: {later}"),
+        format!("\"{name}\" is not known; known are {known}"),
     );
 }
 

@@ -111,7 +111,7 @@ fn unknown_keys_suggest_the_nearest() {
     let unknown = fault(addition);
     assert!(
         unknown.contains("known are half-space, sphere, cylinder, ")
-            && unknown.contains("; not supported yet: height-field"),
+            && unknown.ends_with(", height-field, distance-grid"),
         "{unknown}"
     );
     let addition = "[[obstacle]]\nname = \"ball\"\non = \"z1\"\nshape = { kind = \"spere\" }";
@@ -224,6 +224,21 @@ fn every_key_of_the_contract_reaches_the_message() {
             .is_some_and(|shape| shape.kind.is_some())
     }));
     assert!(scene.obstacles[1].shape.as_ref().unwrap().inside);
+    let files = parse(text, &[]).unwrap().surfaces;
+    let files: Vec<_> = files
+        .iter()
+        .map(|(at, path)| (*at, path.to_str()))
+        .collect();
+    let expected = [
+        "folder/a.stl",
+        "folder/heights.grid",
+        "folder/distances.grid",
+    ]
+    .map(Some);
+    assert_eq!(
+        files,
+        [7, 8, 9].into_iter().zip(expected).collect::<Vec<_>>()
+    );
     assert_eq!(
         (scene.obstacles[0].friction, scene.obstacles[1].tresca),
         (Some(0.3), Some(2.0))

@@ -17,7 +17,7 @@ use crate::fault::Fault;
 pub(crate) use file::{read as from_file, write as to_file};
 pub(crate) use reading::{messages, wanted};
 pub(crate) use upload::Upload;
-pub(super) use upload::{Indices, Points};
+pub(super) use upload::{Indices, Numbers, Points};
 
 const MAXIMUM_VERTICES: i64 = 200_000_000;
 const MAXIMUM_CELLS: i64 = 400_000_000;

@@ -6,6 +6,7 @@
 pub(crate) mod field;
 #[cfg(test)]
 mod fuzz;
+mod grid;
 mod material;
 pub(crate) mod mesh;
 pub(crate) mod report;

@@ -7,7 +7,7 @@ use signorini::scene::{Shape, SurfaceGeometry};
 use signorini_proto::v1 as wire;
 
 use super::Faults;
-use super::surface::SurfacesByName;
+use super::surface::{Surface, SurfacesByName};
 
 /// Angle between facets beyond which their edge is a feature, degrees.
 const FEATURE_ANGLE: f64 = 30.0;
@@ -77,22 +77,22 @@ fn solid(
                 (false, angle) => Between::Patches(angle.unwrap_or(FEATURE_ANGLE).to_radians()),
             };
             match surfaces.get(&shape.surface) {
-                Some(surface) => Shape::Surface(SurfaceShape {
+                Some(Surface::Triangulated(surface)) => Shape::Surface(SurfaceShape {
                     surface: Arc::clone(surface),
                     scale: shape.scale.unwrap_or(1.0),
                     between,
                 }),
-                None => {
-                    faults.add(format!("{path}.file"), "names no uploaded surface");
-                    placeholder()
-                }
+                other => missing(other, "triangulated surface", (path, faults)),
             }
         }
-        Some(later) => {
-            let message = format!("`{}` comes in a later version", name(&later));
-            faults.later(format!("{path}.kind"), message);
-            placeholder()
-        }
+        Some(Kind::HeightField(shape)) => match surfaces.get(&shape.grid) {
+            Some(Surface::Heights(grid)) => Shape::HeightField(Arc::clone(grid)),
+            other => missing(other, "grid of heights, with two axes", (path, faults)),
+        },
+        Some(Kind::DistanceGrid(shape)) => match surfaces.get(&shape.grid) {
+            Some(Surface::Distances(grid)) => Shape::DistanceGrid(Arc::clone(grid)),
+            other => missing(other, "grid of distances, with three axes", (path, faults)),
+        },
         None => {
             faults.add(format!("{path}.kind"), "is required");
             placeholder()
@@ -108,20 +108,14 @@ fn placeholder() -> Shape {
     }
 }
 
-fn name(kind: &wire::shape::Kind) -> &'static str {
-    use wire::shape::Kind;
-    match kind {
-        Kind::HalfSpace(_) => "half-space",
-        Kind::Sphere(_) => "sphere",
-        Kind::Cylinder(_) => "cylinder",
-        Kind::CappedCylinder(_) => "capped-cylinder",
-        Kind::Box(_) => "box",
-        Kind::Torus(_) => "torus",
-        Kind::Cone(_) => "cone",
-        Kind::Surface(_) => "surface",
-        Kind::HeightField(_) => "height-field",
-        Kind::DistanceGrid(_) => "distance-grid",
-    }
+/// Notes that an uploaded surface is not there, or not what a shape needs.
+fn missing(found: Option<&Surface>, needed: &str, (path, faults): (&str, &mut Faults)) -> Shape {
+    let text = match found {
+        Some(_) => format!("names no {needed}, but another kind of surface"),
+        None => "names no uploaded surface".to_owned(),
+    };
+    faults.add(format!("{path}.file"), text);
+    placeholder()
 }
 
 /// Which surface of the body meets an obstacle.

@@ -1,13 +1,16 @@
-//! Uploads of triangulated surfaces into the library's arrays, and what is stored of them.
+//! Uploads of surfaces into the library's arrays, triangulated or as grids, and what is stored
+//! of them.
 
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::SystemTime;
 
+use signorini::obstacle::grid::{DistanceGrid, HeightField};
 use signorini::obstacle::surface::TriangulatedSurface;
 use signorini_proto::digest::{hex, surface_digest};
 use signorini_proto::v1 as wire;
 
+use super::grid::GridUpload;
 use super::mesh::{Indices, Points, limit, size};
 use super::wide;
 use crate::fault::Fault;
@@ -21,7 +24,55 @@ const BYTES_OF_VERTEX: u64 = 24 + 24;
 const BYTES_OF_FACET: u64 = 12 + 24 + 200;
 
 /// Surfaces that a scene names, by their names.
-pub(crate) type SurfacesByName = HashMap<String, Arc<TriangulatedSurface>>;
+pub(crate) type SurfacesByName = HashMap<String, Surface>;
+
+/// A surface of a tool.
+#[derive(Clone)]
+pub(crate) enum Surface {
+    Triangulated(Arc<TriangulatedSurface>),
+    Heights(Arc<HeightField>),
+    Distances(Arc<DistanceGrid>),
+}
+
+impl Surface {
+    /// Bytes held.
+    pub(crate) fn bytes(&self) -> u64 {
+        let of_numbers = |numbers: &[f64]| size_of_val(numbers) as u64;
+        match self {
+            Self::Triangulated(surface) => surface.bytes(),
+            Self::Heights(grid) => of_numbers(grid.coefficients()),
+            Self::Distances(grid) => of_numbers(grid.coefficients()),
+        }
+    }
+
+    /// Whether another holds it too.
+    pub(crate) fn is_shared(&self) -> bool {
+        let holders = match self {
+            Self::Triangulated(surface) => Arc::strong_count(surface),
+            Self::Heights(grid) => Arc::strong_count(grid),
+            Self::Distances(grid) => Arc::strong_count(grid),
+        };
+        holders > 1
+    }
+
+    /// Vertices and facets.
+    fn counts(&self) -> (usize, usize) {
+        match self {
+            Self::Triangulated(surface) => (surface.vertices().len(), surface.facets().len()),
+            Self::Heights(_) | Self::Distances(_) => (0, 0),
+        }
+    }
+
+    /// Nodes along the axes of a grid.
+    fn grid_counts(&self) -> Vec<i64> {
+        let counts = match self {
+            Self::Triangulated(_) => &[][..],
+            Self::Heights(grid) => &grid.lattice().counts[..],
+            Self::Distances(grid) => &grid.lattice().counts[..],
+        };
+        counts.iter().map(|count| wide(*count as u64)).collect()
+    }
+}
 
 /// The digest in `surfaces/{digest}`.
 ///
@@ -50,28 +101,40 @@ pub(crate) fn names(scene: &wire::Scene) -> Vec<String> {
     let name = |shape: &wire::Shape| -> Option<String> {
         match &shape.kind {
             Some(wire::shape::Kind::Surface(surface)) => Some(surface.surface.clone()),
+            Some(wire::shape::Kind::HeightField(field)) => Some(field.grid.clone()),
+            Some(wire::shape::Kind::DistanceGrid(distances)) => Some(distances.grid.clone()),
             Some(_) | None => None,
         }
     };
     shapes.filter_map(name).collect()
 }
 
-/// The arrays, still growing.
+/// A surface, still growing.
 pub(crate) struct Upload {
     /// What the header says; none where the upload leaves it to the server.
     pub(crate) digest: Option<String>,
-    vertices: usize,
-    facets: usize,
-    coordinates: Points,
-    corners: Indices,
+    arrays: Arrays,
+}
+
+/// The arrays.
+enum Arrays {
+    Triangulated {
+        vertices: usize,
+        facets: usize,
+        coordinates: Points,
+        corners: Indices,
+    },
+    Grid(GridUpload),
 }
 
 impl Upload {
     /// Checks a header.
     ///
     /// # Errors
-    /// `RequestInvalid` with the field, `MessageLimit` for a size beyond its maximum.
+    /// `RequestInvalid` with the field, `SurfaceInvalid` for counts that no grid has,
+    /// `MessageLimit` for a size beyond its maximum.
     pub(crate) fn new(header: wire::SurfaceHeader) -> Result<Self, Fault> {
+        let arrays = arrays(&header)?;
         let digest = match header.digest.as_str() {
             "" => None,
             digest if is_digest(digest) => Some(header.digest),
@@ -80,23 +143,17 @@ impl Upload {
                 return Err(Fault::request("header.digest", text));
             }
         };
-        let vertices = size(header.vertex_count, MAXIMUM_VERTICES, "header.vertex_count")?;
-        let facets = size(header.facet_count, MAXIMUM_FACETS, "header.facet_count")?;
-        let corners = facets
-            .checked_mul(3)
-            .ok_or_else(|| limit("header.facet_count", MAXIMUM_FACETS))?;
-        Ok(Self {
-            digest,
-            vertices,
-            facets,
-            coordinates: Points::new(vertices),
-            corners: Indices::new(corners),
-        })
+        Ok(Self { digest, arrays })
     }
 
     /// Bytes that the upload and the surface take at most.
     pub(crate) fn predicted_bytes(&self) -> u64 {
-        BYTES_OF_VERTEX * self.vertices as u64 + BYTES_OF_FACET * self.facets as u64
+        match &self.arrays {
+            Arrays::Triangulated {
+                vertices, facets, ..
+            } => BYTES_OF_VERTEX * *vertices as u64 + BYTES_OF_FACET * *facets as u64,
+            Arrays::Grid(grid) => grid.predicted_bytes(),
+        }
     }
 
     /// Takes one chunk.
@@ -104,14 +161,18 @@ impl Upload {
     /// # Errors
     /// `RequestInvalid` that names the array, `MessageLimit` for a chunk of more than 1 MiB.
     pub(crate) fn push(&mut self, chunk: &wire::SurfaceChunk) -> Result<(), Fault> {
+        use wire::SurfaceArray as Array;
         let (offset, data) = (chunk.offset_elements, &chunk.data);
-        match wire::SurfaceArray::try_from(chunk.array) {
-            Ok(wire::SurfaceArray::Coordinates) => {
-                self.coordinates.push("coordinates", offset, data)
+        match (&mut self.arrays, Array::try_from(chunk.array)) {
+            (Arrays::Triangulated { coordinates, .. }, Ok(Array::Coordinates)) => {
+                coordinates.push("coordinates", offset, data)
             }
-            Ok(wire::SurfaceArray::Facets) => self.corners.push("facets", offset, data),
-            Ok(wire::SurfaceArray::Unspecified) | Err(_) => {
-                let text = "names no array of a surface";
+            (Arrays::Triangulated { corners, .. }, Ok(Array::Facets)) => {
+                corners.push("facets", offset, data)
+            }
+            (Arrays::Grid(grid), Ok(Array::Values)) => grid.push(offset, data),
+            (Arrays::Triangulated { .. } | Arrays::Grid(_), _) => {
+                let text = "names no array of this surface";
                 Err(Fault::request("chunk.array", text))
             }
         }
@@ -121,37 +182,75 @@ impl Upload {
     ///
     /// # Errors
     /// `RequestInvalid` when an array is incomplete or has another digest, `SurfaceInvalid` with
-    /// the facet.
-    pub(crate) fn finish(self) -> Result<(String, TriangulatedSurface), Fault> {
-        let vertices = self.coordinates.finish("coordinates")?;
-        let corners = self.corners.finish("facets")?;
-        let signed: Vec<i32> = corners.iter().map(|corner| corner.cast_signed()).collect();
-        let digest = hex(&surface_digest(vertices.as_flattened(), &signed));
-        if let Some(declared) = self.digest.filter(|declared| *declared != digest) {
-            let text = format!("the arrays have the digest {digest}, not {declared}");
-            return Err(Fault::request("header.digest", text));
-        }
-        let facets = corners.as_chunks::<3>().0.to_vec();
-        let surface = TriangulatedSurface::new(vertices, facets);
-        let invalid = |error: signorini::obstacle::surface::SurfaceError| {
-            Fault::SurfaceInvalid(error.to_string())
+    /// the facet or the node.
+    pub(crate) fn finish(self) -> Result<(String, Surface), Fault> {
+        let declared = self.digest;
+        let check = |digest: &str| match declared.filter(|declared| declared != digest) {
+            Some(declared) => {
+                let text = format!("the arrays have the digest {digest}, not {declared}");
+                Err(Fault::request("header.digest", text))
+            }
+            None => Ok(()),
         };
-        Ok((digest, surface.map_err(invalid)?))
+        match self.arrays {
+            Arrays::Triangulated {
+                coordinates,
+                corners,
+                ..
+            } => triangulated(coordinates, corners, check),
+            Arrays::Grid(grid) => grid.finish(check),
+        }
     }
 }
 
+/// Room for the arrays of a header.
+fn arrays(header: &wire::SurfaceHeader) -> Result<Arrays, Fault> {
+    if let Some(grid) = &header.grid {
+        if (header.vertex_count, header.facet_count) != (0, 0) {
+            let text = "stands in place of vertices and facets";
+            return Err(Fault::request("header.grid", text));
+        }
+        return Ok(Arrays::Grid(GridUpload::new(grid)?));
+    }
+    let vertices = size(header.vertex_count, MAXIMUM_VERTICES, "header.vertex_count")?;
+    let facets = size(header.facet_count, MAXIMUM_FACETS, "header.facet_count")?;
+    let corners = facets
+        .checked_mul(3)
+        .ok_or_else(|| limit("header.facet_count", MAXIMUM_FACETS))?;
+    Ok(Arrays::Triangulated {
+        vertices,
+        facets,
+        coordinates: Points::new(vertices),
+        corners: Indices::new(corners),
+    })
+}
+
+fn triangulated(
+    coordinates: Points,
+    corners: Indices,
+    check: impl FnOnce(&str) -> Result<(), Fault>,
+) -> Result<(String, Surface), Fault> {
+    let vertices = coordinates.finish("coordinates")?;
+    let corners = corners.finish("facets")?;
+    let signed: Vec<i32> = corners.iter().map(|corner| corner.cast_signed()).collect();
+    let digest = hex(&surface_digest(vertices.as_flattened(), &signed));
+    check(&digest)?;
+    let facets = corners.as_chunks::<3>().0.to_vec();
+    let surface = TriangulatedSurface::new(vertices, facets);
+    let surface = surface.map_err(|error| Fault::SurfaceInvalid(error.to_string()))?;
+    Ok((digest, Surface::Triangulated(Arc::new(surface))))
+}
+
 /// A surface that came at a time.
-pub(crate) fn surface(
-    digest: &str,
-    surface: &TriangulatedSurface,
-    created: SystemTime,
-) -> wire::StoredSurface {
+pub(crate) fn surface(digest: &str, surface: &Surface, created: SystemTime) -> wire::StoredSurface {
+    let (vertices, facets) = surface.counts();
     wire::StoredSurface {
         name: name(digest),
         digest: digest.to_owned(),
-        vertex_count: wide(surface.vertices().len() as u64),
-        facet_count: wide(surface.facets().len() as u64),
+        vertex_count: wide(vertices as u64),
+        facet_count: wide(facets as u64),
         memory_bytes: wide(surface.bytes()),
         create_time: Some(created.into()),
+        grid_counts: surface.grid_counts(),
     }
 }

@@ -149,6 +149,37 @@ impl Points {
     }
 }
 
+/// Numbers.
+pub(in crate::convert) struct Numbers {
+    progress: Progress,
+    values: Vec<f64>,
+}
+
+impl Numbers {
+    pub(in crate::convert) fn new(expected: usize) -> Self {
+        Self {
+            progress: Progress::new(expected),
+            values: Vec::new(),
+        }
+    }
+
+    pub(in crate::convert) fn push(
+        &mut self,
+        array: &str,
+        offset: i64,
+        data: &[u8],
+    ) -> Result<(), Fault> {
+        named(array, self.progress.accept::<f64>(offset, data))?;
+        self.values.extend(f64::read(data));
+        Ok(())
+    }
+
+    pub(in crate::convert) fn finish(self, array: &str) -> Result<Vec<f64>, Fault> {
+        named(array, self.progress.finish())?;
+        Ok(self.values)
+    }
+}
+
 /// Indices of vertices, cells or facets; signed on the wire.
 pub(in crate::convert) struct Indices {
     progress: Progress,
