@@ -7,6 +7,7 @@ mod confined_rubber;
 mod contact_space;
 mod critical_pressure;
 mod families;
+mod grids;
 mod inf_sup;
 mod pushed;
 mod rotated_surfaces;

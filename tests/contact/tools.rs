@@ -27,7 +27,8 @@ fn vector(value: &Value) -> [f64; 3] {
     std::array::from_fn(|i| value[i].as_f64().expect("a number"))
 }
 
-fn difference(a: [f64; 3], b: [f64; 3]) -> f64 {
+/// |a - b| over |b|.
+pub(crate) fn difference(a: [f64; 3], b: [f64; 3]) -> f64 {
     let length = |v: [f64; 3]| v.iter().map(|x| x * x).sum::<f64>().sqrt();
     length(std::array::from_fn(|i| a[i] - b[i])) / length(b)
 }
