@@ -7,6 +7,7 @@ mod bench;
 mod cli;
 mod detached;
 mod examples;
+mod grids;
 mod interrupt;
 mod methods;
 mod refusals;

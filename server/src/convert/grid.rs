@@ -119,3 +119,91 @@ fn lattice<const N: usize>(counts: &[usize], grid: &wire::Grid) -> Result<Lattic
     lattice.counts.copy_from_slice(counts);
     Ok(lattice)
 }
+
+#[cfg(test)]
+mod tests {
+    use signorini_proto::array;
+
+    use super::*;
+
+    fn plane() -> wire::Grid {
+        wire::Grid {
+            counts: vec![4, 5],
+            origin: vec![0.0, 1.0],
+            spacing: vec![1.0, 0.5],
+        }
+    }
+
+    fn refused(change: impl FnOnce(&mut wire::Grid)) -> Fault {
+        let mut grid = plane();
+        change(&mut grid);
+        GridUpload::new(&grid).err().expect("refused")
+    }
+
+    fn is_named(fault: &Fault, path: &str) -> bool {
+        format!("{fault:?}").contains(path)
+    }
+
+    #[test]
+    fn a_header_that_is_no_grid_names_its_field() {
+        let counts = "header.grid.counts";
+        assert!(is_named(&refused(|one| one.counts = vec![4]), counts));
+        assert!(is_named(&refused(|one| one.counts = vec![4; 4]), counts));
+        assert!(is_named(&refused(|one| one.counts[1] = -1), counts));
+        let origin = refused(|one| drop(one.origin.pop()));
+        assert!(is_named(&origin, "header.grid.origin"));
+        let spacing = refused(|one| one.spacing.push(1.0));
+        assert!(is_named(&spacing, "header.grid.spacing"));
+        let few = refused(|one| one.counts[0] = 3);
+        assert!(matches!(few, Fault::SurfaceInvalid(_)));
+        let many = refused(|one| one.counts = vec![i64::MAX; 2]);
+        assert!(matches!(many, Fault::MessageLimit { .. }));
+    }
+
+    #[test]
+    fn values_make_a_grid_with_their_digest() {
+        let heights: Vec<f64> = (0..20).map(|i| 0.01 * f64::from(i % 5)).collect();
+        let mut upload = GridUpload::new(&plane()).unwrap();
+        upload.push(0, &array::encode(&heights[..7])).unwrap();
+        assert!(upload.push(8, &array::encode(&heights[8..])).is_err());
+        upload.push(7, &array::encode(&heights[7..])).unwrap();
+        let digest = hex(&grid_digest(&[4, 5], (&[0.0, 1.0], &[1.0, 0.5]), &heights));
+        let (found, surface) = upload.finish(|_| Ok(())).unwrap();
+        assert_eq!(found, digest);
+        assert!(matches!(surface, Surface::Heights(_)));
+        let mut short = GridUpload::new(&plane()).unwrap();
+        short.push(0, &array::encode(&heights[..19])).unwrap();
+        assert!(short.finish(|_| Ok(())).is_err());
+    }
+
+    #[test]
+    fn any_header_is_refused_or_holds_nothing_yet() {
+        let mut rng = fastrand::Rng::with_seed(9);
+        let (mut good, mut bad) = (0, 0);
+        for _ in 0..10_000 {
+            let axes = rng.usize(1..5);
+            let count = |rng: &mut fastrand::Rng| match rng.u8(..8) {
+                0 => rng.i64(..),
+                1 => rng.i64(..4),
+                _ => rng.i64(4..200),
+            };
+            let counts: Vec<i64> = (0..axes).map(|_| count(&mut rng)).collect();
+            let numbers = vec![f64::from_bits(rng.u64(..)); axes];
+            let (origin, spacing) = (numbers.clone(), numbers);
+            let grid = wire::Grid {
+                counts,
+                origin,
+                spacing,
+            };
+            match GridUpload::new(&grid) {
+                Ok(upload) => {
+                    assert!(upload.predicted_bytes() > 0);
+                    assert!(upload.finish(|_| Ok(())).is_err());
+                    good += 1;
+                }
+                Err(_) => bad += 1,
+            }
+        }
+        assert!(good > 1000 && bad > 1000, "{good} {bad}");
+    }
+}
