@@ -186,7 +186,7 @@ impl Balance {
 
     /// Takes over what a solve says of the stiffness. Before the first one in sight of the goal
     /// other loads may have changed, too.
-    fn learn(&mut self, run: &mut Run<'_>, step: &[f64], (before, after): (&Progress, &Progress)) {
+    fn learn(&mut self, run: &Run<'_>, step: &[f64], (before, after): (&Progress, &Progress)) {
         let change = after.misfit.iter().zip(&before.misfit);
         let change: Vec<f64> = change.map(|(after, before)| after - before).collect();
         match &mut self.stiffness {

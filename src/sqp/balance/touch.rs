@@ -97,7 +97,7 @@ fn advance(run: &mut Run<'_>, obstacle: usize, force: [f64; 3]) -> Option<()> {
             return Some(());
         }
         way += distance;
-        if !(way < FARTHEST) {
+        if way.is_nan() || way >= FARTHEST {
             return None;
         }
         let pose = &mut run.state.drive.poses[obstacle];
@@ -146,7 +146,7 @@ fn secant_of_powers(exerted: impl Fn(f64) -> f64, force: f64) -> f64 {
         }
         // Of a half space under a ball; steeper where edges or walls are met.
         let power = match last {
-            Some((before, earlier)) if before != way => {
+            Some((before, earlier)) if (before - way).abs() > 0.0 => {
                 ((found / earlier).ln() / (way / before).ln()).clamp(1.0, 3.0)
             }
             _ => 1.5,
