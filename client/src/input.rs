@@ -6,6 +6,7 @@ use signorini_client::formats::grid;
 use signorini_client::formats::mesh::MeshFile;
 use signorini_client::formats::reader;
 use signorini_client::formats::stl;
+use signorini_client::formats::vtp::Triangulation;
 use signorini_client::scene_file::{self, SceneFileError};
 use signorini_client::{Client, WireMesh, WireSurface};
 use signorini_proto::v1;
@@ -13,6 +14,7 @@ use signorini_proto::v1::shape::Kind;
 
 use crate::arguments::SceneArguments;
 use crate::exit::{Exit, Failure};
+use crate::results::Drawings;
 
 /// What is told where a scene has no steps.
 const WITHOUT_STEPS: &str =
@@ -36,6 +38,8 @@ pub(crate) struct Input {
     pub(crate) wire: WireMesh,
     /// Surfaces that the scene names by digest, with their files.
     pub(crate) surfaces: Vec<(PathBuf, WireSurface)>,
+    /// What they look like.
+    pub(crate) drawings: Drawings,
 }
 
 impl Input {
@@ -85,45 +89,54 @@ pub(crate) fn load(arguments: &SceneArguments) -> Result<Input, Failure> {
         mesh_path: file.mesh,
         mesh,
         wire,
-        surfaces,
+        surfaces: surfaces.wire,
+        drawings: surfaces.drawings,
     })
 }
 
+/// Surfaces of obstacles, and what they look like by the names of the obstacles.
+#[derive(Default)]
+struct Surfaces {
+    wire: Vec<(PathBuf, WireSurface)>,
+    drawings: Drawings,
+}
+
 /// Reads the surfaces of obstacles, and names them in the scene.
-fn load_surfaces(
-    scene: &mut v1::Scene,
-    files: &[(usize, PathBuf)],
-) -> Result<Vec<(PathBuf, WireSurface)>, Failure> {
-    let mut surfaces = Vec::new();
+fn load_surfaces(scene: &mut v1::Scene, files: &[(usize, PathBuf)]) -> Result<Surfaces, Failure> {
+    let mut surfaces = Surfaces::default();
     for (index, path) in files {
-        let shape = scene
-            .obstacles
-            .get_mut(*index)
-            .and_then(|one| one.shape.as_mut());
+        let Some(obstacle) = scene.obstacles.get_mut(*index) else {
+            continue;
+        };
+        let shape = obstacle.shape.as_mut();
         if let Some(kind) = shape.and_then(|shape| shape.kind.as_mut()) {
-            surfaces.push((path.clone(), load_surface(kind, path)?));
+            let (wire, drawing) = load_surface(kind, path)?;
+            surfaces.wire.push((path.clone(), wire));
+            surfaces.drawings.insert(obstacle.name.clone(), drawing);
         }
     }
     Ok(surfaces)
 }
 
 /// Reads the file of a shape, and names what is in it there.
-fn load_surface(kind: &mut Kind, path: &Path) -> Result<WireSurface, Failure> {
+fn load_surface(kind: &mut Kind, path: &Path) -> Result<(WireSurface, Triangulation), Failure> {
     let bytes = std::fs::read(path).map_err(|error| Failure::unreadable(path, &error))?;
-    let wrong = |error: &dyn std::fmt::Display| {
-        Failure::new(Exit::Invalid, format!("{}: {error}", path.display()))
-    };
-    let wire = match kind {
-        Kind::Surface(_) => WireSurface::new(&stl::read(&bytes).map_err(|error| wrong(&error))?)?,
-        _ => WireSurface::of_grid(&grid::read(&bytes).map_err(|error| wrong(&error))?),
-    };
-    match kind {
-        Kind::Surface(surface) => surface.surface = wire.name(),
-        Kind::HeightField(field) => field.grid = wire.name(),
-        Kind::DistanceGrid(distances) => distances.grid = wire.name(),
-        _ => {}
+    let wrong = |error: String| Failure::new(Exit::Invalid, format!("{}: {error}", path.display()));
+    if let Kind::Surface(surface) = kind {
+        let file = stl::read(&bytes).map_err(|error| wrong(error.to_string()))?;
+        let wire = WireSurface::new(&file)?;
+        surface.surface = wire.name();
+        let drawing = scene_file::facets(&file, surface.scale.unwrap_or(1.0));
+        return Ok((wire, drawing));
     }
-    Ok(wire)
+    let file = grid::read(&bytes).map_err(|error| wrong(error.to_string()))?;
+    let wire = WireSurface::of_grid(&file);
+    if let Kind::HeightField(field) = kind {
+        field.grid = wire.name();
+    } else if let Kind::DistanceGrid(distances) = kind {
+        distances.grid = wire.name();
+    }
+    Ok((wire, scene_file::grid_surface(&file)))
 }
 
 /// Reads a mesh file of any format.

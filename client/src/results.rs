@@ -2,7 +2,7 @@
 //! (the obstacles), beside the result lines.
 
 use std::borrow::Cow;
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use signorini_client::formats::Notes;
@@ -11,9 +11,9 @@ use signorini_client::formats::derived::{
 };
 use signorini_client::formats::mesh::MeshFile;
 use signorini_client::formats::pvd::{self, PvdEntry};
-use signorini_client::formats::vtp::{self, BoundingBox, Pose};
+use signorini_client::formats::vtp::{self, BoundingBox, Pose, Triangulation};
 use signorini_client::formats::vtu::{Grid, GridField};
-use signorini_client::scene_file::drawn_near;
+use signorini_client::scene_file::{drawn_near, file_drawn_near};
 use signorini_client::solve::{Field, Increment};
 use signorini_proto::{v1, words};
 
@@ -32,6 +32,9 @@ const LONGEST_STEM: usize = 100;
 /// Name of the result lines in the folder.
 pub(crate) const LINES: &str = "results.jsonl";
 
+/// What tools from files look like in their initial pose, by the names of their obstacles.
+pub(crate) type Drawings = HashMap<String, Triangulation>;
+
 /// Writes the results of one run.
 pub(crate) struct ResultFolder {
     folder: PathBuf,
@@ -44,13 +47,18 @@ pub(crate) struct ResultFolder {
     body: BoundingBox,
     /// Names, the part of a file's name that stands for each, and shapes.
     obstacles: Vec<(String, String, v1::Shape)>,
+    drawings: Drawings,
     entries: Vec<PvdEntry>,
     written: usize,
 }
 
 impl ResultFolder {
-    /// Makes the folder.
-    pub(crate) fn new(folder: &Path, scene: &v1::Scene, mesh: &MeshFile) -> Result<Self, Failure> {
+    /// Makes the folder. Tools from files that have no drawing are not written.
+    pub(crate) fn new(
+        folder: &Path,
+        scene: &v1::Scene,
+        (mesh, drawings): (&MeshFile, Drawings),
+    ) -> Result<Self, Failure> {
         std::fs::create_dir_all(folder).map_err(|error| Failure::unwritable(folder, &error))?;
         let scale = scene.mesh_scale.unwrap_or(1.0);
         let points: Vec<[f64; 3]> = mesh
@@ -75,6 +83,7 @@ impl ResultFolder {
             stretches: stretches(scene),
             body,
             obstacles: shapes.collect(),
+            drawings,
             entries: Vec::new(),
             written: 0,
         })
@@ -196,7 +205,11 @@ impl ResultFolder {
         };
         let pose = report.obstacle_poses.iter().find(|pose| pose.name == *name);
         let pose = pose.map(pose_of).unwrap_or_default();
-        let Some(surface) = drawn_near(shape, &pose, near) else {
+        let surface = match self.drawings.get(name) {
+            Some(drawing) => Some(file_drawn_near(drawing, &pose, near)),
+            None => drawn_near(shape, &pose, near),
+        };
+        let Some(surface) = surface else {
             return Ok(());
         };
         let mut notes = self.notes(report.time);

@@ -66,6 +66,8 @@ impl Factors {
                 | Shape::Torus { .. }
                 | Shape::Cone { .. }
                 | Shape::Surface(_)
+                | Shape::HeightField(_)
+                | Shape::DistanceGrid(_)
                 | Shape::Cavity(_) => panic!("no scene here has such a tool"),
             }
         }

@@ -12,7 +12,7 @@ use crate::exit::{Exit, Failure};
 use crate::output::LineSink;
 use crate::progress::Verbosity;
 use crate::record::Record;
-use crate::results::ResultFolder;
+use crate::results::{Drawings, ResultFolder};
 
 pub(super) async fn run(arguments: FetchArguments, started: Instant) -> Result<Exit, Failure> {
     let client = arguments.remote.connect().await?;
@@ -22,7 +22,7 @@ pub(super) async fn run(arguments: FetchArguments, started: Instant) -> Result<E
     let mut fields = lightest_field(&scene);
     if let Some(out) = &arguments.out {
         let mesh = client.read_mesh(&session.mesh).await?;
-        record.open(ResultFolder::new(out, &scene, &mesh)?)?;
+        record.open(ResultFolder::new(out, &scene, (&mesh, Drawings::new()))?)?;
         // Those of the scene's output.
         fields.clear();
     }

@@ -17,7 +17,7 @@ use crate::input::{self, Input};
 use crate::output::LineSink;
 use crate::progress::Verbosity;
 use crate::record::Record;
-use crate::results::ResultFolder;
+use crate::results::{Drawings, ResultFolder};
 use run::Run;
 
 /// Fields written with `--out` when the scene names none.
@@ -90,7 +90,8 @@ async fn solve(
     };
     let (session, plan) = client.create_session(new).await?;
     let steps = input.scene.steps.clone();
-    let outcome = match begin(&mut run.record, plan, out, &input.scene, &input.mesh) {
+    let picture = (&input.mesh, std::mem::take(&mut input.drawings));
+    let outcome = match begin(&mut run.record, plan, (out, &input.scene), picture) {
         Ok(()) => run.drive(client, &session.name, steps).await,
         Err(failure) => Err(failure),
     };
@@ -103,12 +104,11 @@ async fn solve(
 fn begin(
     record: &mut Record,
     plan: v1::Plan,
-    out: Option<&Path>,
-    scene: &v1::Scene,
-    mesh: &MeshFile,
+    (out, scene): (Option<&Path>, &v1::Scene),
+    picture: (&MeshFile, Drawings),
 ) -> Result<(), Failure> {
     if let Some(out) = out {
-        record.open(ResultFolder::new(out, scene, mesh)?)?;
+        record.open(ResultFolder::new(out, scene, picture)?)?;
     }
     record.plan(plan)?;
     record.progress.phase("preparing");

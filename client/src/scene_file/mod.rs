@@ -10,6 +10,7 @@ mod keys;
 mod obstacle;
 mod outline;
 mod overrides;
+mod sampled;
 mod shape;
 mod step;
 mod suggest;
@@ -26,6 +27,7 @@ use toml::Table;
 
 pub use outline::{drawn_near, outline};
 pub use overrides::Override;
+pub use sampled::{facets, file_drawn_near, grid_surface};
 
 use crate::error::Violation;
 use keys::{Faults, Keys};

@@ -56,6 +56,7 @@ pub fn outline(shape: &v1::Shape, body: &BoundingBox) -> Option<Outline> {
             let apex = three(&shape.apex);
             (cone(shape, apex, body)?, apex)
         }
+        // What they look like is in their files.
         Kind::Surface(_) | Kind::HeightField(_) | Kind::DistanceGrid(_) => return None,
     };
     Some(Outline { surface, reference })

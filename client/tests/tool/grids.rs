@@ -92,6 +92,50 @@ fn a_ball_of_distances_or_heights_is_the_ball() {
     }
 }
 
+/// Triangles of the tool in the picture of a run.
+fn triangles(scene: &Path) -> usize {
+    let out = scene.with_file_name("out");
+    let run = command("solve", scene, &["--out", out.to_str().unwrap()]);
+    assert_eq!(run.code, Some(0), "{}", run.stderr);
+    let picture = std::fs::read(out.join("hertz-sphere_ball_0001.vtp")).unwrap();
+    let picture = String::from_utf8_lossy(&picture);
+    let (_, rest) = picture.split_once("NumberOfPolys=\"").unwrap();
+    rest.split('"').next().unwrap().parse().unwrap()
+}
+
+/// An octahedron around (0, 0, 1), three facets of which meet at each end of the axes.
+fn octahedron() -> String {
+    let corner = |axis: usize, sign: f64| {
+        let mut place = [0.0, 0.0, 1.0];
+        place[axis] += sign;
+        format!("vertex {} {} {}\n", place[0], place[1], place[2])
+    };
+    let mut text = "solid tool\n".to_owned();
+    for octant in 0..8 {
+        let sign = |axis: usize| if octant >> axis & 1 == 0 { 1.0 } else { -1.0 };
+        let mut axes = [0, 1, 2];
+        if sign(0) * sign(1) * sign(2) < 0.0 {
+            axes.swap(0, 1);
+        }
+        let corners = axes.map(|axis| corner(axis, sign(axis))).concat();
+        text += &format!("facet normal 0 0 0\nouter loop\n{corners}endloop\nendfacet\n");
+    }
+    text + "endsolid tool\n"
+}
+
+#[test]
+fn tools_from_files_are_drawn() {
+    let shape = "{ kind = \"distance-grid\", file = \"ball.grid\" }";
+    let distances = scene("drawn_ball", shape, ("ball.grid", &ball()));
+    assert!(triangles(&distances) > 100);
+    let shape = "{ kind = \"height-field\", file = \"cap.grid\", inside = true }";
+    let heights = scene("drawn_cap", shape, ("cap.grid", &cap()));
+    assert!(triangles(&heights) > 100);
+    let shape = "{ kind = \"surface\", file = \"tool.stl\", facets = true }";
+    let facets = scene("drawn_facets", shape, ("tool.stl", &octahedron()));
+    assert!(triangles(&facets) >= 4);
+}
+
 #[test]
 fn faults_of_grids_name_the_file_or_the_key() {
     let refused = |test: &str, shape: &str, text: &str, part: &str| {

@@ -52,9 +52,9 @@ impl GridUpload {
                 return Err(Fault::request("header.grid.counts", text));
             }
         };
-        let nodes = nodes.map_err(|error| match error {
-            GridError::ManyNodes { .. } => limit("header.grid.counts", MOST_NODES as i64),
-            other => Fault::SurfaceInvalid(other.to_string()),
+        let nodes = nodes.map_err(|error| match matches!(error, GridError::ManyNodes { .. }) {
+            true => limit("header.grid.counts", MOST_NODES as i64),
+            false => Fault::SurfaceInvalid(error.to_string()),
         })?;
         Ok(Self {
             lattice,
@@ -150,7 +150,7 @@ mod tests {
         assert!(is_named(&refused(|one| one.counts = vec![4]), counts));
         assert!(is_named(&refused(|one| one.counts = vec![4; 4]), counts));
         assert!(is_named(&refused(|one| one.counts[1] = -1), counts));
-        let origin = refused(|one| drop(one.origin.pop()));
+        let origin = refused(|one| one.origin.truncate(1));
         assert!(is_named(&origin, "header.grid.origin"));
         let spacing = refused(|one| one.spacing.push(1.0));
         assert!(is_named(&spacing, "header.grid.spacing"));

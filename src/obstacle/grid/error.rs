@@ -34,8 +34,10 @@ pub enum GridError {
         /// The axis, from 0.
         axis: usize,
     },
-    /// A spacing that is not above zero.
-    #[error("has a spacing of {spacing} along axis {axis}, it must be above zero")]
+    /// A spacing that is not above zero, or lost beside the coordinates.
+    #[error(
+        "has a spacing of {spacing} along axis {axis}, it must be above zero and above the rounding of the coordinates"
+    )]
     Spacing {
         /// The axis, from 0.
         axis: usize,

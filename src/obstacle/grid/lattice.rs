@@ -51,7 +51,7 @@ impl<const N: usize> Lattice<N> {
                 return Err(GridError::NotAPlace { axis });
             }
             // A spacing that the coordinates do not resolve is none.
-            if spacing <= 0.0 || self.origin[axis] + spacing <= self.origin[axis] {
+            if spacing <= 4.0 * f64::EPSILON * self.origin[axis].abs() {
                 return Err(GridError::Spacing { axis, spacing });
             }
         }

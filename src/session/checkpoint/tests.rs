@@ -1,8 +1,11 @@
 //! Every field travels, and every key of a scene counts.
 
+use std::sync::Arc;
+
 use super::{Checkpoint, CheckpointError, MOST_STEPS, Rounding, scene_digest};
 use crate::mesh::samples;
 use crate::model::push::Push;
+use crate::obstacle::grid::{HeightField, Lattice};
 use crate::plan::Plan;
 use crate::saddle::Status;
 use crate::scene::{
@@ -215,4 +218,36 @@ fn every_key_of_a_scene_counts_but_its_name_and_its_limit_of_time() {
     same.name.push('s');
     same.solver.max_wall_time = Some(1.0);
     assert!(scene_digest::of(&same) == scene_digest::of(&scene()));
+}
+
+#[test]
+fn every_number_of_a_grid_counts_in_a_scene() {
+    let plane = |counts: [usize; 2], first: f64| {
+        let lattice = Lattice {
+            counts,
+            origin: [0.0; 2],
+            spacing: [1.0; 2],
+        };
+        let mut values = vec![0.25; 20];
+        values[0] = first;
+        let field = HeightField::new(lattice, &values).expect("a field");
+        Shape::HeightField(Arc::new(field))
+    };
+    let inside = |shape: Shape| Shape::Cavity(Arc::new(shape));
+    let shapes = [
+        plane([4, 5], 0.25),
+        plane([5, 4], 0.25),
+        plane([4, 5], 0.26),
+        inside(plane([4, 5], 0.25)),
+    ];
+    let digest = |shape: Shape| {
+        let mut scene = scene();
+        scene.obstacles[0].shape = shape;
+        scene_digest::of(&scene)
+    };
+    let mut digests = shapes.map(digest).to_vec();
+    digests.sort_unstable();
+    digests.dedup();
+    assert_eq!(digests.len(), 4);
+    assert!(digests.contains(&digest(plane([4, 5], 0.25))));
 }
