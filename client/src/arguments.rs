@@ -432,7 +432,8 @@ pub(crate) enum SessionCommand {
 /// What a library of another language may ask.
 #[derive(Debug, Subcommand)]
 pub(crate) enum EmbedCommand {
-    /// Read a scene (TOML) from stdin, print the message; its `mesh` is a path
+    /// Read a scene (TOML) from stdin, print the message; its `mesh`, and the files of tools,
+    /// are paths
     Scene {
         /// Names the scene: its stem is the default name, its folder holds the mesh
         path: PathBuf,
@@ -442,6 +443,16 @@ pub(crate) enum EmbedCommand {
     },
     /// Read a mesh file, print the messages of its upload, each behind its length
     Mesh {
+        /// The file
+        path: PathBuf,
+    },
+    /// Read an STL file, print the messages of its upload, each behind its length
+    Surface {
+        /// The file
+        path: PathBuf,
+    },
+    /// Read a grid of heights or distances, print the messages of its upload
+    Grid {
         /// The file
         path: PathBuf,
     },

@@ -120,23 +120,36 @@ fn load_surfaces(scene: &mut v1::Scene, files: &[(usize, PathBuf)]) -> Result<Su
 
 /// Reads the file of a shape, and names what is in it there.
 fn load_surface(kind: &mut Kind, path: &Path) -> Result<(WireSurface, Triangulation), Failure> {
+    let (wire, drawing) = match kind {
+        Kind::Surface(surface) => {
+            let file = read_file(path, stl::read)?;
+            let drawing = scene_file::facets(&file, surface.scale.unwrap_or(1.0));
+            (WireSurface::new(&file)?, drawing)
+        }
+        Kind::HeightField(_) | Kind::DistanceGrid(_) => {
+            let file = read_file(path, grid::read)?;
+            (WireSurface::of_grid(&file), scene_file::grid_surface(&file))
+        }
+        Kind::HalfSpace(_)
+        | Kind::Sphere(_)
+        | Kind::Cylinder(_)
+        | Kind::CappedCylinder(_)
+        | Kind::Box(_)
+        | Kind::Torus(_)
+        | Kind::Cone(_) => return Err(Failure::new(Exit::Usage, "the shape has no file")),
+    };
+    scene_file::name_surface(kind, wire.name());
+    Ok((wire, drawing))
+}
+
+/// Reads a file of a surface, its faults told with its path.
+pub(crate) fn read_file<T, E: std::fmt::Display>(
+    path: &Path,
+    read: impl FnOnce(&[u8]) -> Result<T, E>,
+) -> Result<T, Failure> {
     let bytes = std::fs::read(path).map_err(|error| Failure::unreadable(path, &error))?;
-    let wrong = |error: String| Failure::new(Exit::Invalid, format!("{}: {error}", path.display()));
-    if let Kind::Surface(surface) = kind {
-        let file = stl::read(&bytes).map_err(|error| wrong(error.to_string()))?;
-        let wire = WireSurface::new(&file)?;
-        surface.surface = wire.name();
-        let drawing = scene_file::facets(&file, surface.scale.unwrap_or(1.0));
-        return Ok((wire, drawing));
-    }
-    let file = grid::read(&bytes).map_err(|error| wrong(error.to_string()))?;
-    let wire = WireSurface::of_grid(&file);
-    if let Kind::HeightField(field) = kind {
-        field.grid = wire.name();
-    } else if let Kind::DistanceGrid(distances) = kind {
-        distances.grid = wire.name();
-    }
-    Ok((wire, scene_file::grid_surface(&file)))
+    read(&bytes)
+        .map_err(|error| Failure::new(Exit::Invalid, format!("{}: {error}", path.display())))
 }
 
 /// Reads a mesh file of any format.

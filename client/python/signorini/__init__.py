@@ -10,6 +10,7 @@ interpreter. `signorini.aio` is the asynchronous twin, `signorini.v1` the messag
 
 from . import errors
 from ._session import Pending, Session
+from ._surfaces import write_grid
 from .client import Client, connect, plan, session, solve
 from .errors import SignoriniError, SignoriniWarning
 from .mesh import Mesh, boundary
@@ -19,7 +20,9 @@ from .scene import (
     CappedCylinder,
     Cone,
     Cylinder,
+    DistanceGrid,
     HalfSpace,
+    HeightField,
     LinearElastic,
     MooneyRivlin,
     Move,
@@ -35,6 +38,7 @@ from .scene import (
     Stokes,
     Support,
     SupportMove,
+    Surface,
     Torus,
     Traction,
     Yeoh,
@@ -47,7 +51,9 @@ __all__ = [
     "Client",
     "Cone",
     "Cylinder",
+    "DistanceGrid",
     "HalfSpace",
+    "HeightField",
     "Increment",
     "Iteration",
     "LinearElastic",
@@ -71,6 +77,7 @@ __all__ = [
     "Stokes",
     "Support",
     "SupportMove",
+    "Surface",
     "Torus",
     "Traction",
     "Yeoh",
@@ -81,4 +88,5 @@ __all__ = [
     "plan",
     "session",
     "solve",
+    "write_grid",
 ]

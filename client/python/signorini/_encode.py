@@ -18,6 +18,7 @@ import numpy as np
 import tomli_w
 
 from . import _program
+from ._surfaces import Surface, read_surfaces
 from .errors import SceneError, Violation
 from .mesh import Mesh
 from .scene import Scene, Step, plain
@@ -35,6 +36,7 @@ class Problem:
 
     scene: scene_pb2.Scene
     mesh: Mesh
+    surfaces: Sequence[Surface] = ()
 
 
 def problem(scene: SceneLike, mesh: Mesh | Any | None = None, changes: Mapping[str, Any] | None = None) -> Problem:
@@ -47,7 +49,7 @@ def problem(scene: SceneLike, mesh: Mesh | Any | None = None, changes: Mapping[s
     message = scene_pb2.Scene.FromString(_program.read_scene(text, path, settings))
     arrays = Mesh.read(message.mesh) if mesh is None else as_mesh(mesh)
     message.mesh = arrays.name
-    return Problem(message, arrays)
+    return Problem(message, arrays, read_surfaces(message))
 
 
 def source(scene: SceneLike) -> tuple[bytes, Path, Any]:

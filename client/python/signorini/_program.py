@@ -65,7 +65,7 @@ def faults(notes: list[str]) -> list[str]:
 
 
 def read_scene(text: bytes, path: Path, changes: list[str]) -> bytes:
-    """The message of a scene file's text; its `mesh` is a path."""
+    """The message of a scene file's text; its `mesh`, and the files of tools, are paths."""
     settings = [part for change in changes for part in ("--set", change)]
     code, output, messages = run("scene", *settings, "--", str(path), text=text)
     if code != 0:
@@ -84,6 +84,14 @@ def read_mesh(path: Path) -> list[bytes]:
     code, output, messages = run("mesh", "--", str(path))
     if code != 0:
         raise MeshError("; ".join(messages), "MESH_INVALID", "INVALID_ARGUMENT")
+    return list(delimited(output))
+
+
+def read_surface(command: str, path: Path) -> list[bytes]:
+    """The messages of the upload of a tool's file: `surface` of facets, `grid` of numbers."""
+    code, output, messages = run(command, "--", str(path))
+    if code != 0:
+        raise SceneError("; ".join(messages), "SURFACE_INVALID", "INVALID_ARGUMENT")
     return list(delimited(output))
 
 

@@ -232,7 +232,7 @@ class Session:
 
 def create(client: Client, problem: Problem, options: Options) -> Session:
     """Uploads the mesh where needed, makes the session and opens its stream."""
-    client.upload(problem.mesh)
+    client.upload_problem(problem)
     answer = client.create(options.create(problem, client.embedded))
     return Session(client, answer.session.name, problem, Plan(answer.plan), options)
 

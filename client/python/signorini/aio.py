@@ -35,12 +35,19 @@ from ._options import (
     step_request,
     steps_of,
 )
+from ._surfaces import Surface
 from .client import tell
 from .errors import ConnectionBrokenError, NotFoundError, SignoriniError, from_call
 from .mesh import Mesh
 from .reports import Plan
 from .results import Increment, Iteration, Result
-from .v1 import mesh_service_pb2, mesh_service_pb2_grpc, session_service_pb2_grpc
+from .v1 import (
+    mesh_service_pb2,
+    mesh_service_pb2_grpc,
+    session_service_pb2_grpc,
+    surface_service_pb2,
+    surface_service_pb2_grpc,
+)
 from .v1 import session_service_pb2 as pb
 
 __all__ = ["Pending", "Session", "session", "solve"]
@@ -189,6 +196,18 @@ class Session:
                     await meshes.GetMesh(request, timeout=ANSWER_SECONDS)
             except NotFoundError:
                 await meshes.UploadMesh(mesh.requests())
+        for surface in self._problem.surfaces:
+            await self._upload_surface(surface)
+
+    async def _upload_surface(self, surface: Surface) -> None:
+        surfaces = surface_service_pb2_grpc.SurfaceServiceStub(self._channel)  # type: ignore[no-untyped-call]
+        with typed(self._address):
+            try:
+                with typed(self._address):
+                    request = surface_service_pb2.GetSurfaceRequest(name=surface.name)
+                    await surfaces.GetSurface(request, timeout=ANSWER_SECONDS)
+            except NotFoundError:
+                await surfaces.UploadSurface(iter(surface.requests))
 
     async def _send(self, request: pb.SolveRequest) -> Pending:
         pending = Pending(self, self._journal.update(request))

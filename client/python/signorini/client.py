@@ -9,13 +9,19 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ._connection import ANSWER_SECONDS, PLAN_SECONDS, channel, resolve, typed
-from ._encode import SceneLike, problem
+from ._encode import Problem, SceneLike, problem
 from ._options import PATIENCE, Options, default_fields, resource, steps_of
 from .errors import NotFoundError, SignoriniWarning
 from .mesh import Mesh
 from .reports import Plan
 from .results import Increment, Result
-from .v1 import mesh_service_pb2, mesh_service_pb2_grpc, session_service_pb2_grpc
+from .v1 import (
+    mesh_service_pb2,
+    mesh_service_pb2_grpc,
+    session_service_pb2_grpc,
+    surface_service_pb2,
+    surface_service_pb2_grpc,
+)
 from .v1 import session_service_pb2 as pb
 
 if TYPE_CHECKING:
@@ -33,6 +39,7 @@ class Client:
         self.channel = channel(address)
         self.sessions_stub = session_service_pb2_grpc.SessionServiceStub(self.channel)  # type: ignore[no-untyped-call]
         self.meshes_stub = mesh_service_pb2_grpc.MeshServiceStub(self.channel)  # type: ignore[no-untyped-call]
+        self.surfaces_stub = surface_service_pb2_grpc.SurfaceServiceStub(self.channel)  # type: ignore[no-untyped-call]
 
     def solve(
         self,
@@ -70,7 +77,7 @@ class Client:
     def plan(self, scene: SceneLike, mesh: Any = None, *, set: Mapping[str, Any] | None = None) -> Plan:
         """What a scene needs, what is left out and why; nothing is solved."""
         one = problem(scene, mesh, set)
-        self.upload(one.mesh)
+        self.upload_problem(one)
         request = Options().create(one, self.embedded)
         request.validate_only = True
         return Plan(self.create(request).plan)
@@ -122,6 +129,18 @@ class Client:
             except NotFoundError:
                 self.meshes_stub.UploadMesh(mesh.requests())
         return mesh.name
+
+    def upload_problem(self, problem: Problem) -> None:
+        """Makes sure that the server has the mesh and the tools of a scene."""
+        self.upload(problem.mesh)
+        for surface in problem.surfaces:
+            with typed(self.address):
+                try:
+                    request = surface_service_pb2.GetSurfaceRequest(name=surface.name)
+                    with typed(self.address):
+                        self.surfaces_stub.GetSurface(request, timeout=ANSWER_SECONDS)
+                except NotFoundError:
+                    self.surfaces_stub.UploadSurface(iter(surface.requests))
 
     def read_mesh(self, name: str) -> Mesh:
         """The arrays of a stored mesh."""

@@ -105,7 +105,7 @@ class RefusedError(SignoriniError):
 
 
 class SceneError(RefusedError):
-    """A scene or an update that is wrong; `violations` name the keys."""
+    """A scene, a tool of it or an update that is wrong; `violations` name the keys."""
 
 
 class UnsupportedError(RefusedError):
@@ -117,7 +117,7 @@ class MeshError(RefusedError):
 
 
 class NotFoundError(RefusedError):
-    """No such mesh, session or step, or not any more."""
+    """No such mesh, tool, session or step, or not any more."""
 
 
 class SessionError(RefusedError):
@@ -152,6 +152,9 @@ BY_REASON: dict[str, type[RefusedError]] = {
     "MESH_DIGEST_MISMATCH": MeshError,
     "MESH_IN_USE": MeshError,
     "MESH_NOT_FOUND": NotFoundError,
+    "SURFACE_INVALID": SceneError,
+    "SURFACE_NOT_FOUND": NotFoundError,
+    "SURFACE_IN_USE": SessionError,
     "SESSION_NOT_FOUND": NotFoundError,
     "SESSION_EXPIRED": NotFoundError,
     "STEP_NOT_FOUND": NotFoundError,

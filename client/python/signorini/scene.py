@@ -207,7 +207,38 @@ class Cone(Part):
     inside: bool | None = None
 
 
-Shape = HalfSpace | Sphere | Cylinder | CappedCylinder | Box | Torus | Cone | Mapping[str, Any]
+@dataclass(kw_only=True)
+class Surface(Part):
+    """A closed surface from an STL file; smoothed but at edges of more than `feature_angle`, degrees."""
+
+    constant = {"kind": "surface"}
+    file: str | Path
+    scale: float | None = None
+    facets: bool | None = None
+    feature_angle: float | None = None
+    inside: bool | None = None
+
+
+@dataclass(kw_only=True)
+class HeightField(Part):
+    """All below heights over a grid of x and y, with `inside` all above; see `write_grid`."""
+
+    constant = {"kind": "height-field"}
+    file: str | Path
+    inside: bool | None = None
+
+
+@dataclass(kw_only=True)
+class DistanceGrid(Part):
+    """All where signed distances on a grid are negative; see `write_grid`."""
+
+    constant = {"kind": "distance-grid"}
+    file: str | Path
+    inside: bool | None = None
+
+
+Analytic = HalfSpace | Sphere | Cylinder | CappedCylinder | Box | Torus | Cone
+Shape = Analytic | Surface | HeightField | DistanceGrid | Mapping[str, Any]
 
 
 @dataclass(kw_only=True)

@@ -26,6 +26,9 @@ CLASSES = [
     (s.Box, scene_pb2.BoxShape, {"inside"}, set()),
     (s.Torus, scene_pb2.Torus, {"inside"}, set()),
     (s.Cone, scene_pb2.Cone, {"inside"}, set()),
+    (s.Surface, scene_pb2.SurfaceShape, {"inside", "file"}, {"surface"}),
+    (s.HeightField, scene_pb2.HeightField, {"inside", "file"}, {"grid"}),
+    (s.DistanceGrid, scene_pb2.DistanceGrid, {"inside", "file"}, {"grid"}),
     (s.Support, scene_pb2.Support, set(), set()),
     (s.Traction, scene_pb2.Traction, set(), set()),
     (s.Pressure, scene_pb2.Pressure, set(), set()),
@@ -54,8 +57,9 @@ def filled(kind: Any) -> dict[str, Any]:
     values |= dict.fromkeys(vectors & values.keys(), (1, 2.5, 3))
     values |= {name: {"x": 1.0} for name in {"displacement", "force", "moment"} & values.keys()}
     values |= {"normal": 0.0} if kind is s.Support else {}
-    values |= {"inside": False} if "inside" in values else {}
+    values |= dict.fromkeys({"inside", "facets"} & values.keys(), False)
     words = {"formulation": "mixed", "profile": "parabolic", "name": "n", "on": ["a", "b"], "surface": "smooth"}
+    words |= {"file": "tool.stl"}
     return kind(**{**values, **{key: word for key, word in words.items() if key in values}}).as_dict()
 
 
@@ -68,6 +72,7 @@ def scene() -> dict[str, Any]:
     del linear["young_modulus"]
     materials = [s.Stokes, s.MooneyRivlin, s.NeoHookean, s.Yeoh, s.Ogden]
     shapes = [s.HalfSpace, s.Sphere, s.Cylinder, s.CappedCylinder, s.Box, s.Torus, s.Cone]
+    shapes += [s.Surface, s.HeightField, s.DistanceGrid]
     obstacle = {"name": "n", "on": ["a"], "friction": 0.3, "tresca": 0.1, "surface": "smooth"}
     solver = dict.fromkeys(filled(s.Solver), "auto")
     solver |= {"tolerance": "discretisation", "max_wall_time": 3.0}
@@ -91,7 +96,7 @@ def test_every_key_of_the_classes_is_read_by_the_program() -> None:
     text = _encode.tomli_w.dumps(tables).encode()
     message = scene_pb2.Scene.FromString(_program.read_scene(text, Path("scene"), ['mesh="a.msh"']))
     assert len(message.materials) == 6
-    assert len(message.obstacles) == 7
+    assert len(message.obstacles) == 10
     assert list(message.output.fields) == [one.number for one in scene_pb2.FieldName.DESCRIPTOR.values if one.number]
     assert message.steps[0] == _encode.load_step(tables["step"][0])
 

@@ -10,8 +10,9 @@ use std::io::{Read as _, Write as _};
 use std::path::Path;
 
 use prost::Message;
-use signorini_client::WireMesh;
+use signorini_client::formats::{grid, stl};
 use signorini_client::scene_file::{self, Override};
+use signorini_client::{WireMesh, WireSurface};
 use signorini_proto::v1;
 
 use crate::arguments::EmbedCommand;
@@ -23,6 +24,12 @@ pub(super) async fn run(command: EmbedCommand) -> Result<Exit, Failure> {
     match command {
         EmbedCommand::Scene { path, overrides } => scene(&path, &overrides),
         EmbedCommand::Mesh { path } => mesh(&path),
+        EmbedCommand::Surface { path } => {
+            surface(WireSurface::new(&input::read_file(&path, stl::read)?)?)
+        }
+        EmbedCommand::Grid { path } => {
+            surface(WireSurface::of_grid(&input::read_file(&path, grid::read)?))
+        }
         EmbedCommand::Serve { listen } => serve::run(listen).await,
     }
 }
@@ -37,10 +44,16 @@ fn scene(path: &Path, overrides: &[Override]) -> Result<Exit, Failure> {
         let message = format!("mesh: {} is not UTF-8", file.mesh.display());
         Failure::new(Exit::Invalid, message)
     })?;
-    let scene = v1::Scene {
+    let mut scene = v1::Scene {
         mesh: mesh.to_owned(),
         ..file.scene
     };
+    for (index, path) in &file.surfaces {
+        let shape = (scene.obstacles.get_mut(*index)).and_then(|one| one.shape.as_mut());
+        if let Some(kind) = shape.and_then(|shape| shape.kind.as_mut()) {
+            scene_file::name_surface(kind, path.to_string_lossy().into_owned());
+        }
+    }
     write(std::iter::once(scene.encode_to_vec()))
 }
 
@@ -50,6 +63,11 @@ fn mesh(path: &Path) -> Result<Exit, Failure> {
         note(&format!("warning: {warning}\n"));
     }
     let requests = WireMesh::new(&mesh)?.requests();
+    write(requests.map(|request| request.encode_length_delimited_to_vec()))
+}
+
+fn surface(surface: WireSurface) -> Result<Exit, Failure> {
+    let requests = surface.requests();
     write(requests.map(|request| request.encode_length_delimited_to_vec()))
 }
 

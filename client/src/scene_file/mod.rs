@@ -119,17 +119,43 @@ pub fn read(text: &str, path: &Path, overrides: &[Override]) -> Result<SceneFile
 /// Files of the surfaces of obstacles, relative to `folder`.
 fn surfaces(scene: &v1::Scene, folder: &Path) -> Vec<(usize, PathBuf)> {
     let obstacles = scene.obstacles.iter().enumerate();
-    let file = |(index, obstacle): (usize, &v1::Obstacle)| match obstacle
-        .shape
-        .as_ref()
-        .and_then(|shape| shape.kind.as_ref())
-    {
-        Some(Kind::Surface(surface)) => Some((index, folder.join(&surface.surface))),
-        Some(Kind::HeightField(field)) => Some((index, folder.join(&field.grid))),
-        Some(Kind::DistanceGrid(distances)) => Some((index, folder.join(&distances.grid))),
-        Some(_) | None => None,
+    let file = |(index, obstacle): (usize, &v1::Obstacle)| {
+        let file = surface_name(obstacle.shape.as_ref()?.kind.as_ref()?)?;
+        Some((index, folder.join(file)))
     };
     obstacles.filter_map(file).collect()
+}
+
+/// The file, or the uploaded surface, that a shape names.
+fn surface_name(kind: &Kind) -> Option<&str> {
+    match kind {
+        Kind::Surface(surface) => Some(&surface.surface),
+        Kind::HeightField(field) => Some(&field.grid),
+        Kind::DistanceGrid(distances) => Some(&distances.grid),
+        Kind::HalfSpace(_)
+        | Kind::Sphere(_)
+        | Kind::Cylinder(_)
+        | Kind::CappedCylinder(_)
+        | Kind::Box(_)
+        | Kind::Torus(_)
+        | Kind::Cone(_) => None,
+    }
+}
+
+/// Lets a shape from a file name another file, or an uploaded surface.
+pub fn name_surface(kind: &mut Kind, name: String) {
+    match kind {
+        Kind::Surface(surface) => surface.surface = name,
+        Kind::HeightField(field) => field.grid = name,
+        Kind::DistanceGrid(distances) => distances.grid = name,
+        Kind::HalfSpace(_)
+        | Kind::Sphere(_)
+        | Kind::Cylinder(_)
+        | Kind::CappedCylinder(_)
+        | Kind::Box(_)
+        | Kind::Torus(_)
+        | Kind::Cone(_) => {}
+    }
 }
 
 fn scene(keys: &Keys<'_>, stem: String) -> v1::Scene {
