@@ -8,7 +8,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::SystemTime;
 
 use crate::access::{Caller, Owners};
-use crate::convert::surface::{Surface, name};
+use crate::convert::surface::name;
+use crate::convert::uploaded::Surface;
 use crate::fault::Fault;
 use crate::store::{Reservation, Store};
 

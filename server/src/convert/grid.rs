@@ -7,7 +7,7 @@ use signorini_proto::digest::{grid_digest, hex};
 use signorini_proto::v1 as wire;
 
 use super::mesh::{Numbers, limit};
-use super::surface::Surface;
+use super::uploaded::Surface;
 use crate::fault::Fault;
 
 /// Nodes that a spline adds along an axis: beyond both ends.

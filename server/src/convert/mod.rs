@@ -14,6 +14,7 @@ pub(crate) mod scene;
 pub(crate) mod shape;
 pub(crate) mod step;
 pub(crate) mod surface;
+pub(crate) mod uploaded;
 
 use signorini::scene::Violation;
 use signorini_proto::v1 as wire;

@@ -9,7 +9,7 @@ use signorini::scene::{
 };
 use signorini_proto::v1 as wire;
 
-use super::surface::SurfacesByName;
+use super::uploaded::SurfacesByName;
 use super::{Faults, MOST_FAULTS, components, field, material, mesh, named, shape, step};
 use crate::fault::Fault;
 

@@ -7,7 +7,7 @@ use signorini::scene::{Shape, SurfaceGeometry};
 use signorini_proto::v1 as wire;
 
 use super::Faults;
-use super::surface::{Surface, SurfacesByName};
+use super::uploaded::{Surface, SurfacesByName};
 
 /// Angle between facets beyond which their edge is a feature, degrees.
 const FEATURE_ANGLE: f64 = 30.0;

@@ -93,6 +93,47 @@ impl Frame {
     }
 }
 
+/// One step of the search: along the normal and the tangents.
+struct Step {
+    rise: f64,
+    along: [f64; 2],
+    /// Whether the distance is least at the foot, or a saddle.
+    is_least: bool,
+}
+
+impl Step {
+    /// From a place with value F towards the foot of a point `offset` away.
+    fn new(frame: &Frame, value: f64, offset: [f64; 3]) -> Self {
+        let distance = dot(offset, frame.normal);
+        let rise = -value / frame.slope;
+        let sideways: [f64; 2] = std::array::from_fn(|i| {
+            dot(offset, frame.tangents[i]) - distance * frame.turn[i] * rise
+        });
+        let moved = shifted(frame.bent, distance);
+        let is_least = is_positive(moved);
+        let [a, b, c] = match is_least {
+            true => inverse(moved),
+            false => [1.0, 0.0, 1.0],
+        };
+        let [s, t] = sideways;
+        Self {
+            rise,
+            along: [a * s + b * t, b * s + c * t],
+            is_least,
+        }
+    }
+
+    fn size(&self) -> f64 {
+        self.rise.hypot(self.along[0]).hypot(self.along[1])
+    }
+
+    fn vector(&self, frame: &Frame) -> [f64; 3] {
+        let [s, t] = frame.tangents;
+        let along = add(scale(self.along[0], s), scale(self.along[1], t));
+        add(scale(self.rise, frame.normal), along)
+    }
+}
+
 /// The contact of `x` with the level at its nearest point, and that point, sought from
 /// `start`; none where the search does not end at a nearest point.
 pub(super) fn nearest(
@@ -107,36 +148,17 @@ pub(super) fn nearest(
         let frame = Frame::new(&jet)?;
         let offset = sub(x, y);
         let distance = dot(offset, frame.normal);
-        let rise = -jet.value / frame.slope;
-        let sideways: [f64; 2] = std::array::from_fn(|i| {
-            dot(offset, frame.tangents[i]) - distance * frame.turn[i] * rise
-        });
-        let moved = shifted(frame.bent, distance);
-        let is_least = is_positive(moved);
-        let inverse = if is_least {
-            inverse(moved)
-        } else {
-            [1.0, 0.0, 1.0]
-        };
-        let along = [
-            inverse[0] * sideways[0] + inverse[1] * sideways[1],
-            inverse[1] * sideways[0] + inverse[2] * sideways[1],
-        ];
-        let size = rise.hypot(along[0]).hypot(along[1]);
+        let step = Step::new(&frame, jet.value, offset);
+        let size = step.size();
         if size <= END * cell + ROUNDING * (max_norm(x) + distance.abs()) {
             let contact = Contact {
-                distance: distance - rise,
+                distance: distance - step.rise,
                 normal: frame.normal,
                 curvature: frame.curvature(distance),
             };
-            return is_least.then_some((contact, y));
+            return step.is_least.then_some((contact, y));
         }
-        let [s, t] = frame.tangents;
-        let step = add(
-            scale(rise, frame.normal),
-            add(scale(along[0], s), scale(along[1], t)),
-        );
-        y = add(y, scale((cell / size).min(1.0), step));
+        y = add(y, scale((cell / size).min(1.0), step.vector(&frame)));
     }
     None
 }

@@ -30,4 +30,6 @@ pub use lattice::{Lattice, MOST_NODES};
 pub use tool::Sampled;
 
 #[cfg(test)]
+mod refusals;
+#[cfg(test)]
 mod tests;

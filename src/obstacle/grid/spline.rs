@@ -40,6 +40,13 @@ pub(super) struct Jet<const N: usize> {
     pub(super) hessian: [[f64; N]; N],
 }
 
+/// The coefficients around a place: how far they lie apart along each axis, and their weights
+/// with two derivatives.
+struct Around<const N: usize> {
+    strides: [usize; N],
+    weights: [[[f64; 3]; 4]; N],
+}
+
 /// A spline over a lattice.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Spline<const N: usize> {
@@ -94,23 +101,25 @@ impl<const N: usize> Spline<N> {
     /// Value and derivatives at a place `[N]`; beyond the border at the nearest place that
     /// the spline has.
     pub(super) fn jet(&self, place: [f64; N]) -> Jet<N> {
-        let mut first = 0;
-        let mut strides = [1; N];
-        let mut weights = [[[0.0; 3]; 4]; N];
-        let mut stride = 1;
+        let mut around = Around {
+            strides: [1; N],
+            weights: [[[0.0; 3]; 4]; N],
+        };
+        let (mut first, mut stride) = (0, 1);
         for axis in (0..N).rev() {
-            let (cell, shares) = self.cell(axis, place[axis]);
+            let (cell, weights) = self.cell(axis, place[axis]);
             first += cell * stride;
-            strides[axis] = stride;
-            weights[axis] = shares;
+            around.strides[axis] = stride;
+            around.weights[axis] = weights;
             stride *= self.lattice.counts[axis] + 2 + 2 * self.beyond.cells();
         }
-        let mut jet = self.sum(first, strides, &weights);
+        let mut jet = self.sum(first, &around, 0);
         let scale = self.lattice.spacing.map(f64::recip);
         for a in 0..N {
             jet.gradient[a] *= scale[a];
-            for b in 0..N {
+            for b in a..N {
                 jet.hessian[a][b] *= scale[a] * scale[b];
+                jet.hessian[b][a] = jet.hessian[a][b];
             }
         }
         jet
@@ -127,37 +136,32 @@ impl<const N: usize> Spline<N> {
         (cell as usize, weights(t - cell))
     }
 
-    fn sum(&self, first: usize, strides: [usize; N], weights: &[[[f64; 3]; 4]; N]) -> Jet<N> {
+    /// The sum over the axes from `axis` on, its derivatives along those only.
+    fn sum(&self, first: usize, around: &Around<N>, axis: usize) -> Jet<N> {
         let mut jet = Jet {
             value: 0.0,
             gradient: [0.0; N],
             hessian: [[0.0; N]; N],
         };
-        for index in 0..4_usize.pow(N as u32) {
-            let digit: [usize; N] = std::array::from_fn(|axis| index >> (2 * axis) & 3);
-            let offset: usize = (0..N).map(|axis| digit[axis] * strides[axis]).sum();
-            let coefficient = self.coefficients[first + offset];
-            let product = |order: [usize; N]| {
-                (0..N).fold(coefficient, |product, axis| {
-                    product * weights[axis][digit[axis]][order[axis]]
-                })
-            };
-            let mut order = [0; N];
-            jet.value += product(order);
-            for a in 0..N {
-                order[a] += 1;
-                jet.gradient[a] += product(order);
-                for b in 0..=a {
-                    order[b] += 1;
-                    jet.hessian[a][b] += product(order);
-                    order[b] -= 1;
-                }
-                order[a] -= 1;
+        for (i, [weight, slope, bend]) in around.weights[axis].into_iter().enumerate() {
+            let place = first + i * around.strides[axis];
+            if axis + 1 == N {
+                let coefficient = self.coefficients[place];
+                jet.value += weight * coefficient;
+                jet.gradient[axis] += slope * coefficient;
+                jet.hessian[axis][axis] += bend * coefficient;
+                continue;
             }
-        }
-        for a in 0..N {
-            for b in 0..a {
-                jet.hessian[b][a] = jet.hessian[a][b];
+            let inner = self.sum(place, around, axis + 1);
+            jet.value += weight * inner.value;
+            jet.gradient[axis] += slope * inner.value;
+            jet.hessian[axis][axis] += bend * inner.value;
+            for b in axis + 1..N {
+                jet.gradient[b] += weight * inner.gradient[b];
+                jet.hessian[axis][b] += slope * inner.gradient[b];
+                for c in b..N {
+                    jet.hessian[b][c] += weight * inner.hessian[b][c];
+                }
             }
         }
         jet
