@@ -2,7 +2,8 @@
 
 use crate::common::meshes::{cube, file, mesh};
 use crate::common::scenes::{
-    HELD, bonded_cube, elastic, hertz_sphere, mooney_rivlin, obstacle, plane, push, rubber, support,
+    HELD, bonded_cube, elastic, hertz_sphere, mooney_rivlin, obstacle, plane, push, rubber,
+    support, traction,
 };
 use crate::common::{assert_converged, close, open, take};
 use signorini::report::{Cause, Termination};
@@ -151,6 +152,26 @@ fn a_rough_plate_is_in_balance_in_all_six_components() {
     for (found, goal) in found.zip(goal) {
         assert!((found - goal).abs() < 1e-9, "{plate:?}");
     }
+}
+
+#[test]
+fn a_push_is_met_while_other_loads_ramp_and_tools_move() {
+    let mut scene = elastic(0.3);
+    scene.supports = vec![support("z0", HELD)];
+    scene.tractions = vec![traction("x1", [0.05, 0.0, 0.02])];
+    scene.obstacles = vec![
+        obstacle("lid", "z1", plane([0.0, 0.0, 1.0], [0.0, 0.0, -1.0])),
+        obstacle("wall", "y1", plane([0.0, 1.0, 0.0], [0.0, -1.0, 0.0])),
+    ];
+    let mut step = down("lid", -0.05);
+    step.increments = 3;
+    step.obstacles
+        .extend(push("wall", [0.0, -0.02, 0.0]).obstacles);
+    let mut session = open(&scene, &mesh(cube(3)));
+    let report = last(&mut session, &step);
+    assert!(close(report.obstacles["lid"].force[2], -0.05, 1e-7));
+    let poses = session.obstacle_poses();
+    assert!(close(poses[1].translation[1], -0.02, 1e-15));
 }
 
 fn assert_unbalanced(session: &mut Session, step: &Step, key: &str) {

@@ -112,6 +112,8 @@ impl Balance {
             None => self.first_step(run),
         };
         let mut before = self.progress(run);
+        // Other loads change forces, too.
+        let mut tells = self.is_only_pushed(run);
         let (mut failures, mut slides) = (0, 0);
         run.model.tolerance = COARSE.max(floor);
         for _ in 0..MOST_SOLVES {
@@ -133,7 +135,8 @@ impl Balance {
                 step.iter_mut().for_each(|part| *part *= SHORTER);
                 continue;
             }
-            self.learn(run, &step, (&before, &after));
+            self.learn(&step, tells.then_some((&before, &after)));
+            tells = true;
             let is_sharp = run.model.tolerance <= floor;
             let is_idle = after.relative > 0.5 * before.relative && is_sharp;
             let bound = if is_idle { NEAR * floor } else { floor };
@@ -184,15 +187,25 @@ impl Balance {
         solved
     }
 
-    /// Takes over what a solve says of the stiffness. Before the first one in sight of the goal
-    /// other loads may have changed, too.
-    fn learn(&mut self, run: &Run<'_>, step: &[f64], (before, after): (&Progress, &Progress)) {
+    /// Whether the state is driven as it shall be but for its pushes and what follows from them.
+    fn is_only_pushed(&self, run: &Run<'_>) -> bool {
+        let now = Drive {
+            pushes: self.drive.pushes.clone(),
+            ..run.state.drive.clone()
+        };
+        now == self.drive
+    }
+
+    /// Takes over what a step has changed, before and after it; nothing of one that says nothing
+    /// of the stiffness, which is then asked for anew.
+    fn learn(&mut self, step: &[f64], ends: Option<(&Progress, &Progress)>) {
+        let (Some(stiffness), Some((before, after))) = (&mut self.stiffness, ends) else {
+            self.stiffness = None;
+            return;
+        };
         let change = after.misfit.iter().zip(&before.misfit);
         let change: Vec<f64> = change.map(|(after, before)| after - before).collect();
-        match &mut self.stiffness {
-            Some(stiffness) if run.state.drive == self.drive => stiffness.learn(step, &change),
-            _ => self.stiffness = None,
-        }
+        stiffness.learn(step, &change);
     }
 
     /// f - F at the state.
