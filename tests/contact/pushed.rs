@@ -172,6 +172,13 @@ fn a_push_is_met_while_other_loads_ramp_and_tools_move() {
     assert!(close(report.obstacles["lid"].force[2], -0.05, 1e-7));
     let poses = session.obstacle_poses();
     assert!(close(poses[1].translation[1], -0.02, 1e-15));
+    // The push goes on while the load is taken off.
+    let unload = Step {
+        load: Some(-1.0),
+        ..Step::default()
+    };
+    let report = last(&mut session, &unload);
+    assert!(close(report.obstacles["lid"].force[2], -0.05, 1e-7));
 }
 
 fn assert_unbalanced(session: &mut Session, step: &Step, key: &str) {
