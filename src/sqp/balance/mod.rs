@@ -156,7 +156,11 @@ impl Balance {
             let gone = || self.worst(&after.misfit).filter(|_| slides >= MOST_SLIDES);
             if let Some(control) = lost.or_else(gone) {
                 ending.termination = Termination::NotConverged;
-                ending.cause = Some(Cause::NoEquilibrium);
+                // A tool that the body has left may meet it again farther along its force.
+                ending.cause = Some(match touch::lead(run, &self.controls, &self.goal) {
+                    Some(_) => Cause::IterationLimit,
+                    None => Cause::NoEquilibrium,
+                });
                 ending.site = Some(named(control));
                 return ending;
             }
