@@ -142,7 +142,7 @@ fn load_surface(kind: &mut Kind, path: &Path) -> Result<(WireSurface, Triangulat
     Ok((wire, drawing))
 }
 
-/// Reads a file of a surface, its faults told with its path.
+/// Reads a file, its faults told with its path.
 pub(crate) fn read_file<T, E: std::fmt::Display>(
     path: &Path,
     read: impl FnOnce(&[u8]) -> Result<T, E>,
@@ -154,7 +154,5 @@ pub(crate) fn read_file<T, E: std::fmt::Display>(
 
 /// Reads a mesh file of any format.
 pub(crate) fn load_mesh(path: &Path) -> Result<MeshFile, Failure> {
-    let bytes = std::fs::read(path).map_err(|error| Failure::unreadable(path, &error))?;
-    reader::read(&bytes, path)
-        .map_err(|error| Failure::new(Exit::Invalid, format!("{}: {error}", path.display())))
+    read_file(path, |bytes| reader::read(bytes, path))
 }

@@ -153,7 +153,9 @@ impl Drive {
     pub(crate) fn carried_by(&self, other: &Self) -> Self {
         let mut carried = self.clone();
         for control in self.controls() {
-            *carried.component(control) = *other.clone().component(control);
+            let pose = &other.poses[control.obstacle];
+            let reached = [pose.translation, pose.rotation];
+            *carried.component(control) = reached.as_flattened()[control.axis];
         }
         carried
     }
