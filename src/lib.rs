@@ -159,6 +159,7 @@
 #![doc = include_str!("decisions/0039-who-may-do-what.md")]
 #![doc = include_str!("decisions/0040-pushed-tools.md")]
 #![doc = include_str!("decisions/0041-tools-on-grids.md")]
+#![doc = include_str!("decisions/0042-metric-by-its-parts.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

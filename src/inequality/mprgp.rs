@@ -21,8 +21,8 @@ use super::{BlockIterate, InequalitySolver, QpIterate, QpOutcome, QpProblem, QpR
 use crate::krylov::Outcome;
 use std::sync::Arc;
 
-use crate::linalg::DenseCholesky;
 use crate::linalg::vector::{dot, scale_and_add};
+use crate::linalg::{PartFactor, Workspace};
 
 /// Products per problem; a tenth of it is usual.
 const MOST_PRODUCTS: u32 = 600;
@@ -210,7 +210,9 @@ struct InFace {
     selected: Vec<usize>,
     /// Factor of the metric's principal part on them; none before the first set and for
     /// an empty one.
-    factor: Option<Arc<DenseCholesky>>,
+    factor: Option<Arc<dyn PartFactor>>,
+    /// Scratch of its solutions.
+    work: Workspace,
 }
 
 impl InFace {
@@ -234,7 +236,7 @@ impl InFace {
         }
         let factor = self.factor.as_ref().ok_or(QpStatus::IndefiniteMetric)?;
         let mut small: Vec<f64> = self.selected.iter().map(|&i| -free[i]).collect();
-        factor.solve(&mut small);
+        factor.solve_part(&mut small, &mut self.work);
         let mut direction = vec![0.0; free.len()];
         for (&index, value) in self.selected.iter().zip(small) {
             direction[index] = value;

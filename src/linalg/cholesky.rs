@@ -102,12 +102,34 @@ impl SparseCholesky {
         for (new, &old) in new_to_old.iter().enumerate() {
             old_to_new[old as usize] = new as u32;
         }
+        let order = PermRef::new_checked(new_to_old, &old_to_new, size);
+        Self::ordered(matrix, SymmetricOrdering::Custom(order), precision)
+    }
+
+    /// Factorises `matrix` in an order of approximately least degree, which asks for no
+    /// coordinates (P. Amestoy, T. Davis and I. Duff, SIAM J. Matrix Anal. 17, 1996).
+    ///
+    /// # Errors
+    /// As those of [`Self::new`].
+    pub fn by_least_degree(
+        matrix: &LowerColumns,
+        precision: Precision,
+    ) -> Result<Self, FactoriseError> {
+        Self::ordered(matrix, SymmetricOrdering::Amd, precision)
+    }
+
+    fn ordered(
+        matrix: &LowerColumns,
+        order: SymmetricOrdering<'_, u32>,
+        precision: Precision,
+    ) -> Result<Self, FactoriseError> {
+        let size = matrix.size();
         let pattern =
             SymbolicSparseColMatRef::new_checked(size, size, &matrix.offsets, None, &matrix.rows);
         let symbolic = factorize_symbolic_cholesky(
             pattern,
             Side::Lower,
-            SymmetricOrdering::Custom(PermRef::new_checked(new_to_old, &old_to_new, size)),
+            order,
             CholeskySymbolicParams {
                 supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
                 ..Default::default()

@@ -1,6 +1,6 @@
 //! Small dense matrices, column by column, their Cholesky and LU factors.
 
-use faer::linalg::solvers::{Llt, PartialPivLu, Solve};
+use faer::linalg::solvers::{DenseSolveCore, Llt, PartialPivLu, Solve};
 use faer::{MatMut, MatRef, Side};
 
 use super::FactoriseError;
@@ -230,6 +230,32 @@ impl DenseCholesky {
             size: matrix.rows,
             factor,
         })
+    }
+
+    /// Of a matrix without rows.
+    pub fn empty() -> Self {
+        Self {
+            size: 0,
+            factor: None,
+        }
+    }
+
+    /// Number of rows.
+    pub fn size(&self) -> usize {
+        self.size
+    }
+
+    /// The inverse. Cost: twice that of the factor.
+    pub fn inverse(&self) -> DenseMatrix {
+        let mut inverse = DenseMatrix::zeros(self.size, self.size);
+        if let Some(factor) = &self.factor {
+            let values = factor.inverse();
+            for column in 0..self.size {
+                let entries = inverse.column_mut(column).iter_mut().enumerate();
+                entries.for_each(|(row, entry)| *entry = values[(row, column)]);
+            }
+        }
+        inverse
     }
 
     /// Solves in place.

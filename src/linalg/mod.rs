@@ -21,7 +21,7 @@ pub use cholesky::SparseCholesky;
 pub use dense::{DenseCholesky, DenseLu, DenseMatrix};
 pub use factorise_error::FactoriseError;
 pub use sparse::{SparseRows, SparseRowsBuilder};
-pub use symmetric::SymmetricMatrix;
+pub use symmetric::{PartFactor, SymmetricMatrix};
 pub use workspace::Workspace;
 
 /// A linear map that is applied, not stored.

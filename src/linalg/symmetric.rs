@@ -3,7 +3,19 @@
 
 use std::sync::Arc;
 
-use super::{DenseCholesky, DenseMatrix, FactoriseError};
+use super::{DenseCholesky, DenseMatrix, FactoriseError, Workspace};
+
+/// The inverse of a principal part.
+pub trait PartFactor: Send + Sync {
+    /// Solves in place `[rows of the part]`.
+    fn solve_part(&self, right_hand_side: &mut [f64], work: &mut Workspace);
+}
+
+impl PartFactor for DenseCholesky {
+    fn solve_part(&self, right_hand_side: &mut [f64], _work: &mut Workspace) {
+        self.solve(right_hand_side);
+    }
+}
 
 /// A symmetric matrix `[size, size]`.
 pub trait SymmetricMatrix: Send + Sync {
@@ -35,8 +47,10 @@ pub trait SymmetricMatrix: Send + Sync {
     ///
     /// # Errors
     /// When the part is not positive definite.
-    fn factor_of_part(&self, selected: &[usize]) -> Result<Arc<DenseCholesky>, FactoriseError> {
-        DenseCholesky::new(&self.principal_part(selected)).map(Arc::new)
+    fn factor_of_part(&self, selected: &[usize]) -> Result<Arc<dyn PartFactor>, FactoriseError> {
+        Ok(Arc::new(DenseCholesky::new(
+            &self.principal_part(selected),
+        )?))
     }
 
     /// All of it.

@@ -49,8 +49,14 @@ impl ContactSizes {
     /// Bytes of the dense matrices of a metric at their peak.
     pub(crate) fn dense_bytes(self, metric: MetricKind) -> f64 {
         let square = |n: u64| (n as f64).powi(2);
-        // The metric, its part on a face and that part's factor.
-        let own = 24.0 * square(self.multipliers);
+        // The metric, its part on a face and that part's factor; quadratic multipliers
+        // without friction have theirs on the vertices.
+        let is_split = !self.is_rough && 2 * self.vertices <= self.multipliers;
+        let rows = match metric {
+            MetricKind::Compliance if is_split => self.vertices,
+            _ => self.multipliers,
+        };
+        let own = 24.0 * square(rows);
         match metric {
             // And the inverse of A11 on the candidates beside its factor.
             MetricKind::Compliance => own + 16.0 * square(self.dimension * self.vertices),
@@ -251,6 +257,21 @@ mod tests {
         for size in [0, 1, 500, 2500] {
             assert_eq!(chosen(&asked("auto", "auto"), body(size)), one_level);
         }
+    }
+
+    #[test]
+    fn quadratic_multipliers_cost_what_their_vertices_do() {
+        let quadratic = |vertices| ContactSizes {
+            multipliers: 4 * vertices,
+            ..body(vertices)
+        };
+        let one_level = (ContactMethod::OneLevel, MetricKind::Compliance);
+        assert_eq!(chosen(&asked("auto", "auto"), quadratic(2900)), one_level);
+        let rough = ContactSizes {
+            is_rough: true,
+            ..quadratic(2900)
+        };
+        assert!(rough.dense_bytes(MetricKind::Compliance) > MOST_DENSE);
     }
 
     #[test]

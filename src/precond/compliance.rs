@@ -8,11 +8,13 @@
 //! is held. The factor brings the largest eigenvalue against the incompressible
 //! body near one. What a volume that hardly changes forbids is taken off
 //! ([`super::volume_mode`]). Condition 2 to 4, independent of the mesh size. Only the inverse at the vertices is
-//! dense; a part on the closed multipliers is formed where it is factorised. Cost:
+//! dense; a part on the closed multipliers is factorised by its parts where it touches few
+//! vertices for its size ([`split`]), else formed. Cost:
 //! O(v^2) a product, O(n v + n^2) a part of n multipliers, for v contact vertices.
 
 mod nodes;
 mod part;
+mod split;
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -20,19 +22,22 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use nodes::{AtNode, at_all_nodes, at_edges, of_nodes};
 use part::Known;
+use split::SplitFactor;
 
 use super::NodeBlocks;
 use super::p1::Traces;
 use super::volume_mode::VolumeMode;
 use crate::linalg::vector::{add_scaled, dot, scale};
 use crate::linalg::{
-    DenseCholesky, DenseMatrix, FactoriseError, LinearOperator, SparseRows, SymmetricMatrix,
-    Workspace,
+    DenseCholesky, DenseMatrix, FactoriseError, LinearOperator, PartFactor, SparseRows,
+    SymmetricMatrix, Workspace,
 };
 
 /// Factor on the whole compliance, which brings its largest eigenvalue against the
 /// incompressible body near one.
 const SCALE: f64 = 0.7;
+/// Rows of the largest part that is formed, two gigabytes with its factor.
+const MOST_FORMED: usize = 11_000;
 /// Keeps doubled or redundant constraints solvable.
 const REGULARISATION: f64 = 1e-10;
 
@@ -73,6 +78,8 @@ pub struct Compliance {
     diagonal: OnceLock<Vec<f64>>,
     /// The part that was factorised last.
     last: Mutex<Option<Part>>,
+    /// The inverse of what is known at the vertices that such a part last touched.
+    stiffness: Mutex<Option<Stiffness>>,
     /// The largest part that was asked for by entries; empty without friction.
     known: Mutex<Known>,
 }
@@ -82,7 +89,15 @@ struct Part {
     /// Rows of the part, ascending.
     selected: Vec<usize>,
     /// Its factor.
-    factor: Arc<DenseCholesky>,
+    factor: Arc<dyn PartFactor>,
+}
+
+/// The inverse of a principal part of the inverse at the vertices.
+struct Stiffness {
+    /// Traces of the part, ascending.
+    traces: Vec<u32>,
+    /// Its inverse.
+    inverse: Arc<DenseMatrix>,
 }
 
 impl Compliance {
@@ -106,6 +121,7 @@ impl Compliance {
             lift: 0.0,
             diagonal: OnceLock::new(),
             last: Mutex::new(None),
+            stiffness: Mutex::new(None),
             known: Mutex::default(),
         };
         let size = coupling.rows();
@@ -118,6 +134,25 @@ impl Compliance {
     /// `[volumes][multipliers]`.
     pub fn volumes(&self) -> &[Vec<f64>] {
         &self.volumes
+    }
+
+    /// The inverse of what is known at some traces; none where it is not positive definite.
+    fn stiffness_at(&self, traces: &[u32]) -> Option<Arc<DenseMatrix>> {
+        let mut kept = self
+            .stiffness
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        if let Some(kept) = kept.as_ref().filter(|kept| kept.traces == traces) {
+            return Some(kept.inverse.clone());
+        }
+        let places: Vec<usize> = traces.iter().map(|&trace| trace as usize).collect();
+        let factor = DenseCholesky::new(&self.vertex_inverse.principal(&places)).ok()?;
+        let inverse = Arc::new(factor.inverse());
+        *kept = Some(Stiffness {
+            traces: traces.to_vec(),
+            inverse: inverse.clone(),
+        });
+        Some(inverse)
     }
 
     /// What the inverse at the vertices gives between two rows.
@@ -212,12 +247,16 @@ impl SymmetricMatrix for Compliance {
         known.matrix.principal(&places)
     }
 
-    fn factor_of_part(&self, selected: &[usize]) -> Result<Arc<DenseCholesky>, FactoriseError> {
+    fn factor_of_part(&self, selected: &[usize]) -> Result<Arc<dyn PartFactor>, FactoriseError> {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(part) = last.as_ref().filter(|part| part.selected == selected) {
             return Ok(part.factor.clone());
         }
-        let factor = Arc::new(DenseCholesky::new(&self.principal_part(selected))?);
+        let factor: Arc<dyn PartFactor> = match SplitFactor::new(self, selected) {
+            Some(split) => Arc::new(split),
+            None if selected.len() > MOST_FORMED => return Err(FactoriseError::OutOfMemory),
+            None => Arc::new(DenseCholesky::new(&self.principal_part(selected))?),
+        };
         *last = Some(Part {
             selected: selected.to_vec(),
             factor: factor.clone(),
@@ -283,3 +322,6 @@ fn seen_by(
     }
     seen
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,7 +7,7 @@
 
 use super::{DenseConeError, RELATIVE_ZERO};
 use crate::linalg::vector::largest;
-use crate::linalg::{FactoriseError, SymmetricMatrix};
+use crate::linalg::{FactoriseError, SymmetricMatrix, Workspace};
 use crate::saddle::{Admissible, Kind, ProductSet, Status};
 
 /// Block passes without progress before single pivots.
@@ -92,7 +92,9 @@ impl Pivots {
         let count = self.closed.len();
         let selected: Vec<usize> = (0..count).filter(|&i| self.closed[i]).collect();
         let mut solution: Vec<f64> = selected.iter().map(|&i| -linear[i]).collect();
-        matrix.factor_of_part(&selected)?.solve(&mut solution);
+        matrix
+            .factor_of_part(&selected)?
+            .solve_part(&mut solution, &mut Workspace::new());
         let mut values = vec![0.0; count];
         for (&index, value) in selected.iter().zip(solution) {
             values[index] = value;

@@ -16,7 +16,7 @@ use crate::inequality::Slide;
 use crate::inequality::blocks::ContactBlock;
 use crate::linalg::vector::{add_scaled, norm};
 use crate::linalg::{
-    DenseCholesky, DenseLu, DenseMatrix, FactoriseError, Preconditioner, SymmetricMatrix, Workspace,
+    DenseLu, DenseMatrix, FactoriseError, PartFactor, Preconditioner, SymmetricMatrix, Workspace,
 };
 
 /// Least cosine between directions of slip for which the factor of an earlier face serves:
@@ -63,7 +63,7 @@ pub(super) struct FaceMetric<'a> {
 /// A factor of the compliance on a face.
 pub(super) enum FaceFactor {
     /// Where nothing follows: symmetric.
-    Cholesky(Arc<DenseCholesky>),
+    Cholesky(Arc<dyn PartFactor>),
     /// With the columns of what follows added to those of what is followed.
     Lu(DenseLu),
 }
@@ -106,9 +106,9 @@ impl FaceFactor {
         }
     }
 
-    fn solve(&self, x: &mut [f64]) {
+    fn solve(&self, x: &mut [f64], work: &mut Workspace) {
         match self {
-            Self::Cholesky(factor) => factor.solve(x),
+            Self::Cholesky(factor) => factor.solve_part(x, work),
             Self::Lu(factor) => factor.solve(x),
         }
     }
@@ -182,7 +182,7 @@ impl Preconditioner for FaceMetric<'_> {
         for (value, &index) in small.iter_mut().zip(&self.selected) {
             *value = r[index] / modulus(index);
         }
-        self.factor.solve(&mut small);
+        self.factor.solve(&mut small, work);
         z.fill(0.0);
         for (value, &index) in small.iter().zip(&self.selected) {
             z[index] = *value / (GAP_WEIGHT * GAP_WEIGHT) / modulus(index);

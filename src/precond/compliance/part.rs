@@ -32,23 +32,17 @@ impl Compliance {
     }
 }
 
-/// A principal part to be made, next to what is known of it.
-struct PartBeside<'c> {
-    of: &'c Compliance,
-    /// Rows of the part, ascending.
-    selected: &'c [usize],
-    /// What is known.
-    known: &'c Known,
-    /// Place of each row of the part in what is known; none where it is new.
-    places: Vec<Option<usize>>,
-    /// Traces that the part touches, ascending.
-    traces: Vec<u32>,
+/// What a principal part touches at the vertices.
+pub(super) struct Touched {
+    /// Traces, ascending.
+    pub(super) traces: Vec<u32>,
     /// C1 on the part: each row on these traces `[selected]`.
-    rows: Vec<Vec<(u32, f64)>>,
+    pub(super) rows: Vec<Vec<(u32, f64)>>,
 }
 
-impl<'c> PartBeside<'c> {
-    fn new(of: &'c Compliance, selected: &'c [usize], known: &'c Known) -> Self {
+impl Touched {
+    /// By the rows `selected`.
+    pub(super) fn new(of: &Compliance, selected: &[usize]) -> Self {
         let touched = selected.iter().flat_map(|&row| &of.vertex_rows[row]);
         let mut traces: Vec<u32> = touched.map(|&(trace, _)| trace).collect();
         traces.sort_unstable();
@@ -61,14 +55,35 @@ impl<'c> PartBeside<'c> {
             let entries = of.vertex_rows[row].iter();
             entries.map(within).collect()
         });
-        let place = |row: &usize| known.selected.binary_search(row).ok();
         Self {
             rows: rows.collect(),
+            traces,
+        }
+    }
+}
+
+/// A principal part to be made, next to what is known of it.
+struct PartBeside<'c> {
+    of: &'c Compliance,
+    /// Rows of the part, ascending.
+    selected: &'c [usize],
+    /// What is known.
+    known: &'c Known,
+    /// Place of each row of the part in what is known; none where it is new.
+    places: Vec<Option<usize>>,
+    /// What the part touches at the vertices.
+    touched: Touched,
+}
+
+impl<'c> PartBeside<'c> {
+    fn new(of: &'c Compliance, selected: &'c [usize], known: &'c Known) -> Self {
+        let place = |row: &usize| known.selected.binary_search(row).ok();
+        Self {
+            touched: Touched::new(of, selected),
             places: selected.iter().map(place).collect(),
             of,
             selected,
             known,
-            traces,
         }
     }
 
@@ -76,10 +91,10 @@ impl<'c> PartBeside<'c> {
     fn column(&self, place: usize) -> Vec<f64> {
         let column = self.selected[place];
         let inverse = &self.of.vertex_inverse;
-        let mut flexibility = vec![0.0; self.traces.len()];
+        let mut flexibility = vec![0.0; self.touched.traces.len()];
         for &(trace, value) in &self.of.vertex_rows[column] {
             let entries = inverse.column(trace as usize);
-            for (sum, &trace) in flexibility.iter_mut().zip(&self.traces) {
+            for (sum, &trace) in flexibility.iter_mut().zip(&self.touched.traces) {
                 *sum += value * entries[trace as usize];
             }
         }
@@ -92,7 +107,7 @@ impl<'c> PartBeside<'c> {
                 is_known[at] = true;
                 continue;
             }
-            let own = self.rows[place + at].iter();
+            let own = self.touched.rows[place + at].iter();
             let smooth: f64 = own.map(|&(t, value)| value * flexibility[t as usize]).sum();
             entries[at] = smooth - self.of.through_volumes(row, column);
         }

@@ -19,7 +19,7 @@ use super::QuadraticProgram;
 use super::loose::Loose;
 use crate::krylov::least_eigenvalue::{Least, LeastEigenvalue};
 use crate::linalg::{
-    DenseCholesky, FactoriseError, LinearOperator, Preconditioner, SparseRows, Workspace,
+    FactoriseError, LinearOperator, PartFactor, Preconditioner, SparseRows, Workspace,
 };
 use crate::precond::Counted;
 use crate::precond::schur::ChebyshevMass;
@@ -77,7 +77,7 @@ struct Held<'a> {
     /// Those that hold, ascending.
     selected: Vec<usize>,
     /// Factor of H_A.
-    factor: Arc<DenseCholesky>,
+    factor: Arc<dyn PartFactor>,
     /// W of the springs `[multipliers]`; empty where there are none.
     springs: &'a [f64],
 }
@@ -89,7 +89,7 @@ impl Held<'_> {
         self.rows.apply(x, &mut gaps, work);
         let mut pressures = work.zeros(gaps.len());
         let mut own: Vec<f64> = self.selected.iter().map(|&row| gaps[row]).collect();
-        self.factor.solve(&mut own);
+        self.factor.solve_part(&mut own, work);
         for (&row, own) in self.selected.iter().zip(&own) {
             let spring = self.springs.get(row).copied().unwrap_or(0.0);
             pressures[row] = weight * own + spring * gaps[row];
