@@ -160,6 +160,7 @@
 #![doc = include_str!("decisions/0040-pushed-tools.md")]
 #![doc = include_str!("decisions/0041-tools-on-grids.md")]
 #![doc = include_str!("decisions/0042-metric-by-its-parts.md")]
+#![doc = include_str!("decisions/0043-earlier-directions-stay.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

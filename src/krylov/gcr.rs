@@ -13,8 +13,9 @@ use super::{Monitor, Outcome, Verdict};
 use crate::linalg::vector::{add_scaled, dot, dots, norm, scale, subtract_combination};
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
-/// Directions kept for orthogonalisation where nothing else is said.
-const KEPT: usize = 10;
+/// Directions kept for orthogonalisation where nothing else is said, and what those of earlier
+/// solves may add to them within a solve.
+pub(crate) const KEPT: usize = 10;
 /// Directions that one sweep makes a product orthogonal to.
 const GROUP: usize = 10;
 /// A relative reduction below this counts as none.
@@ -38,6 +39,10 @@ const DEPENDENT: f64 = 1e-8;
 pub struct Directions {
     pairs: std::collections::VecDeque<(Vec<f64>, Vec<f64>)>,
     most: usize,
+    /// Directions of earlier solves that stay until the present one ends, at most.
+    most_pinned: usize,
+    /// How many of the first do in the present one.
+    pinned: usize,
 }
 
 impl Default for Directions {
@@ -53,6 +58,17 @@ impl Directions {
         Self {
             pairs: std::collections::VecDeque::new(),
             most,
+            most_pinned: most,
+            pinned: 0,
+        }
+    }
+
+    /// The same for a system without symmetry, where those of earlier solves go first: there
+    /// is no short recurrence that they would spoil.
+    pub fn sliding(most: usize) -> Self {
+        Self {
+            most_pinned: 0,
+            ..Self::keeping(most)
         }
     }
 
@@ -62,6 +78,7 @@ impl Directions {
             work.give(direction);
             work.give(product);
         }
+        self.pinned = 0;
     }
 
     /// Bytes held.
@@ -107,9 +124,10 @@ impl Directions {
         }
     }
 
+    /// Adds a direction of the present solve in the place of its oldest.
     fn push(&mut self, direction: Vec<f64>, product: Vec<f64>, work: &mut Workspace) {
-        if self.pairs.len() == self.most
-            && let Some((oldest, its_product)) = self.pairs.pop_front()
+        if self.pairs.len() >= self.most + self.pinned.min(KEPT)
+            && let Some((oldest, its_product)) = self.pairs.remove(self.pinned)
         {
             work.give(oldest);
             work.give(its_product);
@@ -132,14 +150,30 @@ pub struct Gcr<'a> {
 
 impl Gcr<'_> {
     /// Improves `x` until the monitor stops; `r = b - A x` on entry and exit. Starts
-    /// with the best combination of the directions kept from earlier calls.
+    /// with the best combination of the directions kept from earlier calls, which stay to
+    /// the end: a truncated method that drops them has not begun with its residual and
+    /// converges by steps of no memory (M. Powell, Math. Programming 11, 1976).
     pub fn solve(
-        self,
+        mut self,
         (x, r): (&mut [f64], &mut [f64]),
         monitor: &mut dyn Monitor,
         work: &mut Workspace,
     ) -> Outcome {
         self.directions.project(x, r);
+        self.directions.pinned = self.directions.pairs.len().min(self.directions.most_pinned);
+        let outcome = self.iterate((x, r), monitor, work);
+        self.directions.pinned = 0;
+        self.directions.keep_last(self.directions.most, work);
+        outcome
+    }
+
+    /// Adds one direction after the other.
+    fn iterate(
+        &mut self,
+        (x, r): (&mut [f64], &mut [f64]),
+        monitor: &mut dyn Monitor,
+        work: &mut Workspace,
+    ) -> Outcome {
         let mut idle = 0;
         let mut stalled = false;
         let mut square = dot(r, r);
@@ -331,6 +365,52 @@ mod tests {
         };
         assert!(solve_for([1.0, 2.0, 3.0], 4, &mut directions) < 1e-12);
         assert!(solve_for([-2.0, 0.5, 1.0], 0, &mut directions) < 1e-12);
+    }
+
+    /// Entries between 0.001 and one.
+    struct Graded;
+
+    impl LinearOperator for Graded {
+        fn rows(&self) -> usize {
+            300
+        }
+
+        fn columns(&self) -> usize {
+            300
+        }
+
+        fn apply(&self, x: &[f64], y: &mut [f64], _work: &mut Workspace) {
+            for (k, (y, x)) in y.iter_mut().zip(x).enumerate() {
+                *y = (1.0 + k as f64) / 300.0 * x * 0.3_f64.powi((k % 3) as i32);
+            }
+        }
+
+        fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
+            self.apply(y, x, work);
+        }
+    }
+
+    #[test]
+    fn directions_of_an_earlier_load_cost_the_next_one_nothing() {
+        let mut work = Workspace::new();
+        let mut solve_for = |rhs: Vec<f64>, directions: &mut Directions| {
+            let (mut x, mut r) = (vec![0.0; rhs.len()], rhs);
+            let mut stop = Below::new(1e-9);
+            Gcr {
+                operator: &Graded,
+                preconditioner: &PLAIN,
+                directions,
+                iterations: 2000,
+            }
+            .solve((&mut x, &mut r), &mut stop, &mut work);
+            stop.iterations
+        };
+        let noise = crate::linalg::vector::reproducible_noise(300);
+        let fresh = solve_for(noise.clone(), &mut Directions::default());
+        let mut kept = Directions::default();
+        solve_for(vec![1.0; 300], &mut kept);
+        let warm = solve_for(noise, &mut kept);
+        assert!(warm <= fresh, "{warm} against {fresh}");
     }
 
     #[test]

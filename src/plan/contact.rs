@@ -54,7 +54,7 @@ impl ContactSizes {
         let is_split = !self.is_rough && 2 * self.vertices <= self.multipliers;
         let rows = match metric {
             MetricKind::Compliance if is_split => self.vertices,
-            _ => self.multipliers,
+            MetricKind::Compliance | MetricKind::Mass | MetricKind::Fractional => self.multipliers,
         };
         let own = 24.0 * square(rows);
         match metric {

@@ -1,7 +1,7 @@
 //! What a plan decides and says of rubber.
 
 use crate::element::quadrature::{Simplex, rule};
-use crate::krylov::gcr::Directions;
+use crate::krylov::gcr::{self, Directions};
 use crate::material::Rubber;
 use crate::plan::Plan;
 use crate::plan::estimate;
@@ -39,7 +39,7 @@ impl Plan {
     /// No more Krylov directions than the body makes use of.
     pub(crate) fn directions(&self) -> Directions {
         match (self.has_friction(), self.resolved.is_rubber()) {
-            (true, _) => Directions::keeping(KEPT_WITH_FRICTION),
+            (true, _) => Directions::sliding(KEPT_WITH_FRICTION),
             (false, true) => Directions::keeping(KEPT_DIRECTIONS),
             (false, false) => Directions::default(),
         }
@@ -115,7 +115,7 @@ impl Plan {
         let of_point = if in_stretches { 46 } else { 1 };
         let of_cell = 16 * (VERTEX_NUMBERS + of_point * points) + CELL_TANGENT_BYTES;
         let unknowns = self.unknowns.displacement + self.unknowns.pressure + self.unknowns.contact;
-        let directions = 16 * KEPT_DIRECTIONS as u64 * unknowns;
+        let directions = 16 * (KEPT_DIRECTIONS + gcr::KEPT) as u64 * unknowns;
         let inverse =
             estimate::p1_solver(self, vertices).0 as u64 + 24 * self.unknowns.displacement;
         of_cell * self.cells as u64 + directions + inverse
