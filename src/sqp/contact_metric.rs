@@ -4,6 +4,7 @@
 //! the surface: made once in a session, scaled at each linearisation by power
 //! iteration so that H >= C A^-1 C^T about.
 
+use super::volumes::{edge_ends, volumes};
 use crate::inequality::dense_cone;
 use crate::inequality::metric::{POWER_STEPS, largest_ratio};
 use crate::linalg::vector::{dot, norm, scale};
@@ -13,7 +14,7 @@ use crate::model::evaluate::Evaluation;
 use crate::model::state::State;
 use crate::precond::compliance::{Compliance, ComplianceParts};
 use crate::precond::p1::Traces;
-use crate::precond::volume_mode::{Flexibility, VolumeMode};
+use crate::precond::volume_mode::VolumeMode;
 use crate::prepare::ApproximateInverse;
 use crate::saddle::SharedMode;
 use crate::scene::MetricKind;
@@ -53,13 +54,13 @@ impl ContactMetric {
     pub(crate) fn new(
         model: &Model<'_>,
         (inverse, divergence): (&ApproximateInverse, Option<&dyn LinearOperator>),
+        volumes: Vec<VolumeMode>,
         now: &Evaluation,
         work: &mut Workspace,
     ) -> Self {
         let surface = &model.interfaces.metric;
         let (matrix, shared): (Box<dyn SymmetricMatrix>, _) = match model.plan.contact.metric {
             MetricKind::Compliance => {
-                let volumes = volumes(model, (inverse, divergence), work);
                 let matrix = compliance_of(model, (inverse, &volumes), &now.coupling);
                 let shared = shared(model, (inverse, volumes), &matrix, work);
                 (Box::new(matrix), shared)
@@ -288,47 +289,4 @@ fn on_multipliers(model: &Model<'_>, pressures: &[f64]) -> Vec<f64> {
         }
     }
     all
-}
-
-/// Ends of the edges where multipliers are quadratic.
-fn edge_ends<'a>(model: &Model<'a>) -> Option<&'a [[u32; 2]]> {
-    let is_quadratic = model.plan.has_quadratic_multipliers();
-    is_quadratic.then_some(&*model.prepared.space.edges)
-}
-
-/// The volume modes of a mixed body, whose volumes `divergence` gives.
-fn volumes(
-    model: &Model<'_>,
-    (inverse, divergence): (&ApproximateInverse, Option<&dyn LinearOperator>),
-    work: &mut Workspace,
-) -> Vec<VolumeMode> {
-    let method = model.plan.contact.method;
-    let (Some(block), Some(divergence)) = (&model.prepared.pressure, divergence) else {
-        return Vec::new();
-    };
-    // Nested methods solve for the pressure at every step, and fixed steps want a metric
-    // that is too large rather than too small.
-    if method.is_nested() || method.has_fixed_steps() {
-        return Vec::new();
-    }
-    let flexibility = Flexibility {
-        p1: &*inverse.p1,
-        node_blocks: &inverse.node_blocks,
-        vertex_count: model.prepared.space.vertices,
-        edge_ends: edge_ends(model),
-        is_held: &model.prepared.is_held,
-    };
-    let mut modes: Vec<VolumeMode> = Vec::new();
-    for pressures in block.coarse.pressures.clone() {
-        let mut change = vec![0.0; divergence.columns()];
-        divergence.apply_transposed(&pressures, &mut change, work);
-        let mut slack = vec![0.0; pressures.len()];
-        if let Some(stabilisation) = &block.stabilisation {
-            stabilisation.apply(&pressures, &mut slack, work);
-        }
-        let parts = (pressures, &change[..], &slack[..]);
-        let mode = VolumeMode::new(&flexibility, parts, &modes, work);
-        modes.extend(mode);
-    }
-    modes
 }

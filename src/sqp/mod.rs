@@ -18,6 +18,7 @@
 //! | [`certificate`] | whether the equilibrium is a minimum |
 //! | [`descent`] | down the energy where an equilibrium is lost |
 //! | [`diagnosis`], [`enclosure`], [`site`] | causes that only the end shows, and where they lie |
+//! | [`contact_metric`], [`volumes`] | what the programs know of the compliance of surface and volume |
 //! | [`learned`] | what is kept for the next increment: [`trend`], [`lowest_mode`], [`preconditioner_refresh`], [`saddle_layout`] |
 //!
 //! Everything is non-dimensional inside.
@@ -55,4 +56,5 @@ mod step_control;
 mod trend;
 mod uniqueness;
 pub(crate) mod verdict;
+mod volumes;
 pub(crate) mod watch;

@@ -11,6 +11,7 @@
 
 use super::contact_metric::ContactMetric;
 use super::run::Run;
+use super::volumes::volumes;
 use crate::inequality::dense_cone::{DenseSolution, cones, uniqueness};
 use crate::linalg::LinearOperator;
 use crate::linalg::vector::add_scaled;
@@ -43,7 +44,9 @@ fn rival(run: &mut Run<'_>) -> Option<Rival> {
     let inverse = made.unwrap_or_else(|| prepared.at_rest.clone());
     let pressure = prepared.pressure.as_ref();
     let divergence = pressure.map(|block| &block.coupling as &dyn LinearOperator);
-    let metric = ContactMetric::new(&run.model, (&inverse, divergence), &now, &mut run.work);
+    let body = (&*inverse, divergence);
+    let volumes = volumes(&run.model, body, &mut run.work);
+    let metric = ContactMetric::new(&run.model, body, volumes, &now, &mut run.work);
     let matrix = &*metric.matrix;
     let known = DenseSolution {
         values: run.state.multiplier.clone(),

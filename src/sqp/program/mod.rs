@@ -21,10 +21,11 @@ use std::sync::Arc;
 
 use super::contact_metric::ContactMetric;
 use super::run::Run;
+use super::volumes::volumes;
 use crate::contact::curvature;
 use crate::inequality::Augmentation;
 use crate::linalg::vector::norm;
-use crate::linalg::{LinearOperator, SparseRows, SymmetricMatrix};
+use crate::linalg::{LinearOperator, SparseRows, SymmetricMatrix, Workspace};
 use crate::model::Model;
 use crate::model::counters::timed;
 use crate::model::evaluate::Evaluation;
@@ -32,7 +33,9 @@ use crate::model::pressures::pressure_tangent;
 use crate::model::state::State;
 use crate::model::tangent::Tangent;
 use crate::obstacle::Obstacle;
-use crate::prepare::ApproximateInverse;
+use crate::precond::coarse_schur::CoarseSchur;
+use crate::precond::volume_mode::VolumeMode;
+use crate::prepare::{ApproximateInverse, TaylorHoodData};
 use inverse::inverse;
 pub(crate) use step::Step;
 pub(crate) use stiffness::Accuracy;
@@ -60,6 +63,8 @@ pub(crate) struct QuadraticProgram<'a> {
     augmentation: Option<Augmentation>,
     /// Metric of the multipliers at this linearisation.
     metric: ContactMetric,
+    /// Metric of the internal pressure of a thin body; none where its mass is all.
+    coarse: Option<CoarseSchur<'a>>,
     /// Norm of the force that counts as one, non-dimensional.
     force_scale: f64,
 }
@@ -95,7 +100,10 @@ impl<'a> QuadraticProgram<'a> {
             .as_ref()
             .map(|t| &t.coupling as &dyn LinearOperator)
             .or(fixed);
-        let metric = ContactMetric::new(&run.model, (&inverse, divergence), &now, &mut run.work);
+        let volumes = volumes(&run.model, (&inverse, divergence), &mut run.work);
+        let coarse = coarse_schur(prepared, &volumes, &mut run.work);
+        let body = (&*inverse, divergence);
+        let metric = ContactMetric::new(&run.model, body, volumes, &now, &mut run.work);
         run.counters.applications += metric.applications;
         let expected = metric.expected_contact_norm(&now, run.state, &mut run.work);
         let released = released_of(&run.model, run.state);
@@ -120,6 +128,7 @@ impl<'a> QuadraticProgram<'a> {
             turned,
             augmentation,
             metric,
+            coarse,
             tangent,
             inverse,
             motion,
@@ -157,6 +166,17 @@ impl<'a> QuadraticProgram<'a> {
     fn released_by_all(&self) -> Option<&SparseRows> {
         self.curvature.as_ref().or(self.released.as_ref())
     }
+}
+
+/// The metric of the internal pressure of a thin body whose coarse pressures are `volumes`.
+fn coarse_schur<'a>(
+    prepared: &'a TaylorHoodData,
+    volumes: &[VolumeMode],
+    work: &mut Workspace,
+) -> Option<CoarseSchur<'a>> {
+    let block = prepared.pressure.as_ref()?;
+    let is_thin = block.coarse.is_thin && !volumes.is_empty();
+    is_thin.then(|| CoarseSchur::new(&block.metric, volumes, work))
 }
 
 /// What pressures that follow the body and a pull to an earlier state take off the

@@ -266,7 +266,7 @@ impl QuadraticProgram<'_> {
             rows: coupling,
             columns: coupling,
             stabilisation: stabilisation.map(|s| s as &dyn LinearOperator),
-            metric: &block.metric,
+            metric: (self.coarse.as_ref()).map_or(&block.metric as &dyn Preconditioner, |m| m),
             joint: Some(tangent.map_or(&block.body as &dyn LinearOperator, |t| &t.body)),
         })
     }
