@@ -8,49 +8,44 @@
 //! l(z) the contact pressures of the body in equilibrium at the poses z, g the gaps: forces and
 //! moments about the reference points, as they are reported. Broyden's method, from the
 //! stiffness that the metric of contact says ([`metric`]); an obstacle away from the body is
-//! first led to it along its force ([`touch`]). Each solve is as accurate as the misfit that is
+//! first led to it along its force ([`touch`]), and so is one that the body leaves on the way. Each solve is as accurate as the misfit that is
 //! left makes worthwhile, and goes on from the one before. Non-dimensional; moments are of
 //! forces at the body's length. Cost: 4 to 8 solves that together take about as many iterations
 //! as one and a half at known poses.
 
+mod course;
 mod metric;
 mod rigid;
 mod touch;
 
 use super::accuracy;
-use super::push_stiffness::{LONGEST, PushStiffness};
+use super::push_stiffness::PushStiffness;
 use super::run::Run;
-use crate::linalg::vector::{largest, norm};
+use crate::linalg::vector::largest;
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Site};
 use crate::model::push::Control;
-use crate::model::state::State;
 use crate::plan::Units;
 use crate::report::{Cause, Termination};
 use crate::results::exerted::exerted;
+use course::{Course, Progress};
 use metric::by_metric;
 
 /// Solves at most.
 const MOST_SOLVES: u32 = 40;
 /// Steps that led away or nowhere, one after the other, that end the search.
 const MOST_FAILURES: u32 = 6;
+/// Times that obstacles which the body has left are led back to it.
+const MOST_APPROACHES: u32 = 3;
 /// Accuracy of the first solve.
 const COARSE: f64 = 1e-3;
 /// Accuracy of a solve over the misfit before it.
 const SHARPNESS: f64 = 0.02;
-/// Growth of the misfit behind which a step is taken back.
-const WORSE: f64 = 1.5;
-/// Part of a step that led away which is tried next.
-const SHORTER: f64 = 0.25;
 /// Share of a push that nothing balances from which on there is no equilibrium.
 const UNBALANCED: f64 = 1e-3;
 /// Steps as long as they may be, one after the other, that take nothing off: the obstacle slides
 /// away.
 const MOST_SLIDES: u32 = 3;
-/// Share of the misfit that a step has to take off.
-const PROGRESS: f64 = 0.1;
-/// Misfits over the tolerance that count where the search comes no nearer.
-const NEAR: f64 = 10.0;
 
 /// Moves the state to equilibrium under `drive`, with the poses that its pushes ask for.
 pub(super) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
@@ -76,14 +71,6 @@ struct Balance {
     stiffness: Option<PushStiffness>,
 }
 
-/// How far a search has come.
-struct Progress {
-    /// f - F `[controls]`.
-    misfit: Vec<f64>,
-    /// Its largest entry over the largest force.
-    relative: f64,
-}
-
 impl Balance {
     /// The search from the present poses of the state.
     fn new(run: &mut Run<'_>, drive: &Drive, controls: Vec<Control>) -> Self {
@@ -103,83 +90,97 @@ impl Balance {
 
     /// Solves at one pose after the other until the pushes are met to `floor`.
     fn reach(mut self, run: &mut Run<'_>, floor: f64) -> Ending {
-        let mut step = match touch::lead(run, &self.controls, &self.goal) {
-            Some(first) => {
-                self.drive = self.drive.carried_by(&run.state.drive);
-                self.stiffness = None;
-                first
-            }
-            None => self.first_step(run),
-        };
-        let mut before = self.progress(run);
-        // Other loads change forces, too.
-        let mut tells = self.is_only_pushed(run);
-        let (mut failures, mut slides) = (0, 0);
-        run.model.tolerance = COARSE.max(floor);
-        for _ in 0..MOST_SOLVES {
+        let length = run.model.plan.units.length;
+        let (mut course, mut solves) = (self.begin(run, floor), 0);
+        loop {
             let kept = run.state.clone();
-            self.go(&step, run.model.plan.units.length);
-            let mut ending = accuracy::solve(run, &self.drive);
+            self.go(&course.step, length);
+            let ending = accuracy::solve(run, &self.drive);
             if ending.is_stopped() {
                 return ending;
             }
-            let is_solved = ending.termination == Termination::Converged;
             let after = self.progress(run);
-            let is_worse = after.relative > WORSE * before.relative.max(COARSE);
-            // What other loads have changed is no fault of the step.
-            if !is_solved || (tells && is_worse) {
-                failures += 1;
-                if failures > MOST_FAILURES {
-                    return self.failed(ending, &after);
+            solves += 1;
+            if course.leads_away(&ending, &after) {
+                if course.failures == MOST_FAILURES || solves == MOST_SOLVES {
+                    return self.given_up(ending, &after);
                 }
                 run.state.clone_from(&kept);
-                self.go_back(&step, run.model.plan.units.length);
-                step.iter_mut().for_each(|part| *part *= SHORTER);
+                self.go_back(&course.step, length);
+                course.shorten();
                 continue;
             }
-            self.learn(&step, tells.then_some((&before, &after)));
-            tells = true;
-            let is_sharp = run.model.tolerance <= floor;
-            let is_idle = after.relative > 0.5 * before.relative && is_sharp;
-            let bound = if is_idle { NEAR * floor } else { floor };
-            if after.relative <= bound && is_sharp {
+            self.learn(&course, &after);
+            if course.is_there(&after, run.model.tolerance, floor) {
                 run.learned.under_pushes = self.stiffness;
                 return ending;
             }
-            let (next, rest) = self.step(run, &after.misfit);
-            let takes_off = after.relative < (1.0 - PROGRESS) * before.relative;
-            slides = match takes_off || norm(&step) < 0.5 * LONGEST {
-                true => 0,
-                false => slides + 1,
-            };
-            let lost = self.unbalanced(&rest, &after);
-            let gone = || self.worst(&after.misfit).filter(|_| slides >= MOST_SLIDES);
-            if let Some(control) = lost.or_else(gone) {
-                ending.termination = Termination::NotConverged;
-                // A tool that the body has left may meet it again farther along its force.
-                ending.cause = Some(match touch::lead(run, &self.controls, &self.goal) {
-                    Some(_) => Cause::IterationLimit,
-                    None => Cause::NoEquilibrium,
-                });
-                ending.site = Some(named(control));
-                return ending;
+            if solves == MOST_SOLVES {
+                return self.given_up(ending, &after);
             }
-            step = match after.relative <= floor {
-                true => vec![0.0; self.controls.len()],
-                false => next,
-            };
-            run.model.tolerance = (SHARPNESS * after.relative).clamp(floor, COARSE.max(floor));
-            (before, failures) = (after, 0);
+            match self.next(run, course, after, floor) {
+                Ok(next) => course = next,
+                Err((cause, control)) => return unmet(ending, cause, Some(control)),
+            }
         }
-        let mut ending = self.failed_ending(run);
-        ending.site = self.worst(&before.misfit).map(named);
-        ending
     }
 
-    /// The first step of obstacles that touch: none where nothing says how far.
-    fn first_step(&mut self, run: &mut Run<'_>) -> Vec<f64> {
-        let misfit = self.progress(run).misfit;
-        self.step(run, &misfit).0
+    /// The start from the poses of the state, of obstacles that touch; none takes a step
+    /// where nothing says how far.
+    fn begin(&mut self, run: &mut Run<'_>, floor: f64) -> Course {
+        if let Some(step) = touch::lead(run, &self.controls, &self.goal) {
+            return self.led(run, step, floor);
+        }
+        let before = self.progress(run);
+        let (step, _) = self.step(run, &before.misfit);
+        run.model.tolerance = COARSE.max(floor);
+        Course::new(step, before, self.is_only_pushed(run))
+    }
+
+    /// The start behind obstacles that were led to the body and take `step` into it.
+    fn led(&mut self, run: &mut Run<'_>, step: Vec<f64>, floor: f64) -> Course {
+        self.drive = self.drive.carried_by(&run.state.drive);
+        self.stiffness = None;
+        run.model.tolerance = COARSE.max(floor);
+        Course::new(step, self.progress(run), self.is_only_pushed(run))
+    }
+
+    /// How a search goes on `after` its last step; the push that is not met, and why, where
+    /// it does not.
+    fn next(
+        &mut self,
+        run: &mut Run<'_>,
+        course: Course,
+        after: Progress,
+        floor: f64,
+    ) -> Result<Course, (Cause, Control)> {
+        let (step, rest) = self.step(run, &after.misfit);
+        let slides = course.slides(&after);
+        let slid_away = || self.worst(&after.misfit).filter(|_| slides >= MOST_SLIDES);
+        if let Some(control) = self.unbalanced(&rest, &after).or_else(slid_away) {
+            // A tool that the body has left may meet it again farther along its force.
+            let Some(step) = touch::lead(run, &self.controls, &self.goal) else {
+                return Err((Cause::NoEquilibrium, control));
+            };
+            if course.approaches == MOST_APPROACHES {
+                return Err((Cause::IterationLimit, control));
+            }
+            let approaches = course.approaches + 1;
+            return Ok(Course {
+                approaches,
+                ..self.led(run, step, floor)
+            });
+        }
+        let step = match after.relative <= floor {
+            true => vec![0.0; self.controls.len()],
+            false => step,
+        };
+        run.model.tolerance = (SHARPNESS * after.relative).clamp(floor, COARSE.max(floor));
+        Ok(Course {
+            slides,
+            approaches: course.approaches,
+            ..Course::new(step, after, true)
+        })
     }
 
     /// The step that takes `misfit` off, as far as the stiffness is known, and what it leaves.
@@ -202,38 +203,35 @@ impl Balance {
         now == self.drive
     }
 
-    /// Takes over what a step has changed, before and after it; nothing of one that says nothing
-    /// of the stiffness, which is then asked for anew.
-    fn learn(&mut self, step: &[f64], ends: Option<(&Progress, &Progress)>) {
-        let (Some(stiffness), Some((before, after))) = (&mut self.stiffness, ends) else {
+    /// Takes over what a step has changed; nothing of one that says nothing of the stiffness,
+    /// which is then asked for anew.
+    fn learn(&mut self, course: &Course, after: &Progress) {
+        let (Some(stiffness), true) = (&mut self.stiffness, course.tells) else {
             self.stiffness = None;
             return;
         };
-        let change = after.misfit.iter().zip(&before.misfit);
+        let change = after.misfit.iter().zip(&course.before.misfit);
         let change: Vec<f64> = change.map(|(after, before)| after - before).collect();
-        stiffness.learn(step, &change);
+        stiffness.learn(&course.step, &change);
     }
 
     /// f - F at the state.
     fn progress(&self, run: &Run<'_>) -> Progress {
-        let found = exerted_at(run, run.state, &self.controls);
-        let scale = self.scale(run);
-        let misfit = found.iter().zip(&self.goal);
-        let misfit: Vec<f64> = misfit.map(|(found, goal)| found - goal).collect();
+        let units = &run.model.plan.units;
+        let found = exerted(&run.model, run.state);
+        let misfit = self.controls.iter().zip(&self.goal);
+        let misfit = misfit.map(|(control, goal)| {
+            found[control.obstacle][control.axis] / unit(units, control.axis) - goal
+        });
+        let misfit: Vec<f64> = misfit.collect();
+        let forces = found.iter().flat_map(|exerted| &exerted[..3]);
+        let force = forces.fold(0.0, |most: f64, x| most.max(x.abs())) / units.force();
+        let scale = force.max(largest(&self.goal));
         let relative = match scale > 0.0 {
             true => largest(&misfit) / scale,
             false => largest(&misfit),
         };
         Progress { misfit, relative }
-    }
-
-    /// The largest force that an obstacle exerts or shall exert, non-dimensional.
-    fn scale(&self, run: &Run<'_>) -> f64 {
-        let units = &run.model.plan.units;
-        let forces = exerted(&run.model, run.state).into_iter();
-        let forces = forces.flat_map(|exerted| [exerted[0], exerted[1], exerted[2]]);
-        let force = forces.fold(0.0, |most: f64, x| most.max(x.abs())) / units.force();
-        force.max(largest(&self.goal))
     }
 
     /// The control whose share of `rest`, which no motion takes off, is too large.
@@ -264,24 +262,22 @@ impl Balance {
         self.go(&back, length);
     }
 
-    /// The end of a search whose steps lead nowhere.
-    fn failed(&self, mut ending: Ending, at: &Progress) -> Ending {
-        if ending.termination == Termination::Converged {
-            ending.termination = Termination::NotConverged;
-            ending.cause = Some(Cause::IterationLimit);
-            ending.site = self.worst(&at.misfit).map(named);
+    /// The end of a search whose steps lead nowhere, or that took too many.
+    fn given_up(&self, ending: Ending, at: &Progress) -> Ending {
+        match ending.termination {
+            Termination::Converged => unmet(ending, Cause::IterationLimit, self.worst(&at.misfit)),
+            _ => ending,
         }
-        ending
     }
+}
 
-    /// The end of a search that took too many solves.
-    fn failed_ending(&self, run: &mut Run<'_>) -> Ending {
-        let mut ending = accuracy::solve(run, &self.drive);
-        if ending.termination == Termination::Converged {
-            ending.termination = Termination::NotConverged;
-            ending.cause = Some(Cause::IterationLimit);
-        }
-        ending
+/// The end of a search at an equilibrium that does not meet its pushes.
+fn unmet(ending: Ending, cause: Cause, control: Option<Control>) -> Ending {
+    Ending {
+        termination: Termination::NotConverged,
+        cause: Some(cause),
+        site: control.map(named),
+        ..ending
     }
 }
 
@@ -299,13 +295,4 @@ fn unit(units: &Units, axis: usize) -> f64 {
         0..3 => units.force(),
         _ => units.energy(),
     }
-}
-
-/// What the obstacles exert along `controls`, non-dimensional `[controls]`.
-fn exerted_at(run: &Run<'_>, state: &State, controls: &[Control]) -> Vec<f64> {
-    let units = &run.model.plan.units;
-    let exerted = exerted(&run.model, state);
-    let of_one =
-        |control: &Control| exerted[control.obstacle][control.axis] / unit(units, control.axis);
-    controls.iter().map(of_one).collect()
 }

@@ -6,7 +6,7 @@
 //! ```
 //!
 //! r the rigid motion of the body along one axis, hierarchical; c the reference point. Cost:
-//! one linearisation of the gaps of the obstacle and a sparse product an axis.
+//! a linearisation of the gaps an obstacle and a sparse product an axis.
 
 use crate::contact::gap::linearise;
 use crate::geometry::vector3::{cross, sub};
@@ -19,37 +19,43 @@ use crate::obstacle::Obstacle;
 
 /// D, column by column `[controls][multipliers]`.
 pub(super) fn gap_changes(model: &Model<'_>, state: &State, controls: &[Control]) -> Vec<Vec<f64>> {
-    let column = |control: &Control| change_of(model, state, *control);
-    controls.iter().map(column).collect()
+    let of_one = |own: &[Control]| changes_of_one(model, state, own);
+    let by_obstacle = controls.chunk_by(|a, b| a.obstacle == b.obstacle);
+    by_obstacle.flat_map(of_one).collect()
 }
 
-/// One column.
-fn change_of(model: &Model<'_>, state: &State, control: Control) -> Vec<f64> {
-    let mut change = vec![0.0; state.multiplier.len()];
+/// The columns of one obstacle.
+fn changes_of_one(model: &Model<'_>, state: &State, own: &[Control]) -> Vec<Vec<f64>> {
+    let still = || vec![vec![0.0; state.multiplier.len()]; own.len()];
+    let Some((interface, met)) = model.placed(&state.drive).nth(own[0].obstacle) else {
+        return still();
+    };
+    let Some(obstacle) = met.obstacle() else {
+        return still();
+    };
     let unknowns = state.displacement.len();
     let free = vec![false; unknowns];
     let body = model.deformed(&state.displacement);
-    let Some((interface, met)) = model.placed(&state.drive).nth(control.obstacle) else {
-        return change;
-    };
-    let Some(obstacle) = met.obstacle() else {
-        return change;
-    };
     let mut joined = Joined::new(state.multiplier.len());
     joined.add(interface, linearise(&body, &interface.surface, &met, &free));
     if let Some(friction) = &model.interfaces.friction {
         let mut slips = friction.linearised(model, state, &free);
         let width = friction.components.count();
         let rows = friction.points.iter().zip(slips.rows.chunks_mut(width));
-        for (_, rows) in rows.filter(|(point, _)| point.obstacle != control.obstacle) {
+        for (_, rows) in rows.filter(|(point, _)| point.obstacle != own[0].obstacle) {
             rows.iter_mut().for_each(Vec::clear);
         }
         joined.add_friction(friction, slips);
     }
     let (_, coupling) = joined.finish(unknowns);
-    let motion = motion(model, state, (control.axis, obstacle.reference_point()));
-    coupling.apply(&motion, &mut change, &mut Workspace::new());
-    change
+    let about = obstacle.reference_point();
+    let column = |control: &Control| {
+        let mut change = vec![0.0; state.multiplier.len()];
+        let motion = motion(model, state, (control.axis, about));
+        coupling.apply(&motion, &mut change, &mut Workspace::new());
+        change
+    };
+    own.iter().map(column).collect()
 }
 
 /// r `[displacement]`.

@@ -32,8 +32,18 @@ const NEAR: f64 = 0.02;
 
 /// Leads the obstacles of `controls` that exert nothing and shall exert `goal` `[controls]` to
 /// touch, in the state; the step that goes on from there, none where all touch already or one
-/// meets nothing.
+/// meets nothing, and the state is as it was.
 pub(super) fn lead(run: &mut Run<'_>, controls: &[Control], goal: &[f64]) -> Option<Vec<f64>> {
+    let poses = run.state.drive.poses.clone();
+    let step = step_behind_touch(run, controls, goal);
+    if step.is_none() {
+        run.state.drive.poses = poses;
+    }
+    step
+}
+
+/// The same, with the poses of an obstacle that meets nothing as far as it went.
+fn step_behind_touch(run: &mut Run<'_>, controls: &[Control], goal: &[f64]) -> Option<Vec<f64>> {
     let mut push = vec![0.0; controls.len()];
     for (obstacle, force) in forces(controls, goal) {
         if !touches(run, obstacle) {

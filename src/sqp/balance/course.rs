@@ -1,0 +1,120 @@
+//! How a search for poses goes: whether a step `dz` led nearer to `f(z) = F`, and what of it
+//! counts for the next.
+//!
+//! A step is taken back where it is not solved or where the misfit `f - F` grows; a step as
+//! long as they may be that takes nothing off is a slide. Cost: nothing.
+
+use crate::linalg::vector::norm;
+use crate::model::ending::Ending;
+use crate::report::Termination;
+use crate::sqp::push_stiffness::LONGEST;
+
+/// Growth of the misfit behind which a step is taken back.
+const WORSE: f64 = 1.5;
+/// Misfit below which growth is no matter: of solves as coarse as that.
+const COARSE: f64 = 1e-3;
+/// Part of a step that led away which is tried next.
+const SHORTER: f64 = 0.25;
+/// Share of the misfit that a step has to take off.
+const PROGRESS: f64 = 0.1;
+/// Misfits over the tolerance that count where the search comes no nearer.
+const NEAR: f64 = 10.0;
+
+/// How far a search has come.
+pub(super) struct Progress {
+    /// f - F `[controls]`.
+    pub(super) misfit: Vec<f64>,
+    /// Its largest entry over the largest force.
+    pub(super) relative: f64,
+}
+
+/// Where a search is.
+pub(super) struct Course {
+    /// The step that is tried next `[controls]`.
+    pub(super) step: Vec<f64>,
+    /// How far it was before.
+    pub(super) before: Progress,
+    /// Whether what follows is the doing of the step: other loads change forces, too.
+    pub(super) tells: bool,
+    /// Steps that led away, one after the other.
+    pub(super) failures: u32,
+    /// Slides, one after the other.
+    pub(super) slides: u32,
+    /// Times that obstacles were led back to the body.
+    pub(super) approaches: u32,
+}
+
+impl Course {
+    /// A search that tries `step`.
+    pub(super) fn new(step: Vec<f64>, before: Progress, tells: bool) -> Self {
+        Self {
+            step,
+            before,
+            tells,
+            failures: 0,
+            slides: 0,
+            approaches: 0,
+        }
+    }
+
+    /// Whether the step has to be taken back.
+    pub(super) fn leads_away(&self, ending: &Ending, after: &Progress) -> bool {
+        let is_worse = after.relative > WORSE * self.before.relative.max(COARSE);
+        ending.termination != Termination::Converged || (self.tells && is_worse)
+    }
+
+    /// Tries a part of the step.
+    pub(super) fn shorten(&mut self) {
+        self.failures += 1;
+        self.step.iter_mut().for_each(|part| *part *= SHORTER);
+    }
+
+    /// Whether the pushes are met, by a solve to `tolerance`, to `floor`.
+    pub(super) fn is_there(&self, after: &Progress, tolerance: f64, floor: f64) -> bool {
+        let is_sharp = tolerance <= floor;
+        let is_idle = after.relative > 0.5 * self.before.relative;
+        let bound = if is_idle { NEAR * floor } else { floor };
+        is_sharp && after.relative <= bound
+    }
+
+    /// Slides with the step, one after the other.
+    pub(super) fn slides(&self, after: &Progress) -> u32 {
+        let takes_off = after.relative < (1.0 - PROGRESS) * self.before.relative;
+        match takes_off || norm(&self.step) < 0.5 * LONGEST {
+            true => 0,
+            false => self.slides + 1,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn course(step: f64, relative: f64) -> Course {
+        Course::new(vec![step], progress(relative), true)
+    }
+
+    fn progress(relative: f64) -> Progress {
+        Progress {
+            misfit: vec![relative],
+            relative,
+        }
+    }
+
+    #[test]
+    fn long_steps_that_take_nothing_off_are_slides() {
+        assert_eq!(course(LONGEST, 0.5).slides(&progress(0.49)), 1);
+        assert_eq!(course(LONGEST, 0.5).slides(&progress(0.4)), 0);
+        assert_eq!(course(0.1 * LONGEST, 0.5).slides(&progress(0.5)), 0);
+    }
+
+    #[test]
+    fn a_push_is_met_by_a_sharp_solve_only() {
+        let floor = 1e-8;
+        assert!(course(0.0, 1e-3).is_there(&progress(1e-9), floor, floor));
+        assert!(!course(0.0, 1e-3).is_there(&progress(1e-9), 1e-3, floor));
+        assert!(!course(0.0, 1e-3).is_there(&progress(5e-8), floor, floor));
+        assert!(course(0.0, 6e-8).is_there(&progress(5e-8), floor, floor));
+    }
+}
