@@ -33,11 +33,14 @@ pub enum FieldName {
     /// `[vertices, 3]`: motion of the least stiffness at the last equilibrium, its largest
     /// vector one long; absent where nobody looked for it.
     LowestMode,
+    /// `[nodes, 3]`: force that supports and obstacles exert on the body at each node; their
+    /// sum over the nodes of a support is its reaction.
+    NodalForce,
 }
 
 impl FieldName {
     /// Every field, in the order of the documentation.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Displacement,
         Self::Pressure,
         Self::ContactPressure,
@@ -50,6 +53,7 @@ impl FieldName {
         Self::FrictionTraction,
         Self::Slip,
         Self::LowestMode,
+        Self::NodalForce,
     ];
 
     /// The name used in scenes, on the wire and in VTU files.
@@ -67,6 +71,7 @@ impl FieldName {
             Self::FrictionTraction => "friction_traction",
             Self::Slip => "slip",
             Self::LowestMode => "lowest_mode",
+            Self::NodalForce => "nodal_force",
         }
     }
 

@@ -12,6 +12,7 @@ use crate::report::{FieldData, FieldName};
 use crate::results::estimate::cell_estimates;
 use crate::results::finite_strain;
 use crate::results::friction::{friction_traction, slip};
+use crate::results::nodal_force::nodal_force;
 use crate::results::touching::Touching;
 
 /// The field `name`; none if the scene has no such field. `mode` is the softest motion
@@ -24,7 +25,14 @@ pub(crate) fn field(
     let units = &model.plan.units;
     let has_contact = !model.interfaces.list.is_empty();
     let (components, values) = match name {
-        FieldName::Displacement => (3, displacement(model, state)),
+        FieldName::Displacement => {
+            let nodal = model.prepared.space.node_values(&state.displacement);
+            (3, on_nodes(model, &nodal, units.length))
+        }
+        FieldName::NodalForce => (
+            3,
+            on_nodes(model, &nodal_force(model, state), units.force()),
+        ),
         FieldName::Pressure if state.pressure.is_empty() => return None,
         FieldName::Pressure => {
             let shares = pressure_shares(model);
@@ -105,18 +113,17 @@ fn on_uploaded(model: &Model<'_>, values: impl Iterator<Item = f64>) -> Vec<f64>
     out
 }
 
-/// Displacement at uploaded vertices, then at edges `[nodes, 3]`, in the caller's
-/// lengths; unused vertices are zero.
-fn displacement(model: &Model<'_>, state: &State) -> Vec<f64> {
+/// Values of nodes `[nodes * components]` at uploaded vertices, then at edges `[nodes, 3]`,
+/// times `unit`; unused vertices are zero.
+fn on_nodes(model: &Model<'_>, nodal: &[f64], unit: f64) -> Vec<f64> {
     let space = &model.prepared.space;
-    let nodal = space.node_values(&state.displacement);
     let uploaded = model.mesh.vertex_count();
     let mut out = vec![0.0; 3 * (uploaded + space.edges.len())];
     let edges = uploaded as u32..(uploaded + space.edges.len()) as u32;
     let rows = model.mesh.used_vertices().iter().copied().chain(edges);
     for (row, value) in rows.zip(nodal.chunks_exact(space.components)) {
         for (i, component) in value.iter().enumerate() {
-            out[3 * row as usize + i] = component * model.plan.units.length;
+            out[3 * row as usize + i] = component * unit;
         }
     }
     out

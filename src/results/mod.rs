@@ -12,6 +12,7 @@ pub(crate) mod fields;
 pub(crate) mod finite_strain;
 pub(crate) mod friction;
 pub(crate) mod geometry_error;
+pub(crate) mod nodal_force;
 pub(crate) mod passage;
 pub(crate) mod step;
 pub(crate) mod swallowed;

@@ -10,9 +10,7 @@
 use std::collections::BTreeMap;
 
 use crate::assembly::grid::Rows;
-use crate::contact::gap::linearise;
-use crate::linalg::vector::add_scaled;
-use crate::linalg::{LinearOperator, Workspace};
+use crate::linalg::Workspace;
 use crate::model::Model;
 use crate::model::counters::{Counters, timed};
 use crate::model::ending::Ending;
@@ -20,8 +18,6 @@ use crate::model::ending::Estimate;
 use crate::model::energy::strain_energy;
 use crate::model::internal::Internal;
 use crate::model::internal::internal;
-use crate::model::joined::Joined;
-use crate::model::pressures::add_pressures;
 use crate::model::state::State;
 use crate::model::values::displacement_at;
 use crate::plan::Plan;
@@ -32,6 +28,7 @@ use crate::results::fields::pressure_share;
 use crate::results::finite_strain::{deformed_pressure, jacobian_bound};
 use crate::results::friction::add_friction;
 use crate::results::geometry_error::geometry_error;
+use crate::results::nodal_force::{contact_force, reaction};
 use crate::results::touch::Touch;
 use crate::results::touching::Touching;
 
@@ -166,12 +163,9 @@ pub(crate) fn add_hidden_forces(
 fn supports(
     model: &Model<'_>,
     state: &State,
-    mut reaction: Vec<f64>,
+    internal: Vec<f64>,
 ) -> BTreeMap<String, SupportResult> {
-    let load = state.drive.load;
-    add_scaled(&mut reaction, -load, model.load);
-    add_pressures(model, &state.displacement, -load, &mut reaction);
-    add_contact_force(model, state, &mut reaction);
+    let reaction = reaction(model, state, internal, &contact_force(model, state));
     let space = &model.prepared.space;
     let nodal = space.node_forces(&reaction);
     let mut forces = given_to_supports(model.plan, space.components, &nodal);
@@ -202,23 +196,6 @@ pub(crate) fn given_to_supports(
             (support.name.clone(), SupportResult { force })
         })
         .collect()
-}
-
-/// Adds C^T l with held columns kept.
-fn add_contact_force(model: &Model<'_>, state: &State, force: &mut [f64]) {
-    let body = model.deformed(&state.displacement);
-    let free = vec![false; force.len()];
-    let mut joined = Joined::new(state.multiplier.len());
-    for (interface, met) in model.placed(&state.drive) {
-        joined.add(interface, linearise(&body, &interface.surface, &met, &free));
-    }
-    if let Some(friction) = &model.interfaces.friction {
-        joined.add_friction(friction, friction.linearised(model, state, &free));
-    }
-    let mut contact = vec![0.0; force.len()];
-    let (_, coupling) = joined.finish(force.len());
-    coupling.apply_transposed(&state.multiplier, &mut contact, &mut Workspace::new());
-    add_scaled(force, 1.0, &contact);
 }
 
 /// Displacement and pressure at every probe by name, in the caller's units.

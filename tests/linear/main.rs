@@ -15,6 +15,7 @@ mod estimate;
 mod extremes;
 mod lifted;
 mod method_names;
+mod nodal_force;
 mod normal_supports;
 mod patch;
 mod plan_doubts;

@@ -34,6 +34,7 @@ pub(crate) const FIELDS: &[(&str, v1::FieldName)] = &[
     ("friction_traction", v1::FieldName::FrictionTraction),
     ("slip", v1::FieldName::Slip),
     ("lowest_mode", v1::FieldName::LowestMode),
+    ("nodal_force", v1::FieldName::NodalForce),
 ];
 
 type ReadModel = fn(&Keys<'_>) -> Option<Model>;

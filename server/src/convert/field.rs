@@ -153,6 +153,7 @@ pub(crate) fn name(field: FieldName) -> wire::FieldName {
         FieldName::FrictionTraction => wire::FieldName::FrictionTraction,
         FieldName::Slip => wire::FieldName::Slip,
         FieldName::LowestMode => wire::FieldName::LowestMode,
+        FieldName::NodalForce => wire::FieldName::NodalForce,
     }
 }
 

@@ -143,7 +143,8 @@ impl EnrichedBody {
             | FieldName::ContactPressureDeformed
             | FieldName::FrictionTraction
             | FieldName::Slip
-            | FieldName::LowestMode => None,
+            | FieldName::LowestMode
+            | FieldName::NodalForce => None,
         }
     }
 }

@@ -151,7 +151,8 @@ impl EnrichedBody {
             FieldName::ContactPressureDeformed
             | FieldName::FrictionTraction
             | FieldName::Slip
-            | FieldName::LowestMode => return None,
+            | FieldName::LowestMode
+            | FieldName::NodalForce => return None,
             FieldName::ContactPressure | FieldName::Gap | FieldName::ContactState => {
                 (1, self.contact_field(state, name)?)
             }

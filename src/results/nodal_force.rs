@@ -1,0 +1,71 @@
+//! The force that supports and obstacles exert at every node, as codes exchange it that meet
+//! at a surface:
+//!
+//! ```text
+//! F_a = (A u + B^T p + C^T l - f)_a on what supports hold,   less (C^T l)_a everywhere
+//! ```
+//!
+//! Forces belong to the Lagrange functions of the nodes, which sum to one: the sum over the
+//! nodes of a support is its reaction, the sum over all nodes that of all supports and
+//! obstacles. Follower pressures are loads, and so part of f. What the axis of a body of
+//! revolution holds is nobody's. Non-dimensional, hierarchical but for the field. Cost: one
+//! product with the operator and one pass over the contact surfaces.
+
+use crate::contact::gap::linearise;
+use crate::linalg::vector::add_scaled;
+use crate::linalg::{LinearOperator, Workspace};
+use crate::model::Model;
+use crate::model::internal::internal;
+use crate::model::joined::Joined;
+use crate::model::pressures::add_pressures;
+use crate::model::state::State;
+
+/// Forces of supports and obstacles on all nodes `[nodes * components]`, non-dimensional.
+pub(crate) fn nodal_force(model: &Model<'_>, state: &State) -> Vec<f64> {
+    let contact = contact_force(model, state);
+    let inside = internal(model, state, &mut Workspace::new()).force;
+    let space = &model.prepared.space;
+    let reaction = space.node_forces(&reaction(model, state, inside, &contact));
+    let mut force = space.node_forces(&contact);
+    force.iter_mut().for_each(|value| *value = -*value);
+    let supports = model.plan.resolved.supports.len();
+    for &(unknown, support) in &model.plan.held {
+        if usize::from(support) < supports {
+            force[unknown as usize] += reaction[unknown as usize];
+        }
+    }
+    force
+}
+
+/// What holds the body in held rows `[displacement]`: the force of the body itself,
+/// `internal`, and that against `contact` less the loads.
+pub(crate) fn reaction(
+    model: &Model<'_>,
+    state: &State,
+    internal: Vec<f64>,
+    contact: &[f64],
+) -> Vec<f64> {
+    let load = state.drive.load;
+    let mut reaction = internal;
+    add_scaled(&mut reaction, -load, model.load);
+    add_pressures(model, &state.displacement, -load, &mut reaction);
+    add_scaled(&mut reaction, 1.0, contact);
+    reaction
+}
+
+/// C^T l with held columns kept `[displacement]`: what the body exerts on obstacles and guides.
+pub(crate) fn contact_force(model: &Model<'_>, state: &State) -> Vec<f64> {
+    let body = model.deformed(&state.displacement);
+    let mut contact = vec![0.0; state.displacement.len()];
+    let free = vec![false; contact.len()];
+    let mut joined = Joined::new(state.multiplier.len());
+    for (interface, met) in model.placed(&state.drive) {
+        joined.add(interface, linearise(&body, &interface.surface, &met, &free));
+    }
+    if let Some(friction) = &model.interfaces.friction {
+        joined.add_friction(friction, friction.linearised(model, state, &free));
+    }
+    let (_, coupling) = joined.finish(contact.len());
+    coupling.apply_transposed(&state.multiplier, &mut contact, &mut Workspace::new());
+    contact
+}
