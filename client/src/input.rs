@@ -59,11 +59,12 @@ impl Input {
 pub(crate) fn load(arguments: &SceneArguments) -> Result<Input, Failure> {
     let path = &arguments.scene;
     let text = std::fs::read_to_string(path).map_err(|error| Failure::unreadable(path, &error))?;
-    let file = scene_file::read(&text, path, &arguments.overrides).map_err(|error| {
+    let mut file = scene_file::read(&text, path, &arguments.overrides).map_err(|error| {
         let whole = matches!(error, SceneFileError::Syntax(_));
         let failure = Failure::from(error);
         if whole { failure.about(path) } else { failure }
     })?;
+    scene_file::read_values(&mut file).map_err(SceneFileError::Invalid)?;
     let mut mesh = load_mesh(&file.mesh).map_err(|failure| {
         let is_there = file.mesh.exists();
         if is_there {

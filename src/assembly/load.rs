@@ -124,9 +124,18 @@ impl Integral<'_> {
         load: &mut [f64],
     ) {
         let (mesh, scale) = (self.mesh, self.scale);
-        let vertices = mesh.cell_kind().vertices();
-        let table = Tabulated::new(self.rule, vertices);
-        let corners = |cell: usize| &mesh.cells()[cell * vertices..(cell + 1) * vertices];
+        let at = |cell: usize, l: &[f64]| force(cell, position(mesh, scale, mesh.cell(cell), l));
+        self.add_cell_density(volumes, &at, load);
+    }
+
+    /// The same; `force` takes a cell and barycentric coordinates in it.
+    pub fn add_cell_density(
+        &self,
+        volumes: &[f64],
+        force: &(dyn Fn(usize, &[f64]) -> [f64; 3] + Sync),
+        load: &mut [f64],
+    ) {
+        let table = Tabulated::new(self.rule, self.mesh.cell_kind().vertices());
         let mut local = vec![[0.0; 3]; BLOCK.min(volumes.len()) * table.nodes()];
         for first in (0..volumes.len()).step_by(BLOCK) {
             let count = BLOCK.min(volumes.len() - first);
@@ -135,8 +144,7 @@ impl Integral<'_> {
             cells.for_each(|(index, sums)| {
                 let cell = first + index;
                 sums.fill([0.0; 3]);
-                let value = |l: &[f64]| force(cell, position(mesh, scale, corners(cell), l));
-                table.integrate(volumes[cell], &value, sums);
+                table.integrate(volumes[cell], &|l| force(cell, l), sums);
             });
             for (index, sums) in block.chunks_exact(table.nodes()).enumerate() {
                 scatter(self.space, self.nodes(first + index), sums, load);
@@ -145,7 +153,7 @@ impl Integral<'_> {
     }
 
     /// Vertices, then edges of a cell.
-    fn nodes(&self, cell: usize) -> impl Iterator<Item = u32> {
+    pub fn nodes(&self, cell: usize) -> impl Iterator<Item = u32> {
         let edges = self.mesh.cell_kind().edges().len();
         let own_edges = &self.mesh.cell_edges()[cell * edges..(cell + 1) * edges];
         let first = self.space.vertices as u32;
@@ -160,11 +168,21 @@ impl Integral<'_> {
         traction: &dyn Fn([f64; 3]) -> [f64; 3],
         load: &mut [f64],
     ) {
+        let value = |l: &[f64]| traction(position(self.mesh, self.scale, facet.vertices, l));
+        self.add_facet_density(facet, &value, load);
+    }
+
+    /// The same; `traction` takes barycentric coordinates.
+    pub fn add_facet_density(
+        &self,
+        facet: LoadedFacet<'_>,
+        traction: &dyn Fn(&[f64]) -> [f64; 3],
+        load: &mut [f64],
+    ) {
         let vertices = facet.vertices;
         let table = Tabulated::new(self.rule, vertices.len());
-        let value = |l: &[f64]| traction(position(self.mesh, self.scale, vertices, l));
         let mut local = [[0.0; 3]; 6];
-        table.integrate(facet.area, &value, &mut local);
+        table.integrate(facet.area, traction, &mut local);
         let nodes = self.space.facet_nodes(vertices).into_iter();
         scatter(self.space, nodes, &local, load);
     }

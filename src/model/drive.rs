@@ -12,8 +12,10 @@
 //! Obstacles and supports are in the order of the plan. Lengths are the caller's, angles
 //! radians.
 
+use super::given::Given;
 use super::push::{Control, Push};
 use crate::geometry::rigid_motion::RigidMotion;
+use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::scene::{ObstacleTarget, Step, SupportTarget};
 
@@ -63,6 +65,8 @@ pub(crate) struct Drive {
     pub(crate) supports: Vec<[f64; 3]>,
     /// Rigid motion of each support, added to its components.
     pub(crate) motions: Vec<RigidMotion>,
+    /// Values of other codes.
+    pub(crate) given: Given,
 }
 
 impl Drive {
@@ -86,6 +90,7 @@ impl Drive {
             },
             supports: vec![[0.0; 3]; supports],
             motions: vec![RigidMotion::default(); supports],
+            given: Given::default(),
         }
     }
 
@@ -102,6 +107,7 @@ impl Drive {
                     None => support.displacement.map(|value| value.unwrap_or(0.0)),
                 })
                 .collect(),
+            given: Given::of_scene(plan),
             ..Self::undeformed(plan)
         }
     }
@@ -113,6 +119,14 @@ impl Drive {
         step.obstacles.iter().for_each(|one| end.place(one));
         step.supports.iter().for_each(|one| end.hold(plan, one));
         end
+    }
+
+    /// The same drive with the values that a step names.
+    pub(crate) fn given_by(self, (plan, mesh): (&Plan, &Mesh), step: &Step) -> Self {
+        Self {
+            given: self.given.after((plan, mesh), step),
+            ..self
+        }
     }
 
     /// Sets the pose and the friction that a step names; what the step leaves out keeps
@@ -190,6 +204,12 @@ impl Drive {
         let values = self.supports.as_flattened();
         values.iter().any(|&value| value != 0.0)
             || self.motions.iter().any(|motion| !motion.is_rest())
+            || !self.given.is_at_rest()
+    }
+
+    /// Whether the body of `plan` has a load under this drive, but for its factor.
+    pub(crate) fn has_loads(&self, plan: &Plan) -> bool {
+        plan.resolved.is_loaded() || !self.given.is_unloaded()
     }
 
     /// r where the way from `to` to this drive is r times that from `from` to `to`,
@@ -197,6 +217,10 @@ impl Drive {
     pub(crate) fn continues(&self, from: &Self, to: &Self) -> Option<f64> {
         let controls = self.controls();
         if from.controls() != controls || to.controls() != controls {
+            return None;
+        }
+        let shape = self.given.shape();
+        if from.given.shape() != shape || to.given.shape() != shape {
             return None;
         }
         let [a, b, c] = [from, to, self].map(|drive| drive.values(self));
@@ -232,17 +256,14 @@ impl Drive {
         let vectors = poses.chain(self.supports.iter().copied()).chain(motions);
         std::iter::once(self.load)
             .chain(vectors.flatten())
+            .chain(self.given.numbers())
             .collect()
     }
 
     /// This drive with no load factor where the body of `plan` has no load.
     pub(crate) fn felt_by(&self, plan: &Plan) -> Self {
         let mut felt = self.clone();
-        felt.load = if plan.resolved.is_loaded() {
-            self.load
-        } else {
-            0.0
-        };
+        felt.load = if self.has_loads(plan) { self.load } else { 0.0 };
         felt
     }
 
@@ -253,7 +274,9 @@ impl Drive {
         }
         let mix = |a: f64, b: f64| a + fraction * (b - a);
         let mix3 = |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|i| mix(a[i], b[i]));
+        let factors = [self.load, end.load];
         Self {
+            given: self.given.towards(&end.given, fraction, factors),
             load: mix(self.load, end.load),
             poses: self
                 .poses

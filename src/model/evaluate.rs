@@ -10,6 +10,7 @@
 use super::Model;
 use super::counters::timed;
 use super::friction::Law;
+use super::given_loads::dead_load;
 use super::held::{mask, norm_of};
 use super::internal::internal;
 use super::joined::Joined;
@@ -102,7 +103,7 @@ fn add_body(model: &Model<'_>, state: &State, out: &mut Evaluation, work: &mut W
 /// Dead loads and follower pressures at the state's load factor, all rows.
 fn external_force(model: &Model<'_>, state: &State) -> Vec<f64> {
     let load = state.drive.load;
-    let mut force = model.load.to_vec();
+    let mut force = dead_load(model, &state.drive).into_owned();
     force.iter_mut().for_each(|value| *value *= load);
     add_pressures(model, &state.displacement, load, &mut force);
     force

@@ -14,6 +14,8 @@ pub(crate) mod ending;
 pub(crate) mod energy;
 pub(crate) mod evaluate;
 pub(crate) mod friction;
+pub(crate) mod given;
+pub(crate) mod given_loads;
 pub(crate) mod held;
 pub(crate) mod inside_out;
 pub(crate) mod interfaces;

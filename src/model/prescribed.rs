@@ -1,10 +1,10 @@
 //! What supports prescribe: the held components of the displacement under a drive,
 //!
 //! ```text
-//! u(X) = value profile(X) + m(X) - X
+//! u(X) = value profile(X) + given(X) + m(X) - X
 //! ```
 //!
-//! m the rigid motion of the support; at edges the correction that makes the midpoint
+//! given the values of another code at the node, m the rigid motion of the support; at edges the correction that makes the midpoint
 //! take its value. Non-dimensional. Cost: some 20 flops a held entry.
 
 use super::Model;
@@ -27,6 +27,9 @@ pub(crate) fn prescribe(model: &Model<'_>, drive: &Drive, displacement: &mut [f6
         let (node, i) = (unknown as usize / c, unknown as usize % c);
         let position = || mesh_position(model.mesh, space, node);
         let value = prescribed_value(model.plan, drive, (usize::from(support), i), &position);
+        let given = drive.given.supports.get(usize::from(support));
+        let given = given.map_or(0.0, |spread| spread.nodes.at(node as u32)[i]);
+        let value = value + given / model.plan.units.length;
         displacement[unknown as usize] = match node.checked_sub(space.vertices) {
             None => value,
             // Both ends are held too and, being vertices, already set.
@@ -153,6 +156,7 @@ mod tests {
                 normal: None,
                 displacement: [Some(0.5), Some(0.0), Some(0.0)],
                 profile: Default::default(),
+                values: None,
             }],
             ..Scene::default()
         };

@@ -116,7 +116,7 @@ impl State {
     pub(crate) fn bytes(&self) -> u64 {
         let numbers = self.displacement.len() + self.pressure.len() + self.multiplier.len();
         let numbers = numbers + self.slip.travel.len() + 2 * self.slip.total.len();
-        (8 * numbers + self.status.len()) as u64
+        (8 * numbers + self.status.len()) as u64 + self.drive.given.bytes()
     }
 }
 

@@ -199,7 +199,9 @@ impl Plan {
                 "small strain, linear material",
             );
         }
-        if !self.resolved.has_body_force() && self.resolved.manufactured.is_none() {
+        let has_values = !self.resolved.body_force_values.is_zero();
+        let has_force = self.resolved.has_body_force() || has_values;
+        if !has_force && self.resolved.manufactured.is_none() {
             push("body force", "none given");
         }
         if !self.is_floating() {

@@ -33,6 +33,7 @@ fn scene(poisson_ratio: f64) -> Scene {
             normal: None,
             displacement: [Some(0.0), Some(0.0), None],
             profile: Profile::Constant,
+            values: None,
         }],
         ..Scene::default()
     }
@@ -302,6 +303,7 @@ fn loads_obstacle_shapes_and_units_share_prepared_data() {
     scene.tractions = vec![Traction {
         on: vec!["x1".to_owned()],
         value: [0.0, 1.0, 0.0],
+        ..Traction::default()
     }];
     scene.body_force = [0.1, 0.2, 0.3];
     scene.supports[0].displacement = [Some(0.1), Some(0.0), Some(-0.2)];

@@ -15,6 +15,7 @@ use crate::contact::gap::linearise;
 use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
+use crate::model::given_loads::dead_load;
 use crate::model::internal::internal;
 use crate::model::joined::Joined;
 use crate::model::pressures::add_pressures;
@@ -47,7 +48,7 @@ pub(crate) fn reaction(
 ) -> Vec<f64> {
     let load = state.drive.load;
     let mut reaction = internal;
-    add_scaled(&mut reaction, -load, model.load);
+    add_scaled(&mut reaction, -load, &dead_load(model, &state.drive));
     add_pressures(model, &state.displacement, -load, &mut reaction);
     add_scaled(&mut reaction, 1.0, contact);
     reaction

@@ -285,7 +285,7 @@ fn lost_digits(model: &Model<'_>, state: &State, ending: &Ending, strain: f64) -
     // come to rest is all rounding.
     let is_driven = state.status.iter().any(|status| status.is_closed())
         || state.drive.moves_supports()
-        || model.plan.resolved.is_loaded();
+        || state.drive.has_loads(model.plan);
     let length = match model.is_rubber() && is_driven {
         true => largest.max(1.0),
         false => largest,

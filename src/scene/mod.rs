@@ -12,6 +12,7 @@ mod names;
 mod solver;
 mod step;
 pub(crate) mod validate;
+mod values;
 
 pub use crate::obstacle::Shape;
 pub use choices::{
@@ -21,7 +22,8 @@ pub use choices::{
 pub use error::{SceneError, Violation};
 pub use material::{Formulation, Material, MaterialModel, Modulus, RubberModel};
 pub use solver::{SolverOptions, ToleranceRule};
-pub use step::{ObstacleTarget, Step, SupportTarget};
+pub use step::{ObstacleTarget, Step, SupportTarget, TractionTarget};
+pub use values::{ValuePlace, Values};
 
 /// Geometry of the problem.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,15 +75,22 @@ pub struct Support {
     pub normal: Option<f64>,
     /// How the values vary over the surface.
     pub profile: Profile,
+    /// Displacement of each node, length, on top of `displacement`; components that are not
+    /// held are not read.
+    pub values: Option<Values>,
 }
 
 /// Dead load per undeformed area on surface groups.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Traction {
+    /// Name of the traction, unique among those that have one; steps refer to it.
+    pub name: Option<String>,
     /// Names of the surface groups that are loaded.
     pub on: Vec<String>,
     /// Force per undeformed area `[3]`, stress.
     pub value: [f64; 3],
+    /// Force per undeformed area of each node or facet, stress, on top of `value`.
+    pub values: Option<Values>,
 }
 
 /// Follower pressure on surface groups: per deformed area, against the deformed
@@ -150,6 +159,8 @@ pub struct Scene {
     pub pressures: Vec<Pressure>,
     /// Force per undeformed volume `[3]`.
     pub body_force: [f64; 3],
+    /// Force per undeformed volume of each node or cell, on top of `body_force`.
+    pub body_force_values: Option<Values>,
     /// Rigid bodies that the body may touch.
     pub obstacles: Vec<Obstacle>,
     /// Name of an analytic field whose loads replace the others.

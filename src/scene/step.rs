@@ -3,6 +3,8 @@
 //! Values are from the initial pose, not from the last step: a step says where things are,
 //! so that a step that was cut short can be followed by any other.
 
+use super::Values;
+
 /// Where one obstacle shall be at the end of a step; `None` keeps its pose.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ObstacleTarget {
@@ -46,6 +48,18 @@ pub struct SupportTarget {
     /// Point of the undeformed body that the rotation leaves in place `[3]`; the
     /// origin at first.
     pub about: Option<[f64; 3]>,
+    /// New displacement of each node, length, on top of the others; `None` keeps them, zeros
+    /// at first.
+    pub values: Option<Values>,
+}
+
+/// New values of a traction.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TractionTarget {
+    /// Name of the traction.
+    pub name: String,
+    /// Force per undeformed area of each node or facet, stress, on top of its `value`.
+    pub values: Values,
 }
 
 impl SupportTarget {
@@ -66,6 +80,10 @@ pub struct Step {
     pub obstacles: Vec<ObstacleTarget>,
     /// What supports shall prescribe at the end; those not named stay.
     pub supports: Vec<SupportTarget>,
+    /// New values of tractions; those not named keep theirs, zeros at first.
+    pub tractions: Vec<TractionTarget>,
+    /// New values of the body force, on top of the constant one; `None` keeps them.
+    pub body_force: Option<Values>,
 }
 
 impl Default for Step {
@@ -75,6 +93,8 @@ impl Default for Step {
             load: None,
             obstacles: Vec::new(),
             supports: Vec::new(),
+            tractions: Vec::new(),
+            body_force: None,
         }
     }
 }

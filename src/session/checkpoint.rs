@@ -20,6 +20,7 @@ use sha2::{Digest, Sha256};
 
 use crate::assembly::simd::InstructionSet;
 use crate::model::drive::Drive;
+use crate::model::given::Given;
 use crate::model::push::Push;
 use crate::model::state::{SlipState, State};
 use crate::plan::Plan;
@@ -34,6 +35,8 @@ const MAGIC: &[u8; 21] = b"signorini-checkpoint\n";
 const VERSION: u32 = 1;
 /// Of the format with what obstacles shall exert in every drive.
 const WITH_PUSHES: u32 = 2;
+/// Of the format with values of other codes besides.
+const WITH_VALUES: u32 = 3;
 /// Bytes of a SHA-256 digest.
 const DIGEST: usize = 32;
 /// More steps than any session takes.
@@ -123,11 +126,13 @@ impl Checkpoint {
     /// Version of the format that holds all of it.
     fn version(&self) -> u32 {
         let drives = [&self.target, &self.state.drive];
-        let mut drives = drives.into_iter().chain(&self.begun);
-        match drives.all(|drive| drive.pushes.is_empty()) {
-            true => VERSION,
-            false => WITH_PUSHES,
-        }
+        let drives = drives.into_iter().chain(&self.begun);
+        let of_one = |drive: &Drive| match (drive.given == Given::default(), &drive.pushes[..]) {
+            (false, _) => WITH_VALUES,
+            (true, [_, ..]) => WITH_PUSHES,
+            (true, []) => VERSION,
+        };
+        drives.map(of_one).max().unwrap_or(VERSION)
     }
 
     /// Leads `fields` through all of it: the order of the bytes.
@@ -162,8 +167,8 @@ fn verified(bytes: &[u8]) -> Result<(u32, &[u8]), CheckpointError> {
     let rest = rest.ok_or(CheckpointError::NotACheckpoint)?;
     let (version, rest) = rest.split_first_chunk().ok_or(CheckpointError::Damaged)?;
     let found = u32::from_le_bytes(*version);
-    if !(VERSION..=WITH_PUSHES).contains(&found) {
-        let known = WITH_PUSHES;
+    if !(VERSION..=WITH_VALUES).contains(&found) {
+        let known = WITH_VALUES;
         return Err(CheckpointError::UnknownVersion { found, known });
     }
     let (body, written) = rest
@@ -228,7 +233,7 @@ fn visit_drive<E>(
         fields.numbers("translation of an obstacle", &mut pose.translation)?;
         fields.numbers("rotation of an obstacle", &mut pose.rotation)?;
     }
-    if version == WITH_PUSHES {
+    if version >= WITH_PUSHES {
         visit_pushes(drive, fields)?;
     }
     if !drive.friction.is_empty() {
@@ -240,6 +245,21 @@ fn visit_drive<E>(
         fields.numbers("translation of a support", &mut motion.translation)?;
         fields.numbers("rotation of a support", &mut motion.rotation)?;
         fields.numbers("reference point of a support", &mut motion.about)?;
+    }
+    match version >= WITH_VALUES {
+        true => visit_given(&mut drive.given, fields),
+        false => Ok(()),
+    }
+}
+
+/// Values of other codes; their numbers are those of the mesh that the checkpoint is tied to.
+fn visit_given<E>(given: &mut Given, fields: &mut impl Fields<Error = E>) -> Result<(), E> {
+    for list in [
+        &mut given.supports,
+        &mut given.tractions,
+        &mut given.body_force,
+    ] {
+        fields.spreads("values", list)?;
     }
     Ok(())
 }

@@ -210,6 +210,7 @@ impl Session {
         // Where a push has led an obstacle is known now.
         let reached = self.target.carried_by(&self.state.drive);
         let end = reached.after(self.plan(), step);
+        let end = end.given_by((self.plan(), self.body.mesh()), step);
         self.steps += 1;
         self.learned.rung = None;
         self.target = end.clone();

@@ -109,6 +109,7 @@ mod tests {
             friction: Vec::new(),
             supports: Vec::new(),
             motions: Vec::new(),
+            given: Default::default(),
         };
         let converged = Ending {
             termination: Termination::Converged,

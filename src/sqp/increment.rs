@@ -158,7 +158,7 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
 /// they have seen says nothing of what comes.
 fn forget_scales(run: &mut Run<'_>) {
     let state = &mut *run.state;
-    let is_loaded = run.model.plan.resolved.is_loaded() && state.drive.load != 0.0;
+    let is_loaded = state.drive.has_loads(run.model.plan) && state.drive.load != 0.0;
     if !touches(state) && !is_loaded && !state.drive.moves_supports() {
         state.scales = QpScales::default();
     }

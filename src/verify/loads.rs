@@ -5,14 +5,18 @@ use super::cell::{facet_area, positions};
 use super::pressures::Pushed;
 use super::{shapes, turn};
 use crate::element::quadrature::{Rule, Simplex, rule};
-use crate::geometry::vector3::{norm, scale};
+use crate::geometry::vector3::{add, norm, scale};
 use crate::model::Model;
+use crate::model::given::Given;
 use crate::model::state::State;
+use crate::scene::validate::Spread;
 
 /// Degree of the rule for constant loads.
 const CONSTANT_DEGREE: u32 = 4;
 /// Degree of the rule for analytic loads, which are part of the discrete problem.
 const ANALYTIC_DEGREE: u32 = 8;
+/// Degree of the rule for values of other codes, at every radius.
+const VALUES_DEGREE: u32 = 6;
 /// Exact for cof F N times quadratic functions, at every radius.
 const PRESSURE_DEGREE: u32 = 5;
 
@@ -26,18 +30,22 @@ pub(crate) fn external_load(model: &Model<'_>, state: &State, nodal: &[[f64; 3]]
             .settings
             .quadrature_degree
             .unwrap_or(ANALYTIC_DEGREE),
-        None => CONSTANT_DEGREE,
+        None if state.drive.given.is_unloaded() => CONSTANT_DEGREE,
+        None => VALUES_DEGREE,
     };
     let (cell, facet) = match model.plan.units.dimension {
         2 => (Simplex::Triangle, Simplex::Segment),
         _ => (Simplex::Tetrahedron, Simplex::Triangle),
     };
-    if model.plan.resolved.has_body_force() || field.is_some() {
+    let given = &state.drive.given;
+    let has_force = model.plan.resolved.has_body_force() || !given.body_force.is_empty();
+    if has_force || field.is_some() {
         let rule = &rule(cell, degree);
-        Integral { model, rule }.add_volume(&mut force);
+        Integral { model, given, rule }.add_volume(&mut force);
     }
     let surface = Integral {
         model,
+        given,
         rule: &rule(facet, degree),
     };
     surface.add_surfaces(&mut force);
@@ -69,11 +77,27 @@ fn point_at(corners: &[[f64; 3]], l: &[f64]) -> [f64; 3] {
 /// Loads by one rule, as they are added to forces `[nodes, 3]`.
 struct Integral<'a, 'm> {
     model: &'a Model<'m>,
+    given: &'a Given,
     rule: &'a Rule,
+}
+
+/// The values that are given in a region, by its number, at the Lagrange functions there.
+fn given_at(spread: Option<&Spread>, part: u32, nodes: &[u32], shapes: &[f64]) -> [f64; 3] {
+    let Some(spread) = spread else {
+        return [0.0; 3];
+    };
+    let mut value = spread.parts.at(part);
+    for (&node, shape) in nodes.iter().zip(shapes) {
+        let row = spread.nodes.at(node);
+        (0..3).for_each(|i| value[i] += shape * row[i]);
+    }
+    value
 }
 
 /// A cell or facet in the caller's units.
 struct Region<'a> {
+    /// What another code gives there, by the number of the region.
+    given: (Option<&'a Spread>, u32),
     /// Vertices, then edges.
     nodes: &'a [u32],
     corners: &'a [[f64; 3]],
@@ -102,6 +126,7 @@ impl Integral<'_, '_> {
                 .map(|&e| e + model.prepared.space.vertices as u32);
             let nodes: Vec<u32> = vertices.iter().copied().chain(edge_nodes).collect();
             let region = Region {
+                given: (self.given.body_force.first(), cell as u32),
                 nodes: &nodes,
                 corners: &positions(model, vertices),
                 measure,
@@ -118,21 +143,23 @@ impl Integral<'_, '_> {
                 let vertices = &facet.vertices[..model.plan.units.dimension];
                 let shear = shear_modulus(model, facet.cell as usize);
                 let traction = |x: [f64; 3], n: [f64; 3]| field.traction(x, n, shear);
-                self.add_facet(vertices, &traction, force);
+                self.add_facet((vertices, None, 0), &traction, force);
             }
             return;
         }
-        for traction in &model.plan.resolved.tractions {
+        for (index, traction) in model.plan.resolved.tractions.iter().enumerate() {
+            let given = self.given.tractions.get(index);
             for &facet in &traction.facets {
                 let value = |_: [f64; 3], _: [f64; 3]| traction.value;
-                self.add_facet(model.mesh.facet(facet as usize), &value, force);
+                let place = (model.mesh.facet(facet as usize), given, facet);
+                self.add_facet(place, &value, force);
             }
         }
     }
 
     fn add_facet(
         &self,
-        vertices: &[u32],
+        (vertices, given, facet): (&[u32], Option<&Spread>, u32),
         traction: &dyn Fn([f64; 3], [f64; 3]) -> [f64; 3],
         force: &mut [[f64; 3]],
     ) {
@@ -141,6 +168,7 @@ impl Integral<'_, '_> {
         let area = norm(area_vector);
         let normal = scale(1.0 / area, area_vector);
         let region = Region {
+            given: (given, facet),
             nodes: &self.model.prepared.space.facet_nodes(vertices),
             corners: &corners,
             measure: area,
@@ -158,9 +186,13 @@ impl Integral<'_, '_> {
         for (point, weight) in self.rule.points.iter().zip(&self.rule.weights) {
             let l = &point[..region.corners.len()];
             let place = point_at(region.corners, l);
-            let value = density(place);
-            let weight = weight * region.measure * turn(self.model, place[0]);
             let (values, _) = shapes(l, &[], region.pairs);
+            let (spread, part) = region.given;
+            let value = add(
+                density(place),
+                given_at(spread, part, region.nodes, &values),
+            );
+            let weight = weight * region.measure * turn(self.model, place[0]);
             for (&node, shape) in region.nodes.iter().zip(&values) {
                 for i in 0..3 {
                     force[node as usize][i] += weight * shape * value[i];

@@ -36,6 +36,7 @@ impl Body {
                 normal: None,
                 displacement: [Some(0.0), Some(0.0), across],
                 profile: Profile::Constant,
+                values: None,
             }],
             mesh_scale: Some(0.5),
             materials: vec![Material {

@@ -333,10 +333,12 @@ fn bent_cube() -> Scene {
             normal: None,
             displacement: [Some(0.0); 3],
             profile: Profile::Constant,
+            values: None,
         }],
         tractions: vec![Traction {
             on: vec!["x1".to_owned()],
             value: [0.0, 0.0, -1.0],
+            ..Traction::default()
         }],
         ..Scene::default()
     }

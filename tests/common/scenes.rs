@@ -58,6 +58,7 @@ pub(crate) fn support(on: &str, displacement: [Option<f64>; 3]) -> Support {
         normal: None,
         displacement,
         profile: Profile::Constant,
+        values: None,
     }
 }
 
@@ -66,6 +67,7 @@ pub(crate) fn traction(on: &str, value: [f64; 3]) -> Traction {
     Traction {
         on: vec![on.to_owned()],
         value,
+        ..Traction::default()
     }
 }
 

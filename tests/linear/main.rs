@@ -13,6 +13,7 @@ mod determinism;
 mod doubts;
 mod estimate;
 mod extremes;
+mod given_values;
 mod lifted;
 mod method_names;
 mod nodal_force;

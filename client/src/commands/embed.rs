@@ -11,7 +11,7 @@ use std::path::Path;
 
 use prost::Message;
 use signorini_client::formats::{grid, stl};
-use signorini_client::scene_file::{self, Override};
+use signorini_client::scene_file::{self, Override, SceneFileError};
 use signorini_client::{WireMesh, WireSurface};
 use signorini_proto::v1;
 
@@ -39,7 +39,8 @@ fn scene(path: &Path, overrides: &[Override]) -> Result<Exit, Failure> {
     std::io::stdin()
         .read_to_string(&mut text)
         .map_err(|error| Failure::unreadable(path, &error))?;
-    let file = scene_file::read(&text, path, overrides)?;
+    let mut file = scene_file::read(&text, path, overrides)?;
+    scene_file::read_values(&mut file).map_err(SceneFileError::Invalid)?;
     let mesh = file.mesh.to_str().ok_or_else(|| {
         let message = format!("mesh: {} is not UTF-8", file.mesh.display());
         Failure::new(Exit::Invalid, message)

@@ -12,6 +12,7 @@ pub mod msh;
 pub mod pvd;
 pub mod reader;
 pub mod stl;
+pub mod values;
 pub mod vtk;
 pub mod vtp;
 pub mod vtu;

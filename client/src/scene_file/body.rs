@@ -158,11 +158,13 @@ pub(super) fn name_of(keys: &Keys<'_>, kind: &str, index: usize) -> String {
 pub(super) fn supports(scene: &Keys<'_>) -> Vec<v1::Support> {
     let tables = scene.tables(
         "support",
-        &["name", "on", "displacement", "normal", "profile"],
+        &["name", "on", "displacement", "normal", "profile", "values"],
     );
     let support = |(index, keys): (usize, &Keys<'_>)| {
-        if !keys.has("displacement") && !keys.has("normal") {
-            keys.fault("displacement", "required key is missing (or give normal)");
+        let is_held = ["displacement", "normal", "values"].map(|key| keys.has(key));
+        if !is_held.contains(&true) {
+            let message = "required key is missing (or give normal, or values)";
+            keys.fault("displacement", message);
         }
         v1::Support {
             name: name_of(keys, "support", index),
@@ -170,9 +172,15 @@ pub(super) fn supports(scene: &Keys<'_>) -> Vec<v1::Support> {
             displacement: components(keys, "displacement"),
             normal: keys.number("normal"),
             profile: keys.choice("profile", PROFILES).map_or(0, i32::from),
+            values: values(keys),
         }
     };
     tables.iter().enumerate().map(support).collect()
+}
+
+/// Values that a file has, whose rows are read later.
+pub(super) fn values(keys: &Keys<'_>) -> Option<v1::Values> {
+    keys.text("values").map(|_| v1::Values::default())
 }
 
 /// Named components of a vector.
@@ -186,10 +194,15 @@ pub(super) fn components(keys: &Keys<'_>, key: &str) -> Option<v1::Components> {
 }
 
 pub(super) fn tractions(scene: &Keys<'_>) -> Vec<v1::Traction> {
-    let tables = scene.tables("traction", &["on", "value"]);
+    let tables = scene.tables("traction", &["name", "on", "value", "values"]);
     let traction = |keys: &Keys<'_>| v1::Traction {
+        name: keys.text("name").unwrap_or_default(),
         on: keys.required_names("on"),
-        value: keys.required_vector("value"),
+        value: match keys.has("values") {
+            true => keys.vector("value"),
+            false => keys.required_vector("value"),
+        },
+        values: values(keys),
     };
     tables.iter().map(traction).collect()
 }
@@ -203,10 +216,16 @@ pub(super) fn pressures(scene: &Keys<'_>) -> Vec<v1::Pressure> {
     tables.iter().map(pressure).collect()
 }
 
-pub(super) fn body_force(scene: &Keys<'_>) -> Vec<f64> {
-    let keys = scene.table("body_force", &["value"]);
-    keys.map(|keys| keys.required_vector("value"))
-        .unwrap_or_default()
+/// The constant force, and the one that a file has.
+pub(super) fn body_force(scene: &Keys<'_>) -> (Vec<f64>, Option<v1::Values>) {
+    let Some(keys) = scene.table("body_force", &["value", "values"]) else {
+        return (Vec::new(), None);
+    };
+    let constant = match keys.has("values") {
+        true => keys.vector("value"),
+        false => keys.required_vector("value"),
+    };
+    (constant, values(&keys))
 }
 
 pub(super) fn manufactured(scene: &Keys<'_>) -> String {

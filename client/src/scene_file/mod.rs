@@ -15,6 +15,7 @@ mod shape;
 mod step;
 mod suggest;
 mod syntax;
+mod values;
 
 #[cfg(test)]
 mod tests;
@@ -28,6 +29,7 @@ use toml::Table;
 pub use outline::{drawn_near, outline};
 pub use overrides::Override;
 pub use sampled::{facets, file_drawn_near, grid_surface};
+pub use values::{NamedValues, ValuesPlace, read_values};
 
 use crate::error::Violation;
 use keys::{Faults, Keys};
@@ -66,6 +68,8 @@ pub struct SceneFile {
     /// Paths of the triangulated surfaces and grids, by the place of their obstacle; their names in the
     /// message are still what the file says.
     pub surfaces: Vec<(usize, PathBuf)>,
+    /// Files of values, whose rows [`read_values`] puts into the message.
+    pub values: Vec<NamedValues>,
 }
 
 /// Why a scene file cannot be read.
@@ -111,6 +115,7 @@ pub fn read(text: &str, path: &Path, overrides: &[Override]) -> Result<SceneFile
     faults.finish().map_err(SceneFileError::Invalid)?;
     Ok(SceneFile {
         surfaces: surfaces(&scene, path.parent().unwrap_or(Path::new(""))),
+        values: values::named(&table, path.parent().unwrap_or(Path::new(""))),
         scene,
         mesh: folder.join(mesh),
     })
@@ -159,6 +164,7 @@ pub fn name_surface(kind: &mut Kind, name: String) {
 }
 
 fn scene(keys: &Keys<'_>, stem: String) -> v1::Scene {
+    let (body_force, body_force_values) = body::body_force(keys);
     v1::Scene {
         name: keys.text("name").unwrap_or(stem),
         mesh: String::new(),
@@ -168,7 +174,8 @@ fn scene(keys: &Keys<'_>, stem: String) -> v1::Scene {
         supports: body::supports(keys),
         tractions: body::tractions(keys),
         pressures: body::pressures(keys),
-        body_force: body::body_force(keys),
+        body_force,
+        body_force_values,
         obstacles: obstacle::obstacles(keys),
         manufactured: body::manufactured(keys),
         steps: step::steps(keys),

@@ -205,7 +205,7 @@ fn every_key_of_the_contract_reaches_the_message() {
             .iter()
             .map(|support| support.name.as_str())
             .collect::<Vec<_>>(),
-        ["base", "support-2"]
+        ["base", "support-2", "skin"]
     );
     assert_eq!(scene.supports[1].normal, Some(0.0));
     assert_eq!(
@@ -214,7 +214,7 @@ fn every_key_of_the_contract_reaches_the_message() {
             scene.pressures.len(),
             scene.body_force.len()
         ),
-        (1, 1, 3)
+        (2, 1, 3)
     );
     assert_eq!(scene.obstacles.len(), 10);
     assert!(scene.obstacles.iter().all(|obstacle| {
@@ -239,6 +239,20 @@ fn every_key_of_the_contract_reaches_the_message() {
         files,
         [7, 8, 9].into_iter().zip(expected).collect::<Vec<_>>()
     );
+    let values = parse(text, &[]).unwrap().values;
+    let values: Vec<_> = values
+        .iter()
+        .map(|one| (one.key.as_str(), one.path.to_str().unwrap()))
+        .collect();
+    let expected = [
+        ("support.skin.values", "folder/skin.csv"),
+        ("traction.wind.values", "folder/wind.csv"),
+        ("body_force.values", "folder/weights.csv"),
+        ("step[0].support.skin.values", "folder/skin-2.csv"),
+        ("step[0].traction.wind.values", "folder/wind-2.csv"),
+        ("step[0].body_force.values", "folder/weights-2.csv"),
+    ];
+    assert_eq!(values, expected);
     assert_eq!(
         (scene.obstacles[0].friction, scene.obstacles[1].tresca),
         (Some(0.3), Some(2.0))
@@ -268,8 +282,54 @@ fn every_key_of_the_contract_reaches_the_message() {
     assert_eq!(solver.error_estimate, "off");
     assert_eq!(scene.probes[0].point, [0.0, 1.0, 2.0]);
     let output = scene.output.unwrap();
+    assert_eq!((output.fields, output.every), ((1..=13).collect(), Some(2)));
+}
+
+#[test]
+fn rows_of_files_reach_the_places_that_name_them() {
+    let folder = std::env::temp_dir().join(format!("signorini-values-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
+    let text = include_str!("every_key.toml");
+    let names = ["skin", "wind", "weights", "skin-2", "wind-2", "weights-2"];
+    for (row, name) in names.iter().enumerate() {
+        write(
+            &format!("{name}.csv"),
+            &format!("node, x, y, z\n{row}, 1, 2, 3\n"),
+        );
+    }
+    let mut file = read(text, &folder.join("every.toml"), &[]).unwrap();
+    super::read_values(&mut file).unwrap();
+    let scene = &file.scene;
+    let step = &scene.steps[0];
+    let found = [
+        &scene.supports[2].values,
+        &scene.tractions[1].values,
+        &scene.body_force_values,
+        &step
+            .supports
+            .iter()
+            .find(|one| one.name == "skin")
+            .unwrap()
+            .values,
+        &step.tractions[0].values,
+        &step.body_force,
+    ];
+    for (row, values) in (0..).zip(found) {
+        let values = values.as_ref().expect("rows");
+        let number: Vec<i32> = signorini_proto::array::decode(&values.numbers).unwrap();
+        assert_eq!((number, values.rows.len()), (vec![row], 24));
+    }
+    write("wind-2.csv", "node, x, y, z\n4711, 1, nan, 3\n");
+    std::fs::remove_file(folder.join("skin.csv")).unwrap();
+    let mut file = read(text, &folder.join("every.toml"), &[]).unwrap();
+    let faults = super::read_values(&mut file).unwrap_err();
+    let paths: Vec<&str> = faults.iter().map(|fault| fault.path.as_str()).collect();
     assert_eq!(
-        (output.fields, output.every),
-        (vec![1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12], Some(2))
+        paths,
+        ["support.skin.values", "step[0].traction.wind.values"]
     );
+    let why = &faults[1].message;
+    assert!(why.contains("wind-2.csv: line 2: node 4711:"), "{why}");
+    std::fs::remove_dir_all(folder).unwrap();
 }

@@ -76,6 +76,19 @@ fn ball() -> wire::Obstacle {
     }
 }
 
+/// The same row for each of so many.
+fn given(place: wire::ValuePlace, count: usize) -> wire::Values {
+    let numbers = match place {
+        wire::ValuePlace::Facets => Bytes::new(),
+        _ => array::encode(&(0..count as i32).collect::<Vec<_>>()),
+    };
+    wire::Values {
+        place: place.into(),
+        numbers,
+        rows: array::encode(&vec![0.5; 3 * count]),
+    }
+}
+
 fn load_step() -> wire::LoadStep {
     let held = Some(wire::Components {
         x: Some(0.0),
@@ -96,6 +109,11 @@ fn load_step() -> wire::LoadStep {
             displacement: held,
             ..Default::default()
         }],
+        tractions: vec![wire::TractionTarget {
+            name: "wind".into(),
+            values: Some(given(wire::ValuePlace::Facets, 1)),
+        }],
+        body_force: Some(given(wire::ValuePlace::Nodes, 4)),
     }
 }
 
@@ -124,11 +142,15 @@ fn good_scene(mesh: &Mesh) -> wire::Scene {
             }),
             normal: None,
             profile: wire::SupportProfile::Parabolic.into(),
+            values: None,
         }],
         tractions: vec![wire::Traction {
             on: vec!["top".into()],
             value: vec![0.0, 0.0, -1.0],
+            name: "wind".into(),
+            values: Some(given(wire::ValuePlace::Facets, 1)),
         }],
+        body_force_values: Some(given(wire::ValuePlace::Cells, 1)),
         body_force: vec![0.0, 0.0, -9.81],
         obstacles: vec![ball()],
         steps: vec![load_step()],

@@ -15,6 +15,7 @@ pub(crate) mod shape;
 pub(crate) mod step;
 pub(crate) mod surface;
 pub(crate) mod uploaded;
+pub(crate) mod values;
 
 use signorini::scene::Violation;
 use signorini_proto::v1 as wire;

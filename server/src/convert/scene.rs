@@ -10,6 +10,7 @@ use signorini::scene::{
 use signorini_proto::v1 as wire;
 
 use super::uploaded::SurfacesByName;
+use super::values::values;
 use super::{Faults, MOST_FAULTS, components, field, material, mesh, named, shape, step};
 use crate::fault::Fault;
 
@@ -111,6 +112,11 @@ fn body(message: wire::Scene, surfaces: &SurfacesByName, faults: &mut Faults) ->
         body_force: faults
             .optional_vector(&message.body_force, "body_force.value")
             .unwrap_or_default(),
+        body_force_values: values(
+            message.body_force_values.as_ref(),
+            "body_force.values",
+            faults,
+        ),
         obstacles: collect(message.obstacles, faults, |one, index, faults| {
             obstacle(one, index, (surfaces, faults))
         }),
@@ -157,12 +163,18 @@ fn surfaces(groups: Vec<String>, path: &str, faults: &mut Faults) -> Vec<String>
 
 fn support(message: wire::Support, index: usize, faults: &mut Faults) -> Support {
     let path = named("support", &message.name, index);
+    let values = values(message.values.as_ref(), &format!("{path}.values"), faults);
+    let all = [Some(0.0); 3];
     Support {
         name: faults.name(&message.name, &path),
         on: surfaces(message.on, &path, faults),
-        displacement: components(message.displacement),
+        displacement: match (&values, message.displacement, message.normal) {
+            (Some(_), None, None) => all,
+            (_, displacement, _) => components(displacement),
+        },
         normal: message.normal,
         profile: profile(message.profile, &path, faults),
+        values,
     }
 }
 
@@ -181,10 +193,18 @@ fn profile(number: i32, path: &str, faults: &mut Faults) -> Profile {
 }
 
 fn traction(message: wire::Traction, index: usize, faults: &mut Faults) -> Traction {
-    let path = format!("traction[{index}]");
+    let path = named("traction", &message.name, index);
+    let values = values(message.values.as_ref(), &format!("{path}.values"), faults);
+    let key = format!("{path}.value");
+    let value = match &values {
+        Some(_) => faults.optional_vector(&message.value, &key),
+        None => Some(faults.vector(&message.value, &key)),
+    };
     Traction {
+        name: (!message.name.is_empty()).then(|| faults.name(&message.name, &path)),
         on: surfaces(message.on, &path, faults),
-        value: faults.vector(&message.value, &format!("{path}.value")),
+        value: value.unwrap_or_default(),
+        values,
     }
 }
 

@@ -3,9 +3,10 @@
 use std::time::Duration;
 
 use bytes::Bytes;
-use signorini::scene::{ObstacleTarget, Step, SupportTarget};
+use signorini::scene::{ObstacleTarget, Step, SupportTarget, TractionTarget};
 use signorini_proto::v1 as wire;
 
+use super::values::values;
 use super::{Faults, components, named};
 use crate::config::LONGEST_SECONDS;
 use crate::fault::Fault;
@@ -99,7 +100,35 @@ pub(crate) fn step(message: &wire::LoadStep, path: &str, faults: &mut Faults) ->
         load: message.load,
         obstacles,
         supports,
+        tractions: tractions(&message.tractions, path, faults),
+        body_force: values(
+            message.body_force.as_ref(),
+            &format!("{path}.body_force.values"),
+            faults,
+        ),
     }
+}
+
+fn tractions(
+    targets: &[wire::TractionTarget],
+    path: &str,
+    faults: &mut Faults,
+) -> Vec<TractionTarget> {
+    faults.at_most(targets, MAXIMUM_TARGETS, &format!("{path}.traction"));
+    let mut tractions = Vec::new();
+    for (index, target) in targets.iter().take(MAXIMUM_TARGETS).enumerate() {
+        let path = format!("{path}.{}", named("traction", &target.name, index));
+        let key = format!("{path}.values");
+        let given = values(target.values.as_ref(), &key, faults);
+        if given.is_none() {
+            faults.add(key, "is required");
+        }
+        tractions.push(TractionTarget {
+            name: faults.name(&target.name, &path),
+            values: given.unwrap_or_default(),
+        });
+    }
+    tractions
 }
 
 fn increments(number: Option<i32>, path: &str, faults: &mut Faults) -> u32 {
@@ -129,6 +158,7 @@ fn support(target: &wire::SupportTarget, path: &str, faults: &mut Faults) -> Sup
         translation: faults.optional_vector(&target.translation, &format!("{path}.translation")),
         rotation: faults.optional_vector(&target.rotation, &format!("{path}.rotation")),
         about: faults.optional_vector(&target.about, &format!("{path}.about")),
+        values: values(target.values.as_ref(), &format!("{path}.values"), faults),
     }
 }
 

@@ -23,6 +23,7 @@ fn plan() -> Plan {
             normal: None,
             displacement: [Some(0.5), None, Some(0.0)],
             profile: Profile::Constant,
+            values: None,
         }],
         obstacles: vec![Obstacle {
             name: "ball".to_owned(),

@@ -265,6 +265,7 @@ mod tests {
                 normal: None,
                 displacement: [Some(0.0), Some(0.0), (on[0] == "z0").then_some(0.0)],
                 profile: Profile::Constant,
+                values: None,
             }],
             obstacles: vec![crate::scene::Obstacle {
                 name: "tool".to_owned(),

@@ -1,6 +1,6 @@
 //! Body force, manufactured field, probes.
 
-use super::{Faults, ResolvedProbe, in_plane, names};
+use super::{Faults, ResolvedProbe, in_plane, names, values};
 use crate::element::manufactured::Manufactured;
 use crate::mesh::Mesh;
 use crate::mesh::locate::Locator;
@@ -11,6 +11,20 @@ use crate::scene::{MaterialModel, Profile, Scene, Support};
 pub(crate) fn body_force(scene: &Scene, mesh: &Mesh, faults: &mut Faults) {
     faults.finite("body_force.value", &scene.body_force);
     in_plane(faults, mesh, "body_force.value", scene.body_force);
+}
+
+/// Values stand neither beside an analytic field nor on elements of comparison.
+pub(crate) fn refuse_values(scene: &Scene, faults: &mut Faults) {
+    let supports = scene.supports.iter().any(|one| one.values.is_some());
+    let tractions = scene.tractions.iter().any(|one| one.values.is_some());
+    if !supports && !tractions && scene.body_force_values.is_none() {
+        return;
+    }
+    if scene.manufactured.is_some() {
+        let message = "brings its own loads and values: leave out `values`";
+        faults.add("manufactured.field", message);
+    }
+    values::refuse_element(scene, "solver.element", faults);
 }
 
 /// The analytic field; its loads take the place of all others.

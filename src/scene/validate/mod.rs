@@ -14,8 +14,10 @@ mod resolved;
 mod rigid_modes;
 mod rubber;
 mod solver;
+mod spread;
 mod steps;
 mod surfaces;
+mod values;
 
 use super::{Obstacle, Scene, SceneError, SceneKind, Step, Violation};
 use crate::mesh::{CellKind, Mesh};
@@ -27,7 +29,9 @@ pub(crate) use resolved::{
     ResolvedSupport, ResolvedTraction,
 };
 pub(crate) use rigid_modes::parts;
+pub(crate) use spread::{Spread, Table};
 pub(crate) use steps::check_step;
+pub(crate) use values::{Ground, resolve as resolve_values};
 
 /// Most faults that are told of one scene or step: more help nobody, and the
 /// text of each can be long.
@@ -129,6 +133,8 @@ pub(crate) fn resolve<'a>(
     obstacles::refuse_held_faces(mesh, &supports, &obstacles, &mut faults);
     let manufactured = bodies::manufactured(scene, mesh, &mut faults);
     bodies::body_force(scene, mesh, &mut faults);
+    let body_force_values = values::of_body(scene, mesh, &mut faults);
+    bodies::refuse_values(scene, &mut faults);
     let probes = bodies::probes(scene, mesh, &mut faults);
     let formulated = solver::Formulated {
         mixed,
@@ -152,6 +158,7 @@ pub(crate) fn resolve<'a>(
         tractions,
         pressures,
         body_force: scene.body_force,
+        body_force_values,
         probes,
         manufactured,
         free_modes,

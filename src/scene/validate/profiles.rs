@@ -1,6 +1,6 @@
 //! Supports whose prescribed values vary over their surface.
 
-use super::{Faults, Parabola, Placed, ResolvedSupport};
+use super::{Faults, Parabola, Placed, ResolvedSupport, values};
 use crate::contact::patches::smooth_patches;
 use crate::mesh::Mesh;
 use crate::scene::{Profile, Support};
@@ -22,6 +22,7 @@ pub(crate) fn resolve(
                 None => Vec::new(),
             },
             profile: profile(item, &facets, mesh, faults),
+            values: values::of_support(item, (&facets, mesh), faults),
             facets,
         })
         .collect()

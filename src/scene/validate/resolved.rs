@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use super::Parabola;
+use super::{Parabola, Spread};
 use crate::element::manufactured::Manufactured;
 use crate::material::{LinearElastic, Rubber};
 use crate::mesh::locate::Located;
@@ -55,15 +55,21 @@ pub(crate) struct ResolvedSupport {
     pub(crate) patches: Vec<Vec<u32>>,
     /// Variation of the values over the surface; `None` where they are constant.
     pub(crate) profile: Option<Parabola>,
+    /// Displacement of each node on top, the caller's length.
+    pub(crate) values: Spread,
 }
 
 /// A dead load per undeformed area.
 #[derive(Clone, Debug)]
 pub(crate) struct ResolvedTraction {
+    /// Unique among those that have one.
+    pub(crate) name: Option<String>,
     /// Loaded facets, ascending.
     pub(crate) facets: Vec<u32>,
     /// The caller's stress `[3]`.
     pub(crate) value: [f64; 3],
+    /// Of each node or facet on top, the caller's stress.
+    pub(crate) values: Spread,
 }
 
 /// A pressure that follows the deformed surface.
@@ -117,6 +123,8 @@ pub(crate) struct Resolved {
     pub(crate) pressures: Vec<ResolvedPressure>,
     /// The caller's force per undeformed volume `[3]`.
     pub(crate) body_force: [f64; 3],
+    /// The same of each node or cell, on top.
+    pub(crate) body_force_values: Spread,
     pub(crate) probes: Vec<ResolvedProbe>,
     /// The analytic field whose loads replace the others.
     pub(crate) manufactured: Option<Manufactured>,
@@ -147,6 +155,7 @@ impl Resolved {
     pub(crate) fn is_loaded(&self) -> bool {
         self.manufactured.is_some()
             || self.has_body_force()
+            || !self.body_force_values.is_zero()
             || !self.tractions.is_empty()
             || !self.pressures.is_empty()
     }

@@ -1,6 +1,6 @@
 //! Load steps and obstacle updates.
 
-use super::{Faults, in_plane};
+use super::{Faults, in_plane, values};
 use crate::mesh::Mesh;
 use crate::scene::names::hint;
 use crate::scene::{
@@ -40,6 +40,7 @@ impl Steps<'_> {
         if let Some(load) = step.load {
             faults.finite(&format!("{path}.load"), &[load]);
         }
+        values::check_step((self.scene, step), self.mesh, path, faults);
         for target in &step.obstacles {
             if faults.is_full() {
                 return;

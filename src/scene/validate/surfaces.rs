@@ -1,6 +1,6 @@
 //! Supports, tractions and pressures: names, groups, values.
 
-use super::{Faults, Placed, ResolvedPressure, ResolvedTraction, in_plane, names};
+use super::{Faults, Placed, ResolvedPressure, ResolvedTraction, in_plane, names, values};
 use crate::mesh::Mesh;
 use crate::scene::{Profile, Scene, Support};
 
@@ -52,17 +52,25 @@ fn normal(support: &Support, value: f64, path: &str, faults: &mut Faults) {
 
 /// The tractions on their facets.
 pub(crate) fn tractions(scene: &Scene, mesh: &Mesh, faults: &mut Faults) -> Vec<ResolvedTraction> {
+    let named = scene.tractions.iter().filter_map(|one| one.name.as_deref());
+    names::check_unique(faults, "traction", named);
     scene
         .tractions
         .iter()
         .enumerate()
         .map(|(index, traction)| {
-            let path = format!("traction[{index}]");
+            let path = match &traction.name {
+                Some(name) => format!("traction.{name}"),
+                None => format!("traction[{index}]"),
+            };
             faults.finite(&format!("{path}.value"), &traction.value);
             in_plane(faults, mesh, &format!("{path}.value"), traction.value);
             let on = format!("{path}.on");
+            let facets = names::facets(mesh, &on, &traction.on, faults);
             ResolvedTraction {
-                facets: names::facets(mesh, &on, &traction.on, faults),
+                name: traction.name.clone(),
+                values: values::of_traction((traction, &path), (&facets, mesh), faults),
+                facets,
                 value: traction.value,
             }
         })

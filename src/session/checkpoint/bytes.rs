@@ -5,6 +5,7 @@ use crate::saddle::Status;
 use std::convert::Infallible;
 
 use super::CheckpointError;
+use crate::scene::validate::{Spread, Table};
 
 /// Meets every field of a checkpoint in the order of its bytes.
 pub(super) trait Fields {
@@ -28,6 +29,9 @@ pub(super) trait Fields {
 
     /// Yes or no, one byte each, their count first.
     fn flags(&mut self, field: &'static str, values: &mut [bool]) -> Result<(), Self::Error>;
+
+    /// Values by numbers, as many as there are: their count, and two tables each.
+    fn spreads(&mut self, field: &'static str, list: &mut Vec<Spread>) -> Result<(), Self::Error>;
 
     /// Open 0, stick 1, slip 2, one byte each, their count first.
     fn statuses(&mut self, field: &'static str, values: &mut [Status]) -> Result<(), Self::Error>;
@@ -73,6 +77,19 @@ impl Fields for Writer {
     fn flags(&mut self, field: &'static str, values: &mut [bool]) -> Result<(), Infallible> {
         self.length(field, values.len())?;
         self.bytes.extend(values.iter().map(|&flag| u8::from(flag)));
+        Ok(())
+    }
+
+    fn spreads(&mut self, field: &'static str, list: &mut Vec<Spread>) -> Result<(), Infallible> {
+        self.length(field, list.len())?;
+        for table in list.iter().flat_map(|one| [&one.nodes, &one.parts]) {
+            self.length(field, table.keys.len())?;
+            let keys = table.keys.iter().flat_map(|key| key.to_le_bytes());
+            self.bytes.extend(keys);
+            let values = table.rows.as_flattened().iter();
+            self.bytes
+                .extend(values.flat_map(|value| value.to_le_bytes()));
+        }
         Ok(())
     }
 
@@ -122,6 +139,36 @@ impl<'a> Reader<'a> {
         Ok(*taken)
     }
 
+    /// A count of entries of `size` bytes, of which as many follow.
+    fn counted(&mut self, field: &'static str, size: usize) -> Result<usize, CheckpointError> {
+        let count = usize::try_from(u64::from_le_bytes(self.array(field)?));
+        let bytes = count.ok().and_then(|count| count.checked_mul(size));
+        match bytes.filter(|&bytes| bytes <= self.rest.len()) {
+            Some(bytes) => Ok(bytes / size),
+            None => Err(malformed(field, "is cut short")),
+        }
+    }
+
+    /// Rows by ascending numbers.
+    fn table(&mut self, field: &'static str) -> Result<Table, CheckpointError> {
+        let count = self.counted(field, ROW_BYTES)?;
+        let mut keys = Vec::with_capacity(count);
+        for _ in 0..count {
+            keys.push(u32::from_le_bytes(self.array(field)?));
+        }
+        if !keys.is_sorted_by(|a, b| a < b) {
+            return Err(malformed(field, "has numbers that do not ascend"));
+        }
+        let mut rows = vec![[0.0; 3]; count];
+        for value in rows.as_flattened_mut() {
+            *value = self.number(field)?;
+        }
+        Ok(Table {
+            keys: keys.into(),
+            rows: rows.into(),
+        })
+    }
+
     fn number(&mut self, field: &'static str) -> Result<f64, CheckpointError> {
         let value = f64::from_le_bytes(self.array(field)?);
         match value.is_finite() {
@@ -130,6 +177,11 @@ impl<'a> Reader<'a> {
         }
     }
 }
+
+/// Bytes of a number and its row.
+const ROW_BYTES: usize = 4 + 3 * 8;
+/// Bytes of two empty tables.
+const SPREAD_BYTES: usize = 2 * 8;
 
 impl Fields for Reader<'_> {
     type Error = CheckpointError;
@@ -179,6 +231,22 @@ impl Fields for Reader<'_> {
                 1 => true,
                 2.. => return Err(malformed(field, "is neither yes nor no")),
             };
+        }
+        Ok(())
+    }
+
+    fn spreads(
+        &mut self,
+        field: &'static str,
+        list: &mut Vec<Spread>,
+    ) -> Result<(), CheckpointError> {
+        let count = self.counted(field, SPREAD_BYTES)?;
+        list.clear();
+        for _ in 0..count {
+            list.push(Spread {
+                nodes: self.table(field)?,
+                parts: self.table(field)?,
+            });
         }
         Ok(())
     }

@@ -13,6 +13,7 @@ use crate::obstacle::surface::{Between, SurfaceShape};
 use crate::scene::{
     Formulation, Material, MaterialModel, Modulus, Obstacle, Pressure, Probe, Profile, RubberModel,
     Scene, SceneKind, Shape, SolverOptions, Support, SurfaceGeometry, ToleranceRule, Traction,
+    Values,
 };
 
 /// The digest of `scene`.
@@ -65,6 +66,7 @@ impl Canonical {
             tractions,
             pressures,
             body_force,
+            body_force_values,
             obstacles,
             manufactured,
             probes,
@@ -77,6 +79,7 @@ impl Canonical {
         self.all(tractions, Self::traction);
         self.all(pressures, Self::pressure);
         self.numbers(body_force);
+        self.values(body_force_values.as_ref());
         self.all(obstacles, Self::obstacle);
         self.text(manufactured.as_deref().unwrap_or_default());
         self.all(probes, Self::probe);
@@ -149,6 +152,7 @@ impl Canonical {
             displacement,
             normal,
             profile,
+            values,
         } = support;
         self.text(name);
         self.texts(on);
@@ -158,12 +162,41 @@ impl Canonical {
             Profile::Constant => "constant",
             Profile::Parabolic => "parabolic",
         });
+        self.values(values.as_ref());
     }
 
     fn traction(&mut self, traction: &Traction) {
-        let Traction { on, value } = traction;
+        let Traction {
+            name,
+            on,
+            value,
+            values,
+        } = traction;
         self.texts(on);
         self.numbers(value);
+        if let Some(name) = name {
+            self.text("name");
+            self.text(name);
+        }
+        self.values(values.as_ref());
+    }
+
+    fn values(&mut self, values: Option<&Values>) {
+        let Some(Values {
+            place,
+            numbers,
+            rows,
+        }) = values
+        else {
+            return;
+        };
+        self.text("values");
+        self.text(place.name());
+        self.length(numbers.len());
+        for number in numbers {
+            self.0.update(number.to_le_bytes());
+        }
+        self.numbers(rows.as_flattened());
     }
 
     fn pressure(&mut self, pressure: &Pressure) {

@@ -8,9 +8,11 @@ use crate::model::push::Push;
 use crate::obstacle::grid::{HeightField, Lattice};
 use crate::plan::Plan;
 use crate::saddle::Status;
+use crate::scene::validate::{Spread, Table};
 use crate::scene::{
     Choice, ElementKind, Formulation, Material, MaterialModel, Modulus, Obstacle, Pressure, Probe,
-    Profile, RubberModel, Scene, SceneKind, Shape, Support, ToleranceRule, Traction,
+    Profile, RubberModel, Scene, SceneKind, Shape, Support, ToleranceRule, Traction, ValuePlace,
+    Values,
 };
 
 /// An incompressible block on a support under a ball.
@@ -30,6 +32,7 @@ fn scene() -> Scene {
             normal: None,
             displacement: [Some(0.0); 3],
             profile: Profile::Constant,
+            values: None,
         }],
         obstacles: vec![Obstacle {
             name: "ball".to_owned(),
@@ -57,6 +60,52 @@ fn at_rest(plan: &Plan) -> Checkpoint {
     }
 }
 
+/// Values of another code at one node.
+fn row(node: u32, value: f64) -> Values {
+    Values {
+        place: ValuePlace::Nodes,
+        numbers: vec![node],
+        rows: vec![[value, 0.0, 0.0]],
+    }
+}
+
+/// The same as a drive has them.
+fn spread(keys: &[u32], value: f64) -> Spread {
+    Spread {
+        nodes: Table {
+            keys: keys.into(),
+            rows: keys.iter().map(|_| [value; 3]).collect(),
+        },
+        ..Spread::default()
+    }
+}
+
+#[test]
+fn tables_of_any_claimed_length_are_refused_without_memory_for_them() {
+    let plan = plan();
+    let mut one = at_rest(&plan);
+    one.target.given.supports = vec![spread(&[1, 2], 0.5)];
+    let bytes = one.encode(&plan);
+    let written = [2_u64.to_le_bytes().as_slice(), &1_u32.to_le_bytes()].concat();
+    let place = bytes.windows(written.len()).position(|at| at == written);
+    let place = place.expect("the count of rows");
+    let sealed = |change: &dyn Fn(&mut [u8])| {
+        let mut changed = bytes.clone();
+        change(&mut changed);
+        let end = changed.len() - 32;
+        let seal = <sha2::Sha256 as sha2::Digest>::digest(&changed[..end]);
+        changed[end..].copy_from_slice(&seal);
+        Checkpoint::decode(&plan, &changed, Rounding::Same)
+    };
+    for count in [3, 1 << 20, 1 << 60, u64::MAX] {
+        let claimed = sealed(&|all| all[place..place + 8].copy_from_slice(&count.to_le_bytes()));
+        assert!(claimed.is_err(), "{count}");
+    }
+    let twice = sealed(&|all| all[place + 8] = 2);
+    let message = twice.expect_err("a number twice").to_string();
+    assert!(message.contains("do not ascend"), "{message}");
+}
+
 /// A push of the ball along one axis.
 fn pushed(axis: usize, value: f64) -> Vec<Push> {
     let mut push = Push::default();
@@ -68,7 +117,7 @@ fn pushed(axis: usize, value: f64) -> Vec<Push> {
 fn every_field_is_read_back_and_changes_the_bytes() {
     let plan = plan();
     let rest = at_rest(&plan);
-    let changes: [fn(&mut Checkpoint); 24] = [
+    let changes: [fn(&mut Checkpoint); 28] = [
         |one| one.steps += 1,
         |one| one.moved = true,
         |one| one.begun = None,
@@ -97,6 +146,10 @@ fn every_field_is_read_back_and_changes_the_bytes() {
         |one| one.state.scales.gap = 0.1,
         |one| one.state.force_scale = 0.1,
         |one| one.state.penalty = 0.1,
+        |one| one.target.given.supports = vec![spread(&[0, 7], -0.0)],
+        |one| one.target.given.supports = vec![spread(&[0, 8], -0.0)],
+        |one| one.state.drive.given.tractions = vec![Spread::default(), spread(&[3], 1.0)],
+        |one| one.state.drive.given.body_force = vec![spread(&[], 1.0)],
     ];
     let bytes = rest.clone().encode(&plan);
     assert_eq!(
@@ -155,7 +208,7 @@ fn a_drive_of_other_obstacles_is_refused() {
 
 #[test]
 fn every_key_of_a_scene_counts_but_its_name_and_its_limit_of_time() {
-    let changes: [fn(&mut Scene); 21] = [
+    let changes: [fn(&mut Scene); 27] = [
         |scene| scene.mesh_scale = Some(2.0),
         |scene| scene.kind = Some(SceneKind::Solid),
         |scene| scene.materials[0].group.push('s'),
@@ -182,7 +235,8 @@ fn every_key_of_a_scene_counts_but_its_name_and_its_limit_of_time() {
         |scene| scene.supports[0].profile = Profile::Parabolic,
         |scene| {
             let (on, value) = (Vec::new(), [0.0; 3]);
-            scene.tractions.push(Traction { on, value });
+            let rest = Traction::default();
+            scene.tractions.push(Traction { on, value, ..rest });
         },
         |scene| {
             let (on, value) = (Vec::new(), 0.0);
@@ -203,6 +257,20 @@ fn every_key_of_a_scene_counts_but_its_name_and_its_limit_of_time() {
         |scene| scene.solver.element = Choice::Named(ElementKind::TaylorHood),
         |scene| scene.solver.penalty = Some(0.0),
         |scene| scene.solver.verify = true,
+        |scene| scene.supports[0].values = Some(Values::default()),
+        |scene| scene.supports[0].values = Some(row(0, 0.0)),
+        |scene| scene.supports[0].values = Some(row(1, 0.0)),
+        |scene| scene.body_force_values = Some(row(0, 1.0)),
+        |scene| {
+            let values = Some(row(0, 0.0));
+            let rest = Traction::default();
+            scene.tractions.push(Traction { values, ..rest });
+        },
+        |scene| {
+            let name = Some("wind".to_owned());
+            let rest = Traction::default();
+            scene.tractions.push(Traction { name, ..rest });
+        },
     ];
     let mut digests = vec![scene_digest::of(&scene())];
     for change in changes {

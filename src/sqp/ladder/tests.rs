@@ -26,6 +26,7 @@ fn block(model: MaterialModel) -> Scene {
             normal: None,
             displacement: [Some(0.0); 3],
             profile: Profile::Constant,
+            values: None,
         }],
         obstacles: vec![Obstacle {
             name: "ball".to_owned(),

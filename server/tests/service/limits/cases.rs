@@ -74,7 +74,11 @@ pub(crate) const LISTS: [SceneCase; 14] = [
     }),
     ("traction[0].on", 1000, |scene, n| {
         let (on, value) = (words(n), vec![0.0; 3]);
-        scene.tractions = vec![wire::Traction { on, value }];
+        scene.tractions = vec![wire::Traction {
+            on,
+            value,
+            ..Default::default()
+        }];
     }),
     ("material.body.mu", 3, |scene, n| {
         scene.materials[0].model = ogden(n)
