@@ -38,7 +38,7 @@
 //! is expensive, once for all sessions with the same [`PreparedKey`]. A [`Session`] owns
 //! a state; [`Session::begin_step`] makes a [`StepRun`], and each [`Session::advance`]
 //! solves one increment of it and returns its [`StepReport`]. [`Session::export`] and
-//! [`Session::import`] carry a session to another process.
+//! [`Session::import`] carry a session to another process, [`Session::restore`] takes one back.
 //!
 //! Inside, an increment is one `sqp::run::Run`: the model, the state that it moves, what
 //! earlier programs have taught, who watches, counts and scratch. `sqp::approach` parts
@@ -102,6 +102,7 @@
 //! | static condensation on the multiplier | `Condensed` | `inequality::condensed` |
 //! | true surface, middles of second-order edges | `EdgeOffset`, `CurvedFace` | `mesh`, `contact` |
 //! | trace directions of the compliance | `TraceDirections` | `prepare::traces` |
+//! | values of other codes, coupling data | `Given`, `Spread` | `model::given`, `scene::validate` |
 //! | weighted gap | `gap` | `contact::gap` |
 //!
 //! # Invariants
@@ -161,6 +162,7 @@
 #![doc = include_str!("decisions/0041-tools-on-grids.md")]
 #![doc = include_str!("decisions/0042-metric-by-its-parts.md")]
 #![doc = include_str!("decisions/0043-earlier-directions-stay.md")]
+#![doc = include_str!("decisions/0044-values-of-other-codes.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

@@ -70,7 +70,7 @@ pub(crate) enum Fault {
     Unwritable(String),
     #[error("`{name}` cannot be read from the data folder: {why}")]
     SessionDamaged { name: String, why: String },
-    #[error("no state `{0}`; import it first")]
+    #[error("no state `{0}` is kept here")]
     StateNotFound(String),
     /// Bytes that no session goes on from.
     #[error("{0}")]

@@ -129,6 +129,26 @@ impl Session {
     ) -> Result<Self, CheckpointError> {
         let checkpoint = Checkpoint::decode(&plan, bytes, rounding)?;
         let mut session = Self::new(plan, mesh, prepared, reuse);
+        session.take_up(checkpoint);
+        Ok(session)
+    }
+
+    /// Goes back to where [`Session::export`] wrote `bytes`, of this session or of another one
+    /// of the same plan, and on from there with the same bits as from there before. A step
+    /// under way is forgotten: [`Session::resume_step`] where the bytes are from the middle of
+    /// one. Cost: one pass over the bytes.
+    ///
+    /// # Errors
+    /// As [`Session::import`]; the session is then as before.
+    pub fn restore(&mut self, bytes: &[u8]) -> Result<(), CheckpointError> {
+        let checkpoint = Checkpoint::decode(self.plan(), bytes, Rounding::Same)?;
+        self.take_up(checkpoint);
+        self.learned = Learned::nothing(self.body.plan());
+        self.previous = None;
+        Ok(())
+    }
+
+    fn take_up(&mut self, checkpoint: Checkpoint) {
         let Checkpoint {
             state,
             target,
@@ -136,12 +156,11 @@ impl Session {
             steps,
             moved,
         } = checkpoint;
-        session.state = state;
-        session.target = target;
-        session.begun = begun;
-        session.steps = steps;
-        session.moved = moved;
-        Ok(session)
+        self.state = state;
+        self.target = target;
+        self.begun = begun;
+        self.steps = steps;
+        self.moved = moved;
     }
 
     /// Whether [`Session::import`] takes `bytes` on a session of `plan`, before anything

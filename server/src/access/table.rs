@@ -27,7 +27,7 @@ const SOLVE: Need = Need::Role(Role::Solve);
 use Effect::{Changes, Looks};
 
 /// Every method that is served.
-pub(super) const TABLE: [Rule; 23] = [
+pub(super) const TABLE: [Rule; 25] = [
     ("/grpc.health.v1.Health/Check", NOTHING, Looks),
     ("/grpc.health.v1.Health/Watch", NOTHING, Looks),
     (
@@ -58,6 +58,8 @@ pub(super) const TABLE: [Rule; 23] = [
     ("/signorini.v1.SessionService/CancelStep", SOLVE, Changes),
     ("/signorini.v1.SessionService/ReadStep", READ, Looks),
     ("/signorini.v1.SessionService/ExportState", READ, Looks),
+    ("/signorini.v1.SessionService/SaveState", SOLVE, Changes),
+    ("/signorini.v1.SessionService/RestoreState", SOLVE, Changes),
     ("/signorini.v1.SessionService/ImportState", SOLVE, Changes),
 ];
 

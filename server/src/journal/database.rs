@@ -12,8 +12,8 @@ use redb::{
 
 use super::error::JournalError;
 use super::record::{
-    StoredCheckpoint, StoredFields, StoredMesh, StoredResult, StoredSession, StoredUpdate, opened,
-    sealed,
+    StoredCheckpoint, StoredFields, StoredMesh, StoredResult, StoredSave, StoredSession,
+    StoredUpdate, opened, sealed,
 };
 
 const META: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("meta");
@@ -23,14 +23,15 @@ pub(super) const RESULTS: TableDefinition<'_, (&str, i64), &[u8]> = TableDefinit
 const FIELDS: TableDefinition<'_, (&str, i64), &[u8]> = TableDefinition::new("fields");
 pub(super) const CHECKPOINTS: TableDefinition<'_, &str, &[u8]> =
     TableDefinition::new("checkpoints");
+const SAVES: TableDefinition<'_, (&str, i64), &[u8]> = TableDefinition::new("saves");
 const MESHES: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("meshes");
 
 /// The tables whose keys are names.
 pub(super) const BY_NAME: [TableDefinition<'_, &str, &[u8]>; 4] =
     [META, SESSIONS, CHECKPOINTS, MESHES];
 /// The tables whose keys are a session and a number.
-pub(super) const BY_PLACE: [TableDefinition<'_, (&str, i64), &[u8]>; 3] =
-    [UPDATES, RESULTS, FIELDS];
+pub(super) const BY_PLACE: [TableDefinition<'_, (&str, i64), &[u8]>; 4] =
+    [UPDATES, RESULTS, FIELDS, SAVES];
 
 /// Pages that the database keeps in memory.
 const CACHE_BYTES: usize = 16 << 20;
@@ -51,6 +52,10 @@ pub(crate) enum Change {
     Result(i64, StoredResult, StoredFields),
     /// A state to go on from; updates that lead to it are of no more use.
     Checkpoint(StoredCheckpoint),
+    /// A state that a client may go back to, by its number.
+    Save(i64, StoredSave),
+    /// Saved states before this one are dropped.
+    DropSaves(i64),
     /// Results before this event are dropped.
     DropResults(i64),
     /// Fields of results before this event are dropped.
@@ -70,6 +75,7 @@ pub(crate) struct Stored {
     pub(crate) updates: Vec<(i64, StoredUpdate)>,
     pub(crate) results: Vec<(i64, StoredResult, StoredFields)>,
     pub(crate) checkpoint: Option<StoredCheckpoint>,
+    pub(crate) saves: Vec<(i64, StoredSave)>,
 }
 
 /// What a list tells of a stored session.
@@ -123,6 +129,7 @@ struct Tables<'a> {
     results: redb::Table<'a, (&'static str, i64), &'static [u8]>,
     fields: redb::Table<'a, (&'static str, i64), &'static [u8]>,
     checkpoints: redb::Table<'a, &'static str, &'static [u8]>,
+    saves: redb::Table<'a, (&'static str, i64), &'static [u8]>,
     meshes: redb::Table<'a, &'static str, &'static [u8]>,
 }
 
@@ -135,6 +142,7 @@ impl<'a> Tables<'a> {
             results: write.open_table(RESULTS)?,
             fields: write.open_table(FIELDS)?,
             checkpoints: write.open_table(CHECKPOINTS)?,
+            saves: write.open_table(SAVES)?,
             meshes: write.open_table(MESHES)?,
         })
     }
@@ -171,6 +179,13 @@ impl<'a> Tables<'a> {
                 let needed = checkpoint.sequence + i64::from(checkpoint.done == 0);
                 drop_keys(&mut self.updates, name, i64::MIN, needed - 1)?;
             }
+            Change::Save(number, save) => {
+                let bytes = seal(sealed(save));
+                self.saves.insert((name, *number), bytes.as_slice())?;
+            }
+            Change::DropSaves(before) => {
+                drop_keys(&mut self.saves, name, i64::MIN, before - 1)?;
+            }
             Change::DropResults(before) => {
                 drop_keys(&mut self.results, name, i64::MIN, before - 1)?;
                 drop_keys(&mut self.fields, name, i64::MIN, before - 1)?;
@@ -195,6 +210,7 @@ impl<'a> Tables<'a> {
         self.checkpoints.remove(name)?;
         drop_keys(&mut self.updates, name, i64::MIN, i64::MAX)?;
         drop_keys(&mut self.results, name, i64::MIN, i64::MAX)?;
+        drop_keys(&mut self.saves, name, i64::MIN, i64::MAX)?;
         drop_keys(&mut self.fields, name, i64::MIN, i64::MAX)
     }
 }
@@ -325,6 +341,11 @@ pub(super) fn load(database: &Database, name: &str) -> Result<Option<Stored>, Jo
             own.unwrap_or_default(),
         ));
     }
+    let mut saves = Vec::new();
+    for entry in read.open_table(SAVES)?.range(all())? {
+        let (key, save) = entry?;
+        saves.push((key.value().1, opened(save.value(), name)?));
+    }
     let checkpoint = read.open_table(CHECKPOINTS)?.get(name)?;
     let checkpoint = checkpoint.map(|bytes| opened(bytes.value(), name));
     Ok(Some(Stored {
@@ -332,6 +353,7 @@ pub(super) fn load(database: &Database, name: &str) -> Result<Option<Stored>, Jo
         updates,
         results,
         checkpoint: checkpoint.transpose()?,
+        saves,
     }))
 }
 

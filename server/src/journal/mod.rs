@@ -33,8 +33,8 @@ pub use error::JournalError;
 pub(crate) use files::Part;
 pub(crate) use inspect::inspect;
 pub(crate) use record::{
-    StoredCheckpoint, StoredField, StoredFields, StoredMesh, StoredResult, StoredSession,
-    StoredUpdate,
+    StoredCheckpoint, StoredField, StoredFields, StoredMesh, StoredResult, StoredSave,
+    StoredSession, StoredUpdate,
 };
 pub(crate) use retention::Limit;
 use writer::Writer;

@@ -112,6 +112,14 @@ pub(crate) struct StoredCheckpoint {
     pub(crate) state: Bytes,
 }
 
+/// A state that a client may go back to.
+#[derive(Clone, PartialEq, Message)]
+pub(crate) struct StoredSave {
+    /// What the library wrote.
+    #[prost(bytes = "bytes", tag = "1")]
+    pub(crate) state: Bytes,
+}
+
 /// A stored mesh, for lists.
 #[derive(Clone, PartialEq, Message)]
 pub(crate) struct StoredMesh {

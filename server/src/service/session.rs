@@ -16,7 +16,7 @@ use super::{page_size, respond, state, timeout};
 use crate::access::Caller;
 use crate::client_key::ClientKey;
 use crate::convert::field::{self, Encoding};
-use crate::convert::{mesh, report, step};
+use crate::convert::{mesh, report, step, wide};
 use crate::fault::Fault;
 use crate::journal::{Change, StoredSession};
 use crate::planning::{self, Planned};
@@ -155,6 +155,37 @@ impl SessionService for Sessions {
             let slices = state::export(handle).await?;
             let stream: Self::ExportStateStream = Box::pin(tokio_stream::iter(slices.map(Ok)));
             Ok(stream)
+        })
+        .await
+    }
+
+    #[tracing::instrument(skip_all)]
+    async fn save_state(
+        &self,
+        request: Request<wire::SaveStateRequest>,
+    ) -> Result<Response<wire::SaveStateResponse>, Status> {
+        let caller = Caller::of(&request);
+        respond(&self.registry, async {
+            let name = request.into_inner().name;
+            let handle = self.registry.get(&caller, &name).await?;
+            let (save, bytes) = handle.save().await?;
+            let memory_bytes = wide(bytes);
+            Ok(wire::SaveStateResponse { save, memory_bytes })
+        })
+        .await
+    }
+
+    #[tracing::instrument(skip_all)]
+    async fn restore_state(
+        &self,
+        request: Request<wire::RestoreStateRequest>,
+    ) -> Result<Response<wire::RestoreStateResponse>, Status> {
+        let caller = Caller::of(&request);
+        respond(&self.registry, async {
+            let request = request.into_inner();
+            let handle = self.registry.get(&caller, &request.name).await?;
+            handle.restore(request.save).await?;
+            Ok(wire::RestoreStateResponse {})
         })
         .await
     }

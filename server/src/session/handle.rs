@@ -86,6 +86,10 @@ pub(crate) enum Command {
     Read(ReadRequest, oneshot::Sender<Result<ReadAnswer, Fault>>),
     /// The state between two steps, when there is one.
     Export(oneshot::Sender<Result<Vec<u8>, Fault>>),
+    /// Keeps it; the number of the kept one and its bytes.
+    Save(oneshot::Sender<Result<(i64, u64), Fault>>),
+    /// Puts a kept one in its place.
+    Restore(i64, oneshot::Sender<Result<(), Fault>>),
     Delete(oneshot::Sender<()>),
     ShutDown,
 }
@@ -149,6 +153,16 @@ impl Handle {
     /// The state between two steps, on disk where there is a data folder.
     pub(crate) async fn export(&self) -> Result<Vec<u8>, Fault> {
         self.ask(Command::Export).await?
+    }
+
+    /// Keeps the state between two steps; the number of the kept one and its bytes.
+    pub(crate) async fn save(&self) -> Result<(i64, u64), Fault> {
+        self.ask(Command::Save).await?
+    }
+
+    /// Goes back to a kept state between two steps.
+    pub(crate) async fn restore(&self, number: i64) -> Result<(), Fault> {
+        self.ask(|reply| Command::Restore(number, reply)).await?
     }
 
     /// Ends the session.

@@ -17,6 +17,8 @@ pub(crate) struct Recovered {
     pub(super) results: Vec<KeptResult>,
     /// Where the state comes from; the beginning without one.
     pub(crate) checkpoint: Option<StoredCheckpoint>,
+    /// States to go back to, by number.
+    pub(super) saves: Vec<(i64, bytes::Bytes)>,
 }
 
 impl Recovered {
@@ -30,6 +32,7 @@ impl Recovered {
             updates: Vec::new(),
             results: Vec::new(),
             checkpoint: Some(checkpoint),
+            saves: Vec::new(),
         }
     }
 
@@ -56,6 +59,9 @@ impl Recovered {
             updates,
             results,
             checkpoint: stored.checkpoint,
+            saves: (stored.saves.into_iter())
+                .map(|(number, save)| (number, save.state))
+                .collect(),
         })
     }
 }

@@ -4,6 +4,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use bytes::Bytes;
 use signorini::mesh::Mesh;
 use signorini::plan::Plan;
 use signorini::prepare::{PrepareError, Prepared};
@@ -21,6 +22,7 @@ use crate::client_key::Flow;
 use crate::compute::{Length, Panicked, Slot, said};
 use crate::convert::field::KeptField;
 use crate::convert::report;
+use crate::fault::Fault;
 use crate::journal::JournalError;
 use crate::memory::{self, OutOfMemory};
 use crate::metrics::Metrics;
@@ -53,6 +55,9 @@ impl Work {
         self.forget();
     }
 }
+
+/// The state, and what a solver thread made of it: its bytes.
+pub(super) type Exported = (Box<Work>, Result<Bytes, Fault>);
 
 /// A session's state between its actor and a solver thread; whoever takes it
 /// first has it.
@@ -124,7 +129,7 @@ pub(super) enum Event {
     /// This sequence was told to stop long enough ago.
     OutOfPatience(i64),
     /// The state as bytes, with the session that goes on without what it had learnt.
-    Exported(Result<(Box<Work>, Vec<u8>), Panicked>),
+    Exported(Result<Exported, Panicked>),
     /// The disk has the changes up to this one, or will not get it.
     Journalled(u64, Result<(), JournalError>),
 }

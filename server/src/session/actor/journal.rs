@@ -11,6 +11,7 @@ use signorini::report::Termination;
 use signorini_proto::v1 as wire;
 
 use super::results::Ending;
+use super::saves::Saves;
 use super::{Actor, answer};
 use crate::convert::step::Update;
 use crate::journal::{Change, JournalError, StoredCheckpoint, StoredUpdate, Urgency};
@@ -190,7 +191,9 @@ impl Actor {
             updates,
             results,
             checkpoint,
+            saves,
         } = *self.spec.recovered.take()?;
+        self.saves = Saves::new(saves);
         let behind = checkpoint.as_ref().map_or(0, |one| one.event);
         self.log.checkpoint = behind;
         let mut known = Known::new();

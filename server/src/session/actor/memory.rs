@@ -10,18 +10,22 @@ impl Actor {
     /// Counts what is held, and never less than was predicted: the solver's
     /// scratch stays with the session. Where that does not fit, older results go.
     pub(super) fn account(&mut self) {
-        let unread = self
-            .writer
-            .as_ref()
-            .map_or(0, |writer| writer.reader.outbox.unread_bytes());
-        let pinned = unread.saturating_sub(self.kept.bytes());
-        let beside = self.spec.own_bytes + pinned;
-        let state = self.state_bytes.max(self.predicted_rest());
+        let beside = self.held_bytes() - self.kept.bytes();
         let mut reservation = lock(&self.spec.reservation);
-        if let Err(lacking) = reservation.resize(beside + state + self.kept.bytes()) {
+        if let Err(lacking) = reservation.resize(beside + self.kept.bytes()) {
             self.kept.free(lacking);
-            reservation.force(beside + state + self.kept.bytes());
+            reservation.force(beside + self.kept.bytes());
         }
+    }
+
+    /// All that the session holds now.
+    pub(super) fn held_bytes(&self) -> u64 {
+        let unread = self.writer.as_ref().map(|writer| &writer.reader.outbox);
+        let unread_bytes = unread.map_or(0, |outbox| outbox.unread_bytes());
+        let pinned = unread_bytes.saturating_sub(self.kept.bytes());
+        let state = self.state_bytes.max(self.predicted_rest());
+        let own = self.spec.own_bytes + self.saves.bytes();
+        own + pinned + state + self.kept.bytes()
     }
 
     /// Takes the memory of one more result before there is one. While it is lacking a
@@ -30,9 +34,7 @@ impl Actor {
     pub(super) fn has_memory(&self) -> bool {
         let unread = self.writer.as_ref().map(|writer| &writer.reader.outbox);
         let unread_bytes = unread.map_or(0, |outbox| outbox.unread_bytes());
-        let pinned = unread_bytes.saturating_sub(self.kept.bytes());
-        let state = self.state_bytes.max(self.predicted_rest());
-        let held = self.spec.own_bytes + pinned + state + self.kept.bytes();
+        let held = self.held_bytes();
         let next = self.spec.result_bytes;
         if lock(&self.spec.reservation).resize(held + next).is_ok() || unread_bytes == 0 {
             return true;

@@ -16,6 +16,7 @@ mod journal;
 mod log;
 mod memory;
 mod results;
+mod saves;
 mod stop;
 mod streams;
 mod updates;
@@ -43,8 +44,9 @@ use crate::results::iterations::Iterations;
 use crate::results::kept::Kept;
 use crate::results::readers::{Fresh, Reader};
 use crate::store::Lease;
-use export::Exporter;
+use export::{Visit, Visits};
 use journal::Log;
+use saves::Saves;
 
 /// Where the state of the session is.
 enum Place {
@@ -107,9 +109,10 @@ struct Actor {
     stop_preparing: CancelToken,
     ending: Option<SessionEnd>,
     deleters: Vec<oneshot::Sender<()>>,
-    /// Who waits for the state, for its being on disk behind the mark.
-    exporters: Vec<Exporter>,
-    exported: Vec<(u64, Exporter, Vec<u8>)>,
+    /// Who waits for the state, or for its being on disk.
+    visits: Visits,
+    /// States to go back to.
+    saves: Saves,
     pulse: watch::Sender<Pulse>,
     events: mpsc::UnboundedSender<Event>,
     /// Some reader has room again.
@@ -180,8 +183,8 @@ impl Actor {
             stop_preparing: CancelToken::new(),
             ending: None,
             deleters: Vec::new(),
-            exporters: Vec::new(),
-            exported: Vec::new(),
+            visits: Visits::default(),
+            saves: Saves::default(),
             pulse: watch::Sender::new((wire::SessionState::Preparing, 0)),
             events,
             room: Arc::new(Notify::new()),
@@ -235,7 +238,9 @@ impl Actor {
             Command::Describe(reply) | Command::List(reply) => answer(reply, self.describe()),
             Command::Handled(reply) => answer(reply, ()),
             Command::Read(request, reply) => answer(reply, self.read(&request)),
-            Command::Export(reply) => self.exporters.push(reply),
+            Command::Export(reply) => self.visit(Visit::Export(reply)),
+            Command::Save(reply) => self.visit(Visit::Save(reply)),
+            Command::Restore(number, reply) => self.visit(Visit::Restore(number, reply)),
             Command::Delete(reply) => {
                 self.deleters.push(reply);
                 self.end(SessionEnd::Deleted);
