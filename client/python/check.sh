@@ -39,10 +39,10 @@ step types and style
 # From elsewhere, so that the types are those of the wheel.
 examples=$PWD/examples
 (cd "$work" && newest/bin/mypy --strict --ignore-missing-imports \
-    "$examples"/{o_ring,own_o_ring,numpy_block,updates,sweep}.py)
+    "$examples"/{o_ring,own_o_ring,numpy_block,updates,sweep,coupled}.py)
 
 step examples
-for example in o_ring own_o_ring numpy_block sweep; do
+for example in o_ring own_o_ring numpy_block sweep coupled; do
     "$work/newest/bin/python" "examples/$example.py"
 done
 "$work/newest/bin/python" examples/updates.py ../examples/hertz-sphere.toml ../examples/meshes/indent_l1.msh

@@ -11,11 +11,13 @@ interpreter. `signorini.aio` is the asynchronous twin, `signorini.v1` the messag
 from . import errors
 from ._session import Pending, Session
 from ._surfaces import write_grid
+from ._values import Values, write_values
 from .client import Client, connect, plan, session, solve
 from .errors import SignoriniError, SignoriniWarning
 from .mesh import Mesh, boundary
 from .results import Increment, Iteration, Result
 from .scene import (
+    BodyForce,
     Box,
     CappedCylinder,
     Cone,
@@ -41,11 +43,13 @@ from .scene import (
     Surface,
     Torus,
     Traction,
+    TractionChange,
     Yeoh,
 )
 from .scenes import example
 
 __all__ = [
+    "BodyForce",
     "Box",
     "CappedCylinder",
     "Client",
@@ -80,6 +84,8 @@ __all__ = [
     "Surface",
     "Torus",
     "Traction",
+    "TractionChange",
+    "Values",
     "Yeoh",
     "boundary",
     "connect",
@@ -89,4 +95,5 @@ __all__ = [
     "session",
     "solve",
     "write_grid",
+    "write_values",
 ]

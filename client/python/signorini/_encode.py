@@ -19,6 +19,7 @@ import tomli_w
 
 from . import _program
 from ._surfaces import Surface, read_surfaces
+from ._values import Arrays, step_values
 from .errors import SceneError, Violation
 from .mesh import Mesh
 from .scene import Scene, Step, plain
@@ -41,19 +42,24 @@ class Problem:
 
 def problem(scene: SceneLike, mesh: Mesh | Any | None = None, changes: Mapping[str, Any] | None = None) -> Problem:
     """Reads a scene: a file, a dictionary with the keys of one, or a `Scene`."""
-    text, path, own = source(scene)
+    arrays_of_scene = Arrays()
+    text, path, own = source(scene, arrays_of_scene)
     mesh = mesh if mesh is not None else own
     settings = [f"{key}={toml(value)}" for key, value in (changes or {}).items()]
     if mesh is not None:
         settings.append(f"mesh={toml(ARRAYS)}")
     message = scene_pb2.Scene.FromString(_program.read_scene(text, path, settings))
+    arrays_of_scene.put(message)
     arrays = Mesh.read(message.mesh) if mesh is None else as_mesh(mesh)
     message.mesh = arrays.name
     return Problem(message, arrays, read_surfaces(message))
 
 
-def source(scene: SceneLike) -> tuple[bytes, Path, Any]:
-    """The text of a scene, the path that names it, and its mesh where that is no file."""
+def source(scene: SceneLike, arrays: Arrays) -> tuple[bytes, Path, Any]:
+    """The text of a scene, the path that names it, and its mesh where that is no file.
+
+    Values that are arrays go round the text, into `arrays`.
+    """
     if isinstance(scene, (str, Path)):
         path = Path(scene)
         return path.read_bytes(), path, None
@@ -63,6 +69,7 @@ def source(scene: SceneLike) -> tuple[bytes, Path, Any]:
         mesh = None
     else:
         tables.pop("mesh", None)
+    arrays.take(tables)
     # A name in the working directory: a relative mesh begins there.
     return tomli_w.dumps(tables).encode(), Path("scene"), mesh
 
@@ -91,14 +98,27 @@ MoveLike = Any
 def load_step(step: StepLike) -> step_pb2.LoadStep:
     """The message of a step; names of keys as in scene files or in `Step`."""
     table = step.as_dict() if isinstance(step, Step) else plain(step)
-    table = {{"obstacles": "obstacle", "supports": "support"}.get(key, key): one for key, one in table.items()}
-    known("step", table, ("increments", "load", "obstacle", "support"))
+    singular = {"obstacles": "obstacle", "supports": "support", "tractions": "traction"}
+    table = {singular.get(key, key): one for key, one in table.items()}
+    known("step", table, ("increments", "load", "obstacle", "support", "traction", "body_force"))
     return step_pb2.LoadStep(
         increments=table.get("increments"),
         load=table.get("load"),
         obstacles=obstacle_targets(table.get("obstacle", {})),
         supports=[target(step_pb2.SupportTarget, "support", *one) for one in table.get("support", {}).items()],
+        tractions=[target(step_pb2.TractionTarget, "traction", *one) for one in table.get("traction", {}).items()],
+        body_force=body_force(table.get("body_force")),
     )
+
+
+def body_force(given: Any) -> Any:
+    """New values of the body force, `{"values": ...}`."""
+    if given is None:
+        return None
+    if not isinstance(given, Mapping):
+        raise fault("step.body_force", "a table with `values` is expected")
+    known("step.body_force", given, ("values",))
+    return step_values(dict(given), "step.body_force")
 
 
 def obstacle_targets(moves: Mapping[str, MoveLike]) -> list[step_pb2.ObstacleTarget]:
@@ -125,8 +145,10 @@ def target(kind: Any, what: str, name: str, given: Any) -> Any:
         raise fault(path, f"a table or a translation is expected, found {given!r}")
     names = [one.name for one in kind.DESCRIPTOR.fields if one.name != "name"]
     known(path, table, names)
+    table = dict(table)
+    rows = step_values(table, path) if "values" in table else None
     values = {key: checked(f"{path}.{key}", one) for key, one in table.items()}
-    return kind(name=name, **values)
+    return kind(name=name, **values) if rows is None else kind(name=name, values=rows, **values)
 
 
 def checked(path: str, value: Any) -> Any:

@@ -120,6 +120,19 @@ class Session:
         """Cancels the step that runs, from any thread; its sequence, 0 when none runs."""
         return self._client.cancel(self.name)
 
+    def save(self) -> int:
+        """Keeps the state behind all updates sent so far, to go back to; its number.
+
+        A session keeps the newest eight.
+        """
+        self._settle()
+        return self._client.save(self.name)
+
+    def restore(self, save: int) -> None:
+        """Goes back to a saved state: the same steps give the same bits from there."""
+        self._settle()
+        self._client.restore(self.name, save)
+
     def close(self) -> None:
         """Ends the stream and, unless it is kept, the session on the server."""
         self._abandon()
@@ -153,6 +166,11 @@ class Session:
 
     def __repr__(self) -> str:
         return f"Session({self.name} on {self._client.address}, {len(self._pending)} updates on their way)"
+
+    def _settle(self) -> None:
+        """Waits for every update that was sent."""
+        while self._pending:
+            self._advance()
 
     def _send(self, request: pb.SolveRequest) -> Pending:
         pending = Pending(self, self._journal.update(request))

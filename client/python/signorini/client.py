@@ -190,6 +190,19 @@ class Client:
             answer = self.sessions_stub.CancelStep(request, timeout=ANSWER_SECONDS)
         return int(answer.sequence)
 
+    def save(self, name: str) -> int:
+        """Keeps the state of a session to go back to; its number. A session keeps the newest eight."""
+        request = pb.SaveStateRequest(name=resource(name))
+        with typed(self.address):
+            answer = self.sessions_stub.SaveState(request, timeout=ANSWER_SECONDS)
+        return int(answer.save)
+
+    def restore(self, name: str, save: int) -> None:
+        """Goes back to a saved state of a session."""
+        request = pb.RestoreStateRequest(name=resource(name), save=save)
+        with typed(self.address):
+            self.sessions_stub.RestoreState(request, timeout=ANSWER_SECONDS)
+
     def close(self) -> None:
         """Ends the connection."""
         self.channel.close()

@@ -158,6 +158,7 @@ BY_REASON: dict[str, type[RefusedError]] = {
     "SESSION_NOT_FOUND": NotFoundError,
     "SESSION_EXPIRED": NotFoundError,
     "STEP_NOT_FOUND": NotFoundError,
+    "STATE_NOT_FOUND": NotFoundError,
     "SEQUENCE_NOT_RETAINED": NotFoundError,
     "SESSION_EXISTS": SessionError,
     "SESSION_FAILED": SessionError,

@@ -116,6 +116,37 @@ class Mesh:
         """2 for triangles, 3 for tetrahedra."""
         return int(self.cells.shape[1]) - 1
 
+    @cached_property
+    def edges(self) -> Indices:
+        """Ends of the unique edges of all cells, [edges, 2]: nodes behind the vertices, in this order."""
+        count = self.cells.shape[1]
+        pairs = [self.cells[:, [i, j]] for i in range(count) for j in range(i + 1, count)]
+        unique: Indices = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)
+        return unique
+
+    def nodes(self, surface: str) -> Indices:
+        """Numbers of the nodes of a surface, ascending: vertices, then edges."""
+        vertices = self.facet_nodes(surface)
+        unique: Indices = np.unique(vertices)
+        return unique
+
+    def facet_nodes(self, surface: str) -> Indices:
+        """Nodes of every facet of a surface, [facets, 3 or 6]: its vertices, then edges 01, 02, 12."""
+        corners = self.facets[np.asarray(self.surfaces[surface])]
+        ends = [
+            np.sort(corners[:, [i, j]], axis=1) for i in range(self.dimension) for j in range(i + 1, self.dimension)
+        ]
+        # An edge is found by its ends as one number.
+        size = np.int64(len(self.points))
+        keys = self.edges[:, 0] * size + self.edges[:, 1]
+        middles = [len(self.points) + np.searchsorted(keys, pair[:, 0] * size + pair[:, 1]) for pair in ends]
+        return np.ascontiguousarray(np.column_stack([corners, *middles]), dtype="<i4")
+
+    @cached_property
+    def places(self) -> Floats:
+        """Where the nodes are on straight edges, [nodes, 3]."""
+        return np.concatenate([self.points, self.points[self.edges].mean(axis=1)])
+
     @property
     def groups(self) -> list[tuple[str, int, Indices]]:
         """Name, dimension and members: facet groups, then cell groups."""

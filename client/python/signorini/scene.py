@@ -15,11 +15,14 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from ._values import Values
 from .mesh import Mesh
 
 Vector = Sequence[float] | npt.NDArray[Any]
 Names = str | Sequence[str]
 Components = Mapping[str, float]
+#: Values by node, facet or cell: an array of rows, `Values`, or in a scene the name of a file.
+Given = Values | npt.NDArray[Any] | str | Path
 
 #: Key of scene files for a field of these classes that has another name.
 KEYS = {"materials": "material", "supports": "support", "tractions": "traction", "pressures": "pressure"}
@@ -35,7 +38,8 @@ class Part:
     def as_dict(self) -> dict[str, Any]:
         """The table; what is None is left out."""
         given = {KEYS.get(one.name, one.name): getattr(self, one.name) for one in fields(self)}  # type: ignore[arg-type]
-        return {**self.constant, **{key: plain(value) for key, value in given.items() if not empty(value)}}
+        there = {key: value for key, value in given.items() if not empty(value)}
+        return {**self.constant, **plain(there)}
 
 
 def empty(value: Any) -> bool:
@@ -43,12 +47,19 @@ def empty(value: Any) -> bool:
     return value is None or (isinstance(value, (list, tuple, dict)) and len(value) == 0)
 
 
+def is_rows(key: str, value: Any) -> bool:
+    """Whether these are values by node, which no text holds."""
+    return key == "values" and not isinstance(value, (str, Path))
+
+
 def plain(value: Any) -> Any:
     """Values as TOML knows them: classes as tables, arrays as lists."""
     if isinstance(value, Part):
         return value.as_dict()
     if isinstance(value, Mapping):
-        return {str(key): plain(one) for key, one in value.items() if one is not None}
+        # Values stay arrays: no text has a place for them.
+        tables = value.items()
+        return {str(key): one if is_rows(key, one) else plain(one) for key, one in tables if one is not None}
     if isinstance(value, (np.ndarray, np.generic)):
         return value.tolist()
     if isinstance(value, (list, tuple)):
@@ -250,6 +261,7 @@ class Support(Part):
     normal: float | None = None
     profile: str | None = None
     name: str | None = None
+    values: Given | None = None
 
 
 @dataclass(kw_only=True)
@@ -257,7 +269,17 @@ class Traction(Part):
     """A dead load per undeformed area."""
 
     on: Names
-    value: Vector
+    value: Vector | None = None
+    name: str | None = None
+    values: Given | None = None
+
+
+@dataclass(kw_only=True)
+class BodyForce(Part):
+    """A dead load per undeformed volume."""
+
+    value: Vector | None = None
+    values: Given | None = None
 
 
 @dataclass(kw_only=True)
@@ -299,6 +321,14 @@ class SupportMove(Part):
     translation: Vector | None = None
     rotation: Vector | None = None
     about: Vector | None = None
+    values: Given | None = None
+
+
+@dataclass(kw_only=True)
+class TractionChange(Part):
+    """New values of a traction."""
+
+    values: Given
 
 
 @dataclass(kw_only=True)
@@ -309,6 +339,8 @@ class Step(Part):
     load: float | None = None
     obstacles: Mapping[str, Move | Mapping[str, Any]] = field(default_factory=dict)
     supports: Mapping[str, SupportMove | Mapping[str, Any]] = field(default_factory=dict)
+    tractions: Mapping[str, TractionChange | Mapping[str, Any]] = field(default_factory=dict)
+    body_force: Mapping[str, Any] | None = None
 
 
 @dataclass(kw_only=True)
@@ -348,7 +380,7 @@ class Scene(Part):
     supports: Sequence[Support | Mapping[str, Any]] = ()
     tractions: Sequence[Traction | Mapping[str, Any]] = ()
     pressures: Sequence[Pressure | Mapping[str, Any]] = ()
-    body_force: Vector | Mapping[str, Any] | None = None
+    body_force: Vector | BodyForce | Mapping[str, Any] | None = None
     obstacles: Sequence[Obstacle | Mapping[str, Any]] = ()
     steps: Sequence[Step | Mapping[str, Any]] = ()
     probes: Sequence[Probe | Mapping[str, Any]] = ()

@@ -38,7 +38,8 @@ CLASSES = [
     (s.Step, step_pb2.LoadStep, set(), set()),
     (s.Move, step_pb2.ObstacleTarget, set(), {"name"}),
     (s.SupportMove, step_pb2.SupportTarget, set(), {"name"}),
-    (s.Scene, scene_pb2.Scene, set(), set()),
+    (s.TractionChange, step_pb2.TractionTarget, set(), {"name"}),
+    (s.Scene, scene_pb2.Scene, set(), {"body_force_values"}),
 ]
 
 
@@ -57,6 +58,8 @@ def filled(kind: Any) -> dict[str, Any]:
     values |= dict.fromkeys(vectors & values.keys(), (1, 2.5, 3))
     values |= {name: {"x": 1.0} for name in {"displacement", "force", "moment"} & values.keys()}
     values |= {"normal": 0.0} if kind is s.Support else {}
+    # The program reads files; arrays go round the text.
+    values.pop("values", None)
     values |= dict.fromkeys({"inside", "facets"} & values.keys(), False)
     words = {"formulation": "mixed", "profile": "parabolic", "name": "n", "on": ["a", "b"], "surface": "smooth"}
     words |= {"file": "tool.stl"}
