@@ -62,6 +62,8 @@ class Pending:
         self._events: deque[Increment | Iteration] = deque()
         self._last: Increment | None = None
         self._error: SignoriniError | None = None
+        # Events so far, handed over or not.
+        self._taken = 0
 
     async def events(self) -> AsyncIterator[Increment | Iteration]:
         """Iterations and increments in order; iterations need `session(iterations=...)`."""
@@ -99,6 +101,7 @@ class Pending:
         await self._session._cancel(self.sequence)
 
     def _take(self, event: Event) -> None:
+        self._taken += 1
         if isinstance(event, Rejected):
             self._error = event.error
             return
@@ -146,6 +149,26 @@ class Session:
     ) -> Pending:
         """Moves obstacles at constant load: `move(ball=(0, 0, -0.05))`."""
         return await self._send(move_request({**(moves or {}), **named}, increments, max_wall_time))
+
+    async def save(self) -> int:
+        """Keeps the state behind all updates sent so far, to go back to; its number."""
+        await self._settle()
+        with typed(self._address):
+            answer = await self._stub.SaveState(pb.SaveStateRequest(name=self.name), timeout=ANSWER_SECONDS)
+        return int(answer.save)
+
+    async def restore(self, save: int) -> None:
+        """Goes back to a saved state: the same steps give the same bits from there."""
+        await self._settle()
+        with typed(self._address):
+            request = pb.RestoreStateRequest(name=self.name, save=save)
+            await self._stub.RestoreState(request, timeout=ANSWER_SECONDS)
+
+    async def _settle(self) -> None:
+        """Waits for every update that was sent."""
+        for pending in list(self._pending.values()):
+            while not pending.done:
+                await self._advance(pending)
 
     async def __aenter__(self) -> Session:
         """Uploads the mesh where needed, makes the session and opens its stream."""
@@ -233,8 +256,10 @@ class Session:
 
     async def _advance(self, waiting: Pending) -> None:
         """Waits for the next answer of the server and hands its events over."""
+        known = waiting._taken
         async with self._reading:
-            if waiting._events or waiting.done:
+            # Another task may have read for this one meanwhile.
+            if waiting._taken != known or waiting.done:
                 return
             try:
                 events = self._journal.take(await self._next())

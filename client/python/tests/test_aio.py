@@ -23,6 +23,32 @@ def test_increments_come_one_by_one(ball: s.Scene) -> None:
     assert increments[-1].fields["displacement"].shape[1] == 3
 
 
+def test_the_last_increment_is_waited_for_past_those_that_nobody_read(ball: s.Scene) -> None:
+    async def main() -> tuple[int, list[int]]:
+        async with aio.session(ball) as session:
+            update = await session.step(increments=3, obstacles={"ball": (0, 0, -0.05)})
+            last = await asyncio.wait_for(update.result(), 60)
+            return last.report.increment, [one.report.increment async for one in update]
+
+    assert asyncio.run(main()) == (3, [1, 2, 3])
+
+
+def test_a_session_goes_back_to_a_saved_state(ball: s.Scene) -> None:
+    async def main() -> list[bytes]:
+        async with aio.session(ball, fields=["displacement"]) as session:
+            await session.step(increments=2, obstacles={"ball": (0, 0, -0.02)})
+            saved = await session.save()
+            found = []
+            for _ in range(2):
+                update = await session.move(ball=(0, 0, -0.04))
+                found.append((await update.result()).fields["displacement"].tobytes())
+                await session.restore(saved)
+            return found
+
+    first, again = asyncio.run(main())
+    assert first == again
+
+
 def test_results_are_those_of_the_waiting_twin(ball: s.Scene) -> None:
     ball.steps = [s.Step(increments=2, obstacles={"ball": s.Move(translation=(0, 0, -0.05))})]
     result = asyncio.run(aio.solve(ball))
