@@ -132,6 +132,8 @@ fn full_scene(block: &Block) -> wire::Scene {
     scene.tractions = vec![wire::Traction {
         on: vec!["top".into()],
         value: vec![0.0, 0.0, -0.1],
+        name: "wind".into(),
+        values: None,
     }];
     scene.probes = vec![wire::Probe {
         name: "middle".into(),

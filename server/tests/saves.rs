@@ -32,9 +32,8 @@ async fn two_steps(stream: &mut Stream, sequence: i64) -> Vec<Bare> {
     for (step, depth) in (sequence..).zip(DEPTHS) {
         stream.step(step, press(depth, 2)).await;
         loop {
-            let finished = match stream.next().await {
-                Message::StepFinished(finished) => finished,
-                _ => continue,
+            let Message::StepFinished(finished) = stream.next().await else {
+                continue;
             };
             let (_, shape, values) = stream.field().await;
             assert_eq!(shape[1], 3);

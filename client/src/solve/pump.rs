@@ -105,7 +105,7 @@ impl Pump {
     /// Whether anybody still takes events.
     fn order(&mut self, activity: Activity) -> bool {
         match activity {
-            Activity::Order(order) => self.user.ready.extend(self.journal.order(order)),
+            Activity::Order(order) => self.user.ready.extend(self.journal.order(*order)),
             Activity::Closed | Activity::Delivered => {}
             Activity::Left => return false,
         }

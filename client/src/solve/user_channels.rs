@@ -22,7 +22,7 @@ pub(super) struct UserChannels {
 /// What the user did.
 pub(super) enum Activity {
     /// Gave an order.
-    Order(Order),
+    Order(Box<Order>),
     /// Will give no further order.
     Closed,
     /// Took an event.
@@ -48,7 +48,7 @@ impl UserChannels {
     pub(super) async fn activity(&mut self) -> Activity {
         tokio::select! {
             order = self.orders.recv(), if self.open => match order {
-                Some(order) => Activity::Order(order),
+                Some(order) => Activity::Order(order.into()),
                 None => {
                     self.open = false;
                     Activity::Closed

@@ -60,6 +60,9 @@ mod tests {
     use super::*;
     use crate::fault::Fault;
 
+    /// A change of good values, and the words that refuse it.
+    type Change = (fn(&mut wire::Values), &'static str);
+
     fn converted(message: &wire::Values) -> Result<Option<Values>, Fault> {
         let mut faults = Faults::default();
         let found = values(Some(message), "support.base.values", &mut faults);
@@ -78,8 +81,11 @@ mod tests {
             (found.place, &found.numbers[..]),
             (ValuePlace::Facets, &[7, 0][..])
         );
-        assert_eq!(found.rows[0], [1.0, 2.0, 3.0]);
-        let faults: [(fn(&mut wire::Values), &str); 4] = [
+        assert_eq!(
+            found.rows[0].map(f64::to_bits),
+            [1.0, 2.0, 3.0].map(f64::to_bits)
+        );
+        let faults: [Change; 4] = [
             (|one| one.numbers = array::encode(&[-1_i32]), "negative"),
             (
                 |one| one.numbers = array::encode(&[1.0_f32, 2.0]).slice(1..),

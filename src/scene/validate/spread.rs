@@ -115,8 +115,12 @@ mod tests {
         };
         let none = Spread::default();
         let grown = none.towards(&some, 0.25);
-        assert_eq!(grown.nodes.at(5), [1.25, 1.0, 0.0]);
-        assert_eq!(grown.nodes.at(3), [0.0; 3]);
+        let expected = Table {
+            keys: some.nodes.keys.clone(),
+            rows: [[0.5, 1.0, 0.0], [1.25, 1.0, 0.0]].into(),
+        };
+        assert_eq!(grown.nodes, expected);
+        assert!(grown.nodes.at(3).iter().all(|&value| value == 0.0));
         assert_eq!(some.towards(&none, 0.75), grown);
         assert!(none.is_zero() && !grown.is_zero());
         let other = Spread {

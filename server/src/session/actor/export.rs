@@ -108,7 +108,7 @@ impl Actor {
         Some(None)
     }
 
-    fn send_state(&mut self, mut work: Box<Work>, restored: Option<Bytes>) {
+    fn send_state(&self, mut work: Box<Work>, restored: Option<Bytes>) {
         let (events, held) = (self.events.clone(), Arc::clone(&self.spec.reservation));
         self.services.solvers.submit(
             self.client.flow(self.number),
