@@ -35,6 +35,10 @@ async fn two_steps(stream: &mut Stream, sequence: i64) -> Vec<Bare> {
             let Message::StepFinished(finished) = stream.next().await else {
                 continue;
             };
+            // What a kill took from the disk is done and told again first.
+            if finished.sequence < step {
+                continue;
+            }
             let (_, shape, values) = stream.field().await;
             assert_eq!(shape[1], 3);
             let bytes = array::encode(&values).to_vec();
@@ -94,7 +98,7 @@ async fn the_same_steps_from_a_saved_state_give_the_same_bits() {
     assert_eq!(first.len(), 4);
     for round in 1..=2 {
         restore(&server, &session, 1).await.expect("what was saved");
-        assert_eq!(two_steps(&mut stream, 2 + 2 * round).await, first);
+        assert!(two_steps(&mut stream, 2 + 2 * round).await == first);
     }
     // Another session has none of it.
     let other = server.session(Block::new(2).scene()).await;
@@ -140,14 +144,14 @@ async fn a_restored_state_and_the_saved_ones_survive_a_kill() {
     restore(&server, &session, saved)
         .await
         .expect("a state on disk");
-    assert_eq!(two_steps(&mut stream, 4).await, first);
+    assert!(two_steps(&mut stream, 4).await == first, "after a kill");
     restore(&server, &session, saved).await.expect("and again");
     process.kill();
     process.restart();
     // Gone back to before the kill.
     let server = process.connect().await;
     let mut stream = attached(&server, &session).await;
-    assert_eq!(two_steps(&mut stream, 6).await, first);
+    assert!(two_steps(&mut stream, 6).await == first, "before a kill");
     assert_eq!(
         save(&server, &session).await.expect("another").save,
         saved + 1

@@ -300,6 +300,9 @@ mod tests {
         for _ in 0..30_000 {
             let mut bytes = GOOD.as_bytes().to_vec();
             for _ in 0..random.usize(1..6) {
+                if bytes.is_empty() {
+                    break;
+                }
                 let place = random.usize(..bytes.len());
                 match random.u8(..4) {
                     0 => bytes[place] = random.u8(..),

@@ -63,6 +63,42 @@ mod tests {
     /// A change of good values, and the words that refuse it.
     type Change = (fn(&mut wire::Values), &'static str);
 
+    #[test]
+    fn a_support_with_values_alone_holds_every_component() {
+        let given = wire::Support {
+            name: "base".into(),
+            on: vec!["z0".into()],
+            values: Some(wire::Values::default()),
+            ..Default::default()
+        };
+        let only_x = wire::Components {
+            x: Some(0.5),
+            ..Default::default()
+        };
+        let some = wire::Support {
+            displacement: Some(only_x),
+            ..given.clone()
+        };
+        let message = wire::Scene {
+            mesh: format!("meshes/{}", "0".repeat(64)),
+            supports: vec![given, some],
+            tractions: vec![wire::Traction {
+                name: "wind".into(),
+                on: vec!["z1".into()],
+                values: Some(wire::Values::default()),
+                ..Default::default()
+            }],
+            ..Default::default()
+        };
+        let request = super::super::scene::scene(message, &Default::default());
+        let scene = request.expect("a well-formed scene").scene;
+        let held = |index: usize| scene.supports[index].displacement.map(|one| one.is_some());
+        assert_eq!((held(0), held(1)), ([true; 3], [true, false, false]));
+        let wind = &scene.tractions[0];
+        assert_eq!(wind.name.as_deref(), Some("wind"));
+        assert!(wind.values.is_some() && wind.value.iter().all(|&value| value == 0.0));
+    }
+
     fn converted(message: &wire::Values) -> Result<Option<Values>, Fault> {
         let mut faults = Faults::default();
         let found = values(Some(message), "support.base.values", &mut faults);

@@ -56,23 +56,35 @@ impl Visited {
 /// Who waits for the state, who has it, and for whose answer the disk is waited for.
 #[derive(Default)]
 pub(super) struct Visits {
-    waiting: VecDeque<Visit>,
+    /// Each with the update behind which it comes.
+    waiting: VecDeque<(i64, Visit)>,
     there: Vec<Visit>,
     done: Vec<(u64, Visited)>,
 }
 
 impl Actor {
-    /// Takes a wish to the state.
+    /// Takes a wish to the state. Saved and restored is behind every update accepted so far:
+    /// one whose result a client has seen may have to be done again after a kill.
     pub(super) fn visit(&mut self, visit: Visit) {
-        self.visits.waiting.push_back(visit);
+        let behind = match visit {
+            Visit::Export(_) => 0,
+            Visit::Save(_) | Visit::Restore(..) => self.queue.last_accepted(),
+        };
+        self.visits.waiting.push_back((behind, visit));
+    }
+
+    /// Whether the next one that waits may come to the state.
+    fn is_visit_due(&mut self) -> bool {
+        let next = self.queue.current().map(|one| (one.sequence, one.results));
+        let (sequence, results) = next.unwrap_or((i64::MAX, 0));
+        let front = self.visits.waiting.front();
+        results == 0 && front.is_some_and(|(behind, _)| *behind < sequence)
     }
 
     /// Sends the state to a solver thread if somebody waits for it and no step is in it;
     /// whether it did.
     pub(super) fn export(&mut self) -> bool {
-        let current = self.queue.current();
-        let is_between = current.is_none_or(|current| current.results == 0);
-        if self.visits.waiting.is_empty() || !is_between {
+        if !self.is_visit_due() {
             return false;
         }
         let place = std::mem::replace(&mut self.place, Place::Away(Handoff::default()));
@@ -90,9 +102,9 @@ impl Actor {
     /// Lets the next ones to the state: those who only look at it together, who changes it
     /// alone; the state that shall take its place. None where the only one was refused.
     fn next_visits(&mut self) -> Option<Option<Bytes>> {
-        if let Some(Visit::Restore(number, _)) = self.visits.waiting.front() {
+        if let Some((_, Visit::Restore(number, _))) = self.visits.waiting.front() {
             let (number, state) = (*number, self.saves.get(*number));
-            let visit = self.visits.waiting.pop_front()?;
+            let (_, visit) = self.visits.waiting.pop_front()?;
             let Some(state) = state else {
                 let name = format!("{} of {}", number, self.spec.name);
                 visit.refuse(Fault::StateNotFound(name));
@@ -101,9 +113,10 @@ impl Actor {
             self.visits.there = vec![visit];
             return Some(Some(state));
         }
-        let is_look = |visit: &Visit| !matches!(visit, Visit::Restore(..));
-        while self.visits.waiting.front().is_some_and(is_look) {
-            self.visits.there.extend(self.visits.waiting.pop_front());
+        let is_look = |(_, visit): &(i64, Visit)| !matches!(visit, Visit::Restore(..));
+        while self.is_visit_due() && self.visits.waiting.front().is_some_and(is_look) {
+            let next = self.visits.waiting.pop_front();
+            self.visits.there.extend(next.map(|(_, visit)| visit));
         }
         Some(None)
     }
@@ -137,7 +150,7 @@ impl Actor {
             Ok(done) => done,
             Err(panicked) => {
                 tracing::error!(said = panicked.0, "an export panicked");
-                self.visits.waiting.extend(there);
+                self.visits.there = there;
                 self.place = Place::Lost("a defect of the server; its log says more".to_owned());
                 return;
             }
@@ -146,10 +159,8 @@ impl Actor {
             // A step was stopped meanwhile: those who wait get the state behind it.
             work.stop();
             self.place = Place::Home(work);
-            there
-                .into_iter()
-                .rev()
-                .for_each(|visit| self.visits.waiting.push_front(visit));
+            let again = there.into_iter().rev().map(|visit| (0, visit));
+            again.for_each(|one| self.visits.waiting.push_front(one));
             return;
         }
         self.place = Place::Home(work);
@@ -233,7 +244,8 @@ impl Actor {
         for (_, visited) in done {
             visited.answer(Err(why.clone()));
         }
-        for visit in waiting.into_iter().chain(there) {
+        let waiting = waiting.into_iter().map(|(_, visit)| visit);
+        for visit in waiting.chain(there) {
             visit.refuse(why.clone());
         }
     }
