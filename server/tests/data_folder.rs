@@ -198,6 +198,10 @@ fn folders_that_do_not_serve_are_refused_with_what_is_wrong() {
     // Of another server.
     let data = tests.join("data");
     let server = runtime.block_on(on(&data));
+    // Whoever is answered finds the folder open; a connection alone may be early.
+    let list = wire::ListSessionsRequest::default();
+    let answer = runtime.block_on(server.sessions().list_sessions(list));
+    assert!(answer.is_ok());
     assert!(Process::refusal(&tests).contains("another server"));
     assert!(matches!(fsck(&data), Err(JournalError::InUse(_))));
     runtime.block_on(stop(server));
