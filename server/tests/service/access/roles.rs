@@ -12,7 +12,7 @@ use crate::common::{Server, reason};
 const REFLECTION: &str = "/grpc.reflection.v1.ServerReflection/ServerReflectionInfo";
 
 /// Methods that change something; a reader may call all others.
-const CHANGING: [&str; 9] = [
+const CHANGING: [&str; 11] = [
     "UploadMesh",
     "DeleteMesh",
     "UploadSurface",
@@ -21,6 +21,8 @@ const CHANGING: [&str; 9] = [
     "DeleteSession",
     "Solve",
     "CancelStep",
+    "SaveState",
+    "RestoreState",
     "ImportState",
 ];
 
