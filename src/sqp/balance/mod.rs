@@ -264,9 +264,9 @@ impl Balance {
 
     /// The end of a search whose steps lead nowhere, or that took too many.
     fn given_up(&self, ending: Ending, at: &Progress) -> Ending {
-        match ending.termination {
-            Termination::Converged => unmet(ending, Cause::IterationLimit, self.worst(&at.misfit)),
-            _ => ending,
+        match ending.termination == Termination::Converged {
+            true => unmet(ending, Cause::IterationLimit, self.worst(&at.misfit)),
+            false => ending,
         }
     }
 }
