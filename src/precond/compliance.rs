@@ -9,7 +9,7 @@
 //! body near one. What a volume that hardly changes forbids is taken off
 //! ([`super::volume_mode`]). Condition 2 to 4, independent of the mesh size. Only the inverse at the vertices is
 //! dense; a part on the closed multipliers is factorised by its parts where it touches few
-//! vertices for its size ([`split`]), else formed. Cost:
+//! vertices for its size (`split`), else formed. Cost:
 //! O(v^2) a product, O(n v + n^2) a part of n multipliers, for v contact vertices.
 
 mod nodes;
