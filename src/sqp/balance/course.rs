@@ -4,6 +4,7 @@
 //! A step is taken back where it is not solved or where the misfit `f - F` grows; a step as
 //! long as they may be that takes nothing off is a slide. Cost: nothing.
 
+use super::COARSE;
 use crate::linalg::vector::norm;
 use crate::model::ending::Ending;
 use crate::report::Termination;
@@ -11,8 +12,6 @@ use crate::sqp::push_stiffness::LONGEST;
 
 /// Growth of the misfit behind which a step is taken back.
 const WORSE: f64 = 1.5;
-/// Misfit below which growth is no matter: of solves as coarse as that.
-const COARSE: f64 = 1e-3;
 /// Part of a step that led away which is tried next.
 const SHORTER: f64 = 0.25;
 /// Share of the misfit that a step has to take off.

@@ -8,8 +8,9 @@
 //! l(z) the contact pressures of the body in equilibrium at the poses z, g the gaps: forces and
 //! moments about the reference points, as they are reported. Broyden's method, from the
 //! stiffness that the metric of contact says ([`metric`]); an obstacle away from the body is
-//! first led to it along its force ([`touch`]), and so is one that the body leaves on the way. Each solve is as accurate as the misfit that is
-//! left makes worthwhile, and goes on from the one before. Non-dimensional; moments are of
+//! first led to it along its force ([`touch`]), and so is one that the body leaves on the way.
+//! Each solve is as accurate as the misfit that is left makes worthwhile, and goes on from the
+//! one before. Non-dimensional; moments are of
 //! forces at the body's length. Cost: 4 to 8 solves that together take about as many iterations
 //! as one and a half at known poses.
 
@@ -37,7 +38,7 @@ const MOST_SOLVES: u32 = 40;
 const MOST_FAILURES: u32 = 6;
 /// Times that obstacles which the body has left are led back to it.
 const MOST_APPROACHES: u32 = 3;
-/// Accuracy of the first solve.
+/// Accuracy of the first solve, and the misfit below which growth is no matter.
 const COARSE: f64 = 1e-3;
 /// Accuracy of a solve over the misfit before it.
 const SHARPNESS: f64 = 0.02;
