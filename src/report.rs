@@ -93,11 +93,20 @@ pub struct Seconds {
     pub krylov: f64,
     /// Gap integrals, compliance, small dense problems.
     pub contact: f64,
+    /// Whether the equilibrium is a minimum: eigenvalues of the tangent, or its factor.
+    pub stability: f64,
     /// Norms of the error against a manufactured field, which nobody asks of a
     /// solver in use; part of the total.
     pub error_norms: f64,
     /// From the accepted update to the finished increment.
     pub total: f64,
+}
+
+impl Seconds {
+    /// Those of all phases of a solve but its certificate.
+    pub(crate) fn of_solving(&self) -> f64 {
+        self.prepare + self.assemble + self.factorise + self.krylov + self.contact
+    }
 }
 
 /// What one obstacle does to the body.

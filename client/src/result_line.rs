@@ -98,6 +98,7 @@ impl Totals {
         self.seconds.factorise += seconds.factorise;
         self.seconds.krylov += seconds.krylov;
         self.seconds.contact += seconds.contact;
+        self.seconds.stability += seconds.stability;
         self.seconds.error_norms += seconds.error_norms;
         self.seconds.total += seconds.total;
     }

@@ -2,6 +2,8 @@
 //! asks, of pushed obstacles too, the cause where there is none, the mean of a pressure that nothing fixes,
 //! whether the equilibrium is a minimum, and whether friction admits others.
 
+use std::time::Instant;
+
 use super::balance;
 use super::certificate::certify;
 use super::diagnosis::explain;
@@ -19,9 +21,17 @@ pub(crate) fn attempt(run: &mut Run<'_>, drive: &Drive) -> Ending {
     let mut ending = balance::solve(run, drive);
     explain(run, &mut ending);
     centre_pressure(&run.model, run.state);
-    certify(run, &mut ending);
+    certify_timed(run, &mut ending);
     look_for_a_rival(run, &mut ending);
     ending
+}
+
+/// [`certify`], its seconds but for those that its solves count themselves.
+fn certify_timed(run: &mut Run<'_>, ending: &mut Ending) {
+    let (start, before) = (Instant::now(), run.counters.seconds.of_solving());
+    certify(run, ending);
+    let seconds = &mut run.counters.seconds;
+    seconds.stability += start.elapsed().as_secs_f64() - (seconds.of_solving() - before);
 }
 
 /// An enclosed incompressible body fixes its pressure up to a constant:

@@ -284,6 +284,7 @@ fn phase_label(phase: &str) -> String {
         "factorise" => "factorisation",
         "krylov" => "iterations",
         "contact" => "contact and evaluation",
+        "stability" => "certificate",
         other => other,
     }
     .to_owned()

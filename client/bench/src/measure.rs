@@ -24,7 +24,14 @@ impl std::fmt::Display for Outcome {
 }
 
 /// Phases of a solve, as result lines name them.
-pub(crate) const PHASES: [&str; 5] = ["prepare", "assemble", "factorise", "krylov", "contact"];
+pub(crate) const PHASES: [&str; 6] = [
+    "prepare",
+    "assemble",
+    "factorise",
+    "krylov",
+    "contact",
+    "stability",
+];
 
 /// What one process reported.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -35,7 +42,7 @@ pub(crate) struct Numbers {
     /// Seconds that the norms of the error against an exact field took.
     pub(crate) error_norm_seconds: f64,
     /// Seconds of [`PHASES`].
-    pub(crate) phases: [f64; 5],
+    pub(crate) phases: [f64; PHASES.len()],
     /// Displacement, pressure and contact unknowns.
     pub(crate) unknowns: [i64; 3],
     /// Those that have a result, and the quadratic programs of all of them.

@@ -261,12 +261,13 @@ fn residuals(residuals: Option<&v1::Residuals>) -> String {
 
 fn seconds(seconds: v1::Seconds) -> String {
     format!(
-        "{:.3} (prepare {:.3}, assemble {:.3}, factorise {:.3}, krylov {:.3}, contact {:.3})",
+        "{:.3} (prepare {:.3}, assemble {:.3}, factorise {:.3}, krylov {:.3}, contact {:.3}, stability {:.3})",
         seconds.total,
         seconds.prepare,
         seconds.assemble,
         seconds.factorise,
         seconds.krylov,
         seconds.contact,
+        seconds.stability,
     )
 }

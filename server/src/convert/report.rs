@@ -265,6 +265,7 @@ fn seconds(value: Seconds) -> wire::Seconds {
         factorise: value.factorise,
         krylov: value.krylov,
         contact: value.contact,
+        stability: value.stability,
         total: value.total,
         error_norms: value.error_norms,
     }

@@ -322,13 +322,14 @@ impl Metrics {
 }
 
 /// The phases of an increment with their seconds.
-fn phases(seconds: &Seconds) -> [(&'static str, f64); 5] {
+fn phases(seconds: &Seconds) -> [(&'static str, f64); 6] {
     [
         ("prepare", seconds.prepare),
         ("assemble", seconds.assemble),
         ("factorise", seconds.factorise),
         ("krylov", seconds.krylov),
         ("contact", seconds.contact),
+        ("stability", seconds.stability),
     ]
 }
 
