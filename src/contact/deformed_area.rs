@@ -61,15 +61,23 @@ impl ContactSurface {
         weights
     }
 
+    /// Nodes with the values there of the pressure with these `coefficients`
+    /// `[functions]`, face by face, so that a node comes once for each of its faces.
+    pub fn at_nodes(&self, coefficients: &[f64]) -> impl Iterator<Item = (u32, f64)> {
+        self.faces.iter().flat_map(|face| {
+            let own = face.functions.iter().map(|&k| coefficients[k as usize]);
+            let own: Vec<f64> = own.collect();
+            let values = self.basis.at_nodes(face.corners.len(), &own);
+            let nodes = face.functions.iter().map(|&k| self.carriers[k as usize]);
+            nodes.zip(values).collect::<Vec<_>>()
+        })
+    }
+
     /// Largest value at the nodes of all faces, at least zero, of the pressure with
     /// these `coefficients` `[functions]`.
     pub fn largest(&self, coefficients: &[f64]) -> f64 {
-        let nodes = self.faces.iter().flat_map(|face| {
-            let own = face.functions.iter().map(|&k| coefficients[k as usize]);
-            self.basis
-                .at_nodes(face.corners.len(), &own.collect::<Vec<f64>>())
-        });
-        nodes.fold(0.0, f64::max)
+        let values = self.at_nodes(coefficients).map(|(_, value)| value);
+        values.fold(0.0, f64::max)
     }
 }
 

@@ -7,11 +7,10 @@ pub enum FieldName {
     Displacement,
     /// `[vertices, 1]`: internal pressure; absent without a pressure unknown.
     Pressure,
-    /// `[vertices, 1]`: contact pressure per undeformed area, zero off the contact
-    /// surface.
+    /// `[nodes, 1]`: contact pressure per undeformed area, zero off the contact
+    /// surface; `[vertices, 1]` in the linear contact space.
     ContactPressure,
-    /// `[vertices, 1]`: contact pressure per deformed area, zero off the contact
-    /// surface; absent for linear kinematics.
+    /// The same per deformed area; absent for linear kinematics.
     ContactPressureDeformed,
     /// `[vertices, 1]`: weighted gap over nodal weight, zero off the contact surface.
     Gap,

@@ -69,7 +69,7 @@ pub(crate) fn field(
         FieldName::ContactPressureDeformed => {
             let pressure = finite_strain::deformed_pressure(model, state)?;
             let touching = Touching::of(model, state);
-            (1, touching.on_surface(&pressure, 0.0, f64::max))
+            (1, touching.at_nodes(&pressure))
         }
     };
     Some(FieldData {

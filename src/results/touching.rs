@@ -114,7 +114,7 @@ impl<'a> Touching<'a> {
         }
     }
 
-    /// Contact pressure on uploaded vertices.
+    /// Contact pressure at uploaded vertices, and at edges where it is quadratic.
     pub(crate) fn pressure(&self) -> Vec<f64> {
         let interfaces = self.interfaces.list.iter();
         let pressure = interfaces.map(|interface| {
@@ -122,7 +122,37 @@ impl<'a> Touching<'a> {
             scale(&mut own, self.plan.units.stress);
             own
         });
-        self.on_surface(&pressure.collect::<Vec<_>>(), 0.0, f64::max)
+        self.at_nodes(&pressure.collect::<Vec<_>>())
+    }
+
+    /// Values of pressures with these coefficients `[interfaces][functions]` at uploaded
+    /// vertices, behind them at edges where one is quadratic; the largest of several
+    /// interfaces, zero off them.
+    pub(crate) fn at_nodes(&self, coefficients: &[Vec<f64>]) -> Vec<f64> {
+        let (mesh, space) = (self.body.mesh, self.body.space);
+        let contacts = self.interfaces.list.iter().zip(coefficients);
+        let contacts = contacts.filter(|(interface, _)| interface.is_contact());
+        let values = contacts.flat_map(|(interface, own)| interface.surface.at_nodes(own));
+        let (vertices, edges): (Vec<_>, Vec<_>) =
+            values.partition(|&(node, _)| (node as usize) < space.vertices);
+        let mut at_vertices = vec![None; mesh.vertex_count()];
+        for (vertex, value) in vertices {
+            let uploaded = mesh.used_vertices()[vertex as usize];
+            raise(&mut at_vertices[uploaded as usize], value);
+        }
+        let mut at_edges = vec![
+            None;
+            if edges.is_empty() {
+                0
+            } else {
+                space.edges.len()
+            }
+        ];
+        for (node, value) in edges {
+            raise(&mut at_edges[node as usize - space.vertices], value);
+        }
+        let all = at_vertices.into_iter().chain(at_edges);
+        all.map(Option::unwrap_or_default).collect()
     }
 
     /// One where a vertex touches, zero where it may, else [`NOT_A_CANDIDATE`].
@@ -176,4 +206,9 @@ impl<'a> Touching<'a> {
             .map(|value| value.unwrap_or(elsewhere))
             .collect()
     }
+}
+
+/// Takes `value` where there is none or a smaller one.
+fn raise(slot: &mut Option<f64>, value: f64) {
+    *slot = Some(slot.map_or(value, |old| old.max(value)));
 }

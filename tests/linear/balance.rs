@@ -111,13 +111,20 @@ fn facets<'a>(mesh: &'a Mesh, group: &str) -> impl Iterator<Item = (&'a [u32], f
     })
 }
 
+/// Nodes in the middle of the edges of a facet.
+fn middles(mesh: &Mesh, v: &[u32]) -> [usize; 3] {
+    [(0, 1), (0, 2), (1, 2)].map(|(i, j)| {
+        let edge = mesh.edge_between(v[i], v[j]).expect("an edge of the mesh");
+        mesh.vertex_count() + edge as usize
+    })
+}
+
 /// int u_z over the facets of a group: edge midpoints carry a third each.
 fn integral_of_deflection(mesh: &Mesh, displacement: &[f64], group: &str) -> f64 {
     let mut sum = 0.0;
     for (v, area) in facets(mesh, group) {
-        for (i, j) in [(0, 1), (0, 2), (1, 2)] {
-            let edge = mesh.edge_between(v[i], v[j]).expect("an edge of the mesh") as usize;
-            sum += area / 3.0 * displacement[3 * (mesh.vertex_count() + edge) + 2];
+        for node in middles(mesh, v) {
+            sum += area / 3.0 * displacement[3 * node + 2];
         }
     }
     sum
@@ -141,18 +148,30 @@ fn the_strain_energy_is_half_the_work_of_the_load() {
 
 #[test]
 fn the_contact_pressure_integrates_to_the_obstacle_force() {
-    let (mut scene, step) = hertz_plane(0.5);
-    // The field has the values at vertices, which are all of the linear pressure.
-    scene.solver.contact_space = Choice::Named(ContactSpace::Linear);
     let mesh = file("hemi_l1");
-    let (session, report) = run_one(&scene, &step, &mesh);
-    let pressure = values(&session, FieldName::ContactPressure);
-    let mut sum = 0.0;
-    for (v, area) in facets(&mesh, "contact") {
-        sum += area / 3.0 * v.iter().map(|&v| pressure[v as usize]).sum::<f64>();
+    for space in [ContactSpace::Linear, ContactSpace::Quadratic] {
+        let (mut scene, step) = hertz_plane(0.5);
+        scene.solver.contact_space = Choice::Named(space);
+        let (session, report) = run_one(&scene, &step, &mesh);
+        let pressure = values(&session, FieldName::ContactPressure);
+        let integrals = facets(&mesh, "contact").map(|(corners, area)| match space {
+            ContactSpace::Linear => {
+                let sum: f64 = corners.iter().map(|&v| pressure[v as usize]).sum();
+                area / 3.0 * sum
+            }
+            // Of a quadratic its values in the middle of the edges count.
+            ContactSpace::Quadratic => {
+                let sum: f64 = middles(&mesh, corners)
+                    .map(|node| pressure[node])
+                    .iter()
+                    .sum();
+                area / 3.0 * sum
+            }
+        });
+        let sum: f64 = integrals.sum();
+        let floor = &report.obstacles["floor"];
+        assert!(close(floor.force[2], sum, 1e-12), "{sum}");
+        let largest = pressure.iter().copied().fold(0.0, f64::max);
+        assert!(close(floor.max_pressure, largest, 1e-14), "{largest}");
     }
-    assert!(
-        close(report.obstacles["floor"].force[2], sum, 1e-12),
-        "{sum}"
-    );
 }

@@ -53,13 +53,18 @@ fn assert_patch(
         .collect();
     let error = difference(&values(session, FieldName::Displacement), &exact);
     assert!(error < EXACT, "displacement {error:e}");
-    let mut expected = vec![0.0; mesh.vertex_count()];
+    let mut expected = vec![0.0; mesh.vertex_count() + mesh.edges().len()];
     let group = mesh
         .group(side, GroupKind::Facets)
         .expect("a side of the mesh");
     for &facet in &group.members {
-        for &vertex in mesh.facet(facet as usize) {
+        let corners = mesh.facet(facet as usize);
+        for (i, &vertex) in corners.iter().enumerate() {
             expected[vertex as usize] = contact_pressure;
+            for &other in &corners[..i] {
+                let edge = mesh.edge_between(vertex, other).expect("an edge");
+                expected[mesh.vertex_count() + edge as usize] = contact_pressure;
+            }
         }
     }
     let error = difference(&values(session, FieldName::ContactPressure), &expected);
