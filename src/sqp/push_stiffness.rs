@@ -73,7 +73,7 @@ impl PushStiffness {
     }
 
     /// J x.
-    fn product(&self, x: &[f64]) -> Vec<f64> {
+    pub(crate) fn product(&self, x: &[f64]) -> Vec<f64> {
         let mut product = vec![0.0; x.len()];
         for (column, part) in self.columns.iter().zip(x) {
             add_scaled(&mut product, *part, column);

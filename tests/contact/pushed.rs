@@ -7,7 +7,7 @@ use crate::common::scenes::{
 };
 use crate::common::{assert_converged, close, open, take};
 use signorini::report::{Cause, Termination};
-use signorini::scene::{Choice, ContactSpace, ObstacleTarget, Shape};
+use signorini::scene::{Choice, ContactMethod, ContactSpace, ObstacleTarget, Shape};
 use signorini::{Scene, Session, Step, StepReport};
 
 /// A step that pushes one obstacle by the named components.
@@ -100,6 +100,60 @@ fn a_ball_above_the_body_comes_down_by_itself() {
     let mut session = open(&scene, &file("indent_l1"));
     last(&mut session, &down(&name, -0.01));
     assert!(pose(&session)[0][2] < -0.3);
+}
+
+/// Forces far below what the body feels elsewhere, on a ball whose contact begins at a point.
+#[test]
+fn a_ball_is_pressed_by_any_force_however_small() {
+    for mut scene in [elastic(0.5), rubber(mooney_rivlin(), None)] {
+        let body = ball(ContactSpace::Quadratic);
+        scene.supports = body.supports;
+        scene.obstacles = body.obstacles;
+        let name = scene.obstacles[0].name.clone();
+        for force in [-1e-4, -1e-6, -1e-7] {
+            let mut session = open(&scene, &file("indent_l1"));
+            let report = last(&mut session, &down(&name, force));
+            assert!(
+                close(report.obstacles[&name].force[2], force, 1e-7),
+                "{force:e}"
+            );
+        }
+    }
+}
+
+/// A ring of rubber lies loosely between two planes; the lid is first led to it, and both to
+/// the floor.
+#[test]
+fn a_body_that_only_obstacles_hold_is_squeezed_by_any_force() {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.obstacles = vec![
+        obstacle("lid", "z1", plane([0.5, 0.5, 1.01], [0.0, 0.0, -1.0])),
+        obstacle("floor", "z0", plane([0.5, 0.5, -0.02], [0.0, 0.0, 1.0])),
+    ];
+    for force in [-1e-4, -1e-2, -0.5] {
+        let mut session = open(&scene, &mesh(cube(3)));
+        let report = last(&mut session, &down("lid", force));
+        for (name, sign) in [("lid", 1.0), ("floor", -1.0)] {
+            let found = report.obstacles[name].force[2];
+            assert!(
+                close(found, sign * force, 1e-6),
+                "{name} {found:e} {force:e}"
+            );
+        }
+        assert!(pose(&session)[0][2] < -0.03);
+    }
+}
+
+/// Where a method has no metric the stiffness under the tool is learnt.
+#[test]
+fn a_method_without_a_metric_meets_a_push_too() {
+    let mut scene = ball(ContactSpace::Linear);
+    scene.solver.contact = Choice::Named(ContactMethod::ConjugateProjectedGradient);
+    scene.solver.tolerance = 1e-8;
+    let name = scene.obstacles[0].name.clone();
+    let mut session = open(&scene, &file("indent_l1"));
+    let report = last(&mut session, &down(&name, -0.0125));
+    assert!(close(report.obstacles[&name].force[2], -0.0125, 1e-6));
 }
 
 /// An elastic block under a rigid plate whose reference point is not above its middle.

@@ -16,6 +16,8 @@ const WORSE: f64 = 1.5;
 const SHORTER: f64 = 0.25;
 /// Share of the misfit that a step has to take off.
 const PROGRESS: f64 = 0.1;
+/// Error of forces over the largest one and the accuracy of the solve.
+const NOISE: f64 = 10.0;
 /// Misfits over the tolerance that count where the search comes no nearer.
 const NEAR: f64 = 10.0;
 
@@ -23,8 +25,21 @@ const NEAR: f64 = 10.0;
 pub(super) struct Progress {
     /// f - F `[controls]`.
     pub(super) misfit: Vec<f64>,
-    /// Its largest entry over the largest force.
+    /// Its largest entry over `scale`.
     pub(super) relative: f64,
+    /// The largest force.
+    pub(super) scale: f64,
+    /// Accuracy of the solve.
+    pub(super) tolerance: f64,
+    /// The force that its equilibrium was measured by.
+    pub(super) force_scale: f64,
+}
+
+impl Progress {
+    /// Error of the forces.
+    pub(super) fn noise(&self) -> f64 {
+        NOISE * self.tolerance * self.scale
+    }
 }
 
 /// Where a search is.
@@ -62,6 +77,12 @@ impl Course {
         ending.termination != Termination::Converged || (self.tells && is_worse)
     }
 
+    /// How forces have changed since `before` `[controls]`.
+    pub(super) fn change(&self, after: &Progress) -> Vec<f64> {
+        let ends = after.misfit.iter().zip(&self.before.misfit);
+        ends.map(|(after, before)| after - before).collect()
+    }
+
     /// Tries a part of the step.
     pub(super) fn shorten(&mut self) {
         self.failures += 1;
@@ -73,7 +94,9 @@ impl Course {
         let is_sharp = tolerance <= floor;
         let is_idle = after.relative > 0.5 * self.before.relative;
         let bound = if is_idle { NEAR * floor } else { floor };
-        is_sharp && after.relative <= bound
+        // Forces beside which the body's own are large are not known better than these.
+        let is_rounding = after.relative * after.scale <= floor * after.force_scale;
+        is_sharp && (after.relative <= bound || (is_rounding && after.relative <= COARSE))
     }
 
     /// Slides with the step, one after the other.
@@ -98,6 +121,9 @@ mod tests {
         Progress {
             misfit: vec![relative],
             relative,
+            scale: 1.0,
+            tolerance: 1e-8,
+            force_scale: 1.0,
         }
     }
 
@@ -115,5 +141,10 @@ mod tests {
         assert!(!course(0.0, 1e-3).is_there(&progress(1e-9), 1e-3, floor));
         assert!(!course(0.0, 1e-3).is_there(&progress(5e-8), floor, floor));
         assert!(course(0.0, 6e-8).is_there(&progress(5e-8), floor, floor));
+        let beside_others = Progress {
+            force_scale: 100.0,
+            ..progress(5e-7)
+        };
+        assert!(course(0.0, 1.0).is_there(&beside_others, floor, floor));
     }
 }

@@ -9,12 +9,15 @@
 
 use super::rigid::gap_changes;
 use crate::linalg::vector::dot;
-use crate::linalg::{DenseCholesky, SymmetricMatrix};
+use crate::linalg::{SymmetricMatrix, Workspace};
 use crate::model::push::Control;
 use crate::saddle::Status;
 use crate::sqp::program::QuadraticProgram;
 use crate::sqp::push_stiffness::PushStiffness;
 use crate::sqp::run::Run;
+
+/// Force over way of a punch, over the body's length and shear modulus.
+const PUNCH: f64 = 1.0;
 
 /// As the metric says at the present state.
 pub(super) fn by_metric(run: &mut Run<'_>, controls: &[Control]) -> PushStiffness {
@@ -25,33 +28,49 @@ pub(super) fn by_metric(run: &mut Run<'_>, controls: &[Control]) -> PushStiffnes
     let closed = statuses.filter(|(_, status)| closed(status));
     let closed: Vec<usize> = closed.map(|(place, _)| place).collect();
     let changes = gap_changes(&run.model, run.state, controls);
+    let own = |change: &Vec<f64>| -> Vec<f64> { closed.iter().map(|&k| change[k]).collect() };
+    let own: Vec<Vec<f64>> = changes.iter().map(own).collect();
+    let known = condensed(program.metric(), &closed, &own, &mut run.work);
     PushStiffness {
         controls: controls.to_vec(),
-        columns: condensed(program.metric(), &closed, &changes),
+        columns: known.unwrap_or_else(|| of_punches(&own)),
     }
 }
 
-/// D_A^T H_AA^-1 D_A of the multipliers `closed`, column by column; zero where the metric has
-/// no such part.
+/// D_A^T H_AA^-1 D_A of the multipliers `closed`, column by column; none where the metric has
+/// no such part, or no factor of it.
 fn condensed(
     metric: &dyn SymmetricMatrix,
     closed: &[usize],
     changes: &[Vec<f64>],
-) -> Vec<Vec<f64>> {
-    let zero = vec![vec![0.0; changes.len()]; changes.len()];
-    let is_there = closed.last().is_some_and(|&last| last < metric.size());
-    if !is_there {
-        return zero;
+    work: &mut Workspace,
+) -> Option<Vec<Vec<f64>>> {
+    let is_known = closed.last().is_none_or(|&last| last < metric.size());
+    if !is_known {
+        return None;
     }
-    let Ok(factor) = DenseCholesky::new(&metric.principal_part(closed)) else {
-        return zero;
-    };
-    let own = |change: &Vec<f64>| -> Vec<f64> { closed.iter().map(|&k| change[k]).collect() };
-    let own: Vec<Vec<f64>> = changes.iter().map(own).collect();
-    let column = |change: &Vec<f64>| {
+    let factor = metric.factor_of_part(closed).ok()?;
+    let mut column = |change: &Vec<f64>| {
         let mut pressure = change.clone();
-        factor.solve(&mut pressure);
-        own.iter().map(|other| dot(other, &pressure)).collect()
+        factor.solve_part(&mut pressure, work);
+        let entries = changes.iter().map(|other| dot(other, &pressure));
+        entries.collect()
     };
-    own.iter().map(column).collect()
+    Some(changes.iter().map(&mut column).collect())
+}
+
+/// That of punches as large as the body, each for itself, where the metric says nothing: the
+/// stiffness is learnt on the way.
+fn of_punches(changes: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let size = changes.len();
+    let column = |(place, change): (usize, &Vec<f64>)| {
+        let mut column = vec![0.0; size];
+        column[place] = if dot(change, change) > 0.0 {
+            PUNCH
+        } else {
+            0.0
+        };
+        column
+    };
+    changes.iter().enumerate().map(column).collect()
 }

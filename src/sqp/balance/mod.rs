@@ -34,7 +34,7 @@ use metric::by_metric;
 
 /// Solves at most.
 const MOST_SOLVES: u32 = 40;
-/// Steps that led away or nowhere, one after the other, that end the search.
+/// Steps that led away or nowhere, one after the other, behind which one more ends the search.
 const MOST_FAILURES: u32 = 6;
 /// Times that obstacles which the body has left are led back to it.
 const MOST_APPROACHES: u32 = 3;
@@ -42,6 +42,8 @@ const MOST_APPROACHES: u32 = 3;
 const COARSE: f64 = 1e-3;
 /// Accuracy of a solve over the misfit before it.
 const SHARPNESS: f64 = 0.02;
+/// Change of forces over what was expected that shows nothing of a step.
+const UNNOTICED: f64 = 0.1;
 /// Share of a push that nothing balances from which on there is no equilibrium.
 const UNBALANCED: f64 = 1e-3;
 /// Steps as long as they may be, one after the other, that take nothing off: the obstacle slides
@@ -96,11 +98,10 @@ impl Balance {
         loop {
             let kept = run.state.clone();
             self.go(&course.step, length);
-            let ending = accuracy::solve(run, &self.drive);
+            let (ending, after) = self.solved(run, &course, floor);
             if ending.is_stopped() {
                 return ending;
             }
-            let after = self.progress(run);
             solves += 1;
             if course.leads_away(&ending, &after) {
                 if course.failures == MOST_FAILURES || solves == MOST_SOLVES {
@@ -124,6 +125,29 @@ impl Balance {
                 Err((cause, control)) => return unmet(ending, cause, Some(control)),
             }
         }
+    }
+
+    /// Solves at the present poses, more sharply where the step that led to them does not show.
+    fn solved(&self, run: &mut Run<'_>, course: &Course, floor: f64) -> (Ending, Progress) {
+        loop {
+            let ending = accuracy::solve(run, &self.drive);
+            let after = self.progress(run);
+            let is_sharp = run.model.tolerance <= floor;
+            let is_solved = ending.termination == Termination::Converged;
+            if is_sharp || !is_solved || !self.is_unnoticed(course, &after) {
+                return (ending, after);
+            }
+            run.model.tolerance = (SHARPNESS * run.model.tolerance).max(floor);
+        }
+    }
+
+    /// Whether forces have hardly changed where the stiffness says that they do.
+    fn is_unnoticed(&self, course: &Course, after: &Progress) -> bool {
+        let expected = self
+            .stiffness
+            .as_ref()
+            .map_or(0.0, |stiffness| largest(&stiffness.product(&course.step)));
+        course.tells && largest(&course.change(after)) < UNNOTICED * expected
     }
 
     /// The start from the poses of the state, of obstacles that touch; none takes a step
@@ -211,9 +235,13 @@ impl Balance {
             self.stiffness = None;
             return;
         };
-        let change = after.misfit.iter().zip(&course.before.misfit);
-        let change: Vec<f64> = change.map(|(after, before)| after - before).collect();
-        stiffness.learn(&course.step, &change);
+        let change = course.change(after);
+        // Of a step too short to show in solves as rough as these nothing is learnt.
+        let expected = largest(&stiffness.product(&course.step));
+        let noise = after.noise().max(course.before.noise());
+        if largest(&change).max(expected) > noise {
+            stiffness.learn(&course.step, &change);
+        }
     }
 
     /// f - F at the state.
@@ -232,13 +260,18 @@ impl Balance {
             true => largest(&misfit) / scale,
             false => largest(&misfit),
         };
-        Progress { misfit, relative }
+        Progress {
+            misfit,
+            relative,
+            scale,
+            tolerance: run.model.tolerance,
+            force_scale: run.state.force_scale,
+        }
     }
 
     /// The control whose share of `rest`, which no motion takes off, is too large.
     fn unbalanced(&self, rest: &[f64], at: &Progress) -> Option<Control> {
-        let scale = largest(&at.misfit) / at.relative.max(f64::MIN_POSITIVE);
-        let is_lost = largest(rest) > UNBALANCED * scale;
+        let is_lost = largest(rest) > UNBALANCED * at.scale;
         is_lost.then(|| self.worst(rest)).flatten()
     }
 

@@ -26,7 +26,9 @@ const FARTHEST: f64 = 1e3;
 /// First advance beyond touch, and the longest one.
 const ADVANCES: [f64; 2] = [1e-3, 0.3];
 /// Dense problems at most.
-const MOST_PROBLEMS: u32 = 8;
+const MOST_PROBLEMS: u32 = 48;
+/// Width of what is left to search over its upper end at which the search ends.
+const NARROW: f64 = 1e-12;
 /// Share of the force that is near enough.
 const NEAR: f64 = 0.02;
 
@@ -56,9 +58,32 @@ fn step_behind_touch(run: &mut Run<'_>, controls: &[Control], goal: &[f64]) -> O
     let size = norm(&push);
     (size > 0.0).then(|| {
         let direction: Vec<f64> = push.iter().map(|part| part / size).collect();
-        let way = beyond(run, controls, (&direction, size));
+        let way = slack(run, controls, &push) + beyond(run, controls, (&direction, size));
         direction.iter().map(|part| way * part).collect()
     })
+}
+
+/// How far a body that only obstacles hold is pushed as a whole, along the `push`
+/// `[controls]`, until it meets another obstacle.
+fn slack(run: &mut Run<'_>, controls: &[Control], push: &[f64]) -> f64 {
+    if !run.model.plan.is_floating() {
+        return 0.0;
+    }
+    let pushed = forces(controls, push);
+    let mut longest = 0.0_f64;
+    for &(obstacle, force) in &pushed {
+        let back = force.map(|part| -part);
+        let others = (0..run.state.drive.poses.len()).filter(|&other| other != obstacle);
+        let ways = others.filter_map(|other| {
+            let pose = run.state.drive.poses[other].clone();
+            let way = advance(run, other, back);
+            run.state.drive.poses[other] = pose;
+            way
+        });
+        let way = ways.fold(f64::INFINITY, f64::min);
+        longest = longest.max(if way.is_finite() { way } else { 0.0 });
+    }
+    longest
 }
 
 /// Obstacles that shall exert a force, with what is named of it.
@@ -91,9 +116,9 @@ fn touches(run: &Run<'_>, obstacle: usize) -> bool {
     pressures.iter().any(|&pressure| pressure != 0.0)
 }
 
-/// Moves an obstacle along `force` by its distance from the body until it touches; none where
-/// it passes by.
-fn advance(run: &mut Run<'_>, obstacle: usize, force: [f64; 3]) -> Option<()> {
+/// Moves an obstacle along `force` by its distance from the body until it touches, and says how
+/// far; none where it passes by.
+fn advance(run: &mut Run<'_>, obstacle: usize, force: [f64; 3]) -> Option<f64> {
     let size = norm(&force);
     let length = run.model.plan.units.length;
     let mut way = 0.0;
@@ -104,7 +129,7 @@ fn advance(run: &mut Run<'_>, obstacle: usize, force: [f64; 3]) -> Option<()> {
         let distances = nearest(&body, &interface.surface, &met);
         let distance = distances.into_iter().fold(f64::INFINITY, f64::min);
         if distance <= TOUCH {
-            return Some(());
+            return Some(way);
         }
         way += distance;
         if way.is_nan() || way >= FARTHEST {
@@ -127,13 +152,18 @@ fn beyond(run: &mut Run<'_>, controls: &[Control], (direction, force): (&[f64], 
     for (change, part) in changes.iter().zip(direction) {
         add_scaled(&mut along, *part, change);
     }
+    let resisting = resisting(run, controls, direction);
     let open: Vec<Status> = run.state.status.clone();
     let none = vec![0.0; now.gap.len()];
     let exerted = |way: f64| {
         let mut gap = now.gap.clone();
         add_scaled(&mut gap, way, &along);
         let solved = dense_cone::solve(program.metric(), &gap, now.contact_set(), (&open, &none));
-        solved.map_or(0.0, |solution| -dot(&along, &solution.values))
+        solved.map_or(0.0, |solution| {
+            let pushing = -dot(&along, &solution.values);
+            let resisting = resisting.as_ref();
+            resisting.map_or(pushing, |other| pushing.min(dot(other, &solution.values)))
+        })
     };
     if program.metric().size() != now.gap.len() {
         return ADVANCES[0];
@@ -141,30 +171,73 @@ fn beyond(run: &mut Run<'_>, controls: &[Control], (direction, force): (&[f64], 
     secant_of_powers(exerted, force)
 }
 
-/// Way s at which f(s), about a power of s, is `force`.
+/// What other obstacles exert against `direction` `[controls]` for each unit of their pressures
+/// `[multipliers]`, on a body that only they hold: the metric has rigid motions resist a little,
+/// which nothing does. None where supports hold the body.
+fn resisting(run: &Run<'_>, controls: &[Control], direction: &[f64]) -> Option<Vec<f64>> {
+    if !run.model.plan.is_floating() {
+        return None;
+    }
+    let mut sums = [0.0; 3];
+    let forces = controls.iter().zip(direction);
+    for (control, part) in forces.filter(|(control, _)| control.axis < 3) {
+        sums[control.axis] += part;
+    }
+    let is_pushed = |obstacle: usize| {
+        let mut own = controls.iter().zip(direction);
+        own.any(|(control, part)| is_force_of(control, obstacle) && *part != 0.0)
+    };
+    let others = (0..run.state.drive.poses.len()).filter(|&other| !is_pushed(other));
+    let others = others.flat_map(|obstacle| (0..3).map(move |axis| Control { obstacle, axis }));
+    let others: Vec<Control> = others.collect();
+    // Pushes that balance each other need no one else.
+    if others.is_empty() || norm(&sums) < 0.5 * norm(direction) {
+        return None;
+    }
+    let mut all = vec![0.0; run.state.multiplier.len()];
+    let changes = gap_changes(&run.model, run.state, &others);
+    for (control, change) in others.iter().zip(&changes) {
+        add_scaled(&mut all, sums[control.axis], change);
+    }
+    Some(all)
+}
+
+/// Way s at which f(s), which rises about as a power of s, is `force`.
 fn secant_of_powers(exerted: impl Fn(f64) -> f64, force: f64) -> f64 {
     let [mut way, longest] = ADVANCES;
     let mut last: Option<(f64, f64)> = None;
+    // Ways with too little and too much of the force.
+    let mut within = [0.0, longest];
     for _ in 0..MOST_PROBLEMS {
         let found = exerted(way);
-        if found <= 0.0 {
-            way = (4.0 * way).min(longest);
-            continue;
-        }
-        if (found - force).abs() <= NEAR * force {
+        if (found - force).abs() <= NEAR * force || within[1] - within[0] <= NARROW * within[1] {
             break;
         }
-        // Of a half space under a ball; steeper where edges or walls are met.
-        let power = match last {
-            Some((before, earlier)) if (before - way).abs() > 0.0 => {
-                ((found / earlier).ln() / (way / before).ln()).clamp(1.0, 3.0)
+        within[usize::from(found > force)] = way;
+        let next = match last {
+            _ if found <= 0.0 => 4.0 * way,
+            // Of a half space under a ball; steeper where edges or walls are met.
+            None => way * (force / found).powf(1.0 / 1.5),
+            Some((before, earlier)) => {
+                let power = ((found / earlier).ln() / (way / before).ln()).clamp(1.0, 3.0);
+                way * (force / found).powf(1.0 / power)
             }
-            _ => 1.5,
         };
-        last = Some((way, found));
-        way = (way * (force / found).powf(1.0 / power)).clamp(1e-12, longest);
+        if found > 0.0 {
+            last = Some((way, found));
+        }
+        let is_within = next > within[0] && next < within[1];
+        way = if is_within { next } else { middle(within) };
     }
     way
+}
+
+/// Between two ways: in the middle of their powers, or far down where the lower one is none.
+fn middle([low, high]: [f64; 2]) -> f64 {
+    match low > 0.0 {
+        true => (low * high).sqrt(),
+        false => 0.1 * high,
+    }
 }
 
 #[cfg(test)]
@@ -177,6 +250,15 @@ mod tests {
             let way = secant_of_powers(|way| factor * way.powf(power), force);
             let found = factor * way.powf(power);
             assert!((found / force - 1.0).abs() <= NEAR, "{found} {force}");
+        }
+    }
+
+    #[test]
+    fn a_force_that_begins_behind_a_gap_is_met_however_small_it_is() {
+        for (gap, force) in [(0.01, 1e-3), (0.01, 1e-9), (0.25, 1e-7), (1e-6, 1e-12)] {
+            let exerted = |way: f64| 20.0 * (way - gap).max(0.0).powf(1.2);
+            let found = exerted(secant_of_powers(exerted, force));
+            assert!((found / force - 1.0).abs() <= 0.5, "{found} {force}");
         }
     }
 
