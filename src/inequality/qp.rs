@@ -8,7 +8,7 @@
 use super::Augmentation;
 use crate::krylov::{Outcome, Verdict, gcr};
 use crate::linalg::vector::{ratio, worst};
-use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
+use crate::linalg::{FactoriseError, LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::saddle::{BlockStep, MultiplierBlock, SetPoint, Status};
 
 /// Growth of a scale within one program beyond which it is divergence.
@@ -237,6 +237,15 @@ pub enum QpStatus {
     Unsupported,
     /// The Krylov method failed in the way that its outcome tells.
     Krylov(Outcome),
+}
+
+impl From<FactoriseError> for QpStatus {
+    fn from(error: FactoriseError) -> Self {
+        match error {
+            FactoriseError::OutOfMemory => Self::TooLarge,
+            FactoriseError::NotPositiveDefinite => Self::IndefiniteMetric,
+        }
+    }
 }
 
 impl QpStatus {

@@ -21,6 +21,8 @@ use crate::results::swallowed::{cells_beside, depth_inside, depth_where_held};
 const MISSED: f64 = 1e-3;
 /// The same beside faces that are pressed, whose rim overlaps a little on every mesh.
 const MISSED_AT_THE_RIM: f64 = 0.02;
+/// Depth under a pressed face over its size that is more than it bends by between its nodes.
+const SUNK: f64 = 0.15;
 /// The same over the depth under faces that are pressed.
 const BEYOND_THE_PRESSED: f64 = 1.5;
 
@@ -96,6 +98,19 @@ impl<'t> Touch<'t> {
     /// Deepest overlap where nothing presses, in units of the scaled body; zero without one.
     pub(crate) fn overlap(&self) -> f64 {
         self.missed().map(|(_, depth)| depth).fold(0.0, f64::max)
+    }
+
+    /// Deepest overlap between the points of a pressed face, where it is no small part of the
+    /// face: depth and size, in units of the scaled body.
+    pub(crate) fn sunk(&self) -> Option<(f64, f64)> {
+        let power = 1.0 / (self.dimension as f64 - 1.0);
+        let pressed = (0..self.acts.len()).filter(|&face| self.acts[face]);
+        let sizes = pressed.map(|face| {
+            let area = self.interface.surface.faces[face].flat_area;
+            (-self.distances[face], area.powf(power))
+        });
+        let sunk = sizes.filter(|(depth, size)| *depth > SUNK * size);
+        sunk.max_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// Size of the largest face under pressure, in units of the scaled body.

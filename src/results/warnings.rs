@@ -2,7 +2,7 @@
 //!
 //! | warning | found by |
 //! |---|---|
-//! | missed contact | distances between the points of the contact integrals, on faces without pressure, depths of cells beside all faces, and of vertices that supports hold |
+//! | missed contact | distances between the points of the contact integrals, on faces without pressure, depths of cells beside all faces, of vertices that supports hold, and between the nodes of pressed faces |
 //! | untouched obstacle | no pressure, and the obstacle no farther than before |
 //! | passed through | no pressure, and cells inside the obstacle, or poses on the way at which it is inside |
 //! | begins inside | distances before the first increment |
@@ -68,6 +68,7 @@ pub(crate) fn warnings(
         all.extend(held_inside(model, touch));
         if touch.acts.contains(&true) {
             all.extend(beside(model, touch));
+            all.extend(sunk(model, touch));
         } else {
             all.extend(untouched(model, (start, touch)));
             let way = || passed(model, (start, state), interface);
@@ -156,6 +157,20 @@ fn swallowed(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
             name,
             Some(depth),
             format!("obstacle `{name}` is {depth:.3e} deep inside the body and presses nowhere: it has slipped in between the nodes of its surface, smaller faces or more increments would feel it"),
+        )
+    })
+}
+
+/// An obstacle that presses on nodes while the faces between them bulge far into it.
+fn sunk(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
+    touch.sunk().map(|(depth, size)| {
+        let name = &touch.interface.name;
+        let [depth, size] = [depth, size].map(|x| x * model.plan.units.length);
+        Warning::new(
+            WarningKind::MissedContact,
+            name,
+            Some(depth),
+            format!("the body bulges by {depth:.3e} into obstacle `{name}` between the nodes of a pressed face of {size:.2e}: where it is confined this volume is missing in the force; use smaller faces"),
         )
     })
 }
@@ -281,12 +296,11 @@ fn turned(model: &Model<'_>, state: &State) -> Option<Warning> {
 fn lost_digits(model: &Model<'_>, state: &State, ending: &Ending, strain: f64) -> Option<Warning> {
     let sizes = state.displacement.iter().map(|u| u.abs());
     let largest = sizes.fold(0.0, f64::max);
-    // Gaps and gradients of rubber are those of the deformed body, of length one. What has
-    // come to rest is all rounding.
-    let is_driven = state.status.iter().any(|status| status.is_closed())
-        || state.drive.moves_supports()
-        || state.drive.has_loads(model.plan);
-    let length = match model.is_rubber() && is_driven {
+    // Gaps, and gradients of rubber, are those of a body of length one. What has come to rest is
+    // all rounding.
+    let touches = state.status.iter().any(|status| status.is_closed());
+    let is_driven = touches || state.drive.moves_supports() || state.drive.has_loads(model.plan);
+    let length = match touches || (model.is_rubber() && is_driven) {
         true => largest.max(1.0),
         false => largest,
     };

@@ -9,12 +9,12 @@
 use super::predictor;
 use super::program::{QuadraticProgram, Step};
 use super::run::Run;
+use super::scales::{
+    forget_scales, least_force, limit_gap_scale, limit_volume_scale, raise_scales, touches,
+};
 use super::search::{Refused, leap, search};
 use super::verdict::{Verdict, of_status, verdict};
-use crate::inequality::QpScales;
-use crate::linalg::vector::{dot, largest, norm};
-use crate::linalg::{LinearOperator, Workspace};
-use crate::model::Model;
+use crate::linalg::vector::norm;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
 use crate::model::evaluate::Evaluation;
@@ -30,11 +30,6 @@ const WORTHWHILE: f64 = 0.1;
 const MOST_IDLE: u32 = 5;
 /// Steps of an increment that are taken without progress.
 const MOST_LEAPS: u32 = 3;
-/// Stress in shear moduli below which a body without load is at rest: linear, and of rubber,
-/// whose law has a scale of its own.
-const LEAST_STRESS: [f64; 2] = [1e-11, 1e-9];
-/// Roundings that one entry of a force adds up.
-const ROUNDINGS: f64 = 8.0;
 /// First reduction asked of a program with a curved gap.
 const FIRST_REDUCTION: f64 = 1e-2;
 
@@ -90,9 +85,9 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
             }
         }
         match search(run, &step, program.start(), at.first_force) {
-            Ok(next) => at.advance(run.state, next, worst),
+            Ok(next) => at.advance(run, next, worst),
             Err(refused) => match at.leap(run, &step, program.start(), refused) {
-                Some(next) => at.advance(run.state, next, worst),
+                Some(next) => at.advance(run, next, worst),
                 None => return at.ending(run, refused.verdict()),
             },
         }
@@ -141,9 +136,7 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
         }
     };
     limit_gap_scale(run.state, &now);
-    if run.model.is_rubber() {
-        raise_scales(&run.model, run.state, &now);
-    }
+    raise_scales(&run.model, run.state, &now);
     Iterate {
         first_force: first_force.max(least_force(&run.model, run.state, &now)),
         now,
@@ -152,78 +145,6 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
         idle: 0,
         leaps: 0,
     }
-}
-
-/// Lets the scales of a body that nothing drives any more be those of a fresh one: what
-/// they have seen says nothing of what comes.
-fn forget_scales(run: &mut Run<'_>) {
-    let state = &mut *run.state;
-    let is_loaded = state.drive.has_loads(run.model.plan) && state.drive.load != 0.0;
-    if !touches(state) && !is_loaded && !state.drive.moves_supports() {
-        state.scales = QpScales::default();
-    }
-}
-
-/// Whether any multiplier of contact is at work.
-fn touches(state: &State) -> bool {
-    state.multiplier.iter().any(|&value| value != 0.0)
-}
-
-/// Keeps the scale of the gap to what contact has moved the surface by: a lift, or a body
-/// carried far, has seen larger ones.
-fn limit_gap_scale(state: &mut State, now: &Evaluation) {
-    let mut moved = vec![0.0; state.multiplier.len()];
-    let mut work = Workspace::new();
-    now.coupling
-        .apply(&state.displacement, &mut moved, &mut work);
-    let closed = moved.iter().zip(&state.status);
-    let closed = closed.filter(|(_, status)| status.is_closed());
-    let square: f64 = closed.map(|(moved, _)| moved * moved).sum();
-    state.scales.gap = state.scales.gap.min(square.sqrt());
-}
-
-/// Keeps the scales of gaps and volumes of rubber to what their rounding is within the
-/// tolerance of: both are those of the deformed body, of length one.
-fn raise_scales(model: &Model<'_>, state: &mut State, now: &Evaluation) {
-    let least = ROUNDINGS * f64::EPSILON / model.tolerance;
-    let (c, mut work) = (model.prepared.space.components, Workspace::new());
-    let mut square = 0.0;
-    for axis in 0..model.plan.units.dimension {
-        let mut carried = vec![0.0; state.displacement.len()];
-        let own = carried[..c * model.prepared.space.vertices].iter_mut();
-        own.skip(axis).step_by(c).for_each(|entry| *entry = 1.0);
-        let mut moved = vec![0.0; state.multiplier.len()];
-        now.coupling.apply(&carried, &mut moved, &mut work);
-        square += dot(&moved, &moved);
-    }
-    state.scales.gap = state.scales.gap.max(least * square.sqrt());
-    let volumes = (model.prepared.space.vertices as f64).sqrt();
-    state.scales.constraint = state.scales.constraint.max(least / volumes);
-}
-
-/// Norm of a force that stands for one where none at hand is larger: in a body without load a
-/// stress of some [`LEAST_STRESS`] shear moduli, and in any body one beside which the rounding
-/// of its displacements meets the tolerance.
-fn least_force(model: &Model<'_>, state: &State, now: &Evaluation) -> f64 {
-    let vertices = (model.prepared.space.vertices as f64).sqrt();
-    let at_rest = match now.load_norm > 0.0 {
-        true => 0.0,
-        false => LEAST_STRESS[usize::from(model.is_rubber())] / vertices,
-    };
-    at_rest.max(rounding(model, state) / model.tolerance)
-}
-
-/// What rounding of displacements, and of rubber of lengths, leaves of the forces of a body:
-/// h^(d - 2) a vertex where cells have the size h in d dimensions.
-fn rounding(model: &Model<'_>, state: &State) -> f64 {
-    let dimension = model.plan.units.dimension as i32;
-    let vertices = model.prepared.space.vertices as f64;
-    let size = vertices.powf(-1.0 / f64::from(dimension));
-    let length = match model.is_rubber() {
-        true => largest(&state.displacement).max(1.0),
-        false => largest(&state.displacement),
-    };
-    ROUNDINGS * f64::EPSILON * length * size.powi(dimension - 2) * vertices.sqrt()
 }
 
 impl Iterate {
@@ -276,9 +197,14 @@ impl Iterate {
     }
 
     /// Takes an accepted step over, which started from the residual `worst`.
-    fn advance(&mut self, state: &mut State, next: Evaluation, worst: f64) {
+    fn advance(&mut self, run: &mut Run<'_>, next: Evaluation, worst: f64) {
         self.now = next;
-        self.reduction = forcing(worst, self.residuals(state).largest());
+        limit_volume_scale(run);
+        if run.model.is_rubber() {
+            limit_gap_scale(run.state, &self.now);
+        }
+        raise_scales(&run.model, run.state, &self.now);
+        self.reduction = forcing(worst, self.residuals(run.state).largest());
     }
 
     /// Goes on after a program that did not end, where that leads further.

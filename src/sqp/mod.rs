@@ -14,7 +14,7 @@
 //! | [`attempt`] | one part, solved and judged |
 //! | [`balance`] | the poses of pushed obstacles: [`push_stiffness`] |
 //! | [`accuracy`] | how far residuals are reduced |
-//! | [`increment`] | programs until the four criteria hold: [`predictor`], [`program`], [`search`], [`verdict`] |
+//! | [`increment`] | programs until the four criteria hold: [`predictor`], [`program`], [`search`], [`verdict`], measured by [`scales`] |
 //! | [`certificate`] | whether the equilibrium is a minimum |
 //! | [`descent`] | down the energy where an equilibrium is lost |
 //! | [`diagnosis`], [`enclosure`], [`site`] | causes that only the end shows, and where they lie |
@@ -50,6 +50,7 @@ mod rigid_predictor;
 pub(crate) mod run;
 mod rung;
 mod saddle_layout;
+mod scales;
 mod search;
 pub(crate) mod site;
 mod step_control;

@@ -174,6 +174,45 @@ fn rubber_that_is_hardly_pressed_ends_and_says_what_is_lost() {
     }
 }
 
+/// Gaps of a body of length one are rounded whatever it is pressed by.
+#[test]
+fn an_elastic_body_that_is_hardly_pressed_ends_and_says_what_is_lost() {
+    let mut scene = elastic(0.3);
+    scene.supports = vec![support("z0", HELD)];
+    scene.obstacles = vec![press("z1")];
+    let force = |depth: f64| {
+        let report = solve_one(&scene, &push("press", [0.0, 0.0, -depth]), &coarse());
+        let is_doubted = doubts(&report).contains(&WarningKind::LostDigits);
+        assert_eq!(is_doubted, depth < 1e-8, "{depth:e}");
+        report.obstacles["press"].force[2] / depth
+    };
+    let exact = force(1e-3);
+    for (depth, accuracy) in [(1e-8, 1e-6), (1e-10, 1e-4), (1e-12, 0.01)] {
+        let relative = force(depth) / exact - 1.0;
+        assert!(relative.abs() < accuracy, "{depth:e} {relative:e}");
+    }
+}
+
+/// All sides of a block are held up to their rim, and its top is pressed: beside the rim the
+/// body lies inside the lid, a large part of what the lid displaces.
+#[test]
+fn a_body_that_bulges_far_between_the_nodes_of_pressed_faces_is_named() {
+    let mut scene = elastic(0.499);
+    scene.supports = ["z0", "x0", "x1", "y0", "y1"]
+        .map(|side| support(side, HELD))
+        .to_vec();
+    scene.obstacles = vec![press("z1")];
+    let names_bulges = |depth: f64, scene: &Scene| {
+        let report = solve_one(scene, &push("press", [0.0, 0.0, -depth]), &mesh(cube(4)));
+        let mut warnings = report.warnings.iter();
+        warnings.any(|warning| warning.message.contains("bulges"))
+    };
+    assert!(names_bulges(0.06, &scene));
+    // Free sides have no such rim.
+    scene.supports.truncate(1);
+    assert!(!names_bulges(0.06, &scene));
+}
+
 /// A ball on the edge of a block that may press its top only; on the middle of it all is well.
 #[test]
 fn a_tool_sunk_into_a_side_that_it_may_not_press_is_named() {

@@ -98,6 +98,46 @@ fn a_tool_that_comes_back_to_just_touch_leaves_a_body_at_rest() {
     }
 }
 
+/// A plate with rounded edges comes to touch exactly: gaps are rounding, whatever their sign.
+#[test]
+fn a_rounded_plate_led_to_just_touch_leaves_an_elastic_body_at_rest() {
+    for height in [0.2, 0.3, 0.4, 0.55] {
+        let mut scene = ball(elastic(0.5));
+        scene.obstacles[0].shape = Shape::Box {
+            centre: [0.0, 0.0, height + 0.05],
+            half_sizes: [3.0, 3.0, 0.05],
+            rounding: 0.02,
+        };
+        let mut session = open(&scene, &file("indent_l1"));
+        let step = Step {
+            increments: 4,
+            ..push("ball", [0.0, 0.0, -height])
+        };
+        for report in take(&mut session, &step) {
+            assert_converged(&report);
+            assert!(report.strain_energy < 1e-20, "{height}");
+        }
+    }
+}
+
+/// What a deep press has seen is no measure of a light one.
+#[test]
+fn rubber_let_go_to_a_light_press_is_pressed_as_if_never_deeper() {
+    let mut scene = rubber(mooney_rivlin(), None);
+    scene.supports = vec![support("z0", HELD)];
+    scene.obstacles = vec![press("z1")];
+    let mesh = mesh(cube(4));
+    for depth in [1e-4, 1e-6] {
+        let light = push("press", [0.0, 0.0, -depth]);
+        let fresh = take(&mut open(&scene, &mesh), &light).remove(0);
+        let mut session = open(&scene, &mesh);
+        take(&mut session, &push("press", [0.0, 0.0, -0.1]));
+        let behind = take(&mut session, &light).remove(0);
+        assert_converged(&behind);
+        assert_equal((&fresh, &behind), "press", 1e-7);
+    }
+}
+
 /// A step that moves the base.
 fn carried(by: f64) -> Step {
     Step {

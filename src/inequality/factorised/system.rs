@@ -18,7 +18,7 @@
 use super::super::qp::QpStatus;
 use crate::linalg::cholesky::LowerColumns;
 use crate::linalg::indefinite::{IndefinitePattern, SparseIndefinite};
-use crate::linalg::{FactoriseError, LinearOperator, SparseRows};
+use crate::linalg::{LinearOperator, SparseRows};
 use crate::saddle::Status;
 
 /// Largest shift of constraints over their scaled diagonal.
@@ -123,12 +123,7 @@ impl System {
                 }
             }
         }
-        self.pattern
-            .factorise(&matrix)
-            .map_err(|error| match error {
-                FactoriseError::OutOfMemory => QpStatus::TooLarge,
-                FactoriseError::NotPositiveDefinite => QpStatus::IndefiniteMetric,
-            })
+        self.pattern.factorise(&matrix).map_err(QpStatus::from)
     }
 }
 

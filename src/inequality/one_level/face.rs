@@ -236,7 +236,7 @@ impl Faces<'_, '_> {
             slides: &slides,
         };
         let restricted = Restricted::new(self.problem, &self.blocks, (&status, &face), &self.last)
-            .map_err(|_| QpStatus::IndefiniteMetric)?;
+            .map_err(QpStatus::from)?;
         let mut packed = self.pack(iterate, run.work);
         if let Some(augmented) = &restricted.augmented {
             let gap = &self.blocks.contact_of(iterate).residual;

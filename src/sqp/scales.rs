@@ -1,0 +1,115 @@
+//! What residuals of an increment are measured by, beside the norms that it sees: nothing that
+//! has passed, and no less than rounding (decision 36).
+//!
+//! Scales of forces, gaps `|C u|` and volumes `|B u|`, non-dimensional norms over all unknowns.
+//! Cost: some products with C and one with the stiffness at rest.
+
+use super::lowest_mode::length_at_rest;
+use super::run::Run;
+use crate::inequality::QpScales;
+use crate::linalg::vector::{dot, largest};
+use crate::linalg::{LinearOperator, Workspace};
+use crate::model::Model;
+use crate::model::evaluate::Evaluation;
+use crate::model::state::State;
+
+/// Stress in shear moduli below which a body without load is at rest: linear, and of rubber,
+/// whose law has a scale of its own.
+const LEAST_STRESS: [f64; 2] = [1e-11, 1e-9];
+/// Roundings that one entry of a force adds up.
+const ROUNDINGS: f64 = 8.0;
+/// Times what the present strains may change volumes by that a scale may be.
+const OUTLIVED: f64 = 10.0;
+
+/// Lets the scales of a body that nothing drives any more be those of a fresh one: what
+/// they have seen says nothing of what comes.
+pub(super) fn forget_scales(run: &mut Run<'_>) {
+    let state = &mut *run.state;
+    let is_loaded = state.drive.has_loads(run.model.plan) && state.drive.load != 0.0;
+    if !touches(state) && !is_loaded && !state.drive.moves_supports() {
+        state.scales = QpScales::default();
+    }
+}
+
+/// Whether any multiplier of contact is at work.
+pub(super) fn touches(state: &State) -> bool {
+    state.multiplier.iter().any(|&value| value != 0.0)
+}
+
+/// Keeps the scale of the gap to what contact has moved the surface by: a lift, or a body
+/// carried far, has seen larger ones.
+pub(super) fn limit_gap_scale(state: &mut State, now: &Evaluation) {
+    let mut moved = vec![0.0; state.multiplier.len()];
+    let mut work = Workspace::new();
+    now.coupling
+        .apply(&state.displacement, &mut moved, &mut work);
+    let closed = moved.iter().zip(&state.status);
+    let closed = closed.filter(|(_, status)| status.is_closed());
+    let square: f64 = closed.map(|(moved, _)| moved * moved).sum();
+    state.scales.gap = state.scales.gap.min(square.sqrt());
+}
+
+/// Keeps the scale of volumes of rubber to what the present strains may change them by, |B u|: a
+/// lift has seen larger ones. Linear bodies, which come back to nothing, keep theirs.
+///
+/// ```text
+/// |B u| <= |div u| / sqrt(vertices),   |div u|^2 <= 3/2 u.P u,   P = int 2 eps : eps
+/// ```
+pub(super) fn limit_volume_scale(run: &mut Run<'_>) {
+    if !run.model.is_rubber() {
+        return;
+    }
+    let strain = length_at_rest(&run.model, &run.state.displacement, &mut run.work);
+    let vertices = (run.model.prepared.space.vertices as f64).sqrt();
+    let most = 2.0 * strain / vertices;
+    if run.state.scales.constraint > OUTLIVED * most {
+        run.state.scales.constraint = most;
+    }
+}
+
+/// Keeps the scales of gaps, and of volumes of rubber, to what their rounding is within the
+/// tolerance of: both are those of a body of length one.
+pub(super) fn raise_scales(model: &Model<'_>, state: &mut State, now: &Evaluation) {
+    let least = ROUNDINGS * f64::EPSILON / model.tolerance;
+    let (c, mut work) = (model.prepared.space.components, Workspace::new());
+    let mut square = 0.0;
+    for axis in 0..model.plan.units.dimension {
+        let mut carried = vec![0.0; state.displacement.len()];
+        let own = carried[..c * model.prepared.space.vertices].iter_mut();
+        own.skip(axis).step_by(c).for_each(|entry| *entry = 1.0);
+        let mut moved = vec![0.0; state.multiplier.len()];
+        now.coupling.apply(&carried, &mut moved, &mut work);
+        square += dot(&moved, &moved);
+    }
+    state.scales.gap = state.scales.gap.max(least * square.sqrt());
+    if !model.is_rubber() {
+        return;
+    }
+    let volumes = (model.prepared.space.vertices as f64).sqrt();
+    state.scales.constraint = state.scales.constraint.max(least / volumes);
+}
+
+/// Norm of a force that stands for one where none at hand is larger: in a body without load a
+/// stress of some [`LEAST_STRESS`] shear moduli, and in any body one beside which the rounding
+/// of its displacements meets the tolerance.
+pub(super) fn least_force(model: &Model<'_>, state: &State, now: &Evaluation) -> f64 {
+    let vertices = (model.prepared.space.vertices as f64).sqrt();
+    let at_rest = match now.load_norm > 0.0 {
+        true => 0.0,
+        false => LEAST_STRESS[usize::from(model.is_rubber())] / vertices,
+    };
+    at_rest.max(rounding(model, state) / model.tolerance)
+}
+
+/// What rounding of displacements, and of rubber of lengths, leaves of the forces of a body:
+/// h^(d - 2) a vertex where cells have the size h in d dimensions.
+fn rounding(model: &Model<'_>, state: &State) -> f64 {
+    let dimension = model.plan.units.dimension as i32;
+    let vertices = model.prepared.space.vertices as f64;
+    let size = vertices.powf(-1.0 / f64::from(dimension));
+    let length = match model.is_rubber() {
+        true => largest(&state.displacement).max(1.0),
+        false => largest(&state.displacement),
+    };
+    ROUNDINGS * f64::EPSILON * length * size.powi(dimension - 2) * vertices.sqrt()
+}
