@@ -163,6 +163,7 @@
 #![doc = include_str!("decisions/0042-metric-by-its-parts.md")]
 #![doc = include_str!("decisions/0043-earlier-directions-stay.md")]
 #![doc = include_str!("decisions/0044-values-of-other-codes.md")]
+#![doc = include_str!("decisions/0045-motions-of-the-mesh.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

@@ -27,8 +27,9 @@ const KEPT_DIRECTIONS: usize = 40;
 const KEPT_WITH_FRICTION: usize = 50;
 
 /// Weights of the volume term where an equilibrium is lost without it, in units of
-/// the shear modulus: the first, and more up to the pressure (decision 22).
-const PENALTIES: [f64; 3] = [4.0, 16.0, 64.0];
+/// the shear modulus: the first, and more up to the pressure (decision 22). The least is for bodies
+/// that fall, and motions that it is known to hold.
+const PENALTIES: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
 
 /// Vertex gradients and pressures of a tetrahedron.
 const VERTEX_NUMBERS: u64 = 40;
@@ -62,13 +63,14 @@ impl Plan {
     pub(crate) fn next_penalty(&self, present: f64, largest: f64) -> Option<f64> {
         let is_free = self.resolved.is_rubber() && self.settings.penalty.is_none();
         let may_help = is_free && (present == 0.0 || present < largest);
-        let mut weights = PENALTIES.into_iter().filter(|_| may_help);
+        let first = usize::from(!self.falls());
+        let mut weights = PENALTIES.into_iter().skip(first).filter(|_| may_help);
         weights.find(|&weight| weight > present)
     }
 
     /// Whether a body that loses its equilibrium falls to the next one, and functions of the
     /// pressure let it.
-    pub(crate) fn never_takes_a_penalty(&self) -> bool {
+    pub(crate) fn falls(&self) -> bool {
         self.settings.on_instability == OnInstability::Descend
             && self.contact_space == ContactSpace::Quadratic
     }
@@ -194,7 +196,11 @@ impl Plan {
                 format!("{weight} mu of pointwise volume change"),
                 "asked for",
             ),
-            None if self.never_takes_a_penalty() => ("none".into(), "stable without"),
+            None if self.falls() => (
+                "none; mu or more of pointwise volume change where that alone keeps an equilibrium"
+                    .into(),
+                "a body falls, but not where the element pair does",
+            ),
             None => (
                 "none; 4 mu or more of pointwise volume change from where an equilibrium is lost"
                     .into(),

@@ -9,6 +9,7 @@ use super::descent::descend;
 use super::diagnosis::{NEARLY, coarsest, is_soft, name_the_end, name_the_impossible};
 use super::increment;
 use super::initial_penetration::InitialPenetration;
+use super::lowest_mode::LowestMode;
 use super::passing::longest_part;
 use super::penalty::{next_penalty, penalise};
 use super::run::{Retry, Run};
@@ -83,10 +84,12 @@ impl Way<'_> {
                 Termination::Converged if next >= 1.0 => return (ending, 1.0),
                 Termination::Converged => self.parts.succeed(),
                 Termination::NotConverged if cut_backs_help(run, &ending) => {
+                    let is_saddle = ending.cause == Some(Cause::UnstableEquilibrium);
+                    let lost = run.learned.lowest_mode.clone().filter(|_| is_saddle);
                     kept.restore(run);
                     self.parts.failures += 1;
                     run.model.admitted_penetration = self.penetration.left(self.parts.reached);
-                    if let Some(ending) = self.after_failure(run, ending) {
+                    if let Some(ending) = self.after_failure(run, ending, lost.as_ref()) {
                         return finished(run, ending, &self.penetration, &self.parts);
                     }
                 }
@@ -110,9 +113,14 @@ impl Way<'_> {
 
     /// Brings a penalty in, makes the next part smaller or lets the body fall; how the way
     /// ends where nothing leads on. The state is the last good one.
-    fn after_failure(&mut self, run: &mut Run<'_>, mut ending: Ending) -> Option<Ending> {
+    fn after_failure(
+        &mut self,
+        run: &mut Run<'_>,
+        mut ending: Ending,
+        lost: Option<&LowestMode>,
+    ) -> Option<Ending> {
         let parts = &mut self.parts;
-        if let Some(weight) = next_penalty(run, &ending, parts) {
+        if let Some(weight) = next_penalty(run, (&ending, lost), parts) {
             let settled = penalise(run, weight);
             if settled.is_stopped() {
                 return Some(settled);
