@@ -119,22 +119,18 @@ impl Way<'_> {
         mut ending: Ending,
         lost: Option<&LowestMode>,
     ) -> Option<Ending> {
-        let parts = &mut self.parts;
-        if let Some(weight) = next_penalty(run, (&ending, lost), parts) {
-            let settled = penalise(run, weight);
-            if settled.is_stopped() {
-                return Some(settled);
-            }
-            if settled.termination == Termination::Converged {
-                parts.failures = 0;
-                return None;
-            }
-            parts.tried = weight;
+        let falls = run.model.plan.falls();
+        if !falls && let Some(settled) = self.held_by_penalty(run, (&ending, lost)) {
+            return settled.is_stopped().then_some(settled);
         }
-        parts.cut_back();
+        self.parts.cut_back();
         run.counters.cut_backs += 1;
         if self.parts.part >= self.least_fraction(run, &ending) {
             return None;
+        }
+        // A bold part may come out on a saddle that is not on the way.
+        if falls && let Some(settled) = self.held_by_penalty(run, (&ending, lost)) {
+            return settled.is_stopped().then_some(settled);
         }
         if self.may_fall(run, &ending) {
             if let Some(settled) = self.fall(run, &ending) {
@@ -149,6 +145,23 @@ impl Way<'_> {
         name_the_end(run, &mut ending);
         increment::describe(run, &mut ending);
         Some(ending)
+    }
+
+    /// Brings a penalty in where that keeps an equilibrium; how that ended, none where it does
+    /// not, and the state as it was.
+    fn held_by_penalty(
+        &mut self,
+        run: &mut Run<'_>,
+        failure: (&Ending, Option<&LowestMode>),
+    ) -> Option<Ending> {
+        let weight = next_penalty(run, failure, &self.parts)?;
+        let settled = penalise(run, weight);
+        let is_held = settled.termination == Termination::Converged;
+        match is_held {
+            true => self.parts.failures = 0,
+            false => self.parts.tried = weight,
+        }
+        (is_held || settled.is_stopped()).then_some(settled)
     }
 
     /// Smallest part that is tried behind a failure. Near the end of stability every part is

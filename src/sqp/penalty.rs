@@ -24,7 +24,7 @@ const PATIENCE: u32 = 2;
 const PATIENCE_WITH_FRICTION: u32 = 1;
 /// Share of a motion's strain energy that is change of volume between the vertices, from which on
 /// it is one of the mesh: bodies buckle and roll with hardly any.
-const OF_THE_MESH: f64 = 0.05;
+const OF_THE_MESH: f64 = 0.45;
 /// First shares of a penalty: what the pair has moved wrongly comes back by degrees.
 const GENTLE: [f64; 2] = [0.0625, 0.25];
 
