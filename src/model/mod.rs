@@ -29,6 +29,7 @@ pub(crate) mod push;
 pub(crate) mod state;
 pub(crate) mod surface_metric;
 pub(crate) mod tangent;
+pub(crate) mod travel;
 pub(crate) mod values;
 
 use std::sync::Arc;

@@ -4,28 +4,23 @@
 //! d(s) = min over faces of the distance,   pose and displacement a share s of the way
 //! ```
 //!
-//! Both ways are taken straight: a body that turns far within an increment is looked at where
-//! it ends. Distances are lengths of the scaled body. Cost: some distances a face at poses as
-//! far apart as the obstacle is from the body.
+//! Both ways are taken straight, in all components of the pose: a body that turns far within an
+//! increment is looked at where it ends. Distances are lengths of the scaled body. Cost: some
+//! distances a face at poses as far apart as the obstacle is from the body.
 
 use super::touch::Touch;
-use crate::contact::nearest::nearest;
 use crate::linalg::vector::norm;
 use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::interfaces::Interface;
 use crate::model::state::{Start, State};
+use crate::model::travel::{March, least_distance, travel};
 use crate::report::{Warning, WarningKind};
 
 /// Depth over the length of the body from which on an obstacle is inside it.
 const DEEP: f64 = 0.01;
 /// Least way between two poses that are looked at, over the length of the body.
 const POSE_SPACING: f64 = 0.25 * DEEP;
-/// Poses at least and at most, before they become fewer.
-const FEWEST_POSES: f64 = 100.0;
-const MOST_POSES: f64 = 4000.0;
-/// Faces times poses at most.
-const MOST_SAMPLES: f64 = 4e5;
 /// Turn of a support, radians, along which its body is not taken to move straight.
 const FAR_TURN: f64 = 0.3;
 
@@ -56,12 +51,9 @@ pub(super) fn passed(
     interface: &Interface,
 ) -> Option<Warning> {
     let moved = moved(start, state);
-    let way = way(model, (&start.drive, &state.drive), interface) + longest(model, &moved);
-    if way == 0.0 {
-        return None;
-    }
-    let most = MOST_SAMPLES / interface.surface.faces.len().max(1) as f64;
-    let most = most.clamp(FEWEST_POSES, MOST_POSES);
+    let bodies = [&start.displacement[..], &state.displacement];
+    let own = travel(model, interface, [&start.drive, &state.drive], &bodies);
+    let way = own + longest(model, &moved);
     let mut displacement = state.displacement.clone();
     let mut distance_at = |share: f64| {
         let drive = start.drive.towards(&state.drive, share);
@@ -71,23 +63,12 @@ pub(super) fn passed(
         }
         least_distance(model, (&drive, &displacement), interface)
     };
-    let (mut gone, mut poses) = (0.0, 0.0);
+    let mut march = March::new(way, POSE_SPACING, interface.surface.faces.len());
     // What touches the body at the start may overlap it between the nodes.
-    let mut last = distance_at(0.0);
+    let mut last = if way > 0.0 { distance_at(0.0) } else { 0.0 };
     let mut deepest = 0.0_f64;
-    loop {
-        // No nearer than it is can it come on a way as long as that.
-        let least = if poses < most {
-            POSE_SPACING
-        } else {
-            way / most
-        };
-        gone += last.max(least);
-        poses += 1.0;
-        if gone >= way {
-            break;
-        }
-        let distance = distance_at(gone / way);
+    while let Some(share) = march.next(last).filter(|&share| share < 1.0) {
+        let distance = distance_at(share);
         if distance < last {
             deepest = deepest.max(-distance);
         }
@@ -144,17 +125,6 @@ fn longest(model: &Model<'_>, moved: &[f64]) -> f64 {
     nodes.map(norm).fold(0.0, f64::max)
 }
 
-/// How far an obstacle moves, over the length of the body.
-fn way(model: &Model<'_>, (start, end): (&Drive, &Drive), interface: &Interface) -> f64 {
-    let pairs = start.poses.iter().zip(&end.poses);
-    let own = pairs.filter(|(pose, _)| pose.name == interface.name);
-    let travel = own.map(|(from, to)| {
-        distance(from.translation, to.translation) / model.plan.units.length
-            + distance(from.rotation, to.rotation)
-    });
-    travel.sum()
-}
-
 /// Length of a - b `[3]`.
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     norm(&[a[0] - b[0], a[1] - b[1], a[2] - b[2]])
@@ -162,19 +132,4 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 fn least(distances: &[f64]) -> f64 {
     distances.iter().copied().fold(f64::INFINITY, f64::min)
-}
-
-/// Signed distance of an obstacle from the body where `drive` puts it and `displacement` the
-/// body.
-fn least_distance(
-    model: &Model<'_>,
-    (drive, displacement): (&Drive, &[f64]),
-    interface: &Interface,
-) -> f64 {
-    let mut placed = model.placed(drive);
-    let met = placed.find(|(other, _)| other.name == interface.name);
-    let body = model.deformed(displacement);
-    met.map_or(f64::INFINITY, |(_, met)| {
-        least(&nearest(&body, &interface.surface, &met))
-    })
 }

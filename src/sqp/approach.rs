@@ -10,7 +10,7 @@ use super::diagnosis::{NEARLY, coarsest, is_soft, name_the_end, name_the_impossi
 use super::increment;
 use super::initial_penetration::InitialPenetration;
 use super::lowest_mode::LowestMode;
-use super::passing::longest_part;
+use super::passing::{MOST_PARTS, longest_part};
 use super::penalty::{next_penalty, penalise};
 use super::run::{Retry, Run};
 use super::step_control::{KeptState, Parts};
@@ -22,9 +22,9 @@ use crate::model::state::State;
 use crate::report::{Cause, Termination};
 use crate::scene::OnInstability;
 
-/// Smallest part of an increment that cut-backs try.
+/// Smallest part of the longest one that cut-backs try.
 const LEAST_FRACTION: f64 = 1.0 / 64.0;
-/// Smallest part of an increment that looks for the last minimum.
+/// Smallest part of it that looks for the last minimum.
 const LEAST_UNSTABLE_FRACTION: f64 = 1.0 / 8.0;
 /// The same of a body that may fall, and how far the first fall leads: what a smaller part
 /// would find is on the way down.
@@ -42,6 +42,8 @@ struct Way<'w> {
     penetration: InitialPenetration,
     /// Parts of the way.
     parts: Parts,
+    /// Fraction of the way to which tools do not bound a part.
+    least_bound: f64,
     /// All falls on the way.
     snapped: Option<Snap>,
     /// How far a fall leads: half as far behind each that has found no minimum.
@@ -54,13 +56,12 @@ pub(crate) fn approach(run: &mut Run<'_>, goal: &Drive) -> (Ending, f64) {
     let start = run.state.drive.clone();
     let goal = &goal.carried_by(&start);
     let penetration = InitialPenetration::of(&run.model, run.state, &start);
+    let longest = longest_part(&run.model, run.state, goal);
     let mut way = Way {
         start,
         goal,
-        parts: Parts::new(
-            penetration.first_part(),
-            longest_part(&run.model, run.state, goal),
-        ),
+        parts: Parts::new(penetration.first_part(), longest),
+        least_bound: (1.0 - longest) / MOST_PARTS,
         penetration,
         snapped: None,
         falling: first_fall(run.state),
@@ -75,6 +76,11 @@ impl Way<'_> {
     /// Part after part to the end; how it ended and the part reached.
     fn walk(&mut self, run: &mut Run<'_>) -> (Ending, f64) {
         loop {
+            // Nothing polls where a part needs no iteration.
+            if let Some(termination) = run.stopped() {
+                let ending = increment::stopped(run, termination);
+                return finished(run, ending, &self.penetration, &self.parts);
+            }
             let next = self.parts.next();
             run.model.admitted_penetration = self.penetration.left(next);
             let kept = KeptState::of(run);
@@ -82,7 +88,10 @@ impl Way<'_> {
             note_trend(run, &ending, &kept.state);
             match ending.termination {
                 Termination::Converged if next >= 1.0 => return (ending, 1.0),
-                Termination::Converged => self.parts.succeed(),
+                Termination::Converged => {
+                    self.parts.succeed();
+                    self.bound(run);
+                }
                 Termination::NotConverged if cut_backs_help(run, &ending) => {
                     let is_saddle = ending.cause == Some(Cause::UnstableEquilibrium);
                     let lost = run.learned.lowest_mode.clone().filter(|_| is_saddle);
@@ -109,6 +118,16 @@ impl Way<'_> {
                 }
             }
         }
+    }
+
+    /// Bounds the next part by what tools may advance from here.
+    fn bound(&mut self, run: &Run<'_>) {
+        let share = longest_part(&run.model, run.state, self.goal);
+        let longest = match share < 1.0 {
+            true => ((1.0 - self.parts.reached) * share).max(self.least_bound),
+            false => 1.0,
+        };
+        self.parts.bound(longest);
     }
 
     /// Brings a penalty in, makes the next part smaller or lets the body fall; how the way
@@ -167,11 +186,12 @@ impl Way<'_> {
     /// Smallest part that is tried behind a failure. Near the end of stability every part is
     /// dear, and none leads far.
     fn least_fraction(&self, run: &Run<'_>, ending: &Ending) -> f64 {
-        match is_unstable(run, ending) {
+        let fraction = match is_unstable(run, ending) {
             true if self.may_fall(run, ending) => self.falling,
             true => LEAST_UNSTABLE_FRACTION,
             false => LEAST_FRACTION,
-        }
+        };
+        fraction * self.parts.longest
     }
 
     /// Whether the body may fall, and has not done so in vain too often.
@@ -184,7 +204,7 @@ impl Way<'_> {
     fn fall(&mut self, run: &mut Run<'_>, failure: &Ending) -> Option<Ending> {
         let was_lost = is_unstable(run, failure);
         let kept = KeptState::of(run);
-        let next = self.parts.after(self.falling);
+        let next = self.parts.after(self.falling * self.parts.longest);
         run.model.admitted_penetration = self.penetration.left(next);
         let settled = descend(run, &self.start.towards(self.goal, next));
         let has_landed = settled
@@ -192,6 +212,7 @@ impl Way<'_> {
             .is_some_and(|ending| ending.termination == Termination::Converged);
         if has_landed {
             self.parts.land(next);
+            self.bound(run);
             let fall = settled.as_ref().and_then(|ending| ending.snapped);
             let fall = fall.map(|fall| Snap { was_lost, ..fall });
             self.snapped = match (self.snapped, fall) {

@@ -282,6 +282,13 @@ impl Refused {
     }
 }
 
+/// The end of an increment that is stopped between two of its parts.
+pub(crate) fn stopped(run: &mut Run<'_>, termination: Termination) -> Ending {
+    let (now, tolerance) = (run.evaluate(), run.model.tolerance);
+    let at = (&now, run.state.force_scale);
+    ending(run.state, at, Verdict::stopped(termination), tolerance)
+}
+
 /// Makes `ending` describe the state that is kept.
 pub(crate) fn describe(run: &mut Run<'_>, ending: &mut Ending) {
     run.admit_no_penetration();

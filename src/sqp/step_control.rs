@@ -46,8 +46,8 @@ pub(crate) struct Parts {
     pub(crate) reached: f64,
     /// Fraction of the way that the next part takes.
     pub(crate) part: f64,
-    /// Longest part that may be taken.
-    longest: f64,
+    /// Longest part that may be taken from there.
+    pub(crate) longest: f64,
     /// Number of failures one after the other; a success sets it to zero.
     pub(crate) failures: u32,
     /// Largest penalty that led nowhere, so that it is not tried again.
@@ -55,8 +55,8 @@ pub(crate) struct Parts {
 }
 
 impl Parts {
-    /// The way before its first part, which takes the fraction `part` at most,
-    /// and no part more than `longest`.
+    /// The way before its first part, which takes the fraction `part` at most
+    /// and no more than `longest`.
     pub(crate) fn new(part: f64, longest: f64) -> Self {
         Self {
             reached: 0.0,
@@ -88,8 +88,14 @@ impl Parts {
     /// Takes the part just solved as reached and makes the next one longer.
     pub(crate) fn succeed(&mut self) {
         self.reached = self.next();
-        self.part = self.longest.min(GROWTH * self.part);
+        self.part *= GROWTH;
         self.failures = 0;
+    }
+
+    /// Lets no part from here take more than `longest`.
+    pub(crate) fn bound(&mut self, longest: f64) {
+        self.longest = longest;
+        self.part = self.part.min(longest);
     }
 
     /// Halves what the next part takes, behind a failure.

@@ -9,6 +9,7 @@ mod critical_pressure;
 mod families;
 mod grids;
 mod inf_sup;
+mod passing;
 mod pushed;
 mod rotated_surfaces;
 mod second_attempt;
