@@ -100,8 +100,8 @@ fn add_body(model: &Model<'_>, state: &State, out: &mut Evaluation, work: &mut W
     out.least_jacobian = inside.response.map(|response| response.least_jacobian);
 }
 
-/// Dead loads and follower pressures at the state's load factor, all rows.
-fn external_force(model: &Model<'_>, state: &State) -> Vec<f64> {
+/// Dead loads and follower pressures at the state's load factor, all rows `[displacement]`.
+pub(crate) fn external_force(model: &Model<'_>, state: &State) -> Vec<f64> {
     let load = state.drive.load;
     let mut force = dead_load(model, &state.drive).into_owned();
     force.iter_mut().for_each(|value| *value *= load);

@@ -6,7 +6,8 @@
 
 use super::attempt::attempt;
 use super::descent::descend;
-use super::diagnosis::{NEARLY, coarsest, is_soft, name_the_end, name_the_impossible};
+use super::diagnosis::{NEARLY, coarsest, is_enclosed, is_soft, name_the_end, name_the_impossible};
+use super::enclosure::is_full;
 use super::increment;
 use super::initial_penetration::InitialPenetration;
 use super::lowest_mode::LowestMode;
@@ -16,15 +17,18 @@ use super::run::{Retry, Run};
 use super::step_control::{KeptState, Parts};
 use super::trend::Trend;
 use crate::contact::coarseness::Coarsest;
+use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Snap};
 use crate::model::state::State;
 use crate::report::{Cause, Termination};
 use crate::scene::OnInstability;
 
-/// Smallest part of the longest one that cut-backs try.
+/// Smallest part of an increment that cut-backs try, and of the longest part where tools bound
+/// it to less: what fails there fails anew behind each small part.
 const LEAST_FRACTION: f64 = 1.0 / 64.0;
-/// Smallest part of it that looks for the last minimum.
+const LEAST_BOUNDED_FRACTION: f64 = 1.0 / 4.0;
+/// Smallest part of the longest one that looks for the last minimum.
 const LEAST_UNSTABLE_FRACTION: f64 = 1.0 / 8.0;
 /// The same of a body that may fall, and how far the first fall leads: what a smaller part
 /// would find is on the way down.
@@ -92,7 +96,7 @@ impl Way<'_> {
                     self.parts.succeed();
                     self.bound(run);
                 }
-                Termination::NotConverged if cut_backs_help(run, &ending) => {
+                Termination::NotConverged if self.cut_backs_help(run, &ending, &kept.state) => {
                     let is_saddle = ending.cause == Some(Cause::UnstableEquilibrium);
                     let lost = run.learned.lowest_mode.clone().filter(|_| is_saddle);
                     kept.restore(run);
@@ -186,17 +190,44 @@ impl Way<'_> {
     /// Smallest part that is tried behind a failure. Near the end of stability every part is
     /// dear, and none leads far.
     fn least_fraction(&self, run: &Run<'_>, ending: &Ending) -> f64 {
-        let fraction = match is_unstable(run, ending) {
-            true if self.may_fall(run, ending) => self.falling,
-            true => LEAST_UNSTABLE_FRACTION,
-            false => LEAST_FRACTION,
-        };
-        fraction * self.parts.longest
+        let longest = self.parts.longest;
+        match is_unstable(run, ending) {
+            true if self.may_fall(run, ending) => self.falling * longest,
+            true => LEAST_UNSTABLE_FRACTION * longest,
+            false => LEAST_FRACTION.min(LEAST_BOUNDED_FRACTION * longest),
+        }
+    }
+
+    /// A linear problem that fails as a whole fails in parts too, and so does a
+    /// nested method that spends its products, and a volume that cannot change, from the state
+    /// `before`. A program of a linear body that a method did not solve is left to the next
+    /// method.
+    fn cut_backs_help(&self, run: &Run<'_>, ending: &Ending, before: &State) -> bool {
+        let model = &run.model;
+        let is_left = run.retry == Retry::AnotherMethod && !model.is_rubber();
+        if is_left && run.counters.failed_programs > 0 {
+            return false;
+        }
+        // The way matters where something slips.
+        let is_linear = model.is_linear() && !model.plan.has_friction();
+        let is_spent =
+            model.plan.contact.method.is_nested() && ending.cause == Some(Cause::IterationLimit);
+        let is_hopeless = is_spent || is_unmet(ending) || self.is_full(model, before, ending);
+        (!is_linear && !is_hopeless) || ending.cause == Some(Cause::ActiveSetCycle)
+    }
+
+    /// Whether a volume that is said to be enclosed is, by supports, or is full at the goal:
+    /// that contact encloses it is a guess.
+    fn is_full(&self, model: &Model<'_>, state: &State, ending: &Ending) -> bool {
+        ending.cause == Some(Cause::EnclosedVolume)
+            && (is_enclosed(model) || is_full(model, state, self.goal))
     }
 
     /// Whether the body may fall, and has not done so in vain too often.
     fn may_fall(&self, run: &Run<'_>, ending: &Ending) -> bool {
-        self.falling >= LEAST_UNSTABLE_FRACTION && may_fall(run, ending)
+        self.falling >= LEAST_UNSTABLE_FRACTION
+            && !self.is_full(&run.model, run.state, ending)
+            && may_fall(run, ending)
     }
 
     /// Lets the body fall behind a `failure` to the next minimum a part of the way on; none,
@@ -238,10 +269,7 @@ fn first_fall(state: &State) -> f64 {
 
 /// Whether the scene lets a body fall, and the failure is one of an equilibrium lost.
 fn may_fall(run: &Run<'_>, ending: &Ending) -> bool {
-    let is_elsewhere = matches!(
-        ending.cause,
-        Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
-    );
+    let is_elsewhere = matches!(ending.cause, Some(Cause::NoEquilibrium | Cause::NotFinite));
     let is_lost = is_unstable(run, ending)
         || run.learned.lowest_mode.is_none()
         || is_held_by_no_face(run, ending);
@@ -278,23 +306,6 @@ fn is_meaningful(ending: &Ending) -> bool {
         Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
     );
     !is_unbounded && !is_unmet(ending) && ending.residuals.largest() < MEANINGFUL
-}
-
-/// A linear problem that fails as a whole fails in parts too, and so does a
-/// nested method that spends its products, and a volume that cannot change. A program of
-/// a linear body that a method did not solve is left to the next method.
-fn cut_backs_help(run: &Run<'_>, ending: &Ending) -> bool {
-    let model = &run.model;
-    let is_left = run.retry == Retry::AnotherMethod && !model.is_rubber();
-    if is_left && run.counters.failed_programs > 0 {
-        return false;
-    }
-    // The way matters where something slips.
-    let is_linear = model.is_linear() && !model.plan.has_friction();
-    let is_spent =
-        model.plan.contact.method.is_nested() && ending.cause == Some(Cause::IterationLimit);
-    let is_hopeless = is_spent || ending.cause == Some(Cause::EnclosedVolume) || is_unmet(ending);
-    (!is_linear && !is_hopeless) || ending.cause == Some(Cause::ActiveSetCycle)
 }
 
 /// Whether an obstacle does not exert what it shall.

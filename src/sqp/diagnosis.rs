@@ -10,6 +10,8 @@ use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
+use crate::model::evaluate::external_force;
+use crate::model::state::State;
 use crate::obstacle::{Contact, Obstacle, What};
 use crate::report::{Cause, Termination};
 
@@ -17,6 +19,10 @@ use crate::report::{Cause, Termination};
 const SOFT: f64 = 0.1;
 /// Share of a constant pressure's forces that contact may leave.
 const CLOSED: f64 = 1e-6;
+/// Sum of forces over the sum of their sizes below which they balance.
+const BALANCED: f64 = 1e-9;
+/// Gap over the length of the body up to which an obstacle may come to touch.
+const NEAR: f64 = 0.1;
 /// Share of the bearable size of faces from which on the failure of a method is that of the
 /// mesh: the bound is one of even pressures, and the pressure that is kept is that before the
 /// failure.
@@ -39,26 +45,24 @@ pub(crate) fn explain(run: &mut Run<'_>, ending: &mut Ending) {
     // What slides off without end leaves all numbers.
     let is_lost = ending.cause == Some(Cause::NotFinite);
     let model = &run.model;
-    if is_lost && slides_off(model, &run.state.drive) == Some(true) {
+    if is_lost && slides_off(model, run.state) == Some(true) {
         ending.cause = Some(Cause::NoEquilibrium);
     }
     if !stuck && !is_forced {
         return;
     }
     let touches = run.state.status.iter().any(|status| status.is_closed());
-    let pressure = model.prepared.pressure.as_ref();
-    let is_enclosed = pressure.is_some_and(|block| block.is_enclosed);
     let is_loose = model.plan.is_floating() && !touches;
-    if slides_off(model, &run.state.drive).unwrap_or(is_loose) {
+    if slides_off(model, run.state).unwrap_or(is_loose) {
         ending.cause = Some(Cause::NoEquilibrium);
-    } else if is_enclosed || is_closed_by_contact(model, &run.state.drive, &mut run.work) {
+    } else if is_enclosed(model) || is_closed_by_contact(model, run.state, &mut run.work) {
         ending.cause = Some(Cause::EnclosedVolume);
     }
 }
 
 /// Whether the load on a body that one rough plane alone holds is outside of the cone of
-/// friction; none for other bodies.
-fn slides_off(model: &Model<'_>, drive: &Drive) -> Option<bool> {
+/// friction; none for other bodies, and where the load is balanced in itself.
+fn slides_off(model: &Model<'_>, state: &State) -> Option<bool> {
     let [planned] = &model.plan.obstacles[..] else {
         return None;
     };
@@ -67,26 +71,38 @@ fn slides_off(model: &Model<'_>, drive: &Drive) -> Option<bool> {
         return None;
     }
     let space = &model.prepared.space;
-    let mut force = [0.0; 3];
-    for vertex in model
-        .load
-        .chunks_exact(space.components)
-        .take(space.vertices)
-    {
+    let load = external_force(model, state);
+    let (mut force, mut size) = ([0.0; 3], 0.0);
+    for vertex in load.chunks_exact(space.components).take(space.vertices) {
         force.iter_mut().zip(vertex).for_each(|(sum, x)| *sum += x);
+        size += norm(vertex);
+    }
+    // What is left of forces that cancel is rounding, and has no direction.
+    if norm(&force) <= BALANCED * size {
+        return None;
     }
     let mut plane = [Contact::default()];
-    for met in model.interfaces.obstacles(drive, model.plan.units.length) {
+    for met in model
+        .interfaces
+        .obstacles(&state.drive, model.plan.units.length)
+    {
         met.probe(&[[0.0; 3]], What::Normal, &mut plane);
     }
     let normal = -dot(&force, &plane[0].normal);
     let along = (dot(&force, &force) - normal * normal).max(0.0).sqrt();
-    Some(along > drive.friction[0] * normal)
+    Some(along > state.drive.friction[0] * normal)
 }
 
-/// Whether contact everywhere would hold a constant pressure at rest: obstacles
-/// then fix a volume which the material fixes too.
-fn is_closed_by_contact(model: &Model<'_>, drive: &Drive, work: &mut Workspace) -> bool {
+/// Whether supports alone keep the volume of a body which the material keeps too.
+pub(crate) fn is_enclosed(model: &Model<'_>) -> bool {
+    let pressure = model.prepared.pressure.as_ref();
+    pressure.is_some_and(|block| block.is_enclosed)
+}
+
+/// Whether contact, where it is closed or nearly so at rest, would hold a constant pressure:
+/// obstacles may then fix a volume which the material fixes too. That is a guess, and names what
+/// was not solved only.
+fn is_closed_by_contact(model: &Model<'_>, state: &State, work: &mut Workspace) -> bool {
     let Some(mut pushed) = constant_pressure_force(model, work) else {
         return false;
     };
@@ -95,11 +111,16 @@ fn is_closed_by_contact(model: &Model<'_>, drive: &Drive, work: &mut Workspace) 
     let mut taken: Vec<Vec<f64>> = Vec::new();
     let rest = vec![0.0; size];
     let body = model.deformed(&rest);
-    for (interface, obstacle) in model.placed(drive) {
+    for (interface, obstacle) in model.placed(&state.drive) {
         let is_held = &model.prepared.is_held;
         let part = linearise(&body, &interface.surface, &obstacle, is_held);
+        let status = interface.own(&state.status);
+        let weighted = part.gap.iter().zip(&interface.surface.weights);
+        let acts = weighted.zip(status.iter());
+        let acts = acts.map(|((gap, weight), status)| status.is_closed() || *gap < NEAR * weight);
         let mut held = vec![0.0; size];
-        for (index, value) in part.rows.into_iter().flatten() {
+        let rows = part.rows.into_iter().zip(acts);
+        for (index, value) in rows.filter(|(_, acts)| *acts).flat_map(|(row, _)| row) {
             held[index as usize] += value;
         }
         // What earlier obstacles on the same faces hold is held.
@@ -125,7 +146,7 @@ pub(crate) fn name_the_impossible(run: &Run<'_>, ending: &mut Ending, goal: &Dri
             Some(Cause::LimitPoint | Cause::CoarseContact | Cause::NegativeJacobian)
         );
     let failed = ending.termination == Termination::NotConverged;
-    if failed && may_be_full && is_full(run, goal) {
+    if failed && may_be_full && is_full(&run.model, run.state, goal) {
         ending.cause = Some(Cause::EnclosedVolume);
     }
 }
@@ -192,3 +213,6 @@ pub(crate) fn coarsest(run: &Run<'_>) -> Option<Coarsest> {
     });
     faces.max_by(|a, b| a.ratio.total_cmp(&b.ratio))
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,7 +8,6 @@
 //! u is the last good displacement, areas those of the undeformed body: what overlaps has to
 //! outweigh what is open by a share. Cost: the gaps of all faces, once a failure.
 
-use super::run::Run;
 use crate::assembly::load::facet_measure;
 use crate::contact::ContactSurface;
 use crate::contact::gap::evaluate_gaps;
@@ -28,13 +27,12 @@ const FACING: f64 = 0.5;
 const CLOSED: f64 = 1e-6;
 
 /// Whether no side of a body that keeps its volume is free, and obstacles at `goal` face all that
-/// they may touch and overlap it, as it is, by more than they leave open.
-pub(crate) fn is_full(run: &Run<'_>, goal: &Drive) -> bool {
-    let model = &run.model;
+/// they may touch and overlap it, as `state` has it, by more than they leave open.
+pub(crate) fn is_full(model: &Model<'_>, state: &State, goal: &Drive) -> bool {
     if !is_covered(model) {
         return false;
     }
-    let body = model.deformed(&run.state.displacement);
+    let body = model.deformed(&state.displacement);
     let contacts = model.placed(goal);
     let contacts = contacts.filter(|(interface, _)| interface.is_contact());
     let (mut net, mut all) = (0.0, 0.0);
@@ -42,7 +40,7 @@ pub(crate) fn is_full(run: &Run<'_>, goal: &Drive) -> bool {
         let Some(obstacle) = met.obstacle() else {
             return false;
         };
-        if !faces_all(model, (run.state, &interface.surface), obstacle) {
+        if !faces_all(model, (state, &interface.surface), obstacle) {
             return false;
         }
         let (gaps, _) = evaluate_gaps(&body, &interface.surface, &met);

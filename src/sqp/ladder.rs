@@ -40,7 +40,8 @@ pub(crate) fn climb(run: &mut Run<'_>, goal: &Drive, start: &State) -> (Ending, 
     if run.by_factor && end.0.termination == Termination::Converged {
         end.0.fallback.get_or_insert(Fallback::Direct);
     }
-    if rungs.is_empty() || !is_failure_of_the_method(run, &end.0) || is_full(run, goal) {
+    let is_final = rungs.is_empty() || !is_failure_of_the_method(run, &end.0);
+    if is_final || is_full(&run.model, run.state, goal) {
         return end;
     }
     let mut best = run.state.clone();
