@@ -21,6 +21,9 @@ use crate::report::{Warning, WarningKind};
 const DEEP: f64 = 0.01;
 /// Least way between two poses that are looked at, over the length of the body.
 const POSE_SPACING: f64 = 0.25 * DEEP;
+/// The same for an obstacle that presses, and the least way that is looked at.
+const WIDE_SPACING: f64 = 2.0 * DEEP;
+const LEAST_WAY: f64 = 10.0 * DEEP;
 /// Turn of a support, radians, along which its body is not taken to move straight.
 const FAR_TURN: f64 = 0.3;
 
@@ -47,13 +50,63 @@ pub(super) fn untouched(
 /// An obstacle that touches nothing at the end but was inside the body on its way.
 pub(super) fn passed(
     model: &Model<'_>,
+    ends: (&Start, &State),
+    interface: &Interface,
+) -> Option<Warning> {
+    let deepest = deepest(model, ends, interface, POSE_SPACING);
+    (deepest > DEEP).then(|| through(model, interface, deepest))
+}
+
+/// An obstacle that presses at the end but was deeper inside the body on its way than it is at
+/// either end in the body as the other end has it, which is how deep one is that slides. Not
+/// looked for on short ways, nor where supports turn the body far.
+pub(super) fn passed_and_presses(
+    model: &Model<'_>,
     (start, state): (&Start, &State),
     interface: &Interface,
 ) -> Option<Warning> {
-    let moved = moved(start, state);
+    let way = way(model, (start, state), interface);
+    if way < LEAST_WAY || turns_far(start, state) {
+        return None;
+    }
+    let crosswise = [
+        (&start.drive, &state.displacement[..]),
+        (&state.drive, &start.displacement),
+    ];
+    let usual = crosswise.map(|at| -least_distance(model, at, interface));
+    let usual = usual[0].max(usual[1]).max(0.0);
+    let deepest = deepest(model, (start, state), interface, WIDE_SPACING);
+    (deepest > usual + DEEP).then(|| through(model, interface, deepest))
+}
+
+fn through(model: &Model<'_>, interface: &Interface, deepest: f64) -> Warning {
+    let name = &interface.name;
+    Warning::new(
+        WarningKind::PassedThrough,
+        name,
+        Some(deepest * model.plan.units.length),
+        format!(
+            "obstacle `{name}` passed through the body within the increment: take more increments"
+        ),
+    )
+}
+
+/// How far an obstacle and the body move at most beside each other.
+fn way(model: &Model<'_>, (start, state): (&Start, &State), interface: &Interface) -> f64 {
     let bodies = [&start.displacement[..], &state.displacement];
     let own = travel(model, interface, [&start.drive, &state.drive], &bodies);
-    let way = own + longest(model, &moved);
+    own + longest(model, &moved(start, state))
+}
+
+/// Greatest depth that an obstacle comes to on its way, at poses `spacing` apart at least.
+fn deepest(
+    model: &Model<'_>,
+    (start, state): (&Start, &State),
+    interface: &Interface,
+    spacing: f64,
+) -> f64 {
+    let way = way(model, (start, state), interface);
+    let moved = moved(start, state);
     let mut displacement = state.displacement.clone();
     let mut distance_at = |share: f64| {
         let drive = start.drive.towards(&state.drive, share);
@@ -63,7 +116,7 @@ pub(super) fn passed(
         }
         least_distance(model, (&drive, &displacement), interface)
     };
-    let mut march = March::new(way, POSE_SPACING, interface.surface.faces.len());
+    let mut march = March::new(way, spacing, interface.surface.faces.len());
     // What touches the body at the start may overlap it between the nodes.
     let mut last = if way > 0.0 { distance_at(0.0) } else { 0.0 };
     let mut deepest = 0.0_f64;
@@ -74,15 +127,7 @@ pub(super) fn passed(
         }
         last = distance;
     }
-    (deepest > DEEP).then(|| {
-        let name = &interface.name;
-        Warning::new(
-            WarningKind::PassedThrough,
-            name,
-            Some(deepest * model.plan.units.length),
-            format!("obstacle `{name}` passed through the body within the increment: take more increments"),
-        )
-    })
+    deepest
 }
 
 /// An obstacle that is deep inside the undeformed body before the first increment.
@@ -110,13 +155,18 @@ pub(super) fn begun_inside(
 /// How the body moved from `start` to `state` `[displacement]`; not at all where supports turn
 /// it far.
 fn moved(start: &Start, state: &State) -> Vec<f64> {
-    let turns = start.drive.motions.iter().zip(&state.drive.motions);
-    let mut turns = turns.map(|(from, to)| distance(from.rotation, to.rotation));
-    if turns.any(|turn| turn > FAR_TURN) {
+    if turns_far(start, state) {
         return vec![0.0; state.displacement.len()];
     }
     let entries = state.displacement.iter().zip(&start.displacement);
     entries.map(|(end, start)| end - start).collect()
+}
+
+/// Whether supports turn the body farther than its way can be taken straight.
+fn turns_far(start: &Start, state: &State) -> bool {
+    let turns = start.drive.motions.iter().zip(&state.drive.motions);
+    let mut turns = turns.map(|(from, to)| distance(from.rotation, to.rotation));
+    turns.any(|turn| turn > FAR_TURN)
 }
 
 /// Largest motion of a node.

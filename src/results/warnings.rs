@@ -4,7 +4,7 @@
 //! |---|---|
 //! | missed contact | distances between the points of the contact integrals, on faces without pressure, depths of cells beside all faces, of vertices that supports hold, and between the nodes of pressed faces |
 //! | untouched obstacle | no pressure, and the obstacle no farther than before |
-//! | passed through | no pressure, and cells inside the obstacle, or poses on the way at which it is inside |
+//! | passed through | no pressure, and cells inside the obstacle; poses on the way at which it is inside, of one that presses deeper than one that slides |
 //! | begins inside | distances before the first increment |
 //! | free motion | rigid modes that supports leave, and no contact |
 //! | large strain | the largest strain at the centroid of a cell, of a linear solid |
@@ -25,7 +25,7 @@ use crate::model::inside_out::inside_out;
 use crate::model::state::{Start, State};
 use crate::model::values::gradient_at;
 use crate::report::{ObstacleResult, Stability, Termination, Warning, WarningKind};
-use crate::results::passage::{begun_inside, passed, untouched};
+use crate::results::passage::{begun_inside, passed, passed_and_presses, untouched};
 use crate::results::touch::Touch;
 use crate::scene::ContactSpace;
 
@@ -69,6 +69,7 @@ pub(crate) fn warnings(
         if touch.acts.contains(&true) {
             all.extend(beside(model, touch));
             all.extend(sunk(model, touch));
+            all.extend(passed_and_presses(model, (start, state), interface));
         } else {
             all.extend(untouched(model, (start, touch)));
             let way = || passed(model, (start, state), interface);

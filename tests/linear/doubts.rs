@@ -307,6 +307,22 @@ fn a_body_carried_through_a_tool_is_named() {
     }
 }
 
+/// A tool that ends on the far side presses there; one that slides as deep all the way is sound.
+#[test]
+fn a_body_carried_through_a_tool_that_then_presses_is_named() {
+    let mut scene = block(sphere([2.0, 0.5, 0.9], 0.2));
+    scene.obstacles[0].on = ["x0", "x1", "z1"].map(str::to_owned).to_vec();
+    let step = pull("z0", [Some(2.15), Some(0.0), Some(0.0)], 1);
+    let report = solve_one(&scene, &step, &mesh(cube(4)));
+    assert!(report.obstacles["tool"].force[0] > 0.0, "{report:?}");
+    assert!(doubts(&report).contains(&WarningKind::PassedThrough));
+    let mut session = open(&block(sphere([0.3, 0.5, 1.3], 0.3)), &mesh(cube(4)));
+    for x in [0.0, 0.4] {
+        let report = take(&mut session, &push("tool", [x, 0.0, -0.05])).remove(0);
+        assert!(!doubts(&report).contains(&WarningKind::PassedThrough));
+    }
+}
+
 /// The wall goes into the edge that the base holds: nothing can press there.
 #[test]
 fn a_support_that_holds_the_body_inside_an_obstacle_is_named() {
