@@ -233,17 +233,9 @@ fn coarse(model: &Model<'_>, state: &State, touch: &Touch<'_>) -> Option<Warning
 
 /// Rigid motions, strains and digits.
 fn of_the_body(model: &Model<'_>, state: &State, ending: &Ending, all: &mut Vec<Warning>) {
-    let touches = state.status.iter().any(|status| status.is_closed());
-    if model.plan.is_floating() && !touches {
-        let modes = model.plan.resolved.free_modes.join(", ");
-        all.push(Warning::new(
-            WarningKind::FreeMotion,
-            "",
-            None,
-            format!("nothing holds the body: supports leave {modes}, and no obstacle touches it"),
-        ));
-    }
     let strain = largest_strain(model, state);
+    let lost = lost_digits(model, state, ending, strain);
+    all.extend(unheld(model, state, lost.is_some()));
     let resolved = &model.plan.resolved;
     // A manufactured field is no motion that anyone has seen.
     let is_field = resolved.is_flow() || resolved.manufactured.is_some();
@@ -259,8 +251,30 @@ fn of_the_body(model: &Model<'_>, state: &State, ending: &Ending, all: &mut Vec<
         ));
     }
     all.extend(turned(model, state));
-    let lost = lost_digits(model, state, ending, strain);
     all.extend(lost.or_else(|| lost_in_contrast(model)));
+}
+
+/// A body that supports leave free, and obstacles too: one alone pushes it before it, with forces
+/// that are rounding, so that digits are lost.
+fn unheld(model: &Model<'_>, state: &State, is_lost: bool) -> Option<Warning> {
+    let touching = model.interfaces.list.iter().filter(|interface| {
+        let own = interface.own(&state.status);
+        own.iter().any(|status| status.is_closed())
+    });
+    let is_held = match touching.count() {
+        0 => false,
+        1 => !is_lost || state.drive.has_loads(model.plan),
+        _ => true,
+    };
+    (model.plan.is_floating() && !is_held).then(|| {
+        let modes = model.plan.resolved.free_modes.join(", ");
+        Warning::new(
+            WarningKind::FreeMotion,
+            "",
+            None,
+            format!("nothing holds the body: supports leave {modes}, and no obstacle presses it onto another one"),
+        )
+    })
 }
 
 /// Moduli so far apart that the rounding of the stiff part's forces shows in the soft one's.

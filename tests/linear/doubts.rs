@@ -93,6 +93,22 @@ fn a_body_that_nothing_holds_and_nothing_touches_is_named() {
 }
 
 #[test]
+fn a_body_that_a_plate_pushes_before_it_is_named() {
+    let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, None);
+    scene.obstacles = vec![press("z1")];
+    let report = solve_one(&scene, &push("press", [0.0, 0.0, -0.1]), &coarse());
+    assert!(doubts(&report).contains(&WarningKind::FreeMotion));
+    // Onto another one it is held.
+    let floor = Shape::HalfSpace {
+        point: [0.0; 3],
+        normal: [0.0, 0.0, 1.0],
+    };
+    scene.obstacles.push(obstacle("floor", "z0", floor));
+    let report = solve_one(&scene, &push("press", [0.0, 0.0, -0.1]), &coarse());
+    assert!(!doubts(&report).contains(&WarningKind::FreeMotion));
+}
+
+#[test]
 fn a_tool_moved_through_the_body_at_once_does_not_come_out_on_the_other_side() {
     let scene = block(sphere([0.5, 0.5, 1.3], 0.25));
     let reports = solve(&scene, &[push("tool", [0.0, 0.0, -50.0])], &coarse());
