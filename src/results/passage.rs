@@ -12,7 +12,7 @@ use super::touch::Touch;
 use crate::linalg::vector::norm;
 use crate::model::Model;
 use crate::model::drive::Drive;
-use crate::model::interfaces::Interface;
+use crate::model::interfaces::{Interface, Role};
 use crate::model::state::{Start, State};
 use crate::model::travel::{March, least_distance, travel};
 use crate::report::{Warning, WarningKind};
@@ -59,14 +59,19 @@ pub(super) fn passed(
 
 /// An obstacle that presses at the end but was deeper inside the body on its way than it is at
 /// either end in the body as the other end has it, which is how deep one is that slides. Not
-/// looked for on short ways, nor where supports turn the body far.
+/// looked for on ways shorter than the obstacle is thick, nor where supports turn the body far.
 pub(super) fn passed_and_presses(
     model: &Model<'_>,
     (start, state): (&Start, &State),
     interface: &Interface,
 ) -> Option<Warning> {
+    let Role::Contact(shape) = &interface.role else {
+        return None;
+    };
+    // One that moves by less than its thickness comes out nowhere.
+    let thickness = 2.0 * shape.inner_ball()?.radius;
     let way = way(model, (start, state), interface);
-    if way < LEAST_WAY || turns_far(start, state) {
+    if way < LEAST_WAY.max(thickness) || turns_far(start, state) {
         return None;
     }
     let crosswise = [
