@@ -6,8 +6,8 @@ mod common;
 use std::path::Path;
 use std::time::Duration;
 
-use common::{Block, Process, Server, folder, open, press, reason};
-use signorini_proto::v1 as wire;
+use common::{Block, Process, Server, Stream, folder, open, press, reason};
+use signorini_proto::v1::{self as wire, solve_response::Message};
 use signorini_server::{Config, JournalError, backup, fsck, restore};
 use tokio::sync::{Mutex, MutexGuard};
 use tonic::Code;
@@ -52,9 +52,22 @@ async fn pressed(data: &Path, steps: i64) -> (Server, String) {
     (server, session)
 }
 
+/// A stream that writes to a session whose last stream may have ended just now, which the server
+/// has perhaps not noticed yet.
+async fn opened_again(server: &Server, session: &str) -> Stream {
+    loop {
+        let mut stream = server.stream(open(session)).await;
+        match stream.try_next().await {
+            Ok(Message::Opened(_)) => return stream,
+            Ok(other) => panic!("{other:?} instead of `opened`"),
+            Err(status) => assert_eq!(reason(&status), "SESSION_BUSY"),
+        }
+    }
+}
+
 /// Presses once more, as `sequence`.
 async fn force(server: &Server, session: &str, sequence: i64) -> Vec<u64> {
-    let mut stream = server.open(open(session)).await;
+    let mut stream = opened_again(server, session).await;
     stream.step(sequence, press(0.05, 1)).await;
     let report = stream.result().await.report.unwrap();
     assert_eq!(report.termination(), wire::Termination::Converged);
@@ -94,7 +107,7 @@ async fn a_full_disk_refuses_what_is_new_and_loses_nothing_that_was_answered() {
     let data = folder("full").join("data");
     let (server, session) = pressed(&data, 2).await;
     fail::cfg("journal-commit", "return").unwrap();
-    let mut stream = server.open(open(&session)).await;
+    let mut stream = opened_again(&server, &session).await;
     stream.step(3, press(0.04, 1)).await;
     let end = stream.end().await.expect("the stream cannot go on");
     assert_eq!(
