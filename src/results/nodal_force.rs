@@ -15,10 +15,9 @@ use crate::contact::gap::linearise;
 use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
-use crate::model::given_loads::dead_load;
+use crate::model::evaluate::external_force;
 use crate::model::internal::internal;
 use crate::model::joined::Joined;
-use crate::model::pressures::add_pressures;
 use crate::model::state::State;
 
 /// Forces of supports and obstacles on all nodes `[nodes * components]`, non-dimensional.
@@ -46,10 +45,8 @@ pub(crate) fn reaction(
     internal: Vec<f64>,
     contact: &[f64],
 ) -> Vec<f64> {
-    let load = state.drive.load;
     let mut reaction = internal;
-    add_scaled(&mut reaction, -load, &dead_load(model, &state.drive));
-    add_pressures(model, &state.displacement, -load, &mut reaction);
+    add_scaled(&mut reaction, -1.0, &external_force(model, state));
     add_scaled(&mut reaction, 1.0, contact);
     reaction
 }

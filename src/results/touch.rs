@@ -21,10 +21,10 @@ use crate::results::swallowed::{cells_beside, depth_inside, depth_where_held};
 const MISSED: f64 = 1e-3;
 /// The same beside faces that are pressed, whose rim overlaps a little on every mesh.
 const MISSED_AT_THE_RIM: f64 = 0.02;
-/// Depth under a pressed face over its size that is more than it bends by between its nodes.
-const SUNK: f64 = 0.15;
 /// The same over the depth under faces that are pressed.
 const BEYOND_THE_PRESSED: f64 = 1.5;
+/// Depth under a pressed face over its size that is more than it bends by between its nodes.
+const SUNK: f64 = 0.15;
 
 /// An obstacle beside the faces that may touch it.
 pub(crate) struct Touch<'t> {

@@ -6,7 +6,7 @@
 //! | untouched obstacle | no pressure, and the obstacle no farther than before |
 //! | passed through | no pressure, and cells inside the obstacle; poses on the way at which it is inside, of one that presses deeper than one that slides |
 //! | begins inside | distances before the first increment |
-//! | free motion | rigid modes that supports leave, and no contact |
+//! | free motion | rigid modes that supports leave, and no contact, or one that pushes with forces of rounding |
 //! | large strain | the largest strain at the centroid of a cell, of a linear solid |
 //! | coarse contact | pressure on a few functions of a curved contact |
 //! | coarse facets | how far facets are off the surface that they stand for, over the squeeze |

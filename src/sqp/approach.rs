@@ -6,8 +6,7 @@
 
 use super::attempt::attempt;
 use super::descent::descend;
-use super::diagnosis::{NEARLY, coarsest, is_enclosed, is_soft, name_the_end, name_the_impossible};
-use super::enclosure::is_full;
+use super::diagnosis::{NEARLY, coarsest, is_soft, name_the_end, name_the_impossible};
 use super::increment;
 use super::initial_penetration::InitialPenetration;
 use super::lowest_mode::LowestMode;
@@ -17,7 +16,6 @@ use super::run::{Retry, Run};
 use super::step_control::{KeptState, Parts};
 use super::trend::Trend;
 use crate::contact::coarseness::Coarsest;
-use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Snap};
 use crate::model::state::State;
@@ -96,7 +94,7 @@ impl Way<'_> {
                     self.parts.succeed();
                     self.bound(run);
                 }
-                Termination::NotConverged if self.cut_backs_help(run, &ending, &kept.state) => {
+                Termination::NotConverged if cut_backs_help(run, &ending) => {
                     let is_saddle = ending.cause == Some(Cause::UnstableEquilibrium);
                     let lost = run.learned.lowest_mode.clone().filter(|_| is_saddle);
                     kept.restore(run);
@@ -198,36 +196,9 @@ impl Way<'_> {
         }
     }
 
-    /// A linear problem that fails as a whole fails in parts too, and so does a
-    /// nested method that spends its products, and a volume that cannot change, from the state
-    /// `before`. A program of a linear body that a method did not solve is left to the next
-    /// method.
-    fn cut_backs_help(&self, run: &Run<'_>, ending: &Ending, before: &State) -> bool {
-        let model = &run.model;
-        let is_left = run.retry == Retry::AnotherMethod && !model.is_rubber();
-        if is_left && run.counters.failed_programs > 0 {
-            return false;
-        }
-        // The way matters where something slips.
-        let is_linear = model.is_linear() && !model.plan.has_friction();
-        let is_spent =
-            model.plan.contact.method.is_nested() && ending.cause == Some(Cause::IterationLimit);
-        let is_hopeless = is_spent || is_unmet(ending) || self.is_full(model, before, ending);
-        (!is_linear && !is_hopeless) || ending.cause == Some(Cause::ActiveSetCycle)
-    }
-
-    /// Whether a volume that is said to be enclosed is, by supports, or is full at the goal:
-    /// that contact encloses it is a guess.
-    fn is_full(&self, model: &Model<'_>, state: &State, ending: &Ending) -> bool {
-        ending.cause == Some(Cause::EnclosedVolume)
-            && (is_enclosed(model) || is_full(model, state, self.goal))
-    }
-
     /// Whether the body may fall, and has not done so in vain too often.
     fn may_fall(&self, run: &Run<'_>, ending: &Ending) -> bool {
-        self.falling >= LEAST_UNSTABLE_FRACTION
-            && !self.is_full(&run.model, run.state, ending)
-            && may_fall(run, ending)
+        self.falling >= LEAST_UNSTABLE_FRACTION && may_fall(run, ending)
     }
 
     /// Lets the body fall behind a `failure` to the next minimum a part of the way on; none,
@@ -269,7 +240,10 @@ fn first_fall(state: &State) -> f64 {
 
 /// Whether the scene lets a body fall, and the failure is one of an equilibrium lost.
 fn may_fall(run: &Run<'_>, ending: &Ending) -> bool {
-    let is_elsewhere = matches!(ending.cause, Some(Cause::NoEquilibrium | Cause::NotFinite));
+    let is_elsewhere = matches!(
+        ending.cause,
+        Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
+    );
     let is_lost = is_unstable(run, ending)
         || run.learned.lowest_mode.is_none()
         || is_held_by_no_face(run, ending);
@@ -306,6 +280,24 @@ fn is_meaningful(ending: &Ending) -> bool {
         Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
     );
     !is_unbounded && !is_unmet(ending) && ending.residuals.largest() < MEANINGFUL
+}
+
+/// A linear problem that fails as a whole fails in parts too, and so does a nested method that
+/// spends its products, and a volume that cannot change: what parts of it lead to is a body that
+/// escapes between its nodes. A program of a linear body that a method did not solve is left to
+/// the next method.
+fn cut_backs_help(run: &Run<'_>, ending: &Ending) -> bool {
+    let model = &run.model;
+    let is_left = run.retry == Retry::AnotherMethod && !model.is_rubber();
+    if is_left && run.counters.failed_programs > 0 {
+        return false;
+    }
+    // The way matters where something slips.
+    let is_linear = model.is_linear() && !model.plan.has_friction();
+    let is_spent =
+        model.plan.contact.method.is_nested() && ending.cause == Some(Cause::IterationLimit);
+    let is_hopeless = is_spent || ending.cause == Some(Cause::EnclosedVolume) || is_unmet(ending);
+    (!is_linear && !is_hopeless) || ending.cause == Some(Cause::ActiveSetCycle)
 }
 
 /// Whether an obstacle does not exert what it shall.

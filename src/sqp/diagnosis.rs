@@ -4,7 +4,7 @@
 use super::enclosure::{constant_pressure_force, is_full};
 use super::run::Run;
 use crate::contact::coarseness::{Coarsest, coarsest as coarsest_face};
-use crate::contact::gap::linearise;
+use crate::contact::gap::{evaluate_gaps, linearise};
 use crate::linalg::Workspace;
 use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::model::Model;
@@ -94,14 +94,14 @@ fn slides_off(model: &Model<'_>, state: &State) -> Option<bool> {
 }
 
 /// Whether supports alone keep the volume of a body which the material keeps too.
-pub(crate) fn is_enclosed(model: &Model<'_>) -> bool {
+fn is_enclosed(model: &Model<'_>) -> bool {
     let pressure = model.prepared.pressure.as_ref();
     pressure.is_some_and(|block| block.is_enclosed)
 }
 
-/// Whether contact, where it is closed or nearly so at rest, would hold a constant pressure:
-/// obstacles may then fix a volume which the material fixes too. That is a guess, and names what
-/// was not solved only.
+/// Whether contact, where it is closed or nearly so, would hold a constant pressure at rest:
+/// obstacles may then fix a volume which the material fixes too. That is a guess, for what was not
+/// solved only.
 fn is_closed_by_contact(model: &Model<'_>, state: &State, work: &mut Workspace) -> bool {
     let Some(mut pushed) = constant_pressure_force(model, work) else {
         return false;
@@ -111,11 +111,13 @@ fn is_closed_by_contact(model: &Model<'_>, state: &State, work: &mut Workspace) 
     let mut taken: Vec<Vec<f64>> = Vec::new();
     let rest = vec![0.0; size];
     let body = model.deformed(&rest);
+    let present = model.deformed(&state.displacement);
     for (interface, obstacle) in model.placed(&state.drive) {
         let is_held = &model.prepared.is_held;
         let part = linearise(&body, &interface.surface, &obstacle, is_held);
         let status = interface.own(&state.status);
-        let weighted = part.gap.iter().zip(&interface.surface.weights);
+        let (gaps, _) = evaluate_gaps(&present, &interface.surface, &obstacle);
+        let weighted = gaps.iter().zip(&interface.surface.weights);
         let acts = weighted.zip(status.iter());
         let acts = acts.map(|((gap, weight), status)| status.is_closed() || *gap < NEAR * weight);
         let mut held = vec![0.0; size];

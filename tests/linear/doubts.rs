@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::common::meshes::{cube, mesh, moved, unit_grid};
 use crate::common::scenes::{
-    HELD, elastic, in_parts, obstacle, press, pull, push, rubber, support, traction,
+    HELD, elastic, in_parts, obstacle, plane, press, pull, push, rubber, support, traction,
 };
 use crate::common::{assert_converged, open, solve, solve_one, take};
 use signorini::report::WarningKind;
@@ -99,10 +99,7 @@ fn a_body_that_a_plate_pushes_before_it_is_named() {
     let report = solve_one(&scene, &push("press", [0.0, 0.0, -0.1]), &coarse());
     assert!(doubts(&report).contains(&WarningKind::FreeMotion));
     // Onto another one it is held.
-    let floor = Shape::HalfSpace {
-        point: [0.0; 3],
-        normal: [0.0, 0.0, 1.0],
-    };
+    let floor = plane([0.0; 3], [0.0, 0.0, 1.0]);
     scene.obstacles.push(obstacle("floor", "z0", floor));
     let report = solve_one(&scene, &push("press", [0.0, 0.0, -0.1]), &coarse());
     assert!(!doubts(&report).contains(&WarningKind::FreeMotion));

@@ -5,10 +5,10 @@
 use std::sync::Arc;
 
 use crate::common::curved::slab;
-use crate::common::meshes::{cube, file, irregular, mesh, square};
+use crate::common::meshes::{cube, file, irregular, mesh, square, unit_grid};
 use crate::common::scenes::{
-    HELD, bonded_cube, cube_bend, in_parts, indented_block, mooney_rivlin, obstacle, press, pull,
-    push, rubber, squeezed_cube, support, traction,
+    HELD, bonded_cube, cube_bend, in_parts, indented_block, mooney_rivlin, obstacle, plane, press,
+    pull, push, rubber, squeezed_cube, support, traction,
 };
 use crate::common::{assert_converged, close, open, run, solve, solve_one, take, values};
 use signorini::report::Stability;
@@ -190,6 +190,25 @@ fn a_lid_cannot_compress_what_fills_its_box() {
     let last = reports.last().expect("an increment");
     assert_eq!(last.termination, Termination::NotConverged);
     assert_eq!(last.cause, Some(Cause::EnclosedVolume));
+}
+
+/// A strip bonded to the floor of a groove with a tenth of room on either side, which is full
+/// when the lid has come down by a sixth.
+#[test]
+fn a_lid_cannot_squeeze_what_fills_its_groove() {
+    let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, None);
+    scene.kind = Some(SceneKind::PlaneStrain);
+    scene.supports = vec![support("y0", [Some(0.0), Some(0.0), None])];
+    scene.obstacles = vec![
+        obstacle("left", "x0", plane([-0.1, 0.0, 0.0], [1.0, 0.0, 0.0])),
+        obstacle("right", "x1", plane([1.1, 0.0, 0.0], [-1.0, 0.0, 0.0])),
+        obstacle("lid", "y1", plane([0.0, 1.0, 0.0], [0.0, -1.0, 0.0])),
+    ];
+    let step = in_parts(push("lid", [0.0, -0.18, 0.0]), 9);
+    let reports = solve(&scene, &[step], &mesh(unit_grid(6, 12)));
+    reports[..8].iter().for_each(assert_converged);
+    assert_eq!(reports[8].termination, Termination::NotConverged);
+    assert_eq!(reports[8].cause, Some(Cause::EnclosedVolume));
 }
 
 /// A round lid fills the box on the way: until then the body gives way to it.

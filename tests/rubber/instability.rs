@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::common::meshes::{cube, mesh, moved, square, unit_grid};
 use crate::common::scenes::{
-    HELD, in_parts, mooney_rivlin, obstacle, pull, push, rollers, rubber, support, traction,
+    HELD, in_parts, mooney_rivlin, obstacle, plane, pull, push, rollers, rubber, support, traction,
 };
 use crate::common::{assert_converged, close, run, solve, values};
 use signorini::report::{Stability, WarningKind};
@@ -243,20 +243,21 @@ fn the_sign_of_the_least_eigenvalue_agrees_with_a_count_of_all_unstable_motions(
     assert!(seen[0] >= 3 && seen[1] >= 3, "{seen:?}");
 }
 
+/// A square of that material between a floor and a lid, held by nothing else.
+fn between_plates(scene: Scene) -> Scene {
+    let floor = plane([0.0; 3], [0.0, 1.0, 0.0]);
+    let lid = plane([0.0, 1.0, 0.0], [0.0, -1.0, 0.0]);
+    Scene {
+        obstacles: vec![obstacle("floor", "y0", floor), obstacle("lid", "y1", lid)],
+        ..scene
+    }
+}
+
 /// A block between two plates, free to slide: that motion, which costs nothing, hides none.
 #[test]
 fn a_body_that_slides_freely_is_certified_where_its_softest_motion_is_seen() {
     let verdicts = [StabilityCheck::Exact, StabilityCheck::Follow].map(|check| {
-        let mut scene = clamped();
-        scene.supports.clear();
-        let plate = |height: f64, up: f64| Shape::HalfSpace {
-            point: [0.0, height, 0.0],
-            normal: [0.0, up, 0.0],
-        };
-        scene.obstacles = vec![
-            obstacle("floor", "y0", plate(0.0, 1.0)),
-            obstacle("lid", "y1", plate(1.0, -1.0)),
-        ];
+        let mut scene = between_plates(rubber(mooney_rivlin(), None));
         scene.solver.stability = Choice::Named(check);
         let step = in_parts(push("lid", [0.0, -0.2, 0.0]), 4);
         let reports = solve(&scene, &[step], &mesh(square(4)));
@@ -281,15 +282,7 @@ fn a_body_that_slides_freely_is_certified_where_its_softest_motion_is_seen() {
 /// which this mesh falls to 1.70.
 #[test]
 fn a_block_between_plates_is_not_let_down_by_its_mesh() {
-    let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, None);
-    let plane = |height: f64, normal: f64| Shape::HalfSpace {
-        point: [0.0, height, 0.0],
-        normal: [0.0, normal, 0.0],
-    };
-    scene.obstacles = vec![
-        obstacle("floor", "y0", plane(0.0, 1.0)),
-        obstacle("lid", "y1", plane(1.0, -1.0)),
-    ];
+    let scene = between_plates(rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, None));
     let length = 0.7_f64;
     let expected = length.powi(-3) - length;
     for increments in [1, 4, 10] {
