@@ -72,12 +72,23 @@ impl Body<'_> {
 
     fn materials(&self) -> String {
         let mut text = String::from("\n# Each cell needs a material, by its group.\n");
-        let mut any = false;
-        for group in self.cell_groups() {
-            any = true;
-            text.push_str(&material(&group.name));
+        let mut groups: Vec<&MeshGroup> = self.cell_groups().collect();
+        // Writers of decks make groups of their own beside those that somebody has named.
+        groups.sort_by_key(|group| is_made_up(&group.name));
+        let mut is_covered = vec![false; self.mesh.cell_count()];
+        for group in &groups {
+            let mut cells = group.members.iter().map(|&cell| cell as usize);
+            match cells.any(|cell| is_covered.get(cell).copied().unwrap_or(true)) {
+                true => text.push_str(&overlapping(&group.name)),
+                false => text.push_str(&material(&group.name)),
+            }
+            for &cell in &group.members {
+                if let Some(covered) = is_covered.get_mut(cell as usize) {
+                    *covered = true;
+                }
+            }
         }
-        if !any {
+        if groups.is_empty() {
             text.push_str("# The mesh has no group of cells: name one, body, say.\n");
             text.push_str(&material("body"));
         }
@@ -94,11 +105,20 @@ impl Body<'_> {
         };
         let (bottom, top) = (at(self.shape.low, self.up), at(self.shape.high, self.up));
         let base = self.facet_groups().find(|group| reaches(group, bottom, 1));
-        let floor = self.facet_groups().find(|group| reaches(group, bottom, 0));
+        // Sides of a box reach its top and its bottom, too: the flattest group is meant.
+        let height_of = |group: &&MeshGroup| {
+            let (low, high) = group_box(self.mesh, group);
+            at(high, self.up) - at(low, self.up)
+        };
+        let flattest = |end: f64, side: usize| {
+            let groups = self
+                .facet_groups()
+                .filter(|group| reaches(group, end, side));
+            groups.min_by(|a, b| height_of(a).total_cmp(&height_of(b)))
+        };
+        let floor = flattest(bottom, 0);
         let is_base = |group: &MeshGroup| base.is_some_and(|base| base.name == group.name);
-        let lid = self
-            .facet_groups()
-            .find(|group| reaches(group, top, 1) && !is_base(group));
+        let lid = flattest(top, 1).filter(|lid| !is_base(lid));
         let mut text = match (base, floor) {
             (Some(base), _) => self.support(&base.name),
             (None, Some(floor)) => self.plate("floor", &floor.name, bottom, 1.0),
@@ -140,7 +160,10 @@ impl Body<'_> {
 
     /// A plate that touches the body at a height; `side` is where the body lies.
     fn plate(&self, name: &str, on: &str, height: f64, side: f64) -> String {
-        let (point, normal) = (self.along_up(height), self.along_up(side));
+        let (point, normal) = (
+            self.along_up(rounded_at(height, self.extent())),
+            self.along_up(side),
+        );
         format!(
             "\n# A rigid tool; its normal points to the body. Others: sphere, cylinder.\n[[obstacle]]\n\
              name = \"{name}\"\non = {}\nshape = {{ kind = \"half-space\", point = {point}, normal = {normal} }}\n\
@@ -150,7 +173,7 @@ impl Body<'_> {
     }
 
     fn step(&self, height: f64) -> String {
-        let travel = self.along_up(-0.1 * height);
+        let travel = self.along_up(rounded(-0.1 * height));
         format!(
             "\n# Each increment is a result.\n[[step]]\nincrements = 10\n\
              obstacle.plate = {{ translation = {travel} }}  # a tenth of the height\n"
@@ -164,6 +187,22 @@ impl Body<'_> {
         }
         format!("{vector:?}")
     }
+}
+
+/// Whether a group has a name as programs give them: a word and a number.
+fn is_made_up(name: &str) -> bool {
+    let word = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    let word = word.trim_end_matches(['-', '_']).to_ascii_lowercase();
+    word.len() < name.len()
+        && ["surface", "volume", "line", "set", "part", "elset"].contains(&word.as_str())
+}
+
+/// A group whose cells have a material by another group already.
+fn overlapping(group: &str) -> String {
+    format!(
+        "# Group {} has cells that have their material above.\n",
+        quoted(group)
+    )
 }
 
 fn material(group: &str) -> String {
@@ -197,6 +236,19 @@ fn hidden(text: &str) -> String {
 /// A TOML string.
 fn quoted(text: &str) -> String {
     Value::String(text.to_owned()).to_string()
+}
+
+/// Four digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
+/// To a millionth of a millionth of a length: what is shorter is rounding.
+fn rounded_at(value: f64, length: f64) -> f64 {
+    let digits = 12 - length.log10().floor() as i32;
+    format!("{value:.*}", digits.clamp(0, 17) as usize)
+        .parse()
+        .unwrap_or(value)
 }
 
 fn at(point: [f64; 3], axis: usize) -> f64 {
@@ -260,6 +312,37 @@ mod tests {
         );
         assert_eq!(scene.steps[0].obstacles[0].translation, [0.0, -0.05, 0.0]);
         assert_eq!(scene.kind(), v1::SceneKind::Axisymmetric);
+    }
+
+    #[test]
+    fn sides_that_reach_the_top_are_not_pressed() {
+        let scene = read(&square(vec![
+            group("side", 1, vec![1]),
+            group("above", 1, vec![2]),
+            group("below", 1, vec![0]),
+            group("rubber", 2, vec![0, 1]),
+        ]));
+        assert_eq!(
+            (&*scene.supports[0].on[0], &*scene.obstacles[0].on[0]),
+            ("below", "above")
+        );
+    }
+
+    #[test]
+    fn cells_of_two_groups_get_the_material_of_the_named_one() {
+        let scene = read(&square(vec![
+            group("above", 1, vec![2]),
+            group("Surface1", 2, vec![0, 1]),
+            group("rubber", 2, vec![0, 1]),
+        ]));
+        let groups: Vec<&str> = scene.materials.iter().map(|one| &*one.group).collect();
+        assert_eq!(groups, ["rubber"]);
+    }
+
+    #[test]
+    fn numbers_of_a_draft_are_not_those_of_rounding() {
+        assert_eq!(rounded(-0.100_000_000_000_001_89), -0.1);
+        assert_eq!(rounded_at(-100.000_000_000_000_04, 3.0), -100.0);
     }
 
     #[test]

@@ -10,9 +10,14 @@ use signorini_proto::v1;
 
 type Vector = [f64; 3];
 
-/// First travels of obstacles, as unit vectors by name.
+/// First travels, as unit vectors by name.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Travels(BTreeMap<String, Vector>);
+pub(crate) struct Travels {
+    /// Of obstacles.
+    obstacles: BTreeMap<String, Vector>,
+    /// Of the supports that a step names; none of those that only turn or stay.
+    supports: BTreeMap<String, Option<Vector>>,
+}
 
 impl Travels {
     /// As the steps of a scene ask for them.
@@ -21,7 +26,23 @@ impl Travels {
         for target in steps.iter().flat_map(|step| &step.obstacles) {
             travels.learn(&target.name, &target.translation);
         }
+        for target in steps.iter().flat_map(|step| &step.supports) {
+            let known = travels.supports.entry(target.name.clone()).or_default();
+            *known = known.or_else(|| unit(&target.translation));
+        }
         travels
+    }
+
+    /// Names of the supports that a step moves.
+    pub(crate) fn supports(&self) -> impl Iterator<Item = &String> {
+        self.supports.keys()
+    }
+
+    /// Along its travel, what a support does to the body; without a travel its size.
+    pub(crate) fn reaction(&self, name: &str, support: &v1::SupportResult) -> f64 {
+        let direction = self.supports.get(name).copied().flatten();
+        let size = || dot(&support.force, &support.force).sqrt();
+        direction.map_or_else(size, |direction| dot(&support.force, &direction))
     }
 
     /// Learns from the poses of a result what no step has said: obstacles driven by a
@@ -35,20 +56,17 @@ impl Travels {
     /// Takes a translation for the first travel of an obstacle, unless it has one or
     /// this is none.
     pub(crate) fn learn(&mut self, name: &str, translation: &[f64]) {
-        let size = dot(translation, translation).sqrt();
-        if self.0.contains_key(name) || !(size > 0.0 && size.is_finite()) {
+        if self.obstacles.contains_key(name) {
             return;
         }
-        let mut unit = [0.0; 3];
-        for (unit, x) in unit.iter_mut().zip(translation) {
-            *unit = x / size;
+        if let Some(direction) = unit(translation) {
+            self.obstacles.insert(name.to_owned(), direction);
         }
-        self.0.insert(name.to_owned(), unit);
     }
 
     /// The part of a vector along the travel of an obstacle; none without a travel.
     pub(crate) fn along(&self, name: &str, vector: &[f64]) -> Option<f64> {
-        let direction = self.0.get(name)?;
+        let direction = self.obstacles.get(name)?;
         Some(dot(vector, direction))
     }
 
@@ -64,6 +82,16 @@ impl Travels {
         let translation = pose.map(|pose| pose.translation.as_slice());
         self.along(name, translation.unwrap_or_default())
     }
+}
+
+/// The direction of a vector; none of zero.
+fn unit(vector: &[f64]) -> Option<Vector> {
+    let size = dot(vector, vector).sqrt();
+    let mut unit = [0.0; 3];
+    for (unit, x) in unit.iter_mut().zip(vector) {
+        *unit = x / size;
+    }
+    (size > 0.0 && size.is_finite()).then_some(unit)
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -33,7 +33,7 @@ const FAR: f64 = 1e6;
 /// Depth over the length of the body from which on an obstacle begins inside it.
 const DEEP: f64 = 0.01;
 /// Lengths of the body beyond which a travel is more likely in another unit.
-const LONG_WAY: f64 = 1e3;
+const LONG_WAY: f64 = 10.0;
 
 /// All doubts about a scene and its steps on a mesh.
 pub(super) fn doubts(
@@ -99,7 +99,7 @@ fn long_way(steps: &[Step], units: &Units) -> Option<String> {
     });
     let (target, way) = far.max_by(|a, b| a.1.total_cmp(&b.1))?;
     Some(format!(
-        "obstacle `{}` travels {way:.0e} lengths of the body: is the step in the units of the mesh?",
+        "obstacle `{}` travels {way:.0} lengths of the body: is the step in the units of the mesh?",
         target.name
     ))
 }

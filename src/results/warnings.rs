@@ -25,6 +25,7 @@ use crate::model::inside_out::inside_out;
 use crate::model::state::{Start, State};
 use crate::model::values::gradient_at;
 use crate::report::{ObstacleResult, Stability, Termination, Warning, WarningKind};
+use crate::results::digits::digits;
 use crate::results::passage::{begun_inside, passed, passed_and_presses, untouched};
 use crate::results::touch::Touch;
 use crate::scene::ContactSpace;
@@ -129,7 +130,7 @@ fn missed(model: &Model<'_>, name: &str, overlap: f64) -> Option<Warning> {
             WarningKind::MissedContact,
             name,
             Some(deepest),
-            format!("obstacle `{name}` overlaps the body by {deepest:.3e} between the nodes of a face: the mesh is too coarse to feel it"),
+            format!("obstacle `{name}` overlaps the body by {} between the nodes of a face: the mesh is too coarse to feel it", digits(deepest)),
         )
     })
 }
@@ -143,7 +144,7 @@ fn held_inside(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
             WarningKind::MissedContact,
             name,
             Some(depth),
-            format!("obstacle `{name}` is {depth:.3e} deep inside the body where a support holds it: supports come first, so that nothing presses there"),
+            format!("obstacle `{name}` is {} deep inside the body where a support holds it: supports come first, so that nothing presses there", digits(depth)),
         )
     })
 }
@@ -157,7 +158,7 @@ fn swallowed(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
             WarningKind::PassedThrough,
             name,
             Some(depth),
-            format!("obstacle `{name}` is {depth:.3e} deep inside the body and presses nowhere: it has slipped in between the nodes of its surface, smaller faces or more increments would feel it"),
+            format!("obstacle `{name}` is {} deep inside the body and presses nowhere: it has slipped in between the nodes of its surface, smaller faces or more increments would feel it", digits(depth)),
         )
     })
 }
@@ -171,7 +172,7 @@ fn sunk(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
             WarningKind::MissedContact,
             name,
             Some(depth),
-            format!("the body bulges by {depth:.3e} into obstacle `{name}` between the nodes of a pressed face of {size:.2e}: where it is confined this volume is missing in the force; use smaller faces"),
+            format!("the body bulges by {} into obstacle `{name}` between the nodes of a pressed face of {}: where it is confined this volume is missing in the force; use smaller faces", digits(depth), digits(size)),
         )
     })
 }
@@ -184,7 +185,7 @@ fn beside(model: &Model<'_>, touch: &Touch<'_>) -> Option<Warning> {
             WarningKind::MissedContact,
             name,
             Some(depth),
-            format!("obstacle `{name}` is {depth:.3e} deep inside a part of the body that its `on` does not name, and presses nowhere there"),
+            format!("obstacle `{name}` is {} deep inside a part of the body that its `on` does not name, and presses nowhere there", digits(depth)),
         )
     })
 }
@@ -226,7 +227,7 @@ fn coarse(model: &Model<'_>, state: &State, touch: &Touch<'_>) -> Option<Warning
             WarningKind::CoarseContact,
             name,
             Some(closed as f64),
-            format!("obstacle `{name}` presses on {closed} functions of the mesh only: force and pressure are rough, faces of {size:.2e} there would resolve them"),
+            format!("obstacle `{name}` presses on {closed} functions of the mesh only: force and pressure are rough, faces of {} there would resolve them", digits(size)),
         )
     })
 }

@@ -8,23 +8,29 @@ use crate::exit::{Exit, Failure};
 use crate::input;
 use crate::scene_draft;
 use crate::stdout::print;
+use crate::text::note;
 
 pub(super) fn run(mesh: &Path, scene: Option<PathBuf>) -> Result<Exit, Failure> {
     let read = input::load_mesh(mesh)?;
     let scene = scene.unwrap_or_else(|| mesh.with_extension("toml"));
     let named = as_named_in(&scene, mesh);
     write_new(&scene, &scene_draft::draft(&read, &named))?;
+    for warning in &read.warnings {
+        note(&format!("warning: {warning}\n"));
+    }
     let path = scene.display();
     print(&format!("{path}\n"))?;
     Ok(Exit::Ok)
 }
 
-/// The mesh as a scene in this place names it.
+/// The mesh as a scene in this place names it: from there where it lies below.
 fn as_named_in(scene: &Path, mesh: &Path) -> String {
-    let named = match (mesh.parent(), mesh.file_name()) {
-        (folder, Some(name)) if folder == scene.parent() => PathBuf::from(name),
-        _ => std::path::absolute(mesh).unwrap_or_else(|_| mesh.to_owned()),
-    };
+    let whole = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let (scene, mesh) = (whole(scene), whole(mesh));
+    let below = scene
+        .parent()
+        .and_then(|folder| mesh.strip_prefix(folder).ok());
+    let named = below.map_or_else(|| mesh.clone(), Path::to_owned);
     named.to_string_lossy().into_owned()
 }
 

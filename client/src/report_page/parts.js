@@ -88,9 +88,20 @@ function forceChart(steps, name, movers, against) {
   return chart({ title: name, note: stands ? "size of its force" : "force along its travel", x, y: "force", points });
 }
 
+// Of a body that only supports move: the size of the force of each of them.
+function reactionCharts(steps, last) {
+  const size = (force) => Math.hypot(...force);
+  const charts = Object.keys(last.supports).map((name) => chart({
+    title: name, note: "size of the support's force", x: "time (steps)", y: "force",
+    points: steps.filter((row) => row.supports[name]).map((row) => ({
+      x: row.time, y: size(row.supports[name]), name: `step ${row.step}.${row.increment}` })),
+  }));
+  return charts.length && steps.length > 1 ? [el("h2", {}, "Force"), el("div", { class: "charts" }, charts)] : [];
+}
+
 function forces(steps, last) {
   const names = Object.keys(last.obstacles);
-  if (!names.length) return [];
+  if (!names.length) return reactionCharts(steps, last);
   const movers = names.filter((name) => isMover(steps, name));
   // A force that grows while nothing moves is a curve against time only.
   const rests = steps.slice(1).some((row, i) => movers.every((name) => row.obstacles[name].travel === steps[i].obstacles[name].travel));

@@ -18,6 +18,9 @@ pub(crate) use rows::Rows;
 use crate::text::one_line;
 use crate::travel::Travels;
 
+/// The kind of the warning of an obstacle that is away from the body.
+const UNTOUCHED: &str = "untouched_obstacle";
+
 /// How much of a result is told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Detail {
@@ -64,13 +67,44 @@ pub(crate) fn results(
             increment::time(&mut lines, last);
         }
     }
-    for warning in earlier_warnings(reports) {
+    for warning in never_touched(reports)
+        .into_iter()
+        .chain(earlier_warnings(reports))
+    {
         lines.add("warning", &warning);
     }
     if detail == Detail::Full {
         plan::left_out(&mut lines, plan);
     }
     lines.0
+}
+
+/// Obstacles that touched nothing in the whole run and of which its last increment says nothing,
+/// as those that move away from the body.
+fn never_touched(reports: &[v1::StepReport]) -> Vec<String> {
+    let Some(last) = reports.last() else {
+        return Vec::new();
+    };
+    let is_told = |name: &str| {
+        last.warnings
+            .iter()
+            .any(|one| one.subject == name && one.kind == UNTOUCHED)
+    };
+    let names = last.obstacles.keys();
+    names
+        .filter(|name| !touches(reports, name) && !is_told(name))
+        .map(|name| format!("obstacle `{name}` touched nothing in any increment: does it travel towards the body?"))
+        .collect()
+}
+
+/// Whether an obstacle presses in any increment.
+fn touches(reports: &[v1::StepReport], name: &str) -> bool {
+    let found = reports
+        .iter()
+        .filter_map(|report| report.obstacles.get(name));
+    found
+        .into_iter()
+        .any(|obstacle| obstacle.contact_area > 0.0)
 }
 
 /// What was doubted before the last increment and is not in the last one, once each, with the
@@ -83,7 +117,11 @@ fn earlier_warnings(reports: &[v1::StepReport]) -> Vec<String> {
     let mut told: HashSet<_> = last.warnings.iter().map(about).collect();
     let mut lines = Vec::new();
     for report in earlier {
-        for warning in &report.warnings {
+        // An obstacle that is waited for is nothing to doubt once it has been met.
+        let is_open = |warning: &&v1::Warning| {
+            warning.kind != UNTOUCHED || !touches(reports, &warning.subject)
+        };
+        for warning in report.warnings.iter().filter(is_open) {
             if told.insert(about(warning)) {
                 let (step, increment) = (report.step, report.increment);
                 let message = &warning.message;

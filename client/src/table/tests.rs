@@ -157,3 +157,53 @@ fn names_cannot_break_a_row() {
         "{told}"
     );
 }
+
+#[test]
+fn an_obstacle_that_never_touches_is_told_and_one_that_does_later_is_not_doubted() {
+    let open = |mut report: v1::StepReport| {
+        report.obstacles.get_mut("ball").unwrap().contact_area = 0.0;
+        report.warnings = vec![v1::Warning {
+            kind: UNTOUCHED.to_owned(),
+            subject: "ball".to_owned(),
+            message: "it waits".to_owned(),
+            ..Default::default()
+        }];
+        report
+    };
+    let away = v1::StepReport {
+        warnings: Vec::new(),
+        ..open(report())
+    };
+    let text = told(&[away], Detail::Short);
+    assert!(text.contains("`ball` touched nothing in any"), "{text}");
+    let text = told(&[open(report()), report()], Detail::Short);
+    assert!(!text.contains("warning"), "{text}");
+    let text = told(&[open(report())], Detail::Short);
+    assert_eq!(text.matches("warning").count(), 1, "{text}");
+}
+
+#[test]
+fn supports_that_move_have_a_column_where_there_is_no_obstacle() {
+    let support = v1::SupportResult {
+        force: vec![3.0, 4.0, 0.0],
+    };
+    let report = v1::StepReport {
+        obstacles: BTreeMap::new(),
+        error_estimate: None,
+        supports: BTreeMap::from([("pin".to_owned(), support)]),
+        ..report()
+    };
+    let target = v1::SupportTarget {
+        name: "pin".to_owned(),
+        translation: vec![0.0, 2.0, 0.0],
+        ..Default::default()
+    };
+    let step = v1::LoadStep {
+        supports: vec![target],
+        ..Default::default()
+    };
+    let text = Rows::default().row(&report, &Travels::of(&[step]));
+    let [_, header, row] = text.lines().collect::<Vec<_>>().try_into().unwrap();
+    assert_eq!(header, "step incr           pin  seconds");
+    assert!(row.starts_with("   1    2             4    0.000"), "{row}");
+}

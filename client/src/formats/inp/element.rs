@@ -13,7 +13,7 @@ const TETRAHEDRON_4: (usize, usize) = (3, 4);
 const TETRAHEDRON_10: (usize, usize) = (3, 10);
 
 /// Beginnings of names; what may follow is letters.
-const TYPES: [(&str, (usize, usize)); 33] = [
+const TYPES: [(&str, (usize, usize)); 34] = [
     ("C3D4", TETRAHEDRON_4),
     ("C3D10", TETRAHEDRON_10),
     ("CPE3", TRIANGLE_3),
@@ -39,6 +39,8 @@ const TYPES: [(&str, (usize, usize)); 33] = [
     ("B22", LINE_3),
     ("B31", LINE_2),
     ("B32", LINE_3),
+    // As meshio writes lines of three nodes; of Abaqus, which gives it two, no facet is made.
+    ("B33H", LINE_3),
     ("R2D2", LINE_2),
     ("RAX2", LINE_2),
     ("SAX1", LINE_2),
