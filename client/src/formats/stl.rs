@@ -1,9 +1,12 @@
 //! Triangulated surfaces from STL files, text or binary.
 //!
 //! A file repeats the corners of every facet: those nearer than [`WELD`] of the diagonal of their
-//! box are one vertex. Whether the surface is closed and oriented is for the service to say.
+//! box are one vertex. A text of several solids is one surface of all of them. Whether the surface is closed and oriented is for the service to say.
 //! Normals of the file are not read. Cost: one pass, some 100 bytes a facet.
 
+mod text;
+
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::io::Cursor;
 
@@ -59,23 +62,13 @@ pub enum StlError {
 /// # Errors
 /// [`StlError`] with the facet.
 pub fn read(bytes: &[u8]) -> Result<SurfaceFile, StlError> {
-    check_length(bytes)?;
-    let unreadable = |facet: usize| {
-        move |error: std::io::Error| StlError::Unreadable {
-            facet,
-            said: error.to_string(),
-        }
+    let corners = match text_of(bytes) {
+        Some(text) => text::corners(&text)?,
+        None => binary(bytes)?,
     };
-    let mut cursor = Cursor::new(bytes);
-    let reader = stl_io::create_stl_reader(&mut cursor).map_err(unreadable(0))?;
-    let mut corners: Vec<[[f64; 3]; 3]> = Vec::new();
-    for (facet, triangle) in reader.enumerate() {
-        let triangle = triangle.map_err(unreadable(facet))?;
-        let places = triangle.vertices.map(|vertex| vertex.0.map(f64::from));
-        if !places.as_flattened().iter().all(|x| x.is_finite()) {
-            return Err(StlError::NotFinite { facet });
-        }
-        corners.push(places);
+    let finite = |facet: &[[f64; 3]; 3]| facet.as_flattened().iter().all(|x| x.is_finite());
+    if let Some(facet) = corners.iter().position(|facet| !finite(facet)) {
+        return Err(StlError::NotFinite { facet });
     }
     match corners.is_empty() {
         true => Err(StlError::Empty),
@@ -83,11 +76,40 @@ pub fn read(bytes: &[u8]) -> Result<SurfaceFile, StlError> {
     }
 }
 
+/// The file as text, where it is one: binary files may begin with `solid`, too, but have zeros
+/// where a text has words. Names may be in any encoding.
+fn text_of(bytes: &[u8]) -> Option<Cow<'_, str>> {
+    let start = bytes.trim_ascii_start().get(..5)?;
+    let is_text = start.eq_ignore_ascii_case(b"solid") && !bytes.contains(&0);
+    is_text.then(|| String::from_utf8_lossy(bytes))
+}
+
+fn binary(bytes: &[u8]) -> Result<Vec<[[f64; 3]; 3]>, StlError> {
+    check_length(bytes)?;
+    let unreadable = |facet: usize| {
+        move |error: std::io::Error| StlError::Unreadable {
+            facet,
+            said: error.to_string(),
+        }
+    };
+    // The library tells a text by its first word, which a binary header may have.
+    let mut header_blank = bytes.to_vec();
+    header_blank
+        .iter_mut()
+        .take(5)
+        .for_each(|byte| *byte = b' ');
+    let mut cursor = Cursor::new(header_blank);
+    let reader = stl_io::create_stl_reader(&mut cursor).map_err(unreadable(0))?;
+    let mut corners = Vec::new();
+    for (facet, triangle) in reader.enumerate() {
+        let triangle = triangle.map_err(unreadable(facet))?;
+        corners.push(triangle.vertices.map(|vertex| vertex.0.map(f64::from)));
+    }
+    Ok(corners)
+}
+
 /// A binary file says how many facets it has.
 fn check_length(bytes: &[u8]) -> Result<(), StlError> {
-    if bytes.starts_with(b"solid") {
-        return Ok(());
-    }
     let Some(count) = bytes.get(BINARY_HEADER - 4..BINARY_HEADER) else {
         return Err(StlError::Empty);
     };
@@ -216,7 +238,39 @@ mod tests {
         let surface = read(text().as_bytes()).unwrap();
         assert_eq!(surface.facets.len(), 4);
         assert_eq!(surface.vertices.len(), 4);
-        assert_eq!(read(&binary()).unwrap(), surface);
+        let of_bytes = read(&binary()).unwrap();
+        assert_eq!(of_bytes.facets, surface.facets);
+        // Bytes have seven digits.
+        let both = of_bytes.vertices.iter().zip(&surface.vertices);
+        for (a, b) in both {
+            assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-7));
+        }
+    }
+
+    #[test]
+    fn all_solids_of_a_text_are_read_with_or_without_a_name() {
+        let one = text();
+        let two = one.replace("vertex ", "vertex 5") + &one.to_uppercase();
+        let surface = read(two.as_bytes()).unwrap();
+        assert_eq!((surface.facets.len(), surface.vertices.len()), (8, 8));
+        let nameless = format!("\r\n  {}", one.replace("solid block", "solid"));
+        assert_eq!(read(nameless.as_bytes()).unwrap().facets.len(), 4);
+    }
+
+    #[test]
+    fn a_binary_file_may_begin_like_a_text() {
+        let mut bytes = binary();
+        bytes[..10].copy_from_slice(b"solid part");
+        assert_eq!(read(&bytes).unwrap().facets.len(), 4);
+    }
+
+    #[test]
+    fn a_text_that_goes_wrong_names_its_facet_and_line() {
+        let broken = text().replacen("endfacet", "facet", 2);
+        let message = read(broken.as_bytes()).unwrap_err().to_string();
+        assert!(message.contains("facet 0: line 8"), "{message}");
+        let cut = &text()[..200];
+        assert!(read(cut.as_bytes()).is_err());
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! Normals of the patches at the corners of facets: one for all facets around a vertex that
-//! meet smoothly, fitted to the vertices of two rings.
+//! meet smoothly, fitted to the vertices of two rings. Where large facets meet small ones, as
+//! flats meet roundings in parts of CAD programs, the vertices around do not show the curvature
+//! at the one between them: there the normal is the mean of the facets' by their areas.
 
 use std::collections::BTreeSet;
 
@@ -53,6 +55,9 @@ pub(super) fn corners(
         .collect()
 }
 
+/// Longest over shortest edge around a vertex from which on a fit knows its far side only.
+const UNEVEN: f64 = 4.0;
+
 struct Fitter<'a> {
     surface: &'a TriangulatedSurface,
     flat: &'a [[f64; 3]],
@@ -73,8 +78,10 @@ impl Fitter<'_> {
         let Some(guess) = normalised(sum) else {
             return self.flat[facet];
         };
-        let rings = self.two_rings(&sector, vertex);
-        let fitted = fit::normal(place, guess, &rings);
+        let fitted = match self.is_uneven(&sector, vertex) {
+            true => self.mean_by_areas(&sector).unwrap_or(guess),
+            false => fit::normal(place, guess, &self.two_rings(&sector, vertex)),
+        };
         // A fit that leaves the facets behind is none.
         match sector
             .iter()
@@ -83,6 +90,28 @@ impl Fitter<'_> {
             true => fitted,
             false => guess,
         }
+    }
+
+    /// Whether edges from `vertex` differ so much that its facets are of different parts.
+    fn is_uneven(&self, sector: &BTreeSet<usize>, vertex: u32) -> bool {
+        let place = |vertex: u32| self.surface.vertices[vertex as usize];
+        let corners = sector.iter().flat_map(|&facet| self.surface.facets[facet]);
+        let lengths = corners
+            .filter(|&corner| corner != vertex)
+            .map(|corner| norm(sub(place(corner), place(vertex))));
+        let (least, most) = lengths.fold((f64::INFINITY, 0.0_f64), |(least, most), length| {
+            (least.min(length), most.max(length))
+        });
+        most >= UNEVEN * least
+    }
+
+    /// Mean of the facets' normals by their areas.
+    fn mean_by_areas(&self, sector: &BTreeSet<usize>) -> Option<[f64; 3]> {
+        let twice_area = |&facet: &usize| {
+            let [a, b, c] = self.surface.corners(facet);
+            cross(sub(b, a), sub(c, a))
+        };
+        normalised(sector.iter().map(twice_area).fold([0.0; 3], add))
     }
 
     /// Facets around `vertex` that are reached from `facet` across edges without a feature,

@@ -9,7 +9,8 @@
 //! ```
 //!
 //! The second part, that of an S, is left out where normals are so alike that it would be noise,
-//! and the whole where it bends by more than half the edge: the edge is a line then.
+//! and the whole where it bends by more than half the edge, or by more than the normals at its
+//! ends turn away from it: the edge is a line then.
 
 use crate::geometry::vector3::{add, cross, dot, norm, scale, sub};
 
@@ -36,7 +37,9 @@ pub(super) fn bend([a, b]: [[f64; 3]; 2], [at_a, at_b]: [[f64; 3]; 2]) -> [f64; 
         true => scale(dot(mean, along) / dot(half, half), half),
         false => [0.0; 3],
     };
-    let is_small = |c: [f64; 3]| norm(c) < MOST_BENT * norm(along);
+    let turned = dot(at_a, along).abs() + dot(at_b, along).abs();
+    let most = turned.min(MOST_BENT * norm(along));
+    let is_small = |c: [f64; 3]| norm(c) <= most;
     [add(arch, inflection), arch]
         .into_iter()
         .find(|c| is_small(*c))

@@ -7,6 +7,8 @@ use super::*;
 use crate::geometry::vector3::{add, dot, norm, normalised, scale, sub};
 use crate::obstacle::{Contact, Obstacle, Shape, What};
 
+mod revolved;
+
 /// An icosahedron divided `levels` times, its vertices on the unit sphere.
 fn icosphere(levels: usize) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let t = 0.5 * (1.0 + 5.0_f64.sqrt());
