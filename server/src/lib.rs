@@ -67,4 +67,4 @@ pub use fsck::{Fsck, fsck};
 pub use journal::JournalError;
 pub use listen::{ListenError, Listener};
 pub use log::{LogSwitch, follow_log_level, start_log};
-pub use serve::{ServeError, check, serve};
+pub use serve::{ServeError, check, serve, serve_and_tell};

@@ -112,6 +112,19 @@ pub async fn serve(
     config: Config,
     shutdown: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
+    serve_and_tell(listener, config, shutdown, |_| ()).await
+}
+
+/// As [`serve`]; `ready` gets the address once nothing is in the way of serving it.
+///
+/// # Errors
+/// As those of [`serve`].
+pub async fn serve_and_tell(
+    listener: Listener,
+    config: Config,
+    shutdown: impl Future<Output = ()>,
+    ready: impl FnOnce(&str),
+) -> Result<(), ServeError> {
     config.check()?;
     let drain_time = config.drain();
     let access = Access::open(&config)?;
@@ -119,6 +132,7 @@ pub async fn serve(
     let registry = Registry::new(&services)?;
     let (health, router) = router(&services, &registry, &access).await?;
     log_start(&services.config, &listener);
+    ready(listener.url());
     let page = Page {
         metrics: Arc::clone(&services.metrics),
         registry: Arc::clone(&registry),

@@ -5,26 +5,35 @@ use crate::exit::{Exit, Failure};
 
 #[cfg(feature = "embedded")]
 pub(super) async fn run(arguments: ServeArguments) -> Result<Exit, Failure> {
-    use signorini_server::{Listener, follow_log_level, serve, start_log};
+    use signorini_server::{Listener, follow_log_level, serve_and_tell, start_log};
 
     let (config, _) = super::config::resolved(arguments.clone())?;
-    if let (Some(switch), Some(_)) = (start_log(&config), &arguments.config) {
-        let level = move || match super::config::resolved(arguments.clone()) {
-            Ok((config, _)) => Ok(config.log_level),
-            Err(failure) => Err(failure.line()),
-        };
-        tokio::spawn(follow_log_level(switch, level));
-    }
+    let level = move || level(arguments.clone());
+    tokio::spawn(follow_log_level(start_log(&config), level));
     let usage = |error: &dyn std::error::Error| Failure::new(Exit::Usage, error.to_string());
     let listener = Listener::bind(&config)
         .await
         .map_err(|error| usage(&error))?;
     // Scripts that let the server choose a port read it here.
-    crate::stdout::print(&format!("{}\n", listener.url()))?;
-    serve(listener, config, stop_signal())
+    let mut told = Ok(());
+    let tell = |url: &str| told = crate::stdout::print(&format!("{url}\n"));
+    serve_and_tell(listener, config, stop_signal(), tell)
         .await
         .map_err(|error| Failure::new(Exit::Server, error.to_string()))?;
+    told?;
     Ok(Exit::Ok)
+}
+
+/// The level of the log that the settings name now; none where no file names one.
+#[cfg(feature = "embedded")]
+fn level(arguments: ServeArguments) -> Result<Option<signorini_server::LogLevel>, String> {
+    if arguments.config.is_none() {
+        return Ok(None);
+    }
+    match super::config::resolved(arguments) {
+        Ok((config, _)) => Ok(Some(config.log_level)),
+        Err(failure) => Err(failure.line()),
+    }
 }
 
 /// Ends with the first interrupt or termination signal; the second one quits.

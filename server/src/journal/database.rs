@@ -11,6 +11,7 @@ use redb::{
 };
 
 use super::error::JournalError;
+use super::guarded;
 use super::record::{
     StoredCheckpoint, StoredFields, StoredMesh, StoredResult, StoredSave, StoredSession,
     StoredUpdate, opened, sealed,
@@ -98,19 +99,15 @@ type Row<'a> = (
 
 /// Opens the database, or makes it; the format it says to have, if it is not new.
 pub(super) fn open(path: &Path) -> Result<Database, JournalError> {
-    let opened =
-        std::panic::catch_unwind(|| Database::builder().set_cache_size(CACHE_BYTES).create(path));
+    let open = || Ok(Database::builder().set_cache_size(CACHE_BYTES).create(path));
     let at = path.display().to_string();
-    match opened {
-        Ok(Ok(database)) => Ok(database),
-        Ok(Err(redb::DatabaseError::DatabaseAlreadyOpen)) => Err(JournalError::InUse(at)),
-        Ok(Err(redb::DatabaseError::Storage(redb::StorageError::Io(why)))) => {
+    match guarded(open)? {
+        Ok(database) => Ok(database),
+        Err(redb::DatabaseError::DatabaseAlreadyOpen) => Err(JournalError::InUse(at)),
+        Err(redb::DatabaseError::Storage(redb::StorageError::Io(why))) => {
             Err(JournalError::at(path, &why))
         }
-        Ok(Err(error)) => Err(JournalError::Damaged(format!("{at}: {error}"))),
-        Err(_) => Err(JournalError::Damaged(format!(
-            "{at}: a page is not as it was written"
-        ))),
+        Err(error) => Err(JournalError::Damaged(format!("{at}: {error}"))),
     }
 }
 

@@ -80,9 +80,7 @@ impl Shelf {
         let guard = self.database.read().unwrap_or_else(PoisonError::into_inner);
         let gone = || JournalError::Unwritable("the disk failed and is not back yet".to_owned());
         let database = guard.as_ref().ok_or_else(gone)?;
-        let work = std::panic::AssertUnwindSafe(|| work(database));
-        let damaged = |_| JournalError::Damaged("a page is not as it was written".to_owned());
-        std::panic::catch_unwind(work).map_err(damaged)?
+        guarded(|| work(database))
     }
 
     /// Gives the database back: another server may open it.
@@ -122,7 +120,7 @@ impl Journal {
         check_format(folder)?;
         let path = folder.join(DATABASE_FILE);
         let opened = database::open(&path)?;
-        database::make_tables(&opened)?;
+        guarded(|| database::make_tables(&opened))?;
         let database = Arc::new(Shelf {
             path,
             database: RwLock::new(Some(opened)),
@@ -266,7 +264,7 @@ impl Journal {
     pub(crate) fn copy(folder: &Path, target: &Path) -> Result<(), JournalError> {
         check_format(folder)?;
         let open = database::open(&folder.join(DATABASE_FILE))?;
-        backup::copy(&open, folder, target)
+        guarded(|| backup::copy(&open, folder, target))
     }
 
     pub(crate) fn folder(&self) -> &Path {
@@ -278,6 +276,12 @@ impl Journal {
         self.writer.close();
         self.database.close();
     }
+}
+
+/// Runs `work` on pages that may not be as they were written, at which the database panics.
+fn guarded<T>(work: impl FnOnce() -> Result<T, JournalError>) -> Result<T, JournalError> {
+    let damaged = |_| JournalError::Damaged("a page is not as it was written".to_owned());
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).map_err(damaged)?
 }
 
 /// Reads the version of a folder, or writes it into a new one.
