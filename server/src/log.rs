@@ -53,19 +53,33 @@ pub fn start_log(config: &Config) -> Option<LogSwitch> {
     switch.ok().filter(|_| !is_given)
 }
 
-/// Takes up the level that `read` finds at each SIGHUP; returns when none can come.
-pub async fn follow_log_level(switch: LogSwitch, read: impl Fn() -> Result<LogLevel, String>) {
-    let Ok(mut hangup) = signal(SignalKind::hangup()) else {
-        return;
-    };
-    while hangup.recv().await.is_some() {
-        match read() {
-            Ok(level) if (switch.0)(default_filter(level)) => {
-                tracing::info!(?level, "level of the log set");
-            }
-            Ok(_) => tracing::error!("the level of the log cannot change any more"),
-            Err(why) => tracing::error!(why, "the level of the log stays"),
+/// Takes up the level that `read` finds at each SIGHUP, none where no file names one; returns
+/// when none can come. Without a switch a SIGHUP changes nothing, and ends nothing either.
+pub fn follow_log_level(
+    switch: Option<LogSwitch>,
+    read: impl Fn() -> Result<Option<LogLevel>, String>,
+) -> impl Future<Output = ()> {
+    // From here on, not from when the future runs: the signal's default is to end the process.
+    let hangup = signal(SignalKind::hangup());
+    async move {
+        let Ok(mut hangup) = hangup else {
+            return;
+        };
+        while hangup.recv().await.is_some() {
+            take_up(switch.as_ref(), read());
         }
+    }
+}
+
+fn take_up(switch: Option<&LogSwitch>, found: Result<Option<LogLevel>, String>) {
+    match (switch, found) {
+        (None, _) => tracing::info!("nothing to reload: RUST_LOG names what the log takes"),
+        (_, Ok(None)) => tracing::info!("nothing to reload: there is no file of settings"),
+        (Some(switch), Ok(Some(level))) if (switch.0)(default_filter(level)) => {
+            tracing::info!(?level, "level of the log set");
+        }
+        (_, Ok(Some(_))) => tracing::error!("the level of the log cannot change any more"),
+        (_, Err(why)) => tracing::error!(why, "the level of the log stays"),
     }
 }
 

@@ -44,9 +44,8 @@ async fn main() -> ExitCode {
 
 async fn run(arguments: Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let config = config(arguments.clone())?;
-    if let (Some(switch), Some(_)) = (start_log(&config), &arguments.config) {
-        tokio::spawn(follow_log_level(switch, move || level(arguments.clone())));
-    }
+    let level = move || level(arguments.clone());
+    tokio::spawn(follow_log_level(start_log(&config), level));
     let listener = Listener::bind(&config).await?;
     serve(listener, config, stop_signal()?).await?;
     Ok(())
@@ -69,10 +68,13 @@ fn config(arguments: Arguments) -> Result<Config, Box<dyn std::error::Error>> {
     Ok(config)
 }
 
-/// The level of the log that the settings name now.
-fn level(arguments: Arguments) -> Result<LogLevel, String> {
-    let config = config(arguments).map_err(|error| error.to_string());
-    config.map(|config| config.log_level)
+/// The level of the log that the settings name now; none where no file names one.
+fn level(arguments: Arguments) -> Result<Option<LogLevel>, String> {
+    if arguments.config.is_none() {
+        return Ok(None);
+    }
+    let config = config(arguments).map_err(|error| error.to_string())?;
+    Ok(Some(config.log_level))
 }
 
 /// Completes at SIGTERM or ctrl-c; a second signal ends the process at once.
