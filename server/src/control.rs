@@ -15,7 +15,7 @@ use tokio::io::AsyncWriteExt as _;
 use tokio::net::UnixListener;
 
 use crate::fsck::{Fsck, fsck};
-use crate::journal::{Journal, JournalError};
+use crate::journal::{Journal, JournalError, make_folder, sync_folder};
 
 const SOCKET: &str = "control";
 const BACKUPS: &str = "backups";
@@ -91,8 +91,7 @@ fn copy(journal: &Journal) -> Result<PathBuf, JournalError> {
         .duration_since(UNIX_EPOCH)
         .unwrap_or_default();
     let backups = journal.folder().join(BACKUPS);
-    fs::create_dir_all(&backups)
-        .map_err(|error| JournalError::Unwritable(format!("{}: {error}", backups.display())))?;
+    make_folder(&backups)?;
     let target = backups.join(format!("{}-{}", now.as_nanos(), process::id()));
     journal.backup(&target)?;
     Ok(target)
@@ -141,7 +140,8 @@ pub fn restore(backup: &Path, data: &Path) -> Result<Fsck, BackupError> {
 /// Moves a folder, by its bytes where it cannot get another name.
 fn take_away(made: &Path, target: &Path) -> Result<(), BackupError> {
     if fs::rename(made, target).is_ok() {
-        return Ok(());
+        let synced = sync_folder(target).and_then(|()| sync_folder(made));
+        return synced.map_err(|error| wrong(target, &error));
     }
     copy_whole(made, target)?;
     fs::remove_dir_all(made).map_err(|error| wrong(made, &error))
@@ -151,7 +151,8 @@ fn take_away(made: &Path, target: &Path) -> Result<(), BackupError> {
 fn copy_whole(from: &Path, to: &Path) -> Result<(), BackupError> {
     let beside = to.with_extension("part");
     copy_folder(from, &beside).map_err(|error| wrong(&beside, &error))?;
-    fs::rename(&beside, to).map_err(|error| wrong(to, &error))
+    let moved = fs::rename(&beside, to).and_then(|()| sync_folder(to));
+    moved.map_err(|error| wrong(to, &error))
 }
 
 fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {

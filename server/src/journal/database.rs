@@ -11,11 +11,11 @@ use redb::{
 };
 
 use super::error::JournalError;
-use super::guarded;
 use super::record::{
     StoredCheckpoint, StoredFields, StoredMesh, StoredResult, StoredSave, StoredSession,
     StoredUpdate, opened, sealed,
 };
+use super::{files, guarded};
 
 const META: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("meta");
 const SESSIONS: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("sessions");
@@ -97,11 +97,42 @@ type Row<'a> = (
     redb::AccessGuard<'a, &'static [u8]>,
 );
 
-/// Opens the database, or makes it; the format it says to have, if it is not new.
+/// Opens the database, which has to be there.
 pub(super) fn open(path: &Path) -> Result<Database, JournalError> {
-    let open = || Ok(Database::builder().set_cache_size(CACHE_BYTES).create(path));
+    opened_by(path, || builder().open(path))
+}
+
+/// Makes a database with every table: beside its place, where there is all of it or nothing.
+pub(super) fn create(path: &Path) -> Result<(), JournalError> {
+    let beside = path.with_extension("part");
+    let wrong = |error: std::io::Error| JournalError::at(path, &error);
+    match std::fs::remove_file(&beside) {
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => return Err(wrong(error)),
+        Ok(()) | Err(_) => {}
+    }
+    let made = opened_by(&beside, || builder().create(&beside))?;
+    make_tables(&made)?;
+    drop(made);
+    std::fs::File::open(&beside)
+        .and_then(|file| file.sync_all())
+        .map_err(wrong)?;
+    std::fs::rename(&beside, path)
+        .and_then(|()| files::sync_folder(path))
+        .map_err(wrong)
+}
+
+fn builder() -> redb::Builder {
+    let mut builder = Database::builder();
+    builder.set_cache_size(CACHE_BYTES);
+    builder
+}
+
+fn opened_by(
+    path: &Path,
+    open: impl FnOnce() -> Result<Database, redb::DatabaseError>,
+) -> Result<Database, JournalError> {
     let at = path.display().to_string();
-    match guarded(open)? {
+    match guarded(|| Ok(open()))? {
         Ok(database) => Ok(database),
         Err(redb::DatabaseError::DatabaseAlreadyOpen) => Err(JournalError::InUse(at)),
         Err(redb::DatabaseError::Storage(redb::StorageError::Io(why))) => {
@@ -117,6 +148,15 @@ pub(super) fn make_tables(database: &Database) -> Result<(), JournalError> {
     Tables::open(&write)?;
     write.commit()?;
     Ok(())
+}
+
+/// Whether the database at `path` has neither sessions nor meshes.
+pub(super) fn is_unused(path: &Path) -> Result<bool, JournalError> {
+    let open = open(path)?;
+    guarded(|| {
+        make_tables(&open)?;
+        Ok(names(&open)?.is_empty() && meshes(&open)?.is_empty())
+    })
 }
 
 /// The tables of one transaction.

@@ -69,12 +69,18 @@ pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), JournalError> {
     Part::write(folder, |put| put(bytes))?.keep(path)
 }
 
-/// The name of a file reaches the disk with its folder.
-fn sync_folder(path: &Path) -> io::Result<()> {
+/// The name of a file or folder reaches the disk with the folder that it lies in.
+pub(crate) fn sync_folder(path: &Path) -> io::Result<()> {
     match path.parent() {
-        Some(folder) => File::open(folder)?.sync_all(),
+        Some(folder) if folder.as_os_str().is_empty() => sync(Path::new(".")),
+        Some(folder) => sync(folder),
         None => Ok(()),
     }
+}
+
+/// Waits until the disk has a file, or the names in a folder.
+pub(super) fn sync(path: &Path) -> io::Result<()> {
+    File::open(path)?.sync_all()
 }
 
 /// All of a file; none where there is no such file.
@@ -86,12 +92,18 @@ pub(super) fn read(path: &Path) -> Result<Option<Vec<u8>>, JournalError> {
     }
 }
 
-/// Makes a folder that only its owner reads, and those above it.
-pub(super) fn make_folder(path: &Path) -> Result<(), JournalError> {
+/// Makes a folder that only its owner reads, and those above it, on the disk too.
+pub(crate) fn make_folder(path: &Path) -> Result<(), JournalError> {
+    made(path).map_err(|error| JournalError::at(path, &error))
+}
+
+fn made(path: &Path) -> io::Result<()> {
     use std::os::unix::fs::DirBuilderExt;
+    let named = path.ancestors().filter(|one| !one.as_os_str().is_empty());
+    let missing: Vec<&Path> = named.take_while(|one| !one.exists()).collect();
     let mut builder = fs::DirBuilder::new();
-    let made = builder.recursive(true).mode(0o700).create(path);
-    made.map_err(|error| JournalError::at(path, &error))
+    builder.recursive(true).mode(0o700).create(path)?;
+    missing.into_iter().try_for_each(sync_folder)
 }
 
 /// Drops what a writer that was killed has left.

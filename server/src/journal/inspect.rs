@@ -4,7 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::error::JournalError;
-use super::{DATABASE_FILE, FORMAT_FILE, PARTS, Stored, check_format, database, files, guarded};
+use super::layout::DATABASE_FILE;
+use super::{PARTS, Stored, database, files, guarded, layout};
 
 /// What is in a data folder.
 pub(crate) struct Inspection {
@@ -22,14 +23,7 @@ pub(crate) struct Inspection {
 
 /// Looks at a folder; changes nothing but what a crash has left half done.
 pub(crate) fn inspect(folder: &Path) -> Result<Inspection, JournalError> {
-    let format = folder.join(FORMAT_FILE);
-    if files::read(&format)?.is_none() {
-        return Err(JournalError::at(
-            folder,
-            &"no data folder: it has no file FORMAT",
-        ));
-    }
-    check_format(folder)?;
+    layout::check(folder)?;
     let path = folder.join(DATABASE_FILE);
     let mut open = database::open(&path)?;
     let is_sound = guarded(|| Ok(open.check_integrity().unwrap_or(false))).unwrap_or(false);

@@ -16,6 +16,7 @@ mod database;
 mod error;
 mod files;
 mod inspect;
+mod layout;
 mod record;
 mod retention;
 mod writer;
@@ -30,8 +31,9 @@ use crate::metrics::Metrics;
 
 pub(crate) use database::{Change, Listed, Stored};
 pub use error::JournalError;
-pub(crate) use files::Part;
+pub(crate) use files::{Part, make_folder, sync_folder};
 pub(crate) use inspect::inspect;
+use layout::DATABASE_FILE;
 pub(crate) use record::{
     StoredCheckpoint, StoredField, StoredFields, StoredMesh, StoredResult, StoredSave,
     StoredSession, StoredUpdate,
@@ -39,10 +41,6 @@ pub(crate) use record::{
 pub(crate) use retention::Limit;
 use writer::Writer;
 
-/// Of the layout of the folder, the tables and the messages in them.
-const FORMAT: u32 = 1;
-const FORMAT_FILE: &str = "FORMAT";
-const DATABASE_FILE: &str = "journal.redb";
 /// Folders in it.
 const PARTS: [&str; 2] = ["meshes", "states"];
 
@@ -117,7 +115,7 @@ impl Journal {
             files::make_folder(&folder.join(part))?;
             files::drop_parts(&folder.join(part))?;
         }
-        check_format(folder)?;
+        layout::prepare(folder)?;
         let path = folder.join(DATABASE_FILE);
         let opened = database::open(&path)?;
         guarded(|| database::make_tables(&opened))?;
@@ -262,7 +260,7 @@ impl Journal {
 
     /// As [`Journal::backup`], of a folder that no server uses. Blocks.
     pub(crate) fn copy(folder: &Path, target: &Path) -> Result<(), JournalError> {
-        check_format(folder)?;
+        layout::check(folder)?;
         let open = database::open(&folder.join(DATABASE_FILE))?;
         guarded(|| backup::copy(&open, folder, target))
     }
@@ -282,22 +280,4 @@ impl Journal {
 fn guarded<T>(work: impl FnOnce() -> Result<T, JournalError>) -> Result<T, JournalError> {
     let damaged = |_| JournalError::Damaged("a page is not as it was written".to_owned());
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).map_err(damaged)?
-}
-
-/// Reads the version of a folder, or writes it into a new one.
-fn check_format(folder: &Path) -> Result<(), JournalError> {
-    let path = folder.join(FORMAT_FILE);
-    let own = format!("signorini data {FORMAT}\n");
-    match std::fs::read_to_string(&path) {
-        Ok(text) if text == own => Ok(()),
-        Ok(text) => Err(JournalError::Version {
-            path: folder.display().to_string(),
-            found: text.trim().chars().take(80).collect(),
-            known: FORMAT,
-        }),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            files::write(&path, own.as_bytes())
-        }
-        Err(error) => Err(JournalError::at(&path, &error)),
-    }
 }
