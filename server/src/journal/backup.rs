@@ -50,6 +50,7 @@ fn make(source: &Database, folder: &Path, target: &Path) -> Result<(), JournalEr
 /// Copies a file, onto the disk.
 fn copy_bytes(from: &Path, to: &Path) -> io::Result<()> {
     fs::copy(from, to)?;
+    files::close_file(to)?;
     files::sync(to)
 }
 

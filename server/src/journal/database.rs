@@ -99,7 +99,9 @@ type Row<'a> = (
 
 /// Opens the database, which has to be there.
 pub(super) fn open(path: &Path) -> Result<Database, JournalError> {
-    opened_by(path, || builder().open(path))
+    let opened = opened_by(path, || builder().open(path))?;
+    files::close_file(path).map_err(|error| JournalError::at(path, &error))?;
+    Ok(opened)
 }
 
 /// Makes a database with every table: beside its place, where there is all of it or nothing.
@@ -113,6 +115,7 @@ pub(super) fn create(path: &Path) -> Result<(), JournalError> {
     let made = opened_by(&beside, || builder().create(&beside))?;
     make_tables(&made)?;
     drop(made);
+    files::close_file(&beside).map_err(wrong)?;
     std::fs::File::open(&beside)
         .and_then(|file| file.sync_all())
         .map_err(wrong)?;

@@ -5,10 +5,18 @@
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
+use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::error::JournalError;
+
+/// What is made may be used by its owner alone.
+const OWN_FOLDER: u32 = 0o700;
+const OWN_FILE: u32 = 0o600;
+/// Everything that others may do.
+const OTHERS: u32 = 0o077;
+const STICKY: u32 = 0o1000;
 
 /// A file that is on the disk and has no name yet; gone unless it gets one.
 pub(crate) struct Part(PathBuf);
@@ -32,7 +40,7 @@ impl Part {
         &self,
         fill: impl FnOnce(&mut dyn FnMut(&[u8]) -> io::Result<()>) -> io::Result<()>,
     ) -> io::Result<()> {
-        let mut file = BufWriter::new(File::create(&self.0)?);
+        let mut file = BufWriter::new(create(&self.0)?);
         fill(&mut |bytes| file.write_all(bytes))?;
         fail::fail_point!("file-sync", |_| Err(io::Error::other("failpoint")));
         let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
@@ -61,6 +69,13 @@ impl Drop for Part {
 
 fn unwritable(path: &Path, error: &io::Error) -> JournalError {
     JournalError::Unwritable(format!("{}: {error}", path.display()))
+}
+
+/// A new file that only its owner reads.
+fn create(path: &Path) -> io::Result<File> {
+    let mut options = File::options();
+    options.write(true).create(true).truncate(true);
+    options.mode(OWN_FILE).open(path)
 }
 
 /// Writes a file whole, in its place when the disk has it.
@@ -92,18 +107,42 @@ pub(super) fn read(path: &Path) -> Result<Option<Vec<u8>>, JournalError> {
     }
 }
 
-/// Makes a folder that only its owner reads, and those above it, on the disk too.
+/// Makes a folder that only its owner reads, and those above it, on the disk too; one that is
+/// there already is closed to others.
 pub(crate) fn make_folder(path: &Path) -> Result<(), JournalError> {
     made(path).map_err(|error| JournalError::at(path, &error))
 }
 
 fn made(path: &Path) -> io::Result<()> {
-    use std::os::unix::fs::DirBuilderExt;
     let named = path.ancestors().filter(|one| !one.as_os_str().is_empty());
     let missing: Vec<&Path> = named.take_while(|one| !one.exists()).collect();
     let mut builder = fs::DirBuilder::new();
-    builder.recursive(true).mode(0o700).create(path)?;
+    builder.recursive(true).mode(OWN_FOLDER).create(path)?;
+    close(path, OWN_FOLDER)?;
     missing.into_iter().try_for_each(sync_folder)
+}
+
+/// Closes a file to everybody but its owner.
+pub(crate) fn close_file(path: &Path) -> io::Result<()> {
+    close(path, OWN_FILE)
+}
+
+fn close(path: &Path, mode: u32) -> io::Result<()> {
+    let found = fs::metadata(path)?.permissions().mode();
+    // A folder for temporary files of everybody is none of ours, whoever owns it.
+    let is_shared = found & STICKY != 0;
+    if found & OTHERS == 0 || is_shared {
+        return Ok(());
+    }
+    match fs::set_permissions(path, fs::Permissions::from_mode(mode)) {
+        // Of another owner, or on a file system that knows no modes: whoever made it so may.
+        Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
+            let path = path.display().to_string();
+            tracing::warn!(path, "is open to others, and this user cannot close it");
+            Ok(())
+        }
+        outcome => outcome,
+    }
 }
 
 /// Drops what a writer that was killed has left.

@@ -31,7 +31,7 @@ use crate::metrics::Metrics;
 
 pub(crate) use database::{Change, Listed, Stored};
 pub use error::JournalError;
-pub(crate) use files::{Part, make_folder, sync_folder};
+pub(crate) use files::{Part, close_file, make_folder, sync_folder};
 pub(crate) use inspect::inspect;
 use layout::DATABASE_FILE;
 pub(crate) use record::{
