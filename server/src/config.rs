@@ -39,8 +39,10 @@ pub enum ConfigError {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
 #[serde(rename_all = "lowercase")]
 pub enum LogFormat {
-    /// For people.
+    /// For people where stderr is a terminal, for programs elsewhere.
     #[default]
+    Auto,
+    /// For people.
     Text,
     /// One JSON object a line, for programs.
     Json,
@@ -173,7 +175,7 @@ impl Default for Config {
             data: String::new(),
             data_bytes: 0,
             data_seconds: 0,
-            log_format: LogFormat::Text,
+            log_format: LogFormat::Auto,
             log_level: LogLevel::Info,
         }
     }

@@ -45,6 +45,7 @@ mod metrics;
 mod metrics_page;
 mod planning;
 mod registry;
+mod request_id;
 mod results;
 mod retry;
 mod serve;

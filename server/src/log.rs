@@ -33,15 +33,21 @@ pub fn start_log(config: &Config) -> Option<LogSwitch> {
         .with_env_filter(filter)
         .with_writer(std::io::stderr);
     // A subscriber that is set already keeps its place.
-    let switch = match config.log_format {
-        LogFormat::Json => {
+    let is_terminal = std::io::stderr().is_terminal();
+    let is_text = match config.log_format {
+        LogFormat::Auto => is_terminal,
+        LogFormat::Text => true,
+        LogFormat::Json => false,
+    };
+    let switch = match is_text {
+        false => {
             let lines = lines.json().flatten_event(true).with_filter_reloading();
             let handle = lines.reload_handle();
             let change = move |filter| handle.reload(filter).is_ok();
             lines.try_init().map(|()| LogSwitch(Box::new(change)))
         }
-        LogFormat::Text => {
-            let colours = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+        true => {
+            let colours = is_terminal && std::env::var_os("NO_COLOR").is_none();
             let fields = debug_fn(write_field).delimited(" ");
             let lines = lines.with_ansi(colours).fmt_fields(fields);
             let lines = lines.with_filter_reloading();

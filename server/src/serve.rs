@@ -36,6 +36,7 @@ use crate::listen::{ListenError, Listener, Socket};
 use crate::metrics::{COMMIT, Metrics};
 use crate::metrics_page::{self, Page};
 use crate::registry::Registry;
+use crate::request_id::IdentifyCalls;
 use crate::service::mesh::Meshes;
 use crate::service::session::Sessions;
 use crate::service::surface::SurfaceDoor;
@@ -45,7 +46,9 @@ use crate::store::Store;
 use crate::surfaces::Surfaces;
 use crate::transport::Reasoned;
 
-type GuardedRouter = Router<Stack<GateMessages, Stack<Authorize, Stack<CountCalls, Identity>>>>;
+type GuardedRouter = Router<
+    Stack<GateMessages, Stack<Authorize, Stack<CountCalls, Stack<IdentifyCalls, Identity>>>>,
+>;
 
 const STREAM_WINDOW_BYTES: u32 = 1 << 20;
 const CONNECTION_WINDOW_BYTES: u32 = 4 << 20;
@@ -265,6 +268,7 @@ async fn router(
         v1alpha.transpose().map_err(wrong)?,
     );
     let router = Server::builder()
+        .layer(IdentifyCalls)
         .layer(CountCalls(Arc::new(methods)))
         .layer(Authorize {
             access: access.clone(),

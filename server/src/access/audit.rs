@@ -5,9 +5,11 @@ use tonic::{Code, Status};
 
 use super::Caller;
 use crate::client_key::ClientKey;
+use crate::request_id::RequestId;
 
 /// The line of a call, written when its outcome is known, or when it is dropped without one.
 pub(super) struct Line {
+    id: RequestId,
     client: ClientKey,
     caller: Option<Caller>,
     /// `SessionService/Solve`.
@@ -17,9 +19,15 @@ pub(super) struct Line {
 
 impl Line {
     /// Of a call to `path`; no caller: one that was not let in.
-    pub(super) fn new(client: ClientKey, caller: Option<&Caller>, path: &str) -> Self {
+    pub(super) fn new(
+        id: RequestId,
+        client: ClientKey,
+        caller: Option<&Caller>,
+        path: &str,
+    ) -> Self {
         let what = path.rsplit_once('.').map_or(path, |(_, what)| what);
         Self {
+            id,
             client,
             caller: caller.cloned(),
             what: what.to_owned(),
@@ -40,8 +48,11 @@ impl Line {
         if std::mem::replace(&mut self.is_written, true) {
             return;
         }
+        // Without the span of the call, which is there at some levels of the log only.
         tracing::info!(
             target: "audit",
+            parent: None,
+            request = self.id.as_str(),
             who = %self.client,
             what = self.what,
             about = self.caller.as_ref().map_or("", Caller::about),

@@ -18,6 +18,7 @@ use super::{Access, Caller, Entry, TokenFile};
 use crate::client_key::{ClientIdentity, Peer};
 use crate::fault::Fault;
 use crate::metrics::Metrics;
+use crate::request_id::RequestId;
 use crate::status;
 
 const SCHEME: &str = "bearer ";
@@ -64,8 +65,9 @@ where
         let admitted = self.asked.admit(&mut request, need);
         let peer = request.extensions().get::<Peer>().copied();
         let client = peer.unwrap_or(Peer::UNKNOWN).client;
-        let line =
-            (effect == Effect::Changes).then(|| Line::new(client, admitted.as_ref().ok(), &path));
+        let id = RequestId::of(&request);
+        let line = (effect == Effect::Changes)
+            .then(|| Line::new(id, client, admitted.as_ref().ok(), &path));
         if let Err(fault) = admitted {
             let refusal = self.asked.refuse(fault);
             return Box::pin(async move { Ok(audited(refusal, line)) });
