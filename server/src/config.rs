@@ -133,10 +133,10 @@ pub struct Config {
     /// Data folder: sessions, their updates and results, and meshes outlive the server
     /// in it; empty: nothing does.
     pub data: String,
-    /// Bytes of results in the data folder, beyond which the oldest go, but for those
+    /// Bytes of results and imported states in the data folder, beyond which the oldest go, but for those
     /// that a session needs; 0: no limit.
     pub data_bytes: u64,
-    /// Seconds after which results in the data folder go, but for those that a session
+    /// Seconds after which results and imported states in the data folder go, but for those that a session
     /// needs; 0: never.
     pub data_seconds: u64,
     /// How the lines of the log are written, for [`crate::start_log`].

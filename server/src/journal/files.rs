@@ -107,6 +107,16 @@ pub(super) fn read(path: &Path) -> Result<Option<Vec<u8>>, JournalError> {
     }
 }
 
+/// Removes a file, if it is there.
+pub(super) fn remove(path: &Path) -> Result<(), JournalError> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(JournalError::at(path, &error))
+        }
+        Ok(()) | Err(_) => Ok(()),
+    }
+}
+
 /// Makes a folder that only its owner reads, and those above it, on the disk too; one that is
 /// there already is closed to others.
 pub(crate) fn make_folder(path: &Path) -> Result<(), JournalError> {

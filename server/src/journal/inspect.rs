@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::JournalError;
 use super::layout::DATABASE_FILE;
-use super::{PARTS, Stored, database, files, guarded, layout};
+use super::{PARTS, Stored, database, guarded, layout};
 
 /// What is in a data folder.
 pub(crate) struct Inspection {

@@ -19,6 +19,7 @@ mod inspect;
 mod layout;
 mod record;
 mod retention;
+mod states;
 mod writer;
 
 use std::path::{Path, PathBuf};
@@ -110,9 +111,9 @@ impl Journal {
     /// [`JournalError`] for a folder that cannot be used, is used already, has another
     /// format or is damaged.
     pub(crate) fn open(folder: &Path, metrics: &Arc<Metrics>) -> Result<Self, JournalError> {
-        files::make_folder(folder)?;
+        make_folder(folder)?;
         for part in PARTS {
-            files::make_folder(&folder.join(part))?;
+            make_folder(&folder.join(part))?;
             files::drop_parts(&folder.join(part))?;
         }
         layout::prepare(folder)?;
@@ -125,11 +126,13 @@ impl Journal {
         });
         let writer = Writer::start(Arc::clone(&database), metrics)
             .map_err(|error| JournalError::at(folder, &error))?;
-        Ok(Self {
+        let journal = Self {
             folder: folder.to_owned(),
             database,
             writer,
-        })
+        };
+        journal.match_states()?;
+        Ok(journal)
     }
 
     /// Hands changes of the session `name` to the disk, in order; `done` is called once.
@@ -196,12 +199,7 @@ impl Journal {
 
     /// Drops the file of a mesh. Blocks.
     pub(crate) fn drop_mesh(&self, id: MeshId) -> Result<(), JournalError> {
-        let path = self.mesh_file(id);
-        match std::fs::remove_file(&path) {
-            Ok(()) => Ok(()),
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
-            Err(error) => Err(JournalError::at(&path, &error)),
-        }
+        files::remove(&self.mesh_file(id))
     }
 
     /// The file of a mesh.
@@ -222,31 +220,18 @@ impl Journal {
         part.keep(&self.mesh_file(id))
     }
 
-    /// Writes a state into its file; `digest` was computed from its bytes. Blocks.
-    pub(crate) fn write_state(&self, digest: &str, bytes: &[u8]) -> Result<(), JournalError> {
-        files::write(&self.state_file(digest), bytes)
-    }
-
-    /// The bytes of a state's file; none where there is no such file. Blocks.
-    pub(crate) fn read_state(&self, digest: &str) -> Result<Option<Vec<u8>>, JournalError> {
-        files::read(&self.state_file(digest))
-    }
-
-    fn state_file(&self, digest: &str) -> PathBuf {
-        self.folder.join("states").join(digest)
-    }
-
-    /// Drops results that the limit does not allow to stay; how many sessions have lost
-    /// some. Blocks.
+    /// Drops results and states that the limit does not allow to stay; how many sessions have
+    /// lost some. Blocks.
     pub(crate) fn trim(&self, limit: Limit) -> Result<usize, JournalError> {
         let outdated = self
             .database
             .with(|open| retention::outdated(open, limit))?;
-        for (name, first) in &outdated {
+        for (name, first) in &outdated.results {
             let dropped = vec![Change::DropResults(*first)];
             self.submit(name, dropped, Urgency::Soon, Box::new(|_| {}));
         }
-        Ok(outdated.len())
+        self.drop_states(outdated.states)?;
+        Ok(outdated.results.len())
     }
 
     /// Copies everything as it is now into `target`, which must not exist. Blocks.
@@ -262,6 +247,8 @@ impl Journal {
     pub(crate) fn copy(folder: &Path, target: &Path) -> Result<(), JournalError> {
         layout::check(folder)?;
         let open = database::open(&folder.join(DATABASE_FILE))?;
+        // A table that a later build than the folder's last one knows.
+        guarded(|| database::make_tables(&open))?;
         guarded(|| backup::copy(&open, folder, target))
     }
 

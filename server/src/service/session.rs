@@ -198,7 +198,8 @@ impl SessionService for Sessions {
         let caller = Caller::of(&request);
         respond(&self.registry, async {
             self.registry.check_open()?;
-            let made = state::import(&self.services, &self.states, request.into_inner()).await?;
+            let kept = (&self.states, caller.name());
+            let made = state::import(&self.services, kept, request.into_inner()).await?;
             caller.note(&made.state);
             Ok(made)
         })
