@@ -147,6 +147,8 @@ impl JobQueue {
                 return Some(begun);
             }
             if state.closed && state.jobs.len() == 0 {
+                // The other seats wait for work that this one may just have ended.
+                self.arrived.notify_all();
                 return None;
             }
             state.idle += 1;
@@ -282,6 +284,8 @@ impl JobQueue {
                 let own =
                     |one: &Waiting| matches!(one.work, Work::Resume(number) if number == ticket);
                 state.jobs.remove(flow, own);
+                // It may have been what kept seats of a closed queue waiting.
+                self.arrived.notify_all();
                 break;
             }
             let waited = self.arrived.wait_timeout(state, LOOK);

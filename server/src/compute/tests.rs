@@ -142,3 +142,36 @@ fn a_job_that_is_stopped_while_it_pauses_ends_without_a_slot() {
     blocking.recv_timeout(WAIT).unwrap().unwrap();
     solvers.close();
 }
+
+#[test]
+fn a_paused_job_that_is_stopped_at_the_end_leaves_no_seat_waiting() {
+    let solvers = Arc::new(slots(1, 0, 1));
+    let (stop, paused) = endless(&solvers, flow(1, 1));
+    let (stop_other, other) = endless(&solvers, flow(3, 3));
+    let (release, released) = mpsc::channel::<()>();
+    let (entered, has_entered) = mpsc::channel();
+    let blocking = start(&solvers, flow(2, 2), Length::Short, move |_| {
+        entered.send(()).unwrap();
+        released.recv().unwrap_err();
+    });
+    has_entered.recv_timeout(WAIT).unwrap();
+    // Its seat has nothing to do from here on.
+    drop(stop_other);
+    other.recv_timeout(WAIT).unwrap().unwrap();
+    let (closed, has_closed) = mpsc::channel();
+    let closing = Arc::clone(&solvers);
+    let seats = solvers.queue.lock().threads.len();
+    std::thread::spawn(move || {
+        closing.close();
+        closed.send(()).unwrap();
+    });
+    // It waits for the first of its threads once everybody has been told.
+    while solvers.queue.lock().threads.len() == seats {
+        std::thread::yield_now();
+    }
+    drop(stop);
+    paused.recv_timeout(WAIT).unwrap().unwrap();
+    drop(release);
+    blocking.recv_timeout(WAIT).unwrap().unwrap();
+    has_closed.recv_timeout(WAIT).unwrap();
+}
