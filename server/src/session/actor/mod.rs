@@ -408,16 +408,22 @@ impl Actor {
 
     /// Stops everything; [`Actor::over`] says when that has happened.
     fn end(&mut self, ending: SessionEnd) {
-        let goes_on_later = self.log.is_kept() && ending.is_interruption();
+        let is_interruption = self.log.is_kept() && ending.is_interruption();
         self.ending.get_or_insert(ending);
         self.stop_preparing.cancel();
-        if goes_on_later {
+        if is_interruption {
             return self.interrupt();
         }
         for dropped in self.queue.keep_current() {
             self.reject(dropped.sequence, &self.parting());
         }
         self.cancel(0);
+    }
+
+    /// Whether it ends here and comes back out of the data folder.
+    fn goes_on_later(&self) -> bool {
+        let ending = self.ending.as_ref();
+        self.log.is_kept() && ending.is_some_and(SessionEnd::is_interruption)
     }
 
     fn parting(&self) -> Fault {
