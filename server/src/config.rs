@@ -2,6 +2,7 @@
 //! default. Unknown keys are errors.
 
 mod nearest;
+mod sources;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -11,6 +12,8 @@ use serde::{Deserialize, Serialize};
 use crate::compute::Slots;
 use crate::journal::Limit;
 use crate::limits;
+
+pub use sources::{Flags, Settings};
 
 /// Used when the machine's memory cannot be read.
 const FALLBACK_BUDGET_BYTES: u64 = 8 << 30;
@@ -25,6 +28,14 @@ pub enum ConfigError {
     /// Not TOML, an unknown key or a wrong type.
     #[error("{0}")]
     Syntax(String),
+    /// A file or a variable that cannot be used.
+    #[error("{origin}: {why}")]
+    At {
+        /// The file or variable.
+        origin: String,
+        /// What is wrong with it.
+        why: String,
+    },
     /// A value outside its range.
     #[error("{key}: must be {range}")]
     Range {
@@ -204,14 +215,18 @@ impl Config {
 
     /// Every key with its value as TOML writes it, in alphabetical order.
     pub fn keys(&self) -> Vec<(String, String)> {
-        // A flat struct of numbers and texts is always a table.
-        let table = toml::Table::try_from(self).unwrap_or_default();
-        let mut keys: Vec<_> = table
+        let mut keys: Vec<_> = self
+            .table()
             .into_iter()
             .map(|(key, value)| (key, value.to_string()))
             .collect();
         keys.sort_unstable();
         keys
+    }
+
+    fn table(&self) -> toml::Table {
+        // A flat struct of numbers and texts is always a table.
+        toml::Table::try_from(self).unwrap_or_default()
     }
 
     /// Checks every range.

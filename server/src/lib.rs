@@ -61,7 +61,7 @@ mod wake;
 
 pub use access::{AccessError, Entry, NewToken, Role, TokenFile};
 pub use client_name::{ClientName, ClientNameError};
-pub use config::{Config, ConfigError, LogFormat, LogLevel};
+pub use config::{Config, ConfigError, Flags, LogFormat, LogLevel, Settings};
 pub use control::{BackupError, backup, restore};
 pub use doctor::{Doctor, Finding, Health, doctor};
 pub use fsck::{Fsck, fsck};

@@ -7,8 +7,9 @@ use crate::exit::{Exit, Failure};
 pub(super) async fn run(arguments: ServeArguments) -> Result<Exit, Failure> {
     use signorini_server::{Listener, follow_log_level, serve_and_tell, start_log};
 
-    let (config, _) = super::config::resolved(arguments.clone())?;
-    let level = move || level(arguments.clone());
+    let flags = arguments.flags;
+    let config = super::config::resolved(&flags)?.config;
+    let level = move || flags.log_level_now().map_err(|error| error.to_string());
     tokio::spawn(follow_log_level(start_log(&config), level));
     let usage = |error: &dyn std::error::Error| Failure::new(Exit::Usage, error.to_string());
     let listener = Listener::bind(&config)
@@ -22,18 +23,6 @@ pub(super) async fn run(arguments: ServeArguments) -> Result<Exit, Failure> {
         .map_err(|error| Failure::new(Exit::Server, error.to_string()))?;
     told?;
     Ok(Exit::Ok)
-}
-
-/// The level of the log that the settings name now; none where no file names one.
-#[cfg(feature = "embedded")]
-fn level(arguments: ServeArguments) -> Result<Option<signorini_server::LogLevel>, String> {
-    if arguments.config.is_none() {
-        return Ok(None);
-    }
-    match super::config::resolved(arguments) {
-        Ok((config, _)) => Ok(Some(config.log_level)),
-        Err(failure) => Err(failure.line()),
-    }
 }
 
 /// Ends with the first interrupt or termination signal; the second one quits.
