@@ -7,7 +7,7 @@ use std::sync::Arc;
 use std::task::{Context, Poll};
 
 use tonic::body::Body;
-use tonic::codegen::http::{self, HeaderName, HeaderValue};
+use tonic::codegen::http::{self, Extensions, HeaderName, HeaderValue};
 use tonic::codegen::{BoxFuture, Service};
 use tower::Layer;
 use tracing::Instrument as _;
@@ -22,8 +22,8 @@ pub(crate) struct RequestId(Arc<str>);
 
 impl RequestId {
     /// That of a request which has passed [`IdentifyCalls`].
-    pub(crate) fn of<T>(request: &http::Request<T>) -> Self {
-        let found = request.extensions().get::<Self>();
+    pub(crate) fn of(extensions: &Extensions) -> Self {
+        let found = extensions.get::<Self>();
         found.map_or_else(Self::new, Clone::clone)
     }
 

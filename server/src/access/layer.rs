@@ -12,10 +12,11 @@ use tonic::body::Body;
 use tonic::codegen::{BoxFuture, Service, http};
 use tower::Layer;
 
-use super::audit::Line;
+use super::audit::{Line, Who};
 use super::table::{Effect, Need, rule};
 use super::{Access, Caller, Entry, TokenFile};
 use crate::client_key::{ClientIdentity, Peer};
+use crate::client_name::ClientName;
 use crate::fault::Fault;
 use crate::metrics::Metrics;
 use crate::request_id::RequestId;
@@ -65,9 +66,15 @@ where
         let admitted = self.asked.admit(&mut request, need);
         let peer = request.extensions().get::<Peer>().copied();
         let client = peer.unwrap_or(Peer::UNKNOWN).client;
-        let id = RequestId::of(&request);
-        let line = (effect == Effect::Changes)
-            .then(|| Line::new(id, client, admitted.as_ref().ok(), &path));
+        let who = Who {
+            id: RequestId::of(request.extensions()),
+            client,
+            caller: admitted
+                .as_ref()
+                .map_or_else(|_| Caller::nobody(), Clone::clone),
+        };
+        let line = (effect == Effect::Changes).then(|| Line::new(who.clone(), &path));
+        request.extensions_mut().insert(who);
         if let Err(fault) = admitted {
             let refusal = self.asked.refuse(fault);
             return Box::pin(async move { Ok(audited(refusal, line)) });
@@ -87,6 +94,8 @@ impl Authorize {
             (Some(tokens), Need::Role(needed)) => {
                 let tokens = tokens.sender.subscribe();
                 let entry = entry(&tokens.borrow(), request)?;
+                // Before the role is looked at: a refusal has a name, too.
+                name(request, entry.name());
                 if entry.role() < needed {
                     let (role, needed) = (entry.role().name(), needed.name());
                     return Err(Fault::PermissionDenied { role, needed });
@@ -94,10 +103,6 @@ impl Authorize {
                 Caller::known(entry, tokens)
             }
         };
-        let name = caller.name().map(ClientIdentity::Named);
-        if let (Some(name), Some(peer)) = (name, request.extensions_mut().get_mut::<Peer>()) {
-            peer.client.identity = name;
-        }
         request.extensions_mut().insert(caller.clone());
         Ok(caller)
     }
@@ -107,6 +112,13 @@ impl Authorize {
         self.metrics.refused(reason);
         tracing::info!(reason, why = status::text(&fault), "request refused");
         Status::from(fault).into_http()
+    }
+}
+
+/// Gives the share of a name to a request that has proved it.
+fn name(request: &mut http::Request<Body>, name: ClientName) {
+    if let Some(peer) = request.extensions_mut().get_mut::<Peer>() {
+        peer.client.identity = ClientIdentity::Named(name);
     }
 }
 

@@ -23,6 +23,7 @@ use std::sync::Arc;
 use tokio::sync::watch;
 
 use crate::config::Config;
+pub(crate) use audit::Who;
 pub(crate) use caller::Caller;
 pub(crate) use layer::Authorize;
 pub(crate) use owners::Owners;

@@ -13,7 +13,7 @@ use tokio_stream::{Stream, StreamExt};
 use tonic::{Request, Response, Status, Streaming};
 
 use super::{page_size, respond, state, timeout};
-use crate::access::Caller;
+use crate::access::{Caller, Who};
 use crate::client_key::ClientKey;
 use crate::convert::field::{self, Encoding};
 use crate::convert::{mesh, report, step, wide};
@@ -104,6 +104,7 @@ impl SessionService for Sessions {
         let call = streams::Call {
             caller: Caller::of(&request),
             client: ClientKey::of(&request),
+            who: Who::of(request.extensions()),
             timeout: timeout::of(request.metadata()),
         };
         let answers = streams::open_solve(&self.registry, request.into_inner(), call);

@@ -72,9 +72,7 @@ async fn a_hangup_takes_up_the_level_of_the_log_and_a_faulty_file_leaves_it() {
     let write = |text: &str| std::fs::write(folder.join("server.toml"), text).unwrap();
     let hang_up = || {
         let id = process.id().to_string();
-        let sent = std::process::Command::new("kill")
-            .args(["-HUP", &id])
-            .status();
+        let sent = Command::new("kill").args(["-HUP", &id]).status();
         assert!(sent.unwrap().success());
     };
     write("metrics_listen = \"\"\nlog_level = \"info\"\n");
@@ -103,7 +101,12 @@ async fn a_hangup_of_a_server_that_has_nothing_to_reload_is_told_and_ends_nothin
         let mut process = command.spawn().unwrap();
         let server = Server::beside(&socket).await;
         let id = process.id().to_string();
-        let send = |signal| Command::new("kill").args([signal, &id]).status().unwrap();
+        let send = |signal: &str| {
+            Command::new("kill")
+                .args([signal, id.as_str()])
+                .status()
+                .unwrap()
+        };
         assert!(send("-HUP").success());
         let mut lines = BufReader::new(process.stderr.take().unwrap()).lines();
         let told = lines.find(|line| line.as_ref().unwrap().contains("nothing to reload"));
