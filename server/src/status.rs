@@ -10,7 +10,7 @@ use signorini::scene::Violation;
 use tonic::Code;
 use tonic_types::pb;
 
-use crate::fault::Fault;
+use crate::fault::{FailureCause, Fault};
 use crate::retry;
 
 /// Encoded size that no status reaches.
@@ -158,8 +158,13 @@ fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
         | Fault::SessionExpired(name)
         | Fault::SessionExists(name)
         | Fault::SessionDeleted(name)
-        | Fault::SessionDamaged { name, .. }
-        | Fault::SessionFailed { name, .. } => vec![("session", name.clone())],
+        | Fault::SessionDamaged { name, .. } => vec![("session", name.clone())],
+        Fault::SessionFailed { name, cause, .. } => {
+            let memory = matches!(cause, FailureCause::Memory);
+            let cause = memory.then(|| ("cause", "memory".to_owned()));
+            let session = ("session", name.clone());
+            std::iter::once(session).chain(cause).collect()
+        }
         Fault::StateNotFound(name) => vec![("state", name.clone())],
         Fault::Interrupted | Fault::Unwritable(_) => vec![("resumes", "true".to_owned())],
         Fault::SessionBusy { held_since, .. } => vec![("held_since", held_since.to_string())],
@@ -338,6 +343,7 @@ mod tests {
             Fault::SessionDeleted(_) => Fault::SessionFailed {
                 name: text.clone(),
                 why: text,
+                cause: FailureCause::Memory,
             },
             Fault::SessionFailed { .. } => Fault::StepNotFound {
                 name: text,

@@ -39,7 +39,7 @@ use super::{Services, SessionEnd, SessionSpec};
 use crate::client_key::ClientKey;
 use crate::compute::{Length, Panicked};
 use crate::config::LONGEST_SECONDS;
-use crate::fault::Fault;
+use crate::fault::{FailureCause, Fault};
 use crate::results::iterations::Iterations;
 use crate::results::kept::Kept;
 use crate::results::readers::{Fresh, Reader};
@@ -55,7 +55,22 @@ enum Place {
     Away(Handoff),
     /// With a solver thread whose step is answered already.
     Behind,
-    Lost(String),
+    Lost(Loss),
+}
+
+/// Why there is no state any more.
+struct Loss {
+    why: String,
+    cause: FailureCause,
+}
+
+impl Loss {
+    fn by_a_defect() -> Self {
+        Self {
+            why: "a defect of the server; its log says more".to_owned(),
+            cause: FailureCause::Other,
+        }
+    }
 }
 
 /// The stream that writes.
@@ -256,7 +271,10 @@ impl Actor {
             Event::Prepared(Err(error)) => {
                 self.spec.prepared = None;
                 tracing::warn!(cause = error.to_string(), "preparation failed");
-                self.place = Place::Lost(error.to_string());
+                self.place = Place::Lost(Loss {
+                    why: error.to_string(),
+                    cause: error.cause(),
+                });
             }
             Event::Advanced(outcome) => self.advanced(outcome),
             Event::Deadline(sequence) => self.deadline(sequence),
@@ -292,7 +310,7 @@ impl Actor {
             }
             Err(panicked) => {
                 tracing::error!(said = panicked.0, "a defect beside a step");
-                self.place = Place::Lost("a defect of the server; its log says more".to_owned());
+                self.place = Place::Lost(Loss::by_a_defect());
                 self.finish_stopped(Termination::InternalError);
             }
         }
@@ -301,12 +319,7 @@ impl Actor {
     /// Does what can be done next.
     fn proceed(&mut self) {
         self.stop_here();
-        if let Place::Lost(why) = &self.place {
-            let name = self.spec.name.clone();
-            let fault = Fault::SessionFailed {
-                name,
-                why: why.clone(),
-            };
+        if let Some(fault) = self.failure() {
             self.refuse_all(&fault);
             self.refuse_exports(&fault);
         } else if self.export() {
