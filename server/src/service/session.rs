@@ -1,6 +1,5 @@
 //! `SessionService`.
 
-use std::pin::Pin;
 use std::sync::Arc;
 use std::time::SystemTime;
 
@@ -9,9 +8,9 @@ use prost::Message;
 use signorini::Rounding;
 use signorini_proto::v1::{self as wire, session_service_server::SessionService};
 use tokio_stream::wrappers::ReceiverStream;
-use tokio_stream::{Stream, StreamExt};
 use tonic::{Request, Response, Status, Streaming};
 
+use super::paced::{Messages, paced};
 use super::{page_size, respond, state, timeout};
 use crate::access::{Caller, Who};
 use crate::client_key::ClientKey;
@@ -28,8 +27,6 @@ use crate::streams;
 
 const MAXIMUM_REQUEST_ID_BYTES: usize = 64;
 const MAXIMUM_SCENE_BYTES: usize = 3 << 20;
-
-type Messages<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;
 
 /// The service.
 pub(crate) struct Sessions {
@@ -153,9 +150,7 @@ impl SessionService for Sessions {
         respond(&self.registry, async {
             let name = request.into_inner().name;
             let handle = self.registry.get(&caller, &name).await?;
-            let slices = state::export(handle).await?;
-            let stream: Self::ExportStateStream = Box::pin(tokio_stream::iter(slices.map(Ok)));
-            Ok(stream)
+            Ok(paced(state::export(handle).await?))
         })
         .await
     }
@@ -391,10 +386,9 @@ impl Sessions {
             let first = wire::read_step_response::Message::StepFinished(finished);
             std::iter::once(first).chain(chunks.map(wire::read_step_response::Message::Field))
         });
-        let responses = all.map(|message| wire::ReadStepResponse {
+        Ok(paced(all.map(|message| wire::ReadStepResponse {
             message: Some(message),
-        });
-        Ok(Box::pin(tokio_stream::iter(responses).map(Ok)))
+        })))
     }
 }
 
