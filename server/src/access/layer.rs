@@ -61,6 +61,11 @@ where
     }
 
     fn call(&mut self, mut request: http::Request<Body>) -> Self::Future {
+        if !is_grpc(request.headers()) {
+            let mut refusal = http::Response::new(Body::default());
+            *refusal.status_mut() = http::StatusCode::UNSUPPORTED_MEDIA_TYPE;
+            return Box::pin(async move { Ok(refusal) });
+        }
         let path = request.uri().path().to_owned();
         let (_, need, effect) = rule(&path);
         let admitted = self.asked.admit(&mut request, need);
@@ -115,6 +120,15 @@ impl Authorize {
     }
 }
 
+/// Whether a request is a call: `application/grpc`, with a kind of messages or parameters behind
+/// it or not (gRPC over HTTP/2). Pages of browsers post other types.
+fn is_grpc(headers: &http::HeaderMap) -> bool {
+    let kind = headers.get(http::header::CONTENT_TYPE);
+    let kind = kind.and_then(|kind| kind.to_str().ok()).unwrap_or_default();
+    let rest = kind.strip_prefix("application/grpc");
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['+', ';']))
+}
+
 /// Gives the share of a name to a request that has proved it.
 fn name(request: &mut http::Request<Body>, name: ClientName) {
     if let Some(peer) = request.extensions_mut().get_mut::<Peer>() {
@@ -162,6 +176,25 @@ fn audited(response: http::Response<Body>, line: Option<Line>) -> http::Response
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_grpc_is_a_call() {
+        let asked = |kind: &'static str| {
+            let kind = http::HeaderValue::from_static(kind);
+            is_grpc(&[(http::header::CONTENT_TYPE, kind)].into_iter().collect())
+        };
+        for good in [
+            "application/grpc",
+            "application/grpc+proto",
+            "application/grpc;x=y",
+        ] {
+            assert!(asked(good), "{good}");
+        }
+        for bad in ["", "text/html", "application/json", "application/grpc-web"] {
+            assert!(!asked(bad), "{bad}");
+        }
+        assert!(!is_grpc(&http::HeaderMap::new()));
+    }
 
     #[test]
     fn only_a_bearer_has_a_token() {
