@@ -98,6 +98,14 @@ pub struct Config {
     /// Sessions that one name of the token file may have at one time; 0: as many as there
     /// may be.
     pub maximum_client_sessions: usize,
+    /// Bytes that the sessions of one client may hold in memory when it makes one more; 0: as
+    /// many as there may be.
+    pub maximum_client_bytes: u64,
+    /// Calls of one client in a second, over a while: twice as many may come at once; 0: no
+    /// limit. A stream is one call.
+    pub maximum_client_calls_per_second: u32,
+    /// Slots that one client may have at one time; 0: all.
+    pub maximum_client_slots: usize,
     /// Whether reflection is served, on a server with tokens to those who have one.
     pub reflection: bool,
     /// Whether gRPC health is served, to everybody who reaches the address.
@@ -165,6 +173,9 @@ impl Default for Config {
             tls_client_ca: String::new(),
             tokens: String::new(),
             maximum_client_sessions: 0,
+            maximum_client_bytes: 0,
+            maximum_client_calls_per_second: 0,
+            maximum_client_slots: 0,
             reflection: true,
             health: true,
             metrics_listen: "127.0.0.1:9464".to_owned(),
@@ -297,6 +308,10 @@ impl Config {
         Slots {
             count: self.solver_slots,
             short: self.short_slots.min(self.solver_slots.saturating_sub(1)),
+            of_client: match self.maximum_client_slots {
+                0 => self.solver_slots,
+                slots => slots,
+            },
             threads: self.threads(),
         }
     }
@@ -317,6 +332,14 @@ impl Config {
     pub(crate) fn budget(&self) -> u64 {
         match self.memory_budget_bytes {
             0 => limits::memory_bytes().map_or(FALLBACK_BUDGET_BYTES, |bytes| bytes / 4 * 3),
+            bytes => bytes,
+        }
+    }
+
+    /// Bytes that the sessions of one client may hold.
+    pub(crate) fn client_bytes(&self) -> u64 {
+        match self.maximum_client_bytes {
+            0 => u64::MAX,
             bytes => bytes,
         }
     }

@@ -60,6 +60,8 @@ pub(crate) enum Fault {
     QueueFull { limit: usize },
     #[error("{limit} sessions exist already; delete one")]
     SessionLimit { limit: usize },
+    #[error("one client may make {limit} calls a second")]
+    CallRate { limit: u32 },
     #[error("{what}: at most {limit} are allowed")]
     MessageLimit { what: String, limit: u64 },
     #[error("the deadline of the stream has passed")]

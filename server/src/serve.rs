@@ -24,7 +24,7 @@ use tonic_health::server::HealthReporter;
 use tower::layer::util::{Identity, Stack};
 
 use crate::accept::{self, Door, Source};
-use crate::access::{self, Access, AccessError, Authorize, Certificates};
+use crate::access::{self, Access, AccessError, Authorize, CallRates, Certificates};
 use crate::calls::{CountCalls, Methods};
 use crate::compute::SolverThreads;
 use crate::config::{Config, ConfigError};
@@ -272,6 +272,9 @@ async fn router(
         .layer(CountCalls(Arc::new(methods)))
         .layer(Authorize {
             access: access.clone(),
+            rates: Arc::new(CallRates::new(
+                services.config.maximum_client_calls_per_second,
+            )),
             metrics: Arc::clone(&services.metrics),
         })
         .layer(GateMessages(Arc::clone(&services.gates.decode)))

@@ -35,7 +35,7 @@ pub(crate) fn reason(fault: &Fault) -> &'static str {
 }
 
 /// Every reason, in the order of the faults.
-pub(crate) const REASONS: [&str; 32] = [
+pub(crate) const REASONS: [&str; 33] = [
     "SCENE_INVALID",
     "UNSUPPORTED_COMBINATION",
     "REQUEST_INVALID",
@@ -58,6 +58,7 @@ pub(crate) const REASONS: [&str; 32] = [
     "MEMORY_BUDGET",
     "QUEUE_FULL",
     "SESSION_LIMIT",
+    "CALL_RATE",
     "MESSAGE_LIMIT",
     "STREAM_DEADLINE",
     "SHUTTING_DOWN",
@@ -124,6 +125,7 @@ fn contract(fault: &Fault) -> (Code, &'static str) {
         Fault::MemoryBudget { .. } => (Code::ResourceExhausted, "MEMORY_BUDGET"),
         Fault::QueueFull { .. } => (Code::ResourceExhausted, "QUEUE_FULL"),
         Fault::SessionLimit { .. } => (Code::ResourceExhausted, "SESSION_LIMIT"),
+        Fault::CallRate { .. } => (Code::ResourceExhausted, "CALL_RATE"),
         Fault::MessageLimit { .. } => (Code::ResourceExhausted, "MESSAGE_LIMIT"),
         Fault::StreamDeadline => (Code::DeadlineExceeded, "STREAM_DEADLINE"),
         Fault::ShuttingDown => (Code::Unavailable, "SHUTTING_DOWN"),
@@ -183,6 +185,7 @@ fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
         Fault::QueueFull { limit } | Fault::SessionLimit { limit } => {
             vec![("limit", limit.to_string())]
         }
+        Fault::CallRate { limit } => vec![("limit", limit.to_string())],
         Fault::MessageLimit { what, limit } => {
             vec![("what", what.clone()), ("limit", limit.to_string())]
         }
@@ -254,6 +257,7 @@ fn retry_info(fault: &Fault) -> Option<Any> {
         fault,
         Fault::QueueFull { .. }
             | Fault::SessionLimit { .. }
+            | Fault::CallRate { .. }
             | Fault::MemoryBudget { .. }
             | Fault::ShuttingDown
             | Fault::Interrupted
@@ -364,7 +368,8 @@ mod tests {
             },
             Fault::MemoryBudget { .. } => Fault::QueueFull { limit: many },
             Fault::QueueFull { .. } => Fault::SessionLimit { limit: many },
-            Fault::SessionLimit { .. } => Fault::MessageLimit {
+            Fault::SessionLimit { .. } => Fault::CallRate { limit: u32::MAX },
+            Fault::CallRate { .. } => Fault::MessageLimit {
                 what: text,
                 limit: u64::MAX,
             },

@@ -14,6 +14,7 @@ use signorini::plan::PreparedKey;
 use signorini::prepare::Prepared;
 
 use crate::access::{Caller, Owners};
+use crate::client_key::ClientIdentity;
 use crate::convert::mesh::{MeshUse, name};
 use crate::fault::Fault;
 use crate::metrics::{Kind, Metrics};
@@ -69,6 +70,13 @@ struct PreparedEntry {
     entry: Entry<Prepared>,
 }
 
+/// For whom bytes are counted, and how many that one may hold.
+#[derive(Clone, Copy)]
+pub(crate) struct Account {
+    pub(crate) client: ClientIdentity,
+    pub(crate) most: u64,
+}
+
 /// What the store holds.
 #[derive(Default)]
 struct Contents {
@@ -78,6 +86,8 @@ struct Contents {
     prepared: HashMap<PreparedKey, PreparedEntry>,
     turns: HashMap<PreparedKey, Arc<tokio::sync::Mutex<()>>>,
     reserved: u64,
+    /// Of that, what is counted for clients.
+    accounts: HashMap<ClientIdentity, u64>,
     tick: u64,
 }
 
@@ -102,6 +112,22 @@ impl Contents {
         let meshes: u64 = meshes.map(|one| one.bytes).sum();
         let prepared: u64 = prepared.map(|one| one.bytes).sum();
         meshes + prepared + self.reserved
+    }
+
+    /// A reservation has changed; its client's account, if any, with it.
+    fn settle(&mut self, client: Option<ClientIdentity>, before: u64, after: u64) {
+        let changed = |bytes: u64| bytes.saturating_sub(before).saturating_add(after);
+        self.reserved = changed(self.reserved);
+        let Some(client) = client else { return };
+        let held = changed(self.of_client(client));
+        match held {
+            0 => drop(self.accounts.remove(&client)),
+            held => drop(self.accounts.insert(client, held)),
+        }
+    }
+
+    fn of_client(&self, client: ClientIdentity) -> u64 {
+        self.accounts.get(&client).copied().unwrap_or(0)
     }
 
     fn next_tick(&mut self) -> u64 {
@@ -274,12 +300,44 @@ impl Store {
     /// # Errors
     /// `MemoryBudget` when even that does not make room.
     pub(crate) fn reserve(self: &Arc<Self>, bytes: u64) -> Result<Reservation, Fault> {
+        self.reserve_as(None, bytes)
+    }
+
+    /// As [`Store::reserve`], counted for a client as long as it is held.
+    ///
+    /// # Errors
+    /// `MemoryBudget` also when that client holds too much.
+    pub(crate) fn reserve_for(
+        self: &Arc<Self>,
+        account: Account,
+        bytes: u64,
+    ) -> Result<Reservation, Fault> {
+        self.reserve_as(Some(account), bytes)
+    }
+
+    fn reserve_as(
+        self: &Arc<Self>,
+        account: Option<Account>,
+        bytes: u64,
+    ) -> Result<Reservation, Fault> {
         let mut inner = self.lock();
+        if let Some(account) = account {
+            let held = inner.of_client(account.client);
+            if held.saturating_add(bytes) > account.most {
+                return Err(Fault::MemoryBudget {
+                    predicted: bytes,
+                    held,
+                    budget: account.most,
+                });
+            }
+        }
         self.make_room(&mut inner, bytes)?;
-        inner.reserved += bytes;
+        let client = account.map(|account| account.client);
+        inner.settle(client, 0, bytes);
         self.report(&inner);
         Ok(Reservation {
             store: Arc::clone(self),
+            client,
             bytes,
         })
     }
@@ -312,20 +370,21 @@ impl Store {
     }
 
     /// Changes a reservation, making room; fails with the bytes that are lacking.
-    fn grow(&self, before: u64, after: u64) -> Result<(), u64> {
+    fn grow(&self, held: &Reservation, after: u64) -> Result<(), u64> {
+        let before = held.bytes;
         let mut inner = self.lock();
         let more = after.saturating_sub(before);
         if self.make_room(&mut inner, more).is_err() {
             return Err(inner.in_use().saturating_add(more) - self.budget);
         }
-        inner.reserved = inner.reserved.saturating_sub(before).saturating_add(after);
+        inner.settle(held.client, before, after);
         self.report(&inner);
         Ok(())
     }
 
-    fn change_reservation(&self, before: u64, after: u64) {
+    fn change_reservation(&self, held: &Reservation, after: u64) {
         let mut inner = self.lock();
-        inner.reserved = inner.reserved.saturating_sub(before).saturating_add(after);
+        inner.settle(held.client, held.bytes, after);
         self.report(&inner);
     }
 
@@ -352,6 +411,7 @@ impl Store {
 /// Bytes taken out of the budget; given back on drop.
 pub(crate) struct Reservation {
     store: Arc<Store>,
+    client: Option<ClientIdentity>,
     bytes: u64,
 }
 
@@ -366,7 +426,7 @@ impl Reservation {
     /// # Errors
     /// The bytes for which there is no room; the reservation is then as before.
     pub(crate) fn resize(&mut self, bytes: u64) -> Result<(), u64> {
-        self.store.grow(self.bytes, bytes)?;
+        self.store.grow(self, bytes)?;
         self.bytes = bytes;
         Ok(())
     }
@@ -381,21 +441,21 @@ impl Reservation {
             held: (self.store.budget + lacking).saturating_sub(bytes),
             budget: self.store.budget,
         };
-        self.store.grow(self.bytes, bytes).map_err(held)?;
+        self.store.grow(self, bytes).map_err(held)?;
         self.bytes = bytes;
         Ok(())
     }
 
     /// Counts what is really held, whether there is room or not.
     pub(crate) fn force(&mut self, bytes: u64) {
-        self.store.change_reservation(self.bytes, bytes);
+        self.store.change_reservation(self, bytes);
         self.bytes = bytes;
     }
 }
 
 impl Drop for Reservation {
     fn drop(&mut self) {
-        self.store.change_reservation(self.bytes, 0);
+        self.store.change_reservation(self, 0);
     }
 }
 

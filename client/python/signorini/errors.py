@@ -170,6 +170,7 @@ BY_REASON: dict[str, type[RefusedError]] = {
     "MEMORY_BUDGET": QuotaError,
     "QUEUE_FULL": QuotaError,
     "SESSION_LIMIT": QuotaError,
+    "CALL_RATE": QuotaError,
     "MESSAGE_LIMIT": QuotaError,
     "STREAM_DEADLINE": DeadlineError,
     "SHUTTING_DOWN": ShutdownError,

@@ -3,6 +3,7 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::task::{Context, Poll};
+use std::time::Instant;
 
 use bytes::Bytes;
 use http_body_util::BodyExt as _;
@@ -14,7 +15,7 @@ use tower::Layer;
 
 use super::audit::{Line, Who};
 use super::table::{Effect, Need, rule};
-use super::{Access, Caller, Entry, TokenFile};
+use super::{Access, CallRates, Caller, Entry, TokenFile};
 use crate::client_key::{ClientIdentity, Peer};
 use crate::client_name::ClientName;
 use crate::fault::Fault;
@@ -28,6 +29,7 @@ const SCHEME: &str = "bearer ";
 #[derive(Clone)]
 pub(crate) struct Authorize {
     pub(crate) access: Access,
+    pub(crate) rates: Arc<CallRates>,
     pub(crate) metrics: Arc<Metrics>,
 }
 
@@ -108,6 +110,11 @@ impl Authorize {
                 Caller::known(entry, tokens)
             }
         };
+        if matches!(need, Need::Role(_)) {
+            let peer = request.extensions().get::<Peer>();
+            let client = peer.unwrap_or(&Peer::UNKNOWN).client.identity;
+            self.rates.count(client, Instant::now())?;
+        }
         request.extensions_mut().insert(caller.clone());
         Ok(caller)
     }

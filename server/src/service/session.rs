@@ -23,6 +23,7 @@ use crate::registry::{Claim, Claimed, Registry};
 use crate::results::kept::messages;
 use crate::session::{Handle, ReadRequest, Recovered, Services, SessionSpec};
 use crate::states::States;
+use crate::store::Account;
 use crate::streams;
 
 const MAXIMUM_REQUEST_ID_BYTES: usize = 64;
@@ -243,7 +244,11 @@ impl Sessions {
         let plan_report = report::plan(planned.plan.report());
         let own_bytes = planning::own_bytes(&kept, &plan_report);
         let result_bytes = planning::result_bytes(&planned);
-        let taken = planning::reserve(&self.services.store, &planned, own_bytes)?;
+        let account = Account {
+            client: client.identity,
+            most: self.services.config.client_bytes(),
+        };
+        let taken = planning::reserve(&self.services.store, &planned, (own_bytes, account))?;
         let recovered = from_state.map(|state| start(&planned, state)).transpose()?;
         let asked = asked.map(|request| (request, &caller));
         self.store(&claim, asked, &planned, recovered.as_deref())
