@@ -1,6 +1,7 @@
 //! The server's settings: one flat struct, read from TOML, every key with a
 //! default. Unknown keys are errors.
 
+mod log_lines;
 mod nearest;
 mod sources;
 
@@ -13,6 +14,7 @@ use crate::compute::Slots;
 use crate::journal::Limit;
 use crate::limits;
 
+pub use log_lines::{LogFormat, LogLevel};
 pub use sources::{Flags, Settings};
 
 /// Used when the machine's memory cannot be read.
@@ -44,38 +46,6 @@ pub enum ConfigError {
         /// Values allowed.
         range: &'static str,
     },
-}
-
-/// How the lines of the log are written.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "lowercase")]
-pub enum LogFormat {
-    /// For people where stderr is a terminal, for programs elsewhere.
-    #[default]
-    Auto,
-    /// For people.
-    Text,
-    /// One JSON object a line, for programs.
-    Json,
-}
-
-/// The least important lines that the log takes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "lowercase")]
-pub enum LogLevel {
-    /// Nothing.
-    Off,
-    /// Defects of the server.
-    Error,
-    /// Also what an operator should look at.
-    Warn,
-    /// Also each session, step and refusal.
-    #[default]
-    Info,
-    /// Also each increment, and streams that break.
-    Debug,
-    /// Everything, that of libraries included.
-    Trace,
 }
 
 /// Settings of one server.

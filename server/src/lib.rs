@@ -57,6 +57,7 @@ mod store;
 mod streams;
 mod surfaces;
 mod transport;
+mod upkeep;
 mod wake;
 
 pub use access::{AccessError, Entry, NewToken, Role, TokenFile};

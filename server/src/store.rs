@@ -18,6 +18,7 @@ use crate::client_key::ClientIdentity;
 use crate::convert::mesh::{MeshUse, name};
 use crate::fault::Fault;
 use crate::metrics::{Kind, Metrics};
+pub(crate) use reservation::{Account, Reservation};
 
 /// Marks an entry as used as long as it lives.
 type Use = Arc<()>;
@@ -68,13 +69,6 @@ impl<T> AsRef<T> for Lease<T> {
 struct PreparedEntry {
     mesh: MeshId,
     entry: Entry<Prepared>,
-}
-
-/// For whom bytes are counted, and how many that one may hold.
-#[derive(Clone, Copy)]
-pub(crate) struct Account {
-    pub(crate) client: ClientIdentity,
-    pub(crate) most: u64,
 }
 
 /// What the store holds.
@@ -335,11 +329,7 @@ impl Store {
         let client = account.map(|account| account.client);
         inner.settle(client, 0, bytes);
         self.report(&inner);
-        Ok(Reservation {
-            store: Arc::clone(self),
-            client,
-            bytes,
-        })
+        Ok(Reservation::new(self, client, bytes))
     }
 
     fn make_room(&self, inner: &mut Contents, bytes: u64) -> Result<(), Fault> {
@@ -371,20 +361,20 @@ impl Store {
 
     /// Changes a reservation, making room; fails with the bytes that are lacking.
     fn grow(&self, held: &Reservation, after: u64) -> Result<(), u64> {
-        let before = held.bytes;
+        let before = held.bytes();
         let mut inner = self.lock();
         let more = after.saturating_sub(before);
         if self.make_room(&mut inner, more).is_err() {
             return Err(inner.in_use().saturating_add(more) - self.budget);
         }
-        inner.settle(held.client, before, after);
+        inner.settle(held.client(), before, after);
         self.report(&inner);
         Ok(())
     }
 
     fn change_reservation(&self, held: &Reservation, after: u64) {
         let mut inner = self.lock();
-        inner.settle(held.client, held.bytes, after);
+        inner.settle(held.client(), held.bytes(), after);
         self.report(&inner);
     }
 
@@ -405,57 +395,6 @@ impl Store {
     fn lock(&self) -> MutexGuard<'_, Contents> {
         // No code of others runs under the lock, so a poisoned state is whole.
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// Bytes taken out of the budget; given back on drop.
-pub(crate) struct Reservation {
-    store: Arc<Store>,
-    client: Option<ClientIdentity>,
-    bytes: u64,
-}
-
-impl Reservation {
-    pub(crate) fn bytes(&self) -> u64 {
-        self.bytes
-    }
-
-    /// Replaces the prediction by what is really held, dropping what nobody uses
-    /// where that takes more.
-    ///
-    /// # Errors
-    /// The bytes for which there is no room; the reservation is then as before.
-    pub(crate) fn resize(&mut self, bytes: u64) -> Result<(), u64> {
-        self.store.grow(self, bytes)?;
-        self.bytes = bytes;
-        Ok(())
-    }
-
-    /// As [`Reservation::resize`], with the fault for a request.
-    ///
-    /// # Errors
-    /// `MemoryBudget`; the reservation is then as before.
-    pub(crate) fn claim(&mut self, bytes: u64) -> Result<(), Fault> {
-        let held = |lacking: u64| Fault::MemoryBudget {
-            predicted: bytes,
-            held: (self.store.budget + lacking).saturating_sub(bytes),
-            budget: self.store.budget,
-        };
-        self.store.grow(self, bytes).map_err(held)?;
-        self.bytes = bytes;
-        Ok(())
-    }
-
-    /// Counts what is really held, whether there is room or not.
-    pub(crate) fn force(&mut self, bytes: u64) {
-        self.store.change_reservation(self, bytes);
-        self.bytes = bytes;
-    }
-}
-
-impl Drop for Reservation {
-    fn drop(&mut self) {
-        self.store.change_reservation(self, 0);
     }
 }
 
@@ -480,5 +419,6 @@ fn uses(entry: &Entry<Mesh>) -> MeshUse {
 }
 
 mod owned;
+mod reservation;
 #[cfg(test)]
 mod tests;
