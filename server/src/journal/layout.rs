@@ -143,6 +143,20 @@ mod tests {
     }
 
     #[test]
+    fn a_second_server_leaves_the_parts_of_the_first_alone() {
+        let folder = folder("second");
+        let first = open(&folder).unwrap();
+        let part = folder.join("meshes/3.part");
+        fs::write(&part, b"under way").unwrap();
+        assert!(matches!(open(&folder), Err(JournalError::InUse(_))));
+        assert!(part.exists());
+        first.close();
+        open(&folder).unwrap().close();
+        assert!(!part.exists(), "nobody goes on with it");
+        fs::remove_dir_all(&folder).unwrap();
+    }
+
+    #[test]
     fn a_first_start_that_was_killed_goes_on() {
         let folder = folder("killed");
         for killed in [&[DATABASE_FILE, FORMAT_FILE][..], &[FORMAT_FILE]] {

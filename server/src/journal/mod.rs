@@ -114,12 +114,15 @@ impl Journal {
         make_folder(folder)?;
         for part in PARTS {
             make_folder(&folder.join(part))?;
-            files::drop_parts(&folder.join(part))?;
         }
         layout::prepare(folder)?;
         let path = folder.join(DATABASE_FILE);
         let opened = database::open(&path)?;
         guarded(|| database::make_tables(&opened))?;
+        // Now that no other server can be at work in it.
+        for part in PARTS {
+            files::drop_parts(&folder.join(part))?;
+        }
         let database = Arc::new(Shelf {
             path,
             database: RwLock::new(Some(opened)),
