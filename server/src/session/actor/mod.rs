@@ -32,7 +32,7 @@ use signorini_proto::v1 as wire;
 use tokio::sync::{Notify, mpsc, oneshot, watch};
 use tokio::time::Instant;
 
-use super::handle::{Command, Pulse};
+use super::handle::{Command, Parting, Pulse};
 use super::queue::UpdateQueue;
 use super::work::{self, Event, Handoff, Outcome, Preparation, Ready, Task, Work};
 use super::{Services, SessionEnd, SessionSpec};
@@ -138,7 +138,7 @@ struct Actor {
 pub(in crate::session) async fn run(
     services: Arc<Services>,
     spec: SessionSpec,
-    mut inbox: mpsc::Receiver<Command>,
+    (mut inbox, parting): (mpsc::Receiver<Command>, Parting),
 ) -> SessionEnd {
     let (events, mut arrived) = mpsc::unbounded_channel();
     let mut actor = Actor::new(services, spec, events);
@@ -147,6 +147,8 @@ pub(in crate::session) async fn run(
     loop {
         actor.proceed();
         if let Some(ending) = actor.over() {
+            // Before the inbox closes: whoever asks then is told this.
+            parting.get_or_init(|| actor.parting());
             actor.log_end(&ending);
             actor.forget_stored(&ending).await;
             return ending;
