@@ -278,27 +278,9 @@ pub(crate) struct PlanArguments {
 
 #[derive(Args, Clone, Debug)]
 pub(crate) struct ServeArguments {
-    /// Configuration file (TOML)
-    #[arg(long, value_name = "FILE")]
-    pub(crate) config: Option<PathBuf>,
-    /// Where to listen: HOST:PORT or unix:PATH; replaces the configured address
-    #[arg(long, value_name = "ADDRESS")]
-    pub(crate) listen: Option<String>,
-    /// Where the metrics page is served: HOST:PORT, or empty for nowhere
-    #[arg(long, value_name = "ADDRESS")]
-    pub(crate) metrics_listen: Option<String>,
-    /// Data folder, made if it is missing; without one nothing outlives the server
     #[cfg(feature = "embedded")]
-    #[arg(long, value_name = "DIR", env = "SIGNORINI_DATA")]
-    pub(crate) data: Option<String>,
-    /// How the log is written on stderr
-    #[cfg(feature = "embedded")]
-    #[arg(long, value_name = "FORMAT", env = "SIGNORINI_LOG_FORMAT")]
-    pub(crate) log_format: Option<signorini_server::LogFormat>,
-    /// The least important lines of the log; RUST_LOG goes before it
-    #[cfg(feature = "embedded")]
-    #[arg(long, value_name = "LEVEL", env = "SIGNORINI_LOG_LEVEL")]
-    pub(crate) log_level: Option<signorini_server::LogLevel>,
+    #[command(flatten)]
+    pub(crate) flags: signorini_server::Flags,
 }
 
 #[cfg(feature = "embedded")]
@@ -310,7 +292,13 @@ pub(crate) enum ConfigCommand {
         file: PathBuf,
     },
     /// Print what serve would use with the same flags, and where each value comes from
-    Show(ServeArguments),
+    Show {
+        #[command(flatten)]
+        serve: ServeArguments,
+        /// Print where each value comes from, as is done anyway
+        #[arg(long)]
+        origin: bool,
+    },
 }
 
 /// A server that runs already.

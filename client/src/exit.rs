@@ -120,12 +120,6 @@ impl Failure {
         }
     }
 
-    /// Its messages in one line.
-    #[cfg(feature = "embedded")]
-    pub(crate) fn line(&self) -> String {
-        self.messages.join("; ")
-    }
-
     /// Prints its messages, one a line.
     pub(crate) fn report(&self) -> Exit {
         for message in &self.messages {
@@ -188,6 +182,12 @@ impl From<ClientError> for Failure {
     }
 }
 
+/// Whether a session failed for want of memory, not by a defect.
+fn is_memory(refusal: &Refusal) -> bool {
+    let cause = refusal.metadata.get("cause");
+    cause.is_some_and(|cause| cause == "memory")
+}
+
 fn exit_of(refusal: &Refusal) -> Exit {
     match refusal.reason.as_str() {
         "SESSION_NOT_FOUND" | "SESSION_EXPIRED" | "STEP_NOT_FOUND" | "REQUEST_INVALID" => {
@@ -195,6 +195,7 @@ fn exit_of(refusal: &Refusal) -> Exit {
         }
         "SESSION_EXISTS" | "MESH_IN_USE" => return Exit::Refused,
         "MESH_NOT_FOUND" => return Exit::Invalid,
+        "SESSION_FAILED" if is_memory(refusal) => return Exit::Refused,
         _ => {}
     }
     match refusal.code {
@@ -261,6 +262,16 @@ mod tests {
         ] {
             assert_eq!(exit_of(&refusal(code, reason)), exit, "{reason}");
         }
+    }
+
+    #[test]
+    fn a_session_that_failed_for_want_of_memory_is_refused_and_no_defect() {
+        let mut failed = refusal(Code::FailedPrecondition, "SESSION_FAILED");
+        assert_eq!(exit_of(&failed), Exit::Server);
+        failed
+            .metadata
+            .insert("cause".to_owned(), "memory".to_owned());
+        assert_eq!(exit_of(&failed), Exit::Refused);
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use signorini_client::bounded_file;
 use signorini_client::formats::grid;
 use signorini_client::formats::mesh::MeshFile;
 use signorini_client::formats::reader;
@@ -24,6 +25,12 @@ const WITHOUT_STEPS: &str =
 pub(crate) const WITHOUT_GROUPS: &str = "the mesh has no groups, so no key of a scene can name a part of it; \
     in Gmsh, before meshing: Physical Volume(\"body\") = {1}; Physical Surface(\"top\") = {6}; \
     of a section: Physical Surface(\"body\") = {1}; Physical Curve(\"top\") = {3};";
+
+/// Bytes of a scene file: comments included, more than a server takes of a scene.
+const MOST_SCENE_BYTES: u64 = 64 << 20;
+
+/// Bytes of a mesh or a tool: a text of the largest mesh that a server takes.
+const MOST_BYTES: u64 = 32 << 30;
 
 /// Where a mesh is looked for.
 const BESIDE: &str = " (the mesh of a scene lies beside the scene, one of --set beside the shell)";
@@ -58,7 +65,7 @@ impl Input {
 /// Reads a scene and the mesh it names.
 pub(crate) fn load(arguments: &SceneArguments) -> Result<Input, Failure> {
     let path = &arguments.scene;
-    let text = std::fs::read_to_string(path).map_err(|error| Failure::unreadable(path, &error))?;
+    let text = read_text(path)?;
     let mut file = scene_file::read(&text, path, &arguments.overrides).map_err(|error| {
         let whole = matches!(error, SceneFileError::Syntax(_));
         let failure = Failure::from(error);
@@ -143,12 +150,20 @@ fn load_surface(kind: &mut Kind, path: &Path) -> Result<(WireSurface, Triangulat
     Ok((wire, drawing))
 }
 
+fn read_text(path: &Path) -> Result<String, Failure> {
+    let bytes = bounded_file::read(path, MOST_SCENE_BYTES);
+    let bytes = bytes.map_err(|error| Failure::unreadable(path, &error))?;
+    let wrong = |_| Failure::new(Exit::Invalid, format!("{}: no UTF-8", path.display()));
+    String::from_utf8(bytes).map_err(wrong)
+}
+
 /// Reads a file, its faults told with its path.
 pub(crate) fn read_file<T, E: std::fmt::Display>(
     path: &Path,
     read: impl FnOnce(&[u8]) -> Result<T, E>,
 ) -> Result<T, Failure> {
-    let bytes = std::fs::read(path).map_err(|error| Failure::unreadable(path, &error))?;
+    let bytes =
+        bounded_file::read(path, MOST_BYTES).map_err(|error| Failure::unreadable(path, &error))?;
     read(&bytes)
         .map_err(|error| Failure::new(Exit::Invalid, format!("{}: {error}", path.display())))
 }

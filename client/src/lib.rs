@@ -23,6 +23,7 @@
     )
 )]
 
+pub mod bounded_file;
 mod connect;
 mod credentials;
 mod error;

@@ -1,7 +1,9 @@
 //! The server's settings: one flat struct, read from TOML, every key with a
 //! default. Unknown keys are errors.
 
+mod log_lines;
 mod nearest;
+mod sources;
 
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -11,6 +13,9 @@ use serde::{Deserialize, Serialize};
 use crate::compute::Slots;
 use crate::journal::Limit;
 use crate::limits;
+
+pub use log_lines::{LogFormat, LogLevel};
+pub use sources::{Flags, Settings};
 
 /// Used when the machine's memory cannot be read.
 const FALLBACK_BUDGET_BYTES: u64 = 8 << 30;
@@ -25,6 +30,14 @@ pub enum ConfigError {
     /// Not TOML, an unknown key or a wrong type.
     #[error("{0}")]
     Syntax(String),
+    /// A file or a variable that cannot be used.
+    #[error("{origin}: {why}")]
+    At {
+        /// The file or variable.
+        origin: String,
+        /// What is wrong with it.
+        why: String,
+    },
     /// A value outside its range.
     #[error("{key}: must be {range}")]
     Range {
@@ -33,36 +46,6 @@ pub enum ConfigError {
         /// Values allowed.
         range: &'static str,
     },
-}
-
-/// How the lines of the log are written.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "lowercase")]
-pub enum LogFormat {
-    /// For people.
-    #[default]
-    Text,
-    /// One JSON object a line, for programs.
-    Json,
-}
-
-/// The least important lines that the log takes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize, clap::ValueEnum)]
-#[serde(rename_all = "lowercase")]
-pub enum LogLevel {
-    /// Nothing.
-    Off,
-    /// Defects of the server.
-    Error,
-    /// Also what an operator should look at.
-    Warn,
-    /// Also each session, step and refusal.
-    #[default]
-    Info,
-    /// Also each increment, and streams that break.
-    Debug,
-    /// Everything, that of libraries included.
-    Trace,
 }
 
 /// Settings of one server.
@@ -85,6 +68,14 @@ pub struct Config {
     /// Sessions that one name of the token file may have at one time; 0: as many as there
     /// may be.
     pub maximum_client_sessions: usize,
+    /// Bytes that the sessions of one client may hold in memory when it makes one more; 0: as
+    /// many as there may be.
+    pub maximum_client_bytes: u64,
+    /// Calls of one client in a second, over a while: twice as many may come at once; 0: no
+    /// limit. A stream is one call.
+    pub maximum_client_calls_per_second: u32,
+    /// Slots that one client may have at one time; 0: all.
+    pub maximum_client_slots: usize,
     /// Whether reflection is served, on a server with tokens to those who have one.
     pub reflection: bool,
     /// Whether gRPC health is served, to everybody who reaches the address.
@@ -131,10 +122,10 @@ pub struct Config {
     /// Data folder: sessions, their updates and results, and meshes outlive the server
     /// in it; empty: nothing does.
     pub data: String,
-    /// Bytes of results in the data folder, beyond which the oldest go, but for those
+    /// Bytes of results and imported states in the data folder, beyond which the oldest go, but for those
     /// that a session needs; 0: no limit.
     pub data_bytes: u64,
-    /// Seconds after which results in the data folder go, but for those that a session
+    /// Seconds after which results and imported states in the data folder go, but for those that a session
     /// needs; 0: never.
     pub data_seconds: u64,
     /// How the lines of the log are written, for [`crate::start_log`].
@@ -152,6 +143,9 @@ impl Default for Config {
             tls_client_ca: String::new(),
             tokens: String::new(),
             maximum_client_sessions: 0,
+            maximum_client_bytes: 0,
+            maximum_client_calls_per_second: 0,
+            maximum_client_slots: 0,
             reflection: true,
             health: true,
             metrics_listen: "127.0.0.1:9464".to_owned(),
@@ -173,7 +167,7 @@ impl Default for Config {
             data: String::new(),
             data_bytes: 0,
             data_seconds: 0,
-            log_format: LogFormat::Text,
+            log_format: LogFormat::Auto,
             log_level: LogLevel::Info,
         }
     }
@@ -202,14 +196,18 @@ impl Config {
 
     /// Every key with its value as TOML writes it, in alphabetical order.
     pub fn keys(&self) -> Vec<(String, String)> {
-        // A flat struct of numbers and texts is always a table.
-        let table = toml::Table::try_from(self).unwrap_or_default();
-        let mut keys: Vec<_> = table
+        let mut keys: Vec<_> = self
+            .table()
             .into_iter()
             .map(|(key, value)| (key, value.to_string()))
             .collect();
         keys.sort_unstable();
         keys
+    }
+
+    fn table(&self) -> toml::Table {
+        // A flat struct of numbers and texts is always a table.
+        toml::Table::try_from(self).unwrap_or_default()
     }
 
     /// Checks every range.
@@ -280,6 +278,10 @@ impl Config {
         Slots {
             count: self.solver_slots,
             short: self.short_slots.min(self.solver_slots.saturating_sub(1)),
+            of_client: match self.maximum_client_slots {
+                0 => self.solver_slots,
+                slots => slots,
+            },
             threads: self.threads(),
         }
     }
@@ -300,6 +302,14 @@ impl Config {
     pub(crate) fn budget(&self) -> u64 {
         match self.memory_budget_bytes {
             0 => limits::memory_bytes().map_or(FALLBACK_BUDGET_BYTES, |bytes| bytes / 4 * 3),
+            bytes => bytes,
+        }
+    }
+
+    /// Bytes that the sessions of one client may hold.
+    pub(crate) fn client_bytes(&self) -> u64 {
+        match self.maximum_client_bytes {
+            0 => u64::MAX,
             bytes => bytes,
         }
     }

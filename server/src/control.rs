@@ -15,7 +15,7 @@ use tokio::io::AsyncWriteExt as _;
 use tokio::net::UnixListener;
 
 use crate::fsck::{Fsck, fsck};
-use crate::journal::{Journal, JournalError};
+use crate::journal::{Journal, JournalError, close_file, make_folder, sync_folder};
 
 const SOCKET: &str = "control";
 const BACKUPS: &str = "backups";
@@ -54,7 +54,8 @@ pub(crate) async fn serve(journal: Arc<Journal>) {
     let path = journal.folder().join(SOCKET);
     // One that a killed server left; the lock on the folder says that it is ours.
     let _left = fs::remove_file(&path);
-    let listener = match UnixListener::bind(&path) {
+    let bound = UnixListener::bind(&path).and_then(|bound| close_file(&path).map(|()| bound));
+    let listener = match bound {
         Ok(listener) => listener,
         Err(why) => {
             tracing::warn!(why = why.to_string(), "no backups of the running server");
@@ -91,8 +92,7 @@ fn copy(journal: &Journal) -> Result<PathBuf, JournalError> {
         .duration_since(UNIX_EPOCH)
         .unwrap_or_default();
     let backups = journal.folder().join(BACKUPS);
-    fs::create_dir_all(&backups)
-        .map_err(|error| JournalError::Unwritable(format!("{}: {error}", backups.display())))?;
+    make_folder(&backups)?;
     let target = backups.join(format!("{}-{}", now.as_nanos(), process::id()));
     journal.backup(&target)?;
     Ok(target)
@@ -141,7 +141,8 @@ pub fn restore(backup: &Path, data: &Path) -> Result<Fsck, BackupError> {
 /// Moves a folder, by its bytes where it cannot get another name.
 fn take_away(made: &Path, target: &Path) -> Result<(), BackupError> {
     if fs::rename(made, target).is_ok() {
-        return Ok(());
+        let synced = sync_folder(target).and_then(|()| sync_folder(made));
+        return synced.map_err(|error| wrong(target, &error));
     }
     copy_whole(made, target)?;
     fs::remove_dir_all(made).map_err(|error| wrong(made, &error))
@@ -150,21 +151,30 @@ fn take_away(made: &Path, target: &Path) -> Result<(), BackupError> {
 /// Copies a folder beside its place, and moves it there when the disk has it.
 fn copy_whole(from: &Path, to: &Path) -> Result<(), BackupError> {
     let beside = to.with_extension("part");
-    copy_folder(from, &beside).map_err(|error| wrong(&beside, &error))?;
-    fs::rename(&beside, to).map_err(|error| wrong(to, &error))
+    copy_folder(from, &beside)?;
+    let moved = fs::rename(&beside, to).and_then(|()| sync_folder(to));
+    moved.map_err(|error| wrong(to, &error))
 }
 
-fn copy_folder(from: &Path, to: &Path) -> io::Result<()> {
-    fs::create_dir_all(to)?;
-    for entry in fs::read_dir(from)? {
-        let entry = entry?;
-        let (kind, copy) = (entry.file_type()?, to.join(entry.file_name()));
+fn copy_folder(from: &Path, to: &Path) -> Result<(), BackupError> {
+    make_folder(to)?;
+    let entries = fs::read_dir(from).map_err(|error| wrong(from, &error))?;
+    for entry in entries {
+        let entry = entry.map_err(|error| wrong(from, &error))?;
+        let copy = to.join(entry.file_name());
+        let kind = entry.file_type().map_err(|error| wrong(from, &error))?;
         if kind.is_dir() && entry.file_name() != BACKUPS {
             copy_folder(&entry.path(), &copy)?;
         } else if kind.is_file() {
-            fs::copy(entry.path(), &copy)?;
-            fs::File::open(&copy)?.sync_all()?;
+            copy_file(&entry.path(), &copy).map_err(|error| wrong(&copy, &error))?;
         }
     }
+    let synced = fs::File::open(to).and_then(|folder| folder.sync_all());
+    synced.map_err(|error| wrong(to, &error))
+}
+
+fn copy_file(from: &Path, to: &Path) -> io::Result<()> {
+    fs::copy(from, to)?;
+    close_file(to)?;
     fs::File::open(to)?.sync_all()
 }

@@ -144,7 +144,7 @@ fn memory(bytes: Option<u64>) -> Finding {
             unless(bytes < LITTLE_MEMORY, advice),
         ),
         None => {
-            let advice = "say memory_budget, which is half of the memory otherwise";
+            let advice = "say memory_budget_bytes: three quarters of the memory where that is known, else 8 GiB";
             finding("memory", "unknown".to_owned(), unless(true, advice))
         }
     }

@@ -39,7 +39,11 @@ pub(crate) enum Fault {
     #[error("`{0}` was deleted")]
     SessionDeleted(String),
     #[error("`{name}` has failed: {why}")]
-    SessionFailed { name: String, why: String },
+    SessionFailed {
+        name: String,
+        why: String,
+        cause: FailureCause,
+    },
     #[error("`{name}` has no result of sequence {sequence}")]
     StepNotFound { name: String, sequence: i64 },
     #[error("sequence {received} where {expected} is next")]
@@ -56,6 +60,8 @@ pub(crate) enum Fault {
     QueueFull { limit: usize },
     #[error("{limit} sessions exist already; delete one")]
     SessionLimit { limit: usize },
+    #[error("one client may make {limit} calls a second")]
+    CallRate { limit: u32 },
     #[error("{what}: at most {limit} are allowed")]
     MessageLimit { what: String, limit: u64 },
     #[error("the deadline of the stream has passed")]
@@ -88,6 +94,14 @@ pub(crate) enum Fault {
     },
     #[error("a defect of the server; its log says more")]
     Internal,
+}
+
+/// What a session has failed by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FailureCause {
+    /// The system had no memory for it: another time it may.
+    Memory,
+    Other,
 }
 
 fn summary(all: &[Violation]) -> String {

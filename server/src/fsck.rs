@@ -155,3 +155,89 @@ fn file_name(file: &Path) -> String {
 fn mesh_name(file: &Path) -> String {
     format!("meshes/{}", file_name(file))
 }
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use bytes::Bytes;
+
+    use super::*;
+    use crate::journal::{
+        Change, Journal, StoredFields, StoredResult, StoredSession, StoredUpdate,
+    };
+    use crate::metrics::Metrics;
+
+    const PAGE: usize = 4096;
+
+    fn folder(name: &str) -> PathBuf {
+        let folder = std::env::temp_dir().join(format!("signorini-{name}-{}", std::process::id()));
+        // Of an earlier process of the same number.
+        drop(std::fs::remove_dir_all(&folder));
+        folder
+    }
+
+    /// A journal with a few sessions, and its bytes.
+    async fn journal(folder: &Path) -> Vec<u8> {
+        let journal = Journal::open(folder, &Metrics::new().unwrap()).unwrap();
+        for number in 0..20 {
+            let mut changes = vec![Change::Session(StoredSession::default())];
+            for sequence in 1..10 {
+                let update = StoredUpdate {
+                    encoded: Bytes::from(vec![7; 300]),
+                    cancelled: false,
+                };
+                changes.push(Change::Update(sequence, update));
+                let (result, fields) = (StoredResult::default(), StoredFields::default());
+                changes.push(Change::Result(sequence, result, fields));
+            }
+            let name = format!("sessions/one-{number}");
+            journal.store(&name, changes).await.unwrap();
+        }
+        journal.close();
+        std::fs::read(folder.join("journal.redb")).unwrap()
+    }
+
+    /// Changes bytes, a page, or the length.
+    fn mutate(bytes: &mut Vec<u8>, random: &mut fastrand::Rng) {
+        let is_used = |page: &usize| {
+            bytes
+                .chunks(PAGE)
+                .nth(*page)
+                .is_some_and(|all| all.iter().any(|byte| *byte != 0))
+        };
+        let used: Vec<usize> = (0..bytes.len() / PAGE).filter(is_used).collect();
+        let page = random.choice(used).unwrap() * PAGE;
+        match random.usize(..8) {
+            0 => bytes.truncate(random.usize(..bytes.len())),
+            1 => random.fill(&mut bytes[page..page + PAGE]),
+            2 => bytes[page..page + PAGE].fill(0),
+            _ => {
+                for _ in 0..random.usize(1..20) {
+                    bytes[page + random.usize(..PAGE)] = random.u8(..);
+                }
+            }
+        }
+    }
+
+    #[tokio::test(flavor = "multi_thread")]
+    async fn damaged_pages_are_told_and_no_panic() {
+        let folder = folder("pages");
+        let whole = journal(&folder).await;
+        let (metrics, mut random) = (Metrics::new().unwrap(), fastrand::Rng::with_seed(17));
+        let mut refused = 0;
+        for _ in 0..200 {
+            let mut bytes = whole.clone();
+            mutate(&mut bytes, &mut random);
+            std::fs::write(folder.join("journal.redb"), &bytes).unwrap();
+            let looked = fsck(&folder);
+            std::fs::write(folder.join("journal.redb"), &bytes).unwrap();
+            match Journal::open(&folder, &metrics) {
+                Ok(journal) => journal.close(),
+                Err(_) => refused += usize::from(looked.is_err()),
+            }
+        }
+        assert!(refused > 0);
+        std::fs::remove_dir_all(&folder).unwrap();
+    }
+}

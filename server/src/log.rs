@@ -33,15 +33,21 @@ pub fn start_log(config: &Config) -> Option<LogSwitch> {
         .with_env_filter(filter)
         .with_writer(std::io::stderr);
     // A subscriber that is set already keeps its place.
-    let switch = match config.log_format {
-        LogFormat::Json => {
+    let is_terminal = std::io::stderr().is_terminal();
+    let is_text = match config.log_format {
+        LogFormat::Auto => is_terminal,
+        LogFormat::Text => true,
+        LogFormat::Json => false,
+    };
+    let switch = match is_text {
+        false => {
             let lines = lines.json().flatten_event(true).with_filter_reloading();
             let handle = lines.reload_handle();
             let change = move |filter| handle.reload(filter).is_ok();
             lines.try_init().map(|()| LogSwitch(Box::new(change)))
         }
-        LogFormat::Text => {
-            let colours = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+        true => {
+            let colours = is_terminal && std::env::var_os("NO_COLOR").is_none();
             let fields = debug_fn(write_field).delimited(" ");
             let lines = lines.with_ansi(colours).fmt_fields(fields);
             let lines = lines.with_filter_reloading();
@@ -53,19 +59,33 @@ pub fn start_log(config: &Config) -> Option<LogSwitch> {
     switch.ok().filter(|_| !is_given)
 }
 
-/// Takes up the level that `read` finds at each SIGHUP; returns when none can come.
-pub async fn follow_log_level(switch: LogSwitch, read: impl Fn() -> Result<LogLevel, String>) {
-    let Ok(mut hangup) = signal(SignalKind::hangup()) else {
-        return;
-    };
-    while hangup.recv().await.is_some() {
-        match read() {
-            Ok(level) if (switch.0)(default_filter(level)) => {
-                tracing::info!(?level, "level of the log set");
-            }
-            Ok(_) => tracing::error!("the level of the log cannot change any more"),
-            Err(why) => tracing::error!(why, "the level of the log stays"),
+/// Takes up the level that `read` finds at each SIGHUP, none where no file names one; returns
+/// when none can come. Without a switch a SIGHUP changes nothing, and ends nothing either.
+pub fn follow_log_level(
+    switch: Option<LogSwitch>,
+    read: impl Fn() -> Result<Option<LogLevel>, String>,
+) -> impl Future<Output = ()> {
+    // From here on, not from when the future runs: the signal's default is to end the process.
+    let hangup = signal(SignalKind::hangup());
+    async move {
+        let Ok(mut hangup) = hangup else {
+            return;
+        };
+        while hangup.recv().await.is_some() {
+            take_up(switch.as_ref(), read());
         }
+    }
+}
+
+fn take_up(switch: Option<&LogSwitch>, found: Result<Option<LogLevel>, String>) {
+    match (switch, found) {
+        (None, _) => tracing::info!("nothing to reload: RUST_LOG names what the log takes"),
+        (_, Ok(None)) => tracing::info!("nothing to reload: there is no file of settings"),
+        (Some(switch), Ok(Some(level))) if (switch.0)(default_filter(level)) => {
+            tracing::info!(?level, "level of the log set");
+        }
+        (_, Ok(Some(_))) => tracing::error!("the level of the log cannot change any more"),
+        (_, Err(why)) => tracing::error!(why, "the level of the log stays"),
     }
 }
 

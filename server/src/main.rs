@@ -1,38 +1,21 @@
 //! The server as a program: arguments, settings, log, serve, drain.
 
-use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::Parser;
-use signorini_server::{Config, Listener, LogFormat, LogLevel, follow_log_level, serve, start_log};
+use signorini_server::{Flags, Listener, follow_log_level, serve, start_log};
 
 /// Serves contact problems of nearly incompressible bodies over gRPC.
-#[derive(Clone, Parser)]
+#[derive(Parser)]
 #[command(version)]
 struct Arguments {
-    /// Settings in TOML; every key has a default.
-    #[arg(long, value_name = "FILE", env = "SIGNORINI_CONFIG")]
-    config: Option<PathBuf>,
-    /// Address of the service: 127.0.0.1:PORT or unix:/path.
-    #[arg(long, value_name = "ADDRESS", env = "SIGNORINI_LISTEN")]
-    listen: Option<String>,
-    /// Address of the metrics page, 127.0.0.1:PORT; empty for none.
-    #[arg(long, value_name = "ADDRESS", env = "SIGNORINI_METRICS_LISTEN")]
-    metrics_listen: Option<String>,
-    /// Data folder, made if it is missing; without one nothing outlives the server.
-    #[arg(long, value_name = "DIR", env = "SIGNORINI_DATA")]
-    data: Option<String>,
-    /// How the log is written.
-    #[arg(long, value_name = "FORMAT", env = "SIGNORINI_LOG_FORMAT")]
-    log_format: Option<LogFormat>,
-    /// The least important lines of the log; `RUST_LOG` goes before it.
-    #[arg(long, value_name = "LEVEL", env = "SIGNORINI_LOG_LEVEL")]
-    log_level: Option<LogLevel>,
+    #[command(flatten)]
+    flags: Flags,
 }
 
 #[tokio::main]
 async fn main() -> ExitCode {
-    match run(Arguments::parse()).await {
+    match run(Arguments::parse().flags).await {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             // Said whatever the log takes: it is why there is no server.
@@ -42,37 +25,13 @@ async fn main() -> ExitCode {
     }
 }
 
-async fn run(arguments: Arguments) -> Result<(), Box<dyn std::error::Error>> {
-    let config = config(arguments.clone())?;
-    if let (Some(switch), Some(_)) = (start_log(&config), &arguments.config) {
-        tokio::spawn(follow_log_level(switch, move || level(arguments.clone())));
-    }
+async fn run(flags: Flags) -> Result<(), Box<dyn std::error::Error>> {
+    let config = flags.resolve()?.config;
+    let level = move || flags.log_level_now().map_err(|error| error.to_string());
+    tokio::spawn(follow_log_level(start_log(&config), level));
     let listener = Listener::bind(&config).await?;
     serve(listener, config, stop_signal()?).await?;
     Ok(())
-}
-
-fn config(arguments: Arguments) -> Result<Config, Box<dyn std::error::Error>> {
-    let mut config = match &arguments.config {
-        Some(path) => {
-            let at = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-            let text = std::fs::read_to_string(path).map_err(|error| at(&error))?;
-            Config::from_toml(&text).map_err(|error| at(&error))?
-        }
-        None => Config::default(),
-    };
-    config.listen = arguments.listen.unwrap_or(config.listen);
-    config.metrics_listen = arguments.metrics_listen.unwrap_or(config.metrics_listen);
-    config.data = arguments.data.unwrap_or(config.data);
-    config.log_format = arguments.log_format.unwrap_or(config.log_format);
-    config.log_level = arguments.log_level.unwrap_or(config.log_level);
-    Ok(config)
-}
-
-/// The level of the log that the settings name now.
-fn level(arguments: Arguments) -> Result<LogLevel, String> {
-    let config = config(arguments).map_err(|error| error.to_string());
-    config.map(|config| config.log_level)
 }
 
 /// Completes at SIGTERM or ctrl-c; a second signal ends the process at once.

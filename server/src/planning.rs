@@ -17,7 +17,7 @@ use crate::convert::uploaded::SurfacesByName;
 use crate::fault::Fault;
 use crate::journal::{Change, Journal, JournalError, StoredMesh};
 use crate::session::Services;
-use crate::store::{Lease, Reservation, Store};
+use crate::store::{Account, Lease, Reservation, Store};
 
 /// Memory of a decoded message over its encoded size, about.
 const OWN_FACTOR: u64 = 4;
@@ -102,14 +102,15 @@ pub(crate) async fn check_uploads(
 pub(crate) fn reserve(
     store: &Arc<Store>,
     planned: &Planned,
-    own_bytes: u64,
+    (own_bytes, account): (u64, Account),
 ) -> Result<Taken, Fault> {
     let report = planned.plan.report();
     let prepared = store.hold_prepared(&planned.plan.key());
     let there = prepared.as_ref().map_or(0, |lease| lease.value().bytes());
     let result = result_bytes(planned);
     let predicted = report.predicted_bytes.saturating_sub(there);
-    let reservation = store.reserve(predicted.saturating_add(result + own_bytes))?;
+    let bytes = predicted.saturating_add(result + own_bytes);
+    let reservation = store.reserve_for(account, bytes)?;
     Ok(Taken {
         reservation: Arc::new(Mutex::new(reservation)),
         prepared,

@@ -216,7 +216,12 @@ impl Registry {
     }
 
     fn find(self: &Arc<Self>, caller: &Caller, name: &str) -> Result<Found, Fault> {
-        self.check_open()?;
+        let goes_on = self.services.journal.is_some();
+        self.check_open().map_err(|fault| match goes_on {
+            // Whoever comes back in the middle of a restart shall come again.
+            true => Fault::Interrupted,
+            false => fault,
+        })?;
         if name.len() > LONGEST_NAME {
             return Err(Fault::request("name", "is longer than 256 bytes"));
         }

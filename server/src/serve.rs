@@ -24,18 +24,18 @@ use tonic_health::server::HealthReporter;
 use tower::layer::util::{Identity, Stack};
 
 use crate::accept::{self, Door, Source};
-use crate::access::{self, Access, AccessError, Authorize, Certificates};
+use crate::access::{self, Access, AccessError, Authorize, CallRates, Certificates};
 use crate::calls::{CountCalls, Methods};
 use crate::compute::SolverThreads;
 use crate::config::{Config, ConfigError};
-use crate::control;
 use crate::gates::{GateMessages, Gates};
 use crate::journal::{Journal, JournalError};
 use crate::limits::MESSAGE_BYTES;
 use crate::listen::{ListenError, Listener, Socket};
 use crate::metrics::{COMMIT, Metrics};
-use crate::metrics_page::{self, Page};
+use crate::metrics_page::Page;
 use crate::registry::Registry;
+use crate::request_id::IdentifyCalls;
 use crate::service::mesh::Meshes;
 use crate::service::session::Sessions;
 use crate::service::surface::SurfaceDoor;
@@ -44,8 +44,11 @@ use crate::states::States;
 use crate::store::Store;
 use crate::surfaces::Surfaces;
 use crate::transport::Reasoned;
+use crate::upkeep;
 
-type GuardedRouter = Router<Stack<GateMessages, Stack<Authorize, Stack<CountCalls, Identity>>>>;
+type GuardedRouter = Router<
+    Stack<GateMessages, Stack<Authorize, Stack<CountCalls, Stack<IdentifyCalls, Identity>>>>,
+>;
 
 const STREAM_WINDOW_BYTES: u32 = 1 << 20;
 const CONNECTION_WINDOW_BYTES: u32 = 4 << 20;
@@ -53,9 +56,6 @@ const CONNECTION_WINDOW_BYTES: u32 = 4 << 20;
 const STREAMS_PER_CONNECTION: u32 = 4096;
 const KEEPALIVE: Duration = Duration::from_secs(30);
 const KEEPALIVE_ANSWER: Duration = Duration::from_secs(10);
-const UPKEEP: Duration = Duration::from_secs(5);
-/// How often the data folder is looked through for results that shall go.
-const TRIM: Duration = Duration::from_secs(60);
 /// Name in gRPC health that says SERVING as long as the process answers, also in shutdown.
 const LIVENESS: &str = "liveness";
 /// Connections that only watch the health service get this long to leave.
@@ -112,6 +112,19 @@ pub async fn serve(
     config: Config,
     shutdown: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
+    serve_and_tell(listener, config, shutdown, |_| ()).await
+}
+
+/// As [`serve`]; `ready` gets the address once nothing is in the way of serving it.
+///
+/// # Errors
+/// As those of [`serve`].
+pub async fn serve_and_tell(
+    listener: Listener,
+    config: Config,
+    shutdown: impl Future<Output = ()>,
+    ready: impl FnOnce(&str),
+) -> Result<(), ServeError> {
     config.check()?;
     let drain_time = config.drain();
     let access = Access::open(&config)?;
@@ -119,12 +132,13 @@ pub async fn serve(
     let registry = Registry::new(&services)?;
     let (health, router) = router(&services, &registry, &access).await?;
     log_start(&services.config, &listener);
+    ready(listener.url());
     let page = Page {
         metrics: Arc::clone(&services.metrics),
         registry: Arc::clone(&registry),
         service: listener.url().into(),
     };
-    let mut helpers = helpers(page, &services, &registry, listener.metrics);
+    let mut helpers = upkeep::start(page, &services, &registry, listener.metrics);
     helpers.push(tokio::spawn(access::watch_files(access.clone())));
     let (stop, stopped) = oneshot::channel();
     let door = Door::new(&services.config, &services.metrics);
@@ -251,9 +265,13 @@ async fn router(
         v1alpha.transpose().map_err(wrong)?,
     );
     let router = Server::builder()
+        .layer(IdentifyCalls)
         .layer(CountCalls(Arc::new(methods)))
         .layer(Authorize {
             access: access.clone(),
+            rates: Arc::new(CallRates::new(
+                services.config.maximum_client_calls_per_second,
+            )),
             metrics: Arc::clone(&services.metrics),
         })
         .layer(GateMessages(Arc::clone(&services.gates.decode)))
@@ -313,52 +331,6 @@ async fn run(
     };
     let incoming = accept::incoming(source, door);
     router.serve_with_incoming_shutdown(incoming, stopped).await
-}
-
-fn helpers(
-    page: Page,
-    services: &Arc<Services>,
-    registry: &Arc<Registry>,
-    listener: Option<tokio::net::TcpListener>,
-) -> Vec<JoinHandle<()>> {
-    let (journal, config) = (services.journal.clone(), services.config.clone());
-    let (metrics, registry) = (Arc::clone(&page.metrics), Arc::clone(registry));
-    let upkeep = tokio::spawn(async move {
-        let mut ticks = tokio::time::interval(UPKEEP);
-        loop {
-            ticks.tick().await;
-            metrics.upkeep();
-            registry.expire_asleep().await;
-        }
-    });
-    let page = listener.map(|listener| tokio::spawn(metrics_page::serve(listener, page)));
-    let trim = journal
-        .clone()
-        .map(|journal| tokio::spawn(trim(journal, config)));
-    let control = journal.map(|journal| tokio::spawn(control::serve(journal)));
-    std::iter::once(upkeep)
-        .chain(page)
-        .chain(control)
-        .chain(trim)
-        .collect()
-}
-
-/// Drops from time to time what the data folder shall not keep.
-async fn trim(journal: Arc<Journal>, config: Config) {
-    let mut ticks = tokio::time::interval(TRIM);
-    loop {
-        ticks.tick().await;
-        let Some(limit) = config.data_limit() else {
-            continue;
-        };
-        let journal = Arc::clone(&journal);
-        match tokio::task::spawn_blocking(move || journal.trim(limit)).await {
-            Ok(Ok(0)) => {}
-            Ok(Ok(sessions)) => tracing::info!(sessions, "old results dropped from disk"),
-            Ok(Err(why)) => tracing::error!(why = why.to_string(), "old results stay on disk"),
-            Err(why) => tracing::error!(why = why.to_string(), "old results stay on disk"),
-        }
-    }
 }
 
 fn abort(helpers: &[JoinHandle<()>]) {

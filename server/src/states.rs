@@ -14,6 +14,7 @@ use bytes::Bytes;
 use prost::Message;
 use sha2::{Digest, Sha256};
 
+use crate::client_name::ClientName;
 use crate::fault::Fault;
 use crate::journal::Journal;
 use crate::planning::{aside, unwritable};
@@ -24,7 +25,7 @@ const MAGIC: &[u8; 16] = b"signorini-state\n";
 const VERSION: u32 = 1;
 const DIGEST: usize = 32;
 const PREFIX: &str = "states/";
-/// States that a server without a data folder keeps; the oldest goes first.
+/// States that a server keeps of one client; the oldest goes first.
 const MOST_KEPT: usize = 64;
 
 /// A state with what it belongs to.
@@ -89,29 +90,45 @@ pub(crate) fn name(digest: &str) -> String {
 /// Imported states: in the data folder, or without one in memory.
 #[derive(Default)]
 pub(crate) struct States {
-    kept: Mutex<VecDeque<(String, Bytes, Reservation)>>,
+    kept: Mutex<VecDeque<Kept>>,
+}
+
+/// A state in memory.
+struct Kept {
+    digest: String,
+    /// Who sent it last.
+    owner: Option<ClientName>,
+    bytes: Bytes,
+    _held: Reservation,
 }
 
 impl States {
-    /// Keeps bytes whose digest this server has computed.
+    /// Keeps bytes of `owner` whose digest this server has computed.
     pub(crate) async fn keep(
         &self,
         journal: Option<&Arc<Journal>>,
-        digest: &str,
+        (digest, owner): (&str, Option<ClientName>),
         (bytes, reservation): (Bytes, Reservation),
     ) -> Result<(), Fault> {
         if let Some(journal) = journal.cloned() {
             let digest = digest.to_owned();
-            let write = move || journal.write_state(&digest, &bytes);
+            let owner = owner.map_or_else(String::new, |name| name.to_string());
+            let write = move || journal.keep_state((&digest, &bytes), &owner, MOST_KEPT);
             let written = aside(write).await?.map_err(unwritable);
             drop(reservation);
             return written;
         }
         let mut kept = self.lock();
-        kept.retain(|(other, _, _)| other != digest);
-        kept.push_back((digest.to_owned(), bytes, reservation));
-        while kept.len() > MOST_KEPT {
-            kept.pop_front();
+        kept.retain(|one| one.digest != digest);
+        kept.push_back(Kept {
+            digest: digest.to_owned(),
+            owner,
+            bytes,
+            _held: reservation,
+        });
+        if kept.iter().filter(|one| one.owner == owner).count() > MOST_KEPT {
+            let oldest = kept.iter().position(|one| one.owner == owner);
+            oldest.and_then(|oldest| kept.remove(oldest));
         }
         Ok(())
     }
@@ -135,14 +152,14 @@ impl States {
             None => {
                 let kept = self.lock();
                 let mut all = kept.iter();
-                all.find(|(other, _, _)| *other == digest)
-                    .map(|one| one.1.clone())
+                let found = all.find(|one| one.digest == digest);
+                found.map(|one| one.bytes.clone())
             }
         };
         State::from_bytes(&found.ok_or_else(|| Fault::StateNotFound(name.to_owned()))?)
     }
 
-    fn lock(&self) -> MutexGuard<'_, VecDeque<(String, Bytes, Reservation)>> {
+    fn lock(&self) -> MutexGuard<'_, VecDeque<Kept>> {
         // No code of others runs under the lock, so what it holds is whole.
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -10,7 +10,7 @@ use signorini::scene::Violation;
 use tonic::Code;
 use tonic_types::pb;
 
-use crate::fault::Fault;
+use crate::fault::{FailureCause, Fault};
 use crate::retry;
 
 /// Encoded size that no status reaches.
@@ -35,7 +35,7 @@ pub(crate) fn reason(fault: &Fault) -> &'static str {
 }
 
 /// Every reason, in the order of the faults.
-pub(crate) const REASONS: [&str; 32] = [
+pub(crate) const REASONS: [&str; 33] = [
     "SCENE_INVALID",
     "UNSUPPORTED_COMBINATION",
     "REQUEST_INVALID",
@@ -58,6 +58,7 @@ pub(crate) const REASONS: [&str; 32] = [
     "MEMORY_BUDGET",
     "QUEUE_FULL",
     "SESSION_LIMIT",
+    "CALL_RATE",
     "MESSAGE_LIMIT",
     "STREAM_DEADLINE",
     "SHUTTING_DOWN",
@@ -124,6 +125,7 @@ fn contract(fault: &Fault) -> (Code, &'static str) {
         Fault::MemoryBudget { .. } => (Code::ResourceExhausted, "MEMORY_BUDGET"),
         Fault::QueueFull { .. } => (Code::ResourceExhausted, "QUEUE_FULL"),
         Fault::SessionLimit { .. } => (Code::ResourceExhausted, "SESSION_LIMIT"),
+        Fault::CallRate { .. } => (Code::ResourceExhausted, "CALL_RATE"),
         Fault::MessageLimit { .. } => (Code::ResourceExhausted, "MESSAGE_LIMIT"),
         Fault::StreamDeadline => (Code::DeadlineExceeded, "STREAM_DEADLINE"),
         Fault::ShuttingDown => (Code::Unavailable, "SHUTTING_DOWN"),
@@ -158,8 +160,13 @@ fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
         | Fault::SessionExpired(name)
         | Fault::SessionExists(name)
         | Fault::SessionDeleted(name)
-        | Fault::SessionDamaged { name, .. }
-        | Fault::SessionFailed { name, .. } => vec![("session", name.clone())],
+        | Fault::SessionDamaged { name, .. } => vec![("session", name.clone())],
+        Fault::SessionFailed { name, cause, .. } => {
+            let memory = matches!(cause, FailureCause::Memory);
+            let cause = memory.then(|| ("cause", "memory".to_owned()));
+            let session = ("session", name.clone());
+            std::iter::once(session).chain(cause).collect()
+        }
         Fault::StateNotFound(name) => vec![("state", name.clone())],
         Fault::Interrupted | Fault::Unwritable(_) => vec![("resumes", "true".to_owned())],
         Fault::SessionBusy { held_since, .. } => vec![("held_since", held_since.to_string())],
@@ -178,6 +185,7 @@ fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
         Fault::QueueFull { limit } | Fault::SessionLimit { limit } => {
             vec![("limit", limit.to_string())]
         }
+        Fault::CallRate { limit } => vec![("limit", limit.to_string())],
         Fault::MessageLimit { what, limit } => {
             vec![("what", what.clone()), ("limit", limit.to_string())]
         }
@@ -249,6 +257,7 @@ fn retry_info(fault: &Fault) -> Option<Any> {
         fault,
         Fault::QueueFull { .. }
             | Fault::SessionLimit { .. }
+            | Fault::CallRate { .. }
             | Fault::MemoryBudget { .. }
             | Fault::ShuttingDown
             | Fault::Interrupted
@@ -338,6 +347,7 @@ mod tests {
             Fault::SessionDeleted(_) => Fault::SessionFailed {
                 name: text.clone(),
                 why: text,
+                cause: FailureCause::Memory,
             },
             Fault::SessionFailed { .. } => Fault::StepNotFound {
                 name: text,
@@ -358,7 +368,8 @@ mod tests {
             },
             Fault::MemoryBudget { .. } => Fault::QueueFull { limit: many },
             Fault::QueueFull { .. } => Fault::SessionLimit { limit: many },
-            Fault::SessionLimit { .. } => Fault::MessageLimit {
+            Fault::SessionLimit { .. } => Fault::CallRate { limit: u32::MAX },
+            Fault::CallRate { .. } => Fault::MessageLimit {
                 what: text,
                 limit: u64::MAX,
             },

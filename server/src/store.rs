@@ -14,9 +14,11 @@ use signorini::plan::PreparedKey;
 use signorini::prepare::Prepared;
 
 use crate::access::{Caller, Owners};
+use crate::client_key::ClientIdentity;
 use crate::convert::mesh::{MeshUse, name};
 use crate::fault::Fault;
 use crate::metrics::{Kind, Metrics};
+pub(crate) use reservation::{Account, Reservation};
 
 /// Marks an entry as used as long as it lives.
 type Use = Arc<()>;
@@ -78,6 +80,8 @@ struct Contents {
     prepared: HashMap<PreparedKey, PreparedEntry>,
     turns: HashMap<PreparedKey, Arc<tokio::sync::Mutex<()>>>,
     reserved: u64,
+    /// Of that, what is counted for clients.
+    accounts: HashMap<ClientIdentity, u64>,
     tick: u64,
 }
 
@@ -102,6 +106,22 @@ impl Contents {
         let meshes: u64 = meshes.map(|one| one.bytes).sum();
         let prepared: u64 = prepared.map(|one| one.bytes).sum();
         meshes + prepared + self.reserved
+    }
+
+    /// A reservation has changed; its client's account, if any, with it.
+    fn settle(&mut self, client: Option<ClientIdentity>, before: u64, after: u64) {
+        let changed = |bytes: u64| bytes.saturating_sub(before).saturating_add(after);
+        self.reserved = changed(self.reserved);
+        let Some(client) = client else { return };
+        let held = changed(self.of_client(client));
+        match held {
+            0 => drop(self.accounts.remove(&client)),
+            held => drop(self.accounts.insert(client, held)),
+        }
+    }
+
+    fn of_client(&self, client: ClientIdentity) -> u64 {
+        self.accounts.get(&client).copied().unwrap_or(0)
     }
 
     fn next_tick(&mut self) -> u64 {
@@ -274,14 +294,42 @@ impl Store {
     /// # Errors
     /// `MemoryBudget` when even that does not make room.
     pub(crate) fn reserve(self: &Arc<Self>, bytes: u64) -> Result<Reservation, Fault> {
+        self.reserve_as(None, bytes)
+    }
+
+    /// As [`Store::reserve`], counted for a client as long as it is held.
+    ///
+    /// # Errors
+    /// `MemoryBudget` also when that client holds too much.
+    pub(crate) fn reserve_for(
+        self: &Arc<Self>,
+        account: Account,
+        bytes: u64,
+    ) -> Result<Reservation, Fault> {
+        self.reserve_as(Some(account), bytes)
+    }
+
+    fn reserve_as(
+        self: &Arc<Self>,
+        account: Option<Account>,
+        bytes: u64,
+    ) -> Result<Reservation, Fault> {
         let mut inner = self.lock();
+        if let Some(account) = account {
+            let held = inner.of_client(account.client);
+            if held.saturating_add(bytes) > account.most {
+                return Err(Fault::MemoryBudget {
+                    predicted: bytes,
+                    held,
+                    budget: account.most,
+                });
+            }
+        }
         self.make_room(&mut inner, bytes)?;
-        inner.reserved += bytes;
+        let client = account.map(|account| account.client);
+        inner.settle(client, 0, bytes);
         self.report(&inner);
-        Ok(Reservation {
-            store: Arc::clone(self),
-            bytes,
-        })
+        Ok(Reservation::new(self, client, bytes))
     }
 
     fn make_room(&self, inner: &mut Contents, bytes: u64) -> Result<(), Fault> {
@@ -312,20 +360,21 @@ impl Store {
     }
 
     /// Changes a reservation, making room; fails with the bytes that are lacking.
-    fn grow(&self, before: u64, after: u64) -> Result<(), u64> {
+    fn grow(&self, held: &Reservation, after: u64) -> Result<(), u64> {
+        let before = held.bytes();
         let mut inner = self.lock();
         let more = after.saturating_sub(before);
         if self.make_room(&mut inner, more).is_err() {
             return Err(inner.in_use().saturating_add(more) - self.budget);
         }
-        inner.reserved = inner.reserved.saturating_sub(before).saturating_add(after);
+        inner.settle(held.client(), before, after);
         self.report(&inner);
         Ok(())
     }
 
-    fn change_reservation(&self, before: u64, after: u64) {
+    fn change_reservation(&self, held: &Reservation, after: u64) {
         let mut inner = self.lock();
-        inner.reserved = inner.reserved.saturating_sub(before).saturating_add(after);
+        inner.settle(held.client(), held.bytes(), after);
         self.report(&inner);
     }
 
@@ -346,56 +395,6 @@ impl Store {
     fn lock(&self) -> MutexGuard<'_, Contents> {
         // No code of others runs under the lock, so a poisoned state is whole.
         self.inner.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
-/// Bytes taken out of the budget; given back on drop.
-pub(crate) struct Reservation {
-    store: Arc<Store>,
-    bytes: u64,
-}
-
-impl Reservation {
-    pub(crate) fn bytes(&self) -> u64 {
-        self.bytes
-    }
-
-    /// Replaces the prediction by what is really held, dropping what nobody uses
-    /// where that takes more.
-    ///
-    /// # Errors
-    /// The bytes for which there is no room; the reservation is then as before.
-    pub(crate) fn resize(&mut self, bytes: u64) -> Result<(), u64> {
-        self.store.grow(self.bytes, bytes)?;
-        self.bytes = bytes;
-        Ok(())
-    }
-
-    /// As [`Reservation::resize`], with the fault for a request.
-    ///
-    /// # Errors
-    /// `MemoryBudget`; the reservation is then as before.
-    pub(crate) fn claim(&mut self, bytes: u64) -> Result<(), Fault> {
-        let held = |lacking: u64| Fault::MemoryBudget {
-            predicted: bytes,
-            held: (self.store.budget + lacking).saturating_sub(bytes),
-            budget: self.store.budget,
-        };
-        self.store.grow(self.bytes, bytes).map_err(held)?;
-        self.bytes = bytes;
-        Ok(())
-    }
-
-    /// Counts what is really held, whether there is room or not.
-    pub(crate) fn force(&mut self, bytes: u64) {
-        self.store.change_reservation(self.bytes, bytes);
-        self.bytes = bytes;
-    }
-}
-
-impl Drop for Reservation {
-    fn drop(&mut self) {
-        self.store.change_reservation(self.bytes, 0);
     }
 }
 
@@ -420,5 +419,6 @@ fn uses(entry: &Entry<Mesh>) -> MeshUse {
 }
 
 mod owned;
+mod reservation;
 #[cfg(test)]
 mod tests;

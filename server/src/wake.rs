@@ -6,13 +6,14 @@ use std::time::SystemTime;
 use prost::Message as _;
 use signorini_proto::v1 as wire;
 
-use crate::client_key::ClientKey;
+use crate::client_key::{ClientIdentity, ClientKey};
 use crate::client_name::ClientName;
 use crate::convert::{report, step};
 use crate::fault::Fault;
 use crate::journal::{Change, JournalError, Listed, Stored};
 use crate::planning::{self, aside, unwritable};
 use crate::session::{Recovered, Services, SessionSpec};
+use crate::store::Account;
 
 /// What the session `name` starts from.
 ///
@@ -32,13 +33,19 @@ pub(crate) async fn spec(services: &Arc<Services>, name: &str) -> Result<Session
         .session
         .created
         .and_then(|time| SystemTime::try_from(time).ok());
+    let client = owner_of(&stored.session.owner).map(ClientIdentity::Named);
+    // It was let in when it was made: counted, and never refused for that.
+    let account = Account {
+        client: client.unwrap_or(ClientIdentity::Unknown),
+        most: u64::MAX,
+    };
     let recovered = Recovered::new(name, stored)?;
     let kept = Arc::new(scene.clone());
     let planned = planning::plan(services, scene).await?;
     let plan_report = report::plan(planned.plan.report());
     let own_bytes = planning::own_bytes(&kept, &plan_report);
     let result_bytes = planning::result_bytes(&planned);
-    let taken = planning::reserve(&services.store, &planned, own_bytes)?;
+    let taken = planning::reserve(&services.store, &planned, (own_bytes, account))?;
     let ttl = step::duration(request.ttl.as_ref(), "ttl")?;
     Ok(SessionSpec {
         name: name.to_owned(),

@@ -3,7 +3,7 @@
 
 mod common;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use common::{Block, Process, Server, Stream, folder, open, press, reason};
@@ -338,10 +338,30 @@ async fn import(server: &Server, bytes: &[u8]) -> Result<String, tonic::Status> 
     Ok(call?.into_inner().state)
 }
 
+/// What others than the owner may use of a folder.
+fn open_to_others(folder: &Path) -> Vec<PathBuf> {
+    use std::os::unix::fs::PermissionsExt as _;
+    let is_open = |path: &Path| path.metadata().unwrap().permissions().mode() & 0o077 != 0;
+    let mut found = Vec::from_iter(is_open(folder).then(|| folder.to_owned()));
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        match path.is_dir() {
+            true => found.extend(open_to_others(&path)),
+            false => found.extend(is_open(&path).then_some(path)),
+        }
+    }
+    found
+}
+
 #[tokio::test(flavor = "multi_thread")]
 async fn a_backup_of_a_running_server_is_a_data_folder() {
+    use std::os::unix::fs::PermissionsExt as _;
     let _alone = alone().await;
     let tests = folder("backup");
+    // Made by hand, open to everybody.
+    std::fs::create_dir(tests.join("data")).unwrap();
+    let open = std::fs::Permissions::from_mode(0o755);
+    std::fs::set_permissions(tests.join("data"), open).unwrap();
     let (server, session) = pressed(&tests.join("data"), 2).await;
     // The socket of backups comes with the server.
     tokio::time::sleep(Duration::from_millis(50)).await;
@@ -360,6 +380,9 @@ async fn a_backup_of_a_running_server_is_a_data_folder() {
     let server = on(&tests.join("again")).await;
     assert_eq!(force(&server, &session, 3).await, after);
     stop(server).await;
+    for made in ["data", "copy", "again"] {
+        assert_eq!(open_to_others(&tests.join(made)), Vec::<PathBuf>::new());
+    }
     // And of one that has stopped.
     backup(&data, &tests.join("later")).unwrap();
     assert_eq!(fsck(&tests.join("later")).unwrap().results, 3);

@@ -6,6 +6,8 @@
 mod fuzz;
 
 mod common;
+#[path = "fuzz_requests/uploads.rs"]
+mod uploads;
 
 use std::time::Duration;
 
@@ -22,9 +24,12 @@ use tonic::codegen::http::uri::PathAndQuery;
 use tonic::transport::Channel;
 use tonic::{Request, Status};
 use tonic_types::StatusExt;
+use uploads::{framed, import, surfaces, unframed};
 
 /// Only ever reached by a server that hangs.
 const HANGS: Duration = Duration::from_secs(30);
+/// How long an answer of a stream that may go on is waited for.
+const LOOK: Duration = Duration::from_millis(20);
 /// Tags and lengths of nested messages, and names of the seeds.
 const WORDS: [&str; 7] = [
     "\n\u{0}",
@@ -89,33 +94,6 @@ fn method(weight: usize, path: &'static str, seeds: Vec<Vec<u8>>) -> Method {
     }
 }
 
-/// A repeated field of bytes: the messages of one upload.
-const FRAME: u8 = 0x0a;
-
-fn upload() -> Vec<u8> {
-    let framed = |message: wire::UploadMeshRequest| {
-        [vec![FRAME], message.encode_length_delimited_to_vec()].concat()
-    };
-    Block::new(1)
-        .messages()
-        .into_iter()
-        .flat_map(framed)
-        .collect()
-}
-
-/// The messages of an upload; what cannot be taken apart is one more.
-fn unframed(mut input: &[u8]) -> Vec<Bytes> {
-    let mut messages = Vec::new();
-    while input.has_remaining() {
-        let mut rest = &input[1..];
-        let length = prost::decode_length_delimiter(&mut rest).unwrap_or(rest.len());
-        let (message, after) = rest.split_at(length.min(rest.len()));
-        messages.push(Bytes::copy_from_slice(message));
-        input = after;
-    }
-    messages
-}
-
 fn creation(scene: wire::Scene, validate_only: bool) -> Vec<u8> {
     let request = wire::CreateSessionRequest {
         scene: Some(scene),
@@ -149,6 +127,35 @@ fn named(name: &str) -> Vec<u8> {
     wire::GetSessionRequest { name: name.into() }.encode_to_vec()
 }
 
+/// Methods of states and surfaces, and `Watch`.
+fn further_methods(session: &str, state: &[u8], surface: &str) -> Vec<Method> {
+    let restore = wire::RestoreStateRequest {
+        name: session.into(),
+        save: 1,
+    };
+    let watch = common::watch(session, wire::WatchEnd::Idle).encode_to_vec();
+    let uploads = surfaces().map(|messages| framed(&messages)).to_vec();
+    vec![
+        method(1, "SessionService/Watch", vec![watch]),
+        method(1, "SessionService/ExportState", vec![named(session)]),
+        method(
+            2,
+            "SessionService/ImportState",
+            vec![framed(&import(state))],
+        ),
+        method(1, "SessionService/SaveState", vec![named(session)]),
+        method(
+            1,
+            "SessionService/RestoreState",
+            vec![restore.encode_to_vec()],
+        ),
+        method(3, "SurfaceService/UploadSurface", uploads),
+        method(1, "SurfaceService/GetSurface", vec![named(surface)]),
+        method(1, "SurfaceService/ListSurfaces", vec![Vec::new()]),
+        method(1, "SurfaceService/DeleteSurface", vec![named(surface)]),
+    ]
+}
+
 fn methods(session: &str, block: &Block) -> Vec<Method> {
     let mesh = format!("meshes/{}", block.digest());
     let plans = vec![
@@ -177,7 +184,11 @@ fn methods(session: &str, block: &Block) -> Vec<Method> {
             "SessionService/CreateSession",
             vec![creation(block.scene(), false)],
         ),
-        method(6, "MeshService/UploadMesh", vec![upload()]),
+        method(
+            6,
+            "MeshService/UploadMesh",
+            vec![framed(&Block::new(1).messages())],
+        ),
         method(1, "SessionService/GetSession", vec![named(session)]),
         method(
             1,
@@ -216,17 +227,30 @@ async fn call(channel: &Channel, path: &str, input: &[u8]) -> Result<Bytes, Stat
         .await
         .map_err(|error| Status::unknown(error.to_string()))?;
     let messages = match path {
-        "MeshService/UploadMesh" => unframed(input),
+        "MeshService/UploadMesh"
+        | "SurfaceService/UploadSurface"
+        | "SessionService/ImportState" => unframed(input),
         _ => vec![Bytes::copy_from_slice(input)],
     };
+    let is_watch = path == "SessionService/Watch";
     let request = Request::new(tokio_stream::iter(messages));
     let path = PathAndQuery::try_from(format!("/signorini.v1.{path}")).unwrap();
     let mut answers = grpc.streaming(request, path, Raw).await?.into_inner();
     let mut last = Bytes::new();
-    while let Some(answer) = answers.message().await? {
-        last = answer;
+    loop {
+        // Who watches a session to its end waits for others.
+        let answer = match is_watch {
+            true => tokio::time::timeout(LOOK, answers.message()).await,
+            false => Ok(answers.message().await),
+        };
+        match answer {
+            Ok(answer) => match answer? {
+                Some(answer) => last = answer,
+                None => return Ok(last),
+            },
+            Err(_) => return Ok(last),
+        }
     }
-    Ok(last)
 }
 
 /// A refusal says why, in the words of the contract, and fits into trailers.
@@ -270,7 +294,25 @@ async fn forget(server: &Server, answer: &[u8]) {
 async fn every_request_is_answered_or_refused_with_a_reason() {
     let block = Block::new(1);
     let (server, session) = prepared(&block).await;
-    let methods = methods(&session, &block);
+    let state = call(
+        &server.channel,
+        "SessionService/ExportState",
+        &named(&session),
+    )
+    .await;
+    // Small: all of it is in one slice.
+    let state = wire::ExportStateResponse::decode(state.unwrap())
+        .unwrap()
+        .data;
+    let uploaded = framed(&surfaces()[0]);
+    let surface = call(&server.channel, "SurfaceService/UploadSurface", &uploaded).await;
+    let surface = wire::UploadSurfaceResponse::decode(surface.unwrap()).unwrap();
+    let mut methods = methods(&session, &block);
+    methods.extend(further_methods(
+        &session,
+        &state,
+        &surface.surface.unwrap().name,
+    ));
     let (campaign, budget) = (Campaign::from_environment(), Budget::of_mebibytes(96));
     let (mut answered, mut refused) = (0_u64, 0_u64);
     for case in campaign.numbers() {

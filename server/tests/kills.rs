@@ -6,9 +6,11 @@ mod common;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use common::{Block, Process, Server, Stream, folder, open, press};
+use common::{Block, Process, Server, Stream, folder, open, press, reason};
 use signorini_proto::v1::{self as wire, solve_response::Message};
+use signorini_server::Config;
 use tokio::time::timeout;
+use tonic_types::StatusExt as _;
 
 /// A checkpoint every 40 results, of which no more are kept.
 const SETTINGS: &str = "maximum_in_flight = 16\nretained_results = 40\n";
@@ -334,4 +336,37 @@ async fn two_hundred_sessions_on_disk_hold_up_no_start_and_wake_when_they_are_ca
     assert_eq!(awake.last_finished_sequence, 4);
     // The request that made it finds it again.
     assert_eq!(session(&server, &block, "many-7").await, "sessions/many-7");
+}
+
+#[tokio::test]
+async fn a_call_in_the_middle_of_a_shutdown_is_told_that_its_session_goes_on() {
+    let data = folder("shutdown").join("data");
+    let config = Config {
+        data: data.to_str().unwrap().to_owned(),
+        drain_seconds: 8,
+        ..Config::embedded()
+    };
+    let mut server = Server::with(config).await;
+    let block = Block::new(1);
+    server.upload(&block).await;
+    let session = server.session(block.scene()).await;
+    // A stream that names no session is waited for.
+    let (updates, outbound) = tokio::sync::mpsc::channel::<wire::SolveRequest>(1);
+    let outbound = tokio_stream::wrappers::ReceiverStream::new(outbound);
+    let nameless = server.sessions().solve(outbound).await.unwrap();
+    server.signal_stop();
+    let refused = loop {
+        let request = wire::GetSessionRequest {
+            name: session.clone(),
+        };
+        match server.sessions().get_session(request).await {
+            Ok(_) => tokio::task::yield_now().await,
+            Err(refused) => break refused,
+        }
+    };
+    assert_eq!(reason(&refused), "SHUTTING_DOWN");
+    let info = refused.get_details_error_info().unwrap();
+    assert_eq!(info.metadata["resumes"], "true");
+    drop((updates, nameless));
+    server.stopped().await.unwrap();
 }

@@ -121,7 +121,7 @@ class NotFoundError(RefusedError):
 
 
 class SessionError(RefusedError):
-    """A session that is busy, failed, deleted or there already."""
+    """A session that is busy, failed, damaged, deleted or there already, or a state that it cannot begin with."""
 
 
 class QuotaError(RefusedError):
@@ -141,7 +141,7 @@ class AccessError(RefusedError):
 
 
 class ServerError(RefusedError):
-    """A defect of the server."""
+    """A defect of the server, or of its disk."""
 
 
 BY_REASON: dict[str, type[RefusedError]] = {
@@ -159,18 +159,22 @@ BY_REASON: dict[str, type[RefusedError]] = {
     "SESSION_EXPIRED": NotFoundError,
     "STEP_NOT_FOUND": NotFoundError,
     "STATE_NOT_FOUND": NotFoundError,
+    "STATE_INVALID": SessionError,
     "SEQUENCE_NOT_RETAINED": NotFoundError,
     "SESSION_EXISTS": SessionError,
     "SESSION_FAILED": SessionError,
     "SESSION_BUSY": SessionError,
     "SESSION_DELETED": SessionError,
+    "SESSION_DAMAGED": SessionError,
     "SEQUENCE_GAP": SessionError,
     "MEMORY_BUDGET": QuotaError,
     "QUEUE_FULL": QuotaError,
     "SESSION_LIMIT": QuotaError,
+    "CALL_RATE": QuotaError,
     "MESSAGE_LIMIT": QuotaError,
     "STREAM_DEADLINE": DeadlineError,
     "SHUTTING_DOWN": ShutdownError,
+    "DATA_UNWRITABLE": ServerError,
     "UNAUTHENTICATED": AccessError,
     "PERMISSION_DENIED": AccessError,
     "INTERNAL": ServerError,
@@ -200,7 +204,11 @@ def from_call(error: Any, address: str) -> SignoriniError:
     # Not `dict(...)`: metadata of older asynchronous calls have keys, and no look-up by them.
     details = next((value for key, value in error.trailing_metadata() or () if key == DETAILS), None)
     if details is not None:
-        return refusal(status_pb2.Status.FromString(details), code)
+        refused = refusal(status_pb2.Status.FromString(details), code)
+        # The session is in the data folder of a server that is being restarted, or whose disk is full.
+        if refused.metadata.get("resumes") == "true":
+            return ConnectionBrokenError(f"the server at {address} broke off: {message}")
+        return refused
     if code == "DEADLINE_EXCEEDED":
         return UnreachableError(f"the server at {address} does not answer in time")
     if code in TRANSPORT:

@@ -5,25 +5,23 @@ use crate::exit::{Exit, Failure};
 
 #[cfg(feature = "embedded")]
 pub(super) async fn run(arguments: ServeArguments) -> Result<Exit, Failure> {
-    use signorini_server::{Listener, follow_log_level, serve, start_log};
+    use signorini_server::{Listener, follow_log_level, serve_and_tell, start_log};
 
-    let (config, _) = super::config::resolved(arguments.clone())?;
-    if let (Some(switch), Some(_)) = (start_log(&config), &arguments.config) {
-        let level = move || match super::config::resolved(arguments.clone()) {
-            Ok((config, _)) => Ok(config.log_level),
-            Err(failure) => Err(failure.line()),
-        };
-        tokio::spawn(follow_log_level(switch, level));
-    }
+    let flags = arguments.flags;
+    let config = super::config::resolved(&flags)?.config;
+    let level = move || flags.log_level_now().map_err(|error| error.to_string());
+    tokio::spawn(follow_log_level(start_log(&config), level));
     let usage = |error: &dyn std::error::Error| Failure::new(Exit::Usage, error.to_string());
     let listener = Listener::bind(&config)
         .await
         .map_err(|error| usage(&error))?;
     // Scripts that let the server choose a port read it here.
-    crate::stdout::print(&format!("{}\n", listener.url()))?;
-    serve(listener, config, stop_signal())
+    let mut told = Ok(());
+    let tell = |url: &str| told = crate::stdout::print(&format!("{url}\n"));
+    serve_and_tell(listener, config, stop_signal(), tell)
         .await
         .map_err(|error| Failure::new(Exit::Server, error.to_string()))?;
+    told?;
     Ok(Exit::Ok)
 }
 

@@ -1,12 +1,13 @@
 //! Files of values that a scene names: where they belong in its message, and their rows there.
 
-use std::io::Read as _;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use signorini_proto::v1;
 use toml::{Table, Value};
 
 use super::SceneFile;
+use crate::bounded_file;
 use crate::error::Violation;
 use crate::formats::values;
 
@@ -108,14 +109,11 @@ pub fn read_values(file: &mut SceneFile) -> Result<(), Vec<Violation>> {
 }
 
 fn read(path: &Path) -> Result<v1::Values, String> {
-    let told = |error: std::io::Error| format!("cannot be read: {error}");
-    let file = std::fs::File::open(path).map_err(told)?;
-    let mut bytes = Vec::new();
-    let mut bounded = file.take(values::MOST_BYTES + 1);
-    bounded.read_to_end(&mut bytes).map_err(told)?;
-    if bytes.len() as u64 > values::MOST_BYTES {
-        return Err(format!("has more than {} bytes", values::MOST_BYTES));
-    }
+    let told = |error: std::io::Error| match error.kind() == ErrorKind::InvalidInput {
+        true => error.to_string(),
+        false => format!("cannot be read: {error}"),
+    };
+    let bytes = bounded_file::read(path, values::MOST_BYTES).map_err(told)?;
     let file = values::read(&bytes).map_err(|error| error.to_string())?;
     Ok(file.to_wire())
 }

@@ -305,3 +305,18 @@ fn a_drafted_scene_is_sound_and_never_written_over_another() {
         );
     }
 }
+
+#[test]
+fn devices_and_pipes_are_refused_at_once() {
+    // A pipe without a writer would be waited for, a device read until memory ends.
+    let pipe = folder("pipes").join("mesh.msh");
+    let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+    assert!(made.unwrap().success());
+    for path in ["/dev/zero", pipe.to_str().unwrap()] {
+        for arguments in [["solve", path], ["check", path]] {
+            assert_refused(&run(arguments), &[path, "no regular file"]);
+        }
+        let run = run(["mesh", "info", path]);
+        assert_refused(&run, &[path, "no regular file"]);
+    }
+}

@@ -2,7 +2,7 @@
 #![cfg(feature = "embedded")]
 
 use crate::common::process::serve;
-use crate::common::{example, folder, run};
+use crate::common::{example, folder, run, signorini};
 
 #[test]
 fn a_served_scene_is_solved_and_the_server_ends_on_a_signal() {
@@ -140,6 +140,14 @@ fn settings_are_checked_and_shown_with_their_origin() {
             .join(" ")
     };
     assert_eq!(line("solver_slots"), format!("3 # {path}"));
+    let mut command = signorini();
+    command.args(["config", "show", "--origin"]);
+    let shown = command
+        .env("SIGNORINI_HEARTBEAT_SECONDS", "20")
+        .output()
+        .unwrap();
+    let shown = String::from_utf8(shown.stdout).unwrap();
+    assert!(shown.contains("# SIGNORINI_HEARTBEAT_SECONDS\n"), "{shown}");
     assert_eq!(line("log_level"), "\"warn\" # --log-level");
     assert_eq!(line("heartbeat_seconds"), "10 # default");
     for (text, said) in [

@@ -10,6 +10,7 @@ mod peer;
 
 use std::collections::HashMap;
 use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -36,6 +37,8 @@ pub(crate) struct Door {
     open: Mutex<HashMap<ClientIdentity, usize>>,
     most: usize,
     most_of_client: usize,
+    /// Whether it has been told that a limit turns connections away.
+    told: [AtomicBool; 2],
     metrics: Arc<Metrics>,
 }
 
@@ -47,6 +50,7 @@ impl Door {
             most,
             // Never all: somebody else has to be able to come in.
             most_of_client: config.maximum_client_connections.min(most.div_ceil(2)),
+            told: Default::default(),
             metrics: Arc::clone(metrics),
         })
     }
@@ -71,6 +75,16 @@ impl Door {
     pub(crate) fn turn_away(&self, why: Away) {
         self.metrics.turned_away(why.name());
         tracing::debug!(why = why.name(), "connection turned away");
+        let [all, client] = &self.told;
+        let (told, limit, key) = match why {
+            Away::All => (all, self.most, "maximum_connections"),
+            Away::Client => (client, self.most_of_client, "maximum_client_connections"),
+            Away::Silent | Away::Descriptors | Away::Handshake => return,
+        };
+        // Once: whoever is turned away may come again at once, the metric counts them.
+        if !told.swap(true, Ordering::Relaxed) {
+            tracing::warn!(limit, key, "connections are turned away");
+        }
     }
 
     fn lock(&self) -> MutexGuard<'_, HashMap<ClientIdentity, usize>> {

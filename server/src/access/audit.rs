@@ -1,27 +1,62 @@
 //! One line for each call that changes something: who, what, how it ended.
 
-use tonic::codegen::http::HeaderMap;
+use tonic::codegen::http::{Extensions, HeaderMap};
 use tonic::{Code, Status};
 
 use super::Caller;
 use crate::client_key::ClientKey;
+use crate::request_id::RequestId;
+
+/// Who does something, in which call.
+#[derive(Clone)]
+pub(crate) struct Who {
+    pub(super) id: RequestId,
+    pub(super) client: ClientKey,
+    /// Nobody: one that was not let in.
+    pub(super) caller: Caller,
+}
+
+impl Who {
+    /// That of a call which has passed the layer.
+    pub(crate) fn of(extensions: &Extensions) -> Self {
+        let found = extensions.get::<Self>().cloned();
+        found.unwrap_or_else(|| Self {
+            id: RequestId::of(extensions),
+            client: ClientKey::UNKNOWN,
+            caller: Caller::nobody(),
+        })
+    }
+
+    /// Writes a line.
+    pub(crate) fn did(&self, what: &str, outcome: &str) {
+        // Without the span of the call, which is there at some levels of the log only.
+        tracing::info!(
+            target: "audit",
+            parent: None,
+            request = self.id.as_str(),
+            who = %self.client,
+            what,
+            about = self.caller.about(),
+            outcome,
+            "call"
+        );
+    }
+}
 
 /// The line of a call, written when its outcome is known, or when it is dropped without one.
 pub(super) struct Line {
-    client: ClientKey,
-    caller: Option<Caller>,
+    who: Who,
     /// `SessionService/Solve`.
     what: String,
     is_written: bool,
 }
 
 impl Line {
-    /// Of a call to `path`; no caller: one that was not let in.
-    pub(super) fn new(client: ClientKey, caller: Option<&Caller>, path: &str) -> Self {
+    /// Of a call to `path`.
+    pub(super) fn new(who: Who, path: &str) -> Self {
         let what = path.rsplit_once('.').map_or(path, |(_, what)| what);
         Self {
-            client,
-            caller: caller.cloned(),
+            who,
             what: what.to_owned(),
             is_written: false,
         }
@@ -37,17 +72,9 @@ impl Line {
 
     /// Writes the line once.
     pub(super) fn write(&mut self, outcome: &str) {
-        if std::mem::replace(&mut self.is_written, true) {
-            return;
+        if !std::mem::replace(&mut self.is_written, true) {
+            self.who.did(&self.what, outcome);
         }
-        tracing::info!(
-            target: "audit",
-            who = %self.client,
-            what = self.what,
-            about = self.caller.as_ref().map_or("", Caller::about),
-            outcome,
-            "call"
-        );
     }
 }
 

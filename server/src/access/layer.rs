@@ -3,6 +3,7 @@
 use std::convert::Infallible;
 use std::sync::Arc;
 use std::task::{Context, Poll};
+use std::time::Instant;
 
 use bytes::Bytes;
 use http_body_util::BodyExt as _;
@@ -12,12 +13,14 @@ use tonic::body::Body;
 use tonic::codegen::{BoxFuture, Service, http};
 use tower::Layer;
 
-use super::audit::Line;
+use super::audit::{Line, Who};
 use super::table::{Effect, Need, rule};
-use super::{Access, Caller, Entry, TokenFile};
+use super::{Access, CallRates, Caller, Entry, TokenFile};
 use crate::client_key::{ClientIdentity, Peer};
+use crate::client_name::ClientName;
 use crate::fault::Fault;
 use crate::metrics::Metrics;
+use crate::request_id::RequestId;
 use crate::status;
 
 const SCHEME: &str = "bearer ";
@@ -26,6 +29,7 @@ const SCHEME: &str = "bearer ";
 #[derive(Clone)]
 pub(crate) struct Authorize {
     pub(crate) access: Access,
+    pub(crate) rates: Arc<CallRates>,
     pub(crate) metrics: Arc<Metrics>,
 }
 
@@ -59,13 +63,25 @@ where
     }
 
     fn call(&mut self, mut request: http::Request<Body>) -> Self::Future {
+        if !is_grpc(request.headers()) {
+            let mut refusal = http::Response::new(Body::default());
+            *refusal.status_mut() = http::StatusCode::UNSUPPORTED_MEDIA_TYPE;
+            return Box::pin(async move { Ok(refusal) });
+        }
         let path = request.uri().path().to_owned();
         let (_, need, effect) = rule(&path);
         let admitted = self.asked.admit(&mut request, need);
         let peer = request.extensions().get::<Peer>().copied();
         let client = peer.unwrap_or(Peer::UNKNOWN).client;
-        let line =
-            (effect == Effect::Changes).then(|| Line::new(client, admitted.as_ref().ok(), &path));
+        let who = Who {
+            id: RequestId::of(request.extensions()),
+            client,
+            caller: admitted
+                .as_ref()
+                .map_or_else(|_| Caller::nobody(), Clone::clone),
+        };
+        let line = (effect == Effect::Changes).then(|| Line::new(who.clone(), &path));
+        request.extensions_mut().insert(who);
         if let Err(fault) = admitted {
             let refusal = self.asked.refuse(fault);
             return Box::pin(async move { Ok(audited(refusal, line)) });
@@ -85,6 +101,8 @@ impl Authorize {
             (Some(tokens), Need::Role(needed)) => {
                 let tokens = tokens.sender.subscribe();
                 let entry = entry(&tokens.borrow(), request)?;
+                // Before the role is looked at: a refusal has a name, too.
+                name(request, entry.name());
                 if entry.role() < needed {
                     let (role, needed) = (entry.role().name(), needed.name());
                     return Err(Fault::PermissionDenied { role, needed });
@@ -92,9 +110,10 @@ impl Authorize {
                 Caller::known(entry, tokens)
             }
         };
-        let name = caller.name().map(ClientIdentity::Named);
-        if let (Some(name), Some(peer)) = (name, request.extensions_mut().get_mut::<Peer>()) {
-            peer.client.identity = name;
+        if matches!(need, Need::Role(_)) {
+            let peer = request.extensions().get::<Peer>();
+            let client = peer.unwrap_or(&Peer::UNKNOWN).client.identity;
+            self.rates.count(client, Instant::now())?;
         }
         request.extensions_mut().insert(caller.clone());
         Ok(caller)
@@ -105,6 +124,22 @@ impl Authorize {
         self.metrics.refused(reason);
         tracing::info!(reason, why = status::text(&fault), "request refused");
         Status::from(fault).into_http()
+    }
+}
+
+/// Whether a request is a call: `application/grpc`, with a kind of messages or parameters behind
+/// it or not (gRPC over HTTP/2). Pages of browsers post other types.
+fn is_grpc(headers: &http::HeaderMap) -> bool {
+    let kind = headers.get(http::header::CONTENT_TYPE);
+    let kind = kind.and_then(|kind| kind.to_str().ok()).unwrap_or_default();
+    let rest = kind.strip_prefix("application/grpc");
+    rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['+', ';']))
+}
+
+/// Gives the share of a name to a request that has proved it.
+fn name(request: &mut http::Request<Body>, name: ClientName) {
+    if let Some(peer) = request.extensions_mut().get_mut::<Peer>() {
+        peer.client.identity = ClientIdentity::Named(name);
     }
 }
 
@@ -148,6 +183,25 @@ fn audited(response: http::Response<Body>, line: Option<Line>) -> http::Response
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_grpc_is_a_call() {
+        let asked = |kind: &'static str| {
+            let kind = http::HeaderValue::from_static(kind);
+            is_grpc(&[(http::header::CONTENT_TYPE, kind)].into_iter().collect())
+        };
+        for good in [
+            "application/grpc",
+            "application/grpc+proto",
+            "application/grpc;x=y",
+        ] {
+            assert!(asked(good), "{good}");
+        }
+        for bad in ["", "text/html", "application/json", "application/grpc-web"] {
+            assert!(!asked(bad), "{bad}");
+        }
+        assert!(!is_grpc(&http::HeaderMap::new()));
+    }
 
     #[test]
     fn only_a_bearer_has_a_token() {

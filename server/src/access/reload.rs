@@ -12,8 +12,7 @@ use super::{Access, TokenFile};
 /// How often the files are looked at.
 const LOOK: Duration = Duration::from_secs(1);
 
-/// Rereads the files until it is dropped. A server that asks nobody has none, and leaves SIGHUP
-/// alone.
+/// Rereads the files until it is dropped. A server that asks nobody has none.
 pub(crate) async fn watch(access: Access) {
     if access.tokens.is_none() && access.certificates.is_none() {
         return;

@@ -48,6 +48,8 @@ pub(crate) struct Slots {
     pub(crate) count: usize,
     /// Those of them that take no long work, fewer than all.
     pub(crate) short: usize,
+    /// Those that one client may have at one time, at least 1.
+    pub(crate) of_client: usize,
     /// Threads of each.
     pub(crate) threads: usize,
 }

@@ -1,6 +1,6 @@
 //! The queue of jobs between those who submit them and the seats that run them.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -28,6 +28,7 @@ pub(super) struct Waiting {
     work: Work,
     since: Instant,
     length: Length,
+    client: Share,
 }
 
 /// What a running job has of its slot.
@@ -52,6 +53,8 @@ pub(super) struct Backlog {
     free: Vec<usize>,
     /// Slots with long work.
     long: usize,
+    /// Slots of each client that has any.
+    held: HashMap<Share, usize>,
     /// Jobs that may go on after a pause, by their tickets, with their slots.
     resumed: HashMap<u64, usize>,
     tickets: u64,
@@ -60,6 +63,31 @@ pub(super) struct Backlog {
     pub(super) idle: usize,
     pub(super) threads: Vec<JoinHandle<()>>,
     closed: bool,
+}
+
+impl Backlog {
+    /// Counts a slot that a client has now.
+    fn occupy(&mut self, client: Share, length: Length) {
+        self.long += usize::from(length == Length::Long);
+        *self.held.entry(client).or_default() += 1;
+    }
+
+    /// Counts a slot that it has given back.
+    fn release(&mut self, flow: &Flow, length: Length) {
+        self.long -= usize::from(length == Length::Long);
+        let client = client_of(flow);
+        if let Some(held) = self.held.get_mut(&client) {
+            *held -= 1;
+            if *held == 0 {
+                self.held.remove(&client);
+            }
+        }
+    }
+}
+
+fn client_of(flow: &Flow) -> Share {
+    let [client, ..] = *flow;
+    client
 }
 
 /// The queue.
@@ -78,6 +106,7 @@ impl JobQueue {
                 jobs: FairQueue::default(),
                 free: (0..slots.count).rev().collect(),
                 long: 0,
+                held: HashMap::new(),
                 resumed: HashMap::new(),
                 tickets: 0,
                 seats: 0,
@@ -107,11 +136,11 @@ impl JobQueue {
 
     pub(super) fn push(&self, flow: Flow, length: Length, job: Job) {
         let mut state = self.lock();
-        let (work, since) = (Work::Begin(job), Instant::now());
         let waiting = Waiting {
-            work,
-            since,
+            work: Work::Begin(job),
+            since: Instant::now(),
             length,
+            client: client_of(&flow),
         };
         state.jobs.push(&flow, waiting);
         self.metrics.queue_depth(state.jobs.len());
@@ -133,7 +162,10 @@ impl JobQueue {
     /// Which of the waiting jobs may be served now.
     fn may(&self, state: &Backlog) -> impl Fn(&Waiting) -> bool + use<> {
         let room = state.long < self.most_long();
-        move |waiting| room || waiting.length == Length::Short
+        let most = self.slots.of_client;
+        let full = state.held.iter().filter(|(_, held)| **held >= most);
+        let full: HashSet<Share> = full.map(|(client, _)| *client).collect();
+        move |waiting| (room || waiting.length == Length::Short) && !full.contains(&waiting.client)
     }
 
     /// The next job for a seat; `last` is the job that it has run.
@@ -147,6 +179,8 @@ impl JobQueue {
                 return Some(begun);
             }
             if state.closed && state.jobs.len() == 0 {
+                // The other seats wait for work that this one may just have ended.
+                self.arrived.notify_all();
                 return None;
             }
             state.idle += 1;
@@ -172,9 +206,7 @@ impl JobQueue {
         state
             .jobs
             .finished(flow, turn.since.elapsed().as_secs_f64());
-        if turn.length == Length::Long {
-            state.long -= 1;
-        }
+        state.release(flow, turn.length);
         let awaited =
             |state: &mut Backlog| !state.closed && state.jobs.would_be_next(flow, self.may(state));
         let waited = self.arrived.wait_timeout_while(state, LINGER, awaited);
@@ -190,9 +222,7 @@ impl JobQueue {
             let (path, waiting) = state.jobs.pop(self.may(state))?;
             let slot = state.free.pop()?;
             self.metrics.queue_depth(state.jobs.len());
-            if waiting.length == Length::Long {
-                state.long += 1;
-            }
+            state.occupy(waiting.client, waiting.length);
             match (waiting.work, Flow::try_from(path)) {
                 (Work::Resume(ticket), _) => {
                     state.resumed.insert(ticket, slot);
@@ -228,9 +258,8 @@ impl JobQueue {
     ) -> Duration {
         let mut state = this.lock();
         let ran = turn.since.elapsed();
-        let was_long = turn.length == Length::Long;
         state.jobs.finished(flow, ran.as_secs_f64());
-        state.long -= usize::from(was_long);
+        state.release(flow, turn.length);
         turn.ran += ran;
         turn.since = Instant::now();
         if turn.ran >= LONG {
@@ -240,7 +269,7 @@ impl JobQueue {
         let is_next = fits && !state.jobs.comes_before(flow, this.may(&state));
         if is_next || !Self::has_seat(this, &mut state) {
             state.jobs.started(flow);
-            state.long += usize::from(turn.length == Length::Long);
+            state.occupy(client_of(flow), turn.length);
             return Duration::ZERO;
         }
         this.wait_for_slot(state, flow, turn, stopped);
@@ -259,11 +288,11 @@ impl JobQueue {
     ) {
         let ticket = state.tickets;
         state.tickets += 1;
-        let (work, since, length) = (Work::Resume(ticket), Instant::now(), turn.length);
         let waiting = Waiting {
-            work,
-            since,
-            length,
+            work: Work::Resume(ticket),
+            since: Instant::now(),
+            length: turn.length,
+            client: client_of(flow),
         };
         state.jobs.push_front(flow, waiting);
         if let Some(slot) = turn.slot.take() {
@@ -282,6 +311,8 @@ impl JobQueue {
                 let own =
                     |one: &Waiting| matches!(one.work, Work::Resume(number) if number == ticket);
                 state.jobs.remove(flow, own);
+                // It may have been what kept seats of a closed queue waiting.
+                self.arrived.notify_all();
                 break;
             }
             let waited = self.arrived.wait_timeout(state, LOOK);

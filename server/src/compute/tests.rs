@@ -7,11 +7,15 @@ use crate::client_key::{ClientIdentity, ClientKey, Strand};
 const WAIT: Duration = Duration::from_secs(20);
 
 fn slots(count: usize, short: usize, threads: usize) -> SolverThreads {
-    let slots = Slots {
+    started(Slots {
         count,
         short,
+        of_client: count,
         threads,
-    };
+    })
+}
+
+fn started(slots: Slots) -> SolverThreads {
     SolverThreads::start(slots, &Metrics::new().unwrap()).unwrap()
 }
 
@@ -140,5 +144,64 @@ fn a_job_that_is_stopped_while_it_pauses_ends_without_a_slot() {
     paused.recv_timeout(WAIT).unwrap().unwrap();
     drop(release);
     blocking.recv_timeout(WAIT).unwrap().unwrap();
+    solvers.close();
+}
+
+#[test]
+fn a_paused_job_that_is_stopped_at_the_end_leaves_no_seat_waiting() {
+    let solvers = Arc::new(slots(1, 0, 1));
+    let (stop, paused) = endless(&solvers, flow(1, 1));
+    let (stop_other, other) = endless(&solvers, flow(3, 3));
+    let (release, released) = mpsc::channel::<()>();
+    let (entered, has_entered) = mpsc::channel();
+    let blocking = start(&solvers, flow(2, 2), Length::Short, move |_| {
+        entered.send(()).unwrap();
+        released.recv().unwrap_err();
+    });
+    has_entered.recv_timeout(WAIT).unwrap();
+    // Its seat has nothing to do from here on.
+    drop(stop_other);
+    other.recv_timeout(WAIT).unwrap().unwrap();
+    let (closed, has_closed) = mpsc::channel();
+    let closing = Arc::clone(&solvers);
+    let seats = solvers.queue.lock().threads.len();
+    std::thread::spawn(move || {
+        closing.close();
+        closed.send(()).unwrap();
+    });
+    // It waits for the first of its threads once everybody has been told.
+    while solvers.queue.lock().threads.len() == seats {
+        std::thread::yield_now();
+    }
+    drop(stop);
+    paused.recv_timeout(WAIT).unwrap().unwrap();
+    drop(release);
+    blocking.recv_timeout(WAIT).unwrap().unwrap();
+    has_closed.recv_timeout(WAIT).unwrap();
+}
+
+#[test]
+fn a_client_has_no_more_slots_than_it_may_and_others_have_the_rest() {
+    let solvers = started(Slots {
+        count: 2,
+        short: 0,
+        of_client: 1,
+        threads: 1,
+    });
+    let (release, released) = mpsc::channel::<()>();
+    let (entered, has_entered) = mpsc::channel();
+    let first = start(&solvers, flow(1, 1), Length::Short, move |_| {
+        entered.send(()).unwrap();
+        released.recv().unwrap_err();
+        Instant::now()
+    });
+    has_entered.recv_timeout(WAIT).unwrap();
+    let second = start(&solvers, flow(1, 2), Length::Short, |_| Instant::now());
+    // Behind that of the greedy one, and before it all the same.
+    let other = start(&solvers, flow(2, 3), Length::Short, |_| ());
+    other.recv_timeout(WAIT).unwrap().unwrap();
+    drop(release);
+    let ended = first.recv_timeout(WAIT).unwrap().unwrap();
+    assert!(second.recv_timeout(WAIT).unwrap().unwrap() >= ended);
     solvers.close();
 }

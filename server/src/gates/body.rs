@@ -8,6 +8,7 @@ use std::time::Duration;
 
 use bytes::{Buf as _, Bytes, BytesMut};
 use hyper::body::{Body as HttpBody, Frame};
+use tokio::runtime::{Handle, RuntimeFlavor};
 use tokio::time::Sleep;
 use tonic::Status;
 use tonic::body::Body;
@@ -21,6 +22,8 @@ const PREFIX_BYTES: usize = 5;
 /// How long the bytes of a message may take, beside those of a slow line.
 const GRACE: Duration = Duration::from_secs(10);
 const LEAST_BYTES_PER_SECOND: u64 = 64 << 10;
+/// A message from this size on is looked at and decoded beside what the runtime serves.
+const LARGE_BYTES: usize = 64 << 10;
 
 /// Room that a call keeps until it is answered.
 pub(super) type Kept = Arc<Mutex<Vec<Permit>>>;
@@ -85,7 +88,7 @@ impl Gated {
         let message = self.collected.split_to(size).freeze();
         let shape = self.shape;
         let content = message.get(PREFIX_BYTES..).unwrap_or_default();
-        let decoded = shape.map(|shape| self.gate.decode(shape, content));
+        let decoded = shape.map(|shape| unhindered(size, || self.gate.decode(shape, content)));
         let permits = std::iter::once(received).chain(decoded.transpose()?);
         match &self.kept {
             Some(kept) => kept
@@ -104,6 +107,22 @@ impl Gated {
             self.gate.refused(&fault);
         }
         Poll::Ready(Some(Err(fault.into())))
+    }
+}
+
+/// Runs the look at a message of so many bytes. For a large one another thread takes over the
+/// tasks of this one, short calls such as health among them, and keeps them when the look is
+/// over: the transport decodes the message in the rest of the same poll.
+fn unhindered<T>(bytes: usize, look: impl FnOnce() -> T) -> T {
+    let runtime = Handle::try_current().map(|runtime| runtime.runtime_flavor());
+    let has_others = matches!(runtime, Ok(RuntimeFlavor::MultiThread));
+    match has_others && bytes >= LARGE_BYTES {
+        #[expect(
+            clippy::disallowed_methods,
+            reason = "no solver work: the decoder runs here"
+        )]
+        true => tokio::task::block_in_place(look),
+        false => look(),
     }
 }
 
@@ -212,5 +231,34 @@ impl Gated {
             }
             Err(frame) => Poll::Ready(Some(Some(Ok(frame)))),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc;
+
+    use super::*;
+
+    #[test]
+    fn a_look_at_a_large_message_holds_up_no_other_task() {
+        let runtime = tokio::runtime::Builder::new_multi_thread()
+            .worker_threads(1)
+            .enable_all()
+            .build()
+            .unwrap();
+        let looking = runtime.spawn(async {
+            let (sender, receiver) = mpsc::channel();
+            tokio::spawn(async move { sender.send(()).unwrap() });
+            unhindered(LARGE_BYTES, || {
+                receiver.recv_timeout(Duration::from_secs(20))
+            })
+        });
+        runtime.block_on(looking).unwrap().unwrap();
+    }
+
+    #[tokio::test]
+    async fn a_runtime_of_one_thread_looks_at_it_where_it_is() {
+        assert_eq!(unhindered(LARGE_BYTES, || 7), 7);
     }
 }

@@ -2,14 +2,15 @@
 
 use std::fs;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use redb::{Database, ReadableDatabase, ReadableTable, TableDefinition};
 
+use super::PARTS;
 use super::database;
 use super::error::JournalError;
 use super::files;
-use super::{DATABASE_FILE, FORMAT_FILE, PARTS};
+use super::layout::{DATABASE_FILE, FORMAT_FILE};
 
 /// Copies the folder into `target`, which must not exist: all sessions as they are at
 /// one moment, and the files that they need.
@@ -20,7 +21,8 @@ pub(super) fn copy(source: &Database, folder: &Path, target: &Path) -> Result<()
     }
     remove(&beside)?;
     let made = make(source, folder, &beside).and_then(|()| {
-        fs::rename(&beside, target).map_err(|error| JournalError::at(target, &error))
+        let moved = fs::rename(&beside, target).and_then(|()| files::sync_folder(target));
+        moved.map_err(|error| JournalError::at(target, &error))
     });
     if made.is_err() {
         remove(&beside)?;
@@ -37,9 +39,19 @@ fn make(source: &Database, folder: &Path, target: &Path) -> Result<(), JournalEr
     copy_database(source, &target.join(DATABASE_FILE))?;
     copy_files(folder, target)?;
     let format = folder.join(FORMAT_FILE);
-    fs::copy(&format, target.join(FORMAT_FILE))
+    copy_bytes(&format, &target.join(FORMAT_FILE))
         .map_err(|error| JournalError::at(&format, &error))?;
-    Ok(())
+    let folders = PARTS.map(|part| target.join(part));
+    let mut all = folders.iter().map(PathBuf::as_path).chain([target]);
+    all.try_for_each(files::sync)
+        .map_err(|error| JournalError::at(target, &error))
+}
+
+/// Copies a file, onto the disk.
+fn copy_bytes(from: &Path, to: &Path) -> io::Result<()> {
+    fs::copy(from, to)?;
+    files::close_file(to)?;
+    files::sync(to)
 }
 
 /// Files never change, so a second name is a copy; where that cannot be, their bytes.
@@ -55,10 +67,10 @@ fn copy_files(folder: &Path, target: &Path) -> Result<(), JournalError> {
                 continue;
             }
             if fs::hard_link(entry.path(), &to).is_err() {
-                match fs::copy(entry.path(), &to) {
+                match copy_bytes(&entry.path(), &to) {
                     // It has been dropped since.
                     Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-                    outcome => drop(outcome.map_err(wrong)?),
+                    outcome => outcome.map_err(wrong)?,
                 }
             }
         }
@@ -68,6 +80,7 @@ fn copy_files(folder: &Path, target: &Path) -> Result<(), JournalError> {
 
 fn copy_database(source: &Database, path: &Path) -> Result<(), JournalError> {
     let read = source.begin_read()?;
+    database::create(path)?;
     let target = database::open(path)?;
     let write = target.begin_write()?;
     for table in database::BY_NAME {

@@ -5,16 +5,18 @@
 
 use std::path::Path;
 
-use redb::{
-    Database, Durability, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition,
-    WriteTransaction,
-};
+use redb::{Database, Durability, TableDefinition, WriteTransaction};
+
+mod reading;
 
 use super::error::JournalError;
 use super::record::{
     StoredCheckpoint, StoredFields, StoredMesh, StoredResult, StoredSave, StoredSession,
-    StoredUpdate, opened, sealed,
+    StoredState, StoredUpdate, sealed,
 };
+use super::{files, guarded};
+pub(crate) use reading::{Listed, Stored};
+pub(super) use reading::{list, list_one, load, mesh, meshes, names, states};
 
 const META: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("meta");
 const SESSIONS: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("sessions");
@@ -25,10 +27,11 @@ pub(super) const CHECKPOINTS: TableDefinition<'_, &str, &[u8]> =
     TableDefinition::new("checkpoints");
 const SAVES: TableDefinition<'_, (&str, i64), &[u8]> = TableDefinition::new("saves");
 const MESHES: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("meshes");
+const STATES: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("states");
 
 /// The tables whose keys are names.
-pub(super) const BY_NAME: [TableDefinition<'_, &str, &[u8]>; 4] =
-    [META, SESSIONS, CHECKPOINTS, MESHES];
+pub(super) const BY_NAME: [TableDefinition<'_, &str, &[u8]>; 5] =
+    [META, SESSIONS, CHECKPOINTS, MESHES, STATES];
 /// The tables whose keys are a session and a number.
 pub(super) const BY_PLACE: [TableDefinition<'_, (&str, i64), &[u8]>; 4] =
     [UPDATES, RESULTS, FIELDS, SAVES];
@@ -66,51 +69,54 @@ pub(crate) enum Change {
     Mesh(String, StoredMesh),
     /// A mesh is dropped.
     DropMesh(String),
+    /// An imported state, by its digest.
+    State(String, StoredState),
+    /// A state is dropped.
+    DropState(String),
 }
 
-/// A session with all that is stored of it.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Stored {
-    pub(crate) session: StoredSession,
-    pub(crate) updates: Vec<(i64, StoredUpdate)>,
-    pub(crate) results: Vec<(i64, StoredResult, StoredFields)>,
-    pub(crate) checkpoint: Option<StoredCheckpoint>,
-    pub(crate) saves: Vec<(i64, StoredSave)>,
-}
-
-/// What a list tells of a stored session.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Listed {
-    pub(crate) session: StoredSession,
-    /// Largest sequence accepted.
-    pub(crate) accepted: i64,
-    /// Largest sequence finished.
-    pub(crate) finished: i64,
-    /// Smallest sequence with a result.
-    pub(crate) first: i64,
-}
-
-/// An entry of a table: session and number, message.
-type Row<'a> = (
-    redb::AccessGuard<'a, (&'static str, i64)>,
-    redb::AccessGuard<'a, &'static [u8]>,
-);
-
-/// Opens the database, or makes it; the format it says to have, if it is not new.
+/// Opens the database, which has to be there.
 pub(super) fn open(path: &Path) -> Result<Database, JournalError> {
-    let opened =
-        std::panic::catch_unwind(|| Database::builder().set_cache_size(CACHE_BYTES).create(path));
+    let opened = opened_by(path, || builder().open(path))?;
+    files::close_file(path).map_err(|error| JournalError::at(path, &error))?;
+    Ok(opened)
+}
+
+/// Makes a database with every table: beside its place, where there is all of it or nothing.
+pub(super) fn create(path: &Path) -> Result<(), JournalError> {
+    let beside = path.with_extension("part");
+    let wrong = |error: std::io::Error| JournalError::at(path, &error);
+    files::remove(&beside)?;
+    let made = opened_by(&beside, || builder().create(&beside))?;
+    make_tables(&made)?;
+    drop(made);
+    files::close_file(&beside).map_err(wrong)?;
+    std::fs::File::open(&beside)
+        .and_then(|file| file.sync_all())
+        .map_err(wrong)?;
+    std::fs::rename(&beside, path)
+        .and_then(|()| files::sync_folder(path))
+        .map_err(wrong)
+}
+
+fn builder() -> redb::Builder {
+    let mut builder = Database::builder();
+    builder.set_cache_size(CACHE_BYTES);
+    builder
+}
+
+fn opened_by(
+    path: &Path,
+    open: impl FnOnce() -> Result<Database, redb::DatabaseError>,
+) -> Result<Database, JournalError> {
     let at = path.display().to_string();
-    match opened {
-        Ok(Ok(database)) => Ok(database),
-        Ok(Err(redb::DatabaseError::DatabaseAlreadyOpen)) => Err(JournalError::InUse(at)),
-        Ok(Err(redb::DatabaseError::Storage(redb::StorageError::Io(why)))) => {
+    match guarded(|| Ok(open()))? {
+        Ok(database) => Ok(database),
+        Err(redb::DatabaseError::DatabaseAlreadyOpen) => Err(JournalError::InUse(at)),
+        Err(redb::DatabaseError::Storage(redb::StorageError::Io(why))) => {
             Err(JournalError::at(path, &why))
         }
-        Ok(Err(error)) => Err(JournalError::Damaged(format!("{at}: {error}"))),
-        Err(_) => Err(JournalError::Damaged(format!(
-            "{at}: a page is not as it was written"
-        ))),
+        Err(error) => Err(JournalError::Damaged(format!("{at}: {error}"))),
     }
 }
 
@@ -122,6 +128,15 @@ pub(super) fn make_tables(database: &Database) -> Result<(), JournalError> {
     Ok(())
 }
 
+/// Whether the database at `path` has neither sessions nor meshes.
+pub(super) fn is_unused(path: &Path) -> Result<bool, JournalError> {
+    let open = open(path)?;
+    guarded(|| {
+        make_tables(&open)?;
+        Ok(names(&open)?.is_empty() && meshes(&open)?.is_empty())
+    })
+}
+
 /// The tables of one transaction.
 struct Tables<'a> {
     sessions: redb::Table<'a, &'static str, &'static [u8]>,
@@ -131,6 +146,7 @@ struct Tables<'a> {
     checkpoints: redb::Table<'a, &'static str, &'static [u8]>,
     saves: redb::Table<'a, (&'static str, i64), &'static [u8]>,
     meshes: redb::Table<'a, &'static str, &'static [u8]>,
+    states: redb::Table<'a, &'static str, &'static [u8]>,
 }
 
 impl<'a> Tables<'a> {
@@ -144,6 +160,7 @@ impl<'a> Tables<'a> {
             checkpoints: write.open_table(CHECKPOINTS)?,
             saves: write.open_table(SAVES)?,
             meshes: write.open_table(MESHES)?,
+            states: write.open_table(STATES)?,
         })
     }
 
@@ -201,6 +218,13 @@ impl<'a> Tables<'a> {
             Change::DropMesh(mesh) => {
                 self.meshes.remove(mesh.as_str())?;
             }
+            Change::State(digest, stored) => {
+                let bytes = seal(sealed(stored));
+                self.states.insert(digest.as_str(), bytes.as_slice())?;
+            }
+            Change::DropState(digest) => {
+                self.states.remove(digest.as_str())?;
+            }
         }
         Ok(written)
     }
@@ -247,132 +271,6 @@ pub(super) fn commit<'a>(
     }
     write.commit()?;
     Ok(bytes)
-}
-
-/// Every stored session, in order of the names.
-pub(super) fn list(database: &Database) -> Result<Vec<(String, Listed)>, JournalError> {
-    let read = database.begin_read()?;
-    let mut found = Vec::new();
-    for entry in read.open_table(SESSIONS)?.iter()? {
-        let (name, session) = entry?;
-        let name = name.value();
-        // One that is damaged says so when it is called; the others serve.
-        let session = opened(session.value(), name);
-        let listed = match session.and_then(|session| listed(&read, name, session)) {
-            Err(JournalError::Damaged(why)) => {
-                tracing::error!(name, why, "a session is damaged");
-                Listed::default()
-            }
-            outcome => outcome?,
-        };
-        found.push((name.to_owned(), listed));
-    }
-    Ok(found)
-}
-
-/// One stored session as a list tells it.
-pub(super) fn list_one(database: &Database, name: &str) -> Result<Option<Listed>, JournalError> {
-    let read = database.begin_read()?;
-    let Some(session) = read.open_table(SESSIONS)?.get(name)? else {
-        return Ok(None);
-    };
-    let session = opened(session.value(), name)?;
-    listed(&read, name, session).map(Some)
-}
-
-/// Names of the sessions, readable or not.
-pub(super) fn names(database: &Database) -> Result<Vec<String>, JournalError> {
-    let read = database.begin_read()?;
-    let table = read.open_table(SESSIONS)?;
-    let all = table.iter()?.map(|entry| Ok(entry?.0.value().to_owned()));
-    all.collect()
-}
-
-fn listed(
-    read: &ReadTransaction,
-    name: &str,
-    session: StoredSession,
-) -> Result<Listed, JournalError> {
-    let all = (name, i64::MIN)..=(name, i64::MAX);
-    let updates = read.open_table(UPDATES)?;
-    let results = read.open_table(RESULTS)?;
-    let accepted = updates.range(all.clone())?.next_back().transpose()?;
-    let accepted = accepted.map_or(0, |(key, _)| key.value().1);
-    let mut ends = results.range(all)?;
-    let result = |entry: Option<Result<Row<'_>, redb::StorageError>>| {
-        let entry = entry.transpose()?;
-        let stored = entry.map(|(_, value)| opened::<StoredResult>(value.value(), name));
-        stored.transpose()
-    };
-    let newest = result(ends.next_back())?;
-    let oldest = result(ends.next())?.or_else(|| newest.clone());
-    let finished = newest.map_or(0, |one| one.sequence - i64::from(!one.last));
-    Ok(Listed {
-        session,
-        accepted: accepted.max(finished),
-        finished,
-        first: oldest.map_or(0, |one| one.sequence),
-    })
-}
-
-/// All of one session; none where there is no such session.
-pub(super) fn load(database: &Database, name: &str) -> Result<Option<Stored>, JournalError> {
-    let read = database.begin_read()?;
-    let Some(session) = read.open_table(SESSIONS)?.get(name)? else {
-        return Ok(None);
-    };
-    let session = opened(session.value(), name)?;
-    let all = || (name, i64::MIN)..=(name, i64::MAX);
-    let mut updates = Vec::new();
-    for entry in read.open_table(UPDATES)?.range(all())? {
-        let (key, update) = entry?;
-        updates.push((key.value().1, opened(update.value(), name)?));
-    }
-    let fields = read.open_table(FIELDS)?;
-    let mut results = Vec::new();
-    for entry in read.open_table(RESULTS)?.range(all())? {
-        let (key, result) = entry?;
-        let event = key.value().1;
-        let own = fields.get((name, event))?;
-        let own = own.map(|fields| opened(fields.value(), name)).transpose()?;
-        results.push((
-            event,
-            opened(result.value(), name)?,
-            own.unwrap_or_default(),
-        ));
-    }
-    let mut saves = Vec::new();
-    for entry in read.open_table(SAVES)?.range(all())? {
-        let (key, save) = entry?;
-        saves.push((key.value().1, opened(save.value(), name)?));
-    }
-    let checkpoint = read.open_table(CHECKPOINTS)?.get(name)?;
-    let checkpoint = checkpoint.map(|bytes| opened(bytes.value(), name));
-    Ok(Some(Stored {
-        session,
-        updates,
-        results,
-        checkpoint: checkpoint.transpose()?,
-        saves,
-    }))
-}
-
-/// One mesh.
-pub(super) fn mesh(database: &Database, name: &str) -> Result<Option<StoredMesh>, JournalError> {
-    let read = database.begin_read()?;
-    let found = read.open_table(MESHES)?.get(name)?;
-    found.map(|bytes| opened(bytes.value(), name)).transpose()
-}
-
-/// The meshes by name.
-pub(super) fn meshes(database: &Database) -> Result<Vec<(String, StoredMesh)>, JournalError> {
-    let read = database.begin_read()?;
-    let mut found = Vec::new();
-    for entry in read.open_table(MESHES)?.iter()? {
-        let (name, mesh) = entry?;
-        found.push((name.value().to_owned(), opened(mesh.value(), name.value())?));
-    }
-    Ok(found)
 }
 
 #[cfg(test)]

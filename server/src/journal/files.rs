@@ -5,10 +5,18 @@
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
+use std::os::unix::fs::{DirBuilderExt as _, OpenOptionsExt as _, PermissionsExt as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::error::JournalError;
+
+/// What is made may be used by its owner alone.
+const OWN_FOLDER: u32 = 0o700;
+const OWN_FILE: u32 = 0o600;
+/// Everything that others may do.
+const OTHERS: u32 = 0o077;
+const STICKY: u32 = 0o1000;
 
 /// A file that is on the disk and has no name yet; gone unless it gets one.
 pub(crate) struct Part(PathBuf);
@@ -32,7 +40,7 @@ impl Part {
         &self,
         fill: impl FnOnce(&mut dyn FnMut(&[u8]) -> io::Result<()>) -> io::Result<()>,
     ) -> io::Result<()> {
-        let mut file = BufWriter::new(File::create(&self.0)?);
+        let mut file = BufWriter::new(create(&self.0)?);
         fill(&mut |bytes| file.write_all(bytes))?;
         fail::fail_point!("file-sync", |_| Err(io::Error::other("failpoint")));
         let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
@@ -63,18 +71,31 @@ fn unwritable(path: &Path, error: &io::Error) -> JournalError {
     JournalError::Unwritable(format!("{}: {error}", path.display()))
 }
 
+/// A new file that only its owner reads.
+fn create(path: &Path) -> io::Result<File> {
+    let mut options = File::options();
+    options.write(true).create(true).truncate(true);
+    options.mode(OWN_FILE).open(path)
+}
+
 /// Writes a file whole, in its place when the disk has it.
 pub(super) fn write(path: &Path, bytes: &[u8]) -> Result<(), JournalError> {
     let folder = path.parent().unwrap_or(path);
     Part::write(folder, |put| put(bytes))?.keep(path)
 }
 
-/// The name of a file reaches the disk with its folder.
-fn sync_folder(path: &Path) -> io::Result<()> {
+/// The name of a file or folder reaches the disk with the folder that it lies in.
+pub(crate) fn sync_folder(path: &Path) -> io::Result<()> {
     match path.parent() {
-        Some(folder) => File::open(folder)?.sync_all(),
+        Some(folder) if folder.as_os_str().is_empty() => sync(Path::new(".")),
+        Some(folder) => sync(folder),
         None => Ok(()),
     }
+}
+
+/// Waits until the disk has a file, or the names in a folder.
+pub(super) fn sync(path: &Path) -> io::Result<()> {
+    File::open(path)?.sync_all()
 }
 
 /// All of a file; none where there is no such file.
@@ -86,12 +107,52 @@ pub(super) fn read(path: &Path) -> Result<Option<Vec<u8>>, JournalError> {
     }
 }
 
-/// Makes a folder that only its owner reads, and those above it.
-pub(super) fn make_folder(path: &Path) -> Result<(), JournalError> {
-    use std::os::unix::fs::DirBuilderExt;
+/// Removes a file, if it is there.
+pub(super) fn remove(path: &Path) -> Result<(), JournalError> {
+    match fs::remove_file(path) {
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(JournalError::at(path, &error))
+        }
+        Ok(()) | Err(_) => Ok(()),
+    }
+}
+
+/// Makes a folder that only its owner reads, and those above it, on the disk too; one that is
+/// there already is closed to others.
+pub(crate) fn make_folder(path: &Path) -> Result<(), JournalError> {
+    made(path).map_err(|error| JournalError::at(path, &error))
+}
+
+fn made(path: &Path) -> io::Result<()> {
+    let named = path.ancestors().filter(|one| !one.as_os_str().is_empty());
+    let missing: Vec<&Path> = named.take_while(|one| !one.exists()).collect();
     let mut builder = fs::DirBuilder::new();
-    let made = builder.recursive(true).mode(0o700).create(path);
-    made.map_err(|error| JournalError::at(path, &error))
+    builder.recursive(true).mode(OWN_FOLDER).create(path)?;
+    close(path, OWN_FOLDER)?;
+    missing.into_iter().try_for_each(sync_folder)
+}
+
+/// Closes a file to everybody but its owner.
+pub(crate) fn close_file(path: &Path) -> io::Result<()> {
+    close(path, OWN_FILE)
+}
+
+fn close(path: &Path, mode: u32) -> io::Result<()> {
+    let found = fs::metadata(path)?.permissions().mode();
+    // A folder for temporary files of everybody is none of ours, whoever owns it.
+    let is_shared = found & STICKY != 0;
+    if found & OTHERS == 0 || is_shared {
+        return Ok(());
+    }
+    match fs::set_permissions(path, fs::Permissions::from_mode(mode)) {
+        // Of another owner, or on a file system that knows no modes: whoever made it so may.
+        Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
+            let path = path.display().to_string();
+            tracing::warn!(path, "is open to others, and this user cannot close it");
+            Ok(())
+        }
+        outcome => outcome,
+    }
 }
 
 /// Drops what a writer that was killed has left.

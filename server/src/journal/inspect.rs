@@ -4,7 +4,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::error::JournalError;
-use super::{DATABASE_FILE, FORMAT_FILE, PARTS, Stored, check_format, database, files};
+use super::layout::DATABASE_FILE;
+use super::{PARTS, Stored, database, guarded, layout};
 
 /// What is in a data folder.
 pub(crate) struct Inspection {
@@ -22,29 +23,18 @@ pub(crate) struct Inspection {
 
 /// Looks at a folder; changes nothing but what a crash has left half done.
 pub(crate) fn inspect(folder: &Path) -> Result<Inspection, JournalError> {
-    let format = folder.join(FORMAT_FILE);
-    if files::read(&format)?.is_none() {
-        return Err(JournalError::at(
-            folder,
-            &"no data folder: it has no file FORMAT",
-        ));
-    }
-    check_format(folder)?;
+    layout::check(folder)?;
     let path = folder.join(DATABASE_FILE);
     let mut open = database::open(&path)?;
-    let checked = std::panic::AssertUnwindSafe(|| open.check_integrity().unwrap_or(false));
-    let is_sound = std::panic::catch_unwind(checked).unwrap_or(false);
-    let names = database::names(&open)?;
+    let is_sound = guarded(|| Ok(open.check_integrity().unwrap_or(false))).unwrap_or(false);
+    let names = guarded(|| database::names(&open))?;
     let load = |name: String| {
-        let loaded = std::panic::AssertUnwindSafe(|| database::load(&open, &name));
-        let damaged = |_| JournalError::Damaged("a page is not as it was written".to_owned());
         let missing = || JournalError::Damaged("it is listed and not there".to_owned());
-        let loaded = std::panic::catch_unwind(loaded).map_err(damaged);
-        let stored = loaded.and_then(|found| found?.ok_or_else(missing));
+        let stored = guarded(|| database::load(&open, &name)?.ok_or_else(missing));
         (name, stored)
     };
     let sessions = names.into_iter().map(load).collect();
-    let meshes = database::meshes(&open)?
+    let meshes = guarded(|| database::meshes(&open))?
         .into_iter()
         .map(|(name, _)| name)
         .collect();

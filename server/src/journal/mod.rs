@@ -16,8 +16,10 @@ mod database;
 mod error;
 mod files;
 mod inspect;
+mod layout;
 mod record;
 mod retention;
+mod states;
 mod writer;
 
 use std::path::{Path, PathBuf};
@@ -30,8 +32,9 @@ use crate::metrics::Metrics;
 
 pub(crate) use database::{Change, Listed, Stored};
 pub use error::JournalError;
-pub(crate) use files::Part;
+pub(crate) use files::{Part, close_file, make_folder, sync_folder};
 pub(crate) use inspect::inspect;
+use layout::DATABASE_FILE;
 pub(crate) use record::{
     StoredCheckpoint, StoredField, StoredFields, StoredMesh, StoredResult, StoredSave,
     StoredSession, StoredUpdate,
@@ -39,10 +42,6 @@ pub(crate) use record::{
 pub(crate) use retention::Limit;
 use writer::Writer;
 
-/// Of the layout of the folder, the tables and the messages in them.
-const FORMAT: u32 = 1;
-const FORMAT_FILE: &str = "FORMAT";
-const DATABASE_FILE: &str = "journal.redb";
 /// Folders in it.
 const PARTS: [&str; 2] = ["meshes", "states"];
 
@@ -80,9 +79,7 @@ impl Shelf {
         let guard = self.database.read().unwrap_or_else(PoisonError::into_inner);
         let gone = || JournalError::Unwritable("the disk failed and is not back yet".to_owned());
         let database = guard.as_ref().ok_or_else(gone)?;
-        let work = std::panic::AssertUnwindSafe(|| work(database));
-        let damaged = |_| JournalError::Damaged("a page is not as it was written".to_owned());
-        std::panic::catch_unwind(work).map_err(damaged)?
+        guarded(|| work(database))
     }
 
     /// Gives the database back: another server may open it.
@@ -114,26 +111,31 @@ impl Journal {
     /// [`JournalError`] for a folder that cannot be used, is used already, has another
     /// format or is damaged.
     pub(crate) fn open(folder: &Path, metrics: &Arc<Metrics>) -> Result<Self, JournalError> {
-        files::make_folder(folder)?;
+        make_folder(folder)?;
         for part in PARTS {
-            files::make_folder(&folder.join(part))?;
-            files::drop_parts(&folder.join(part))?;
+            make_folder(&folder.join(part))?;
         }
-        check_format(folder)?;
+        layout::prepare(folder)?;
         let path = folder.join(DATABASE_FILE);
         let opened = database::open(&path)?;
-        database::make_tables(&opened)?;
+        guarded(|| database::make_tables(&opened))?;
+        // Now that no other server can be at work in it.
+        for part in PARTS {
+            files::drop_parts(&folder.join(part))?;
+        }
         let database = Arc::new(Shelf {
             path,
             database: RwLock::new(Some(opened)),
         });
         let writer = Writer::start(Arc::clone(&database), metrics)
             .map_err(|error| JournalError::at(folder, &error))?;
-        Ok(Self {
+        let journal = Self {
             folder: folder.to_owned(),
             database,
             writer,
-        })
+        };
+        journal.match_states()?;
+        Ok(journal)
     }
 
     /// Hands changes of the session `name` to the disk, in order; `done` is called once.
@@ -200,12 +202,7 @@ impl Journal {
 
     /// Drops the file of a mesh. Blocks.
     pub(crate) fn drop_mesh(&self, id: MeshId) -> Result<(), JournalError> {
-        let path = self.mesh_file(id);
-        match std::fs::remove_file(&path) {
-            Ok(()) => Ok(()),
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
-            Err(error) => Err(JournalError::at(&path, &error)),
-        }
+        files::remove(&self.mesh_file(id))
     }
 
     /// The file of a mesh.
@@ -226,31 +223,18 @@ impl Journal {
         part.keep(&self.mesh_file(id))
     }
 
-    /// Writes a state into its file; `digest` was computed from its bytes. Blocks.
-    pub(crate) fn write_state(&self, digest: &str, bytes: &[u8]) -> Result<(), JournalError> {
-        files::write(&self.state_file(digest), bytes)
-    }
-
-    /// The bytes of a state's file; none where there is no such file. Blocks.
-    pub(crate) fn read_state(&self, digest: &str) -> Result<Option<Vec<u8>>, JournalError> {
-        files::read(&self.state_file(digest))
-    }
-
-    fn state_file(&self, digest: &str) -> PathBuf {
-        self.folder.join("states").join(digest)
-    }
-
-    /// Drops results that the limit does not allow to stay; how many sessions have lost
-    /// some. Blocks.
+    /// Drops results and states that the limit does not allow to stay; how many sessions have
+    /// lost some. Blocks.
     pub(crate) fn trim(&self, limit: Limit) -> Result<usize, JournalError> {
         let outdated = self
             .database
             .with(|open| retention::outdated(open, limit))?;
-        for (name, first) in &outdated {
+        for (name, first) in &outdated.results {
             let dropped = vec![Change::DropResults(*first)];
             self.submit(name, dropped, Urgency::Soon, Box::new(|_| {}));
         }
-        Ok(outdated.len())
+        self.drop_states(outdated.states)?;
+        Ok(outdated.results.len())
     }
 
     /// Copies everything as it is now into `target`, which must not exist. Blocks.
@@ -264,9 +248,11 @@ impl Journal {
 
     /// As [`Journal::backup`], of a folder that no server uses. Blocks.
     pub(crate) fn copy(folder: &Path, target: &Path) -> Result<(), JournalError> {
-        check_format(folder)?;
+        layout::check(folder)?;
         let open = database::open(&folder.join(DATABASE_FILE))?;
-        backup::copy(&open, folder, target)
+        // A table that a later build than the folder's last one knows.
+        guarded(|| database::make_tables(&open))?;
+        guarded(|| backup::copy(&open, folder, target))
     }
 
     pub(crate) fn folder(&self) -> &Path {
@@ -280,20 +266,8 @@ impl Journal {
     }
 }
 
-/// Reads the version of a folder, or writes it into a new one.
-fn check_format(folder: &Path) -> Result<(), JournalError> {
-    let path = folder.join(FORMAT_FILE);
-    let own = format!("signorini data {FORMAT}\n");
-    match std::fs::read_to_string(&path) {
-        Ok(text) if text == own => Ok(()),
-        Ok(text) => Err(JournalError::Version {
-            path: folder.display().to_string(),
-            found: text.trim().chars().take(80).collect(),
-            known: FORMAT,
-        }),
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            files::write(&path, own.as_bytes())
-        }
-        Err(error) => Err(JournalError::at(&path, &error)),
-    }
+/// Runs `work` on pages that may not be as they were written, at which the database panics.
+fn guarded<T>(work: impl FnOnce() -> Result<T, JournalError>) -> Result<T, JournalError> {
+    let damaged = |_| JournalError::Damaged("a page is not as it was written".to_owned());
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).map_err(damaged)?
 }

@@ -131,6 +131,20 @@ pub(crate) struct StoredMesh {
     pub(crate) owners: Vec<String>,
 }
 
+/// An imported state, whose bytes are in its file.
+#[derive(Clone, PartialEq, Message)]
+pub(crate) struct StoredState {
+    /// Name of the client that has sent it last; empty: one of a server without tokens.
+    #[prost(string, tag = "1")]
+    pub(crate) owner: String,
+    /// When it came last, Unix milliseconds.
+    #[prost(int64, tag = "2")]
+    pub(crate) made: i64,
+    /// Of its file.
+    #[prost(uint64, tag = "3")]
+    pub(crate) bytes: u64,
+}
+
 /// A message with its seal.
 pub(super) fn sealed(message: &impl Message) -> Vec<u8> {
     let mut bytes = message.encode_to_vec();

@@ -1,4 +1,5 @@
-//! Which results the data folder need not keep: too old, or too many bytes in all.
+//! Which results and imported states the data folder need not keep: too old, or too many
+//! bytes in all.
 //!
 //! A session's newest result stays, and so do those that a replay needs, behind its
 //! checkpoint. Old ones go first, whoever's they are.
@@ -7,52 +8,76 @@ use std::collections::BTreeMap;
 
 use redb::{Database, ReadableDatabase, ReadableTable};
 
-use super::database::{CHECKPOINTS, RESULTS};
+use super::database::{CHECKPOINTS, RESULTS, states};
 use super::error::JournalError;
 use super::record::{StoredCheckpoint, StoredResult, opened};
 
 /// What may stay.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limit {
-    /// Bytes of all results with their fields.
+    /// Bytes of all results with their fields, and of all states.
     pub(crate) bytes: u64,
-    /// Unix seconds before which a result is too old.
+    /// Unix seconds before which a result or a state is too old.
     pub(crate) oldest: i64,
 }
 
-/// One result of a session.
+/// What shall go.
+#[derive(Debug, Default, PartialEq)]
+pub(super) struct Outdated {
+    /// For each session whose results shall go, the first event that stays.
+    pub(super) results: BTreeMap<String, i64>,
+    /// Digests of states.
+    pub(super) states: Vec<String>,
+}
+
+/// What may go.
 struct One {
-    event: i64,
+    what: What,
+    /// Unix milliseconds.
     made: i64,
     bytes: u64,
 }
 
-/// For each session whose results shall go, the first event that stays.
-pub(super) fn outdated(
-    database: &Database,
-    limit: Limit,
-) -> Result<BTreeMap<String, i64>, JournalError> {
-    let (mut all, total) = droppable(database)?;
-    all.sort_by_key(|(_, one)| one.made);
-    let mut kept = total;
-    let mut first = BTreeMap::new();
-    for (name, one) in all {
-        if one.made >= limit.oldest && kept <= limit.bytes {
+enum What {
+    /// Of a session, its event.
+    Result(String, i64),
+    State(String),
+}
+
+/// What the limit does not allow to stay.
+pub(super) fn outdated(database: &Database, limit: Limit) -> Result<Outdated, JournalError> {
+    let mut all = droppable(database)?;
+    all.extend(states(database)?.into_iter().map(|(digest, state)| One {
+        what: What::State(digest),
+        made: state.made,
+        bytes: state.bytes,
+    }));
+    all.sort_by_key(|one| one.made);
+    let mut kept: u64 = all.iter().map(|one| one.bytes).sum();
+    let mut found = Outdated::default();
+    let oldest = limit.oldest.saturating_mul(1000);
+    for one in all {
+        if one.made >= oldest && kept <= limit.bytes {
             break;
         }
         kept -= one.bytes;
-        let stays = first.entry(name).or_insert(0);
-        *stays = one.event.max(*stays - 1) + 1;
+        match one.what {
+            What::Result(name, event) => {
+                let stays = found.results.entry(name).or_insert(0);
+                *stays = event.max(*stays - 1) + 1;
+            }
+            What::State(digest) => found.states.push(digest),
+        }
     }
-    Ok(first)
+    Ok(found)
 }
 
-/// The results that may go, and the bytes of all.
-fn droppable(database: &Database) -> Result<(Vec<(String, One)>, u64), JournalError> {
+/// The results that may go.
+fn droppable(database: &Database) -> Result<Vec<One>, JournalError> {
     let read = database.begin_read()?;
     let checkpoints = read.open_table(CHECKPOINTS)?;
     let results = read.open_table(RESULTS)?;
-    let (mut found, mut total) = (Vec::new(), 0);
+    let mut found = Vec::new();
     for entry in checkpoints.iter()? {
         let (name, checkpoint) = entry?;
         let name = name.value();
@@ -64,14 +89,12 @@ fn droppable(database: &Database) -> Result<(Vec<(String, One)>, u64), JournalEr
         for entry in results.range((name, i64::MIN)..=(name, behind.min(newest - 1)))? {
             let (key, value) = entry?;
             let result = opened::<StoredResult>(value.value(), name)?;
-            let one = One {
-                event: key.value().1,
-                made: result.made,
+            found.push(One {
+                what: What::Result(name.to_owned(), key.value().1),
+                made: result.made.saturating_mul(1000),
                 bytes: value.value().len() as u64 + result.field_bytes,
-            };
-            total += one.bytes;
-            found.push((name.to_owned(), one));
+            });
         }
     }
-    Ok((found, total))
+    Ok(found)
 }

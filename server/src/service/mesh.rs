@@ -11,6 +11,7 @@ use tokio::time::Instant;
 use tonic::codegen::BoxStream;
 use tonic::{Request, Response, Status, Streaming};
 
+use super::paced::paced;
 use super::{page_size, respond};
 use crate::access::{Caller, Owners};
 use crate::client_key::{ClientIdentity, ClientKey};
@@ -86,9 +87,7 @@ impl MeshService for Meshes {
             let id = convert::id_from_name(&request.name, "name")?;
             let wanted = convert::wanted(&request.arrays)?;
             let found = planning::mesh_for(&self.services, id, &caller).await?;
-            let messages = convert::messages(found, &wanted);
-            let stream: Self::ReadMeshStream = Box::pin(tokio_stream::iter(messages.map(Ok)));
-            Ok(stream)
+            Ok(paced(convert::messages(found, &wanted)))
         })
         .await
     }

@@ -1,6 +1,7 @@
 //! The door: tonic services that decode, call and encode, and nothing else.
 
 pub(crate) mod mesh;
+mod paced;
 pub(crate) mod session;
 mod state;
 pub(crate) mod surface;

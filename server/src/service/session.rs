@@ -1,6 +1,5 @@
 //! `SessionService`.
 
-use std::pin::Pin;
 use std::sync::Arc;
 use std::time::SystemTime;
 
@@ -9,11 +8,11 @@ use prost::Message;
 use signorini::Rounding;
 use signorini_proto::v1::{self as wire, session_service_server::SessionService};
 use tokio_stream::wrappers::ReceiverStream;
-use tokio_stream::{Stream, StreamExt};
 use tonic::{Request, Response, Status, Streaming};
 
+use super::paced::{Messages, paced};
 use super::{page_size, respond, state, timeout};
-use crate::access::Caller;
+use crate::access::{Caller, Who};
 use crate::client_key::ClientKey;
 use crate::convert::field::{self, Encoding};
 use crate::convert::{mesh, report, step, wide};
@@ -24,12 +23,11 @@ use crate::registry::{Claim, Claimed, Registry};
 use crate::results::kept::messages;
 use crate::session::{Handle, ReadRequest, Recovered, Services, SessionSpec};
 use crate::states::States;
+use crate::store::Account;
 use crate::streams;
 
 const MAXIMUM_REQUEST_ID_BYTES: usize = 64;
 const MAXIMUM_SCENE_BYTES: usize = 3 << 20;
-
-type Messages<T> = Pin<Box<dyn Stream<Item = Result<T, Status>> + Send>>;
 
 /// The service.
 pub(crate) struct Sessions {
@@ -104,6 +102,7 @@ impl SessionService for Sessions {
         let call = streams::Call {
             caller: Caller::of(&request),
             client: ClientKey::of(&request),
+            who: Who::of(request.extensions()),
             timeout: timeout::of(request.metadata()),
         };
         let answers = streams::open_solve(&self.registry, request.into_inner(), call);
@@ -152,9 +151,7 @@ impl SessionService for Sessions {
         respond(&self.registry, async {
             let name = request.into_inner().name;
             let handle = self.registry.get(&caller, &name).await?;
-            let slices = state::export(handle).await?;
-            let stream: Self::ExportStateStream = Box::pin(tokio_stream::iter(slices.map(Ok)));
-            Ok(stream)
+            Ok(paced(state::export(handle).await?))
         })
         .await
     }
@@ -198,7 +195,8 @@ impl SessionService for Sessions {
         let caller = Caller::of(&request);
         respond(&self.registry, async {
             self.registry.check_open()?;
-            let made = state::import(&self.services, &self.states, request.into_inner()).await?;
+            let kept = (&self.states, caller.name());
+            let made = state::import(&self.services, kept, request.into_inner()).await?;
             caller.note(&made.state);
             Ok(made)
         })
@@ -246,7 +244,11 @@ impl Sessions {
         let plan_report = report::plan(planned.plan.report());
         let own_bytes = planning::own_bytes(&kept, &plan_report);
         let result_bytes = planning::result_bytes(&planned);
-        let taken = planning::reserve(&self.services.store, &planned, own_bytes)?;
+        let account = Account {
+            client: client.identity,
+            most: self.services.config.client_bytes(),
+        };
+        let taken = planning::reserve(&self.services.store, &planned, (own_bytes, account))?;
         let recovered = from_state.map(|state| start(&planned, state)).transpose()?;
         let asked = asked.map(|request| (request, &caller));
         self.store(&claim, asked, &planned, recovered.as_deref())
@@ -389,10 +391,9 @@ impl Sessions {
             let first = wire::read_step_response::Message::StepFinished(finished);
             std::iter::once(first).chain(chunks.map(wire::read_step_response::Message::Field))
         });
-        let responses = all.map(|message| wire::ReadStepResponse {
+        Ok(paced(all.map(|message| wire::ReadStepResponse {
             message: Some(message),
-        });
-        Ok(Box::pin(tokio_stream::iter(responses).map(Ok)))
+        })))
     }
 }
 

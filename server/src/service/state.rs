@@ -9,6 +9,7 @@ use signorini_proto::CHUNK_BYTES;
 use signorini_proto::v1 as wire;
 use tonic::Streaming;
 
+use crate::client_name::ClientName;
 use crate::fault::Fault;
 use crate::session::{Handle, Services};
 use crate::states::{self, State, States};
@@ -45,7 +46,7 @@ pub(super) async fn export(
 /// Takes slices, checks them and keeps the state.
 pub(super) async fn import(
     services: &Arc<Services>,
-    kept: &States,
+    (kept, owner): (&States, Option<ClientName>),
     mut inbound: Streaming<wire::ImportStateRequest>,
 ) -> Result<wire::ImportStateResponse, Fault> {
     let mut upload = Upload {
@@ -63,7 +64,7 @@ pub(super) async fn import(
     }
     State::from_bytes(&upload.bytes)?;
     let held = (Bytes::from(upload.bytes), upload.reservation);
-    kept.keep(services.journal.as_ref(), &computed, held)
+    kept.keep(services.journal.as_ref(), (&computed, owner), held)
         .await?;
     let state = states::name(&computed);
     Ok(wire::ImportStateResponse { state })

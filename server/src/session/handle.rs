@@ -1,6 +1,6 @@
 //! The way to a session's actor.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use signorini::report::FieldName;
@@ -100,13 +100,28 @@ pub(crate) struct Handle {
     name: Arc<str>,
     scene: Arc<wire::Scene>,
     inbox: mpsc::Sender<Command>,
+    parting: Parting,
 }
+
+/// What an actor that has ended leaves for those who still ask.
+pub(super) type Parting = Arc<OnceLock<Fault>>;
 
 impl Handle {
     pub(crate) fn new(name: &str, scene: &Arc<wire::Scene>) -> (Self, mpsc::Receiver<Command>) {
         let (inbox, commands) = mpsc::channel(INBOX);
         let (name, scene) = (Arc::from(name), Arc::clone(scene));
-        (Self { name, scene, inbox }, commands)
+        let handle = Self {
+            name,
+            scene,
+            inbox,
+            parting: Parting::default(),
+        };
+        (handle, commands)
+    }
+
+    /// Where the actor leaves its last word.
+    pub(super) fn parting(&self) -> Parting {
+        Arc::clone(&self.parting)
     }
 
     /// The scene as the session was created.
@@ -197,8 +212,9 @@ impl Handle {
     ) -> Result<T, Fault> {
         let (reply, answer) = oneshot::channel();
         self.send(command(reply)).await;
-        answer
-            .await
-            .map_err(|_| Fault::SessionDeleted(self.name.to_string()))
+        answer.await.map_err(|_| {
+            let said = self.parting.get().cloned();
+            said.unwrap_or_else(|| Fault::SessionDeleted(self.name.to_string()))
+        })
     }
 }

@@ -160,7 +160,8 @@ pub(crate) fn start(
     use tracing::Instrument;
     let span = tracing::info_span!("session", id = %spec.name);
     let (handle, inbox) = Handle::new(&spec.name, &spec.scene);
-    let run = watched(actor::run(services, spec, inbox), ended);
+    let mailbox = (inbox, handle.parting());
+    let run = watched(actor::run(services, spec, mailbox), ended);
     tokio::spawn(run.instrument(span));
     handle
 }

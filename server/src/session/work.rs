@@ -22,7 +22,7 @@ use crate::client_key::Flow;
 use crate::compute::{Length, Panicked, Slot, said};
 use crate::convert::field::KeptField;
 use crate::convert::report;
-use crate::fault::Fault;
+use crate::fault::{FailureCause, Fault};
 use crate::journal::JournalError;
 use crate::memory::{self, OutOfMemory};
 use crate::metrics::Metrics;
@@ -156,6 +156,17 @@ pub(super) enum Unprepared {
     Closed,
     #[error(transparent)]
     Replay(#[from] ReplayError),
+}
+
+impl Unprepared {
+    pub(super) fn cause(&self) -> FailureCause {
+        match self {
+            Self::Memory(_) => FailureCause::Memory,
+            Self::Failed(_) | Self::Panicked(_) | Self::Closed | Self::Replay(_) => {
+                FailureCause::Other
+            }
+        }
+    }
 }
 
 /// Does the next increment of a task.

@@ -15,7 +15,7 @@ use tonic::{Status, Streaming};
 use tracing::Instrument;
 
 use super::pump::{self, Attached, Sender};
-use crate::access::Caller;
+use crate::access::{Caller, Who};
 use crate::client_key::ClientKey;
 use crate::convert::{field, step};
 use crate::fault::Fault;
@@ -35,6 +35,8 @@ const FIRST_MESSAGE: Duration = Duration::from_secs(10);
 pub(crate) struct Call {
     pub(crate) caller: Caller,
     pub(crate) client: ClientKey,
+    /// For the lines of what it changes beside the updates.
+    pub(crate) who: Who,
     /// Time that the client gives the whole stream.
     pub(crate) timeout: Option<Duration>,
 }
@@ -64,7 +66,7 @@ async fn serve(
     let handle = registry.get(&call.caller, &name).await?;
     let mut attachment = handle.attach(request).await?;
     let (number, outbox) = (attachment.number, Arc::clone(&attachment.outbox));
-    let reading = read(handle.clone(), number, outbox, inbound);
+    let reading = read(handle.clone(), (number, call.who), outbox, inbound);
     let _reader = Aborted(tokio::spawn(reading.in_current_span()));
     let attached = Attached::new(handle, number);
     let (heartbeat, metrics) = (registry.heartbeat(), registry.metrics());
@@ -156,7 +158,7 @@ pub(super) fn unread_limit(bytes: i64, path: &str) -> Result<u64, Fault> {
 /// are unread, because every message may need one.
 async fn read(
     handle: Handle,
-    writer: u64,
+    (writer, who): (u64, Who),
     outbox: Arc<Outbox>,
     mut inbound: impl Stream<Item = Result<wire::SolveRequest, Status>> + Unpin,
 ) {
@@ -165,7 +167,12 @@ async fn read(
         outbox.answerable().await;
         match inbound.next().await.transpose() {
             Ok(Some(request)) => match command(writer, request) {
-                Ok(command) => handle.send(command).await,
+                Ok(command) => {
+                    if matches!(command, Command::CancelFrom(..)) {
+                        who.did("SessionService/Solve: cancel", "Ok");
+                    }
+                    handle.send(command).await;
+                }
                 Err(fault) => return outbox.end(StreamEnd::Fault(fault)),
             },
             Ok(None) => return handle.send(Command::HalfClose(writer)).await,

@@ -18,7 +18,7 @@ impl Process {
         let (folder, more) = (folder.to_owned(), more.to_owned());
         std::fs::write(
             folder.join("server.toml"),
-            format!("metrics_listen = \"\"\n{more}"),
+            format!("metrics_listen = \"\"\nlog_format = \"text\"\n{more}"),
         )
         .unwrap();
         let child = spawn(&folder);

@@ -12,6 +12,8 @@ mod deploy;
 mod limits;
 mod meshes;
 mod operation;
+mod quotas;
+mod request_id;
 mod sessions;
 mod solve;
 mod streams;

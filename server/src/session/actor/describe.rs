@@ -62,11 +62,14 @@ impl Actor {
     }
 
     pub(super) fn failure(&self) -> Option<Fault> {
-        let Place::Lost(why) = &self.place else {
+        let Place::Lost(loss) = &self.place else {
             return None;
         };
-        let (name, why) = (self.spec.name.clone(), why.clone());
-        Some(Fault::SessionFailed { name, why })
+        Some(Fault::SessionFailed {
+            name: self.spec.name.clone(),
+            why: loss.why.clone(),
+            cause: loss.cause,
+        })
     }
 
     pub(super) fn state(&self) -> wire::SessionState {

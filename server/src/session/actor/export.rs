@@ -10,7 +10,7 @@ use bytes::Bytes;
 use tokio::sync::oneshot;
 
 use super::memory::lock;
-use super::{Actor, Place, answer};
+use super::{Actor, Loss, Place, answer};
 use crate::compute::{Length, Panicked};
 use crate::fault::Fault;
 use crate::journal::{Change, StoredCheckpoint, StoredSave, Urgency};
@@ -151,7 +151,7 @@ impl Actor {
             Err(panicked) => {
                 tracing::error!(said = panicked.0, "an export panicked");
                 self.visits.there = there;
-                self.place = Place::Lost("a defect of the server; its log says more".to_owned());
+                self.place = Place::Lost(Loss::by_a_defect());
                 return;
             }
         };

@@ -32,14 +32,14 @@ use signorini_proto::v1 as wire;
 use tokio::sync::{Notify, mpsc, oneshot, watch};
 use tokio::time::Instant;
 
-use super::handle::{Command, Pulse};
+use super::handle::{Command, Parting, Pulse};
 use super::queue::UpdateQueue;
 use super::work::{self, Event, Handoff, Outcome, Preparation, Ready, Task, Work};
 use super::{Services, SessionEnd, SessionSpec};
 use crate::client_key::ClientKey;
 use crate::compute::{Length, Panicked};
 use crate::config::LONGEST_SECONDS;
-use crate::fault::Fault;
+use crate::fault::{FailureCause, Fault};
 use crate::results::iterations::Iterations;
 use crate::results::kept::Kept;
 use crate::results::readers::{Fresh, Reader};
@@ -55,7 +55,22 @@ enum Place {
     Away(Handoff),
     /// With a solver thread whose step is answered already.
     Behind,
-    Lost(String),
+    Lost(Loss),
+}
+
+/// Why there is no state any more.
+struct Loss {
+    why: String,
+    cause: FailureCause,
+}
+
+impl Loss {
+    fn by_a_defect() -> Self {
+        Self {
+            why: "a defect of the server; its log says more".to_owned(),
+            cause: FailureCause::Other,
+        }
+    }
 }
 
 /// The stream that writes.
@@ -123,7 +138,7 @@ struct Actor {
 pub(in crate::session) async fn run(
     services: Arc<Services>,
     spec: SessionSpec,
-    mut inbox: mpsc::Receiver<Command>,
+    (mut inbox, parting): (mpsc::Receiver<Command>, Parting),
 ) -> SessionEnd {
     let (events, mut arrived) = mpsc::unbounded_channel();
     let mut actor = Actor::new(services, spec, events);
@@ -132,6 +147,8 @@ pub(in crate::session) async fn run(
     loop {
         actor.proceed();
         if let Some(ending) = actor.over() {
+            // Before the inbox closes: whoever asks then is told this.
+            parting.get_or_init(|| actor.parting());
             actor.log_end(&ending);
             actor.forget_stored(&ending).await;
             return ending;
@@ -256,7 +273,10 @@ impl Actor {
             Event::Prepared(Err(error)) => {
                 self.spec.prepared = None;
                 tracing::warn!(cause = error.to_string(), "preparation failed");
-                self.place = Place::Lost(error.to_string());
+                self.place = Place::Lost(Loss {
+                    why: error.to_string(),
+                    cause: error.cause(),
+                });
             }
             Event::Advanced(outcome) => self.advanced(outcome),
             Event::Deadline(sequence) => self.deadline(sequence),
@@ -292,7 +312,7 @@ impl Actor {
             }
             Err(panicked) => {
                 tracing::error!(said = panicked.0, "a defect beside a step");
-                self.place = Place::Lost("a defect of the server; its log says more".to_owned());
+                self.place = Place::Lost(Loss::by_a_defect());
                 self.finish_stopped(Termination::InternalError);
             }
         }
@@ -301,12 +321,7 @@ impl Actor {
     /// Does what can be done next.
     fn proceed(&mut self) {
         self.stop_here();
-        if let Place::Lost(why) = &self.place {
-            let name = self.spec.name.clone();
-            let fault = Fault::SessionFailed {
-                name,
-                why: why.clone(),
-            };
+        if let Some(fault) = self.failure() {
             self.refuse_all(&fault);
             self.refuse_exports(&fault);
         } else if self.export() {
@@ -408,16 +423,22 @@ impl Actor {
 
     /// Stops everything; [`Actor::over`] says when that has happened.
     fn end(&mut self, ending: SessionEnd) {
-        let goes_on_later = self.log.is_kept() && ending.is_interruption();
+        let is_interruption = self.log.is_kept() && ending.is_interruption();
         self.ending.get_or_insert(ending);
         self.stop_preparing.cancel();
-        if goes_on_later {
+        if is_interruption {
             return self.interrupt();
         }
         for dropped in self.queue.keep_current() {
             self.reject(dropped.sequence, &self.parting());
         }
         self.cancel(0);
+    }
+
+    /// Whether it ends here and comes back out of the data folder.
+    fn goes_on_later(&self) -> bool {
+        let ending = self.ending.as_ref();
+        self.log.is_kept() && ending.is_some_and(SessionEnd::is_interruption)
     }
 
     fn parting(&self) -> Fault {

@@ -10,6 +10,10 @@ use crate::status;
 
 impl Actor {
     pub(super) fn update(&mut self, update: Update) {
+        if self.goes_on_later() {
+            // Neither accepted nor refused: its stream ends, and its client sends it again.
+            return;
+        }
         let sequence = update.sequence;
         if sequence < 1 {
             self.reject(sequence, &Fault::request("sequence", "must be at least 1"));

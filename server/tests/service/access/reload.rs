@@ -1,5 +1,8 @@
 //! Tokens and settings that change while the server runs.
 
+use std::io::{BufRead as _, BufReader};
+use std::process::{Command, Stdio};
+
 use signorini_proto::v1 as wire;
 use signorini_server::Role;
 use tonic::Code;
@@ -69,9 +72,7 @@ async fn a_hangup_takes_up_the_level_of_the_log_and_a_faulty_file_leaves_it() {
     let write = |text: &str| std::fs::write(folder.join("server.toml"), text).unwrap();
     let hang_up = || {
         let id = process.id().to_string();
-        let sent = std::process::Command::new("kill")
-            .args(["-HUP", &id])
-            .status();
+        let sent = Command::new("kill").args(["-HUP", &id]).status();
         assert!(sent.unwrap().success());
     };
     write("metrics_listen = \"\"\nlog_level = \"info\"\n");
@@ -86,4 +87,36 @@ async fn a_hangup_takes_up_the_level_of_the_log_and_a_faulty_file_leaves_it() {
         log().contains("did you mean `log_level`")
     })
     .await;
+}
+
+#[tokio::test]
+async fn a_hangup_of_a_server_that_has_nothing_to_reload_is_told_and_ends_nothing() {
+    let folder = folder("hangup");
+    for (log, why) in [(None, "no file of settings"), (Some("info"), "RUST_LOG")] {
+        let socket = format!("unix:{}", folder.join("socket").display());
+        let mut command = Command::new(env!("CARGO_BIN_EXE_signorini-server"));
+        command.args(["--listen", &socket, "--metrics-listen", ""]);
+        command.env_remove("RUST_LOG").stderr(Stdio::piped());
+        command.envs(log.map(|log| ("RUST_LOG", log)));
+        let mut process = command.spawn().unwrap();
+        let server = Server::beside(&socket).await;
+        let id = process.id().to_string();
+        let send = |signal: &str| {
+            Command::new("kill")
+                .args([signal, id.as_str()])
+                .status()
+                .unwrap()
+        };
+        assert!(send("-HUP").success());
+        let mut lines = BufReader::new(process.stderr.take().unwrap()).lines();
+        let told = lines.find(|line| line.as_ref().unwrap().contains("nothing to reload"));
+        assert!(told.unwrap().unwrap().contains(why));
+        server
+            .sessions()
+            .list_sessions(wire::ListSessionsRequest::default())
+            .await
+            .unwrap();
+        assert!(send("-TERM").success());
+        assert!(process.wait().unwrap().success());
+    }
 }

@@ -3,12 +3,14 @@
 use prost::Message as _;
 use prost_types::FileDescriptorSet;
 use signorini_proto::FILE_DESCRIPTOR_SET;
+use signorini_proto::v1::{self as wire, solve_request::Message};
 use signorini_server::{Config, Role};
 use tonic::Code;
 
 use super::{Client, HEALTH, Tokens, soon};
-use crate::common::{Server, reason};
+use crate::common::{Block, Process, Server, open, reason};
 
+const SOLVE: &str = "/signorini.v1.SessionService/Solve";
 const REFLECTION: &str = "/grpc.reflection.v1.ServerReflection/ServerReflectionInfo";
 
 /// Methods that change something; a reader may call all others.
@@ -25,6 +27,46 @@ const CHANGING: [&str; 11] = [
     "RestoreState",
     "ImportState",
 ];
+
+#[tokio::test]
+async fn a_refusal_for_want_of_a_role_and_a_cancel_in_a_stream_are_told_by_name() {
+    let mut tokens = Tokens::new("audit");
+    let reader = tokens.add("screen", Role::Read);
+    let solver = tokens.add("line-1", Role::Solve);
+    let process = Process::start(tokens.folder(), &format!("tokens = {:?}\n", tokens.path));
+    let server = process.connect().await;
+    let refused = Client::of(&server, &reader).upload(&Block::new(1)).await;
+    assert_eq!(refused.unwrap_err().code(), Code::PermissionDenied);
+    let (client, block) = (Client::of(&server, &solver), Block::new(1));
+    client.upload(&block).await.unwrap();
+    let session = client.create(&block, "line-1-a").await.unwrap();
+    let cancel = wire::SolveCancel { sequence: 1 };
+    let messages = [Message::Open(open(&session)), Message::Cancel(cancel)];
+    let messages = messages.map(|message| wire::SolveRequest {
+        message: Some(message),
+    });
+    let mut stream = client
+        .call::<_, wire::SolveResponse>(SOLVE, messages.to_vec())
+        .await
+        .unwrap();
+    while stream.message().await.unwrap().is_some() {}
+    let log = std::fs::read_to_string(tokens.folder().join("log")).unwrap();
+    for parts in [
+        [
+            "who=screen, ",
+            "\"MeshService/UploadMesh\"",
+            "\"PermissionDenied\"",
+        ],
+        [
+            "who=line-1, ",
+            "\"SessionService/Solve: cancel\"",
+            "about=\"sessions/line-1-a\"",
+        ],
+    ] {
+        let is_it = |line: &str| parts.iter().all(|part| line.contains(part));
+        assert!(log.lines().any(is_it), "{parts:?} in\n{log}");
+    }
+}
 
 /// Methods of the contract, and of reflection.
 fn methods() -> Vec<(String, Role)> {

@@ -1,0 +1,92 @@
+//! What one client may have of a server.
+
+use signorini_proto::v1 as wire;
+use signorini_server::Config;
+use tonic::{Code, Status};
+use tonic_types::StatusExt as _;
+
+use crate::common::{Block, Server, reason};
+
+async fn create(server: &Server, block: &Block) -> Result<String, Status> {
+    let request = wire::CreateSessionRequest {
+        scene: Some(block.scene()),
+        ..Default::default()
+    };
+    let made = server.sessions().create_session(request).await?;
+    Ok(made.into_inner().session.unwrap().name)
+}
+
+async fn list(server: &Server) -> Result<(), Status> {
+    let request = wire::ListSessionsRequest::default();
+    server.sessions().list_sessions(request).await.map(drop)
+}
+
+fn asks_to_come_again(refused: &Status, said: &str) {
+    assert_eq!(refused.code(), Code::ResourceExhausted);
+    assert_eq!(reason(refused), said);
+    assert!(refused.get_details_retry_info().is_some());
+}
+
+#[tokio::test]
+async fn sessions_of_one_client_hold_no_more_than_they_may() {
+    let server = Server::start().await;
+    let block = Block::new(2);
+    server.upload(&block).await;
+    let session = create(&server, &block).await.unwrap();
+    let bytes = server.describe(&session).await.memory_bytes;
+    drop(server);
+    let config = Config {
+        maximum_client_bytes: 4 * u64::try_from(bytes).unwrap(),
+        ..Config::embedded()
+    };
+    let server = Server::with(config).await;
+    server.upload(&block).await;
+    let mut made = Vec::new();
+    let refused = loop {
+        match create(&server, &block).await {
+            Ok(session) => made.push(session),
+            Err(refused) => break refused,
+        }
+        assert!(made.len() < 20);
+    };
+    asks_to_come_again(&refused, "MEMORY_BUDGET");
+    assert!(!made.is_empty());
+    for name in made {
+        let request = wire::DeleteSessionRequest { name };
+        server.sessions().delete_session(request).await.unwrap();
+    }
+    create(&server, &block).await.unwrap();
+}
+
+#[tokio::test]
+async fn calls_of_one_client_beyond_its_rate_are_told_to_come_again() {
+    let config = Config {
+        maximum_client_calls_per_second: 2,
+        ..Config::embedded()
+    };
+    let server = Server::with(config).await;
+    let mut answered = 0;
+    let refused = loop {
+        match list(&server).await {
+            Ok(()) => answered += 1,
+            Err(refused) => break refused,
+        }
+        assert!(answered < 1000);
+    };
+    // A burst of two seconds, and what has come back meanwhile.
+    assert!(answered >= 4, "{answered}");
+    asks_to_come_again(&refused, "CALL_RATE");
+    // Health is no call of a client.
+    let mut health = tonic_health::pb::health_client::HealthClient::new(server.channel.clone());
+    for _ in 0..20 {
+        let request = tonic_health::pb::HealthCheckRequest::default();
+        health.check(request).await.unwrap();
+    }
+    let answered = async {
+        while list(&server).await.is_err() {
+            tokio::time::sleep(std::time::Duration::from_millis(50)).await;
+        }
+    };
+    let answered = tokio::time::timeout(std::time::Duration::from_secs(20), answered).await;
+    answered.unwrap();
+}
