@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use signorini_server::BackupError;
+use signorini_server::{BackupError, JournalError};
 
 use crate::exit::{Exit, Failure};
 use crate::stdout;
@@ -20,9 +20,8 @@ pub(super) fn restore(backup: &Path, data: &Path) -> Result<Exit, Failure> {
 }
 
 pub(super) fn fsck(folder: &Path) -> Result<Exit, Failure> {
-    let usage =
-        |error: signorini_server::JournalError| Failure::new(Exit::Usage, error.to_string());
-    let found = signorini_server::fsck(folder).map_err(usage)?;
+    let wrong = |error: JournalError| Failure::new(exit_of(&error), error.to_string());
+    let found = signorini_server::fsck(folder).map_err(wrong)?;
     stdout::print(&found.to_string())?;
     Ok(match found.faults.is_empty() {
         true => Exit::Ok,
@@ -44,7 +43,32 @@ pub(super) fn doctor(folder: &Path) -> Result<Exit, Failure> {
 fn failure(error: BackupError) -> Failure {
     let exit = match &error {
         BackupError::Refused(_) | BackupError::Faulty(_) => Exit::Server,
-        BackupError::Data(_) | BackupError::Copy { .. } => Exit::Usage,
+        BackupError::Data(error) => exit_of(error),
+        BackupError::Copy { .. } => Exit::Usage,
     };
     Failure::new(exit, error.to_string())
+}
+
+/// A damaged folder is a fault of its own, like those that `fsck` lists.
+fn exit_of(error: &JournalError) -> Exit {
+    match error {
+        JournalError::Damaged(_) => Exit::Server,
+        JournalError::Folder { .. }
+        | JournalError::InUse(_)
+        | JournalError::Version { .. }
+        | JournalError::Unwritable(_) => Exit::Usage,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_damaged_folder_is_no_wrong_usage() {
+        let damaged = JournalError::Damaged("no journal".to_owned());
+        assert_eq!(exit_of(&damaged), Exit::Server);
+        let taken = JournalError::InUse("data".to_owned());
+        assert_eq!(exit_of(&taken), Exit::Usage);
+    }
 }
