@@ -31,7 +31,9 @@ pub fn start_log(config: &Config) -> Option<LogSwitch> {
     let filter = given.unwrap_or_else(|| default_filter(config.log_level));
     let lines = tracing_subscriber::fmt()
         .with_env_filter(filter)
-        .with_writer(std::io::stderr);
+        .with_writer(std::io::stderr)
+        // Whoever reads the log may leave: that is no reason to end a call by a panic.
+        .log_internal_errors(false);
     // A subscriber that is set already keeps its place.
     let is_terminal = std::io::stderr().is_terminal();
     let is_text = match config.log_format {

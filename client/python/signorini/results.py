@@ -49,7 +49,8 @@ class Increment:
     @property
     def obstacles(self) -> Mapping[str, ObstacleResult]:
         """What each obstacle does to the body."""
-        return self.report.obstacles
+        # A map of the wire has no order.
+        return dict(sorted(self.report.obstacles.items()))
 
     @property
     def supports(self) -> Mapping[str, SupportResult]:

@@ -37,6 +37,16 @@ pub(crate) fn start<'a>(arguments: impl IntoIterator<Item = &'a str>) -> Process
 
 /// Starts a server with more lines of configuration and reads where it listens.
 pub(crate) fn serve(listen: &str, test: &str, more: &str) -> (Process, String) {
+    serve_with_log(listen, test, more, Stdio::null())
+}
+
+/// As [`serve`], the log going to `log`.
+pub(crate) fn serve_with_log(
+    listen: &str,
+    test: &str,
+    more: &str,
+    log: Stdio,
+) -> (Process, String) {
     let config = folder(test).join("server.toml");
     std::fs::write(&config, format!("metrics_listen = \"\"\n{more}")).unwrap();
     let mut child = signorini()
@@ -48,7 +58,7 @@ pub(crate) fn serve(listen: &str, test: &str, more: &str) -> (Process, String) {
             listen,
         ])
         .stdout(Stdio::piped())
-        .stderr(Stdio::null())
+        .stderr(log)
         .spawn()
         .unwrap();
     let mut url = String::new();

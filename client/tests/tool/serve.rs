@@ -1,7 +1,9 @@
 //! `serve` and the commands that look at a server.
 #![cfg(feature = "embedded")]
 
-use crate::common::process::serve;
+use std::process::Stdio;
+
+use crate::common::process::{serve, serve_with_log};
 use crate::common::{example, folder, run, signorini};
 
 #[test]
@@ -26,6 +28,18 @@ fn a_served_scene_is_solved_and_the_server_ends_on_a_signal() {
     assert_eq!((sessions.code, sessions.stdout.as_str()), (Some(0), ""));
     process.signal("-TERM");
     assert!(process.0.wait().unwrap().success());
+}
+
+#[test]
+fn a_server_whose_log_nobody_reads_any_more_goes_on() {
+    let (mut process, url) = serve_with_log("127.0.0.1:0", "serve_mute", "", Stdio::piped());
+    drop(process.0.stderr.take());
+    let scene = example("hertz-plane.toml");
+    let scene = scene.to_str().unwrap();
+    for _ in 0..2 {
+        let solved = run(["solve", scene, "--server", &url, "--quiet"]);
+        assert_eq!(solved.code, Some(0), "{}", solved.stderr);
+    }
 }
 
 #[test]
