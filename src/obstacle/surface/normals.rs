@@ -1,7 +1,8 @@
 //! Normals of the patches at the corners of facets: one for all facets around a vertex that
 //! meet smoothly, fitted to the vertices of two rings. Where large facets meet small ones, as
 //! flats meet roundings in parts of CAD programs, the vertices around do not show the curvature
-//! at the one between them: there the normal is the mean of the facets' by their areas.
+//! at the one between them: there the normal is the mean of the facets' by the squares of their
+//! areas, near that of the flat.
 
 use std::collections::BTreeSet;
 
@@ -105,13 +106,14 @@ impl Fitter<'_> {
         most >= UNEVEN * least
     }
 
-    /// Mean of the facets' normals by their areas.
+    /// Mean of the facets' normals by the squares of their areas.
     fn mean_by_areas(&self, sector: &BTreeSet<usize>) -> Option<[f64; 3]> {
-        let twice_area = |&facet: &usize| {
+        let weighted = |&facet: &usize| {
             let [a, b, c] = self.surface.corners(facet);
-            cross(sub(b, a), sub(c, a))
+            let twice_area = cross(sub(b, a), sub(c, a));
+            scale(norm(twice_area), twice_area)
         };
-        normalised(sector.iter().map(twice_area).fold([0.0; 3], add))
+        normalised(sector.iter().map(weighted).fold([0.0; 3], add))
     }
 
     /// Facets around `vertex` that are reached from `facet` across edges without a feature,
