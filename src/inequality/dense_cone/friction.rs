@@ -38,7 +38,7 @@ const MOST_STEPS: u32 = 40;
 /// sought is a face.
 const CLOSE: f64 = 1e-6;
 /// The same on many points, where a step costs more than what it could still turn.
-const CLOSE_ON_MANY: f64 = 1e-2;
+const CLOSE_ON_MANY: f64 = 1e-4;
 /// Unknowns up to which a factor costs less than iterations.
 const FEW: usize = 200;
 

@@ -56,7 +56,7 @@ pub(super) fn corners(
         .collect()
 }
 
-/// Longest over shortest edge around a vertex from which on a fit knows its far side only.
+/// Largest over least area around a vertex from which on a fit knows its far side only.
 const UNEVEN: f64 = 4.0;
 
 struct Fitter<'a> {
@@ -79,7 +79,7 @@ impl Fitter<'_> {
         let Some(guess) = normalised(sum) else {
             return self.flat[facet];
         };
-        let fitted = match self.is_uneven(&sector, vertex) {
+        let fitted = match self.is_uneven(&sector) {
             true => self.mean_by_areas(&sector).unwrap_or(guess),
             false => fit::normal(place, guess, &self.two_rings(&sector, vertex)),
         };
@@ -93,24 +93,25 @@ impl Fitter<'_> {
         }
     }
 
-    /// Whether edges from `vertex` differ so much that its facets are of different parts.
-    fn is_uneven(&self, sector: &BTreeSet<usize>, vertex: u32) -> bool {
-        let place = |vertex: u32| self.surface.vertices[vertex as usize];
-        let corners = sector.iter().flat_map(|&facet| self.surface.facets[facet]);
-        let lengths = corners
-            .filter(|&corner| corner != vertex)
-            .map(|corner| norm(sub(place(corner), place(vertex))));
-        let (least, most) = lengths.fold((f64::INFINITY, 0.0_f64), |(least, most), length| {
-            (least.min(length), most.max(length))
+    /// Whether areas of facets differ so much that they are of different parts.
+    fn is_uneven(&self, sector: &BTreeSet<usize>) -> bool {
+        let areas = sector.iter().map(|&facet| norm(self.twice_area(facet)));
+        let (least, most) = areas.fold((f64::INFINITY, 0.0_f64), |(least, most), area| {
+            (least.min(area), most.max(area))
         });
         most >= UNEVEN * least
+    }
+
+    /// Normal of a facet, as long as twice its area.
+    fn twice_area(&self, facet: usize) -> [f64; 3] {
+        let [a, b, c] = self.surface.corners(facet);
+        cross(sub(b, a), sub(c, a))
     }
 
     /// Mean of the facets' normals by the squares of their areas.
     fn mean_by_areas(&self, sector: &BTreeSet<usize>) -> Option<[f64; 3]> {
         let weighted = |&facet: &usize| {
-            let [a, b, c] = self.surface.corners(facet);
-            let twice_area = cross(sub(b, a), sub(c, a));
+            let twice_area = self.twice_area(facet);
             scale(norm(twice_area), twice_area)
         };
         normalised(sector.iter().map(weighted).fold([0.0; 3], add))

@@ -12,7 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-SUBJECTS = ("trust", "digits", "confined", "strips", "sphere", "hertz", "curved", "oring", "exact", "certificate", "poses", "extremes", "paired")
+SUBJECTS = ("trust", "digits", "confined", "strips", "sphere", "hertz", "curved", "oring", "exact", "certificate", "poses", "friction", "tools", "extremes", "paired")
 
 
 def stop(process):
