@@ -7,7 +7,14 @@ use super::run::Run;
 use super::watch::Watch;
 use crate::inequality::QpStatus;
 use crate::krylov::Outcome;
+use crate::linalg::vector::{largest, norm};
+use crate::model::Model;
+use crate::model::state::State;
 use crate::report::{Cause, Termination};
+
+/// Lengths of the body, for each that tools and supports travel, beyond which a body that no
+/// support holds has been thrown away: its forces are rounding of what they would be there.
+const FLOWN: f64 = 1e4;
 
 /// How an increment ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -43,9 +50,26 @@ pub(crate) fn verdict(run: &Run<'_>, worst: f64, still: bool) -> Option<Verdict>
         return Some(Verdict::failed(Cause::NotFinite));
     }
     if worst <= run.model.tolerance && still {
-        return Some(Verdict::stopped(Termination::Converged));
+        return Some(match has_flown(&run.model, run.state) {
+            true => Verdict::failed(Cause::NotFinite),
+            false => Verdict::stopped(Termination::Converged),
+        });
     }
     run.stopped().map(Verdict::stopped)
+}
+
+/// Whether a floating body is farther away than anything could have carried it.
+fn has_flown(model: &Model<'_>, state: &State) -> bool {
+    if !model.plan.is_floating() {
+        return false;
+    }
+    let drive = &state.drive;
+    let tools = drive.poses.iter().map(|pose| norm(&pose.translation));
+    let supports = drive.motions.iter().map(|motion| norm(&motion.translation));
+    let held = drive.supports.iter().map(|components| norm(components));
+    let ways = tools.chain(supports).chain(held);
+    let travel = ways.fold(0.0, f64::max) / model.plan.units.length;
+    largest(&state.displacement) > FLOWN * (1.0 + travel)
 }
 
 /// How a program's end ends the increment; none where the program was solved.

@@ -112,6 +112,16 @@ fn a_block_on_a_slope_stays_up_to_the_angle_of_friction_and_no_further() {
 }
 
 #[test]
+fn a_block_that_tips_over_is_no_result() {
+    // Inside the cone of friction, but the resultant leaves the base.
+    let mut scene = elastic(0.3);
+    scene.body_force = [1.999_998, -1.0, 0.0];
+    let scene = rough(scene, "y0", plane([0.0; 3], [0.0, 1.0, 0.0]), 2.0);
+    let report = &reports(&scene, &[Step::default()], &file("square_n8"))[0];
+    assert_eq!(report.termination, Termination::NotConverged);
+}
+
+#[test]
 fn what_sticks_does_not_creep() {
     let scene = pressed_cube(0.3);
     let press = [travel(1, [0.0, 0.0, -0.05]), travel(2, [0.012, 0.0, -0.05])];
