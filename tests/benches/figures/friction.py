@@ -32,7 +32,8 @@ def reference(key, known):
     scene, mesh, *changes = key.split("|")
     values = dict(change.split("=") for change in changes)
     names = list(known["steps"][0]["obstacles"])
-    sets = [f"mesh={case(f'friction/meshes/{mesh}.msh')}", "solver.contact_space=linear"]
+    own = case(f"friction/meshes/{mesh}.msh")
+    sets = [f"mesh={own if own.exists() else case_mesh(mesh)}", "solver.contact_space=linear"]
     sets += [f"obstacle.{name}.friction={values['friction']}" for name in names if "friction" in values]
     sets += [f"solver.quadrature_degree={values['degree']}" for _ in [0] if "degree" in values]
     run = solve(case(f"friction/{scene}.toml"), *sets)
