@@ -35,7 +35,8 @@ pub(crate) fn cause(cause: Cause) -> Option<&'static str> {
              give the material a bulk_modulus"
         }
         Cause::NotFinite => {
-            "numbers grew without bound: are moduli and lengths in one set of units?"
+            "numbers grew without bound: are moduli and lengths in one set of units, and is the \
+             body held?"
         }
         Cause::IndefiniteTangent => {
             "the body has no stiffness left in some motion: is it held, is the material softening?"

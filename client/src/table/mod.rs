@@ -99,12 +99,10 @@ fn never_touched(reports: &[v1::StepReport]) -> Vec<String> {
 
 /// Whether an obstacle presses in any increment.
 fn touches(reports: &[v1::StepReport], name: &str) -> bool {
-    let found = reports
+    let mut found = reports
         .iter()
         .filter_map(|report| report.obstacles.get(name));
-    found
-        .into_iter()
-        .any(|obstacle| obstacle.contact_area > 0.0)
+    found.any(|obstacle| obstacle.contact_area > 0.0)
 }
 
 /// What was doubted before the last increment and is not in the last one, once each, with the
