@@ -1,11 +1,12 @@
 //! Friction on the obstacles that are rough: tractions with their slip and their bounds.
 //!
 //! ```text
-//! S_i = int phi_i [ x - Q x0 ] dS,   s_i = T_i S_i,   T_i = I - n_i n_i^T
+//! S_i = int phi_i [ x - Q x0 ] dS + Q r_i,   s_i = T_i S_i,   T_i = I - n_i n_i^T
 //! |t_i| <= mu n_i;   s_i = 0 within,   t_i = -mu n_i s_i / |s_i| on the edge
 //! ```
 //!
-//! x0 is where the increment began, Q what the obstacle has done since: Q x0 is where its
+//! x0 is where the increment began, r_i what its point had moved until then and no slip
+//! explained (within the tolerance: `note_slip`), Q what the obstacle has done since: Q x0 is where its
 //! material point is now that stood at x0. n_i is the mean normal of the obstacle at the end,
 //! so that everything is implicit, and body and obstacle turned together slip by nothing. The
 //! functions and the weights are those of the pressure, over the undeformed surface. What a
@@ -34,9 +35,9 @@ use crate::geometry::vector3::{add, dot, scale, sub};
 use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, Workspace};
 use crate::obstacle::Moving;
 use crate::plan::Plan;
-use crate::saddle::{Components, FrictionBound};
+use crate::saddle::{Components, FrictionBound, Status};
 use frame::{frame, normals};
-use points::{points_of, trace_of};
+use points::{guided, points_of, trace_of};
 
 pub(crate) use frame::Frame;
 pub(crate) use points::Point;
@@ -63,6 +64,8 @@ pub(crate) struct SlipStart {
     displacement: Vec<f64>,
     /// Poses of the obstacles, and what else drove the body.
     drive: Drive,
+    /// Slip that no traction had answered, weighted `[points * 3]`.
+    residue: Vec<f64>,
 }
 
 impl SlipStart {
@@ -71,6 +74,7 @@ impl SlipStart {
         Self {
             displacement: state.displacement.clone(),
             drive: state.drive.clone(),
+            residue: state.slip.residue.clone(),
         }
     }
 
@@ -82,6 +86,11 @@ impl SlipStart {
     /// What drove the body there.
     pub(crate) fn drive(&self) -> &Drive {
         &self.drive
+    }
+
+    /// Slip that no traction had answered there, weighted `[points][3]`.
+    pub(crate) fn residue(&self) -> &[[f64; 3]] {
+        self.residue.as_chunks().0
     }
 }
 
@@ -136,12 +145,13 @@ impl Friction {
         };
         let (mut points, mut partners) = (Vec::new(), Vec::new());
         let mut trace = SparseRowsBuilder::new(body.space.nodes());
-        for (obstacle, (multipliers, surface)) in list.iter().take(plan.obstacles.len()).enumerate()
-        {
+        let (obstacles, guides) = list.split_at(plan.obstacles.len());
+        let guided = guided(guides.iter().map(|(_, surface)| *surface));
+        for (obstacle, (multipliers, surface)) in obstacles.iter().enumerate() {
             if !plan.obstacles[obstacle].is_rough {
                 continue;
             }
-            points.extend(points_of(plan, body, (obstacle, surface)));
+            points.extend(points_of((plan, &guided), body, (obstacle, surface)));
             partners.extend_from_slice(multipliers);
             for mut row in trace_of(body, surface) {
                 trace.push_row(&mut row);
@@ -183,6 +193,15 @@ impl Friction {
             let value = values[partner as usize];
             values[own].fill(value);
         }
+    }
+
+    /// The traction of a point in its frame, and what the point does.
+    fn traction(&self, state: &State, number: usize) -> ([f64; 2], Status) {
+        let width = self.components.count();
+        let first = self.first + number * width;
+        let own = &state.multiplier[first..first + width];
+        let component = |a: usize| own.get(a).copied().unwrap_or(0.0);
+        ([component(0), component(1)], state.status[first])
     }
 
     /// int phi_i x dS of all points where `displacement` has them.
@@ -235,10 +254,12 @@ impl Friction {
         let [from, to] =
             [&start.drive, &state.drive].map(|drive| model.interfaces.obstacles(drive, length));
         let points = self.points.iter().zip(before).zip(moved);
+        let points = points.zip(start.residue());
         points
-            .map(|((point, before), moved)| {
+            .map(|(((point, before), moved), residue)| {
                 let pair = [&from[point.obstacle], &to[point.obstacle]];
-                sub(moved, carried(pair, before, point.weight))
+                let travel = sub(moved, carried(pair, before, point.weight));
+                add(travel, turned(pair, *residue))
             })
             .collect()
     }
@@ -319,35 +340,48 @@ impl Friction {
     }
 }
 
-/// Notes in the state how far its points have slipped since the increment began, and what
-/// that has cost.
+/// Notes in the state how far its points have slipped since the increment began, what that
+/// has cost, and what of their way no slip explains: within the tolerance points move that
+/// stick, and where that was forgotten, ten thousand small increments would drag them anywhere.
 pub(crate) fn note_slip(model: &Model<'_>, state: &mut State) {
     let (Some(friction), Some(start)) = (&model.interfaces.friction, &model.slip_start) else {
         return;
     };
     let frames = friction.frames(model, state);
     let travels = friction.travels(model, state, start);
-    let width = friction.components.count();
     state.slip.increment.fill(0.0);
     for (number, point) in friction.points.iter().enumerate() {
-        let along = frames[number].map(|tangent| dot(tangent, travels[number]));
-        let first = friction.first + number * width;
-        let traction = &state.multiplier[first..first + width];
-        let work: f64 = traction.iter().zip(along).map(|(t, s)| t * s).sum();
-        state.slip.increment[point.obstacle] -= work;
+        let frame = &frames[number];
+        let vector = |[a, b]: [f64; 2]| add(scale(a, frame[0]), scale(b, frame[1]));
+        let along = frame.map(|tangent| dot(tangent, travels[number]));
+        let (traction, status) = friction.traction(state, number);
+        let slip = slip(along, traction, status);
         let is_pressed = state.multiplier[friction.partners[number] as usize] > 0.0;
-        let scale = if is_pressed {
-            point.weight.recip()
-        } else {
-            0.0
+        let (travel, residue) = match is_pressed {
+            true => (
+                scale(point.weight.recip(), vector(slip)),
+                vector([along[0] - slip[0], along[1] - slip[1]]),
+            ),
+            false => Default::default(),
         };
-        let slip = (0..3)
-            .map(|i| scale * (frames[number][0][i] * along[0] + frames[number][1][i] * along[1]));
-        slip.zip(&mut state.slip.travel[3 * number..])
-            .for_each(|(value, slot)| *slot = value);
+        state.slip.increment[point.obstacle] -= traction[0] * slip[0] + traction[1] * slip[1];
+        state.slip.travel[3 * number..3 * number + 3].copy_from_slice(&travel);
+        state.slip.residue[3 * number..3 * number + 3].copy_from_slice(&residue);
     }
     let sums = state.slip.total.iter_mut().zip(&state.slip.increment);
     sums.for_each(|(total, increment)| *total += increment);
+}
+
+/// What of a point's way is slip: all of it where nothing resists, none where it sticks, and
+/// on the edge of its disc what points against its traction.
+fn slip(along: [f64; 2], traction: [f64; 2], status: Status) -> [f64; 2] {
+    let square = traction[0].powi(2) + traction[1].powi(2);
+    let work = along[0] * traction[0] + along[1] * traction[1];
+    match status {
+        Status::Open => along,
+        Status::Slip if work < 0.0 && square > 0.0 => traction.map(|t| t * (work / square)),
+        Status::Slip | Status::Stick => [0.0; 2],
+    }
 }
 
 /// How far the obstacle has carried a point since the start, weighted: int phi (Q x0 - x0) dS
@@ -359,6 +393,12 @@ fn carried([from, to]: [&Moving; 2], moment: [f64; 3], weight: f64) -> [f64; 3] 
     let arm = sub(moment, scale(weight, centre));
     let shift = sub(after.translation, before.translation);
     add(sub(multiply(&turn, arm), arm), scale(weight, shift))
+}
+
+/// A vector of the obstacle, turned as the obstacle has turned since.
+fn turned([from, to]: [&Moving; 2], vector: [f64; 3]) -> [f64; 3] {
+    let turn = turn(&from.motion().matrix(), &to.motion().matrix());
+    multiply(&turn, vector)
 }
 
 /// R1 R0^T; exactly the identity where nothing turns.

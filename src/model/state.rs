@@ -60,6 +60,8 @@ pub(crate) struct SlipState {
     /// Mean slip vector of the last increment at each point `[points * 3]`, in units of the
     /// scaled body.
     pub(crate) travel: Vec<f64>,
+    /// What of its way no slip explains, weighted, at each point `[points * 3]`.
+    pub(crate) residue: Vec<f64>,
     /// Energy that each obstacle's friction has dissipated in the last increment
     /// `[obstacles]`, non-dimensional.
     pub(crate) increment: Vec<f64>,
@@ -77,6 +79,7 @@ impl SlipState {
         let obstacles = vec![0.0; plan.obstacles.len()];
         Self {
             travel: vec![0.0; 3 * points],
+            residue: vec![0.0; 3 * points],
             increment: obstacles.clone(),
             total: obstacles,
         }
@@ -115,7 +118,7 @@ impl State {
     /// Bytes held.
     pub(crate) fn bytes(&self) -> u64 {
         let numbers = self.displacement.len() + self.pressure.len() + self.multiplier.len();
-        let numbers = numbers + self.slip.travel.len() + 2 * self.slip.total.len();
+        let numbers = numbers + 2 * self.slip.travel.len() + 2 * self.slip.total.len();
         (8 * numbers + self.status.len()) as u64 + self.drive.given.bytes()
     }
 }

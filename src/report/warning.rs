@@ -23,6 +23,8 @@ pub enum WarningKind {
     CoarseContact,
     /// Facets in contact are far off the curved surface that they stand for.
     CoarseFacets,
+    /// A rough obstacle has turned too far against the body in one increment.
+    CoarseTurn,
     /// Friction may admit another equilibrium under the same drive.
     NotUnique,
     /// A cell is turned inside out: the mesh is too coarse for the deformation.
@@ -33,7 +35,7 @@ pub enum WarningKind {
 
 impl WarningKind {
     /// All, in the order in which they are listed.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Snapped,
         Self::UnstableEquilibrium,
         Self::UntouchedObstacle,
@@ -44,6 +46,7 @@ impl WarningKind {
         Self::FreeMotion,
         Self::CoarseContact,
         Self::CoarseFacets,
+        Self::CoarseTurn,
         Self::NotUnique,
         Self::InsideOut,
         Self::LostDigits,
@@ -62,6 +65,7 @@ impl WarningKind {
             Self::FreeMotion => "free_motion",
             Self::CoarseContact => "coarse_contact",
             Self::CoarseFacets => "coarse_facets",
+            Self::CoarseTurn => "coarse_turn",
             Self::NotUnique => "not_unique",
             Self::InsideOut => "inside_out",
             Self::LostDigits => "lost_digits",
@@ -116,7 +120,8 @@ mod tests {
             LargeStrain => FreeMotion,
             FreeMotion => CoarseContact,
             CoarseContact => CoarseFacets,
-            CoarseFacets => NotUnique,
+            CoarseFacets => CoarseTurn,
+            CoarseTurn => NotUnique,
             NotUnique => InsideOut,
             InsideOut => LostDigits,
             LostDigits => return None,

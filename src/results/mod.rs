@@ -5,6 +5,7 @@
 //! of the error, which the tolerance `discretisation` asks for. Cost: some passes over
 //! cells and faces for a report, one for a field.
 
+pub(crate) mod coarse_turn;
 mod digits;
 pub(crate) mod errors;
 pub(crate) mod estimate;

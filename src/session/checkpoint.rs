@@ -37,6 +37,8 @@ const VERSION: u32 = 1;
 const WITH_PUSHES: u32 = 2;
 /// Of the format with values of other codes besides.
 const WITH_VALUES: u32 = 3;
+/// Of the format with the way of points that no slip explains, where a scene has friction.
+const WITH_RESIDUES: u32 = 4;
 /// Bytes of a SHA-256 digest.
 const DIGEST: usize = 32;
 /// More steps than any session takes.
@@ -132,7 +134,11 @@ impl Checkpoint {
             (true, [_, ..]) => WITH_PUSHES,
             (true, []) => VERSION,
         };
-        drives.map(of_one).max().unwrap_or(VERSION)
+        let of_state = match self.state.slip.residue.is_empty() {
+            true => VERSION,
+            false => WITH_RESIDUES,
+        };
+        drives.map(of_one).fold(of_state, u32::max)
     }
 
     /// Leads `fields` through all of it: the order of the bytes.
@@ -167,8 +173,8 @@ fn verified(bytes: &[u8]) -> Result<(u32, &[u8]), CheckpointError> {
     let rest = rest.ok_or(CheckpointError::NotACheckpoint)?;
     let (version, rest) = rest.split_first_chunk().ok_or(CheckpointError::Damaged)?;
     let found = u32::from_le_bytes(*version);
-    if !(VERSION..=WITH_VALUES).contains(&found) {
-        let known = WITH_VALUES;
+    if !(VERSION..=WITH_RESIDUES).contains(&found) {
+        let known = WITH_RESIDUES;
         return Err(CheckpointError::UnknownVersion { found, known });
     }
     let (body, written) = rest
@@ -210,13 +216,20 @@ fn visit_state<E>(
     fields.magnitude("penalty", &mut state.penalty)?;
     match state.slip.total.is_empty() {
         true => Ok(()),
-        false => visit_slip(&mut state.slip, fields),
+        false => visit_slip(&mut state.slip, version, fields),
     }
 }
 
 /// What friction did, in scenes that have it.
-fn visit_slip<E>(slip: &mut SlipState, fields: &mut impl Fields<Error = E>) -> Result<(), E> {
+fn visit_slip<E>(
+    slip: &mut SlipState,
+    version: u32,
+    fields: &mut impl Fields<Error = E>,
+) -> Result<(), E> {
     fields.numbers("slip", &mut slip.travel)?;
+    if version >= WITH_RESIDUES {
+        fields.numbers("way without slip", &mut slip.residue)?;
+    }
     fields.numbers("dissipated energy of the increment", &mut slip.increment)?;
     fields.numbers("dissipated energy", &mut slip.total)
 }

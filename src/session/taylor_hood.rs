@@ -17,6 +17,7 @@ use crate::plan::Plan;
 use crate::precond::PMultigrid;
 use crate::prepare::TaylorHoodData;
 use crate::report::{FieldData, FieldName, StepReport};
+use crate::results::coarse_turn::coarse_turns;
 use crate::results::exerted::exerted;
 use crate::results::touch::Touch;
 use crate::results::warnings::{coarse_facets, warnings};
@@ -145,6 +146,7 @@ impl Body for TaylorHoodBody {
         let touches = Touch::all(&model, state);
         report.warnings = warnings(&model, (start, state), (ending, &touches));
         report.warnings.extend(coarse_facets(&report.obstacles));
+        report.warnings.extend(coarse_turns(&model, state));
         step::add_hidden_forces(&model, &touches, &mut report.obstacles);
         if self.plan.settings.verify {
             report.verification = Some(verify::verify(&model, state, ending));

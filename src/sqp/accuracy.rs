@@ -17,8 +17,8 @@
 //! directions to the tolerance that follows, until it holds. Cost beside the
 //! iterations saved: an estimate and one preconditioner application a round.
 
-use super::increment;
 use super::run::Run;
+use super::viscous;
 use crate::linalg::Preconditioner;
 use crate::linalg::vector::dot;
 use crate::model::Model;
@@ -43,7 +43,7 @@ const MARGIN: f64 = 0.8;
 /// Moves the state to equilibrium under `drive`, as accurately as the scene asks.
 pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
     match run.model.plan.settings.tolerance_rule {
-        ToleranceRule::Fixed => increment::solve(run, drive),
+        ToleranceRule::Fixed => viscous::solve(run, drive),
         ToleranceRule::Discretisation => {
             let floor = run.model.tolerance;
             let ending = by_discretisation(run, drive, floor);
@@ -58,7 +58,7 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
 fn by_discretisation(run: &mut Run<'_>, drive: &Drive, floor: f64) -> Ending {
     run.model.tolerance = COARSE.max(floor);
     loop {
-        let mut ending = increment::solve(run, drive);
+        let mut ending = viscous::solve(run, drive);
         if ending.termination != Termination::Converged {
             return ending;
         }

@@ -187,12 +187,11 @@ impl Iterate {
         if !run.model.is_linear() {
             return None;
         }
+        run.learned.directions.clear(&mut run.work);
         let is_rounding = self.idle >= MOST_IDLE;
         // What friction lets slide off grows from program to program, and is no rounding.
-        if !run.model.plan.has_friction() {
-            run.learned.directions.clear(&mut run.work);
-            run.counters.failed_programs += u32::from(is_rounding);
-        }
+        let may_have_failed = !run.model.plan.has_friction();
+        run.counters.failed_programs += u32::from(is_rounding && may_have_failed);
         is_rounding.then(|| Verdict::failed(Cause::Stagnation))
     }
 

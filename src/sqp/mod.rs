@@ -15,6 +15,7 @@
 //! | [`balance`] | the poses of pushed obstacles: [`push_stiffness`] |
 //! | [`accuracy`] | how far residuals are reduced |
 //! | [`increment`] | programs until the four criteria hold: [`predictor`], [`program`], [`search`], [`verdict`], measured by [`scales`] |
+//! | [`viscous`] | a body that contact alone holds, brought to rest slowly where programs throw it away |
 //! | [`certificate`] | whether the equilibrium is a minimum |
 //! | [`descent`] | down the energy where an equilibrium is lost |
 //! | [`diagnosis`], [`enclosure`], [`site`] | causes that only the end shows, and where they lie |
@@ -57,5 +58,6 @@ mod step_control;
 mod trend;
 mod uniqueness;
 pub(crate) mod verdict;
+mod viscous;
 mod volumes;
 pub(crate) mod watch;

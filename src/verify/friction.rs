@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! S_m = int psi_m [x - Q x0] dS,   f(v) += int t . v,   t = sum_m psi_m t_m
-//! s = 0 in the disc, |t| s + |s| t = 0 on its edge,   |t| <= r
+//! s = 0 in the disc, s against t on its edge,   |t| <= r
 //! ```
 //!
 //! x0 is where the increment began, Q x0 where the obstacle's point there is now; in the
@@ -65,13 +65,15 @@ pub(super) fn residuals(
             .map(|tangent| dot(*tangent, travels[point]))
             .collect();
         let size = |values: &[f64]| values.iter().fold(0.0, |size: f64, x| size.hypot(*x));
-        let (push, speed) = (size(own), size(&slip));
+        let push = size(own);
+        let along = slip.iter().zip(own).map(|(s, t)| s * t).sum::<f64>() / push;
         let excess = push - radii[point];
         let status = state.status[misfit.tractions.start + point * width];
         let wrong = |(s, t): (&f64, &f64)| match status {
             Status::Open => 0.0,
             Status::Stick => *s,
-            Status::Slip => s + speed * t / push.max(f64::MIN_POSITIVE),
+            Status::Slip if along < 0.0 => s - along * t / push,
+            Status::Slip => *s,
         };
         misfit.slip.extend(slip.iter().zip(own).map(wrong));
         misfit.excess.push(match status {
@@ -93,6 +95,7 @@ fn travels(
         return vec![[0.0; 3]; vectors.len()];
     };
     let length = model.plan.units.length;
+    let unit = length * model.plan.units.area();
     let [from, to] =
         [start.drive(), &state.drive].map(|drive| model.interfaces.obstacles(drive, length));
     let before = State {
@@ -120,7 +123,14 @@ fn travels(
         for face in &surface.faces {
             slide.add(face, &spread, (&mut sums, force));
         }
-        all.extend(by_axis(&sums, |values| shares.gather(values.to_vec())));
+        let sums = by_axis(&sums, |values| shares.gather(values.to_vec()));
+        let residues = start.residue()[all.len()..].iter();
+        let slid = sums
+            .iter()
+            .zip(residues)
+            .map(|(sum, residue)| add(*sum, scale(unit, slide.turned(*residue))));
+        let slid: Vec<[f64; 3]> = slid.collect();
+        all.extend(slid);
     }
     all
 }
@@ -182,6 +192,11 @@ impl Slide<'_, '_, '_> {
                 *own = add(*own, scale(weight * area * shape, traction));
             }
         }
+    }
+
+    /// A vector of the obstacle, turned as the obstacle has.
+    fn turned(&self, vector: [f64; 3]) -> [f64; 3] {
+        sub(self.carried(vector), self.carried([0.0; 3]))
     }
 
     /// Where the obstacle's point at `x` is now.

@@ -111,6 +111,63 @@ fn a_block_on_a_slope_stays_up_to_the_angle_of_friction_and_no_further() {
     }
 }
 
+/// A body under its weight on a rough slope whose tangent is `share` of what
+/// friction holds.
+fn on_a_slope(mesh: &Arc<Mesh>, (friction, share): (f64, f64)) -> StepReport {
+    let mut scene = elastic(0.3);
+    scene.body_force = [0.01 * friction * share, -0.01, 0.0];
+    let scene = rough(scene, "y0", plane([0.0; 3], [0.0, 1.0, 0.0]), friction);
+    reports(&scene, &[Step::default()], mesh).remove(0)
+}
+
+#[test]
+fn bodies_of_any_shape_stay_on_slopes_below_the_angle_of_friction_and_slide_above() {
+    for size in [[1.0, 1.0], [2.0, 0.6], [0.4, 1.0]] {
+        let block = moved(unit_grid(6, 5), |[x, y, _]| [size[0] * x, size[1] * y, 0.0]);
+        let block = mesh(block);
+        for (friction, share) in [
+            (0.05, 0.5),
+            (0.3, 0.9),
+            (0.3, 1.0 - 1e-4),
+            (0.3, 1.0 - 1e-6),
+        ] {
+            let report = on_a_slope(&block, (friction, share));
+            assert_converged(&report);
+            let force = report.obstacles["tool"].force;
+            let weight = 0.01 * size[0] * size[1];
+            assert!((force[1] - weight).abs() < 1e-6 * weight, "{force:?}");
+            assert!(
+                (force[0] + friction * share * weight).abs() < 1e-6 * weight,
+                "{force:?}"
+            );
+        }
+        let report = on_a_slope(&block, (0.3, 1.0 + 1e-6));
+        assert_eq!(report.cause, Some(Cause::NoEquilibrium));
+    }
+}
+
+#[test]
+fn a_rough_plate_is_pushed_aside_though_all_of_its_points_slip_under_the_press() {
+    let mut scene = pressed_cube(0.05);
+    scene.supports = vec![support("z0", HELD)];
+    let push = |x, z| {
+        let mut step = travel(1, [0.0; 3]);
+        step.obstacles[0].translation = None;
+        step.obstacles[0].force = [x, None, Some(z)];
+        step
+    };
+    let pushed = |share: f64| {
+        let steps = [push(None, -0.05), push(Some(share * 0.05 * 0.05), -0.05)];
+        reports(&scene, &steps, &mesh(cube(3)))
+    };
+    let found = pushed(0.5);
+    assert_eq!(found[0].obstacles["tool"].stick_vertices, 0);
+    assert_converged(&found[1]);
+    let force = found[1].obstacles["tool"].force;
+    assert!((force[0] - 0.5 * 0.05 * 0.05).abs() < 1e-7 && (force[2] + 0.05).abs() < 1e-7);
+    assert_eq!(pushed(1.05)[1].cause, Some(Cause::NoEquilibrium));
+}
+
 #[test]
 fn a_block_that_tips_over_is_no_result() {
     // Inside the cone of friction, but the resultant leaves the base.
@@ -138,6 +195,75 @@ fn what_sticks_does_not_creep() {
     let drift = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     assert!(drift < 1e-8, "{drift}");
     assert!((before.strain_energy - after.strain_energy).abs() < 1e-8 * before.strain_energy);
+}
+
+#[test]
+fn increments_below_the_tolerance_drag_what_sticks_all_the_same() {
+    let mut scene = pressed_cube(1.5);
+    scene.solver.tolerance = 1e-3;
+    let press = travel(1, [0.0, 0.0, -0.05]);
+    let pull = |increments| {
+        let drag = travel(increments, [0.01, 0.0, -0.05]);
+        let last = reports(&scene, &[press.clone(), drag], &mesh(cube(2))).pop();
+        last.expect("a result").obstacles["tool"].force[0]
+    };
+    let (one, many) = (pull(1), pull(2000));
+    assert!(one > 1e-3, "{one}");
+    assert!((many - one).abs() < 0.01 * one, "{one} {many}");
+}
+
+#[test]
+fn a_plane_of_symmetry_is_the_same_by_components_and_by_its_normal() {
+    let ball = Shape::Sphere {
+        centre: [0.0, 0.4, 1.8],
+        radius: 0.8,
+    };
+    let found = [true, false].map(|by_component| {
+        let mut scene = elastic(0.3);
+        scene.supports = vec![support("z0", HELD), support("x0", [Some(0.0), None, None])];
+        if !by_component {
+            scene.supports[1].displacement = [None; 3];
+            scene.supports[1].normal = Some(0.0);
+        }
+        let scene = rough(scene, "z1", ball.clone(), 0.3);
+        let steps = [
+            travel(2, [0.0, 0.0, -0.05]),
+            travel(2, [0.0, 0.02, -0.06]),
+            travel(1, [0.0, 0.02, -0.02]),
+        ];
+        reports(&scene, &steps, &mesh(cube(4)))
+    });
+    for (a, b) in found[0].iter().zip(&found[1]) {
+        assert_converged(b);
+        let [one, other] = [a, b].map(|report| &report.obstacles["tool"]);
+        assert!((a.strain_energy - b.strain_energy).abs() < 1e-7 * a.strain_energy);
+        assert!((one.dissipated_total - other.dissipated_total).abs() < 1e-7 * a.strain_energy);
+        for axis in [1, 2] {
+            let error = (one.force[axis] - other.force[axis]).abs();
+            assert!(error < 1e-6 * one.force[2].abs(), "{one:?} {other:?}");
+        }
+        assert_eq!(one.stick_vertices, other.stick_vertices);
+    }
+}
+
+#[test]
+fn a_tool_that_turns_far_in_one_increment_says_so() {
+    let coarse = |increments| {
+        let mut turn = travel(increments, [0.0, 0.0, -0.05]);
+        turn.obstacles[0].rotation = Some([0.0, 0.0, 2.0]);
+        let steps = [travel(1, [0.0, 0.0, -0.05]), turn];
+        let found = reports(&pressed_cube(0.2), &steps, &mesh(cube(2)));
+        let kinds = found.iter().flat_map(|report| &report.warnings);
+        let angles = kinds.filter(|warning| warning.kind == WarningKind::CoarseTurn);
+        angles
+            .filter_map(|warning| warning.value)
+            .collect::<Vec<f64>>()
+    };
+    let [once] = coarse(1)[..] else {
+        panic!("one warning");
+    };
+    assert!((once - 2.0).abs() < 0.2, "{once}");
+    assert!(coarse(8).is_empty());
 }
 
 #[test]
@@ -251,7 +377,7 @@ fn a_strut_wedges_or_swings_free_by_its_path_and_both_say_so() {
         load: Some(load),
         ..pull("y1", [Some(0.0), Some(y), None], increments)
     };
-    let pressed = [top(2, 0.0, -0.01), top(4, 1.0, -0.01), top(4, 1.0, 0.0)];
+    let pressed = [top(2, 0.0, -0.01), top(4, 1.0, -0.01), top(6, 1.0, 0.0)];
     let last = |steps: &[Step]| reports(&scene, steps, &mesh).pop().expect("a result");
     let (free, wedged) = (last(&[Step::default()]), last(&pressed));
     for report in [&free, &wedged] {

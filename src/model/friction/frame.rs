@@ -3,11 +3,11 @@
 use super::points::Point;
 use crate::contact::ContactSurface;
 use crate::contact::gap::{Deformed, mean_normals};
-use crate::geometry::vector3::{cross, dot, normalised, scale, sub};
+use crate::geometry::vector3::{cross, dot, norm, normalised, scale, sub};
 use crate::obstacle::{Contact, Moving, Obstacle, What};
 
-/// Component of a unit vector that counts as one.
-const ALONG: f64 = 1e-9;
+/// What is left of a unit vector across others from which on it is none of their sums.
+const ACROSS: f64 = 1e-5;
 /// Component of a normal from which on an axis is not across it.
 const PARALLEL: f64 = 0.9;
 
@@ -33,27 +33,34 @@ pub(super) fn normals(
 /// Tangents of a point where the obstacle has the normal `n`, without what supports hold.
 pub(super) fn frame(point: &Point, n: [f64; 3], dimension: usize) -> Frame {
     let none = [0.0; 3];
-    let is_held = |tangent: [f64; 3]| (0..3).any(|i| point.held[i] && tangent[i].abs() > ALONG);
-    if dimension == 2 {
-        let tangent = [-n[1], n[0], 0.0];
-        return [if is_held(tangent) { none } else { tangent }, none];
-    }
-    // Components held along the normal say nothing about the tangents.
-    let across = |i: usize| point.held[i] && n[i].abs() < 1.0 - ALONG;
-    let unit = |i: usize| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 });
-    let mut held = (0..3).filter(|&i| across(i));
-    match (held.next(), held.next()) {
-        (None, _) => {
+    // Directions held along the normal say nothing about the tangents.
+    let mut held = held_across(&point.held, n);
+    match (dimension, held.next(), held.next()) {
+        (2, None, _) => [[-n[1], n[0], 0.0], none],
+        (_, None, _) => {
             let is_across = dot(point.axes[0], n).abs() < PARALLEL;
             let axis = point.axes[usize::from(!is_across)];
             let first = normalised(sub(axis, scale(dot(axis, n), n))).unwrap_or_default();
             [first, cross(n, first)]
         }
-        (Some(axis), None) => [normalised(cross(n, unit(axis))).unwrap_or_default(), none],
-        (Some(a), Some(b)) => {
-            let free: [f64; 3] = unit(3 - a - b);
-            let is_tangent = dot(free, n).abs() < ALONG && !is_held(free);
-            [if is_tangent { free } else { none }, none]
+        (3, Some(held), None) => [normalised(cross(n, held)).unwrap_or_default(), none],
+        _ => [none, none],
+    }
+}
+
+/// An orthonormal basis of what the unit vectors `held` span across `n`.
+fn held_across(held: &[[f64; 3]], n: [f64; 3]) -> impl Iterator<Item = [f64; 3]> {
+    let mut basis = [n; 3];
+    let mut size = 1;
+    for &direction in held {
+        let known = basis.iter().take(size);
+        let rest = known.fold(direction, |rest, one| {
+            sub(rest, scale(dot(rest, *one), *one))
+        });
+        if let (Some(next), true) = (basis.get_mut(size), norm(rest) > ACROSS) {
+            *next = normalised(rest).unwrap_or_default();
+            size += 1;
         }
     }
+    basis.into_iter().take(size).skip(1)
 }

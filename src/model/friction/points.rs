@@ -1,9 +1,11 @@
-//! The points of rough obstacles: their weights, places and held components, and the mass of
+//! The points of rough obstacles: their weights, places and held directions, and the mass of
 //! the traces by which they move.
+
+use std::collections::BTreeMap;
 
 use crate::contact::gap::{Deformed, evaluate_gaps, linearise};
 use crate::contact::{ContactFace, ContactSurface, Counterpart};
-use crate::geometry::vector3::{add, scale};
+use crate::geometry::vector3::{add, normalised, scale};
 use crate::obstacle::{Contact, What};
 use crate::plan::Plan;
 
@@ -18,13 +20,27 @@ pub(crate) struct Point {
     pub(super) place: [f64; 3],
     /// Axes that lie across the undeformed surface, the flattest first.
     pub(super) axes: [[f64; 3]; 2],
-    /// Which components of its node supports hold.
-    pub(super) held: [bool; 3],
+    /// Unit vectors along which supports hold its node.
+    pub(super) held: Vec<[f64; 3]>,
+}
+
+/// Unit vectors along which guides hold nodes, by node.
+pub(super) type Guided = BTreeMap<u32, Vec<[f64; 3]>>;
+
+/// Where the surfaces of `guides` hold which nodes: along their outward normals there.
+pub(super) fn guided<'a>(guides: impl Iterator<Item = &'a ContactSurface>) -> Guided {
+    let mut guided = Guided::new();
+    for surface in guides {
+        for (&node, normal) in surface.carriers.iter().zip(outward(surface)) {
+            guided.entry(node).or_default().extend(normalised(normal));
+        }
+    }
+    guided
 }
 
 /// The points of one rough obstacle.
 pub(super) fn points_of(
-    plan: &Plan,
+    (plan, guided): (&Plan, &Guided),
     body: &Deformed<'_>,
     (obstacle, surface): (usize, &ContactSurface),
 ) -> Vec<Point> {
@@ -40,41 +56,60 @@ pub(super) fn points_of(
     let places: Vec<Vec<f64>> = (0..c)
         .map(|axis| evaluate_gaps(body, surface, &Axis(axis)).0)
         .collect();
-    let normals = outward(surface);
+    let normals = gathered(surface, &outward(surface));
     let is_held = |node: u32, i: usize| {
         let unknown = node * c as u32 + i as u32;
         let known = plan.held.binary_search_by_key(&unknown, |(held, _)| *held);
         i < c && known.is_ok()
+    };
+    let held = |node: u32| {
+        let components = (0..3).filter(|&i| is_held(node, i)).map(unit);
+        let guided = guided.get(&node).into_iter().flatten();
+        components.chain(guided.copied()).collect()
     };
     let point = |own: usize| Point {
         obstacle,
         weight: surface.weights[own],
         place: std::array::from_fn(|i| places.get(i).map_or(0.0, |place| place[own])),
         axes: axes(normals[own]),
-        held: [0, 1, 2].map(|i| is_held(nodes[own], i)),
+        held: held(nodes[own]),
     };
     (0..nodes.len()).map(point).collect()
 }
 
-/// Sums of the outward normals of the faces at each multiplier.
+/// Sums of the outward normals of the faces at each function.
 fn outward(surface: &ContactSurface) -> Vec<[f64; 3]> {
-    let mut sums = vec![[0.0; 3]; surface.multipliers()];
+    let mut sums = vec![[0.0; 3]; surface.carriers.len()];
     for face in &surface.faces {
         for &function in &face.functions {
-            for (multiplier, _) in surface.shares.of(function) {
-                let sum = &mut sums[multiplier as usize];
-                *sum = add(*sum, scale(face.flat_area, face.normal));
-            }
+            let sum = &mut sums[function as usize];
+            *sum = add(*sum, scale(face.flat_area, face.normal));
         }
     }
     sums
+}
+
+/// Sums at each multiplier of what its functions have.
+fn gathered(surface: &ContactSurface, values: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let mut sums = vec![[0.0; 3]; surface.multipliers()];
+    for (function, value) in (0..).zip(values) {
+        for (multiplier, _) in surface.shares.of(function) {
+            let sum = &mut sums[multiplier as usize];
+            *sum = add(*sum, *value);
+        }
+    }
+    sums
+}
+
+/// Unit vector of an axis.
+fn unit(axis: usize) -> [f64; 3] {
+    std::array::from_fn(|i| if i == axis { 1.0 } else { 0.0 })
 }
 
 /// The two coordinate axes that lie flattest across a normal.
 fn axes(normal: [f64; 3]) -> [[f64; 3]; 2] {
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs()));
-    let unit = |i: usize| std::array::from_fn(|j| if i == j { 1.0 } else { 0.0 });
     [unit(order[0]), unit(order[1])]
 }
 

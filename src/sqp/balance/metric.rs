@@ -5,13 +5,14 @@
 //! ```
 //!
 //! H an approximation of the compliance C A^-1 C^T, A what is closed at the present state:
-//! pressures, and tractions that stick. Cost: a factor of H_AA.
+//! pressures, and tractions, as if they stuck: points that
+//! slip apart under a press stick, most of them, once the tool is pushed aside, and too stiff is
+//! learnt better than nothing at all. Cost: a factor of H_AA.
 
 use super::rigid::gap_changes;
 use crate::linalg::vector::dot;
 use crate::linalg::{SymmetricMatrix, Workspace};
 use crate::model::push::Control;
-use crate::saddle::Status;
 use crate::sqp::program::QuadraticProgram;
 use crate::sqp::push_stiffness::PushStiffness;
 use crate::sqp::run::Run;
@@ -23,9 +24,8 @@ const PUNCH: f64 = 1.0;
 pub(super) fn by_metric(run: &mut Run<'_>, controls: &[Control]) -> PushStiffness {
     let now = run.evaluate();
     let program = QuadraticProgram::new(run, &now, None, &mut 0.0);
-    let closed = |status: &Status| *status == Status::Stick;
     let statuses = run.state.status.iter().enumerate();
-    let closed = statuses.filter(|(_, status)| closed(status));
+    let closed = statuses.filter(|(_, status)| status.is_closed());
     let closed: Vec<usize> = closed.map(|(place, _)| place).collect();
     let changes = gap_changes(&run.model, run.state, controls);
     let own = |change: &Vec<f64>| -> Vec<f64> { closed.iter().map(|&k| change[k]).collect() };
