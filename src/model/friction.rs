@@ -42,6 +42,9 @@ use points::{guided, points_of, trace_of};
 pub(crate) use frame::Frame;
 pub(crate) use points::Point;
 
+/// Coefficient over the tolerance up to which tractions are within what a residual may leave.
+const NEGLIGIBLE: f64 = 0.1;
+
 /// The rough obstacles' points.
 #[derive(Debug)]
 pub(crate) struct Friction {
@@ -175,7 +178,11 @@ impl Friction {
     pub(crate) fn law(&self, plan: &Plan, drive: &Drive) -> Law {
         let bound = |point: &Point| match plan.obstacles[point.obstacle].tresca {
             Some(bound) => FrictionBound::Tresca(bound / plan.units.stress),
-            None => FrictionBound::Coulomb(drive.friction[point.obstacle]),
+            None => {
+                let coefficient = drive.friction[point.obstacle];
+                let is_felt = coefficient > NEGLIGIBLE * plan.settings.tolerance;
+                FrictionBound::Coulomb(if is_felt { coefficient } else { 0.0 })
+            }
         };
         Law {
             normals: self.first,
