@@ -15,11 +15,12 @@
 use std::sync::Arc;
 
 use super::increment::{residuals, solve as solve_at_once};
-use super::run::{Retry, Run};
+use super::run::Run;
 use crate::linalg::vector::largest;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
 use crate::model::proximal::{Proximal, mass};
+use crate::plan::second_attempt::Programs;
 use crate::report::{Cause, Termination};
 
 /// First t, in mu / L^2: M holds vertices and edges, rigid motions move vertices alone.
@@ -68,8 +69,11 @@ fn is_for(run: &Run<'_>, ending: &Ending) -> bool {
                 | Cause::NotFinite
         )
     );
-    let is_last = run.retry == Retry::Parts && run.model.proximal.is_none();
-    is_numerical && is_last && (run.model.is_linear() || run.model.plan.has_friction())
+    // A factor has no place for the pull, nor does a fall.
+    let has_place = !run.by_factor
+        && run.model.plan.programs == Programs::AsPlanned
+        && run.model.proximal.is_none();
+    is_numerical && has_place && (run.model.is_linear() || run.model.plan.has_friction())
 }
 
 /// Steps to rest; none, where they do not lead there, with a state of no use.

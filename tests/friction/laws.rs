@@ -357,6 +357,21 @@ fn no_friction_in_a_step_is_the_frictionless_body() {
     assert!(smooth.unknowns.contact * 3 == rough.unknowns.contact);
 }
 
+#[test]
+fn friction_within_the_tolerance_is_none() {
+    let mesh = mesh(cube(4));
+    let steps = [
+        travel(1, [0.0, 0.0, -0.07]),
+        travel(2, [0.03, -0.02, -0.04]),
+    ];
+    let ends = [0.0, 1e-12].map(|friction| {
+        let found = reports(&pressed_cube(friction), &steps, &mesh);
+        found.iter().for_each(assert_converged);
+        found.last().expect("a result").strain_energy
+    });
+    assert!((ends[0] - ends[1]).abs() < 1e-8 * ends[0], "{ends:?}");
+}
+
 /// A slanting strut, held above, whose foot is on a rough floor, under a load that lifts it
 /// where it is free and presses it where it sticks.
 fn strut() -> (Scene, Arc<Mesh>) {
