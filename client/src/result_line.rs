@@ -30,9 +30,16 @@ fn line<T: Serialize>(event: &'static str, content: &T) -> Value {
     json!(Line { event, content })
 }
 
-/// The line of a plan.
-pub fn plan(plan: &v1::Plan) -> Value {
-    line("plan", plan)
+/// The line of a plan, with what the scene calls its units.
+pub fn plan(plan: &v1::Plan, units: Option<&v1::UnitNames>) -> Value {
+    let mut line = line("plan", plan);
+    if let Some(keys) = line.as_object_mut() {
+        let named = units.map(
+            |units| json!({"length": units.length, "force": units.force, "stress": units.stress}),
+        );
+        keys.insert("units".to_owned(), named.unwrap_or_default());
+    }
+    line
 }
 
 /// The line of an iteration.

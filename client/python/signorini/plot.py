@@ -34,6 +34,24 @@ ON_SURFACE = (
     "slip",
 )
 COLOURS = "viridis"
+#: Fields by the quantity that names their unit.
+QUANTITIES = {
+    "length": ("displacement", "gap", "slip"),
+    "stress": ("pressure", "contact_pressure", "contact_pressure_deformed", "friction_traction", "stress"),
+    "force": ("nodal_force",),
+}
+
+
+def named(text: str, result: Result, quantity: str) -> str:
+    """A text with the unit of its quantity, where the scene names it."""
+    unit = getattr(result.scene.units, quantity, "")
+    return f"{text} ({unit})" if unit else text
+
+
+def title(result: Result, field: str) -> str:
+    """What a field is called in pictures."""
+    quantity = next((one for one, fields in QUANTITIES.items() if field in fields), "")
+    return named(field.replace("_", " "), result, quantity)
 
 
 def positions(result: Result, increment: Increment, warp: float) -> Floats:
@@ -118,7 +136,7 @@ def fill(plotter: Any, result: Result, field: str, increment: int, warp: float) 
     plotter.set_background("white")
     values = scalars(result[increment], field)
     grid = dataset(result, increment, warp)
-    bar = {"title": field.replace("_", " "), "color": "black", "vertical": False, "n_labels": 4}
+    bar = {"title": title(result, field), "color": "black", "vertical": False, "n_labels": 4}
     on_cells = len(values) == len(result.mesh.cells) and field not in ON_SURFACE
     target = grid.cell_data if on_cells else grid.point_data
     target["drawn"] = values[: len(result.mesh.cells if on_cells else result.mesh.points)]
@@ -167,7 +185,9 @@ def draw_section(result: Result, field: str, increment: Increment, warp: float, 
     else:
         shown = values[: len(points)]
         drawn = axes.tripcolor(points[:, 0], points[:, 1], shown, triangles=cells, shading="gouraud", cmap=COLOURS)
-    figure.colorbar(drawn, label=field)
+    figure.colorbar(drawn, label=title(result, field))
+    axes.set_xlabel(named("x", result, "length"))
+    axes.set_ylabel(named("y", result, "length"))
     if file is not None:
         figure.savefig(file)
     return axes
@@ -186,8 +206,8 @@ def curves(result: Result, obstacles: Sequence[str] = (), *, ax: Any = None, fil
     moving = [name for name in result.obstacles if result.travel(name)]
     for name in obstacles or moving or list(result.obstacles):
         curve(result, name, ax)
-    ax.set_xlabel("travel" if moving else "time")
-    ax.set_ylabel("force along the travel" if moving else "force")
+    ax.set_xlabel(named("travel", result, "length") if moving else "time")
+    ax.set_ylabel(named("force along the travel" if moving else "force", result, "force"))
     ax.grid(visible=True, alpha=0.3)
     ax.legend()
     if file is not None:

@@ -95,7 +95,8 @@ fn every_kind_of_line_matches_the_schema() {
         skipped_count: 3,
     };
     for line in [
-        result_line::plan(&plan()),
+        result_line::plan(&plan(), None),
+        result_line::plan(&plan(), Some(&v1::UnitNames::default())),
         result_line::iteration(&iteration),
         result_line::step(&report()),
         totals.summary(2.0, Some(1 << 20)),
@@ -133,7 +134,7 @@ fn names_are_those_of_the_contract() {
     );
     assert_eq!(line["obstacles"]["ball"]["force"], json!([0.5, -1.0, 0.0]));
     assert_eq!(line["probes"]["pole"]["pressure"], Value::Null);
-    assert_eq!(result_line::plan(&plan())["kind"], "plane-strain");
+    assert_eq!(result_line::plan(&plan(), None)["kind"], "plane-strain");
     let converged = v1::StepReport {
         termination: v1::Termination::Converged.into(),
         ..report()
