@@ -176,7 +176,11 @@ impl Record {
             return outcome;
         }
         let wall_seconds = started.elapsed().as_secs_f64();
-        let summary = self.totals.summary(wall_seconds, peak_memory());
+        let summary = self.totals.summary(
+            wall_seconds,
+            peak_memory(),
+            &table::never_touched(&self.reports),
+        );
         self.lines.write(&summary)?;
         let written = self.write_page();
         if self.verbosity != Verbosity::Quiet {

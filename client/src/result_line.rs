@@ -116,12 +116,18 @@ impl Totals {
     }
 
     /// The line that ends a run. `peak_memory_bytes` is that of the process,
-    /// where the system tells.
-    pub fn summary(&self, wall_seconds: f64, peak_memory_bytes: Option<u64>) -> Value {
+    /// where the system tells; `warnings` are about the run as a whole.
+    pub fn summary(
+        &self,
+        wall_seconds: f64,
+        peak_memory_bytes: Option<u64>,
+        warnings: &[String],
+    ) -> Value {
         json!({
             "event": "summary",
             "wall_seconds": wall_seconds,
             "peak_memory_bytes": peak_memory_bytes,
+            "warnings": warnings,
             "verification": self.verification,
             "termination": (self.increments > 0).then(|| words::termination(self.termination)),
             "totals": {

@@ -13,3 +13,4 @@ mod methods;
 mod refusals;
 mod result_lines;
 mod serve;
+mod whole_run;
