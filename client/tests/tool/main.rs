@@ -9,6 +9,7 @@ mod detached;
 mod examples;
 mod grids;
 mod interrupt;
+mod manual;
 mod methods;
 mod refusals;
 mod result_lines;
