@@ -103,7 +103,9 @@ def test_a_section_is_drawn_without_pyvista(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib").use("Agg")
     from signorini.plot import draw_section
 
-    result = s.solve(s.example("o-ring"), set={"step.0.increments": 1, "step.0.obstacle.top.translation": [0, -0.2, 0]})
+    result = s.solve(
+        s.example("o-ring"), set={"step": [{"load": 0.0, "obstacle": {"lid": {"translation": [0, -0.2, 0]}}}]}
+    )
     for field in ("contact_pressure", "pressure"):
         draw_section(result, field, result.last, 1.0, tmp_path / f"{field}.png")
         assert (tmp_path / f"{field}.png").stat().st_size > 5000
