@@ -34,6 +34,9 @@ ON_SURFACE = (
     "slip",
 )
 COLOURS = "viridis"
+#: The bar of colours: over the lines of obstacles, its title above the numbers.
+BAR = {"color": "black", "vertical": False, "n_labels": 4, "fill": True, "background_color": "white"}
+BAR |= {"width": 0.6, "height": 0.11, "position_x": 0.2, "position_y": 0.01, "title_font_size": 16}
 #: Fields by the quantity that names their unit.
 QUANTITIES = {
     "length": ("displacement", "gap", "slip"),
@@ -136,7 +139,7 @@ def fill(plotter: Any, result: Result, field: str, increment: int, warp: float) 
     plotter.set_background("white")
     values = scalars(result[increment], field)
     grid = dataset(result, increment, warp)
-    bar = {"title": title(result, field), "color": "black", "vertical": False, "n_labels": 4}
+    bar = {**BAR, "title": title(result, field) + "\n"}
     on_cells = len(values) == len(result.mesh.cells) and field not in ON_SURFACE
     target = grid.cell_data if on_cells else grid.point_data
     target["drawn"] = values[: len(result.mesh.cells if on_cells else result.mesh.points)]
@@ -149,11 +152,12 @@ def fill(plotter: Any, result: Result, field: str, increment: int, warp: float) 
         plotter.add_mesh(grid, scalars="drawn", cmap=COLOURS, scalar_bar_args=bar, **style)
     for outline in outlines(result, result[increment], grid):
         plotter.add_mesh(outline, color="black" if plane else "steelblue", opacity=1.0 if plane else 0.15, line_width=2)
-    if not plane:
-        plotter.add_axes(color="black")
+    axes = {f"{one}title": named(one, result, "length") for one in "xyz"}
+    plotter.show_bounds(mesh=grid, color="black", location="outer", font_size=11, fmt="%.4g", use_2d=plane, **axes)
     # The body fills the view, however large an obstacle is.
     middle, towards = np.array(grid.center), np.array([0, 0, 1] if plane else [0.58, -0.58, 0.58])
-    plotter.camera_position = [middle + 2.3 * grid.length * towards, middle, (0, 1, 0) if plane else (0, 0, 1)]
+    away = (2.3 if plane else 2.6) * grid.length * towards
+    plotter.camera_position = [middle + away, middle, (0, 1, 0) if plane else (0, 0, 1)]
 
 
 def skin_of(grid: Any, result: Result) -> Any:
