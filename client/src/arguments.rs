@@ -202,6 +202,9 @@ pub(crate) enum Command {
     /// What a library of another language asks of this program
     #[command(subcommand, hide = true)]
     Embed(EmbedCommand),
+    /// Print the version, as --version does
+    #[command(hide = true)]
+    Version,
     /// Print a completion script for a shell
     Completions {
         /// The shell

@@ -142,7 +142,7 @@ impl From<&Refusal> for Failure {
     fn from(refusal: &Refusal) -> Self {
         let exit = exit_of(refusal);
         if refusal.violations.is_empty() {
-            return Self::new(exit, refusal.to_string());
+            return Self::new(exit, refusal.to_string()).hint(way_on(refusal));
         }
         let mut violations = refusal.violations.clone();
         if refusal.code == Code::Unimplemented {
@@ -179,6 +179,14 @@ impl From<ClientError> for Failure {
             | ClientError::Closed => Exit::Server,
         };
         Self::new(exit, error.to_string())
+    }
+}
+
+/// What to do about a refusal, where that is a command.
+fn way_on(refusal: &Refusal) -> &'static str {
+    match refusal.reason.as_str() {
+        "SESSION_NOT_FOUND" => "; `signorini session list` shows those there are",
+        _ => "",
     }
 }
 
@@ -262,6 +270,19 @@ mod tests {
         ] {
             assert_eq!(exit_of(&refusal(code, reason)), exit, "{reason}");
         }
+    }
+
+    #[test]
+    fn a_session_that_is_not_there_is_told_with_the_way_to_those_that_are() {
+        let message = |reason| {
+            let failure = Failure::from(&refusal(Code::NotFound, reason));
+            failure.messages.concat()
+        };
+        assert!(
+            message("SESSION_NOT_FOUND")
+                .ends_with("`signorini session list` shows those there are")
+        );
+        assert!(!message("MESH_NOT_FOUND").contains("session list"));
     }
 
     #[test]

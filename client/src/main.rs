@@ -31,6 +31,7 @@ mod stdout;
 mod table;
 mod text;
 mod travel;
+mod units;
 mod whole_file;
 
 use std::process::ExitCode;

@@ -75,11 +75,16 @@ impl Record {
         self.of_input = warnings.to_vec();
     }
 
-    /// Writes the plan, which comes first, with what the reader doubts.
-    pub(crate) fn plan(&mut self, mut plan: v1::Plan) -> Result<(), Failure> {
+    /// Writes the plan, which comes first, with what the reader doubts and what the scene
+    /// calls its units.
+    pub(crate) fn plan(
+        &mut self,
+        mut plan: v1::Plan,
+        units: Option<&v1::UnitNames>,
+    ) -> Result<(), Failure> {
         self.warn(&plan.warnings);
         plan.warnings.splice(..0, self.of_input.drain(..));
-        self.lines.write(&result_line::plan(&plan))?;
+        self.lines.write(&result_line::plan(&plan, units))?;
         self.plan = plan;
         Ok(())
     }
@@ -171,7 +176,11 @@ impl Record {
             return outcome;
         }
         let wall_seconds = started.elapsed().as_secs_f64();
-        let summary = self.totals.summary(wall_seconds, peak_memory());
+        let summary = self.totals.summary(
+            wall_seconds,
+            peak_memory(),
+            &table::never_touched(&self.reports),
+        );
         self.lines.write(&summary)?;
         let written = self.write_page();
         if self.verbosity != Verbosity::Quiet {

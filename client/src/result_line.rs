@@ -30,9 +30,16 @@ fn line<T: Serialize>(event: &'static str, content: &T) -> Value {
     json!(Line { event, content })
 }
 
-/// The line of a plan.
-pub fn plan(plan: &v1::Plan) -> Value {
-    line("plan", plan)
+/// The line of a plan, with what the scene calls its units.
+pub fn plan(plan: &v1::Plan, units: Option<&v1::UnitNames>) -> Value {
+    let mut line = line("plan", plan);
+    if let Some(keys) = line.as_object_mut() {
+        let named = units.map(
+            |units| json!({"length": units.length, "force": units.force, "stress": units.stress}),
+        );
+        keys.insert("units".to_owned(), named.unwrap_or_default());
+    }
+    line
 }
 
 /// The line of an iteration.
@@ -109,12 +116,18 @@ impl Totals {
     }
 
     /// The line that ends a run. `peak_memory_bytes` is that of the process,
-    /// where the system tells.
-    pub fn summary(&self, wall_seconds: f64, peak_memory_bytes: Option<u64>) -> Value {
+    /// where the system tells; `warnings` are about the run as a whole.
+    pub fn summary(
+        &self,
+        wall_seconds: f64,
+        peak_memory_bytes: Option<u64>,
+        warnings: &[String],
+    ) -> Value {
         json!({
             "event": "summary",
             "wall_seconds": wall_seconds,
             "peak_memory_bytes": peak_memory_bytes,
+            "warnings": warnings,
             "verification": self.verification,
             "termination": (self.increments > 0).then(|| words::termination(self.termination)),
             "totals": {

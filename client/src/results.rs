@@ -2,7 +2,7 @@
 //! (the obstacles), beside the result lines.
 
 use std::borrow::Cow;
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use signorini_client::formats::Notes;
@@ -18,7 +18,7 @@ use signorini_client::solve::{Field, Increment};
 use signorini_proto::{v1, words};
 
 use crate::exit::{Exit, Failure};
-use crate::whole_file;
+use crate::{units, whole_file};
 
 /// What the numbers of a field mean that do not say it themselves.
 const CONTACT_STATES: &str = "-1 not a candidate, 0 open, 1 in contact";
@@ -40,6 +40,8 @@ pub(crate) struct ResultFolder {
     folder: PathBuf,
     stem: String,
     scene_name: String,
+    /// What they are called, by arrays.
+    units: BTreeMap<String, String>,
     grid: Grid,
     /// Whether stretches belong to its stress, and what stretches out of the plane.
     stretches: Option<OutOfPlane>,
@@ -79,6 +81,7 @@ impl ResultFolder {
             folder: folder.to_owned(),
             stem: file_stem(&scene.name),
             scene_name: scene.name.clone(),
+            units: units::of_arrays(scene),
             grid,
             stretches: stretches(scene),
             body,
@@ -127,6 +130,7 @@ impl ResultFolder {
         Notes {
             time: Some(time),
             texts: vec![("scene".to_owned(), self.scene_name.clone())],
+            units: self.units.clone(),
         }
     }
 

@@ -25,7 +25,8 @@ pub(crate) fn draft(mesh: &MeshFile, named: &str) -> String {
     let shape = Shape::of(mesh);
     let body = Body { mesh, shape, up };
     let mut text = format!(
-        "# Units are yours, one set throughout: mm, N and MPa, say.\nmesh = {}\n",
+        "# Units are yours, one set throughout; named here they stand beside the numbers.\n\
+         # units = {{ length = \"mm\", force = \"N\", stress = \"MPa\" }}\nmesh = {}\n",
         quoted(named)
     );
     text.push_str(body.kind());

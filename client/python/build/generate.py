@@ -1,13 +1,15 @@
-"""Writes the modules that come from the contract.
+"""Writes the modules that come from the contract, and copies the examples.
 
 `signorini/v1/`: messages, stubs and their types, by protoc. `signorini/reports.py`: read-only
 views of the messages of results, with the comments of the contract as documentation, so that
-a new number of a report needs no word in Python. Run by the build backend, and by hand for a
+a new number of a report needs no word in Python. `signorini/scenes/`: the scenes of
+`client/examples` with the meshes that they name. Run by the build backend, and by hand for a
 checkout that is used in place.
 """
 
 import pathlib
 import re
+import shutil
 import tempfile
 
 import grpc_tools
@@ -17,6 +19,8 @@ from grpc_tools import protoc
 HERE = pathlib.Path(__file__).resolve().parent
 PACKAGE = HERE.parent / "signorini"
 PROTO = HERE.parents[2] / "proto"
+EXAMPLES = HERE.parents[1] / "examples"
+SCENES = PACKAGE / "scenes"
 
 # Messages that become views, by file.
 VIEWED = {
@@ -45,6 +49,7 @@ def main():
     files = sorted(path.relative_to(PROTO).as_posix() for path in (PROTO / "signorini/v1").glob("*.proto"))
     write_stubs(files)
     write_views(described(files))
+    copy_scenes()
 
 
 def includes():
@@ -99,6 +104,18 @@ def note(notes, path):
     """A comment as the text of a docstring."""
     text = " ".join(notes.get(path, "").split())
     return text.replace("\\", "\\\\").replace('"""', "'''")
+
+
+def copy_scenes():
+    """The examples of the command line; those of an earlier build are replaced."""
+    for stale in SCENES.glob("*.toml"):
+        stale.unlink()
+    shutil.rmtree(SCENES / "meshes", ignore_errors=True)
+    (SCENES / "meshes").mkdir(parents=True)
+    for scene in sorted(EXAMPLES.glob("*.toml")):
+        shutil.copy(scene, SCENES)
+        mesh = re.search(r'^mesh = "(meshes/[^"/]+)"', scene.read_text(), re.MULTILINE)[1]
+        shutil.copy(EXAMPLES / mesh, SCENES / mesh)
 
 
 def view(message, notes, path):

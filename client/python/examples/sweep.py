@@ -10,10 +10,10 @@ async def force(c10: float) -> float:
     """The closing force at a squeeze of 5 %."""
     changes = {
         "material.rubber.c10": c10,
-        "step.0": {"increments": 2, "obstacle": {"top": {"translation": [0, -0.2665, 0]}}},
+        "step": [{"load": 0.0, "increments": 2, "obstacle": {"lid": {"translation": [0, -0.2665, 0]}}}],
     }
     result = await aio.solve(s.example("o-ring"), set=changes)
-    return float(-result.obstacles["top"].force[1])
+    return float(-result.obstacles["lid"].force[1])
 
 
 async def main() -> None:

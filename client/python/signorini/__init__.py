@@ -1,8 +1,8 @@
 """Contact of nearly incompressible bodies: seals, tyres, soft robots, tissue.
 
     import signorini as s
-    r = s.solve("o-ring.toml")
-    print(r.obstacles["top"].force)
+    r = s.solve(s.example("o-ring"))
+    print(r.obstacles["lid"].force)
 
 Without an address (`server=...`, or `SIGNORINI_SERVER`) a server of our own starts and ends with the
 interpreter. `signorini.aio` is the asynchronous twin, `signorini.v1` the messages of the contract.

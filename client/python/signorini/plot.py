@@ -34,6 +34,27 @@ ON_SURFACE = (
     "slip",
 )
 COLOURS = "viridis"
+#: The bar of colours: over the lines of obstacles, its title above the numbers.
+BAR = {"color": "black", "vertical": False, "n_labels": 4, "fill": True, "background_color": "white"}
+BAR |= {"width": 0.6, "height": 0.11, "position_x": 0.2, "position_y": 0.01, "title_font_size": 16}
+#: Fields by the quantity that names their unit.
+QUANTITIES = {
+    "length": ("displacement", "gap", "slip"),
+    "stress": ("pressure", "contact_pressure", "contact_pressure_deformed", "friction_traction", "stress"),
+    "force": ("nodal_force",),
+}
+
+
+def named(text: str, result: Result, quantity: str) -> str:
+    """A text with the unit of its quantity, where the scene names it."""
+    unit = getattr(result.scene.units, quantity, "")
+    return f"{text} ({unit})" if unit else text
+
+
+def title(result: Result, field: str) -> str:
+    """What a field is called in pictures."""
+    quantity = next((one for one, fields in QUANTITIES.items() if field in fields), "")
+    return named(field.replace("_", " "), result, quantity)
 
 
 def positions(result: Result, increment: Increment, warp: float) -> Floats:
@@ -118,7 +139,7 @@ def fill(plotter: Any, result: Result, field: str, increment: int, warp: float) 
     plotter.set_background("white")
     values = scalars(result[increment], field)
     grid = dataset(result, increment, warp)
-    bar = {"title": field.replace("_", " "), "color": "black", "vertical": False, "n_labels": 4}
+    bar = {**BAR, "title": title(result, field) + "\n"}
     on_cells = len(values) == len(result.mesh.cells) and field not in ON_SURFACE
     target = grid.cell_data if on_cells else grid.point_data
     target["drawn"] = values[: len(result.mesh.cells if on_cells else result.mesh.points)]
@@ -131,11 +152,12 @@ def fill(plotter: Any, result: Result, field: str, increment: int, warp: float) 
         plotter.add_mesh(grid, scalars="drawn", cmap=COLOURS, scalar_bar_args=bar, **style)
     for outline in outlines(result, result[increment], grid):
         plotter.add_mesh(outline, color="black" if plane else "steelblue", opacity=1.0 if plane else 0.15, line_width=2)
-    if not plane:
-        plotter.add_axes(color="black")
+    axes = {f"{one}title": named(one, result, "length") for one in "xyz"}
+    plotter.show_bounds(mesh=grid, color="black", location="outer", font_size=11, fmt="%.4g", use_2d=plane, **axes)
     # The body fills the view, however large an obstacle is.
     middle, towards = np.array(grid.center), np.array([0, 0, 1] if plane else [0.58, -0.58, 0.58])
-    plotter.camera_position = [middle + 2.3 * grid.length * towards, middle, (0, 1, 0) if plane else (0, 0, 1)]
+    away = (2.3 if plane else 2.6) * grid.length * towards
+    plotter.camera_position = [middle + away, middle, (0, 1, 0) if plane else (0, 0, 1)]
 
 
 def skin_of(grid: Any, result: Result) -> Any:
@@ -167,7 +189,9 @@ def draw_section(result: Result, field: str, increment: Increment, warp: float, 
     else:
         shown = values[: len(points)]
         drawn = axes.tripcolor(points[:, 0], points[:, 1], shown, triangles=cells, shading="gouraud", cmap=COLOURS)
-    figure.colorbar(drawn, label=field)
+    figure.colorbar(drawn, label=title(result, field))
+    axes.set_xlabel(named("x", result, "length"))
+    axes.set_ylabel(named("y", result, "length"))
     if file is not None:
         figure.savefig(file)
     return axes
@@ -186,8 +210,8 @@ def curves(result: Result, obstacles: Sequence[str] = (), *, ax: Any = None, fil
     moving = [name for name in result.obstacles if result.travel(name)]
     for name in obstacles or moving or list(result.obstacles):
         curve(result, name, ax)
-    ax.set_xlabel("travel" if moving else "time")
-    ax.set_ylabel("force along the travel" if moving else "force")
+    ax.set_xlabel(named("travel", result, "length") if moving else "time")
+    ax.set_ylabel(named("force along the travel" if moving else "force", result, "force"))
     ax.grid(visible=True, alpha=0.3)
     ax.legend()
     if file is not None:

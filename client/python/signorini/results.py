@@ -13,6 +13,7 @@ import numpy.typing as npt
 from .errors import NotConvergedError
 from .mesh import Mesh
 from .reports import IterationReport, ObstacleResult, Plan, ProbeResult, StepReport, SupportResult, Warning
+from .v1 import report_pb2
 
 if TYPE_CHECKING:
     from .v1.scene_pb2 import Scene
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
 __all__ = ["Increment", "Iteration", "Result"]
 
 Field = npt.NDArray[np.float64]
+
+#: The kind of the warning of an obstacle that is away from the body.
+UNTOUCHED = "untouched_obstacle"
 
 
 @dataclass(frozen=True)
@@ -131,9 +135,14 @@ class Result(Sequence[Increment]):
 
     @cached_property
     def warnings(self) -> list[Warning]:
-        """What a mechanic would doubt, each once."""
-        found = {one.message: one for increment in self.increments for one in increment.report.warnings}
-        return list(found.values())
+        """What a mechanic would doubt, each once; obstacles that were waited for and met are none."""
+        areas = [(name, one.contact_area) for each in self.increments for name, one in each.obstacles.items()]
+        met = {name for name, area in areas if area > 0}
+        all_told = (one for increment in self.increments for one in increment.report.warnings)
+        told = [one for one in all_told if one.kind != UNTOUCHED or one.subject not in met]
+        known = {one.subject for one in told if one.kind == UNTOUCHED}
+        never = sorted({name for name, _ in areas} - met - known)
+        return [*{one.message: one for one in told}.values(), *map(never_touched, never)]
 
     def check(self) -> Result:
         """Itself, or `NotConvergedError` with the first increment that is not converged."""
@@ -192,6 +201,12 @@ class Result(Sequence[Increment]):
         from ._html import page
 
         return page(self)
+
+
+def never_touched(name: str) -> Warning:
+    """Of an obstacle that no increment doubts, as one that moves away from the body."""
+    said = f"obstacle `{name}` touched nothing in any increment: does it travel towards the body?"
+    return Warning(report_pb2.Warning(kind=UNTOUCHED, subject=name, message=said))
 
 
 def row(increment: Increment) -> dict[str, Any]:

@@ -385,6 +385,8 @@ class Scene(Part):
     steps: Sequence[Step | Mapping[str, Any]] = ()
     probes: Sequence[Probe | Mapping[str, Any]] = ()
     kind: str | None = None
+    #: What your units are called: length, force, stress.
+    units: Mapping[str, str] | None = None
     mesh_scale: float | None = None
     name: str | None = None
     solver: Solver | Mapping[str, Any] | None = None

@@ -25,9 +25,9 @@ def test_meshio_gives_the_same_mesh(examples: Path, name: str) -> None:
     assert s.Mesh.from_meshio(meshio.read(path)).digest == s.Mesh.read(path).digest
 
 
-def test_meshio_keeps_curved_sides() -> None:
+def test_meshio_keeps_curved_sides(examples: Path) -> None:
     meshio = pytest.importorskip("meshio")
-    path = s.example("o-ring").with_suffix(".msh")
+    path = examples / "meshes" / "o-ring.msh"
     ours, program = s.Mesh.from_meshio(meshio.read(path)), s.Mesh.read(path)
     assert len(ours.curved_edges) == len(program.curved_edges) > 0
     np.testing.assert_array_equal(ours.curved_edges, program.curved_edges)

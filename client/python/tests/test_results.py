@@ -56,6 +56,21 @@ def test_doubts_are_warnings(ball: s.Scene) -> None:
     assert "large_strain" in {one.kind for one in result.warnings}
 
 
+def test_a_tool_that_goes_the_wrong_way_is_doubted(ball: s.Scene) -> None:
+    ball.steps = [s.Step(obstacles={"ball": s.Move(translation=(0, 0, 0.5))})]
+    with pytest.warns(s.SignoriniWarning, match="touched nothing in any increment"):
+        result = s.solve(ball)
+    assert [(one.kind, one.subject) for one in result.warnings] == [("untouched_obstacle", "ball")]
+
+
+def test_a_tool_that_is_met_later_is_no_doubt(ball: s.Scene) -> None:
+    at = [0.5, 0.25, -0.02]
+    ball.steps = [s.Step(obstacles={"ball": s.Move(translation=(0, 0, z))}) for z in at]
+    result = s.solve(ball)
+    assert "untouched_obstacle" in {one.kind for one in result[1].report.warnings}
+    assert result.warnings == []
+
+
 def test_a_notebook_shows_a_table_and_a_curve(result: s.Result) -> None:
     page = result._repr_html_()
     assert page.count("<tr>") == 4
@@ -88,7 +103,9 @@ def test_a_section_is_drawn_without_pyvista(tmp_path: Path) -> None:
     pytest.importorskip("matplotlib").use("Agg")
     from signorini.plot import draw_section
 
-    result = s.solve(s.example("o-ring"), set={"step.0.increments": 1, "step.0.obstacle.top.translation": [0, -0.2, 0]})
+    result = s.solve(
+        s.example("o-ring"), set={"step": [{"load": 0.0, "obstacle": {"lid": {"translation": [0, -0.2, 0]}}}]}
+    )
     for field in ("contact_pressure", "pressure"):
         draw_section(result, field, result.last, 1.0, tmp_path / f"{field}.png")
         assert (tmp_path / f"{field}.png").stat().st_size > 5000

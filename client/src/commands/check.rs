@@ -6,7 +6,7 @@ use crate::exit::{Exit, Failure};
 use crate::stdout::print;
 
 pub(super) async fn run(arguments: CheckArguments) -> Result<Exit, Failure> {
-    let plan = plan::of(&arguments.scene).await?;
+    let (plan, _) = plan::of(&arguments.scene).await?;
     let scene = arguments.scene.scene.display();
     let verdict = match plan.warnings.len() {
         0 => "no faults".to_owned(),

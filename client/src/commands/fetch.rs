@@ -26,7 +26,10 @@ pub(super) async fn run(arguments: FetchArguments, started: Instant) -> Result<E
         // Those of the scene's output.
         fields.clear();
     }
-    record.plan(session.plan.clone().unwrap_or_default())?;
+    record.plan(
+        session.plan.clone().unwrap_or_default(),
+        scene.units.as_ref(),
+    )?;
     let sequences = match arguments.step {
         Some(sequence) => sequence..=sequence,
         None => kept(&session),

@@ -23,6 +23,7 @@ mod session;
 mod solve;
 #[cfg(feature = "embedded")]
 mod token;
+mod version;
 mod watch;
 
 use std::time::Instant;
@@ -68,6 +69,7 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         Command::Mesh(command) => runtime.block_on(mesh::run(command)),
         Command::Session(command) => runtime.block_on(session::run(command)),
         Command::Embed(command) => runtime.block_on(embed::run(command)),
+        Command::Version => version::run(),
         Command::Completions { shell } => completions::run(shell),
         Command::Man { folder } => man::run(&folder),
     }

@@ -12,18 +12,21 @@ use crate::table;
 use crate::text::note;
 
 pub(super) async fn run(arguments: PlanArguments) -> Result<Exit, Failure> {
-    let plan = of(&arguments.scene).await?;
+    let (plan, units) = of(&arguments.scene).await?;
     if arguments.json {
-        print(&format!("{}\n", result_line::plan(&plan)))?;
+        print(&format!("{}\n", result_line::plan(&plan, units.as_ref())))?;
     } else {
         print(&table::plan(&plan))?;
     }
     Ok(Exit::Ok)
 }
 
-/// The plan of a scene, after its warnings have been told.
-pub(super) async fn of(arguments: &SceneArguments) -> Result<v1::Plan, Failure> {
+/// The plan of a scene, after its warnings have been told, and what its units are called.
+pub(super) async fn of(
+    arguments: &SceneArguments,
+) -> Result<(v1::Plan, Option<v1::UnitNames>), Failure> {
     let input = input::load(arguments)?;
+    let units = input.scene.units.clone();
     let mut warnings = input.mesh.warnings.clone();
     tell(&warnings);
     let connection = Connection::open(arguments).await?;
@@ -33,7 +36,7 @@ pub(super) async fn of(arguments: &SceneArguments) -> Result<v1::Plan, Failure> 
     tell(&plan.warnings);
     warnings.append(&mut plan.warnings);
     plan.warnings = warnings;
-    Ok(plan)
+    Ok((plan, units))
 }
 
 fn tell(warnings: &[String]) {

@@ -110,7 +110,7 @@ fn begin(
     if let Some(out) = out {
         record.open(ResultFolder::new(out, scene, picture)?)?;
     }
-    record.plan(plan)?;
+    record.plan(plan, scene.units.as_ref())?;
     record.progress.phase("preparing");
     Ok(())
 }

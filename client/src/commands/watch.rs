@@ -18,7 +18,7 @@ pub(super) async fn run(arguments: WatchArguments, started: Instant) -> Result<E
     let (session, scene) = open_session(&client, &arguments.session).await?;
     let lines = LineSink::for_json(arguments.remote.json);
     let mut record = Record::new(lines, &scene.steps, Verbosity::of(arguments.verbose));
-    record.plan(session.plan.unwrap_or_default())?;
+    record.plan(session.plan.unwrap_or_default(), scene.units.as_ref())?;
     let until = match arguments.follow {
         true => v1::WatchEnd::Session,
         false => v1::WatchEnd::Idle,

@@ -4,6 +4,7 @@
 //! Raw appended data cost one copy of each array; ParaView, meshio and pyvista
 //! read them.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 /// A value that VTK can store.
@@ -35,12 +36,16 @@ pub struct Notes {
     pub time: Option<f64>,
     /// Texts by name, as comments for people.
     pub texts: Vec<(String, String)>,
+    /// What the units of arrays are called, by the names of the arrays: VTK keeps them as
+    /// `vtkDataArray::UNITS_LABEL`.
+    pub units: BTreeMap<String, String>,
 }
 
 /// A file under construction: XML text, and the data its arrays refer to.
 pub(super) struct Writer {
     xml: String,
     data: Vec<u8>,
+    units: BTreeMap<String, String>,
 }
 
 impl Writer {
@@ -53,6 +58,7 @@ impl Writer {
         Self {
             xml,
             data: Vec::new(),
+            units: BTreeMap::new(),
         }
     }
 
@@ -80,12 +86,20 @@ impl Writer {
     /// Appends an array of which `attributes` say more.
     fn put<S: Scalar>(&mut self, name: &str, components: usize, attributes: &str, values: &[S]) {
         let (kind, offset) = (S::TYPE, self.data.len());
+        let end = match self.units.get(name) {
+            Some(unit) => format!(
+                "><InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">{}\
+                 </InformationKey></DataArray>",
+                escape(unit)
+            ),
+            None => "/>".to_owned(),
+        };
         let name = escape(name);
         // Writing to a string cannot fail.
         let _infallible = writeln!(
             self.xml,
             "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{components}\"\
-             {attributes} format=\"appended\" offset=\"{offset}\"/>"
+             {attributes} format=\"appended\" offset=\"{offset}\"{end}"
         );
         let bytes = size_of_val(values) as u64;
         self.data.extend_from_slice(&bytes.to_le_bytes());
@@ -95,8 +109,10 @@ impl Writer {
     }
 
     /// Appends what a file says about itself: the time as field data, texts as comments,
-    /// for arrays of text are no numbers to meshio and others.
+    /// for arrays of text are no numbers to meshio and others. Units go with the arrays that
+    /// follow.
     pub(super) fn notes(&mut self, notes: &Notes) {
+        self.units.clone_from(&notes.units);
         for (name, text) in &notes.texts {
             let comment = format!("{name}: {text}").replace("--", "- -");
             self.line(&format!("<!-- {} -->", escape(&comment)));

@@ -403,6 +403,7 @@ mod tests {
         let notes = Notes {
             time: Some(1.5),
             texts: vec![("scene".to_owned(), "a<b".to_owned())],
+            units: [("stress".to_owned(), "N/mm\u{b2} & more".to_owned())].into(),
         };
         let bytes = grid.write(&fields, &notes).unwrap();
         let text = String::from_utf8_lossy(&bytes);
@@ -411,6 +412,12 @@ mod tests {
         assert!(text.contains("ComponentName0=\"largest\""));
         assert!(text.contains("Name=\"TimeValue\" NumberOfComponents=\"1\" NumberOfTuples=\"1\""));
         assert!(text.contains("<!-- scene: a&lt;b -->"));
+        assert_eq!(text.matches("UNITS_LABEL").count(), 1);
+        let (_, stress) = text.split_once("Name=\"stress\"").unwrap();
+        let (_, key) = stress.split_once("offset=\"").unwrap();
+        let (_, key) = key.split_once("\"><InformationKey ").unwrap();
+        let unit = "name=\"UNITS_LABEL\" location=\"vtkDataArray\">N/mm\u{b2} &amp; more</InformationKey></DataArray>\n";
+        assert!(key.starts_with(unit), "{key}");
     }
 
     #[test]

@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
+use signorini_client::formats::{grid, values};
 use signorini_client::scene_file::{self, SceneFileError};
 use toml::{Table, Value};
 
@@ -117,7 +118,7 @@ fn section(page: &Page, name: &str) -> Page {
 fn every_key_and_word_of_a_scene_is_on_its_page_and_no_other() {
     let page = Page::read("scenes.md");
     let known = known();
-    assert_eq!(known.len(), 12, "{:?}", known.keys());
+    assert_eq!(known.len(), 13, "{:?}", known.keys());
     for (name, [keys, words]) in known {
         let section = section(&page, &name);
         assert!(!keys.is_empty(), "{name}");
@@ -161,4 +162,21 @@ fn every_scene_of_the_manual_is_read() {
         }
     }
     assert!(scenes >= 2, "{scenes}");
+}
+
+#[test]
+fn the_tables_of_numbers_of_the_manual_are_read() {
+    let page = Page::read("scenes.md");
+    let text = |word: &str| {
+        let mut all = page.snippets().into_iter();
+        all.find(|one| one.text.contains(word)).unwrap().text
+    };
+    let values = values::read(text("node, x").as_bytes()).unwrap();
+    assert_eq!(values.numbers, [0, 7]);
+    let heights = text("counts 41 21");
+    let told = heights.lines().last().unwrap().split_whitespace();
+    // The dots stand for the nodes that are left.
+    let left = 41 * 21 - told.filter(|word| *word != "...").count();
+    let whole = heights.replace("...", &"0.1 ".repeat(left));
+    assert_eq!(grid::read(whole.as_bytes()).unwrap().counts, [41, 21]);
 }

@@ -4,6 +4,15 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+/// Pages that are not in the folder of the manual.
+const BESIDE: [&str; 5] = [
+    "../../README.md",
+    "../../deploy/README.md",
+    "../cpp/README.md",
+    "../examples/README.md",
+    "../python/README.md",
+];
+
 /// A page, or a part of one.
 #[derive(Clone)]
 pub(super) struct Page {
@@ -30,12 +39,12 @@ impl Page {
         Self { name, text }
     }
 
-    /// Every page, and the README of the repository.
+    /// Every page, and what people read beside the manual.
     pub(super) fn all() -> Vec<Self> {
         let entries = fs::read_dir(folder()).unwrap();
         let names = entries.map(|entry| entry.unwrap().file_name().into_string().unwrap());
         let mut names: Vec<String> = names.filter(|name| name.ends_with(".md")).collect();
-        names.push("../../README.md".to_owned());
+        names.extend(BESIDE.map(str::to_owned));
         names.iter().map(|name| Self::read(name)).collect()
     }
 

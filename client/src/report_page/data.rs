@@ -6,9 +6,9 @@ use serde::Serialize;
 use serde_json::Value;
 use signorini_proto::v1;
 
-use super::lines::{Iteration, Lines, Obstacle, Step};
+use super::lines::{Iteration, Lines, Obstacle, Step, Warning};
 use super::surface::Picture;
-use crate::table::cause;
+use crate::table::{self, cause};
 use crate::travel::Travels;
 
 /// Increments, and points of the residual, that a page shows at most.
@@ -175,14 +175,24 @@ fn pressed(name: &str, obstacle: &Obstacle, step: &Step, travels: &Travels) -> P
     }
 }
 
-/// Doubts of the plan, then those of the increments, each kind of a subject once.
+/// Texts under `warnings` of a line.
+fn texts(line: &Value) -> impl Iterator<Item = String> {
+    let warnings = line.get("warnings").and_then(Value::as_array);
+    let texts = warnings.into_iter().flatten().filter_map(Value::as_str);
+    texts.map(str::to_owned)
+}
+
+/// Doubts of the plan and of the run as a whole, then those of the increments, each kind of a
+/// subject once.
 fn warnings(lines: &Lines) -> Vec<String> {
-    let of_plan = lines.plan.get("warnings").and_then(Value::as_array);
-    let of_plan = of_plan.into_iter().flatten().filter_map(Value::as_str);
-    let mut told: Vec<String> = of_plan.map(str::to_owned).collect();
+    let mut told: Vec<String> = texts(&lines.plan).chain(texts(&lines.summary)).collect();
     let mut seen = std::collections::HashSet::new();
     for step in &lines.steps {
-        for warning in &step.warnings {
+        for warning in step
+            .warnings
+            .iter()
+            .filter(|one| is_open(one, &lines.steps))
+        {
             if seen.insert((&warning.kind, &warning.subject)) {
                 let (number, increment) = (step.step, step.increment);
                 let message = &warning.message;
@@ -191,6 +201,14 @@ fn warnings(lines: &Lines) -> Vec<String> {
         }
     }
     told
+}
+
+/// Whether a doubt remains: an obstacle that is waited for is none once it has been met.
+fn is_open(warning: &Warning, steps: &[Step]) -> bool {
+    let mut met = steps
+        .iter()
+        .filter_map(|step| step.obstacles.get(&warning.subject));
+    warning.kind != table::UNTOUCHED || !met.any(|obstacle| obstacle.contact_area > 0.0)
 }
 
 fn convergence(iterations: &[Iteration]) -> Vec<Point> {
@@ -225,6 +243,42 @@ mod tests {
         let few: Vec<usize> = thinned(&all[..3], 1000).copied().collect();
         assert_eq!(few, [0, 1, 2]);
         assert_eq!(thinned(&all[..0], 1000).count(), 0);
+    }
+
+    /// An increment with an untouched obstacle `wall`, which presses on this area.
+    fn waiting(increment: i64, area: f64) -> Step {
+        let warning = Warning {
+            kind: table::UNTOUCHED.to_owned(),
+            subject: "wall".to_owned(),
+            message: "it waits".to_owned(),
+        };
+        let obstacle = Obstacle {
+            contact_area: area,
+            ..Obstacle::default()
+        };
+        Step {
+            increment,
+            warnings: if area > 0.0 {
+                Vec::new()
+            } else {
+                vec![warning]
+            },
+            obstacles: BTreeMap::from([("wall".to_owned(), obstacle)]),
+            ..Step::default()
+        }
+    }
+
+    #[test]
+    fn an_obstacle_that_is_waited_for_is_doubted_until_it_is_met() {
+        let mut lines = Lines {
+            steps: vec![waiting(1, 0.0), waiting(2, 0.0)],
+            ..Lines::default()
+        };
+        assert_eq!(warnings(&lines), ["Step 0, increment 1: it waits"]);
+        lines.steps.push(waiting(3, 0.5));
+        assert_eq!(warnings(&lines), [""; 0]);
+        lines.summary = serde_json::json!({"warnings": ["in all"]});
+        assert_eq!(warnings(&lines), ["in all"]);
     }
 
     #[test]

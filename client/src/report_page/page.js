@@ -12,18 +12,33 @@ function scaleBar() {
   return { bar, set: ([a, b]) => { low.textContent = num(a); high.textContent = num(b); } };
 }
 
+// A length in the picture: 1, 2 or 5 times a power of ten, at most a quarter of its width.
+function rulerOf() {
+  const [line, text] = [el("i"), el("span")];
+  const draw = (pixels, width) => {
+    const longest = (0.25 * width) / pixels;
+    const power = 10 ** Math.floor(Math.log10(longest));
+    const length = [5, 2, 1].find((factor) => factor * power <= longest * (1 + 1e-9)) * power;
+    line.style.width = `${length * pixels}px`;
+    text.textContent = behind(num(length), unit("length"));
+  };
+  return { bar: el("div", { class: "ruler" }, line, text), draw };
+}
+
 function stage(title) {
+  const ruler = rulerOf();
   const canvas = el("canvas", { "aria-label": title, role: "img" });
   const scale = scaleBar();
   const controls = el("div", { class: "controls" });
-  const figure = el("figure", {}, el("figcaption", {}, title), controls, el("div", { class: "stage" }, canvas), scale.bar);
-  return { canvas, scale, controls, figure };
+  const figure = el("figure", {}, el("figcaption", {}, title), controls, el("div", { class: "stage" }, canvas, ruler.bar), scale.bar);
+  return { canvas, scale, controls, figure, ruler: ruler.draw };
 }
 
 // The whole body as it is deformed.
 function shapeView(picture, body, ring) {
-  const { canvas, scale, controls, figure } = stage("Deformed body");
+  const { canvas, scale, controls, figure, ruler } = stage("Deformed body");
   const view = new View(canvas, picture.dimension === 2 ? "y" : "z");
+  view.ruler = ruler;
   const names = Object.keys(body.values);
   let field = ["displacement", "pressure", "contact_pressure"].find((name) => names.includes(name)) || names[0] || "";
   let turns = Boolean(ring);
@@ -39,7 +54,7 @@ function shapeView(picture, body, ring) {
   const amount = el("span", { class: "dim" }, "1");
   const slider = el("input", { type: "range", min: 0, max: 3, step: 0.05, value: 1, "aria-label": "factor of the displacement",
     input: () => { view.factor = Number(slider.value); amount.textContent = num(view.factor); view.draw(); } });
-  controls.append(pick("colour", names.map((name) => [name, label(name)]), field, (name) => {
+  controls.append(pick("colour", names.map((name) => [name, named(label(name), unitOf(name))]), field, (name) => {
     field = name;
     scale.set(view.colour(field));
     view.draw();
@@ -57,8 +72,9 @@ function contactView(picture, body, last, kind) {
   const field = ["contact_pressure", "contact_pressure_deformed"].find((name) => body.values[name]);
   const touching = Object.entries(last.obstacles).filter(([, one]) => one.area > 0 && Math.hypot(...one.force) > 0);
   if (!field || !touching.length) return null;
-  const { canvas, scale, controls, figure } = stage("Contact pressure");
+  const { canvas, scale, controls, figure, ruler } = stage("Contact pressure");
   const view = new View(canvas, picture.dimension === 2 ? "y" : "z");
+  view.ruler = ruler;
   view.show(body);
   scale.set(view.colour(field));
   const look = (name) => {
@@ -71,7 +87,7 @@ function contactView(picture, body, last, kind) {
   };
   const strongest = touching.reduce((a, b) => (Math.hypot(...b[1].force) > Math.hypot(...a[1].force) ? b : a))[0];
   if (touching.length > 1) controls.append(pick("under", touching.map(([name]) => [name, name]), strongest, look));
-  controls.append(el("span", { class: "dim small" }, `${label(field)}, seen ${picture.dimension === 2 ? "at the contact" : "from the obstacle"}`));
+  controls.append(el("span", { class: "dim small" }, `${named(label(field), unitOf(field))}, seen ${picture.dimension === 2 ? "at the contact" : "from the obstacle"}`));
   look(strongest);
   return figure;
 }
@@ -92,6 +108,7 @@ function pictures(data, last) {
 
 function page(data) {
   const { steps } = data;
+  UNITS = (data.plan && data.plan.units) || {};
   const last = steps[steps.length - 1];
   const drawn = data.picture && (steps.filter((row) => Math.abs(row.time - data.picture.time) < 1e-9).pop() || last);
   return [head(data, last), cards(last), warnings(data), forces(steps, last), pictures(data, drawn), convergence(data),

@@ -14,6 +14,18 @@ const LABELS = {
 };
 const label = (name) => LABELS[name] || words(name);
 
+// What the scene calls the unit of a quantity; empty where it does not.
+const QUANTITIES = {
+  length: ["displacement", "gap", "slip"],
+  stress: ["pressure", "contact_pressure", "contact_pressure_deformed", "friction_traction", "stress", "von_mises"],
+  force: ["nodal_force"],
+};
+let UNITS = {};
+const unit = (quantity) => UNITS[quantity] || "";
+const unitOf = (field) => unit(Object.keys(QUANTITIES).find((quantity) => QUANTITIES[quantity].includes(field)));
+const behind = (text, name) => (name ? `${text} ${name}` : text);
+const named = (text, name) => (name ? `${text} (${name})` : text);
+
 function head(data, last) {
   const { plan, summary, step_count } = data;
   const good = last.termination === "converged";
@@ -41,16 +53,16 @@ function cards(last) {
     el("div", { class: "card" }, el("span", { class: "dim" }, title), el("b", {}, big),
       ...small.filter(Boolean).map((text) => el("div", { class: "small dim" }, text)));
   const all = Object.entries(last.obstacles).map(([name, one]) =>
-    card(name, withError(one.along, one.error),
-      one.travel == null ? "size of its force; it stands still" : `force along its travel of ${num(one.travel)}`,
+    card(name, behind(withError(one.along, one.error), unit("force")),
+      one.travel == null ? "size of its force; it stands still" : `force along its travel of ${behind(num(one.travel), unit("length"))}`,
       `force ${vector(one.force)}`,
-      `contact area ${num(one.area)}, pressure ${num(one.pressure)} at most`));
+      `contact area ${num(one.area)}, pressure ${behind(num(one.pressure), unit("stress"))} at most`));
   for (const [name, [motion, pressure]] of Object.entries(last.probes)) {
     all.push(card(`probe ${name}`, vector(motion), "displacement", pressure == null ? null : `pressure ${num(pressure)}`));
   }
   if (last.error != null) all.push(card("error estimate", percent(last.error), "of the deformation, in energy: what the mesh leaves out"));
   if (Object.keys(last.obstacles).length) {
-    all.push(card("penetration", num(last.penetration), "at most, between nodes: it shrinks with the mesh size"));
+    all.push(card("penetration", behind(num(last.penetration), unit("length")), "at most, between nodes: it shrinks with the mesh size"));
   }
   if (last.min_jacobian != null) all.push(card("least det F", num(last.min_jacobian), "0 would turn a cell inside out"));
   all.push(card("strain energy", num(last.energy), last.stability ? equilibrium(last.stability) : null));
@@ -83,16 +95,16 @@ function forceChart(steps, name, movers, against) {
     error: row.obstacles[name].error,
     name: `step ${row.step}.${row.increment}`,
   }));
-  const x = along === name ? "travel" : along ? `travel of ${along}` : "time (steps)";
+  const x = along ? named(along === name ? "travel" : `travel of ${along}`, unit("length")) : "time (steps)";
   const stands = steps[steps.length - 1].obstacles[name].travel == null;
-  return chart({ title: name, note: stands ? "size of its force" : "force along its travel", x, y: "force", points });
+  return chart({ title: name, note: stands ? "size of its force" : "force along its travel", x, y: named("force", unit("force")), points });
 }
 
 // Of a body that only supports move: the size of the force of each of them.
 function reactionCharts(steps, last) {
   const size = (force) => Math.hypot(...force);
   const charts = Object.keys(last.supports).map((name) => chart({
-    title: name, note: "size of the support's force", x: "time (steps)", y: "force",
+    title: name, note: "size of the support's force", x: "time (steps)", y: named("force", unit("force")),
     points: steps.filter((row) => row.supports[name]).map((row) => ({
       x: row.time, y: size(row.supports[name]), name: `step ${row.step}.${row.increment}` })),
   }));

@@ -46,7 +46,10 @@ fn write_results(folder: &Path, name: &str, plan: &str) {
         name: plan.to_owned(),
         ..Default::default()
     };
-    let lines = [result_line::plan(&plan), result_line::step(&report(name))];
+    let lines = [
+        result_line::plan(&plan, None),
+        result_line::step(&report(name)),
+    ];
     let text: String = lines.iter().map(|line| format!("{line}\n")).collect();
     std::fs::write(folder.join(LINES), text + "{\"event\":\"step\",\"st").unwrap();
 }

@@ -145,6 +145,12 @@ class View {
     const fit = 0.92 * this.zoom * Math.min(canvas.width, canvas.height) / this.radius;
     if (this.gl) this.paintGl([fit / canvas.width, fit / canvas.height, 0.1 / this.whole]);
     else this.paintFlat(fit / 2);
+    this.measured(fit / 2 / ratio);
+  }
+
+  // The length of a pixel is told to whoever draws the ruler; nobody needs to.
+  measured(pixels) {
+    if (this.ruler) this.ruler(pixels, this.canvas.clientWidth);
   }
 
   paintGl(fit) {

@@ -58,6 +58,8 @@ pub(super) fn read(bytes: &[u8]) -> Option<Arrays> {
                 let (name, array) = array(attributes, data)?;
                 arrays.0.insert((section.to_owned(), name), array);
             }
+            // What an array's unit is called.
+            "InformationKey" => {}
             _ if name.starts_with('/') => {}
             _ => section = name,
         }

@@ -300,6 +300,17 @@ fn tolerance(keys: &Keys<'_>) -> (Option<f64>, v1::ToleranceRule) {
     }
 }
 
+/// What the units are called; nothing is converted.
+pub(super) fn units(scene: &Keys<'_>) -> Option<v1::UnitNames> {
+    let keys = scene.table("units", &["length", "force", "stress"])?;
+    let name = |key| keys.text(key).unwrap_or_default();
+    Some(v1::UnitNames {
+        length: name("length"),
+        force: name("force"),
+        stress: name("stress"),
+    })
+}
+
 pub(super) fn output(scene: &Keys<'_>) -> Option<v1::Output> {
     let keys = scene.table("output", &["fields", "every"])?;
     let mut fields = Vec::new();

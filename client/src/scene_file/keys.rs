@@ -286,7 +286,8 @@ impl<'a> Keys<'a> {
     /// An array of tables. Those with a `name` are called by it in paths, the
     /// others by their position.
     pub(super) fn tables(&self, key: &str, known: &[&str]) -> Vec<Keys<'a>> {
-        let tables = self.read(key, "an array of tables ([[...]])", |value| {
+        let expected = format!("an array of tables ([[{key}]], once for each, not [{key}])");
+        let tables = self.read(key, &expected, |value| {
             value
                 .as_array()?
                 .iter()

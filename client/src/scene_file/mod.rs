@@ -39,6 +39,7 @@ const SCENE: &[&str] = &[
     "mesh",
     "mesh_scale",
     "kind",
+    "units",
     "material",
     "support",
     "traction",
@@ -182,5 +183,6 @@ fn scene(keys: &Keys<'_>, stem: String) -> v1::Scene {
         solver: body::solver(keys),
         probes: body::probes(keys),
         output: body::output(keys),
+        units: body::units(keys),
     }
 }

@@ -138,7 +138,7 @@ fn wrong_types_name_both_types() {
     );
     assert_eq!(
         fault("[support]"),
-        "support: an array of tables ([[...]]) is expected, found a table"
+        "support: an array of tables ([[support]], once for each, not [support]) is expected, found a table"
     );
 }
 

@@ -19,7 +19,7 @@ use crate::text::one_line;
 use crate::travel::Travels;
 
 /// The kind of the warning of an obstacle that is away from the body.
-const UNTOUCHED: &str = "untouched_obstacle";
+pub(crate) const UNTOUCHED: &str = "untouched_obstacle";
 
 /// How much of a result is told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +81,7 @@ pub(crate) fn results(
 
 /// Obstacles that touched nothing in the whole run and of which its last increment says nothing,
 /// as those that move away from the body.
-fn never_touched(reports: &[v1::StepReport]) -> Vec<String> {
+pub(crate) fn never_touched(reports: &[v1::StepReport]) -> Vec<String> {
     let Some(last) = reports.last() else {
         return Vec::new();
     };

@@ -204,6 +204,14 @@ fn a_mesh_file_is_described_without_a_server() {
 }
 
 #[test]
+fn the_version_is_told_by_a_word_as_by_a_flag() {
+    let [word, flag] = ["version", "--version"].map(|one| run([one]));
+    assert_eq!(word.code, Some(0), "{}", word.stderr);
+    assert!(word.stdout.starts_with("signorini "), "{}", word.stdout);
+    assert_eq!(word.stdout, flag.stdout);
+}
+
+#[test]
 fn manual_pages_cover_the_commands() {
     let folder = folder("manual_pages");
     assert_eq!(run(["man", text(&folder)]).code, Some(0));

@@ -87,7 +87,7 @@ fn assert_matches(line: &Value) {
 #[test]
 fn every_kind_of_line_matches_the_schema() {
     let mut totals = Totals::default();
-    assert_matches(&totals.summary(0.1, None));
+    assert_matches(&totals.summary(0.1, None, &[]));
     totals.add(&report());
     let iteration = v1::IterationStatistics {
         sequence: 1,
@@ -95,10 +95,11 @@ fn every_kind_of_line_matches_the_schema() {
         skipped_count: 3,
     };
     for line in [
-        result_line::plan(&plan()),
+        result_line::plan(&plan(), None),
+        result_line::plan(&plan(), Some(&v1::UnitNames::default())),
         result_line::iteration(&iteration),
         result_line::step(&report()),
-        totals.summary(2.0, Some(1 << 20)),
+        totals.summary(2.0, Some(1 << 20), &["nothing touched".to_owned()]),
         result_line::session("sessions/a"),
         result_line::cancel("sessions/a", 3),
         result_line::cancel("sessions/a", 0),
@@ -133,7 +134,7 @@ fn names_are_those_of_the_contract() {
     );
     assert_eq!(line["obstacles"]["ball"]["force"], json!([0.5, -1.0, 0.0]));
     assert_eq!(line["probes"]["pole"]["pressure"], Value::Null);
-    assert_eq!(result_line::plan(&plan())["kind"], "plane-strain");
+    assert_eq!(result_line::plan(&plan(), None)["kind"], "plane-strain");
     let converged = v1::StepReport {
         termination: v1::Termination::Converged.into(),
         ..report()
@@ -196,7 +197,7 @@ fn totals_add_up_over_increments() {
     let mut totals = Totals::default();
     totals.add(&report());
     totals.add(&report());
-    let line = totals.summary(2.0, None);
+    let line = totals.summary(2.0, None, &[]);
     assert_eq!(line["totals"]["krylov_iterations"], 14);
     assert_eq!(line["totals"]["seconds"]["total"], 3.0);
     assert_eq!(

@@ -126,6 +126,11 @@ fn good_scene(mesh: &Mesh) -> wire::Scene {
         name: "corner".into(),
         mesh: format!("meshes/{}", mesh.id()),
         mesh_scale: Some(2.0),
+        units: Some(wire::UnitNames {
+            length: "mm".into(),
+            force: "N".into(),
+            stress: "MPa".into(),
+        }),
         kind: wire::SceneKind::Solid.into(),
         materials: vec![wire::Material {
             group: "body".into(),

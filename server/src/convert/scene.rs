@@ -74,6 +74,7 @@ pub(crate) fn scene(
     let mut faults = Faults::default();
     limits(&message, &mut faults);
     faults.refuse()?;
+    unit_names(message.units.as_ref(), &mut faults);
     let output = output(message.output.as_ref(), &mut faults);
     let steps = steps(message.steps.iter(), &mut faults);
     let scene = body(message, surfaces, &mut faults);
@@ -96,6 +97,18 @@ fn limits(message: &wire::Scene, faults: &mut Faults) {
     faults.at_most(&message.obstacles, MAXIMUM_OBSTACLES, "obstacle");
     faults.at_most(&message.probes, MAXIMUM_PROBES, "probe");
     faults.at_most(&message.steps, MAXIMUM_STEPS, "step");
+}
+
+/// Units are for the caller's pictures: their names are not too long, and nothing else.
+fn unit_names(units: Option<&wire::UnitNames>, faults: &mut Faults) {
+    let Some(units) = units else { return };
+    for (name, path) in [
+        (&units.length, "units.length"),
+        (&units.force, "units.force"),
+        (&units.stress, "units.stress"),
+    ] {
+        faults.name(name, path);
+    }
 }
 
 fn body(message: wire::Scene, surfaces: &SurfacesByName, faults: &mut Faults) -> Scene {
@@ -353,6 +366,28 @@ mod tests {
         let other = convert(wire::ToleranceRule::Discretisation.into()).expect("a known rule");
         assert_eq!(other.tolerance_rule, ToleranceRule::Discretisation);
         assert!(matches!(convert(7), Err(Fault::Unsupported(_))));
+    }
+
+    #[test]
+    fn names_of_units_are_names_and_nothing_else() {
+        let convert = |stress: &str| {
+            let mut faults = Faults::default();
+            let units = wire::UnitNames {
+                length: "mm".into(),
+                stress: stress.into(),
+                ..Default::default()
+            };
+            unit_names(Some(&units), &mut faults);
+            faults.outcome()
+        };
+        assert!(convert("").is_ok());
+        assert!(convert("N/mm\u{b2}").is_ok());
+        for wrong in ["x".repeat(257), "MPa\n".to_owned()] {
+            let Err(Fault::SceneInvalid(violations)) = convert(&wrong) else {
+                unreachable!("{wrong}");
+            };
+            assert_eq!(violations[0].path, "units.stress");
+        }
     }
 
     fn flow() -> wire::Scene {

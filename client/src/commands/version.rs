@@ -1,0 +1,9 @@
+//! `version`: what many type in place of `--version`.
+
+use crate::exit::{Exit, Failure};
+use crate::stdout::print;
+
+pub(super) fn run() -> Result<Exit, Failure> {
+    print(concat!("signorini ", env!("CARGO_PKG_VERSION"), "\n"))?;
+    Ok(Exit::Ok)
+}
