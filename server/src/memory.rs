@@ -7,7 +7,7 @@
 use std::time::Duration;
 
 /// How often freed memory is given back.
-const RETURN: Duration = Duration::from_secs(5);
+const RETURN: Duration = Duration::from_secs(2);
 
 /// The system refuses memory.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -32,7 +32,7 @@ const UNIT_BYTES: u64 = 1 << 10;
 /// What a client may send ahead of what is read, of one stream.
 pub(crate) const WINDOW_BYTES: u32 = 1 << 20;
 /// Part of the room for large messages that those may have sent ahead which wait for it.
-const WAITING_PART: u64 = 2;
+const WAITING_PART: u64 = 4;
 /// How long a message waits for room.
 const PATIENCE: Duration = Duration::from_secs(10);
 
