@@ -34,9 +34,13 @@ FOLDER = Path(temporary.name)
 
 
 def stubs():
-    """Generates the stubs and makes them importable."""
+    """Generates the stubs and makes them importable; a process that this one starts finds them there."""
+    if found := os.environ.get("SIGNORINI_STUBS"):
+        sys.path.insert(0, found)
+        return
     out = FOLDER / "stubs"
     out.mkdir()
+    os.environ["SIGNORINI_STUBS"] = str(out)
     own = Path(grpc_tools.__file__).parent / "_proto"
     files = sorted(str(path.relative_to(PROTO)) for path in (PROTO / "signorini/v1").glob("*.proto"))
     arguments = ["protoc", f"-I{PROTO}", f"-I{own}", f"--python_out={out}", f"--grpc_python_out={out}"]
