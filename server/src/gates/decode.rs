@@ -3,9 +3,7 @@
 //! A message takes its bytes before they are collected and what it will be in memory
 //! before it is decoded ([`super::cost`]); a unary call keeps both until it is answered,
 //! a stream until it asks for the next message. Small messages have a room of their
-//! own, so that large ones cannot keep an update waiting. While a message waits for room the
-//! transport holds as much of it as it lets a client send ahead; beyond a number of
-//! such bytes a message does not wait but is refused.
+//! own, so that large ones cannot keep an update waiting.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -29,10 +27,6 @@ const SMALL_BYTES: usize = 16 << 10;
 const LARGEST_PART: u64 = 2;
 /// Permits are counted in these.
 const UNIT_BYTES: u64 = 1 << 10;
-/// What a client may send ahead of what is read, of one stream.
-pub(crate) const WINDOW_BYTES: u32 = 1 << 20;
-/// Part of the room for large messages that those may have sent ahead which wait for it.
-const WAITING_PART: u64 = 4;
 /// How long a message waits for room.
 const PATIENCE: Duration = Duration::from_secs(10);
 
@@ -61,8 +55,6 @@ pub(crate) struct Decode {
     small: Room,
     large: Room,
     largest: u64,
-    /// Bytes that the transport holds of large messages that wait.
-    waiting: Arc<Semaphore>,
     pub(super) shapes: Shapes,
     metrics: Arc<Metrics>,
 }
@@ -87,7 +79,6 @@ impl Decode {
             small: Room::new(small),
             large: Room::new(bytes - small),
             largest: (bytes - small) / LARGEST_PART,
-            waiting: Room::new((bytes - small) / WAITING_PART).free,
             shapes: Shapes::new()?,
             metrics: Arc::clone(metrics),
         }))
@@ -101,26 +92,12 @@ impl Decode {
     }
 
     /// Waits for room for the bytes of a message.
-    ///
-    /// # Errors
-    /// `MemoryBudget` when none came in time, or too many wait already.
     pub(super) async fn receive(self: Arc<Self>, bytes: usize) -> Result<Permit, Fault> {
         let free = Arc::clone(&self.room(bytes).free);
-        let permit = match Arc::clone(&free).try_acquire_many_owned(units(bytes as u64)) {
-            Ok(permit) => Some(permit),
-            Err(_) => self.wait(free, bytes).await,
-        };
+        let waited = tokio::time::timeout(PATIENCE, free.acquire_many_owned(units(bytes as u64)));
+        let permit = waited.await.ok().and_then(Result::ok);
         self.show();
         permit.map(held).ok_or_else(|| self.full(bytes as u64))
-    }
-
-    async fn wait(&self, free: Arc<Semaphore>, bytes: usize) -> Option<OwnedSemaphorePermit> {
-        let ahead = (bytes as u64).min(u64::from(WINDOW_BYTES));
-        // A small one is in its first frame.
-        let ahead = if bytes <= SMALL_BYTES { 0 } else { ahead };
-        let _waiting = self.waiting.try_acquire_many(units(ahead)).ok()?;
-        let room = tokio::time::timeout(PATIENCE, free.acquire_many_owned(units(bytes as u64)));
-        room.await.ok()?.ok()
     }
 
     /// Takes what a message of `shape` will be in memory.
@@ -166,33 +143,4 @@ impl Decode {
 
 fn units(bytes: u64) -> u32 {
     u32::try_from(bytes.div_ceil(UNIT_BYTES)).unwrap_or(u32::MAX)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[tokio::test]
-    async fn few_large_messages_wait_for_room_and_more_are_refused_at_once() {
-        let gate = Decode::new(0, &Metrics::new().unwrap()).unwrap();
-        let all = (gate.large.units as u64 * UNIT_BYTES) as usize;
-        let taken = Arc::clone(&gate).receive(all).await.ok().unwrap();
-        let one = WINDOW_BYTES as usize;
-        let most = all / WAITING_PART as usize / one;
-        let waiting: Vec<_> = (0..most)
-            .map(|_| tokio::spawn(Arc::clone(&gate).receive(one)))
-            .collect();
-        while gate.waiting.available_permits() >= units(one as u64) as usize {
-            tokio::task::yield_now().await;
-        }
-        let refused = Arc::clone(&gate).receive(one).await.err().unwrap();
-        assert!(matches!(refused, Fault::MemoryBudget { .. }), "{refused}");
-        // Small ones have their own room.
-        assert!(Arc::clone(&gate).receive(SMALL_BYTES).await.is_ok());
-        drop(taken);
-        for one in waiting {
-            assert!(one.await.unwrap().is_ok());
-        }
-        assert!(Arc::clone(&gate).receive(one).await.is_ok());
-    }
 }
