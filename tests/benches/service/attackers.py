@@ -172,8 +172,9 @@ def crowd(clients, work):
 ALL = {one.__name__: one for one in (writers, bombs, uploads, plans, stuck, connections)}
 
 
-def run(name, address, token, ended):
+def run(name, address, token, here, ended):
     """One of them in this process; it ends with it, whatever hangs."""
+    here.release()
     os.nice(19)
     watch = threading.Thread(target=lambda: (ended.wait(), time.sleep(2), os._exit(0)), daemon=True)
     watch.start()

@@ -23,8 +23,9 @@ from common import MEGABYTE, Block, Client, Server, channel, health, row
 PROCESSES = multiprocessing.get_context("spawn")
 
 
-def ask(addresses, ended, times):
+def ask(addresses, here, ended, times):
     """Asks each server for health every 20 ms, by turns; what takes longer than ten seconds counts as ten."""
+    here.release()
     found, asked = [[] for _ in addresses], [health(channel(address)) for address in addresses]
     while not ended.wait(0.02):
         for one, kept in zip(asked, found):
@@ -72,11 +73,15 @@ class Attack:
 
     def __enter__(self):
         self.ended, self.times, self.peak = PROCESSES.Event(), PROCESSES.Queue(), 0
-        of = lambda name: (name, self.server.address, self.server.tokens[name], self.ended)  # noqa: E731
+        here = PROCESSES.Semaphore(0)
+        of = lambda name: (name, self.server.address, self.server.tokens[name], here, self.ended)  # noqa: E731
         self.bad = [PROCESSES.Process(target=attackers.run, args=of(name)) for name in self.names]
-        self.asking = PROCESSES.Process(target=ask, args=([self.server.address, Attack.idle.address], self.ended, self.times))
-        for process in (*self.bad, self.asking):
+        self.asking = PROCESSES.Process(target=ask, args=([self.server.address, Attack.idle.address], here, self.ended, self.times))
+        for process in (self.asking, *self.bad):
             process.start()
+        # On a busy machine they take long to begin.
+        for _ in (self.asking, *self.bad):
+            here.acquire()
         self.watching = threading.Thread(target=self.watch)
         self.watching.start()
         return self
