@@ -67,6 +67,8 @@ def arguments(doc, **more):
         kind = {"action": "store_true"} if default is False else {"default": default, "type": type(default)}
         parser.add_argument("--" + name, **kind)
     given = parser.parse_args()
+    # Ended by a signal, too, no server stays behind.
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     return given
 
 
