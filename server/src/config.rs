@@ -68,8 +68,8 @@ pub struct Config {
     /// Sessions that one name of the token file may have at one time; 0: as many as there
     /// may be.
     pub maximum_client_sessions: usize,
-    /// Bytes that the sessions of one client may hold in memory when it makes one more; 0: as
-    /// many as there may be.
+    /// Bytes that the sessions, tools and imported states of one client may hold in memory when
+    /// it adds one; 0: as many as there may be.
     pub maximum_client_bytes: u64,
     /// Calls of one client in a second, over a while: twice as many may come at once; 0: no
     /// limit. A stream is one call.

@@ -69,4 +69,5 @@ pub use fsck::{Fsck, fsck};
 pub use journal::JournalError;
 pub use listen::{ListenError, Listener};
 pub use log::{LogSwitch, follow_log_level, start_log};
+pub use memory::return_freed_memory;
 pub use serve::{ServeError, check, serve, serve_and_tell};

@@ -6,11 +6,13 @@ use std::path::Path;
 pub(crate) const MESSAGE_BYTES: usize = 4 << 20;
 
 /// Memory that this process may use: that of the machine, or less where a control
-/// group (a container, a systemd unit) or `ulimit -v` sets a limit.
+/// group (a container, a systemd unit) or `ulimit -v` sets a limit. That one counts what is set
+/// aside and never touched, too: half a gigabyte before a server does anything.
 pub(crate) fn memory_bytes() -> Option<u64> {
     let groups = std::fs::read_to_string("/proc/self/cgroup").unwrap_or_default();
     let of_groups = group_limits(&groups, Path::new("/sys/fs/cgroup"));
-    let single = [installed_bytes(), own("Max address space")];
+    let space = own("Max address space").map(|limit| limit.saturating_sub(set_aside()));
+    let single = [installed_bytes(), space];
     single.into_iter().flatten().chain(of_groups).min()
 }
 
@@ -30,9 +32,19 @@ fn soft_limit(table: &str, name: &str) -> Option<u64> {
 }
 
 fn installed_bytes() -> Option<u64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find(|line| line.starts_with("MemTotal:"))?;
-    let kibibytes: u64 = line.split_whitespace().nth(1)?.parse().ok()?;
+    figure(&std::fs::read_to_string("/proc/meminfo").ok()?, "MemTotal:")
+}
+
+/// Address space that this process has already.
+fn set_aside() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    figure(&status, "VmSize:").unwrap_or(0)
+}
+
+/// Bytes in the line of that name, which has kibibytes.
+fn figure(table: &str, name: &str) -> Option<u64> {
+    let line = table.lines().find_map(|line| line.strip_prefix(name))?;
+    let kibibytes: u64 = line.split_whitespace().next()?.parse().ok()?;
     kibibytes.checked_mul(1024)
 }
 
@@ -75,6 +87,14 @@ mod tests {
         assert_eq!(soft_limit(table, "Max address space"), None);
         assert_eq!(soft_limit(table, "Max nothing"), None);
         assert!(descriptors().is_some());
+    }
+
+    #[test]
+    fn figures_of_the_system_are_kibibytes() {
+        let table = "MemTotal:       24105 kB\nVmSize:\t     578 kB\nVmData: many\n";
+        assert_eq!(figure(table, "VmSize:"), Some(578 << 10));
+        assert_eq!(figure(table, "VmData:"), None);
+        assert!(set_aside() > 1 << 20);
     }
 
     #[test]

@@ -81,8 +81,8 @@ pub fn follow_log_level(
 
 fn take_up(switch: Option<&LogSwitch>, found: Result<Option<LogLevel>, String>) {
     match (switch, found) {
-        (None, _) => tracing::info!("nothing to reload: RUST_LOG names what the log takes"),
-        (_, Ok(None)) => tracing::info!("nothing to reload: there is no file of settings"),
+        (None, _) => tracing::info!("the level of the log stays: RUST_LOG names what it takes"),
+        (_, Ok(None)) => tracing::info!("the level of the log stays: there is no file of settings"),
         (Some(switch), Ok(Some(level))) if (switch.0)(default_filter(level)) => {
             tracing::info!(?level, "level of the log set");
         }

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use signorini_server::{Flags, Listener, follow_log_level, serve, start_log};
+use signorini_server::{Flags, Listener, follow_log_level, return_freed_memory, serve, start_log};
 
 /// Serves contact problems of nearly incompressible bodies over gRPC.
 #[derive(Parser)]
@@ -26,6 +26,7 @@ async fn main() -> ExitCode {
 }
 
 async fn run(flags: Flags) -> Result<(), Box<dyn std::error::Error>> {
+    tokio::spawn(return_freed_memory());
     let config = flags.resolve()?.config;
     let level = move || flags.log_level_now().map_err(|error| error.to_string());
     tokio::spawn(follow_log_level(start_log(&config), level));

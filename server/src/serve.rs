@@ -131,7 +131,7 @@ pub async fn serve_and_tell(
     let services = services(config)?;
     let registry = Registry::new(&services)?;
     let (health, router) = router(&services, &registry, &access).await?;
-    log_start(&services.config, &listener);
+    log_start(&services, &listener);
     ready(listener.url());
     let page = Page {
         metrics: Arc::clone(&services.metrics),
@@ -180,7 +180,8 @@ pub async fn serve_and_tell(
 }
 
 /// Where the server is found, what it is and what it may use.
-fn log_start(config: &Config, listener: &Listener) {
+fn log_start(services: &Services, listener: &Listener) {
+    let config = &services.config;
     tracing::info!(
         url = listener.url(),
         metrics = listener.metrics_url(),
@@ -189,7 +190,7 @@ fn log_start(config: &Config, listener: &Listener) {
         instruction_set = InstructionSet::of_this_machine().name(),
         slots = config.solver_slots,
         threads_per_slot = config.threads(),
-        memory_budget_bytes = config.budget(),
+        memory_budget_bytes = services.store.budget(),
         data = match config.data.as_str() {
             "" => "none: nothing outlives this server",
             folder => folder,
@@ -201,7 +202,9 @@ fn log_start(config: &Config, listener: &Listener) {
 fn services(config: Config) -> Result<Arc<Services>, ServeError> {
     let metrics = Metrics::new().map_err(|error| setup("metrics", &error))?;
     let solvers = SolverThreads::start(config.slots(), &metrics).map_err(ServeError::Threads)?;
-    let gates = Gates::new(config.budget(), &metrics);
+    // Asked once: with a limit of the address space it is less with every thread.
+    let budget = config.budget();
+    let gates = Gates::new(budget, &metrics);
     let journal = match config.data.as_str() {
         "" => None,
         folder => Some(Arc::new(Journal::open(Path::new(folder), &metrics)?)),
@@ -209,7 +212,7 @@ fn services(config: Config) -> Result<Arc<Services>, ServeError> {
     Ok(Arc::new(Services {
         gates: gates.map_err(|error| setup("the descriptors", &error))?,
         journal,
-        store: Store::new(config.budget(), &metrics),
+        store: Store::new(budget, &metrics),
         config,
         surfaces: Surfaces::default(),
         metrics,

@@ -124,6 +124,18 @@ impl Contents {
         self.accounts.get(&client).copied().unwrap_or(0)
     }
 
+    fn check(&self, account: Account, bytes: u64) -> Result<(), Fault> {
+        let held = self.of_client(account.client);
+        match held.saturating_add(bytes) > account.most {
+            true => Err(Fault::MemoryBudget {
+                predicted: bytes,
+                held,
+                budget: account.most,
+            }),
+            false => Ok(()),
+        }
+    }
+
     fn next_tick(&mut self) -> u64 {
         self.tick += 1;
         self.tick
@@ -309,6 +321,14 @@ impl Store {
         self.reserve_as(Some(account), bytes)
     }
 
+    /// Whether a client may hold so much more, room or not.
+    ///
+    /// # Errors
+    /// `MemoryBudget` when that client holds too much.
+    pub(crate) fn check(&self, account: Account, bytes: u64) -> Result<(), Fault> {
+        self.lock().check(account, bytes)
+    }
+
     fn reserve_as(
         self: &Arc<Self>,
         account: Option<Account>,
@@ -316,14 +336,7 @@ impl Store {
     ) -> Result<Reservation, Fault> {
         let mut inner = self.lock();
         if let Some(account) = account {
-            let held = inner.of_client(account.client);
-            if held.saturating_add(bytes) > account.most {
-                return Err(Fault::MemoryBudget {
-                    predicted: bytes,
-                    held,
-                    budget: account.most,
-                });
-            }
+            inner.check(account, bytes)?;
         }
         self.make_room(&mut inner, bytes)?;
         let client = account.map(|account| account.client);

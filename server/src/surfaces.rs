@@ -11,7 +11,7 @@ use crate::access::{Caller, Owners};
 use crate::convert::surface::name;
 use crate::convert::uploaded::Surface;
 use crate::fault::Fault;
-use crate::store::{Reservation, Store};
+use crate::store::{Account, Reservation, Store};
 
 /// Most surfaces that are kept.
 const MOST: usize = 1000;
@@ -68,13 +68,20 @@ impl Surfaces {
         shown.map(one).collect()
     }
 
-    /// Takes `bytes` out of the budget, dropping surfaces that nobody uses.
+    /// Takes `bytes` out of the budget for a client, for as long as the surface stays, dropping
+    /// surfaces that nobody uses.
     ///
     /// # Errors
-    /// `MemoryBudget` when even that does not make room.
-    pub(crate) fn reserve(&self, store: &Arc<Store>, bytes: u64) -> Result<Reservation, Fault> {
+    /// `MemoryBudget` when even that does not make room, or the client holds too much: then nobody
+    /// else's surfaces go for it.
+    pub(crate) fn reserve(
+        &self,
+        store: &Arc<Store>,
+        (account, bytes): (Account, u64),
+    ) -> Result<Reservation, Fault> {
+        store.check(account, bytes)?;
         loop {
-            let refused = match store.reserve(bytes) {
+            let refused = match store.reserve_for(account, bytes) {
                 Ok(reservation) => return Ok(reservation),
                 Err(fault) => fault,
             };

@@ -18,7 +18,7 @@ static ALONE: Mutex<()> = Mutex::const_new(());
 /// One test at a time, all points of failure off.
 async fn alone() -> MutexGuard<'static, ()> {
     let guard = ALONE.lock().await;
-    for point in ["journal-commit", "file-sync", "file-rename"] {
+    for point in ["journal-commit", "file-write", "file-sync", "file-rename"] {
         fail::remove(point);
     }
     guard
@@ -142,7 +142,7 @@ async fn a_mesh_whose_file_fails_is_refused_and_leaves_no_part() {
     // An answer comes when the folder is open.
     let list = wire::ListMeshesRequest::default();
     server.meshes().list_meshes(list).await.unwrap();
-    for point in ["file-sync", "file-rename"] {
+    for point in ["file-write", "file-sync", "file-rename"] {
         fail::cfg(point, "return").unwrap();
         let parts = tokio_stream::iter(block.messages());
         let refused = server.meshes().upload_mesh(parts).await.unwrap_err();

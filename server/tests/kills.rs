@@ -252,6 +252,50 @@ async fn kills_at_random_moments_lose_nothing_and_change_no_bit() {
     round(&folder, &block, &expected, KILLS).await;
 }
 
+#[tokio::test(flavor = "multi_thread")]
+async fn ten_clients_whose_streams_break_over_a_killed_server_end_with_all_their_results() {
+    const CLIENTS: usize = 10;
+    const CUTS: usize = 7;
+    let (folder, block) = (folder("cuts"), Block::new(1));
+    let expected = undisturbed(&folder, &block).await;
+    let mut process = Process::start(&folder, SETTINGS);
+    let server = process.connect().await;
+    server.upload(&block).await;
+    let mut clients = Vec::new();
+    for number in 0..CLIENTS {
+        let name = session(&server, &block, &format!("cut-{number}")).await;
+        clients.push(Client::new(name));
+    }
+    drop(server);
+    let url = process.url();
+    let mut work = tokio::task::JoinSet::new();
+    for mut client in clients {
+        let url = url.clone();
+        work.spawn(async move {
+            for _ in 0..CUTS {
+                let life = Duration::from_millis(fastrand::u64(5..150));
+                let server = Server::beside(&url).await;
+                // Whether it is cut or the server goes is the same to it.
+                let _broken = timeout(life, client.run(&server, STEPS)).await;
+            }
+            while client.next() <= STEPS {
+                let server = Server::beside(&url).await;
+                let ran = timeout(PATIENCE, client.run(&server, STEPS)).await;
+                ran.expect("results come").ok();
+            }
+            client
+        });
+    }
+    tokio::time::sleep(Duration::from_millis(300)).await;
+    process.kill();
+    process.restart();
+    while let Some(client) = work.join_next().await {
+        let client = client.unwrap();
+        assert_eq!(client.results, expected.results);
+        assert_eq!(client.fields, expected.fields);
+    }
+}
+
 /// As many kills as `SIGNORINI_KILLS` says, in rounds; the log in the folder
 /// `SIGNORINI_KILLS_DIR` counts them, so that a run that was stopped goes on.
 #[tokio::test(flavor = "multi_thread")]

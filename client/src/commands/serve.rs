@@ -5,8 +5,11 @@ use crate::exit::{Exit, Failure};
 
 #[cfg(feature = "embedded")]
 pub(super) async fn run(arguments: ServeArguments) -> Result<Exit, Failure> {
-    use signorini_server::{Listener, follow_log_level, serve_and_tell, start_log};
+    use signorini_server::{
+        Listener, follow_log_level, return_freed_memory, serve_and_tell, start_log,
+    };
 
+    tokio::spawn(return_freed_memory());
     let flags = arguments.flags;
     let config = super::config::resolved(&flags)?.config;
     let level = move || flags.log_level_now().map_err(|error| error.to_string());

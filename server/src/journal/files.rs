@@ -41,9 +41,12 @@ impl Part {
         fill: impl FnOnce(&mut dyn FnMut(&[u8]) -> io::Result<()>) -> io::Result<()>,
     ) -> io::Result<()> {
         let mut file = BufWriter::new(create(&self.0)?);
-        fill(&mut |bytes| file.write_all(bytes))?;
-        fail::fail_point!("file-sync", |_| Err(io::Error::other("failpoint")));
+        fill(&mut |bytes| {
+            fail::fail_point!("file-write", |_| Err(io::Error::other("failpoint")));
+            file.write_all(bytes)
+        })?;
         let file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
+        fail::fail_point!("file-sync", |_| Err(io::Error::other("failpoint")));
         file.sync_all()
     }
 
@@ -56,6 +59,7 @@ impl Part {
     fn name(&self, path: &Path) -> io::Result<()> {
         fail::fail_point!("file-rename", |_| Err(io::Error::other("failpoint")));
         fs::rename(&self.0, path)?;
+        fail::fail_point!("folder-sync", |_| Err(io::Error::other("failpoint")));
         sync_folder(path)
     }
 }

@@ -23,7 +23,6 @@ use crate::registry::{Claim, Claimed, Registry};
 use crate::results::kept::messages;
 use crate::session::{Handle, ReadRequest, Recovered, Services, SessionSpec};
 use crate::states::States;
-use crate::store::Account;
 use crate::streams;
 
 const MAXIMUM_REQUEST_ID_BYTES: usize = 64;
@@ -193,10 +192,13 @@ impl SessionService for Sessions {
         request: Request<Streaming<wire::ImportStateRequest>>,
     ) -> Result<Response<wire::ImportStateResponse>, Status> {
         let caller = Caller::of(&request);
+        let account = self.services.account(ClientKey::of(&request).identity);
         respond(&self.registry, async {
             self.registry.check_open()?;
+            let reservation = self.services.store.reserve_for(account, 0)?;
             let kept = (&self.states, caller.name());
-            let made = state::import(&self.services, kept, request.into_inner()).await?;
+            let inbound = (request.into_inner(), reservation);
+            let made = state::import(&self.services, kept, inbound).await?;
             caller.note(&made.state);
             Ok(made)
         })
@@ -244,10 +246,7 @@ impl Sessions {
         let plan_report = report::plan(planned.plan.report());
         let own_bytes = planning::own_bytes(&kept, &plan_report);
         let result_bytes = planning::result_bytes(&planned);
-        let account = Account {
-            client: client.identity,
-            most: self.services.config.client_bytes(),
-        };
+        let account = self.services.account(client.identity);
         let taken = planning::reserve(&self.services.store, &planned, (own_bytes, account))?;
         let recovered = from_state.map(|state| start(&planned, state)).transpose()?;
         let asked = asked.map(|request| (request, &caller));

@@ -43,16 +43,16 @@ pub(super) async fn export(
     }))
 }
 
-/// Takes slices, checks them and keeps the state.
+/// Takes slices into a reservation, checks them and keeps the state.
 pub(super) async fn import(
     services: &Arc<Services>,
     (kept, owner): (&States, Option<ClientName>),
-    mut inbound: Streaming<wire::ImportStateRequest>,
+    (mut inbound, reservation): (Streaming<wire::ImportStateRequest>, Reservation),
 ) -> Result<wire::ImportStateResponse, Fault> {
     let mut upload = Upload {
         declared: String::new(),
         bytes: Vec::new(),
-        reservation: services.store.reserve(0)?,
+        reservation,
     };
     while let Some(slice) = next(&mut inbound).await? {
         upload.push(&slice)?;

@@ -10,11 +10,13 @@ use tonic::{Request, Response, Status, Streaming};
 
 use super::respond;
 use crate::access::Caller;
+use crate::client_key::ClientKey;
 use crate::convert::surface::{self as convert, Upload};
 use crate::fault::Fault;
 use crate::planning::aside;
 use crate::registry::Registry;
 use crate::session::Services;
+use crate::store::Account;
 use crate::surfaces::Stored;
 use crate::transport;
 
@@ -37,7 +39,9 @@ impl SurfaceService for SurfaceDoor {
         request: Request<Streaming<wire::UploadSurfaceRequest>>,
     ) -> Result<Response<wire::UploadSurfaceResponse>, Status> {
         let caller = Caller::of(&request);
-        respond(&self.registry, self.upload(request.into_inner(), &caller)).await
+        let account = self.services.account(ClientKey::of(&request).identity);
+        let upload = self.upload(request.into_inner(), (&caller, account));
+        respond(&self.registry, upload).await
     }
 
     #[tracing::instrument(skip_all)]
@@ -93,7 +97,7 @@ impl SurfaceDoor {
     async fn upload(
         &self,
         mut inbound: Streaming<wire::UploadSurfaceRequest>,
-        caller: &Caller,
+        (caller, account): (&Caller, Account),
     ) -> Result<wire::UploadSurfaceResponse, Fault> {
         self.registry.check_open()?;
         let Some(Part::Header(header)) = next(&mut inbound).await? else {
@@ -107,7 +111,8 @@ impl SurfaceDoor {
             caller.note(&convert::name(digest));
             return Ok(answer(digest, &found, true));
         }
-        let reserved = surfaces.reserve(&self.services.store, upload.predicted_bytes())?;
+        let predicted = (account, upload.predicted_bytes());
+        let reserved = surfaces.reserve(&self.services.store, predicted)?;
         let end = Instant::now() + LONGEST;
         while let Some(part) = next(&mut inbound).await? {
             if Instant::now() > end {

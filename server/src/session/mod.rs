@@ -22,14 +22,14 @@ use signorini::plan::Plan;
 use signorini::prepare::Prepared;
 use signorini_proto::v1 as wire;
 
-use crate::client_key::ClientKey;
+use crate::client_key::{ClientIdentity, ClientKey};
 use crate::compute::SolverThreads;
 use crate::config::Config;
 use crate::convert::scene::Output;
 use crate::gates::Gates;
 use crate::journal::{Journal, JournalError};
 use crate::metrics::Metrics;
-use crate::store::{Lease, Reservation, Store};
+use crate::store::{Account, Lease, Reservation, Store};
 use crate::surfaces::Surfaces;
 
 pub(crate) use recovered::Recovered;
@@ -52,6 +52,14 @@ pub(crate) struct Services {
     pub(crate) gates: Gates,
     /// The data folder, if there is one.
     pub(crate) journal: Option<Arc<Journal>>,
+}
+
+impl Services {
+    /// What counts for a client, and how much of it there may be.
+    pub(crate) fn account(&self, client: ClientIdentity) -> Account {
+        let most = self.config.client_bytes();
+        Account { client, most }
+    }
 }
 
 /// Everything that a new session starts from.

@@ -1,6 +1,7 @@
 //! What one client may have of a server.
 
-use signorini_proto::v1 as wire;
+use signorini_proto::array;
+use signorini_proto::v1::{self as wire, surface_service_client::SurfaceServiceClient};
 use signorini_server::Config;
 use tonic::{Code, Status};
 use tonic_types::StatusExt as _;
@@ -54,6 +55,66 @@ async fn sessions_of_one_client_hold_no_more_than_they_may() {
     for name in made {
         let request = wire::DeleteSessionRequest { name };
         server.sessions().delete_session(request).await.unwrap();
+    }
+    create(&server, &block).await.unwrap();
+}
+
+/// A tool of triangles that is like no other.
+fn tetrahedron(height: f64) -> Vec<wire::UploadSurfaceRequest> {
+    use wire::upload_surface_request::Part;
+    let header = wire::SurfaceHeader {
+        vertex_count: 4,
+        facet_count: 4,
+        ..Default::default()
+    };
+    let chunk = |array: wire::SurfaceArray, data| {
+        Part::Chunk(wire::SurfaceChunk {
+            array: array.into(),
+            offset_elements: 0,
+            data,
+        })
+    };
+    let corners = [0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0., height];
+    let facets = [0_i32, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3];
+    let parts = [
+        Part::Header(header),
+        chunk(wire::SurfaceArray::Coordinates, array::encode(&corners)),
+        chunk(wire::SurfaceArray::Facets, array::encode(&facets)),
+    ];
+    parts
+        .map(|part| wire::UploadSurfaceRequest { part: Some(part) })
+        .into()
+}
+
+#[tokio::test]
+async fn tools_and_sessions_of_one_client_count_together() {
+    let (server, block) = (Server::start().await, Block::new(1));
+    server.upload(&block).await;
+    let session = create(&server, &block).await.unwrap();
+    let bytes = server.describe(&session).await.memory_bytes;
+    drop(server);
+    let config = Config {
+        maximum_client_bytes: 2 * u64::try_from(bytes).unwrap(),
+        ..Config::embedded()
+    };
+    let server = Server::with(config).await;
+    server.upload(&block).await;
+    let mut tools = SurfaceServiceClient::new(server.channel.clone());
+    let mut sent = Vec::new();
+    let refused = loop {
+        let parts = tokio_stream::iter(tetrahedron(1.0 + sent.len() as f64));
+        match tools.upload_surface(parts).await {
+            Ok(made) => sent.push(made.into_inner().surface.unwrap().name),
+            Err(refused) => break refused,
+        }
+        assert!(sent.len() < 2000);
+    };
+    asks_to_come_again(&refused, "MEMORY_BUDGET");
+    let refused = create(&server, &block).await.unwrap_err();
+    asks_to_come_again(&refused, "MEMORY_BUDGET");
+    for name in sent {
+        let request = wire::DeleteSurfaceRequest { name };
+        tools.delete_surface(request).await.unwrap();
     }
     create(&server, &block).await.unwrap();
 }

@@ -1,6 +1,7 @@
 //! Who may do what: roles, owners, transport security, and all of it changing while the server runs.
 
 mod owners;
+mod product;
 mod reload;
 mod roles;
 mod transport;

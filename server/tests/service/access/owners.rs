@@ -26,7 +26,7 @@ async fn three(test: &str, config: Config) -> (Server, Tokens, [Client; 3]) {
 }
 
 /// Why a method refuses the resource `name`, if it does.
-async fn refusal(client: &Client, path: &str, name: &str) -> Option<String> {
+pub(super) async fn refusal(client: &Client, path: &str, name: &str) -> Option<String> {
     // The name is the first field of all these requests.
     let request = wire::GetSessionRequest { name: name.into() };
     let answer = client.first::<_, ()>(path, request).await;
@@ -60,6 +60,8 @@ async fn sessions_and_meshes_of_another_client_are_not_there() {
         "CancelStep",
         "ReadStep",
         "ExportState",
+        "SaveState",
+        "RestoreState",
         "DeleteSession",
     ] {
         let path = format!("/signorini.v1.SessionService/{method}");

@@ -109,7 +109,11 @@ async fn a_hangup_of_a_server_that_has_nothing_to_reload_is_told_and_ends_nothin
         };
         assert!(send("-HUP").success());
         let mut lines = BufReader::new(process.stderr.take().unwrap()).lines();
-        let told = lines.find(|line| line.as_ref().unwrap().contains("nothing to reload"));
+        let told = lines.find(|line| {
+            line.as_ref()
+                .unwrap()
+                .contains("the level of the log stays")
+        });
         assert!(told.unwrap().unwrap().contains(why));
         server
             .sessions()

@@ -69,7 +69,7 @@ async fn a_refusal_for_want_of_a_role_and_a_cancel_in_a_stream_are_told_by_name(
 }
 
 /// Methods of the contract, and of reflection.
-fn methods() -> Vec<(String, Role)> {
+pub(super) fn methods() -> Vec<(String, Role)> {
     let mut all = vec![(REFLECTION.to_owned(), Role::Read)];
     for file in FileDescriptorSet::decode(FILE_DESCRIPTOR_SET).unwrap().file {
         for service in &file.service {
@@ -87,7 +87,7 @@ fn methods() -> Vec<(String, Role)> {
 }
 
 /// How a call with an empty message is refused for its role; other refusals are none.
-async fn refused(client: &Client, path: &str) -> Option<String> {
+pub(super) async fn refused(client: &Client, path: &str) -> Option<String> {
     let status = client.first::<(), ()>(path, ()).await.err()?;
     let of_role = [Code::Unauthenticated, Code::PermissionDenied];
     of_role.contains(&status.code()).then(|| reason(&status))

@@ -10,13 +10,13 @@ use super::{Client, Tokens, soon};
 use crate::common::{Server, page, sample};
 
 /// An authority that signs for a test.
-struct Authority {
+pub(super) struct Authority {
     issuer: Issuer<'static, KeyPair>,
-    pem: String,
+    pub(super) pem: String,
 }
 
 impl Authority {
-    fn new(name: &str) -> Self {
+    pub(super) fn new(name: &str) -> Self {
         let mut params = CertificateParams::default();
         params.is_ca = IsCa::Ca(BasicConstraints::Constrained(0));
         params.distinguished_name.push(DnType::CommonName, name);
@@ -27,7 +27,7 @@ impl Authority {
     }
 
     /// Certificate and key; good until the end of `year`.
-    fn sign(&self, name: &str, year: i32) -> (String, String) {
+    pub(super) fn sign(&self, name: &str, year: i32) -> (String, String) {
         let mut params = CertificateParams::new(vec!["localhost".to_owned()]).unwrap();
         params.distinguished_name = rcgen::DistinguishedName::new();
         params.distinguished_name.push(DnType::CommonName, name);
@@ -39,18 +39,18 @@ impl Authority {
     }
 
     /// Puts a server's certificate into `folder`.
-    fn serve(&self, folder: &Path) {
+    pub(super) fn serve(&self, folder: &Path) {
         let (certificate, key) = self.sign("server", 4000);
         std::fs::write(folder.join("server.key"), key).unwrap();
         std::fs::write(folder.join("server.pem"), certificate).unwrap();
     }
 }
 
-fn text(path: PathBuf) -> String {
+pub(super) fn text(path: PathBuf) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-fn config(tokens: &Tokens) -> Config {
+pub(super) fn config(tokens: &Tokens) -> Config {
     Config {
         listen: "0.0.0.0:0".to_owned(),
         tls_certificate: text(tokens.folder().join("server.pem")),

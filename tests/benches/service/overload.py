@@ -1,0 +1,182 @@
+#!/usr/bin/env python3
+"""Four times the work that a server can do: how soon it refuses, how much it still does, and whether it forgets any.
+
+usage: overload.py --signorini PROGRAM [--log FILE] [--rounds 10] [--seconds 60] [--times 4]
+
+The capacity is what sixteen sessions do that always have a few updates waiting, measured before the rounds and once more
+after them. In a round they send --times as many by the clock, whatever is answered; at a refusal they go on with the update
+that was refused, as the contract says. Beside them a client asks for sessions beyond the limit. The server has a data
+folder and is killed and started again after the rounds: every update that was accepted has to be answered once, in order.
+"""
+import threading
+import time
+
+import grpc
+
+import common
+from common import Block, Client, Rejected, Server, milliseconds, row
+
+SESSIONS = 16
+SETTINGS = {"maximum_in_flight": 8, "retained_results": 4096, "maximum_sessions": SESSIONS, "session_ttl_seconds": 86400}
+
+
+class Sender:
+    """One session on one connection."""
+
+    def __init__(self, server, number, name=None):
+        self.client = Client(server.address, server.tokens["load"])
+        self.name = name or self.client.create(Block(4).scene(), session_id=f"load-{number}")
+        self.sent = self.answered = self.refused = 0
+        self.at, self.refusals, self.faults = {}, [], []
+
+    def attach(self, **opening):
+        self.stream = self.client.solve(self.name, **opening)
+        self.reading = threading.Thread(target=self.read, daemon=True)
+        self.reading.start()
+
+    def read(self):
+        """Results have to come in order; a refusal takes the sequence back."""
+        try:
+            for answer in self.stream.call:
+                kind = answer.WhichOneof("message")
+                if kind == "step_finished":
+                    self.take(answer.step_finished)
+                elif kind == "update_rejected":
+                    self.take_back(answer.update_rejected)
+        except grpc.RpcError as error:
+            self.faults.append(error.code().name)
+
+    def take(self, result):
+        if result.sequence != self.answered + 1 or result.report.termination != 1:
+            self.faults.append(f"{result.sequence} after {self.answered}")
+        self.answered = result.sequence
+
+    def take_back(self, rejected):
+        self.refusals.append(time.perf_counter() - self.at.pop(rejected.sequence, time.perf_counter()))
+        self.refused += 1
+        # What was sent behind it is refused, too.
+        self.sent = min(self.sent, rejected.sequence - 1)
+
+    def send(self):
+        self.sent += 1
+        self.at[self.sent] = time.perf_counter()
+        self.stream.step(self.sent, 0.01 + 0.001 * (self.sent % 10))
+
+    def keep_busy(self, end):
+        """A few updates wait at any time."""
+        while time.monotonic() < end:
+            while self.sent - self.answered < 3:
+                self.send()
+            time.sleep(0.002)
+
+    def flood(self, end, interval):
+        """An update an interval, whatever is answered."""
+        due = time.monotonic()
+        while time.monotonic() < end:
+            self.send()
+            due += interval
+            time.sleep(max(0.0, due - time.monotonic()))
+
+    def settle(self):
+        """Waits until all that was accepted is answered."""
+        while True:
+            session = self.client.describe(self.name)
+            if session.last_finished_sequence == session.last_accepted_sequence == self.answered:
+                self.sent = self.answered
+                return
+            time.sleep(0.02)
+
+
+def all_at(senders, work):
+    """The same by all senders; updates a second that were answered while they did."""
+    before, begun = sum(one.answered for one in senders), time.monotonic()
+    threads = [threading.Thread(target=work, args=(one,)) for one in senders]
+    for one in threads:
+        one.start()
+    for one in threads:
+        one.join()
+    return (sum(one.answered for one in senders) - before) / (time.monotonic() - begun)
+
+
+def capacity(senders, seconds):
+    end = time.monotonic() + seconds
+    rate = all_at(senders, lambda one: one.keep_busy(end))
+    for one in senders:
+        one.settle()
+    return rate
+
+
+def beyond(server, ended, times, reasons):
+    """Asks for a session that the limit does not allow, twenty times a second."""
+    client, scene = Client(server.address, server.tokens["late"]), Block(1)
+    client.upload(scene)
+    while not ended.wait(0.05):
+        begun = time.perf_counter()
+        try:
+            client.create(scene.scene())
+            reasons.append("made")
+        except grpc.RpcError as error:
+            times.append(time.perf_counter() - begun)
+            reasons.append(error.code().name)
+
+
+def one_round(server, senders, capacity_found, seconds):
+    """The flood; what is told of it."""
+    ended, times, reasons = threading.Event(), [], []
+    late = threading.Thread(target=beyond, args=(server, ended, times, reasons))
+    late.start()
+    for one in senders:
+        one.refusals = []
+    end, interval = time.monotonic() + seconds, len(senders) / (common.given.times * capacity_found)
+    rate = all_at(senders, lambda one: one.flood(end, interval))
+    for one in senders:
+        one.settle()
+    ended.set()
+    late.join()
+    updates = [time for one in senders for time in one.refusals]
+    return {"goodput": rate, "updates": updates, "sessions": times, "made": reasons.count("made"), "memory": server.memory()}
+
+
+def check(server, senders):
+    """After a kill the server has every accepted update, once and in order."""
+    lost = sum(len(one.faults) for one in senders)
+    server.kill()
+    server.start()
+    for number, one in enumerate(senders):
+        again = Sender(server, number, one.name)
+        # Old results go; what is kept has to reach the last one without a gap.
+        again.answered = again.client.describe(one.name).first_retained_sequence - 1
+        again.attach(last_seen_event=0)
+        deadline = time.monotonic() + 60
+        while again.answered < one.answered and time.monotonic() < deadline:
+            time.sleep(0.02)
+        lost += one.answered - again.answered + len(again.faults)
+    return lost
+
+
+def main():
+    given = common.arguments(__doc__, rounds=10, seconds=60.0, times=4.0)
+    server = Server(clients=["load", "late"], data=True, **SETTINGS)
+    Client(server.address, server.tokens["load"]).upload(Block(4))
+    senders = [Sender(server, number) for number in range(SESSIONS)]
+    for one in senders:
+        one.attach()
+    capacity(senders, 5)
+    found = [capacity(senders, given.seconds / 2)]
+    rounds = common.logged("round")
+    for number in range(len(rounds), given.rounds):
+        rounds.append(one_round(server, senders, found[0], given.seconds))
+        common.log("round", number=number, **rounds[-1])
+    found.append(capacity(senders, given.seconds / 2))
+    able = sum(found) / 2
+    updates, sessions = ([t for one in rounds for t in one[key]] for key in ("updates", "sessions"))
+    good = sum(one["goodput"] for one in rounds) / len(rounds)
+    row("refusals of updates p99", "<= 20 ms", milliseconds(updates), common.percentile(updates, 0.99) <= 0.02)
+    row("refusals of sessions p99", "<= 20 ms", milliseconds(sessions), common.percentile(sessions, 0.99) <= 0.02)
+    row("goodput", ">= 90 % of capacity", f"{good:.1f}/s of {able:.1f}/s ({found[0]:.1f} before, {found[1]:.1f} after), {100 * good / able:.0f} %", good >= 0.9 * able)
+    lost = check(server, senders)
+    row("accepted updates that are lost, repeated or out of order", "0", f"{lost} of {sum(one.answered for one in senders)}", lost == 0)
+    common.finish()
+
+
+main()
