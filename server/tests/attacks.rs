@@ -175,7 +175,7 @@ async fn all_bad_clients_together_leave_memory_health_and_a_good_client() {
     let settings = format!("memory_budget_bytes = {BUDGET}\n");
     let process = Process::start(&folder("attacks"), &settings);
     let (_good, mut stream) = good(&process).await;
-    let mut health = HealthClient::new(process.connect().await.channel.clone());
+    let mut health = HealthClient::new(process.connect().await.channel);
     let _bad = attack(&process).await;
     let (begun, mut most, mut answered) = (Instant::now(), 0, 0);
     while begun.elapsed() < TIME {

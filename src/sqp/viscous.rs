@@ -135,10 +135,10 @@ impl Flow {
                     (Termination::NotConverged, Some(Cause::NoEquilibrium));
                 return Some(ending);
             }
-            if self.pull <= tolerance || self.pull <= EBB * self.tried {
-                if let Some(ending) = self.end(run, drive, tolerance) {
-                    return Some(ending);
-                }
+            let may_end = self.pull <= tolerance || self.pull <= EBB * self.tried;
+            let ended = may_end.then(|| self.end(run, drive, tolerance));
+            if let Some(ending) = ended.flatten() {
+                return Some(ending);
             }
         }
         None

@@ -182,7 +182,7 @@ async fn what_belongs_to_another_is_there_for_an_administrator_alone() {
         tool(&mine).await,
     ];
     let named = |kind: &str| {
-        let prefix = format!("{}", kind.to_lowercase());
+        let prefix = kind.to_lowercase();
         let begins = |name: &&String| name.starts_with(&prefix[..4]);
         names.iter().find(begins).unwrap().clone()
     };
