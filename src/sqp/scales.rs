@@ -68,7 +68,9 @@ pub(super) fn limit_volume_scale(run: &mut Run<'_>) {
 }
 
 /// Keeps the scales of gaps, and of volumes of rubber, to what their rounding is within the
-/// tolerance of: both are those of a body of length one.
+/// tolerance of: both are those of a body of length one. Those of volumes of a linear body
+/// that nothing loads are those of one at rest: what a tool leaves behind that has let go is
+/// nothing, and a program for it would only make it less.
 pub(super) fn raise_scales(model: &Model<'_>, state: &mut State, now: &Evaluation) {
     let least = ROUNDINGS * f64::EPSILON / model.tolerance;
     let (c, mut work) = (model.prepared.space.components, Workspace::new());
@@ -82,23 +84,28 @@ pub(super) fn raise_scales(model: &Model<'_>, state: &mut State, now: &Evaluatio
         square += dot(&moved, &moved);
     }
     state.scales.gap = state.scales.gap.max(least * square.sqrt());
-    if !model.is_rubber() {
-        return;
+    let volumes = match model.is_rubber() {
+        true => least / (model.prepared.space.vertices as f64).sqrt(),
+        false => at_rest(model, now),
+    };
+    state.scales.constraint = state.scales.constraint.max(volumes);
+}
+
+/// Norm of the forces, and of the changes of volume, of a body without load that is at rest:
+/// those of a stress of some [`LEAST_STRESS`] shear moduli.
+fn at_rest(model: &Model<'_>, now: &Evaluation) -> f64 {
+    let vertices = (model.prepared.space.vertices as f64).sqrt();
+    match now.load_norm > 0.0 {
+        true => 0.0,
+        false => LEAST_STRESS[usize::from(model.is_rubber())] / vertices,
     }
-    let volumes = (model.prepared.space.vertices as f64).sqrt();
-    state.scales.constraint = state.scales.constraint.max(least / volumes);
 }
 
 /// Norm of a force that stands for one where none at hand is larger: in a body without load a
 /// stress of some [`LEAST_STRESS`] shear moduli, and in any body one beside which the rounding
 /// of its displacements meets the tolerance.
 pub(super) fn least_force(model: &Model<'_>, state: &State, now: &Evaluation) -> f64 {
-    let vertices = (model.prepared.space.vertices as f64).sqrt();
-    let at_rest = match now.load_norm > 0.0 {
-        true => 0.0,
-        false => LEAST_STRESS[usize::from(model.is_rubber())] / vertices,
-    };
-    at_rest.max(rounding(model, state) / model.tolerance)
+    at_rest(model, now).max(rounding(model, state) / model.tolerance)
 }
 
 /// What rounding of displacements, and of rubber of lengths, leaves of the forces of a body:

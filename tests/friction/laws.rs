@@ -358,6 +358,24 @@ fn no_friction_in_a_step_is_the_frictionless_body() {
 }
 
 #[test]
+fn a_body_that_is_let_go_stays_at_rest_without_work() {
+    for friction in [0.0, 0.8] {
+        let steps = [
+            travel(2, [0.01, 0.0, -0.05]),
+            travel(12, [0.01, 0.0, 0.02]),
+            travel(20, [0.01, 0.0, 0.03]),
+        ];
+        let found = reports(&pressed_cube(friction), &steps, &mesh(cube(3)));
+        assert_eq!(found.len(), 34);
+        found.iter().for_each(assert_converged);
+        let programs = |report: &StepReport| report.sqp_iterations;
+        assert!(found[..12].iter().any(|report| programs(report) > 0));
+        assert_eq!(found[14..].iter().map(programs).sum::<u32>(), 0);
+        assert!(found[33].strain_energy < 1e-16);
+    }
+}
+
+#[test]
 fn friction_within_the_tolerance_is_none() {
     let mesh = mesh(cube(4));
     let steps = [
