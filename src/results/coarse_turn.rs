@@ -10,9 +10,10 @@
 //! symmetric matrix of four by four numbers holds half the angle (Horn, J. Opt. Soc. Am. A 4,
 //! 1987). Cost: a pass over the points of rough obstacles.
 
-use faer::{Mat, Side};
-
 use crate::geometry::vector3::{add, norm, scale, sub};
+use crate::linalg::DenseMatrix;
+use crate::linalg::eigen::symmetric;
+use crate::linalg::vector::dot;
 use crate::model::Model;
 use crate::model::state::State;
 use crate::report::{Warning, WarningKind};
@@ -87,12 +88,20 @@ fn angle_between(pairs: &[([f64; 3], [f64; 3])], dimension: usize) -> f64 {
         [axis(2, 0), along(0, 1), yy - xx - zz, along(1, 2)],
         [axis(0, 1), along(2, 0), along(1, 2), zz - xx - yy],
     ];
-    let matrix = Mat::from_fn(4, 4, |i, j| rows[i][j]);
-    let Ok(found) = matrix.self_adjoint_eigen(Side::Lower) else {
-        return 0.0; // Numbers that are not finite have an ending of their own.
+    let mut matrix = DenseMatrix::zeros(4, 4);
+    for (i, row) in rows.iter().enumerate() {
+        (0..4).for_each(|j| *matrix.at_mut(i, j) = row[j]);
+    }
+    // Numbers that are not finite have no directions, and an ending of their own.
+    let directions = symmetric(&matrix).unwrap_or_default();
+    let quotient = |q: &[f64]| {
+        let terms = rows.iter().zip(q).map(|(row, x)| x * dot(row, q));
+        terms.sum::<f64>()
     };
-    // Ascending: the last one is the largest.
-    2.0 * found.U()[(0, 3)].abs().min(1.0).acos()
+    let largest = directions
+        .iter()
+        .max_by(|a, b| quotient(a).total_cmp(&quotient(b)));
+    largest.map_or(0.0, |q| 2.0 * q[0].abs().min(1.0).acos())
 }
 
 #[cfg(test)]
