@@ -69,7 +69,7 @@ pub(super) fn limit_volume_scale(run: &mut Run<'_>) {
 
 /// Keeps the scales of gaps, and of volumes of rubber, to what their rounding is within the
 /// tolerance of: both are those of a body of length one. Those of volumes of a linear body
-/// that nothing loads are those of one at rest: what a tool leaves behind that has let go is
+/// that nothing acts on are those of one at rest: what a tool leaves behind that has let go is
 /// nothing, and a program for it would only make it less.
 pub(super) fn raise_scales(model: &Model<'_>, state: &mut State, now: &Evaluation) {
     let least = ROUNDINGS * f64::EPSILON / model.tolerance;
@@ -86,9 +86,16 @@ pub(super) fn raise_scales(model: &Model<'_>, state: &mut State, now: &Evaluatio
     state.scales.gap = state.scales.gap.max(least * square.sqrt());
     let volumes = match model.is_rubber() {
         true => least / (model.prepared.space.vertices as f64).sqrt(),
-        false => at_rest(model, now),
+        false if is_left_alone(state, now) => at_rest(model, now),
+        false => 0.0,
     };
     state.scales.constraint = state.scales.constraint.max(volumes);
+}
+
+/// Whether nothing acts on the body: no load, no support that has moved and no obstacle.
+fn is_left_alone(state: &State, now: &Evaluation) -> bool {
+    let is_driven = now.load_norm > 0.0 || state.drive.moves_supports();
+    !is_driven && !touches(state) && now.gap_norm(state) == 0.0
 }
 
 /// Norm of the forces, and of the changes of volume, of a body without load that is at rest:
