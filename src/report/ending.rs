@@ -77,6 +77,18 @@ pub enum Cause {
 }
 
 impl Cause {
+    /// Whether it may be the method's alone: nothing that the body has been seen to do.
+    pub(crate) fn is_numerical(self) -> bool {
+        matches!(
+            self,
+            Self::Stagnation
+                | Self::IterationLimit
+                | Self::ActiveSetCycle
+                | Self::IndefiniteTangent
+                | Self::LineSearch
+        )
+    }
+
     /// All, in the order in which they are listed.
     pub const ALL: [Self; 13] = [
         Self::Stagnation,

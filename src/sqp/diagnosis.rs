@@ -30,16 +30,7 @@ pub(crate) const NEARLY: f64 = 0.5;
 
 /// Names what the Krylov method could only notice as stagnation.
 pub(crate) fn explain(run: &mut Run<'_>, ending: &mut Ending) {
-    let stuck = matches!(
-        ending.cause,
-        Some(
-            Cause::Stagnation
-                | Cause::IterationLimit
-                | Cause::LineSearch
-                | Cause::ActiveSetCycle
-                | Cause::IndefiniteTangent
-        )
-    );
+    let stuck = ending.cause.is_some_and(Cause::is_numerical);
     // A factor moves the body where iterations would stagnate.
     let is_forced = run.by_factor && ending.cause == Some(Cause::NegativeJacobian);
     // What slides off without end leaves all numbers.

@@ -83,18 +83,8 @@ fn retry(rungs: &[Fallback]) -> Retry {
 
 /// Whether a program was not solved and that was the end.
 fn is_failure_of_the_method(run: &Run<'_>, ending: &Ending) -> bool {
-    let is_numerical = matches!(
-        ending.cause,
-        Some(
-            Cause::Stagnation
-                | Cause::IterationLimit
-                | Cause::ActiveSetCycle
-                | Cause::IndefiniteTangent
-                | Cause::LineSearch
-                | Cause::LimitPoint
-                | Cause::CoarseContact
-        )
-    );
+    let is_numerical = ending.cause.is_some_and(Cause::is_numerical)
+        || matches!(ending.cause, Some(Cause::LimitPoint | Cause::CoarseContact));
     // That obstacles close a volume is read from contact everywhere, which may not be.
     let pressure = run.model.prepared.pressure.as_ref();
     let is_guessed = ending.cause == Some(Cause::EnclosedVolume)

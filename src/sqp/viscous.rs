@@ -58,17 +58,9 @@ pub(super) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
 
 /// Whether an ending may be that of the method alone.
 fn is_for(run: &Run<'_>, ending: &Ending) -> bool {
-    let is_numerical = matches!(
-        ending.cause,
-        Some(
-            Cause::Stagnation
-                | Cause::IterationLimit
-                | Cause::ActiveSetCycle
-                | Cause::LineSearch
-                | Cause::IndefiniteTangent
-                | Cause::NotFinite
-        )
-    );
+    // What is thrown away leaves all numbers.
+    let is_numerical =
+        ending.cause == Some(Cause::NotFinite) || ending.cause.is_some_and(Cause::is_numerical);
     // A factor has no place for the pull, nor does a fall.
     let has_place = !run.by_factor
         && run.model.plan.programs == Programs::AsPlanned

@@ -5,9 +5,9 @@
 //! ```
 //!
 //! H an approximation of the compliance C A^-1 C^T, A what is closed at the present state:
-//! pressures, and tractions, as if they stuck: points that
-//! slip apart under a press stick, most of them, once the tool is pushed aside, and too stiff is
-//! learnt better than nothing at all. Cost: a factor of H_AA.
+//! pressures,
+//! and tractions, as if they stuck: points that slip apart under a press stick, most of them,
+//! once the tool is pushed aside, and too stiff is learnt better than nothing at all. Cost: a factor of H_AA.
 
 use super::rigid::gap_changes;
 use crate::linalg::vector::dot;
