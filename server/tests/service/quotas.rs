@@ -60,7 +60,7 @@ async fn sessions_of_one_client_hold_no_more_than_they_may() {
 }
 
 /// A tool of triangles that is like no other.
-fn tetrahedron(height: f64) -> Vec<wire::UploadSurfaceRequest> {
+pub(crate) fn tetrahedron(height: f64) -> Vec<wire::UploadSurfaceRequest> {
     use wire::upload_surface_request::Part;
     let header = wire::SurfaceHeader {
         vertex_count: 4,

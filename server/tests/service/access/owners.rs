@@ -1,5 +1,6 @@
 //! What belongs to one client is not there for another.
 
+use super::product::NAMING;
 use prost::Message;
 use signorini_proto::v1 as wire;
 use signorini_server::{Config, Role};
@@ -54,16 +55,8 @@ async fn sessions_and_meshes_of_another_client_are_not_there() {
     let block = Block::new(1);
     let mesh = mine.upload(&block).await.unwrap().mesh.unwrap().name;
     let session = mine.create(&block, "mine-1").await.unwrap();
-    for method in [
-        "GetSession",
-        "Watch",
-        "CancelStep",
-        "ReadStep",
-        "ExportState",
-        "SaveState",
-        "RestoreState",
-        "DeleteSession",
-    ] {
+    let (_, _, methods) = NAMING[0];
+    for &method in methods {
         let path = format!("/signorini.v1.SessionService/{method}");
         let said = refusal(&others, &path, &session).await;
         assert_eq!(said.as_deref(), Some("SESSION_NOT_FOUND"), "{method}");

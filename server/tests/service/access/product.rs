@@ -1,6 +1,7 @@
 //! Every method, with every role, on every way that does not let in; and with what belongs to
 //! another client.
 
+use crate::quotas::tetrahedron;
 use signorini_proto::v1 as wire;
 use signorini_server::{Config, Role};
 use tonic::transport::{Certificate, Channel, ClientTlsConfig, Endpoint, Identity};
@@ -109,7 +110,7 @@ async fn every_method_is_closed_to_every_role_on_every_wrong_way() {
 }
 
 /// Methods that name what belongs to a client: by its kind, the reason where it is not there.
-const NAMING: [(&str, &str, &[&str]); 3] = [
+pub(super) const NAMING: [(&str, &str, &[&str]); 3] = [
     (
         "Session",
         "SESSION_NOT_FOUND",
@@ -138,33 +139,8 @@ const NAMING: [(&str, &str, &[&str]); 3] = [
 
 /// A tool of triangles; its name.
 async fn tool(client: &Client) -> String {
-    use wire::upload_surface_request::Part;
-    let header = wire::SurfaceHeader {
-        vertex_count: 4,
-        facet_count: 4,
-        ..Default::default()
-    };
-    let chunk = |array: wire::SurfaceArray, data| {
-        Part::Chunk(wire::SurfaceChunk {
-            array: array.into(),
-            offset_elements: 0,
-            data,
-        })
-    };
-    let corners = [0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0., 1.];
-    let facets = [0_i32, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3];
-    let encode = signorini_proto::array::encode::<f64>;
-    let parts = [
-        Part::Header(header),
-        chunk(wire::SurfaceArray::Coordinates, encode(&corners)),
-        chunk(
-            wire::SurfaceArray::Facets,
-            signorini_proto::array::encode(&facets),
-        ),
-    ];
-    let messages = parts.map(|part| wire::UploadSurfaceRequest { part: Some(part) });
     let path = "/signorini.v1.SurfaceService/UploadSurface";
-    let made = client.call(path, messages.to_vec()).await;
+    let made = client.call(path, tetrahedron(1.0)).await;
     let made: Option<wire::UploadSurfaceResponse> = made.unwrap().message().await.unwrap();
     made.unwrap().surface.unwrap().name
 }
