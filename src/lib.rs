@@ -98,6 +98,7 @@
 //! | quadratic program of an SQP iteration | `QuadraticProgram` | `sqp::program` |
 //! | recycled Krylov directions | `Directions` | `krylov::gcr` |
 //! | recovery from a failed solve, solver fall-back | `ladder` | `sqp::ladder` |
+//! | response at the contact surface, static condensation, superelement | `Response` | `sqp::response` |
 //! | rigid predictor, co-rotated start | `RigidPredictor` | `sqp::rigid_predictor` |
 //! | static condensation on the multiplier | `Condensed` | `inequality::condensed` |
 //! | true surface, middles of second-order edges | `EdgeOffset`, `CurvedFace` | `mesh`, `contact` |
@@ -164,6 +165,7 @@
 #![doc = include_str!("decisions/0043-earlier-directions-stay.md")]
 #![doc = include_str!("decisions/0044-values-of-other-codes.md")]
 #![doc = include_str!("decisions/0045-motions-of-the-mesh.md")]
+#![doc = include_str!("decisions/0046-response-at-the-surface.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

@@ -9,6 +9,8 @@
 //! may be touched finer grids follow, each a quarter of the last. Cost: 45 distances a face in
 //! space, 17 in the plane, and as many again for each finer grid.
 
+use rayon::prelude::*;
+
 use super::counterpart::Counterpart;
 use super::deformed::{Deformed, Table};
 use super::face::ContactFace;
@@ -16,6 +18,9 @@ use super::surface::ContactSurface;
 use crate::element::quadrature::Rule;
 use crate::obstacle::What;
 
+/// What a finer grid may find nearer than the first one, over the size of a face: no point of
+/// a face of usual shape is farther from the first grid.
+const REACH: f64 = 0.25;
 /// Intervals of the grid on a face in space.
 const IN_SPACE: u32 = 8;
 /// Intervals on a face in the plane.
@@ -33,13 +38,15 @@ pub fn nearest<C: Counterpart + ?Sized>(
         ..*body
     };
     let numbers = least(&sampled, (surface, &surface.faces), counterpart);
-    let faces = surface.faces.iter().zip(numbers.chunks_exact(2));
+    let nearest = numbers.iter().step_by(2).copied();
+    let nearest = nearest.fold(f64::INFINITY, f64::min).max(0.0);
+    let faces = surface.faces.par_iter().zip(numbers.par_chunks_exact(2));
     let refined = faces.map(|(face, number)| {
-        let reach = face
+        let size = face
             .flat_area
             .powf(1.0 / (body.space.components as f64 - 1.0));
         let best = rule.points[number[1] as usize];
-        match number[0] < reach {
+        match number[0] < nearest + REACH * size {
             true => refined(body, (surface, face), counterpart, (number[0], best)),
             false => number[0],
         }

@@ -20,7 +20,7 @@ pub mod one_level;
 pub mod qp;
 
 pub use augmentation::Augmentation;
-pub use factorised::{Factorised, Inertia, MOST_FACES, Matrices, inertia};
+pub use factorised::{BodyFactor, Factorised, Inertia, MOST_FACES, Matrices, inertia};
 pub use one_level::OneLevel;
 pub use qp::{
     BlockIterate, QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets,

@@ -7,6 +7,8 @@
 //! a zero on its diagonal behind rows that it is coupled to. What the factor takes is
 //! known from the pattern, before any number is touched.
 
+use std::sync::Arc;
+
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
@@ -23,15 +25,15 @@ use super::{FactoriseError, Workspace};
 /// The pattern of a factor and what it takes.
 #[derive(Debug)]
 pub struct IndefinitePattern {
-    symbolic: SymbolicCholesky<u32>,
+    symbolic: Arc<SymbolicCholesky<u32>>,
     /// Floating-point operations of the factor's numbers.
     pub flops: f64,
 }
 
 /// A factor that solves.
 #[derive(Debug)]
-pub struct SparseIndefinite<'p> {
-    symbolic: &'p SymbolicCholesky<u32>,
+pub struct SparseIndefinite {
+    symbolic: Arc<SymbolicCholesky<u32>>,
     values: Vec<f64>,
     below: Vec<f64>,
     forward: Vec<u32>,
@@ -63,7 +65,7 @@ impl IndefinitePattern {
         .map_err(|_| FactoriseError::OutOfMemory)?;
         Ok(Self {
             flops: flops(&symbolic),
-            symbolic,
+            symbolic: Arc::new(symbolic),
         })
     }
 
@@ -77,7 +79,7 @@ impl IndefinitePattern {
     /// # Errors
     /// [`FactoriseError`] when memory is short or a number is not finite, as behind a
     /// pivot of zero.
-    pub fn factorise(&self, matrix: &LowerColumns) -> Result<SparseIndefinite<'_>, FactoriseError> {
+    pub fn factorise(&self, matrix: &LowerColumns) -> Result<SparseIndefinite, FactoriseError> {
         let (symbolic, size) = (&self.symbolic, matrix.size());
         let mut values = Vec::new();
         values
@@ -88,7 +90,7 @@ impl IndefinitePattern {
             symbolic.factorize_numeric_intranode_lblt_scratch::<f64>(Par::Seq, Default::default());
         let mut memory = MemBuffer::try_new(scratch).map_err(|_| FactoriseError::OutOfMemory)?;
         let mut factor = SparseIndefinite {
-            symbolic,
+            symbolic: symbolic.clone(),
             values,
             below: vec![0.0; size],
             forward: vec![0; size],
@@ -132,7 +134,7 @@ fn flops(symbolic: &SymbolicCholesky<u32>) -> f64 {
     sum
 }
 
-impl SparseIndefinite<'_> {
+impl SparseIndefinite {
     /// Number of negative eigenvalues of the matrix, which are those of B (Sylvester's law
     /// of inertia). Cost: a pass over the pivots.
     pub fn negative_eigenvalues(&self) -> usize {
@@ -161,16 +163,22 @@ impl SparseIndefinite<'_> {
         negative
     }
 
-    /// Solves `A x = b` in place.
+    /// Bytes held by the values.
+    pub fn bytes(&self) -> u64 {
+        (8 * (self.values.len() + 2 * self.below.len())) as u64
+    }
+
+    /// Solves `A X = B` in place for right-hand sides one after the other `[count, size]`.
     pub fn solve(&self, x: &mut [f64], work: &mut Workspace) {
         let size = self.forward.len();
-        let scratch = self.symbolic.solve_in_place_scratch::<f64>(1, Par::Seq);
+        let count = x.len() / size.max(1);
+        let scratch = self.symbolic.solve_in_place_scratch::<f64>(count, Par::Seq);
         let mut memory = work.memory(scratch.unaligned_bytes_required());
         let pivots = PermRef::new_checked(&self.forward, &self.inverse, size);
-        IntranodeLbltRef::<u32, f64>::new(self.symbolic, &self.values, &self.below, pivots)
+        IntranodeLbltRef::<u32, f64>::new(&self.symbolic, &self.values, &self.below, pivots)
             .solve_in_place_with_conj(
                 Conj::No,
-                MatMut::from_column_major_slice_mut(x, size, 1),
+                MatMut::from_column_major_slice_mut(x, size, count),
                 Par::Seq,
                 MemStack::new_any(&mut memory),
             );

@@ -72,6 +72,23 @@ pub(crate) fn evaluate(
     out
 }
 
+/// Gaps and coupling at a state.
+pub(crate) fn evaluate_contact(model: &Model<'_>, state: &State) -> Evaluation {
+    let mut out = Evaluation::default();
+    add_contact(model, state, &mut out);
+    out
+}
+
+/// Residuals of a state without contact pressure, gaps left out.
+pub(crate) fn evaluate_body(model: &Model<'_>, state: &State, work: &mut Workspace) -> Evaluation {
+    let mut out = Evaluation {
+        coupling: SparseRows::default(),
+        ..Evaluation::default()
+    };
+    add_body(model, state, &mut out, work);
+    out
+}
+
 /// Adds the residuals of force and volume to gaps and coupling.
 fn add_body(model: &Model<'_>, state: &State, out: &mut Evaluation, work: &mut Workspace) {
     let held = &model.prepared.held;
@@ -80,7 +97,7 @@ fn add_body(model: &Model<'_>, state: &State, out: &mut Evaluation, work: &mut W
     out.load_norm = norm(&force);
     let inside = internal(model, state, work);
     add_scaled(&mut force, -1.0, &inside.force);
-    if !state.multiplier.is_empty() {
+    if out.coupling.rows() > 0 {
         let mut contact = work.scratch(force.len());
         out.coupling
             .apply_transposed(&state.multiplier, &mut contact, work);

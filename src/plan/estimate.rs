@@ -66,6 +66,9 @@ pub(super) fn factor(dimension: usize, vertices: u64) -> (f64, f64) {
 /// nothing can interrupt it.
 pub(crate) const MOST_FACTOR_FLOPS: f64 = 2e10;
 
+/// Floating-point operations of the largest factor of a body whose response is kept.
+pub(crate) const MOST_RESPONSE_FLOPS: f64 = 2e11;
+
 /// Bytes of the factor of the assembled saddle point and flops to make it: those of a
 /// factor on all P2 nodes.
 pub(super) fn saddle_factor(dimension: usize, unknowns: Unknowns) -> (f64, f64) {
@@ -120,6 +123,7 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
         + edge_block
         + 200 * vertices
         + plan.rubber_bytes(vertices)
+        + plan.predicted_response_bytes()
 }
 
 /// Applications of the displacement preconditioner to reach the tolerance.

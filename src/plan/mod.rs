@@ -17,6 +17,7 @@ pub(crate) mod held;
 pub(crate) mod p1;
 mod push;
 mod report;
+pub(crate) mod response;
 pub(crate) mod rubber;
 pub(crate) mod saddle;
 pub(crate) mod second_attempt;
@@ -41,6 +42,7 @@ use contact::ContactSizes;
 use held::{conflicts, held_unknowns};
 use p1::P1Sizes;
 pub use report::{LeftOut, PlanEntry, PlanReport};
+use response::ResponseChoice;
 use saddle::{Demand, SaddleChoice, SaddleNeeds};
 use second_attempt::Programs;
 use settings::Settings;
@@ -109,6 +111,8 @@ pub struct Plan {
     pub(crate) curved_edges: usize,
     /// Whether programs are solved by that method, or by a factor of the whole.
     pub(crate) programs: Programs,
+    /// From which step on the body is solved by its response at the contact surface.
+    pub(crate) response: ResponseChoice,
     /// Sentences about what the caller should know, for reports of the plan.
     pub(crate) warnings: Vec<String>,
 }
@@ -177,7 +181,7 @@ impl Plan {
             (&resolved, &obstacles),
             (mesh, &units),
         ));
-        Ok(Self {
+        let mut plan = Self {
             curved_edges: mesh.edge_offsets().len(),
             warnings: mesh.warnings().iter().cloned().chain(own).collect(),
             units,
@@ -199,6 +203,7 @@ impl Plan {
             p1,
             saddle,
             programs: Programs::AsPlanned,
+            response: ResponseChoice::default(),
             stability: stability::choose(
                 (scene.solver.stability.named(), tangential > 0),
                 estimate::saddle_factor(units.dimension, unknowns).1,
@@ -207,7 +212,12 @@ impl Plan {
             scene: scene.clone(),
             resolved,
             obstacles,
-        })
+        };
+        plan.response = response::choose(&plan).map_err(|message| {
+            let path = "solver.response".to_owned();
+            SceneError::Unsupported(Violation { path, message })
+        })?;
+        Ok(plan)
     }
 
     /// Facets of the surfaces that carry multipliers, in their order: those that may

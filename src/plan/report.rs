@@ -114,6 +114,9 @@ impl Plan {
             push("contact", self.contact.describe(), &self.contact.reason);
             self.push_surface(&mut push);
         }
+        if let Some((words, reason)) = self.response_in_words() {
+            push("response", words, reason);
+        }
         if let Some(rungs) = self.second_attempt() {
             push(
                 "second_attempt",

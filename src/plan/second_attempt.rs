@@ -59,10 +59,13 @@ impl Plan {
 
     /// Whether the scene leaves all methods to the plan.
     fn leaves_methods_open(&self) -> bool {
+        self.element == ElementKind::TaylorHood && !self.has_friction() && self.names_no_method()
+    }
+
+    /// Whether the scene names no method of linear systems or contact.
+    pub(super) fn names_no_method(&self) -> bool {
         let options = &self.scene.solver;
-        self.element == ElementKind::TaylorHood
-            && !self.has_friction()
-            && options.contact.named().is_none()
+        options.contact.named().is_none()
             && options.contact_metric.named().is_none()
             && options.saddle.named().is_none()
             && options.p1_solver.named().is_none()

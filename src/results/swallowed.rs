@@ -182,11 +182,8 @@ fn position(model: &Model<'_>, state: &State, (cell, at): (usize, &[f64; 4])) ->
 
 /// Largest distance of a corner of a cell from its middle, deformed.
 fn size(model: &Model<'_>, state: &State, (cell, middle): (usize, [f64; 3])) -> f64 {
-    let corners = 0..model.prepared.geometry.vertices;
-    let distances = corners.map(|corner| {
-        let mut at = [0.0; 4];
-        at[corner] = 1.0;
-        let place = position(model, state, (cell, &at));
+    let distances = model.mesh.cell(cell).iter().map(|&corner| {
+        let place = model.place(corner as usize, &state.displacement);
         let squares = place.iter().zip(middle).map(|(a, b)| (a - b).powi(2));
         squares.sum::<f64>().sqrt()
     });

@@ -2,7 +2,7 @@
 
 use super::choices::{
     Choice, ContactMethod, ContactSpace, DisplacementMethod, ElementKind, ErrorEstimate,
-    MetricKind, OnInstability, P1Solver, SaddleMethod, StabilityCheck,
+    MetricKind, OnInstability, P1Solver, ResponseMethod, SaddleMethod, StabilityCheck,
 };
 
 /// How far the residuals are reduced.
@@ -49,6 +49,8 @@ pub struct SolverOptions {
     pub stability: Choice<StabilityCheck>,
     /// What follows where an equilibrium of rubber is a saddle, or is lost.
     pub on_instability: Choice<OnInstability>,
+    /// How a linear body answers the motion of its obstacles.
+    pub response: Choice<ResponseMethod>,
     /// Weight of a grad-div term in the displacement block, in units of the shear
     /// modulus; for incompressible materials. `None`: none. Of rubber: of the volume
     /// change that the pressure does not see; `None`: where an equilibrium is lost.
@@ -74,6 +76,7 @@ impl Default for SolverOptions {
             contact_space: Choice::Auto,
             stability: Choice::Auto,
             on_instability: Choice::Auto,
+            response: Choice::Auto,
             penalty: None,
             verify: false,
         }

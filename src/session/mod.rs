@@ -143,7 +143,7 @@ impl Session {
     pub fn restore(&mut self, bytes: &[u8]) -> Result<(), CheckpointError> {
         let checkpoint = Checkpoint::decode(self.plan(), bytes, Rounding::Same)?;
         self.take_up(checkpoint);
-        self.learned = Learned::nothing(self.body.plan());
+        self.learned.forget(self.body.plan());
         self.previous = None;
         Ok(())
     }
@@ -185,7 +185,7 @@ impl Session {
     /// [`Session::resume_step`]. After a panic inside [`Session::advance`],
     /// [`Session::take_back`] first. Cost: two copies of the state.
     pub fn export(&mut self) -> Vec<u8> {
-        self.learned = Learned::nothing(self.body.plan());
+        self.learned.forget(self.body.plan());
         self.previous = None;
         let checkpoint = Checkpoint {
             state: self.state.clone(),
@@ -309,7 +309,7 @@ impl Session {
             false => Drive::first_target(plan),
         };
         self.begun = None;
-        self.learned = Learned::nothing(plan);
+        self.learned.forget(plan);
     }
 
     /// Undoes the last increment, if it is not undone yet, and stops its step.

@@ -8,6 +8,7 @@
 
 use super::predictor;
 use super::program::{QuadraticProgram, Step};
+use super::response;
 use super::run::Run;
 use super::scales::{
     forget_scales, least_force, limit_gap_scale, limit_volume_scale, raise_scales, touches,
@@ -137,9 +138,10 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
     };
     limit_gap_scale(run.state, &now);
     raise_scales(&run.model, run.state, &now);
+    let first_force = first_force.max(least_force(&run.model, run.state, &now));
     Iterate {
-        first_force: first_force.max(least_force(&run.model, run.state, &now)),
-        now,
+        now: response::solve(run, (&now, first_force)).unwrap_or(now),
+        first_force,
         reduction: FIRST_REDUCTION,
         least: f64::INFINITY,
         idle: 0,

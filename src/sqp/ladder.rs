@@ -14,7 +14,6 @@ use std::sync::Arc;
 
 use super::approach::approach;
 use super::enclosure::is_full;
-use super::learned::Learned;
 use super::run::{Retry, Run};
 use super::rung::Rung;
 use super::watch::Watch;
@@ -48,7 +47,7 @@ pub(crate) fn climb(run: &mut Run<'_>, goal: &Drive, start: &State) -> (Ending, 
     while !rungs.is_empty() {
         let rung = Arc::new(Rung::new(&run.model, rungs.remove(0)));
         run.state.clone_from(start);
-        *run.learned = Learned::nothing(run.model.plan);
+        run.learned.forget(run.model.plan);
         run.counters.failed_programs = 0;
         let next = approach_on(run, &rung, (goal, retry(&rungs)));
         if next.0.termination == Termination::Converged {

@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::lowest_mode::LowestMode;
 use super::preconditioner_refresh::PreconditionerRefresh;
 use super::push_stiffness::PushStiffness;
+use super::response::kept::Known;
 use super::rung::Rung;
 use super::saddle_layout::SaddleLayout;
 use super::trend::Trend;
@@ -37,6 +38,8 @@ pub(crate) struct Learned {
     pub(crate) rung: Option<Arc<Rung>>,
     /// How stiff the body is under the obstacles that are pushed; none before the first push.
     pub(crate) under_pushes: Option<PushStiffness>,
+    /// How the body of a linear scene responds at its contact surface.
+    pub(crate) response: Known,
 }
 
 impl Learned {
@@ -51,7 +54,18 @@ impl Learned {
             layout: None,
             rung: None,
             under_pushes: None,
+            response: Known::Nothing,
         }
+    }
+
+    /// Forgets what later bits depend on; what is a function of the body alone stays.
+    pub(crate) fn forget(&mut self, plan: &Plan) {
+        let (layout, response) = (self.layout.take(), std::mem::take(&mut self.response));
+        *self = Self {
+            layout,
+            response,
+            ..Self::nothing(plan)
+        };
     }
 
     /// What the saddle point is assembled and ordered by, made when first asked for.
@@ -69,5 +83,6 @@ impl Learned {
             + self.linearised.bytes()
             + self.layout.as_ref().map_or(0, |layout| layout.bytes())
             + self.rung.as_ref().map_or(0, |rung| rung.bytes())
+            + self.response.bytes()
     }
 }

@@ -15,6 +15,7 @@
 //! | [`balance`] | the poses of pushed obstacles: [`push_stiffness`] |
 //! | [`accuracy`] | how far residuals are reduced |
 //! | [`increment`] | programs until the four criteria hold: [`predictor`], [`program`], [`search`], [`verdict`], measured by [`scales`] |
+//! | [`response`] | linear bodies whose response at the contact surface is known: a small problem instead of programs |
 //! | [`viscous`] | a body that contact alone holds, brought to rest slowly where programs throw it away |
 //! | [`certificate`] | whether the equilibrium is a minimum |
 //! | [`descent`] | down the energy where an equilibrium is lost |
@@ -47,6 +48,7 @@ mod preconditioner_refresh;
 mod predictor;
 pub(crate) mod program;
 mod push_stiffness;
+mod response;
 mod rigid_predictor;
 pub(crate) mod run;
 mod rung;

@@ -11,6 +11,7 @@ mod grids;
 mod inf_sup;
 mod passing;
 mod pushed;
+mod response;
 mod rotated_surfaces;
 mod second_attempt;
 mod tools;

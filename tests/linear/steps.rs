@@ -325,7 +325,7 @@ fn a_step_that_changes_nothing_takes_no_iterations() {
 }
 
 #[test]
-fn twenty_obstacle_updates_factorise_once() {
+fn twenty_obstacle_updates_factorise_the_body_once_and_its_response_once() {
     let (scene, _) = hertz_sphere(0.5);
     let mut session = open(&scene, &file("indent_l1"));
     let mut factorisations = Vec::new();
@@ -337,7 +337,8 @@ fn twenty_obstacle_updates_factorise_once() {
         }
     }
     assert_eq!(factorisations[0], 1);
-    assert!(factorisations.len() == 20 && factorisations[1..].iter().all(|&count| count == 0));
+    factorisations.retain(|&count| count > 0);
+    assert_eq!(factorisations, [1, 1]);
 }
 
 #[test]

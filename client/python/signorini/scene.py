@@ -367,6 +367,7 @@ class Solver(Part):
     contact_space: str | None = None
     stability: str | None = None
     on_instability: str | None = None
+    response: str | None = None
     penalty: float | str | None = None
     error_estimate: str | None = None
 

@@ -260,6 +260,7 @@ const SOLVER: &[&str] = &[
     "contact_space",
     "stability",
     "on_instability",
+    "response",
     "penalty",
     "error_estimate",
 ];
@@ -283,6 +284,7 @@ pub(super) fn solver(scene: &Keys<'_>) -> Option<v1::SolverOptions> {
         contact_space: method("contact_space"),
         stability: method("stability"),
         on_instability: method("on_instability"),
+        response: method("response"),
         penalty: keys.text_or("penalty", "auto", Keys::number),
         verify: false,
         error_estimate: method("error_estimate"),

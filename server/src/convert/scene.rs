@@ -286,6 +286,7 @@ fn solver(message: wire::SolverOptions, faults: &mut Faults) -> SolverOptions {
         contact_space: method(&message.contact_space, "contact_space", faults),
         stability: method(&message.stability, "stability", faults),
         on_instability: method(&message.on_instability, "on_instability", faults),
+        response: method(&message.response, "response", faults),
         quadrature_degree: message.quadrature_degree.map(|degree| {
             // The library's range check names a negative degree as zero.
             u32::try_from(degree).unwrap_or(0)

@@ -26,7 +26,7 @@ const ROUNDING: f64 = 1e-8;
 /// Number of real eigenvalues that W, `skew`, takes through zero, `factor` being that of H
 /// on a face; none where W has too many rows.
 pub(super) fn crossings(
-    (system, factor): (&System, &SparseIndefinite<'_>),
+    (system, factor): (&System, &SparseIndefinite),
     skew: &SparseRows,
     work: &mut Workspace,
 ) -> Option<usize> {

@@ -88,7 +88,7 @@ impl LinearOperator for FaceOperator<'_> {
     }
 }
 
-impl Preconditioner for SparseIndefinite<'_> {
+impl Preconditioner for SparseIndefinite {
     fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace) {
         z.copy_from_slice(r);
         self.solve(z, work);
@@ -199,7 +199,7 @@ impl Faces<'_, '_> {
     /// application of the displacement preconditioner.
     fn see_constraint(
         &self,
-        (factor, r): (&SparseIndefinite<'_>, &[f64]),
+        (factor, r): (&SparseIndefinite, &[f64]),
         iterate: &QpIterate,
         (scales, work): (&mut QpScales, &mut Workspace),
     ) {

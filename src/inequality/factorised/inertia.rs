@@ -87,7 +87,7 @@ pub fn inertia(
 /// factor whose eigenvalues, moved by `shift`, are all above zero.
 fn softest(
     system: &System,
-    (factor, shift, bound): (&SparseIndefinite<'_>, f64, f64),
+    (factor, shift, bound): (&SparseIndefinite, f64, f64),
     start: &[f64],
     work: &mut Workspace,
 ) -> Vec<f64> {

@@ -13,6 +13,7 @@
 //! of cells makes it fail, only size: entries of the factor grow as n^1.4 in space, and a
 //! face costs one factor. Sets: lines and half lines.
 
+mod body;
 mod circulation;
 mod face;
 mod inertia;
@@ -28,6 +29,7 @@ use crate::krylov::Outcome;
 use crate::linalg::Workspace;
 use crate::linalg::vector::{add_scaled, norm};
 use crate::saddle::Status;
+pub use body::BodyFactor;
 pub use inertia::{Inertia, inertia};
 use rule::Rule;
 pub use system::Matrices;

@@ -85,7 +85,7 @@ impl System {
     }
 
     /// Number of negative eigenvalues of a factor beyond those of constraints.
-    pub(super) fn unstable(&self, factor: &SparseIndefinite<'_>) -> usize {
+    pub(super) fn unstable(&self, factor: &SparseIndefinite) -> usize {
         let constraints = self.scale.len() - self.displacements;
         factor.negative_eigenvalues().saturating_sub(constraints)
     }
@@ -95,7 +95,7 @@ impl System {
     /// # Errors
     /// [`QpStatus::TooLarge`] where memory is short, [`QpStatus::IndefiniteMetric`] for a
     /// singular matrix.
-    pub(super) fn factor(&self, face: &[Status]) -> Result<SparseIndefinite<'_>, QpStatus> {
+    pub(super) fn factor(&self, face: &[Status]) -> Result<SparseIndefinite, QpStatus> {
         self.shifted_factor(face, 0.0)
     }
 
@@ -107,7 +107,7 @@ impl System {
         &self,
         face: &[Status],
         shift: f64,
-    ) -> Result<SparseIndefinite<'_>, QpStatus> {
+    ) -> Result<SparseIndefinite, QpStatus> {
         let mut matrix = self.matrix.clone();
         for column in 0..self.displacements {
             // The diagonal is the first entry of its column.

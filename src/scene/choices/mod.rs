@@ -9,6 +9,7 @@ mod displacement;
 mod element;
 mod estimate;
 mod p1;
+mod response;
 mod saddle;
 mod stability;
 
@@ -17,6 +18,7 @@ pub use displacement::DisplacementMethod;
 pub use element::ElementKind;
 pub use estimate::ErrorEstimate;
 pub use p1::P1Solver;
+pub use response::ResponseMethod;
 pub use saddle::SaddleMethod;
 pub use stability::{OnInstability, StabilityCheck};
 

@@ -330,6 +330,7 @@ impl Canonical {
             contact_space,
             stability,
             on_instability,
+            response,
             penalty,
             verify,
         } = solver;
@@ -351,6 +352,10 @@ impl Canonical {
             on_instability.name(),
         ];
         methods.into_iter().for_each(|method| self.text(method));
+        // Said only where it is asked for: checkpoints from before it was there keep their digest.
+        if response.named().is_some() {
+            self.text(response.name());
+        }
         self.optional(quadrature_degree.map(f64::from));
         self.optional(*penalty);
         self.text(if *verify { "verify" } else { "" });

@@ -131,6 +131,9 @@ pub(crate) const NAMES: [SceneCase; 13] = [
     ("solver.on_instability", 256, |scene, n| {
         solver(scene).on_instability = word(n)
     }),
+    ("solver.response", 256, |scene, n| {
+        solver(scene).response = word(n)
+    }),
     ("solver.contact_metric", 256, |scene, n| {
         solver(scene).contact_metric = word(n)
     }),

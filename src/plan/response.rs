@@ -1,0 +1,133 @@
+//! From which step on a linear body is solved by its response at the contact surface
+//! (decision 46): from the first one where the scene asks for it, else where a session has
+//! taken so many steps that what it saves has paid for the factor, if that is small.
+
+use super::{Plan, estimate};
+use crate::scene::{ElementKind, ResponseMethod};
+
+/// Bytes of the largest response that is made unasked.
+const MOST_UNASKED: f64 = 6.4e7;
+/// Estimated operations a second that factor and columns take: 104 + 243 Gflop in 11.9 s on
+/// 40 602 unknowns, 0.6 + 1.1 in 0.11 s on 3286.
+const RATE: f64 = 2.5e10;
+/// Seconds of an application of the displacement preconditioner for each unknown.
+const APPLICATION: f64 = 2e-7;
+/// Applications of an update.
+const APPLICATIONS: f64 = 13.0;
+/// Share of the surface that presses.
+const PRESSED: f64 = 1.0 / 3.0;
+
+/// The choice.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct ResponseChoice {
+    /// The first step that is; none where none is.
+    pub(crate) from: Option<u32>,
+    /// Why.
+    pub(super) reason: String,
+}
+
+impl ResponseChoice {
+    /// The choice that is none, and why.
+    fn none(reason: impl Into<String>) -> Self {
+        Self {
+            from: None,
+            reason: reason.into(),
+        }
+    }
+}
+
+/// The choice that the scene names, or the one that its size asks for.
+///
+/// # Errors
+/// Why a scene that asks for it has none.
+pub(super) fn choose(plan: &Plan) -> Result<ResponseChoice, String> {
+    let asked = plan.scene.solver.response.named();
+    match (asked, hindrance(plan)) {
+        (Some(ResponseMethod::Iterative), _) => Ok(ResponseChoice::none("asked for")),
+        (Some(ResponseMethod::Condensed), Some(hindrance)) => Err(hindrance),
+        (Some(ResponseMethod::Condensed), None) => Ok(ResponseChoice {
+            from: Some(1),
+            reason: "asked for".into(),
+        }),
+        (None, Some(hindrance)) => Ok(ResponseChoice::none(hindrance)),
+        (None, None) if plan.response_bytes() > MOST_UNASKED => Ok(ResponseChoice::none(format!(
+            "factor and columns may take {:.1} GB",
+            1e-9 * plan.response_bytes()
+        ))),
+        (None, None) => Ok(ResponseChoice {
+            from: Some(1 + paid_after(plan)),
+            reason: "what it saves has paid for its factor by then".into(),
+        }),
+    }
+}
+
+/// Steps after which what is saved has paid for factor and columns.
+fn paid_after(plan: &Plan) -> u32 {
+    let (bytes, flops) = plan.factor_of_body();
+    // Two operations an entry in each of two triangles.
+    let columns = 0.5 * bytes * PRESSED * plan.surface_unknowns();
+    let unknowns = (plan.unknowns.displacement + plan.unknowns.pressure) as f64;
+    ((flops + columns) / RATE / (APPLICATIONS * APPLICATION * unknowns)).ceil() as u32
+}
+
+impl Plan {
+    /// Bytes of the factor of the body and operations to make it.
+    fn factor_of_body(&self) -> (f64, f64) {
+        estimate::saddle_factor(self.units.dimension, self.unknowns)
+    }
+
+    /// Unknowns of the surface at most: as many nodes as multipliers.
+    fn surface_unknowns(&self) -> f64 {
+        (self.units.dimension as u64 * self.unknowns.contact) as f64
+    }
+
+    /// Bytes of factor and columns at most.
+    fn response_bytes(&self) -> f64 {
+        self.factor_of_body().0 + 8.0 * self.surface_unknowns().powi(2)
+    }
+
+    /// The response in words: from which step on.
+    pub(super) fn response_in_words(&self) -> Option<(String, &str)> {
+        let from = self.response.from?;
+        let words = match from {
+            1 => "condensed on the contact surface".to_owned(),
+            _ => format!("condensed on the contact surface from step {from} on"),
+        };
+        Some((words, &self.response.reason))
+    }
+
+    /// Bytes that the response may take in a session.
+    pub(super) fn predicted_response_bytes(&self) -> u64 {
+        match self.response.from {
+            Some(_) => self.response_bytes() as u64,
+            None => 0,
+        }
+    }
+}
+
+/// Why a body has no response that could be kept; none where it has one.
+fn hindrance(plan: &Plan) -> Option<String> {
+    let reasons = [
+        (plan.normal_multipliers() == 0, "no obstacle"),
+        (
+            plan.element != ElementKind::TaylorHood,
+            "the element is another",
+        ),
+        (plan.resolved.is_rubber(), "the body is not linear"),
+        (plan.has_friction(), "friction depends on the way"),
+        (plan.is_floating(), "supports leave rigid modes"),
+        (
+            !plan.resolved.pressures.is_empty(),
+            "pressures follow the body",
+        ),
+        (plan.penalty() > 0.0, "a penalty was asked for"),
+        (!plan.names_no_method(), "another method was asked for"),
+    ];
+    let reason = reasons.into_iter().find(|(hinders, _)| *hinders);
+    let flops = plan.factor_of_body().1;
+    let is_dear = flops > estimate::MOST_RESPONSE_FLOPS;
+    let [flops, most] = [flops, estimate::MOST_RESPONSE_FLOPS].map(|flops| 1e-9 * flops);
+    let dear = || format!("the factor takes {flops:.0} Gflop, above {most:.0}");
+    let reason = reason.map(|(_, reason)| reason.to_owned());
+    reason.or_else(|| is_dear.then(dear))
+}

@@ -1,0 +1,250 @@
+//! Contact on the surface alone, by dense cone problems with frozen normals:
+//!
+//! ```text
+//! l' = argmin 1/2 x.H x + (g - C G q).x over the set,   H = C G C^T,   q' = C^T l',   u' = u0 - G q'
+//! ```
+//!
+//! with gap g and coupling C at u = u0 - G q. Multipliers that neither press nor would be
+//! negative take no part. It ends where `C(u')^T l'` is q' and the gaps hold, both well within the
+//! tolerance.
+
+use rayon::prelude::*;
+
+use super::columns::Columns;
+use super::kept::Free;
+use crate::inequality::{BodyFactor, dense_cone};
+use crate::linalg::vector::norm;
+use crate::linalg::{DenseMatrix, LinearOperator, SparseRows, Workspace};
+use crate::model::evaluate::{Evaluation, evaluate_contact};
+use crate::model::state::State;
+use crate::saddle::{AdmissibleSet, ProductSet, SetPart, Status};
+use crate::sqp::run::Run;
+
+/// Problems at most.
+const MOST: usize = 30;
+/// Share of the tolerance that is left to what follows.
+const SHARE: f64 = 0.5;
+
+/// Contact on the surface of a body.
+pub(super) struct SurfaceProblem<'a> {
+    /// G.
+    pub(super) columns: &'a mut Columns,
+    /// K.
+    pub(super) factor: &'a BodyFactor,
+    /// u0.
+    pub(super) free: &'a Free,
+}
+
+/// Where the problems have come to.
+struct Iterate {
+    /// Displacement, of which only the surface is true, multipliers and statuses.
+    state: State,
+    /// q, the contact load `[displacement]`.
+    load: Vec<f64>,
+    /// Gaps and coupling there.
+    now: Evaluation,
+}
+
+impl SurfaceProblem<'_> {
+    /// Sets multipliers and statuses of the run's state; the contact load on free rows
+    /// `[displacement]`. None where the problems do not end, or are stopped.
+    pub(super) fn solve(mut self, run: &mut Run<'_>) -> Option<Vec<f64>> {
+        let mut at = self.start(run)?;
+        for _ in 0..MOST {
+            let load = pressing(&at, &mut run.work);
+            if holds(run, &at, &load) {
+                run.state.multiplier = at.state.multiplier;
+                run.state.status = at.state.status;
+                return Some(load);
+            }
+            run.counters.set_changes += u32::from(self.improve(run, &mut at)?);
+        }
+        None
+    }
+
+    /// The multipliers of the state, pressing along the normals of where they press now.
+    fn start(&mut self, run: &mut Run<'_>) -> Option<Iterate> {
+        let state = run.state.clone();
+        let now = evaluate_contact(&run.model, &state);
+        let mut at = Iterate {
+            load: Vec::new(),
+            state,
+            now,
+        };
+        at.load = pressing(&at, &mut run.work);
+        self.move_surface(run, &mut at)?;
+        Some(at)
+    }
+
+    /// Moves the surface to where the load brings it.
+    fn move_surface(&mut self, run: &Run<'_>, at: &mut Iterate) -> Option<()> {
+        let pressed: Vec<usize> = self.pressed(&at.load);
+        self.ask_for(run, &pressed)?;
+        let load: Vec<f64> = pressed
+            .iter()
+            .map(|&place| at.load[self.columns.unknowns[place] as usize])
+            .collect();
+        let mut surface: Vec<f64> = (self.columns.unknowns.iter())
+            .map(|&unknown| self.free.displacement[unknown as usize])
+            .collect();
+        self.columns
+            .subtract_product((&pressed, &load), &mut surface);
+        for (&unknown, value) in self.columns.unknowns.iter().zip(surface) {
+            at.state.displacement[unknown as usize] = value;
+        }
+        at.now = evaluate_contact(&run.model, &at.state);
+        Some(())
+    }
+
+    /// Makes columns known; none where that is stopped.
+    fn ask_for(&mut self, run: &Run<'_>, places: &[usize]) -> Option<()> {
+        let stopped = || run.stopped().is_some();
+        self.columns.ask_for(places, self.factor, &stopped)
+    }
+
+    /// Places where a load presses.
+    fn pressed(&self, load: &[f64]) -> Vec<usize> {
+        let places = self.columns.unknowns.iter().enumerate();
+        let places = places.filter(|(_, unknown)| load[**unknown as usize] != 0.0);
+        places.map(|(place, _)| place).collect()
+    }
+
+    /// One problem; whether the set has changed. None where it has no solution.
+    fn improve(&mut self, run: &mut Run<'_>, at: &mut Iterate) -> Option<bool> {
+        let taking_part = taking_part(at);
+        let rows = Rows::new(&at.now.coupling, &taking_part, self.columns);
+        self.ask_for(run, &rows.places)?;
+        let matrix = rows.compliance(&self.columns.part(&rows.places));
+        let linear = self.linear_term(at, &taking_part);
+        let sets = sets(&at.now, &taking_part);
+        let own = |values: &[f64]| -> Vec<f64> { taking_part.iter().map(|&i| values[i]).collect() };
+        let status: Vec<Status> = taking_part.iter().map(|&i| at.state.status[i]).collect();
+        let near = (&status[..], &own(&at.state.multiplier)[..]);
+        let solution = dense_cone::solve(&matrix, &linear, ProductSet::Parts(&sets), near).ok()?;
+        let before = at.state.status.clone();
+        at.state.multiplier.fill(0.0);
+        at.state.status.fill(Status::Open);
+        for (place, &index) in taking_part.iter().enumerate() {
+            at.state.multiplier[index] = solution.values[place];
+            at.state.status[index] = solution.status[place];
+        }
+        at.load = pressing(at, &mut run.work);
+        self.move_surface(run, at)?;
+        Some(before != at.state.status)
+    }
+
+    /// g - C G q of those that take part.
+    fn linear_term(&self, at: &Iterate, taking_part: &[usize]) -> Vec<f64> {
+        let free = &self.free.displacement;
+        let moved = |(columns, values): (&[u32], &[f64])| -> f64 {
+            let entries = columns.iter().zip(values);
+            let way =
+                |&column: &u32| free[column as usize] - at.state.displacement[column as usize];
+            entries.map(|(column, value)| value * way(column)).sum()
+        };
+        let gaps = taking_part.iter();
+        gaps.map(|&i| at.now.gap[i] - moved(at.now.coupling.row(i)))
+            .collect()
+    }
+}
+
+/// C(u)^T l, the load of the multipliers along the normals there `[displacement]`.
+fn pressing(at: &Iterate, work: &mut Workspace) -> Vec<f64> {
+    let mut load = vec![0.0; at.state.displacement.len()];
+    let coupling = &at.now.coupling;
+    coupling.apply_transposed(&at.state.multiplier, &mut load, work);
+    load
+}
+
+/// Whether the load that moved the surface is the one that presses there, and the gaps hold.
+fn holds(run: &Run<'_>, at: &Iterate, pressing: &[f64]) -> bool {
+    let wrong = pressing.iter().zip(&at.load).map(|(a, b)| (a - b).powi(2));
+    let bound = SHARE * run.model.tolerance;
+    wrong.sum::<f64>().sqrt() <= bound * norm(&at.load)
+        && at.now.gap_norm(&at.state) <= bound * run.state.scales.gap
+}
+
+/// Multipliers that press, that would be negative, or that hold both ways.
+fn taking_part(at: &Iterate) -> Vec<usize> {
+    let mut first = 0;
+    let mut all = Vec::new();
+    for part in &at.now.sets {
+        let is_free = matches!(part.set, AdmissibleSet::Free);
+        all.extend(
+            (first..first + part.size)
+                .filter(|&i| is_free || at.state.status[i].is_closed() || at.now.gap[i] < 0.0),
+        );
+        first += part.size;
+    }
+    all
+}
+
+/// Their sets.
+fn sets(now: &Evaluation, taking_part: &[usize]) -> Vec<SetPart<'static>> {
+    let mut first = 0;
+    let parts = now.sets.iter().map(|part| {
+        let own = first..first + part.size;
+        first = own.end;
+        SetPart {
+            size: taking_part.iter().filter(|&i| own.contains(i)).count(),
+            set: part.set,
+        }
+    });
+    parts.collect()
+}
+
+/// Rows of C that take part, on the places that they see.
+struct Rows {
+    /// Places on the surface that any row sees, ascending.
+    places: Vec<usize>,
+    /// Entries of each row, counted among those places.
+    rows: Vec<Vec<(usize, f64)>>,
+}
+
+impl Rows {
+    fn new(coupling: &SparseRows, taking_part: &[usize], columns: &Columns) -> Self {
+        let row = |&index: &usize| {
+            let (unknowns, values) = coupling.row(index);
+            let entries = unknowns.iter().zip(values);
+            let placed = |(&unknown, &value)| Some((columns.place(unknown)?, value));
+            entries.filter_map(placed).collect::<Vec<(usize, f64)>>()
+        };
+        let mut rows: Vec<Vec<(usize, f64)>> = taking_part.iter().map(row).collect();
+        let mut places: Vec<usize> = rows.iter().flatten().map(|&(place, _)| place).collect();
+        places.sort_unstable();
+        places.dedup();
+        let mut among = vec![0; columns.unknowns.len()];
+        for (index, &place) in places.iter().enumerate() {
+            among[place] = index;
+        }
+        let entries = rows.iter_mut().flatten();
+        entries.for_each(|(place, _)| *place = among[*place]);
+        Self { places, rows }
+    }
+
+    /// C G C^T, from G at the places, column by column.
+    fn compliance(&self, response: &[Vec<f64>]) -> DenseMatrix {
+        let column = |row: &Vec<(usize, f64)>| {
+            let mut moved = vec![0.0; self.places.len()];
+            for &(place, value) in row {
+                let column = response[place].iter();
+                let entries = moved.iter_mut().zip(column);
+                entries.for_each(|(y, g)| *y += value * g);
+            }
+            let others = self.rows.iter();
+            let entry = |other: &Vec<(usize, f64)>| -> f64 {
+                other
+                    .iter()
+                    .map(|&(place, value)| value * moved[place])
+                    .sum()
+            };
+            others.map(entry).collect::<Vec<f64>>()
+        };
+        let columns: Vec<Vec<f64>> = self.rows.par_iter().map(column).collect();
+        let mut matrix = DenseMatrix::zeros(self.rows.len(), self.rows.len());
+        for (j, column) in columns.iter().enumerate() {
+            matrix.column_mut(j).copy_from_slice(column);
+        }
+        matrix
+    }
+}
