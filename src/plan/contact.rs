@@ -9,6 +9,10 @@ use crate::scene::{ContactMethod, MetricKind, Named, SolverOptions, Violation};
 
 /// Bytes of dense matrices that a metric may take.
 const MOST_DENSE: f64 = 1.5e9;
+/// Bytes of a metric, its part on a face and that part's factor, for each pair of rows.
+const OWN_BYTES: f64 = 24.0;
+/// Bytes of the inverse of A11 on the candidates beside its factor, for each pair of unknowns.
+const INVERSE_BYTES: f64 = 16.0;
 /// Candidates of the largest fractional metric, whose cost grows fastest.
 const MOST_FRACTIONAL: u64 = 4000;
 /// Flops of the largest factor made for a compliance. At 37 168 vertices and 2208
@@ -43,11 +47,27 @@ pub(crate) struct ContactSizes {
     pub(crate) needs_one_level: bool,
     /// Whether tractions of friction are among the multipliers.
     pub(crate) is_rough: bool,
+    /// Vertices that the compliance knows where these are not all.
+    pub(crate) known: Option<u64>,
 }
 
 impl ContactSizes {
+    /// How many vertices the compliance may know where it cannot know all; none where it can,
+    /// and with friction, whose tractions are asked for by entries.
+    pub(crate) fn vertices_to_know(self) -> Option<usize> {
+        let is_large = self.dense_bytes(MetricKind::Compliance) > MOST_DENSE;
+        (is_large && !self.is_rough).then(|| {
+            let each = OWN_BYTES + INVERSE_BYTES * (self.dimension as f64).powi(2);
+            (MOST_DENSE / each).sqrt() as usize
+        })
+    }
+
     /// Bytes of the dense matrices of a metric at their peak.
     pub(crate) fn dense_bytes(self, metric: MetricKind) -> f64 {
+        if let (Some(known), MetricKind::Compliance) = (self.known, metric) {
+            let side = self.dimension as f64;
+            return (OWN_BYTES + INVERSE_BYTES * side * side) * (known as f64).powi(2);
+        }
         let square = |n: u64| (n as f64).powi(2);
         // The metric, its part on a face and that part's factor; quadratic multipliers
         // without friction have theirs on the vertices.
@@ -56,10 +76,10 @@ impl ContactSizes {
             MetricKind::Compliance if is_split => self.vertices,
             MetricKind::Compliance | MetricKind::Mass | MetricKind::Fractional => self.multipliers,
         };
-        let own = 24.0 * square(rows);
+        let own = OWN_BYTES * square(rows);
         match metric {
             // And the inverse of A11 on the candidates beside its factor.
-            MetricKind::Compliance => own + 16.0 * square(self.dimension * self.vertices),
+            MetricKind::Compliance => own + INVERSE_BYTES * square(self.dimension * self.vertices),
             MetricKind::Mass | MetricKind::Fractional => own,
         }
     }
@@ -107,7 +127,13 @@ pub(crate) fn choose(
         return Ok(ContactChoice {
             method,
             metric,
-            reason: reason(asked, asked_metric),
+            reason: match sizes.known {
+                Some(known) => format!(
+                    "{}; the compliance knows the {known} vertices nearest to the tools",
+                    reason(asked, asked_metric)
+                ),
+                None => reason(asked, asked_metric),
+            },
         });
     }
     let cost = format!(
@@ -215,6 +241,7 @@ mod tests {
             factor_flops: 1e10,
             needs_one_level: false,
             is_rough: false,
+            known: None,
         }
     }
 

@@ -14,6 +14,7 @@ pub(crate) mod element;
 pub(crate) mod estimate;
 mod friction;
 pub(crate) mod held;
+mod near;
 pub(crate) mod p1;
 mod push;
 mod report;
@@ -159,10 +160,26 @@ impl Plan {
                 || tangential > 0
                 || !matches!(element, ElementKind::TaylorHood),
             is_rough: tangential > 0,
+            known: None,
+        };
+        let known = match sizes.vertices_to_know() {
+            None => None,
+            Some(most) => {
+                let patches = resolved
+                    .supports
+                    .iter()
+                    .flat_map(|support| &support.patches);
+                let guided = surfaces::vertices_of(mesh, patches);
+                near::near((mesh, &units), (&obstacles, steps), &guided, most)
+            }
+        };
+        let sizes = ContactSizes {
+            known: known.as_ref().map(|vertices| vertices.len() as u64),
+            ..sizes
         };
         let contact = contact::choose(&scene.solver, sizes).map_err(SceneError::Unsupported)?;
         let contact_vertices = match contact.metric {
-            MetricKind::Compliance => surfaces.vertices,
+            MetricKind::Compliance => known.unwrap_or(surfaces.vertices),
             MetricKind::Mass | MetricKind::Fractional => Vec::new(),
         };
         let sizes = P1Sizes {

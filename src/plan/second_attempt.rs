@@ -80,6 +80,7 @@ impl Plan {
             factor_flops: 0.0,
             needs_one_level: false,
             is_rough: self.has_friction(),
+            known: None,
         }
     }
 

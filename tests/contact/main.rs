@@ -9,6 +9,7 @@ mod critical_pressure;
 mod families;
 mod grids;
 mod inf_sup;
+mod large_surface;
 mod passing;
 mod pushed;
 mod response;
