@@ -99,7 +99,7 @@ pub(crate) const LISTS: [SceneCase; 14] = [
     }),
 ];
 
-pub(crate) const NAMES: [SceneCase; 13] = [
+pub(crate) const NAMES: [SceneCase; 14] = [
     ("name", 256, |scene, n| scene.name = word(n)),
     ("material", 256, |scene, n| {
         scene.materials[0].group = word(n)
