@@ -119,8 +119,8 @@ pub struct Config {
     pub heartbeat_seconds: u64,
     /// Seconds that a shutdown waits for running steps to stop; at most 2 592 000.
     pub drain_seconds: u64,
-    /// Data folder: sessions, their updates and results, and meshes outlive the server
-    /// in it; empty: nothing does.
+    /// Data folder: sessions, their updates and results, meshes and tools outlive the
+    /// server in it; empty: nothing does.
     pub data: String,
     /// Bytes of results and imported states in the data folder, beyond which the oldest go, but for those
     /// that a session needs; 0: no limit.

@@ -15,7 +15,7 @@ use tokio::time::Instant;
 use crate::access::Caller;
 use crate::client_name::ClientName;
 use crate::config::Config;
-use crate::convert::step;
+use crate::convert::{step, surface};
 use crate::fault::Fault;
 use crate::journal::{Change, JournalError, Listed};
 use crate::metrics::Metrics;
@@ -50,6 +50,8 @@ struct Directory {
 struct Sleeper {
     /// As lists show it.
     described: wire::Session,
+    /// Names of its tools' surfaces.
+    surfaces: Vec<String>,
     ttl: Duration,
     since: Instant,
     is_waking: bool,
@@ -82,7 +84,7 @@ impl Directory {
         let request = request.unwrap_or_default();
         let owner = wake::owner(listed);
         if !request.request_id.is_empty() {
-            let request = (owner, request.request_id);
+            let request = (owner, request.request_id.clone());
             self.requests.insert(request, name.clone());
         }
         if let Some(owner) = owner {
@@ -91,6 +93,11 @@ impl Directory {
         let ttl = step::duration(request.ttl.as_ref(), "ttl");
         let sleeper = Sleeper {
             described: wake::described(&name, listed),
+            surfaces: request
+                .scene
+                .as_ref()
+                .map(surface::names)
+                .unwrap_or_default(),
             ttl: ttl.ok().flatten().unwrap_or_else(|| config.ttl()),
             since: Instant::now(),
             is_waking: false,
@@ -337,6 +344,13 @@ impl Registry {
         let inner = self.lock();
         let on = |one: &&Sleeper| one.described.mesh == name;
         inner.asleep.values().filter(on).count()
+    }
+
+    /// Sessions that only the data folder has and whose tools need the surface `name`.
+    pub(crate) fn asleep_with(&self, name: &str) -> usize {
+        let inner = self.lock();
+        let with = |one: &&Sleeper| one.surfaces.iter().any(|one| one == name);
+        inner.asleep.values().filter(with).count()
     }
 
     /// Forgets those whose time to live has passed; nobody called for them.

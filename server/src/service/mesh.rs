@@ -384,7 +384,7 @@ fn build(
     let invalid = |error: signorini::MeshError| Fault::MeshInvalid(error.to_string());
     let (parts, offsets) = upload.finish()?;
     let write =
-        |journal: &Journal| journal.write_part(|put| convert::to_file(&parts, &offsets, put));
+        |journal: &Journal| journal.write_mesh(|put| convert::to_file(&parts, &offsets, put));
     let part = journal.map(write).transpose();
     let part = part.map_err(planning::unwritable)?;
     let mesh = Mesh::second_order(parts, offsets).map_err(invalid)?;
