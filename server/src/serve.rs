@@ -28,7 +28,7 @@ use crate::access::{self, Access, AccessError, Authorize, CallRates, Certificate
 use crate::calls::{CountCalls, Methods};
 use crate::compute::SolverThreads;
 use crate::config::{Config, ConfigError};
-use crate::gates::{GateMessages, Gates};
+use crate::gates::{GateMessages, Gates, WINDOW_BYTES};
 use crate::journal::{Journal, JournalError};
 use crate::limits::MESSAGE_BYTES;
 use crate::listen::{ListenError, Listener, Socket};
@@ -50,7 +50,6 @@ type GuardedRouter = Router<
     Stack<GateMessages, Stack<Authorize, Stack<CountCalls, Stack<IdentifyCalls, Identity>>>>,
 >;
 
-const STREAM_WINDOW_BYTES: u32 = 1 << 20;
 const CONNECTION_WINDOW_BYTES: u32 = 4 << 20;
 /// Of one connection: a gateway may bring every watcher of a busy server.
 const STREAMS_PER_CONNECTION: u32 = 4096;
@@ -278,7 +277,7 @@ async fn router(
             metrics: Arc::clone(&services.metrics),
         })
         .layer(GateMessages(Arc::clone(&services.gates.decode)))
-        .initial_stream_window_size(STREAM_WINDOW_BYTES)
+        .initial_stream_window_size(WINDOW_BYTES)
         .initial_connection_window_size(CONNECTION_WINDOW_BYTES)
         .max_concurrent_streams(STREAMS_PER_CONNECTION)
         .http2_keepalive_interval(Some(KEEPALIVE))
