@@ -29,6 +29,7 @@ use crate::calls::{CountCalls, Methods};
 use crate::compute::SolverThreads;
 use crate::config::{Config, ConfigError};
 use crate::gates::{GateMessages, Gates, WINDOW_BYTES};
+use crate::hangup::Hangups;
 use crate::journal::{Journal, JournalError};
 use crate::limits::MESSAGE_BYTES;
 use crate::listen::{ListenError, Listener, Socket};
@@ -111,17 +112,18 @@ pub async fn serve(
     config: Config,
     shutdown: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
-    serve_and_tell(listener, config, shutdown, |_| ()).await
+    let signals = (shutdown, Hangups::none());
+    serve_and_tell(listener, config, signals, |_| ()).await
 }
 
-/// As [`serve`]; `ready` gets the address once nothing is in the way of serving it.
+/// As [`serve`], reading files of tokens and certificates again at hangups, too; `ready` gets the address once nothing is in the way of serving it.
 ///
 /// # Errors
 /// As those of [`serve`].
 pub async fn serve_and_tell(
     listener: Listener,
     config: Config,
-    shutdown: impl Future<Output = ()>,
+    (shutdown, hangups): (impl Future<Output = ()>, Hangups),
     ready: impl FnOnce(&str),
 ) -> Result<(), ServeError> {
     config.check()?;
@@ -138,7 +140,7 @@ pub async fn serve_and_tell(
         service: listener.url().into(),
     };
     let mut helpers = upkeep::start(page, &services, &registry, listener.metrics);
-    helpers.push(tokio::spawn(access::watch_files(access.clone())));
+    helpers.push(tokio::spawn(access::watch_files(access.clone(), hangups)));
     let (stop, stopped) = oneshot::channel();
     let door = Door::new(&services.config, &services.metrics);
     let incoming = (listener.socket, access.certificates());
