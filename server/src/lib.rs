@@ -57,6 +57,7 @@ mod status;
 mod store;
 mod streams;
 mod surfaces;
+mod traces;
 mod transport;
 mod upkeep;
 mod wake;

@@ -44,6 +44,7 @@ use crate::session::Services;
 use crate::states::States;
 use crate::store::Store;
 use crate::surfaces::Surfaces;
+use crate::traces::Traces;
 use crate::transport::Reasoned;
 use crate::upkeep;
 
@@ -214,8 +215,12 @@ fn services(config: Config) -> Result<Arc<Services>, ServeError> {
         gates: gates.map_err(|error| setup("the descriptors", &error))?,
         journal,
         store: Store::new(budget, &metrics),
-        config,
         surfaces: Surfaces::default(),
+        traces: Traces::start(&config.otlp_endpoint).map_err(|why| ServeError::Setup {
+            what: "traces",
+            why,
+        })?,
+        config,
         metrics,
         solvers,
     }))
@@ -353,6 +358,7 @@ async fn close(services: &Arc<Services>, end: Instant) {
         if let Some(journal) = &services.journal {
             journal.close();
         }
+        services.traces.close();
         // Nobody waits any more when it took too long.
         let _late = closed.send(());
     });

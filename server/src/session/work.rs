@@ -29,6 +29,7 @@ use crate::metrics::Metrics;
 use crate::results::iterations::Iterations;
 use crate::results::unfinished;
 use crate::store::{Lease, Reservation};
+use crate::traces::{IncrementTrace, UpdateTrace};
 
 /// The state of a session with the step under way; where it is, nobody else is.
 pub(super) struct Work {
@@ -89,6 +90,7 @@ pub(super) struct Task {
     pub(super) after_event: i64,
     pub(super) iterations: Iterations,
     pub(super) metrics: Arc<Metrics>,
+    pub(super) trace: UpdateTrace,
     /// What a replay would have to do again so far; none where there is no journal.
     pub(super) ledger: Option<Ledger>,
 }
@@ -201,6 +203,7 @@ fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Inc
         task,
         slot,
         paused: Duration::ZERO,
+        trace: task.trace.increment(run.done() + 1),
     };
     let done = work.session.advance(&mut run, &mut reporter, &task.cancel);
     let paused = reporter.paused.as_secs_f64();
@@ -209,6 +212,7 @@ fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Inc
         // Only a step that is finished has no further increment.
         None => unfinished::report(task.number, run.done(), Termination::InternalError),
     };
+    reporter.trace.finish(&report);
     let cost = Cost::of(&report);
     let is_time = task
         .ledger
@@ -256,12 +260,14 @@ struct Reporter<'a> {
     slot: &'a Slot,
     /// Time in which others had the slot.
     paused: Duration,
+    trace: IncrementTrace,
 }
 
 impl Observer for Reporter<'_> {
     fn iteration(&mut self, record: &IterationRecord) {
         fail::fail_point!("iteration");
         self.task.metrics.iteration();
+        self.trace.iteration(record);
         self.slot.show_residual(record.residuals.largest());
         let report = report::iteration(&IterationRecord {
             step: self.task.number,

@@ -351,6 +351,9 @@ impl Actor {
             return;
         };
         current.start_clock(limit, &self.events);
+        let (traces, sequence) = (&self.services.traces, current.sequence);
+        let begin = || traces.update(&self.spec.name, sequence);
+        let trace = current.trace.get_or_insert_with(begin).clone();
         current.start_ceiling(ceiling, &self.events);
         let task = Task {
             sequence: current.sequence,
@@ -364,6 +367,7 @@ impl Actor {
             after_event: self.last_event,
             iterations: self.iterations.clone(),
             metrics: Arc::clone(&self.services.metrics),
+            trace,
             ledger: self.log.ledger(),
         };
         let handoff = Handoff::default();
