@@ -10,6 +10,7 @@ import hashlib
 import json
 import os
 import random
+import shutil
 import signal
 import statistics
 import struct
@@ -109,6 +110,34 @@ def milliseconds(values):
     """A few words on times in seconds."""
     at = [1e3 * percentile(values, part) for part in (0.5, 0.99, 1.0)]
     return f"p50 {at[0]:.1f}, p99 {at[1]:.1f}, max {at[2]:.1f} ms of {len(values)}"
+
+
+def control_group(megabytes):
+    """What a command is put behind to run in a control group of so much memory; none where nobody may make one."""
+    scope = ["systemd-run", "--scope", "--quiet", "-p", f"MemoryMax={megabytes}M", "-p", "MemorySwapMax=0"]
+    if shutil.which(scope[0]) and subprocess.run([*scope, "true"], capture_output=True).returncode == 0:
+        return scope
+    top = Path("/sys/fs/cgroup")
+    # Version 1 where memory has a tree of its own.
+    own = (top / "memory", "memory.limit_in_bytes")
+    root, limit = own if own[0].is_dir() else (top, "memory.max")
+    folder = root / f"signorini-{os.getpid()}-{len(rows)}"
+    try:
+        folder.mkdir()
+        atexit.register(leave, folder)
+        (folder / limit).write_text(str(megabytes * MEGABYTE))
+    except OSError:
+        return None
+    return ["sh", "-c", f'echo $$ > {folder}/cgroup.procs && exec "$@"', "sh"]
+
+
+def leave(folder):
+    """Removes a control group whose processes are being ended."""
+    for _ in range(100):
+        try:
+            return folder.rmdir()
+        except OSError:
+            time.sleep(0.05)
 
 
 def status_of(pid, key):
