@@ -201,6 +201,11 @@ class Server:
         """Resident memory in bytes, or another line of its status; 0 of a process that is gone."""
         return status_of(self.process.pid, key)
 
+    def processor(self):
+        """Seconds of processor time that it has had."""
+        fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
     def lives(self):
         return self.process.poll() is None
 
