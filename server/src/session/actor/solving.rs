@@ -89,6 +89,7 @@ impl Actor {
             metrics: Arc::clone(&self.services.metrics),
             trace,
             ledger: self.log.ledger(),
+            is_kept: self.log.is_kept(),
         };
         let handoff = Handoff::default();
         let empty = Place::Away(Arc::clone(&handoff));
