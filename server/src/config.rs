@@ -119,8 +119,8 @@ pub struct Config {
     pub heartbeat_seconds: u64,
     /// Seconds that a shutdown waits for running steps to stop; at most 2 592 000.
     pub drain_seconds: u64,
-    /// Data folder: sessions, their updates and results, and meshes outlive the server
-    /// in it; empty: nothing does.
+    /// Data folder: sessions, their updates and results, meshes and tools outlive the
+    /// server in it; empty: nothing does.
     pub data: String,
     /// Bytes of results and imported states in the data folder, beyond which the oldest go, but for those
     /// that a session needs; 0: no limit.
@@ -132,6 +132,9 @@ pub struct Config {
     pub log_format: LogFormat,
     /// The least important lines of the log, for [`crate::start_log`].
     pub log_level: LogLevel,
+    /// Collector of OpenTelemetry that gets traces of what is solved, by OTLP over gRPC without
+    /// transport security: `http://127.0.0.1:4317`; empty: none. Needs the feature `otlp`.
+    pub otlp_endpoint: String,
 }
 
 impl Default for Config {
@@ -169,6 +172,7 @@ impl Default for Config {
             data_seconds: 0,
             log_format: LogFormat::Auto,
             log_level: LogLevel::Info,
+            otlp_endpoint: String::new(),
         }
     }
 }

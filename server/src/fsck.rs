@@ -7,7 +7,7 @@ use std::path::Path;
 use prost::Message as _;
 use signorini_proto::v1 as wire;
 
-use crate::convert::mesh;
+use crate::convert::{mesh, surface};
 use crate::journal::{JournalError, Stored, inspect};
 use crate::session::Recovered;
 use crate::states::{self, State};
@@ -23,6 +23,8 @@ pub struct Fsck {
     pub results: usize,
     /// Meshes that can be read.
     pub meshes: usize,
+    /// Surfaces of tools that can be read.
+    pub surfaces: usize,
     /// Imported states that can be read.
     pub states: usize,
     /// Bytes of everything.
@@ -35,8 +37,14 @@ impl fmt::Display for Fsck {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(
             formatter,
-            "{} sessions with {} updates and {} results, {} meshes, {} states, {} bytes",
-            self.sessions, self.updates, self.results, self.meshes, self.states, self.bytes
+            "{} sessions with {} updates and {} results, {} meshes, {} tools, {} states, {} bytes",
+            self.sessions,
+            self.updates,
+            self.results,
+            self.meshes,
+            self.surfaces,
+            self.states,
+            self.bytes
         )?;
         for fault in &self.faults {
             writeln!(formatter, "fault: {fault}")?;
@@ -58,15 +66,18 @@ pub fn fsck(folder: &Path) -> Result<Fsck, JournalError> {
     if !found.is_sound {
         report.fault("the database", &"a page was not as it was written");
     }
-    let [meshes, files_of_states] = found.files;
+    let [meshes, files_of_states, surfaces] = found.files;
     let mut known = BTreeSet::new();
     for file in &meshes {
         known.extend(report.mesh(file));
     }
+    for file in &surfaces {
+        known.extend(report.surface(file));
+    }
     for file in &files_of_states {
         report.state(file);
     }
-    for name in found.meshes {
+    for name in found.meshes.into_iter().chain(found.surfaces) {
         if !known.contains(&name) {
             report.fault(&name, &"its file is missing or faulty");
         }
@@ -101,6 +112,22 @@ impl Fsck {
         None
     }
 
+    /// The file of a surface; its name where it holds what it is named by.
+    fn surface(&mut self, file: &Path) -> Option<String> {
+        let named = surface::name(&file_name(file));
+        let read = std::fs::read(file).map_err(|error| error.to_string());
+        let read = read.and_then(|bytes| surface::from_file(&bytes).map_err(|why| why.to_string()));
+        match read {
+            Ok((digest, _)) if surface::name(&digest) == named => {
+                self.surfaces += 1;
+                return Some(named);
+            }
+            Ok(_) => self.fault(&named, &"its file holds another surface"),
+            Err(why) => self.fault(&named, &why),
+        }
+        None
+    }
+
     fn state(&mut self, file: &Path) {
         let named = file_name(file);
         match std::fs::read(file) {
@@ -115,12 +142,18 @@ impl Fsck {
         }
     }
 
-    fn session(&mut self, name: &str, stored: Stored, meshes: &BTreeSet<String>) {
-        if !meshes.contains(&stored.session.mesh) {
+    fn session(&mut self, name: &str, stored: Stored, uploads: &BTreeSet<String>) {
+        if !uploads.contains(&stored.session.mesh) {
             self.fault(name, &"its mesh is missing or faulty");
         }
-        if wire::CreateSessionRequest::decode(stored.session.request.clone()).is_err() {
-            self.fault(name, &"its request cannot be read");
+        match wire::CreateSessionRequest::decode(stored.session.request.clone()) {
+            Ok(request) => {
+                let named = surface::names(&request.scene.unwrap_or_default());
+                for missing in named.iter().filter(|one| !uploads.contains(*one)) {
+                    self.fault(name, &format!("its tool {missing} is missing or faulty"));
+                }
+            }
+            Err(_) => self.fault(name, &"its request cannot be read"),
         }
         if let Some(gap) = gap(stored.updates.iter().map(|one| one.0)) {
             self.fault(name, &format!("update {gap} is missing"));

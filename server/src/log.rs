@@ -7,7 +7,6 @@
 use std::fmt::{self, Write as _};
 use std::io::IsTerminal as _;
 
-use tokio::signal::unix::{SignalKind, signal};
 use tracing::field::Field;
 use tracing_subscriber::EnvFilter;
 use tracing_subscriber::field::MakeExt as _;
@@ -15,6 +14,7 @@ use tracing_subscriber::filter::LevelFilter;
 use tracing_subscriber::fmt::format::{Writer, debug_fn};
 
 use crate::config::{Config, LogFormat, LogLevel};
+use crate::hangup::Hangups;
 
 /// Lines of calls that change something.
 const AUDIT: &str = "audit=info";
@@ -61,21 +61,16 @@ pub fn start_log(config: &Config) -> Option<LogSwitch> {
     switch.ok().filter(|_| !is_given)
 }
 
-/// Takes up the level that `read` finds at each SIGHUP, none where no file names one; returns
-/// when none can come. Without a switch a SIGHUP changes nothing, and ends nothing either.
-pub fn follow_log_level(
+/// Takes up the level that `read` finds at each hangup, none where no file names one; never
+/// returns. Without a switch a hangup changes nothing.
+pub async fn follow_log_level(
     switch: Option<LogSwitch>,
+    mut hangups: Hangups,
     read: impl Fn() -> Result<Option<LogLevel>, String>,
-) -> impl Future<Output = ()> {
-    // From here on, not from when the future runs: the signal's default is to end the process.
-    let hangup = signal(SignalKind::hangup());
-    async move {
-        let Ok(mut hangup) = hangup else {
-            return;
-        };
-        while hangup.recv().await.is_some() {
-            take_up(switch.as_ref(), read());
-        }
+) {
+    loop {
+        hangups.next().await;
+        take_up(switch.as_ref(), read());
     }
 }
 

@@ -3,7 +3,9 @@
 use std::process::ExitCode;
 
 use clap::Parser;
-use signorini_server::{Flags, Listener, follow_log_level, return_freed_memory, serve, start_log};
+use signorini_server::{
+    Flags, Hangups, Listener, follow_log_level, return_freed_memory, serve_and_tell, start_log,
+};
 
 /// Serves contact problems of nearly incompressible bodies over gRPC.
 #[derive(Parser)]
@@ -29,9 +31,11 @@ async fn run(flags: Flags) -> Result<(), Box<dyn std::error::Error>> {
     tokio::spawn(return_freed_memory());
     let config = flags.resolve()?.config;
     let level = move || flags.log_level_now().map_err(|error| error.to_string());
-    tokio::spawn(follow_log_level(start_log(&config), level));
+    let hangups = Hangups::of_process();
+    tokio::spawn(follow_log_level(start_log(&config), hangups.clone(), level));
     let listener = Listener::bind(&config).await?;
-    serve(listener, config, stop_signal()?).await?;
+    let signals = (stop_signal()?, hangups);
+    serve_and_tell(listener, config, signals, |_| ()).await?;
     Ok(())
 }
 

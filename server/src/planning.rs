@@ -1,4 +1,6 @@
-//! From a scene to what a session starts with: mesh, plan and memory.
+//! From a scene to what a session starts with: mesh, tools, plan and memory.
+
+pub(crate) mod tools;
 
 use std::sync::{Arc, Mutex};
 use std::time::SystemTime;
@@ -13,7 +15,6 @@ use crate::access::{Caller, Owners};
 use crate::convert::mesh::{self as convert, MeshUse};
 use crate::convert::scene::{self, SceneRequest};
 use crate::convert::surface;
-use crate::convert::uploaded::SurfacesByName;
 use crate::fault::Fault;
 use crate::journal::{Change, Journal, JournalError, StoredMesh};
 use crate::session::Services;
@@ -37,7 +38,7 @@ pub(crate) struct Taken {
 
 /// Checks and plans a scene on its mesh.
 pub(crate) async fn plan(services: &Arc<Services>, message: wire::Scene) -> Result<Planned, Fault> {
-    let surfaces = surfaces(services, &message)?;
+    let surfaces = tools::of_scene(services, &message).await?;
     let request = scene::scene(message, &surfaces)?;
     let mesh = mesh(services, request.mesh).await?;
     // A plan numbers the mesh and finds its surfaces: about the mesh once more.
@@ -51,15 +52,6 @@ pub(crate) async fn plan(services: &Arc<Services>, message: wire::Scene) -> Resu
         })
     });
     planned.await?
-}
-
-/// The surfaces that a scene names.
-fn surfaces(services: &Services, scene: &wire::Scene) -> Result<SurfacesByName, Fault> {
-    let one = |name: String| {
-        let digest = surface::digest_of(&name, "obstacle.shape.surface")?;
-        Ok((name, services.surfaces.get(&digest)?.surface))
-    };
-    surface::names(scene).into_iter().map(one).collect()
 }
 
 /// About what the fields of one result take, bytes.
@@ -92,7 +84,7 @@ pub(crate) async fn check_uploads(
     }
     for name in surface::names(scene) {
         let digest = surface::digest_of(&name, "obstacle.shape.surface")?;
-        services.surfaces.get_for(caller, &digest)?;
+        tools::check(services, &digest, caller).await?;
     }
     Ok(())
 }

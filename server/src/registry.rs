@@ -1,59 +1,33 @@
 //! The sessions of a server, by name.
 
-use std::collections::{BTreeMap, HashMap, VecDeque};
-use std::hash::{BuildHasher, Hasher, RandomState};
+mod claim;
+mod directory;
+mod names;
+
 use std::pin::pin;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use prost::Message as _;
 use signorini_proto::v1 as wire;
 use tokio::sync::{Notify, watch};
-use tokio::time::Instant;
 
 use crate::access::Caller;
-use crate::client_name::ClientName;
-use crate::config::Config;
-use crate::convert::step;
 use crate::fault::Fault;
 use crate::journal::{Change, JournalError, Listed};
 use crate::metrics::Metrics;
-use crate::session::{self, Handle, Services, SessionEnd, SessionSpec};
+use crate::session::{Handle, Services, SessionEnd};
 use crate::status;
 use crate::wake;
+use claim::Waking;
+pub(crate) use claim::{Claim, Claimed};
+use directory::{Directory, Sleeper};
+use names::{checked_name, new_name};
 
-const PREFIX: &str = "sessions/";
 /// Names of expired sessions that are remembered, to say so.
 const REMEMBERED: usize = 1000;
 /// Bytes of a name in a request.
 const LONGEST_NAME: usize = 256;
-const SHORTEST_ID: usize = 4;
-const LONGEST_ID: usize = 63;
-
-/// The sessions by name, and by the requests that made them.
-#[derive(Default)]
-struct Directory {
-    /// `None` while a session is being made.
-    sessions: BTreeMap<String, Option<Handle>>,
-    /// Session name by whose request it was and its identifier.
-    requests: HashMap<(Option<ClientName>, String), String>,
-    /// Whom sessions belong to, those that are being made included; the others belong to all.
-    owners: HashMap<String, ClientName>,
-    expired: VecDeque<(String, Option<ClientName>)>,
-    /// Those that the data folder has and no actor.
-    asleep: BTreeMap<String, Sleeper>,
-}
-
-/// A session that only the data folder has.
-#[derive(Clone)]
-struct Sleeper {
-    /// As lists show it.
-    described: wire::Session,
-    ttl: Duration,
-    since: Instant,
-    is_waking: bool,
-}
 
 /// Where a session is.
 enum Found {
@@ -62,65 +36,6 @@ enum Found {
     Asleep(Waking),
     /// Another call wakes it.
     Waking,
-}
-
-impl Directory {
-    /// The session of a request, if one is made or being made (`None` inside).
-    fn of_request(&self, request: &(Option<ClientName>, String)) -> Option<Option<String>> {
-        let name = self.requests.get(request)?;
-        let is_made = match self.sessions.get(name) {
-            Some(handle) => handle.is_some(),
-            None => self.asleep.contains_key(name),
-        };
-        Some(is_made.then(|| name.clone()))
-    }
-
-    /// Enters a session that only the data folder has.
-    fn enter(&mut self, name: String, listed: &Listed, config: &Config) {
-        // One that cannot be read is told so when it is called.
-        let request = wire::CreateSessionRequest::decode(listed.session.request.clone());
-        let request = request.unwrap_or_default();
-        let owner = wake::owner(listed);
-        if !request.request_id.is_empty() {
-            let request = (owner, request.request_id);
-            self.requests.insert(request, name.clone());
-        }
-        if let Some(owner) = owner {
-            self.owners.insert(name.clone(), owner);
-        }
-        let ttl = step::duration(request.ttl.as_ref(), "ttl");
-        let sleeper = Sleeper {
-            described: wake::described(&name, listed),
-            ttl: ttl.ok().flatten().unwrap_or_else(|| config.ttl()),
-            since: Instant::now(),
-            is_waking: false,
-        };
-        self.asleep.insert(name, sleeper);
-    }
-
-    fn len(&self) -> usize {
-        self.sessions.len() + self.asleep.len()
-    }
-
-    /// Sessions of one owner.
-    fn count_of(&self, owner: ClientName) -> usize {
-        self.owners.values().filter(|one| **one == owner).count()
-    }
-
-    fn may_see(&self, caller: &Caller, name: &str) -> bool {
-        caller.may_see(self.owners.get(name).copied())
-    }
-
-    fn contains(&self, name: &str) -> bool {
-        self.sessions.contains_key(name) || self.asleep.contains_key(name)
-    }
-
-    fn forget(&mut self, name: &str) {
-        self.sessions.remove(name);
-        self.asleep.remove(name);
-        self.owners.remove(name);
-        self.requests.retain(|_, session| session != name);
-    }
 }
 
 /// All sessions.
@@ -339,6 +254,13 @@ impl Registry {
         inner.asleep.values().filter(on).count()
     }
 
+    /// Sessions that only the data folder has and whose tools need the surface `name`.
+    pub(crate) fn asleep_with(&self, name: &str) -> usize {
+        let inner = self.lock();
+        let with = |one: &&Sleeper| one.surfaces.iter().any(|one| one == name);
+        inner.asleep.values().filter(with).count()
+    }
+
     /// Forgets those whose time to live has passed; nobody called for them.
     pub(crate) async fn expire_asleep(&self) {
         let Some(journal) = &self.services.journal else {
@@ -430,113 +352,5 @@ impl Drop for StreamGuard {
     fn drop(&mut self) {
         self.0.streams.send_modify(|count| *count -= 1);
         self.0.services.metrics.stream_closed();
-    }
-}
-
-/// What a request to create a session finds.
-pub(crate) enum Claimed {
-    New(Claim),
-    /// An earlier request of the same identifier made it.
-    Made(Handle),
-}
-
-/// A session that is being woken; asleep again unless that succeeds.
-struct Waking {
-    registry: Arc<Registry>,
-    name: String,
-}
-
-impl Waking {
-    /// The name, for a session that starts under it.
-    fn claim(&self) -> Claim {
-        let (registry, name) = (Arc::clone(&self.registry), self.name.clone());
-        Claim { registry, name }
-    }
-}
-
-impl Drop for Waking {
-    fn drop(&mut self) {
-        if let Some(sleeper) = self.registry.lock().asleep.get_mut(&self.name) {
-            sleeper.is_waking = false;
-        }
-        self.registry.settled.notify_waiters();
-    }
-}
-
-/// A name taken; given back unless a session starts under it.
-pub(crate) struct Claim {
-    registry: Arc<Registry>,
-    name: String,
-}
-
-impl Claim {
-    /// `sessions/{id}`.
-    pub(crate) fn name(&self) -> &str {
-        &self.name
-    }
-
-    /// Starts the session.
-    pub(crate) fn start(self, spec: SessionSpec) -> Handle {
-        let registry = Arc::clone(&self.registry);
-        let (by_name, name) = (Arc::clone(&registry), self.name.clone());
-        // The lock keeps an actor that ends at once from being entered afterwards.
-        let mut inner = registry.lock();
-        let ended = move |ending| by_name.ended(&name, &ending);
-        let handle = session::start(Arc::clone(&registry.services), spec, ended);
-        inner.asleep.remove(&self.name);
-        inner
-            .sessions
-            .insert(self.name.clone(), Some(handle.clone()));
-        registry.services.metrics.sessions(inner.sessions.len());
-        registry.services.metrics.asleep(inner.asleep.len());
-        drop(inner);
-        registry.settled.notify_waiters();
-        handle
-    }
-}
-
-impl Drop for Claim {
-    fn drop(&mut self) {
-        let mut inner = self.registry.lock();
-        if let Some(None) = inner.sessions.get(&self.name) {
-            inner.forget(&self.name);
-        }
-        drop(inner);
-        self.registry.settled.notify_waiters();
-    }
-}
-
-fn new_name() -> String {
-    // Random keys of the standard hasher: enough for names nobody guesses by accident.
-    let number = RandomState::new().build_hasher().finish();
-    format!("{PREFIX}s{number:016x}")
-}
-
-fn checked_name(id: &str) -> Result<String, Fault> {
-    let allowed = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'-';
-    let starts = id
-        .bytes()
-        .next()
-        .is_some_and(|byte| byte.is_ascii_lowercase());
-    let fits = (SHORTEST_ID..=LONGEST_ID).contains(&id.len());
-    if starts && fits && id.bytes().all(allowed) {
-        return Ok(format!("{PREFIX}{id}"));
-    }
-    let rule = "must be 4 to 63 characters of a-z, 0-9 and hyphen, starting with a letter";
-    Err(Fault::request("session_id", rule))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_follow_their_rule() {
-        assert_eq!(checked_name("ball-1"), Ok("sessions/ball-1".into()));
-        for bad in ["abc", "1abc", "Ball", "a/../b", "ba ll", &"a".repeat(64)] {
-            assert!(checked_name(bad).is_err(), "{bad}");
-        }
-        assert!(checked_name(new_name().strip_prefix(PREFIX).unwrap()).is_ok());
-        assert_ne!(new_name(), new_name());
     }
 }

@@ -28,7 +28,8 @@ use crate::access::{self, Access, AccessError, Authorize, CallRates, Certificate
 use crate::calls::{CountCalls, Methods};
 use crate::compute::SolverThreads;
 use crate::config::{Config, ConfigError};
-use crate::gates::{GateMessages, Gates};
+use crate::gates::{GateMessages, Gates, WINDOW_BYTES};
+use crate::hangup::Hangups;
 use crate::journal::{Journal, JournalError};
 use crate::limits::MESSAGE_BYTES;
 use crate::listen::{ListenError, Listener, Socket};
@@ -43,6 +44,7 @@ use crate::session::Services;
 use crate::states::States;
 use crate::store::Store;
 use crate::surfaces::Surfaces;
+use crate::traces::Traces;
 use crate::transport::Reasoned;
 use crate::upkeep;
 
@@ -50,7 +52,6 @@ type GuardedRouter = Router<
     Stack<GateMessages, Stack<Authorize, Stack<CountCalls, Stack<IdentifyCalls, Identity>>>>,
 >;
 
-const STREAM_WINDOW_BYTES: u32 = 1 << 20;
 const CONNECTION_WINDOW_BYTES: u32 = 4 << 20;
 /// Of one connection: a gateway may bring every watcher of a busy server.
 const STREAMS_PER_CONNECTION: u32 = 4096;
@@ -112,17 +113,18 @@ pub async fn serve(
     config: Config,
     shutdown: impl Future<Output = ()>,
 ) -> Result<(), ServeError> {
-    serve_and_tell(listener, config, shutdown, |_| ()).await
+    let signals = (shutdown, Hangups::none());
+    serve_and_tell(listener, config, signals, |_| ()).await
 }
 
-/// As [`serve`]; `ready` gets the address once nothing is in the way of serving it.
+/// As [`serve`], reading files of tokens and certificates again at hangups, too; `ready` gets the address once nothing is in the way of serving it.
 ///
 /// # Errors
 /// As those of [`serve`].
 pub async fn serve_and_tell(
     listener: Listener,
     config: Config,
-    shutdown: impl Future<Output = ()>,
+    (shutdown, hangups): (impl Future<Output = ()>, Hangups),
     ready: impl FnOnce(&str),
 ) -> Result<(), ServeError> {
     config.check()?;
@@ -139,7 +141,7 @@ pub async fn serve_and_tell(
         service: listener.url().into(),
     };
     let mut helpers = upkeep::start(page, &services, &registry, listener.metrics);
-    helpers.push(tokio::spawn(access::watch_files(access.clone())));
+    helpers.push(tokio::spawn(access::watch_files(access.clone(), hangups)));
     let (stop, stopped) = oneshot::channel();
     let door = Door::new(&services.config, &services.metrics);
     let incoming = (listener.socket, access.certificates());
@@ -213,8 +215,12 @@ fn services(config: Config) -> Result<Arc<Services>, ServeError> {
         gates: gates.map_err(|error| setup("the descriptors", &error))?,
         journal,
         store: Store::new(budget, &metrics),
-        config,
         surfaces: Surfaces::default(),
+        traces: Traces::start(&config.otlp_endpoint).map_err(|why| ServeError::Setup {
+            what: "traces",
+            why,
+        })?,
+        config,
         metrics,
         solvers,
     }))
@@ -278,7 +284,7 @@ async fn router(
             metrics: Arc::clone(&services.metrics),
         })
         .layer(GateMessages(Arc::clone(&services.gates.decode)))
-        .initial_stream_window_size(STREAM_WINDOW_BYTES)
+        .initial_stream_window_size(WINDOW_BYTES)
         .initial_connection_window_size(CONNECTION_WINDOW_BYTES)
         .max_concurrent_streams(STREAMS_PER_CONNECTION)
         .http2_keepalive_interval(Some(KEEPALIVE))
@@ -352,6 +358,7 @@ async fn close(services: &Arc<Services>, end: Instant) {
         if let Some(journal) = &services.journal {
             journal.close();
         }
+        services.traces.close();
         // Nobody waits any more when it took too long.
         let _late = closed.send(());
     });

@@ -4,14 +4,19 @@
 //! Statuses travel in HTTP/2 trailers, so each is kept below [`LIMIT_BYTES`]:
 //! at most [`MAXIMUM_VIOLATIONS`] violations, long texts cut.
 
+mod metadata;
+#[cfg(test)]
+mod tests;
+
 use prost::Message as _;
 use prost_types::Any;
 use signorini::scene::Violation;
 use tonic::Code;
 use tonic_types::pb;
 
-use crate::fault::{FailureCause, Fault};
+use crate::fault::Fault;
 use crate::retry;
+use metadata::metadata;
 
 /// Encoded size that no status reaches.
 const LIMIT_BYTES: usize = 4096;
@@ -140,69 +145,6 @@ fn contract(fault: &Fault) -> (Code, &'static str) {
     }
 }
 
-/// Everything variable in the message, by name.
-fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
-    match fault {
-        Fault::SceneInvalid(all) => vec![("violation_count", all.len().to_string())],
-        Fault::Unsupported(one) | Fault::RequestInvalid(one) => vec![("path", one.path.clone())],
-        Fault::DigestMismatch { declared, computed } => {
-            vec![
-                ("declared", declared.clone()),
-                ("computed", computed.clone()),
-            ]
-        }
-        Fault::MeshNotFound(name) => vec![("mesh", name.clone())],
-        Fault::MeshInUse { sessions, .. } => vec![("sessions", sessions.to_string())],
-        Fault::SurfaceNotFound(name) | Fault::SurfaceInUse(name) => {
-            vec![("surface", name.clone())]
-        }
-        Fault::SessionNotFound(name)
-        | Fault::SessionExpired(name)
-        | Fault::SessionExists(name)
-        | Fault::SessionDeleted(name)
-        | Fault::SessionDamaged { name, .. } => vec![("session", name.clone())],
-        Fault::SessionFailed { name, cause, .. } => {
-            let memory = matches!(cause, FailureCause::Memory);
-            let cause = memory.then(|| ("cause", "memory".to_owned()));
-            let session = ("session", name.clone());
-            std::iter::once(session).chain(cause).collect()
-        }
-        Fault::StateNotFound(name) => vec![("state", name.clone())],
-        Fault::Interrupted | Fault::Unwritable(_) => vec![("resumes", "true".to_owned())],
-        Fault::SessionBusy { held_since, .. } => vec![("held_since", held_since.to_string())],
-        Fault::StepNotFound { sequence, .. } => vec![("sequence", sequence.to_string())],
-        Fault::SequenceGap { expected, .. } => vec![("expected", expected.to_string())],
-        Fault::SequenceNotRetained { first, .. } => vec![("first", first.to_string())],
-        Fault::MemoryBudget {
-            predicted,
-            held,
-            budget,
-        } => vec![
-            ("predicted_bytes", predicted.to_string()),
-            ("held_bytes", held.to_string()),
-            ("budget_bytes", budget.to_string()),
-        ],
-        Fault::QueueFull { limit } | Fault::SessionLimit { limit } => {
-            vec![("limit", limit.to_string())]
-        }
-        Fault::CallRate { limit } => vec![("limit", limit.to_string())],
-        Fault::MessageLimit { what, limit } => {
-            vec![("what", what.clone()), ("limit", limit.to_string())]
-        }
-        Fault::PermissionDenied { role, needed } => vec![
-            ("role", (*role).to_owned()),
-            ("needed", (*needed).to_owned()),
-        ],
-        Fault::MeshInvalid(_)
-        | Fault::SurfaceInvalid(_)
-        | Fault::Unauthenticated
-        | Fault::StreamDeadline
-        | Fault::ShuttingDown
-        | Fault::StateInvalid(_)
-        | Fault::Internal => Vec::new(),
-    }
-}
-
 fn violations(fault: &Fault) -> &[Violation] {
     if let Fault::SceneInvalid(all) = fault {
         return all;
@@ -290,171 +232,4 @@ fn cut(text: &str, limit: usize) -> String {
         .find(|index| text.is_char_boundary(*index))
         .unwrap_or(0);
     format!("{}...", text.get(..end).unwrap_or_default())
-}
-
-#[cfg(test)]
-mod tests {
-    use tonic_types::StatusExt;
-
-    use super::*;
-    use crate::fault::violation;
-
-    #[test]
-    fn violations_travel_with_their_paths_and_the_rest_is_counted() {
-        let all = (0..30)
-            .map(|index| violation(format!("probe.p{index}"), "is outside"))
-            .collect();
-        let status = tonic::Status::from(Fault::SceneInvalid(all));
-        let fields = status.get_details_bad_request().unwrap().field_violations;
-        assert_eq!(fields.len(), MAXIMUM_VIOLATIONS);
-        assert_eq!(fields[0].field, "probe.p0");
-        let info = status.get_details_error_info().unwrap();
-        assert_eq!(info.reason, "SCENE_INVALID");
-        assert_eq!(info.metadata["violation_count"], "30");
-        assert!(status.message().contains("29 more"));
-    }
-
-    /// The next kind of fault with the longest `text` it can carry: a walk through
-    /// all of them that a new kind has to join.
-    fn following(fault: &Fault, text: &str) -> Option<Fault> {
-        let one = || violation(text, text);
-        let text = text.to_owned();
-        let (sequence, many) = (i64::MIN, usize::MAX);
-        Some(match fault {
-            Fault::SceneInvalid(_) => Fault::Unsupported(one()),
-            Fault::Unsupported(_) => Fault::RequestInvalid(one()),
-            Fault::RequestInvalid(_) => Fault::MeshInvalid(text),
-            Fault::MeshInvalid(_) => Fault::DigestMismatch {
-                declared: text.clone(),
-                computed: text,
-            },
-            Fault::DigestMismatch { .. } => Fault::MeshNotFound(text),
-            Fault::MeshNotFound(_) => Fault::MeshInUse {
-                name: text,
-                sessions: many,
-            },
-            Fault::MeshInUse { .. } => Fault::SurfaceInvalid(text),
-            Fault::SurfaceInvalid(_) => Fault::SurfaceNotFound(text),
-            Fault::SurfaceNotFound(_) => Fault::SurfaceInUse(text),
-            Fault::SurfaceInUse(_) => Fault::SessionNotFound(text),
-            Fault::SessionNotFound(_) => Fault::SessionExpired(text),
-            Fault::SessionExpired(_) => Fault::SessionExists(text),
-            Fault::SessionExists(_) => Fault::SessionBusy {
-                name: text,
-                held_since: u64::MAX,
-            },
-            Fault::SessionBusy { .. } => Fault::SessionDeleted(text),
-            Fault::SessionDeleted(_) => Fault::SessionFailed {
-                name: text.clone(),
-                why: text,
-                cause: FailureCause::Memory,
-            },
-            Fault::SessionFailed { .. } => Fault::StepNotFound {
-                name: text,
-                sequence,
-            },
-            Fault::StepNotFound { .. } => Fault::SequenceGap {
-                received: sequence,
-                expected: sequence,
-            },
-            Fault::SequenceGap { .. } => Fault::SequenceNotRetained {
-                sequence,
-                first: sequence,
-            },
-            Fault::SequenceNotRetained { .. } => Fault::MemoryBudget {
-                predicted: u64::MAX,
-                held: u64::MAX,
-                budget: u64::MAX,
-            },
-            Fault::MemoryBudget { .. } => Fault::QueueFull { limit: many },
-            Fault::QueueFull { .. } => Fault::SessionLimit { limit: many },
-            Fault::SessionLimit { .. } => Fault::CallRate { limit: u32::MAX },
-            Fault::CallRate { .. } => Fault::MessageLimit {
-                what: text,
-                limit: u64::MAX,
-            },
-            Fault::MessageLimit { .. } => Fault::StreamDeadline,
-            Fault::StreamDeadline => Fault::ShuttingDown,
-            Fault::ShuttingDown => Fault::Interrupted,
-            Fault::Interrupted => Fault::Unwritable(text),
-            Fault::Unwritable(_) => Fault::SessionDamaged {
-                name: text.clone(),
-                why: text,
-            },
-            Fault::SessionDamaged { .. } => Fault::StateNotFound(text),
-            Fault::StateNotFound(_) => Fault::StateInvalid(text),
-            Fault::StateInvalid(_) => Fault::Unauthenticated,
-            Fault::Unauthenticated => Fault::PermissionDenied {
-                role: "read",
-                needed: "admin",
-            },
-            Fault::PermissionDenied { .. } => Fault::Internal,
-            Fault::Internal => return None,
-        })
-    }
-
-    /// Bytes of the two trailers: the message percent-encoded, the details in base 64.
-    fn trailer_bytes(status: &pb::Status) -> usize {
-        let plain = |byte: &&u8| (b' '..=b'~').contains(*byte) && **byte != b'%';
-        let kept = status.message.as_bytes().iter().filter(plain).count();
-        let escaped = status.message.len() - kept;
-        kept + 3 * escaped + status.encoded_len().div_ceil(3) * 4
-    }
-
-    #[test]
-    fn the_worst_case_of_every_fault_stays_below_the_trailer_limit() {
-        // One to four bytes a character; the prefixes move the place of the cut.
-        for letter in ["a", "ä", "\u{20ac}", "\u{1f9ca}", "\0"] {
-            for prefix in ["", "b", "bb", "bbb"] {
-                let text = format!("{prefix}{}", letter.repeat(10_000));
-                let all = vec![violation(&*text, &*text); 100];
-                let mut next = Some(Fault::SceneInvalid(all));
-                while let Some(fault) = next {
-                    let status = rpc_status(&fault);
-                    let bytes = status.encoded_len() + status.message.len();
-                    assert!(bytes < LIMIT_BYTES, "{}: {bytes}", reason(&fault));
-                    let bytes = trailer_bytes(&status);
-                    assert!(bytes < 2 * LIMIT_BYTES, "{}: {bytes}", reason(&fault));
-                    let info = tonic::Status::from(fault.clone()).get_details_error_info();
-                    assert_eq!(info.unwrap().reason, reason(&fault));
-                    next = following(&fault, &text);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn ten_thousand_violations_of_any_length_fit() {
-        for length in [1, 20, 100, 256, 300, 1000] {
-            let text = "\u{20ac}".repeat(length);
-            let fault = Fault::SceneInvalid(vec![violation(&*text, &*text); 10_000]);
-            let status = rpc_status(&fault);
-            let bytes = status.encoded_len() + status.message.len();
-            assert!(bytes < LIMIT_BYTES, "{length}: {bytes}");
-            let status = tonic::Status::from(fault);
-            let request = status.get_details_bad_request().unwrap();
-            assert!(!request.field_violations.is_empty(), "{length}");
-            let info = status.get_details_error_info().unwrap();
-            assert_eq!(info.metadata["violation_count"], "10000");
-        }
-    }
-
-    #[test]
-    fn the_list_of_reasons_is_that_of_the_faults() {
-        let first = Fault::SceneInvalid(Vec::new());
-        let all = std::iter::successors(Some(first), |fault| following(fault, ""));
-        let mut reasons: Vec<_> = all.map(|fault| reason(&fault)).collect();
-        // A shutdown has two texts.
-        reasons.dedup();
-        assert_eq!(reasons, REASONS);
-    }
-
-    #[test]
-    fn only_transient_faults_ask_to_retry() {
-        let full = tonic::Status::from(Fault::QueueFull { limit: 1 });
-        assert!(full.get_details_retry_info().is_some());
-        let missing = tonic::Status::from(Fault::MeshNotFound("meshes/0".into()));
-        assert!(missing.get_details_retry_info().is_none());
-        assert!(missing.get_details_resource_info().is_some());
-    }
 }

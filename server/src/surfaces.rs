@@ -1,7 +1,7 @@
 //! Surfaces of tools in memory, shared by sessions, counted in the byte budget.
 //!
 //! They are found by their digest. What a session uses is kept; the rest goes, oldest first,
-//! where another needs its room or its place.
+//! where another needs its room or its place; with a data folder it comes back out of it.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -13,8 +13,8 @@ use crate::convert::uploaded::Surface;
 use crate::fault::Fault;
 use crate::store::{Account, Reservation, Store};
 
-/// Most surfaces that are kept.
-const MOST: usize = 1000;
+/// Most surfaces that are kept, in memory and on disk.
+pub(crate) const MOST: usize = 1000;
 
 /// One surface.
 #[derive(Clone)]
@@ -37,9 +37,18 @@ impl Entry {
 
 /// The surfaces.
 #[derive(Default)]
-pub(crate) struct Surfaces(Mutex<BTreeMap<String, Entry>>);
+pub(crate) struct Surfaces {
+    inner: Mutex<BTreeMap<String, Entry>>,
+    /// Whoever holds this changes what is stored, in memory and on disk.
+    turn: tokio::sync::Mutex<()>,
+}
 
 impl Surfaces {
+    /// One change at a time.
+    pub(crate) async fn turn(&self) -> tokio::sync::MutexGuard<'_, ()> {
+        self.turn.lock().await
+    }
+
     /// A surface by its digest.
     ///
     /// # Errors
@@ -49,15 +58,11 @@ impl Surfaces {
         found.ok_or_else(|| Fault::SurfaceNotFound(name(digest)))
     }
 
-    /// The surface of that digest, if it is there for `caller`.
-    ///
-    /// # Errors
-    /// `SurfaceNotFound`.
-    pub(crate) fn get_for(&self, caller: &Caller, digest: &str) -> Result<Stored, Fault> {
+    /// As [`Surfaces::get`], and whom it belongs to, if it is in memory.
+    pub(crate) fn owned(&self, digest: &str) -> Option<(Stored, Owners)> {
         let inner = self.lock();
-        let found = inner.get(digest).filter(|entry| entry.owners.admit(caller));
-        let found = found.map(|entry| entry.stored.clone());
-        found.ok_or_else(|| Fault::SurfaceNotFound(name(digest)))
+        let found = inner.get(digest);
+        found.map(|entry| (entry.stored.clone(), entry.owners.clone()))
     }
 
     /// All surfaces in order of their digests.
@@ -91,45 +96,39 @@ impl Surfaces {
         }
     }
 
-    /// Keeps a surface under the bytes reserved for its upload.
+    /// Says whom a surface belongs to from now on, if it is in memory.
+    pub(crate) fn give(&self, digest: &str, owners: Owners) {
+        if let Some(entry) = self.lock().get_mut(digest) {
+            entry.owners = owners;
+        }
+    }
+
+    /// Keeps a surface under the bytes reserved for it.
     pub(crate) fn insert(
         &self,
-        caller: &Caller,
         digest: String,
-        surface: Surface,
+        (stored, owners): (Stored, Owners),
         mut bytes: Reservation,
     ) -> Stored {
         while self.lock().len() >= MOST && self.drop_oldest() {}
-        bytes.force(surface.bytes());
+        bytes.force(stored.surface.bytes());
         let mut inner = self.lock();
         let entry = inner.entry(digest).or_insert_with(|| Entry {
-            stored: Stored {
-                surface,
-                created: SystemTime::now(),
-            },
-            owners: Owners::of(caller),
+            stored,
+            owners: Owners::default(),
             _bytes: bytes,
         });
-        // Nothing new for one whose it is.
-        let _new = entry.owners.join(caller);
+        entry.owners = owners;
         entry.stored.clone()
     }
 
-    /// Drops a surface that no session uses.
+    /// Drops a surface that no session uses, if it is in memory.
     ///
     /// # Errors
-    /// `SurfaceNotFound`, `SurfaceInUse`.
-    pub(crate) fn delete(&self, caller: &Caller, digest: &str) -> Result<(), Fault> {
+    /// `SurfaceInUse`.
+    pub(crate) fn remove(&self, digest: &str) -> Result<(), Fault> {
         let mut inner = self.lock();
-        let found = inner.get_mut(digest);
-        let Some(entry) = found.filter(|entry| entry.owners.admit(caller)) else {
-            return Err(Fault::SurfaceNotFound(name(digest)));
-        };
-        // Where others have sent it too, it stays for them.
-        if entry.owners.leave(caller) {
-            return Ok(());
-        }
-        if entry.is_used() {
+        if inner.get(digest).is_some_and(Entry::is_used) {
             return Err(Fault::SurfaceInUse(name(digest)));
         }
         inner.remove(digest);
@@ -147,6 +146,6 @@ impl Surfaces {
 
     fn lock(&self) -> MutexGuard<'_, BTreeMap<String, Entry>> {
         // No code of others runs under the lock, so a poisoned state is whole.
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

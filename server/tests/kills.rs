@@ -6,7 +6,7 @@ mod common;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use common::{Block, Process, Server, Stream, folder, open, press, reason};
+use common::{Block, Process, Server, Stream, bare, folder, open, press, reason};
 use signorini_proto::v1::{self as wire, solve_response::Message};
 use signorini_server::Config;
 use tokio::time::timeout;
@@ -30,19 +30,6 @@ fn step(sequence: i64) -> wire::LoadStep {
 /// Increments of a step.
 fn parts(sequence: i64) -> i64 {
     i64::from(step(sequence).increments.unwrap())
-}
-
-/// What must be the same in every run: all but times, memory and what was found prepared.
-fn bare(mut result: wire::StepFinished) -> wire::StepFinished {
-    if let Some(report) = &mut result.report {
-        report.seconds = None;
-        report.memory_bytes = 0;
-        report.reused.clear();
-        report.factorisations = 0;
-        report.eigenvalue_applications = 0;
-        report.compliance_columns = 0;
-    }
-    result
 }
 
 /// A client that sends steps, a window at a time, and keeps what it is answered.

@@ -1,4 +1,4 @@
-//! Power that goes while a file is written: what was answered is there, whole, and what
+//! Power that goes while a file is written, of a mesh, a tool or a state: what was answered is there, whole, and what
 //! was under way is there or not.
 //!
 //! At each step of a write the data folder is copied as a disk may have it when the power comes
@@ -11,8 +11,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use common::{Block, Server, folder, open, press, reason};
+use common::{Block, Server, Tool, folder, open, press, reason};
 use signorini_proto::v1 as wire;
+use signorini_proto::v1::surface_service_client::SurfaceServiceClient;
 use signorini_server::{Config, fsck};
 
 const SECTOR: usize = 512;
@@ -24,6 +25,9 @@ const POINTS: [&str; 5] = [
     "folder-sync",
     "journal-commit",
 ];
+
+/// The folders of files.
+const PARTS: [&str; 3] = ["meshes", "states", "surfaces"];
 
 /// What is known of the file that is being written.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -84,7 +88,7 @@ impl Camera {
     /// Files of the folder, by their places in it.
     fn files(&self) -> Vec<PathBuf> {
         let mut found = Vec::new();
-        for part in ["meshes", "states"] {
+        for part in PARTS {
             for entry in fs::read_dir(self.data.join(part)).unwrap() {
                 found.push(Path::new(part).join(entry.unwrap().file_name()));
             }
@@ -94,7 +98,7 @@ impl Camera {
 
     fn take(&mut self, point: &'static str) {
         let picture = self.pictures.join(self.taken.len().to_string());
-        for part in ["meshes", "states"] {
+        for part in PARTS {
             fs::create_dir_all(picture.join(part)).unwrap();
         }
         for file in ["FORMAT", "journal.redb"] {
@@ -166,6 +170,26 @@ async fn upload(server: &Server, block: &Block) -> Result<String, tonic::Status>
     Ok(made.into_inner().mesh.unwrap().name)
 }
 
+async fn send(server: &Server, tool: Tool) -> String {
+    let mut surfaces = SurfaceServiceClient::new(server.channel.clone());
+    let parts = tokio_stream::iter(tool.messages());
+    let made = surfaces.upload_surface(parts).await.unwrap();
+    made.into_inner().surface.unwrap().name
+}
+
+/// Whether a scene may name the tool, and what it is refused for else.
+async fn knows(server: &Server, (block, tool, name): (&Block, Tool, &str)) -> Result<(), String> {
+    let mut scene = block.scene();
+    scene.obstacles[0].shape = Some(tool.shape(name.to_owned()));
+    let request = wire::CreateSessionRequest {
+        scene: Some(scene),
+        validate_only: true,
+        ..Default::default()
+    };
+    let found = server.sessions().create_session(request).await;
+    found.map(drop).map_err(|refused| reason(&refused))
+}
+
 async fn import(server: &Server, bytes: &[u8]) -> String {
     use sha2::Digest as _;
     let slice = wire::ImportStateRequest {
@@ -223,6 +247,18 @@ async fn check(picture: &Path, what: &str, names: &[String], blocks: &[Block]) {
         }
         assert_eq!(upload(&server, block).await.unwrap(), name, "{what}");
     }
+    for tool in Tool::ALL {
+        let sent = names.iter().find(|name| **name == tool.name());
+        let known = knows(&server, (&blocks[0], tool, &tool.name())).await;
+        match known {
+            Ok(()) => {}
+            Err(reason) => {
+                assert_eq!(reason, "SURFACE_NOT_FOUND", "{what}");
+                assert_eq!(sent, None, "{what}: a tool is lost");
+            }
+        }
+        assert_eq!(send(&server, tool).await, tool.name(), "{what}");
+    }
     for name in names.iter().filter(|name| name.starts_with("states/")) {
         let request = wire::CreateSessionRequest {
             from_state: name.clone(),
@@ -237,7 +273,7 @@ async fn check(picture: &Path, what: &str, names: &[String], blocks: &[Block]) {
 }
 
 #[tokio::test(flavor = "multi_thread")]
-async fn power_that_goes_while_a_mesh_or_a_state_is_written_loses_nothing_that_was_answered() {
+async fn power_that_goes_while_an_upload_or_a_state_is_written_loses_nothing_that_was_answered() {
     let tests = folder("power");
     let (blocks, states) = ([1, 4].map(Block::new), states(2).await);
     let server = on(&tests.join("data")).await;
@@ -261,6 +297,10 @@ async fn power_that_goes_while_a_mesh_or_a_state_is_written_loses_nothing_that_w
         let name = upload(&server, block).await.unwrap();
         with(&mut |camera| camera.answer(name.clone()));
         let name = import(&server, bytes).await;
+        with(&mut |camera| camera.answer(name.clone()));
+    }
+    for tool in Tool::ALL {
+        let name = send(&server, tool).await;
         with(&mut |camera| camera.answer(name.clone()));
     }
     POINTS.into_iter().for_each(fail::remove);

@@ -185,7 +185,7 @@ impl Session {
     /// [`Session::resume_step`]. After a panic inside [`Session::advance`],
     /// [`Session::take_back`] first. Cost: two copies of the state.
     pub fn export(&mut self) -> Vec<u8> {
-        self.learned.forget(self.body.plan());
+        self.forget();
         self.previous = None;
         let checkpoint = Checkpoint {
             state: self.state.clone(),
@@ -195,6 +195,12 @@ impl Session {
             moved: self.moved,
         };
         checkpoint.encode(self.plan())
+    }
+
+    /// Forgets what the solver has learnt, as [`Session::export`] does, and writes nothing: the
+    /// session goes on with the bits of one that exports here.
+    pub fn forget(&mut self) {
+        self.learned.forget(self.body.plan());
     }
 
     /// The step begun last, of which `done` of its `increments` are done, for a session

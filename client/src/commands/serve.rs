@@ -6,14 +6,15 @@ use crate::exit::{Exit, Failure};
 #[cfg(feature = "embedded")]
 pub(super) async fn run(arguments: ServeArguments) -> Result<Exit, Failure> {
     use signorini_server::{
-        Listener, follow_log_level, return_freed_memory, serve_and_tell, start_log,
+        Hangups, Listener, follow_log_level, return_freed_memory, serve_and_tell, start_log,
     };
 
     tokio::spawn(return_freed_memory());
     let flags = arguments.flags;
     let config = super::config::resolved(&flags)?.config;
     let level = move || flags.log_level_now().map_err(|error| error.to_string());
-    tokio::spawn(follow_log_level(start_log(&config), level));
+    let hangups = Hangups::of_process();
+    tokio::spawn(follow_log_level(start_log(&config), hangups.clone(), level));
     let usage = |error: &dyn std::error::Error| Failure::new(Exit::Usage, error.to_string());
     let listener = Listener::bind(&config)
         .await
@@ -21,7 +22,7 @@ pub(super) async fn run(arguments: ServeArguments) -> Result<Exit, Failure> {
     // Scripts that let the server choose a port read it here.
     let mut told = Ok(());
     let tell = |url: &str| told = crate::stdout::print(&format!("{url}\n"));
-    serve_and_tell(listener, config, stop_signal(), tell)
+    serve_and_tell(listener, config, (stop_signal(), hangups), tell)
         .await
         .map_err(|error| Failure::new(Exit::Server, error.to_string()))?;
     told?;

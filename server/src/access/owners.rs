@@ -24,6 +24,11 @@ impl Owners {
         names.iter().map(parse).collect::<Result<_, _>>().map(Self)
     }
 
+    /// One of them, for whom the upload is counted.
+    pub(crate) fn first(&self) -> Option<ClientName> {
+        self.0.first().copied()
+    }
+
     /// As they are stored.
     pub(crate) fn stored(&self) -> Vec<String> {
         self.0.iter().map(ClientName::to_string).collect()

@@ -1,28 +1,27 @@
-//! Takes up changed tokens and certificates: on SIGHUP, or soon after a file changes.
+//! Takes up changed tokens and certificates: at a hangup, or soon after a file changes.
 
 use std::sync::Arc;
 use std::time::Duration;
 
-use tokio::signal::unix::{Signal, SignalKind, signal};
 use tokio::time::Interval;
 
 use super::files::Stamp;
 use super::{Access, TokenFile};
+use crate::hangup::Hangups;
 
 /// How often the files are looked at.
 const LOOK: Duration = Duration::from_secs(1);
 
 /// Rereads the files until it is dropped. A server that asks nobody has none.
-pub(crate) async fn watch(access: Access) {
+pub(crate) async fn watch(access: Access, mut hangups: Hangups) {
     if access.tokens.is_none() && access.certificates.is_none() {
         return;
     }
-    let mut hangup = signal(SignalKind::hangup()).ok();
     let mut ticks = tokio::time::interval(LOOK);
     // Nothing: the first look reads what changed since the start.
     let mut seen = <[Vec<Stamp>; 2]>::default();
     loop {
-        let is_asked = next(&mut hangup, &mut ticks).await;
+        let is_asked = next(&mut hangups, &mut ticks).await;
         let (access, before) = (access.clone(), std::mem::take(&mut seen));
         // A few small files, but whose disk may hang.
         let looked = tokio::task::spawn_blocking(move || {
@@ -39,16 +38,10 @@ pub(crate) async fn watch(access: Access) {
     }
 }
 
-/// Waits for the next look; whether a signal asks for it.
-async fn next(hangup: &mut Option<Signal>, ticks: &mut Interval) -> bool {
-    let asked = async {
-        match hangup {
-            Some(hangup) => hangup.recv().await,
-            None => std::future::pending().await,
-        }
-    };
+/// Waits for the next look; whether a hangup asks for it.
+async fn next(hangups: &mut Hangups, ticks: &mut Interval) -> bool {
     tokio::select! {
-        _ = asked => true,
+        () = hangups.next() => true,
         _ = ticks.tick() => false,
     }
 }

@@ -8,6 +8,7 @@ use signorini_proto::v1 as wire;
 
 use super::mesh::{Numbers, limit};
 use super::uploaded::Surface;
+use super::wide;
 use crate::fault::Fault;
 
 /// Nodes that a spline adds along an axis: beyond both ends.
@@ -77,31 +78,66 @@ impl GridUpload {
         self.values.push("values", offset, data)
     }
 
-    /// The surface and its digest, which is checked first.
+    /// The values, all of them.
     ///
     /// # Errors
-    /// `RequestInvalid` when values are missing, `SurfaceInvalid` with the node.
-    pub(super) fn finish(
-        self,
-        check: impl FnOnce(&str) -> Result<(), Fault>,
-    ) -> Result<(String, Surface), Fault> {
-        let values = self.values.finish("values")?;
-        let (origin, spacing) = match &self.lattice {
-            AnyLattice::Plane(lattice) => (&lattice.origin[..], &lattice.spacing[..]),
-            AnyLattice::Space(lattice) => (&lattice.origin[..], &lattice.spacing[..]),
-        };
-        let digest = hex(&grid_digest(&self.counts, (origin, spacing), &values));
-        check(&digest)?;
+    /// `RequestInvalid` when values are missing.
+    pub(super) fn finish(self) -> Result<WholeGrid, Fault> {
+        Ok(WholeGrid {
+            values: self.values.finish("values")?,
+            counts: self.counts,
+            lattice: self.lattice,
+        })
+    }
+}
+
+/// A grid with all its values.
+pub(super) struct WholeGrid {
+    lattice: AnyLattice,
+    counts: Vec<usize>,
+    pub(super) values: Vec<f64>,
+}
+
+impl WholeGrid {
+    /// The first node and the spacing, along each axis.
+    fn nodes(&self) -> (&[f64], &[f64]) {
+        match &self.lattice {
+            AnyLattice::Plane(lattice) => (&lattice.origin, &lattice.spacing),
+            AnyLattice::Space(lattice) => (&lattice.origin, &lattice.spacing),
+        }
+    }
+
+    pub(super) fn digest(&self) -> String {
+        hex(&grid_digest(&self.counts, self.nodes(), &self.values))
+    }
+
+    /// As its header has it.
+    pub(super) fn described(&self) -> wire::Grid {
+        let (origin, spacing) = self.nodes();
+        wire::Grid {
+            counts: self
+                .counts
+                .iter()
+                .map(|count| wide(*count as u64))
+                .collect(),
+            origin: origin.to_vec(),
+            spacing: spacing.to_vec(),
+        }
+    }
+
+    /// The surface through the values.
+    ///
+    /// # Errors
+    /// `SurfaceInvalid` with the node.
+    pub(super) fn surface(self) -> Result<Surface, Fault> {
         let surface = match self.lattice {
             AnyLattice::Plane(lattice) => {
-                HeightField::new(lattice, &values).map(|grid| Surface::Heights(Arc::new(grid)))
+                HeightField::new(lattice, &self.values).map(|grid| Surface::Heights(Arc::new(grid)))
             }
-            AnyLattice::Space(lattice) => {
-                DistanceGrid::new(lattice, &values).map(|grid| Surface::Distances(Arc::new(grid)))
-            }
+            AnyLattice::Space(lattice) => DistanceGrid::new(lattice, &self.values)
+                .map(|grid| Surface::Distances(Arc::new(grid))),
         };
-        let surface = surface.map_err(|error| Fault::SurfaceInvalid(error.to_string()))?;
-        Ok((digest, surface))
+        surface.map_err(|error| Fault::SurfaceInvalid(error.to_string()))
     }
 }
 
@@ -168,12 +204,12 @@ mod tests {
         assert!(upload.push(8, &array::encode(&heights[8..])).is_err());
         upload.push(7, &array::encode(&heights[7..])).unwrap();
         let digest = hex(&grid_digest(&[4, 5], (&[0.0, 1.0], &[1.0, 0.5]), &heights));
-        let (found, surface) = upload.finish(|_| Ok(())).unwrap();
-        assert_eq!(found, digest);
-        assert!(matches!(surface, Surface::Heights(_)));
+        let whole = upload.finish().unwrap();
+        assert_eq!(whole.digest(), digest);
+        assert!(matches!(whole.surface(), Ok(Surface::Heights(_))));
         let mut short = GridUpload::new(&plane()).unwrap();
         short.push(0, &array::encode(&heights[..19])).unwrap();
-        assert!(short.finish(|_| Ok(())).is_err());
+        assert!(short.finish().is_err());
     }
 
     #[test]
@@ -198,7 +234,7 @@ mod tests {
             match GridUpload::new(&grid) {
                 Ok(upload) => {
                     assert!(upload.predicted_bytes() > 0);
-                    assert!(upload.finish(|_| Ok(())).is_err());
+                    assert!(upload.finish().is_err());
                     good += 1;
                 }
                 Err(_) => bad += 1,

@@ -14,7 +14,7 @@ use signorini_proto::v1 as wire;
 use super::{MAXIMUM_NAME_BYTES, wide};
 use crate::fault::Fault;
 
-pub(crate) use file::{read as from_file, write as to_file};
+pub(crate) use file::{Sink, read as from_file, write as to_file};
 pub(crate) use reading::{messages, wanted};
 pub(crate) use upload::Upload;
 pub(super) use upload::{Indices, Numbers, Points};

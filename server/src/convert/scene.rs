@@ -1,24 +1,25 @@
 //! The scene message into the library's scene.
 
+mod boundary;
+mod solver;
+
 use signorini::Plan;
 use signorini::mesh::{Mesh, MeshId};
 use signorini::report::FieldName;
-use signorini::scene::{
-    Choice, Named, Obstacle, Pressure, Probe, Profile, Scene, SceneError, SceneKind, SolverOptions,
-    Step, Support, ToleranceRule, Traction, UnknownName, Violation,
-};
+use signorini::scene::{Probe, Scene, SceneError, SceneKind, Step, Violation};
 use signorini_proto::v1 as wire;
 
 use super::uploaded::SurfacesByName;
 use super::values::values;
-use super::{Faults, MOST_FAULTS, components, field, material, mesh, named, shape, step};
+use super::{Faults, MOST_FAULTS, field, material, mesh, named, step};
 use crate::fault::Fault;
+use boundary::{obstacle, pressure, support, traction};
+use solver::solver;
 
 const MAXIMUM_LIST: usize = 4096;
 const MAXIMUM_OBSTACLES: usize = 1000;
 const MAXIMUM_PROBES: usize = 10_000;
 const MAXIMUM_STEPS: usize = 10_000;
-const MAXIMUM_GROUPS: usize = 1000;
 const MAXIMUM_EVERY: u32 = 100_000;
 
 /// Everything that a scene message says.
@@ -164,93 +165,6 @@ fn kind(number: i32, faults: &mut Faults) -> Option<SceneKind> {
     }
 }
 
-fn surfaces(groups: Vec<String>, path: &str, faults: &mut Faults) -> Vec<String> {
-    let path = format!("{path}.on");
-    faults.at_most(&groups, MAXIMUM_GROUPS, &path);
-    if groups.is_empty() {
-        faults.add(&path, "names no surface group");
-    }
-    let names = groups.into_iter().take(MAXIMUM_GROUPS);
-    names.map(|name| faults.name(&name, &path)).collect()
-}
-
-fn support(message: wire::Support, index: usize, faults: &mut Faults) -> Support {
-    let path = named("support", &message.name, index);
-    let values = values(message.values.as_ref(), &format!("{path}.values"), faults);
-    let all = [Some(0.0); 3];
-    Support {
-        name: faults.name(&message.name, &path),
-        on: surfaces(message.on, &path, faults),
-        displacement: match (&values, message.displacement, message.normal) {
-            (Some(_), None, None) => all,
-            (_, displacement, _) => components(displacement),
-        },
-        normal: message.normal,
-        profile: profile(message.profile, &path, faults),
-        values,
-    }
-}
-
-fn profile(number: i32, path: &str, faults: &mut Faults) -> Profile {
-    match wire::SupportProfile::try_from(number) {
-        Ok(wire::SupportProfile::Unspecified) => Profile::Constant,
-        Ok(wire::SupportProfile::Parabolic) => Profile::Parabolic,
-        Err(_) => {
-            faults.later(
-                format!("{path}.profile"),
-                format!("number {number} is not known here"),
-            );
-            Profile::Constant
-        }
-    }
-}
-
-fn traction(message: wire::Traction, index: usize, faults: &mut Faults) -> Traction {
-    let path = named("traction", &message.name, index);
-    let values = values(message.values.as_ref(), &format!("{path}.values"), faults);
-    let key = format!("{path}.value");
-    let value = match &values {
-        Some(_) => faults.optional_vector(&message.value, &key),
-        None => Some(faults.vector(&message.value, &key)),
-    };
-    Traction {
-        name: (!message.name.is_empty()).then(|| faults.name(&message.name, &path)),
-        on: surfaces(message.on, &path, faults),
-        value: value.unwrap_or_default(),
-        values,
-    }
-}
-
-fn pressure(message: wire::Pressure, index: usize, faults: &mut Faults) -> Pressure {
-    let path = format!("pressure[{index}]");
-    Pressure {
-        on: surfaces(message.on, &path, faults),
-        value: faults.required(message.value, &format!("{path}.value")),
-    }
-}
-
-fn obstacle(
-    message: wire::Obstacle,
-    index: usize,
-    (named_surfaces, faults): (&SurfacesByName, &mut Faults),
-) -> Obstacle {
-    let path = named("obstacle", &message.name, index);
-    Obstacle {
-        name: faults.name(&message.name, &path),
-        on: surfaces(message.on, &path, faults),
-        shape: shape::shape(
-            message.shape,
-            &format!("{path}.shape"),
-            (named_surfaces, faults),
-        ),
-        surface: shape::surface(message.surface, &path, faults),
-        friction: faults
-            .not_negative(message.friction, &format!("{path}.friction"))
-            .unwrap_or(0.0),
-        tresca: faults.not_negative(message.tresca, &format!("{path}.tresca")),
-    }
-}
-
 fn probe(message: wire::Probe, index: usize, faults: &mut Faults) -> Probe {
     let path = named("probe", &message.name, index);
     Probe {
@@ -264,62 +178,6 @@ fn steps<'a>(list: impl Iterator<Item = &'a wire::LoadStep>, faults: &mut Faults
     numbered
         .map(|(index, one)| step::step(one, &format!("step[{index}]"), faults))
         .collect()
-}
-
-fn solver(message: wire::SolverOptions, faults: &mut Faults) -> SolverOptions {
-    let default = SolverOptions::default();
-    let tolerance_rule = tolerance_rule(message.tolerance_rule, faults);
-    SolverOptions {
-        tolerance: message.tolerance.unwrap_or(default.tolerance),
-        tolerance_rule,
-        error_estimate: method(&message.error_estimate, "error_estimate", faults),
-        element: method(&message.element, "element", faults),
-        displacement_preconditioner: method(
-            &message.displacement_preconditioner,
-            "displacement_preconditioner",
-            faults,
-        ),
-        p1_solver: method(&message.p1_solver, "p1_solver", faults),
-        saddle: method(&message.saddle, "saddle", faults),
-        contact: method(&message.contact, "contact", faults),
-        contact_metric: method(&message.contact_metric, "contact_metric", faults),
-        contact_space: method(&message.contact_space, "contact_space", faults),
-        stability: method(&message.stability, "stability", faults),
-        on_instability: method(&message.on_instability, "on_instability", faults),
-        response: method(&message.response, "response", faults),
-        quadrature_degree: message.quadrature_degree.map(|degree| {
-            // The library's range check names a negative degree as zero.
-            u32::try_from(degree).unwrap_or(0)
-        }),
-        max_wall_time: message.max_wall_time,
-        penalty: message.penalty,
-        verify: message.verify,
-    }
-}
-
-/// The method of that name; empty leaves the choice to the plan.
-fn method<T: Named>(name: &str, key: &str, faults: &mut Faults) -> Choice<T> {
-    let path = format!("solver.{key}");
-    let name = faults.name(name, &path);
-    if name.is_empty() {
-        return Choice::Auto;
-    }
-    name.parse().unwrap_or_else(|unknown: UnknownName| {
-        faults.misnamed(path, unknown.to_string());
-        Choice::Auto
-    })
-}
-
-fn tolerance_rule(number: i32, faults: &mut Faults) -> ToleranceRule {
-    match wire::ToleranceRule::try_from(number) {
-        Ok(wire::ToleranceRule::Unspecified) => ToleranceRule::Fixed,
-        Ok(wire::ToleranceRule::Discretisation) => ToleranceRule::Discretisation,
-        Err(_) => {
-            let message = format!("rule number {number} is not known here");
-            faults.later("solver.tolerance", message);
-            ToleranceRule::Fixed
-        }
-    }
 }
 
 fn output(message: Option<&wire::Output>, faults: &mut Faults) -> Output {
@@ -345,29 +203,9 @@ fn output(message: Option<&wire::Output>, faults: &mut Faults) -> Output {
 #[cfg(test)]
 mod tests {
     use signorini::mesh::{CellKind, MeshParts};
-    use signorini::scene::{ElementKind, ErrorEstimate, Formulation, MaterialModel};
+    use signorini::scene::{Choice, ElementKind, Formulation, MaterialModel, Profile};
 
     use super::*;
-
-    #[test]
-    fn tolerance_rules_arrive_and_unknown_ones_are_refused() {
-        let convert = |tolerance_rule: i32| {
-            let message = wire::SolverOptions {
-                tolerance_rule,
-                error_estimate: "off".into(),
-                ..Default::default()
-            };
-            let mut faults = Faults::default();
-            let found = solver(message, &mut faults);
-            faults.outcome().map(|()| found)
-        };
-        let fixed = convert(0).expect("the default rule");
-        assert_eq!(fixed.tolerance_rule, ToleranceRule::Fixed);
-        assert_eq!(fixed.error_estimate, Choice::Named(ErrorEstimate::Off));
-        let other = convert(wire::ToleranceRule::Discretisation.into()).expect("a known rule");
-        assert_eq!(other.tolerance_rule, ToleranceRule::Discretisation);
-        assert!(matches!(convert(7), Err(Fault::Unsupported(_))));
-    }
 
     #[test]
     fn names_of_units_are_names_and_nothing_else() {

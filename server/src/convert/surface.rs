@@ -1,6 +1,8 @@
 //! Uploads of surfaces into the library's arrays, triangulated or as grids, and what is stored
 //! of them.
 
+mod file;
+
 use std::sync::Arc;
 use std::time::SystemTime;
 
@@ -8,11 +10,12 @@ use signorini::obstacle::surface::TriangulatedSurface;
 use signorini_proto::digest::{hex, surface_digest};
 use signorini_proto::v1 as wire;
 
-use super::grid::GridUpload;
+use super::grid::{GridUpload, WholeGrid};
 use super::mesh::{Indices, Points, limit, size};
 use super::uploaded::Surface;
 use super::wide;
 use crate::fault::Fault;
+pub(crate) use file::{predicted_bytes as bytes_of_file, read as from_file, write as to_file};
 
 const MAXIMUM_VERTICES: i64 = 10_000_000;
 const MAXIMUM_FACETS: i64 = 20_000_000;
@@ -126,27 +129,73 @@ impl Upload {
         }
     }
 
-    /// The surface and its digest.
+    /// All arrays, with the digest that they have.
     ///
     /// # Errors
-    /// `RequestInvalid` when an array is incomplete or has another digest, `SurfaceInvalid` with
-    /// the facet or the node.
-    pub(crate) fn finish(self) -> Result<(String, Surface), Fault> {
-        let declared = self.digest;
-        let check = |digest: &str| match declared.filter(|declared| declared != digest) {
-            Some(declared) => {
-                let text = format!("the arrays have the digest {digest}, not {declared}");
-                Err(Fault::request("header.digest", text))
-            }
-            None => Ok(()),
-        };
-        match self.arrays {
+    /// `RequestInvalid` when an array is incomplete or has another digest.
+    pub(crate) fn finish(self) -> Result<Whole, Fault> {
+        let arrays = match self.arrays {
             Arrays::Triangulated {
                 coordinates,
                 corners,
                 ..
-            } => triangulated(coordinates, corners, check),
-            Arrays::Grid(grid) => grid.finish(check),
+            } => WholeArrays::Triangulated {
+                vertices: coordinates.finish("coordinates")?,
+                corners: corners.finish("facets")?,
+            },
+            Arrays::Grid(grid) => WholeArrays::Grid(grid.finish()?),
+        };
+        let digest = arrays.digest();
+        match self.digest.filter(|declared| *declared != digest) {
+            Some(declared) => {
+                let text = format!("the arrays have the digest {digest}, not {declared}");
+                Err(Fault::request("header.digest", text))
+            }
+            None => Ok(Whole { digest, arrays }),
+        }
+    }
+}
+
+/// An upload that is complete.
+pub(crate) struct Whole {
+    pub(crate) digest: String,
+    arrays: WholeArrays,
+}
+
+enum WholeArrays {
+    Triangulated {
+        vertices: Vec<[f64; 3]>,
+        corners: Vec<u32>,
+    },
+    Grid(WholeGrid),
+}
+
+impl WholeArrays {
+    fn digest(&self) -> String {
+        match self {
+            Self::Triangulated { vertices, corners } => {
+                let signed: Vec<i32> = corners.iter().map(|corner| corner.cast_signed()).collect();
+                hex(&surface_digest(vertices.as_flattened(), &signed))
+            }
+            Self::Grid(grid) => grid.digest(),
+        }
+    }
+}
+
+impl Whole {
+    /// The surface of the arrays.
+    ///
+    /// # Errors
+    /// `SurfaceInvalid` with the facet or the node.
+    pub(crate) fn surface(self) -> Result<Surface, Fault> {
+        match self.arrays {
+            WholeArrays::Triangulated { vertices, corners } => {
+                let facets = corners.as_chunks::<3>().0.to_vec();
+                let surface = TriangulatedSurface::new(vertices, facets);
+                let surface = surface.map_err(|error| Fault::SurfaceInvalid(error.to_string()))?;
+                Ok(Surface::Triangulated(Arc::new(surface)))
+            }
+            WholeArrays::Grid(grid) => grid.surface(),
         }
     }
 }
@@ -171,22 +220,6 @@ fn arrays(header: &wire::SurfaceHeader) -> Result<Arrays, Fault> {
         coordinates: Points::new(vertices),
         corners: Indices::new(corners),
     })
-}
-
-fn triangulated(
-    coordinates: Points,
-    corners: Indices,
-    check: impl FnOnce(&str) -> Result<(), Fault>,
-) -> Result<(String, Surface), Fault> {
-    let vertices = coordinates.finish("coordinates")?;
-    let corners = corners.finish("facets")?;
-    let signed: Vec<i32> = corners.iter().map(|corner| corner.cast_signed()).collect();
-    let digest = hex(&surface_digest(vertices.as_flattened(), &signed));
-    check(&digest)?;
-    let facets = corners.as_chunks::<3>().0.to_vec();
-    let surface = TriangulatedSurface::new(vertices, facets);
-    let surface = surface.map_err(|error| Fault::SurfaceInvalid(error.to_string()))?;
-    Ok((digest, Surface::Triangulated(Arc::new(surface))))
 }
 
 /// A surface that came at a time.

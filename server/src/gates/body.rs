@@ -13,7 +13,8 @@ use tokio::time::Sleep;
 use tonic::Status;
 use tonic::body::Body;
 
-use super::decode::{Decode, Permit};
+use super::decode::{Decode, Entry, Permit};
+use crate::client_key::ClientIdentity;
 use crate::fault::Fault;
 use crate::limits::MESSAGE_BYTES;
 
@@ -39,6 +40,9 @@ enum Stage {
     /// For room for a message of that size with its prefix.
     Waits(usize, Waiting),
     Collects(usize, Permit, Pin<Box<Sleep>>),
+    /// Turned away: nothing is kept of the message, and whoever sent it hears of it later, as if
+    /// it had waited. Told at once it would come again at once.
+    Refused(Fault, Pin<Box<Sleep>>),
     /// Too large a message follows, which the transport refuses by its prefix.
     Passes,
     Over,
@@ -48,6 +52,7 @@ enum Stage {
 pub(super) struct Gated {
     inner: Body,
     gate: Arc<Decode>,
+    client: ClientIdentity,
     /// What its messages are; `None` for calls that are not of the contract.
     shape: Option<usize>,
     /// Where room goes that is kept until the answer.
@@ -61,13 +66,14 @@ pub(super) struct Gated {
 impl Gated {
     pub(super) fn new(
         inner: Body,
-        gate: Arc<Decode>,
+        (gate, client): (Arc<Decode>, ClientIdentity),
         shape: Option<usize>,
         kept: Option<Kept>,
     ) -> Self {
         Self {
             inner,
             gate,
+            client,
             shape,
             kept,
             last: Vec::new(),
@@ -100,6 +106,13 @@ impl Gated {
         Ok(message)
     }
 
+    /// Drops what has come, with what the transport holds, which takes nothing more.
+    fn turn_away(&mut self, fault: Fault) -> Stage {
+        self.inner = Body::empty();
+        self.collected = BytesMut::new();
+        Stage::Refused(fault, Box::pin(tokio::time::sleep(self.gate.patience)))
+    }
+
     fn fail(&mut self, fault: Fault) -> Poll<Next> {
         self.stage = Stage::Over;
         if self.kept.is_some() {
@@ -108,6 +121,12 @@ impl Gated {
         }
         Poll::Ready(Some(Err(fault.into())))
     }
+}
+
+/// Waits for the bytes of a message that has room.
+fn collects(size: usize, permit: Permit) -> Stage {
+    let slow = Duration::from_secs(size as u64 / LEAST_BYTES_PER_SECOND);
+    Stage::Collects(size, permit, Box::pin(tokio::time::sleep(GRACE + slow)))
 }
 
 /// Runs the look at a message of so many bytes. For a large one another thread takes over the
@@ -162,8 +181,11 @@ impl HttpBody for Gated {
                         this.stage = Stage::Passes;
                     }
                     Some(size) => {
-                        let room = Arc::clone(&this.gate).receive(size);
-                        this.stage = Stage::Waits(size, Box::pin(room));
+                        this.stage = match this.gate.receive(this.client, size) {
+                            Entry::Room(permit) => collects(size, permit),
+                            Entry::Waits(room) => Stage::Waits(size, room),
+                            Entry::Full(fault) => this.turn_away(fault),
+                        };
                     }
                     None => {
                         this.stage = Stage::Between;
@@ -178,11 +200,14 @@ impl HttpBody for Gated {
                         return Poll::Pending;
                     }
                     Poll::Ready(Err(fault)) => return this.fail(fault),
-                    Poll::Ready(Ok(permit)) => {
-                        let slow = Duration::from_secs(size as u64 / LEAST_BYTES_PER_SECOND);
-                        let clock = Box::pin(tokio::time::sleep(GRACE + slow));
-                        this.stage = Stage::Collects(size, permit, clock);
+                    Poll::Ready(Ok(permit)) => this.stage = collects(size, permit),
+                },
+                Stage::Refused(fault, mut clock) => match clock.as_mut().poll(context) {
+                    Poll::Pending => {
+                        this.stage = Stage::Refused(fault, clock);
+                        return Poll::Pending;
                     }
+                    Poll::Ready(()) => return this.fail(fault),
                 },
                 Stage::Collects(size, permit, mut clock) => {
                     if this.collected.len() >= size {
@@ -239,6 +264,61 @@ mod tests {
     use std::sync::mpsc;
 
     use super::*;
+
+    /// A body that sends one frame and then nothing, and is noticed when it goes.
+    struct Endless {
+        frame: Option<Bytes>,
+        _here: Arc<()>,
+    }
+
+    impl HttpBody for Endless {
+        type Data = Bytes;
+        type Error = Status;
+
+        fn poll_frame(mut self: Pin<&mut Self>, _: &mut Context<'_>) -> Poll<Next> {
+            match self.frame.take() {
+                Some(bytes) => Poll::Ready(Some(Ok(Frame::data(bytes)))),
+                None => Poll::Pending,
+            }
+        }
+    }
+
+    /// The start of a message of so many bytes.
+    fn begun(gate: &Arc<Decode>, bytes: usize) -> (Pin<Box<Gated>>, Arc<()>) {
+        let prefix = u32::try_from(bytes).unwrap().to_be_bytes();
+        let frame: Vec<u8> = std::iter::once(0).chain(prefix).chain([7; 1000]).collect();
+        let here = Arc::new(());
+        let (frame, _here) = (Some(frame.into()), Arc::clone(&here));
+        let body = Body::new(Endless { frame, _here });
+        let door = (Arc::clone(gate), ClientIdentity::Unknown);
+        (Box::pin(Gated::new(body, door, None, None)), here)
+    }
+
+    #[tokio::test]
+    async fn a_message_without_a_place_is_dropped_at_once_and_told_later() {
+        let metrics = crate::metrics::Metrics::new().unwrap();
+        let mut gate = Decode::new(0, &metrics).unwrap();
+        Arc::get_mut(&mut gate).unwrap().patience = Duration::from_millis(50);
+        let mut context = Context::from_waker(std::task::Waker::noop());
+        let mut all = Vec::new();
+        // Until one is turned away: those before it are collected or wait.
+        let mut refused = loop {
+            let (mut body, here) = begun(&gate, 4 << 20);
+            assert!(body.as_mut().poll_frame(&mut context).is_pending());
+            if Arc::strong_count(&here) == 1 {
+                break body;
+            }
+            all.push(body);
+            assert!(all.len() < 100);
+        };
+        let begun = tokio::time::Instant::now();
+        let next = std::future::poll_fn(|context| refused.as_mut().poll_frame(context)).await;
+        let status = next.unwrap().unwrap_err();
+        assert_eq!(status.code(), tonic::Code::ResourceExhausted);
+        assert!(begun.elapsed() >= gate.patience);
+        let end = std::future::poll_fn(|context| refused.as_mut().poll_frame(context)).await;
+        assert!(end.is_none());
+    }
 
     #[test]
     fn a_look_at_a_large_message_holds_up_no_other_task() {

@@ -10,6 +10,7 @@ use tower::Layer;
 
 use super::body::{Gated, Kept};
 use super::decode::Decode;
+use crate::client_key::Peer;
 
 /// Puts the gate before the services.
 #[derive(Clone)]
@@ -48,11 +49,13 @@ where
         let method = self.gate.shapes.method(request.uri().path());
         let kept = Kept::default();
         let (shape, is_stream) = method.unzip();
+        let peer = request.extensions().get::<Peer>();
+        let client = peer.unwrap_or(&Peer::UNKNOWN).client.identity;
         let request = request.map(|inner| {
             let keeps = is_stream == Some(false);
             let kept = keeps.then(|| Arc::clone(&kept));
-            let gate = Arc::clone(&self.gate);
-            Body::new(Gated::new(inner, gate, shape, kept))
+            let door = (Arc::clone(&self.gate), client);
+            Body::new(Gated::new(inner, door, shape, kept))
         });
         let (answer, gate) = (self.inner.call(request), Arc::clone(&self.gate));
         Box::pin(async move {

@@ -10,7 +10,7 @@ mod uploads;
 
 use std::sync::Arc;
 
-pub(crate) use decode::Decode;
+pub(crate) use decode::{Decode, WINDOW_BYTES};
 pub(crate) use layer::GateMessages;
 pub(crate) use plans::Plans;
 pub(crate) use uploads::{UploadShare, Uploads};

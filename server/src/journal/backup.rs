@@ -59,7 +59,12 @@ fn copy_files(folder: &Path, target: &Path) -> Result<(), JournalError> {
     for part in PARTS {
         let from = folder.join(part);
         let wrong = |error: io::Error| JournalError::at(&from, &error);
-        for entry in fs::read_dir(&from).map_err(wrong)? {
+        let entries = match fs::read_dir(&from) {
+            // Of a build that stored nothing of the kind.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
+            entries => entries.map_err(wrong)?,
+        };
+        for entry in entries {
             let entry = entry.map_err(wrong)?;
             let to = target.join(part).join(entry.file_name());
             let is_part = entry.path().extension().is_some_and(|end| end == "part");

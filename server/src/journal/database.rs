@@ -12,11 +12,11 @@ mod reading;
 use super::error::JournalError;
 use super::record::{
     StoredCheckpoint, StoredFields, StoredMesh, StoredResult, StoredSave, StoredSession,
-    StoredState, StoredUpdate, sealed,
+    StoredState, StoredSurface, StoredUpdate, sealed,
 };
 use super::{files, guarded};
 pub(crate) use reading::{Listed, Stored};
-pub(super) use reading::{list, list_one, load, mesh, meshes, names, states};
+pub(super) use reading::{list, list_one, load, mesh, meshes, names, states, surface, surfaces};
 
 const META: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("meta");
 const SESSIONS: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("sessions");
@@ -28,10 +28,11 @@ pub(super) const CHECKPOINTS: TableDefinition<'_, &str, &[u8]> =
 const SAVES: TableDefinition<'_, (&str, i64), &[u8]> = TableDefinition::new("saves");
 const MESHES: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("meshes");
 const STATES: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("states");
+const SURFACES: TableDefinition<'_, &str, &[u8]> = TableDefinition::new("surfaces");
 
 /// The tables whose keys are names.
-pub(super) const BY_NAME: [TableDefinition<'_, &str, &[u8]>; 5] =
-    [META, SESSIONS, CHECKPOINTS, MESHES, STATES];
+pub(super) const BY_NAME: [TableDefinition<'_, &str, &[u8]>; 6] =
+    [META, SESSIONS, CHECKPOINTS, MESHES, STATES, SURFACES];
 /// The tables whose keys are a session and a number.
 pub(super) const BY_PLACE: [TableDefinition<'_, (&str, i64), &[u8]>; 4] =
     [UPDATES, RESULTS, FIELDS, SAVES];
@@ -69,6 +70,10 @@ pub(crate) enum Change {
     Mesh(String, StoredMesh),
     /// A mesh is dropped.
     DropMesh(String),
+    /// A surface of a tool, by its name.
+    Surface(String, StoredSurface),
+    /// A surface is dropped.
+    DropSurface(String),
     /// An imported state, by its digest.
     State(String, StoredState),
     /// A state is dropped.
@@ -128,12 +133,13 @@ pub(super) fn make_tables(database: &Database) -> Result<(), JournalError> {
     Ok(())
 }
 
-/// Whether the database at `path` has neither sessions nor meshes.
+/// Whether the database at `path` has neither sessions nor meshes nor surfaces.
 pub(super) fn is_unused(path: &Path) -> Result<bool, JournalError> {
     let open = open(path)?;
     guarded(|| {
         make_tables(&open)?;
-        Ok(names(&open)?.is_empty() && meshes(&open)?.is_empty())
+        let has_uploads = !meshes(&open)?.is_empty() || !surfaces(&open)?.is_empty();
+        Ok(names(&open)?.is_empty() && !has_uploads)
     })
 }
 
@@ -147,6 +153,7 @@ struct Tables<'a> {
     saves: redb::Table<'a, (&'static str, i64), &'static [u8]>,
     meshes: redb::Table<'a, &'static str, &'static [u8]>,
     states: redb::Table<'a, &'static str, &'static [u8]>,
+    surfaces: redb::Table<'a, &'static str, &'static [u8]>,
 }
 
 impl<'a> Tables<'a> {
@@ -161,6 +168,7 @@ impl<'a> Tables<'a> {
             saves: write.open_table(SAVES)?,
             meshes: write.open_table(MESHES)?,
             states: write.open_table(STATES)?,
+            surfaces: write.open_table(SURFACES)?,
         })
     }
 
@@ -217,6 +225,13 @@ impl<'a> Tables<'a> {
             }
             Change::DropMesh(mesh) => {
                 self.meshes.remove(mesh.as_str())?;
+            }
+            Change::Surface(surface, stored) => {
+                let bytes = seal(sealed(stored));
+                self.surfaces.insert(surface.as_str(), bytes.as_slice())?;
+            }
+            Change::DropSurface(surface) => {
+                self.surfaces.remove(surface.as_str())?;
             }
             Change::State(digest, stored) => {
                 let bytes = seal(sealed(stored));

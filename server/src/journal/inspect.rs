@@ -15,8 +15,10 @@ pub(crate) struct Inspection {
     pub(crate) sessions: Vec<(String, Result<Stored, JournalError>)>,
     /// Names of the meshes in the database.
     pub(crate) meshes: Vec<String>,
-    /// Files of meshes, and of states.
-    pub(crate) files: [Vec<PathBuf>; 2],
+    /// Names of the surfaces of tools in the database.
+    pub(crate) surfaces: Vec<String>,
+    /// Files of meshes, of states and of surfaces.
+    pub(crate) files: [Vec<PathBuf>; 3],
     /// Bytes of everything.
     pub(crate) bytes: u64,
 }
@@ -34,12 +36,10 @@ pub(crate) fn inspect(folder: &Path) -> Result<Inspection, JournalError> {
         (name, stored)
     };
     let sessions = names.into_iter().map(load).collect();
-    let meshes = guarded(|| database::meshes(&open))?
-        .into_iter()
-        .map(|(name, _)| name)
-        .collect();
-    let [of_meshes, of_states] = PARTS.map(|part| list(&folder.join(part)));
-    let files = [of_meshes?, of_states?];
+    let meshes = names_of(guarded(|| database::meshes(&open))?);
+    let surfaces = names_of(guarded(|| database::surfaces(&open))?);
+    let [of_meshes, of_states, of_surfaces] = PARTS.map(|part| list(&folder.join(part)));
+    let files = [of_meshes?, of_states?, of_surfaces?];
     let all = files.iter().flatten().chain([&path]);
     let bytes = all
         .filter_map(|file| fs::metadata(file).ok())
@@ -49,15 +49,25 @@ pub(crate) fn inspect(folder: &Path) -> Result<Inspection, JournalError> {
         is_sound,
         sessions,
         meshes,
+        surfaces,
         files,
         bytes,
     })
 }
 
+fn names_of<T>(entries: Vec<(String, T)>) -> Vec<String> {
+    entries.into_iter().map(|(name, _)| name).collect()
+}
+
+/// Files of a folder, which a build that stored nothing of the kind has not made.
 fn list(folder: &Path) -> Result<Vec<PathBuf>, JournalError> {
     let wrong = |error: std::io::Error| JournalError::at(folder, &error);
     let mut found = Vec::new();
-    for entry in fs::read_dir(folder).map_err(wrong)? {
+    let entries = match fs::read_dir(folder) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(found),
+        entries => entries.map_err(wrong)?,
+    };
+    for entry in entries {
         let path = entry.map_err(wrong)?.path();
         if path.extension().is_none() {
             found.push(path);

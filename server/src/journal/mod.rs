@@ -5,6 +5,7 @@
 //! journal.redb      sessions, accepted updates, results, checkpoints
 //! meshes/{digest}   meshes, named by their content
 //! states/{digest}   exported states, named by their content
+//! surfaces/{digest} surfaces of tools, named by their content
 //! ```
 //!
 //! One thread writes: it takes all changes that wait, commits them at once, and tells
@@ -20,13 +21,13 @@ mod layout;
 mod record;
 mod retention;
 mod states;
+mod uploads;
 mod writer;
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, PoisonError, RwLock};
 
 use redb::Database;
-use signorini::mesh::MeshId;
 
 use crate::metrics::Metrics;
 
@@ -37,13 +38,13 @@ pub(crate) use inspect::inspect;
 use layout::DATABASE_FILE;
 pub(crate) use record::{
     StoredCheckpoint, StoredField, StoredFields, StoredMesh, StoredResult, StoredSave,
-    StoredSession, StoredUpdate,
+    StoredSession, StoredSurface, StoredUpdate,
 };
 pub(crate) use retention::Limit;
 use writer::Writer;
 
 /// Folders in it.
-const PARTS: [&str; 2] = ["meshes", "states"];
+const PARTS: [&str; 3] = ["meshes", "states", "surfaces"];
 
 /// Called when the disk has a change, or when it will not get it.
 pub(crate) type Done = Box<dyn FnOnce(Result<(), JournalError>) + Send>;
@@ -176,51 +177,6 @@ impl Journal {
     /// All of one session. Blocks.
     pub(crate) fn load(&self, name: &str) -> Result<Option<Stored>, JournalError> {
         self.database.with(|open| database::load(open, name))
-    }
-
-    /// One stored mesh. Blocks.
-    ///
-    /// # Errors
-    /// [`JournalError`] when it cannot be read.
-    pub(crate) fn mesh(&self, name: &str) -> Result<Option<StoredMesh>, JournalError> {
-        self.database
-            .with(|database| database::mesh(database, name))
-    }
-
-    /// The stored meshes. Blocks.
-    pub(crate) fn meshes(&self) -> Result<Vec<(String, StoredMesh)>, JournalError> {
-        self.database.with(database::meshes)
-    }
-
-    /// The bytes of a mesh's file; none where there is no such file. Blocks.
-    ///
-    /// # Errors
-    /// When it cannot be read.
-    pub(crate) fn read_mesh(&self, id: MeshId) -> Result<Option<Vec<u8>>, JournalError> {
-        files::read(&self.mesh_file(id))
-    }
-
-    /// Drops the file of a mesh. Blocks.
-    pub(crate) fn drop_mesh(&self, id: MeshId) -> Result<(), JournalError> {
-        files::remove(&self.mesh_file(id))
-    }
-
-    /// The file of a mesh.
-    fn mesh_file(&self, id: MeshId) -> PathBuf {
-        self.folder.join("meshes").join(id.to_string())
-    }
-
-    /// Writes the bytes of a mesh beside its place, which is not known yet. Blocks.
-    pub(crate) fn write_part(
-        &self,
-        fill: impl FnOnce(&mut dyn FnMut(&[u8]) -> std::io::Result<()>) -> std::io::Result<()>,
-    ) -> Result<Part, JournalError> {
-        Part::write(&self.folder.join("meshes"), fill)
-    }
-
-    /// Gives a mesh its place. Blocks.
-    pub(crate) fn keep_mesh(&self, part: Part, id: MeshId) -> Result<(), JournalError> {
-        part.keep(&self.mesh_file(id))
     }
 
     /// Drops results and states that the limit does not allow to stay; how many sessions have

@@ -131,6 +131,17 @@ pub(crate) struct StoredMesh {
     pub(crate) owners: Vec<String>,
 }
 
+/// A stored surface of a tool, for lists.
+#[derive(Clone, PartialEq, Message)]
+pub(crate) struct StoredSurface {
+    /// Its description, a `StoredSurface` of the contract, encoded.
+    #[prost(bytes = "bytes", tag = "1")]
+    pub(crate) described: Bytes,
+    /// Names of the clients that have sent it; none: it belongs to all.
+    #[prost(string, repeated, tag = "2")]
+    pub(crate) owners: Vec<String>,
+}
+
 /// An imported state, whose bytes are in its file.
 #[derive(Clone, PartialEq, Message)]
 pub(crate) struct StoredState {

@@ -1,13 +1,12 @@
 //! `MeshService`.
 
-use std::future::Future;
+mod taken;
+
 use std::sync::Arc;
-use std::time::Duration;
 
 use prost::Message as _;
 use signorini::mesh::{Mesh, MeshId};
 use signorini_proto::v1::{self as wire, mesh_service_server::MeshService, upload_mesh_request};
-use tokio::time::Instant;
 use tonic::codegen::BoxStream;
 use tonic::{Request, Response, Status, Streaming};
 
@@ -17,19 +16,13 @@ use crate::access::{Caller, Owners};
 use crate::client_key::{ClientIdentity, ClientKey};
 use crate::convert::mesh::{self as convert, Header, Upload};
 use crate::fault::Fault;
-use crate::gates::UploadShare;
 use crate::journal::{Change, Journal};
 use crate::planning::{self, aside};
 use crate::registry::Registry;
 use crate::session::Services;
 use crate::store::{Lease, Reservation};
-use crate::transport;
+use taken::{Taken, next};
 
-/// Time that every upload has; one that sends nothing for so long gives its memory back.
-const IDLE: Duration = Duration::from_secs(60);
-
-/// An upload slower than this after that time counts as abandoned.
-const LEAST_BYTES_PER_SECOND: u64 = 64 << 10;
 /// Encoded size that ends a page of meshes.
 const PAGE_BYTES: usize = 1 << 20;
 
@@ -291,90 +284,6 @@ enum Presence {
     New,
 }
 
-/// What an upload has taken of the budget: as much as its chunks that have come are of
-/// all, held until the mesh itself is counted.
-struct Taken {
-    reservation: Reservation,
-    share: UploadShare,
-    begun: Instant,
-    received: u64,
-    /// Of the arrays on the wire, and of the upload with the mesh made of it.
-    announced: u64,
-    predicted: u64,
-}
-
-impl Taken {
-    fn new(services: &Services, client: ClientIdentity) -> Result<Self, Fault> {
-        Ok(Self {
-            reservation: services.store.reserve(0)?,
-            share: services.gates.uploads.begin(client),
-            begun: Instant::now(),
-            received: 0,
-            announced: 0,
-            predicted: 0,
-        })
-    }
-
-    /// Refuses at once what can never fit.
-    fn expect(&mut self, header: &Header) -> Result<(), Fault> {
-        (self.announced, self.predicted) = (header.array_bytes(), header.predicted_bytes());
-        self.take(self.predicted)?;
-        self.take(0)
-    }
-
-    fn take(&mut self, bytes: u64) -> Result<(), Fault> {
-        self.share.grow(bytes)?;
-        self.reservation.claim(bytes)
-    }
-
-    /// Takes the part of a chunk before it is stored.
-    fn grow(&mut self, bytes: u64) -> Result<(), Fault> {
-        self.received = self.received.saturating_add(bytes);
-        let part = u128::from(self.predicted) * u128::from(self.received);
-        let part = part / u128::from(self.announced.max(1));
-        // More than was announced is refused where it is stored.
-        let part = u64::try_from(part).unwrap_or(u64::MAX).min(self.predicted);
-        self.take(part)
-    }
-
-    /// When the upload has become too slow: it has a minute, and more for what has come.
-    fn end(&self) -> Instant {
-        self.begun + IDLE + Duration::from_secs(self.received / LEAST_BYTES_PER_SECOND)
-    }
-
-    fn bytes(&self) -> u64 {
-        self.reservation.bytes()
-    }
-}
-
-async fn next(
-    inbound: &mut Streaming<wire::UploadMeshRequest>,
-    end: Instant,
-) -> Result<Option<upload_mesh_request::Part>, Fault> {
-    let broken = |status: Status| {
-        transport::fault_of_stream(&status)
-            .unwrap_or_else(|| Fault::request("upload", status.message()))
-    };
-    match by(end, inbound.message()).await?.map_err(broken)? {
-        None => Ok(None),
-        Some(message) => message.part.map(Some).ok_or_else(|| {
-            Fault::unsupported("upload", "a message that this version does not know")
-        }),
-    }
-}
-
-/// The outcome of `arrival`, if it comes before an upload counts as abandoned.
-async fn by<T>(end: Instant, arrival: impl Future<Output = T>) -> Result<T, Fault> {
-    let arrived = tokio::time::timeout_at(end, arrival).await;
-    arrived.map_err(|_| {
-        let text = format!(
-            "came slower than {LEAST_BYTES_PER_SECOND} bytes a second after its first {} seconds",
-            IDLE.as_secs()
-        );
-        Fault::request("upload", text)
-    })
-}
-
 /// The mesh of an upload, its file on the disk where there is a data folder.
 fn build(
     upload: Upload,
@@ -384,7 +293,7 @@ fn build(
     let invalid = |error: signorini::MeshError| Fault::MeshInvalid(error.to_string());
     let (parts, offsets) = upload.finish()?;
     let write =
-        |journal: &Journal| journal.write_part(|put| convert::to_file(&parts, &offsets, put));
+        |journal: &Journal| journal.write_mesh(|put| convert::to_file(&parts, &offsets, put));
     let part = journal.map(write).transpose();
     let part = part.map_err(planning::unwritable)?;
     let mesh = Mesh::second_order(parts, offsets).map_err(invalid)?;
@@ -399,16 +308,4 @@ fn build(
         kept.map_err(planning::unwritable)?;
     }
     Ok(mesh)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[tokio::test]
-    async fn an_upload_that_goes_silent_ends_with_a_reason() {
-        let silent = std::future::pending::<()>();
-        let fault = by(Instant::now(), silent).await.unwrap_err();
-        assert!(matches!(fault, Fault::RequestInvalid(_)), "{fault}");
-    }
 }

@@ -4,21 +4,24 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use signorini_proto::v1::{
-    self as wire, surface_service_server::SurfaceService, upload_surface_request::Part,
+    self as wire, surface_service_server::SurfaceService, upload_surface_request,
 };
 use tonic::{Request, Response, Status, Streaming};
 
 use super::respond;
-use crate::access::Caller;
+use crate::access::{Caller, Owners};
 use crate::client_key::ClientKey;
 use crate::convert::surface::{self as convert, Upload};
+use crate::convert::uploaded::Surface;
 use crate::fault::Fault;
-use crate::planning::aside;
+use crate::journal::{Journal, Part};
+use crate::planning::{aside, tools, unwritable};
 use crate::registry::Registry;
 use crate::session::Services;
 use crate::store::Account;
-use crate::surfaces::Stored;
+use crate::surfaces::{MOST, Stored};
 use crate::transport;
+use upload_surface_request::Part as Sent;
 
 /// An upload that sends nothing for so long gives its memory back.
 const IDLE: Duration = Duration::from_secs(60);
@@ -52,8 +55,7 @@ impl SurfaceService for SurfaceDoor {
         let caller = Caller::of(&request);
         respond(&self.registry, async {
             let digest = convert::digest_of(&request.into_inner().name, "name")?;
-            let found = self.services.surfaces.get_for(&caller, &digest)?;
-            let surface = Some(convert::surface(&digest, &found.surface, found.created));
+            let surface = Some(tools::described(&self.services, &digest, &caller).await?);
             Ok(wire::GetSurfaceResponse { surface })
         })
         .await
@@ -66,11 +68,7 @@ impl SurfaceService for SurfaceDoor {
     ) -> Result<Response<wire::ListSurfacesResponse>, Status> {
         let caller = Caller::of(&request);
         respond(&self.registry, async {
-            let all = self.services.surfaces.all(&caller);
-            let one = |(digest, stored): &(String, Stored)| {
-                convert::surface(digest, &stored.surface, stored.created)
-            };
-            let surfaces = all.iter().map(one).collect();
+            let surfaces = tools::list(&self.services, &caller).await?;
             Ok(wire::ListSurfacesResponse { surfaces })
         })
         .await
@@ -86,7 +84,7 @@ impl SurfaceService for SurfaceDoor {
             let name = request.into_inner().name;
             let digest = convert::digest_of(&name, "name")?;
             caller.note(&name);
-            self.services.surfaces.delete(&caller, &digest)?;
+            self.delete(&digest, &caller).await?;
             Ok(wire::DeleteSurfaceResponse {})
         })
         .await
@@ -100,18 +98,18 @@ impl SurfaceDoor {
         (caller, account): (&Caller, Account),
     ) -> Result<wire::UploadSurfaceResponse, Fault> {
         self.registry.check_open()?;
-        let Some(Part::Header(header)) = next(&mut inbound).await? else {
+        let Some(Sent::Header(header)) = next(&mut inbound).await? else {
             return Err(Fault::request("header", "must be the first message"));
         };
         let mut upload = Upload::new(header)?;
-        let surfaces = &self.services.surfaces;
         if let Some(digest) = &upload.digest
-            && let Ok(found) = surfaces.get_for(caller, digest)
+            && let Ok(found) = tools::described(&self.services, digest, caller).await
         {
-            caller.note(&convert::name(digest));
-            return Ok(answer(digest, &found, true));
+            caller.note(&found.name);
+            return Ok(answer(found, true));
         }
         let predicted = (account, upload.predicted_bytes());
+        let surfaces = &self.services.surfaces;
         let reserved = surfaces.reserve(&self.services.store, predicted)?;
         let end = Instant::now() + LONGEST;
         while let Some(part) = next(&mut inbound).await? {
@@ -120,27 +118,102 @@ impl SurfaceDoor {
                 return Err(Fault::request("upload", text));
             }
             match part {
-                Part::Chunk(chunk) => upload.push(&chunk)?,
-                Part::Header(_) => {
+                Sent::Chunk(chunk) => upload.push(&chunk)?,
+                Sent::Header(_) => {
                     return Err(Fault::request("header", "must be the first message only"));
                 }
             }
         }
-        let (digest, surface) = aside(move || upload.finish()).await??;
+        let journal = self.services.journal.clone();
+        let (digest, surface, part) = aside(move || build(upload, journal.as_deref())).await??;
         caller.note(&convert::name(&digest));
-        let stored = surfaces.insert(caller, digest.clone(), surface, reserved);
-        Ok(answer(&digest, &stored, false))
+        let _turn = surfaces.turn().await;
+        let (described, mut owners) = match tools::known(&self.services, &digest).await? {
+            Some((described, owners)) => (Some(described), owners),
+            None => (None, Owners::of(caller)),
+        };
+        // Nothing new for one whose it is.
+        let _new = owners.join(caller);
+        let stored = Stored {
+            surface,
+            created: tools::created(described.as_ref()),
+        };
+        let named = (digest.as_str(), part);
+        let stored = tools::keep(&self.services, named, (stored, owners), reserved).await?;
+        self.make_place().await?;
+        let surface = convert::surface(&digest, &stored.surface, stored.created);
+        Ok(answer(surface, false))
+    }
+
+    /// Drops a surface that no session uses, awake or not; for a client alone where others
+    /// have sent it too.
+    async fn delete(&self, digest: &str, caller: &Caller) -> Result<(), Fault> {
+        let _turn = self.services.surfaces.turn().await;
+        let known = tools::known(&self.services, digest).await?;
+        let known = known.filter(|(_, owners)| owners.admit(caller));
+        let (described, mut owners) =
+            known.ok_or_else(|| Fault::SurfaceNotFound(convert::name(digest)))?;
+        if owners.leave(caller) {
+            tools::enter(&self.services, &described, &owners).await?;
+            self.services.surfaces.give(digest, owners);
+            return Ok(());
+        }
+        match self.registry.asleep_with(&described.name) {
+            0 => tools::drop_surface(&self.services, digest).await,
+            _ => Err(Fault::SurfaceInUse(described.name)),
+        }
+    }
+
+    /// Drops the oldest of the data folder that no session uses where there are too many.
+    async fn make_place(&self) -> Result<(), Fault> {
+        let mut stored = tools::stored(&self.services).await?;
+        let mut beyond = stored.len().saturating_sub(MOST);
+        stored.sort_by_key(age);
+        // The newest is the one that came just now.
+        stored.pop();
+        for one in stored {
+            if beyond == 0 {
+                break;
+            }
+            if self.registry.asleep_with(&one.name) > 0 {
+                continue;
+            }
+            match tools::drop_surface(&self.services, &one.digest).await {
+                Err(Fault::SurfaceInUse(_)) => {}
+                outcome => outcome.map(|()| beyond -= 1)?,
+            }
+        }
+        Ok(())
     }
 }
 
-fn answer(digest: &str, stored: &Stored, already_present: bool) -> wire::UploadSurfaceResponse {
+/// Orders surfaces by when they came.
+fn age(surface: &wire::StoredSurface) -> (i64, i32) {
+    let time = surface.create_time.unwrap_or_default();
+    (time.seconds, time.nanos)
+}
+
+/// The surface of an upload with its digest, and its file on the disk, which has no name yet.
+fn build(
+    upload: Upload,
+    journal: Option<&Journal>,
+) -> Result<(String, Surface, Option<Part>), Fault> {
+    let whole = upload.finish()?;
+    let write = |journal: &Journal| journal.write_surface(|put| convert::to_file(&whole, put));
+    let part = journal.map(write).transpose();
+    let part = part.map_err(unwritable)?;
+    let digest = whole.digest.clone();
+    Ok((digest, whole.surface()?, part))
+}
+
+fn answer(surface: wire::StoredSurface, already_present: bool) -> wire::UploadSurfaceResponse {
     wire::UploadSurfaceResponse {
-        surface: Some(convert::surface(digest, &stored.surface, stored.created)),
+        surface: Some(surface),
         already_present,
     }
 }
 
-async fn next(inbound: &mut Streaming<wire::UploadSurfaceRequest>) -> Result<Option<Part>, Fault> {
+async fn next(inbound: &mut Streaming<wire::UploadSurfaceRequest>) -> Result<Option<Sent>, Fault> {
     let broken = |status: Status| {
         transport::fault_of_stream(&status)
             .unwrap_or_else(|| Fault::request("upload", status.message()))

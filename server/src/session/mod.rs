@@ -31,6 +31,7 @@ use crate::journal::{Journal, JournalError};
 use crate::metrics::Metrics;
 use crate::store::{Account, Lease, Reservation, Store};
 use crate::surfaces::Surfaces;
+use crate::traces::Traces;
 
 pub(crate) use recovered::Recovered;
 
@@ -50,6 +51,8 @@ pub(crate) struct Services {
     pub(crate) solvers: SolverThreads,
     /// Who may plan, upload and send large messages, and how much of it at one time.
     pub(crate) gates: Gates,
+    /// Where traces of updates go.
+    pub(crate) traces: Traces,
     /// The data folder, if there is one.
     pub(crate) journal: Option<Arc<Journal>>,
 }

@@ -14,6 +14,7 @@ use tokio::time::Instant;
 use super::clock::SlotClock;
 use super::work::Event;
 use crate::convert::step::Update;
+use crate::traces::UpdateTrace;
 
 /// A step that was told to stop and has not after this time is answered without
 /// its solver thread.
@@ -43,6 +44,8 @@ pub(super) struct Accepted {
     pub(super) encoded: Bytes,
     /// Change of the journal that holds it.
     pub(super) mark: u64,
+    /// From its first increment on.
+    pub(super) trace: Option<UpdateTrace>,
     spent: Spent,
     max_wall_time: Option<Duration>,
     /// Time that it had a slot.
@@ -65,6 +68,7 @@ impl Accepted {
             results: 0,
             encoded: update.encoded,
             mark: 0,
+            trace: None,
             spent: Spent::default(),
             max_wall_time: update.max_wall_time,
             slot_clock: Arc::default(),

@@ -3,7 +3,8 @@
 //!
 //! A checkpoint makes the solver forget what it has learnt, on which later bits depend.
 //! So where one is due follows from what increments took, by counts that are the same in
-//! every run: a replay is where the first run was.
+//! every run: a replay is where the first run was. A session without a journal forgets at the
+//! same increments, so that results do not depend on whether there is one.
 
 use std::sync::Arc;
 use std::time::Instant;

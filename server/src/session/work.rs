@@ -1,34 +1,31 @@
 //! What a session does on a solver thread: preparation and increments.
 
+mod preparing;
+
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 use bytes::Bytes;
-use signorini::mesh::Mesh;
-use signorini::plan::Plan;
-use signorini::prepare::{PrepareError, Prepared};
 use signorini::report::{
     CancelToken, FieldName, IterationRecord, Observer, StepReport, Termination,
 };
 use signorini::scene::{SceneError, Step};
-use signorini::{ObstaclePose, Reuse, Session, StepRun};
-use tokio::sync::{mpsc, oneshot};
+use signorini::{ObstaclePose, Session, StepRun};
 
-use super::Services;
 use super::clock::SlotClock;
-use super::replay::{Cost, Ground, Ledger, Replay, ReplayError, Replayed, numbered};
-use crate::client_key::Flow;
-use crate::compute::{Length, Panicked, Slot, said};
+use super::replay::{Cost, Ledger, numbered};
+use crate::compute::{Panicked, Slot, said};
 use crate::convert::field::KeptField;
 use crate::convert::report;
-use crate::fault::{FailureCause, Fault};
+use crate::fault::Fault;
 use crate::journal::JournalError;
-use crate::memory::{self, OutOfMemory};
+use crate::memory;
 use crate::metrics::Metrics;
 use crate::results::iterations::Iterations;
 use crate::results::unfinished;
-use crate::store::{Lease, Reservation};
+use crate::traces::{IncrementTrace, UpdateTrace};
+pub(super) use preparing::{Preparation, Ready, Unprepared, length, prepare};
 
 /// The state of a session with the step under way; where it is, nobody else is.
 pub(super) struct Work {
@@ -89,8 +86,11 @@ pub(super) struct Task {
     pub(super) after_event: i64,
     pub(super) iterations: Iterations,
     pub(super) metrics: Arc<Metrics>,
-    /// What a replay would have to do again so far; none where there is no journal.
-    pub(super) ledger: Option<Ledger>,
+    pub(super) trace: UpdateTrace,
+    /// What a replay would have to do again so far, with a journal or not.
+    pub(super) ledger: Ledger,
+    /// Whether there is a journal.
+    pub(super) is_kept: bool,
 }
 
 /// One increment done.
@@ -103,8 +103,17 @@ pub(super) struct Increment {
     pub(super) state_bytes: u64,
     /// What doing it again would take.
     pub(super) cost: Cost,
-    /// The state behind it, where the journal shall have it.
-    pub(super) checkpoint: Option<Vec<u8>>,
+    /// Where a checkpoint was due.
+    pub(super) checkpoint: Option<Checkpoint>,
+}
+
+/// The solver has forgotten what it had learnt, so that a session that goes on from here has the
+/// same bits.
+pub(super) enum Checkpoint {
+    /// The state, for the journal.
+    Written(Vec<u8>),
+    /// There is no journal: results shall not depend on that.
+    Passed,
 }
 
 /// How a task ended.
@@ -132,41 +141,6 @@ pub(super) enum Event {
     Exported(Result<Exported, Panicked>),
     /// The disk has the changes up to this one, or will not get it.
     Journalled(u64, Result<(), JournalError>),
-}
-
-/// A session that can step.
-pub(super) struct Ready {
-    pub(super) work: Box<Work>,
-    pub(super) prepared: Lease<Prepared>,
-    pub(super) reuse: Reuse,
-    pub(super) state_bytes: u64,
-    pub(super) replayed: Replayed,
-}
-
-/// Why a session cannot step.
-#[derive(Debug, thiserror::Error)]
-pub(super) enum Unprepared {
-    #[error(transparent)]
-    Failed(#[from] PrepareError),
-    #[error(transparent)]
-    Memory(#[from] OutOfMemory),
-    #[error("a defect of the server; its log says more")]
-    Panicked(#[from] Panicked),
-    #[error("the server is shutting down")]
-    Closed,
-    #[error(transparent)]
-    Replay(#[from] ReplayError),
-}
-
-impl Unprepared {
-    pub(super) fn cause(&self) -> FailureCause {
-        match self {
-            Self::Memory(_) => FailureCause::Memory,
-            Self::Failed(_) | Self::Panicked(_) | Self::Closed | Self::Replay(_) => {
-                FailureCause::Other
-            }
-        }
-    }
 }
 
 /// Does the next increment of a task.
@@ -201,6 +175,7 @@ fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Inc
         task,
         slot,
         paused: Duration::ZERO,
+        trace: task.trace.increment(run.done() + 1),
     };
     let done = work.session.advance(&mut run, &mut reporter, &task.cancel);
     let paused = reporter.paused.as_secs_f64();
@@ -209,14 +184,14 @@ fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Inc
         // Only a step that is finished has no further increment.
         None => unfinished::report(task.number, run.done(), Termination::InternalError),
     };
+    reporter.trace.finish(&report);
     let cost = Cost::of(&report);
-    let is_time = task
-        .ledger
-        .is_some_and(|ledger| ledger.is_due(&cost, report.termination));
+    let is_time = task.ledger.is_due(&cost, report.termination);
     // A thread that is left behind has to undo the increment.
     let is_done = task.cancel.stopped().is_none();
     let is_out_of_time = report.termination == Termination::DeadlineExceeded;
-    let checkpoint = (is_time && (is_done || is_out_of_time)).then(|| work.session.export());
+    let checkpoint =
+        (is_time && (is_done || is_out_of_time)).then(|| checkpoint(&mut work.session, task));
     work.run = Some(run);
     let asked = is_due(&report, task).then(|| task.wanted.clone());
     Increment {
@@ -227,6 +202,16 @@ fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Inc
         state_bytes: work.session.bytes(),
         cost,
         checkpoint,
+    }
+}
+
+fn checkpoint(session: &mut Session, task: &Task) -> Checkpoint {
+    match task.is_kept {
+        true => Checkpoint::Written(session.export()),
+        false => {
+            session.forget();
+            Checkpoint::Passed
+        }
     }
 }
 
@@ -256,12 +241,14 @@ struct Reporter<'a> {
     slot: &'a Slot,
     /// Time in which others had the slot.
     paused: Duration,
+    trace: IncrementTrace,
 }
 
 impl Observer for Reporter<'_> {
     fn iteration(&mut self, record: &IterationRecord) {
         fail::fail_point!("iteration");
         self.task.metrics.iteration();
+        self.trace.iteration(record);
         self.slot.show_residual(record.residuals.largest());
         let report = report::iteration(&IterationRecord {
             step: self.task.number,
@@ -274,120 +261,4 @@ impl Observer for Reporter<'_> {
         let clock = &self.task.clock;
         self.paused += clock.without(|| self.slot.pause(&is_stopped));
     }
-}
-
-/// Unknowns from which a body is long work before anything of it has run: some 0.3 s
-/// a factorisation on one core.
-const LONG_UNKNOWNS: u64 = 60_000;
-
-/// Whether work on a plan is long, as far as its size tells.
-pub(super) fn length(plan: &Plan) -> Length {
-    match plan.report().unknowns.displacement < LONG_UNKNOWNS {
-        true => Length::Short,
-        false => Length::Long,
-    }
-}
-
-/// What [`prepare`] builds from.
-pub(super) struct Preparation {
-    pub(super) plan: Arc<Plan>,
-    pub(super) mesh: Arc<Mesh>,
-    /// Whose share it uses.
-    pub(super) flow: Flow,
-    pub(super) cancel: CancelToken,
-    /// Held as long as the work may hold memory.
-    pub(super) reservation: Arc<Mutex<Reservation>>,
-    /// What an earlier server did in this session.
-    pub(super) replay: Option<Box<Replay>>,
-}
-
-/// Builds what the plan needs, or finds it, and tells the actor.
-pub(super) async fn prepare(
-    services: Arc<Services>,
-    preparation: Preparation,
-    events: mpsc::UnboundedSender<Event>,
-) {
-    let outcome = ready(&services, preparation).await;
-    // A session that is gone needs nothing.
-    let _gone = events.send(Event::Prepared(outcome.map(Box::new)));
-}
-
-async fn ready(services: &Arc<Services>, preparation: Preparation) -> Result<Ready, Unprepared> {
-    let Preparation {
-        plan,
-        mesh,
-        flow,
-        cancel,
-        reservation,
-        replay,
-    } = preparation;
-    let turn = services.store.turn(plan.key());
-    let guard = turn.lock().await;
-    let (prepared, reuse) = match services.store.prepared(&plan.key()) {
-        Some(lease) => (lease, Reuse::Reused),
-        None => {
-            memory::probe(plan.report().predicted_bytes)?;
-            let (for_build, on) = (Arc::clone(&plan), Arc::clone(&mesh));
-            let held = Arc::clone(&reservation);
-            let build = move || {
-                let built = Prepared::build(&for_build, &on, &cancel);
-                drop(held);
-                built
-            };
-            let length = length(&plan);
-            let built = on_solver(services, flow, length, build).await??;
-            (
-                services.store.insert_prepared(plan.key(), mesh.id(), built),
-                Reuse::Built,
-            )
-        }
-    };
-    drop(guard);
-    let shared = Arc::clone(prepared.value());
-    let ground = Ground {
-        plan,
-        mesh,
-        prepared: shared,
-        reuse,
-    };
-    let length = match &replay {
-        None => Length::Short,
-        Some(_) => Length::Long,
-    };
-    let begin = move || match replay {
-        None => Ok((ground.session(), None, Replayed::default())),
-        Some(replay) => (*replay).run(ground),
-    };
-    let (session, run, replayed) = on_solver(services, flow, length, begin).await??;
-    drop(reservation);
-    Ok(Ready {
-        state_bytes: session.bytes(),
-        work: Box::new(Work { session, run }),
-        prepared,
-        reuse,
-        replayed,
-    })
-}
-
-async fn on_solver<T: Send + 'static>(
-    services: &Services,
-    flow: Flow,
-    length: Length,
-    work: impl FnOnce() -> T + Send + 'static,
-) -> Result<T, Unprepared> {
-    let (sender, receiver) = oneshot::channel();
-    services.solvers.submit(
-        flow,
-        length,
-        |_| work(),
-        move |outcome| {
-            // The session may be gone; its value is dropped then.
-            let _gone = sender.send(outcome);
-        },
-    );
-    let outcome = receiver.await.map_err(|_| Unprepared::Closed)?;
-    if let Err(Panicked(said)) = &outcome {
-        tracing::error!(said, "preparation panicked");
-    }
-    Ok(outcome?)
 }

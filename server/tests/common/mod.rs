@@ -9,6 +9,8 @@
 mod block;
 mod page;
 mod process;
+mod results;
+mod tool;
 
 use signorini_proto::array;
 use signorini_proto::v1::mesh_service_client::MeshServiceClient;
@@ -27,6 +29,10 @@ pub(crate) use block::Block;
 pub(crate) use page::{answer, page, sample};
 #[allow(unused_imports, reason = "every test file uses its part")]
 pub(crate) use process::{Process, folder};
+#[allow(unused_imports, reason = "every test file uses its part")]
+pub(crate) use results::bare;
+#[allow(unused_imports, reason = "every test file uses its part")]
+pub(crate) use tool::Tool;
 
 /// A server of this process.
 pub(crate) struct Server {

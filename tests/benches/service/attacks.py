@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
 """Bad clients against a server with a small budget: its memory, its health, and what is left for a good client.
 
-usage: attacks.py --signorini PROGRAM [--log FILE] [--seconds 30] [--megabytes 200] [--rounds 1] [--only NAME,..]
+usage: attacks.py --signorini PROGRAM [--log FILE] [--seconds 30] [--megabytes 200] [--rounds 1] [--only NAME,..] [--group 0]
 
 Beside it an idle server of the same program is asked, by turns: what that one takes longer is the machine's. A round has one part a bad client (attackers.py), with the rate of a good client before it, beside it and after it, and
 one part with all of them together. Health is asked every 20 ms by a process of its own, resident memory is read every
-10 ms. Rounds in the log are not run again.
+10 ms. Rounds in the log are not run again. With --group 600 the server runs in a control group of that many megabytes
+and has the budget that it gives itself.
 """
 import multiprocessing
 import os
@@ -146,7 +147,10 @@ def tell_together(found, bound):
 def one_round(number, names, bound):
     """On a server of its own; parts that the log has are not run again."""
     given, done = common.given, [found["name"] for found in common.logged("beside") if found["round"] == number]
-    server = Server(clients=["good", *names], name=f"round-{number}", memory_budget_bytes=given.megabytes * MEGABYTE)
+    room = {"prefix": common.control_group(given.group)} if given.group else {"memory_budget_bytes": given.megabytes * MEGABYTE}
+    if room.get("prefix", True) is None:
+        sys.exit("nobody may make a control group here")
+    server = Server(clients=["good", *names], name=f"round-{number}", **room)
     good = Good(server)
     good.rate(2)
     for name in names:
@@ -157,13 +161,15 @@ def one_round(number, names, bound):
     found = together(good, server, names, given.seconds)
     common.log("together", round=number, **found)
     tell_together(found, bound)
+    if given.group:
+        row(f"server in a control group of {given.group} MB", "lives", "lives" if server.lives() else "is gone", server.lives())
     server.kill()
 
 
 def main():
-    given = common.arguments(__doc__, seconds=30.0, megabytes=200, rounds=1, only=",".join(attackers.ALL))
+    given = common.arguments(__doc__, seconds=30.0, megabytes=200, rounds=1, only=",".join(attackers.ALL), group=0)
     names = given.only.split(",")
-    bound = 1.15 * given.megabytes + 60
+    bound = given.group or 1.15 * given.megabytes + 60
     for found in common.logged("beside"):
         tell_beside(found, bound)
     for found in common.logged("together"):

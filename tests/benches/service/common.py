@@ -10,6 +10,7 @@ import hashlib
 import json
 import os
 import random
+import shutil
 import signal
 import statistics
 import struct
@@ -111,6 +112,34 @@ def milliseconds(values):
     return f"p50 {at[0]:.1f}, p99 {at[1]:.1f}, max {at[2]:.1f} ms of {len(values)}"
 
 
+def control_group(megabytes):
+    """What a command is put behind to run in a control group of so much memory; none where nobody may make one."""
+    scope = ["systemd-run", "--scope", "--quiet", "-p", f"MemoryMax={megabytes}M", "-p", "MemorySwapMax=0"]
+    if shutil.which(scope[0]) and subprocess.run([*scope, "true"], capture_output=True).returncode == 0:
+        return scope
+    top = Path("/sys/fs/cgroup")
+    # Version 1 where memory has a tree of its own.
+    own = (top / "memory", "memory.limit_in_bytes")
+    root, limit = own if own[0].is_dir() else (top, "memory.max")
+    folder = root / f"signorini-{os.getpid()}-{len(rows)}"
+    try:
+        folder.mkdir()
+        atexit.register(leave, folder)
+        (folder / limit).write_text(str(megabytes * MEGABYTE))
+    except OSError:
+        return None
+    return ["sh", "-c", f'echo $$ > {folder}/cgroup.procs && exec "$@"', "sh"]
+
+
+def leave(folder):
+    """Removes a control group whose processes are being ended."""
+    for _ in range(100):
+        try:
+            return folder.rmdir()
+        except OSError:
+            time.sleep(0.05)
+
+
 def status_of(pid, key):
     """Bytes in a line of a process's status."""
     try:
@@ -171,6 +200,11 @@ class Server:
     def memory(self, key="VmRSS"):
         """Resident memory in bytes, or another line of its status; 0 of a process that is gone."""
         return status_of(self.process.pid, key)
+
+    def processor(self):
+        """Seconds of processor time that it has had."""
+        fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
+        return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
     def lives(self):
         return self.process.poll() is None

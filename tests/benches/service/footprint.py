@@ -5,14 +5,11 @@ usage: footprint.py --signorini PROGRAM [--starts 20] [--megabytes 600] [--secon
 
 Resident memory two seconds after the start, the time from the start of the process to the first answer of health
 (least and median of --starts), both without a data folder. Then a server in a control group of --megabytes, or where
-the machine lets nobody make one (no systemd) in an address space of that size: its default budget, and whether it lives
+the machine lets nobody make one in an address space of that size: its default budget, and whether it lives
 through --seconds of scenes that do not fit.
 """
 import re
-import resource
-import shutil
 import statistics
-import subprocess
 import sys
 import threading
 import time
@@ -40,14 +37,13 @@ def starts(count):
 
 def limited(megabytes):
     """What a command is put behind to have so much memory, and in words what that is."""
-    scope = ["systemd-run", "--scope", "--quiet", "-p", f"MemoryMax={megabytes}M", "-p", "MemorySwapMax=0"]
-    if shutil.which(scope[0]) and subprocess.run([*scope, "true"], capture_output=True).returncode == 0:
-        return scope, "control group"
+    if group := common.control_group(megabytes):
+        return group, "control group"
     # A limit of the address space counts what is set aside and never touched, too: the idle server's comes on top.
     idle = Server(name="reserved")
     aside = idle.memory("VmSize")
     idle.kill()
-    return ["prlimit", f"--as={aside + megabytes * MEGABYTE}"], "address space above the idle server's (no systemd here)"
+    return ["prlimit", f"--as={aside + megabytes * MEGABYTE}"], "address space above the idle server's (no control groups here)"
 
 
 def budget(server):

@@ -3,11 +3,14 @@
 
 usage: overload.py --signorini PROGRAM [--log FILE] [--rounds 10] [--seconds 60] [--times 4]
 
-The capacity is what sixteen sessions do that always have a few updates waiting, measured before the rounds and once more
-after them. In a round they send --times as many by the clock, whatever is answered; at a refusal they go on with the update
+The capacity is what sixteen sessions do that always have six of the eight updates waiting that may, each answer bringing the
+next, measured before and after each flood: machines that others use are faster and slower by the minute, so each flood is held
+against its own two, by the clock and by the processor time that the server had. Where 10 % more is answered than that, the
+capacity is not known. In a flood they send --times as many by the clock, whatever is answered; at a refusal they go on with the update
 that was refused, as the contract says. Beside them a client asks for sessions beyond the limit. The server has a data
 folder and is killed and started again after the rounds: every update that was accepted has to be answered once, in order.
 """
+import statistics
 import threading
 import time
 
@@ -17,6 +20,10 @@ import common
 from common import Block, Client, Rejected, Server, milliseconds, row
 
 SESSIONS = 16
+# Updates that wait in each while the capacity is measured: the server never lacks work and refuses none.
+WINDOW = 6
+# What passes before anything is counted: queues fill.
+BEFORE = 1.0
 SETTINGS = {"maximum_in_flight": 8, "retained_results": 4096, "maximum_sessions": SESSIONS, "session_ttl_seconds": 86400}
 
 
@@ -27,7 +34,8 @@ class Sender:
         self.client = Client(server.address, server.tokens["load"])
         self.name = name or self.client.create(Block(4).scene(), session_id=f"load-{number}")
         self.sent = self.answered = self.refused = 0
-        self.at, self.refusals, self.faults = {}, [], []
+        self.at, self.refusals, self.faults, self.window = {}, [], [], 0
+        self.turn = threading.Lock()
 
     def attach(self, **opening):
         self.stream = self.client.solve(self.name, **opening)
@@ -50,24 +58,25 @@ class Sender:
         if result.sequence != self.answered + 1 or result.report.termination != 1:
             self.faults.append(f"{result.sequence} after {self.answered}")
         self.answered = result.sequence
+        self.fill()
 
     def take_back(self, rejected):
-        self.refusals.append(time.perf_counter() - self.at.pop(rejected.sequence, time.perf_counter()))
-        self.refused += 1
-        # What was sent behind it is refused, too.
-        self.sent = min(self.sent, rejected.sequence - 1)
+        with self.turn:
+            self.refusals.append(time.perf_counter() - self.at.pop(rejected.sequence, time.perf_counter()))
+            self.refused += 1
+            # What was sent behind it is refused, too.
+            self.sent = min(self.sent, rejected.sequence - 1)
+
+    def fill(self):
+        """As many updates wait as shall."""
+        while self.window and self.sent - self.answered < self.window:
+            self.send()
 
     def send(self):
-        self.sent += 1
-        self.at[self.sent] = time.perf_counter()
-        self.stream.step(self.sent, 0.01 + 0.001 * (self.sent % 10))
-
-    def keep_busy(self, end):
-        """A few updates wait at any time."""
-        while time.monotonic() < end:
-            while self.sent - self.answered < 3:
-                self.send()
-            time.sleep(0.002)
+        with self.turn:
+            self.sent += 1
+            self.at[self.sent] = time.perf_counter()
+            self.stream.step(self.sent, 0.01 + 0.001 * (self.sent % 10))
 
     def flood(self, end, interval):
         """An update an interval, whatever is answered."""
@@ -87,23 +96,29 @@ class Sender:
             time.sleep(0.02)
 
 
-def all_at(senders, work):
-    """The same by all senders; updates a second that were answered while they did."""
-    before, begun = sum(one.answered for one in senders), time.monotonic()
-    threads = [threading.Thread(target=work, args=(one,)) for one in senders]
-    for one in threads:
-        one.start()
-    for one in threads:
-        one.join()
-    return (sum(one.answered for one in senders) - before) / (time.monotonic() - begun)
+def answered(server, senders, seconds):
+    """Updates that are answered in that time, once queues have filled: a second, and a second of the server's processor time."""
+    time.sleep(BEFORE)
+    before, begun, used = sum(one.answered for one in senders), time.monotonic(), server.processor()
+    time.sleep(seconds)
+    count = sum(one.answered for one in senders) - before
+    return count / (time.monotonic() - begun), count / (server.processor() - used)
 
 
-def capacity(senders, seconds):
-    end = time.monotonic() + seconds
-    rate = all_at(senders, lambda one: one.keep_busy(end))
+def settle(senders):
     for one in senders:
         one.settle()
-    return rate
+
+
+def capacity(server, senders, seconds):
+    for one in senders:
+        one.window = WINDOW
+        one.fill()
+    rates = answered(server, senders, seconds)
+    for one in senders:
+        one.window = 0
+    settle(senders)
+    return rates
 
 
 def beyond(server, ended, times, reasons):
@@ -120,21 +135,43 @@ def beyond(server, ended, times, reasons):
             reasons.append(error.code().name)
 
 
-def one_round(server, senders, capacity_found, seconds):
-    """The flood; what is told of it."""
+def flood(server, senders, able, seconds):
+    """As `answered`, while many times as many are sent."""
+    end, interval = time.monotonic() + BEFORE + seconds, len(senders) / (common.given.times * able)
+    threads = [threading.Thread(target=one.flood, args=(end, interval)) for one in senders]
+    for one in threads:
+        one.start()
+    rates = answered(server, senders, seconds)
+    for one in threads:
+        one.join()
+    settle(senders)
+    return rates
+
+
+def one_round(server, senders, seconds):
+    """A flood between two measures of the capacity; what is told of it."""
+    before = capacity(server, senders, seconds / 4)
     ended, times, reasons = threading.Event(), [], []
     late = threading.Thread(target=beyond, args=(server, ended, times, reasons))
     late.start()
     for one in senders:
         one.refusals = []
-    end, interval = time.monotonic() + seconds, len(senders) / (common.given.times * capacity_found)
-    rate = all_at(senders, lambda one: one.flood(end, interval))
-    for one in senders:
-        one.settle()
+    rates = flood(server, senders, before[0], seconds)
     ended.set()
     late.join()
     updates = [time for one in senders for time in one.refusals]
-    return {"goodput": rate, "updates": updates, "sessions": times, "made": reasons.count("made"), "memory": server.memory()}
+    able = [before, capacity(server, senders, seconds / 4)]
+    return {"goodput": rates, "able": able, "updates": updates, "sessions": times, "made": reasons.count("made"), "memory": server.memory()}
+
+
+def tell_goodput(rounds):
+    """Nothing is known where more was done than the server was found able to."""
+    for number, unit in enumerate(("a second", "a second of the server's processor time")):
+        good, able = ([one["goodput"][number] for one in rounds], [statistics.mean(rates[number] for rates in one["able"]) for one in rounds])
+        parts = [done / could for done, could in zip(good, able)]
+        part = statistics.median(parts)
+        words = f"{100 * part:.0f} % (rounds {100 * min(parts):.0f} - {100 * max(parts):.0f}), {statistics.mean(good):.1f} of {statistics.mean(able):.1f}"
+        row(f"goodput {unit}", ">= 90 % of capacity", words, part >= 0.9 if part <= 1.1 else None)
 
 
 def check(server, senders):
@@ -161,19 +198,15 @@ def main():
     senders = [Sender(server, number) for number in range(SESSIONS)]
     for one in senders:
         one.attach()
-    capacity(senders, 5)
-    found = [capacity(senders, given.seconds / 2)]
+    capacity(server, senders, 4)
     rounds = common.logged("round")
     for number in range(len(rounds), given.rounds):
-        rounds.append(one_round(server, senders, found[0], given.seconds))
+        rounds.append(one_round(server, senders, given.seconds))
         common.log("round", number=number, **rounds[-1])
-    found.append(capacity(senders, given.seconds / 2))
-    able = sum(found) / 2
     updates, sessions = ([t for one in rounds for t in one[key]] for key in ("updates", "sessions"))
-    good = sum(one["goodput"] for one in rounds) / len(rounds)
     row("refusals of updates p99", "<= 20 ms", milliseconds(updates), common.percentile(updates, 0.99) <= 0.02)
     row("refusals of sessions p99", "<= 20 ms", milliseconds(sessions), common.percentile(sessions, 0.99) <= 0.02)
-    row("goodput", ">= 90 % of capacity", f"{good:.1f}/s of {able:.1f}/s ({found[0]:.1f} before, {found[1]:.1f} after), {100 * good / able:.0f} %", good >= 0.9 * able)
+    tell_goodput(rounds)
     lost = check(server, senders)
     row("accepted updates that are lost, repeated or out of order", "0", f"{lost} of {sum(one.answered for one in senders)}", lost == 0)
     common.finish()

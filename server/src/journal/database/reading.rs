@@ -1,13 +1,13 @@
 //! How the tables are read.
 
-use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable};
+use redb::{Database, ReadTransaction, ReadableDatabase, ReadableTable, TableDefinition};
 
 use super::super::error::JournalError;
 use super::super::record::{
     StoredCheckpoint, StoredFields, StoredMesh, StoredResult, StoredSave, StoredSession,
-    StoredState, StoredUpdate, opened,
+    StoredState, StoredSurface, StoredUpdate, opened,
 };
-use super::{CHECKPOINTS, FIELDS, MESHES, RESULTS, SAVES, SESSIONS, STATES, UPDATES};
+use super::{CHECKPOINTS, FIELDS, MESHES, RESULTS, SAVES, SESSIONS, STATES, SURFACES, UPDATES};
 
 /// A session with all that is stored of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -156,36 +156,63 @@ pub(in crate::journal) fn mesh(
     database: &Database,
     name: &str,
 ) -> Result<Option<StoredMesh>, JournalError> {
-    let read = database.begin_read()?;
-    let found = read.open_table(MESHES)?.get(name)?;
-    found.map(|bytes| opened(bytes.value(), name)).transpose()
+    one(database, MESHES, name)
 }
 
 /// The meshes by name.
 pub(in crate::journal) fn meshes(
     database: &Database,
 ) -> Result<Vec<(String, StoredMesh)>, JournalError> {
+    all(database, MESHES)
+}
+
+/// One surface of a tool.
+pub(in crate::journal) fn surface(
+    database: &Database,
+    name: &str,
+) -> Result<Option<StoredSurface>, JournalError> {
+    one(database, SURFACES, name)
+}
+
+/// The surfaces of tools by name; none in a folder of a build that stored none.
+pub(in crate::journal) fn surfaces(
+    database: &Database,
+) -> Result<Vec<(String, StoredSurface)>, JournalError> {
     let read = database.begin_read()?;
-    let mut found = Vec::new();
-    for entry in read.open_table(MESHES)?.iter()? {
-        let (name, mesh) = entry?;
-        found.push((name.value().to_owned(), opened(mesh.value(), name.value())?));
+    match read.open_table(SURFACES) {
+        Err(redb::TableError::TableDoesNotExist(_)) => Ok(Vec::new()),
+        Err(error) => Err(error.into()),
+        Ok(_) => all(database, SURFACES),
     }
-    Ok(found)
 }
 
 /// The imported states by digest.
 pub(in crate::journal) fn states(
     database: &Database,
 ) -> Result<Vec<(String, StoredState)>, JournalError> {
+    all(database, STATES)
+}
+
+fn one<M: prost::Message + Default>(
+    database: &Database,
+    table: TableDefinition<'_, &str, &'static [u8]>,
+    name: &str,
+) -> Result<Option<M>, JournalError> {
+    let read = database.begin_read()?;
+    let found = read.open_table(table)?.get(name)?;
+    found.map(|bytes| opened(bytes.value(), name)).transpose()
+}
+
+fn all<M: prost::Message + Default>(
+    database: &Database,
+    table: TableDefinition<'_, &str, &'static [u8]>,
+) -> Result<Vec<(String, M)>, JournalError> {
     let read = database.begin_read()?;
     let mut found = Vec::new();
-    for entry in read.open_table(STATES)?.iter()? {
-        let (digest, state) = entry?;
-        found.push((
-            digest.value().to_owned(),
-            opened(state.value(), digest.value())?,
-        ));
+    for entry in read.open_table(table)?.iter()? {
+        let (name, value) = entry?;
+        let message = opened(value.value(), name.value())?;
+        found.push((name.value().to_owned(), message));
     }
     Ok(found)
 }

@@ -19,6 +19,7 @@ use crate::results::kept::KeptResult;
 use crate::session::SessionEnd;
 use crate::session::recovered::{Recovered, stored};
 use crate::session::replay::{Cost, Ledger, Replay, ReplayStep, Replayed};
+use crate::session::work::Checkpoint;
 
 /// Changes that may wait for the disk before the next increment waits.
 const MOST_WAITING: u64 = 256;
@@ -55,8 +56,8 @@ impl Log {
         self.is_kept
     }
 
-    pub(super) fn ledger(&self) -> Option<Ledger> {
-        self.is_kept.then_some(self.ledger)
+    pub(super) fn ledger(&self) -> Ledger {
+        self.ledger
     }
 
     /// Counts a result of that event.
@@ -127,22 +128,22 @@ impl Actor {
 
     /// Writes a result; the mark that the disk has to have before it is shown.
     pub(super) fn log_result(&mut self, result: &KeptResult, ending: Ending) -> u64 {
+        let is_checkpoint = ending.checkpoint.is_some();
+        self.log.count(result.event, ending.cost, is_checkpoint);
         if !self.log.is_kept {
             return 0;
         }
-        let is_checkpoint = ending.checkpoint.is_some();
-        self.log.count(result.event, ending.cost, is_checkpoint);
         let (report, fields) = stored(result, unix_seconds());
         let mut changes = vec![Change::Result(result.event, report, fields)];
-        changes.extend(ending.checkpoint.map(|state| {
+        if let Some(Checkpoint::Written(state)) = ending.checkpoint {
             let done = u32::try_from(result.report.increment).unwrap_or_default();
-            Change::Checkpoint(StoredCheckpoint {
+            changes.push(Change::Checkpoint(StoredCheckpoint {
                 event: result.event,
                 sequence: result.sequence,
                 done: if result.last { 0 } else { done },
                 state: state.into(),
-            })
-        }));
+            }));
+        }
         changes.extend(self.outdated(result.event));
         let mark = self.queue.current().map_or(0, |current| current.mark);
         match ending.termination {

@@ -11,35 +11,36 @@
 //! good state, and what the thread brings later is undone.
 
 mod describe;
+mod ending;
 mod export;
 mod journal;
 mod log;
 mod memory;
 mod results;
 mod saves;
+mod solving;
 mod stop;
 mod streams;
 mod updates;
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
 use signorini::Reuse;
 use signorini::prepare::Prepared;
-use signorini::report::{CancelToken, FieldName, Termination};
+use signorini::report::{CancelToken, FieldName};
 use signorini_proto::v1 as wire;
 use tokio::sync::{Notify, mpsc, oneshot, watch};
 use tokio::time::Instant;
 
 use super::handle::{Command, Parting, Pulse};
 use super::queue::UpdateQueue;
-use super::work::{self, Event, Handoff, Outcome, Preparation, Ready, Task, Work};
+use super::work::{Event, Handoff, Work};
 use super::{Services, SessionEnd, SessionSpec};
 use crate::client_key::ClientKey;
-use crate::compute::{Length, Panicked};
 use crate::config::LONGEST_SECONDS;
-use crate::fault::{FailureCause, Fault};
+use crate::fault::FailureCause;
 use crate::results::iterations::Iterations;
 use crate::results::kept::Kept;
 use crate::results::readers::{Fresh, Reader};
@@ -210,20 +211,6 @@ impl Actor {
         }
     }
 
-    fn start_preparing(&mut self) {
-        let replay = self.recover();
-        let preparation = Preparation {
-            plan: Arc::clone(&self.spec.plan),
-            mesh: Arc::clone(self.spec.mesh.value()),
-            flow: self.client.flow(self.number),
-            cancel: self.stop_preparing.clone(),
-            reservation: Arc::clone(&self.spec.reservation),
-            replay,
-        };
-        let (services, events) = (Arc::clone(&self.services), self.events.clone());
-        tokio::spawn(work::prepare(services, preparation, events));
-    }
-
     fn command(&mut self, command: Command) {
         if !matches!(command, Command::List(_)) {
             self.expires = after(self.spec.ttl);
@@ -287,37 +274,6 @@ impl Actor {
         }
     }
 
-    fn advanced(&mut self, outcome: Result<Outcome, Panicked>) {
-        let is_late = matches!(self.place, Place::Behind);
-        match outcome {
-            Ok(Outcome::Withdrawn) => {}
-            Ok(Outcome::Increment(work, increment)) if is_late => {
-                self.undo_late(work, &increment);
-            }
-            Ok(Outcome::Refused(work, _) | Outcome::Broken(work, _)) if is_late => {
-                self.come_home_late(work);
-            }
-            Ok(Outcome::Increment(work, increment)) => {
-                self.place = Place::Home(work);
-                self.finish_increment(*increment);
-            }
-            Ok(Outcome::Refused(work, error)) => {
-                self.place = Place::Home(work);
-                self.refuse_current(&error.into());
-            }
-            Ok(Outcome::Broken(work, why)) => {
-                tracing::error!(why, "a step broke");
-                self.place = Place::Home(work);
-                self.finish_stopped(Termination::InternalError);
-            }
-            Err(panicked) => {
-                tracing::error!(said = panicked.0, "a defect beside a step");
-                self.place = Place::Lost(Loss::by_a_defect());
-                self.finish_stopped(Termination::InternalError);
-            }
-        }
-    }
-
     /// Does what can be done next.
     fn proceed(&mut self) {
         self.stop_here();
@@ -334,131 +290,8 @@ impl Actor {
         self.show();
     }
 
-    /// Sends the current step's next increment to a solver thread.
-    fn dispatch(&mut self) {
-        if !matches!(self.place, Place::Home(_)) {
-            return;
-        }
-        let (wanted, every) = (self.wanted(), self.spec.output.every);
-        let scratch_bytes = self.scratch_bytes();
-        let limit = self.spec.plan.scene().solver.max_wall_time;
-        let ceiling = self.services.config.step_time();
-        let length = match self.was_long {
-            true => Length::Long,
-            false => work::length(&self.spec.plan),
-        };
-        let Some(current) = self.queue.current() else {
-            return;
-        };
-        current.start_clock(limit, &self.events);
-        current.start_ceiling(ceiling, &self.events);
-        let task = Task {
-            sequence: current.sequence,
-            number: current.step_number(),
-            step: current.step.clone(),
-            cancel: current.cancel.clone(),
-            clock: Arc::clone(&current.slot_clock),
-            wanted,
-            every,
-            scratch_bytes,
-            after_event: self.last_event,
-            iterations: self.iterations.clone(),
-            metrics: Arc::clone(&self.services.metrics),
-            ledger: self.log.ledger(),
-        };
-        let handoff = Handoff::default();
-        let empty = Place::Away(Arc::clone(&handoff));
-        let Place::Home(work) = std::mem::replace(&mut self.place, empty) else {
-            return;
-        };
-        *handoff.lock().unwrap_or_else(PoisonError::into_inner) = Some(work);
-        let (span, events) = (tracing::Span::current(), self.events.clone());
-        let held = Arc::clone(&self.spec.reservation);
-        self.services.solvers.submit(
-            self.client.flow(self.number),
-            length,
-            move |slot| {
-                let outcome = span.in_scope(|| work::advance(&handoff, &task, slot));
-                // The memory may outlive the session that asked for it.
-                drop(held);
-                outcome
-            },
-            move |outcome| {
-                // A session that is gone needs no result.
-                let _gone = events.send(Event::Advanced(outcome));
-            },
-        );
-    }
-
-    /// Fields that some reader wants; without a writer, those that the last one
-    /// wanted, for it may come back.
-    fn wanted(&self) -> Vec<FieldName> {
-        let mut all = self.fields.clone();
-        for watcher in self.watchers.values() {
-            for field in watcher.reader.outbox.fields() {
-                if !all.contains(field) {
-                    all.push(*field);
-                }
-            }
-        }
-        all
-    }
-
-    fn ready(&mut self, ready: Ready) {
-        self.state_bytes = ready.state_bytes;
-        self.prepared = Some((ready.prepared, ready.reuse));
-        self.spec.prepared = None;
-        let mut work = ready.work;
-        if std::mem::take(&mut self.is_stopped_early) {
-            work.stop();
-        }
-        self.place = Place::Home(work);
-        self.replayed(ready.replayed);
-        self.account();
-    }
-
     fn is_idle(&self) -> bool {
         self.queue.is_empty() && self.writer.is_none() && self.watchers.is_empty()
-    }
-
-    /// Stops everything; [`Actor::over`] says when that has happened.
-    fn end(&mut self, ending: SessionEnd) {
-        let is_interruption = self.log.is_kept() && ending.is_interruption();
-        self.ending.get_or_insert(ending);
-        self.stop_preparing.cancel();
-        if is_interruption {
-            return self.interrupt();
-        }
-        for dropped in self.queue.keep_current() {
-            self.reject(dropped.sequence, &self.parting());
-        }
-        self.cancel(0);
-    }
-
-    /// Whether it ends here and comes back out of the data folder.
-    fn goes_on_later(&self) -> bool {
-        let ending = self.ending.as_ref();
-        self.log.is_kept() && ending.is_some_and(SessionEnd::is_interruption)
-    }
-
-    fn parting(&self) -> Fault {
-        match &self.ending {
-            Some(SessionEnd::ShutDown) if !self.log.is_kept() => Fault::ShuttingDown,
-            Some(SessionEnd::ShutDown | SessionEnd::Interrupted(None)) => Fault::Interrupted,
-            Some(SessionEnd::Interrupted(Some(why))) => Fault::Unwritable(why.to_string()),
-            Some(SessionEnd::Expired) => Fault::SessionExpired(self.spec.name.clone()),
-            Some(SessionEnd::Deleted | SessionEnd::Died) | None => {
-                Fault::SessionDeleted(self.spec.name.clone())
-            }
-        }
-    }
-
-    /// The ending, when nothing runs any more.
-    fn over(&mut self) -> Option<SessionEnd> {
-        let ending = self.ending.clone().filter(|_| self.queue.is_empty())?;
-        self.refuse_exports(&self.parting());
-        self.end_streams(&self.parting());
-        Some(ending)
     }
 }
 

@@ -7,7 +7,7 @@ use crate::convert::report;
 use crate::results::kept::{KeptReport, KeptResult};
 use crate::results::unfinished;
 use crate::session::replay::Cost;
-use crate::session::work::Increment;
+use crate::session::work::{Checkpoint, Increment};
 use signorini::report::{Cause, FieldName, Termination};
 use signorini_proto::v1 as wire;
 
@@ -17,8 +17,8 @@ pub(super) struct Ending {
     pub(super) cause: Option<Cause>,
     /// What a replay would take for it.
     pub(super) cost: Cost,
-    /// The state behind it, where the journal shall have it.
-    pub(super) checkpoint: Option<Vec<u8>>,
+    /// Where one was due behind it.
+    pub(super) checkpoint: Option<Checkpoint>,
 }
 
 impl Actor {

@@ -4,7 +4,7 @@ use signorini::report::Termination;
 
 use super::{Actor, Place};
 use crate::session::SessionEnd;
-use crate::session::work::{self, Increment, Work};
+use crate::session::work::{self, Checkpoint, Increment, Work};
 
 impl Actor {
     /// Finishes every step at the head of the queue that shall stop and that no
@@ -79,7 +79,8 @@ impl Actor {
     /// As `come_home_late`, after an increment: it was answered as not done.
     pub(super) fn undo_late(&mut self, mut work: Box<Work>, increment: &Increment) {
         let is_undone = increment.report.termination == Termination::Cancelled;
-        if increment.checkpoint.is_some() && !is_undone {
+        let is_written = matches!(increment.checkpoint, Some(Checkpoint::Written(_)));
+        if is_written && !is_undone {
             // It cannot be undone any more; the journal knows the state before.
             return self.end(SessionEnd::Interrupted(None));
         }

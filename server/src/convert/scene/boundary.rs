@@ -1,0 +1,97 @@
+//! What acts on the surface of the body: supports, loads, obstacles.
+
+use signorini::scene::{Obstacle, Pressure, Profile, Support, Traction};
+use signorini_proto::v1 as wire;
+
+use super::super::uploaded::SurfacesByName;
+use super::super::values::values;
+use super::super::{Faults, components, named, shape};
+
+const MAXIMUM_GROUPS: usize = 1000;
+
+fn surfaces(groups: Vec<String>, path: &str, faults: &mut Faults) -> Vec<String> {
+    let path = format!("{path}.on");
+    faults.at_most(&groups, MAXIMUM_GROUPS, &path);
+    if groups.is_empty() {
+        faults.add(&path, "names no surface group");
+    }
+    let names = groups.into_iter().take(MAXIMUM_GROUPS);
+    names.map(|name| faults.name(&name, &path)).collect()
+}
+
+pub(super) fn support(message: wire::Support, index: usize, faults: &mut Faults) -> Support {
+    let path = named("support", &message.name, index);
+    let values = values(message.values.as_ref(), &format!("{path}.values"), faults);
+    let all = [Some(0.0); 3];
+    Support {
+        name: faults.name(&message.name, &path),
+        on: surfaces(message.on, &path, faults),
+        displacement: match (&values, message.displacement, message.normal) {
+            (Some(_), None, None) => all,
+            (_, displacement, _) => components(displacement),
+        },
+        normal: message.normal,
+        profile: profile(message.profile, &path, faults),
+        values,
+    }
+}
+
+fn profile(number: i32, path: &str, faults: &mut Faults) -> Profile {
+    match wire::SupportProfile::try_from(number) {
+        Ok(wire::SupportProfile::Unspecified) => Profile::Constant,
+        Ok(wire::SupportProfile::Parabolic) => Profile::Parabolic,
+        Err(_) => {
+            faults.later(
+                format!("{path}.profile"),
+                format!("number {number} is not known here"),
+            );
+            Profile::Constant
+        }
+    }
+}
+
+pub(super) fn traction(message: wire::Traction, index: usize, faults: &mut Faults) -> Traction {
+    let path = named("traction", &message.name, index);
+    let values = values(message.values.as_ref(), &format!("{path}.values"), faults);
+    let key = format!("{path}.value");
+    let value = match &values {
+        Some(_) => faults.optional_vector(&message.value, &key),
+        None => Some(faults.vector(&message.value, &key)),
+    };
+    Traction {
+        name: (!message.name.is_empty()).then(|| faults.name(&message.name, &path)),
+        on: surfaces(message.on, &path, faults),
+        value: value.unwrap_or_default(),
+        values,
+    }
+}
+
+pub(super) fn pressure(message: wire::Pressure, index: usize, faults: &mut Faults) -> Pressure {
+    let path = format!("pressure[{index}]");
+    Pressure {
+        on: surfaces(message.on, &path, faults),
+        value: faults.required(message.value, &format!("{path}.value")),
+    }
+}
+
+pub(super) fn obstacle(
+    message: wire::Obstacle,
+    index: usize,
+    (named_surfaces, faults): (&SurfacesByName, &mut Faults),
+) -> Obstacle {
+    let path = named("obstacle", &message.name, index);
+    Obstacle {
+        name: faults.name(&message.name, &path),
+        on: surfaces(message.on, &path, faults),
+        shape: shape::shape(
+            message.shape,
+            &format!("{path}.shape"),
+            (named_surfaces, faults),
+        ),
+        surface: shape::surface(message.surface, &path, faults),
+        friction: faults
+            .not_negative(message.friction, &format!("{path}.friction"))
+            .unwrap_or(0.0),
+        tresca: faults.not_negative(message.tresca, &format!("{path}.tresca")),
+    }
+}
