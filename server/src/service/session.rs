@@ -41,7 +41,8 @@ impl SessionService for Sessions {
         request: Request<wire::CreateSessionRequest>,
     ) -> Result<Response<wire::CreateSessionResponse>, Status> {
         let call = (Caller::of(&request), ClientKey::of(&request));
-        respond(&self.registry, self.create(request.into_inner(), call)).await
+        let created = Box::pin(self.create(request.into_inner(), call));
+        respond(&self.registry, created).await
     }
 
     #[tracing::instrument(skip_all)]

@@ -36,6 +36,7 @@ impl UpdateTrace {
 pub(crate) struct IncrementTrace;
 
 impl IncrementTrace {
+    #[allow(clippy::needless_pass_by_ref_mut)] // As the one that sends traces.
     pub(crate) fn iteration(&mut self, _record: &IterationRecord) {}
 
     pub(crate) fn finish(self, _report: &StepReport) {}
