@@ -4,7 +4,7 @@ use super::kept::Free;
 use crate::inequality::BodyFactor;
 use crate::linalg::vector::add_scaled;
 use crate::model::evaluate::evaluate_body;
-use crate::model::prescribed::prescribe;
+use crate::model::prescribed::{carry, prescribe};
 use crate::sqp::run::Run;
 
 /// Solutions with the factor: the second takes the shift's error off.
@@ -17,6 +17,8 @@ pub(super) fn free(run: &mut Run<'_>, factor: &BodyFactor) -> Free {
     state.pressure.fill(0.0);
     state.multiplier.fill(0.0);
     prescribe(&run.model, &run.state.drive, &mut state.displacement);
+    let at_rest = vec![0.0; state.displacement.len()];
+    carry(&run.model, &at_rest, &mut state.displacement);
     for _ in 0..PASSES {
         let now = evaluate_body(&run.model, &state, &mut run.work);
         let mut load = now.force;

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use super::columns::Columns;
 use super::kept::Free;
 use crate::inequality::{BodyFactor, dense_cone};
-use crate::linalg::vector::norm;
+use crate::linalg::vector::{norm, ratio};
 use crate::linalg::{DenseMatrix, LinearOperator, SparseRows, Workspace};
 use crate::model::evaluate::{Evaluation, evaluate_contact};
 use crate::model::state::State;
@@ -22,8 +22,13 @@ use crate::sqp::run::Run;
 
 /// Problems at most.
 const MOST: usize = 30;
-/// Share of the tolerance that is left to what follows.
+/// Share of the tolerance that is left to what follows, and of what is left that a problem takes
+/// off at least.
 const SHARE: f64 = 0.5;
+/// Share of the mean diagonal that keeps redundant constraints solvable.
+const LIFT: f64 = 1e-12;
+/// What may be left where problems take no more off: programs do.
+const ROUNDING: f64 = 1e-7;
 
 /// Contact on the surface of a body.
 pub(super) struct SurfaceProblem<'a> {
@@ -50,13 +55,17 @@ impl SurfaceProblem<'_> {
     /// `[displacement]`. None where the problems do not end, or are stopped.
     pub(super) fn solve(mut self, run: &mut Run<'_>) -> Option<Vec<f64>> {
         let mut at = self.start(run)?;
+        let mut before = f64::INFINITY;
         for _ in 0..MOST {
             let load = pressing(&at, &mut run.work);
-            if holds(run, &at, &load) {
+            let left = left_over(run, &at, &load);
+            let is_rounding = left <= ROUNDING && left > SHARE * before;
+            if left <= SHARE * run.model.tolerance || is_rounding {
                 run.state.multiplier = at.state.multiplier;
                 run.state.status = at.state.status;
                 return Some(load);
             }
+            before = left;
             run.counters.set_changes += u32::from(self.improve(run, &mut at)?);
         }
         None
@@ -156,24 +165,25 @@ fn pressing(at: &Iterate, work: &mut Workspace) -> Vec<f64> {
     load
 }
 
-/// Whether the load that moved the surface is the one that presses there, and the gaps hold.
-fn holds(run: &Run<'_>, at: &Iterate, pressing: &[f64]) -> bool {
+/// What is left of equilibrium and gaps: how far the load that presses there is from the one that
+/// moved the surface, and the gaps over their scale.
+fn left_over(run: &Run<'_>, at: &Iterate, pressing: &[f64]) -> f64 {
     let wrong = pressing.iter().zip(&at.load).map(|(a, b)| (a - b).powi(2));
-    let bound = SHARE * run.model.tolerance;
-    wrong.sum::<f64>().sqrt() <= bound * norm(&at.load)
-        && at.now.gap_norm(&at.state) <= bound * run.state.scales.gap
+    let gap = ratio(at.now.gap_norm(&at.state), run.state.scales.gap);
+    ratio(wrong.sum::<f64>().sqrt(), norm(&at.load)).max(gap)
 }
 
 /// Multipliers that press, that would be negative, or that hold both ways.
 fn taking_part(at: &Iterate) -> Vec<usize> {
+    let takes_part = |i: usize, is_free: bool| {
+        let acts = !at.now.coupling.row(i).0.is_empty();
+        acts && (is_free || at.state.status[i].is_closed() || at.now.gap[i] < 0.0)
+    };
     let mut first = 0;
     let mut all = Vec::new();
     for part in &at.now.sets {
         let is_free = matches!(part.set, AdmissibleSet::Free);
-        all.extend(
-            (first..first + part.size)
-                .filter(|&i| is_free || at.state.status[i].is_closed() || at.now.gap[i] < 0.0),
-        );
+        all.extend((first..first + part.size).filter(|&i| takes_part(i, is_free)));
         first += part.size;
     }
     all
@@ -245,6 +255,10 @@ impl Rows {
         for (j, column) in columns.iter().enumerate() {
             matrix.column_mut(j).copy_from_slice(column);
         }
+        let size = self.rows.len();
+        let trace: f64 = (0..size).map(|i| matrix.at(i, i)).sum();
+        let lift = LIFT * trace / size.max(1) as f64;
+        (0..size).for_each(|i| *matrix.at_mut(i, i) += lift);
         matrix
     }
 }
