@@ -56,7 +56,7 @@ async fn pressed(server: &Server, session: &str, first: i64, last: i64) -> Vec<w
     results
 }
 
-async fn refused<T>(call: Result<T, tonic::Status>) -> String {
+fn refused<T>(call: Result<T, tonic::Status>) -> String {
     reason(&call.err().expect("refused"))
 }
 
@@ -124,20 +124,14 @@ async fn a_stored_tool_is_listed_sent_once_and_stays_while_a_sleeping_session_ne
         .upload_surface(tokio_stream::iter(again))
         .await;
     assert!(made.unwrap().into_inner().already_present);
-    assert_eq!(
-        refused(delete(&server, &name).await).await,
-        "SURFACE_IN_USE"
-    );
+    assert_eq!(refused(delete(&server, &name).await), "SURFACE_IN_USE");
     delete_session(&server, &session).await;
     // The thread that woke the session may hold it a moment longer.
     while let Err(refused) = delete(&server, &name).await {
         assert_eq!(reason(&refused), "SURFACE_IN_USE");
         tokio::time::sleep(Duration::from_millis(10)).await;
     }
-    assert_eq!(
-        refused(delete(&server, &name).await).await,
-        "SURFACE_NOT_FOUND"
-    );
+    assert_eq!(refused(delete(&server, &name).await), "SURFACE_NOT_FOUND");
     process.kill();
     process.restart();
     let server = process.connect().await;
@@ -189,7 +183,7 @@ async fn a_backup_has_the_tools_and_a_lost_or_damaged_one_is_told() {
         name: session.clone(),
     };
     let gone = server.sessions().get_session(call).await;
-    assert_eq!(refused(gone).await, "SURFACE_NOT_FOUND");
+    assert_eq!(refused(gone), "SURFACE_NOT_FOUND");
     upload(&server, Tool::Cap).await;
     pressed(&server, &session, 3, 3).await;
     process.kill();
