@@ -36,7 +36,10 @@ impl UpdateTrace {
 pub(crate) struct IncrementTrace;
 
 impl IncrementTrace {
-    #[allow(clippy::needless_pass_by_ref_mut)] // As the one that sends traces.
+    #[expect(
+        clippy::needless_pass_by_ref_mut,
+        reason = "as that of a build which sends them"
+    )]
     pub(crate) fn iteration(&mut self, _record: &IterationRecord) {}
 
     pub(crate) fn finish(self, _report: &StepReport) {}
