@@ -7,6 +7,8 @@ use super::*;
 use crate::geometry::vector3::{add, dot, norm, normalised, scale, sub};
 use crate::obstacle::{Contact, Obstacle, Shape, What};
 
+mod boxes;
+mod damaged;
 mod revolved;
 mod twins;
 

@@ -17,7 +17,7 @@ fn surfaces() -> Vec<(Vec<[f64; 3]>, Vec<[u32; 3]>)> {
 /// Points within 0.1 of the middles of facets, on both sides.
 fn points_near(tool: &Triangulated) -> Vec<[f64; 3]> {
     let patches = &tool.geometry.patches;
-    let step = (patches.len() / 150).max(1);
+    let step = (patches.len() / 60).max(1);
     let shifts: Vec<[f64; 3]> = directions(7).map(|d| scale(0.05, d)).collect();
     let near = patches.iter().step_by(step).zip(shifts.iter().cycle());
     near.map(|(patch, shift)| {
@@ -98,7 +98,7 @@ fn the_curvature_is_the_slope_of_the_normal() {
             }
         }
     }
-    assert!(seen > 300, "{seen}");
+    assert!(seen > 100, "{seen}");
 }
 
 #[test]
