@@ -114,6 +114,9 @@ impl Plan {
             push("contact", self.contact.describe(), &self.contact.reason);
             self.push_surface(&mut push);
         }
+        for tool in &self.tools {
+            push(&tool.what, tool.choice.clone(), &tool.reason);
+        }
         if let Some(rungs) = self.second_attempt() {
             push(
                 "second_attempt",
