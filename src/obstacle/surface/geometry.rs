@@ -7,9 +7,8 @@ use super::bending::curvature;
 use super::closest::Part;
 use super::normals;
 use super::patch::{Patch, bend};
-use super::topology::Facets;
 use super::tree::{self, FacetTree};
-use super::walk::Nearest;
+use super::walk::{Nearest, Searched};
 use super::{Between, TriangulatedSurface};
 use crate::geometry::vector3::{add, cross, dot, norm, normalised, scale, sub};
 use crate::obstacle::{Ball, Contact, What, round_curvature};
@@ -17,18 +16,18 @@ use crate::obstacle::{Ball, Contact, What, round_curvature};
 /// Distance from an edge, over the size of the tool, below which its normal is the mean of its
 /// patches'.
 const AT_EDGE: f64 = 1e-9;
+/// Points an axis of the lattice on which the inner ball is looked for.
+const LATTICE: u32 = 8;
 
-/// Patches in the order of the tree, with their neighbours.
+/// Patches with what they are beside their places.
 #[derive(Debug)]
 pub(super) struct Geometry {
     /// Length of the surface's file that is one here: a power of two, so that coordinates keep
     /// their bits.
     pub(super) unit: f64,
-    pub(super) facets: Facets,
-    pub(super) patches: Vec<Patch>,
+    pub(super) searched: Searched,
     /// Whether the edge opposite each corner is a feature.
     features: Vec<[bool; 3]>,
-    pub(super) tree: FacetTree,
     pub(super) ball: Option<Ball>,
     pub(super) sharpest: Option<f64>,
     pub(super) is_smooth: bool,
@@ -61,16 +60,18 @@ impl Geometry {
         let features: Vec<[bool; 3]> = order.par_iter().map(|at| features[facet(at)]).collect();
         let mut geometry = Self {
             unit,
-            facets: surface.linked.ordered(&order),
-            tree: FacetTree::new(patches.len(), |facet| patches[facet].corners),
-            patches,
+            searched: Searched {
+                facets: surface.linked.ordered(&order),
+                tree: FacetTree::new(patches.len(), |facet| patches[facet].corners),
+                patches,
+            },
             is_smooth: features.par_iter().all(|edges| *edges == [false; 3]),
             features,
             ball: None,
             sharpest: None,
         };
-        geometry.ball = super::measures::largest_ball(&geometry);
-        geometry.sharpest = super::measures::smallest_radius(&geometry);
+        geometry.ball = geometry.largest_ball();
+        geometry.sharpest = geometry.smallest_radius();
         geometry
     }
 
@@ -87,7 +88,7 @@ impl Geometry {
         what: What,
         contact: &mut Contact,
     ) {
-        let at = self.nearest(x, *hint);
+        let at = self.searched.nearest(x, *hint);
         *hint = Some(at.facet);
         let side = self.side(at);
         let sign = 1.0_f64.copysign(dot(at.foot.offset, side));
@@ -109,27 +110,36 @@ impl Geometry {
                     round_curvature(normal, self.along(at, opposite), distance)
                 }
                 (true, _) => round_curvature(normal, [0.0; 3], distance),
-                (false, _) => curvature(&self.patches[at.facet], at.foot.l, normal, distance),
+                (false, _) => curvature(
+                    &self.searched.patches[at.facet],
+                    at.foot.l,
+                    normal,
+                    distance,
+                ),
             };
         }
     }
 
     /// The side of the surface at a point: unit, the sum over the facets that meet there.
     fn side(&self, at: Nearest) -> [f64; 3] {
-        let own = self.patches[at.facet].normal(at.foot.l);
+        let own = self.searched.patches[at.facet].normal(at.foot.l);
         let sum = match at.foot.part {
             Part::Inside => return own,
             Part::Edge(opposite) => {
-                let (other, l) = self.beyond(at, opposite);
-                add(own, self.patches[other].normal(l))
+                let (other, l) = self.searched.beyond(at, opposite);
+                add(own, self.searched.patches[other].normal(l))
             }
             Part::Corner(corner) => {
-                let vertex = self.facets.corners[at.facet][corner];
-                let around = self.facets.around(at.facet, corner);
+                let vertex = self.searched.facets.corners[at.facet][corner];
+                let around = self.searched.facets.around(at.facet, corner);
                 around.fold([0.0; 3], |sum, facet| {
                     let mut l = [0.0; 3];
-                    l[self.facets.corner_of(facet, vertex).unwrap_or_default()] = 1.0;
-                    let normal = self.patches[facet].normal(l);
+                    l[self
+                        .searched
+                        .facets
+                        .corner_of(facet, vertex)
+                        .unwrap_or_default()] = 1.0;
+                    let normal = self.searched.patches[facet].normal(l);
                     add(sum, scale(self.angle(facet, vertex), normal))
                 })
             }
@@ -138,21 +148,21 @@ impl Geometry {
     }
 
     fn angle(&self, facet: usize, vertex: u32) -> f64 {
-        let Some(corner) = self.facets.corner_of(facet, vertex) else {
+        let Some(corner) = self.searched.facets.corner_of(facet, vertex) else {
             return 0.0;
         };
-        let place = |k: usize| self.patches[facet].corners[(corner + k) % 3];
+        let place = |k: usize| self.searched.patches[facet].corners[(corner + k) % 3];
         let [a, b] = [sub(place(1), place(0)), sub(place(2), place(0))];
         norm(cross(a, b)).atan2(dot(a, b))
     }
 
     /// Whether the edge of a facet opposite a corner is a feature that stands out.
-    pub(super) fn is_convex_feature(&self, facet: usize, opposite: usize) -> bool {
-        let other = self.facets.across[facet][opposite] as usize;
-        let [a, b, c] = self.patches[facet].corners;
-        let [p, q, r] = self.patches[other].corners;
+    fn is_convex_feature(&self, facet: usize, opposite: usize) -> bool {
+        let other = self.searched.facets.across[facet][opposite] as usize;
+        let [a, b, c] = self.searched.patches[facet].corners;
+        let [p, q, r] = self.searched.patches[other].corners;
         let middle = scale(1.0 / 3.0, add(p, add(q, r)));
-        let edge = self.patches[facet].corners[(opposite + 1) % 3];
+        let edge = self.searched.patches[facet].corners[(opposite + 1) % 3];
         self.features[facet][opposite] && dot(sub(middle, edge), cross(sub(b, a), sub(c, a))) < 0.0
     }
 
@@ -162,9 +172,13 @@ impl Geometry {
             Part::Inside => false,
             Part::Edge(opposite) => self.features[at.facet][opposite],
             Part::Corner(corner) => {
-                let vertex = self.facets.corners[at.facet][corner];
-                self.facets.around(at.facet, corner).any(|facet| {
-                    let own = self.facets.corner_of(facet, vertex).unwrap_or_default();
+                let vertex = self.searched.facets.corners[at.facet][corner];
+                self.searched.facets.around(at.facet, corner).any(|facet| {
+                    let own = self
+                        .searched
+                        .facets
+                        .corner_of(facet, vertex)
+                        .unwrap_or_default();
                     self.features[facet][(own + 1) % 3] || self.features[facet][(own + 2) % 3]
                 })
             }
@@ -173,11 +187,66 @@ impl Geometry {
 
     /// Unit tangent of an edge at a point.
     fn along(&self, at: Nearest, opposite: usize) -> [f64; 3] {
-        let patch = &self.patches[at.facet];
+        let patch = &self.searched.patches[at.facet];
         let (from, to) = ((opposite + 1) % 3, (opposite + 2) % 3);
         let chord = sub(patch.corners[to], patch.corners[from]);
         let bent = scale(1.0 - 2.0 * at.foot.l[to], patch.bends[opposite]);
         normalised(sub(chord, bent)).unwrap_or_default()
+    }
+
+    /// The deepest point of a lattice over the box of the surface.
+    fn largest_ball(&self) -> Option<Ball> {
+        let corners = self.searched.patches.iter().flat_map(|patch| patch.corners);
+        let (low, high) = super::bounds(corners);
+        let centre = |index: u32| -> [f64; 3] {
+            let steps = [
+                index % LATTICE,
+                index / LATTICE % LATTICE,
+                index / (LATTICE * LATTICE),
+            ];
+            std::array::from_fn(|i| {
+                let share = (f64::from(steps[i]) + 0.5) / f64::from(LATTICE);
+                low[i] + share * (high[i] - low[i])
+            })
+        };
+        let ball = |index: u32| {
+            let mut contact = Contact::default();
+            let centre = centre(index);
+            self.contact((centre, &mut None), What::Gap, &mut contact);
+            let radius = -contact.distance;
+            (radius > 0.0).then_some((Ball { centre, radius }, index))
+        };
+        let balls = (0..LATTICE.pow(3)).into_par_iter().filter_map(ball);
+        let larger = |a: &(Ball, u32), b: &(Ball, u32)| {
+            let by_radius = a.0.radius.total_cmp(&b.0.radius);
+            by_radius.then(b.1.cmp(&a.1))
+        };
+        balls.max_by(larger).map(|(ball, _)| ball)
+    }
+
+    /// Zero where there is a convex feature, else the least of the patches' middles.
+    fn smallest_radius(&self) -> Option<f64> {
+        let facets = (0..self.searched.patches.len()).into_par_iter();
+        let edges = facets
+            .clone()
+            .flat_map_iter(|facet| (0..3).map(move |k| (facet, k)));
+        if edges.any(|(facet, opposite)| self.is_convex_feature(facet, opposite)) {
+            return Some(0.0);
+        }
+        let bent = facets.map(|facet| self.largest_curvature(facet));
+        let largest = bent.reduce(|| 0.0, f64::max);
+        (largest > 0.0).then(|| 1.0 / largest)
+    }
+
+    /// The larger principal curvature in the middle of a patch.
+    fn largest_curvature(&self, facet: usize) -> f64 {
+        let patch = &self.searched.patches[facet];
+        let normal = patch.normal([1.0 / 3.0; 3]);
+        let bent = curvature(patch, [1.0 / 3.0; 3], normal, 0.0);
+        let trace: f64 = (0..3).map(|i| bent[i][i]).sum();
+        let squares: f64 = bent.as_flattened().iter().map(|x| x * x).sum();
+        let half = 0.5 * trace;
+        half + (0.5 * squares - half * half).max(0.0).sqrt()
     }
 }
 

@@ -18,7 +18,6 @@ mod coin;
 mod fit;
 mod flats;
 mod geometry;
-mod measures;
 mod normals;
 mod patch;
 mod tool;

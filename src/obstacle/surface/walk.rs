@@ -3,7 +3,9 @@
 //! patches that meet at the nearest point of the boundary so far.
 
 use super::closest::{Foot, Part, Search};
-use super::geometry::Geometry;
+use super::patch::Patch;
+use super::topology::Facets;
+use super::tree::FacetTree;
 
 /// Facets that a search goes through at most.
 const WALK: usize = 24;
@@ -19,7 +21,15 @@ pub(super) struct Nearest {
     pub(super) foot: Foot,
 }
 
-impl Geometry {
+/// Patches in the order of a tree over their facets, with their neighbours.
+#[derive(Debug)]
+pub(super) struct Searched {
+    pub(super) facets: Facets,
+    pub(super) patches: Vec<Patch>,
+    pub(super) tree: FacetTree,
+}
+
+impl Searched {
     /// The nearest point to `x`; `hint` is a facet that may be near.
     pub(super) fn nearest(&self, x: [f64; 3], hint: Option<usize>) -> Nearest {
         let corners = |facet: usize| self.patches[facet].corners;

@@ -16,7 +16,7 @@ fn surfaces() -> Vec<(Vec<[f64; 3]>, Vec<[u32; 3]>)> {
 
 /// Points within 0.1 of the middles of facets, on both sides.
 fn points_near(tool: &Triangulated) -> Vec<[f64; 3]> {
-    let patches = &tool.geometry.patches;
+    let patches = &tool.geometry.searched.patches;
     let step = (patches.len() / 60).max(1);
     let shifts: Vec<[f64; 3]> = directions(7).map(|d| scale(0.05, d)).collect();
     let near = patches.iter().step_by(step).zip(shifts.iter().cycle());
@@ -40,6 +40,7 @@ fn brute_force(tool: &Triangulated, point: [f64; 3]) -> f64 {
     ];
     let places = tool
         .geometry
+        .searched
         .patches
         .iter()
         .flat_map(|patch| starts.map(|start| patch.closest(x, start).distance));
@@ -66,6 +67,7 @@ fn the_curvature_is_the_slope_of_the_normal() {
         let place = |point: [f64; 3]| {
             let at = tool
                 .geometry
+                .searched
                 .nearest(point.map(|x| x / tool.geometry.unit), None);
             (at.facet, at.foot.part)
         };
