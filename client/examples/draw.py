@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Draws results of plane and axisymmetric scenes: the deformed body with its von Mises stress, and the tools.
+"""Draws the last result of a scene: the deformed body with its von Mises stress, solids from obliquely below with their
+contact pressure, and the tools.
 
 usage: draw.py RESULTS_FOLDER PICTURE.png [WIDTH]      needs `pip install meshio matplotlib pyvista`
 """
@@ -45,9 +46,30 @@ def tools(axes, folder, number):
             axes.plot(*tool.get_cell(k).points[:, :2].T, color="0.35", linewidth=1.5, zorder=0)
 
 
+def solid(path, folder, picture):
+    """A body in space, its tools beside it."""
+    mesh = meshio.read(path)
+    name = next(name for name in mesh.cells_dict if name.startswith("tetra"))
+    cells = mesh.cells_dict[name][:, :4]
+    grid = pyvista.UnstructuredGrid({pyvista.CellType.TETRA: cells}, mesh.points + mesh.point_data["displacement"])
+    grid.point_data["contact pressure"] = np.nan_to_num(mesh.point_data["contact_pressure"])
+    plotter = pyvista.Plotter(off_screen=True, window_size=(640, 460))
+    plotter.add_mesh(grid.extract_surface(algorithm="dataset_surface"), scalars="contact pressure", cmap="viridis", show_edges=True,
+                     edge_color="white", line_width=0.4, scalar_bar_args={"vertical": True, "color": "black", "position_x": 0.82, "title": "pressure"})
+    for tool in sorted(folder.glob(f"*_{path.stem.split('_')[-1]}.vtp")):
+        plotter.add_mesh(pyvista.read(tool), color="lightgrey", opacity=0.35, smooth_shading=True)
+    low, high = np.array(grid.bounds).reshape(3, 2).T
+    middle, size = (low + high) / 2, np.linalg.norm(high - low)
+    plotter.camera_position = [middle + size * np.array([0.7, -1.3, -0.75]), middle, (0, 0, 1)]
+    plotter.set_background("white")
+    plotter.screenshot(picture)
+
+
 def main():
     folder, picture = Path(sys.argv[1]), sys.argv[2]
     last = sorted(folder.glob("*.vtu"))[-1]
+    if any(name.startswith("tetra") for name in meshio.read(last).cells_dict):
+        return solid(last, folder, picture)
     figure, axes = plt.subplots(figsize=(4.2, 3.2), dpi=110)
     shown, moved = body(axes, last)
     low, high = moved.min(0), moved.max(0)

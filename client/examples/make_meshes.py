@@ -1,13 +1,16 @@
 #!/usr/bin/env python3
-"""Meshes of the seals: o-ring, bush, lip, stopper, finger, tyre. usage: make_meshes.py [OUTDIR]
+"""Meshes of the seals and soft tools: o-ring, bush, lip, stopper, finger, tyre, belt, gripper, and the surface of the
+egg that the gripper meets. usage: make_meshes.py [OUTDIR]
 
-Needs `pip install gmsh`. Lengths in millimetres. Surface edges are straight, cells triangles.
+Needs `pip install gmsh numpy`. Lengths in millimetres.
 """
 import math
+import struct
 import sys
 from pathlib import Path
 
 import gmsh
+import numpy as np
 
 OUT = Path(sys.argv[1] if len(sys.argv) > 1 else Path(__file__).parent / "meshes")
 PLANE = gmsh.model.geo
@@ -111,7 +114,64 @@ def tyre():
     write("tyre", PLANE.addPlaneSurface(loops), {"tread": tread, "rim": rim}, order=2)
 
 
-for make in (o_ring, bush, lip, stopper, finger, tyre):
+def belt():
+    """Strip of 80 mm by 5 mm, fine where a roller passes."""
+    places = [(-40, 0), (40, 0), (40, 5), (22, 5), (-22, 5), (-40, 5)]
+    ends = [PLANE.addPoint(x, y, 0, size) for (x, y), size in zip(places, [3, 3, 3, 0.8, 0.8, 3])]
+    curves = [PLANE.addLine(a, b) for a, b in zip(ends, ends[1:] + ends[:1])]
+    surface = PLANE.addPlaneSurface([PLANE.addCurveLoop(curves)])
+    groups = {"bed": curves[:1], "ends": [curves[1], curves[5]], "top": curves[2:5]}
+    write("belt", surface, groups)
+
+
+def gripper():
+    """Pad of a gripper, half of it: 24 by 8 by 10 mm, its lower face curved about y with 30 mm; y = 0 is its middle."""
+    shape = gmsh.model.occ
+    block = shape.addBox(-12, 0, 0, 24, 8, 10)
+    round_ = shape.addCylinder(0, -1, 30, 0, 10, 0, 30)
+    (solid,), _ = shape.intersect([(3, block)], [(3, round_)])
+    shape.synchronize()
+    sides = {"plate": [], "middle": [], "pad": []}
+    for _, face in gmsh.model.getEntities(2):
+        x, y, z = gmsh.model.occ.getCenterOfMass(2, face)
+        name = "plate" if z > 9.99 else "middle" if y < 0.01 else "pad" if z < 2 and y < 7.9 else None
+        if name:
+            sides[name].append(face)
+    gmsh.model.addPhysicalGroup(3, [solid[1]], name="rubber")
+    for name, faces in sides.items():
+        gmsh.model.addPhysicalGroup(2, faces, name=name)
+    field = gmsh.model.mesh.field
+    field.add("MathEval", 1)
+    field.setString(1, "F", "1.3 + 0.22 * (x*x/6 + y*y/3 + z*z/3)^0.5")
+    field.setAsBackgroundMesh(1)
+    gmsh.option.setNumber("Mesh.MeshSizeExtendFromBoundary", 0)
+    gmsh.option.setNumber("Mesh.MshFileVersion", 4.1)
+    gmsh.option.setNumber("Mesh.Binary", 1)
+    gmsh.model.mesh.generate(3)
+    gmsh.write(str(OUT / "gripper.msh"))
+
+
+def egg():
+    """Surface of an egg lying along x, 20 mm long and 14 mm thick, its top at the origin: 1,440 facets."""
+    rows, around = 18, 40
+    heights = [10 * math.cos(math.pi * k / rows) for k in range(1, rows)]
+    radius = lambda x: 7 * math.sqrt(1 - (x / 10) ** 2) * (1 - 0.015 * x)
+    ring = lambda x: [(x, radius(x) * math.cos(a), radius(x) * math.sin(a) - 7) for a in 2 * math.pi * np.arange(around) / around]
+    rings = [ring(x) for x in heights]
+    facets = []
+    for k in range(around):
+        n = (k + 1) % around
+        facets += [((10, 0, -7), rings[0][k], rings[0][n]), ((-10, 0, -7), rings[-1][n], rings[-1][k])]
+        for upper, lower in zip(rings, rings[1:]):
+            facets += [(upper[k], lower[k], lower[n]), (upper[k], lower[n], upper[n])]
+    with open(OUT / "egg.stl", "wb") as file:
+        file.write(b"egg".ljust(80) + struct.pack("<I", len(facets)))
+        for facet in facets:
+            file.write(struct.pack("<12fH", 0, 0, 0, *np.ravel(facet), 0))
+
+
+egg()
+for make in (o_ring, bush, lip, stopper, finger, tyre, belt, gripper):
     gmsh.initialize(["-v", "2"])
     make()
     gmsh.finalize()

@@ -51,9 +51,24 @@ pub fn iteration(statistics: &v1::IterationStatistics) -> Value {
     line("iteration", &iteration)
 }
 
-/// The line of an increment's result.
+/// The line of an increment's result, the pose of each obstacle among what is said of it.
 pub fn step(report: &v1::StepReport) -> Value {
-    line("step", report)
+    let mut line = line("step", report);
+    let poses = line.as_object_mut().and_then(|keys| keys.remove("poses"));
+    for (name, pose) in poses
+        .as_ref()
+        .and_then(Value::as_object)
+        .into_iter()
+        .flatten()
+    {
+        let obstacle = line["obstacles"]
+            .get_mut(name)
+            .and_then(Value::as_object_mut);
+        if let Some(keys) = obstacle {
+            keys.insert("pose".to_owned(), pose.clone());
+        }
+    }
+    line
 }
 
 /// The line of a session that was handed to a server.

@@ -13,7 +13,10 @@
 //!
 //! Cost: one pass over materials and facets, one distance a vertex that may be touched.
 
+use std::collections::BTreeSet;
+
 use super::Units;
+use crate::assembly::load::facet_measure;
 use crate::mesh::Mesh;
 use crate::obstacle::{Contact, What};
 use crate::scene::validate::{Resolved, ResolvedObstacle};
@@ -60,11 +63,7 @@ pub(super) fn doubts(
 
 /// An obstacle that lies in the body before anything has moved.
 fn begins_inside(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -> Option<String> {
-    let facets = obstacle.facets.iter();
-    let vertices = facets.flat_map(|&facet| mesh.facet(facet as usize).iter().copied());
-    let vertices: Vec<u32> = std::collections::BTreeSet::from_iter(vertices)
-        .into_iter()
-        .collect();
+    let vertices = vertices(obstacle, mesh);
     let place = |&vertex: &u32| mesh.coordinates()[vertex as usize];
     let scaled = |vertex: &u32| place(vertex).map(|x| x * units.coordinate_scale);
     let points: Vec<[f64; 3]> = vertices.iter().map(scaled).collect();
@@ -73,15 +72,33 @@ fn begins_inside(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) ->
     let inside = found.iter().filter(|one| one.distance < -DEEP).count();
     let by_depth = |a: &(_, &Contact), b: &(_, &Contact)| a.1.distance.total_cmp(&b.1.distance);
     let (vertex, deepest) = vertices.iter().zip(&found).min_by(by_depth)?;
+    let is_inside = |vertex: &u32| {
+        let place = vertices.binary_search(vertex);
+        place.is_ok_and(|place| found[place].distance < -DEEP)
+    };
+    let area = |&facet: &u32| {
+        let corners = mesh.facet(facet as usize);
+        let share = corners.iter().filter(|one| is_inside(one)).count() as f64;
+        let scale = units.coordinate_scale * units.length;
+        facet_measure(mesh, corners, scale).0 * share / corners.len() as f64
+    };
     (inside > 0).then(|| {
+        let area: f64 = obstacle.facets.iter().map(area).sum();
         let depth = -deepest.distance * units.length;
         let [x, y, z] = units.of_mesh(place(vertex));
         format!(
-            "obstacle `{}` begins up to {depth:.4} inside the body, at ({x:.4}, {y:.4}, {z:.4}), with {inside} of {} vertices that it may touch: the first increment pushes the body out of it",
+            "obstacle `{}` begins up to {depth:.4} inside the body, at ({x:.4}, {y:.4}, {z:.4}), with {inside} of {} vertices that it may touch, {area:.4} of the surface: the first increment pushes the body out of it",
             obstacle.name,
             vertices.len()
         )
     })
+}
+
+/// The vertices that may touch an obstacle, ascending.
+pub(super) fn vertices(obstacle: &ResolvedObstacle, mesh: &Mesh) -> Vec<u32> {
+    let facets = obstacle.facets.iter();
+    let vertices = facets.flat_map(|&facet| mesh.facet(facet as usize).iter().copied());
+    BTreeSet::from_iter(vertices).into_iter().collect()
 }
 
 /// A step in which an obstacle travels farther than any body is thick.
@@ -165,7 +182,7 @@ fn nearly_incompressible(scene: &Scene, resolved: &Resolved) -> Option<String> {
 /// A round obstacle that fits between the vertices of the mesh.
 fn below_the_mesh(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -> Option<String> {
     let inner = obstacle.shape.inner_ball()?.radius * units.length;
-    let shortest = finest_face(obstacle, mesh);
+    let shortest = finest_face(obstacle, (mesh, units));
     (inner < shortest && shortest.is_finite()).then(|| {
         format!(
             "obstacle `{}` has a radius of {inner:.3}, all edges that may touch it are longer, from {shortest:.3} on: a finer mesh sees more of its contact",
@@ -182,7 +199,7 @@ fn edges(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -> Option<
         .sharpest_radius()
         .filter(|one| *one < inner)?
         * units.length;
-    let shortest = finest_face(obstacle, mesh);
+    let shortest = finest_face(obstacle, (mesh, units));
     (sharpest < shortest && shortest.is_finite()).then(|| {
         format!(
             "obstacle `{}` has edges or a tip of radius {sharpest:.3}, below the edges that may touch it, from {shortest:.3} on: where they touch, pressures are those of the mesh",
@@ -191,10 +208,12 @@ fn edges(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -> Option<
     })
 }
 
-/// Longest edge of the finest face that may touch an obstacle, which is where it is meant to.
-fn finest_face(obstacle: &ResolvedObstacle, mesh: &Mesh) -> f64 {
+/// Longest edge of the finest face that may touch an obstacle, which is where it is meant to, in
+/// the caller's lengths.
+pub(super) fn finest_face(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -> f64 {
     let longest = |&facet: &u32| longest_edge(mesh, facet as usize);
-    (obstacle.facets.iter().map(longest)).fold(f64::INFINITY, f64::min)
+    let finest = (obstacle.facets.iter().map(longest)).fold(f64::INFINITY, f64::min);
+    finest * units.coordinate_scale * units.length
 }
 
 /// Length of the longest edge of an uploaded facet.

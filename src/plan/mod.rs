@@ -25,6 +25,7 @@ pub(crate) mod second_attempt;
 mod settings;
 mod stability;
 pub(crate) mod surfaces;
+mod tools;
 mod units;
 
 use sha2::{Digest, Sha256};
@@ -114,6 +115,8 @@ pub struct Plan {
     pub(crate) programs: Programs,
     /// From which step on the body is solved by its response at the contact surface.
     pub(crate) response: ResponseChoice,
+    /// What may touch each obstacle, and its way, for reports of the plan.
+    pub(crate) tools: Vec<PlanEntry>,
     /// Sentences about what the caller should know, for reports of the plan.
     pub(crate) warnings: Vec<String>,
 }
@@ -192,13 +195,17 @@ impl Plan {
         let p1 = p1::choose(scene.solver.p1_solver, sizes);
         let displacement = displacement::choose(scene.solver.displacement_preconditioner);
         let saddle = saddle_for(scene, unknowns, [displacement.demand(), p1.solver.demand()]);
+        let tools = tools::entries(&obstacles, &surfaces.layouts, (steps, &units));
         let mut own = conflicts(&resolved, mesh);
         own.extend(doubts::doubts(
             (scene, steps),
             (&resolved, &obstacles),
             (mesh, &units),
         ));
+        let of_tools = (&scene.obstacles[..], &obstacles[..]);
+        own.extend(tools::doubts(of_tools, steps, (mesh, &units)));
         let mut plan = Self {
+            tools,
             curved_edges: mesh.edge_offsets().len(),
             warnings: mesh.warnings().iter().cloned().chain(own).collect(),
             units,

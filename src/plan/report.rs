@@ -117,6 +117,9 @@ impl Plan {
         if let Some((words, reason)) = self.response_in_words() {
             push("response", words, reason);
         }
+        for tool in &self.tools {
+            push(&tool.what, tool.choice.clone(), &tool.reason);
+        }
         if let Some(rungs) = self.second_attempt() {
             push(
                 "second_attempt",

@@ -23,6 +23,8 @@ const FREE: f64 = 1e-6;
 const INTERVALS: u32 = 6;
 /// Distance of a centroid over the size of its cell beyond which no point of it is inside.
 const NEAR: f64 = 1.5;
+/// Above one by more than all rounding.
+const CAREFUL: f64 = 1.01;
 
 /// Cells without a face on `surface`.
 pub(crate) fn cells_beside(model: &Model<'_>, surface: &ContactSurface) -> Vec<usize> {
@@ -59,11 +61,19 @@ pub(crate) fn depth_inside(
     centroid[..corners].fill(1.0 / corners as f64);
     let mut contacts = vec![Contact::default(); lattice.len()];
     let mut deepest = 0.0_f64;
+    // A distance changes by no more than the point moves: most cells are away by that of one
+    // before.
+    let mut last = ([0.0; 3], f64::NEG_INFINITY);
     for &cell in cells {
         let middle = position(model, state, (cell, &centroid));
+        let reach = NEAR * size(model, state, (cell, middle));
+        if last.1 - CAREFUL * norm(&sub(middle, last.0)) > reach {
+            continue;
+        }
         let mut contact = [Contact::default()];
         obstacle.probe(&[middle], What::Gap, &mut contact);
-        if contact[0].distance > NEAR * size(model, state, (cell, middle)) {
+        last = (middle, contact[0].distance);
+        if contact[0].distance > reach {
             continue;
         }
         let points = lattice.iter().map(|at| position(model, state, (cell, at)));

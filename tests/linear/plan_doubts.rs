@@ -1,7 +1,10 @@
 //! What the plan doubts before anything is solved, and that it doubts nothing else.
 
+use std::sync::Arc;
+
 use crate::common::meshes::{cube, mesh};
 use crate::common::scenes::{HELD, elastic, material, obstacle, press, push, rubber, support};
+use signorini::obstacle::grid::{HeightField, Lattice};
 use signorini::scene::{Material, Modulus, RubberModel, Shape};
 use signorini::{Group, GroupKind, MeshParts, Plan, Scene};
 
@@ -147,7 +150,9 @@ fn a_tool_that_lies_in_the_body_is_named_with_its_depth_before_anything_is_solve
     let named = named.expect("a doubt");
     assert!(named.contains("`ball` begins up to 0.1000"), "{named}");
     assert!(named.contains("(0.5000, 0.5000, 1.0000)"), "{named}");
-    assert!(named.contains("1 of 25 vertices"), "{named}");
+    // A third of the six facets at the vertex, each a half of a sixteenth.
+    let area = "1 of 25 vertices that it may touch, 0.0625 of the surface";
+    assert!(named.contains(area), "{named}");
     assert!(!over(1.3).iter().any(|one| one.contains("begins")));
 }
 
@@ -165,4 +170,65 @@ fn a_step_in_other_units_is_doubted() {
         "{far:?}"
     );
     assert_eq!(found(0.1), [""; 0]);
+}
+
+/// The plan of a cube under `shape`, which comes down by `way` from its first pose.
+fn under(shape: Shape, way: f64) -> Plan {
+    let mut scene = pressed(elastic(0.3));
+    scene.obstacles = vec![obstacle("tool", "z1", shape)];
+    let steps = [push("tool", [0.0, 0.0, -way])];
+    Plan::new(&scene, &steps, &mesh(cube(4))).expect("a valid scene")
+}
+
+#[test]
+fn a_mesh_too_coarse_for_the_contact_that_the_way_leads_to_is_named_with_both_sizes() {
+    let ball = |way: f64| {
+        let shape = Shape::Sphere {
+            centre: [0.5, 0.5, 1.9],
+            radius: 0.9,
+        };
+        under(shape, way).report().warnings
+    };
+    // The half width of Hertz is 0.3 and 0.4, the longest edge of a face 0.3536.
+    let found = ball(0.1);
+    assert_eq!(found.len(), 1, "{found:?}");
+    let sizes = "half width of 0.300, all edges there are longer, from 0.354";
+    assert!(found[0].contains(sizes), "{found:?}");
+    assert_eq!(ball(0.18), [""; 0]);
+}
+
+#[test]
+fn vertices_beside_the_nodes_of_a_height_field_are_counted() {
+    let flat = |width: f64| {
+        let lattice = Lattice {
+            counts: [9, 9],
+            origin: [0.5 - 0.5 * width; 2],
+            spacing: [width / 8.0; 2],
+        };
+        let field = HeightField::new(lattice, &[-2.0; 81]).expect("heights");
+        Shape::HeightField(Arc::new(field))
+    };
+    let count = |width: f64| {
+        let all = under(flat(width), 0.0).report().warnings;
+        all.into_iter().find(|one| one.contains("beside the nodes"))
+    };
+    assert_eq!(count(1.0), None);
+    let found = count(0.6).expect("a doubt");
+    assert!(found.starts_with("16 of 25 vertices"), "{found}");
+}
+
+#[test]
+fn the_plan_says_what_may_touch_a_tool_and_how_far_it_goes() {
+    let plan = under(
+        Shape::Sphere {
+            centre: [0.5, 0.5, 1.9],
+            radius: 0.9,
+        },
+        0.25,
+    );
+    let decisions = plan.report().decisions;
+    let tool = decisions.iter().find(|one| one.what == "obstacle tool");
+    let tool = tool.expect("an entry");
+    assert!(tool.choice.starts_with("32 faces, "), "{tool:?}");
+    assert_eq!(tool.reason, "goes 0.250 lengths of the body");
 }

@@ -3,7 +3,7 @@
 `signorini/v1/`: messages, stubs and their types, by protoc. `signorini/reports.py`: read-only
 views of the messages of results, with the comments of the contract as documentation, so that
 a new number of a report needs no word in Python. `signorini/scenes/`: the scenes of
-`client/examples` with the meshes that they name. Run by the build backend, and by hand for a
+`client/examples` with the meshes and surfaces that they name. Run by the build backend, and by hand for a
 checkout that is used in place.
 """
 
@@ -114,8 +114,8 @@ def copy_scenes():
     (SCENES / "meshes").mkdir(parents=True)
     for scene in sorted(EXAMPLES.glob("*.toml")):
         shutil.copy(scene, SCENES)
-        mesh = re.search(r'^mesh = "(meshes/[^"/]+)"', scene.read_text(), re.MULTILINE)[1]
-        shutil.copy(EXAMPLES / mesh, SCENES / mesh)
+        for file in re.findall(r'\b(?:mesh|file) = "(meshes/[^"/]+)"', scene.read_text()):
+            shutil.copy(EXAMPLES / file, SCENES / file)
 
 
 def view(message, notes, path):

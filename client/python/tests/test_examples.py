@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import subprocess
 from pathlib import Path
 from typing import Any
@@ -47,10 +48,10 @@ def test_every_example_of_the_command_line_comes_with_the_package() -> None:
     for path in FILES:
         own = s.example(path.stem)
         assert own.read_bytes() == path.read_bytes()
-        mesh = next(line for line in own.read_text().splitlines() if line.startswith("mesh =")).split('"')[1]
-        assert (own.parent / mesh).exists()
+        files = re.findall(r'\b(?:mesh|file) = "([^"]+)"', own.read_text())
+        assert files and all((own.parent / file).exists() for file in files)
 
 
 def test_an_unknown_example_says_which_there_are() -> None:
-    with pytest.raises(FileNotFoundError, match=r"there are bush, .*, o-ring, .*, tyre"):
+    with pytest.raises(FileNotFoundError, match=r"there are belt, .*, o-ring, .*, tyre"):
         s.example("o_ring")

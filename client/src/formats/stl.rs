@@ -153,7 +153,10 @@ fn pick(a: [f64; 3], b: [f64; 3], of: impl Fn(f64, f64) -> f64) -> [f64; 3] {
     [of(x, u), of(y, v), of(z, w)]
 }
 
-/// Vertices by the cells of a grid as wide as what is welded.
+/// Cells of the welder's grid, in what is welded: most points are near one cell only.
+const CELL: f64 = 8.0;
+
+/// Vertices by the cells of a grid.
 struct Welder {
     near: f64,
     low: [f64; 3],
@@ -162,29 +165,41 @@ struct Welder {
 }
 
 impl Welder {
+    /// The first vertex that is near, else a new one.
     fn vertex(&mut self, point: [f64; 3]) -> u32 {
-        let own = pick(point, self.low, |x, low| ((x - low) / self.near).floor());
-        let own = own.map(|x| x as i64);
-        for offset in 0..27 {
-            let [x, y, z] = own;
-            let beside = [
-                x + offset % 3 - 1,
-                y + offset / 3 % 3 - 1,
-                z + offset / 9 - 1,
-            ];
-            let found = self.cells.get(&beside).and_then(|cell| {
-                cell.iter()
-                    .copied()
-                    .find(|&vertex| self.is_near(vertex, point))
-            });
-            if let Some(vertex) = found {
-                return vertex;
-            }
+        let cell_of = |shift: f64| {
+            let cell = |x: f64, low: f64| ((x - low + shift) / (CELL * self.near)).floor();
+            pick(point, self.low, cell).map(|x| x as i64)
+        };
+        let (own, [first, last]) = (cell_of(0.0), [-self.near, self.near].map(cell_of));
+        // A vertex at the point itself is the first one near it.
+        let same = self.cells.get(&own).and_then(|cell| {
+            let is_here = |vertex: &&u32| self.is_at(**vertex, point);
+            cell.iter().find(is_here).copied()
+        });
+        let beside =
+            || (first[0]..=last[0]).flat_map(|x| (first[1]..=last[1]).map(move |y| (x, y)));
+        let cells = || beside().flat_map(|(x, y)| (first[2]..=last[2]).map(move |z| [x, y, z]));
+        let near = || {
+            let vertices = cells().filter_map(|cell| self.cells.get(&cell)).flatten();
+            vertices
+                .copied()
+                .filter(|&vertex| self.is_near(vertex, point))
+                .min()
+        };
+        if let Some(vertex) = same.or_else(near) {
+            return vertex;
         }
         let index = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);
         self.vertices.push(point);
         self.cells.entry(own).or_default().push(index);
         index
+    }
+
+    fn is_at(&self, vertex: u32, point: [f64; 3]) -> bool {
+        let bits = |place: &[f64; 3]| place.map(f64::to_bits);
+        let place = self.vertices.get(vertex as usize);
+        place.is_some_and(|place| bits(place) == bits(&point))
     }
 
     fn is_near(&self, vertex: u32, point: [f64; 3]) -> bool {

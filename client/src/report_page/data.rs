@@ -105,8 +105,8 @@ fn thinned<T>(all: &[T], most: usize) -> impl Iterator<Item = &T> {
 
 fn travels(steps: &[Step]) -> Travels {
     let mut travels = Travels::default();
-    for (name, pose) in steps.iter().flat_map(|step| &step.poses) {
-        travels.learn(name, &pose.translation);
+    for (name, obstacle) in steps.iter().flat_map(|step| &step.obstacles) {
+        travels.learn(name, &obstacle.pose.translation);
     }
     travels
 }
@@ -139,7 +139,7 @@ fn row(step: &Step, travels: &Travels) -> Row {
         obstacles: step
             .obstacles
             .iter()
-            .map(|(name, obstacle)| (name.clone(), pressed(name, obstacle, step, travels)))
+            .map(|(name, obstacle)| (name.clone(), pressed(name, obstacle, travels)))
             .collect(),
         supports: step
             .supports
@@ -154,10 +154,8 @@ fn row(step: &Step, travels: &Travels) -> Row {
     }
 }
 
-fn pressed(name: &str, obstacle: &Obstacle, step: &Step, travels: &Travels) -> Pressed {
-    let pose = step.poses.get(name);
-    let translation = pose.map(|pose| pose.translation.as_slice());
-    let translation = translation.unwrap_or_default();
+fn pressed(name: &str, obstacle: &Obstacle, travels: &Travels) -> Pressed {
+    let translation = obstacle.pose.translation.as_slice();
     let travel = travels.along(name, translation);
     let squared = |values: &[f64]| values.iter().map(|x| x * x).sum::<f64>();
     let aside = squared(translation) - travel.unwrap_or_default().powi(2);

@@ -48,7 +48,6 @@ pub(super) struct Step {
     pub(super) probes: BTreeMap<String, Probe>,
     pub(super) error_estimate: Option<f64>,
     pub(super) seconds: Seconds,
-    pub(super) poses: BTreeMap<String, Pose>,
 }
 
 /// What a mechanic would doubt.
@@ -73,6 +72,7 @@ pub(super) struct Obstacle {
     pub(super) max_pressure: f64,
     #[serde(deserialize_with = "numbers")]
     pub(super) centre_of_pressure: Vec<f64>,
+    pub(super) pose: Pose,
 }
 
 /// Reaction of a support.

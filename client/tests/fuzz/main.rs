@@ -7,3 +7,4 @@ mod fuzz;
 mod meshes;
 mod proto;
 mod scene;
+mod surfaces;

@@ -181,6 +181,34 @@ fn finger_and_tyre_are_in_balance_with_what_holds_them() {
 }
 
 #[test]
+fn a_roller_that_turns_faster_than_it_goes_drives_its_belt() {
+    let (_, last) = solve("belt.toml", &[]);
+    let roller = |component: usize| force(&last, "obstacles", "roller", component);
+    let bed = |component: usize| force(&last, "supports", "bed", component);
+    for component in 0..2 {
+        assert!((roller(component) + bed(component)).abs() < 1e-6 * roller(1).abs());
+    }
+    assert!(roller(1) < -15.0 && roller(0) > 1.0, "{last}");
+    let sticks = number(&last["obstacles"]["roller"]["stick_vertices"]);
+    let slips = number(&last["obstacles"]["roller"]["slip_vertices"]);
+    assert!(sticks > 0.0 && slips > 0.0, "{sticks} {slips}");
+}
+
+#[test]
+fn the_plate_of_a_gripper_feels_the_egg_from_its_file() {
+    let (_, last) = solve("gripper.toml", &[]);
+    for component in [0, 2] {
+        let egg = force(&last, "obstacles", "egg", component);
+        let plate = force(&last, "supports", "plate", component);
+        assert!((egg + plate).abs() < 1e-6 * 4.0, "{egg} {plate}");
+    }
+    assert_near(&last["obstacles"]["egg"]["force"][2], 3.92, 0.01);
+    assert!(force(&last, "obstacles", "egg", 0) < -1.0, "{last}");
+    let area = number(&last["obstacles"]["egg"]["contact_area"]);
+    assert!((20.0..30.0).contains(&area), "{area}");
+}
+
+#[test]
 fn increments_are_a_result_each() {
     let (run, _) = solve("hertz-plane.toml", &["--set", "step.0.increments=3"]);
     let times: Vec<f64> = run

@@ -21,9 +21,10 @@ const MAXIMUM_VERTICES: i64 = 10_000_000;
 const MAXIMUM_FACETS: i64 = 20_000_000;
 const PREFIX: &str = "surfaces/";
 const DIGITS: usize = 64;
-/// Arrays of the upload, those of the surface, and what checking them holds.
+/// Arrays of the upload, those of the surface, and the patches of its tools, which take more than
+/// checking it does.
 const BYTES_OF_VERTEX: u64 = 24 + 24;
-const BYTES_OF_FACET: u64 = 12 + 24 + 200;
+const BYTES_OF_FACET: u64 = 12 + 24 + 240;
 
 /// The digest in `surfaces/{digest}`.
 ///

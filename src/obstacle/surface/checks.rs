@@ -1,7 +1,6 @@
 //! What keeps a triangulation from being the surface of a solid, each fault with its facet.
 
-use std::collections::HashSet;
-
+use rayon::prelude::*;
 use thiserror::Error;
 
 use crate::geometry::vector3::{cross, dot, is_finite, norm, sub};
@@ -93,16 +92,27 @@ pub(super) fn facets(vertices: &[[f64; 3]], facets: &[[u32; 3]]) -> Result<(), S
     if let Some(vertex) = vertices.iter().position(|place| !is_finite(*place)) {
         return Err(SurfaceError::NotFinite { vertex });
     }
-    let mut seen = HashSet::with_capacity(facets.len());
-    for (index, corners) in facets.iter().enumerate() {
-        one_facet(vertices, index, corners)?;
+    let one = |(index, corners)| one_facet(vertices, index, corners).err();
+    if let Some(fault) = facets.par_iter().enumerate().find_map_first(one) {
+        return Err(fault);
+    }
+    match duplicate(facets) {
+        Some(facet) => Err(SurfaceError::Duplicate { facet }),
+        None => Ok(()),
+    }
+}
+
+/// The first facet whose vertices are those of one before it.
+fn duplicate(facets: &[[u32; 3]]) -> Option<usize> {
+    let keyed = |(index, corners): (usize, &[u32; 3])| {
         let mut sorted = *corners;
         sorted.sort_unstable();
-        if !seen.insert(sorted) {
-            return Err(SurfaceError::Duplicate { facet: index });
-        }
-    }
-    Ok(())
+        (sorted, index as u32)
+    };
+    let mut keys: Vec<([u32; 3], u32)> = facets.par_iter().enumerate().map(keyed).collect();
+    keys.par_sort_unstable();
+    let twice = keys.par_windows(2).filter(|pair| pair[0].0 == pair[1].0);
+    twice.map(|pair| pair[1].1 as usize).min()
 }
 
 fn one_facet(vertices: &[[f64; 3]], facet: usize, corners: &[u32; 3]) -> Result<(), SurfaceError> {

@@ -8,6 +8,10 @@ use crate::geometry::vector3::{dot, norm, sub};
 const STEPS: usize = 20;
 /// Change of a coordinate at which a search has ended.
 const END: f64 = 1e-14;
+/// The same of a method that squares what is left.
+const NEAR_END: f64 = 1e-8;
+/// Largest change of a coordinate that leads anywhere.
+const FARTHEST: f64 = 10.0;
 
 /// Where the nearest point of a patch lies.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,10 +32,22 @@ pub(super) struct Foot {
     pub(super) distance: f64,
 }
 
+/// Where Newton's method ends.
+pub(super) enum Search {
+    Inside(Foot),
+    /// Outside the triangle, at these coordinates.
+    Beyond([f64; 3]),
+    /// Nowhere.
+    Lost,
+}
+
 impl Patch {
     /// The nearest point to `x`, the search beginning at `start`.
     pub(super) fn closest(&self, x: [f64; 3], start: [f64; 3]) -> Foot {
-        self.inside(x, start).unwrap_or_else(|| self.on_boundary(x))
+        match self.search(x, start) {
+            Search::Inside(foot) => foot,
+            Search::Beyond(_) | Search::Lost => self.on_boundary(x),
+        }
     }
 
     fn foot(&self, x: [f64; 3], l: [f64; 3], part: Part) -> Foot {
@@ -44,40 +60,50 @@ impl Patch {
         }
     }
 
-    /// Newton's method from `start`; none where it ends outside.
-    fn inside(&self, x: [f64; 3], start: [f64; 3]) -> Option<Foot> {
+    /// Newton's method from `start`.
+    pub(super) fn search(&self, x: [f64; 3], start: [f64; 3]) -> Search {
         let mut at = [start[1], start[2]];
         for _ in 0..STEPS {
-            let d = self.derivatives([1.0 - at[0] - at[1], at[0], at[1]]);
-            let offset = sub(x, d.point);
-            let slope = d.first.map(|tangent| dot(offset, tangent));
-            let metric = [
-                dot(d.first[0], d.first[0]),
-                dot(d.first[0], d.first[1]),
-                dot(d.first[1], d.first[1]),
-            ];
-            let bent: [f64; 3] = std::array::from_fn(|i| metric[i] - dot(offset, d.second[i]));
-            let determinant = |m: [f64; 3]| m[0] * m[2] - m[1] * m[1];
-            // Far on the hollow side the distance has a saddle: the metric leads down.
-            let is_convex = bent[0] > 0.0 && determinant(bent) > 0.1 * determinant(metric);
-            let matrix = if is_convex { bent } else { metric };
-            let whole = determinant(matrix);
-            let step = [
-                (matrix[2] * slope[0] - matrix[1] * slope[1]) / whole,
-                (matrix[0] * slope[1] - matrix[1] * slope[0]) / whole,
-            ];
+            let Some((step, is_convex)) = self.step(x, at) else {
+                return Search::Lost;
+            };
             at = [at[0] + step[0], at[1] + step[1]];
             let size = step[0].abs().max(step[1].abs());
-            if !size.is_finite() || size > 10.0 {
-                return None;
-            }
-            if size < END {
+            // Newton's method squares what is left.
+            if size < END || (is_convex && size < NEAR_END) {
                 break;
             }
         }
         let l = [1.0 - at[0] - at[1], at[0], at[1]];
-        let is_inside = l.iter().all(|l| *l >= 0.0);
-        is_inside.then(|| self.foot(x, l, Part::Inside))
+        match l.iter().all(|l| *l >= 0.0) {
+            true => Search::Inside(self.foot(x, l, Part::Inside)),
+            false => Search::Beyond(l),
+        }
+    }
+
+    /// A step of the method, and whether it is one with second derivatives; none where it leads
+    /// far away.
+    fn step(&self, x: [f64; 3], at: [f64; 2]) -> Option<([f64; 2], bool)> {
+        let d = self.derivatives([1.0 - at[0] - at[1], at[0], at[1]]);
+        let offset = sub(x, d.point);
+        let slope = d.first.map(|tangent| dot(offset, tangent));
+        let metric = [
+            dot(d.first[0], d.first[0]),
+            dot(d.first[0], d.first[1]),
+            dot(d.first[1], d.first[1]),
+        ];
+        let bent: [f64; 3] = std::array::from_fn(|i| metric[i] - dot(offset, d.second[i]));
+        let determinant = |m: [f64; 3]| m[0] * m[2] - m[1] * m[1];
+        // Far on the hollow side the distance has a saddle: the metric leads down.
+        let is_convex = bent[0] > 0.0 && determinant(bent) > 0.1 * determinant(metric);
+        let matrix = if is_convex { bent } else { metric };
+        let whole = determinant(matrix);
+        let step = [
+            (matrix[2] * slope[0] - matrix[1] * slope[1]) / whole,
+            (matrix[0] * slope[1] - matrix[1] * slope[0]) / whole,
+        ];
+        let size = step[0].abs().max(step[1].abs());
+        (size <= FARTHEST).then_some((step, is_convex))
     }
 
     fn on_boundary(&self, x: [f64; 3]) -> Foot {

@@ -81,11 +81,13 @@ fn least_squares<const SIZE: usize>(local: &[[f64; 3]], reach: [f64; 2]) -> Opti
     };
     for point in local {
         let (row, weight) = weighted(point);
+        // The solver reads the lower half.
         for i in 0..SIZE {
-            for j in 0..SIZE {
-                matrix[i][j] += weight * row[i] * row[j];
+            let weighted = weight * row[i];
+            for j in 0..=i {
+                matrix[i][j] += weighted * row[j];
             }
-            right[i] += weight * row[i] * point[2];
+            right[i] += weighted * point[2];
         }
     }
     let trace: f64 = (0..SIZE).map(|i| matrix[i][i]).sum();

@@ -11,27 +11,45 @@
 //! h^2 and h. Across smooth edges patches share their edge curve, their normals differ by as
 //! much as normals are wrong. Cost: a search in a tree of boxes and some Newton steps a point.
 
+mod bending;
 mod checks;
 mod closest;
+mod coin;
 mod fit;
+mod flats;
+mod geometry;
 mod normals;
 mod patch;
 mod tool;
 mod topology;
 mod tree;
+mod triangle;
+mod walk;
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use geometry::Geometry;
+use topology::Facets;
+
+use crate::geometry::vector3::{norm, sub};
 
 pub use checks::SurfaceError;
 pub use tool::Triangulated;
 
 /// A closed triangulated surface, its facets seen from outside anticlockwise.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
 pub struct TriangulatedSurface {
     vertices: Vec<[f64; 3]>,
-    facets: Vec<[u32; 3]>,
-    /// The facet across the edge opposite each corner `[facets][3]`.
-    across: Vec<[u32; 3]>,
+    linked: Facets,
+    /// The patches that a tool of it used last, and what is between their vertices: sessions and
+    /// plans of one tool make them once.
+    made: Mutex<Option<(Between, Arc<Geometry>)>>,
+}
+
+impl PartialEq for TriangulatedSurface {
+    fn eq(&self, other: &Self) -> bool {
+        self.vertices == other.vertices && self.linked == other.linked
+    }
 }
 
 impl TriangulatedSurface {
@@ -41,12 +59,12 @@ impl TriangulatedSurface {
     /// The first facet that keeps it from being closed, oriented and without folds.
     pub fn new(vertices: Vec<[f64; 3]>, facets: Vec<[u32; 3]>) -> Result<Self, SurfaceError> {
         checks::facets(&vertices, &facets)?;
-        let across = topology::across(&facets)?;
-        checks::orientation(&vertices, &facets)?;
+        let linked = topology::linked(facets)?;
+        checks::orientation(&vertices, &linked.corners)?;
         Ok(Self {
             vertices,
-            facets,
-            across,
+            linked,
+            made: Mutex::new(None),
         })
     }
 
@@ -57,19 +75,51 @@ impl TriangulatedSurface {
 
     /// Corners of the facets.
     pub fn facets(&self) -> &[[u32; 3]] {
-        &self.facets
+        &self.linked.corners
     }
 
-    /// Bytes held.
+    /// Bytes held, with the patches of a tool.
     pub fn bytes(&self) -> u64 {
-        let facet = 2 * size_of::<[u32; 3]>();
-        (self.vertices.len() * size_of::<[f64; 3]>() + self.facets.len() * facet) as u64
+        let facets = self.facets().len();
+        let links = 2 * facets * size_of::<[u32; 3]>();
+        (self.vertices.len() * size_of::<[f64; 3]>() + links + Geometry::bytes(facets)) as u64
     }
 
     /// Corners of a facet in space.
     fn corners(&self, facet: usize) -> [[f64; 3]; 3] {
-        self.facets[facet].map(|vertex| self.vertices[vertex as usize])
+        self.linked.corners[facet].map(|vertex| self.vertices[vertex as usize])
     }
+
+    /// Diagonal of the box around it.
+    fn diagonal(&self) -> f64 {
+        let (low, high) = bounds(self.vertices.iter().copied());
+        norm(sub(high, low))
+    }
+
+    /// The patches with this between the vertices, made where they are not those made last.
+    fn geometry(&self, between: Between) -> Arc<Geometry> {
+        let last = || self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((made, geometry)) = last().as_ref()
+            && *made == between
+        {
+            return Arc::clone(geometry);
+        }
+        // Not under the lock: threads that wait for one of the pool's would stop it.
+        let geometry = Arc::new(Geometry::new(self, between));
+        *last() = Some((between, Arc::clone(&geometry)));
+        geometry
+    }
+}
+
+/// Corners of the box around points.
+fn bounds(points: impl Iterator<Item = [f64; 3]>) -> ([f64; 3], [f64; 3]) {
+    let start = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    points.fold(start, |(low, high), point| {
+        (
+            std::array::from_fn(|i| low[i].min(point[i])),
+            std::array::from_fn(|i| high[i].max(point[i])),
+        )
+    })
 }
 
 /// How a surface is used as a tool.

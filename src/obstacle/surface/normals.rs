@@ -1,17 +1,21 @@
 //! Normals of the patches at the corners of facets: one for all facets around a vertex that
-//! meet smoothly, fitted to the vertices of two rings. Where large facets meet small ones, as
-//! flats meet roundings in parts of CAD programs, the vertices around do not show the curvature
-//! at the one between them: there the normal is the mean of the facets' by the squares of their
-//! areas, near that of the flat.
-
-use std::collections::BTreeSet;
+//! meet smoothly, fitted to the vertices of two rings. Where large flats meet small facets, as
+//! in parts of CAD programs, the vertices around do not show the curvature at the one between
+//! them: there the normal is the mean of the large flats' by the squares of their areas, and fits
+//! beside it look at the small ones only. Cost: one fit a vertex and side of a feature.
 
 use rayon::prelude::*;
 
 use super::TriangulatedSurface;
 use super::fit;
-use super::topology::edge;
+use super::flats::Flats;
+use super::topology::{Rings, edge};
 use crate::geometry::vector3::{add, cross, dot, norm, normalised, scale, sub};
+
+/// Facets that a fit looks at, at most: fans of many more show nothing new.
+const MOST: usize = 512;
+/// Vertices that a thread takes at a time.
+const VERTICES: usize = 256;
 
 /// Unit normals of the flat facets.
 pub(super) fn flat(surface: &TriangulatedSurface) -> Vec<[f64; 3]> {
@@ -19,7 +23,7 @@ pub(super) fn flat(surface: &TriangulatedSurface) -> Vec<[f64; 3]> {
         let [a, b, c] = surface.corners(facet);
         normalised(cross(sub(b, a), sub(c, a))).unwrap_or_default()
     };
-    (0..surface.facets.len())
+    (0..surface.facets().len())
         .into_par_iter()
         .map(normal)
         .collect()
@@ -32,10 +36,11 @@ pub(super) fn features(
     angle: f64,
 ) -> Vec<[bool; 3]> {
     let least = angle.cos();
-    let of_facet = |facet: usize| {
-        surface.across[facet].map(|other| dot(flat[facet], flat[other as usize]) < least)
+    let of_facet = |(facet, across): (usize, &[u32; 3])| {
+        across.map(|other| dot(flat[facet], flat[other as usize]) < least)
     };
-    (0..surface.facets.len()).map(of_facet).collect()
+    let across = surface.linked.across.par_iter();
+    across.enumerate().map(of_facet).collect()
 }
 
 /// Normals at the corners of all facets.
@@ -44,94 +49,114 @@ pub(super) fn corners(
     flat: &[[f64; 3]],
     features: &[[bool; 3]],
 ) -> Vec<[[f64; 3]; 3]> {
+    let rings = Rings::new(surface.facets(), surface.vertices().len());
     let fitter = Fitter {
         surface,
         flat,
+        flats: Flats::new(surface, flat),
         features,
     };
-    let of_facet = |facet: usize| [0, 1, 2].map(|corner| fitter.normal(facet, corner));
-    (0..surface.facets.len())
-        .into_par_iter()
-        .map(of_facet)
+    let blocks = (0..rings.vertices().div_ceil(VERTICES)).into_par_iter();
+    let of_block = |block: usize| {
+        let vertices = block * VERTICES..rings.vertices().min((block + 1) * VERTICES);
+        let mut normals = Vec::with_capacity(8 * VERTICES);
+        for vertex in vertices {
+            fitter.around(vertex as u32, rings.of(vertex), &mut normals);
+        }
+        normals
+    };
+    let blocks: Vec<Vec<[f64; 3]>> = blocks.map(of_block).collect();
+    let normals = blocks.concat();
+    let places = rings.places.par_iter();
+    places
+        .map(|places| places.map(|place| normals[place as usize]))
         .collect()
 }
-
-/// Largest over least area around a vertex from which on a fit knows its far side only.
-const UNEVEN: f64 = 4.0;
 
 struct Fitter<'a> {
     surface: &'a TriangulatedSurface,
     flat: &'a [[f64; 3]],
+    flats: Flats,
     features: &'a [[bool; 3]],
 }
 
 impl Fitter<'_> {
-    /// Each facet of a sector finds the same vertices in the same order, so that all have one
-    /// normal to the bit.
-    fn normal(&self, facet: usize, corner: usize) -> [f64; 3] {
-        let vertex = self.surface.facets[facet][corner];
-        let sector = self.sector(facet, vertex);
-        let place = self.surface.vertices[vertex as usize];
+    /// The normals at `vertex` of the facets `ring` around it, added to `normals`.
+    fn around(&self, vertex: u32, ring: &[u32], normals: &mut Vec<[f64; 3]>) {
+        let first = normals.len();
+        normals.resize(first + ring.len(), [0.0; 3]);
+        let mut is_left = vec![true; ring.len()];
+        for next in 0..ring.len() {
+            if !is_left[next] {
+                continue;
+            }
+            // Where a sector is cut short the facets beyond it find their own.
+            let sector = self.sector(ring[next] as usize, vertex);
+            let normal = self.normal(vertex, &sector);
+            for &facet in &sector {
+                if let Ok(place) = ring.binary_search(&(facet as u32))
+                    && is_left[place]
+                {
+                    is_left[place] = false;
+                    normals[first + place] = normal.unwrap_or(self.flat[facet]);
+                }
+            }
+        }
+    }
+
+    /// The normal of the facets `sector` at `vertex`; none where they cancel.
+    fn normal(&self, vertex: u32, sector: &[usize]) -> Option<[f64; 3]> {
+        let place = self.surface.vertices()[vertex as usize];
         let mut sum = [0.0; 3];
-        for &facet in &sector {
+        for &facet in sector {
             sum = add(sum, scale(self.angle(facet, vertex), self.flat[facet]));
         }
-        let Some(guess) = normalised(sum) else {
-            return self.flat[facet];
-        };
-        let fitted = match self.is_uneven(&sector) {
-            true => self.mean_by_areas(&sector).unwrap_or(guess),
-            false => fit::normal(place, guess, &self.two_rings(&sector, vertex)),
+        let guess = normalised(sum)?;
+        let is_plain = self.flats.are_one(sector) || self.flats.are_uneven(sector);
+        let fitted = match is_plain {
+            true => self.mean_of_large(sector).unwrap_or(guess),
+            false => fit::normal(place, guess, &self.two_rings(sector, vertex)),
         };
         // A fit that leaves the facets behind is none.
-        match sector
-            .iter()
-            .all(|&facet| dot(fitted, self.flat[facet]) > 0.0)
-        {
+        let is_outward = |&facet: &usize| dot(fitted, self.flat[facet]) > 0.0;
+        Some(match sector.iter().all(is_outward) {
             true => fitted,
             false => guess,
-        }
+        })
     }
 
-    /// Whether areas of facets differ so much that they are of different parts.
-    fn is_uneven(&self, sector: &BTreeSet<usize>) -> bool {
-        let areas = sector.iter().map(|&facet| norm(self.twice_area(facet)));
-        let (least, most) = areas.fold((f64::INFINITY, 0.0_f64), |(least, most), area| {
-            (least.min(area), most.max(area))
-        });
-        most >= UNEVEN * least
-    }
-
-    /// Normal of a facet, as long as twice its area.
-    fn twice_area(&self, facet: usize) -> [f64; 3] {
-        let [a, b, c] = self.surface.corners(facet);
-        cross(sub(b, a), sub(c, a))
-    }
-
-    /// Mean of the facets' normals by the squares of their areas.
-    fn mean_by_areas(&self, sector: &BTreeSet<usize>) -> Option<[f64; 3]> {
+    /// Mean of the large flats' normals by the squares of their areas.
+    fn mean_of_large(&self, sector: &[usize]) -> Option<[f64; 3]> {
+        let large = self.flats.large(sector);
         let weighted = |&facet: &usize| {
-            let twice_area = self.twice_area(facet);
-            scale(norm(twice_area), twice_area)
+            let area = self.flats.area_of(facet);
+            scale(area * area, self.flat[facet])
         };
-        normalised(sector.iter().map(weighted).fold([0.0; 3], add))
+        normalised(large.iter().map(weighted).fold([0.0; 3], add))
     }
 
     /// Facets around `vertex` that are reached from `facet` across edges without a feature,
     /// ascending.
-    fn sector(&self, facet: usize, vertex: u32) -> BTreeSet<usize> {
-        self.flood([facet].into(), |next| {
-            self.surface.corner_of(next, vertex).is_some()
+    fn sector(&self, facet: usize, vertex: u32) -> Vec<usize> {
+        self.flood(vec![facet], |next| {
+            self.surface.linked.corner_of(next, vertex).is_some()
         })
     }
 
-    fn flood(&self, start: BTreeSet<usize>, is_in: impl Fn(usize) -> bool) -> BTreeSet<usize> {
-        let mut open: Vec<usize> = start.iter().copied().collect();
+    /// Facets that are reached from some (ascending) without a feature, ascending.
+    fn flood(&self, start: Vec<usize>, is_in: impl Fn(usize) -> bool) -> Vec<usize> {
+        let mut open = start.clone();
         let mut found = start;
         while let Some(facet) = open.pop() {
             for opposite in 0..3 {
-                let next = self.surface.across[facet][opposite] as usize;
-                if !self.features[facet][opposite] && is_in(next) && found.insert(next) {
+                let next = self.surface.linked.across[facet][opposite] as usize;
+                if self.features[facet][opposite] || found.len() >= MOST {
+                    continue;
+                }
+                if let Err(place) = found.binary_search(&next)
+                    && is_in(next)
+                {
+                    found.insert(place, next);
                     open.push(next);
                 }
             }
@@ -140,30 +165,38 @@ impl Fitter<'_> {
     }
 
     /// Places of the vertices of two rings, without the own one, ascending by number.
-    fn two_rings(&self, sector: &BTreeSet<usize>, vertex: u32) -> Vec<[f64; 3]> {
-        let vertices_of = |facets: &BTreeSet<usize>| -> BTreeSet<u32> {
-            let corners = facets.iter().flat_map(|&facet| self.surface.facets[facet]);
-            corners.filter(|&corner| corner != vertex).collect()
+    fn two_rings(&self, sector: &[usize], vertex: u32) -> Vec<[f64; 3]> {
+        let vertices_of = |facets: &[usize]| -> Vec<u32> {
+            let corners = facets
+                .iter()
+                .flat_map(|&facet| self.surface.facets()[facet]);
+            let mut all: Vec<u32> = corners.filter(|&corner| corner != vertex).collect();
+            all.sort_unstable();
+            all.dedup();
+            all
         };
         let first = vertices_of(sector);
+        // Where flats are much larger or smaller the curvature is another one.
+        let is_like = self.flats.is_like(sector);
         let meets = |facet: usize| {
-            self.surface.facets[facet]
-                .iter()
-                .any(|one| first.contains(one))
+            if !is_like(facet) {
+                return false;
+            }
+            let mut corners = self.surface.facets()[facet].iter();
+            corners.any(|one| first.binary_search(one).is_ok())
         };
-        let wide = self.flood(sector.clone(), meets);
-        let places = vertices_of(&wide);
-        let place = |&vertex: &u32| self.surface.vertices[vertex as usize];
-        places.iter().map(place).collect()
+        let wide = self.flood(sector.to_vec(), meets);
+        let place = |&vertex: &u32| self.surface.vertices()[vertex as usize];
+        vertices_of(&wide).iter().map(place).collect()
     }
 
     /// Angle of a facet at one of its vertices.
     fn angle(&self, facet: usize, vertex: u32) -> f64 {
-        let Some(corner) = self.surface.corner_of(facet, vertex) else {
+        let Some(corner) = self.surface.linked.corner_of(facet, vertex) else {
             return 0.0;
         };
-        let (next, last) = edge(self.surface.facets[facet], corner);
-        let place = |vertex: u32| self.surface.vertices[vertex as usize];
+        let (next, last) = edge(self.surface.facets()[facet], corner);
+        let place = |vertex: u32| self.surface.vertices()[vertex as usize];
         let [a, b] = [next, last].map(|other| sub(place(other), place(vertex)));
         norm(cross(a, b)).atan2(dot(a, b))
     }

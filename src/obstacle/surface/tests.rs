@@ -7,7 +7,10 @@ use super::*;
 use crate::geometry::vector3::{add, dot, norm, normalised, scale, sub};
 use crate::obstacle::{Contact, Obstacle, Shape, What};
 
+mod boxes;
+mod damaged;
 mod revolved;
+mod twins;
 
 /// An icosahedron divided `levels` times, its vertices on the unit sphere.
 fn icosphere(levels: usize) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {

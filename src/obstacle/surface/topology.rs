@@ -1,61 +1,189 @@
 //! Which facets meet where.
 
-use std::collections::HashMap;
+use rayon::prelude::*;
 
-use super::{SurfaceError, TriangulatedSurface};
+use super::SurfaceError;
 
 /// Ends of the edge opposite a corner, in the facet's direction.
 pub(super) fn edge(corners: [u32; 3], opposite: usize) -> (u32, u32) {
     (corners[(opposite + 1) % 3], corners[(opposite + 2) % 3])
 }
 
-/// The facet across the edge opposite each corner.
-pub(super) fn across(facets: &[[u32; 3]]) -> Result<Vec<[u32; 3]>, SurfaceError> {
-    let mut owners = HashMap::with_capacity(3 * facets.len());
-    for (facet, &corners) in facets.iter().enumerate() {
-        for opposite in 0..3 {
-            let (from, to) = edge(corners, opposite);
-            if owners.insert((from, to), facet as u32).is_some() {
-                return Err(SurfaceError::Orientation { facet, from, to });
-            }
-        }
-    }
-    let of_facet = |(facet, &corners): (usize, &[u32; 3])| {
-        let mut neighbours = [0; 3];
-        for (opposite, neighbour) in neighbours.iter_mut().enumerate() {
-            let (from, to) = edge(corners, opposite);
-            *neighbour = *owners
-                .get(&(to, from))
-                .ok_or(SurfaceError::Open { facet, from, to })?;
-        }
-        Ok(neighbours)
-    };
-    facets.iter().enumerate().map(of_facet).collect()
+/// Facets by their corners, with their neighbours.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Facets {
+    /// Vertices of each facet.
+    pub(super) corners: Vec<[u32; 3]>,
+    /// The facet across the edge opposite each corner.
+    pub(super) across: Vec<[u32; 3]>,
 }
 
-impl TriangulatedSurface {
+/// An edge of a facet: its vertices in ascending order, and where it is from.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Side {
+    ends: (u32, u32),
+    /// Whether the facet goes from the greater vertex to the less.
+    falls: bool,
+    facet: u32,
+    opposite: u8,
+}
+
+/// A facet that keeps a surface from being closed, less where it is found first.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Fault {
+    /// It goes along an edge in the direction of another.
+    Orientation(u32, u8),
+    /// Nothing lies across an edge.
+    Open(u32, u8),
+}
+
+/// The facets with their neighbours: all edges are sorted, so that the two sides of each lie
+/// side by side, however many facets meet at a vertex.
+pub(super) fn linked(corners: Vec<[u32; 3]>) -> Result<Facets, SurfaceError> {
+    let mut sides: Vec<Side> = corners
+        .par_iter()
+        .enumerate()
+        .flat_map_iter(sides)
+        .collect();
+    sides.par_sort_unstable();
+    let groups = || sides.par_chunk_by(|a, b| a.ends == b.ends);
+    if let Some(fault) = groups().filter_map(fault).min() {
+        return Err(named(fault, &corners));
+    }
+    let mut across = vec![[0; 3]; corners.len()];
+    for pair in sides.as_chunks::<2>().0 {
+        let [a, b] = pair;
+        across[a.facet as usize][usize::from(a.opposite)] = b.facet;
+        across[b.facet as usize][usize::from(b.opposite)] = a.facet;
+    }
+    Ok(Facets { corners, across })
+}
+
+fn sides((facet, &corners): (usize, &[u32; 3])) -> impl Iterator<Item = Side> {
+    (0..3_u8).map(move |opposite| {
+        let (from, to) = edge(corners, usize::from(opposite));
+        Side {
+            ends: (from.min(to), from.max(to)),
+            facet: facet as u32,
+            opposite,
+            falls: from > to,
+        }
+    })
+}
+
+/// What is wrong with the facets that share an edge: those in one direction lie side by side.
+fn fault(group: &[Side]) -> Option<Fault> {
+    let pairs = group
+        .windows(2)
+        .filter(|pair| pair[0].falls == pair[1].falls);
+    let again = pairs.map(|pair| Fault::Orientation(pair[1].facet, pair[1].opposite));
+    again.min().or(match group {
+        [side] => Some(Fault::Open(side.facet, side.opposite)),
+        _ => None,
+    })
+}
+
+fn named(fault: Fault, corners: &[[u32; 3]]) -> SurfaceError {
+    let place = |facet: u32, opposite: u8| {
+        let (from, to) = edge(corners[facet as usize], usize::from(opposite));
+        (facet as usize, from, to)
+    };
+    match fault {
+        Fault::Orientation(facet, opposite) => {
+            let (facet, from, to) = place(facet, opposite);
+            SurfaceError::Orientation { facet, from, to }
+        }
+        Fault::Open(facet, opposite) => {
+            let (facet, from, to) = place(facet, opposite);
+            SurfaceError::Open { facet, from, to }
+        }
+    }
+}
+
+impl Facets {
     /// Place of `vertex` among the corners of `facet`.
     pub(super) fn corner_of(&self, facet: usize, vertex: u32) -> Option<usize> {
-        self.facets[facet]
+        self.corners[facet]
             .iter()
             .position(|&corner| corner == vertex)
     }
 
     /// The facets around corner `corner` of `facet`, anticlockwise from it; those that meet
     /// it there only by other facets.
-    pub(super) fn around(&self, facet: usize, corner: usize) -> Vec<usize> {
-        let vertex = self.facets[facet][corner];
-        let mut all = vec![facet];
-        let mut at = (facet, corner);
-        // The edge from the vertex to the next but one corner leads anticlockwise.
-        for _ in 0..self.facets.len() {
-            let next = self.across[at.0][(at.1 + 1) % 3] as usize;
+    pub(super) fn around(&self, facet: usize, corner: usize) -> impl Iterator<Item = usize> {
+        let vertex = self.corners[facet][corner];
+        let after = move |&(at, corner): &(usize, usize)| {
+            // The edge from the vertex to the next but one corner leads anticlockwise.
+            let next = self.across[at][(corner + 1) % 3] as usize;
             match self.corner_of(next, vertex) {
-                Some(corner) if next != facet => at = (next, corner),
-                _ => break,
+                Some(corner) if next != facet => Some((next, corner)),
+                _ => None,
             }
-            all.push(next);
+        };
+        let all = std::iter::successors(Some((facet, corner)), after);
+        all.take(self.corners.len()).map(|(facet, _)| facet)
+    }
+
+    /// The same facets in another order: `order[k]` comes to place k.
+    pub(super) fn ordered(&self, order: &[u32]) -> Self {
+        let mut places = vec![0; order.len()];
+        for (place, &facet) in order.iter().enumerate() {
+            places[facet as usize] = place as u32;
         }
-        all
+        let of = |&facet: &u32| facet as usize;
+        let corners = order.par_iter().map(|facet| self.corners[of(facet)]);
+        let across = order
+            .par_iter()
+            .map(|facet| self.across[of(facet)].map(|other| places[other as usize]));
+        Self {
+            corners: corners.collect(),
+            across: across.collect(),
+        }
+    }
+}
+
+/// The facets at each vertex, ascending.
+pub(super) struct Rings {
+    /// Where the facets of a vertex begin `[vertices + 1]`.
+    starts: Vec<u32>,
+    facets: Vec<u32>,
+    /// Place of each corner of each facet among `facets`.
+    pub(super) places: Vec<[u32; 3]>,
+}
+
+impl Rings {
+    /// Those of `facets` between `vertices` vertices.
+    pub(super) fn new(facets: &[[u32; 3]], vertices: usize) -> Self {
+        let mut starts = vec![0_u32; vertices + 1];
+        for &vertex in facets.as_flattened() {
+            starts[vertex as usize + 1] += 1;
+        }
+        for vertex in 0..vertices {
+            starts[vertex + 1] += starts[vertex];
+        }
+        let mut next = starts.clone();
+        let mut all = vec![0; 3 * facets.len()];
+        let mut places = vec![[0; 3]; facets.len()];
+        for (facet, corners) in facets.iter().enumerate() {
+            for (place, &vertex) in places[facet].iter_mut().zip(corners) {
+                *place = next[vertex as usize];
+                all[*place as usize] = facet as u32;
+                next[vertex as usize] += 1;
+            }
+        }
+        Self {
+            starts,
+            facets: all,
+            places,
+        }
+    }
+
+    pub(super) fn vertices(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// The facets at a vertex.
+    pub(super) fn of(&self, vertex: usize) -> &[u32] {
+        &self.facets[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
     }
 }

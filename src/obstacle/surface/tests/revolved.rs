@@ -35,6 +35,32 @@ fn revolved(profile: &[[f64; 2]], around: u32, capped: bool) -> (Vec<[f64; 3]>, 
     (vertices, facets)
 }
 
+/// A torus of 5,120 facets.
+pub(super) fn torus() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let profile: Vec<[f64; 2]> = (0..40)
+        .map(|i| {
+            let angle = -TAU * f64::from(i) / 40.0;
+            [0.35 + 0.25 * angle.cos(), 0.25 * angle.sin()]
+        })
+        .collect();
+    revolved(&profile, 64, false)
+}
+
+/// A cylinder of radius 0.4 and half height 0.3 with rims of radius 0.05.
+pub(super) fn rounded_cylinder() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
+    let rim = |i: u32, sign: f64| {
+        let angle = FRAC_PI_2 * f64::from(i) / 8.0;
+        let (sin, cos) = match sign > 0.0 {
+            true => angle.sin_cos(),
+            false => (angle.cos(), angle.sin()),
+        };
+        [0.35 + 0.05 * sin, sign * (0.25 + 0.05 * cos)]
+    };
+    let upper = (0..=8).map(|i| rim(i, 1.0));
+    let profile: Vec<[f64; 2]> = upper.chain((0..=8).map(|i| rim(i, -1.0))).collect();
+    revolved(&profile, 96, true)
+}
+
 /// Largest error of the distance near the surface.
 fn worst(tool: &Triangulated, exact: impl Fn([f64; 3]) -> f64, near: &[[f64; 3]]) -> f64 {
     let error = |&point: &[f64; 3]| (tool.distance(point).distance - exact(point)).abs();
@@ -58,13 +84,7 @@ fn near(exact: impl Fn([f64; 3]) -> f64) -> Vec<[f64; 3]> {
 #[test]
 fn patches_over_a_torus_know_that_its_curvature_changes() {
     let exact = |[x, y, z]: [f64; 3]| (x.hypot(y) - 0.35).hypot(z) - 0.25;
-    let profile: Vec<[f64; 2]> = (0..40)
-        .map(|i| {
-            let angle = -TAU * f64::from(i) / 40.0;
-            [0.35 + 0.25 * angle.cos(), 0.25 * angle.sin()]
-        })
-        .collect();
-    let tool = tool(revolved(&profile, 64, false), SMOOTH);
+    let tool = tool(torus(), SMOOTH);
     let error = worst(&tool, exact, &near(exact));
     assert!(error < 1.2e-5, "{error:e}");
 }
@@ -75,17 +95,7 @@ fn patches_over_a_rounded_cylinder_are_nearer_than_its_facets() {
         let (r, h) = (x.hypot(y) - 0.35, z.abs() - 0.25);
         r.max(0.0).hypot(h.max(0.0)) + r.max(h).min(0.0) - 0.05
     };
-    let rim = |i: u32, sign: f64| {
-        let angle = FRAC_PI_2 * f64::from(i) / 8.0;
-        let (sin, cos) = match sign > 0.0 {
-            true => angle.sin_cos(),
-            false => (angle.cos(), angle.sin()),
-        };
-        [0.35 + 0.05 * sin, sign * (0.25 + 0.05 * cos)]
-    };
-    let upper = (0..=8).map(|i| rim(i, 1.0));
-    let profile: Vec<[f64; 2]> = upper.chain((0..=8).map(|i| rim(i, -1.0))).collect();
-    let surface = revolved(&profile, 96, true);
+    let surface = rounded_cylinder();
     let points = near(exact);
     let smooth = worst(&tool(surface.clone(), SMOOTH), exact, &points);
     let flat = worst(&tool(surface, Between::Facets), exact, &points);

@@ -1,0 +1,259 @@
+//! The patches over a triangulation with all that a search for their nearest points needs, in
+//! units of about the surface's size, whatever its scale as a tool: made once for all tools.
+
+use rayon::prelude::*;
+
+use super::bending::curvature;
+use super::closest::Part;
+use super::normals;
+use super::patch::{Patch, bend};
+use super::tree::{self, FacetTree};
+use super::walk::{Nearest, Searched};
+use super::{Between, TriangulatedSurface};
+use crate::geometry::vector3::{add, cross, dot, norm, normalised, scale, sub};
+use crate::obstacle::{Ball, Contact, What, round_curvature};
+
+/// Distance from an edge, over the size of the tool, below which its normal is the mean of its
+/// patches'.
+const AT_EDGE: f64 = 1e-9;
+/// Points an axis of the lattice on which the inner ball is looked for.
+const LATTICE: u32 = 8;
+
+/// Patches with what they are beside their places.
+#[derive(Debug)]
+pub(super) struct Geometry {
+    /// Length of the surface's file that is one here: a power of two, so that coordinates keep
+    /// their bits.
+    pub(super) unit: f64,
+    pub(super) searched: Searched,
+    /// Whether the edge opposite each corner is a feature.
+    features: Vec<[bool; 3]>,
+    pub(super) ball: Option<Ball>,
+    pub(super) sharpest: Option<f64>,
+    pub(super) is_smooth: bool,
+}
+
+impl Geometry {
+    /// Of a surface with this between its vertices; the angle is one.
+    pub(super) fn new(surface: &TriangulatedSurface, between: Between) -> Self {
+        let flat = normals::flat(surface);
+        let (features, corners) = match between {
+            Between::Facets => {
+                let corners = flat.iter().map(|normal| [*normal; 3]).collect();
+                (normals::features(surface, &flat, 0.0), corners)
+            }
+            Between::Patches(angle) => {
+                let features = normals::features(surface, &flat, angle);
+                let corners = normals::corners(surface, &flat, &features);
+                (features, corners)
+            }
+        };
+        let unit = surface.diagonal().log2().ceil().exp2();
+        let places = |facet: usize| surface.corners(facet).map(|place| place.map(|x| x / unit));
+        let all: Vec<[[f64; 3]; 3]> = (0..flat.len()).into_par_iter().map(places).collect();
+        let order = tree::order(&all);
+        let facet = |&facet: &u32| facet as usize;
+        let patches: Vec<Patch> = order
+            .par_iter()
+            .map(|at| patch(all[facet(at)], &corners[facet(at)]))
+            .collect();
+        let features: Vec<[bool; 3]> = order.par_iter().map(|at| features[facet(at)]).collect();
+        let mut geometry = Self {
+            unit,
+            searched: Searched {
+                facets: surface.linked.ordered(&order),
+                tree: FacetTree::new(patches.len(), |facet| patches[facet].corners),
+                patches,
+            },
+            is_smooth: features.par_iter().all(|edges| *edges == [false; 3]),
+            features,
+            ball: None,
+            sharpest: None,
+        };
+        geometry.ball = geometry.largest_ball();
+        geometry.sharpest = geometry.smallest_radius();
+        geometry
+    }
+
+    /// Bytes of one of so many facets.
+    pub(super) fn bytes(facets: usize) -> usize {
+        let facet = size_of::<Patch>() + 2 * size_of::<[u32; 3]>() + size_of::<[bool; 3]>();
+        facets * facet + FacetTree::bytes(facets)
+    }
+
+    /// What the surface is to `x`; `hint` is a facet that may be near, and becomes the nearest.
+    pub(super) fn contact(
+        &self,
+        (x, hint): ([f64; 3], &mut Option<usize>),
+        what: What,
+        contact: &mut Contact,
+    ) {
+        let at = self.searched.nearest(x, *hint);
+        *hint = Some(at.facet);
+        let side = self.side(at);
+        let sign = 1.0_f64.copysign(dot(at.foot.offset, side));
+        contact.distance = sign * at.foot.distance;
+        if what == What::Gap {
+            return;
+        }
+        // Beside an edge, smooth or sharp, the slope of the distance leads away from it.
+        let is_beside = at.foot.distance > AT_EDGE && at.foot.part != Part::Inside;
+        contact.normal = match is_beside {
+            true => scale(1.0 / contact.distance, at.foot.offset),
+            false => side,
+        };
+        if what == What::Curvature {
+            let (normal, distance) = (contact.normal, contact.distance);
+            // That of a smooth edge itself would be a spike between those of its patches.
+            contact.curvature = match (is_beside && self.is_sharp(at), at.foot.part) {
+                (true, Part::Edge(opposite)) => {
+                    round_curvature(normal, self.along(at, opposite), distance)
+                }
+                (true, _) => round_curvature(normal, [0.0; 3], distance),
+                (false, _) => curvature(
+                    &self.searched.patches[at.facet],
+                    at.foot.l,
+                    normal,
+                    distance,
+                ),
+            };
+        }
+    }
+
+    /// The side of the surface at a point: unit, the sum over the facets that meet there.
+    fn side(&self, at: Nearest) -> [f64; 3] {
+        let own = self.searched.patches[at.facet].normal(at.foot.l);
+        let sum = match at.foot.part {
+            Part::Inside => return own,
+            Part::Edge(opposite) => {
+                let (other, l) = self.searched.beyond(at, opposite);
+                add(own, self.searched.patches[other].normal(l))
+            }
+            Part::Corner(corner) => {
+                let vertex = self.searched.facets.corners[at.facet][corner];
+                let around = self.searched.facets.around(at.facet, corner);
+                around.fold([0.0; 3], |sum, facet| {
+                    let mut l = [0.0; 3];
+                    l[self
+                        .searched
+                        .facets
+                        .corner_of(facet, vertex)
+                        .unwrap_or_default()] = 1.0;
+                    let normal = self.searched.patches[facet].normal(l);
+                    add(sum, scale(self.angle(facet, vertex), normal))
+                })
+            }
+        };
+        normalised(sum).unwrap_or(own)
+    }
+
+    fn angle(&self, facet: usize, vertex: u32) -> f64 {
+        let Some(corner) = self.searched.facets.corner_of(facet, vertex) else {
+            return 0.0;
+        };
+        let place = |k: usize| self.searched.patches[facet].corners[(corner + k) % 3];
+        let [a, b] = [sub(place(1), place(0)), sub(place(2), place(0))];
+        norm(cross(a, b)).atan2(dot(a, b))
+    }
+
+    /// Whether the edge of a facet opposite a corner is a feature that stands out.
+    fn is_convex_feature(&self, facet: usize, opposite: usize) -> bool {
+        let other = self.searched.facets.across[facet][opposite] as usize;
+        let [a, b, c] = self.searched.patches[facet].corners;
+        let [p, q, r] = self.searched.patches[other].corners;
+        let middle = scale(1.0 / 3.0, add(p, add(q, r)));
+        let edge = self.searched.patches[facet].corners[(opposite + 1) % 3];
+        self.features[facet][opposite] && dot(sub(middle, edge), cross(sub(b, a), sub(c, a))) < 0.0
+    }
+
+    /// Whether the surface has an edge or a corner at the point.
+    fn is_sharp(&self, at: Nearest) -> bool {
+        match at.foot.part {
+            Part::Inside => false,
+            Part::Edge(opposite) => self.features[at.facet][opposite],
+            Part::Corner(corner) => {
+                let vertex = self.searched.facets.corners[at.facet][corner];
+                self.searched.facets.around(at.facet, corner).any(|facet| {
+                    let own = self
+                        .searched
+                        .facets
+                        .corner_of(facet, vertex)
+                        .unwrap_or_default();
+                    self.features[facet][(own + 1) % 3] || self.features[facet][(own + 2) % 3]
+                })
+            }
+        }
+    }
+
+    /// Unit tangent of an edge at a point.
+    fn along(&self, at: Nearest, opposite: usize) -> [f64; 3] {
+        let patch = &self.searched.patches[at.facet];
+        let (from, to) = ((opposite + 1) % 3, (opposite + 2) % 3);
+        let chord = sub(patch.corners[to], patch.corners[from]);
+        let bent = scale(1.0 - 2.0 * at.foot.l[to], patch.bends[opposite]);
+        normalised(sub(chord, bent)).unwrap_or_default()
+    }
+
+    /// The deepest point of a lattice over the box of the surface.
+    fn largest_ball(&self) -> Option<Ball> {
+        let corners = self.searched.patches.iter().flat_map(|patch| patch.corners);
+        let (low, high) = super::bounds(corners);
+        let centre = |index: u32| -> [f64; 3] {
+            let steps = [
+                index % LATTICE,
+                index / LATTICE % LATTICE,
+                index / (LATTICE * LATTICE),
+            ];
+            std::array::from_fn(|i| {
+                let share = (f64::from(steps[i]) + 0.5) / f64::from(LATTICE);
+                low[i] + share * (high[i] - low[i])
+            })
+        };
+        let ball = |index: u32| {
+            let mut contact = Contact::default();
+            let centre = centre(index);
+            self.contact((centre, &mut None), What::Gap, &mut contact);
+            let radius = -contact.distance;
+            (radius > 0.0).then_some((Ball { centre, radius }, index))
+        };
+        let balls = (0..LATTICE.pow(3)).into_par_iter().filter_map(ball);
+        let larger = |a: &(Ball, u32), b: &(Ball, u32)| {
+            let by_radius = a.0.radius.total_cmp(&b.0.radius);
+            by_radius.then(b.1.cmp(&a.1))
+        };
+        balls.max_by(larger).map(|(ball, _)| ball)
+    }
+
+    /// Zero where there is a convex feature, else the least of the patches' middles.
+    fn smallest_radius(&self) -> Option<f64> {
+        let facets = (0..self.searched.patches.len()).into_par_iter();
+        let edges = facets
+            .clone()
+            .flat_map_iter(|facet| (0..3).map(move |k| (facet, k)));
+        if edges.any(|(facet, opposite)| self.is_convex_feature(facet, opposite)) {
+            return Some(0.0);
+        }
+        let bent = facets.map(|facet| self.largest_curvature(facet));
+        let largest = bent.reduce(|| 0.0, f64::max);
+        (largest > 0.0).then(|| 1.0 / largest)
+    }
+
+    /// The larger principal curvature in the middle of a patch.
+    fn largest_curvature(&self, facet: usize) -> f64 {
+        let patch = &self.searched.patches[facet];
+        let normal = patch.normal([1.0 / 3.0; 3]);
+        let bent = curvature(patch, [1.0 / 3.0; 3], normal, 0.0);
+        let trace: f64 = (0..3).map(|i| bent[i][i]).sum();
+        let squares: f64 = bent.as_flattened().iter().map(|x| x * x).sum();
+        let half = 0.5 * trace;
+        half + (0.5 * squares - half * half).max(0.0).sqrt()
+    }
+}
+
+fn patch(corners: [[f64; 3]; 3], normals: &[[f64; 3]; 3]) -> Patch {
+    let bends = [0, 1, 2].map(|opposite: usize| {
+        let (a, b) = ((opposite + 1) % 3, (opposite + 2) % 3);
+        bend([corners[a], corners[b]], [normals[a], normals[b]])
+    });
+    Patch { corners, bends }
+}
