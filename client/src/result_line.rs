@@ -55,17 +55,13 @@ pub fn iteration(statistics: &v1::IterationStatistics) -> Value {
 pub fn step(report: &v1::StepReport) -> Value {
     let mut line = line("step", report);
     let poses = line.as_object_mut().and_then(|keys| keys.remove("poses"));
-    for (name, pose) in poses
-        .as_ref()
-        .and_then(Value::as_object)
-        .into_iter()
-        .flatten()
-    {
-        let obstacle = line["obstacles"]
-            .get_mut(name)
-            .and_then(Value::as_object_mut);
-        if let Some(keys) = obstacle {
-            keys.insert("pose".to_owned(), pose.clone());
+    let Some(Value::Object(poses)) = poses else {
+        return line;
+    };
+    for (name, pose) in poses {
+        let obstacle = line.get_mut("obstacles").and_then(|all| all.get_mut(&name));
+        if let Some(keys) = obstacle.and_then(Value::as_object_mut) {
+            keys.insert("pose".to_owned(), pose);
         }
     }
     line

@@ -1,7 +1,9 @@
-//! Surfaces with some damage are refused or make a tool, whatever it is: 3 000 cases, or
-//! `SIGNORINI_FUZZ_CASES`.
+//! Surfaces with some damage are refused or make a tool, whatever it is.
 
 use super::*;
+
+/// Damaged surfaces.
+const CASES: u32 = 3_000;
 
 /// One change of a surface.
 #[derive(Clone, Debug)]
@@ -94,13 +96,8 @@ fn damage(
     (vertices, facets)
 }
 
-fn cases() -> u32 {
-    let said = std::env::var("SIGNORINI_FUZZ_CASES");
-    said.map_or(3_000, |text| text.parse().expect("a count"))
-}
-
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(cases()))]
+    #![proptest_config(ProptestConfig::with_cases(CASES))]
 
     #[test]
     fn a_damaged_surface_is_refused_or_makes_a_tool(

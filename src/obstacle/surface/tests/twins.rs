@@ -4,8 +4,11 @@ use super::revolved::{rounded_cylinder, torus};
 use super::*;
 use crate::obstacle::surface::closest::Part;
 
+/// Vertices and facets.
+type Facets = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+
 /// The surfaces that twins are compared on.
-fn surfaces() -> Vec<(Vec<[f64; 3]>, Vec<[u32; 3]>)> {
+fn surfaces() -> Vec<Facets> {
     vec![
         icosphere(3),
         torus(),
