@@ -5,20 +5,25 @@
 //! | unstable equilibrium, limit point, step too small | moves most in the softest motion | its direction there |
 //! | coarse contact | face too large for its pressure, with the size that it takes | |
 //! | negative Jacobian | middle of the cell of least volume ratio | |
-//! | no equilibrium | | sum of forces that nothing takes up |
+//! | no equilibrium | | sum of forces, less what pressure of the obstacles can take up |
 //! | others, where the state is out of balance | vertex of the largest force out of balance | its direction |
 //!
 //! Read from the state that is kept. Cost: one evaluation at most.
 
 use super::diagnosis::{NEARLY, coarsest};
 use super::run::Run;
+use crate::contact::gap::mean_normals;
+use crate::geometry::vector3::{add, dot, normalised, scale};
 use crate::linalg::vector::norm;
 use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Site};
+use crate::model::state::State;
 use crate::report::Cause;
 use crate::results::finite_strain::volume_ratio;
 
+/// Passes over the normals of all obstacles; each brings the sum nearer to its least.
+const MOST_SWEEPS: usize = 100;
 /// Sum of forces over their norm below which they are a couple, or rounding.
 const BALANCED: f64 = 1e-6;
 
@@ -110,11 +115,38 @@ fn of_sum(run: &mut Run<'_>, goal: &Drive) -> Option<Site> {
     for vertex in force.chunks_exact(space.components).take(space.vertices) {
         sum.iter_mut().zip(vertex).for_each(|(sum, x)| *sum += x);
     }
+    if !run.model.plan.has_friction() {
+        sum = not_taken_up(&run.model, run.state, sum);
+    }
     let length = norm(&sum);
     (length > BALANCED * norm(&force) && length.is_finite()).then(|| Site {
         motion: Some(direction(&sum, length)),
         ..Site::default()
     })
+}
+
+/// What of a force on the body no pressure of obstacles can balance, wherever these are beside
+/// it now: the least sum of it and of multiples, at least zero, of their normals. The force
+/// itself where it is a moment that nothing balances.
+fn not_taken_up(model: &Model<'_>, state: &State, force: [f64; 3]) -> [f64; 3] {
+    let body = model.deformed(&state.displacement);
+    let contacts = model.placed(&state.drive).filter(|(one, _)| one.is_contact());
+    let normals = contacts.flat_map(|(one, met)| mean_normals(&body, &one.surface, &met));
+    let normals: Vec<[f64; 3]> = normals.filter_map(normalised).collect();
+    let mut pressures = vec![0.0; normals.len()];
+    let mut left = force;
+    // One after the other: each takes up what it can of what is left.
+    for _ in 0..MOST_SWEEPS {
+        for (pressure, &normal) in pressures.iter_mut().zip(&normals) {
+            let change = (-dot(normal, left)).max(-*pressure);
+            *pressure += change;
+            left = add(left, scale(change, normal));
+        }
+    }
+    match norm(&left) > BALANCED * norm(&force) {
+        true => left,
+        false => force,
+    }
 }
 
 /// Of the largest force that a state which is kept leaves out of balance.

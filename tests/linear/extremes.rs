@@ -82,6 +82,22 @@ fn a_body_pulled_off_its_obstacle_has_no_equilibrium() {
     );
 }
 
+#[test]
+fn what_obstacles_can_take_up_is_left_out_of_what_nothing_balances() {
+    let floor = Shape::HalfSpace {
+        point: [0.0; 3],
+        normal: [0.0, 0.0, 1.0],
+    };
+    let mut scene = standing(floor, 0.0);
+    scene.supports.clear();
+    scene.tractions = vec![traction("z1", [0.001, 0.0, -0.01])];
+    let reports = solve(&scene, &[], &block());
+    assert_eq!(reports[0].cause, Some(Cause::NoEquilibrium));
+    let site = reports[0].cause_site.clone();
+    let [x, y, z] = site.and_then(|site| site.motion).expect("a motion");
+    assert!(close(x, 1.0, 1e-6) && y.abs() + z.abs() < 1e-6, "{x} {y} {z}");
+}
+
 fn enclosed(poisson_ratio: f64, lid: [Option<f64>; 3]) -> Scene {
     let mut scene = elastic(poisson_ratio);
     let sides = ["x0", "x1", "y0", "y1", "z0"];
