@@ -14,6 +14,8 @@ const RATE: f64 = 2.5e10;
 const APPLICATION: f64 = 2e-7;
 /// Applications of an update.
 const APPLICATIONS: f64 = 13.0;
+/// Steps that are taken by iterations however small the body: they tell how it went.
+const FEWEST_STEPS: u32 = 9;
 /// Share of the surface that presses.
 const PRESSED: f64 = 1.0 / 3.0;
 
@@ -55,7 +57,7 @@ pub(super) fn choose(plan: &Plan) -> Result<ResponseChoice, String> {
             1e-9 * plan.response_bytes()
         ))),
         (None, None) => Ok(ResponseChoice {
-            from: Some(1 + paid_after(plan)),
+            from: Some(1 + paid_after(plan).max(FEWEST_STEPS)),
             reason: "what it saves has paid for its factor by then".into(),
         }),
     }

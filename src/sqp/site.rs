@@ -130,7 +130,9 @@ fn of_sum(run: &mut Run<'_>, goal: &Drive) -> Option<Site> {
 /// itself where it is a moment that nothing balances.
 fn not_taken_up(model: &Model<'_>, state: &State, force: [f64; 3]) -> [f64; 3] {
     let body = model.deformed(&state.displacement);
-    let contacts = model.placed(&state.drive).filter(|(one, _)| one.is_contact());
+    let contacts = model
+        .placed(&state.drive)
+        .filter(|(one, _)| one.is_contact());
     let normals = contacts.flat_map(|(one, met)| mean_normals(&body, &one.surface, &met));
     let normals: Vec<[f64; 3]> = normals.filter_map(normalised).collect();
     let mut pressures = vec![0.0; normals.len()];

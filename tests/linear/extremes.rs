@@ -95,7 +95,10 @@ fn what_obstacles_can_take_up_is_left_out_of_what_nothing_balances() {
     assert_eq!(reports[0].cause, Some(Cause::NoEquilibrium));
     let site = reports[0].cause_site.clone();
     let [x, y, z] = site.and_then(|site| site.motion).expect("a motion");
-    assert!(close(x, 1.0, 1e-6) && y.abs() + z.abs() < 1e-6, "{x} {y} {z}");
+    assert!(
+        close(x, 1.0, 1e-6) && y.abs() + z.abs() < 1e-6,
+        "{x} {y} {z}"
+    );
 }
 
 fn enclosed(poisson_ratio: f64, lid: [Option<f64>; 3]) -> Scene {
