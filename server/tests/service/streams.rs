@@ -295,9 +295,12 @@ async fn a_flooding_client_leaves_another_at_least_forty_percent() {
     };
     let (mut server, block) = (Server::with(config).await, Block::new(5));
     server.upload(&block).await;
+    // Shares are counted by increments, which shall cost alike.
+    let mut scene = block.scene();
+    scene.solver.get_or_insert_default().response = "iterative".into();
     let mut flood = Vec::new();
     for _ in 0..16 {
-        let session = server.session(block.scene()).await;
+        let session = server.session(scene.clone()).await;
         let mut stream = server.open(open(&session)).await;
         stream.step(1, press(0.05, 100_000)).await;
         stream.result().await;
@@ -305,7 +308,7 @@ async fn a_flooding_client_leaves_another_at_least_forty_percent() {
     }
     // Another client is another connection.
     server.channel = server.connect().await;
-    let session = server.session(block.scene()).await;
+    let session = server.session(scene).await;
     let mut stream = server.open(open(&session)).await;
     stream.press(1, 0.001).await;
     stream.result().await;
