@@ -26,7 +26,7 @@ pub struct Probes {
     /// The nodes of each colour, ascending.
     colours: Vec<Vec<u32>>,
     /// Unknowns of a node.
-    components: usize,
+    pub components: usize,
 }
 
 /// An operator from displacements.

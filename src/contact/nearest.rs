@@ -21,6 +21,8 @@ use crate::element::quadrature::Rule;
 use crate::geometry::vector3::{norm, sub};
 use crate::obstacle::{Contact, What};
 
+/// Above one by more than all rounding, and by what distances to patches miss of a true distance.
+const CAREFUL: f64 = 1.01;
 /// What a finer grid may find nearer than the first one, over the size of a face: no point of
 /// a face of usual shape is farther from the first grid.
 const REACH: f64 = 0.25;
@@ -92,9 +94,6 @@ fn bounds<C: Counterpart + ?Sized>(
         numbers[1] = contact[0].distance;
     })
 }
-
-/// Above one by more than all rounding, and by what distances to patches miss of a true distance.
-const CAREFUL: f64 = 1.01;
 
 /// The least distance of each of `faces` over the points of the body's rule, and the number of
 /// its point `[faces][2]`.

@@ -212,5 +212,13 @@ fn round_curvature(normal: [f64; 3], axis: [f64; 3], distance: f64) -> Matrix3 {
     curvature
 }
 
+/// The larger principal curvature of a surface, from the second derivative of its distance, one
+/// eigenvalue of which is zero.
+pub(crate) fn larger_curvature(curvature: &Matrix3) -> f64 {
+    let half = 0.5 * (0..3).map(|i| curvature[i][i]).sum::<f64>();
+    let squares: f64 = curvature.as_flattened().iter().map(|x| x * x).sum();
+    half + (0.5 * squares - half * half).max(0.0).sqrt()
+}
+
 #[cfg(test)]
 mod tests;

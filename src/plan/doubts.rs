@@ -13,9 +13,8 @@
 //!
 //! Cost: one pass over materials and facets, one distance a vertex that may be touched.
 
-use std::collections::BTreeSet;
-
 use super::Units;
+use super::surfaces::vertices_of;
 use crate::assembly::load::facet_measure;
 use crate::mesh::Mesh;
 use crate::obstacle::{Contact, What};
@@ -63,7 +62,7 @@ pub(super) fn doubts(
 
 /// An obstacle that lies in the body before anything has moved.
 fn begins_inside(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -> Option<String> {
-    let vertices = vertices(obstacle, mesh);
+    let vertices = vertices_of(mesh, std::iter::once(&obstacle.facets));
     let place = |&vertex: &u32| mesh.coordinates()[vertex as usize];
     let scaled = |vertex: &u32| place(vertex).map(|x| x * units.coordinate_scale);
     let points: Vec<[f64; 3]> = vertices.iter().map(scaled).collect();
@@ -92,13 +91,6 @@ fn begins_inside(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) ->
             vertices.len()
         )
     })
-}
-
-/// The vertices that may touch an obstacle, ascending.
-pub(super) fn vertices(obstacle: &ResolvedObstacle, mesh: &Mesh) -> Vec<u32> {
-    let facets = obstacle.facets.iter();
-    let vertices = facets.flat_map(|&facet| mesh.facet(facet as usize).iter().copied());
-    BTreeSet::from_iter(vertices).into_iter().collect()
 }
 
 /// A step in which an obstacle travels farther than any body is thick.

@@ -16,6 +16,7 @@ mod friction;
 pub(crate) mod held;
 mod near;
 pub(crate) mod p1;
+mod poses;
 mod push;
 mod report;
 pub(crate) mod response;

@@ -9,44 +9,20 @@
 //! Poses are those that steps name; what follows from pushes is not known here. Cost: one
 //! distance a vertex and pose.
 
-use std::sync::Arc;
-
+use super::poses::{Pose, poses, some};
 use super::report::PlanEntry;
-use super::surfaces::ContactLayout;
+use super::surfaces::{ContactLayout, vertices_of};
 use super::{Units, doubts};
 use crate::geometry::vector3::{norm, sub};
 use crate::geometry::{RigidMotion, rigid_motion};
 use crate::mesh::Mesh;
 use crate::obstacle::grid::HeightField;
-use crate::obstacle::{Contact, Moving, Obstacle, Shape, What};
+use crate::obstacle::{Contact, Obstacle, Shape, What, larger_curvature};
 use crate::scene::validate::ResolvedObstacle;
 use crate::scene::{self, Step};
 
-/// Poses that are looked at, at most.
-const MOST_POSES: usize = 64;
-
 /// Depth in lengths of the body up to which a tool lies at the body only.
 const TOUCH: f64 = 1e-6;
-
-/// Where an obstacle is told to be.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Pose {
-    translation: [f64; 3],
-    rotation: [f64; 3],
-}
-
-/// The poses of an obstacle, its first one before those at the ends of the steps.
-fn poses(name: &str, steps: &[Step]) -> Vec<Pose> {
-    let mut poses = vec![Pose::default()];
-    let mut last = Pose::default();
-    let targets = steps.iter().flat_map(|step| &step.obstacles);
-    for target in targets.filter(|target| target.name == name) {
-        last.translation = target.translation.unwrap_or(last.translation);
-        last.rotation = target.rotation.unwrap_or(last.rotation);
-        poses.push(last);
-    }
-    poses
-}
 
 /// One entry an obstacle: what may touch it, and its way.
 pub(super) fn entries(
@@ -93,8 +69,7 @@ pub(super) fn doubts(
 ) -> Vec<String> {
     let mut all = Vec::new();
     for (given, obstacle) in shapes.iter().zip(obstacles) {
-        let mut poses = poses(&obstacle.name, steps);
-        poses.truncate(MOST_POSES);
+        let poses = some(&poses(&obstacle.name, steps));
         all.extend(coarse(obstacle, &poses, (mesh, units)));
         if let Shape::HeightField(field) = &given.shape {
             all.extend(beyond(obstacle, (field, &poses), (mesh, units)));
@@ -114,7 +89,7 @@ fn coarse(
     }
     let scaled =
         |vertex: u32| mesh.coordinates()[vertex as usize].map(|x| x * units.coordinate_scale);
-    let points: Vec<[f64; 3]> = doubts::vertices(obstacle, mesh)
+    let points: Vec<[f64; 3]> = vertices_of(mesh, std::iter::once(&obstacle.facets))
         .into_iter()
         .map(scaled)
         .collect();
@@ -140,17 +115,14 @@ fn deepest(
     pose: Pose,
     (points, units): (&[[f64; 3]], &Units),
 ) -> Option<(f64, f64)> {
-    let translation = pose.translation.map(|x| x / units.length);
-    let moved = Moving::new(Arc::clone(&obstacle.shape), translation, pose.rotation);
+    let moved = pose.of(obstacle, units);
     let mut found = vec![Contact::default(); points.len()];
     moved.probe(points, What::Gap, &mut found);
     let by_depth = |a: &(_, &Contact), b: &(_, &Contact)| a.1.distance.total_cmp(&b.1.distance);
     let (point, contact) = points.iter().zip(&found).min_by(by_depth)?;
     let depth = -contact.distance;
     let bent = moved.distance(*point).curvature;
-    let half = 0.5 * (0..3).map(|i| bent[i][i]).sum::<f64>();
-    let squares: f64 = bent.as_flattened().iter().map(|x| x * x).sum();
-    let largest = half + (0.5 * squares - half * half).max(0.0).sqrt();
+    let largest = larger_curvature(&bent);
     // That of the surface outside the point.
     (depth > TOUCH && largest > 0.0).then(|| (depth, 1.0 / largest + depth))
 }
@@ -162,7 +134,7 @@ fn beyond(
     (mesh, units): (&Mesh, &Units),
 ) -> Option<String> {
     let lattice = field.lattice();
-    let vertices = doubts::vertices(obstacle, mesh);
+    let vertices = vertices_of(mesh, std::iter::once(&obstacle.facets));
     let is_beyond = |pose: &Pose, vertex: u32| {
         let motion = RigidMotion {
             translation: pose.translation,

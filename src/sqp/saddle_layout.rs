@@ -4,8 +4,9 @@
 //!
 //! Cost: the square of the nodes near a node, for each, and a nested dissection.
 
-use crate::assembly::probe::Probes;
+use crate::assembly::probe::{Probed, Probes};
 use crate::linalg::ordering::{Graph, nested_dissection};
+use crate::linalg::{LinearOperator, SparseRows, Workspace};
 use crate::model::Model;
 
 /// Colours and places of a body's unknowns.
@@ -24,6 +25,29 @@ impl SaddleLayout {
             probes: Probes::new(model.mesh, &model.prepared.space),
             places: places(model),
         }
+    }
+
+    /// Stiffness and divergence as stored matrices, found by products; none where `stopped` says
+    /// so on the way.
+    pub(crate) fn stored(
+        &self,
+        (stiffness, divergence): (&dyn LinearOperator, Option<&dyn LinearOperator>),
+        stopped: &dyn Fn() -> bool,
+        work: &mut Workspace,
+    ) -> Option<(SparseRows, Option<SparseRows>)> {
+        let square = Probed {
+            operator: stiffness,
+            rows: self.probes.components,
+        };
+        let stiffness = self.probes.matrix(square, stopped, work)?;
+        let divergence = match divergence {
+            Some(operator) => {
+                let probed = Probed { operator, rows: 1 };
+                Some(self.probes.matrix(probed, stopped, work)?)
+            }
+            None => None,
+        };
+        Some((stiffness, divergence))
     }
 
     /// Bytes held.

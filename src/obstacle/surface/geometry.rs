@@ -11,7 +11,7 @@ use super::tree::{self, FacetTree};
 use super::walk::{Nearest, Searched};
 use super::{Between, TriangulatedSurface};
 use crate::geometry::vector3::{add, cross, dot, norm, normalised, scale, sub};
-use crate::obstacle::{Ball, Contact, What, round_curvature};
+use crate::obstacle::{Ball, Contact, What, larger_curvature, round_curvature};
 
 /// Distance from an edge, over the size of the tool, below which its normal is the mean of its
 /// patches'.
@@ -243,10 +243,7 @@ impl Geometry {
         let patch = &self.searched.patches[facet];
         let normal = patch.normal([1.0 / 3.0; 3]);
         let bent = curvature(patch, [1.0 / 3.0; 3], normal, 0.0);
-        let trace: f64 = (0..3).map(|i| bent[i][i]).sum();
-        let squares: f64 = bent.as_flattened().iter().map(|x| x * x).sum();
-        let half = 0.5 * trace;
-        half + (0.5 * squares - half * half).max(0.0).sqrt()
+        larger_curvature(&bent)
     }
 }
 

@@ -3,7 +3,6 @@
 
 use super::QuadraticProgram;
 use super::solve::Solve;
-use crate::assembly::probe::Probed;
 use crate::inequality::{
     Factorised, InequalitySolver, Inertia, MOST_FACES, Matrices, QpNorms, QpOutcome, QpRun,
     QpScales, QpStatus, inertia,
@@ -101,26 +100,15 @@ impl QuadraticProgram<'_> {
         work: &mut Workspace,
     ) -> Option<Matrices<'m>> {
         let model = &self.model;
-        let space = &model.prepared.space;
-        let probes = &layout.probes;
-        let square = Probed {
-            operator: self.stiffness(),
-            rows: space.components,
-        };
-        let mut stiffness = probes.matrix(square, stopped, work)?;
+        let pressure = self.pressure();
+        let operators = (self.stiffness(), pressure.as_ref().map(|block| block.rows));
+        let (mut stiffness, coupling) = layout.stored(operators, stopped, work)?;
         if let Some(curvature) = curvature {
             // The part of a free edge under pressure is not symmetric; a factor of one triangle
             // would see it twice or not at all.
             let symmetric = curvature.plus(&curvature.transposed());
             stiffness = stiffness.plus_multiple(-0.5, &symmetric);
         }
-        let coupling = match self.pressure() {
-            Some(pressure) => {
-                let operator = pressure.rows;
-                Some(probes.matrix(Probed { operator, rows: 1 }, stopped, work)?)
-            }
-            None => None,
-        };
         let block = model.prepared.pressure.as_ref();
         Some(Matrices {
             stiffness,

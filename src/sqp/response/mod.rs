@@ -25,7 +25,6 @@ pub(super) mod kept;
 mod surface_problem;
 
 use super::run::Run;
-use crate::assembly::probe::Probed;
 use crate::inequality::{BodyFactor, Matrices};
 use crate::linalg::vector::{add_scaled, norm};
 use crate::linalg::{LinearOperator, SparseRowsBuilder, Workspace};
@@ -100,24 +99,14 @@ fn factor(run: &mut Run<'_>) -> Option<BodyFactor> {
     let stopped = || watch.stopped(counters).is_some();
     let space = &model.prepared.space;
     let no_contact = SparseRowsBuilder::new(space.displacement_unknowns()).finish();
-    let square = Probed {
-        operator: &model.prepared.stiffness,
-        rows: space.components,
-    };
     let block = model.prepared.pressure.as_ref();
-    let coupling = match block {
-        Some(block) => {
-            let operator = &block.coupling;
-            Some(
-                layout
-                    .probes
-                    .matrix(Probed { operator, rows: 1 }, &stopped, work)?,
-            )
-        }
-        None => None,
-    };
+    let operators = (
+        &model.prepared.stiffness as &dyn LinearOperator,
+        block.map(|block| &block.coupling as &dyn LinearOperator),
+    );
+    let (stiffness, coupling) = layout.stored(operators, &stopped, work)?;
     let matrices = Matrices {
-        stiffness: layout.probes.matrix(square, &stopped, work)?,
+        stiffness,
         coupling,
         stabilisation: block.and_then(|block| block.stabilisation.as_ref()),
         contact: &no_contact,
@@ -150,7 +139,7 @@ impl Response {
             free: &free,
         };
         let start = std::time::Instant::now();
-        let load = problem.solve(run);
+        let load = problem.solve(run, plain);
         run.counters.seconds.contact += start.elapsed().as_secs_f64();
         let now = load.and_then(|load| {
             let start = std::time::Instant::now();

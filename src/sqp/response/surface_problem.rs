@@ -51,13 +51,13 @@ struct Iterate {
 }
 
 impl SurfaceProblem<'_> {
-    /// Sets multipliers and statuses of the run's state; the contact load on free rows
-    /// `[displacement]`. None where the problems do not end, or are stopped.
-    pub(super) fn solve(mut self, run: &mut Run<'_>) -> Option<Vec<f64>> {
-        let mut at = self.start(run)?;
+    /// Sets multipliers and statuses of the run's state, where `plain` holds; the contact load on
+    /// free rows `[displacement]`. None where the problems do not end, or are stopped.
+    pub(super) fn solve(mut self, run: &mut Run<'_>, plain: &Evaluation) -> Option<Vec<f64>> {
+        let mut at = self.start(run, plain)?;
         let mut before = f64::INFINITY;
         for _ in 0..MOST {
-            let load = pressing(&at, &mut run.work);
+            let load = pressing(&at.now, &at.state, &mut run.work);
             let left = left_over(run, &at, &load);
             let is_rounding = left <= ROUNDING && left > SHARE * before;
             if left <= SHARE * run.model.tolerance || is_rounding {
@@ -72,15 +72,12 @@ impl SurfaceProblem<'_> {
     }
 
     /// The multipliers of the state, pressing along the normals of where they press now.
-    fn start(&mut self, run: &mut Run<'_>) -> Option<Iterate> {
-        let state = run.state.clone();
-        let now = evaluate_contact(&run.model, &state);
+    fn start(&mut self, run: &mut Run<'_>, plain: &Evaluation) -> Option<Iterate> {
         let mut at = Iterate {
-            load: Vec::new(),
-            state,
-            now,
+            load: pressing(plain, run.state, &mut run.work),
+            state: run.state.clone(),
+            now: Evaluation::default(),
         };
-        at.load = pressing(&at, &mut run.work);
         self.move_surface(run, &mut at)?;
         Some(at)
     }
@@ -137,7 +134,7 @@ impl SurfaceProblem<'_> {
             at.state.multiplier[index] = solution.values[place];
             at.state.status[index] = solution.status[place];
         }
-        at.load = pressing(at, &mut run.work);
+        at.load = pressing(&at.now, &at.state, &mut run.work);
         self.move_surface(run, at)?;
         Some(before != at.state.status)
     }
@@ -158,10 +155,10 @@ impl SurfaceProblem<'_> {
 }
 
 /// C(u)^T l, the load of the multipliers along the normals there `[displacement]`.
-fn pressing(at: &Iterate, work: &mut Workspace) -> Vec<f64> {
-    let mut load = vec![0.0; at.state.displacement.len()];
-    let coupling = &at.now.coupling;
-    coupling.apply_transposed(&at.state.multiplier, &mut load, work);
+fn pressing(now: &Evaluation, state: &State, work: &mut Workspace) -> Vec<f64> {
+    let mut load = vec![0.0; state.displacement.len()];
+    now.coupling
+        .apply_transposed(&state.multiplier, &mut load, work);
     load
 }
 
