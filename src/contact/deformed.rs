@@ -208,7 +208,7 @@ impl<'a> FacePoints<'a> {
 }
 
 /// The offsets of a curved face where its corners are displaced to.
-fn standing(body: &Deformed<'_>, face: &ContactFace) -> Option<Standing> {
+pub(super) fn standing(body: &Deformed<'_>, face: &ContactFace) -> Option<Standing> {
     let curve = face.curve.as_ref()?;
     let c = body.space.components;
     let mut moved = [[0.0; 3]; 3];

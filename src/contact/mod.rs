@@ -21,6 +21,7 @@ mod incidence;
 pub mod layout;
 pub mod nearest;
 pub mod patches;
+mod quadratic_face;
 pub mod resultant;
 pub(crate) mod shares;
 pub mod smooth;

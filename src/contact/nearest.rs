@@ -14,11 +14,10 @@
 use rayon::prelude::*;
 
 use super::counterpart::Counterpart;
-use super::deformed::{Deformed, Table};
+use super::deformed::Deformed;
 use super::face::ContactFace;
+use super::quadratic_face::{QuadraticFace, towards};
 use super::surface::ContactSurface;
-use crate::element::quadrature::Rule;
-use crate::geometry::vector3::{norm, sub};
 use crate::obstacle::{Contact, What};
 
 /// Above one by more than all rounding, and by what distances to patches miss of a true distance.
@@ -30,6 +29,10 @@ const REACH: f64 = 0.25;
 const IN_SPACE: u32 = 8;
 /// Intervals on a face in the plane.
 const IN_THE_PLANE: u32 = 16;
+/// Finer grids around the best point of a face.
+const ROUNDS: u32 = 4;
+/// Fewer faces are not worth a second thread.
+const FEW: usize = 16;
 
 /// The least distance of each face `[faces]`, or a bound below it where it is neither the least of
 /// all nor negative.
@@ -38,32 +41,30 @@ pub fn nearest<C: Counterpart + ?Sized>(
     surface: &ContactSurface,
     counterpart: &C,
 ) -> Vec<f64> {
-    let rule = grid(body.space.components);
-    let sampled = Deformed {
-        rule: &rule,
-        ..*body
+    let search = Search {
+        grid: grid(body.space.components),
+        counterpart,
+        body,
     };
-    let bounds = bounds(&sampled, surface, counterpart);
-    let upper = bounds.chunks_exact(2).map(|bound| bound[1]);
+    let faces = surface.faces.par_iter().with_min_len(4 * FEW);
+    let bounds: Vec<[f64; 2]> = faces.map(|face| search.bounds(face)).collect();
+    let upper = bounds.iter().map(|bound| bound[1]);
     let least_of_all = upper.fold(f64::INFINITY, f64::min).max(0.0);
-    let lower = bounds.chunks_exact(2).map(|bound| bound[0]);
-    let mut distances: Vec<f64> = lower.collect();
+    let mut distances: Vec<f64> = bounds.iter().map(|bound| bound[0]).collect();
     let is_near = |face: &usize| distances[*face] <= least_of_all;
     let near: Vec<usize> = (0..distances.len()).filter(is_near).collect();
-    let faces: Vec<ContactFace> = near
-        .iter()
-        .map(|&face| surface.faces[face].clone())
-        .collect();
-    let numbers = least(&sampled, (surface, &faces), counterpart);
+    let faces = near.par_iter().with_min_len(FEW);
+    let found = faces.map(|&face| search.on_grid(&surface.faces[face]));
+    let found: Vec<Found> = found.collect();
+    let least = found.iter().map(|found| found.distance);
+    let least = least.fold(f64::INFINITY, f64::min).max(0.0);
     let power = 1.0 / (body.space.components as f64 - 1.0);
-    let nearest = numbers.iter().step_by(2).copied();
-    let nearest = nearest.fold(f64::INFINITY, f64::min).max(0.0);
-    let faces = faces.par_iter().zip(numbers.par_chunks_exact(2));
-    let refined = faces.map(|(face, number)| {
-        let best = rule.points[number[1] as usize];
-        match number[0] < nearest + REACH * face.flat_area.powf(power) {
-            true => refined(body, (surface, face), counterpart, (number[0], best)),
-            false => number[0],
+    let faces = near.par_iter().zip(&found).with_min_len(FEW / 4);
+    let refined = faces.map(|(&face, found)| {
+        let face = &surface.faces[face];
+        match found.distance < least + REACH * face.flat_area.powf(power) {
+            true => search.refined(face, found),
+            false => found.distance,
         }
     });
     let refined: Vec<f64> = refined.collect();
@@ -73,79 +74,85 @@ pub fn nearest<C: Counterpart + ?Sized>(
     distances
 }
 
-/// Bounds of the least distance of each face, from below and above `[faces][2]`: by the distance
-/// of the point in the middle of the grid and how far the other points are from it.
-fn bounds<C: Counterpart + ?Sized>(
-    body: &Deformed<'_>,
-    surface: &ContactSurface,
-    counterpart: &C,
-) -> Vec<f64> {
-    let table = Table::new(body, surface.basis);
-    body.on_faces(&table, &surface.faces, 2, |points, face, numbers| {
-        let middle = points.deformed[points.deformed.len() / 2];
+/// Distances of the faces of a body from what they meet.
+struct Search<'a, C: ?Sized> {
+    /// Barycentric coordinates of points of a face `[points]`.
+    grid: Vec<[f64; 3]>,
+    counterpart: &'a C,
+    body: &'a Deformed<'a>,
+}
+
+/// The nearest point of a face so far.
+struct Found {
+    distance: f64,
+    at: [f64; 3],
+    /// The whole face.
+    shape: QuadraticFace,
+}
+
+impl<C: Counterpart + ?Sized> Search<'_, C> {
+    /// Bounds of the least distance of a face from below and above, by the distance of one of its
+    /// points and how far the others are from it.
+    fn bounds(&self, face: &ContactFace) -> [f64; 2] {
+        let shape = QuadraticFace::of(self.body, face);
+        let middle = shape.at(&self.grid[self.grid.len() / 2]);
         let mut contact = [Contact::default()];
-        counterpart.probe_on(face, &[middle], What::Gap, &mut contact);
-        let away = points
-            .deformed
-            .iter()
-            .map(|&point| norm(sub(point, middle)));
-        let farthest = away.fold(0.0, f64::max);
-        numbers[0] = contact[0].distance - CAREFUL * farthest;
-        numbers[1] = contact[0].distance;
-    })
-}
+        (self.counterpart).probe_on(face, &[middle], What::Gap, &mut contact);
+        let distance = contact[0].distance;
+        [distance - CAREFUL * shape.reach(middle), distance]
+    }
 
-/// The least distance of each of `faces` over the points of the body's rule, and the number of
-/// its point `[faces][2]`.
-fn least<C: Counterpart + ?Sized>(
-    body: &Deformed<'_>,
-    (surface, faces): (&ContactSurface, &[ContactFace]),
-    counterpart: &C,
-) -> Vec<f64> {
-    let table = Table::new(body, surface.basis);
-    body.on_faces(&table, faces, 2, |points, face, numbers| {
-        points.probe(counterpart, face, What::Gap);
-        numbers[0] = f64::INFINITY;
-        for (point, contact) in points.contacts.iter().enumerate() {
-            if contact.distance < numbers[0] {
-                numbers.copy_from_slice(&[contact.distance, point as f64]);
-            }
-        }
-    })
-}
-
-/// The least distance of one face, sought around the best point so far.
-fn refined<C: Counterpart + ?Sized>(
-    body: &Deformed<'_>,
-    (surface, face): (&ContactSurface, &ContactFace),
-    counterpart: &C,
-    (mut distance, mut best): (f64, [f64; 4]),
-) -> f64 {
-    let mut size = 1.0;
-    for _ in 0..ROUNDS {
-        size *= 0.25;
-        // The grid shrunk towards the best point stays on the face.
-        let mut rule = grid(body.space.components);
-        for point in &mut rule.points {
-            *point = std::array::from_fn(|i| best[i] + size * (point[i] - best[i]));
-        }
-        let sampled = Deformed {
-            rule: &rule,
-            ..*body
-        };
-        let number = least(&sampled, (surface, std::slice::from_ref(face)), counterpart);
-        if number[0] < distance {
-            (distance, best) = (number[0], rule.points[number[1] as usize]);
+    /// The nearest point of the grid.
+    fn on_grid(&self, face: &ContactFace) -> Found {
+        let shape = QuadraticFace::of(self.body, face);
+        let (distance, at) = self.least(face, &shape);
+        Found {
+            distance,
+            at,
+            shape,
         }
     }
-    distance
+
+    /// The least distance of one face, sought around the best point so far.
+    fn refined(&self, face: &ContactFace, found: &Found) -> f64 {
+        let (mut distance, mut best) = (found.distance, found.at);
+        let mut size = 1.0;
+        for _ in 0..ROUNDS {
+            size *= 0.25;
+            // The grid shrunk towards the best point stays on the face.
+            let (least, at) = self.least(face, &found.shape.around(&best, size));
+            if least < distance {
+                (distance, best) = (least, towards(&best, size, &at));
+            }
+        }
+        distance
+    }
+
+    /// The least distance over the grid on a part of a face, and where.
+    fn least(&self, face: &ContactFace, part: &QuadraticFace) -> (f64, [f64; 3]) {
+        let mut points = [[0.0; 3]; MOST_POINTS];
+        let mut contacts = [Contact::default(); MOST_POINTS];
+        let count = self.grid.len();
+        for (point, l) in points.iter_mut().zip(&self.grid) {
+            *point = part.at(l);
+        }
+        let contacts = &mut contacts[..count];
+        (self.counterpart).probe_on(face, &points[..count], What::Gap, contacts);
+        let mut least = (f64::INFINITY, self.grid[0]);
+        for (contact, &l) in contacts.iter().zip(&self.grid) {
+            if contact.distance < least.0 {
+                least = (contact.distance, l);
+            }
+        }
+        least
+    }
 }
 
-/// Finer grids around the best point of a face.
-const ROUNDS: u32 = 4;
+/// Points of a grid at most.
+const MOST_POINTS: usize = 45;
 
-/// Points of a face with that many corners, of equal weight.
-fn grid(corners: usize) -> Rule {
+/// Points of a face with that many corners.
+fn grid(corners: usize) -> Vec<[f64; 3]> {
     let intervals = if corners == 2 { IN_THE_PLANE } else { IN_SPACE };
     let share = |count: u32| f64::from(count) / f64::from(intervals);
     let mut points = Vec::new();
@@ -157,9 +164,8 @@ fn grid(corners: usize) -> Rule {
         };
         for j in others {
             let [a, b] = [share(i), share(j)];
-            points.push([1.0 - a - b, a, b, 0.0]);
+            points.push([1.0 - a - b, a, b]);
         }
     }
-    let weights = vec![1.0 / points.len() as f64; points.len()];
-    Rule { points, weights }
+    points
 }

@@ -19,11 +19,26 @@ const FEWEST_STEPS: u32 = 9;
 /// Share of the surface that presses.
 const PRESSED: f64 = 1.0 / 3.0;
 
+/// Bytes of whole columns over those of the factor at most.
+const MOST_WHOLE: f64 = 2.0;
+
+/// What all fields of an update come from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum FieldsFrom {
+    /// One solution with the factor.
+    #[default]
+    Factor,
+    /// The columns that press, kept whole.
+    Columns,
+}
+
 /// The choice.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ResponseChoice {
     /// The first step that is; none where none is.
     pub(crate) from: Option<u32>,
+    /// What its fields come from.
+    pub(crate) fields: FieldsFrom,
     /// Why.
     pub(super) reason: String,
 }
@@ -32,7 +47,16 @@ impl ResponseChoice {
     /// The choice that is none, and why.
     fn none(reason: impl Into<String>) -> Self {
         Self {
-            from: None,
+            reason: reason.into(),
+            ..Self::default()
+        }
+    }
+
+    /// From that step on.
+    fn from(plan: &Plan, step: u32, reason: &str) -> Self {
+        Self {
+            from: Some(step),
+            fields: plan.fields_from(step),
             reason: reason.into(),
         }
     }
@@ -47,19 +71,18 @@ pub(super) fn choose(plan: &Plan) -> Result<ResponseChoice, String> {
     match (asked, hindrance(plan)) {
         (Some(ResponseMethod::Iterative), _) => Ok(ResponseChoice::none("asked for")),
         (Some(ResponseMethod::Condensed), Some(hindrance)) => Err(hindrance),
-        (Some(ResponseMethod::Condensed), None) => Ok(ResponseChoice {
-            from: Some(1),
-            reason: "asked for".into(),
-        }),
+        (Some(ResponseMethod::Condensed), None) => Ok(ResponseChoice::from(plan, 1, "asked for")),
         (None, Some(hindrance)) => Ok(ResponseChoice::none(hindrance)),
-        (None, None) if plan.response_bytes() > MOST_UNASKED => Ok(ResponseChoice::none(format!(
-            "factor and columns may take {:.1} GB",
-            1e-9 * plan.response_bytes()
-        ))),
-        (None, None) => Ok(ResponseChoice {
-            from: Some(1 + paid_after(plan).max(FEWEST_STEPS)),
-            reason: "what it saves has paid for its factor by then".into(),
-        }),
+        (None, None) if plan.least_response_bytes() > MOST_UNASKED => {
+            let gigabytes = 1e-9 * plan.least_response_bytes();
+            let words = format!("factor and columns may take {gigabytes:.1} GB");
+            Ok(ResponseChoice::none(words))
+        }
+        (None, None) => {
+            let step = 1 + paid_after(plan).max(FEWEST_STEPS);
+            let reason = "what it saves has paid for its factor by then";
+            Ok(ResponseChoice::from(plan, step, reason))
+        }
     }
 }
 
@@ -83,9 +106,39 @@ impl Plan {
         (self.units.dimension as u64 * self.unknowns.contact) as f64
     }
 
-    /// Bytes of factor and columns at most.
-    fn response_bytes(&self) -> f64 {
+    /// Bytes of factor and columns at most, these on the surface alone.
+    fn least_response_bytes(&self) -> f64 {
         self.factor_of_body().0 + 8.0 * self.surface_unknowns().powi(2)
+    }
+
+    /// Bytes of columns kept whole at most.
+    fn whole_bytes(&self) -> f64 {
+        let unknowns = (self.unknowns.displacement + self.unknowns.pressure) as f64;
+        8.0 * self.surface_unknowns() * unknowns
+    }
+
+    /// What fields come from where the response begins at that step: whole columns are read
+    /// once, a factor twice and by one thread, but there may be no room for them.
+    fn fields_from(&self, step: u32) -> FieldsFrom {
+        let (whole, factor) = (self.whole_bytes(), self.factor_of_body().0);
+        let most = match step {
+            1 => f64::INFINITY,
+            _ => MOST_UNASKED,
+        };
+        let is_small = whole <= MOST_WHOLE * factor && self.least_response_bytes() + whole <= most;
+        match is_small {
+            true => FieldsFrom::Columns,
+            false => FieldsFrom::Factor,
+        }
+    }
+
+    /// Bytes of the response that was chosen, at most.
+    fn response_bytes(&self) -> f64 {
+        let whole = match self.response.fields {
+            FieldsFrom::Columns => self.whole_bytes(),
+            FieldsFrom::Factor => 0.0,
+        };
+        self.least_response_bytes() + whole
     }
 
     /// The response in words: from which step on.

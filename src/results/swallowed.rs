@@ -9,12 +9,14 @@
 //! larger than their distance. Cost: a pass over the nodes where the obstacle is away, one
 //! distance a cell where it is near.
 
+use rayon::prelude::*;
+
+use crate::assembly::load::shape_values;
 use crate::contact::surface::ContactSurface;
-use crate::geometry::vector3::{cross, dot, sub};
+use crate::geometry::vector3::{add, cross, dot, sub};
 use crate::linalg::vector::norm;
 use crate::model::Model;
 use crate::model::state::State;
-use crate::model::values::displacement_at;
 use crate::obstacle::{Contact, Obstacle, What};
 
 /// Share of a unit normal, squared, that is left to a vertex which supports hold along it.
@@ -23,6 +25,8 @@ const FREE: f64 = 1e-6;
 const INTERVALS: u32 = 6;
 /// Distance of a centroid over the size of its cell beyond which no point of it is inside.
 const NEAR: f64 = 1.5;
+/// Cells that one thread looks at one after the other.
+const CELLS_AT_ONCE: usize = 256;
 /// Above one by more than all rounding.
 const CAREFUL: f64 = 1.01;
 
@@ -56,37 +60,101 @@ pub(crate) fn depth_inside(
         return 0.0;
     }
     let corners = model.prepared.geometry.vertices;
-    let lattice = lattice(corners);
-    let mut centroid = [0.0; 4];
-    centroid[..corners].fill(1.0 / corners as f64);
-    let mut contacts = vec![Contact::default(); lattice.len()];
-    let mut deepest = 0.0_f64;
-    // A distance changes by no more than the point moves: most cells are away by that of one
-    // before.
-    let mut last = ([0.0; 3], f64::NEG_INFINITY);
-    for &cell in cells {
-        let middle = position(model, state, (cell, &centroid));
-        let reach = NEAR * size(model, state, (cell, middle));
-        if last.1 - CAREFUL * norm(&sub(middle, last.0)) > reach {
-            continue;
+    let shapes = lattice(corners).into_iter();
+    let shapes = shapes.map(|at| shape_values(&at[..corners]));
+    let search = Search {
+        shapes: shapes.collect(),
+        model,
+        state,
+        obstacle,
+        nearest,
+    };
+    let chunks = cells.par_chunks(CELLS_AT_ONCE);
+    let depths: Vec<f64> = chunks.map(|cells| search.deepest(cells)).collect();
+    depths.into_iter().fold(0.0, f64::max)
+}
+
+/// What is asked of cells.
+struct Search<'a> {
+    /// Values of the functions of a cell at the points of its lattice `[points][nodes]`.
+    shapes: Vec<Vec<f64>>,
+    model: &'a Model<'a>,
+    state: &'a State,
+    obstacle: &'a dyn Obstacle,
+    nearest: f64,
+}
+
+impl Search<'_> {
+    /// The greatest depth in some cells, zero without any.
+    fn deepest(&self, cells: &[usize]) -> f64 {
+        let mut deepest = 0.0_f64;
+        // A distance changes by no more than the point moves: most cells are away by that of one
+        // before.
+        let mut last = ([0.0; 3], f64::NEG_INFINITY);
+        for &cell in cells {
+            let (middle, size) = self.middle_and_size(cell);
+            if last.1 - CAREFUL * norm(&sub(middle, last.0)) > NEAR * size {
+                continue;
+            }
+            let mut contact = [Contact::default()];
+            self.obstacle.probe(&[middle], What::Gap, &mut contact);
+            last = (middle, contact[0].distance);
+            if contact[0].distance <= NEAR * size {
+                deepest = deepest.max(self.depth_in(cell));
+            }
         }
-        let mut contact = [Contact::default()];
-        obstacle.probe(&[middle], What::Gap, &mut contact);
-        last = (middle, contact[0].distance);
-        if contact[0].distance > reach {
-            continue;
+        deepest
+    }
+
+    /// The deformed centroid of a cell, and the largest distance of a corner from it.
+    fn middle_and_size(&self, cell: usize) -> ([f64; 3], f64) {
+        let corners = self.model.mesh.cell(cell);
+        let mut places = [[0.0; 3]; 4];
+        for (place, &corner) in places.iter_mut().zip(corners) {
+            *place = self.model.place(corner as usize, &self.state.displacement);
         }
-        let points = lattice.iter().map(|at| position(model, state, (cell, at)));
-        obstacle.probe(&points.collect::<Vec<_>>(), What::Gap, &mut contacts);
+        let share = 1.0 / corners.len() as f64;
+        let space = &self.model.prepared.space;
+        let edges = space.edge_values(self.model.mesh, &self.state.displacement, cell);
+        let bent = edges.fold([0.0; 3], add);
+        let places = &places[..corners.len()];
+        let middle: [f64; 3] = std::array::from_fn(|i| {
+            let sum: f64 = places.iter().map(|place| place[i]).sum();
+            share * sum + 4.0 * share * share * bent[i]
+        });
+        let distances = places.iter().map(|&place| norm(&sub(place, middle)));
+        (middle, distances.fold(0.0, f64::max))
+    }
+
+    /// How deep the obstacle lies inside a cell near it.
+    fn depth_in(&self, cell: usize) -> f64 {
+        let Self { model, state, .. } = self;
+        let corners = model.mesh.cell(cell).iter();
+        let corners = corners.map(|&corner| model.place(corner as usize, &state.displacement));
+        let space = &model.prepared.space;
+        let edges = space.edge_values(model.mesh, &state.displacement, cell);
+        let values: Vec<[f64; 3]> = corners.chain(edges).collect();
+        let points: Vec<[f64; 3]> = self.shapes.iter().map(|at| sum(at, &values)).collect();
+        let mut contacts = vec![Contact::default(); points.len()];
+        self.obstacle.probe(&points, What::Gap, &mut contacts);
         let depths = contacts.iter().map(|contact| -contact.distance);
-        deepest = depths.fold(deepest, f64::max);
-        if let Some(ball) = obstacle.inner_ball()
-            && contains(model, state, (cell, ball.centre))
-        {
-            deepest = deepest.max(2.0 * ball.radius + nearest.max(0.0));
+        let deepest = depths.fold(0.0, f64::max);
+        match self.obstacle.inner_ball() {
+            Some(ball) if contains(model, state, (cell, ball.centre)) => {
+                deepest.max(2.0 * ball.radius + self.nearest.max(0.0))
+            }
+            Some(_) | None => deepest,
         }
     }
-    deepest
+}
+
+/// `sum w_i x_i`.
+fn sum(weights: &[f64], points: &[[f64; 3]]) -> [f64; 3] {
+    let mut sum = [0.0; 3];
+    for (weight, point) in weights.iter().zip(points) {
+        (0..3).for_each(|i| sum[i] += weight * point[i]);
+    }
+    sum
 }
 
 /// Greatest depth of a vertex of `surface` inside `obstacle` that supports hold along the
@@ -126,13 +194,9 @@ pub(crate) fn depth_where_held(
 /// Whether a point is in a cell, whose sides are taken straight between its deformed corners.
 fn contains(model: &Model<'_>, state: &State, (cell, point): (usize, [f64; 3])) -> bool {
     let corners = model.prepared.geometry.vertices;
-    let places: Vec<[f64; 3]> = (0..corners)
-        .map(|corner| {
-            let mut at = [0.0; 4];
-            at[corner] = 1.0;
-            position(model, state, (cell, &at))
-        })
-        .collect();
+    let own = model.mesh.cell(cell).iter();
+    let own = own.map(|&corner| model.place(corner as usize, &state.displacement));
+    let places: Vec<[f64; 3]> = own.collect();
     // On the inner side of every side, as the corner opposite is.
     (0..corners).all(|opposite| {
         let others: Vec<[f64; 3]> = (0..corners)
@@ -175,29 +239,6 @@ fn is_away(model: &Model<'_>, state: &State, obstacle: &dyn Obstacle) -> bool {
     obstacle.probe(&[middle], What::Gap, &mut contact);
     // Corners, and what the middles of edges move beside them.
     contact[0].distance > radius + 2.0 * moved.fold(0.0, f64::max)
-}
-
-/// Deformed place of a point of a cell, in lengths of the scaled body.
-fn position(model: &Model<'_>, state: &State, (cell, at): (usize, &[f64; 4])) -> [f64; 3] {
-    let mut place = displacement_at(model, state, cell, at);
-    for (corner, share) in model.mesh.corners(cell).iter().zip(at) {
-        let scaled = share * model.plan.units.coordinate_scale;
-        place
-            .iter_mut()
-            .zip(corner)
-            .for_each(|(sum, x)| *sum += scaled * x);
-    }
-    place
-}
-
-/// Largest distance of a corner of a cell from its middle, deformed.
-fn size(model: &Model<'_>, state: &State, (cell, middle): (usize, [f64; 3])) -> f64 {
-    let distances = model.mesh.cell(cell).iter().map(|&corner| {
-        let place = model.place(corner as usize, &state.displacement);
-        let squares = place.iter().zip(middle).map(|(a, b)| (a - b).powi(2));
-        squares.sum::<f64>().sqrt()
-    });
-    distances.fold(0.0, f64::max)
 }
 
 /// Barycentric coordinates of the lattice of a cell with that many corners `[points][4]`.

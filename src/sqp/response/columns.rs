@@ -2,12 +2,14 @@
 //! neighbouring unknowns, each made when one of its columns is first asked for.
 //!
 //! A block is always solved for as a whole, so that a column has the same bits whichever was
-//! asked for. Cost: a block reads the factor twice.
+//! asked for. Small bodies keep the columns whole, from which the fields of an update come
+//! by one product. Cost: a block reads the factor twice.
 
 use rayon::prelude::*;
 
 use crate::inequality::BodyFactor;
 use crate::linalg::Workspace;
+use crate::plan::response::FieldsFrom;
 
 /// Columns of a block.
 const BLOCK: usize = 48;
@@ -25,14 +27,25 @@ pub(super) struct Columns {
     pub(super) unknowns: Vec<u32>,
     /// Place of each displacement unknown on the surface `[displacement]`.
     places: Vec<u32>,
-    /// Columns of each block `[BLOCK, surface]`; none where not known yet.
-    blocks: Vec<Option<Vec<f64>>>,
+    /// Columns of each block; none where not known yet.
+    blocks: Vec<Option<Block>>,
+    /// Whether blocks are kept whole.
+    pub(super) fields: FieldsFrom,
+}
+
+/// Columns of neighbouring unknowns.
+#[derive(Clone, Debug)]
+struct Block {
+    /// On the surface `[BLOCK, surface]`.
+    surface: Vec<f64>,
+    /// Whole `[BLOCK, unknowns]`; empty where they are not kept.
+    whole: Vec<f64>,
 }
 
 impl Columns {
     /// None known, for those `unknowns` of the surface; `order` is the place of each unknown of
     /// the body in an elimination order, by which neighbours are near each other.
-    pub(super) fn new(mut unknowns: Vec<u32>, order: &[u32]) -> Self {
+    pub(super) fn new(mut unknowns: Vec<u32>, order: &[u32], fields: FieldsFrom) -> Self {
         unknowns.sort_by_key(|&unknown| (order[unknown as usize], unknown));
         let mut places = vec![NOWHERE; order.len()];
         for (place, &unknown) in (0..).zip(&unknowns) {
@@ -42,12 +55,15 @@ impl Columns {
             blocks: vec![None; unknowns.len().div_ceil(BLOCK)],
             places,
             unknowns,
+            fields,
         }
     }
 
     /// Bytes held.
     pub(super) fn bytes(&self) -> u64 {
-        let known = self.blocks.iter().flatten().map(Vec::len).sum::<usize>();
+        let known = self.blocks.iter().flatten();
+        let known = known.map(|block| block.surface.len() + block.whole.len());
+        let known: usize = known.sum();
         (8 * known + 4 * (self.places.len() + self.unknowns.len())) as u64
     }
 
@@ -55,6 +71,21 @@ impl Columns {
     pub(super) fn place(&self, unknown: u32) -> Option<usize> {
         let place = *self.places.get(unknown as usize)?;
         (place != NOWHERE).then_some(place as usize)
+    }
+
+    /// Places where a load `[displacement]` presses.
+    pub(super) fn pressed(&self, load: &[f64]) -> Vec<usize> {
+        let places = self.unknowns.iter().enumerate();
+        let places = places.filter(|(_, unknown)| load[**unknown as usize] != 0.0);
+        places.map(|(place, _)| place).collect()
+    }
+
+    /// Values of a load `[displacement]` at `places`.
+    pub(super) fn values(&self, places: &[usize], load: &[f64]) -> Vec<f64> {
+        let values = places.iter();
+        values
+            .map(|&place| load[self.unknowns[place] as usize])
+            .collect()
     }
 
     /// Makes the columns at `places` known; none where `stopped` says so on the way.
@@ -73,7 +104,7 @@ impl Columns {
                 return None;
             }
             let made = some.par_iter().map(|&block| self.make(block, factor));
-            let made: Vec<Vec<f64>> = made.collect();
+            let made: Vec<Block> = made.collect();
             for (&block, columns) in some.iter().zip(made) {
                 self.blocks[block] = Some(columns);
             }
@@ -81,7 +112,7 @@ impl Columns {
         Some(())
     }
 
-    fn make(&self, block: usize, factor: &BodyFactor) -> Vec<f64> {
+    fn make(&self, block: usize, factor: &BodyFactor) -> Block {
         let size = factor.size();
         let first = block * BLOCK;
         let own = &self.unknowns[first..self.unknowns.len().min(first + BLOCK)];
@@ -91,9 +122,14 @@ impl Columns {
         }
         factor.solve(&mut loads, &mut Workspace::new());
         let columns = loads.chunks_exact(size);
-        columns
+        let surface = columns
             .flat_map(|column| self.unknowns.iter().map(|&row| column[row as usize]))
-            .collect()
+            .collect();
+        let whole = match self.fields {
+            FieldsFrom::Columns => loads,
+            FieldsFrom::Factor => Vec::new(),
+        };
+        Block { surface, whole }
     }
 
     /// The known column at `place` `[surface]`; empty where it is not known.
@@ -102,7 +138,30 @@ impl Columns {
             return &[];
         };
         let rows = self.unknowns.len();
-        &block[place % BLOCK * rows..(place % BLOCK + 1) * rows]
+        &block.surface[place % BLOCK * rows..(place % BLOCK + 1) * rows]
+    }
+
+    /// `K^-1 x` `[size]` of a load on the surface `[size]` by columns that are kept whole.
+    pub(super) fn whole_product(&mut self, load: &[f64], factor: &BodyFactor) -> Vec<f64> {
+        let size = factor.size();
+        let places = self.pressed(load);
+        // Those that pressed on the way are known.
+        self.ask_for(&places, factor, &|| false).unwrap_or_default();
+        let columns = places.iter().filter_map(|&place| {
+            let block = self.blocks[place / BLOCK].as_ref()?;
+            let column = block.whole.chunks_exact(size).nth(place % BLOCK)?;
+            Some((column, load[self.unknowns[place] as usize]))
+        });
+        let columns: Vec<(&[f64], f64)> = columns.collect();
+        let mut y = vec![0.0; size];
+        let rows = size.div_ceil(rayon::current_num_threads()).max(FEW);
+        y.par_chunks_mut(rows).enumerate().for_each(|(chunk, y)| {
+            for (column, value) in &columns {
+                let column = &column[chunk * rows..][..y.len()];
+                y.iter_mut().zip(column).for_each(|(y, g)| *y += value * g);
+            }
+        });
+        y
     }
 
     /// Subtracts G x from `y` `[surface]`, x being zero but at `places`, whose columns are
@@ -124,5 +183,57 @@ impl Columns {
             places.iter().map(|&row| column[row]).collect()
         };
         places.par_iter().with_min_len(FEW).map(column).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inequality::Matrices;
+    use crate::linalg::SparseRowsBuilder;
+    use crate::linalg::samples::rows;
+
+    /// Springs between 200 points in a line, the ends held.
+    fn line() -> BodyFactor {
+        let size = 200;
+        let row = |i: usize| -> Vec<f64> {
+            let entry = |j: usize| match i.abs_diff(j) {
+                0 => 2.0 + 0.01 * i as f64,
+                1 => -1.0,
+                _ => 0.0,
+            };
+            (0..size).map(entry).collect()
+        };
+        let stiffness: Vec<Vec<f64>> = (0..size).map(row).collect();
+        BodyFactor::new(&Matrices {
+            stiffness: rows(&stiffness),
+            coupling: None,
+            stabilisation: None,
+            contact: &SparseRowsBuilder::new(size).finish(),
+            places: (0..size as u32).collect(),
+            is_loose: false,
+            may_be_indefinite: false,
+            most_flops: f64::INFINITY,
+        })
+        .expect("a positive definite matrix")
+    }
+
+    #[test]
+    fn whole_columns_give_the_solution_of_the_factor_whatever_was_asked_for() {
+        let factor = line();
+        let order: Vec<u32> = (0..200).collect();
+        let surface: Vec<u32> = (0..200).step_by(2).collect();
+        let mut load = vec![0.0; factor.size()];
+        for unknown in [4, 100, 198] {
+            load[unknown] = 1.0 + unknown as f64;
+        }
+        let mut expected = load.clone();
+        factor.solve(&mut expected, &mut Workspace::new());
+        let mut columns = Columns::new(surface, &order, FieldsFrom::Columns);
+        let found = columns.whole_product(&load, &factor);
+        for (found, expected) in found.iter().zip(&expected) {
+            assert!((found - expected).abs() <= 1e-12 * expected.abs());
+        }
+        assert_eq!(found, columns.whole_product(&load, &factor));
     }
 }

@@ -31,6 +31,7 @@ use crate::linalg::{LinearOperator, SparseRowsBuilder, Workspace};
 use crate::model::Model;
 use crate::model::evaluate::Evaluation;
 use crate::plan::estimate::MOST_RESPONSE_FLOPS;
+use crate::plan::response::FieldsFrom;
 use columns::Columns;
 use kept::{Free, Known, Response};
 use surface_problem::SurfaceProblem;
@@ -76,7 +77,7 @@ fn known_now(run: &mut Run<'_>) -> Known {
             let unknowns = surface_unknowns(&run.model);
             Known::Response(Box::new(Response {
                 volumes: volumes(&run.model, &unknowns, &mut run.work),
-                columns: Columns::new(unknowns, &places),
+                columns: Columns::new(unknowns, &places, run.model.plan.response.fields),
                 factor,
                 free: None,
             }))
@@ -159,15 +160,25 @@ impl Response {
     }
 
     /// Displacement and pressure under the contact load `[displacement]`.
-    fn fill_fields(&self, run: &mut Run<'_>, free: &Free, mut load: Vec<f64>) {
-        load.resize(self.factor.size(), 0.0);
-        load.iter_mut().for_each(|value| *value = -*value);
-        self.factor.solve(&mut load, &mut run.work);
-        let (moved, pressure) = load.split_at(free.displacement.len());
+    fn fill_fields(&mut self, run: &mut Run<'_>, free: &Free, load: Vec<f64>) {
+        let solution = self.solution(load, &mut run.work);
+        let (moved, pressure) = solution.split_at(free.displacement.len());
         run.state.displacement.clone_from(&free.displacement);
         run.state.pressure.clone_from(&free.pressure);
-        add_scaled(&mut run.state.displacement, 1.0, moved);
-        add_scaled(&mut run.state.pressure, 1.0, pressure);
+        add_scaled(&mut run.state.displacement, -1.0, moved);
+        add_scaled(&mut run.state.pressure, -1.0, pressure);
+    }
+
+    /// K^-1 of a load on the surface `[displacement]`, in the same way whatever is known.
+    fn solution(&mut self, mut load: Vec<f64>, work: &mut Workspace) -> Vec<f64> {
+        load.resize(self.factor.size(), 0.0);
+        match self.columns.fields {
+            FieldsFrom::Columns => self.columns.whole_product(&load, &self.factor),
+            FieldsFrom::Factor => {
+                self.factor.solve(&mut load, work);
+                load
+            }
+        }
     }
 }
 

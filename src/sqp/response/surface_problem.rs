@@ -84,12 +84,9 @@ impl SurfaceProblem<'_> {
 
     /// Moves the surface to where the load brings it.
     fn move_surface(&mut self, run: &Run<'_>, at: &mut Iterate) -> Option<()> {
-        let pressed: Vec<usize> = self.pressed(&at.load);
+        let pressed: Vec<usize> = self.columns.pressed(&at.load);
         self.ask_for(run, &pressed)?;
-        let load: Vec<f64> = pressed
-            .iter()
-            .map(|&place| at.load[self.columns.unknowns[place] as usize])
-            .collect();
+        let load = self.columns.values(&pressed, &at.load);
         let mut surface: Vec<f64> = (self.columns.unknowns.iter())
             .map(|&unknown| self.free.displacement[unknown as usize])
             .collect();
@@ -106,13 +103,6 @@ impl SurfaceProblem<'_> {
     fn ask_for(&mut self, run: &Run<'_>, places: &[usize]) -> Option<()> {
         let stopped = || run.stopped().is_some();
         self.columns.ask_for(places, self.factor, &stopped)
-    }
-
-    /// Places where a load presses.
-    fn pressed(&self, load: &[f64]) -> Vec<usize> {
-        let places = self.columns.unknowns.iter().enumerate();
-        let places = places.filter(|(_, unknown)| load[**unknown as usize] != 0.0);
-        places.map(|(place, _)| place).collect()
     }
 
     /// One problem; whether the set has changed. None where it has no solution.
