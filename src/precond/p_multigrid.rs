@@ -12,7 +12,6 @@ use std::sync::Arc;
 
 use super::spectrum::Lanczos;
 use super::{NodeBlocks, Transfer};
-use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
 /// The smoother damps `[largest / ratio, largest]`; a higher degree reaches deeper.
@@ -83,55 +82,70 @@ impl PMultigrid {
         self.smoother.bytes() + self.transfer.bytes()
     }
 
-    /// `degree` Chebyshev steps on `x` with running residual `r`; the residual
-    /// of the last step is computed only where `products` asks for it.
-    fn smooth(&self, x: &mut [f64], r: &mut [f64], products: usize, work: &mut Workspace) {
+    /// `degree` Chebyshev steps on `x` with running residual `r` and direction `d`, beginning as
+    /// `start` says; the residual of the last step is computed only where `products` asks for it.
+    fn smooth(
+        &self,
+        (x, r, d): (&mut [f64], &mut [f64], &mut [f64]),
+        start: Start,
+        products: usize,
+        work: &mut Workspace,
+    ) {
         let (low, high) = (self.largest / ratio(self.degree), self.largest);
         let (centre, half) = (0.5 * (high + low), 0.5 * (high - low));
         let sigma = centre / half;
         let mut rho = 1.0 / sigma;
         let (mut keep, mut gain) = (0.0, 1.0 / centre);
-        let mut direction = work.zeros(r.len());
         for step in 0..self.degree {
-            self.smoother
-                .chebyshev_update((keep, gain), r, &mut direction, x);
+            match (step, start) {
+                (0, Start::FromNothing) => self.smoother.chebyshev_start(gain, r, d, x),
+                (0, Start::BehindCorrection) => self.smoother.chebyshev_restart(gain, r, d, x),
+                _ => self.smoother.chebyshev_update((keep, gain), r, d, x),
+            }
             if step < products {
-                self.operator.subtract_product(&direction, r, work);
+                self.operator.subtract_product(d, r, work);
             }
             let next = 1.0 / (2.0 * sigma - rho);
             (keep, gain) = (next * rho, 2.0 * next / half);
             rho = next;
         }
-        work.give(direction);
     }
 
-    /// Adds the correction of the P1 block to `x` and takes its product off the
-    /// residual `r`. Cost: one P1 solve and one product with A.
-    fn correct_coarse(&self, x: &mut [f64], r: &mut [f64], work: &mut Workspace) {
+    /// The correction `fine` of the P1 block, whose product it takes off the residual `r`. Cost:
+    /// one P1 solve and one product with A.
+    fn coarse_correction(&self, r: &mut [f64], fine: &mut [f64], work: &mut Workspace) {
         let size = self.transfer.coarse_size();
         let mut coarse_residual = work.scratch(size);
         let mut coarse = work.scratch(size);
         self.transfer.restrict(r, &mut coarse_residual);
         self.coarse.apply(&coarse_residual, &mut coarse, work);
-        let mut fine = work.scratch(r.len());
-        self.transfer.prolong(&coarse, &mut fine);
-        self.operator.subtract_product(&fine, r, work);
-        add_scaled(x, 1.0, &fine);
-        for vector in [coarse_residual, coarse, fine] {
-            work.give(vector);
-        }
+        self.transfer.prolong(&coarse, fine);
+        self.operator.subtract_product(fine, r, work);
+        work.give(coarse_residual);
+        work.give(coarse);
     }
+}
+
+/// Where a smoothing begins.
+#[derive(Clone, Copy)]
+enum Start {
+    /// At x = 0.
+    FromNothing,
+    /// At x + d.
+    BehindCorrection,
 }
 
 impl Preconditioner for PMultigrid {
     fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace) {
         let mut residual = work.copy(r);
+        let mut direction = work.scratch(r.len());
         self.transfer.residual_to_lagrange(&mut residual);
-        z.fill(0.0);
-        self.smooth(z, &mut residual, self.degree, work);
-        self.correct_coarse(z, &mut residual, work);
-        self.smooth(z, &mut residual, self.degree - 1, work);
+        let (r, d) = (&mut residual[..], &mut direction[..]);
+        self.smooth((z, r, d), Start::FromNothing, self.degree, work);
+        self.coarse_correction(r, d, work);
+        self.smooth((z, r, d), Start::BehindCorrection, self.degree - 1, work);
         self.transfer.values_to_hierarchical(z);
         work.give(residual);
+        work.give(direction);
     }
 }

@@ -102,7 +102,7 @@ impl StiffConstraints {
         let weight = |row: usize| {
             let local: f64 = by_nodes(&lagrange, row, c)
                 .iter()
-                .map(|(node, a)| work(nodes.blocks.block(*node as usize), a, c))
+                .map(|(node, a)| work(&nodes.blocks.block(*node as usize), a, c))
                 .sum();
             let pressure = match is_inside[row] {
                 true => Some(pressed.inside(row)),

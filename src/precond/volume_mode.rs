@@ -123,7 +123,8 @@ impl Flexibility<'_> {
         let mut moved = vec![0.0; forces.len()];
         let nodes = moved.chunks_exact_mut(c).zip(forces.chunks_exact(c));
         for (node, (moved, force)) in nodes.enumerate() {
-            let rows = self.node_blocks.block(node).chunks_exact(c);
+            let block = self.node_blocks.block(node);
+            let rows = block.chunks_exact(c);
             for (value, row) in moved.iter_mut().zip(rows) {
                 *value = dot(row, force);
             }

@@ -10,19 +10,16 @@
 
 #![allow(clippy::print_stdout)] // The table is what it is for.
 
-#[path = "../common/meshes.rs"]
-#[allow(dead_code)]
-mod meshes;
+mod body;
 mod notebook;
 
 use std::sync::Arc;
 
+use body::{Body, bent_cube};
 use notebook::{Notebook, Wishes};
-use signorini::assembly::grid::{Basis, Grid, GridSource, Rows};
-use signorini::assembly::p1_stiffness::{P1Blocks, StiffCells};
+use signorini::assembly::grid::{Basis, Rows};
 use signorini::assembly::simd::InstructionSet;
 use signorini::assembly::strain::{CellLaws, Linearised, StrainGrid};
-use signorini::assembly::{CellGeometry, CellModuli};
 use signorini::contact::gap::Deformed;
 use signorini::contact::{ContactSurface, curvature, evaluate_gaps, linearise};
 use signorini::element::quadrature::{Simplex, rule};
@@ -35,81 +32,7 @@ use signorini::obstacle::{Moving, Obstacle, Sphere};
 use signorini::precond::NodeBlocks;
 use signorini::precond::p1::{AmgP1, DirectP1, VertexBlocks, vertex_order};
 use signorini::saddle::{AdmissibleSet, ProductSet, SetPart, Status};
-use signorini::scene::{Formulation, Material, MaterialModel, Modulus, Profile, Support, Traction};
-use signorini::space::TaylorHood;
-use signorini::{
-    CancelToken, GroupKind, Mesh, Plan, Prepared, Reuse, Scene, Session, Silent, Step,
-};
-
-/// The cube, incompressible, held at x0.
-struct Body {
-    mesh: Arc<Mesh>,
-    space: TaylorHood,
-    geometry: CellGeometry,
-    moduli: CellModuli,
-    held: Vec<u32>,
-}
-
-impl Body {
-    fn new(cells: usize) -> Self {
-        let mesh = meshes::mesh(meshes::cube(cells));
-        let (space, geometry) = (TaylorHood::new(&mesh), CellGeometry::new(&mesh, 1.0));
-        let count = geometry.cells();
-        let moduli = CellModuli {
-            shear: vec![1.0; count],
-            lame: vec![0.0; count],
-            inverse_lame: vec![0.0; count],
-        };
-        let held = held_at_x0(&mesh, &space);
-        Self {
-            mesh,
-            space,
-            geometry,
-            moduli,
-            held,
-        }
-    }
-
-    fn grid(&self) -> Grid {
-        Grid::new(GridSource {
-            mesh: &self.mesh,
-            space: &self.space,
-            geometry: &self.geometry,
-            moduli: &self.moduli,
-            held: &self.held,
-        })
-    }
-
-    fn cells(&self) -> StiffCells<'_> {
-        StiffCells {
-            mesh: &self.mesh,
-            space: &self.space,
-            geometry: &self.geometry,
-            stiffness: &self.moduli,
-        }
-    }
-
-    fn p1(&self) -> P1Blocks {
-        self.cells().p1_blocks(0.0)
-    }
-}
-
-/// Unknowns of the nodes on x0, ascending.
-fn held_at_x0(mesh: &Mesh, space: &TaylorHood) -> Vec<u32> {
-    let members = mesh
-        .group("x0", GroupKind::Facets)
-        .map(|group| group.members.clone());
-    let facets = members.unwrap_or_default();
-    let nodes = facets
-        .iter()
-        .flat_map(|&facet| space.facet_nodes(mesh.facet(facet as usize)));
-    let mut held: Vec<u32> = nodes
-        .flat_map(|node| (0..3).map(move |i| 3 * node + i))
-        .collect();
-    held.sort_unstable();
-    held.dedup();
-    held
-}
+use signorini::{CancelToken, GroupKind, Plan, Prepared, Reuse, Session, Silent, Step};
 
 const THREADS: [usize; 2] = [1, 2];
 
@@ -315,32 +238,6 @@ fn dense(notebook: &mut Notebook) {
             let _solved =
                 dense_cone::solve(&matrix, &linear, set, (&guess, &vec![0.0; guess.len()])).ok();
         });
-    }
-}
-
-fn bent_cube() -> Scene {
-    let model = MaterialModel::LinearElastic {
-        modulus: Modulus::Shear(1.0),
-        poisson_ratio: 0.5,
-        formulation: Formulation::Auto,
-    };
-    let group = "body".to_owned();
-    Scene {
-        materials: vec![Material { group, model }],
-        supports: vec![Support {
-            name: "wall".to_owned(),
-            on: vec!["x0".to_owned()],
-            normal: None,
-            displacement: [Some(0.0); 3],
-            profile: Profile::Constant,
-            values: None,
-        }],
-        tractions: vec![Traction {
-            on: vec!["x1".to_owned()],
-            value: [0.0, 0.0, -1.0],
-            ..Traction::default()
-        }],
-        ..Scene::default()
     }
 }
 
