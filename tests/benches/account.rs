@@ -55,16 +55,17 @@ struct Machine {
 impl Machine {
     fn measured() -> Self {
         let x = vec![1.0; READ];
-        let mut sum = 0.0;
-        let read = seconds(|| sum += dots(&x, &[&x])[0]);
+        let (low, high) = x.split_at(READ / 2);
+        let read = seconds(|| {
+            std::hint::black_box(rayon::join(|| total(low), || total(high)));
+        });
         let a = Mat::<f64>::from_fn(ROWS, ROWS, |i, j| (i * j % 7) as f64);
         let product = seconds(|| {
-            std::hint::black_box(&a * &a);
+            std::hint::black_box(rayon::join(|| &a * &a, || &a * &a));
         });
-        std::hint::black_box(sum);
         Self {
             bandwidth: 8.0 * READ as f64 / read,
-            peak: 2.0 * (ROWS as f64).powi(3) / product,
+            peak: THREADS as f64 * 2.0 * (ROWS as f64).powi(3) / product,
         }
     }
 
@@ -72,6 +73,15 @@ impl Machine {
     fn least(&self, part: &Part) -> f64 {
         (part.bytes / self.bandwidth).max(part.operations / self.peak)
     }
+}
+
+/// The sum of numbers, in so many parts that it waits for memory alone.
+fn total(x: &[f64]) -> f64 {
+    let mut sums = [0.0; 32];
+    for x in x.chunks_exact(32) {
+        sums.iter_mut().zip(x).for_each(|(sum, x)| *sum += x);
+    }
+    sums.iter().sum()
 }
 
 /// A part of an application.
