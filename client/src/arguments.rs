@@ -340,9 +340,9 @@ pub(crate) struct WatchArguments {
 
 #[derive(Args, Debug)]
 pub(crate) struct FetchArguments {
-    /// Name or identifier
+    /// Name or identifier; or surfaces/DIGEST, a triangulated tool of the server
     pub(crate) session: String,
-    /// Write a page, tables, result lines and files for ParaView into this folder
+    /// Write a page, tables, result lines and files for ParaView into this folder; of a tool its STL file
     #[arg(long, value_name = "DIR")]
     pub(crate) out: Option<PathBuf>,
     /// Tell also what the solver did and left out

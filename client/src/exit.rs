@@ -201,8 +201,8 @@ fn exit_of(refusal: &Refusal) -> Exit {
         "SESSION_NOT_FOUND" | "SESSION_EXPIRED" | "STEP_NOT_FOUND" | "REQUEST_INVALID" => {
             return Exit::Usage;
         }
-        "SESSION_EXISTS" | "MESH_IN_USE" => return Exit::Refused,
-        "MESH_NOT_FOUND" => return Exit::Invalid,
+        "SESSION_EXISTS" | "MESH_IN_USE" | "SURFACE_IN_USE" => return Exit::Refused,
+        "MESH_NOT_FOUND" | "SURFACE_NOT_FOUND" => return Exit::Invalid,
         "SESSION_FAILED" if is_memory(refusal) => return Exit::Refused,
         _ => {}
     }
@@ -255,10 +255,12 @@ mod tests {
             ),
             (Code::Unimplemented, "", Exit::Server),
             (Code::NotFound, "MESH_NOT_FOUND", Exit::Invalid),
+            (Code::NotFound, "SURFACE_NOT_FOUND", Exit::Invalid),
             (Code::NotFound, "SESSION_NOT_FOUND", Exit::Usage),
             (Code::NotFound, "STEP_NOT_FOUND", Exit::Usage),
             (Code::AlreadyExists, "SESSION_EXISTS", Exit::Refused),
             (Code::FailedPrecondition, "MESH_IN_USE", Exit::Refused),
+            (Code::FailedPrecondition, "SURFACE_IN_USE", Exit::Refused),
             (Code::InvalidArgument, "REQUEST_INVALID", Exit::Usage),
             (Code::Unavailable, "SHUTTING_DOWN", Exit::NoServer),
             (Code::ResourceExhausted, "MEMORY_BUDGET", Exit::Refused),

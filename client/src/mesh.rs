@@ -14,6 +14,7 @@ use signorini_proto::{array, v1::MeshArray};
 use crate::connect::{Client, answer};
 use crate::error::ClientError;
 use crate::formats::mesh::MeshFile;
+pub(crate) use read::{assembler, indices};
 
 /// A mesh as it travels: header and encoded arrays.
 #[derive(Clone, Debug)]

@@ -1,11 +1,12 @@
 //! The folder of `--out`: a PVD series of VTU files (the body) and VTP files
-//! (the obstacles), beside the result lines.
+//! (the obstacles, and where they are touched), beside the result lines.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use signorini_client::formats::Notes;
+use signorini_client::formats::contact_patch::PatchSurface;
 use signorini_client::formats::derived::{
     OutOfPlane, principal_stresses, principal_stretches, von_mises,
 };
@@ -29,6 +30,9 @@ pub(crate) const DERIVED: [&str; 3] = ["von_mises", "principal_stresses", "princ
 /// Bytes of a name in the name of a file: two and a number fit every file system.
 const LONGEST_STEM: usize = 100;
 
+/// What the name of a contact patch has behind that of its obstacle.
+const PATCH: &str = "_contact";
+
 /// Name of the result lines in the folder.
 pub(crate) const LINES: &str = "results.jsonl";
 
@@ -49,6 +53,8 @@ pub(crate) struct ResultFolder {
     body: BoundingBox,
     /// Names, the part of a file's name that stands for each, and shapes.
     obstacles: Vec<(String, String, v1::Shape)>,
+    /// Where each of these may be touched, by the part of a file's name.
+    touched: Vec<(String, PatchSurface)>,
     drawings: Drawings,
     entries: Vec<PvdEntry>,
     written: usize,
@@ -73,10 +79,15 @@ impl ResultFolder {
         let curved = mesh.curved.iter();
         grid.bend(curved.map(|edge| (edge.ends, edge.offset.map(|x| x * scale))));
         let body = BoundingBox::of(&points);
-        let stems = unique_stems(scene.obstacles.iter().map(|one| one.name.as_str()));
+        let names = scene.obstacles.iter().map(|one| one.name.clone());
+        let patches = scene.obstacles.iter().map(|one| one.name.clone() + PATCH);
+        let mut stems = unique_stems(names.chain(patches));
+        let of_patches = stems.split_off(scene.obstacles.len());
         let obstacles = scene.obstacles.iter().zip(stems);
         let shapes =
             obstacles.filter_map(|(one, stem)| Some((one.name.clone(), stem, one.shape.clone()?)));
+        let obstacles = scene.obstacles.iter().zip(of_patches);
+        let touched = obstacles.map(|(one, stem)| (stem, PatchSurface::new(mesh, &one.on)));
         Ok(Self {
             folder: folder.to_owned(),
             stem: file_stem(&scene.name),
@@ -86,6 +97,7 @@ impl ResultFolder {
             stretches: stretches(scene),
             body,
             obstacles: shapes.collect(),
+            touched: touched.collect(),
             drawings,
             entries: Vec::new(),
             written: 0,
@@ -121,6 +133,7 @@ impl ResultFolder {
         for part in 0..self.obstacles.len() {
             self.add_obstacle(part, &increment.report, number, &near)?;
         }
+        self.add_patches(increment, number)?;
         // Rewritten each time, so that an interrupted run leaves a whole series.
         let series = self.series();
         write(&series, pvd::write(&self.entries).as_bytes())
@@ -223,6 +236,27 @@ impl ResultFolder {
         self.put(report.time, part + 1, file, &drawn)
     }
 
+    /// Writes where the body presses on each obstacle, if it is known.
+    fn add_patches(&mut self, increment: &Increment, number: usize) -> Result<(), Failure> {
+        let find = |name| increment.fields.iter().find(|field| field.name == name);
+        let (Some(motion), Some(pressure)) = (
+            find(v1::FieldName::Displacement),
+            find(v1::FieldName::ContactPressure),
+        ) else {
+            return Ok(());
+        };
+        let time = increment.report.time;
+        let drawn = self.touched.iter().map(|(stem, surface)| {
+            let outline = surface.outline(&self.grid, &motion.values, &pressure.values);
+            let file = format!("{}_{stem}_{number:04}.vtp", self.stem);
+            (file, outline.write(&self.notes(time)))
+        });
+        for (place, (file, bytes)) in drawn.collect::<Vec<_>>().into_iter().enumerate() {
+            self.put(time, self.obstacles.len() + 1 + place, file, &bytes)?;
+        }
+        Ok(())
+    }
+
     fn put(&mut self, time: f64, part: usize, file: String, bytes: &[u8]) -> Result<(), Failure> {
         write(&self.folder.join(&file), bytes)?;
         self.entries.push(PvdEntry { time, part, file });
@@ -291,10 +325,10 @@ fn file_stem(name: &str) -> String {
 }
 
 /// As [`file_stem`] for each name, no two alike, also where case does not count.
-fn unique_stems<'a>(names: impl Iterator<Item = &'a str>) -> Vec<String> {
+fn unique_stems(names: impl Iterator<Item = String>) -> Vec<String> {
     let mut taken = HashSet::new();
-    let unique = |name: &str| {
-        let plain = file_stem(name);
+    let unique = |name: String| {
+        let plain = file_stem(&name);
         let numbered = (2..).map(|number| format!("{plain}_{number}"));
         let mut all = std::iter::once(plain.clone()).chain(numbered);
         let free = all.find(|stem| taken.insert(stem.to_lowercase()));
@@ -319,7 +353,7 @@ mod tests {
     #[test]
     fn no_two_names_share_a_file() {
         let names = ["a b", "a_b", "A_b", "a_b_2", "", "scene"];
-        let stems = unique_stems(names.into_iter());
+        let stems = unique_stems(names.into_iter().map(str::to_owned));
         assert_eq!(
             stems,
             ["a_b", "a_b_2", "A_b_3", "a_b_2_2", "scene", "scene_2"]

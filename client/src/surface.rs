@@ -2,8 +2,9 @@
 //! uploaded once.
 
 use bytes::Bytes;
-use signorini_proto::array;
+use signorini_proto::array::{self, Assembler};
 use signorini_proto::digest::{grid_digest, hex, surface_digest};
+use signorini_proto::v1::read_surface_response::Part as Read;
 use signorini_proto::v1::upload_surface_request::Part;
 use signorini_proto::v1::{self, SurfaceArray};
 
@@ -11,6 +12,10 @@ use crate::connect::{Client, answer};
 use crate::error::ClientError;
 use crate::formats::grid::GridFile;
 use crate::formats::stl::SurfaceFile;
+use crate::mesh::{assembler, indices, missing};
+
+/// What names of surfaces begin with.
+const PREFIX: &str = "surfaces/";
 
 /// A surface as it travels.
 #[derive(Clone, Debug)]
@@ -71,7 +76,7 @@ impl WireSurface {
 
     /// Name of the resource, `surfaces/{digest}`.
     pub fn name(&self) -> String {
-        format!("surfaces/{}", self.header.digest)
+        format!("{PREFIX}{}", self.header.digest)
     }
 
     /// The messages of an upload, the header first.
@@ -116,5 +121,72 @@ impl Client {
         let requests = tokio_stream::iter(surface.requests());
         self.surfaces().upload_surface(requests).await?;
         Ok(())
+    }
+
+    /// A triangulated surface of the server, by its name or digest.
+    ///
+    /// # Errors
+    /// [`ClientError::Refused`]: `SURFACE_NOT_FOUND`, `UNSUPPORTED` for a grid;
+    /// [`ClientError::Protocol`] for arrays that do not fit their header.
+    pub async fn read_surface(&self, name: &str) -> Result<SurfaceFile, ClientError> {
+        let name = match name.starts_with(PREFIX) {
+            true => name.to_owned(),
+            false => format!("{PREFIX}{name}"),
+        };
+        let request = v1::ReadSurfaceRequest { name };
+        let mut stream = answer(self.surfaces().read_surface(request))
+            .await?
+            .into_inner();
+        let first = stream.message().await?.and_then(|first| first.part);
+        let Some(Read::Header(header)) = first else {
+            return Err(missing("the header of a surface"));
+        };
+        let mut arrays = Arrays::new(&header)?;
+        while let Some(response) = stream.message().await? {
+            let Some(Read::Chunk(chunk)) = response.part else {
+                return Err(missing("a chunk of a surface"));
+            };
+            arrays.add(&chunk)?;
+        }
+        arrays.finish()
+    }
+}
+
+/// The arrays of a surface on their way.
+struct Arrays {
+    coordinates: Assembler<f64>,
+    corners: Assembler<i32>,
+}
+
+impl Arrays {
+    fn new(header: &v1::SurfaceHeader) -> Result<Self, ClientError> {
+        Ok(Self {
+            coordinates: assembler(header.vertex_count, 3)?,
+            corners: assembler(header.facet_count, 3)?,
+        })
+    }
+
+    fn add(&mut self, chunk: &v1::SurfaceChunk) -> Result<(), ClientError> {
+        let (offset, data) = (chunk.offset_elements, &chunk.data);
+        match chunk.array() {
+            SurfaceArray::Coordinates => self.coordinates.push(offset, data)?,
+            SurfaceArray::Facets => self.corners.push(offset, data)?,
+            SurfaceArray::Values | SurfaceArray::Unspecified => {
+                return Err(missing("an array of a triangulation"));
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> Result<SurfaceFile, ClientError> {
+        let coordinates = self.coordinates.finish()?;
+        let corners = indices(self.corners)?;
+        let vertices = coordinates.as_chunks::<3>().0.to_vec();
+        let facets = corners.as_chunks::<3>().0.to_vec();
+        let is_there = |corner: &u32| (*corner as usize) < vertices.len();
+        match corners.iter().all(is_there) {
+            true => Ok(SurfaceFile { vertices, facets }),
+            false => Err(missing("a vertex of a facet")),
+        }
     }
 }

@@ -11,13 +11,12 @@
 //! | begins inside | distances of the vertices that an obstacle may touch, in its first pose |
 //! | long way | the travel of a step over the length of the body |
 //!
-//! Cost: one pass over materials and facets, one distance a vertex that may be touched.
+//! Cost: one pass over materials and facets, one distance a vertex that may be touched
+//! ([`super::overlap`]).
 
 use super::Units;
-use super::surfaces::vertices_of;
-use crate::assembly::load::facet_measure;
+use super::overlap::overlap;
 use crate::mesh::Mesh;
-use crate::obstacle::{Contact, What};
 use crate::scene::validate::{Resolved, ResolvedObstacle};
 use crate::scene::{Scene, Step};
 
@@ -61,36 +60,9 @@ pub(super) fn doubts(
 }
 
 /// An obstacle that lies in the body before anything has moved.
-fn begins_inside(obstacle: &ResolvedObstacle, (mesh, units): (&Mesh, &Units)) -> Option<String> {
-    let vertices = vertices_of(mesh, std::iter::once(&obstacle.facets));
-    let place = |&vertex: &u32| mesh.coordinates()[vertex as usize];
-    let scaled = |vertex: &u32| place(vertex).map(|x| x * units.coordinate_scale);
-    let points: Vec<[f64; 3]> = vertices.iter().map(scaled).collect();
-    let mut found = vec![Contact::default(); points.len()];
-    obstacle.shape.probe(&points, What::Gap, &mut found);
-    let inside = found.iter().filter(|one| one.distance < -DEEP).count();
-    let by_depth = |a: &(_, &Contact), b: &(_, &Contact)| a.1.distance.total_cmp(&b.1.distance);
-    let (vertex, deepest) = vertices.iter().zip(&found).min_by(by_depth)?;
-    let is_inside = |vertex: &u32| {
-        let place = vertices.binary_search(vertex);
-        place.is_ok_and(|place| found[place].distance < -DEEP)
-    };
-    let area = |&facet: &u32| {
-        let corners = mesh.facet(facet as usize);
-        let share = corners.iter().filter(|one| is_inside(one)).count() as f64;
-        let scale = units.coordinate_scale * units.length;
-        facet_measure(mesh, corners, scale).0 * share / corners.len() as f64
-    };
-    (inside > 0).then(|| {
-        let area: f64 = obstacle.facets.iter().map(area).sum();
-        let depth = -deepest.distance * units.length;
-        let [x, y, z] = units.of_mesh(place(vertex));
-        format!(
-            "obstacle `{}` begins up to {depth:.4} inside the body, at ({x:.4}, {y:.4}, {z:.4}), with {inside} of {} vertices that it may touch, {area:.4} of the surface: the first increment pushes the body out of it",
-            obstacle.name,
-            vertices.len()
-        )
-    })
+fn begins_inside(obstacle: &ResolvedObstacle, body: (&Mesh, &Units)) -> Option<String> {
+    overlap(obstacle, DEEP, body)
+        .map(|found| format!("{found}: the first increment pushes the body out of it"))
 }
 
 /// A step in which an obstacle travels farther than any body is thick.

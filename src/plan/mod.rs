@@ -15,6 +15,7 @@ pub(crate) mod estimate;
 mod friction;
 pub(crate) mod held;
 mod near;
+mod overlap;
 pub(crate) mod p1;
 mod poses;
 mod push;
@@ -133,6 +134,7 @@ impl Plan {
         chooser::check(&scene.solver)?;
         let units = usable_units(scene, &resolved, mesh)?;
         let mut obstacles = build(obstacles, units.length)?;
+        overlap::refuse((&scene.obstacles, &obstacles), (mesh, &units))?;
         friction::roughen(&mut obstacles, steps);
         let space = TaylorHood::new(mesh);
         let element = element::choose(scene.solver.element);

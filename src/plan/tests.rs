@@ -77,6 +77,7 @@ fn with_floor(mut scene: Scene) -> Scene {
         surface: crate::scene::SurfaceGeometry::default(),
         friction: 0.0,
         tresca: None,
+        initial_penetration: crate::scene::PenetrationPolicy::default(),
     }];
     scene
 }

@@ -120,6 +120,18 @@ pub struct Obstacle {
     /// Largest traction of friction where there is pressure, in place of Coulomb's bound:
     /// force per undeformed area.
     pub tresca: Option<f64>,
+    /// What follows where it begins inside the body.
+    pub initial_penetration: PenetrationPolicy,
+}
+
+/// What follows where an obstacle begins inside the body.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum PenetrationPolicy {
+    /// The body is pushed out over the first increment, with a warning.
+    #[default]
+    Resolve,
+    /// The scene is refused.
+    Reject,
 }
 
 /// The surface of the body that meets an obstacle.

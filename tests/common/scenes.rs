@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use signorini::scene::{
-    Formulation, Material, MaterialModel, Modulus, Obstacle, ObstacleTarget, Probe, Profile,
-    RubberModel, Shape, Support, SupportTarget, SurfaceGeometry, Traction,
+    Formulation, Material, MaterialModel, Modulus, Obstacle, ObstacleTarget, PenetrationPolicy,
+    Probe, Profile, RubberModel, Shape, Support, SupportTarget, SurfaceGeometry, Traction,
 };
 use signorini::{Mesh, Scene, Step};
 
@@ -88,6 +88,7 @@ pub(crate) fn obstacle(name: &str, on: &str, shape: Shape) -> Obstacle {
         surface: SurfaceGeometry::default(),
         friction: 0.0,
         tresca: None,
+        initial_penetration: PenetrationPolicy::default(),
     }
 }
 

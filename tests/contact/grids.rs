@@ -12,7 +12,10 @@ use signorini::report::ObstacleResult;
 use signorini::scene::Shape;
 
 /// One number a node, the last axis fastest.
-fn values<const N: usize>(lattice: &Lattice<N>, of: impl Fn([f64; N]) -> f64) -> Vec<f64> {
+pub(crate) fn values<const N: usize>(
+    lattice: &Lattice<N>,
+    of: impl Fn([f64; N]) -> f64,
+) -> Vec<f64> {
     let nodes = lattice.nodes().expect("a grid");
     let place = |index: usize| {
         let mut rest = index;

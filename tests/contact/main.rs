@@ -17,3 +17,4 @@ mod rotated_surfaces;
 mod second_attempt;
 mod tools;
 mod true_surface;
+mod wavy;

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use crate::common::meshes::{cube, mesh};
 use crate::common::scenes::{HELD, elastic, material, obstacle, press, push, rubber, support};
 use signorini::obstacle::grid::{HeightField, Lattice};
-use signorini::scene::{Material, Modulus, RubberModel, Shape};
-use signorini::{Group, GroupKind, MeshParts, Plan, Scene};
+use signorini::scene::{Material, Modulus, PenetrationPolicy, RubberModel, Shape};
+use signorini::{Group, GroupKind, MeshParts, Plan, Scene, SceneError};
 
 fn warnings(scene: &Scene, parts: MeshParts) -> Vec<String> {
     let plan = Plan::new(scene, &[], &mesh(parts)).expect("a valid scene");
@@ -154,6 +154,33 @@ fn a_tool_that_lies_in_the_body_is_named_with_its_depth_before_anything_is_solve
     let area = "1 of 25 vertices that it may touch, 0.0625 of the surface";
     assert!(named.contains(area), "{named}");
     assert!(!over(1.3).iter().any(|one| one.contains("begins")));
+}
+
+#[test]
+fn a_tool_that_shall_not_begin_inside_the_body_is_refused_with_depth_place_vertices_and_area() {
+    let over = |height: f64, policy: PenetrationPolicy| {
+        let mut scene = pressed(elastic(0.3));
+        let shape = Shape::Sphere {
+            centre: [0.5, 0.5, height],
+            radius: 0.3,
+        };
+        scene.obstacles.push(obstacle("ball", "z1", shape));
+        scene.obstacles[1].initial_penetration = policy;
+        // The lid touches the body all over.
+        scene.obstacles[0].initial_penetration = PenetrationPolicy::Reject;
+        Plan::new(&scene, &[], &mesh(cube(4))).map(|_| ())
+    };
+    let Err(SceneError::Invalid(faults)) = over(1.299_9, PenetrationPolicy::Reject) else {
+        panic!("a ball in the body");
+    };
+    let [fault] = &faults[..] else {
+        panic!("{faults:?}");
+    };
+    assert_eq!(fault.path, "obstacle.ball.initial_penetration");
+    let told = "obstacle `ball` begins up to 1.00e-4 inside the body, at (0.5000, 0.5000, 1.0000), with 1 of 25 vertices that it may touch, 0.0625 of the surface";
+    assert!(fault.message.starts_with(told), "{fault}");
+    assert_eq!(over(1.299_9, PenetrationPolicy::Resolve), Ok(()));
+    assert_eq!(over(1.3, PenetrationPolicy::Reject), Ok(()));
 }
 
 #[test]

@@ -300,6 +300,7 @@ class Obstacle(Part):
     friction: float | None = None
     tresca: float | None = None
     surface: str | None = None
+    initial_penetration: str | None = None
 
 
 @dataclass(kw_only=True)

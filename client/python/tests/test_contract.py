@@ -77,6 +77,7 @@ def scene() -> dict[str, Any]:
     shapes = [s.HalfSpace, s.Sphere, s.Cylinder, s.CappedCylinder, s.Box, s.Torus, s.Cone]
     shapes += [s.Surface, s.HeightField, s.DistanceGrid]
     obstacle = {"name": "n", "on": ["a"], "friction": 0.3, "tresca": 0.1, "surface": "smooth"}
+    obstacle |= {"initial_penetration": "reject"}
     solver = dict.fromkeys(filled(s.Solver), "auto")
     solver |= {"tolerance": "discretisation", "max_wall_time": 3.0}
     return {

@@ -1,10 +1,12 @@
-//! `fetch`: the kept results of a session as the files of `solve --out`.
+//! `fetch`: the kept results of a session as the files of `solve --out`, or a tool as an STL file.
 
 use std::ops::RangeInclusive;
 use std::time::Instant;
 
-use signorini_client::{Client, StepResults};
+use signorini_client::formats::stl;
+use signorini_client::{Client, StepResults, scene_file};
 use signorini_proto::v1;
+use signorini_proto::v1::shape::Kind;
 
 use super::{lightest_field, open_session};
 use crate::arguments::FetchArguments;
@@ -13,16 +15,27 @@ use crate::output::LineSink;
 use crate::progress::Verbosity;
 use crate::record::Record;
 use crate::results::{Drawings, ResultFolder};
+use crate::whole_file;
+
+/// What names of tools begin with.
+const SURFACES: &str = "surfaces/";
 
 pub(super) async fn run(arguments: FetchArguments, started: Instant) -> Result<Exit, Failure> {
     let client = arguments.remote.connect().await?;
+    if arguments.session.starts_with(SURFACES) {
+        return surface(&client, &arguments).await;
+    }
     let (session, scene) = open_session(&client, &arguments.session).await?;
     let lines = LineSink::for_json(arguments.remote.json);
     let mut record = Record::new(lines, &scene.steps, Verbosity::of(arguments.verbose));
     let mut fields = lightest_field(&scene);
     if let Some(out) = &arguments.out {
         let mesh = client.read_mesh(&session.mesh).await?;
-        record.open(ResultFolder::new(out, &scene, (&mesh, Drawings::new()))?)?;
+        record.open(ResultFolder::new(
+            out,
+            &scene,
+            (&mesh, drawings(&client, &scene).await?),
+        )?)?;
         // Those of the scene's output.
         fields.clear();
     }
@@ -36,6 +49,36 @@ pub(super) async fn run(arguments: FetchArguments, started: Instant) -> Result<E
     };
     let outcome = read(&client, &session, sequences, &fields, &mut record).await;
     record.finish(outcome, started)
+}
+
+/// A triangulated tool of the server into a file.
+async fn surface(client: &Client, arguments: &FetchArguments) -> Result<Exit, Failure> {
+    let name = &arguments.session;
+    let Some(path) = &arguments.out else {
+        let text = format!("{name}: --out names the STL file to write");
+        return Err(Failure::new(Exit::Usage, text));
+    };
+    let surface = client.read_surface(name).await?;
+    let written = whole_file::write(path, stl::write(&surface).as_bytes());
+    written.map_err(|error| Failure::unwritable(path, &error))?;
+    Ok(Exit::Ok)
+}
+
+/// What triangulated tools of a scene look like; grids are not sent back.
+async fn drawings(client: &Client, scene: &v1::Scene) -> Result<Drawings, Failure> {
+    let mut drawings = Drawings::new();
+    for obstacle in &scene.obstacles {
+        let kind = obstacle
+            .shape
+            .as_ref()
+            .and_then(|shape| shape.kind.as_ref());
+        if let Some(Kind::Surface(tool)) = kind {
+            let surface = client.read_surface(&tool.surface).await?;
+            let drawing = scene_file::facets(&surface, tool.scale.unwrap_or(1.0));
+            drawings.insert(obstacle.name.clone(), drawing);
+        }
+    }
+    Ok(drawings)
 }
 
 /// Sequences that have results, or may have them by now.

@@ -1,9 +1,11 @@
 //! `session list|show|delete`.
 
+use std::collections::BTreeMap;
 use std::time::{Duration, SystemTime};
 
 use serde_json::{Value, json};
 use signorini_proto::v1;
+use signorini_proto::v1::shape::Kind;
 
 use crate::arguments::{RemoteArguments, SessionCommand};
 use crate::exit::{Exit, Failure};
@@ -29,6 +31,13 @@ pub(super) async fn run(command: SessionCommand) -> Result<Exit, Failure> {
             show(&session, &remote)?;
             if let Some(plan) = session.plan.as_ref().filter(|_| !remote.json) {
                 print(&table::plan(plan))?;
+                for (name, surface) in tools(&session) {
+                    print(&format!(
+                        "obstacle {} is {}\n",
+                        one_line(name),
+                        one_line(surface)
+                    ))?;
+                }
             }
         }
         SessionCommand::Delete { session, remote } => {
@@ -93,17 +102,40 @@ fn span(time: Duration) -> String {
     }
 }
 
+/// Obstacles of uploaded surfaces, and the names of these.
+fn tools(session: &v1::Session) -> Vec<(&str, &str)> {
+    let obstacles = session.scene.iter().flat_map(|scene| &scene.obstacles);
+    let named = obstacles.filter_map(|obstacle| {
+        let surface = match obstacle.shape.as_ref()?.kind.as_ref()? {
+            Kind::Surface(tool) => &tool.surface,
+            Kind::HeightField(tool) => &tool.grid,
+            Kind::DistanceGrid(tool) => &tool.grid,
+            Kind::HalfSpace(_)
+            | Kind::Sphere(_)
+            | Kind::Cylinder(_)
+            | Kind::CappedCylinder(_)
+            | Kind::Box(_)
+            | Kind::Torus(_)
+            | Kind::Cone(_) => return None,
+        };
+        Some((obstacle.name.as_str(), surface.as_str()))
+    });
+    named.collect()
+}
+
 /// Seconds since 1970.
 fn seconds(time: Option<prost_types::Timestamp>) -> Option<i64> {
     time.map(|time| time.seconds)
 }
 
 fn object(session: &v1::Session) -> Value {
+    let tools: BTreeMap<&str, &str> = tools(session).into_iter().collect();
     json!({
         "name": session.name,
         "state": state(session),
         "scene": session.scene_name,
         "mesh": session.mesh,
+        "tools": tools,
         "last_accepted_sequence": session.last_accepted_sequence,
         "last_finished_sequence": session.last_finished_sequence,
         "attached": session.attached,

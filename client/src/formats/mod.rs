@@ -1,9 +1,10 @@
 //! File formats: meshes of Gmsh, Abaqus and VTK, surfaces and grids of tools in, VTK files for
-//! ParaView out.
+//! ParaView and surfaces out.
 //!
 //! Readers take bytes and never trust a count in them; writers produce bytes.
 //! Neither opens a file. Work and memory are linear in the size of the data.
 
+pub mod contact_patch;
 pub mod derived;
 pub mod grid;
 pub mod inp;

@@ -57,6 +57,17 @@ pub enum StlError {
     Empty,
 }
 
+/// The text of a file with a surface, all digits of its vertices: it is read as the same surface,
+/// vertices in the order in which facets name them. Corners beyond the vertices are left out.
+pub fn write(surface: &SurfaceFile) -> String {
+    let corner = |corner: &u32| surface.vertices.get(*corner as usize).copied();
+    let facets = surface.facets.iter().filter_map(|[a, b, c]| {
+        let corners = [corner(a)?, corner(b)?, corner(c)?];
+        Some(corners)
+    });
+    text::write(facets)
+}
+
 /// Reads a file.
 ///
 /// # Errors
@@ -260,6 +271,20 @@ mod tests {
         for (a, b) in both {
             assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-7));
         }
+    }
+
+    #[test]
+    fn what_is_written_is_read_as_the_same_surface() {
+        let mut surface = read(text().as_bytes()).unwrap();
+        for x in surface.vertices.as_flattened_mut() {
+            *x = (*x - 0.3) / 7.0;
+        }
+        let written = write(&surface);
+        assert_eq!(read(written.as_bytes()).unwrap(), surface);
+        assert!(
+            written.contains("facet normal 0.000000 0.000000 -1.000000"),
+            "{written}"
+        );
     }
 
     #[test]

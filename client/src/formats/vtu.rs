@@ -123,6 +123,12 @@ impl Grid {
         self.vertex_count + self.edges.len()
     }
 
+    /// The node in the middle of an edge between two vertices; none where no cell has it.
+    pub fn edge_node(&self, a: u32, b: u32) -> Option<usize> {
+        let edge = self.edges.binary_search(&(a.min(b), a.max(b))).ok()?;
+        Some(self.vertex_count + edge)
+    }
+
     /// Vertices.
     pub fn vertex_count(&self) -> usize {
         self.vertex_count

@@ -98,18 +98,21 @@ fn curved(ends: Assembler<i32>, offsets: Assembler<f64>) -> Result<Vec<CurvedEdg
 }
 
 /// Grows with what arrives, never with the announced count.
-fn assembler<E: Element>(rows: i64, columns: usize) -> Result<Assembler<E>, ClientError> {
+pub(crate) fn assembler<E: Element>(
+    rows: i64,
+    columns: usize,
+) -> Result<Assembler<E>, ClientError> {
     let count = usize::try_from(rows).ok();
     let count = count.and_then(|rows| rows.checked_mul(columns));
-    let count = count.ok_or_else(|| missing("a count of the mesh"))?;
+    let count = count.ok_or_else(|| missing("a count of rows"))?;
     Ok(Assembler::new(count))
 }
 
-fn indices(array: Assembler<i32>) -> Result<Vec<u32>, ClientError> {
+pub(crate) fn indices(array: Assembler<i32>) -> Result<Vec<u32>, ClientError> {
     let indices = array.finish()?.into_iter().map(u32::try_from);
     indices
         .collect::<Result<_, _>>()
-        .map_err(|_| ClientError::Protocol("a mesh with a negative index".to_owned()))
+        .map_err(|_| ClientError::Protocol("an index is negative".to_owned()))
 }
 
 impl Client {

@@ -12,10 +12,24 @@ const SURFACES: &[(&str, v1::SurfaceGeometry)] = &[
     ("smooth", v1::SurfaceGeometry::Smooth),
 ];
 
+/// Words for what follows where a tool begins inside the body.
+const PENETRATIONS: &[(&str, v1::InitialPenetration)] = &[
+    ("resolve", v1::InitialPenetration::Resolve),
+    ("reject", v1::InitialPenetration::Reject),
+];
+
 pub(super) fn obstacles(scene: &Keys<'_>) -> Vec<v1::Obstacle> {
     let tables = scene.tables(
         "obstacle",
-        &["name", "on", "shape", "friction", "tresca", "surface"],
+        &[
+            "name",
+            "on",
+            "shape",
+            "friction",
+            "tresca",
+            "surface",
+            "initial_penetration",
+        ],
     );
     let obstacle = |(index, keys): (usize, &Keys<'_>)| v1::Obstacle {
         name: name_of(keys, "obstacle", index),
@@ -24,6 +38,10 @@ pub(super) fn obstacles(scene: &Keys<'_>) -> Vec<v1::Obstacle> {
         friction: keys.number("friction"),
         tresca: keys.number("tresca"),
         surface: keys.choice("surface", SURFACES).unwrap_or_default().into(),
+        initial_penetration: keys
+            .choice("initial_penetration", PENETRATIONS)
+            .unwrap_or_default()
+            .into(),
     };
     tables.iter().enumerate().map(obstacle).collect()
 }

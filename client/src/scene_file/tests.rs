@@ -260,6 +260,9 @@ fn every_key_of_the_contract_reaches_the_message() {
     let surfaces = [0, 1].map(|index: usize| scene.obstacles[index].surface());
     let unsaid = v1::SurfaceGeometry::Unspecified;
     assert_eq!(surfaces, [unsaid, v1::SurfaceGeometry::Smooth]);
+    let policies = [0, 1].map(|index: usize| scene.obstacles[index].initial_penetration());
+    let unsaid = v1::InitialPenetration::Unspecified;
+    assert_eq!(policies, [unsaid, v1::InitialPenetration::Reject]);
     assert_eq!(scene.manufactured, "A1m");
     let step = &scene.steps[0];
     assert_eq!((step.increments, step.load), (Some(4), Some(0.5)));

@@ -346,7 +346,7 @@ fn increments_that_output_every_skips_bring_no_warning() {
 }
 
 /// An array of doubles from a VTU file.
-fn vtu_array(path: &Path, name: &str) -> Vec<f64> {
+pub(crate) fn vtu_array(path: &Path, name: &str) -> Vec<f64> {
     let bytes = std::fs::read(path).unwrap();
     let mark = b"<AppendedData encoding=\"raw\">\n_";
     let start = bytes

@@ -4,6 +4,9 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use signorini_client::formats::stl;
+
+use crate::common::process::serve;
 use crate::common::{Run, example, folder, run};
 
 /// The key of the tool of the example.
@@ -97,6 +100,11 @@ fn triangles(scene: &Path) -> usize {
     let out = scene.with_file_name("out");
     let run = command("solve", scene, &["--out", out.to_str().unwrap()]);
     assert_eq!(run.code, Some(0), "{}", run.stderr);
+    triangles_of(&out)
+}
+
+/// The same in a folder of results.
+fn triangles_of(out: &Path) -> usize {
     let picture = std::fs::read(out.join("hertz-sphere_ball_0001.vtp")).unwrap();
     let picture = String::from_utf8_lossy(&picture);
     let (_, rest) = picture.split_once("NumberOfPolys=\"").unwrap();
@@ -134,6 +142,55 @@ fn tools_from_files_are_drawn() {
     let shape = "{ kind = \"surface\", file = \"tool.stl\", facets = true }";
     let facets = scene("drawn_facets", shape, ("tool.stl", &octahedron()));
     assert!(triangles(&facets) >= 4);
+}
+
+#[test]
+fn a_tool_that_was_sent_is_fetched_back_as_its_file_and_into_pictures() {
+    let (process, url) = serve("127.0.0.1:0", "fetched_tool", "");
+    let shape = "{ kind = \"surface\", file = \"tool.stl\", facets = true }";
+    let scene = scene("fetched_facets", shape, ("tool.stl", &octahedron()));
+    let to = ["--server", &url];
+    let sent = command(
+        "solve",
+        &scene,
+        &[&to[..], &["--detach", "--name", "pressed"]].concat(),
+    );
+    assert_eq!(sent.code, Some(0), "{}", sent.stderr);
+    let watched = run(["watch", "pressed"].into_iter().chain(to));
+    assert_eq!(watched.code, Some(0), "{}", watched.stderr);
+    let shown = run(["session", "show", "pressed", "--json"]
+        .into_iter()
+        .chain(to));
+    let name = shown.lines()[0]["tools"]["ball"]
+        .as_str()
+        .unwrap()
+        .to_owned();
+    let told = run(["session", "show", "pressed"].into_iter().chain(to)).stdout;
+    assert!(told.contains(&format!("obstacle ball is {name}")), "{told}");
+    let file = scene.with_file_name("back.stl");
+    let fetched = run(["fetch", &name, "--out", file.to_str().unwrap()]
+        .into_iter()
+        .chain(to));
+    assert_eq!(fetched.code, Some(0), "{}", fetched.stderr);
+    let read = |path: &Path| stl::read(&std::fs::read(path).unwrap()).unwrap();
+    assert_eq!(read(&file), read(&scene.with_file_name("tool.stl")));
+    let out = scene.with_file_name("fetched");
+    let fetched = run(["fetch", "pressed", "--out", out.to_str().unwrap()]
+        .into_iter()
+        .chain(to));
+    assert_eq!(fetched.code, Some(0), "{}", fetched.stderr);
+    assert!(triangles_of(&out) >= 4);
+    let nowhere = run(["fetch", &name].into_iter().chain(to));
+    assert_eq!(nowhere.code, Some(2), "{}", nowhere.stderr);
+    assert!(
+        nowhere.stderr.contains("--out names the STL file"),
+        "{}",
+        nowhere.stderr
+    );
+    let unknown = name.replace(char::is_numeric, "0");
+    let unknown = run(["fetch", &unknown, "--out", "x.stl"].into_iter().chain(to));
+    assert_eq!(unknown.code, Some(4), "{}", unknown.stderr);
+    drop(process);
 }
 
 #[test]

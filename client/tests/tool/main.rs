@@ -5,6 +5,7 @@ mod common;
 
 mod bench;
 mod cli;
+mod contact_patch;
 mod detached;
 mod examples;
 mod grids;

@@ -27,7 +27,7 @@ const SOLVE: Need = Need::Role(Role::Solve);
 use Effect::{Changes, Looks};
 
 /// Every method that is served.
-pub(super) const TABLE: [Rule; 25] = [
+pub(super) const TABLE: [Rule; 26] = [
     ("/grpc.health.v1.Health/Check", NOTHING, Looks),
     ("/grpc.health.v1.Health/Watch", NOTHING, Looks),
     (
@@ -48,6 +48,7 @@ pub(super) const TABLE: [Rule; 25] = [
     ("/signorini.v1.SurfaceService/UploadSurface", SOLVE, Changes),
     ("/signorini.v1.SurfaceService/GetSurface", READ, Looks),
     ("/signorini.v1.SurfaceService/ListSurfaces", READ, Looks),
+    ("/signorini.v1.SurfaceService/ReadSurface", READ, Looks),
     ("/signorini.v1.SurfaceService/DeleteSurface", SOLVE, Changes),
     ("/signorini.v1.SessionService/CreateSession", SOLVE, Changes),
     ("/signorini.v1.SessionService/GetSession", READ, Looks),

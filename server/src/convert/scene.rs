@@ -203,7 +203,9 @@ fn output(message: Option<&wire::Output>, faults: &mut Faults) -> Output {
 #[cfg(test)]
 mod tests {
     use signorini::mesh::{CellKind, MeshParts};
-    use signorini::scene::{Choice, ElementKind, Formulation, MaterialModel, Profile};
+    use signorini::scene::{
+        Choice, ElementKind, Formulation, MaterialModel, PenetrationPolicy, Profile,
+    };
 
     use super::*;
 
@@ -301,6 +303,43 @@ mod tests {
         message.supports[0].profile = 7;
         match scene(message, &SurfacesByName::default()) {
             Err(Fault::Unsupported(one)) => assert_eq!(one.path, "support.inflow.profile"),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn what_follows_a_start_inside_the_body_reaches_the_library_or_is_refused_by_its_key() {
+        let convert = |policy: i32| {
+            let mut message = flow();
+            let sphere = wire::Sphere {
+                centre: vec![0.0; 3],
+                radius: Some(1.0),
+            };
+            message.obstacles = vec![wire::Obstacle {
+                name: "ball".into(),
+                on: vec!["x1".into()],
+                shape: Some(wire::Shape {
+                    kind: Some(wire::shape::Kind::Sphere(sphere)),
+                    inside: false,
+                }),
+                initial_penetration: policy,
+                ..Default::default()
+            }];
+            scene(message, &SurfacesByName::default())
+        };
+        let expected = [
+            PenetrationPolicy::Resolve,
+            PenetrationPolicy::Resolve,
+            PenetrationPolicy::Reject,
+        ];
+        for (number, policy) in (0..).zip(expected) {
+            let found = convert(number).unwrap().scene;
+            assert_eq!(found.obstacles[0].initial_penetration, policy);
+        }
+        match convert(3) {
+            Err(Fault::Unsupported(one)) => {
+                assert_eq!(one.path, "obstacle.ball.initial_penetration");
+            }
             other => panic!("{other:?}"),
         }
     }

@@ -2,6 +2,7 @@
 //! of them.
 
 mod file;
+mod reading;
 
 use std::sync::Arc;
 use std::time::SystemTime;
@@ -16,6 +17,7 @@ use super::uploaded::Surface;
 use super::wide;
 use crate::fault::Fault;
 pub(crate) use file::{predicted_bytes as bytes_of_file, read as from_file, write as to_file};
+pub(crate) use reading::messages;
 
 const MAXIMUM_VERTICES: i64 = 10_000_000;
 const MAXIMUM_FACETS: i64 = 20_000_000;

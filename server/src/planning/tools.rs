@@ -162,7 +162,10 @@ pub(crate) async fn drop_surface(services: &Services, digest: &str) -> Result<()
 }
 
 /// A surface, from memory or its file.
-async fn surface(services: &Arc<Services>, digest: &str) -> Result<Stored, Fault> {
+///
+/// # Errors
+/// `SurfaceNotFound`.
+pub(crate) async fn surface(services: &Arc<Services>, digest: &str) -> Result<Stored, Fault> {
     let missing = match services.surfaces.get(digest) {
         Ok(found) => return Ok(found),
         Err(missing) => missing,

@@ -6,8 +6,10 @@ use std::time::{Duration, Instant};
 use signorini_proto::v1::{
     self as wire, surface_service_server::SurfaceService, upload_surface_request,
 };
+use tonic::codegen::BoxStream;
 use tonic::{Request, Response, Status, Streaming};
 
+use super::paced::paced;
 use super::respond;
 use crate::access::{Caller, Owners};
 use crate::client_key::ClientKey;
@@ -36,6 +38,8 @@ pub(crate) struct SurfaceDoor {
 
 #[tonic::async_trait]
 impl SurfaceService for SurfaceDoor {
+    type ReadSurfaceStream = BoxStream<wire::ReadSurfaceResponse>;
+
     #[tracing::instrument(skip_all)]
     async fn upload_surface(
         &self,
@@ -70,6 +74,26 @@ impl SurfaceService for SurfaceDoor {
         respond(&self.registry, async {
             let surfaces = tools::list(&self.services, &caller).await?;
             Ok(wire::ListSurfacesResponse { surfaces })
+        })
+        .await
+    }
+
+    #[tracing::instrument(skip_all)]
+    async fn read_surface(
+        &self,
+        request: Request<wire::ReadSurfaceRequest>,
+    ) -> Result<Response<Self::ReadSurfaceStream>, Status> {
+        let caller = Caller::of(&request);
+        respond(&self.registry, async {
+            let digest = convert::digest_of(&request.into_inner().name, "name")?;
+            tools::check(&self.services, &digest, &caller).await?;
+            match tools::surface(&self.services, &digest).await?.surface {
+                Surface::Triangulated(surface) => Ok(paced(convert::messages(surface, digest))),
+                Surface::Heights(_) | Surface::Distances(_) => {
+                    let text = "names a grid: triangulations alone are sent back";
+                    Err(Fault::unsupported("name", text))
+                }
+            }
         })
         .await
     }

@@ -113,13 +113,18 @@ impl Pivots {
         let mut slope = vec![0.0; linear.len()];
         matrix.product(values, &mut slope);
         slope.iter_mut().zip(linear).for_each(|(s, q)| *s += q);
-        let zero = RELATIVE_ZERO * largest(linear);
         let small = RELATIVE_ZERO * largest(values);
+        let roots: Vec<f64> = matrix.diagonal().into_iter().map(f64::sqrt).collect();
+        let terms = values.iter().zip(&roots);
+        let term = terms.fold(0.0_f64, |most, (x, root)| most.max(x.abs() * root));
+        // Of what the row adds up, |K_ij| <= root(K_ii K_jj): a gap of large faces far away is
+        // no measure of one of small faces.
+        let zero = |i: usize| RELATIVE_ZERO * (linear[i].abs() + roots[i] * term);
         (0..self.closed.len())
             .filter(|&i| self.signed[i])
             .filter(|&i| match self.closed[i] {
                 true => values[i] < -small,
-                false => slope[i] < -zero,
+                false => slope[i] < -zero(i),
             })
             .collect()
     }

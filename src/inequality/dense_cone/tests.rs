@@ -35,6 +35,28 @@ fn closed(guess: &[bool]) -> Vec<Status> {
     guess.iter().map(|&g| Status::of_contact(g)).collect()
 }
 
+/// A large face far away, whose gap is wide, and two small ones that overlap the tool.
+#[test]
+fn what_small_faces_lack_is_no_rounding_of_a_wide_gap() {
+    let mut matrix = DenseMatrix::zeros(3, 3);
+    for (i, row) in [[1e2, 1e-9, 1e-9], [1e-9, 2e-9, 1e-9], [1e-9, 1e-9, 2e-9]]
+        .iter()
+        .enumerate()
+    {
+        for (j, entry) in row.iter().enumerate() {
+            *matrix.at_mut(i, j) = *entry;
+        }
+    }
+    let linear = [1e3, -3e-11, -3e-11];
+    let set = ProductSet::Uniform(part(3, AdmissibleSet::NonNegative));
+    let guess = (&[Status::Open; 3][..], &[0.0; 3][..]);
+    let solution = solve(&matrix, &linear, set, guess).expect("positive definite");
+    let expected = [0.0, 1e-2, 1e-2];
+    for (found, expected) in solution.values.iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-12, "{:?}", solution.values);
+    }
+}
+
 proptest! {
     #[test]
     fn the_solution_satisfies_the_optimality_conditions(

@@ -35,6 +35,7 @@ fn plan() -> Plan {
             surface: crate::scene::SurfaceGeometry::default(),
             friction: 0.0,
             tresca: None,
+            initial_penetration: crate::scene::PenetrationPolicy::default(),
         }],
         ..Scene::default()
     };

@@ -274,6 +274,7 @@ mod tests {
                 surface: crate::scene::SurfaceGeometry::default(),
                 friction: 0.5,
                 tresca: None,
+                initial_penetration: crate::scene::PenetrationPolicy::default(),
             }],
             ..Scene::default()
         }

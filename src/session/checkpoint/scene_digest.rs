@@ -213,6 +213,8 @@ impl Canonical {
             surface,
             friction,
             tresca,
+            // What is refused has no state.
+            initial_penetration: _,
         } = obstacle;
         if *friction != 0.0 || tresca.is_some() {
             self.text("friction");

@@ -44,6 +44,7 @@ fn scene() -> Scene {
             surface: crate::scene::SurfaceGeometry::default(),
             friction: 0.0,
             tresca: None,
+            initial_penetration: crate::scene::PenetrationPolicy::default(),
         }],
         ..Scene::default()
     }

@@ -36,6 +36,7 @@ fn standing(pull: [f64; 3]) -> Scene {
             surface: SurfaceGeometry::default(),
             friction: 0.3,
             tresca: None,
+            initial_penetration: crate::scene::PenetrationPolicy::default(),
         }],
         tractions: vec![on("x1", pull)],
         ..Scene::default()

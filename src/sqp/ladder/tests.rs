@@ -38,6 +38,7 @@ fn block(model: MaterialModel) -> Scene {
             surface: crate::scene::SurfaceGeometry::default(),
             friction: 0.0,
             tresca: None,
+            initial_penetration: crate::scene::PenetrationPolicy::default(),
         }],
         solver: SolverOptions {
             tolerance: 1e-10,

@@ -12,7 +12,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-SUBJECTS = ("trust", "digits", "confined", "strips", "sphere", "hertz", "curved", "oring", "exact", "certificate", "poses", "friction", "tools", "extremes", "paired")
+SUBJECTS = ("trust", "digits", "confined", "strips", "sphere", "hertz", "curved", "oring", "exact", "certificate", "poses", "friction", "tools", "wavy", "theory", "extremes", "paired")
 
 
 def stop(process):

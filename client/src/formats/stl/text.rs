@@ -7,7 +7,8 @@
 //! and any number of solids. Normals are not read. A name may be anything up to the end of its
 //! line.
 
-use super::StlError;
+use super::{StlError, pick};
+use crate::formats::vtp::{cross, dot};
 
 /// The words of a file with the numbers of their lines.
 struct Words<'a> {
@@ -43,6 +44,29 @@ pub(super) fn corners(text: &str) -> Result<Vec<[[f64; 3]; 3]>, StlError> {
         words.skip_line();
     }
     Ok(corners)
+}
+
+/// One solid of facets given by their corners.
+pub(super) fn write(facets: impl Iterator<Item = [[f64; 3]; 3]>) -> String {
+    let mut text = "solid\n".to_owned();
+    for facet in facets {
+        let [x, y, z] = normal(facet);
+        text += &format!("facet normal {x:.6} {y:.6} {z:.6}\nouter loop\n");
+        for [x, y, z] in facet {
+            text += &format!("vertex {x} {y} {z}\n");
+        }
+        text += "endloop\nendfacet\n";
+    }
+    text + "endsolid\n"
+}
+
+/// Unit normal of a facet; that of one without a size is zero.
+fn normal([a, b, c]: [[f64; 3]; 3]) -> [f64; 3] {
+    let side = |to: [f64; 3]| pick(to, a, |to, from| to - from);
+    let across = cross(side(b), side(c));
+    let length = dot(across, across).sqrt();
+    let is_flat = length > 0.0;
+    across.map(|x| if is_flat { x / length } else { 0.0 })
 }
 
 impl<'a> Words<'a> {

@@ -1,6 +1,6 @@
 //! What acts on the surface of the body: supports, loads, obstacles.
 
-use signorini::scene::{Obstacle, Pressure, Profile, Support, Traction};
+use signorini::scene::{Obstacle, PenetrationPolicy, Pressure, Profile, Support, Traction};
 use signorini_proto::v1 as wire;
 
 use super::super::uploaded::SurfacesByName;
@@ -93,5 +93,23 @@ pub(super) fn obstacle(
             .not_negative(message.friction, &format!("{path}.friction"))
             .unwrap_or(0.0),
         tresca: faults.not_negative(message.tresca, &format!("{path}.tresca")),
+        initial_penetration: penetration(message.initial_penetration, &path, faults),
+    }
+}
+
+/// What follows where an obstacle begins inside the body.
+fn penetration(number: i32, path: &str, faults: &mut Faults) -> PenetrationPolicy {
+    match wire::InitialPenetration::try_from(number) {
+        Ok(wire::InitialPenetration::Unspecified | wire::InitialPenetration::Resolve) => {
+            PenetrationPolicy::Resolve
+        }
+        Ok(wire::InitialPenetration::Reject) => PenetrationPolicy::Reject,
+        Err(_) => {
+            faults.later(
+                format!("{path}.initial_penetration"),
+                format!("number {number} is not known here"),
+            );
+            PenetrationPolicy::Resolve
+        }
     }
 }

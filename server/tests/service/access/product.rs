@@ -133,7 +133,7 @@ pub(super) const NAMING: [(&str, &str, &[&str]); 3] = [
     (
         "Surface",
         "SURFACE_NOT_FOUND",
-        &["GetSurface", "DeleteSurface"],
+        &["GetSurface", "ReadSurface", "DeleteSurface"],
     ),
 ];
 
