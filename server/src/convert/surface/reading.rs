@@ -54,11 +54,12 @@ fn chunk(
         array: array.into(),
         offset_elements: offset,
         data: match array {
-            wire::SurfaceArray::Facets => corners(&surface.facets()[rows]),
+            wire::SurfaceArray::Facets => corners(surface.facets().get(rows).unwrap_or_default()),
             wire::SurfaceArray::Coordinates
             | wire::SurfaceArray::Values
             | wire::SurfaceArray::Unspecified => {
-                array::encode(surface.vertices()[rows].as_flattened())
+                let own = surface.vertices().get(rows).unwrap_or_default();
+                array::encode(own.as_flattened())
             }
         },
     }
