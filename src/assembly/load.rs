@@ -13,13 +13,19 @@ use crate::space::TaylorHood;
 /// Node numbers and P2 hierarchical shape values of a simplex at a point with
 /// barycentric coordinates `l`; edges in the order (0,1), (0,2), ..
 pub fn shape_values(l: &[f64]) -> Vec<f64> {
-    let mut values = l.to_vec();
+    let mut values = Vec::with_capacity(l.len() * (l.len() + 1) / 2);
+    push_shape_values(l, &mut values);
+    values
+}
+
+/// [`shape_values`] behind those of other points.
+pub fn push_shape_values(l: &[f64], values: &mut Vec<f64>) {
+    values.extend_from_slice(l);
     for (i, a) in l.iter().enumerate() {
         for b in &l[i + 1..] {
             values.push(4.0 * a * b);
         }
     }
-    values
 }
 
 /// The point with barycentric coordinates `l` in the simplex of `vertices`.

@@ -11,7 +11,7 @@ use super::basis::ContactBasis;
 use super::counterpart::Counterpart;
 use super::curved_face::Standing;
 use super::face::ContactFace;
-use crate::assembly::load::shape_values;
+use crate::assembly::load::push_shape_values;
 use crate::element::quadrature::Rule;
 use crate::mesh::Mesh;
 use crate::obstacle::{Contact, What};
@@ -69,16 +69,20 @@ impl<'a> Table<'a> {
         for (point, values) in rule.points.iter().zip(values.chunks_exact_mut(functions)) {
             basis.values(&point[..corners], values);
         }
-        let coordinates = rule.points.iter().flat_map(|point| &point[..corners]);
+        let nodes = corners * (corners + 1) / 2;
+        let mut scaled = Vec::with_capacity(rule.len() * corners);
+        let mut shapes = Vec::with_capacity(rule.len() * nodes);
+        for point in &rule.points {
+            scaled.extend(point[..corners].iter().map(|l| l * body.scale));
+            push_shape_values(&point[..corners], &mut shapes);
+        }
         Self {
             rule,
             corners,
-            nodes: corners * (corners + 1) / 2,
+            nodes,
             functions,
-            scaled: coordinates.map(|l| l * body.scale).collect(),
-            shapes: (rule.points.iter())
-                .flat_map(|point| shape_values(&point[..corners]))
-                .collect(),
+            scaled,
+            shapes,
             values,
         }
     }
