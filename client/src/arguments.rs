@@ -103,6 +103,19 @@ Examples:
   signorini init ring.msh              writes ring.toml beside the mesh
   signorini init ring.msh study.toml";
 
+const STUDY_EXAMPLES: &str = "\
+Examples:
+  signorini study radii.toml --check
+  signorini study radii.toml --out radii.csv --workers 4
+  signorini study radii.toml --out radii.csv --workers 4 --resume
+
+A study names a scene and what varies of it: [[grid]] lists and ranges of a key, [list] a CSV table
+whose columns are keys, [sobol] points that fill a box. Each case is a row, failed ones with their
+cause; exit code 3 when there are such. Ctrl-C keeps the rows so far, and --resume goes on.";
+
+/// Cases that one process solves at one time at most.
+const MOST_WORKERS: usize = 1024;
+
 /// Seconds that a server takes at most: 30 days.
 const LONGEST_TTL: u64 = 30 * 24 * 3600;
 
@@ -111,6 +124,9 @@ pub(crate) enum Command {
     /// Solve a scene; without --server in a server of this process
     #[command(after_help = SOLVE_EXAMPLES)]
     Solve(SolveArguments),
+    /// Solve one scene for many values of its keys: a row for each case
+    #[command(after_help = STUDY_EXAMPLES)]
+    Study(StudyArguments),
     /// Follow the results of a session, kept ones first
     #[command(after_help = SESSION_EXAMPLES)]
     Watch(WatchArguments),
@@ -262,6 +278,50 @@ pub(crate) struct SolveArguments {
     /// Tell also what the solver did and left out
     #[arg(long, conflicts_with = "quiet")]
     pub(crate) verbose: bool,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct StudyArguments {
+    /// Study file (TOML)
+    pub(crate) study: PathBuf,
+    /// Change a key of the scene of every case
+    #[arg(long = "set", value_name = "PATH=VALUE")]
+    pub(crate) overrides: Vec<Override>,
+    /// Table of the cases, ending in .csv or .parquet; default: the study's name, ending in
+    /// .results.csv. Its log lies beside it
+    #[arg(long, value_name = "FILE")]
+    pub(crate) out: Option<PathBuf>,
+    /// Write the fields of each case for ParaView into a folder of this one
+    #[arg(long, value_name = "DIR")]
+    pub(crate) fields: Option<PathBuf>,
+    /// Cases that are solved at one time; default: one for each core
+    #[arg(long, value_name = "N", value_parser = workers)]
+    pub(crate) workers: Option<usize>,
+    /// Times that a case is begun at most
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(crate) tries: u32,
+    /// Go on with an interrupted run: cases that have a row are not solved again
+    #[arg(long)]
+    pub(crate) resume: bool,
+    /// Number of cases, the first of them, every fault of keys and table; solve nothing
+    #[arg(long, visible_alias = "dry-run", conflicts_with = "resume")]
+    pub(crate) check: bool,
+    /// No progress, no counts
+    #[arg(long)]
+    pub(crate) quiet: bool,
+    /// Server to use: HOST:PORT, http(s)://HOST:PORT or unix:PATH; default: one in this process
+    #[arg(long, value_name = "URL", env = "SIGNORINI_SERVER")]
+    pub(crate) server: Option<ServerAddress>,
+    #[command(flatten)]
+    pub(crate) access: AccessArguments,
+}
+
+/// A number of workers.
+fn workers(text: &str) -> Result<usize, String> {
+    match text.parse() {
+        Ok(count @ 1..=MOST_WORKERS) => Ok(count),
+        Ok(_) | Err(_) => Err(format!("a number from 1 to {MOST_WORKERS} is expected")),
+    }
 }
 
 #[derive(Args, Debug)]

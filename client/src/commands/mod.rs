@@ -21,6 +21,7 @@ mod report;
 mod serve;
 mod session;
 mod solve;
+mod study;
 #[cfg(feature = "embedded")]
 mod token;
 mod version;
@@ -42,6 +43,7 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         .map_err(|error| Failure::new(Exit::Server, format!("no runtime: {error}")))?;
     match arguments.command {
         Command::Solve(arguments) => runtime.block_on(Box::pin(solve::run(arguments, started))),
+        Command::Study(arguments) => runtime.block_on(Box::pin(study::run(arguments))),
         Command::Watch(arguments) => runtime.block_on(Box::pin(watch::run(arguments, started))),
         Command::Fetch(arguments) => runtime.block_on(Box::pin(fetch::run(arguments, started))),
         Command::Cancel(arguments) => runtime.block_on(cancel::run(arguments)),

@@ -15,9 +15,16 @@ pub(super) struct Embedded {
 }
 
 impl Embedded {
-    /// Starts the server.
-    pub(super) async fn start() -> Result<Self, Failure> {
-        let config = Config::embedded();
+    /// Starts the server; with `slots` it solves so many scenes at one time, short or long, on
+    /// its share of the cores each.
+    pub(super) async fn start(slots: Option<usize>) -> Result<Self, Failure> {
+        let mut config = Config::embedded();
+        if let Some(slots) = slots {
+            let cores = std::thread::available_parallelism().map_or(1, usize::from);
+            config.solver_slots = slots;
+            config.short_slots = 0;
+            config.threads_per_slot = (cores / slots.max(1)).max(1);
+        }
         let listener = Listener::bind(&config)
             .await
             .map_err(|error| Failure::new(Exit::NoServer, error.to_string()))?;
@@ -36,6 +43,11 @@ impl Embedded {
             stop,
             task,
         })
+    }
+
+    /// Whether it has ended.
+    pub(super) fn is_over(&self) -> bool {
+        self.task.is_finished()
     }
 
     pub(super) fn address(&self) -> &ServerAddress {

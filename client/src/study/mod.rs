@@ -152,21 +152,22 @@ impl Study {
 
     /// One of the first cases can be read, and has what is wanted.
     fn check_scene(&mut self) -> Result<(), StudyError> {
-        let mut scenes = (0..self.count.min(TRIED)).filter_map(|index| self.case(index));
-        let first = scenes.next().map(|case| self.scene(&case));
-        let found = match first {
-            Some(Err(fault)) => {
-                let mut others = scenes.filter_map(|case| self.scene(&case).ok());
-                others.next().ok_or(fault)
-            }
-            Some(Ok(file)) => Ok(file),
-            None => Err(SceneFileError::Invalid(vec![violation("", "has no case")])),
+        let first = self.readable().next();
+        if let Some(file) = first {
+            return self.check_wanted(&file);
+        }
+        let faults = match self.case(0).map(|case| self.scene(&case)) {
+            Some(Err(SceneFileError::Invalid(faults))) => faults,
+            Some(Err(SceneFileError::Syntax(message))) => vec![violation("", message)],
+            Some(Ok(_)) | None => vec![violation("", "has no case")],
         };
-        let scene = found.map_err(|error| match error {
-            SceneFileError::Invalid(faults) => StudyError::Invalid(faults),
-            SceneFileError::Syntax(message) => StudyError::Invalid(vec![violation("", message)]),
-        })?;
-        self.check_wanted(&scene)
+        Err(StudyError::Invalid(faults))
+    }
+
+    /// Scenes of the first cases that can be read: at least one, of at most 16.
+    pub fn readable(&self) -> impl Iterator<Item = SceneFile> {
+        let cases = (0..self.count.min(TRIED)).filter_map(|index| self.case(index));
+        cases.filter_map(|case| self.scene(&case).ok())
     }
 
     fn check_wanted(&mut self, file: &SceneFile) -> Result<(), StudyError> {

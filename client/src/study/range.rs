@@ -89,11 +89,11 @@ impl Range {
         }
     }
 
-    /// Multiplied before it is divided, so that tenths are tenths.
+    /// A mean of the ends where that is finite, so that tenths are tenths.
     fn between(&self, index: f64, last: f64) -> f64 {
-        let product = (self.to - self.from) * index;
+        let sum = self.from * (last - index) + self.to * index;
         match self.spacing {
-            Spacing::Linear if product.is_finite() => self.from + product / last,
+            Spacing::Linear if sum.is_finite() => sum / last,
             Spacing::Linear | Spacing::Logarithmic => self.at(index / last),
         }
     }
@@ -125,7 +125,7 @@ mod tests {
     fn numbers_lie_evenly_or_by_a_factor_with_both_ends() {
         assert_eq!(
             steps(0.1, 0.5, Spacing::Linear),
-            ["0.1", "0.2", "0.30000000000000004", "0.4", "0.5"]
+            ["0.1", "0.2", "0.3", "0.4", "0.5"]
         );
         assert_eq!(steps(0, 8, Spacing::Linear), ["0", "2", "4", "6", "8"]);
         assert_eq!(steps(0, 2, Spacing::Linear), ["0", "0.5", "1", "1.5", "2"]);
