@@ -113,6 +113,15 @@ A study names a scene and what varies of it: [[grid]] lists and ranges of a key,
 whose columns are keys, [sobol] points that fill a box. Each case is a row, failed ones with their
 cause; exit code 3 when there are such. Ctrl-C keeps the rows so far, and --resume goes on.";
 
+const WORKER_EXAMPLES: &str = "\
+Examples:
+  nats-server --jetstream --store_dir /var/lib/nats &
+  signorini worker --queue nats://127.0.0.1:4222 &
+  signorini study radii.toml --out radii.csv --queue nats://127.0.0.1:4222
+
+Start as many workers as there are machines and cores. Ctrl-C once gives the case that runs back to
+the queue, twice quits; a worker that dies loses nothing.";
+
 /// Cases that one process solves at one time at most.
 const MOST_WORKERS: usize = 1024;
 
@@ -127,6 +136,9 @@ pub(crate) enum Command {
     /// Solve one scene for many values of its keys: a row for each case
     #[command(after_help = STUDY_EXAMPLES)]
     Study(StudyArguments),
+    /// Solve cases of studies from a queue
+    #[command(after_help = WORKER_EXAMPLES)]
+    Worker(WorkerArguments),
     /// Follow the results of a session, kept ones first
     #[command(after_help = SESSION_EXAMPLES)]
     Watch(WatchArguments),
@@ -306,6 +318,8 @@ pub(crate) struct StudyArguments {
     /// Number of cases, the first of them, every fault of keys and table; solve nothing
     #[arg(long, visible_alias = "dry-run", conflicts_with = "resume")]
     pub(crate) check: bool,
+    #[command(flatten)]
+    pub(crate) queue: QueueArguments,
     /// No progress, no counts
     #[arg(long)]
     pub(crate) quiet: bool,
@@ -314,6 +328,40 @@ pub(crate) struct StudyArguments {
     pub(crate) server: Option<ServerAddress>,
     #[command(flatten)]
     pub(crate) access: AccessArguments,
+}
+
+#[derive(Args, Debug)]
+pub(crate) struct WorkerArguments {
+    #[command(flatten)]
+    pub(crate) queue: QueueArguments,
+    /// Cases that are solved at one time; one keeps a case that ends the process from others
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = workers)]
+    pub(crate) workers: usize,
+    /// Write the fields of each case into a folder of this one, for studies that ask for fields
+    #[arg(long, value_name = "DIR")]
+    pub(crate) fields: Option<PathBuf>,
+    /// End when no case has come for so long; default: never
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..=LONGEST_TTL))]
+    pub(crate) idle: Option<u64>,
+    /// Tell when a case begins
+    #[arg(long)]
+    pub(crate) verbose: bool,
+    /// Server to use: HOST:PORT, http(s)://HOST:PORT or unix:PATH; default: one in this process
+    #[arg(long, value_name = "URL", env = "SIGNORINI_SERVER")]
+    pub(crate) server: Option<ServerAddress>,
+    #[command(flatten)]
+    pub(crate) access: AccessArguments,
+}
+
+/// Where cases of studies wait.
+#[derive(Args, Debug)]
+pub(crate) struct QueueArguments {
+    /// NATS with JetStream: nats://HOST:PORT or tls://HOST:PORT (feature `fleet`)
+    #[arg(long, value_name = "URL", env = "SIGNORINI_QUEUE")]
+    pub(crate) queue: Option<String>,
+    /// Credentials file to show it
+    #[arg(long, value_name = "FILE", env = "SIGNORINI_QUEUE_CREDENTIALS")]
+    pub(crate) queue_credentials: Option<PathBuf>,
 }
 
 /// A number of workers.

@@ -9,15 +9,25 @@ mod bits;
 mod ledger;
 mod log;
 mod pool;
+#[cfg(feature = "fleet")]
+mod queue;
 mod row;
 mod server;
 mod solver;
 mod table;
 mod tally;
 
+#[cfg(feature = "fleet")]
+pub(crate) use assets::Assets;
 pub(crate) use ledger::{Ledger, Shared, shared};
 pub(crate) use log::{Header, RowLog, Start};
+#[cfg(feature = "fleet")]
+pub(crate) use pool::first_scene;
 pub(crate) use pool::{Local, run};
+#[cfg(feature = "fleet")]
+pub(crate) use queue::{Manifest, Queue, Worker, name_of, run_study, work};
 pub(crate) use server::Server;
+#[cfg(feature = "fleet")]
+pub(crate) use solver::Fields;
 pub(crate) use table::Format;
 pub(crate) use tally::Tally;

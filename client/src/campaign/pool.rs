@@ -12,9 +12,9 @@ use tokio::sync::watch;
 use tokio::task::JoinSet;
 use tokio::time::sleep;
 
-use super::assets::{AssetFault, Assets};
+use super::assets::{AssetFault, Assets, Depot};
 use super::ledger::Shared;
-use super::row::{FAILED, REFUSED, Row, told};
+use super::row::{self, FAILED, REFUSED, Row};
 use super::server::Server;
 use super::solver::{End, Fields, Job, Stop, meaning, solve};
 use crate::exit::{Exit, Failure};
@@ -47,30 +47,31 @@ impl Local {
 }
 
 impl Local {
-    /// What the server says of the first case that can be read.
-    pub(crate) async fn plan_first(&self) -> Result<v1::Plan, Failure> {
-        let scene = self.first().await?;
-        Ok(self.server.client().await.plan(scene).await?)
-    }
-
-    /// Name of the mesh of that case.
-    pub(crate) async fn first_mesh(&self) -> Result<String, Failure> {
-        Ok(self.first().await?.mesh)
-    }
-
-    /// The first scene of which every file can be read.
-    async fn first(&self) -> Result<v1::Scene, Failure> {
+    /// The scene of the first case that can be read, on its server.
+    pub(crate) async fn first_scene(&self) -> Result<v1::Scene, Failure> {
         let client = self.server.client().await;
-        let mut why = None;
-        for file in self.study.readable() {
-            match self.assets.name(file, &client).await {
-                Ok(scene) => return Ok(scene),
-                Err(AssetFault::File(failure)) => why = why.or(Some(failure)),
-                Err(AssetFault::Depot(error)) => why = why.or(Some(error.into())),
-            }
-        }
-        Err(why.unwrap_or_else(|| Failure::new(Exit::Invalid, "no case can be read")))
+        first_scene(&self.study, &self.assets, &client).await
     }
+}
+
+/// The scene of the first case of which every file can be read, its files handed on.
+pub(crate) async fn first_scene<D: Depot>(
+    study: &Study,
+    assets: &Assets,
+    depot: &D,
+) -> Result<v1::Scene, Failure>
+where
+    Failure: From<D::Error>,
+{
+    let mut why = None;
+    for file in study.readable() {
+        match assets.name(file, depot).await {
+            Ok(scene) => return Ok(scene),
+            Err(AssetFault::File(failure)) => why = why.or(Some(failure)),
+            Err(AssetFault::Depot(error)) => why = why.or(Some(error.into())),
+        }
+    }
+    Err(why.unwrap_or_else(|| Failure::new(Exit::Invalid, "no case can be read")))
 }
 
 /// Solves every case that has no row yet, until all have one or it is told to stop.
@@ -134,24 +135,25 @@ impl Worker {
 
     /// Begins a case until it has a row, or as often as it may; none when it is to stop.
     async fn attempt_all(&mut self, case: &Case) -> Result<Option<Row>, Failure> {
-        let mut why = "the process ended each time".to_owned();
+        let told = |cause: &str, why: &str| (cause.to_owned(), why.to_owned());
+        let (mut cause, mut why) = told("process_ended", "the process ended each time");
         let mut attempts = self.ledger.lock().log().begun(case.index);
         while attempts < self.local.tries {
             attempts += 1;
             self.ledger.lock().log().begin(case.index)?;
-            match self.attempt(case).await {
+            (cause, why) = match self.attempt(case).await {
                 End::Row(row) => return Ok(Some(row.after(attempts))),
                 End::Stopped => return Ok(None),
                 End::Fault(failure) => return Err(failure),
-                End::Missing => why = "the server does not keep the mesh".to_owned(),
-                End::Busy => why = "the server is busy".to_owned(),
+                End::Missing => told("MESH_NOT_FOUND", "the server does not keep the mesh"),
+                End::Busy => told("QUEUE_FULL", "the server is busy"),
                 End::Lost(error) => {
-                    why = told(&error).1;
                     self.local.server.revive().await?;
+                    row::told(&error)
                 }
-            }
+            };
         }
-        let row = Row::without(case.index, &case.id, FAILED).because("server_lost", why);
+        let row = Row::without(case.index, &case.id, FAILED).because(&cause, why);
         Ok(Some(row.after(attempts)))
     }
 

@@ -9,6 +9,8 @@ use signorini_proto::{v1, words};
 pub(crate) const REFUSED: &str = "refused";
 /// A case that was given up: what solved it went away as often as it may.
 pub(crate) const FAILED: &str = "failed";
+/// The cause of a case whose server goes away without a reason.
+const LOST: &str = "server_lost";
 /// A case that gave its values.
 pub(crate) const CONVERGED: &str = "converged";
 
@@ -87,7 +89,7 @@ pub(crate) fn told(error: &ClientError) -> (String, String) {
     let text = error
         .refusal()
         .map_or_else(|| error.to_string(), violations);
-    (reason.unwrap_or_else(|| "connection".to_owned()), text)
+    (reason.unwrap_or_else(|| LOST.to_owned()), text)
 }
 
 fn violations(refusal: &Refusal) -> String {

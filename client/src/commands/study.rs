@@ -6,7 +6,7 @@ use std::sync::Arc;
 use signorini_client::study::{COLUMNS_BEFORE, Study, cell};
 use tokio::sync::watch;
 
-use super::interrupts;
+use super::stop_when_interrupted;
 use crate::arguments::StudyArguments;
 use crate::campaign::{self, Format, Header, Ledger, Local, RowLog, Server, Shared, Start, Tally};
 use crate::exit::{Exit, Failure};
@@ -19,21 +19,71 @@ const SHOWN: u64 = 5;
 pub(super) async fn run(arguments: StudyArguments) -> Result<Exit, Failure> {
     let study = Study::open(&arguments.study, &arguments.overrides)?;
     let out = out(&arguments);
-    let format = Format::of(&out)?;
+    let table = (out.as_path(), Format::of(&out)?);
     keep_inputs(&out, &arguments, &study)?;
+    match &arguments.queue.queue {
+        Some(url) if !arguments.check => queued(&study, &arguments, url, table).await,
+        Some(_) | None => local(study, &arguments, table).await,
+    }
+}
+
+/// Solves the cases on a server, or checks the first.
+async fn local(
+    study: Study,
+    arguments: &StudyArguments,
+    table: (&Path, Format),
+) -> Result<Exit, Failure> {
     let workers = arguments.workers.unwrap_or_else(cores);
-    let (address, access) = (arguments.server.clone(), &arguments.access);
-    let server = Server::open(address, access.clone(), workers).await?;
+    let (address, access) = (arguments.server.clone(), arguments.access.clone());
+    let server = Server::open(address, access, workers).await?;
     let local = Local::new(study, server, arguments.fields.clone(), arguments.tries);
     let local = Arc::new(local);
     let outcome = match arguments.check {
         true => check(&local).await,
-        false => solve(&local, &arguments, (&out, format), workers).await,
+        false => solve(&local, arguments, table, workers).await,
     };
     if let Some(local) = Arc::into_inner(local) {
         local.server.close().await;
     }
     outcome
+}
+
+#[cfg(not(feature = "fleet"))]
+#[allow(clippy::unused_async)]
+async fn queued(
+    _study: &Study,
+    _arguments: &StudyArguments,
+    _url: &str,
+    _table: (&Path, Format),
+) -> Result<Exit, Failure> {
+    Err(super::without_queue())
+}
+
+/// Lets the workers of a queue solve the cases.
+#[cfg(feature = "fleet")]
+async fn queued(
+    study: &Study,
+    arguments: &StudyArguments,
+    url: &str,
+    table: (&Path, Format),
+) -> Result<Exit, Failure> {
+    let queue = campaign::Queue::open(&arguments.queue, url).await?;
+    let assets = campaign::Assets::default();
+    let mesh = campaign::first_scene(study, &assets, &queue).await?.mesh;
+    let name = campaign::name_of(study, &mesh);
+    let ledger = ledger(study, arguments, table.0, mesh)?;
+    let manifest = campaign::Manifest {
+        wanted: study.wanted().to_vec(),
+        tries: arguments.tries,
+        fields: arguments.fields.is_some(),
+    };
+    let (stop, _) = watch::channel(false);
+    let told = (&manifest, !arguments.resume);
+    let ended = tokio::select! {
+        ended = campaign::run_study(&queue, study, (&name, &assets), told, &ledger, &stop) => ended,
+        never = stop_when_interrupted(&stop, |line| ledger.lock().progress().note(line)) => never,
+    };
+    finish(ended, &ledger, study, table, arguments)
 }
 
 fn cores() -> usize {
@@ -94,7 +144,8 @@ async fn check(local: &Local) -> Result<Exit, Failure> {
     written.map_err(|error| Failure::new(Exit::Server, error.to_string()))?;
     let text = String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default();
     print(&format!("{} cases\n{text}", study.count()))?;
-    let plan = local.plan_first().await?;
+    let scene = local.first_scene().await?;
+    let plan = local.server.client().await.plan(scene).await?;
     for warning in &plan.warnings {
         crate::text::note(&format!("warning: {warning}\n"));
     }
@@ -105,13 +156,37 @@ async fn check(local: &Local) -> Result<Exit, Failure> {
 async fn solve(
     local: &Arc<Local>,
     arguments: &StudyArguments,
-    (out, format): (&Path, Format),
+    table: (&Path, Format),
     workers: usize,
 ) -> Result<Exit, Failure> {
+    let mesh = local.first_scene().await?.mesh;
+    let ledger = ledger(&local.study, arguments, table.0, mesh)?;
+    let (stop, _) = watch::channel(false);
+    let ended = tokio::select! {
+        ended = campaign::run(Arc::clone(local), ledger.clone(), workers, &stop) => ended,
+        never = stop_when_interrupted(&stop, |line| ledger.lock().progress().note(line)) => never,
+    };
+    finish(ended, &ledger, &local.study, table, arguments)
+}
+
+fn verbosity(arguments: &StudyArguments) -> Verbosity {
+    match arguments.quiet {
+        true => Verbosity::Quiet,
+        false => Verbosity::Normal,
+    }
+}
+
+/// The log beside the table, with the rows that it has.
+fn ledger(
+    study: &Study,
+    arguments: &StudyArguments,
+    out: &Path,
+    mesh: String,
+) -> Result<Shared, Failure> {
     let header = Header {
-        study: local.study.digest().to_owned(),
-        cases: local.study.count(),
-        mesh: local.first_mesh().await?,
+        study: study.digest().to_owned(),
+        cases: study.count(),
+        mesh,
     };
     let start = match arguments.resume {
         true => Start::Resume,
@@ -119,56 +194,30 @@ async fn solve(
     };
     let mut tally = Tally::default();
     let log = RowLog::open(&log_of(out), &header, start, |row| tally.add(row))?;
-    let verbosity = match arguments.quiet {
-        true => Verbosity::Quiet,
-        false => Verbosity::Normal,
-    };
-    let ledger = campaign::shared(Ledger::new(log, tally, header.cases, verbosity));
-    let (stop, _) = watch::channel(false);
-    let ended = tokio::select! {
-        ended = campaign::run(Arc::clone(local), ledger.clone(), workers, &stop) => ended,
-        never = interrupt(&stop, &ledger) => never,
-    };
-    finish(ended, &ledger, local, (out, format), verbosity)
-}
-
-/// The first time lets running cases go, the second time quits.
-async fn interrupt(stop: &watch::Sender<bool>, ledger: &Shared) -> Result<(), Failure> {
-    let mut interrupts = interrupts()?;
-    while interrupts.recv().await.is_some() {
-        if stop.send_replace(true) {
-            ledger.lock().progress().clear();
-            std::process::exit(Exit::Interrupted as i32);
-        }
-        let line = "stopping; press Ctrl-C again to quit at once";
-        ledger.lock().progress().note(line);
-    }
-    std::future::pending().await
+    let ledger = Ledger::new(log, tally, header.cases, verbosity(arguments));
+    Ok(campaign::shared(ledger))
 }
 
 /// The table of what there is, and what people are told.
 fn finish(
     ended: Result<(), Failure>,
     ledger: &Shared,
-    local: &Local,
+    study: &Study,
     (out, format): (&Path, Format),
-    verbosity: Verbosity,
+    arguments: &StudyArguments,
 ) -> Result<Exit, Failure> {
     let mut ledger = ledger.lock();
     ledger.progress().clear();
     ledger.log().sync()?;
     let (log, done) = (ledger.log().path().to_owned(), ledger.log().done());
-    format.write(out, &local.study, &log)?;
-    if verbosity != Verbosity::Quiet {
+    format.write(out, study, &log)?;
+    if verbosity(arguments) != Verbosity::Quiet {
         print(&ledger.tally().lines().concat())?;
         print(&format!("{:<18} {}\n", "written", out.display()))?;
     }
     ended?;
-    if done < local.study.count() {
-        let line = format!(
-            "{done} of {} cases; --resume goes on\n",
-            local.study.count()
-        );
+    if done < study.count() {
+        let line = format!("{done} of {} cases; --resume goes on\n", study.count());
         crate::text::note(&line);
         return Ok(Exit::Interrupted);
     }

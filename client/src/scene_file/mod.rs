@@ -162,7 +162,7 @@ fn surfaces(scene: &v1::Scene, folder: &Path) -> Vec<(usize, PathBuf)> {
 }
 
 /// The file, or the uploaded surface, that a shape names.
-fn surface_name(kind: &Kind) -> Option<&str> {
+pub fn surface_name(kind: &Kind) -> Option<&str> {
     match kind {
         Kind::Surface(surface) => Some(&surface.surface),
         Kind::HeightField(field) => Some(&field.grid),

@@ -6,13 +6,15 @@
 
 use std::str::FromStr;
 
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use signorini_proto::v1;
 
 use crate::result_line;
 
 /// Of which increments, or what of them all.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum At {
     /// The last one.
     Last,
@@ -27,7 +29,7 @@ pub enum At {
 }
 
 /// A value of each case.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Deserialize, PartialEq, Eq, Serialize)]
 pub struct Wanted {
     /// Its column.
     pub name: String,
