@@ -9,6 +9,7 @@ use clap_complete::Shell;
 use signorini_client::scene_file::Override;
 use signorini_client::{Client, ServerAddress};
 
+use crate::connection::Slots;
 use crate::exit::Failure;
 pub(crate) use access::AccessArguments;
 #[cfg(feature = "embedded")]
@@ -309,6 +310,8 @@ pub(crate) struct StudyArguments {
     /// Cases that are solved at one time; default: one for each core
     #[arg(long, value_name = "N", value_parser = workers)]
     pub(crate) workers: Option<usize>,
+    #[command(flatten)]
+    pub(crate) threads: ThreadArguments,
     /// Times that a case is begun at most
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(crate) tries: u32,
@@ -337,6 +340,8 @@ pub(crate) struct WorkerArguments {
     /// Cases that are solved at one time; one keeps a case that ends the process from others
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = workers)]
     pub(crate) workers: usize,
+    #[command(flatten)]
+    pub(crate) threads: ThreadArguments,
     /// Write the fields of each case into a folder of this one, for studies that ask for fields
     #[arg(long, value_name = "DIR")]
     pub(crate) fields: Option<PathBuf>,
@@ -351,6 +356,26 @@ pub(crate) struct WorkerArguments {
     pub(crate) server: Option<ServerAddress>,
     #[command(flatten)]
     pub(crate) access: AccessArguments,
+}
+
+/// How a server of this process solves.
+#[derive(Args, Clone, Copy, Debug)]
+pub(crate) struct ThreadArguments {
+    /// Threads of each case, in a server of this process; default: its share of the cores
+    #[arg(long, value_name = "N", value_parser = workers)]
+    threads: Option<usize>,
+}
+
+impl ThreadArguments {
+    /// For so many cases at one time.
+    pub(crate) fn slots(self, count: usize) -> Slots {
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let share = (cores / count.max(1)).max(1);
+        Slots {
+            count,
+            threads: self.threads.unwrap_or(share),
+        }
+    }
 }
 
 /// Where cases of studies wait.

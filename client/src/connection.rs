@@ -7,6 +7,13 @@ use crate::arguments::{AccessArguments, SceneArguments};
 use crate::exit::Exit;
 use crate::exit::Failure;
 
+/// Scenes that a server solves at one time, and the threads of each.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Slots {
+    pub(crate) count: usize,
+    pub(crate) threads: usize,
+}
+
 /// A client, and the server behind it when it belongs to this process.
 pub(crate) struct Connection {
     pub(crate) client: Client,
@@ -23,11 +30,11 @@ impl Connection {
         }
     }
 
-    /// Connects to a server, or starts one that solves so many scenes at one time.
+    /// Connects to a server, or starts one with these slots.
     pub(crate) async fn with_slots(
         address: Option<&ServerAddress>,
         access: &AccessArguments,
-        slots: usize,
+        slots: Slots,
     ) -> Result<Self, Failure> {
         match address {
             Some(address) => Self::to(address, access).await,
@@ -44,7 +51,7 @@ impl Connection {
     }
 
     #[cfg(feature = "embedded")]
-    async fn start(slots: Option<usize>) -> Result<Self, Failure> {
+    async fn start(slots: Option<Slots>) -> Result<Self, Failure> {
         let server = embedded::Embedded::start(slots).await?;
         let client = Client::connect(server.address()).await?;
         Ok(Self {
@@ -55,7 +62,7 @@ impl Connection {
 
     #[cfg(not(feature = "embedded"))]
     #[allow(clippy::unused_async)]
-    async fn start(_slots: Option<usize>) -> Result<Self, Failure> {
+    async fn start(_slots: Option<Slots>) -> Result<Self, Failure> {
         Err(Failure::new(
             Exit::NoServer,
             "this build has no server of its own: give --server URL",

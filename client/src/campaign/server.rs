@@ -8,7 +8,7 @@ use tokio::sync::Mutex;
 use tokio::time::sleep;
 
 use crate::arguments::AccessArguments;
-use crate::connection::Connection;
+use crate::connection::{Connection, Slots};
 use crate::exit::Failure;
 
 /// How long a server is waited for that does not answer.
@@ -21,16 +21,16 @@ const LONGEST_PAUSE: Duration = Duration::from_secs(2);
 pub(crate) struct Server {
     address: Option<ServerAddress>,
     access: AccessArguments,
-    slots: usize,
+    slots: Slots,
     connection: Mutex<Connection>,
 }
 
 impl Server {
-    /// Connects to a server, or starts one that solves `slots` cases at one time.
+    /// Connects to a server, or starts one with these slots.
     pub(crate) async fn open(
         address: Option<ServerAddress>,
         access: AccessArguments,
-        slots: usize,
+        slots: Slots,
     ) -> Result<Self, Failure> {
         let connection = Connection::with_slots(address.as_ref(), &access, slots).await?;
         Ok(Self {

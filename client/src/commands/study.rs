@@ -35,7 +35,8 @@ async fn local(
 ) -> Result<Exit, Failure> {
     let workers = arguments.workers.unwrap_or_else(cores);
     let (address, access) = (arguments.server.clone(), arguments.access.clone());
-    let server = Server::open(address, access, workers).await?;
+    let slots = arguments.threads.slots(workers);
+    let server = Server::open(address, access, slots).await?;
     let local = Local::new(study, server, arguments.fields.clone(), arguments.tries);
     let local = Arc::new(local);
     let outcome = match arguments.check {

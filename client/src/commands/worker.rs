@@ -23,7 +23,8 @@ pub(super) async fn run(arguments: WorkerArguments) -> Result<Exit, Failure> {
     let url = url.ok_or_else(|| Failure::new(Exit::Usage, "--queue URL is missing"))?;
     let queue = Queue::open(&arguments.queue, url).await?;
     let (address, access) = (arguments.server.clone(), arguments.access.clone());
-    let server = Server::open(address, access, arguments.workers).await?;
+    let slots = arguments.threads.slots(arguments.workers);
+    let server = Server::open(address, access, slots).await?;
     let worker = Arc::new(Worker {
         queue,
         server,

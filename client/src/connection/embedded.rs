@@ -5,6 +5,7 @@ use signorini_server::{Config, Listener, serve};
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 
+use super::Slots;
 use crate::exit::{Exit, Failure};
 
 /// A running server that ends with the command.
@@ -15,15 +16,13 @@ pub(super) struct Embedded {
 }
 
 impl Embedded {
-    /// Starts the server; with `slots` it solves so many scenes at one time, short or long, on
-    /// its share of the cores each.
-    pub(super) async fn start(slots: Option<usize>) -> Result<Self, Failure> {
+    /// Starts the server; with slots of its own none is kept for short scenes.
+    pub(super) async fn start(slots: Option<Slots>) -> Result<Self, Failure> {
         let mut config = Config::embedded();
         if let Some(slots) = slots {
-            let cores = std::thread::available_parallelism().map_or(1, usize::from);
-            config.solver_slots = slots;
+            config.solver_slots = slots.count;
             config.short_slots = 0;
-            config.threads_per_slot = (cores / slots.max(1)).max(1);
+            config.threads_per_slot = slots.threads;
         }
         let listener = Listener::bind(&config)
             .await

@@ -97,7 +97,7 @@ class Place:
 
     def worker(self, *more: str, **pipes: object) -> subprocess.Popen[str]:
         """A worker of the queue."""
-        command = [self.program, "worker", "--queue", self.url, *more]
+        command = [self.program, "worker", "--queue", self.url, "--threads", "1", *more]
         return self.spawn(command, **(pipes or {"stderr": subprocess.DEVNULL}))
 
     def study(self, file: Path, out: Path, *more: str) -> subprocess.Popen[str]:
@@ -145,6 +145,8 @@ def clean(place: Place, cases: int, workers: int) -> None:
     file, out = write_study(place.folder, cases, set()), place.folder / "clean.csv"
     team = [place.worker() for _ in range(workers)]
     time.sleep(1)
+    if any(one.poll() is not None for one in team):
+        raise SystemExit("the workers do not start: was the program built with --features fleet?")
     begun = time.monotonic()
     code = place.study(file, out).wait()
     wall = time.monotonic() - begun
@@ -297,7 +299,7 @@ def main() -> None:
             if "clean" in given.parts:
                 clean(place, given.cases, given.workers)
             if "pending" in given.parts:
-                for cases in (max(given.pending // 100, 100), given.pending):
+                for cases in (max(given.pending // 100, 2000), given.pending):
                     pending(place, cases)
             if "faults" in given.parts:
                 faults(place, nats, given.cases, given.workers)

@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 use async_nats::ConnectOptions;
 use async_nats::jetstream::consumer::{PullConsumer, pull};
 use async_nats::jetstream::context::ContextBuilder;
-use async_nats::jetstream::stream::{Config, RetentionPolicy, Stream};
+use async_nats::jetstream::stream::{Config, DiscardPolicy, RetentionPolicy, Stream};
 use async_nats::jetstream::{Context, kv, object_store};
 use serde::{Deserialize, Serialize};
 use signorini_client::study::{Study, Wanted};
@@ -172,12 +172,19 @@ impl Queue {
     }
 }
 
+/// The bucket is made as the stream that it is: what the crate asks about the account first is
+/// not all answered by NATS 2.9.
 async fn studies(context: &Context) -> Result<kv::Store, Failure> {
-    let config = kv::Config {
-        bucket: STUDIES.to_owned(),
-        ..Default::default()
+    let config = Config {
+        max_messages_per_subject: 1,
+        discard: DiscardPolicy::New,
+        allow_rollup: true,
+        deny_delete: true,
+        allow_direct: true,
+        ..stream(&format!("KV_{STUDIES}"), &format!("$KV.{STUDIES}.>"))
     };
-    context.create_key_value(config).await.map_err(broken)
+    context.get_or_create_stream(config).await.map_err(broken)?;
+    context.get_key_value(STUDIES).await.map_err(broken)
 }
 
 async fn assets(context: &Context) -> Result<object_store::ObjectStore, Failure> {
