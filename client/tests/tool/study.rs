@@ -36,8 +36,12 @@ impl Place {
     }
 
     fn run(&self, more: &[&str]) -> Run {
-        let (study, out) = (self.path("study.toml"), self.path("out.csv"));
-        let arguments = ["study", &study, "--out", &out, "--workers", "2"];
+        self.run_to(&self.path("out.csv"), more)
+    }
+
+    fn run_to(&self, out: &str, more: &[&str]) -> Run {
+        let study = self.path("study.toml");
+        let arguments = ["study", &study, "--out", out, "--workers", "2"];
         run(arguments.into_iter().chain(more.iter().copied()))
     }
 
@@ -259,25 +263,26 @@ fn a_check_lists_the_cases_and_solves_none() {
 #[test]
 fn wrong_studies_are_refused_before_anything_runs() {
     let place = Place::new("refused", 2, "[list]\nfile = \"cases.csv\"\n");
-    let refused = |cases: &str, more: &[&str]| {
+    let refused = |cases: &str, out: &str| {
         fs::write(place.0.join("cases.csv"), cases).unwrap();
-        let run = place.run(more);
+        let run = place.run_to(out, &[]);
         (run.code, run.stderr)
     };
-    let (code, told) = refused("material.body.poison_ratio\n0.4\n", &[]);
+    let out = place.path("out.csv");
+    let (code, told) = refused("material.body.poison_ratio\n0.4\n", &out);
     assert_eq!(code, Some(4), "{told}");
     assert!(
         told.contains("material.body.poison_ratio: unknown key"),
         "{told}"
     );
-    let (code, told) = refused("mesh_scale,name\n1\n", &[]);
+    let (code, told) = refused("mesh_scale,name\n1\n", &out);
     assert_eq!(code, Some(4), "{told}");
     assert!(told.contains("cases.csv: line 2: has 1 cells"), "{told}");
     let input = place.path("cases.csv");
-    let (code, told) = refused("mesh_scale\n1\n", &["--out", &input]);
+    let (code, told) = refused("mesh_scale\n1\n", &input);
     assert_eq!(code, Some(2), "{told}");
     assert!(told.contains("cases.csv: is read by the study"), "{told}");
-    let (code, told) = refused("mesh_scale\n1\n", &["--out", "out.txt"]);
+    let (code, told) = refused("mesh_scale\n1\n", "out.txt");
     assert!(
         code == Some(2) && told.contains("neither .csv nor .parquet"),
         "{told}"
@@ -289,11 +294,9 @@ fn wrong_studies_are_refused_before_anything_runs() {
 #[cfg(not(any(feature = "parquet", feature = "fleet")))]
 fn what_a_build_does_not_have_is_refused_by_the_name_of_its_feature() {
     let place = Place::new("features", 2, "");
-    for (more, feature) in [
-        (["--out", "out.parquet"], "--features parquet"),
-        (["--queue", "nats://127.0.0.1:4222"], "--features fleet"),
-    ] {
-        let run = place.run(&more);
+    let parquet = place.run_to("out.parquet", &[]);
+    let queue = place.run(&["--queue", "nats://127.0.0.1:4222"]);
+    for (run, feature) in [(parquet, "--features parquet"), (queue, "--features fleet")] {
         assert_eq!(run.code, Some(2), "{}", run.stderr);
         assert!(run.stderr.contains(feature), "{}", run.stderr);
     }
