@@ -149,7 +149,7 @@ impl RowLog {
         Ok(found)
     }
 
-    fn cut(&mut self, bytes: u64) -> Result<(), Failure> {
+    fn cut(&self, bytes: u64) -> Result<(), Failure> {
         let cut = self.file.set_len(bytes);
         cut.map_err(|error| Failure::unwritable(&self.path, &error))
     }

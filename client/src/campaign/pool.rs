@@ -172,7 +172,10 @@ impl Worker {
                         _ = self.stop.wait_for(|stop| *stop) => return End::Stopped,
                     }
                 }
-                end => return end,
+                end
+                @ (End::Row(_) | End::Missing | End::Lost(_) | End::Stopped | End::Fault(_)) => {
+                    return end;
+                }
             }
         }
     }

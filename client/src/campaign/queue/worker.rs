@@ -256,7 +256,12 @@ impl Worker {
                     }
                 }
                 End::Busy if !*stop.borrow() => sleep(PAUSE).await,
-                end => return end,
+                end @ (End::Row(_)
+                | End::Missing
+                | End::Busy
+                | End::Lost(_)
+                | End::Stopped
+                | End::Fault(_)) => return end,
             }
         }
     }
