@@ -9,6 +9,7 @@
 
 mod depot;
 mod post;
+mod rows;
 mod study;
 mod worker;
 

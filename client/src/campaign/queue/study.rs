@@ -2,15 +2,13 @@
 
 use std::time::{Duration, Instant};
 
-use async_nats::jetstream::consumer::pull::{Ordered, OrderedConfig};
 use bytes::Bytes;
 use prost::Message as _;
 use signorini_client::study::Study;
 use tokio::sync::watch;
-use tokio::time::timeout;
-use tokio_stream::StreamExt as _;
 
 use super::post::Mail;
+use super::rows::Rows;
 use super::{Manifest, Queue, broken};
 use crate::campaign::assets::{AssetFault, Assets};
 use crate::campaign::ledger::Shared;
@@ -18,8 +16,6 @@ use crate::campaign::pool::{unread, unusable};
 use crate::campaign::row::{REFUSED, Row};
 use crate::exit::Failure;
 
-/// Rows that NATS sends at one time.
-const BATCH: usize = 500;
 /// Without a row for so long, and without a case in the queue, cases are published again.
 const SILENCE: Duration = Duration::from_secs(10);
 
@@ -82,37 +78,21 @@ impl Campaign<'_> {
     }
 
     async fn solve_all(&self) -> Result<(), Failure> {
-        let (mut rows, pending) = self.rows().await?;
+        let (mut rows, pending) = Rows::open(self.queue, self.name).await?;
         // Rows that are there already belong to cases that need not be published.
         for _ in 0..pending {
-            self.take(&mut rows, SILENCE).await?;
+            self.take(&mut rows).await?;
         }
         let (publish, gather) = (self.publish(), self.gather(&mut rows));
         let ((), ()) = tokio::try_join!(publish, gather)?;
         Ok(())
     }
 
-    /// The rows of the study from its first one on, and how many there are.
-    async fn rows(&self) -> Result<(Ordered, u64), Failure> {
-        let config = OrderedConfig {
-            filter_subject: format!("signorini.result.{}.*", self.name),
-            max_batch: BATCH as i64,
-            ..Default::default()
-        };
-        let consumer = self.queue.results.create_consumer(config);
-        let consumer = consumer.await.map_err(broken)?;
-        let pending = consumer.cached_info().num_pending;
-        Ok((consumer.messages().await.map_err(broken)?, pending))
-    }
-
     /// Takes the next row; whether one came in time.
-    async fn take(&self, rows: &mut Ordered, limit: Duration) -> Result<bool, Failure> {
-        let message = match timeout(limit, rows.next()).await {
-            Err(_) => return Ok(false),
-            Ok(None) => return Err(broken("gives no results any more")),
-            Ok(Some(message)) => message.map_err(broken)?,
+    async fn take(&self, rows: &mut Rows<'_>) -> Result<bool, Failure> {
+        let Some(row) = rows.next(SILENCE).await? else {
+            return Ok(false);
         };
-        let row: Row = serde_json::from_slice(&message.payload).map_err(broken)?;
         if row.case < self.study.count() {
             self.ledger.lock().add(&row)?;
         }
@@ -123,10 +103,10 @@ impl Campaign<'_> {
         self.ledger.lock().log().done() >= self.study.count()
     }
 
-    async fn gather(&self, rows: &mut Ordered) -> Result<(), Failure> {
+    async fn gather(&self, rows: &mut Rows<'_>) -> Result<(), Failure> {
         let mut last = Instant::now();
         while !self.is_complete() {
-            if self.take(rows, SILENCE).await? {
+            if self.take(rows).await? {
                 last = Instant::now();
             } else if last.elapsed() >= SILENCE && self.is_queue_empty().await {
                 // A case that no worker has and the queue neither is lost with a disk.
