@@ -22,7 +22,7 @@ pub(super) async fn run(arguments: StudyArguments) -> Result<Exit, Failure> {
     let table = (out.as_path(), Format::of(&out)?);
     keep_inputs(&out, &arguments, &study)?;
     match &arguments.queue.queue {
-        Some(url) if !arguments.check => queued(&study, &arguments, url, table).await,
+        Some(url) if !arguments.check => Box::pin(queued(&study, &arguments, url, table)).await,
         Some(_) | None => local(study, &arguments, table).await,
     }
 }

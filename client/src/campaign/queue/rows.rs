@@ -94,7 +94,7 @@ impl<'a> Rows<'a> {
         };
         self.batch = Some(batch);
         self.next = message.info().map_err(broken)?.stream_sequence + 1;
-        Ok(Some(message.message.payload.clone()))
+        Ok(Some(message.message.payload))
     }
 
     async fn batch(&mut self) -> Result<Batch, Failure> {

@@ -150,11 +150,11 @@ fn write<T: DataType>(
 }
 
 fn told(error: ParquetError) -> io::Error {
-    match error {
-        ParquetError::External(inner) => match inner.downcast::<io::Error>() {
-            Ok(inner) => *inner,
-            Err(other) => io::Error::other(other),
-        },
-        other => io::Error::other(other),
+    let ParquetError::External(inner) = error else {
+        return io::Error::other(error);
+    };
+    match inner.downcast::<io::Error>() {
+        Ok(inner) => *inner,
+        Err(other) => io::Error::other(other),
     }
 }
