@@ -75,7 +75,9 @@ def read_study(table: str | Path, *, frame: Frame = "pandas") -> Any:
         return module.read_parquet(path)
     if frame == "polars":
         return module.read_csv(path, schema_overrides={"id": module.String}, infer_schema_length=None)
-    return module.read_csv(path, dtype={"id": str}, float_precision="round_trip")
+    # Later ones do so anyway.
+    exact = {"float_precision": "round_trip"} if int(module.__version__.split(".")[0]) < 3 else {}
+    return module.read_csv(path, dtype={"id": str}, **exact)
 
 
 def package(frame: str) -> Any:
@@ -117,9 +119,7 @@ def run(arguments: Sequence[str], progress: bool) -> None:
     errors = None if progress else subprocess.PIPE
     try:
         # Of its own session: an interrupt reaches it once, from here.
-        process = subprocess.Popen(
-            command, stdout=subprocess.DEVNULL, stderr=errors, text=True, start_new_session=True
-        )
+        process = subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=errors, text=True, start_new_session=True)
     except OSError as error:
         raise ProgramError(f"{command[0]}: {error}") from error
     with process:

@@ -33,9 +33,9 @@ def test_a_study_is_a_frame_with_a_row_for_each_case(examples: Path, ball: s.Sce
 
 def test_a_study_of_the_examples_keeps_its_table_and_goes_on(examples: Path, tmp_path: Path) -> None:
     out = tmp_path / "hertz.csv"
-    frame = s.study(examples / "hertz-study.toml", out=out)
+    frame = s.study(examples / "studies" / "hertz.toml", out=out)
     assert len(frame) == 12
-    again = s.study(examples / "hertz-study.toml", out=out, resume=True)
+    again = s.study(examples / "studies" / "hertz.toml", out=out, resume=True)
     pandas.testing.assert_frame_equal(again, frame)
     pandas.testing.assert_frame_equal(s.read_study(out), frame)
 

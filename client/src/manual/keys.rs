@@ -168,12 +168,12 @@ fn every_scene_of_the_manual_is_read() {
 #[test]
 fn every_study_of_the_manual_is_read_and_every_key_and_column_is_told() {
     let page = Page::read("studies.md");
-    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/study.toml");
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/studies/study.toml");
     let snippets = page.snippets();
     for snippet in snippets.iter().filter(|one| one.language == "toml") {
         let study = Study::read(&snippet.text, &beside, &[]).unwrap();
         assert_eq!(study.count(), 12);
-        let example = Study::open(&beside.with_file_name("hertz-study.toml"), &[]).unwrap();
+        let example = Study::open(&beside.with_file_name("hertz.toml"), &[]).unwrap();
         assert_eq!(study.case(5).unwrap().id, example.case(5).unwrap().id);
     }
     let unknown = |text: &str| {

@@ -69,7 +69,7 @@ fn read(text: &str, folder: &std::path::Path) -> bool {
 fn every_study_is_read_or_refused_within_the_budget() {
     let folder = place("fuzz_study");
     assert!(read(STUDY, &folder));
-    let example = include_str!("../../examples/hertz-study.toml");
+    let example = include_str!("../../examples/studies/hertz.toml");
     let seeds = vec![Vec::from(STUDY), Vec::from(example)];
     let (corpus, budget) = (
         Corpus::new(Form::File, seeds, &WORDS),
