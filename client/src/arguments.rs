@@ -9,7 +9,6 @@ use clap_complete::Shell;
 use signorini_client::scene_file::Override;
 use signorini_client::{Client, ServerAddress};
 
-use crate::connection::Slots;
 use crate::exit::Failure;
 pub(crate) use access::AccessArguments;
 #[cfg(feature = "embedded")]
@@ -356,6 +355,13 @@ pub(crate) struct WorkerArguments {
     pub(crate) server: Option<ServerAddress>,
     #[command(flatten)]
     pub(crate) access: AccessArguments,
+}
+
+/// Scenes that a server solves at one time, and the threads of each.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Slots {
+    pub(crate) count: usize,
+    pub(crate) threads: usize,
 }
 
 /// How a server of this process solves.

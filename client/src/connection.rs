@@ -2,17 +2,10 @@
 
 use signorini_client::{Client, ServerAddress};
 
-use crate::arguments::{AccessArguments, SceneArguments};
+use crate::arguments::{AccessArguments, SceneArguments, Slots};
 #[cfg(not(feature = "embedded"))]
 use crate::exit::Exit;
 use crate::exit::Failure;
-
-/// Scenes that a server solves at one time, and the threads of each.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Slots {
-    pub(crate) count: usize,
-    pub(crate) threads: usize,
-}
 
 /// A client, and the server behind it when it belongs to this process.
 pub(crate) struct Connection {

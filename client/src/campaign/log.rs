@@ -262,3 +262,126 @@ pub(crate) fn row_of(line: &[u8]) -> Option<Row> {
         Line::Study(_) | Line::Begin(_) => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn header(study: &str) -> Header {
+        Header {
+            study: study.to_owned(),
+            cases: 3,
+            mesh: "meshes/1".to_owned(),
+        }
+    }
+
+    fn row(case: u64) -> Row {
+        Row::without(case, &format!("{case}-id"), "converged")
+    }
+
+    struct Place(PathBuf);
+
+    impl Drop for Place {
+        fn drop(&mut self) {
+            // A file that stays is no fault of what is tested.
+            let _left = std::fs::remove_file(&self.0);
+        }
+    }
+
+    impl Place {
+        fn new(test: &str) -> Self {
+            let name = format!("signorini-log-{test}-{}", std::process::id());
+            Self(std::env::temp_dir().join(name))
+        }
+
+        fn open(&self, study: &str, start: Start) -> Result<(RowLog, Vec<u64>), Failure> {
+            let mut seen = Vec::new();
+            let log = RowLog::open(&self.0, &header(study), start, |row| seen.push(row.case))?;
+            Ok((log, seen))
+        }
+
+        fn add(&self, text: &str) {
+            let mut file = OpenOptions::new().append(true).open(&self.0).unwrap();
+            file.write_all(text.as_bytes()).unwrap();
+        }
+    }
+
+    #[test]
+    fn what_is_there_is_taken_up_but_for_a_line_without_its_end() {
+        let place = Place::new("taken");
+        let (mut log, _) = place.open("a", Start::Anew).unwrap();
+        log.begin(1).unwrap();
+        assert!(log.add(&row(1)).unwrap() && !log.add(&row(1)).unwrap());
+        log.begin(2).unwrap();
+        assert!(
+            place
+                .open("a", Start::Resume)
+                .unwrap_err()
+                .text()
+                .contains("another process")
+        );
+        drop(log);
+        place.add("{\"row\":{\"case\":0");
+        let (mut log, seen) = place.open("a", Start::Resume).unwrap();
+        assert_eq!(
+            (seen, log.done(), log.begun(1), log.begun(2)),
+            (vec![1], 1, 0, 1)
+        );
+        log.add(&row(0)).unwrap();
+        drop(log);
+        assert_eq!(place.open("a", Start::Resume).unwrap().1, [1, 0]);
+    }
+
+    #[test]
+    fn only_a_whole_study_is_written_over_and_only_the_same_is_taken_up() {
+        let place = Place::new("whole");
+        let (mut log, _) = place.open("a", Start::Anew).unwrap();
+        log.add(&row(0)).unwrap();
+        drop(log);
+        assert!(
+            place
+                .open("a", Start::Anew)
+                .unwrap_err()
+                .text()
+                .contains("interrupted")
+        );
+        assert!(
+            place
+                .open("b", Start::Resume)
+                .unwrap_err()
+                .text()
+                .contains("another study")
+        );
+        let (mut log, _) = place.open("a", Start::Resume).unwrap();
+        log.add(&row(1)).unwrap();
+        log.add(&row(2)).unwrap();
+        drop(log);
+        assert_eq!(place.open("b", Start::Anew).unwrap().0.done(), 0);
+    }
+
+    #[test]
+    fn damaged_logs_name_their_line() {
+        let place = Place::new("damaged");
+        drop(place.open("a", Start::Anew).unwrap());
+        place.add("{\"begin\":0}\nnonsense\n");
+        let told = place.open("a", Start::Resume).unwrap_err().text();
+        assert!(told.contains("line 3"), "{told}");
+        std::fs::write(&place.0, "{\"row\":{}}\n").unwrap();
+        assert!(
+            place
+                .open("a", Start::Resume)
+                .unwrap_err()
+                .text()
+                .contains("line 1")
+        );
+        let huge = "{\"study\":{\"study\":\"a\",\"cases\":18446744073709551615,\"mesh\":\"m\"}}\n";
+        std::fs::write(&place.0, huge).unwrap();
+        assert!(
+            place
+                .open("a", Start::Resume)
+                .unwrap_err()
+                .text()
+                .contains("line 1")
+        );
+    }
+}

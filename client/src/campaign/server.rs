@@ -7,8 +7,8 @@ use signorini_client::{Client, ServerAddress};
 use tokio::sync::Mutex;
 use tokio::time::sleep;
 
-use crate::arguments::AccessArguments;
-use crate::connection::{Connection, Slots};
+use crate::arguments::{AccessArguments, Slots};
+use crate::connection::Connection;
 use crate::exit::Failure;
 
 /// How long a server is waited for that does not answer.

@@ -5,7 +5,7 @@ use signorini_server::{Config, Listener, serve};
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 
-use super::Slots;
+use crate::arguments::Slots;
 use crate::exit::{Exit, Failure};
 
 /// A running server that ends with the command.

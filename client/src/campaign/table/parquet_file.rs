@@ -158,3 +158,46 @@ fn told(error: ParquetError) -> io::Error {
         Err(other) => io::Error::other(other),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use parquet::file::reader::{FileReader as _, SerializedFileReader};
+
+    use super::*;
+    use crate::whole_file;
+
+    #[test]
+    fn what_is_written_is_read_with_its_types_and_gaps_over_several_groups() {
+        let path = std::env::temp_dir().join(format!("signorini-{}.parquet", std::process::id()));
+        let kinds = [Kind::Integer, Kind::Number, Kind::Text];
+        let columns = kinds.map(|kind| Column {
+            name: format!("{kind:?}"),
+            kind,
+        });
+        let file = whole_file::begin(&path).unwrap();
+        let mut sink = Box::new(ParquetFile::new(file, &columns).unwrap());
+        let rows = GROUP as i64 + 5;
+        for row in 0..rows {
+            let number = if row % 2 == 0 {
+                Cell::Number(0.1)
+            } else {
+                Cell::Empty
+            };
+            let text = Cell::Text(format!("row {row}"));
+            sink.row(vec![Cell::Integer(row), number, text]).unwrap();
+        }
+        sink.finish().unwrap();
+        let reader = SerializedFileReader::new(File::open(&path).unwrap()).unwrap();
+        assert_eq!(reader.metadata().num_row_groups(), 2);
+        let read: Vec<String> = reader
+            .into_iter()
+            .map(|row| row.unwrap().to_string())
+            .collect();
+        assert_eq!(read.len() as i64, rows);
+        assert_eq!(read[0], "{Integer: 0, Number: 0.1, Text: \"row 0\"}");
+        let last = format!("{{Integer: {}, Number: 0.1, Text: \"row {0}\"}}", rows - 1);
+        assert_eq!(read[read.len() - 1], last);
+        assert_eq!(read[1], "{Integer: 1, Number: null, Text: \"row 1\"}");
+        std::fs::remove_file(&path).unwrap();
+    }
+}
