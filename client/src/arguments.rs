@@ -1,6 +1,7 @@
 //! The arguments of the command line.
 
 mod access;
+mod study;
 
 use std::path::PathBuf;
 
@@ -13,6 +14,10 @@ use crate::exit::Failure;
 pub(crate) use access::AccessArguments;
 #[cfg(feature = "embedded")]
 pub(crate) use access::{CertsCommand, TokenCommand};
+#[cfg(feature = "fleet")]
+pub(crate) use study::QueueArguments;
+use study::{STUDY_EXAMPLES, WORKER_EXAMPLES};
+pub(crate) use study::{Slots, StudyArguments, WorkerArguments};
 
 /// Contact of nearly incompressible bodies, rubber included: solve scenes, serve, look at servers.
 #[derive(Debug, Parser)]
@@ -111,6 +116,12 @@ pub(crate) enum Command {
     /// Solve a scene; without --server in a server of this process
     #[command(after_help = SOLVE_EXAMPLES)]
     Solve(SolveArguments),
+    /// Solve one scene for many values of its keys: a row for each case
+    #[command(after_help = STUDY_EXAMPLES)]
+    Study(StudyArguments),
+    /// Solve cases of studies from a queue
+    #[command(after_help = WORKER_EXAMPLES)]
+    Worker(WorkerArguments),
     /// Follow the results of a session, kept ones first
     #[command(after_help = SESSION_EXAMPLES)]
     Watch(WatchArguments),

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::process::ExitCode;
 
 use signorini_client::scene_file::SceneFileError;
+use signorini_client::study::StudyError;
 use signorini_client::{ClientError, Refusal, Violation};
 use signorini_proto::v1::Termination;
 use tonic::Code;
@@ -112,6 +113,11 @@ impl Failure {
         Self::new(Exit::Usage, format!("{}: {error}", path.display()))
     }
 
+    /// Its messages in one line.
+    pub(crate) fn text(&self) -> String {
+        self.messages.join("; ")
+    }
+
     fn violations(violations: &[Violation]) -> Self {
         let messages = violations.iter().map(ToString::to_string).collect();
         Self {
@@ -134,6 +140,19 @@ impl From<SceneFileError> for Failure {
         match &error {
             SceneFileError::Invalid(violations) => Self::violations(violations),
             SceneFileError::Syntax(_) => Self::new(Exit::Invalid, error.to_string()),
+        }
+    }
+}
+
+impl From<StudyError> for Failure {
+    fn from(error: StudyError) -> Self {
+        match error {
+            StudyError::Invalid(violations) => Self::violations(&violations),
+            StudyError::Scene { path, source } => Self::from(source).about(&path),
+            StudyError::File { path, source } => Self::unreadable(&path, &source),
+            StudyError::Syntax { .. } | StudyError::List { .. } => {
+                Self::new(Exit::Invalid, error.to_string())
+            }
         }
     }
 }
@@ -180,6 +199,11 @@ impl From<ClientError> for Failure {
         };
         Self::new(exit, error.to_string())
     }
+}
+
+/// A task of this process that ended by a defect.
+pub(crate) fn panicked(error: &tokio::task::JoinError) -> Failure {
+    Failure::new(Exit::Server, format!("a defect of this program: {error}"))
 }
 
 /// What to do about a refusal, where that is a command.

@@ -126,6 +126,33 @@ fn load_surfaces(scene: &mut v1::Scene, files: &[(usize, PathBuf)]) -> Result<Su
     Ok(surfaces)
 }
 
+/// The surface of an obstacle as it travels, from its file.
+pub(crate) fn wire_surface(
+    scene: &v1::Scene,
+    obstacle: usize,
+    path: &Path,
+) -> Result<WireSurface, Failure> {
+    let shape = scene
+        .obstacles
+        .get(obstacle)
+        .and_then(|one| one.shape.as_ref());
+    let mut kind = shape.and_then(|shape| shape.kind.clone());
+    let kind = kind.as_mut();
+    let kind = kind.ok_or_else(|| Failure::new(Exit::Usage, "the obstacle has no shape"))?;
+    Ok(load_surface(kind, path)?.0)
+}
+
+/// Names the surface of an obstacle that is from a file.
+pub(crate) fn name_surface(scene: &mut v1::Scene, obstacle: usize, name: String) {
+    let shape = scene
+        .obstacles
+        .get_mut(obstacle)
+        .and_then(|one| one.shape.as_mut());
+    if let Some(kind) = shape.and_then(|shape| shape.kind.as_mut()) {
+        scene_file::name_surface(kind, name);
+    }
+}
+
 /// Reads the file of a shape, and names what is in it there.
 fn load_surface(kind: &mut Kind, path: &Path) -> Result<(WireSurface, Triangulation), Failure> {
     let (wire, drawing) = match kind {

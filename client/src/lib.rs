@@ -34,6 +34,7 @@ pub mod result_line;
 pub mod scene_file;
 mod session;
 pub mod solve;
+pub mod study;
 mod surface;
 
 pub use connect::{Client, ServerAddress};

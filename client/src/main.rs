@@ -13,6 +13,7 @@
 )]
 
 mod arguments;
+mod campaign;
 mod commands;
 mod connection;
 mod exit;

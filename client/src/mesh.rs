@@ -219,6 +219,19 @@ impl Client {
         })
     }
 
+    /// Uploads a mesh from the messages that [`WireMesh::requests`] gives.
+    ///
+    /// # Errors
+    /// As [`Client::upload_mesh`].
+    pub async fn upload_mesh_messages(
+        &self,
+        messages: impl Iterator<Item = v1::UploadMeshRequest> + Send + 'static,
+    ) -> Result<(), ClientError> {
+        let requests = tokio_stream::iter(messages);
+        self.meshes().upload_mesh(requests).await?;
+        Ok(())
+    }
+
     /// The mesh of a digest (64 hexadecimal digits or `meshes/{digest}`), if the
     /// server has it.
     ///

@@ -10,6 +10,7 @@ use signorini_proto::v1;
 /// Without colours, so that `NO_COLOR` holds by itself.
 const NARROW: &str = "{msg}  {pos}/{len}  {elapsed}";
 const WIDE: &str = "{msg}  [{bar:20}] {pos}/{len}  {elapsed}";
+const CASES: &str = "{pos}/{len} cases  [{bar:20}] {per_sec}  {elapsed} + {eta}  {msg}";
 /// Columns from which there is room for the bar.
 const WITH_BAR: usize = 100;
 /// Of a terminal that does not tell.
@@ -81,6 +82,53 @@ impl Progress {
     /// Lets something be written above the progress.
     pub(crate) fn above<T>(&self, write: impl FnOnce() -> T) -> T {
         self.bar.suspend(write)
+    }
+
+    /// Removes the line.
+    pub(crate) fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// Shows how many cases of a study are done.
+pub(crate) struct CaseProgress {
+    bar: ProgressBar,
+    verbosity: Verbosity,
+}
+
+impl CaseProgress {
+    /// A line over all cases; hidden where stderr is no terminal.
+    pub(crate) fn new(cases: u64, verbosity: Verbosity) -> Self {
+        let bar = match verbosity {
+            Verbosity::Normal | Verbosity::Verbose => ProgressBar::new(cases),
+            Verbosity::Quiet => ProgressBar::hidden(),
+        };
+        if let Ok(style) = ProgressStyle::with_template(CASES) {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        Self { bar, verbosity }
+    }
+
+    /// So many cases are done, some of them without values.
+    pub(crate) fn set(&self, done: u64, failures: u64) {
+        self.bar.set_position(done);
+        if failures > 0 {
+            self.bar.set_message(format!("{failures} without values"));
+        }
+    }
+
+    /// A line for logs, where no terminal shows the bar.
+    pub(crate) fn log(&self) {
+        if self.bar.is_hidden() && self.verbosity != Verbosity::Quiet {
+            let (done, all) = (self.bar.position(), self.bar.length().unwrap_or_default());
+            crate::text::note(&format!("{done} of {all} cases  {}\n", self.bar.message()));
+        }
+    }
+
+    /// Prints a line above the progress.
+    pub(crate) fn note(&self, line: &str) {
+        let print = || crate::text::note(&format!("{line}\n"));
+        self.bar.suspend(print);
     }
 
     /// Removes the line.

@@ -24,6 +24,15 @@ use crate::{units, whole_file};
 /// What the numbers of a field mean that do not say it themselves.
 const CONTACT_STATES: &str = "-1 not a candidate, 0 open, 1 in contact";
 
+/// Fields written when the scene names none.
+pub(crate) const DEFAULT_FIELDS: [v1::FieldName; 5] = [
+    v1::FieldName::Displacement,
+    v1::FieldName::Pressure,
+    v1::FieldName::ContactPressure,
+    v1::FieldName::Gap,
+    v1::FieldName::ContactState,
+];
+
 /// Fields that are made of the stress and the displacement.
 pub(crate) const DERIVED: [&str; 3] = ["von_mises", "principal_stresses", "principal_stretches"];
 

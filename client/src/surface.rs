@@ -118,7 +118,18 @@ impl Client {
             Err(error) if error.is_reason("SURFACE_NOT_FOUND") => (),
             Err(error) => return Err(error),
         }
-        let requests = tokio_stream::iter(surface.requests());
+        self.upload_surface_messages(surface.requests()).await
+    }
+
+    /// Uploads a surface from the messages that [`WireSurface::requests`] gives.
+    ///
+    /// # Errors
+    /// As [`Client::upload_surface`].
+    pub async fn upload_surface_messages(
+        &self,
+        messages: impl Iterator<Item = v1::UploadSurfaceRequest> + Send + 'static,
+    ) -> Result<(), ClientError> {
+        let requests = tokio_stream::iter(messages);
         self.surfaces().upload_surface(requests).await?;
         Ok(())
     }

@@ -40,6 +40,50 @@ pub(crate) fn create(path: &Path) -> io::Result<File> {
     }
 }
 
+/// A file that gets its name when it is whole.
+pub(crate) struct Unfinished {
+    pub(crate) file: File,
+    beside: PathBuf,
+    path: PathBuf,
+    is_whole: bool,
+}
+
+/// Begins a file of that name.
+///
+/// # Errors
+/// Of the system.
+pub(crate) fn begin(path: &Path) -> io::Result<Unfinished> {
+    let (beside, file) = open_beside(path)?;
+    Ok(Unfinished {
+        file,
+        beside,
+        path: path.to_owned(),
+        is_whole: false,
+    })
+}
+
+impl Unfinished {
+    /// Gives it its name.
+    ///
+    /// # Errors
+    /// Of the system.
+    pub(crate) fn finish(mut self) -> io::Result<()> {
+        self.file.flush()?;
+        std::fs::rename(&self.beside, &self.path)?;
+        self.is_whole = true;
+        Ok(())
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        if !self.is_whole {
+            // What failed before is told.
+            let _gone = std::fs::remove_file(&self.beside);
+        }
+    }
+}
+
 fn open_beside(path: &Path) -> io::Result<(PathBuf, File)> {
     let name = path.file_name().ok_or(ErrorKind::InvalidInput)?;
     let name = format!(".{}.{}.part", name.to_string_lossy(), std::process::id());

@@ -10,6 +10,7 @@ interpreter. `signorini.aio` is the asynchronous twin, `signorini.v1` the messag
 
 from . import errors
 from ._session import Pending, Session
+from ._study import read_study, study
 from ._surfaces import write_grid
 from ._values import Values, write_values
 from .client import Client, connect, plan, session, solve
@@ -92,8 +93,10 @@ __all__ = [
     "errors",
     "example",
     "plan",
+    "read_study",
     "session",
     "solve",
+    "study",
     "write_grid",
     "write_values",
 ]

@@ -14,6 +14,7 @@ __all__ = [
     "MeshError",
     "NotConvergedError",
     "NotFoundError",
+    "PackageError",
     "ProgramError",
     "ProtocolError",
     "QuotaError",
@@ -43,6 +44,10 @@ class SignoriniWarning(UserWarning):
 
 class ProgramError(SignoriniError):
     """The program `signorini` is missing, does not start or gives no answer."""
+
+
+class PackageError(SignoriniError, ImportError):
+    """A package that is needed for what was asked is not there."""
 
 
 class UnreachableError(SignoriniError):

@@ -10,7 +10,7 @@ use signorini_client::Credentials;
 use crate::exit::{Exit, Failure};
 
 /// What a server may ask for.
-#[derive(Args, Debug)]
+#[derive(Args, Clone, Debug)]
 pub(crate) struct AccessArguments {
     /// File with the token to show the server; or the token itself in SIGNORINI_TOKEN
     #[arg(long, value_name = "FILE", env = "SIGNORINI_TOKEN_FILE")]

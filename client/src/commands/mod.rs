@@ -21,10 +21,12 @@ mod report;
 mod serve;
 mod session;
 mod solve;
+mod study;
 #[cfg(feature = "embedded")]
 mod token;
 mod version;
 mod watch;
+mod worker;
 
 use std::time::Instant;
 
@@ -42,6 +44,8 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         .map_err(|error| Failure::new(Exit::Server, format!("no runtime: {error}")))?;
     match arguments.command {
         Command::Solve(arguments) => runtime.block_on(Box::pin(solve::run(arguments, started))),
+        Command::Study(arguments) => runtime.block_on(Box::pin(study::run(arguments))),
+        Command::Worker(arguments) => runtime.block_on(Box::pin(worker::run(arguments))),
         Command::Watch(arguments) => runtime.block_on(Box::pin(watch::run(arguments, started))),
         Command::Fetch(arguments) => runtime.block_on(Box::pin(fetch::run(arguments, started))),
         Command::Cancel(arguments) => runtime.block_on(cancel::run(arguments)),
@@ -79,6 +83,35 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
 fn interrupts() -> Result<Signal, Failure> {
     signal(SignalKind::interrupt())
         .map_err(|error| Failure::new(Exit::Server, format!("no signals: {error}")))
+}
+
+/// Tells the work to stop when Ctrl-C is pressed, and quits when it is pressed again.
+async fn stop_when_interrupted(
+    stop: &tokio::sync::watch::Sender<bool>,
+    tell: impl Fn(&str),
+) -> Result<(), Failure> {
+    let mut interrupts = interrupts()?;
+    while interrupts.recv().await.is_some() {
+        if stop.send_replace(true) {
+            tell("stopped");
+            std::process::exit(Exit::Interrupted as i32);
+        }
+        tell("stopping; press Ctrl-C again to quit at once");
+    }
+    std::future::pending().await
+}
+
+/// Writes a line for people.
+#[cfg(feature = "fleet")]
+fn tell(line: &str) {
+    note(&format!("{line}\n"));
+}
+
+/// Why there are no queues.
+#[cfg(not(feature = "fleet"))]
+fn without_queue() -> Failure {
+    let message = "this build knows no queue: build it with `--features fleet`";
+    Failure::new(Exit::Usage, message)
 }
 
 /// A session and its scene; tells when its first results are gone.

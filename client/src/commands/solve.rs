@@ -17,17 +17,8 @@ use crate::input::{self, Input};
 use crate::output::LineSink;
 use crate::progress::Verbosity;
 use crate::record::Record;
-use crate::results::{Drawings, ResultFolder};
+use crate::results::{DEFAULT_FIELDS, Drawings, ResultFolder};
 use run::Run;
-
-/// Fields written with `--out` when the scene names none.
-const DEFAULT_FIELDS: [v1::FieldName; 5] = [
-    v1::FieldName::Displacement,
-    v1::FieldName::Pressure,
-    v1::FieldName::ContactPressure,
-    v1::FieldName::Gap,
-    v1::FieldName::ContactState,
-];
 
 pub(super) async fn run(arguments: SolveArguments, started: Instant) -> Result<Exit, Failure> {
     if arguments.detach {

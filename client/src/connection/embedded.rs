@@ -5,6 +5,7 @@ use signorini_server::{Config, Listener, serve};
 use tokio::sync::oneshot;
 use tokio::task::JoinHandle;
 
+use crate::arguments::Slots;
 use crate::exit::{Exit, Failure};
 
 /// A running server that ends with the command.
@@ -15,9 +16,14 @@ pub(super) struct Embedded {
 }
 
 impl Embedded {
-    /// Starts the server.
-    pub(super) async fn start() -> Result<Self, Failure> {
-        let config = Config::embedded();
+    /// Starts the server; with slots of its own none is kept for short scenes.
+    pub(super) async fn start(slots: Option<Slots>) -> Result<Self, Failure> {
+        let mut config = Config::embedded();
+        if let Some(slots) = slots {
+            config.solver_slots = slots.count;
+            config.short_slots = 0;
+            config.threads_per_slot = slots.threads;
+        }
         let listener = Listener::bind(&config)
             .await
             .map_err(|error| Failure::new(Exit::NoServer, error.to_string()))?;
@@ -36,6 +42,11 @@ impl Embedded {
             stop,
             task,
         })
+    }
+
+    /// Whether it has ended.
+    pub(super) fn is_over(&self) -> bool {
+        self.task.is_finished()
     }
 
     pub(super) fn address(&self) -> &ServerAddress {

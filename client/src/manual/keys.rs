@@ -6,6 +6,7 @@ use std::path::Path;
 
 use signorini_client::formats::{grid, values};
 use signorini_client::scene_file::{self, SceneFileError};
+use signorini_client::study::{COLUMNS_BEFORE, COLUMNS_BEHIND, Study};
 use toml::{Table, Value};
 
 use super::page::{self, Page};
@@ -151,8 +152,8 @@ fn read(text: &str) -> Result<scene_file::SceneFile, SceneFileError> {
 fn every_scene_of_the_manual_is_read() {
     let mut scenes = 0;
     for page in Page::all() {
-        // Settings of a server, which another test reads.
-        if page.name == "operations.md" {
+        // Settings of a server, and studies, which other tests read.
+        if ["operations.md", "studies.md"].contains(&page.name.as_str()) {
             continue;
         }
         for snippet in page.snippets().iter().filter(|one| one.language == "toml") {
@@ -162,6 +163,42 @@ fn every_scene_of_the_manual_is_read() {
         }
     }
     assert!(scenes >= 2, "{scenes}");
+}
+
+#[test]
+fn every_study_of_the_manual_is_read_and_every_key_and_column_is_told() {
+    let page = Page::read("studies.md");
+    let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/studies/study.toml");
+    let snippets = page.snippets();
+    for snippet in snippets.iter().filter(|one| one.language == "toml") {
+        let study = Study::read(&snippet.text, &beside, &[]).unwrap();
+        assert_eq!(study.count(), 12);
+        let example = Study::open(&beside.with_file_name("hertz.toml"), &[]).unwrap();
+        assert_eq!(study.case(5).unwrap().id, example.case(5).unwrap().id);
+    }
+    let unknown = |text: &str| {
+        let error = Study::read(text, &beside, &[]).unwrap_err().to_string();
+        let lists = error.split("known keys are ").skip(1);
+        lists
+            .flat_map(|list| page::words(list.split(';').next().unwrap()))
+            .collect::<Vec<_>>()
+    };
+    let text = "zzzzzzzz = 1\n[list]\nzzzzzzzz = 1\n[[grid]]\nzzzzzzzz = 1\n[[result]]\nzzzzzzzz = 1\n\
+                [sobol]\nzzzzzzzz = 1\n[[sobol.range]]\nzzzzzzzz = 1\n";
+    let keys: BTreeSet<String> = unknown(text).into_iter().collect();
+    let told = page
+        .section("keys", |heading| heading == "The study file")
+        .first_cells();
+    let told: BTreeSet<String> = told.iter().flat_map(|cell| page::words(cell)).collect();
+    assert_eq!(told, keys);
+    let columns = page
+        .section("columns", |heading| heading == "The table")
+        .first_cells();
+    let known = COLUMNS_BEFORE.into_iter().chain(COLUMNS_BEHIND);
+    assert_eq!(
+        columns.iter().map(String::as_str).collect::<BTreeSet<_>>(),
+        known.collect()
+    );
 }
 
 #[test]

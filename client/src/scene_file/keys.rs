@@ -13,10 +13,10 @@ const MOST: usize = 100;
 
 /// Faults found so far.
 #[derive(Debug, Default)]
-pub(super) struct Faults(RefCell<Vec<Violation>>);
+pub(crate) struct Faults(RefCell<Vec<Violation>>);
 
 impl Faults {
-    pub(super) fn add(&self, path: String, message: String) {
+    pub(crate) fn add(&self, path: String, message: String) {
         let mut all = self.0.borrow_mut();
         match all.len() {
             0..MOST => all.push(Violation { path, message }),
@@ -28,7 +28,7 @@ impl Faults {
         }
     }
 
-    pub(super) fn finish(self) -> Result<(), Vec<Violation>> {
+    pub(crate) fn finish(self) -> Result<(), Vec<Violation>> {
         let faults = self.0.into_inner();
         if faults.is_empty() {
             Ok(())
@@ -39,7 +39,7 @@ impl Faults {
 }
 
 /// One table of the file.
-pub(super) struct Keys<'a> {
+pub(crate) struct Keys<'a> {
     path: String,
     table: &'a Table,
     faults: &'a Faults,
@@ -47,7 +47,7 @@ pub(super) struct Keys<'a> {
 
 impl<'a> Keys<'a> {
     /// A table; keys that are not known are faults.
-    pub(super) fn new(path: String, table: &'a Table, known: &[&str], faults: &'a Faults) -> Self {
+    pub(crate) fn new(path: String, table: &'a Table, known: &[&str], faults: &'a Faults) -> Self {
         let keys = Self {
             path,
             table,
@@ -63,21 +63,21 @@ impl<'a> Keys<'a> {
         join(&self.path, key)
     }
 
-    pub(super) fn fault(&self, key: &str, message: impl Into<String>) {
+    pub(crate) fn fault(&self, key: &str, message: impl Into<String>) {
         self.faults.add(self.at(key), message.into());
     }
 
     /// A fault of the table as a whole.
-    pub(super) fn fault_here(&self, message: impl Into<String>) {
+    pub(crate) fn fault_here(&self, message: impl Into<String>) {
         self.faults.add(self.path.clone(), message.into());
     }
 
-    pub(super) fn has(&self, key: &str) -> bool {
+    pub(crate) fn has(&self, key: &str) -> bool {
         self.table.contains_key(key)
     }
 
     /// Whether a key has a text for its value.
-    pub(super) fn has_text(&self, key: &str) -> bool {
+    pub(crate) fn has_text(&self, key: &str) -> bool {
         self.table.get(key).is_some_and(Value::is_str)
     }
 
@@ -89,7 +89,7 @@ impl<'a> Keys<'a> {
     }
 
     /// The value as `read` takes it; a fault when it does not.
-    fn read<T>(
+    pub(crate) fn read<T>(
         &self,
         key: &str,
         expected: &str,
@@ -104,22 +104,22 @@ impl<'a> Keys<'a> {
     }
 
     /// Reports a required key that is missing.
-    fn require(&self, key: &str) {
+    pub(crate) fn require(&self, key: &str) {
         if !self.has(key) {
             self.fault(key, "required key is missing");
         }
     }
 
-    pub(super) fn number(&self, key: &str) -> Option<f64> {
+    pub(crate) fn number(&self, key: &str) -> Option<f64> {
         self.read(key, "a number", as_number)
     }
 
-    pub(super) fn required_number(&self, key: &str) -> Option<f64> {
+    pub(crate) fn required_number(&self, key: &str) -> Option<f64> {
         self.require(key);
         self.number(key)
     }
 
-    pub(super) fn integer(&self, key: &str) -> Option<i32> {
+    pub(crate) fn integer(&self, key: &str) -> Option<i32> {
         let value = self.read(key, "an integer", Value::as_integer)?;
         let small = i32::try_from(value);
         if small.is_err() {
@@ -128,21 +128,21 @@ impl<'a> Keys<'a> {
         small.ok()
     }
 
-    pub(super) fn boolean(&self, key: &str) -> Option<bool> {
+    pub(crate) fn boolean(&self, key: &str) -> Option<bool> {
         self.read(key, "true or false", Value::as_bool)
     }
 
-    pub(super) fn text(&self, key: &str) -> Option<String> {
+    pub(crate) fn text(&self, key: &str) -> Option<String> {
         self.read(key, "a string", Value::as_str).map(str::to_owned)
     }
 
-    pub(super) fn required_text(&self, key: &str) -> String {
+    pub(crate) fn required_text(&self, key: &str) -> String {
         self.require(key);
         self.text(key).unwrap_or_default()
     }
 
     /// Another type than text, or one word that stands for leaving the key out.
-    pub(super) fn text_or<T>(
+    pub(crate) fn text_or<T>(
         &self,
         key: &str,
         word: &str,
@@ -157,7 +157,7 @@ impl<'a> Keys<'a> {
     }
 
     /// One of some words.
-    pub(super) fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
+    pub(crate) fn choice<T: Copy>(&self, key: &str, choices: &[(&str, T)]) -> Option<T> {
         let word = self.text(key)?;
         let found = choices.iter().find(|(name, _)| *name == word);
         if found.is_none() {
@@ -166,7 +166,7 @@ impl<'a> Keys<'a> {
         found.map(|(_, value)| *value)
     }
 
-    pub(super) fn unknown_word<'w>(
+    pub(crate) fn unknown_word<'w>(
         &self,
         key: &str,
         word: &str,
@@ -183,7 +183,7 @@ impl<'a> Keys<'a> {
     }
 
     /// A string or a list of strings.
-    pub(super) fn names(&self, key: &str) -> Vec<String> {
+    pub(crate) fn names(&self, key: &str) -> Vec<String> {
         let names = self.read(key, "a string or a list of strings", |value| match value {
             Value::String(name) => Some(vec![name.clone()]),
             Value::Array(names) => names
@@ -199,13 +199,13 @@ impl<'a> Keys<'a> {
         names.unwrap_or_default()
     }
 
-    pub(super) fn required_names(&self, key: &str) -> Vec<String> {
+    pub(crate) fn required_names(&self, key: &str) -> Vec<String> {
         self.require(key);
         self.names(key)
     }
 
     /// Numbers in any count.
-    pub(super) fn numbers(&self, key: &str) -> Vec<f64> {
+    pub(crate) fn numbers(&self, key: &str) -> Vec<f64> {
         let numbers = self.read(key, "a list of numbers", |value| {
             value
                 .as_array()?
@@ -217,7 +217,7 @@ impl<'a> Keys<'a> {
     }
 
     /// Three numbers; empty when the key is left out.
-    pub(super) fn vector(&self, key: &str) -> Vec<f64> {
+    pub(crate) fn vector(&self, key: &str) -> Vec<f64> {
         let numbers = self.read(key, "a list of three numbers", |value| {
             let numbers = value.as_array()?;
             numbers.iter().map(as_number).collect::<Option<Vec<f64>>>()
@@ -237,7 +237,7 @@ impl<'a> Keys<'a> {
         Vec::new()
     }
 
-    pub(super) fn required_vector(&self, key: &str) -> Vec<f64> {
+    pub(crate) fn required_vector(&self, key: &str) -> Vec<f64> {
         self.require(key);
         self.vector(key)
     }
@@ -247,13 +247,13 @@ impl<'a> Keys<'a> {
     }
 
     /// A table of known keys.
-    pub(super) fn table(&self, key: &str, known: &[&str]) -> Option<Keys<'a>> {
+    pub(crate) fn table(&self, key: &str, known: &[&str]) -> Option<Keys<'a>> {
         let table = self.raw_table(key)?;
         Some(Keys::new(self.at(key), table, known, self.faults))
     }
 
     /// A table whose keys are not checked before more of it is known.
-    pub(super) fn open_table(&self, key: &str) -> Option<Keys<'a>> {
+    pub(crate) fn open_table(&self, key: &str) -> Option<Keys<'a>> {
         let (path, table) = (self.at(key), self.raw_table(key)?);
         Some(Keys {
             path,
@@ -262,18 +262,18 @@ impl<'a> Keys<'a> {
         })
     }
 
-    pub(super) fn required_open_table(&self, key: &str) -> Option<Keys<'a>> {
+    pub(crate) fn required_open_table(&self, key: &str) -> Option<Keys<'a>> {
         self.require(key);
         self.open_table(key)
     }
 
     /// Checks the keys of a table made by [`Keys::open_table`].
-    pub(super) fn check(&self, known: &[&str]) {
+    pub(crate) fn check(&self, known: &[&str]) {
         Keys::new(self.path.clone(), self.table, known, self.faults);
     }
 
     /// The tables in a table, by name.
-    pub(super) fn named_tables(&self, key: &str) -> Vec<(String, Keys<'a>)> {
+    pub(crate) fn named_tables(&self, key: &str) -> Vec<(String, Keys<'a>)> {
         let Some(outer) = self.open_table(key) else {
             return Vec::new();
         };
@@ -285,7 +285,7 @@ impl<'a> Keys<'a> {
 
     /// An array of tables. Those with a `name` are called by it in paths, the
     /// others by their position.
-    pub(super) fn tables(&self, key: &str, known: &[&str]) -> Vec<Keys<'a>> {
+    pub(crate) fn tables(&self, key: &str, known: &[&str]) -> Vec<Keys<'a>> {
         let expected = format!("an array of tables ([[{key}]], once for each, not [{key}])");
         let tables = self.read(key, &expected, |value| {
             value

@@ -6,7 +6,7 @@
 //! that it can say so. Every fault of a file is reported, not just the first.
 
 mod body;
-mod keys;
+pub(crate) mod keys;
 mod obstacle;
 mod outline;
 mod overrides;
@@ -27,7 +27,7 @@ use signorini_proto::v1::shape::Kind;
 use toml::Table;
 
 pub use outline::{drawn_near, outline};
-pub use overrides::Override;
+pub use overrides::{Override, read_value};
 pub use sampled::{facets, file_drawn_near, grid_surface};
 pub use values::{NamedValues, ValuesPlace, read_values};
 
@@ -92,34 +92,63 @@ pub enum SceneFileError {
 /// # Errors
 /// [`SceneFileError`], with every key that is wrong.
 pub fn read(text: &str, path: &Path, overrides: &[Override]) -> Result<SceneFile, SceneFileError> {
-    let mut table: Table = text
-        .parse()
-        .map_err(|error| SceneFileError::Syntax(syntax::explain(text, &error)))?;
-    let faults = Faults::default();
-    for change in overrides {
-        if let Err(violation) = change.apply(&mut table) {
-            faults.add(violation.path, violation.message);
-        }
+    Template::parse(text, path)?.read(overrides)
+}
+
+/// The tables of a scene file, to be read with one set of changes after another.
+#[derive(Clone, Debug)]
+pub struct Template {
+    table: Table,
+    path: PathBuf,
+}
+
+impl Template {
+    /// Parses the text of a file.
+    ///
+    /// # Errors
+    /// [`SceneFileError::Syntax`].
+    pub fn parse(text: &str, path: &Path) -> Result<Self, SceneFileError> {
+        let table = text.parse().map_err(|error| {
+            let message = syntax::explain(text, &error);
+            SceneFileError::Syntax(message)
+        })?;
+        let path = path.to_owned();
+        Ok(Self { table, path })
     }
-    let keys = Keys::new(String::new(), &table, SCENE, &faults);
-    let stem = path
-        .file_stem()
-        .map(|stem| stem.to_string_lossy().into_owned());
-    let scene = scene(&keys, stem.unwrap_or_default());
-    let mesh = PathBuf::from(keys.required_text("mesh"));
-    let given = overrides.iter().any(Override::is_mesh);
-    let folder = if given {
-        Path::new("")
-    } else {
-        path.parent().unwrap_or(Path::new(""))
-    };
-    faults.finish().map_err(SceneFileError::Invalid)?;
-    Ok(SceneFile {
-        surfaces: surfaces(&scene, path.parent().unwrap_or(Path::new(""))),
-        values: values::named(&table, path.parent().unwrap_or(Path::new(""))),
-        scene,
-        mesh: folder.join(mesh),
-    })
+
+    /// As [`read`].
+    ///
+    /// # Errors
+    /// [`SceneFileError::Invalid`].
+    pub fn read(&self, overrides: &[Override]) -> Result<SceneFile, SceneFileError> {
+        let (mut table, faults) = (self.table.clone(), Faults::default());
+        for change in overrides {
+            if let Err(violation) = change.apply(&mut table) {
+                faults.add(violation.path, violation.message);
+            }
+        }
+        let keys = Keys::new(String::new(), &table, SCENE, &faults);
+        let stem = self.path.file_stem();
+        let stem = stem.map(|stem| stem.to_string_lossy().into_owned());
+        let scene = scene(&keys, stem.unwrap_or_default());
+        let mesh = PathBuf::from(keys.required_text("mesh"));
+        let beside = self.path.parent().unwrap_or(Path::new(""));
+        let given = overrides.iter().any(Override::is_mesh);
+        let folder = if given { Path::new("") } else { beside };
+        faults.finish().map_err(SceneFileError::Invalid)?;
+        Ok(SceneFile {
+            surfaces: surfaces(&scene, beside),
+            values: values::named(&table, beside),
+            scene,
+            mesh: folder.join(mesh),
+        })
+    }
+
+    /// The tables in one order, without comments, of equal bytes where the scenes are equal.
+    pub fn canonical(&self) -> String {
+        // Tables of a file can always be written again.
+        toml::to_string(&self.table).unwrap_or_default()
+    }
 }
 
 /// Files of the surfaces of obstacles, relative to `folder`.
@@ -133,7 +162,7 @@ fn surfaces(scene: &v1::Scene, folder: &Path) -> Vec<(usize, PathBuf)> {
 }
 
 /// The file, or the uploaded surface, that a shape names.
-fn surface_name(kind: &Kind) -> Option<&str> {
+pub fn surface_name(kind: &Kind) -> Option<&str> {
     match kind {
         Kind::Surface(surface) => Some(&surface.surface),
         Kind::HeightField(field) => Some(&field.grid),

@@ -32,28 +32,58 @@ impl FromStr for Override {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (path, value) = text.split_once('=').ok_or("PATH=VALUE is expected")?;
-        // Messages name an element `step[0]`.
-        let path = path.replace('[', ".").replace(']', "");
-        let path: Vec<String> = path.split('.').map(|part| part.trim().to_owned()).collect();
-        if path.iter().any(String::is_empty) {
-            return Err("the path before \"=\" has an empty part".to_owned());
-        }
-        if path.len() > DEEPEST {
-            return Err(format!(
-                "the path before \"=\" has more than {DEEPEST} parts"
-            ));
-        }
-        let value = parse(value.trim());
-        Ok(Self { path, value })
+        Self::new(path, read_value(value)).map_err(|error| format!("before \"=\": {error}"))
     }
 }
 
-fn parse(text: &str) -> Value {
+/// A value as TOML writes it, else the text itself.
+pub fn read_value(text: &str) -> Value {
+    let text = text.trim();
     let parsed = format!("value = {text}").parse::<Table>().ok();
     parsed
         .filter(|table| table.len() == 1)
         .and_then(|mut table| table.remove("value"))
         .unwrap_or_else(|| Value::String(text.to_owned()))
+}
+
+impl Override {
+    /// A change of the key at a path.
+    ///
+    /// # Errors
+    /// What is wrong with the path.
+    pub fn new(path: &str, value: Value) -> Result<Self, String> {
+        // Messages name an element `step[0]`.
+        let path = path.replace('[', ".").replace(']', "");
+        let path: Vec<String> = path.split('.').map(|part| part.trim().to_owned()).collect();
+        if path.iter().any(String::is_empty) {
+            return Err("the path has an empty part".to_owned());
+        }
+        if path.len() > DEEPEST {
+            return Err(format!("the path has more than {DEEPEST} parts"));
+        }
+        Ok(Self { path, value })
+    }
+
+    /// The parts of its path.
+    pub fn path(&self) -> &[String] {
+        &self.path
+    }
+
+    /// What the key becomes.
+    pub fn value(&self) -> &Value {
+        &self.value
+    }
+
+    /// The same with a relative mesh beginning in a folder.
+    #[must_use]
+    pub fn beginning_in(mut self, folder: &std::path::Path) -> Self {
+        if let Value::String(file) = &mut self.value
+            && self.path == ["mesh"]
+        {
+            *file = folder.join(&*file).to_string_lossy().into_owned();
+        }
+        self
+    }
 }
 
 impl Override {

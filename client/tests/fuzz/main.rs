@@ -7,4 +7,5 @@ mod fuzz;
 mod meshes;
 mod proto;
 mod scene;
+mod study;
 mod surfaces;

@@ -15,4 +15,5 @@ mod methods;
 mod refusals;
 mod result_lines;
 mod serve;
+mod study;
 mod whole_run;

@@ -1,0 +1,229 @@
+//! `study`: every case of a study, its rows in a table.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use signorini_client::study::{COLUMNS_BEFORE, Study, cell};
+use tokio::sync::watch;
+
+use super::stop_when_interrupted;
+use crate::arguments::StudyArguments;
+use crate::campaign::{self, Format, Header, Ledger, Local, RowLog, Server, Shared, Start, Tally};
+use crate::exit::{Exit, Failure};
+use crate::progress::Verbosity;
+use crate::stdout::print;
+
+/// Rows that a check shows.
+const SHOWN: u64 = 5;
+
+pub(super) async fn run(arguments: StudyArguments) -> Result<Exit, Failure> {
+    let study = Study::open(&arguments.study, &arguments.overrides)?;
+    let out = out(&arguments);
+    let table = (out.as_path(), Format::of(&out)?);
+    keep_inputs(&out, &arguments, &study)?;
+    match &arguments.queue.queue {
+        Some(url) if !arguments.check => Box::pin(queued(&study, &arguments, url, table)).await,
+        Some(_) | None => local(study, &arguments, table).await,
+    }
+}
+
+/// Solves the cases on a server, or checks the first.
+async fn local(
+    study: Study,
+    arguments: &StudyArguments,
+    table: (&Path, Format),
+) -> Result<Exit, Failure> {
+    let workers = arguments.workers.unwrap_or_else(cores);
+    let (address, access) = (arguments.server.clone(), arguments.access.clone());
+    let slots = arguments.threads.slots(workers);
+    let server = Server::open(address, access, slots).await?;
+    let local = Local::new(study, server, arguments.fields.clone(), arguments.tries);
+    let local = Arc::new(local);
+    let outcome = match arguments.check {
+        true => check(&local).await,
+        false => solve(&local, arguments, table, workers).await,
+    };
+    if let Some(local) = Arc::into_inner(local) {
+        local.server.close().await;
+    }
+    outcome
+}
+
+#[cfg(not(feature = "fleet"))]
+#[allow(clippy::unused_async)]
+async fn queued(
+    _study: &Study,
+    _arguments: &StudyArguments,
+    _url: &str,
+    _table: (&Path, Format),
+) -> Result<Exit, Failure> {
+    Err(super::without_queue())
+}
+
+/// Lets the workers of a queue solve the cases.
+#[cfg(feature = "fleet")]
+async fn queued(
+    study: &Study,
+    arguments: &StudyArguments,
+    url: &str,
+    table: (&Path, Format),
+) -> Result<Exit, Failure> {
+    let queue = campaign::Queue::open(&arguments.queue, url).await?;
+    let assets = campaign::Assets::default();
+    let mesh = campaign::first_scene(study, &assets, &queue).await?.mesh;
+    let name = campaign::name_of(study, &mesh);
+    let ledger = ledger(study, arguments, table.0, mesh)?;
+    let manifest = campaign::Manifest {
+        wanted: study.wanted().to_vec(),
+        tries: arguments.tries,
+        fields: arguments.fields.is_some(),
+    };
+    let (stop, _) = watch::channel(false);
+    let told = (&manifest, !arguments.resume);
+    let ended = tokio::select! {
+        ended = campaign::run_study(&queue, study, (&name, &assets), told, &ledger, &stop) => ended,
+        never = stop_when_interrupted(&stop, |line| ledger.lock().progress().note(line)) => never,
+    };
+    finish(ended, &ledger, study, table, arguments)
+}
+
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// Where the table goes.
+fn out(arguments: &StudyArguments) -> PathBuf {
+    let beside = || arguments.study.with_extension("results.csv");
+    arguments.out.clone().unwrap_or_else(beside)
+}
+
+/// The log of a table.
+fn log_of(out: &Path) -> PathBuf {
+    let mut name = out.as_os_str().to_owned();
+    name.push(".log");
+    name.into()
+}
+
+/// The table may not take the place of what the study reads.
+fn keep_inputs(out: &Path, arguments: &StudyArguments, study: &Study) -> Result<(), Failure> {
+    let same = |input: &Path| {
+        let whole = (input.canonicalize(), out.canonicalize());
+        matches!(whole, (Ok(input), Ok(out)) if input == out)
+    };
+    let inputs = [Some(arguments.study.as_path()), study.list()];
+    match inputs.into_iter().flatten().find(|input| same(input)) {
+        Some(input) => {
+            let message = "is read by the study and would be written over";
+            Err(Failure::new(Exit::Usage, message).about(input))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Number of cases, the first of them, and what the server says of one.
+async fn check(local: &Local) -> Result<Exit, Failure> {
+    let study = &local.study;
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    let keys = study.keys().iter().map(String::as_str);
+    let mut rows = vec![
+        COLUMNS_BEFORE
+            .into_iter()
+            .chain(keys)
+            .map(str::to_owned)
+            .collect(),
+    ];
+    for case in (0..study.count().min(SHOWN)).filter_map(|index| study.case(index)) {
+        let values = case.values.iter();
+        let values = values.map(|value| value.as_ref().map(cell).unwrap_or_default());
+        let row: Vec<String> = [case.index.to_string(), case.id]
+            .into_iter()
+            .chain(values)
+            .collect();
+        rows.push(row);
+    }
+    let written = rows.iter().try_for_each(|row| writer.write_record(row));
+    written.map_err(|error| Failure::new(Exit::Server, error.to_string()))?;
+    let text = String::from_utf8(writer.into_inner().unwrap_or_default()).unwrap_or_default();
+    print(&format!("{} cases\n{text}", study.count()))?;
+    let scene = local.first_scene().await?;
+    let plan = local.server.client().await.plan(scene).await?;
+    for warning in &plan.warnings {
+        crate::text::note(&format!("warning: {warning}\n"));
+    }
+    print("no faults in the first case\n")?;
+    Ok(Exit::Ok)
+}
+
+async fn solve(
+    local: &Arc<Local>,
+    arguments: &StudyArguments,
+    table: (&Path, Format),
+    workers: usize,
+) -> Result<Exit, Failure> {
+    let mesh = local.first_scene().await?.mesh;
+    let ledger = ledger(&local.study, arguments, table.0, mesh)?;
+    let (stop, _) = watch::channel(false);
+    let ended = tokio::select! {
+        ended = campaign::run(Arc::clone(local), ledger.clone(), workers, &stop) => ended,
+        never = stop_when_interrupted(&stop, |line| ledger.lock().progress().note(line)) => never,
+    };
+    finish(ended, &ledger, &local.study, table, arguments)
+}
+
+fn verbosity(arguments: &StudyArguments) -> Verbosity {
+    match arguments.quiet {
+        true => Verbosity::Quiet,
+        false => Verbosity::Normal,
+    }
+}
+
+/// The log beside the table, with the rows that it has.
+fn ledger(
+    study: &Study,
+    arguments: &StudyArguments,
+    out: &Path,
+    mesh: String,
+) -> Result<Shared, Failure> {
+    let header = Header {
+        study: study.digest().to_owned(),
+        cases: study.count(),
+        mesh,
+    };
+    let start = match arguments.resume {
+        true => Start::Resume,
+        false => Start::Anew,
+    };
+    let mut tally = Tally::default();
+    let log = RowLog::open(&log_of(out), &header, start, |row| tally.add(row))?;
+    let ledger = Ledger::new(log, tally, header.cases, verbosity(arguments));
+    Ok(campaign::shared(ledger))
+}
+
+/// The table of what there is, and what people are told.
+fn finish(
+    ended: Result<(), Failure>,
+    ledger: &Shared,
+    study: &Study,
+    (out, format): (&Path, Format),
+    arguments: &StudyArguments,
+) -> Result<Exit, Failure> {
+    let mut ledger = ledger.lock();
+    ledger.progress().clear();
+    ledger.log().sync()?;
+    let (log, done) = (ledger.log().path().to_owned(), ledger.log().done());
+    format.write(out, study, &log)?;
+    if verbosity(arguments) != Verbosity::Quiet {
+        print(&ledger.tally().lines().concat())?;
+        print(&format!("{:<18} {}\n", "written", out.display()))?;
+    }
+    ended?;
+    if done < study.count() {
+        let line = format!("{done} of {} cases; --resume goes on\n", study.count());
+        crate::text::note(&line);
+        return Ok(Exit::Interrupted);
+    }
+    Ok(match ledger.tally().failures() {
+        0 => Exit::Ok,
+        _ => Exit::NotConverged,
+    })
+}
