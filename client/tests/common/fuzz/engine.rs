@@ -74,12 +74,6 @@ impl Campaign {
         }
     }
 
-    /// A tenth of the cases, for targets that read files.
-    pub(crate) fn tenth(self) -> Self {
-        let cases = self.cases.div_ceil(10);
-        Self { cases, ..self }
-    }
-
     pub(crate) fn numbers(self) -> std::ops::Range<u64> {
         self.first..self.first + self.cases
     }
