@@ -181,6 +181,9 @@ pub(crate) enum Command {
         /// Folder where a server shall keep its data
         #[arg(value_name = "DIR", default_value = ".")]
         folder: PathBuf,
+        /// Program of the proxy that shall stand in front: haproxy or nginx; its version is judged
+        #[arg(long, value_name = "PROGRAM")]
+        proxy: Option<PathBuf>,
     },
     /// Tokens that a server asks for
     #[command(subcommand, after_help = ACCESS_EXAMPLES)]

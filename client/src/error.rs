@@ -10,6 +10,8 @@ use signorini_proto::array::ArrayError;
 use tonic::Code;
 use tonic_types::{ErrorDetails, RpcStatusExt, StatusExt as _};
 
+use crate::breaks::is_of_gateway;
+
 /// One fault of a scene, with the path of its key.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Violation {
@@ -121,6 +123,12 @@ pub enum ClientError {
         /// From the system.
         message: String,
     },
+    /// What answers at the address is a proxy, and no server is behind it.
+    #[error("a proxy answers, and no server behind it: {message}")]
+    Gateway {
+        /// What it said, or left of the call.
+        message: String,
+    },
     /// The service says no.
     #[error("{0}")]
     Refused(Box<Refusal>),
@@ -167,16 +175,38 @@ pub enum ClientError {
 pub(crate) struct Unanswered {
     pub(crate) address: String,
     pub(crate) message: String,
+    pub(crate) stage: Stage,
+}
+
+/// How far a call came that has no answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// Not to the end of the connection, or that ended.
+    Connection,
+    /// To somebody who gave the call up and kept the connection, as proxies do.
+    Call,
 }
 
 impl From<tonic::Status> for ClientError {
     fn from(status: tonic::Status) -> Self {
         let source = status.source();
         if let Some(unanswered) = source.and_then(|source| source.downcast_ref::<Unanswered>()) {
-            let Unanswered { address, message } = unanswered.clone();
-            return Self::Unreachable { address, message };
+            let Unanswered {
+                address,
+                message,
+                stage,
+            } = unanswered.clone();
+            return match stage {
+                Stage::Connection => Self::Unreachable { address, message },
+                Stage::Call => Self::Gateway { message },
+            };
         }
-        Self::Refused(Box::new(Refusal::from(&status)))
+        let refusal = Refusal::from(&status);
+        if refusal.reason.is_empty() && is_of_gateway(&status) {
+            let message = status.message().to_owned();
+            return Self::Gateway { message };
+        }
+        Self::Refused(Box::new(refusal))
     }
 }
 
@@ -199,6 +229,7 @@ impl ClientError {
             | Self::NoAuthority(_)
             | Self::Readable(_)
             | Self::Unreachable { .. }
+            | Self::Gateway { .. }
             | Self::Protocol(_)
             | Self::Array(_)
             | Self::MeshTooLarge(_)

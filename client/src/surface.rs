@@ -7,6 +7,7 @@ use signorini_proto::digest::{grid_digest, hex, surface_digest};
 use signorini_proto::v1::upload_surface_request::Part;
 use signorini_proto::v1::{self, SurfaceArray};
 
+use crate::breaks::again;
 use crate::connect::{Client, answer};
 use crate::error::ClientError;
 use crate::formats::grid::GridFile;
@@ -108,13 +109,17 @@ impl Client {
     /// [`ClientError::Refused`]: `SURFACE_INVALID` with the facet or node, `MEMORY_BUDGET` and others.
     pub async fn upload_surface(&self, surface: WireSurface) -> Result<(), ClientError> {
         let name = surface.name();
-        match answer(self.surfaces().get_surface(v1::GetSurfaceRequest { name })).await {
+        let request = v1::GetSurfaceRequest { name };
+        let get = async || answer(self.surfaces().get_surface(request.clone())).await;
+        match again(get).await {
             Ok(_) => return Ok(()),
             Err(error) if error.is_reason("SURFACE_NOT_FOUND") => (),
             Err(error) => return Err(error),
         }
-        let requests = tokio_stream::iter(surface.requests());
-        self.surfaces().upload_surface(requests).await?;
-        Ok(())
+        let upload = async || {
+            let requests = tokio_stream::iter(surface.clone().requests());
+            Ok(self.surfaces().upload_surface(requests).await?)
+        };
+        again(upload).await.map(drop)
     }
 }

@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         #[cfg(feature = "embedded")]
         Command::Fsck { folder } => data::fsck(&folder),
         #[cfg(feature = "embedded")]
-        Command::Doctor { folder } => data::doctor(&folder),
+        Command::Doctor { folder, proxy } => data::doctor(&folder, proxy.as_deref()),
         #[cfg(feature = "embedded")]
         Command::Token(command) => token::run(command),
         #[cfg(feature = "embedded")]
