@@ -19,7 +19,6 @@ use tonic::body::Body;
 use tonic::codegen::http::header::AUTHORIZATION;
 use tonic::codegen::http::{HeaderName, HeaderValue, Request, Response};
 use tonic::transport::{Channel, ClientTlsConfig, Endpoint, Uri};
-use tonic::{Code, Status};
 use tower::ServiceExt as _;
 use tower::util::BoxCloneSyncService;
 
@@ -211,17 +210,26 @@ fn named(channel: Channel, address: String, token: Option<HeaderValue>) -> Trans
         request
     });
     Transport::new(shown.map_err(move |error| {
-        let message = root_cause(&error);
-        let stage = match Status::from_error(error.into()).code() == Code::Cancelled {
-            true => Stage::Call,
-            false => Stage::Connection,
-        };
+        let (message, stage) = (root_cause(&error), stage(&error));
         Unanswered {
             address,
             message,
             stage,
         }
     }))
+}
+
+/// A call that is reset by itself was given up by somebody who goes on answering.
+fn stage(error: &tonic::transport::Error) -> Stage {
+    let mut cause = Some(error as &dyn std::error::Error);
+    while let Some(error) = cause {
+        let http = error.downcast_ref::<h2::Error>();
+        if http.is_some_and(|error| error.is_reset() && error.is_remote()) {
+            return Stage::Call;
+        }
+        cause = error.source();
+    }
+    Stage::Connection
 }
 
 /// Whether nobody but this machine reads what is sent there.

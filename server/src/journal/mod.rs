@@ -15,6 +15,8 @@
 mod backup;
 mod database;
 mod error;
+#[cfg(feature = "fleet")]
+mod fenced;
 mod files;
 mod inspect;
 mod layout;
@@ -33,6 +35,8 @@ use crate::metrics::Metrics;
 
 pub(crate) use database::{Change, Listed, Stored};
 pub use error::JournalError;
+#[cfg(feature = "fleet")]
+pub(crate) use fenced::Fence;
 pub(crate) use files::{Part, close_file, make_folder, sync_folder};
 pub(crate) use inspect::inspect;
 use layout::DATABASE_FILE;
@@ -155,6 +159,19 @@ impl Journal {
             let _left = sender.send(outcome);
         });
         self.submit(name, changes, Urgency::Now, done);
+        let closed = |_| JournalError::Unwritable("the server is shutting down".to_owned());
+        receiver.await.map_err(closed)?
+    }
+
+    /// As [`Journal::store`], of what the fence has already.
+    #[cfg(feature = "fleet")]
+    async fn store_adopted(&self, name: &str, changes: Vec<Change>) -> Result<(), JournalError> {
+        let (sender, receiver) = tokio::sync::oneshot::channel();
+        let done = Box::new(move |outcome| {
+            // Whoever asked may have left.
+            let _left = sender.send(outcome);
+        });
+        self.writer.adopt(name, changes, done);
         let closed = |_| JournalError::Unwritable("the server is shutting down".to_owned());
         receiver.await.map_err(closed)?
     }
