@@ -166,6 +166,7 @@
 #![doc = include_str!("decisions/0044-values-of-other-codes.md")]
 #![doc = include_str!("decisions/0045-motions-of-the-mesh.md")]
 #![doc = include_str!("decisions/0046-response-at-the-surface.md")]
+#![doc = include_str!("decisions/0048-fleet.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

@@ -8,11 +8,11 @@
 use std::error::Error as _;
 use std::time::{Duration, Instant};
 
-use tonic::{Code, Status};
+use tonic::Status;
 
 use crate::backoff::Backoff;
 use crate::connect::root_cause;
-use crate::error::{ClientError, Refusal, Unanswered};
+use crate::error::{ClientError, Refusal, Unanswered, is_of_gateway};
 
 /// How long a call is made again.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -52,22 +52,6 @@ impl From<Status> for Stop {
 fn resumes(refusal: &Refusal) -> bool {
     let resumes = refusal.metadata.get("resumes");
     resumes.is_some_and(|value| value == "true")
-}
-
-/// Whether a status without a reason comes from something between here and the service; a call
-/// that this side cancels gives no status at all.
-pub(crate) fn is_of_gateway(status: &Status) -> bool {
-    // A page of HTML in place of an answer: tonic finds no message in it and tells the
-    // status of HTTP.
-    let pages = [
-        "502 Bad Gateway",
-        "503 Service Unavailable",
-        "504 Gateway Timeout",
-    ];
-    let code = status.code();
-    let is_page = pages.iter().any(|page| status.message().contains(page));
-    matches!(code, Code::Unavailable | Code::Cancelled)
-        || (matches!(code, Code::Internal | Code::Unknown) && is_page)
 }
 
 impl From<Stop> for ClientError {
@@ -129,6 +113,7 @@ fn is_passing(error: &ClientError) -> bool {
 mod tests {
     use std::io;
 
+    use tonic::Code;
     use tonic_types::{ErrorDetails, StatusExt as _};
 
     use super::*;

@@ -10,8 +10,6 @@ use signorini_proto::array::ArrayError;
 use tonic::Code;
 use tonic_types::{ErrorDetails, RpcStatusExt, StatusExt as _};
 
-use crate::breaks::is_of_gateway;
-
 /// One fault of a scene, with the path of its key.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Violation {
@@ -185,6 +183,22 @@ pub(crate) enum Stage {
     Connection,
     /// To somebody who gave the call up and kept the connection, as proxies do.
     Call,
+}
+
+/// Whether a status without a reason comes from something between here and the service; a call
+/// that this side cancels gives no status at all.
+pub(crate) fn is_of_gateway(status: &tonic::Status) -> bool {
+    // A page of HTML in place of an answer: tonic finds no message in it and tells the
+    // status of HTTP.
+    let pages = [
+        "502 Bad Gateway",
+        "503 Service Unavailable",
+        "504 Gateway Timeout",
+    ];
+    let code = status.code();
+    let is_page = pages.iter().any(|page| status.message().contains(page));
+    matches!(code, Code::Unavailable | Code::Cancelled)
+        || (matches!(code, Code::Internal | Code::Unknown) && is_page)
 }
 
 impl From<tonic::Status> for ClientError {

@@ -162,6 +162,7 @@ BY_REASON: dict[str, type[RefusedError]] = {
     "SURFACE_IN_USE": SessionError,
     "SESSION_NOT_FOUND": NotFoundError,
     "SESSION_EXPIRED": NotFoundError,
+    "SESSION_ELSEWHERE": SessionError,
     "STEP_NOT_FOUND": NotFoundError,
     "STATE_NOT_FOUND": NotFoundError,
     "STATE_INVALID": SessionError,

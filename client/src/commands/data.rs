@@ -53,7 +53,8 @@ fn failure(error: BackupError) -> Failure {
 fn exit_of(error: &JournalError) -> Exit {
     match error {
         JournalError::Damaged(_) => Exit::Server,
-        JournalError::Folder { .. }
+        JournalError::Elsewhere(_)
+        | JournalError::Folder { .. }
         | JournalError::InUse(_)
         | JournalError::Version { .. }
         | JournalError::Unwritable(_) => Exit::Usage,

@@ -61,7 +61,7 @@ fn program(name: &str) -> Option<String> {
     if line.starts_with("ok ") {
         return Some(program);
     }
-    println!("left out: {line}");
+    eprintln!("left out: {line}");
     None
 }
 

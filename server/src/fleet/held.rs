@@ -13,7 +13,7 @@ pub struct Held {
     pub session: String,
     /// Its holder, as that calls itself.
     pub server: String,
-    /// Grows with every holder; 0 until the first renewal.
+    /// Grows with every holder.
     pub epoch: u64,
     /// Seconds since the last renewal.
     pub renewed: u64,
@@ -59,7 +59,10 @@ async fn read(url: &str) -> Result<Vec<Held>, async_nats::Error> {
         found.push(Held {
             session: format!("sessions/{id}"),
             server: holder.server,
-            epoch: holder.epoch.max(1),
+            epoch: match holder.epoch {
+                0 => entry.revision,
+                epoch => epoch,
+            },
             renewed: since.map_or(0, |since| since.as_secs()),
         });
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use async_nats::jetstream::{self, kv};
+use async_nats::jetstream::{self, kv, stream};
 use bytes::Bytes;
 
 use super::lease::Lease;
@@ -36,15 +36,15 @@ impl Holder {
 /// The answer to a question for a lease.
 pub(super) enum Asked {
     Taken(Arc<Lease>),
-    /// Whoever has it.
-    Held(String),
+    /// Whoever has it, if that can be read.
+    Held(Option<Holder>),
 }
 
 /// The bucket.
 pub(super) struct Leases {
     store: kv::Store,
     ttl: Duration,
-    own: Holder,
+    pub(super) own: Holder,
 }
 
 impl Leases {
@@ -53,16 +53,23 @@ impl Leases {
         (ttl, replicas): (Duration, usize),
         own: Holder,
     ) -> Result<Self, async_nats::Error> {
-        let config = kv::Config {
-            bucket: BUCKET.to_owned(),
-            history: 1,
-            // Of the bucket: a server before 2.11 ignores that of a key.
+        // As a bucket is made; the call that makes one asks what Debian's NATS cannot tell.
+        let config = stream::Config {
+            name: format!("KV_{BUCKET}"),
+            subjects: vec![format!("$KV.{BUCKET}.>")],
+            max_messages_per_subject: 1,
+            discard: stream::DiscardPolicy::New,
+            allow_rollup: true,
+            deny_delete: true,
+            // Of all: a server before 2.11 ignores that of a key.
             max_age: ttl,
+            duplicate_window: ttl,
             num_replicas: replicas,
             ..Default::default()
         };
-        let store = context.create_key_value(config).await?;
-        let known = store.status().await?.max_age();
+        let known = context.get_or_create_stream(config).await?;
+        let known = known.cached_info().config.max_age;
+        let store = context.get_key_value(BUCKET).await?;
         if known != ttl {
             let known = known.as_secs();
             return Err(format!(
@@ -85,10 +92,7 @@ impl Leases {
             Err(error) => return Err(error.into()),
         }
         let entry = self.store.get(id).await?;
-        let holder = entry.and_then(|entry| Holder::read(&entry));
-        Ok(Asked::Held(
-            holder.map_or_else(String::new, |holder| holder.server),
-        ))
+        Ok(Asked::Held(entry.and_then(|entry| Holder::read(&entry))))
     }
 
     /// Renews a lease; whether it was this server's still.

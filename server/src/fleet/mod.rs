@@ -20,6 +20,8 @@ mod nats;
 mod none;
 #[cfg(feature = "fleet")]
 mod stream;
+#[cfg(feature = "fleet")]
+mod wishes;
 
 #[cfg(feature = "fleet")]
 pub use held::{Held, HeldError, held};
@@ -30,11 +32,24 @@ pub(crate) use nats::Fleet;
 #[cfg(not(feature = "fleet"))]
 pub(crate) use none::{Fleet, Lease};
 
+/// What a call wants of a session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Wish {
+    /// To know of it where it is.
+    Look,
+    /// To write to it: a holder that nobody writes to gives it away.
+    Drive,
+}
+
+/// Another server's wish for a session: its name, and where the answer goes.
+pub(crate) type Wished = (String, tokio::sync::oneshot::Sender<bool>);
+
 /// What a server finds of a session that it asks the fleet for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Found {
     /// It is in the data folder now, and this server's.
     Taken,
     /// There is none; its name is this server's.
+    #[cfg_attr(not(feature = "fleet"), expect(dead_code, reason = "nobody is asked"))]
     New,
 }

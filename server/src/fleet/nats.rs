@@ -9,11 +9,12 @@ use std::time::Duration;
 
 use bytes::Bytes;
 use tokio::runtime::Handle;
+use tokio::sync::mpsc;
 
-use super::Found;
 use super::lease::Lease;
 use super::leases::{Asked, Holder, Leases};
 use super::stream::{Place, Records, Refused, context};
+use super::{Found, Wish, Wished, wishes};
 use crate::config::Config;
 use crate::fault::Fault;
 use crate::journal::{Fence, Journal, JournalError};
@@ -32,7 +33,8 @@ const TRIES: usize = 5;
 
 /// Other servers, by way of NATS.
 pub(crate) struct Fleet {
-    leases: Leases,
+    client: async_nats::Client,
+    leases: Arc<Leases>,
     records: Records,
     ttl: Duration,
     /// By name of the session.
@@ -59,8 +61,12 @@ impl Fleet {
         };
         let joined = Self::open(config, url, journal, metrics).await;
         let fleet = joined.map_err(|error| format!("{}: {error}", config.fleet_nats))?;
-        journal.forget_sessions().await.map_err(|error| error.to_string())?;
+        journal
+            .forget_sessions()
+            .await
+            .map_err(|error| error.to_string())?;
         let fleet = Arc::new(fleet);
+        metrics.fleet_joined();
         journal.fence(Arc::clone(&fleet) as Arc<dyn Fence>);
         Ok(Some(fleet))
     }
@@ -78,7 +84,7 @@ impl Fleet {
             name => name.to_owned(),
         };
         let client = async_nats::connect(config.fleet_nats.as_str()).await?;
-        let context = context(client, ttl);
+        let context = context(client.clone(), ttl);
         let own = Holder {
             // Random keys of the standard hasher.
             process: format!("{:016x}", RandomState::new().build_hasher().finish()),
@@ -87,7 +93,8 @@ impl Fleet {
         };
         let store = Path::new(&config.fleet_store);
         Ok(Self {
-            leases: Leases::open(&context, (ttl, replicas), own).await?,
+            client,
+            leases: Arc::new(Leases::open(&context, (ttl, replicas), own).await?),
             records: Records::open(&context, replicas, (store, &server)).await?,
             ttl,
             held: Mutex::default(),
@@ -97,15 +104,16 @@ impl Fleet {
         })
     }
 
-    /// Takes a session that no server holds.
+    /// Takes a session that no server holds, or whose holder gives it away.
     ///
     /// # Errors
     /// `SessionElsewhere` with its holder; `Unwritable` where NATS does not answer.
-    pub(crate) async fn ask(&self, name: &str) -> Result<Found, Fault> {
+    pub(crate) async fn ask(&self, name: &str, wish: Wish) -> Result<Found, Fault> {
         let away = |error: async_nats::Error| Fault::Unwritable(format!("the fleet: {error}"));
-        let lease = match self.leases.ask(id(name)).await.map_err(away)? {
+        let lease = match self.lease_of(name, wish).await.map_err(away)? {
             Asked::Taken(lease) => lease,
-            Asked::Held(owner) => {
+            Asked::Held(holder) => {
+                let owner = holder.map_or_else(String::new, |holder| holder.server);
                 let name = name.to_owned();
                 return Err(Fault::SessionElsewhere { name, owner });
             }
@@ -118,6 +126,35 @@ impl Fleet {
         taken.map_err(away)
     }
 
+    /// The lease of a session, from its holder where that gives it back.
+    async fn lease_of(&self, name: &str, wish: Wish) -> Result<Asked, async_nats::Error> {
+        let asked = self.leases.ask(id(name)).await?;
+        let (Asked::Held(Some(holder)), Wish::Drive) = (&asked, wish) else {
+            return Ok(asked);
+        };
+        let is_other = holder.process != self.leases.own.process;
+        let patience = self.ttl / 6;
+        let whom = (&self.client, holder.process.as_str());
+        if is_other && wishes::ask(whom, id(name), patience).await {
+            // Given back a moment after the answer.
+            tokio::time::sleep(PAUSE).await;
+            return self.leases.ask(id(name)).await;
+        }
+        Ok(asked)
+    }
+
+    /// The wishes of other servers for sessions of this one.
+    pub(crate) async fn wishes(&self) -> Option<mpsc::Receiver<Wished>> {
+        let wishes = wishes::of_others(&self.client, &self.leases.own.process).await;
+        let wishes = wishes.inspect_err(|error| {
+            tracing::warn!(
+                why = error.to_string(),
+                "wishes of other servers are not heard"
+            );
+        });
+        wishes.ok()
+    }
+
     /// Ends what the holder before may still write, then reads what it wrote.
     async fn take_over(&self, name: &str, lease: &Lease) -> Result<Found, async_nats::Error> {
         let mut tries = 0;
@@ -125,7 +162,11 @@ impl Fleet {
             let Some(newest) = self.records.newest(id(name)).await? else {
                 return Ok(Found::New);
             };
-            match self.records.publish(&place(name, lease, newest), &Bytes::new()).await {
+            match self
+                .records
+                .publish(&place(name, lease, newest), &Bytes::new())
+                .await
+            {
                 Ok(own) => {
                     lease.tail.store(own, Ordering::Release);
                     break own;
@@ -143,7 +184,12 @@ impl Fleet {
             return Ok(Found::New);
         }
         self.metrics.fleet_taken();
-        tracing::info!(name, epoch = lease.epoch, records = read.len(), "session taken over");
+        tracing::info!(
+            name,
+            epoch = lease.epoch,
+            records = read.len(),
+            "session taken over"
+        );
         Ok(Found::Taken)
     }
 
@@ -153,7 +199,7 @@ impl Fleet {
     }
 
     /// Gives a session back that this server has no more of.
-    pub(crate) fn release(self: &Self, name: &str) {
+    pub(crate) fn release(&self, name: &str) {
         let Some(lease) = self.lock().remove(name) else {
             return;
         };
@@ -161,7 +207,7 @@ impl Fleet {
         if !lease.holds() {
             return;
         }
-        let (leases, id) = (self.leases.clone(), id(name).to_owned());
+        let (leases, id) = (Arc::clone(&self.leases), id(name).to_owned());
         self.runtime.spawn(async move {
             // One that is not given back ends by itself.
             if let Err(error) = leases.release(&id, &lease).await {
@@ -179,7 +225,9 @@ impl Fleet {
             looks.tick().await;
             let held: Vec<_> = {
                 let held = self.lock();
-                held.iter().map(|(name, lease)| (name.clone(), Arc::clone(lease))).collect()
+                held.iter()
+                    .map(|(name, lease)| (name.clone(), Arc::clone(lease)))
+                    .collect()
             };
             for (name, lease) in &held {
                 if !lease.holds() {
@@ -196,7 +244,7 @@ impl Fleet {
 
     /// Renews one in the background: a call that hangs holds up no other.
     fn renew(&self, name: &str, lease: &Arc<Lease>) {
-        let (leases, lease) = (self.leases.clone(), Arc::clone(lease));
+        let (leases, lease) = (Arc::clone(&self.leases), Arc::clone(lease));
         let (id, metrics) = (id(name).to_owned(), Arc::clone(&self.metrics));
         self.runtime.spawn(async move {
             match leases.renew(&id, &lease).await {
@@ -250,7 +298,10 @@ impl Fleet {
         };
         lease.bytes.store(0, Ordering::Release);
         lease.whole.store(changes.len() as u64, Ordering::Release);
-        let (own, number) = (lease.tail.load(Ordering::Acquire), lease.records.load(Ordering::Acquire));
+        let (own, number) = (
+            lease.tail.load(Ordering::Acquire),
+            lease.records.load(Ordering::Acquire),
+        );
         let place = Place {
             id: id(name),
             epoch: lease.epoch,
@@ -265,14 +316,9 @@ impl Fleet {
 
 impl Fence for Fleet {
     fn store(&self, records: &[(&str, Bytes)]) -> Vec<Result<(), JournalError>> {
-        self.runtime.block_on(async {
-            let mut stored = Vec::with_capacity(records.len());
-            let sent = records.iter().map(|(name, changes)| self.store_one(name, changes));
-            for record in sent {
-                stored.push(record.await);
-            }
-            stored
-        })
+        let sent = records.iter();
+        let sent = sent.map(|(name, changes)| self.store_one(name, changes));
+        self.runtime.block_on(futures_util::future::join_all(sent))
     }
 
     fn is_whole_due(&self, name: &str) -> bool {
@@ -286,7 +332,11 @@ impl Fence for Fleet {
     fn replace(&self, name: &str, whole: &Bytes) {
         let replaced = self.runtime.block_on(self.store_whole(name, whole));
         if let Err(error) = replaced {
-            tracing::warn!(name, why = error.to_string(), "earlier records stay in the stream");
+            tracing::warn!(
+                name,
+                why = error.to_string(),
+                "earlier records stay in the stream"
+            );
         }
     }
 }

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use super::Found;
+use tokio::sync::mpsc;
+
+use super::{Found, Wish, Wished};
 use crate::config::Config;
 use crate::fault::Fault;
 use crate::journal::Journal;
@@ -31,7 +33,12 @@ impl Fleet {
     }
 
     #[expect(clippy::unused_async, reason = "as that of a build which joins one")]
-    pub(crate) async fn ask(&self, _name: &str) -> Result<Found, Fault> {
+    pub(crate) async fn ask(&self, _name: &str, _wish: Wish) -> Result<Found, Fault> {
+        match *self {}
+    }
+
+    #[expect(clippy::unused_async, reason = "as that of a build which joins one")]
+    pub(crate) async fn wishes(&self) -> Option<mpsc::Receiver<Wished>> {
         match *self {}
     }
 

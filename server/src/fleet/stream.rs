@@ -98,14 +98,13 @@ impl Records {
     }
 
     /// Stores a record; its number in the stream.
-    pub(super) async fn publish(
-        &self,
-        place: &Place<'_>,
-        changes: &Bytes,
-    ) -> Result<u64, Refused> {
+    pub(super) async fn publish(&self, place: &Place<'_>, changes: &Bytes) -> Result<u64, Refused> {
         let unknown = |error: &dyn std::fmt::Display| Refused::Unknown(error.to_string());
         let (changes, file) = match changes.len() > LARGEST {
-            true => (Bytes::new(), self.put(place, changes).map_err(|error| unknown(&error))?),
+            true => (
+                Bytes::new(),
+                self.put(place, changes).map_err(|error| unknown(&error))?,
+            ),
             false => (changes.clone(), String::new()),
         };
         let envelope = Envelope {
@@ -134,7 +133,11 @@ impl Records {
 
     /// Number of the newest record of a session.
     pub(super) async fn newest(&self, id: &str) -> Result<Option<u64>, async_nats::Error> {
-        match self.stream.get_last_raw_message_by_subject(&subject(id)).await {
+        match self
+            .stream
+            .get_last_raw_message_by_subject(&subject(id))
+            .await
+        {
             Ok(message) => Ok(Some(message.sequence)),
             Err(error) if error.kind() == LastRawMessageErrorKind::NoMessageFound => Ok(None),
             Err(error) => Err(error.into()),
@@ -145,8 +148,8 @@ impl Records {
     pub(super) async fn read(&self, id: &str, last: u64) -> Result<Vec<Bytes>, async_nats::Error> {
         let (subject, mut found, mut next) = (subject(id), Vec::new(), 1);
         while next <= last {
-            let read = self.stream.get_next_raw_message_by_subject(&subject, next);
-            let message = read.await?;
+            let next_one = self.stream.raw_message_builder().sequence(next);
+            let message = next_one.next_by_subject(subject.clone()).send().await?;
             next = message.sequence + 1;
             let envelope = Envelope::decode(message.payload)?;
             found.push(match envelope.file.as_str() {
@@ -169,7 +172,11 @@ impl Records {
         let (folder, before) = (self.folder.join(place.id), place.file());
         for entry in std::fs::read_dir(folder).into_iter().flatten() {
             let entry = entry?;
-            if entry.file_name().to_str().is_some_and(|name| name < before.as_str()) {
+            if entry
+                .file_name()
+                .to_str()
+                .is_some_and(|name| name < before.as_str())
+            {
                 std::fs::remove_file(entry.path())?;
             }
         }
@@ -181,7 +188,10 @@ impl Records {
         let name = format!("{}-{}", place.file(), digest(bytes));
         let folder = self.folder.join(place.id);
         std::fs::create_dir_all(&folder)?;
-        let (path, part) = (folder.join(&name), folder.join(format!("{name}.{}", std::process::id())));
+        let (path, part) = (
+            folder.join(&name),
+            folder.join(format!("{name}.{}", std::process::id())),
+        );
         std::fs::write(&part, bytes)?;
         std::fs::File::open(&part)?.sync_all()?;
         std::fs::rename(&part, path)?;
@@ -190,7 +200,9 @@ impl Records {
     }
 
     fn get(&self, id: &str, name: &str) -> Result<Bytes, async_nats::Error> {
-        let is_ours = name.bytes().all(|byte| byte.is_ascii_hexdigit() || byte == b'-');
+        let is_ours = name
+            .bytes()
+            .all(|byte| byte.is_ascii_hexdigit() || byte == b'-');
         let bytes = match is_ours {
             true => std::fs::read(self.folder.join(id).join(name))?,
             false => Vec::new(),

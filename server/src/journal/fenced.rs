@@ -128,7 +128,10 @@ pub(super) fn encoded<'a>(changes: impl Iterator<Item = &'a Change>) -> Bytes {
 fn decoded(name: &str, record: &Bytes) -> Result<Vec<Change>, JournalError> {
     let damaged = || JournalError::Damaged(format!("a record of {name} cannot be read"));
     let entries = Entries::decode(record.clone()).map_err(|_| damaged())?;
-    let changes = entries.entries.into_iter().map(|entry| change(entry).ok_or_else(damaged));
+    let changes = entries
+        .entries
+        .into_iter()
+        .map(|entry| change(entry).ok_or_else(damaged));
     changes.collect()
 }
 
@@ -139,7 +142,12 @@ pub(super) fn whole(stored: Option<Stored>) -> Bytes {
     };
     let mut changes = vec![Change::Delete, Change::Session(stored.session)];
     changes.extend(stored.checkpoint.map(Change::Checkpoint));
-    changes.extend(stored.saves.into_iter().map(|(number, save)| Change::Save(number, save)));
+    changes.extend(
+        stored
+            .saves
+            .into_iter()
+            .map(|(number, save)| Change::Save(number, save)),
+    );
     let results = stored.results.into_iter();
     changes.extend(results.map(|(event, result, fields)| Change::Result(event, result, fields)));
     let updates = stored.updates.into_iter();

@@ -22,6 +22,7 @@ mod inspect;
 mod layout;
 mod record;
 mod retention;
+mod shared;
 mod states;
 mod uploads;
 mod writer;
@@ -45,6 +46,7 @@ pub(crate) use record::{
     StoredSession, StoredSurface, StoredUpdate,
 };
 pub(crate) use retention::Limit;
+use shared::Shared;
 use writer::Writer;
 
 /// Folders in it.
@@ -67,6 +69,7 @@ pub(crate) struct Journal {
     folder: PathBuf,
     database: Arc<Shelf>,
     writer: Writer,
+    shared: Shared,
 }
 
 /// Where the open database lies: nowhere while a disk that failed is not back.
@@ -138,6 +141,7 @@ impl Journal {
             folder: folder.to_owned(),
             database,
             writer,
+            shared: Shared::default(),
         };
         journal.match_states()?;
         Ok(journal)

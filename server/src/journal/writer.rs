@@ -149,13 +149,12 @@ impl Pen {
                 tracing::error!(why = error.to_string(), "the journal cannot be written");
                 broken.enter(&batch);
             }
+            // Before anybody hears of it, who may give the session back then.
             #[cfg(feature = "fleet")]
-            let names = names(&batch);
+            self.replace(&names(&batch));
             for job in batch {
                 (job.done)(outcome.clone());
             }
-            #[cfg(feature = "fleet")]
-            self.replace(&names);
         }
     }
 
@@ -175,10 +174,13 @@ impl Pen {
         });
         let records: Vec<_> = records.filter(|(_, record)| !record.is_empty()).collect();
         let stored = fence.store(&records);
-        let refused = records.iter().zip(stored).filter_map(|((name, _), stored)| {
-            let error = stored.err()?;
-            Some(((*name).to_owned(), error))
-        });
+        let refused = records
+            .iter()
+            .zip(stored)
+            .filter_map(|((name, _), stored)| {
+                let error = stored.err()?;
+                Some(((*name).to_owned(), error))
+            });
         let refused: BTreeMap<String, JournalError> = refused.collect();
         let (lost, left): (Vec<_>, Vec<_>) = batch
             .into_iter()
@@ -215,7 +217,9 @@ impl Pen {
 /// The sessions of a batch, and whether each is over by it.
 #[cfg(feature = "fleet")]
 fn names(batch: &[Job]) -> BTreeMap<Box<str>, bool> {
-    let own = batch.iter().filter(|job| !job.adopted && !job.name.is_empty());
+    let own = batch
+        .iter()
+        .filter(|job| !job.adopted && !job.name.is_empty());
     let is_over = |job: &Job| matches!(job.changes.last(), Some(Change::Delete));
     own.map(|job| (job.name.clone(), is_over(job))).collect()
 }
