@@ -29,7 +29,8 @@ import urllib.request
 
 HERE = pathlib.Path(__file__).resolve().parent
 EXAMPLES = HERE.parent / "client" / "examples"
-DASHBOARDS = sorted((HERE / "grafana" / "dashboards").glob("*.json"))
+# A server alone has none of the metrics of a fleet.
+DASHBOARDS = sorted(one for one in (HERE / "grafana" / "dashboards").glob("*.json") if one.stem != "fleet")
 
 # Small enough that meshes and prepared data have to make room for each other.
 SETTINGS = """

@@ -167,6 +167,7 @@
 #![doc = include_str!("decisions/0045-motions-of-the-mesh.md")]
 #![doc = include_str!("decisions/0046-response-at-the-surface.md")]
 #![doc = include_str!("decisions/0047-account-of-an-application.md")]
+#![doc = include_str!("decisions/0048-fleet.md")]
 #![doc = include_str!("decisions/0049-studies.md")]
 
 pub mod assembly;

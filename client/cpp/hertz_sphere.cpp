@@ -8,12 +8,17 @@
 #include <cmath>
 #include <cstring>
 #include <iostream>
+#include <random>
+#include <string>
 
 #include "mesh.hpp"
 #include "signorini/v1/mesh_service.grpc.pb.h"
 #include "signorini/v1/session_service.grpc.pb.h"
 
 namespace pb = signorini::v1;
+
+// On every call of a session: a proxy in front of several servers leads them all to the same one.
+const char* const route = "x-signorini-session";
 
 constexpr size_t kChunkBytes = 1 << 20;
 
@@ -39,8 +44,10 @@ void send(grpc::ClientWriter<pb::UploadMeshRequest>& writer, pb::MeshArray array
 }
 
 // Name of the mesh on the server, which computes its digest.
-std::string upload(pb::MeshService::Stub& service, const MeshArrays& mesh) {
+std::string upload(pb::MeshService::Stub& service, const MeshArrays& mesh,
+                   const std::string& session) {
   grpc::ClientContext context;
+  context.AddMetadata(route, session);
   pb::UploadMeshResponse answer;
   auto writer = service.UploadMesh(&context, &answer);
   pb::UploadMeshRequest first;
@@ -102,14 +109,18 @@ int run(const std::string& server, const std::string& path) {
   const auto channel = grpc::CreateChannel(server, grpc::InsecureChannelCredentials());
   const auto meshes = pb::MeshService::NewStub(channel);
   const auto sessions = pb::SessionService::NewStub(channel);
+  const std::string id = "cpp-" + std::to_string(std::random_device{}());
 
   pb::CreateSessionRequest create;
-  *create.mutable_scene() = scene(upload(*meshes, read_msh(path)));
+  *create.mutable_scene() = scene(upload(*meshes, read_msh(path), id));
+  create.set_session_id(id);
   pb::CreateSessionResponse created;
   grpc::ClientContext creating;
+  creating.AddMetadata(route, id);
   check(sessions->CreateSession(&creating, create, &created));
 
   grpc::ClientContext solving;
+  solving.AddMetadata(route, id);
   const auto stream = sessions->Solve(&solving);
   pb::SolveRequest open;
   open.mutable_open()->set_session(created.session().name());
@@ -151,6 +162,7 @@ int run(const std::string& server, const std::string& path) {
   remove.set_name(created.session().name());
   pb::DeleteSessionResponse removed;
   grpc::ClientContext removing;
+  removing.AddMetadata(route, id);
   check(sessions->DeleteSession(&removing, remove, &removed));
   return 0;
 }

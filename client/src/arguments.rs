@@ -192,6 +192,9 @@ pub(crate) enum Command {
         /// Folder where a server shall keep its data
         #[arg(value_name = "DIR", default_value = ".")]
         folder: PathBuf,
+        /// Program of the proxy that shall stand in front: haproxy or nginx; its version is judged
+        #[arg(long, value_name = "PROGRAM")]
+        proxy: Option<PathBuf>,
     },
     /// Tokens that a server asks for
     #[command(subcommand, after_help = ACCESS_EXAMPLES)]
@@ -210,6 +213,10 @@ pub(crate) enum Command {
     /// Sessions of a server
     #[command(subcommand)]
     Session(SessionCommand),
+    /// Sessions of several servers
+    #[command(subcommand)]
+    #[cfg(feature = "fleet")]
+    Fleet(FleetCommand),
     /// What a library of another language asks of this program
     #[command(subcommand, hide = true)]
     Embed(EmbedCommand),
@@ -226,6 +233,20 @@ pub(crate) enum Command {
         /// Folder, such as /usr/local/share/man/man1
         #[arg(value_name = "DIR")]
         folder: PathBuf,
+    },
+}
+
+#[derive(Subcommand, Debug)]
+#[cfg(feature = "fleet")]
+pub(crate) enum FleetCommand {
+    /// Every session that a server holds, with the server and the epoch, which grows at each change
+    Status {
+        /// NATS server of the fleet
+        #[arg(long, value_name = "URL", env = "SIGNORINI_FLEET_NATS")]
+        nats: String,
+        /// Print result lines: one JSON object a session
+        #[arg(long)]
+        json: bool,
     },
 }
 

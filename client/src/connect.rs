@@ -17,14 +17,16 @@ use signorini_proto::v1::session_service_client::SessionServiceClient;
 use signorini_proto::v1::surface_service_client::SurfaceServiceClient;
 use tonic::body::Body;
 use tonic::codegen::http::header::AUTHORIZATION;
-use tonic::codegen::http::{HeaderValue, Request, Response};
+use tonic::codegen::http::{HeaderName, HeaderValue, Request, Response};
 use tonic::transport::{Channel, ClientTlsConfig, Endpoint, Uri};
 use tower::ServiceExt as _;
 use tower::util::BoxCloneSyncService;
 
 use crate::credentials::Credentials;
-use crate::error::{ClientError, Unanswered};
+use crate::error::{ClientError, Stage, Unanswered};
 
+/// Names the session that a call belongs to: what lies between leads by it.
+const SESSION: HeaderName = HeaderName::from_static("x-signorini-session");
 const STREAM_WINDOW: u32 = 1 << 20;
 const CONNECTION_WINDOW: u32 = 4 << 20;
 const CONNECT_TIMEOUT: Duration = Duration::from_secs(10);
@@ -131,6 +133,25 @@ impl Client {
             })
     }
 
+    /// The same connection for calls that belong to one session, by its identifier or name:
+    /// a proxy in front of several servers leads them all to the same one. Calls that name a
+    /// session say so by themselves; this is for what comes before it, such as its mesh.
+    #[must_use]
+    pub fn of_session(&self, session: &str) -> Self {
+        let id = session.strip_prefix("sessions/").unwrap_or(session);
+        // What no header takes is no name of a session either: the server says so.
+        let Ok(id) = HeaderValue::from_str(id) else {
+            return self.clone();
+        };
+        let marked = move |mut request: Request<Body>| {
+            request.headers_mut().insert(SESSION, id.clone());
+            request
+        };
+        Self {
+            channel: Transport::new(self.channel.clone().map_request(marked)),
+        }
+    }
+
     pub(crate) fn meshes(&self) -> MeshServiceClient<Transport> {
         MeshServiceClient::new(self.channel.clone())
     }
@@ -141,6 +162,11 @@ impl Client {
 
     pub(crate) fn sessions(&self) -> SessionServiceClient<Transport> {
         SessionServiceClient::new(self.channel.clone())
+    }
+
+    /// For calls about one session.
+    pub(crate) fn sessions_of(&self, session: &str) -> SessionServiceClient<Transport> {
+        self.of_session(session).sessions()
     }
 }
 
@@ -184,9 +210,26 @@ fn named(channel: Channel, address: String, token: Option<HeaderValue>) -> Trans
         request
     });
     Transport::new(shown.map_err(move |error| {
-        let (address, message) = (address, root_cause(&error));
-        Unanswered { address, message }
+        let (message, stage) = (root_cause(&error), stage(&error));
+        Unanswered {
+            address,
+            message,
+            stage,
+        }
     }))
+}
+
+/// A call that is reset by itself was given up by somebody who goes on answering.
+fn stage(error: &tonic::transport::Error) -> Stage {
+    let mut cause = Some(error as &dyn std::error::Error);
+    while let Some(error) = cause {
+        let http = error.downcast_ref::<h2::Error>();
+        if http.is_some_and(|error| error.is_reset() && error.is_remote()) {
+            return Stage::Call;
+        }
+        cause = error.source();
+    }
+    Stage::Connection
 }
 
 /// Whether nobody but this machine reads what is sent there.

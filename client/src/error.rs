@@ -121,6 +121,12 @@ pub enum ClientError {
         /// From the system.
         message: String,
     },
+    /// What answers at the address is a proxy, and no server is behind it.
+    #[error("a proxy answers, and no server behind it: {message}")]
+    Gateway {
+        /// What it said, or left of the call.
+        message: String,
+    },
     /// The service says no.
     #[error("{0}")]
     Refused(Box<Refusal>),
@@ -167,16 +173,54 @@ pub enum ClientError {
 pub(crate) struct Unanswered {
     pub(crate) address: String,
     pub(crate) message: String,
+    pub(crate) stage: Stage,
+}
+
+/// How far a call came that has no answer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// Not to the end of the connection, or that ended.
+    Connection,
+    /// To somebody who gave the call up and kept the connection, as proxies do.
+    Call,
+}
+
+/// Whether a status without a reason comes from something between here and the service; a call
+/// that this side cancels gives no status at all.
+pub(crate) fn is_of_gateway(status: &tonic::Status) -> bool {
+    // A page of HTML in place of an answer: tonic finds no message in it and tells the
+    // status of HTTP.
+    let pages = [
+        "502 Bad Gateway",
+        "503 Service Unavailable",
+        "504 Gateway Timeout",
+    ];
+    let code = status.code();
+    let is_page = pages.iter().any(|page| status.message().contains(page));
+    matches!(code, Code::Unavailable | Code::Cancelled)
+        || (matches!(code, Code::Internal | Code::Unknown) && is_page)
 }
 
 impl From<tonic::Status> for ClientError {
     fn from(status: tonic::Status) -> Self {
         let source = status.source();
         if let Some(unanswered) = source.and_then(|source| source.downcast_ref::<Unanswered>()) {
-            let Unanswered { address, message } = unanswered.clone();
-            return Self::Unreachable { address, message };
+            let Unanswered {
+                address,
+                message,
+                stage,
+            } = unanswered.clone();
+            return match stage {
+                Stage::Connection => Self::Unreachable { address, message },
+                Stage::Call => Self::Gateway { message },
+            };
         }
-        Self::Refused(Box::new(Refusal::from(&status)))
+        let refusal = Refusal::from(&status);
+        if refusal.reason.is_empty() && is_of_gateway(&status) {
+            let message = status.message().to_owned();
+            return Self::Gateway { message };
+        }
+        Self::Refused(Box::new(refusal))
     }
 }
 
@@ -199,6 +243,7 @@ impl ClientError {
             | Self::NoAuthority(_)
             | Self::Readable(_)
             | Self::Unreachable { .. }
+            | Self::Gateway { .. }
             | Self::Protocol(_)
             | Self::Array(_)
             | Self::MeshTooLarge(_)

@@ -187,6 +187,7 @@ impl From<ClientError> for Failure {
             | ClientError::NoAuthority(_)
             | ClientError::Readable(_) => Exit::Usage,
             ClientError::Unreachable { .. }
+            | ClientError::Gateway { .. }
             | ClientError::Broken { .. }
             | ClientError::Silent(_) => Exit::NoServer,
             ClientError::MeshTooLarge(_) => Exit::Invalid,

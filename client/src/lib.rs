@@ -23,7 +23,9 @@
     )
 )]
 
+mod backoff;
 pub mod bounded_file;
+mod breaks;
 mod connect;
 mod credentials;
 mod error;
@@ -42,5 +44,5 @@ pub use credentials::Credentials;
 pub use error::{ClientError, Refusal, Violation};
 pub use mesh::{Uploaded, WireMesh};
 pub use read::StepResults;
-pub use session::NewSession;
+pub use session::{NewSession, session_id};
 pub use surface::WireSurface;

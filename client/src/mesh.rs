@@ -11,6 +11,7 @@ use signorini_proto::v1;
 use signorini_proto::v1::upload_mesh_request::Part;
 use signorini_proto::{array, v1::MeshArray};
 
+use crate::breaks::again;
 use crate::connect::{Client, answer};
 use crate::error::ClientError;
 use crate::formats::mesh::MeshFile;
@@ -209,8 +210,11 @@ impl Client {
                 already_present: true,
             });
         }
-        let requests = tokio_stream::iter(mesh.requests());
-        let response = self.meshes().upload_mesh(requests).await?.into_inner();
+        let upload = || async {
+            let requests = tokio_stream::iter(mesh.clone().requests());
+            Ok(self.meshes().upload_mesh(requests).await?)
+        };
+        let response = again(upload).await?.into_inner();
         let already_present = response.already_present;
         let mesh = response.mesh.ok_or_else(|| missing("the uploaded mesh"))?;
         Ok(Uploaded {
@@ -241,7 +245,8 @@ impl Client {
         let request = v1::GetMeshRequest {
             name: resource(digest),
         };
-        match answer(self.meshes().get_mesh(request)).await {
+        let get = || async { answer(self.meshes().get_mesh(request.clone())).await };
+        match again(get).await {
             Ok(response) => Ok(response.into_inner().mesh),
             Err(error) if error.is_reason("MESH_NOT_FOUND") => Ok(None),
             Err(error) => Err(error),
@@ -260,9 +265,8 @@ impl Client {
                 page_size: 0,
                 page_token,
             };
-            let page = answer(self.meshes().list_meshes(request))
-                .await?
-                .into_inner();
+            let list = || async { answer(self.meshes().list_meshes(request.clone())).await };
+            let page = again(list).await?.into_inner();
             meshes.extend(page.meshes);
             page_token = page.next_page_token;
             if page_token.is_empty() {

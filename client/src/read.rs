@@ -5,6 +5,7 @@ use signorini_proto::v1::read_step_response::Message;
 use signorini_proto::v1::solve_response::Message as Response;
 use tonic::Streaming;
 
+use crate::breaks::again;
 use crate::connect::{Client, answer};
 use crate::error::ClientError;
 use crate::mesh::missing;
@@ -66,7 +67,11 @@ impl Client {
             fields: fields.iter().copied().map(i32::from).collect(),
             element_type: v1::ElementType::F64.into(),
         };
-        let response = answer(self.sessions().read_step(request)).await?;
+        let read = || async {
+            let mut sessions = self.sessions_of(session);
+            answer(sessions.read_step(request.clone())).await
+        };
+        let response = again(read).await?;
         Ok(StepResults {
             stream: response.into_inner(),
             collector: Collector::default(),

@@ -1,9 +1,11 @@
 //! Sessions of the service: create, look at, delete, and plans.
 
+use std::hash::{BuildHasher as _, Hasher as _, RandomState};
 use std::time::Duration;
 
 use signorini_proto::v1;
 
+use crate::breaks::again;
 use crate::connect::{Client, answer, planned};
 use crate::error::ClientError;
 use crate::mesh::missing;
@@ -13,7 +15,7 @@ use crate::mesh::missing;
 pub struct NewSession {
     /// The problem, with its `mesh` named.
     pub scene: v1::Scene,
-    /// Identifier of the session; empty: chosen by the server.
+    /// Identifier of the session; empty: one of [`session_id`].
     pub session_id: String,
     /// Time to live since the last call; `None`: the server's default.
     pub ttl: Option<Duration>,
@@ -30,6 +32,13 @@ pub(crate) fn resource(session: &str) -> String {
     }
 }
 
+/// A new identifier of a session. The client chooses it, so that whatever belongs to the session
+/// can say so before there is one: see [`Client::of_session`].
+pub fn session_id() -> String {
+    // Random keys of the standard hasher: enough for names nobody guesses by accident.
+    format!("s{:016x}", RandomState::new().build_hasher().finish())
+}
+
 impl Client {
     /// Plans a scene without creating anything.
     ///
@@ -41,9 +50,8 @@ impl Client {
             validate_only: true,
             ..Default::default()
         };
-        let response = planned(self.sessions().create_session(request))
-            .await?
-            .into_inner();
+        let plan = || async { planned(self.sessions().create_session(request.clone())).await };
+        let response = again(plan).await?.into_inner();
         response.plan.ok_or_else(|| missing("the plan"))
     }
 
@@ -56,17 +64,22 @@ impl Client {
         new: NewSession,
     ) -> Result<(v1::Session, v1::Plan), ClientError> {
         let ttl = new.ttl.map(prost_types::Duration::try_from).transpose();
+        let id = Some(new.session_id).filter(|id| !id.is_empty());
         let request = v1::CreateSessionRequest {
             scene: Some(new.scene),
-            session_id: new.session_id,
+            session_id: id.unwrap_or_else(session_id),
+            // What is asked for again because its answer was lost is made once.
+            request_id: session_id(),
             ttl: ttl
                 .map_err(|_| ClientError::Protocol("the time to live is too long".to_owned()))?,
             on_disconnect: new.on_disconnect.into(),
             ..Default::default()
         };
-        let response = planned(self.sessions().create_session(request))
-            .await?
-            .into_inner();
+        let create = || async {
+            let mut sessions = self.sessions_of(&request.session_id);
+            planned(sessions.create_session(request.clone())).await
+        };
+        let response = again(create).await?.into_inner();
         let session = response.session.ok_or_else(|| missing("the session"))?;
         let plan = response.plan.ok_or_else(|| missing("the plan"))?;
         Ok((session, plan))
@@ -80,9 +93,11 @@ impl Client {
         let request = v1::GetSessionRequest {
             name: resource(session),
         };
-        let response = answer(self.sessions().get_session(request))
-            .await?
-            .into_inner();
+        let get = || async {
+            let mut sessions = self.sessions_of(session);
+            answer(sessions.get_session(request.clone())).await
+        };
+        let response = again(get).await?.into_inner();
         response.session.ok_or_else(|| missing("the session"))
     }
 
@@ -98,9 +113,8 @@ impl Client {
                 page_size: 0,
                 page_token,
             };
-            let page = answer(self.sessions().list_sessions(request))
-                .await?
-                .into_inner();
+            let list = || async { answer(self.sessions().list_sessions(request.clone())).await };
+            let page = again(list).await?.into_inner();
             sessions.extend(page.sessions);
             page_token = page.next_page_token;
             if page_token.is_empty() {
@@ -117,8 +131,19 @@ impl Client {
         let request = v1::DeleteSessionRequest {
             name: resource(session),
         };
-        answer(self.sessions().delete_session(request)).await?;
-        Ok(())
+        let mut tries = 0;
+        let delete = || {
+            tries += 1;
+            async {
+                let mut sessions = self.sessions_of(session);
+                answer(sessions.delete_session(request.clone())).await
+            }
+        };
+        match again(delete).await {
+            // An earlier try did it, and its answer was lost.
+            Err(error) if tries > 1 && error.is_reason("SESSION_NOT_FOUND") => Ok(()),
+            outcome => outcome.map(drop),
+        }
     }
 
     /// Cancels a step from any connection (0: the one that runs); the answer is
@@ -131,9 +156,11 @@ impl Client {
             name: resource(session),
             sequence,
         };
-        let response = answer(self.sessions().cancel_step(request))
-            .await?
-            .into_inner();
+        let cancel = || async {
+            let mut sessions = self.sessions_of(session);
+            answer(sessions.cancel_step(request.clone())).await
+        };
+        let response = again(cancel).await?.into_inner();
         Ok(response.sequence)
     }
 }

@@ -13,7 +13,6 @@
 //! and [`Event::Reconnected`] tell of it. What the service itself says ends the
 //! stream as a typed error.
 
-mod backoff;
 mod events;
 mod incoming;
 mod journal;
@@ -35,6 +34,7 @@ pub use events::{Event, Field, Increment};
 pub use options::{Attach, PATIENCE, WatchOptions};
 pub use watch::Watch;
 
+use crate::breaks::again;
 use crate::connect::{Client, answer};
 use crate::error::ClientError;
 use crate::session::resource;
@@ -107,12 +107,13 @@ impl Client {
         orders: mpsc::Receiver<Order>,
     ) -> Result<(v1::StreamOpened, Events), ClientError> {
         let source = Source {
-            client: self.clone(),
+            client: self.of_session(session),
             session: resource(session),
             kind,
         };
         let last_seen = source.last_seen_event();
-        let (opened, link) = answer(source.clone().attach(last_seen)).await?;
+        let (opened, link) =
+            again(|| async { answer(source.clone().attach(last_seen)).await }).await?;
         let journal = Journal::new(last_seen, &opened);
         let (sender, events) = mpsc::channel(QUEUE);
         let pump = Pump::new(source, journal, UserChannels::new(orders, sender));

@@ -8,6 +8,7 @@ use signorini_proto::v1::read_surface_response::Part as Read;
 use signorini_proto::v1::upload_surface_request::Part;
 use signorini_proto::v1::{self, SurfaceArray};
 
+use crate::breaks::again;
 use crate::connect::{Client, answer};
 use crate::error::ClientError;
 use crate::formats::grid::GridFile;
@@ -113,12 +114,18 @@ impl Client {
     /// [`ClientError::Refused`]: `SURFACE_INVALID` with the facet or node, `MEMORY_BUDGET` and others.
     pub async fn upload_surface(&self, surface: WireSurface) -> Result<(), ClientError> {
         let name = surface.name();
-        match answer(self.surfaces().get_surface(v1::GetSurfaceRequest { name })).await {
+        let request = v1::GetSurfaceRequest { name };
+        let get = || async { answer(self.surfaces().get_surface(request.clone())).await };
+        match again(get).await {
             Ok(_) => return Ok(()),
             Err(error) if error.is_reason("SURFACE_NOT_FOUND") => (),
             Err(error) => return Err(error),
         }
-        self.upload_surface_messages(surface.requests()).await
+        let upload = || async {
+            let messages = surface.clone().requests();
+            self.upload_surface_messages(messages).await
+        };
+        again(upload).await
     }
 
     /// Uploads a surface from the messages that [`WireSurface::requests`] gives.

@@ -1,6 +1,7 @@
 //! The server's settings: one flat struct, read from TOML, every key with a
 //! default. Unknown keys are errors.
 
+mod fleet;
 mod log_lines;
 mod nearest;
 mod sources;
@@ -135,6 +136,20 @@ pub struct Config {
     /// Collector of OpenTelemetry that gets traces of what is solved, by OTLP over gRPC without
     /// transport security: `http://127.0.0.1:4317`; empty: none. Needs the feature `otlp`.
     pub otlp_endpoint: String,
+    /// NATS server with JetStream by which several servers share their sessions:
+    /// `nats://127.0.0.1:4222`; empty: this one is alone. Needs the feature `fleet`, and `data`
+    /// and `fleet_store`; sessions that the data folder has from before are dropped.
+    pub fleet_nats: String,
+    /// Folder that all servers of the fleet share, for meshes, tools and large records.
+    pub fleet_store: String,
+    /// What the server calls itself to the others and to clients that ask it for a session of
+    /// another; empty: its address.
+    pub fleet_name: String,
+    /// Seconds after which a session of a server that is gone is another's; the same in all of a
+    /// fleet, 1 to 3600.
+    pub fleet_lease_seconds: u64,
+    /// Servers of NATS that keep each lease and each record, 1 to 5.
+    pub fleet_replicas: usize,
 }
 
 impl Default for Config {
@@ -173,6 +188,11 @@ impl Default for Config {
             log_format: LogFormat::Auto,
             log_level: LogLevel::Info,
             otlp_endpoint: String::new(),
+            fleet_nats: String::new(),
+            fleet_store: String::new(),
+            fleet_name: String::new(),
+            fleet_lease_seconds: 6,
+            fleet_replicas: 1,
         }
     }
 }
@@ -252,6 +272,7 @@ impl Config {
             let why = "beside tokens, which says what a certificate's common name may do";
             return Err(range("tls_client_ca", why));
         }
+        self.check_fleet()?;
         if self.retained_results <= self.maximum_in_flight {
             return Err(range("retained_results", "above maximum_in_flight"));
         }

@@ -4,6 +4,8 @@
 //! file that it removes again. A fault keeps a server from working; an advice says what would
 //! serve it better. Cost: some dozens of writes to the disk.
 
+mod proxy;
+
 use std::fmt;
 use std::fs::File;
 use std::io::Write as _;
@@ -88,20 +90,25 @@ impl fmt::Display for Doctor {
     }
 }
 
-/// Looks at this machine, and at the disk of `folder`, where a server shall keep its data.
-pub fn doctor(folder: &Path) -> Doctor {
-    Doctor {
-        findings: vec![
-            instruction_set(InstructionSet::of_this_machine().name()),
-            cores(std::thread::available_parallelism().map_or(0, usize::from)),
-            memory(limits::memory_bytes()),
-            descriptors(limits::descriptors()),
-            loopback(),
-            clock(SystemTime::now()),
-            room(folder),
-            disk(folder),
-        ],
-    }
+/// Looks at this machine, at the disk of `folder`, where a server shall keep its data, and at the
+/// program of a proxy that shall stand in front, where there is to be one.
+pub fn doctor(folder: &Path, proxy: Option<&Path>) -> Doctor {
+    let mut findings = machine(folder);
+    findings.extend(proxy.map(proxy::proxy));
+    Doctor { findings }
+}
+
+fn machine(folder: &Path) -> Vec<Finding> {
+    vec![
+        instruction_set(InstructionSet::of_this_machine().name()),
+        cores(std::thread::available_parallelism().map_or(0, usize::from)),
+        memory(limits::memory_bytes()),
+        descriptors(limits::descriptors()),
+        loopback(),
+        clock(SystemTime::now()),
+        room(folder),
+        disk(folder),
+    ]
 }
 
 fn finding(what: &'static str, found: String, health: Health) -> Finding {
@@ -237,12 +244,12 @@ mod tests {
     fn this_machine_is_fit_and_the_folder_is_left_as_it_was() {
         let folder = std::env::temp_dir().join(format!("signorini-doctor-{}", std::process::id()));
         std::fs::create_dir_all(&folder).unwrap();
-        let found = doctor(&folder);
+        let found = doctor(&folder, None);
         assert!(found.is_fit(), "{found}");
         assert_eq!(found.findings.len(), 8);
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0);
         std::fs::remove_dir_all(&folder).unwrap();
-        let gone = doctor(&folder);
+        let gone = doctor(&folder, None);
         assert!(!gone.is_fit());
         assert!(
             gone.to_string().contains("fault   writes to disk"),

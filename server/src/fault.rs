@@ -29,6 +29,9 @@ pub(crate) enum Fault {
     SurfaceInUse(String),
     #[error("no session `{0}`")]
     SessionNotFound(String),
+    /// Another server of the fleet has it, if that is known.
+    #[error("`{name}` is at {}", holder(.owner))]
+    SessionElsewhere { name: String, owner: String },
     #[error("`{0}` expired")]
     SessionExpired(String),
     #[error("`{0}` exists already")]
@@ -102,6 +105,14 @@ pub(crate) enum FailureCause {
     /// The system had no memory for it: another time it may.
     Memory,
     Other,
+}
+
+/// How a message names the holder of a session.
+fn holder(owner: &str) -> &str {
+    match owner {
+        "" => "another server, or at none for a while",
+        owner => owner,
+    }
 }
 
 fn summary(all: &[Violation]) -> String {

@@ -10,7 +10,8 @@
 //! makes a gRPC status, only `metrics` names a metric, only `convert` sees both
 //! wire and domain types, only `journal` reads and writes files, under names that are
 //! digests which the server computed. With a data folder, `session` hands each change to
-//! `journal` and shows a result when the disk has it; `wake` brings a session back.
+//! `journal` and shows a result when the disk has it; `wake` brings a session back. In a fleet `registry`
+//! asks `fleet` for what it does not have, and `journal` writes through its fence.
 
 #![cfg_attr(
     not(test),
@@ -34,6 +35,7 @@ mod convert;
 mod doctor;
 mod fair_queue;
 mod fault;
+mod fleet;
 mod fsck;
 mod gates;
 mod hangup;
@@ -67,6 +69,8 @@ pub use client_name::{ClientName, ClientNameError};
 pub use config::{Config, ConfigError, Flags, LogFormat, LogLevel, Settings};
 pub use control::{BackupError, backup, restore};
 pub use doctor::{Doctor, Finding, Health, doctor};
+#[cfg(feature = "fleet")]
+pub use fleet::{Held, HeldError, held};
 pub use fsck::{Fsck, fsck};
 pub use hangup::Hangups;
 pub use journal::JournalError;

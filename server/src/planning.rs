@@ -191,7 +191,7 @@ fn read_mesh(
 
 /// Tells the journal of a mesh whose file is on the disk, and whom it belongs to.
 pub(crate) async fn store_mesh(
-    journal: &Journal,
+    journal: &Arc<Journal>,
     mesh: &Mesh,
     owners: &Owners,
 ) -> Result<(), Fault> {
@@ -204,6 +204,9 @@ pub(crate) async fn store_mesh(
     let described = convert::mesh(mesh, &uses).encode_to_vec().into();
     let owners = owners.stored();
     let stored = StoredMesh { described, owners };
+    let (sharing, entry, digest) = (Arc::clone(journal), stored.clone(), mesh.id().to_string());
+    let shared = aside(move || sharing.share(("meshes", &digest), &entry)).await?;
+    shared.map_err(unwritable)?;
     let change = Change::Mesh(convert::name(mesh.id()), stored);
     journal.store("", vec![change]).await.map_err(unwritable)
 }

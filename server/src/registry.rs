@@ -1,9 +1,11 @@
 //! The sessions of a server, by name.
 
+mod asking;
 mod claim;
 mod directory;
 mod names;
 
+use std::collections::HashSet;
 use std::pin::pin;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -14,6 +16,7 @@ use tokio::sync::{Notify, watch};
 
 use crate::access::Caller;
 use crate::fault::Fault;
+use crate::fleet::Wish;
 use crate::journal::{Change, JournalError, Listed};
 use crate::metrics::Metrics;
 use crate::session::{Handle, Services, SessionEnd};
@@ -42,6 +45,8 @@ enum Found {
 pub(crate) struct Registry {
     directory: Mutex<Directory>,
     draining: AtomicBool,
+    /// Sessions that the fleet is asked for just now.
+    asked: Mutex<HashSet<String>>,
     /// Some session started or will not start.
     settled: Notify,
     streams: watch::Sender<usize>,
@@ -63,6 +68,7 @@ impl Registry {
         Ok(Arc::new(Self {
             directory: Mutex::new(directory),
             draining: AtomicBool::new(false),
+            asked: Mutex::default(),
             settled: Notify::new(),
             streams: watch::Sender::new(0),
             services: Arc::clone(services),
@@ -114,18 +120,34 @@ impl Registry {
         caller: &Caller,
         name: &str,
     ) -> Result<Handle, Fault> {
+        self.get_for(caller, name, Wish::Look).await
+    }
+
+    /// As [`Registry::get`], for what the caller wants of it.
+    pub(crate) async fn get_for(
+        self: &Arc<Self>,
+        caller: &Caller,
+        name: &str,
+        wish: Wish,
+    ) -> Result<Handle, Fault> {
         caller.note(name);
         loop {
             let mut settled = pin!(self.settled.notified());
             // Registered before the look, so that no change falls between.
             settled.as_mut().enable();
-            match self.find(caller, name)? {
-                Found::Awake(handle) => return Ok(handle),
-                Found::Asleep(waking) => {
-                    let spec = wake::spec(&self.services, name).await?;
-                    return Ok(waking.claim().start(spec));
-                }
-                Found::Waking => settled.await,
+            match self.find(caller, name) {
+                Err(Fault::SessionNotFound(_)) if self.takes(name, wish).await? => {}
+                Err(fault) => return Err(fault),
+                Ok(found) => match found {
+                    Found::Awake(handle) => return Ok(handle),
+                    Found::Asleep(waking) => {
+                        let spec = wake::spec(&self.services, name).await;
+                        return Ok(waking
+                            .claim()
+                            .start(spec.inspect_err(|_| self.pass_on(name))?));
+                    }
+                    Found::Waking => settled.await,
+                },
             }
         }
     }
@@ -171,11 +193,24 @@ impl Registry {
         id: &str,
         request_id: &str,
     ) -> Result<Claimed, Fault> {
+        let name = match id {
+            "" => new_name(),
+            id => checked_name(id)?,
+        };
+        self.check_open()?;
+        let is_known = self.lock().contains(&name);
+        if !is_known {
+            self.ask(&name, Wish::Look).await?;
+        }
         loop {
             let mut settled = pin!(self.settled.notified());
             // Registered before the look, so that no change falls between.
             settled.as_mut().enable();
-            match self.try_claim(caller, id, request_id)? {
+            let tried = self.try_claim(caller, &name, request_id);
+            if !self.lock().contains(&name) {
+                self.release(&name);
+            }
+            match tried? {
                 Some(Ok(claim)) => return Ok(Claimed::New(claim)),
                 Some(Err(made)) => {
                     return Ok(Claimed::Made(Box::pin(self.get(caller, &made)).await?));
@@ -190,14 +225,11 @@ impl Registry {
     fn try_claim(
         self: &Arc<Self>,
         caller: &Caller,
-        id: &str,
+        name: &str,
         request_id: &str,
     ) -> Result<Option<Result<Claim, String>>, Fault> {
         self.check_open()?;
-        let name = match id {
-            "" => new_name(),
-            id => checked_name(id)?,
-        };
+        let name = name.to_owned();
         let request = (caller.name(), request_id.to_owned());
         let mut inner = self.lock();
         if let Some(made) = inner.of_request(&request) {
@@ -319,7 +351,10 @@ impl Registry {
                 inner.sessions.remove(name);
                 inner.enter(name.to_owned(), &listed, &self.services.config);
             }
-            None => inner.forget(name),
+            None => {
+                inner.forget(name);
+                self.release(name);
+            }
         }
         if *ending == SessionEnd::Expired {
             inner.expired.push_back((name.to_owned(), owner));
@@ -334,7 +369,9 @@ impl Registry {
     /// What the data folder has of a session that goes on later.
     fn stored(&self, name: &str, ending: &SessionEnd) -> Option<Listed> {
         let journal = self.services.journal.as_ref()?;
-        ending.is_interruption().then(|| journal.listed(name))?
+        // In a fleet it goes on where it is asked for.
+        let stays = ending.is_interruption() && self.services.fleet.is_none();
+        stays.then(|| journal.listed(name))?
     }
 
     fn lock(&self) -> MutexGuard<'_, Directory> {

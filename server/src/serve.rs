@@ -28,6 +28,7 @@ use crate::access::{self, Access, AccessError, Authorize, CallRates, Certificate
 use crate::calls::{CountCalls, Methods};
 use crate::compute::SolverThreads;
 use crate::config::{Config, ConfigError};
+use crate::fleet::Fleet;
 use crate::gates::{GateMessages, Gates, WINDOW_BYTES};
 use crate::hangup::Hangups;
 use crate::journal::{Journal, JournalError};
@@ -130,7 +131,7 @@ pub async fn serve_and_tell(
     config.check()?;
     let drain_time = config.drain();
     let access = Access::open(&config)?;
-    let services = services(config)?;
+    let services = services(config, listener.url()).await?;
     let registry = Registry::new(&services)?;
     let (health, router) = router(&services, &registry, &access).await?;
     log_start(&services, &listener);
@@ -141,6 +142,8 @@ pub async fn serve_and_tell(
         service: listener.url().into(),
     };
     let mut helpers = upkeep::start(page, &services, &registry, listener.metrics);
+    helpers.push(tokio::spawn(Arc::clone(&registry).keep_leases()));
+    helpers.push(tokio::spawn(Arc::clone(&registry).grant_wishes()));
     helpers.push(tokio::spawn(access::watch_files(access.clone(), hangups)));
     let (stop, stopped) = oneshot::channel();
     let door = Door::new(&services.config, &services.metrics);
@@ -201,7 +204,7 @@ fn log_start(services: &Services, listener: &Listener) {
     );
 }
 
-fn services(config: Config) -> Result<Arc<Services>, ServeError> {
+async fn services(config: Config, url: &str) -> Result<Arc<Services>, ServeError> {
     let metrics = Metrics::new().map_err(|error| setup("metrics", &error))?;
     let solvers = SolverThreads::start(config.slots(), &metrics).map_err(ServeError::Threads)?;
     // Asked once: with a limit of the address space it is less with every thread.
@@ -209,9 +212,20 @@ fn services(config: Config) -> Result<Arc<Services>, ServeError> {
     let gates = Gates::new(budget, &metrics);
     let journal = match config.data.as_str() {
         "" => None,
-        folder => Some(Arc::new(Journal::open(Path::new(folder), &metrics)?)),
+        folder => {
+            let store = Path::new(&config.fleet_store);
+            Some(Arc::new(
+                Journal::open(Path::new(folder), &metrics)?.sharing(store)?,
+            ))
+        }
     };
+    let joined = Fleet::join(&config, url, journal.as_ref(), &metrics).await;
+    let fleet = joined.map_err(|why| ServeError::Setup {
+        what: "the fleet",
+        why,
+    })?;
     Ok(Arc::new(Services {
+        fleet,
         gates: gates.map_err(|error| setup("the descriptors", &error))?,
         journal,
         store: Store::new(budget, &metrics),

@@ -40,7 +40,7 @@ pub(crate) fn reason(fault: &Fault) -> &'static str {
 }
 
 /// Every reason, in the order of the faults.
-pub(crate) const REASONS: [&str; 33] = [
+pub(crate) const REASONS: [&str; 34] = [
     "SCENE_INVALID",
     "UNSUPPORTED_COMBINATION",
     "REQUEST_INVALID",
@@ -52,6 +52,7 @@ pub(crate) const REASONS: [&str; 33] = [
     "SURFACE_NOT_FOUND",
     "SURFACE_IN_USE",
     "SESSION_NOT_FOUND",
+    "SESSION_ELSEWHERE",
     "SESSION_EXPIRED",
     "SESSION_EXISTS",
     "SESSION_BUSY",
@@ -119,6 +120,7 @@ fn contract(fault: &Fault) -> (Code, &'static str) {
         Fault::SurfaceNotFound(_) => (Code::NotFound, "SURFACE_NOT_FOUND"),
         Fault::SurfaceInUse(_) => (Code::FailedPrecondition, "SURFACE_IN_USE"),
         Fault::SessionNotFound(_) => (Code::NotFound, "SESSION_NOT_FOUND"),
+        Fault::SessionElsewhere { .. } => (Code::Unavailable, "SESSION_ELSEWHERE"),
         Fault::SessionExpired(_) => (Code::NotFound, "SESSION_EXPIRED"),
         Fault::SessionExists(_) => (Code::AlreadyExists, "SESSION_EXISTS"),
         Fault::SessionBusy { .. } => (Code::Aborted, "SESSION_BUSY"),
@@ -203,6 +205,7 @@ fn retry_info(fault: &Fault) -> Option<Any> {
             | Fault::MemoryBudget { .. }
             | Fault::ShuttingDown
             | Fault::Interrupted
+            | Fault::SessionElsewhere { .. }
             | Fault::Unwritable(_)
     );
     if !comes_again {

@@ -49,6 +49,7 @@ pub(crate) async fn spec(services: &Arc<Services>, name: &str) -> Result<Session
     let ttl = step::duration(request.ttl.as_ref(), "ttl")?;
     Ok(SessionSpec {
         name: name.to_owned(),
+        lease: services.lease(name),
         reservation: taken.reservation,
         prepared: taken.prepared,
         own_bytes,
@@ -83,6 +84,10 @@ async fn load(services: &Arc<Services>, name: &str) -> Result<Stored, Fault> {
         JournalError::Damaged(why) => {
             let name = name.to_owned();
             Fault::SessionDamaged { name, why }
+        }
+        JournalError::Elsewhere(name) => {
+            let owner = String::new();
+            Fault::SessionElsewhere { name, owner }
         }
         JournalError::Folder { .. }
         | JournalError::InUse(_)

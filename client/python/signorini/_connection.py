@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import os
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -12,11 +14,15 @@ import grpc
 import grpc.aio
 
 from . import _server
-from .errors import ConnectionBrokenError, SignoriniError, UnreachableError, from_call
+from .errors import ConnectionBrokenError, GatewayError, SignoriniError, UnreachableError, from_call
 
 # For calls that the server answers from what it has, and for those that plan a scene, seconds.
 ANSWER_SECONDS = 60.0
 PLAN_SECONDS = 600.0
+# How long a call is made again behind a proxy whose server is gone, seconds.
+CALL_PATIENCE = 30.0
+#: Names the session that a call belongs to: what lies between leads by it.
+SESSION_HEADER = "x-signorini-session"
 
 #: Every connection of its own, no proxy between us and a server, broken ones tried again soon.
 OPTIONS = [
@@ -93,6 +99,45 @@ def _file(variable: str) -> bytes | None:
     return Path(path).read_bytes() if path else None
 
 
+def route(session: str) -> tuple[tuple[str, str], ...]:
+    """What a call says about the session that it belongs to, by identifier or name; nothing for none."""
+    return ((SESSION_HEADER, session.removeprefix("sessions/")),) if session else ()
+
+
+def pauses(patience: float) -> Iterator[float]:
+    """Pauses before further tries: 50 ms, doubling to 2 s, until the patience ends."""
+    pause, spent = 0.05, 0.0
+    while spent < patience:
+        pause = min(pause, patience - spent)
+        yield pause
+        spent, pause = spent + pause, min(2 * pause, 2.0)
+
+
+def again(address: str, call: Callable[[], Any]) -> Any:
+    """The answer to a call that may be made any number of times; what broke it between here and the
+    service is tried again."""
+    for pause in pauses(CALL_PATIENCE):
+        try:
+            with typed(address):
+                return call()
+        except GatewayError:
+            time.sleep(pause)
+    with typed(address):
+        return call()
+
+
+async def again_soon(address: str, call: Callable[[], Awaitable[Any]]) -> Any:
+    """As `again`, for coroutines."""
+    for pause in pauses(CALL_PATIENCE):
+        try:
+            with typed(address):
+                return await call()
+        except GatewayError:
+            await asyncio.sleep(pause)
+    with typed(address):
+        return await call()
+
+
 @contextmanager
 def typed(address: str) -> Iterator[None]:
     """Failures of unary calls as exceptions of this package."""
@@ -104,6 +149,6 @@ def typed(address: str) -> Iterator[None]:
 
 def unanswered(error: SignoriniError, address: str) -> SignoriniError:
     """A call that broke without an answer means that nobody is there."""
-    if isinstance(error, ConnectionBrokenError):
+    if isinstance(error, ConnectionBrokenError) and not isinstance(error, GatewayError):
         return UnreachableError(f"no server answers at {address}: {error}")
     return error

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import logging
 import uuid
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from google.protobuf.duration_pb2 import Duration
@@ -50,6 +50,10 @@ class Options:
     patience: float = PATIENCE
     #: Whether a session outlives its stream.
     keep: bool = False
+
+    def named(self) -> Options:
+        """With a name of the session: the client chooses it, so that its mesh can say whose it is."""
+        return self if self.name else replace(self, name=f"s{uuid.uuid4().hex[:16]}")
 
     def create(self, problem: Problem, embedded: bool) -> pb.CreateSessionRequest:
         """Asks for a session; the scene gets the fields, so that they come after a break, too."""
@@ -102,15 +106,6 @@ def move_request(moves: Mapping[str, Any], increments: int | None, max_wall_time
 def given_step(step: StepLike | None, keys: Mapping[str, Any]) -> Any:
     """A step given whole, or by its keys."""
     return keys if step is None else step
-
-
-def pauses(patience: float) -> Iterator[float]:
-    """Pauses before attempts to connect again: 50 ms, doubling to 2 s, until the patience ends."""
-    pause, spent = 0.05, 0.0
-    while spent < patience:
-        pause = min(pause, patience - spent)
-        yield pause
-        spent, pause = spent + pause, min(2 * pause, 2.0)
 
 
 def resource(session: str) -> str:

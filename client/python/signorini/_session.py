@@ -15,9 +15,10 @@ from typing import Any
 
 import grpc
 
+from ._connection import again, pauses, route
 from ._encode import Problem, StepLike
 from ._journal import Event, Journal, Rejected, open_request
-from ._options import Options, busy, given_step, log, move_request, pauses, step_request
+from ._options import Options, busy, given_step, log, move_request, step_request
 from .client import Client
 from .errors import ConnectionBrokenError, SignoriniError, from_call
 from .reports import Plan
@@ -94,8 +95,7 @@ class Session:
         self._pending: dict[int, Pending] = {}
         self._requests: queue.SimpleQueue[pb.SolveRequest | None] = queue.SimpleQueue()
         self._call: Any = None
-        opened = self._connect(None)
-        self._journal = Journal(opened, None)
+        self._journal = Journal(again(client.address, self._first), None)
 
     def step(self, step: StepLike | None = None, *, max_wall_time: float | None = None, **keys: Any) -> Pending:
         """Sends a load step: a `Step`, a dictionary, or its keys (`increments`, `load`, `obstacles`, `supports`)."""
@@ -211,12 +211,16 @@ class Session:
         except grpc.RpcError as error:
             raise from_call(error, self._client.address) from None
 
+    def _first(self) -> pb.StreamOpened:
+        self._abandon()
+        return self._connect(None)
+
     def _connect(self, seen: int | None, timeout: float | None = None) -> pb.StreamOpened:
         """Opens the stream; `opened` comes before any work."""
         requests: queue.SimpleQueue[pb.SolveRequest | None] = queue.SimpleQueue()
         self._requests = requests
         requests.put(open_request(self.name, self._options.open(), seen))
-        self._call = self._client.sessions_stub.Solve(iter(requests.get, None))
+        self._call = self._client.sessions_stub.Solve(iter(requests.get, None), metadata=route(self.name))
         first = self._next()
         if first.WhichOneof("message") != "opened":
             raise SignoriniError("the first message `opened` is missing")
@@ -250,7 +254,8 @@ class Session:
 
 def create(client: Client, problem: Problem, options: Options) -> Session:
     """Uploads the mesh where needed, makes the session and opens its stream."""
-    client.upload_problem(problem)
+    options = options.named()
+    client.upload_problem(problem, options.name)
     answer = client.create(options.create(problem, client.embedded))
     return Session(client, answer.session.name, problem, Plan(answer.plan), options)
 
@@ -258,5 +263,5 @@ def create(client: Client, problem: Problem, options: Options) -> Session:
 def attach(client: Client, name: str, options: Options) -> Session:
     """Opens the stream of a session that is there; leaving it does not delete it."""
     session = client.get_session(name)
-    problem = Problem(session.scene, client.read_mesh(session.mesh))
+    problem = Problem(session.scene, client.read_mesh(session.mesh, name))
     return Session(client, session.name, problem, Plan(session.plan), options)

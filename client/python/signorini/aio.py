@@ -20,7 +20,7 @@ from typing import Any
 import grpc
 import grpc.aio
 
-from ._connection import ANSWER_SECONDS, PLAN_SECONDS, channel, resolve, typed
+from ._connection import ANSWER_SECONDS, PLAN_SECONDS, again_soon, channel, pauses, resolve, route
 from ._encode import Problem, SceneLike, StepLike, problem
 from ._journal import Event, Journal, Rejected, open_request
 from ._options import (
@@ -31,7 +31,6 @@ from ._options import (
     given_step,
     log,
     move_request,
-    pauses,
     step_request,
     steps_of,
 )
@@ -119,7 +118,7 @@ class Session:
         self.plan: Plan
         self._read = read
         self._server = server
-        self._options = options
+        self._options = options.named()
         self._pending: dict[int, Pending] = {}
         self._reading = asyncio.Lock()
         self._writing = asyncio.Lock()
@@ -153,16 +152,19 @@ class Session:
     async def save(self) -> int:
         """Keeps the state behind all updates sent so far, to go back to; its number."""
         await self._settle()
-        with typed(self._address):
-            answer = await self._stub.SaveState(pb.SaveStateRequest(name=self.name), timeout=ANSWER_SECONDS)
+        answer = await self._ask(self._stub.SaveState, pb.SaveStateRequest(name=self.name))
         return int(answer.save)
 
     async def restore(self, save: int) -> None:
         """Goes back to a saved state: the same steps give the same bits from there."""
         await self._settle()
-        with typed(self._address):
-            request = pb.RestoreStateRequest(name=self.name, save=save)
-            await self._stub.RestoreState(request, timeout=ANSWER_SECONDS)
+        await self._ask(self._stub.RestoreState, pb.RestoreStateRequest(name=self.name, save=save))
+
+    async def _ask(self, method: Any, request: Any, timeout: float = ANSWER_SECONDS) -> Any:
+        """The answer to a call about the session."""
+        return await again_soon(
+            self._address, lambda: method(request, timeout=timeout, metadata=route(self._options.name))
+        )
 
     async def _settle(self) -> None:
         """Waits for every update that was sent."""
@@ -185,11 +187,10 @@ class Session:
 
     async def _open(self, embedded: bool) -> None:
         await self._upload()
-        with typed(self._address):
-            request = self._options.create(self._problem, embedded)
-            answer = await self._stub.CreateSession(request, timeout=PLAN_SECONDS)
+        request = self._options.create(self._problem, embedded)
+        answer = await self._ask(self._stub.CreateSession, request, PLAN_SECONDS)
         self.name, self.plan = answer.session.name, Plan(answer.plan)
-        self._journal = Journal(await self._connect(None), None)
+        self._journal = Journal(await again_soon(self._address, self._first), None)
         self._attached = True
 
     async def __aexit__(
@@ -198,9 +199,7 @@ class Session:
         """Ends the stream and forgets the session on the server."""
         self._abandon()
         try:
-            with typed(self._address):
-                request = pb.DeleteSessionRequest(name=self.name)
-                await self._stub.DeleteSession(request, timeout=ANSWER_SECONDS)
+            await self._ask(self._stub.DeleteSession, pb.DeleteSessionRequest(name=self.name))
         except NotFoundError:
             pass
         except SignoriniError:
@@ -212,25 +211,21 @@ class Session:
     async def _upload(self) -> None:
         meshes = mesh_service_pb2_grpc.MeshServiceStub(self._channel)  # type: ignore[no-untyped-call]
         mesh = self._problem.mesh
-        with typed(self._address):
-            try:
-                with typed(self._address):
-                    request = mesh_service_pb2.GetMeshRequest(name=mesh.name)
-                    await meshes.GetMesh(request, timeout=ANSWER_SECONDS)
-            except NotFoundError:
-                await meshes.UploadMesh(mesh.requests())
+        try:
+            await self._ask(meshes.GetMesh, mesh_service_pb2.GetMeshRequest(name=mesh.name))
+        except NotFoundError:
+            metadata = route(self._options.name)
+            await again_soon(self._address, lambda: meshes.UploadMesh(mesh.requests(), metadata=metadata))
         for surface in self._problem.surfaces:
             await self._upload_surface(surface)
 
     async def _upload_surface(self, surface: Surface) -> None:
         surfaces = surface_service_pb2_grpc.SurfaceServiceStub(self._channel)  # type: ignore[no-untyped-call]
-        with typed(self._address):
-            try:
-                with typed(self._address):
-                    request = surface_service_pb2.GetSurfaceRequest(name=surface.name)
-                    await surfaces.GetSurface(request, timeout=ANSWER_SECONDS)
-            except NotFoundError:
-                await surfaces.UploadSurface(iter(surface.requests))
+        try:
+            await self._ask(surfaces.GetSurface, surface_service_pb2.GetSurfaceRequest(name=surface.name))
+        except NotFoundError:
+            metadata = route(self._options.name)
+            await again_soon(self._address, lambda: surfaces.UploadSurface(iter(surface.requests), metadata=metadata))
 
     async def _send(self, request: pb.SolveRequest) -> Pending:
         pending = Pending(self, self._journal.update(request))
@@ -283,8 +278,12 @@ class Session:
             raise ConnectionBrokenError("the stream ended before its answers")
         return answer
 
+    async def _first(self) -> pb.StreamOpened:
+        self._abandon()
+        return await self._connect(None)
+
     async def _connect(self, seen: int | None) -> pb.StreamOpened:
-        self._call = self._stub.Solve()
+        self._call = self._stub.Solve(metadata=route(self.name))
         with contextlib.suppress(grpc.RpcError, asyncio.InvalidStateError):
             # Reading says why.
             await self._call.write(open_request(self.name, self._options.open(), seen))

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import atexit
+import contextlib
 import threading
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ._connection import ANSWER_SECONDS, PLAN_SECONDS, channel, resolve, typed
+from ._connection import ANSWER_SECONDS, PLAN_SECONDS, again, channel, resolve, route, typed
 from ._encode import Problem, SceneLike, problem
 from ._options import PATIENCE, Options, default_fields, resource, steps_of
+from ._surfaces import Surface
 from .errors import NotFoundError, SignoriniWarning
 from .mesh import Mesh
 from .reports import Plan
@@ -119,56 +121,53 @@ class Client:
 
         return attach(self, name, Options(fields, iterations=iterations, patience=patience, keep=True))
 
-    def upload(self, mesh: Mesh) -> str:
-        """Makes sure that the server has a mesh; its name there."""
-        with typed(self.address):
-            try:
-                request = mesh_service_pb2.GetMeshRequest(name=mesh.name)
-                with typed(self.address):
-                    self.meshes_stub.GetMesh(request, timeout=ANSWER_SECONDS)
-            except NotFoundError:
-                self.meshes_stub.UploadMesh(mesh.requests())
+    def upload(self, mesh: Mesh, session: str = "") -> str:
+        """Makes sure that the server has a mesh, the one of a session where it is for one; its name there."""
+        request = mesh_service_pb2.GetMeshRequest(name=mesh.name)
+        try:
+            self._call(self.meshes_stub.GetMesh, request, session)
+        except NotFoundError:
+            again(self.address, lambda: self.meshes_stub.UploadMesh(mesh.requests(), metadata=route(session)))
         return mesh.name
 
-    def upload_problem(self, problem: Problem) -> None:
+    def upload_problem(self, problem: Problem, session: str = "") -> None:
         """Makes sure that the server has the mesh and the tools of a scene."""
-        self.upload(problem.mesh)
+        self.upload(problem.mesh, session)
         for surface in problem.surfaces:
-            with typed(self.address):
-                try:
-                    request = surface_service_pb2.GetSurfaceRequest(name=surface.name)
-                    with typed(self.address):
-                        self.surfaces_stub.GetSurface(request, timeout=ANSWER_SECONDS)
-                except NotFoundError:
-                    self.surfaces_stub.UploadSurface(iter(surface.requests))
+            self._upload_surface(surface, session)
 
-    def read_mesh(self, name: str) -> Mesh:
+    def _upload_surface(self, surface: Surface, session: str) -> None:
+        upload = self.surfaces_stub.UploadSurface
+        try:
+            self._call(self.surfaces_stub.GetSurface, surface_service_pb2.GetSurfaceRequest(name=surface.name), session)
+        except NotFoundError:
+            again(self.address, lambda: upload(iter(surface.requests), metadata=route(session)))
+
+    def read_mesh(self, name: str, session: str = "") -> Mesh:
         """The arrays of a stored mesh."""
         with typed(self.address):
-            answers = self.meshes_stub.ReadMesh(mesh_service_pb2.ReadMeshRequest(name=name))
+            request = mesh_service_pb2.ReadMeshRequest(name=name)
+            answers = self.meshes_stub.ReadMesh(request, metadata=route(session))
             header = next(answers).header
             return Mesh.from_messages(header, [one.chunk for one in answers])
 
     def create(self, request: pb.CreateSessionRequest) -> pb.CreateSessionResponse:
         """Sends a request for a session."""
-        with typed(self.address):
-            answer: pb.CreateSessionResponse = self.sessions_stub.CreateSession(request, timeout=PLAN_SECONDS)
+        create = self.sessions_stub.CreateSession
+        answer: pb.CreateSessionResponse = self._call(create, request, request.session_id, PLAN_SECONDS)
         return answer
 
     def get_session(self, name: str) -> pb.Session:
         """What the server says of a session."""
         request = pb.GetSessionRequest(name=resource(name))
-        with typed(self.address):
-            session: pb.Session = self.sessions_stub.GetSession(request, timeout=ANSWER_SECONDS).session
+        session: pb.Session = self._call(self.sessions_stub.GetSession, request, name).session
         return session
 
     def sessions(self) -> Iterator[pb.Session]:
         """All sessions in order of their names."""
         token = ""
         while True:
-            request = pb.ListSessionsRequest(page_token=token)
-            with typed(self.address):
-                page = self.sessions_stub.ListSessions(request, timeout=ANSWER_SECONDS)
+            page = self._call(self.sessions_stub.ListSessions, pb.ListSessionsRequest(page_token=token))
             yield from page.sessions
             token = page.next_page_token
             if not token:
@@ -176,32 +175,30 @@ class Client:
 
     def delete_session(self, name: str) -> None:
         """Cancels what runs and forgets a session; one that is gone is no fault."""
-        try:
-            with typed(self.address):
-                request = pb.DeleteSessionRequest(name=resource(name))
-                self.sessions_stub.DeleteSession(request, timeout=ANSWER_SECONDS)
-        except NotFoundError:
-            pass
+        with contextlib.suppress(NotFoundError):
+            self._call(self.sessions_stub.DeleteSession, pb.DeleteSessionRequest(name=resource(name)), name)
 
     def cancel(self, name: str, sequence: int = 0) -> int:
         """Cancels a step of a session; its sequence, 0 when none runs."""
         request = pb.CancelStepRequest(name=resource(name), sequence=sequence)
-        with typed(self.address):
-            answer = self.sessions_stub.CancelStep(request, timeout=ANSWER_SECONDS)
-        return int(answer.sequence)
+        return int(self._call(self.sessions_stub.CancelStep, request, name).sequence)
 
     def save(self, name: str) -> int:
-        """Keeps the state of a session to go back to; its number. A session keeps the newest eight."""
+        """Keeps the state of a session to go back to; its number. A session keeps the newest eight.
+
+        Where a proxy loses the answer, a save that nobody has the number of may be one of them.
+        """
         request = pb.SaveStateRequest(name=resource(name))
-        with typed(self.address):
-            answer = self.sessions_stub.SaveState(request, timeout=ANSWER_SECONDS)
-        return int(answer.save)
+        return int(self._call(self.sessions_stub.SaveState, request, name).save)
 
     def restore(self, name: str, save: int) -> None:
         """Goes back to a saved state of a session."""
         request = pb.RestoreStateRequest(name=resource(name), save=save)
-        with typed(self.address):
-            self.sessions_stub.RestoreState(request, timeout=ANSWER_SECONDS)
+        self._call(self.sessions_stub.RestoreState, request, name)
+
+    def _call(self, method: Any, request: Any, session: str = "", timeout: float = ANSWER_SECONDS) -> Any:
+        """The answer to a call about a session, or about none."""
+        return again(self.address, lambda: method(request, timeout=timeout, metadata=route(session)))
 
     def close(self) -> None:
         """Ends the connection."""

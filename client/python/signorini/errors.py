@@ -11,6 +11,7 @@ __all__ = [
     "AccessError",
     "ConnectionBrokenError",
     "DeadlineError",
+    "GatewayError",
     "MeshError",
     "NotConvergedError",
     "NotFoundError",
@@ -56,6 +57,10 @@ class UnreachableError(SignoriniError):
 
 class ConnectionBrokenError(SignoriniError):
     """The connection broke and no other took its place within the patience."""
+
+
+class GatewayError(ConnectionBrokenError):
+    """A proxy answers, and no server behind it, or the session goes on later or elsewhere."""
 
 
 class ResultsLostError(SignoriniError):
@@ -162,6 +167,7 @@ BY_REASON: dict[str, type[RefusedError]] = {
     "SURFACE_IN_USE": SessionError,
     "SESSION_NOT_FOUND": NotFoundError,
     "SESSION_EXPIRED": NotFoundError,
+    "SESSION_ELSEWHERE": SessionError,
     "STEP_NOT_FOUND": NotFoundError,
     "STATE_NOT_FOUND": NotFoundError,
     "STATE_INVALID": SessionError,
@@ -185,6 +191,8 @@ BY_REASON: dict[str, type[RefusedError]] = {
     "INTERNAL": ServerError,
 }
 
+# What gRPC tells of a page of HTML in place of an answer.
+PAGES = ("status: 502", "status: 503", "status: 504", "status code 502", "status code 503", "status code 504")
 # Codes that the transport gives by itself when a connection breaks.
 TRANSPORT = {"UNAVAILABLE", "INTERNAL", "UNKNOWN", "CANCELLED"}
 
@@ -212,10 +220,12 @@ def from_call(error: Any, address: str) -> SignoriniError:
         refused = refusal(status_pb2.Status.FromString(details), code)
         # The session is in the data folder of a server that is being restarted, or whose disk is full.
         if refused.metadata.get("resumes") == "true":
-            return ConnectionBrokenError(f"the server at {address} broke off: {message}")
+            return GatewayError(f"the server at {address} broke off: {message}")
         return refused
     if code == "DEADLINE_EXCEEDED":
         return UnreachableError(f"the server at {address} does not answer in time")
+    if code == "CANCELLED" or (code in TRANSPORT and any(page in message for page in PAGES)):
+        return GatewayError(f"a proxy at {address} answers, and no server behind it: {message}")
     if code in TRANSPORT:
         return ConnectionBrokenError(f"the connection to {address} broke: {message}")
     return RefusedError(message, code=code)

@@ -29,8 +29,8 @@ pub(super) fn fsck(folder: &Path) -> Result<Exit, Failure> {
     })
 }
 
-pub(super) fn doctor(folder: &Path) -> Result<Exit, Failure> {
-    let found = signorini_server::doctor(folder);
+pub(super) fn doctor(folder: &Path, proxy: Option<&Path>) -> Result<Exit, Failure> {
+    let found = signorini_server::doctor(folder, proxy);
     stdout::print(&found.to_string())?;
     Ok(match found.is_fit() {
         true => Exit::Ok,
@@ -53,7 +53,8 @@ fn failure(error: BackupError) -> Failure {
 fn exit_of(error: &JournalError) -> Exit {
     match error {
         JournalError::Damaged(_) => Exit::Server,
-        JournalError::Folder { .. }
+        JournalError::Elsewhere(_)
+        | JournalError::Folder { .. }
         | JournalError::InUse(_)
         | JournalError::Version { .. }
         | JournalError::Unwritable(_) => Exit::Usage,

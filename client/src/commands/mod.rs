@@ -13,6 +13,8 @@ mod config;
 mod data;
 pub(crate) mod embed;
 mod fetch;
+#[cfg(feature = "fleet")]
+mod fleet;
 mod init;
 mod man;
 mod mesh;
@@ -63,7 +65,7 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         #[cfg(feature = "embedded")]
         Command::Fsck { folder } => data::fsck(&folder),
         #[cfg(feature = "embedded")]
-        Command::Doctor { folder } => data::doctor(&folder),
+        Command::Doctor { folder, proxy } => data::doctor(&folder, proxy.as_deref()),
         #[cfg(feature = "embedded")]
         Command::Token(command) => token::run(command),
         #[cfg(feature = "embedded")]
@@ -72,6 +74,8 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         Command::Bench(arguments) => runtime.block_on(Box::pin(bench::run(arguments))),
         Command::Mesh(command) => runtime.block_on(mesh::run(command)),
         Command::Session(command) => runtime.block_on(session::run(command)),
+        #[cfg(feature = "fleet")]
+        Command::Fleet(command) => runtime.block_on(fleet::run(command)),
         Command::Embed(command) => runtime.block_on(embed::run(command)),
         Command::Version => version::run(),
         Command::Completions { shell } => completions::run(shell),

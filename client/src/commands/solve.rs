@@ -6,8 +6,8 @@ mod run;
 use std::path::Path;
 use std::time::Instant;
 
-use signorini_client::NewSession;
 use signorini_client::formats::msh::MeshFile;
+use signorini_client::{NewSession, session_id};
 use signorini_proto::v1;
 
 use crate::arguments::SolveArguments;
@@ -71,12 +71,14 @@ async fn solve(
     mut input: Input,
     out: Option<&Path>,
 ) -> Result<Exit, Failure> {
-    let client = &connection.client;
+    let session_id = session_id();
+    let client = &connection.client.of_session(&session_id);
     run.record.progress.phase("uploading the mesh");
     // The plan repeats what the server has to say about the mesh.
     input.upload(client).await?;
     let new = NewSession {
         scene: input.scene.clone(),
+        session_id,
         ..Default::default()
     };
     let (session, plan) = client.create_session(new).await?;

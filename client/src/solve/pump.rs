@@ -14,13 +14,13 @@ use signorini_proto::v1::solve_response::Message as Response;
 use tokio::sync::mpsc;
 use tokio::time::{sleep, timeout};
 
-use super::backoff::Backoff;
 use super::events::Event;
-use super::incoming::Stop;
 use super::journal::Journal;
 use super::link::{Link, request};
 use super::source::Source;
 use super::user_channels::{Activity, UserChannels};
+use crate::backoff::Backoff;
+use crate::breaks::Stop;
 use crate::error::ClientError;
 
 /// How a stream ended.

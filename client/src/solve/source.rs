@@ -10,10 +10,11 @@ use tokio::sync::mpsc;
 use tokio_stream::wrappers::ReceiverStream;
 
 use super::QUEUE;
-use super::incoming::{Incoming, Stop};
+use super::incoming::Incoming;
 use super::journal::Journal;
 use super::link::{Link, request};
 use super::options::{Attach, WatchOptions};
+use crate::breaks::Stop;
 use crate::connect::Client;
 use crate::error::ClientError;
 

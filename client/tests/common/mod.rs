@@ -2,6 +2,8 @@
 #![allow(dead_code)]
 
 #[cfg(feature = "embedded")]
+pub(crate) mod gateway;
+#[cfg(feature = "embedded")]
 pub(crate) mod process;
 #[cfg(feature = "embedded")]
 pub(crate) mod proxy;

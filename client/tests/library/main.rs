@@ -4,5 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod gateway;
+mod proxies;
 mod resume;
 mod service;

@@ -23,6 +23,12 @@ pub struct Flags {
     /// Data folder, made if it is missing; without one nothing outlives the server
     #[arg(long, value_name = "DIR")]
     pub data: Option<String>,
+    /// NATS server of a fleet: nats://HOST:PORT
+    #[arg(long, value_name = "URL")]
+    pub fleet_nats: Option<String>,
+    /// Folder that all servers of a fleet share
+    #[arg(long, value_name = "DIR")]
+    pub fleet_store: Option<String>,
     /// How the log is written on stderr
     #[arg(long, value_name = "FORMAT")]
     pub log_format: Option<LogFormat>,
@@ -118,6 +124,8 @@ impl Settings {
                 &mut config.metrics_listen,
             ),
             ("data", &flags.data, &mut config.data),
+            ("fleet_nats", &flags.fleet_nats, &mut config.fleet_nats),
+            ("fleet_store", &flags.fleet_store, &mut config.fleet_store),
         ];
         for (key, flag, value) in texts {
             if let Some(flag) = flag {
@@ -178,7 +186,7 @@ mod tests {
         let texts = |value: &toml::Value, key: &str| match (key, value) {
             ("log_format", _) => "json".to_owned(),
             ("log_level", _) => "warn".to_owned(),
-            ("short_slots", _) => "2".to_owned(),
+            ("short_slots" | "fleet_replicas", _) => "2".to_owned(),
             (_, toml::Value::Integer(number)) => (number + 100).to_string(),
             (_, toml::Value::Boolean(flag)) => (!flag).to_string(),
             (key, _) => format!("a {key}"),

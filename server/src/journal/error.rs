@@ -29,6 +29,9 @@ pub enum JournalError {
     /// Nothing can be written now; what was acknowledged is there.
     #[error("the data folder cannot be written: {0}")]
     Unwritable(String),
+    /// Another server of the fleet has the session, or may have it.
+    #[error("another server has `{0}`, or may have it")]
+    Elsewhere(String),
     /// What is stored is not what was written.
     #[error("the data folder is damaged: {0}")]
     Damaged(String),

@@ -15,11 +15,14 @@
 mod backup;
 mod database;
 mod error;
+#[cfg(feature = "fleet")]
+mod fenced;
 mod files;
 mod inspect;
 mod layout;
 mod record;
 mod retention;
+mod shared;
 mod states;
 mod uploads;
 mod writer;
@@ -33,6 +36,8 @@ use crate::metrics::Metrics;
 
 pub(crate) use database::{Change, Listed, Stored};
 pub use error::JournalError;
+#[cfg(feature = "fleet")]
+pub(crate) use fenced::Fence;
 pub(crate) use files::{Part, close_file, make_folder, sync_folder};
 pub(crate) use inspect::inspect;
 use layout::DATABASE_FILE;
@@ -41,6 +46,7 @@ pub(crate) use record::{
     StoredSession, StoredSurface, StoredUpdate,
 };
 pub(crate) use retention::Limit;
+use shared::Shared;
 use writer::Writer;
 
 /// Folders in it.
@@ -63,6 +69,7 @@ pub(crate) struct Journal {
     folder: PathBuf,
     database: Arc<Shelf>,
     writer: Writer,
+    shared: Shared,
 }
 
 /// Where the open database lies: nowhere while a disk that failed is not back.
@@ -134,6 +141,7 @@ impl Journal {
             folder: folder.to_owned(),
             database,
             writer,
+            shared: Shared::default(),
         };
         journal.match_states()?;
         Ok(journal)
@@ -155,6 +163,19 @@ impl Journal {
             let _left = sender.send(outcome);
         });
         self.submit(name, changes, Urgency::Now, done);
+        let closed = |_| JournalError::Unwritable("the server is shutting down".to_owned());
+        receiver.await.map_err(closed)?
+    }
+
+    /// As [`Journal::store`], of what the fence has already.
+    #[cfg(feature = "fleet")]
+    async fn store_adopted(&self, name: &str, changes: Vec<Change>) -> Result<(), JournalError> {
+        let (sender, receiver) = tokio::sync::oneshot::channel();
+        let done = Box::new(move |outcome| {
+            // Whoever asked may have left.
+            let _left = sender.send(outcome);
+        });
+        self.writer.adopt(name, changes, done);
         let closed = |_| JournalError::Unwritable("the server is shutting down".to_owned());
         receiver.await.map_err(closed)?
     }

@@ -25,7 +25,10 @@ impl Journal {
     /// # Errors
     /// [`JournalError`] when it cannot be read.
     pub(crate) fn mesh(&self, name: &str) -> Result<Option<StoredMesh>, JournalError> {
-        self.database.with(|open| database::mesh(open, name))
+        match self.database.with(|open| database::mesh(open, name))? {
+            Some(found) => Ok(Some(found)),
+            None => self.shared_entry(name),
+        }
     }
 
     /// The stored meshes. Blocks.
@@ -38,7 +41,10 @@ impl Journal {
     /// # Errors
     /// [`JournalError`] when it cannot be read.
     pub(crate) fn surface(&self, name: &str) -> Result<Option<StoredSurface>, JournalError> {
-        self.database.with(|open| database::surface(open, name))
+        match self.database.with(|open| database::surface(open, name))? {
+            Some(found) => Ok(Some(found)),
+            None => self.shared_entry(name),
+        }
     }
 
     /// The stored surfaces. Blocks.
@@ -51,7 +57,10 @@ impl Journal {
     /// # Errors
     /// When it cannot be read.
     pub(crate) fn read_mesh(&self, id: MeshId) -> Result<Option<Vec<u8>>, JournalError> {
-        files::read(&self.mesh_file(id))
+        match files::read(&self.mesh_file(id))? {
+            Some(bytes) => Ok(Some(bytes)),
+            None => self.shared_file("meshes", &id.to_string()),
+        }
     }
 
     /// As [`Journal::read_mesh`], of a surface.
@@ -59,7 +68,10 @@ impl Journal {
     /// # Errors
     /// When it cannot be read.
     pub(crate) fn read_surface(&self, digest: &str) -> Result<Option<Vec<u8>>, JournalError> {
-        files::read(&self.surface_file(digest))
+        match files::read(&self.surface_file(digest))? {
+            Some(bytes) => Ok(Some(bytes)),
+            None => self.shared_file("surfaces", digest),
+        }
     }
 
     /// Drops the file of a mesh. Blocks.

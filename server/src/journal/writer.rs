@@ -1,5 +1,7 @@
 //! The thread that writes: one commit for all changes that wait.
 
+#[cfg(feature = "fleet")]
+use std::collections::BTreeMap;
 use std::collections::HashSet;
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -8,6 +10,8 @@ use std::time::{Duration, Instant};
 
 use super::database::{self, Change};
 use super::error::JournalError;
+#[cfg(feature = "fleet")]
+use super::fenced::{Fence, encoded, whole};
 use super::{Done, Shelf, Urgency};
 use crate::metrics::Metrics;
 
@@ -22,10 +26,19 @@ struct Job {
     changes: Vec<Change>,
     urgency: Urgency,
     done: Done,
+    /// It comes from behind the fence.
+    #[cfg(feature = "fleet")]
+    adopted: bool,
 }
+
+/// Where changes go first, once there is one.
+#[cfg(feature = "fleet")]
+type Fenced = Arc<std::sync::OnceLock<Arc<dyn Fence>>>;
 
 /// The way to the thread.
 pub(super) struct Writer {
+    #[cfg(feature = "fleet")]
+    fence: Fenced,
     jobs: Mutex<Option<Sender<Job>>>,
     thread: Mutex<Option<JoinHandle<()>>>,
 }
@@ -35,23 +48,57 @@ impl Writer {
     pub(super) fn start(shelf: Arc<Shelf>, metrics: &Arc<Metrics>) -> std::io::Result<Self> {
         let (sender, receiver) = mpsc::channel();
         let metrics = Arc::clone(metrics);
-        let run = move || run(&shelf, &receiver, &metrics);
+        #[cfg(feature = "fleet")]
+        let fence = Fenced::default();
+        let pen = Pen {
+            shelf,
+            metrics,
+            #[cfg(feature = "fleet")]
+            fence: Arc::clone(&fence),
+        };
+        let run = move || pen.run(&receiver);
         let thread = std::thread::Builder::new()
             .name("journal".to_owned())
             .spawn(run)?;
         Ok(Self {
+            #[cfg(feature = "fleet")]
+            fence,
             jobs: Mutex::new(Some(sender)),
             thread: Mutex::new(Some(thread)),
         })
     }
 
     pub(super) fn submit(&self, name: &str, changes: Vec<Change>, urgency: Urgency, done: Done) {
-        let job = Job {
+        self.send(Job {
             name: name.into(),
             changes,
             urgency,
             done,
-        };
+            #[cfg(feature = "fleet")]
+            adopted: false,
+        });
+    }
+
+    /// As [`Writer::submit`], of what comes from behind the fence.
+    #[cfg(feature = "fleet")]
+    pub(super) fn adopt(&self, name: &str, changes: Vec<Change>, done: Done) {
+        self.send(Job {
+            name: name.into(),
+            changes,
+            urgency: Urgency::Now,
+            done,
+            adopted: true,
+        });
+    }
+
+    /// Puts a fence in front of everything that follows.
+    #[cfg(feature = "fleet")]
+    pub(super) fn fence(&self, fence: Arc<dyn Fence>) {
+        // There is one at most: a server joins one fleet.
+        let _first = self.fence.set(fence);
+    }
+
+    fn send(&self, job: Job) {
         let jobs = self.jobs.lock().unwrap_or_else(PoisonError::into_inner);
         let refused = match jobs.as_ref() {
             Some(sender) => sender.send(job).err().map(|error| error.0),
@@ -78,23 +125,103 @@ impl Writer {
     }
 }
 
-fn run(shelf: &Shelf, jobs: &Receiver<Job>, metrics: &Metrics) {
-    let mut broken = Broken::default();
-    while let Ok(first) = jobs.recv() {
-        let batch = broken.refuse(gather(first, jobs));
-        if batch.is_empty() {
-            continue;
-        }
-        let outcome = commit(shelf, &batch, metrics);
-        if let Err(error) = &outcome {
-            metrics.journal_failed();
-            tracing::error!(why = error.to_string(), "the journal cannot be written");
-            broken.enter(&batch);
-        }
-        for job in batch {
-            (job.done)(outcome.clone());
+/// What the thread works with.
+struct Pen {
+    shelf: Arc<Shelf>,
+    metrics: Arc<Metrics>,
+    #[cfg(feature = "fleet")]
+    fence: Fenced,
+}
+
+impl Pen {
+    fn run(&self, jobs: &Receiver<Job>) {
+        let mut broken = Broken::default();
+        while let Ok(first) = jobs.recv() {
+            let batch = broken.refuse(gather(first, jobs));
+            #[cfg(feature = "fleet")]
+            let batch = self.fenced(batch, &mut broken);
+            if batch.is_empty() {
+                continue;
+            }
+            let outcome = commit(&self.shelf, &batch, &self.metrics);
+            if let Err(error) = &outcome {
+                self.metrics.journal_failed();
+                tracing::error!(why = error.to_string(), "the journal cannot be written");
+                broken.enter(&batch);
+            }
+            // Before anybody hears of it, who may give the session back then.
+            #[cfg(feature = "fleet")]
+            self.replace(&names(&batch));
+            for job in batch {
+                (job.done)(outcome.clone());
+            }
         }
     }
+
+    /// Lets through what the fence has stored: the changes of each session as one record.
+    #[cfg(feature = "fleet")]
+    fn fenced(&self, batch: Vec<Job>, broken: &mut Broken) -> Vec<Job> {
+        let Some(fence) = self.fence.get() else {
+            return batch;
+        };
+        let mut changes: BTreeMap<&str, Vec<&Change>> = BTreeMap::new();
+        for job in batch.iter().filter(|job| !job.adopted) {
+            changes.entry(&job.name).or_default().extend(&job.changes);
+        }
+        let records = changes.into_iter().map(|(name, changes)| {
+            let record = encoded(changes.into_iter());
+            (name, record)
+        });
+        let records: Vec<_> = records.filter(|(_, record)| !record.is_empty()).collect();
+        let stored = fence.store(&records);
+        let refused = records
+            .iter()
+            .zip(stored)
+            .filter_map(|((name, _), stored)| {
+                let error = stored.err()?;
+                Some(((*name).to_owned(), error))
+            });
+        let refused: BTreeMap<String, JournalError> = refused.collect();
+        let (lost, left): (Vec<_>, Vec<_>) = batch
+            .into_iter()
+            .partition(|job| !job.adopted && refused.contains_key(&*job.name));
+        broken.enter(&lost);
+        for job in lost {
+            let error = refused.get(&*job.name).cloned();
+            (job.done)(error.map_or(Ok(()), Err));
+        }
+        left
+    }
+
+    /// Replaces the records of sessions that have many, or are over.
+    #[cfg(feature = "fleet")]
+    fn replace(&self, names: &BTreeMap<Box<str>, bool>) {
+        let Some(fence) = self.fence.get() else {
+            return;
+        };
+        for (name, is_over) in names {
+            if !is_over && !fence.is_whole_due(name) {
+                continue;
+            }
+            match self.shelf.with(|open| database::load(open, name)) {
+                Ok(stored) => fence.replace(name, &whole(stored)),
+                Err(error) => {
+                    let why = error.to_string();
+                    tracing::error!(why, "earlier records stay in the stream");
+                }
+            }
+        }
+    }
+}
+
+/// The sessions of a batch, and whether each is over by it.
+#[cfg(feature = "fleet")]
+fn names(batch: &[Job]) -> BTreeMap<Box<str>, bool> {
+    let own = batch
+        .iter()
+        .filter(|job| !job.adopted && !job.name.is_empty());
+    let is_over = |job: &Job| matches!(job.changes.last(), Some(Change::Delete));
+    own.map(|job| (job.name.clone(), is_over(job))).collect()
 }
 
 /// Sessions of which a change was lost: later ones would leave a gap.

@@ -9,6 +9,8 @@
 mod away;
 mod calls;
 mod catalogue;
+#[cfg(feature = "fleet")]
+mod fleet;
 mod start;
 
 use std::sync::Arc;

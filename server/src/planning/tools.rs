@@ -141,6 +141,10 @@ pub(crate) async fn enter(
         described: described.encode_to_vec().into(),
         owners: owners.stored(),
     };
+    let (sharing, entry) = (Arc::clone(journal), stored.clone());
+    let digest = described.name.trim_start_matches("surfaces/").to_owned();
+    let shared = aside(move || sharing.share(("surfaces", &digest), &entry)).await?;
+    shared.map_err(unwritable)?;
     let change = Change::Surface(described.name.clone(), stored);
     journal.store("", vec![change]).await.map_err(unwritable)
 }

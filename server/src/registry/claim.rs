@@ -70,10 +70,14 @@ impl Claim {
 impl Drop for Claim {
     fn drop(&mut self) {
         let mut inner = self.registry.lock();
-        if let Some(None) = inner.sessions.get(&self.name) {
+        let is_unused = matches!(inner.sessions.get(&self.name), Some(None));
+        if is_unused {
             inner.forget(&self.name);
         }
         drop(inner);
+        if is_unused {
+            self.registry.release(&self.name);
+        }
         self.registry.settled.notify_waiters();
     }
 }

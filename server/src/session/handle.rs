@@ -91,6 +91,10 @@ pub(crate) enum Command {
     /// Puts a kept one in its place.
     Restore(i64, oneshot::Sender<Result<(), Fault>>),
     Delete(oneshot::Sender<()>),
+    /// It is another server's.
+    GiveUp,
+    /// It may be another server's if nobody writes to it; whether it is.
+    GiveAway(oneshot::Sender<bool>),
     ShutDown,
 }
 
@@ -183,6 +187,16 @@ impl Handle {
     /// Ends the session.
     pub(crate) async fn delete(&self) -> Result<(), Fault> {
         self.ask(Command::Delete).await
+    }
+
+    /// Stops what runs and ends without a further word: the session is another server's.
+    pub(crate) fn give_up(&self) {
+        self.post(Command::GiveUp);
+    }
+
+    /// As [`Handle::give_up`], unless somebody writes to it; whether it does.
+    pub(crate) async fn give_away(&self) -> bool {
+        self.ask(Command::GiveAway).await.unwrap_or(false)
     }
 
     /// Stops what runs, delivers it and ends.

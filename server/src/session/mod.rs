@@ -26,6 +26,7 @@ use crate::client_key::{ClientIdentity, ClientKey};
 use crate::compute::SolverThreads;
 use crate::config::Config;
 use crate::convert::scene::Output;
+use crate::fleet::{self, Fleet};
 use crate::gates::Gates;
 use crate::journal::{Journal, JournalError};
 use crate::metrics::Metrics;
@@ -55,9 +56,16 @@ pub(crate) struct Services {
     pub(crate) traces: Traces,
     /// The data folder, if there is one.
     pub(crate) journal: Option<Arc<Journal>>,
+    /// Other servers that sessions may go on at.
+    pub(crate) fleet: Option<Arc<Fleet>>,
 }
 
 impl Services {
+    /// What says that a session is this server's, in a fleet.
+    pub(crate) fn lease(&self, name: &str) -> Option<Arc<fleet::Lease>> {
+        self.fleet.as_ref()?.lease(name)
+    }
+
     /// What counts for a client, and how much of it there may be.
     pub(crate) fn account(&self, client: ClientIdentity) -> Account {
         let most = self.config.client_bytes();
@@ -69,6 +77,8 @@ impl Services {
 pub(crate) struct SessionSpec {
     /// `sessions/{id}`.
     pub(crate) name: String,
+    /// What says that it is this server's; none where the server is alone.
+    pub(crate) lease: Option<Arc<fleet::Lease>>,
     /// What the solver will build and do.
     pub(crate) plan: Arc<Plan>,
     /// The plan as clients read it.

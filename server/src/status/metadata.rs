@@ -23,6 +23,16 @@ pub(super) fn metadata(fault: &Fault) -> Vec<(&'static str, String)> {
         | Fault::SessionExists(name)
         | Fault::SessionDeleted(name)
         | Fault::SessionDamaged { name, .. } => vec![("session", name.clone())],
+        Fault::SessionElsewhere { name, owner } => {
+            let owner = Some(owner).filter(|owner| !owner.is_empty());
+            let known = [
+                ("session", name.clone()),
+                // The session goes on where it is, or at the next server that is asked for it.
+                ("resumes", "true".to_owned()),
+            ];
+            let owner = owner.map(|owner| ("owner", owner.clone()));
+            known.into_iter().chain(owner).collect()
+        }
         Fault::SessionFailed { name, cause, .. } => {
             let memory = matches!(cause, FailureCause::Memory);
             let cause = memory.then(|| ("cause", "memory".to_owned()));

@@ -43,7 +43,11 @@ fn following(fault: &Fault, text: &str) -> Option<Fault> {
         Fault::SurfaceInvalid(_) => Fault::SurfaceNotFound(text),
         Fault::SurfaceNotFound(_) => Fault::SurfaceInUse(text),
         Fault::SurfaceInUse(_) => Fault::SessionNotFound(text),
-        Fault::SessionNotFound(_) => Fault::SessionExpired(text),
+        Fault::SessionNotFound(_) => Fault::SessionElsewhere {
+            name: text.clone(),
+            owner: text,
+        },
+        Fault::SessionElsewhere { .. } => Fault::SessionExpired(text),
         Fault::SessionExpired(_) => Fault::SessionExists(text),
         Fault::SessionExists(_) => Fault::SessionBusy {
             name: text,

@@ -19,6 +19,7 @@ use crate::access::{Caller, Who};
 use crate::client_key::ClientKey;
 use crate::convert::{field, step};
 use crate::fault::Fault;
+use crate::fleet::Wish;
 use crate::registry::Registry;
 use crate::results::outbox::{Outbox, StreamEnd};
 use crate::session::{Command, Handle, OpenRequest, Role};
@@ -63,7 +64,7 @@ async fn serve(
         .timeout
         .and_then(|time| Instant::now().checked_add(time));
     let (name, request) = first_message(&mut inbound, call.client, deadline).await?;
-    let handle = registry.get(&call.caller, &name).await?;
+    let handle = registry.get_for(&call.caller, &name, Wish::Drive).await?;
     let mut attachment = handle.attach(request).await?;
     let (number, outbox) = (attachment.number, Arc::clone(&attachment.outbox));
     let reading = read(handle.clone(), (number, call.who), outbox, inbound);

@@ -7,6 +7,7 @@
 mod common;
 
 mod access;
+mod alone;
 mod cancels;
 mod deploy;
 mod limits;

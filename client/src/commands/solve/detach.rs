@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use signorini_client::solve::{Attach, Event, Solve};
-use signorini_client::{Client, ClientError, NewSession, result_line};
+use signorini_client::{Client, ClientError, NewSession, result_line, session_id};
 use signorini_proto::v1;
 
 use super::complete;
@@ -37,7 +37,8 @@ pub(super) async fn run(arguments: SolveArguments) -> Result<Exit, Failure> {
     };
     tell(&input.mesh.warnings);
     let steps = input.scene.steps.clone();
-    let name = arguments.name.clone().unwrap_or_default();
+    let name = arguments.name.clone().unwrap_or_else(session_id);
+    let client = client.of_session(&name);
     let (session, plan) = create(&client, input, name, ttl).await?;
     tell(&plan.warnings);
     let exit = hand_over(&client, &session.name, steps).await;

@@ -2,6 +2,7 @@
 
 use super::Actor;
 use crate::fault::Fault;
+use crate::journal::JournalError;
 use crate::session::SessionEnd;
 
 impl Actor {
@@ -19,6 +20,31 @@ impl Actor {
         self.cancel(0);
     }
 
+    /// Ends a session that is another server's.
+    pub(super) fn give_up(&mut self) {
+        let why = JournalError::Elsewhere(self.spec.name.clone());
+        self.end(SessionEnd::Interrupted(Some(why)));
+    }
+
+    /// As [`Actor::give_up`], unless somebody writes to it; whether it does.
+    pub(super) fn give_away(&mut self) -> bool {
+        let is_free = self.writer.is_none() && self.ending.is_none();
+        if is_free {
+            self.give_up();
+        }
+        is_free
+    }
+
+    /// Whether the session is another server's, or may be; it ends then.
+    pub(super) fn is_given_up(&mut self) -> bool {
+        let lease = self.spec.lease.as_ref();
+        let is_lost = lease.is_some_and(|lease| !lease.holds());
+        if is_lost {
+            self.give_up();
+        }
+        is_lost
+    }
+
     /// Whether it ends here and comes back out of the data folder.
     pub(super) fn goes_on_later(&self) -> bool {
         let ending = self.ending.as_ref();
@@ -29,6 +55,10 @@ impl Actor {
         match &self.ending {
             Some(SessionEnd::ShutDown) if !self.log.is_kept() => Fault::ShuttingDown,
             Some(SessionEnd::ShutDown | SessionEnd::Interrupted(None)) => Fault::Interrupted,
+            Some(SessionEnd::Interrupted(Some(JournalError::Elsewhere(name)))) => {
+                let (name, owner) = (name.clone(), String::new());
+                Fault::SessionElsewhere { name, owner }
+            }
             Some(SessionEnd::Interrupted(Some(why))) => Fault::Unwritable(why.to_string()),
             Some(SessionEnd::Expired) => Fault::SessionExpired(self.spec.name.clone()),
             Some(SessionEnd::Deleted | SessionEnd::Died) | None => {

@@ -147,6 +147,10 @@ impl Actor {
         changes.extend(self.outdated(result.event));
         let mark = self.queue.current().map_or(0, |current| current.mark);
         match ending.termination {
+            // Shown by one server of a fleet alone: when its record is there.
+            Termination::Converged | Termination::NotConverged if self.spec.lease.is_some() => {
+                self.record(changes, Urgency::Now)
+            }
             Termination::Converged | Termination::NotConverged => {
                 self.record(changes, Urgency::Soon);
                 mark.max(self.log.fixed)
@@ -174,6 +178,8 @@ impl Actor {
     /// The disk has the changes up to `mark`, or refuses them.
     pub(super) fn journalled(&mut self, mark: u64, outcome: Result<(), JournalError>) {
         match outcome {
+            // Stored under a lease that has ended since: the next holder tells of it.
+            Ok(()) if self.is_given_up() => {}
             Ok(()) => {
                 self.log.durable = self.log.durable.max(mark);
                 self.kept.show(self.log.durable);

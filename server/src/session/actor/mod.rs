@@ -249,6 +249,8 @@ impl Actor {
                 self.deleters.push(reply);
                 self.end(SessionEnd::Deleted);
             }
+            Command::GiveUp => self.give_up(),
+            Command::GiveAway(reply) => answer(reply, self.give_away()),
             Command::ShutDown => self.end(SessionEnd::ShutDown),
         }
     }

@@ -10,7 +10,7 @@ use crate::status;
 
 impl Actor {
     pub(super) fn update(&mut self, update: Update) {
-        if self.goes_on_later() {
+        if self.is_given_up() || self.goes_on_later() {
             // Neither accepted nor refused: its stream ends, and its client sends it again.
             return;
         }
