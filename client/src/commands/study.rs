@@ -195,6 +195,11 @@ fn ledger(
     };
     let mut tally = Tally::default();
     let log = RowLog::open(&log_of(out), &header, start, |row| tally.add(row))?;
+    // Rows of an earlier run that this one does not go on with are gone.
+    let tally = match log.done() {
+        0 => Tally::default(),
+        _ => tally,
+    };
     let ledger = Ledger::new(log, tally, header.cases, verbosity(arguments));
     Ok(campaign::shared(ledger))
 }

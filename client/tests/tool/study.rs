@@ -84,6 +84,17 @@ fn assert_each_once(table: &[BTreeMap<String, String>], count: usize) {
 }
 
 #[test]
+fn a_study_that_is_run_again_counts_its_own_cases_alone() {
+    let place = Place::new("again", 2, "");
+    for _ in 0..2 {
+        let ended = place.run(&[]);
+        assert_eq!(ended.code, Some(0), "{}", ended.stderr);
+        let counted = ended.stdout.lines().next().unwrap_or_default();
+        assert_eq!(counted, "converged          2", "{}", ended.stdout);
+    }
+}
+
+#[test]
 fn every_case_of_a_grid_is_a_row_in_order_and_the_same_whoever_solves_it() {
     let place = Place::new("grid", 3, "[list]\nfile = \"moduli.csv\"\n");
     fs::write(
