@@ -215,7 +215,6 @@ pub(crate) enum Command {
     Session(SessionCommand),
     /// Sessions of several servers
     #[command(subcommand)]
-    #[cfg(feature = "fleet")]
     Fleet(FleetCommand),
     /// What a library of another language asks of this program
     #[command(subcommand, hide = true)]
@@ -237,11 +236,10 @@ pub(crate) enum Command {
 }
 
 #[derive(Subcommand, Debug)]
-#[cfg(feature = "fleet")]
 pub(crate) enum FleetCommand {
     /// Every session that a server holds, with the server and the epoch, which grows at each change
     Status {
-        /// NATS server of the fleet
+        /// NATS server of the fleet (feature `fleet`)
         #[arg(long, value_name = "URL", env = "SIGNORINI_FLEET_NATS")]
         nats: String,
         /// Print result lines: one JSON object a session

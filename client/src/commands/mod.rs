@@ -76,6 +76,8 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
         Command::Session(command) => runtime.block_on(session::run(command)),
         #[cfg(feature = "fleet")]
         Command::Fleet(command) => runtime.block_on(fleet::run(command)),
+        #[cfg(not(feature = "fleet"))]
+        Command::Fleet(_) => Err(without_queue()),
         Command::Embed(command) => runtime.block_on(embed::run(command)),
         Command::Version => version::run(),
         Command::Completions { shell } => completions::run(shell),
@@ -114,7 +116,7 @@ fn tell(line: &str) {
 /// Why there are no queues.
 #[cfg(not(feature = "fleet"))]
 fn without_queue() -> Failure {
-    let message = "this build knows no queue: build it with `--features fleet`";
+    let message = "this build knows neither queues nor fleets: build it with `--features fleet`";
     Failure::new(Exit::Usage, message)
 }
 
