@@ -170,8 +170,8 @@ fn fetched_files_are_those_of_a_solve_that_writes_them() {
     );
     assert_eq!(
         fetched_files.len(),
-        5,
-        "a series, two bodies, two obstacles"
+        7,
+        "a series, two bodies, two obstacles, two outlines"
     );
     for (name, bytes) in &solved_files {
         assert!(fetched_files[name] == *bytes, "{name} differs");
