@@ -222,6 +222,9 @@ fn borders(pieces: &[Vec<Corner>]) -> Vec<[Place; 2]> {
     }
     let rim = sides.into_values().filter(|(_, times)| *times == 1);
     borders.extend(rim.filter_map(|(side, _)| along(side)));
+    // Lines begin at the same place whatever the order of the faces and of their corners.
+    borders.iter_mut().for_each(|pair| pair.sort_unstable());
+    borders.sort_unstable();
     borders
 }
 
