@@ -1,6 +1,7 @@
 //! The arguments of the command line.
 
 mod access;
+mod fleet;
 mod study;
 
 use std::path::PathBuf;
@@ -14,6 +15,7 @@ use crate::exit::Failure;
 pub(crate) use access::AccessArguments;
 #[cfg(feature = "embedded")]
 pub(crate) use access::{CertsCommand, TokenCommand};
+pub(crate) use fleet::FleetCommand;
 #[cfg(feature = "fleet")]
 pub(crate) use study::QueueArguments;
 use study::{STUDY_EXAMPLES, WORKER_EXAMPLES};
@@ -232,19 +234,6 @@ pub(crate) enum Command {
         /// Folder, such as /usr/local/share/man/man1
         #[arg(value_name = "DIR")]
         folder: PathBuf,
-    },
-}
-
-#[derive(Subcommand, Debug)]
-pub(crate) enum FleetCommand {
-    /// Every session that a server holds, with the server and the epoch, which grows at each change
-    Status {
-        /// NATS server of the fleet (feature `fleet`)
-        #[arg(long, value_name = "URL", env = "SIGNORINI_FLEET_NATS")]
-        nats: String,
-        /// Print result lines: one JSON object a session
-        #[arg(long)]
-        json: bool,
     },
 }
 
