@@ -16,6 +16,8 @@ use crate::error::{ClientError, Refusal, Unanswered, is_of_gateway};
 
 /// How long a call is made again.
 const PATIENCE: Duration = Duration::from_secs(30);
+/// Connections of a call that nobody answers.
+const CONNECTIONS: u32 = 2;
 
 /// Why no answer follows.
 #[derive(Debug)]
@@ -70,17 +72,23 @@ pub(crate) fn broken(message: String) -> Stop {
 ///
 /// # Errors
 /// The last failure once the patience is used up; at once for what the service says, and where
-/// nothing answers.
+/// nothing answers, not even on a connection made anew: one that was there may have ended unseen.
 pub(crate) async fn again<T, Answer>(mut call: impl FnMut() -> Answer) -> Result<T, ClientError>
 where
     Answer: Future<Output = Result<T, ClientError>>,
 {
     let mut backoff = Backoff::new(PATIENCE, Instant::now());
+    let mut connections = 1;
     loop {
         let error = match call().await {
             Ok(answer) => return Ok(answer),
             Err(error) => error,
         };
+        let is_unreachable = matches!(error, ClientError::Unreachable { .. });
+        if is_unreachable && connections < CONNECTIONS {
+            connections += 1;
+            continue;
+        }
         let pause = backoff.pause(Instant::now());
         match pause.filter(|_| is_passing(&error)) {
             Some(pause) => tokio::time::sleep(pause).await,
