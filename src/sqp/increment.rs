@@ -31,6 +31,10 @@ const WORTHWHILE: f64 = 0.1;
 const MOST_IDLE: u32 = 5;
 /// Steps of an increment that are taken without progress.
 const MOST_LEAPS: u32 = 3;
+/// Level of a program over the tolerance: what the recomputed residual adds has room.
+const MARGIN: f64 = 0.95;
+/// The level over that of a program that took itself for solved, which it was not.
+const SHARPER: f64 = 0.3;
 /// First reduction asked of a program with a curved gap.
 const FIRST_REDUCTION: f64 = 1e-2;
 
@@ -42,6 +46,8 @@ struct Iterate {
     first_force: f64,
     /// Share of the residual that the next program may leave.
     reduction: f64,
+    /// Level over the tolerance below which no program need go.
+    margin: f64,
     /// Least residual of a linear problem so far.
     least: f64,
     /// Programs since that have not halved it.
@@ -74,7 +80,7 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         let scale = program.force_scale();
         let worst = residuals(run.state, program.start(), scale).largest();
         let scales = run.state.scales;
-        let (step, outcome) = solve_program(run, &program, worst, at.reduction);
+        let (step, outcome) = at.solve_program(run, &program, worst);
         if let Some(verdict) = of_status(outcome, &run.watch) {
             // Those of a method that diverged would make a solution of any state.
             run.state.scales = scales.or(run.state.scales);
@@ -94,27 +100,6 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         }
     }
     at.ending(run, Verdict::failed(Cause::IterationLimit))
-}
-
-/// Solves a program as far as its linearisation is worth, and notes what that cost.
-fn solve_program(
-    run: &mut Run<'_>,
-    program: &QuadraticProgram<'_>,
-    worst: f64,
-    reduction: f64,
-) -> (Step, crate::inequality::QpStatus) {
-    let goal = match run.model.is_linear() {
-        true => 0.0,
-        false => reduction * worst,
-    };
-    let before = run.counters.applications;
-    let (step, outcome) = program.solve(run, goal);
-    if run.model.is_rubber() {
-        let applications = run.counters.applications - before;
-        let reached = goal.max(run.model.tolerance);
-        run.learned.refresh.note(applications, worst, reached);
-    }
-    (step, outcome.status)
 }
 
 /// Moves the state to where the first program starts.
@@ -143,6 +128,7 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
         now: response::solve(run, (&now, first_force)).unwrap_or(now),
         first_force,
         reduction: FIRST_REDUCTION,
+        margin: MARGIN,
         least: f64::INFINITY,
         idle: 0,
         leaps: 0,
@@ -150,6 +136,33 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
 }
 
 impl Iterate {
+    /// Solves a program as far as its linearisation is worth, and notes what that cost.
+    fn solve_program(
+        &mut self,
+        run: &mut Run<'_>,
+        program: &QuadraticProgram<'_>,
+        worst: f64,
+    ) -> (Step, crate::inequality::QpStatus) {
+        let share = match run.model.is_linear() {
+            true => 0.0,
+            false => self.reduction,
+        };
+        let goal = share * worst;
+        let before = run.counters.applications;
+        let (step, outcome) = program.solve(run, goal.max(self.margin * run.model.tolerance));
+        let applications = run.counters.applications - before;
+        if run.model.is_rubber() {
+            let reached = goal.max(run.model.tolerance);
+            run.learned.refresh.note(applications, worst, reached);
+        }
+        // What no iteration was spent on comes again as it is unless more is asked.
+        self.margin = match applications {
+            0 => SHARPER * self.margin,
+            _ => MARGIN,
+        };
+        (step, outcome.status)
+    }
+
     /// Residuals behind a step that brings no progress at once: slender bodies turn against forces
     /// far smaller than those that turning by a straight line wakes in them, and the next program
     /// takes these off (Chamberlain, Powell, Lemarechal and Pedersen, Math. Programming Study 16,

@@ -28,6 +28,14 @@ pub(crate) struct PushStiffness {
 }
 
 impl PushStiffness {
+    /// `factor` J.
+    pub(crate) fn times(mut self, factor: f64) -> Self {
+        self.columns
+            .iter_mut()
+            .for_each(|column| scale(column, factor));
+        self
+    }
+
     /// Takes over that the step dz changed the forces by `change` `[controls]`.
     pub(crate) fn learn(&mut self, step: &[f64], change: &[f64]) {
         let square = dot(step, step);

@@ -90,6 +90,25 @@ fn force_and_travel_are_two_ways_to_one_state() {
 }
 
 #[test]
+fn a_force_takes_hardly_more_iterations_than_the_travel_that_it_leads_to() {
+    for (space, mesh) in [
+        (ContactSpace::Linear, "indent_l1"),
+        (ContactSpace::Linear, "indent_l2"),
+        (ContactSpace::Quadratic, "indent_l2"),
+    ] {
+        let mut scene = ball(space);
+        scene.solver.tolerance = 1e-8;
+        let name = scene.obstacles[0].name.clone();
+        let body = file(mesh);
+        let led = last(&mut open(&scene, &body), &push(&name, [0.0, 0.0, -0.05]));
+        let force = led.obstacles[&name].force[2];
+        let found = last(&mut open(&scene, &body), &down(&name, force));
+        let counts = [&found, &led].map(|report| f64::from(report.preconditioner_applications));
+        assert!(counts[0] <= 1.25 * counts[1], "{counts:?} {mesh}");
+    }
+}
+
+#[test]
 fn a_ball_above_the_body_comes_down_by_itself() {
     let mut scene = ball(ContactSpace::Quadratic);
     let Shape::Sphere { centre, .. } = &mut scene.obstacles[0].shape else {

@@ -73,7 +73,8 @@ impl Course {
 
     /// Whether the step has to be taken back.
     pub(super) fn leads_away(&self, ending: &Ending, after: &Progress) -> bool {
-        let is_worse = after.relative > WORSE * self.before.relative.max(COARSE);
+        let before = self.before.relative.max(self.before.tolerance);
+        let is_worse = after.relative > WORSE * before.max(COARSE);
         ending.termination != Termination::Converged || (self.tells && is_worse)
     }
 

@@ -11,8 +11,8 @@
 //! first led to it along its force ([`touch`]), and so is one that the body leaves on the way.
 //! Each solve is as accurate as the misfit that is left makes worthwhile, and goes on from the
 //! one before. Non-dimensional; moments are of
-//! forces at the body's length. Cost: 4 to 8 solves that together take about as many iterations
-//! as one and a half at known poses.
+//! forces at the body's length. Cost: 7 to 10 solves that together take about as many iterations
+//! as 1.2 at known poses, where one component is sought.
 
 mod course;
 mod metric;
@@ -22,7 +22,7 @@ mod touch;
 use super::accuracy;
 use super::push_stiffness::PushStiffness;
 use super::run::Run;
-use crate::linalg::vector::largest;
+use crate::linalg::vector::{dot, largest, ratio};
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Site};
 use crate::model::push::Control;
@@ -40,8 +40,16 @@ const MOST_FAILURES: u32 = 6;
 const MOST_APPROACHES: u32 = 3;
 /// Accuracy of the first solve, and the misfit below which growth is no matter.
 const COARSE: f64 = 1e-3;
-/// Accuracy of a solve over the misfit before it.
-const SHARPNESS: f64 = 0.02;
+/// Accuracy of the first solve behind touch for one component, of whose force the metric is
+/// some tenths wrong; several have directions that hardly show, and want a sharper one.
+const ROUGH: f64 = 0.05;
+/// Accuracy of a solve over the misfit before it, for one component and for several, whose
+/// stiffness is learnt.
+const SHARPNESS: [f64; 2] = [0.05, 0.02];
+/// Share of the misfit left by a step behind which the stiffness wants to be learnt.
+const SLOW: f64 = 0.3;
+/// Share of the stiffness that the metric says, least and most, that is believed of a body.
+const STIFFER: [f64; 2] = [0.5, 2.0];
 /// Change of forces over what was expected that shows nothing of a step.
 const UNNOTICED: f64 = 0.1;
 /// Share of a push that nothing balances from which on there is no equilibrium.
@@ -72,6 +80,8 @@ struct Balance {
     drive: Drive,
     /// df/dz as it is known; none before it is asked for.
     stiffness: Option<PushStiffness>,
+    /// How much stiffer than the metric says the body has shown to be behind touch.
+    stiffer: f64,
 }
 
 impl Balance {
@@ -87,6 +97,7 @@ impl Balance {
             goal: controls.iter().map(goal).collect(),
             drive: drive.carried_by(&run.state.drive),
             stiffness: known.filter(|known| known.controls == controls),
+            stiffer: 1.0,
             controls,
         }
     }
@@ -137,7 +148,7 @@ impl Balance {
             if is_sharp || !is_solved || !self.is_unnoticed(course, &after) {
                 return (ending, after);
             }
-            run.model.tolerance = (SHARPNESS * run.model.tolerance).max(floor);
+            run.model.tolerance = (SHARPNESS[1] * run.model.tolerance).max(floor);
         }
     }
 
@@ -166,8 +177,16 @@ impl Balance {
     fn led(&mut self, run: &mut Run<'_>, step: Vec<f64>, floor: f64) -> Course {
         self.drive = self.drive.carried_by(&run.state.drive);
         self.stiffness = None;
-        run.model.tolerance = COARSE.max(floor);
+        run.model.tolerance = self.roughest().max(floor);
         Course::new(step, self.progress(run), self.is_only_pushed(run))
+    }
+
+    /// The least accuracy of a solve.
+    fn roughest(&self) -> f64 {
+        match self.controls.len() {
+            1 => ROUGH,
+            _ => COARSE,
+        }
     }
 
     /// How a search goes on `after` its last step; the push that is not met, and why, where
@@ -200,7 +219,11 @@ impl Balance {
             true => vec![0.0; self.controls.len()],
             false => step,
         };
-        run.model.tolerance = (SHARPNESS * after.relative).clamp(floor, COARSE.max(floor));
+        // A misfit below the error of the solve is small by chance.
+        let misfit = after.relative.max(after.tolerance);
+        let is_slow = after.relative > SLOW * course.before.relative;
+        let sharpness = SHARPNESS[usize::from(is_slow || self.controls.len() > 1)];
+        run.model.tolerance = (sharpness * misfit).clamp(floor, self.roughest().max(floor));
         Ok(Course {
             slides,
             approaches: course.approaches,
@@ -212,8 +235,9 @@ impl Balance {
     fn step(&mut self, run: &mut Run<'_>, misfit: &[f64]) -> (Vec<f64>, Vec<f64>) {
         let stiffness = match self.stiffness.take() {
             Some(known) => known,
-            None => by_metric(run, &self.controls),
+            None => by_metric(run, &self.controls).times(self.stiffer),
         };
+        self.stiffer = 1.0;
         let solved = stiffness.solve(misfit);
         self.stiffness = Some(stiffness);
         solved
@@ -231,10 +255,17 @@ impl Balance {
     /// Takes over what a step has changed; nothing of one that says nothing of the stiffness,
     /// which is then asked for anew.
     fn learn(&mut self, course: &Course, after: &Progress) {
-        let (Some(stiffness), true) = (&mut self.stiffness, course.tells) else {
-            self.stiffness = None;
+        let Some(stiffness) = &mut self.stiffness else {
+            // The step behind touch came from the metric, which was asked for the whole push.
+            if self.controls.len() == 1 {
+                self.stiffer = self.share(after).clamp(STIFFER[0], STIFFER[1]);
+            }
             return;
         };
+        if !course.tells {
+            self.stiffness = None;
+            return;
+        }
         let change = course.change(after);
         // Of a step too short to show in solves as rough as these nothing is learnt.
         let expected = largest(&stiffness.product(&course.step));
@@ -242,6 +273,11 @@ impl Balance {
         if largest(&change).max(expected) > noise {
             stiffness.learn(&course.step, &change);
         }
+    }
+
+    /// What obstacles exert along what they shall, over that: the metric was asked for one.
+    fn share(&self, after: &Progress) -> f64 {
+        1.0 + ratio(dot(&after.misfit, &self.goal), dot(&self.goal, &self.goal))
     }
 
     /// f - F at the state.

@@ -31,8 +31,6 @@ const MOST_BEFORE_FACTOR: u32 = 80;
 /// Error of the contact pressure, in shear moduli, with which the next tangent is still
 /// that of a stable body: the pressure stands in its stiffness.
 const PRESSURE_ERROR: f64 = 0.05;
-/// Aim of a program below the tolerance, for what the recomputed residual adds.
-const MARGIN: f64 = 0.95;
 
 /// Where a solve of the program starts and ends.
 pub(super) struct Solve<'s> {
@@ -49,11 +47,11 @@ pub(super) struct Solve<'s> {
 }
 
 impl QuadraticProgram<'_> {
-    /// Solves the program to `goal` or the tolerance, whichever is larger; without the
+    /// Solves the program to `level`; without the
     /// curvature of the gaps where it fails or the step has no positive stiffness with
     /// it.
-    pub(crate) fn solve(&self, run: &mut Run<'_>, goal: f64) -> (Step, QpOutcome) {
-        let solved = self.solve_as_planned(run, goal);
+    pub(crate) fn solve(&self, run: &mut Run<'_>, level: f64) -> (Step, QpOutcome) {
+        let solved = self.solve_as_planned(run, level);
         let is_lost = matches!(solved.1.status, QpStatus::Krylov(_));
         let may_factorise = self.tangent.is_some() && self.model.plan.has_small_factor();
         if run.by_factor || !is_lost || !may_factorise {
@@ -61,30 +59,30 @@ impl QuadraticProgram<'_> {
         }
         run.by_factor = true;
         run.counters.failed_programs += 1;
-        self.solve_as_planned(run, goal)
+        self.solve_as_planned(run, level)
     }
 
     /// Solves the program by the method of the plan, or by a factor where one has taken
     /// over.
-    fn solve_as_planned(&self, run: &mut Run<'_>, goal: f64) -> (Step, QpOutcome) {
+    fn solve_as_planned(&self, run: &mut Run<'_>, level: f64) -> (Step, QpOutcome) {
         if let Some(curvature) = &self.curvature {
-            let solved = self.solve_with(Some(curvature), run, goal);
+            let solved = self.solve_with(Some(curvature), run, level);
             let failed = matches!(solved.1.status, QpStatus::Krylov(_));
             let step = &solved.0.displacement;
             if !failed && self.has_positive_stiffness(curvature, step, &mut run.work) {
                 return solved;
             }
         }
-        self.solve_with(self.released.as_ref(), run, goal)
+        self.solve_with(self.released.as_ref(), run, level)
     }
 
-    /// Solves the program to `goal` and returns its step; `curvature` is what contact
+    /// Solves the program to `level` and returns its step; `curvature` is what contact
     /// adds to A, left out where it spoils the stiffness.
     fn solve_with(
         &self,
         curvature: Option<&SparseRows>,
         run: &mut Run<'_>,
-        goal: f64,
+        level: f64,
     ) -> (Step, QpOutcome) {
         let Run {
             state,
@@ -103,7 +101,7 @@ impl QuadraticProgram<'_> {
         }
         let targets = QpTargets {
             force_scale: self.force_scale,
-            level: goal.max(MARGIN * self.model.tolerance),
+            level,
             multiplier_error: self.model.is_rubber().then_some(PRESSURE_ERROR),
         };
         let mut scales = state.scales;
