@@ -19,6 +19,7 @@ mod overlap;
 pub(crate) mod p1;
 mod poses;
 mod push;
+mod reach;
 mod report;
 pub(crate) mod response;
 pub(crate) mod rubber;
