@@ -288,6 +288,9 @@ pub struct StepReport {
     pub reused: Vec<String>,
     /// The kernels that ran: `portable`, later `avx2`, `avx512`.
     pub instruction_set: String,
+    /// What the scene's [`crate::scene::ReportScope`] has left out, by the names of this report;
+    /// numbers among it are not a number. Empty in a report on the whole body.
+    pub left_out: Vec<&'static str>,
     /// Residuals recomputed by the independent assembled path, when asked for.
     pub verification: Option<Residuals>,
 }

@@ -123,8 +123,8 @@ impl Columns {
         ];
         let numbers = [
             report.error_estimate,
-            Some(report.strain_energy),
-            Some(report.volume_ratio),
+            Some(report.strain_energy).filter(|value| !value.is_nan()),
+            Some(report.volume_ratio).filter(|value| !value.is_nan()),
             report.min_jacobian,
             Some(report.max_penetration),
             Some(report.seconds.unwrap_or_default().total),

@@ -70,6 +70,14 @@ pub(crate) struct Drive {
 }
 
 impl Drive {
+    /// Whether loads and supports are the same, wherever obstacles are.
+    pub(crate) fn is_loaded_like(&self, other: &Self) -> bool {
+        self.load.to_bits() == other.load.to_bits()
+            && self.supports == other.supports
+            && self.motions == other.motions
+            && self.given == other.given
+    }
+
     /// The undeformed state.
     pub(crate) fn undeformed(plan: &Plan) -> Self {
         let supports = plan.resolved.supports.len();

@@ -117,6 +117,13 @@ fn add_body(model: &Model<'_>, state: &State, out: &mut Evaluation, work: &mut W
     out.least_jacobian = inside.response.map(|response| response.least_jacobian);
 }
 
+/// Norm of the external load on free rows, non-dimensional.
+pub(crate) fn load_norm(model: &Model<'_>, state: &State) -> f64 {
+    let mut force = external_force(model, state);
+    mask(&model.prepared.held, &mut force);
+    norm(&force)
+}
+
 /// Dead loads and follower pressures at the state's load factor, all rows `[displacement]`.
 pub(crate) fn external_force(model: &Model<'_>, state: &State) -> Vec<f64> {
     let load = state.drive.load;

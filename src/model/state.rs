@@ -33,6 +33,18 @@ pub(crate) struct State {
     pub(crate) penalty: f64,
     /// What friction did in the last increment; empty without it.
     pub(crate) slip: SlipState,
+    /// What moved the surface where the response of the body has answered; none behind others,
+    /// and in every checkpoint.
+    pub(crate) surface_load: Option<SurfaceLoad>,
+}
+
+/// The contact load that has moved a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct SurfaceLoad {
+    /// On free rows `[displacement]`.
+    pub(crate) load: Arc<[f64]>,
+    /// Whether the body inside has been found, which an answer on contact alone leaves behind.
+    pub(crate) is_whole: bool,
 }
 
 /// Where an increment began.
@@ -103,6 +115,7 @@ impl State {
                 false => 0.0,
             },
             slip: SlipState::undeformed(plan),
+            surface_load: None,
         }
     }
 
@@ -115,10 +128,28 @@ impl State {
         })
     }
 
+    /// Whether displacement and pressure are those of the whole body, not of its surface alone.
+    pub(crate) fn is_whole(&self) -> bool {
+        let moved = self.surface_load.as_ref();
+        moved.is_none_or(|moved| moved.is_whole)
+    }
+
+    /// Takes the load `[displacement]` that has moved the surface to where it is, which it is
+    /// under `drive` too; none where it is not known, or other loads act there.
+    pub(crate) fn load_behind(&mut self, drive: &Drive) -> Option<Arc<[f64]>> {
+        let moved = self.surface_load.take()?;
+        let is_there = self.drive.is_loaded_like(drive);
+        is_there.then_some(moved.load)
+    }
+
     /// Bytes held.
     pub(crate) fn bytes(&self) -> u64 {
         let numbers = self.displacement.len() + self.pressure.len() + self.multiplier.len();
-        let numbers = numbers + 2 * self.slip.travel.len() + 2 * self.slip.total.len();
+        let load = self
+            .surface_load
+            .as_ref()
+            .map_or(0, |moved| moved.load.len());
+        let numbers = numbers + load + 2 * self.slip.travel.len() + 2 * self.slip.total.len();
         (8 * numbers + self.status.len()) as u64 + self.drive.given.bytes()
     }
 }

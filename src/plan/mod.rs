@@ -19,6 +19,7 @@ mod overlap;
 pub(crate) mod p1;
 mod poses;
 mod push;
+mod reach;
 mod report;
 pub(crate) mod response;
 pub(crate) mod rubber;
@@ -37,8 +38,8 @@ use crate::mesh::{Mesh, MeshId};
 use crate::report::Unknowns;
 use crate::scene::validate::{Resolved, ResolvedObstacle, build, resolve};
 use crate::scene::{
-    ContactSpace, DisplacementMethod, ElementKind, MetricKind, Named, Scene, SceneError, SceneKind,
-    Step, Violation,
+    ContactSpace, DisplacementMethod, ElementKind, MetricKind, Named, ReportScope, Scene,
+    SceneError, SceneKind, Step, Violation,
 };
 use crate::space::TaylorHood;
 
@@ -241,7 +242,11 @@ impl Plan {
             obstacles,
         };
         plan.response = response::choose(&plan).map_err(|message| {
-            let path = "solver.response".to_owned();
+            let key = match plan.settings.report {
+                ReportScope::Whole => "response",
+                ReportScope::Contact => "report",
+            };
+            let path = format!("solver.{key}");
             SceneError::Unsupported(Violation { path, message })
         })?;
         Ok(plan)

@@ -25,13 +25,14 @@ impl Pose {
         Moving::new(Arc::clone(&obstacle.shape), translation, self.rotation)
     }
 
-    /// Half way to another pose.
-    fn halfway(self, to: Self) -> Self {
-        let middle =
-            |a: [f64; 3], b: [f64; 3]| std::array::from_fn(|axis| 0.5 * (a[axis] + b[axis]));
+    /// A share of the way to another pose.
+    pub(super) fn towards(self, to: Self, share: f64) -> Self {
+        let between = |a: [f64; 3], b: [f64; 3]| {
+            std::array::from_fn(|axis| (1.0 - share) * a[axis] + share * b[axis])
+        };
         Self {
-            translation: middle(self.translation, to.translation),
-            rotation: middle(self.rotation, to.rotation),
+            translation: between(self.translation, to.translation),
+            rotation: between(self.rotation, to.rotation),
         }
     }
 }
@@ -53,7 +54,7 @@ pub(super) fn poses(name: &str, steps: &[Step]) -> Vec<Pose> {
 pub(super) fn with_middles(poses: &[Pose]) -> Vec<Pose> {
     let middles = poses
         .windows(2)
-        .flat_map(|pair| [pair[0].halfway(pair[1]), pair[1]]);
+        .flat_map(|pair| [pair[0].towards(pair[1], 0.5), pair[1]]);
     poses.first().copied().into_iter().chain(middles).collect()
 }
 

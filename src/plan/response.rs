@@ -3,7 +3,7 @@
 //! taken so many steps that what it saves has paid for the factor, if that is small.
 
 use super::{Plan, estimate};
-use crate::scene::{ElementKind, ResponseMethod};
+use crate::scene::{ElementKind, ReportScope, ResponseMethod};
 
 /// Bytes of the largest response that is made unasked.
 const MOST_UNASKED: f64 = 6.4e7;
@@ -68,6 +68,9 @@ impl ResponseChoice {
 /// Why a scene that asks for it has none.
 pub(super) fn choose(plan: &Plan) -> Result<ResponseChoice, String> {
     let asked = plan.scene.solver.response.named();
+    if plan.settings.report == ReportScope::Contact {
+        return of_contact_alone(plan, asked);
+    }
     match (asked, hindrance(plan)) {
         (Some(ResponseMethod::Iterative), _) => Ok(ResponseChoice::none("asked for")),
         (Some(ResponseMethod::Condensed), Some(hindrance)) => Err(hindrance),
@@ -83,6 +86,34 @@ pub(super) fn choose(plan: &Plan) -> Result<ResponseChoice, String> {
             let reason = "what it saves has paid for its factor by then";
             Ok(ResponseChoice::from(plan, step, reason))
         }
+    }
+}
+
+/// The choice of a scene whose reports are on contact alone: from the first step on.
+///
+/// # Errors
+/// Why it has none.
+fn of_contact_alone(plan: &Plan, asked: Option<ResponseMethod>) -> Result<ResponseChoice, String> {
+    let reasons = [
+        (
+            asked == Some(ResponseMethod::Iterative),
+            "the response is `iterative`",
+        ),
+        (plan.settings.verify, "residuals are verified"),
+        (
+            plan.resolved.manufactured.is_some(),
+            "errors against a field are asked for",
+        ),
+    ];
+    let reason = reasons.into_iter().find(|(hinders, _)| *hinders);
+    let reason = reason.map(|(_, reason)| reason.to_owned());
+    match reason.or_else(|| hindrance(plan)) {
+        Some(reason) => Err(format!("`report = \"contact\"` has no answer: {reason}")),
+        None => Ok(ResponseChoice::from(
+            plan,
+            1,
+            "reports are on contact alone",
+        )),
     }
 }
 

@@ -1,6 +1,8 @@
 //! Numerical settings that methods read while they run.
 
-use crate::scene::{Choice, ErrorEstimate, OnInstability, SolverOptions, ToleranceRule};
+use crate::scene::{
+    Choice, ErrorEstimate, OnInstability, ReportScope, SolverOptions, ToleranceRule,
+};
 
 /// What a scene asks of every increment.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +24,8 @@ pub(crate) struct Settings {
     pub(crate) penalty: Option<f64>,
     /// What follows where an equilibrium of rubber is a saddle, or is lost.
     pub(crate) on_instability: OnInstability,
+    /// What the report of an increment is about.
+    pub(crate) report: ReportScope,
     /// Whether the independent path recomputes the residuals of each increment.
     pub(crate) verify: bool,
 }
@@ -43,6 +47,7 @@ impl Settings {
                 Choice::Auto => OnInstability::Descend,
                 Choice::Named(named) => named,
             },
+            report: options.report.named().unwrap_or(ReportScope::Whole),
             verify: options.verify,
         }
     }

@@ -4,7 +4,7 @@
 //! | doubt | found by |
 //! |---|---|
 //! | coarse for the contact | the half width a = sqrt(R d) of Hertz, from the depth d of the body at rest and the radius R of the tool there, below all edges that may touch it |
-//! | beyond the heights | vertices that may touch a height field outside its nodes, in some pose |
+//! | away from the body, beside its nodes | [`reach`] |
 //!
 //! Poses are those that steps name; what follows from pushes is not known here. Cost: one
 //! distance a vertex and pose.
@@ -12,12 +12,10 @@
 use super::poses::{Pose, poses, some};
 use super::report::PlanEntry;
 use super::surfaces::{ContactLayout, vertices_of};
-use super::{Units, doubts};
+use super::{Units, doubts, reach};
 use crate::geometry::vector3::{norm, sub};
-use crate::geometry::{RigidMotion, rigid_motion};
 use crate::mesh::Mesh;
-use crate::obstacle::grid::HeightField;
-use crate::obstacle::{Contact, Obstacle, Shape, What, larger_curvature};
+use crate::obstacle::{Contact, Obstacle, What, larger_curvature};
 use crate::scene::validate::ResolvedObstacle;
 use crate::scene::{self, Step};
 
@@ -69,11 +67,22 @@ pub(super) fn doubts(
 ) -> Vec<String> {
     let mut all = Vec::new();
     for (given, obstacle) in shapes.iter().zip(obstacles) {
-        let poses = some(&poses(&obstacle.name, steps));
-        all.extend(coarse(obstacle, &poses, (mesh, units)));
-        if let Shape::HeightField(field) = &given.shape {
-            all.extend(beyond(obstacle, (field, &poses), (mesh, units)));
-        }
+        let way = poses(&obstacle.name, steps);
+        let poses = some(&way);
+        let vertices = vertices_of(mesh, std::iter::once(&obstacle.facets)).into_iter();
+        let places: Vec<[f64; 3]> = vertices
+            .map(|vertex| mesh.coordinates()[vertex as usize])
+            .collect();
+        let scaled = |place: &[f64; 3]| place.map(|x| x * units.coordinate_scale);
+        let points: Vec<[f64; 3]> = places.iter().map(scaled).collect();
+        all.extend(coarse(obstacle, &poses, (mesh, &points, units)));
+        all.extend(reach::away(obstacle, (&way, steps), (&points, units)));
+        let places: Vec<[f64; 3]> = places.into_iter().map(|x| units.of_mesh(x)).collect();
+        all.extend(reach::beyond(
+            (given.name.as_str(), &given.shape),
+            &poses,
+            &places,
+        ));
     }
     all
 }
@@ -82,20 +91,14 @@ pub(super) fn doubts(
 fn coarse(
     obstacle: &ResolvedObstacle,
     poses: &[Pose],
-    (mesh, units): (&Mesh, &Units),
+    (mesh, points, units): (&Mesh, &[[f64; 3]], &Units),
 ) -> Option<String> {
     if obstacle.shape.is_flat() {
         return None;
     }
-    let scaled =
-        |vertex: u32| mesh.coordinates()[vertex as usize].map(|x| x * units.coordinate_scale);
-    let points: Vec<[f64; 3]> = vertices_of(mesh, std::iter::once(&obstacle.facets))
-        .into_iter()
-        .map(scaled)
-        .collect();
     let deepest = poses
         .iter()
-        .filter_map(|pose| deepest(obstacle, *pose, (&points, units)));
+        .filter_map(|pose| deepest(obstacle, *pose, (points, units)));
     let (depth, radius) = deepest.max_by(|a, b| a.0.total_cmp(&b.0))?;
     let half_width = (radius * depth).sqrt() * units.length;
     let face = doubts::finest_face(obstacle, (mesh, units));
@@ -125,43 +128,4 @@ fn deepest(
     let largest = larger_curvature(&bent);
     // That of the surface outside the point.
     (depth > TOUCH && largest > 0.0).then(|| (depth, 1.0 / largest + depth))
-}
-
-/// Vertices beside the nodes of a height field.
-fn beyond(
-    obstacle: &ResolvedObstacle,
-    (field, poses): (&HeightField, &[Pose]),
-    (mesh, units): (&Mesh, &Units),
-) -> Option<String> {
-    let lattice = field.lattice();
-    let vertices = vertices_of(mesh, std::iter::once(&obstacle.facets));
-    let is_beyond = |pose: &Pose, vertex: u32| {
-        let motion = RigidMotion {
-            translation: pose.translation,
-            rotation: pose.rotation,
-            about: [0.0; 3],
-        };
-        let place = units.of_mesh(mesh.coordinates()[vertex as usize]);
-        let back =
-            rigid_motion::multiply_transposed(&motion.matrix(), sub(place, pose.translation));
-        (0..2).any(|axis| {
-            let last = (lattice.counts[axis] - 1) as f64;
-            let share = (back[axis] - lattice.origin[axis]) / lattice.spacing[axis];
-            !(0.0..=last).contains(&share)
-        })
-    };
-    let count = |pose: &Pose| {
-        vertices
-            .iter()
-            .filter(|&&vertex| is_beyond(pose, vertex))
-            .count()
-    };
-    let most = poses.iter().map(count).max()?;
-    (most > 0).then(|| {
-        format!(
-            "{most} of {} vertices that may touch obstacle `{}` lie beside the nodes of its heights, where it goes on as it ends",
-            vertices.len(),
-            obstacle.name
-        )
-    })
 }

@@ -11,6 +11,7 @@ pub(crate) mod displacement;
 mod element_chooser;
 mod error;
 pub(crate) mod moduli;
+mod of_sessions;
 pub(crate) mod p1;
 mod pressure;
 mod rings;

@@ -9,6 +9,7 @@ use super::bodies::{DisplacementBody, P1Body};
 use super::displacement;
 use super::error::PrepareError;
 use super::moduli::moduli;
+use super::of_sessions::OfSessions;
 use super::p1::{self, P1Built};
 use super::pressure::{PressureBlock, pressure_block};
 use super::rings::{Rest, rings_at_rest};
@@ -37,6 +38,8 @@ pub(crate) struct TaylorHoodData {
     pub(crate) pressure: Option<PressureBlock>,
     /// Cells of finite strain; none for linear bodies.
     pub(crate) strain: Option<Arc<StrainGrid>>,
+    /// What sessions have made of these data and share.
+    pub(crate) of_sessions: OfSessions,
     seconds: Seconds,
 }
 
@@ -244,6 +247,7 @@ impl Parts {
         Ok(TaylorHoodData {
             seconds: self.seconds(),
             strain,
+            of_sessions: OfSessions::default(),
             stiffness,
             is_held,
             pressure,

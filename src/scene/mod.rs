@@ -17,8 +17,8 @@ mod values;
 pub use crate::obstacle::Shape;
 pub use choices::{
     Choice, ContactMethod, ContactSpace, DisplacementMethod, ElementKind, ErrorEstimate,
-    MetricKind, Named, OnInstability, P1Solver, ResponseMethod, SaddleMethod, StabilityCheck,
-    UnknownName,
+    MetricKind, Named, OnInstability, P1Solver, ReportScope, ResponseMethod, SaddleMethod,
+    StabilityCheck, UnknownName,
 };
 pub use error::{SceneError, Violation};
 pub use material::{Formulation, Material, MaterialModel, Modulus, RubberModel};

@@ -2,7 +2,7 @@
 
 use super::choices::{
     Choice, ContactMethod, ContactSpace, DisplacementMethod, ElementKind, ErrorEstimate,
-    MetricKind, OnInstability, P1Solver, ResponseMethod, SaddleMethod, StabilityCheck,
+    MetricKind, OnInstability, P1Solver, ReportScope, ResponseMethod, SaddleMethod, StabilityCheck,
 };
 
 /// How far the residuals are reduced.
@@ -51,6 +51,8 @@ pub struct SolverOptions {
     pub on_instability: Choice<OnInstability>,
     /// How a linear body answers the motion of its obstacles.
     pub response: Choice<ResponseMethod>,
+    /// What the reports of increments are about.
+    pub report: Choice<ReportScope>,
     /// Weight of a grad-div term in the displacement block, in units of the shear
     /// modulus; for incompressible materials. `None`: none. Of rubber: of the volume
     /// change that the pressure does not see; `None`: where an equilibrium is lost.
@@ -77,6 +79,7 @@ impl Default for SolverOptions {
             stability: Choice::Auto,
             on_instability: Choice::Auto,
             response: Choice::Auto,
+            report: Choice::Auto,
             penalty: None,
             verify: false,
         }

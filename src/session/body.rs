@@ -37,6 +37,9 @@ pub(crate) trait Body: Debug + Send + Sync {
     /// from outside stopped before any part of it converged leaves the state `before`.
     fn advance<'a>(&'a self, increment: Increment<'a>, goal: &Drive, before: &State) -> Advanced;
 
+    /// Makes the state that of the whole body, and hands the scratch vectors back.
+    fn complete<'a>(&'a self, at: Increment<'a>) -> Workspace;
+
     /// What each obstacle exerts on the body at `state`: forces, then moments about the
     /// reference points `[obstacles][6]`, in the caller's units.
     fn exerted(&self, state: &State) -> Vec<[f64; 6]>;
@@ -47,9 +50,9 @@ pub(crate) trait Body: Debug + Send + Sync {
     /// Adds to a report what building the prepared data took beside seconds.
     fn count_preparation(&self, report: &mut StepReport);
 
-    /// A field of `state`; none if the scene has no such field. `mode` is the softest motion
-    /// `[displacement]`, where one is known.
-    fn field(&self, at: (&State, Option<&[f64]>), name: FieldName) -> Option<FieldData>;
+    /// A field of `state` with what the solver has learnt on the way there; none if the scene has
+    /// no such field.
+    fn field(&self, at: (&State, &Learned), name: FieldName) -> Option<FieldData>;
 }
 
 /// The prepared data of a body.

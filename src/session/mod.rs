@@ -22,7 +22,8 @@ use crate::model::state::State;
 use crate::plan::Plan;
 use crate::prepare::Prepared;
 use crate::report::{
-    CancelToken, FieldData, FieldName, IterationRecord, Observer, Seconds, StepReport, WarningKind,
+    CancelToken, FieldData, FieldName, IterationRecord, Observer, Seconds, Silent, StepReport,
+    WarningKind,
 };
 use crate::scene::validate::check_step;
 use crate::scene::{SceneError, Step};
@@ -200,6 +201,8 @@ impl Session {
     /// Forgets what the solver has learnt, as [`Session::export`] does, and writes nothing: the
     /// session goes on with the bits of one that exports here.
     pub fn forget(&mut self) {
+        self.complete();
+        self.state.surface_load = None;
         self.learned.forget(self.body.plan());
     }
 
@@ -352,11 +355,28 @@ impl Session {
         report
     }
 
+    /// Finds what the body does inside where the last report was on contact alone. Fields do it
+    /// by themselves, each anew: worth the call before several. Changes no later bit. Cost: one
+    /// solution with the factor, none behind a report on the whole body.
+    pub fn complete(&mut self) {
+        let increment = Increment {
+            state: &mut self.state,
+            learned: &mut self.learned,
+            watch: Watch {
+                observer: &mut Silent,
+                cancel: &CancelToken::new(),
+                seconds_left: None,
+                record: IterationRecord::default(),
+            },
+            counters: Counters::new(),
+            work: std::mem::take(&mut self.work),
+        };
+        self.work = self.body.complete(increment);
+    }
+
     /// A field of the current state; none if the scene has no such field.
     pub fn field(&self, name: FieldName) -> Option<FieldData> {
-        let mode = self.learned.lowest_mode.as_ref();
-        let mode = mode.map(|mode| mode.motion.as_slice());
-        self.body.field((&self.state, mode), name)
+        self.body.field((&self.state, &self.learned), name)
     }
 
     /// Bytes held by this session alone.

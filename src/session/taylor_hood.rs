@@ -6,6 +6,7 @@
 use std::sync::Arc;
 
 use super::body::{Advanced, Body, Increment, Shared};
+use crate::linalg::Workspace;
 use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::model::drive::Drive;
@@ -18,12 +19,15 @@ use crate::precond::PMultigrid;
 use crate::prepare::TaylorHoodData;
 use crate::report::{FieldData, FieldName, StepReport};
 use crate::results::coarse_turn::coarse_turns;
+use crate::results::contact_alone;
 use crate::results::exerted::exerted;
 use crate::results::touch::Touch;
 use crate::results::warnings::{coarse_facets, warnings};
 use crate::results::{fields, step};
 use crate::sqp::increment::{self, MOST_PROGRAMS};
 use crate::sqp::ladder::climb;
+use crate::sqp::learned::Learned;
+use crate::sqp::response::inside;
 use crate::sqp::run::{Retry, Run};
 use crate::sqp::site::locate;
 use crate::verify;
@@ -69,6 +73,21 @@ impl TaylorHoodBody {
             tolerance: self.plan.settings.tolerance,
         }
     }
+
+    /// An increment on the body, at its begin.
+    fn run<'a>(&'a self, increment: Increment<'a>) -> Run<'a> {
+        Run {
+            model: self.model(),
+            state: increment.state,
+            learned: increment.learned,
+            watch: increment.watch,
+            counters: increment.counters,
+            work: increment.work,
+            retry: Retry::Parts,
+            by_factor: false,
+            patience: MOST_PROGRAMS,
+        }
+    }
 }
 
 impl Body for TaylorHoodBody {
@@ -93,17 +112,7 @@ impl Body for TaylorHoodBody {
     }
 
     fn advance<'a>(&'a self, increment: Increment<'a>, goal: &Drive, before: &State) -> Advanced {
-        let mut run = Run {
-            model: self.model(),
-            state: increment.state,
-            learned: increment.learned,
-            watch: increment.watch,
-            counters: increment.counters,
-            work: increment.work,
-            retry: Retry::Parts,
-            by_factor: false,
-            patience: MOST_PROGRAMS,
-        };
+        let mut run = self.run(increment);
         if self.interfaces.friction.is_some() {
             run.model.slip_start = Some(SlipStart::at(before).into());
         }
@@ -119,11 +128,17 @@ impl Body for TaylorHoodBody {
         Advanced {
             ending,
             part,
+            start: start(&mut run, before),
             slip_start: run.model.slip_start,
-            start: Start::at(before),
             counters: run.counters,
             work: run.work,
         }
+    }
+
+    fn complete<'a>(&'a self, at: Increment<'a>) -> Workspace {
+        let mut run = self.run(at);
+        inside::complete(&mut run);
+        run.work
     }
 
     fn exerted(&self, state: &State) -> Vec<[f64; 6]> {
@@ -142,6 +157,9 @@ impl Body for TaylorHoodBody {
             work,
             ..
         } = advanced;
+        if !state.is_whole() {
+            return contact_alone::report(&model, state, ending, counters);
+        }
         let mut report = step::report(&model, state, ending, counters, work);
         let touches = Touch::all(&model, state);
         report.warnings = warnings(&model, (start, state), (ending, &touches));
@@ -159,7 +177,24 @@ impl Body for TaylorHoodBody {
         report.compliance_columns = self.prepared.at_rest.compliance.columns() as u32;
     }
 
-    fn field(&self, at: (&State, Option<&[f64]>), name: FieldName) -> Option<FieldData> {
-        fields::field(&self.model(), at, name)
+    fn field(&self, (state, learned): (&State, &Learned), name: FieldName) -> Option<FieldData> {
+        let model = self.model();
+        let whole = inside::completed(&model, state, learned);
+        if whole.is_none() && !state.is_whole() {
+            return None;
+        }
+        let mode = learned.lowest_mode.as_ref();
+        let mode = mode.map(|mode| mode.motion.as_slice());
+        fields::field(&model, (whole.as_ref().unwrap_or(state), mode), name)
     }
+}
+
+/// Where an increment began, as its report reads it: whole where that is.
+fn start(run: &mut Run<'_>, before: &State) -> Start {
+    if before.is_whole() || !run.state.is_whole() {
+        return Start::at(before);
+    }
+    let behind = std::mem::replace(run.state, before.clone());
+    inside::complete(run);
+    Start::at(&std::mem::replace(run.state, behind))
 }

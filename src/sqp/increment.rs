@@ -8,7 +8,7 @@
 
 use super::predictor;
 use super::program::{QuadraticProgram, Step};
-use super::response;
+use super::response::{self, inside};
 use super::run::Run;
 use super::scales::{
     forget_scales, least_force, limit_gap_scale, limit_volume_scale, raise_scales, touches,
@@ -74,6 +74,7 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         if let Some(verdict) = ended.or_else(|| at.idleness(run, worst)) {
             return at.ending(run, verdict);
         }
+        run.state.surface_load = None;
         run.counters.sqp_iterations += 1;
         let made = run.counters.factorisations;
         let program = QuadraticProgram::new(run, &at.now, motion, &mut at.first_force);
@@ -105,6 +106,7 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
 /// Moves the state to where the first program starts.
 fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
     forget_scales(run);
+    let known = run.state.load_behind(drive);
     let (now, first_force) = match run.model.is_rubber() {
         true => predictor::start(run, drive),
         false => {
@@ -125,7 +127,7 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
     raise_scales(&run.model, run.state, &now);
     let first_force = first_force.max(least_force(&run.model, run.state, &now));
     Iterate {
-        now: response::solve(run, (&now, first_force)).unwrap_or(now),
+        now: response::solve(run, (&now, first_force), known).unwrap_or(now),
         first_force,
         reduction: FIRST_REDUCTION,
         margin: MARGIN,
@@ -298,6 +300,7 @@ impl Refused {
 
 /// The end of an increment that is stopped between two of its parts.
 pub(crate) fn stopped(run: &mut Run<'_>, termination: Termination) -> Ending {
+    inside::complete(run);
     let (now, tolerance) = (run.evaluate(), run.model.tolerance);
     let at = (&now, run.state.force_scale);
     ending(run.state, at, Verdict::stopped(termination), tolerance)
@@ -306,6 +309,7 @@ pub(crate) fn stopped(run: &mut Run<'_>, termination: Termination) -> Ending {
 /// Makes `ending` describe the state that is kept.
 pub(crate) fn describe(run: &mut Run<'_>, ending: &mut Ending) {
     run.admit_no_penetration();
+    inside::complete(run);
     let now = run.evaluate();
     // That of the increment which led there.
     let known = run.state.force_scale;

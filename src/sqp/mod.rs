@@ -48,7 +48,7 @@ mod preconditioner_refresh;
 mod predictor;
 pub(crate) mod program;
 mod push_stiffness;
-mod response;
+pub(crate) mod response;
 mod rigid_predictor;
 pub(crate) mod run;
 mod rung;

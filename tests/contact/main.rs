@@ -4,6 +4,7 @@
 mod common;
 
 mod confined_rubber;
+mod contact_alone;
 mod contact_space;
 mod critical_pressure;
 mod families;

@@ -8,7 +8,8 @@ use std::path::Path;
 use signorini::report::{Cause, WarningKind};
 use signorini::scene::{
     Choice, ContactMethod, ContactSpace, DisplacementMethod, ElementKind, ErrorEstimate,
-    MetricKind, Named, OnInstability, P1Solver, ResponseMethod, SaddleMethod, StabilityCheck,
+    MetricKind, Named, OnInstability, P1Solver, ReportScope, ResponseMethod, SaddleMethod,
+    StabilityCheck,
 };
 
 /// A key of `[solver]` and its names, `auto` among them.
@@ -18,7 +19,7 @@ fn list<T: Named>(key: &'static str) -> List {
     (key, Choice::<T>::names().map(str::to_owned).collect())
 }
 
-fn lists() -> [List; 11] {
+fn lists() -> [List; 12] {
     [
         list::<ContactMethod>("contact"),
         list::<MetricKind>("contact_metric"),
@@ -31,6 +32,7 @@ fn lists() -> [List; 11] {
         list::<StabilityCheck>("stability"),
         list::<OnInstability>("on_instability"),
         list::<ResponseMethod>("response"),
+        list::<ReportScope>("report"),
     ]
 }
 

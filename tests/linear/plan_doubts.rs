@@ -4,8 +4,10 @@ use std::sync::Arc;
 
 use crate::common::meshes::{cube, mesh};
 use crate::common::scenes::{HELD, elastic, material, obstacle, press, push, rubber, support};
-use signorini::obstacle::grid::{HeightField, Lattice};
-use signorini::scene::{Material, Modulus, PenetrationPolicy, RubberModel, Shape};
+use signorini::obstacle::grid::{DistanceGrid, HeightField, Lattice};
+use signorini::scene::{
+    Material, Modulus, PenetrationPolicy, RubberModel, Shape, Step, SupportTarget,
+};
 use signorini::{Group, GroupKind, MeshParts, Plan, Scene, SceneError};
 
 fn warnings(scene: &Scene, parts: MeshParts) -> Vec<String> {
@@ -242,6 +244,66 @@ fn vertices_beside_the_nodes_of_a_height_field_are_counted() {
     assert_eq!(count(1.0), None);
     let found = count(0.6).expect("a doubt");
     assert!(found.starts_with("16 of 25 vertices"), "{found}");
+}
+
+#[test]
+fn vertices_beside_the_nodes_of_an_open_distance_grid_are_counted() {
+    let flat = |width: f64| {
+        let lattice = Lattice {
+            counts: [9; 3],
+            origin: [0.5 - 0.5 * width, 0.5 - 0.5 * width, -2.9],
+            spacing: [width / 8.0, width / 8.0, 0.5],
+        };
+        let heights = (0..729).map(|node: u32| 0.5 * f64::from(node % 9) - 0.9);
+        let grid = DistanceGrid::new(lattice, &heights.collect::<Vec<_>>()).expect("distances");
+        Shape::DistanceGrid(Arc::new(grid))
+    };
+    let count = |shape: Shape| {
+        let all = under(shape, 0.0).report().warnings;
+        all.into_iter().find(|one| one.contains("beside the nodes"))
+    };
+    assert_eq!(count(flat(1.0)), None);
+    let found = count(flat(0.6)).expect("a doubt");
+    assert!(found.starts_with("16 of 25 vertices"), "{found}");
+}
+
+/// What the plan doubts of the way of a small ball beside a cube, which begins at its left.
+fn on_the_way(steps: &[Step]) -> Vec<String> {
+    let mut scene = pressed(elastic(0.3));
+    let ball = Shape::Sphere {
+        centre: [-1.0, 0.5, 1.9],
+        radius: 0.5,
+    };
+    scene.obstacles = vec![obstacle("ball", "z1", ball)];
+    let plan = Plan::new(&scene, steps, &mesh(cube(4))).expect("a valid scene");
+    let all = plan.report().warnings.into_iter();
+    all.filter(|one| one.contains("on its way")).collect()
+}
+
+#[test]
+fn a_tool_whose_way_does_not_lead_to_the_body_is_named_with_its_distance() {
+    let by = on_the_way(&[push("ball", [3.0, 0.0, 0.0])]);
+    assert_eq!(by.len(), 1, "{by:?}");
+    assert!(by[0].contains("passes the body by"), "{by:?}");
+    assert!(by[0].contains("it is 0.40 lengths away"), "{by:?}");
+    let up = on_the_way(&[push("ball", [0.0, 0.0, 2.0])]);
+    assert!(up[0].contains("does not come to the body"), "{up:?}");
+    // Between the poses that the steps name it touches.
+    let down = push("ball", [1.5, 0.0, -0.45]);
+    let back = push("ball", [3.0, 0.0, 0.0]);
+    assert_eq!(on_the_way(&[down, back]), [""; 0]);
+    assert_eq!(on_the_way(&[push("ball", [3.0, 0.0, -0.8])]), [""; 0]);
+}
+
+#[test]
+fn a_way_beside_a_body_that_supports_move_is_not_doubted() {
+    let mut step = push("ball", [3.0, 0.0, 0.0]);
+    step.supports = vec![SupportTarget {
+        name: pressed(elastic(0.3)).supports[0].name.clone(),
+        displacement: [None, None, Some(0.5)],
+        ..SupportTarget::default()
+    }];
+    assert_eq!(on_the_way(&[step]), [""; 0]);
 }
 
 #[test]

@@ -369,6 +369,7 @@ class Solver(Part):
     stability: str | None = None
     on_instability: str | None = None
     response: str | None = None
+    report: str | None = None
     penalty: float | str | None = None
     error_estimate: str | None = None
 

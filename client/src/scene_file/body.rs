@@ -261,6 +261,7 @@ const SOLVER: &[&str] = &[
     "stability",
     "on_instability",
     "response",
+    "report",
     "penalty",
     "error_estimate",
 ];
@@ -285,6 +286,7 @@ pub(super) fn solver(scene: &Keys<'_>) -> Option<v1::SolverOptions> {
         stability: method("stability"),
         on_instability: method("on_instability"),
         response: method("response"),
+        report: method("report"),
         penalty: keys.text_or("penalty", "auto", Keys::number),
         verify: false,
         error_estimate: method("error_estimate"),

@@ -155,8 +155,12 @@ pub(super) fn quantities(lines: &mut Lines, report: &v1::StepReport) {
             &format!("{depth} at most, between nodes: it shrinks with the mesh size"),
         );
     }
-    lines.add("strain energy", &number(report.strain_energy));
-    lines.add("volume ratio", &format!("{:.9}", report.volume_ratio));
+    if report.left_out.is_empty() {
+        lines.add("strain energy", &number(report.strain_energy));
+        lines.add("volume ratio", &format!("{:.9}", report.volume_ratio));
+    } else {
+        lines.add("left out", &report.left_out.join(", "));
+    }
     if let Some(least) = report.min_jacobian {
         lines.add("det F", &jacobian(least, report.min_jacobian_bound));
     }

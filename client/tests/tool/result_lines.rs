@@ -254,7 +254,7 @@ fn the_keys_of_a_result_keep_their_order() {
         r#""seconds":{"prepare":0.0,"assemble":0.0,"factorise":0.0,"krylov":0.0,"#,
         r#""contact":0.0,"stability":0.0,"error_norms":0.0,"total":0.0},"unknowns":{"displacement":0,"#,
         r#""pressure":0,"contact":0},"memory_bytes":0,"reused":[],"instruction_set":"","#,
-        r#""verification":null}"#,
+        r#""verification":null,"left_out":[]}"#,
     ];
     let line = result_line::step(&v1::StepReport::default());
     assert_eq!(line.to_string(), expected.concat());

@@ -61,6 +61,7 @@ pub(crate) fn step(report: StepReport, poses: Vec<ObstaclePose>) -> wire::StepRe
         memory_bytes: wide(report.memory_bytes),
         reused: report.reused,
         instruction_set: report.instruction_set,
+        left_out: report.left_out.into_iter().map(str::to_owned).collect(),
         verification: report.verification.map(residuals),
         obstacle_poses: poses.into_iter().map(pose).collect(),
     }

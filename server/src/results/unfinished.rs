@@ -46,6 +46,7 @@ pub(crate) fn stopped(
         unknowns: last.unknowns,
         memory_bytes: last.memory_bytes,
         instruction_set: last.instruction_set,
+        left_out: last.left_out,
         obstacle_poses: last.obstacle_poses,
         ..blank
     }

@@ -194,6 +194,9 @@ fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Inc
         (is_time && (is_done || is_out_of_time)).then(|| checkpoint(&mut work.session, task));
     work.run = Some(run);
     let asked = is_due(&report, task).then(|| task.wanted.clone());
+    if asked.as_ref().is_some_and(|asked| !asked.is_empty()) {
+        work.session.complete();
+    }
     Increment {
         report,
         poses: work.session.obstacle_poses(),

@@ -9,6 +9,7 @@
 //! leaves is solved once more.
 
 use crate::compare::element::body::EnrichedBody;
+use crate::linalg::Workspace;
 use crate::linalg::vector::dot;
 use crate::mesh::Mesh;
 use crate::model::drive::Drive;
@@ -17,6 +18,7 @@ use crate::model::state::{Start, State};
 use crate::plan::Plan;
 use crate::report::{Cause, FieldData, FieldName, StepReport, Termination};
 use crate::session::body::{Advanced, Body, Increment, Shared};
+use crate::sqp::learned::Learned;
 
 /// Residual below which an iterate that did not converge is kept.
 const MEANINGFUL: f64 = 1e-3;
@@ -62,6 +64,11 @@ impl Body for EnrichedBody {
         }
     }
 
+    /// Nothing is left out on such an element.
+    fn complete<'a>(&'a self, at: Increment<'a>) -> Workspace {
+        at.work
+    }
+
     /// Nothing: no step pushes obstacles on such an element.
     fn exerted(&self, _: &State) -> Vec<[f64; 6]> {
         vec![[0.0; 6]; self.plan.obstacles.len()]
@@ -80,7 +87,7 @@ impl Body for EnrichedBody {
     /// No eigenvalue is estimated for it.
     fn count_preparation(&self, _report: &mut StepReport) {}
 
-    fn field(&self, (state, _): (&State, Option<&[f64]>), name: FieldName) -> Option<FieldData> {
+    fn field(&self, (state, _): (&State, &Learned), name: FieldName) -> Option<FieldData> {
         self.field_of(state, name)
     }
 }

@@ -63,7 +63,7 @@ impl DistanceGrid {
     }
 
     /// Whether the border of the grid is outside the tool.
-    pub(super) fn is_enclosed(&self) -> bool {
+    pub fn is_enclosed(&self) -> bool {
         self.is_enclosed
     }
 

@@ -333,6 +333,7 @@ impl Canonical {
             stability,
             on_instability,
             response,
+            report,
             penalty,
             verify,
         } = solver;
@@ -357,6 +358,9 @@ impl Canonical {
         // Said only where it is asked for: checkpoints from before it was there keep their digest.
         if response.named().is_some() {
             self.text(response.name());
+        }
+        if report.named().is_some() {
+            self.text(report.name());
         }
         self.optional(quadrature_degree.map(f64::from));
         self.optional(*penalty);

@@ -5,6 +5,8 @@
 //! asked for. Small bodies keep the columns whole, from which the fields of an update come
 //! by one product. Cost: a block reads the factor twice.
 
+use std::sync::OnceLock;
+
 use rayon::prelude::*;
 
 use crate::inequality::BodyFactor;
@@ -27,8 +29,8 @@ pub(super) struct Columns {
     pub(super) unknowns: Vec<u32>,
     /// Place of each displacement unknown on the surface `[displacement]`.
     places: Vec<u32>,
-    /// Columns of each block; none where not known yet.
-    blocks: Vec<Option<Block>>,
+    /// Columns of each block, once they are known.
+    blocks: Vec<OnceLock<Block>>,
     /// Whether blocks are kept whole.
     pub(super) fields: FieldsFrom,
 }
@@ -52,16 +54,28 @@ impl Columns {
             places[unknown as usize] = place;
         }
         Self {
-            blocks: vec![None; unknowns.len().div_ceil(BLOCK)],
+            blocks: vec![OnceLock::new(); unknowns.len().div_ceil(BLOCK)],
             places,
             unknowns,
             fields,
         }
     }
 
+    /// Whether they are those of that surface, kept like that; its unknowns in any order.
+    pub(super) fn are_of(&self, unknowns: &[u32], fields: FieldsFrom) -> bool {
+        let is_there = |&unknown: &u32| self.place(unknown).is_some();
+        let is_all = self.unknowns.len() == unknowns.len() && unknowns.iter().all(is_there);
+        is_all && self.fields == fields
+    }
+
+    /// Whether others are of the same surface, kept in the same way.
+    pub(super) fn are_like(&self, others: &Self) -> bool {
+        self.are_of(&others.unknowns, others.fields)
+    }
+
     /// Bytes held.
     pub(super) fn bytes(&self) -> u64 {
-        let known = self.blocks.iter().flatten();
+        let known = self.blocks.iter().filter_map(OnceLock::get);
         let known = known.map(|block| block.surface.len() + block.whole.len());
         let known: usize = known.sum();
         (8 * known + 4 * (self.places.len() + self.unknowns.len())) as u64
@@ -90,7 +104,7 @@ impl Columns {
 
     /// Makes the columns at `places` known; none where `stopped` says so on the way.
     pub(super) fn ask_for(
-        &mut self,
+        &self,
         places: &[usize],
         factor: &BodyFactor,
         stopped: &dyn Fn() -> bool,
@@ -98,7 +112,7 @@ impl Columns {
         let mut missing: Vec<usize> = places.iter().map(|place| place / BLOCK).collect();
         missing.sort_unstable();
         missing.dedup();
-        missing.retain(|&block| self.blocks[block].is_none());
+        missing.retain(|&block| self.blocks[block].get().is_none());
         for some in missing.chunks(AT_ONCE) {
             if stopped() {
                 return None;
@@ -106,7 +120,8 @@ impl Columns {
             let made = some.par_iter().map(|&block| self.make(block, factor));
             let made: Vec<Block> = made.collect();
             for (&block, columns) in some.iter().zip(made) {
-                self.blocks[block] = Some(columns);
+                // Another session may have made the same ones.
+                self.blocks[block].get_or_init(|| columns);
             }
         }
         Some(())
@@ -134,21 +149,19 @@ impl Columns {
 
     /// The known column at `place` `[surface]`; empty where it is not known.
     fn column(&self, place: usize) -> &[f64] {
-        let Some(block) = &self.blocks[place / BLOCK] else {
+        let Some(block) = self.blocks[place / BLOCK].get() else {
             return &[];
         };
         let rows = self.unknowns.len();
         &block.surface[place % BLOCK * rows..(place % BLOCK + 1) * rows]
     }
 
-    /// `K^-1 x` `[size]` of a load on the surface `[size]` by columns that are kept whole.
-    pub(super) fn whole_product(&mut self, load: &[f64], factor: &BodyFactor) -> Vec<f64> {
-        let size = factor.size();
+    /// `K^-1 x` `[size]` of a load on the surface `[size]` by columns that are known and kept
+    /// whole.
+    pub(super) fn whole_product(&self, load: &[f64], size: usize) -> Vec<f64> {
         let places = self.pressed(load);
-        // Those that pressed on the way are known.
-        self.ask_for(&places, factor, &|| false).unwrap_or_default();
         let columns = places.iter().filter_map(|&place| {
-            let block = self.blocks[place / BLOCK].as_ref()?;
+            let block = self.blocks[place / BLOCK].get()?;
             let column = block.whole.chunks_exact(size).nth(place % BLOCK)?;
             Some((column, load[self.unknowns[place] as usize]))
         });
@@ -229,11 +242,14 @@ mod tests {
         }
         let mut expected = load.clone();
         factor.solve(&mut expected, &mut Workspace::new());
-        let mut columns = Columns::new(surface, &order, FieldsFrom::Columns);
-        let found = columns.whole_product(&load, &factor);
+        let columns = Columns::new(surface, &order, FieldsFrom::Columns);
+        let pressed = columns.pressed(&load);
+        columns.ask_for(&pressed, &factor, &|| false);
+        let found = columns.whole_product(&load, factor.size());
         for (found, expected) in found.iter().zip(&expected) {
             assert!((found - expected).abs() <= 1e-12 * expected.abs());
         }
-        assert_eq!(found, columns.whole_product(&load, &factor));
+        columns.ask_for(&[0], &factor, &|| false);
+        assert_eq!(found, columns.whole_product(&load, factor.size()));
     }
 }

@@ -8,11 +8,14 @@
 //! negative take no part. It ends where `C(u')^T l'` is q' and the gaps hold, both well within the
 //! tolerance.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::columns::Columns;
-use super::kept::Free;
-use crate::inequality::{BodyFactor, dense_cone};
+use super::kept::{BodyResponse, Free};
+use super::near::Near;
+use crate::inequality::dense_cone;
 use crate::linalg::vector::{norm, ratio};
 use crate::linalg::{DenseMatrix, LinearOperator, SparseRows, Workspace};
 use crate::model::evaluate::{Evaluation, evaluate_contact};
@@ -32,38 +35,41 @@ const ROUNDING: f64 = 1e-7;
 
 /// Contact on the surface of a body.
 pub(super) struct SurfaceProblem<'a> {
-    /// G.
-    pub(super) columns: &'a mut Columns,
-    /// K.
-    pub(super) factor: &'a BodyFactor,
+    /// G and K.
+    pub(super) body: &'a BodyResponse,
+    /// G where contact presses.
+    pub(super) near: &'a mut Near,
     /// u0.
     pub(super) free: &'a Free,
 }
 
 /// Where the problems have come to.
-struct Iterate {
+pub(super) struct Iterate {
     /// Displacement, of which only the surface is true, multipliers and statuses.
-    state: State,
+    pub(super) state: State,
     /// q, the contact load `[displacement]`.
-    load: Vec<f64>,
+    pub(super) load: Vec<f64>,
     /// Gaps and coupling there.
-    now: Evaluation,
+    pub(super) now: Evaluation,
 }
 
 impl SurfaceProblem<'_> {
-    /// Sets multipliers and statuses of the run's state, where `plain` holds; the contact load on
-    /// free rows `[displacement]`. None where the problems do not end, or are stopped.
-    pub(super) fn solve(mut self, run: &mut Run<'_>, plain: &Evaluation) -> Option<Vec<f64>> {
-        let mut at = self.start(run, plain)?;
+    /// From the run's state, where that evaluation holds, to where contact holds; the load that
+    /// has moved the surface there, where it is known. None where the problems
+    /// do not end, or are stopped.
+    pub(super) fn solve(
+        mut self,
+        run: &mut Run<'_>,
+        start: (Evaluation, Option<Arc<[f64]>>),
+    ) -> Option<Iterate> {
+        let mut at = self.start(run, start)?;
         let mut before = f64::INFINITY;
         for _ in 0..MOST {
             let load = pressing(&at.now, &at.state, &mut run.work);
             let left = left_over(run, &at, &load);
             let is_rounding = left <= ROUNDING && left > SHARE * before;
             if left <= SHARE * run.model.tolerance || is_rounding {
-                run.state.multiplier = at.state.multiplier;
-                run.state.status = at.state.status;
-                return Some(load);
+                return Some(at);
             }
             before = left;
             run.counters.set_changes += u32::from(self.improve(run, &mut at)?);
@@ -71,28 +77,36 @@ impl SurfaceProblem<'_> {
         None
     }
 
-    /// The multipliers of the state, pressing along the normals of where they press now.
-    fn start(&mut self, run: &mut Run<'_>, plain: &Evaluation) -> Option<Iterate> {
-        let mut at = Iterate {
-            load: pressing(plain, run.state, &mut run.work),
-            state: run.state.clone(),
-            now: Evaluation::default(),
-        };
+    /// The surface where it is by the known load, or under the multipliers of the state, pressing
+    /// along the normals of where they press now.
+    fn start(
+        &self,
+        run: &mut Run<'_>,
+        (now, known): (Evaluation, Option<Arc<[f64]>>),
+    ) -> Option<Iterate> {
+        let state = run.state.clone();
+        if let Some(load) = known {
+            let load = load.to_vec();
+            return Some(Iterate { state, load, now });
+        }
+        let load = pressing(&now, run.state, &mut run.work);
+        let mut at = Iterate { state, load, now };
         self.move_surface(run, &mut at)?;
         Some(at)
     }
 
     /// Moves the surface to where the load brings it.
-    fn move_surface(&mut self, run: &Run<'_>, at: &mut Iterate) -> Option<()> {
-        let pressed: Vec<usize> = self.columns.pressed(&at.load);
+    fn move_surface(&self, run: &Run<'_>, at: &mut Iterate) -> Option<()> {
+        let pressed: Vec<usize> = self.body.columns.pressed(&at.load);
         self.ask_for(run, &pressed)?;
-        let load = self.columns.values(&pressed, &at.load);
-        let mut surface: Vec<f64> = (self.columns.unknowns.iter())
+        let load = self.body.columns.values(&pressed, &at.load);
+        let mut surface: Vec<f64> = (self.body.columns.unknowns.iter())
             .map(|&unknown| self.free.displacement[unknown as usize])
             .collect();
-        self.columns
+        self.body
+            .columns
             .subtract_product((&pressed, &load), &mut surface);
-        for (&unknown, value) in self.columns.unknowns.iter().zip(surface) {
+        for (&unknown, value) in self.body.columns.unknowns.iter().zip(surface) {
             at.state.displacement[unknown as usize] = value;
         }
         at.now = evaluate_contact(&run.model, &at.state);
@@ -100,17 +114,20 @@ impl SurfaceProblem<'_> {
     }
 
     /// Makes columns known; none where that is stopped.
-    fn ask_for(&mut self, run: &Run<'_>, places: &[usize]) -> Option<()> {
+    fn ask_for(&self, run: &Run<'_>, places: &[usize]) -> Option<()> {
         let stopped = || run.stopped().is_some();
-        self.columns.ask_for(places, self.factor, &stopped)
+        self.body
+            .columns
+            .ask_for(places, &self.body.factor, &stopped)
     }
 
     /// One problem; whether the set has changed. None where it has no solution.
     fn improve(&mut self, run: &mut Run<'_>, at: &mut Iterate) -> Option<bool> {
         let taking_part = taking_part(at);
-        let rows = Rows::new(&at.now.coupling, &taking_part, self.columns);
+        let rows = Rows::new(&at.now.coupling, &taking_part, &self.body.columns);
         self.ask_for(run, &rows.places)?;
-        let matrix = rows.compliance(&self.columns.part(&rows.places));
+        self.near.cover(&rows.places, &self.body.columns);
+        let matrix = rows.compliance(self.near);
         let linear = self.linear_term(at, &taking_part);
         let sets = sets(&at.now, &taking_part);
         let own = |values: &[f64]| -> Vec<f64> { taking_part.iter().map(|&i| values[i]).collect() };
@@ -145,7 +162,7 @@ impl SurfaceProblem<'_> {
 }
 
 /// C(u)^T l, the load of the multipliers along the normals there `[displacement]`.
-fn pressing(now: &Evaluation, state: &State, work: &mut Workspace) -> Vec<f64> {
+pub(super) fn pressing(now: &Evaluation, state: &State, work: &mut Workspace) -> Vec<f64> {
     let mut load = vec![0.0; state.displacement.len()];
     now.coupling
         .apply_transposed(&state.multiplier, &mut load, work);
@@ -190,11 +207,11 @@ fn sets(now: &Evaluation, taking_part: &[usize]) -> Vec<SetPart<'static>> {
     parts.collect()
 }
 
-/// Rows of C that take part, on the places that they see.
+/// Rows of C that take part, by the places that they see.
 struct Rows {
     /// Places on the surface that any row sees, ascending.
     places: Vec<usize>,
-    /// Entries of each row, counted among those places.
+    /// Entries of each row by their place.
     rows: Vec<Vec<(usize, f64)>>,
 }
 
@@ -206,46 +223,46 @@ impl Rows {
             let placed = |(&unknown, &value)| Some((columns.place(unknown)?, value));
             entries.filter_map(placed).collect::<Vec<(usize, f64)>>()
         };
-        let mut rows: Vec<Vec<(usize, f64)>> = taking_part.iter().map(row).collect();
+        let rows: Vec<Vec<(usize, f64)>> = taking_part.iter().map(row).collect();
         let mut places: Vec<usize> = rows.iter().flatten().map(|&(place, _)| place).collect();
         places.sort_unstable();
         places.dedup();
-        let mut among = vec![0; columns.unknowns.len()];
-        for (index, &place) in places.iter().enumerate() {
-            among[place] = index;
-        }
-        let entries = rows.iter_mut().flatten();
-        entries.for_each(|(place, _)| *place = among[*place]);
         Self { places, rows }
     }
 
-    /// C G C^T, from G at the places, column by column.
-    fn compliance(&self, response: &[Vec<f64>]) -> DenseMatrix {
-        let column = |row: &Vec<(usize, f64)>| {
-            let mut moved = vec![0.0; self.places.len()];
-            for &(place, value) in row {
-                let column = response[place].iter();
-                let entries = moved.iter_mut().zip(column);
-                entries.for_each(|(y, g)| *y += value * g);
-            }
-            let others = self.rows.iter();
-            let entry = |other: &Vec<(usize, f64)>| -> f64 {
-                other
-                    .iter()
-                    .map(|&(place, value)| value * moved[place])
-                    .sum()
-            };
-            others.map(entry).collect::<Vec<f64>>()
-        };
-        let columns: Vec<Vec<f64>> = self.rows.par_iter().map(column).collect();
-        let mut matrix = DenseMatrix::zeros(self.rows.len(), self.rows.len());
-        for (j, column) in columns.iter().enumerate() {
-            matrix.column_mut(j).copy_from_slice(column);
-        }
+    /// C G C^T, from G near contact.
+    fn compliance(mut self, near: &Near) -> DenseMatrix {
+        let entries = self.rows.iter_mut().flatten();
+        entries.for_each(|(place, _)| *place = near.index(*place));
         let size = self.rows.len();
+        let rows = &self.rows;
+        let column = |index: usize| below_diagonal(rows, index, near);
+        let columns = (0..size).into_par_iter().map(column);
+        let columns: Vec<Vec<f64>> = columns.collect();
+        let mut matrix = DenseMatrix::zeros(size, size);
+        for (j, column) in columns.iter().enumerate() {
+            matrix.column_mut(j)[j..].copy_from_slice(column);
+            (j..)
+                .zip(column)
+                .for_each(|(i, value)| *matrix.at_mut(j, i) = *value);
+        }
         let trace: f64 = (0..size).map(|i| matrix.at(i, i)).sum();
         let lift = LIFT * trace / size.max(1) as f64;
         (0..size).for_each(|i| *matrix.at_mut(i, i) += lift);
         matrix
     }
+}
+
+/// Column `index` of C G C^T from its diagonal down, rows on places near contact.
+fn below_diagonal(rows: &[Vec<(usize, f64)>], index: usize, near: &Near) -> Vec<f64> {
+    let mut moved = vec![0.0; near.size()];
+    for &(place, value) in &rows[index] {
+        let entries = moved.iter_mut().zip(near.column(place));
+        entries.for_each(|(y, g)| *y += value * g);
+    }
+    let entry = |other: &Vec<(usize, f64)>| -> f64 {
+        let terms = other.iter();
+        terms.map(|&(place, value)| value * moved[place]).sum()
+    };
+    rows[index..].iter().map(entry).collect()
 }

@@ -26,6 +26,7 @@ pub(super) fn solver(message: wire::SolverOptions, faults: &mut Faults) -> Solve
         stability: method(&message.stability, "stability", faults),
         on_instability: method(&message.on_instability, "on_instability", faults),
         response: method(&message.response, "response", faults),
+        report: method(&message.report, "report", faults),
         quadrature_degree: message.quadrature_degree.map(|degree| {
             // The library's range check names a negative degree as zero.
             u32::try_from(degree).unwrap_or(0)

@@ -99,7 +99,7 @@ pub(crate) const LISTS: [SceneCase; 14] = [
     }),
 ];
 
-pub(crate) const NAMES: [SceneCase; 14] = [
+pub(crate) const NAMES: [SceneCase; 15] = [
     ("name", 256, |scene, n| scene.name = word(n)),
     ("material", 256, |scene, n| {
         scene.materials[0].group = word(n)
@@ -133,6 +133,9 @@ pub(crate) const NAMES: [SceneCase; 14] = [
     }),
     ("solver.response", 256, |scene, n| {
         solver(scene).response = word(n)
+    }),
+    ("solver.report", 256, |scene, n| {
+        solver(scene).report = word(n)
     }),
     ("solver.contact_metric", 256, |scene, n| {
         solver(scene).contact_metric = word(n)

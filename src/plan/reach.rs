@@ -1,0 +1,150 @@
+//! Ways of tools on which they never come to the body, and places of it that lie beyond what is
+//! known of a tool.
+//!
+//! ```text
+//! least d over the way,   next pose as far on as d,   |x(s) - x(0)| <= s (|t1 - t0| + |r1 - r0| max |x - c - t|)
+//! ```
+//!
+//! d the least distance of the vertices that may touch, of the body at rest, in its lengths.
+//! Distances change by no more than what moves, so that nothing nearer lies between two poses.
+//! Cost: a distance a vertex for each of some poses, one of them where the tool begins at the body.
+
+use super::Units;
+use super::poses::Pose;
+use crate::geometry::vector3::{add, norm, sub};
+use crate::geometry::{RigidMotion, rigid_motion};
+use crate::obstacle::grid::Lattice;
+use crate::obstacle::{Contact, Obstacle, Shape, What};
+use crate::scene::Step;
+use crate::scene::validate::ResolvedObstacle;
+
+/// Distance in lengths of the body beyond which a tool is away from it, whatever else bends it.
+const AWAY: f64 = 0.1;
+/// Share of a way between two poses at least.
+const SPACING: f64 = 0.01;
+
+/// A tool that is led along a way which never comes to the body; `points` of the body at rest
+/// `[vertices][3]` may touch it, scaled.
+pub(super) fn away(
+    obstacle: &ResolvedObstacle,
+    (poses, steps): (&[Pose], &[Step]),
+    (points, units): (&[[f64; 3]], &Units),
+) -> Option<String> {
+    let is_led = poses.windows(2).any(|pair| pair[0] != pair[1]);
+    if !is_led || !alone_decides(obstacle, steps) {
+        return None;
+    }
+    let distance = |pose: Pose| least_distance(obstacle, pose, (points, units));
+    let mut least = f64::INFINITY;
+    for pair in poses.windows(2) {
+        let way = length([pair[0], pair[1]], obstacle, (points, units));
+        let mut share = 0.0;
+        while share < 1.0 && least > AWAY {
+            let here = distance(pair[0].towards(pair[1], share));
+            least = least.min(here);
+            share += (here / way).max(SPACING);
+        }
+    }
+    let [first, last] = [poses.first()?, poses.last()?].map(|pose| distance(*pose));
+    let least = least.min(last);
+    (least > AWAY).then(|| {
+        let what = match first.min(last) > least * (1.0 + SPACING) {
+            true => "passes the body by",
+            false => "does not come to the body",
+        };
+        format!(
+            "obstacle `{}` {what} on its way: it is {least:.2} lengths away where it is nearest; are its axes and units those of the mesh?",
+            obstacle.name
+        )
+    })
+}
+
+/// Whether the steps say all of where tool and body are beside each other.
+fn alone_decides(obstacle: &ResolvedObstacle, steps: &[Step]) -> bool {
+    let mut targets = steps.iter().flat_map(|step| &step.obstacles);
+    let is_pushed = targets.any(|target| target.name == obstacle.name && target.names_push());
+    !is_pushed && steps.iter().all(|step| step.supports.is_empty())
+}
+
+/// Least signed distance of the points in a pose.
+fn least_distance(
+    obstacle: &ResolvedObstacle,
+    pose: Pose,
+    (points, units): (&[[f64; 3]], &Units),
+) -> f64 {
+    let mut found = vec![Contact::default(); points.len()];
+    pose.of(obstacle, units)
+        .probe(points, What::Gap, &mut found);
+    let distances = found.iter().map(|contact| contact.distance);
+    distances.fold(f64::INFINITY, f64::min)
+}
+
+/// How far a point moves beside the tool at most from one pose to the other.
+fn length(
+    [from, to]: [Pose; 2],
+    obstacle: &ResolvedObstacle,
+    (points, units): (&[[f64; 3]], &Units),
+) -> f64 {
+    let [start, end] = [from, to].map(|pose| pose.translation.map(|x| x / units.length));
+    let turn = norm(sub(to.rotation, from.rotation));
+    let reach = |shift: [f64; 3]| {
+        let centre = add(obstacle.shape.reference_point(), shift);
+        let reaches = points.iter().map(|&point| norm(sub(point, centre)));
+        reaches.fold(0.0, f64::max)
+    };
+    norm(sub(end, start)) + turn * reach(start).max(reach(end))
+}
+
+/// Vertices beside the nodes of a tool that is known at nodes only, and goes on beyond them;
+/// places of the body at rest `[vertices][3]`, in the caller's units.
+pub(super) fn beyond(
+    (name, shape): (&str, &Shape),
+    poses: &[Pose],
+    places: &[[f64; 3]],
+) -> Option<String> {
+    let most = match shape {
+        Shape::HeightField(field) => most_beside(field.lattice(), poses, places),
+        Shape::DistanceGrid(grid) if !grid.is_enclosed() => {
+            most_beside(grid.lattice(), poses, places)
+        }
+        Shape::Cavity(shape) => return beyond((name, &**shape), poses, places),
+        Shape::DistanceGrid(_)
+        | Shape::HalfSpace { .. }
+        | Shape::Sphere { .. }
+        | Shape::Cylinder { .. }
+        | Shape::CappedCylinder { .. }
+        | Shape::Box { .. }
+        | Shape::Torus { .. }
+        | Shape::Cone { .. }
+        | Shape::Surface(_) => 0,
+    };
+    (most > 0).then(|| {
+        format!(
+            "{most} of {} vertices that may touch obstacle `{name}` lie beside the nodes of its grid, where it goes on as it ends",
+            places.len()
+        )
+    })
+}
+
+/// Places beside a lattice that is moved, in the pose where they are most.
+fn most_beside<const N: usize>(lattice: &Lattice<N>, poses: &[Pose], places: &[[f64; 3]]) -> usize {
+    let is_beside = |pose: &Pose, place: [f64; 3]| {
+        let motion = RigidMotion {
+            translation: pose.translation,
+            rotation: pose.rotation,
+            about: [0.0; 3],
+        };
+        let back =
+            rigid_motion::multiply_transposed(&motion.matrix(), sub(place, pose.translation));
+        (0..N).any(|axis| {
+            let last = (lattice.counts[axis] - 1) as f64;
+            let share = (back[axis] - lattice.origin[axis]) / lattice.spacing[axis];
+            !(0.0..=last).contains(&share)
+        })
+    };
+    let count = |pose: &Pose| {
+        let places = places.iter();
+        places.filter(|&&place| is_beside(pose, place)).count()
+    };
+    poses.iter().map(count).max().unwrap_or(0)
+}
