@@ -1,6 +1,6 @@
 """Faults of a fleet: three servers behind a proxy, clients with resumed streams, and what goes wrong.
 
-    faults.py PROGRAM --haproxy PROGRAM [--faults 60] [--clients 12] [--seed 1]
+    faults.py PROGRAM --haproxy PROGRAM [--faults 60] [--clients 12] [--seed 1] [--pace 0.02]
 
 PROGRAM is a `signorini` with the feature `fleet`; `nats-server` has to be on PATH. Faults, by turns of
 chance: a server is killed, a server is stopped beyond its lease and goes on, the proxy is killed (which
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import hashlib
 import json
 import os
 import random
@@ -125,13 +126,14 @@ class Fleet:
 
 
 def bits(increment) -> bytes:
-    """What a result says, without times and what sessions share."""
+    """Digest of what a result says, without times and what sessions share."""
     report = type(increment.report.message)()
     report.CopyFrom(increment.report.message)
     for name in ("seconds", "memory_bytes", "reused", "factorisations", "eigenvalue_applications"):
         report.ClearField(name)
     report.ClearField("compliance_columns")
-    return report.SerializeToString(deterministic=True) + increment.fields["pressure"].tobytes()
+    said = report.SerializeToString(deterministic=True) + increment.fields["pressure"].tobytes()
+    return hashlib.sha256(said).digest()
 
 
 def scene(s):
@@ -156,9 +158,9 @@ def depth(number: int) -> float:
 class Client(threading.Thread):
     """Moves the ball until it is told to end; keeps what it is answered."""
 
-    def __init__(self, s, address: str, name: str) -> None:
+    def __init__(self, s, address: str, name: str, pace: float) -> None:
         super().__init__(daemon=True)
-        self.s, self.address, self.name_of = s, address, name
+        self.s, self.address, self.name_of, self.pace = s, address, name, pace
         self.results: list[tuple[float, bytes]] = []
         self.events: list[int] = []
         self.end = threading.Event()
@@ -182,7 +184,7 @@ class Client(threading.Thread):
                 for increment in waiting.pop(0):
                     self.events.append(increment.event)
                     self.results.append((time.monotonic(), bits(increment)))
-                time.sleep(0.02)
+                time.sleep(self.pace)
         client.close()
 
 
@@ -195,21 +197,21 @@ def fault(fleet: Fleet, kind: str, chance: random.Random, kills: list, clients: 
         moment = time.monotonic()
         time.sleep(chance.uniform(0.2, 2.0))
         server.start()
-        time.sleep(LEASE + 3)
+        time.sleep(LEASE + 1)
         kills.extend((moment, client) for client in clients if f"sessions/{client.name_of}" in mine)
     elif kind == "stop":
         server.signal(signal.SIGSTOP)
-        time.sleep(LEASE + chance.uniform(0.5, 2.0))
+        time.sleep(LEASE + chance.uniform(0.2, 1.0))
         server.signal(signal.SIGCONT)
-        time.sleep(1)
+        time.sleep(0.5)
     elif kind == "cut":
         fleet.proxy.kill()
         fleet.proxy.start()
-        time.sleep(chance.uniform(0.2, 1.0))
+        time.sleep(chance.uniform(0.1, 0.5))
     else:
         fleet.nats.kill()
         fleet.nats.start()
-        time.sleep(chance.uniform(0.5, 1.5))
+        time.sleep(chance.uniform(0.2, 1.0))
 
 
 async def epochs(url: str) -> dict[str, list[tuple[int, str]]]:
@@ -271,6 +273,7 @@ def main() -> int:
     arguments.add_argument("--faults", type=int, default=60)
     arguments.add_argument("--clients", type=int, default=12)
     arguments.add_argument("--seed", type=int, default=1)
+    arguments.add_argument("--pace", type=float, default=0.02, help="seconds between two results of a client")
     given = arguments.parse_args()
     os.environ["SIGNORINI_PROGRAM"] = given.program
     import signorini as s
@@ -279,7 +282,7 @@ def main() -> int:
     with tempfile.TemporaryDirectory(prefix="signorini-fleet-") as folder:
         fleet = Fleet(Path(folder), given.program, given.haproxy)
         time.sleep(1.5)
-        clients = [Client(s, fleet.address, f"client-{number}") for number in range(given.clients)]
+        clients = [Client(s, fleet.address, f"client-{number}", given.pace) for number in range(given.clients)]
         for client in clients:
             client.start()
         time.sleep(5)
