@@ -177,6 +177,8 @@ class FleetLoad:
             time.sleep(2 * LEASE)
             self.call("session", "show", name, "--server", other[1])
             holder[0].send_signal(signal.SIGCONT)
+            # Until its steps are made again.
+            time.sleep(2.0)
             self.call("session", "delete", name, "--server", other[1])
 
     def study(self):
