@@ -52,13 +52,34 @@ for path in sorted(pathlib.Path("grafana/dashboards").glob("*.json")):
         assert panel["targets"], f"{path}: {panel['title']} asks for nothing"
         for target in panel["targets"]:
             assert target["datasource"]["uid"] == "${datasource}", f"{path}: {panel['title']}"
-assert len(seen) == 5, seen
+assert len(seen) == 6, seen
 PY
 }
 if have python3; then
     check "Grafana: dashboards are well formed" check_dashboards
 else
     skip "dashboards: no python3 here"
+fi
+
+# The job of Slurm with a stand-in for srun, which shows what it would start.
+check_slurm() {
+    local folder told
+    folder=$(mktemp -d)
+    printf '#!/bin/sh\nprintf "%%s " "$@"\n' >"$folder/srun"
+    chmod +x "$folder/srun"
+    told=$(PATH="$folder:$PATH" SLURM_CPUS_PER_TASK=2 bash slurm/workers.sh nats://queue:4222 --verbose)
+    rm -r "$folder"
+    printf '%s\n' "$told"
+    [[ $told == *" signorini worker --queue nats://queue:4222 --threads 2 --idle 300 --verbose "* ]] || return 1
+    ! bash slurm/workers.sh 2>/dev/null || return 1
+    # Every flag is one of the program.
+    [[ -z $program ]] || "$program" worker --queue x --threads 2 --idle 300 --metrics 127.0.0.1:0 --help
+}
+check "Slurm: the job of workers" check_slurm
+if have shellcheck; then
+    check "shell scripts" shellcheck slurm/workers.sh check.sh package.sh
+else
+    skip "shell scripts: no shellcheck here"
 fi
 
 # What the unit would run is there in a real installation; here it stands in.
@@ -97,6 +118,16 @@ import pathlib, yaml
 for path in [pathlib.Path("compose.yaml"), *pathlib.Path(".").glob("*/**/*.yml")]:
     yaml.safe_load(path.read_text())
 compose = yaml.safe_load(open("compose.yaml"))
+for path in pathlib.Path("kubernetes").glob("*.yml"):
+    one = yaml.safe_load(path.read_text())
+    pod = one["spec"]["template"]
+    chosen = one["spec"]["selector"]["matchLabels"]
+    assert chosen.items() <= pod["metadata"]["labels"].items(), f"{path}: selects other pods"
+    for container in pod["spec"]["containers"]:
+        names = {port["name"] for port in container["ports"]}
+        assert container["livenessProbe"]["httpGet"]["port"] in names, f"{path}: probes no port"
+        port = pod["metadata"]["annotations"]["prometheus.io/port"]
+        assert any(f":{port}" in one for one in container["args"]), f"{path}: shows no metrics"
 for name, service in compose["services"].items():
     assert service["network_mode"] == "host", f"{name}: has to share the network"
     for volume in service.get("volumes", []):

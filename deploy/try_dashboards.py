@@ -4,9 +4,11 @@ at work, and fails where one is empty.
 
     try_dashboards.py PROGRAM [--seconds 60] [--pictures DIR]
 
-PROGRAM is `signorini`; `prometheus` is that of the path (Debian's is enough). Python's
-own library does but for --pictures, which needs matplotlib and draws each panel from the
-numbers that Grafana would get. Everything listens on loopback and ends with the script.
+PROGRAM is `signorini`; `prometheus` is that of the path (Debian's is enough). The
+dashboards of fleets and studies are left out unless PROGRAM has the feature `fleet` and
+`nats-server` is there. Python's own library does but for --pictures, which needs
+matplotlib and draws each panel from the numbers that Grafana would get. Everything
+listens on loopback and ends with the script.
 """
 
 import argparse
@@ -16,6 +18,7 @@ import json
 import math
 import pathlib
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -29,8 +32,11 @@ import urllib.request
 
 HERE = pathlib.Path(__file__).resolve().parent
 EXAMPLES = HERE.parent / "client" / "examples"
-# A server alone has none of the metrics of a fleet.
-DASHBOARDS = sorted(one for one in (HERE / "grafana" / "dashboards").glob("*.json") if one.stem != "fleet")
+DASHBOARDS = sorted((HERE / "grafana" / "dashboards").glob("*.json"))
+# A server alone has none of their metrics.
+OF_FLEETS = {"fleet", "studies"}
+# Seconds of a lease of the fleet.
+LEASE = 1
 
 # Small enough that meshes and prepared data have to make room for each other.
 SETTINGS = """
@@ -109,12 +115,97 @@ def start_server(program, folder, stack):
     return f"http://127.0.0.1:{service}", f"127.0.0.1:{page}"
 
 
-def start_prometheus(page, folder, stack):
+def knows_fleets(program):
+    """Whether there is NATS, and the program asks it."""
+    asked = subprocess.run([program, "worker"], capture_output=True, text=True)
+    return shutil.which("nats-server") is not None and "--queue URL is missing" in asked.stderr
+
+
+class FleetLoad:
+    """Two servers that take a session from each other, and workers of a study."""
+
+    def __init__(self, program, folder, stack):
+        self.program, self.folder, self.stack = program, folder, stack
+        self.stop, self.pages = threading.Event(), []
+        port = free_port()
+        self.url = f"nats://127.0.0.1:{port}"
+        store = folder / "nats"
+        command = ["nats-server", "-js", "-a", "127.0.0.1", "-p", str(port), "-sd", store]
+        stack.enter_context(running(command, folder / "nats.log"))
+        wait_for_port(port)
+        self.servers = [self.server(number) for number in range(2)]
+        for number in range(2):
+            self.worker(number)
+
+    def server(self, number):
+        service, page = free_port(), free_port()
+        settings = self.folder / f"fleet-{number}.toml"
+        settings.write_text(
+            f'data = "{self.folder}/data-{number}"\nfleet_nats = "{self.url}"\n'
+            f'fleet_store = "{self.folder}/shared"\nfleet_lease_seconds = {LEASE}\n'
+        )
+        command = [self.program, "serve", "--config", settings, "--listen", f"127.0.0.1:{service}"]
+        command += ["--metrics-listen", f"127.0.0.1:{page}"]
+        process = self.stack.enter_context(running(command, self.folder / f"fleet-{number}.log"))
+        wait_for(f"http://127.0.0.1:{page}/healthz")
+        self.pages.append(f"127.0.0.1:{page}")
+        return process, f"http://127.0.0.1:{service}"
+
+    def worker(self, number):
+        page = f"127.0.0.1:{free_port()}"
+        command = [self.program, "worker", "--queue", self.url, "--threads", "1", "--metrics", page]
+        self.stack.enter_context(running(command, self.folder / f"worker-{number}.log"))
+        wait_for(f"http://{page}/livez")
+        self.pages.append(page)
+
+    def call(self, *arguments):
+        command = [self.program, *map(str, arguments)]
+        return subprocess.run(command, capture_output=True, text=True, timeout=120)
+
+    def take_over(self):
+        """One server sleeps beyond its lease, the other takes the session, by turns."""
+        scene = EXAMPLES / "hertz-plane.toml"
+        for holder, other in itertools.cycle([self.servers, self.servers[::-1]]):
+            if self.stop.is_set():
+                return
+            told = self.call("solve", scene, "--detach", "--server", holder[1])
+            if told.returncode != 0:
+                continue
+            name = told.stdout.split()[-1]
+            time.sleep(1.5)
+            holder[0].send_signal(signal.SIGSTOP)
+            time.sleep(2 * LEASE)
+            self.call("session", "show", name, "--server", other[1])
+            holder[0].send_signal(signal.SIGCONT)
+            # Until its steps are made again.
+            time.sleep(2.0)
+            self.call("session", "delete", name, "--server", other[1])
+
+    def study(self):
+        """Studies without an end."""
+        study, out = EXAMPLES / "studies" / "hertz.toml", self.folder / "study.csv"
+        while not self.stop.is_set():
+            self.call("study", study, "--out", out, "--queue", self.url, "--quiet")
+
+    def threads(self):
+        return [threading.Thread(target=self.take_over), threading.Thread(target=self.study)]
+
+
+def wait_for_port(port):
+    end = time.time() + 30
+    while time.time() < end:
+        with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", port), 1):
+            return
+        time.sleep(0.1)
+    raise SystemExit(f"nobody listens on {port}")
+
+
+def start_prometheus(pages, folder, stack):
     """Starts Prometheus with the shipped rules, looking every second."""
     config = (HERE / "prometheus" / "prometheus.yml").read_text()
     port = free_port()
     config = config.replace("15s", "2s").replace("5s", "1s")
-    config = config.replace("127.0.0.1:9464", page).replace("127.0.0.1:9090", f"127.0.0.1:{port}")
+    config = config.replace("127.0.0.1:9464", '", "'.join(pages)).replace("127.0.0.1:9090", f"127.0.0.1:{port}")
     for name in ["rules.yml", "alerts.yml"]:
         config = config.replace(f"- {name}", f"- {HERE / 'prometheus' / name}")
     (folder / "prometheus.yml").write_text(config)
@@ -188,7 +279,7 @@ class Load:
             for one in all_at_once:
                 one.join()
 
-    def run(self, seconds):
+    def run(self, seconds, others):
         scenes = ["hertz-plane.toml", "mr-uniax.toml", "cook.toml", "cube-bend.toml"]
         out = ["--out", self.folder / "out"]
         threads = [
@@ -197,11 +288,14 @@ class Load:
             threading.Thread(target=self.fail),
             threading.Thread(target=self.cancel),
             threading.Thread(target=self.crowd),
+            *(others.threads() if others else []),
         ]
         for thread in threads:
             thread.start()
         time.sleep(seconds)
         self.stop.set()
+        if others:
+            others.stop.set()
         for thread in threads:
             thread.join()
 
@@ -257,10 +351,10 @@ def legend(target, metric):
     return re.sub(r"\{\{(\w+)\}\}", fill, target["legendFormat"]) or str(metric)
 
 
-def check(asked):
+def check(asked, dashboards):
     """Asks everything; returns the answers by dashboard and panel, and what was empty."""
     answers, empty = {}, []
-    for path in DASHBOARDS:
+    for path in dashboards:
         board = json.loads(path.read_text())
         panels = answers.setdefault(path.stem, (board, {}))[1]
         for panel in board["panels"]:
@@ -298,14 +392,18 @@ def main():
     with tempfile.TemporaryDirectory() as name, contextlib.ExitStack() as stack:
         folder, program = pathlib.Path(name), str(arguments.program.resolve())
         server, page = start_server(program, folder, stack)
-        asked_url = start_prometheus(page, folder, stack)
+        others = FleetLoad(program, folder, stack) if knows_fleets(program) else None
+        dashboards = [one for one in DASHBOARDS if others or one.stem not in OF_FLEETS]
+        if not others:
+            print("left out: fleets and studies, which need the feature `fleet` and nats-server")
+        asked_url = start_prometheus([page, *(others.pages if others else [])], folder, stack)
         start = time.time()
         load = Load(program, server, folder)
-        load.run(arguments.seconds)
+        load.run(arguments.seconds, others)
         # One more look after the last result, and the rules once more.
         time.sleep(4.0)
         asked = Asked(asked_url, start, time.time())
-        answers, empty = check(asked)
+        answers, empty = check(asked, dashboards)
         empty += check_rules(asked)
         print("calls by command and exit code:", load.done)
         if arguments.pictures:

@@ -339,6 +339,9 @@ async fn a_server_that_slept_beyond_its_lease_says_nothing_more() {
         ..Default::default()
     };
     let mut watch = direct.watch("slept", options).await.unwrap();
+    let endpoint = tonic::transport::Endpoint::from_shared(fleet.url(0).to_owned()).unwrap();
+    let asker = SessionServiceClient::new(endpoint.connect().await.unwrap());
+    let mut questions = Vec::new();
     let mut seen = Vec::new();
     let results = drive(&client, &session.name, async |count| {
         if count == 20 {
@@ -346,6 +349,15 @@ async fn a_server_that_slept_beyond_its_lease_says_nothing_more() {
             way.turn();
         }
         if count == 40 {
+            // Asked while it sleeps: read as soon as it wakes.
+            for _ in 0..8 {
+                let (mut asker, name) = (asker.clone(), session.name.clone());
+                let request = v1::GetSessionRequest { name };
+                questions.push(tokio::spawn(
+                    async move { asker.get_session(request).await },
+                ));
+            }
+            tokio::time::sleep(Duration::from_millis(100)).await;
             fleet.servers[0].0.signal("-CONT");
         }
     });
@@ -360,6 +372,11 @@ async fn a_server_that_slept_beyond_its_lease_says_nothing_more() {
     let (results, ended) = results;
     assert!(results == expected, "the same bits");
     assert!(ended.is_reason("SESSION_ELSEWHERE"), "{ended}");
+    for question in questions {
+        let refused = question.await.unwrap().unwrap_err();
+        let info = refused.get_details_error_info().unwrap();
+        assert_eq!(info.reason, "SESSION_ELSEWHERE", "{refused}");
+    }
     assert!(seen.len() < 40, "{}", seen.len());
     assert!(
         seen == expected[..seen.len()],

@@ -5,7 +5,7 @@ mod common;
 
 use std::collections::BTreeMap;
 use std::fs;
-use std::io::{BufRead as _, BufReader};
+use std::io::{BufRead as _, BufReader, Read as _, Write as _};
 use std::net::{TcpListener, TcpStream};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
@@ -232,6 +232,44 @@ fn an_interrupted_study_takes_its_cases_back_and_resume_hands_them_out_again() {
     ends(study, 0);
     place.table(20);
     ends(worker, 0);
+}
+
+#[test]
+fn a_worker_tells_prometheus_how_its_cases_ended_and_gives_its_case_back_when_it_is_asked_to_end() {
+    let Some(place) = Place::new("metrics", 6) else {
+        return;
+    };
+    let _nats = place.nats();
+    let study = place.study(&["--set", "step.0.increments=40"]);
+    let mut first = place.worker(&["--verbose"]);
+    let mut line = String::new();
+    BufReader::new(first.0.stderr.as_mut().unwrap())
+        .read_line(&mut line)
+        .unwrap();
+    assert!(line.starts_with("begins: case 0-"), "{line}");
+    first.signal("-TERM");
+    assert_eq!(first.0.wait().unwrap().code(), Some(130));
+    let port = TcpListener::bind("127.0.0.1:0").unwrap();
+    let page = port.local_addr().unwrap();
+    drop(port);
+    let worker = place.worker(&["--metrics", &page.to_string()]);
+    ends(study, 0);
+    assert_eq!(place.table(6)[0]["attempts"], "2");
+    let mut stream = TcpStream::connect(page).unwrap();
+    stream
+        .write_all(b"GET /metrics HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n")
+        .unwrap();
+    let mut told = String::new();
+    stream.read_to_string(&mut told).unwrap();
+    for line in [
+        "signorini_worker_cases_total{termination=\"converged\"} 6",
+        "signorini_worker_given_back_total 0",
+        "signorini_worker_solve_seconds_count 6",
+        "signorini_worker_overhead_seconds_count 6",
+    ] {
+        assert!(told.contains(line), "{line}: {told}");
+    }
+    kill(worker);
 }
 
 #[test]

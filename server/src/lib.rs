@@ -70,11 +70,13 @@ pub use config::{Config, ConfigError, Flags, LogFormat, LogLevel, Settings};
 pub use control::{BackupError, backup, restore};
 pub use doctor::{Doctor, Finding, Health, doctor};
 #[cfg(feature = "fleet")]
-pub use fleet::{Held, HeldError, held};
+pub use fleet::{Held, HeldError, held, nats_addresses};
 pub use fsck::{Fsck, fsck};
 pub use hangup::Hangups;
 pub use journal::JournalError;
 pub use listen::{ListenError, Listener};
 pub use log::{LogSwitch, follow_log_level, start_log};
 pub use memory::return_freed_memory;
+#[cfg(feature = "fleet")]
+pub use metrics_page::serve_metrics;
 pub use serve::{ServeError, check, serve, serve_and_tell};

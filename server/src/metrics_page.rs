@@ -1,5 +1,5 @@
-//! The page of an operator, plain HTTP on its own loopback port: `/metrics` for
-//! Prometheus, `/healthz` and `/livez` for probes, and `/`, which says so.
+//! The page of an operator, plain HTTP on a port of its own: `/metrics` for Prometheus, `/healthz`
+//! and `/livez` for probes, and `/`, which says so. That of a server is on loopback.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -23,8 +23,14 @@ const HEADER_TIME: Duration = Duration::from_secs(5);
 /// Pause after a failed accept, such as for want of file descriptors.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
+/// What stands on such pages.
+pub(crate) trait Answers: Clone + Send + Sync + 'static {
+    /// What is there at a path.
+    fn answer(&self, path: &str) -> (StatusCode, String);
+}
+
 /// Serves pages until it is dropped.
-pub(crate) async fn serve(listener: TcpListener, page: Page) {
+pub(crate) async fn serve(listener: TcpListener, page: impl Answers) {
     loop {
         match listener.accept().await {
             Ok((stream, _)) => {
@@ -38,9 +44,9 @@ pub(crate) async fn serve(listener: TcpListener, page: Page) {
     }
 }
 
-async fn answer(stream: TokioIo<tokio::net::TcpStream>, page: Page) {
+async fn answer(stream: TokioIo<tokio::net::TcpStream>, page: impl Answers) {
     let service = service_fn(move |request: Request<Incoming>| {
-        let response = page.respond(request.method(), request.uri().path());
+        let response = respond(&page, request.method(), request.uri().path());
         async move { Ok::<_, Infallible>(response) }
     });
     let outcome = http1::Builder::new()
@@ -65,23 +71,19 @@ pub(crate) struct Page {
     pub(crate) service: Arc<str>,
 }
 
-impl Page {
-    /// The answer; of one to HEAD hyper sends the headers.
-    fn respond(&self, method: &Method, path: &str) -> Response<Full<Bytes>> {
-        let (status, text) = match path {
-            _ if ![Method::GET, Method::HEAD].contains(method) => {
-                let text = "only GET and HEAD are answered\n".to_owned();
-                (StatusCode::METHOD_NOT_ALLOWED, text)
-            }
+impl Answers for Page {
+    fn answer(&self, path: &str) -> (StatusCode, String) {
+        match path {
             "/metrics" => (StatusCode::OK, self.metrics.render()),
             "/healthz" => self.health(),
             "/livez" => (StatusCode::OK, "ok\n".to_owned()),
             "/" => (StatusCode::OK, self.help()),
             _ => (StatusCode::NOT_FOUND, self.help()),
-        };
-        response(status, text)
+        }
     }
+}
 
+impl Page {
     fn health(&self) -> (StatusCode, String) {
         match self.registry.check_open() {
             Ok(()) => (StatusCode::OK, "ok\n".to_owned()),
@@ -100,6 +102,42 @@ impl Page {
             self.service
         )
     }
+}
+
+/// The page of a program that is no server.
+#[cfg(feature = "fleet")]
+#[derive(Clone)]
+struct Plain(Arc<dyn Fn() -> String + Send + Sync>);
+
+#[cfg(feature = "fleet")]
+impl Answers for Plain {
+    fn answer(&self, path: &str) -> (StatusCode, String) {
+        match path {
+            "/metrics" => (StatusCode::OK, (self.0)()),
+            "/healthz" | "/livez" => (StatusCode::OK, "ok\n".to_owned()),
+            _ => (
+                StatusCode::NOT_FOUND,
+                "/metrics  for Prometheus\n".to_owned(),
+            ),
+        }
+    }
+}
+
+/// Serves what `render` gives to Prometheus, at `/metrics`, and says at `/livez` that it answers,
+/// until it is dropped.
+#[cfg(feature = "fleet")]
+pub async fn serve_metrics(listener: TcpListener, render: Arc<dyn Fn() -> String + Send + Sync>) {
+    serve(listener, Plain(render)).await;
+}
+
+/// The answer; of one to HEAD hyper sends the headers.
+fn respond(page: &impl Answers, method: &Method, path: &str) -> Response<Full<Bytes>> {
+    if ![Method::GET, Method::HEAD].contains(method) {
+        let text = "only GET and HEAD are answered\n".to_owned();
+        return response(StatusCode::METHOD_NOT_ALLOWED, text);
+    }
+    let (status, text) = page.answer(path);
+    response(status, text)
 }
 
 fn response(status: StatusCode, text: String) -> Response<Full<Bytes>> {

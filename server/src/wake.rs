@@ -49,7 +49,7 @@ pub(crate) async fn spec(services: &Arc<Services>, name: &str) -> Result<Session
     let ttl = step::duration(request.ttl.as_ref(), "ttl")?;
     Ok(SessionSpec {
         name: name.to_owned(),
-        lease: services.lease(name),
+        lease: services.lease(name)?,
         reservation: taken.reservation,
         prepared: taken.prepared,
         own_bytes,

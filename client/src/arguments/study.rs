@@ -88,6 +88,9 @@ pub(crate) struct WorkerArguments {
     /// End when no case has come for so long; default: never
     #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..=LONGEST_IDLE))]
     pub(crate) idle: Option<u64>,
+    /// Show metrics for Prometheus at http://ADDRESS/metrics, such as 127.0.0.1:9465
+    #[arg(long, value_name = "ADDRESS")]
+    pub(crate) metrics: Option<std::net::SocketAddr>,
     /// Tell when a case begins
     #[arg(long)]
     pub(crate) verbose: bool,

@@ -199,6 +199,12 @@ fn columns(study: &Study, numeric: &[bool]) -> Vec<Column> {
         .chain(keys.map(|(key, is_number)| column(key, number(is_number))))
         .chain(COLUMNS_BEHIND.into_iter().map(fixed))
         .chain(wanted.map(|(one, is_number)| column(&one.name, number(*is_number))))
+        .chain(
+            study
+                .derived()
+                .iter()
+                .map(|one| column(&one.name, Kind::Number)),
+        )
         .collect()
 }
 
@@ -232,8 +238,18 @@ fn cells(study: &Study, columns: &[Column], case: &Case, row: &Row) -> Vec<Cell>
         Cell::Number(row.seconds),
     ]);
     let kinds = columns.iter().skip(cells.len()).map(|column| column.kind);
+    let kinds = kinds.take(study.wanted().len());
     let results = row.results.iter().chain(std::iter::repeat(&Value::Null));
     cells.extend(kinds.zip(results).map(|(kind, value)| result(kind, value)));
+    let derived = match row.is_converged() {
+        true => study.derive(case, &row.results),
+        false => vec![None; study.derived().len()],
+    };
+    cells.extend(
+        derived
+            .into_iter()
+            .map(|value| value.map_or(Cell::Empty, Cell::Number)),
+    );
     cells
 }
 

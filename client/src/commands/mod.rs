@@ -87,24 +87,31 @@ pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failur
 
 /// Presses of Ctrl-C from now on.
 fn interrupts() -> Result<Signal, Failure> {
-    signal(SignalKind::interrupt())
-        .map_err(|error| Failure::new(Exit::Server, format!("no signals: {error}")))
+    signals(SignalKind::interrupt())
 }
 
-/// Tells the work to stop when Ctrl-C is pressed, and quits when it is pressed again.
+fn signals(kind: SignalKind) -> Result<Signal, Failure> {
+    signal(kind).map_err(|error| Failure::new(Exit::Server, format!("no signals: {error}")))
+}
+
+/// Tells the work to stop when Ctrl-C is pressed or the system asks the process to end, and quits
+/// when that happens again.
 async fn stop_when_interrupted(
     stop: &tokio::sync::watch::Sender<bool>,
     tell: impl Fn(&str),
 ) -> Result<(), Failure> {
-    let mut interrupts = interrupts()?;
-    while interrupts.recv().await.is_some() {
+    let (mut interrupts, mut terminations) = (interrupts()?, signals(SignalKind::terminate())?);
+    loop {
+        tokio::select! {
+            _ = interrupts.recv() => {}
+            _ = terminations.recv() => {}
+        }
         if stop.send_replace(true) {
             tell("stopped");
             std::process::exit(Exit::Interrupted as i32);
         }
         tell("stopping; press Ctrl-C again to quit at once");
     }
-    std::future::pending().await
 }
 
 /// Writes a line for people.

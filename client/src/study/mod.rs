@@ -8,7 +8,9 @@
 //! the study is read.
 
 mod axis;
+mod derived;
 mod error;
+mod expression;
 mod list;
 mod range;
 mod read;
@@ -24,6 +26,7 @@ use sha2::{Digest as _, Sha256};
 use signorini_proto::digest::hex;
 use toml::Value;
 
+pub use derived::Derived;
 pub use error::StudyError;
 pub use wanted::{At, Gathered, Wanted};
 
@@ -31,6 +34,7 @@ use crate::bounded_file;
 use crate::error::Violation;
 use crate::scene_file::{self, Override, SceneFile, SceneFileError, Template};
 use axis::Axis;
+use derived::Sought;
 
 /// Cases of a study at most: one bit of memory each tells which are done.
 pub const MOST_CASES: u64 = 100_000_000;
@@ -46,6 +50,9 @@ pub const COLUMNS_BEHIND: [&str; 6] = [
     "increments",
     "seconds",
 ];
+
+/// What is wrong with a second column of one name.
+const TAKEN: &str = "there is another column of that name; give a \"name\"";
 
 /// Bytes of a study file, and of its scene.
 const MOST_BYTES: u64 = 64 << 20;
@@ -63,6 +70,7 @@ pub struct Study {
     changes: Vec<Override>,
     axes: Vec<Axis>,
     wanted: Vec<Wanted>,
+    derived: Vec<Derived>,
     keys: Vec<String>,
     count: u64,
     digest: String,
@@ -112,12 +120,14 @@ impl Study {
             keys: keys.collect(),
             axes: file.axes,
             wanted: file.wanted,
+            derived: Vec::new(),
             count: 0,
             list: file.list,
         };
         study.check_keys()?;
         study.count = study.product()?;
         study.check_scene()?;
+        study.derive_from(&file.sought)?;
         Ok(study)
     }
 
@@ -182,8 +192,7 @@ impl Study {
                 faults.push(violation(&format!("result.{}.of", one.name), fault));
             }
             if columns.contains(&one.name.as_str()) {
-                let message = "there is another column of that name; give a \"name\"";
-                faults.push(violation(&format!("result.{}", one.name), message));
+                faults.push(violation(&format!("result.{}", one.name), TAKEN));
             }
             columns.push(&one.name);
         }
@@ -191,6 +200,13 @@ impl Study {
             true => Ok(()),
             false => Err(StudyError::Invalid(faults)),
         }
+    }
+
+    /// Reads what is computed from the other columns.
+    fn derive_from(&mut self, sought: &[Sought]) -> Result<(), StudyError> {
+        let columns = derived::Columns::new(&self.keys, self.numeric(), &self.wanted);
+        self.derived = columns.read(sought).map_err(StudyError::Invalid)?;
+        Ok(())
     }
 
     /// Number of cases.
@@ -211,6 +227,16 @@ impl Study {
     /// What is taken from the results of each case.
     pub fn wanted(&self) -> &[Wanted] {
         &self.wanted
+    }
+
+    /// What is computed for each case from its other columns, behind those.
+    pub fn derived(&self) -> &[Derived] {
+        &self.derived
+    }
+
+    /// The values of what is computed; none where it has none.
+    pub fn derive(&self, case: &Case, results: &[serde_json::Value]) -> Vec<Option<f64>> {
+        derived::values(&self.derived, case, results)
     }
 
     /// The table that cases are taken from.

@@ -6,6 +6,7 @@ use std::str::FromStr;
 use toml::{Table, Value};
 
 use super::axis::{Axis, Points};
+use super::derived::Sought;
 use super::error::StudyError;
 use super::list::List;
 use super::range::{Range, Spacing};
@@ -20,7 +21,7 @@ const GRID: &[&str] = &["key", "values", "from", "to", "count", "spacing"];
 const LIST: &[&str] = &["file"];
 const SOBOL: &[&str] = &["points", "seed", "range"];
 const RANGE: &[&str] = &["key", "from", "to", "spacing"];
-const RESULT: &[&str] = &["name", "of", "at"];
+const RESULT: &[&str] = &["name", "of", "at", "expression"];
 
 /// Bytes of a table of cases.
 const MOST_LIST_BYTES: u64 = 256 << 20;
@@ -33,6 +34,7 @@ pub(crate) struct StudyFile {
     pub(crate) changes: Vec<Override>,
     pub(crate) axes: Vec<Axis>,
     pub(crate) wanted: Vec<Wanted>,
+    pub(crate) sought: Vec<Sought>,
     /// The table of cases.
     pub(crate) list: Option<PathBuf>,
 }
@@ -53,7 +55,7 @@ pub(crate) fn read(text: &str, path: &Path) -> Result<StudyFile, StudyError> {
         .map(|list| list.required_text("file"));
     let mut axes = grids(&keys);
     axes.extend(keys.table("sobol", SOBOL).and_then(|sobol| points(&sobol)));
-    let wanted = wanted(&keys);
+    let (wanted, sought) = results(&keys);
     if axes.is_empty() && list.is_none() {
         keys.fault_here("nothing varies: [[grid]], [list] or [sobol] is expected");
     }
@@ -68,6 +70,7 @@ pub(crate) fn read(text: &str, path: &Path) -> Result<StudyFile, StudyError> {
         changes,
         axes,
         wanted,
+        sought,
         list,
     })
 }
@@ -191,18 +194,35 @@ fn points(keys: &Keys<'_>) -> Option<Axis> {
     }))
 }
 
-fn wanted(keys: &Keys<'_>) -> Vec<Wanted> {
+/// What is taken from results, and what is computed from that.
+fn results(keys: &Keys<'_>) -> (Vec<Wanted>, Vec<Sought>) {
     let tables = keys.tables("result", RESULT);
-    let one = |keys: &Keys<'_>| {
-        let of = keys.required_text("of");
-        let at = word(keys, "at", At::Last)?;
-        let name = keys.text("name").unwrap_or_else(|| match at {
-            At::Last => of.clone(),
-            At::Every | At::Max | At::Min | At::Sum => format!("{at} {of}"),
-        });
-        Some(Wanted { name, of, at })
-    };
-    tables.iter().filter_map(one).collect()
+    let (computed, taken): (Vec<_>, Vec<_>) =
+        tables.iter().partition(|keys| keys.has("expression"));
+    let wanted = taken.into_iter().filter_map(wanted).collect();
+    (wanted, computed.into_iter().filter_map(sought).collect())
+}
+
+fn wanted(keys: &Keys<'_>) -> Option<Wanted> {
+    let of = keys.required_text("of");
+    let at = word(keys, "at", At::Last)?;
+    let name = keys.text("name").unwrap_or_else(|| match at {
+        At::Last => of.clone(),
+        At::Every | At::Max | At::Min | At::Sum => format!("{at} {of}"),
+    });
+    Some(Wanted { name, of, at })
+}
+
+fn sought(keys: &Keys<'_>) -> Option<Sought> {
+    let (name, text) = (keys.required_text("name"), keys.text("expression")?);
+    if let Some(other) = ["of", "at"].into_iter().find(|key| keys.has(key)) {
+        keys.fault(
+            other,
+            "stands beside \"expression\": either of the two is expected",
+        );
+        return None;
+    }
+    Some(Sought { name, text })
 }
 
 impl<'a> Keys<'a> {

@@ -257,6 +257,64 @@ fn wanted_values_that_are_not_there_or_called_alike_are_named() {
 }
 
 #[test]
+fn a_column_is_computed_from_keys_results_and_those_before_it() {
+    let folder = Folder::new("derived");
+    let study = folder.study(&format!(
+        "{RADII}{DEPTHS}[[result]]\nname = \"force\"\nof = \"obstacles.ball.force.z\"\n\
+         [[result]]\nname = \"stiffness\"\n\
+         expression = \"force / step.0.obstacle.ball.translation.2\"\n\
+         [[result]]\nname = \"per radius\"\nexpression = \"stiffness / obstacle.ball.shape.radius\"\n"
+    ));
+    let study = study.unwrap();
+    let names: Vec<&str> = study
+        .derived()
+        .iter()
+        .map(|one| one.name.as_str())
+        .collect();
+    assert_eq!(names, ["stiffness", "per radius"]);
+    let case = study.case(3).unwrap();
+    let values = study.derive(&case, &[serde_json::json!(0.6)]);
+    let expected = [0.6 / -0.03, 0.6 / -0.03 / 2.0];
+    for (value, expected) in values.into_iter().zip(expected) {
+        assert!((value.unwrap() - expected).abs() < 1e-12);
+    }
+    let without = study.derive(&case, &[serde_json::Value::Null]);
+    assert_eq!(without, [None, None]);
+}
+
+#[test]
+fn expressions_that_cannot_be_computed_name_their_key_and_the_column() {
+    let folder = Folder::new("underived");
+    let said = |result: &str| {
+        let text = format!("{RADII}[[result]]\nof = \"cause\"\nat = \"every\"\n{result}");
+        folder.study(&text).unwrap_err().to_string()
+    };
+    for (result, expected) in [
+        (
+            "[[result]]\nname = \"k\"\nexpression = \"1 / forse\"\n",
+            "result.k.expression: there is no column \"forse\" before it; there are \
+             obstacle.ball.shape.radius, every cause",
+        ),
+        (
+            "[[result]]\nname = \"k\"\nexpression = \"2 * {every cause}\"\n",
+            "result.k.expression: the column \"every cause\" has no numbers",
+        ),
+        (
+            "[[result]]\nname = \"id\"\nexpression = \"1\"\n",
+            "result.id: there is another column",
+        ),
+        (
+            "[[result]]\nname = \"k\"\nexpression = \"1\"\nof = \"cause\"\n",
+            "result.1.of: stands beside \"expression\"",
+        ),
+        ("[[result]]\nexpression = \"1\"\n", "result.1.name"),
+    ] {
+        let said = said(result);
+        assert!(said.contains(expected), "{said}");
+    }
+}
+
+#[test]
 fn a_value_that_only_one_case_cannot_have_does_not_stop_the_study() {
     let folder = Folder::new("one");
     let text = "[[grid]]\nkey = \"mesh_scale\"\nvalues = [\"wide\", 1.0]\n";

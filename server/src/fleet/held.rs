@@ -5,6 +5,7 @@ use std::time::SystemTime;
 use async_nats::jetstream;
 
 use super::leases::{BUCKET, Holder};
+use super::nats_addresses;
 
 /// A session and the server that holds it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,7 +44,7 @@ pub async fn held(url: &str) -> Result<Vec<Held>, HeldError> {
 
 async fn read(url: &str) -> Result<Vec<Held>, async_nats::Error> {
     use tokio_stream::StreamExt as _;
-    let client = async_nats::connect(url).await?;
+    let client = async_nats::connect(nats_addresses(url).as_slice()).await?;
     let store = jetstream::new(client).get_key_value(BUCKET).await?;
     let (mut keys, mut found) = (store.keys().await?, Vec::new());
     while let Some(id) = keys.next().await {

@@ -32,6 +32,12 @@ pub(crate) use nats::Fleet;
 #[cfg(not(feature = "fleet"))]
 pub(crate) use none::{Fleet, Lease};
 
+/// The addresses of a list with commas: servers of one cluster, any of which leads to the others.
+#[cfg(feature = "fleet")]
+pub fn nats_addresses(list: &str) -> Vec<&str> {
+    list.split(',').map(str::trim).collect()
+}
+
 /// What a call wants of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Wish {

@@ -14,7 +14,7 @@ use tokio::sync::mpsc;
 use super::lease::Lease;
 use super::leases::{Asked, Holder, Leases};
 use super::stream::{Place, Records, Refused, context};
-use super::{Found, Wish, Wished, wishes};
+use super::{Found, Wish, Wished, nats_addresses, wishes};
 use crate::config::Config;
 use crate::fault::Fault;
 use crate::journal::{Fence, Journal, JournalError};
@@ -83,7 +83,8 @@ impl Fleet {
             "" => url.to_owned(),
             name => name.to_owned(),
         };
-        let client = async_nats::connect(config.fleet_nats.as_str()).await?;
+        let addresses = nats_addresses(&config.fleet_nats);
+        let client = async_nats::connect(addresses.as_slice()).await?;
         let context = context(client.clone(), ttl);
         let own = Holder {
             // Random keys of the standard hasher.

@@ -1,7 +1,8 @@
 //! The tables, what is written into them and how they are read.
 //!
-//! A commit returns when the disk has it. Values are sealed; keys begin with the name
-//! of their session, so that all of one session lies together.
+//! A commit returns when the disk has it, or before that where somebody else has what it writes
+//! ([`Durability::None`]). Values are sealed; keys begin with the name of their session, so that
+//! all of one session lies together.
 
 use std::path::Path;
 
@@ -267,16 +268,16 @@ fn drop_keys(
     Ok(())
 }
 
-/// Writes all changes at once and returns when the disk has them; the bytes written.
+/// Writes all changes at once, and returns when they are as durable as is asked; the bytes
+/// written.
 pub(super) fn commit<'a>(
     database: &Database,
     changes: impl Iterator<Item = (&'a str, &'a Change)>,
+    durability: Durability,
 ) -> Result<usize, JournalError> {
     let mut write = database.begin_write()?;
     let refused = |error: redb::SetDurabilityError| JournalError::Unwritable(error.to_string());
-    write
-        .set_durability(Durability::Immediate)
-        .map_err(refused)?;
+    write.set_durability(durability).map_err(refused)?;
     let mut bytes = 0;
     {
         let mut tables = Tables::open(&write)?;

@@ -90,7 +90,6 @@ fn entry(change: &Change) -> Option<Entry> {
         Change::DropResults(before) => (*before, Kind::DropResults(true)),
         Change::DropFields(before) => (*before, Kind::DropFields(true)),
         Change::Delete => (0, Kind::Delete(true)),
-        // Of this folder alone.
         Change::Begin
         | Change::Mesh(..)
         | Change::DropMesh(_)
@@ -117,6 +116,29 @@ fn change(entry: Entry) -> Option<Change> {
         Kind::DropFields(_) => Change::DropFields(number),
         Kind::Delete(_) => Change::Delete,
     })
+}
+
+/// Whether a change is of this folder alone: nobody else has it.
+pub(super) fn is_own(change: &Change) -> bool {
+    match change {
+        Change::Mesh(..)
+        | Change::DropMesh(_)
+        | Change::Surface(..)
+        | Change::DropSurface(_)
+        | Change::State(..)
+        | Change::DropState(_) => true,
+        Change::Begin
+        | Change::Session(_)
+        | Change::Update(..)
+        | Change::Withdraw(_)
+        | Change::Result(..)
+        | Change::Checkpoint(_)
+        | Change::Save(..)
+        | Change::DropSaves(_)
+        | Change::DropResults(_)
+        | Change::DropFields(_)
+        | Change::Delete => false,
+    }
 }
 
 /// Changes as a record; empty where none is of a session.

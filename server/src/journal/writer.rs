@@ -1,4 +1,7 @@
 //! The thread that writes: one commit for all changes that wait.
+//!
+//! Where a fence has the changes first, the disk has them up to a second later: what it lacks then
+//! is dropped at the next start anyway.
 
 #[cfg(feature = "fleet")]
 use std::collections::BTreeMap;
@@ -8,15 +11,20 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use redb::Durability;
+
 use super::database::{self, Change};
 use super::error::JournalError;
 #[cfg(feature = "fleet")]
-use super::fenced::{Fence, encoded, whole};
+use super::fenced::{Fence, encoded, is_own, whole};
 use super::{Done, Shelf, Urgency};
 use crate::metrics::Metrics;
 
 /// Changes that nobody waits for wait this long for others.
 const LINGER: Duration = Duration::from_millis(50);
+/// Changes that a fence has may be in memory alone for so long.
+#[cfg(feature = "fleet")]
+const LAG: Duration = Duration::from_secs(1);
 /// Changes of one commit, so that the first of them does not wait for ever.
 const MOST_JOBS: usize = 4096;
 
@@ -136,6 +144,8 @@ struct Pen {
 impl Pen {
     fn run(&self, jobs: &Receiver<Job>) {
         let mut broken = Broken::default();
+        #[cfg(feature = "fleet")]
+        let mut lag = Lag::default();
         while let Ok(first) = jobs.recv() {
             let batch = broken.refuse(gather(first, jobs));
             #[cfg(feature = "fleet")]
@@ -143,7 +153,11 @@ impl Pen {
             if batch.is_empty() {
                 continue;
             }
-            let outcome = commit(&self.shelf, &batch, &self.metrics);
+            #[cfg(feature = "fleet")]
+            let durability = lag.durability(&batch, self.fence.get().is_some());
+            #[cfg(not(feature = "fleet"))]
+            let durability = Durability::Immediate;
+            let outcome = commit(&self.shelf, &batch, durability, &self.metrics);
             if let Err(error) = &outcome {
                 self.metrics.journal_failed();
                 tracing::error!(why = error.to_string(), "the journal cannot be written");
@@ -155,6 +169,11 @@ impl Pen {
             for job in batch {
                 (job.done)(outcome.clone());
             }
+        }
+        #[cfg(feature = "fleet")]
+        if lag.since.is_some() {
+            // Whoever opens the folder next finds all of it.
+            let _unwritten = commit(&self.shelf, &[], Durability::Immediate, &self.metrics);
         }
     }
 
@@ -224,6 +243,31 @@ fn names(batch: &[Job]) -> BTreeMap<Box<str>, bool> {
     own.map(|job| (job.name.clone(), is_over(job))).collect()
 }
 
+/// What the disk may lack.
+#[cfg(feature = "fleet")]
+#[derive(Default)]
+struct Lag {
+    /// Of the oldest commit that it may lack.
+    since: Option<Instant>,
+}
+
+#[cfg(feature = "fleet")]
+impl Lag {
+    /// Whether the disk has to have a batch before anybody hears of it: it has where there is
+    /// no fence, where something is of this folder alone, and now and then, so that the
+    /// database gets its pages back.
+    fn durability(&mut self, batch: &[Job], is_fenced: bool) -> Durability {
+        let mut changes = batch.iter().flat_map(|job| &job.changes);
+        let is_due = self.since.is_some_and(|since| since.elapsed() >= LAG);
+        if !is_fenced || is_due || changes.any(is_own) {
+            self.since = None;
+            return Durability::Immediate;
+        }
+        self.since.get_or_insert_with(Instant::now);
+        Durability::None
+    }
+}
+
 /// Sessions of which a change was lost: later ones would leave a gap.
 #[derive(Default)]
 struct Broken(HashSet<Box<str>>);
@@ -271,7 +315,12 @@ fn gather(first: Job, jobs: &Receiver<Job>) -> Vec<Job> {
     batch
 }
 
-fn commit(shelf: &Shelf, batch: &[Job], metrics: &Metrics) -> Result<(), JournalError> {
+fn commit(
+    shelf: &Shelf,
+    batch: &[Job],
+    durability: Durability,
+    metrics: &Metrics,
+) -> Result<(), JournalError> {
     let start = Instant::now();
     let work = |open: &redb::Database| {
         fail::fail_point!("journal-commit", |_| Err(JournalError::Unwritable(
@@ -281,7 +330,7 @@ fn commit(shelf: &Shelf, batch: &[Job], metrics: &Metrics) -> Result<(), Journal
             let name: &str = &job.name;
             job.changes.iter().map(move |change| (name, change))
         });
-        database::commit(open, all)
+        database::commit(open, all, durability)
     };
     let outcome = shelf.with(work);
     let bytes = match outcome {
@@ -296,4 +345,39 @@ fn commit(shelf: &Shelf, batch: &[Job], metrics: &Metrics) -> Result<(), Journal
     };
     metrics.journal_commit(start.elapsed(), bytes);
     Ok(())
+}
+
+#[cfg(all(test, feature = "fleet"))]
+mod tests {
+    use super::*;
+
+    fn job(change: Change) -> Job {
+        Job {
+            name: "sessions/one".into(),
+            changes: vec![change],
+            urgency: Urgency::Now,
+            done: Box::new(|_| {}),
+            adopted: false,
+        }
+    }
+
+    fn waits(lag: &mut Lag, change: Change, is_fenced: bool) -> bool {
+        matches!(
+            lag.durability(&[job(change)], is_fenced),
+            Durability::Immediate
+        )
+    }
+
+    #[test]
+    fn what_the_fleet_has_waits_for_no_disk_and_what_this_folder_has_alone_does() {
+        let mut lag = Lag::default();
+        assert!(waits(&mut lag, Change::Delete, false));
+        assert!(!waits(&mut lag, Change::Delete, true));
+        assert!(lag.since.is_some());
+        let own = Change::DropMesh("meshes/one".to_owned());
+        assert!(waits(&mut lag, own, true));
+        assert!(lag.since.is_none());
+        lag.since = Instant::now().checked_sub(LAG);
+        assert!(waits(&mut lag, Change::Delete, true));
+    }
 }

@@ -26,6 +26,7 @@ use crate::client_key::{ClientIdentity, ClientKey};
 use crate::compute::SolverThreads;
 use crate::config::Config;
 use crate::convert::scene::Output;
+use crate::fault::Fault;
 use crate::fleet::{self, Fleet};
 use crate::gates::Gates;
 use crate::journal::{Journal, JournalError};
@@ -62,8 +63,18 @@ pub(crate) struct Services {
 
 impl Services {
     /// What says that a session is this server's, in a fleet.
-    pub(crate) fn lease(&self, name: &str) -> Option<Arc<fleet::Lease>> {
-        self.fleet.as_ref()?.lease(name)
+    ///
+    /// # Errors
+    /// `SessionElsewhere` where that has ended while the session was being made or woken.
+    pub(crate) fn lease(&self, name: &str) -> Result<Option<Arc<fleet::Lease>>, Fault> {
+        let Some(fleet) = &self.fleet else {
+            return Ok(None);
+        };
+        let elsewhere = || Fault::SessionElsewhere {
+            name: name.to_owned(),
+            owner: String::new(),
+        };
+        fleet.lease(name).ok_or_else(elsewhere).map(Some)
     }
 
     /// What counts for a client, and how much of it there may be.

@@ -1,10 +1,11 @@
 """Faults of a fleet: three servers behind a proxy, clients with resumed streams, and what goes wrong.
 
-    faults.py PROGRAM --haproxy PROGRAM [--faults 60] [--clients 12] [--seed 1]
+    faults.py PROGRAM --haproxy PROGRAM [--faults 60] [--clients 12] [--seed 1] [--pace 0.02]
+                     [--nats 1]
 
 PROGRAM is a `signorini` with the feature `fleet`; `nats-server` has to be on PATH. Faults, by turns of
 chance: a server is killed, a server is stopped beyond its lease and goes on, the proxy is killed (which
-cuts every connection), NATS is restarted. Then every client has every result once, in order, with the bits
+cuts every connection), NATS is restarted (of three servers of NATS one, and everything is kept thrice). Then every client has every result once, in order, with the bits
 of an undisturbed server, and in the stream the epochs of each session only grow (that needs nats-py).
 Prints the counts and the pauses after kills; exits with 1 where something was lost, doubled or differs.
 """
@@ -13,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import hashlib
 import json
 import os
 import random
@@ -75,16 +77,27 @@ class Program:
 class Fleet:
     """NATS, servers and a proxy in a folder."""
 
-    def __init__(self, folder: Path, program: str, haproxy: str) -> None:
-        port = free_port()
-        self.url = f"nats://127.0.0.1:{port}"
-        command = ["nats-server", "-js", "-a", "127.0.0.1", "-p", str(port), "-sd", str(folder / "nats")]
-        self.nats = Program(command, port, folder / "nats.log")
+    def __init__(self, folder: Path, program: str, haproxy: str, replicas: int = 1) -> None:
+        self.replicas = replicas
+        ports = [(free_port(), free_port()) for _ in range(replicas)]
+        self.url = ",".join(f"nats://127.0.0.1:{port}" for port, _ in ports)
+        self.nats = [self.keeper(folder, number, ports) for number in range(replicas)]
+        # Until they have a leader.
+        time.sleep(5 if replicas > 1 else 0)
         self.program = program
         self.ports = [free_port() for _ in range(SERVERS)]
         self.servers = [self.server(folder, number) for number in range(SERVERS)]
         self.proxy = self.front(folder, haproxy)
         self.address = f"127.0.0.1:{self.proxy.port}"
+
+    def keeper(self, folder: Path, number: int, ports: list[tuple[int, int]]) -> Program:
+        port, route = ports[number]
+        command = ["nats-server", "-js", "-a", "127.0.0.1", "-p", str(port), "-sd", str(folder / f"nats-{number}")]
+        if len(ports) > 1:
+            routes = ",".join(f"nats://127.0.0.1:{other}" for _, other in ports)
+            command += ["--name", f"nats-{number}", "--cluster_name", "fleet", "--routes", routes]
+            command += ["--cluster", f"nats://127.0.0.1:{route}"]
+        return Program(command, port, folder / f"nats-{number}.log")
 
     def server(self, folder: Path, number: int) -> Program:
         settings = folder / f"server-{number}.toml"
@@ -95,6 +108,7 @@ class Fleet:
             "fleet_store": str(folder / "store"),
             "fleet_name": f"server-{number}",
             "fleet_lease_seconds": LEASE,
+            "fleet_replicas": self.replicas,
             "retained_results": 200,
             "log_format": "text",
         }
@@ -119,19 +133,20 @@ class Fleet:
         return {line["session"]: line["server"] for line in lines}
 
     def stop(self) -> None:
-        for one in [self.proxy, *self.servers, self.nats]:
+        for one in [self.proxy, *self.servers, *self.nats]:
             one.signal(signal.SIGCONT)
             one.kill()
 
 
 def bits(increment) -> bytes:
-    """What a result says, without times and what sessions share."""
+    """Digest of what a result says, without times and what sessions share."""
     report = type(increment.report.message)()
     report.CopyFrom(increment.report.message)
     for name in ("seconds", "memory_bytes", "reused", "factorisations", "eigenvalue_applications"):
         report.ClearField(name)
     report.ClearField("compliance_columns")
-    return report.SerializeToString(deterministic=True) + increment.fields["pressure"].tobytes()
+    said = report.SerializeToString(deterministic=True) + increment.fields["pressure"].tobytes()
+    return hashlib.sha256(said).digest()
 
 
 def scene(s):
@@ -156,9 +171,9 @@ def depth(number: int) -> float:
 class Client(threading.Thread):
     """Moves the ball until it is told to end; keeps what it is answered."""
 
-    def __init__(self, s, address: str, name: str) -> None:
+    def __init__(self, s, address: str, name: str, pace: float) -> None:
         super().__init__(daemon=True)
-        self.s, self.address, self.name_of = s, address, name
+        self.s, self.address, self.name_of, self.pace = s, address, name, pace
         self.results: list[tuple[float, bytes]] = []
         self.events: list[int] = []
         self.end = threading.Event()
@@ -182,7 +197,7 @@ class Client(threading.Thread):
                 for increment in waiting.pop(0):
                     self.events.append(increment.event)
                     self.results.append((time.monotonic(), bits(increment)))
-                time.sleep(0.02)
+                time.sleep(self.pace)
         client.close()
 
 
@@ -195,28 +210,30 @@ def fault(fleet: Fleet, kind: str, chance: random.Random, kills: list, clients: 
         moment = time.monotonic()
         time.sleep(chance.uniform(0.2, 2.0))
         server.start()
-        time.sleep(LEASE + 3)
+        time.sleep(LEASE + 1)
         kills.extend((moment, client) for client in clients if f"sessions/{client.name_of}" in mine)
     elif kind == "stop":
         server.signal(signal.SIGSTOP)
-        time.sleep(LEASE + chance.uniform(0.5, 2.0))
+        time.sleep(LEASE + chance.uniform(0.2, 1.0))
         server.signal(signal.SIGCONT)
-        time.sleep(1)
+        time.sleep(0.5)
     elif kind == "cut":
         fleet.proxy.kill()
         fleet.proxy.start()
-        time.sleep(chance.uniform(0.2, 1.0))
+        time.sleep(chance.uniform(0.1, 0.5))
     else:
-        fleet.nats.kill()
-        fleet.nats.start()
-        time.sleep(chance.uniform(0.5, 1.5))
+        keeper = chance.choice(fleet.nats)
+        keeper.kill()
+        time.sleep(chance.uniform(1, 4) if fleet.replicas > 1 else 0)
+        keeper.start()
+        time.sleep(chance.uniform(0.2, 1.0))
 
 
 async def epochs(url: str) -> dict[str, list[tuple[int, str]]]:
     """Epochs and writers of each session's records, in order."""
     import nats
 
-    connection = await nats.connect(url)
+    connection = await nats.connect(url.split(","))
     stream = connection.jetstream()
     found: dict[str, list[tuple[int, str]]] = {}
     info = await stream.stream_info("SIGNORINI-SESSIONS")
@@ -271,15 +288,17 @@ def main() -> int:
     arguments.add_argument("--faults", type=int, default=60)
     arguments.add_argument("--clients", type=int, default=12)
     arguments.add_argument("--seed", type=int, default=1)
+    arguments.add_argument("--nats", type=int, default=1, help="servers of NATS")
+    arguments.add_argument("--pace", type=float, default=0.02, help="seconds between two results of a client")
     given = arguments.parse_args()
     os.environ["SIGNORINI_PROGRAM"] = given.program
     import signorini as s
 
     chance = random.Random(given.seed)
     with tempfile.TemporaryDirectory(prefix="signorini-fleet-") as folder:
-        fleet = Fleet(Path(folder), given.program, given.haproxy)
+        fleet = Fleet(Path(folder), given.program, given.haproxy, given.nats)
         time.sleep(1.5)
-        clients = [Client(s, fleet.address, f"client-{number}") for number in range(given.clients)]
+        clients = [Client(s, fleet.address, f"client-{number}", given.pace) for number in range(given.clients)]
         for client in clients:
             client.start()
         time.sleep(5)

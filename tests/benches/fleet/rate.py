@@ -3,12 +3,14 @@
     rate.py PROGRAM [--haproxy PROGRAM] [--rounds 5] [--updates 200]
 
 PROGRAM is a `signorini` with the feature `fleet`; `nats-server` has to be on PATH. Also the time of a call
-to a server and through the proxy, by turns. Medians over the rounds; compare within one run only.
+to a server and through the proxy, by turns. Medians over the rounds; compare within one run only. With
+nats-py also the renewals of leases in a second with and without updates: those are made beside them.
 """
 
 from __future__ import annotations
 
 import argparse
+import asyncio
 import json
 import os
 import statistics
@@ -51,6 +53,26 @@ def call(client, name: str, count: int = 200) -> float:
     return 1e3 * statistics.median(times)
 
 
+async def renewals(url: str) -> int:
+    """Renewals of leases so far."""
+    import nats
+
+    connection = await nats.connect(url)
+    info = await connection.jetstream().stream_info("KV_signorini-leases")
+    await connection.close()
+    return info.state.last_seq
+
+
+def renewed(url: str, work) -> str:
+    """Renewals in a second of some work."""
+    try:
+        before, start = asyncio.run(renewals(url)), time.perf_counter()
+    except ImportError:
+        return "not looked at: no nats-py here"
+    work()
+    return f"{(asyncio.run(renewals(url)) - before) / (time.perf_counter() - start):.2f}"
+
+
 def main() -> int:
     arguments = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     arguments.add_argument("program")
@@ -83,6 +105,8 @@ def main() -> int:
             print(
                 f"{what:28} {name:6} median {statistics.median(values):8.3f}  {min(values):8.3f} .. {max(values):8.3f}"
             )
+        updates = renewed(fleet.url, lambda: rate(sessions["fleet"], 16, 5 * given.updates))
+        print(f"renewals a second: at rest {renewed(fleet.url, lambda: time.sleep(5))}, with updates {updates}")
         server.kill()
         fleet.stop()
     return 0

@@ -8,6 +8,7 @@
 //! durability are those of NATS; nothing here decides who works on what.
 
 mod depot;
+mod gauges;
 mod post;
 mod rows;
 mod study;
@@ -28,6 +29,7 @@ use tokio::time::sleep;
 use crate::arguments::QueueArguments;
 use crate::exit::{Exit, Failure};
 
+pub(crate) use gauges::Gauges;
 pub(crate) use study::run as run_study;
 pub(crate) use worker::{Worker, work};
 
@@ -116,7 +118,8 @@ impl Queue {
             let read = options.credentials_file(path).await;
             options = read.map_err(|error| Failure::unreadable(path, &error))?;
         }
-        let client = options.connect(url).await;
+        let addresses = signorini_server::nats_addresses(url);
+        let client = options.connect(addresses.as_slice()).await;
         let client = client.map_err(|error| broken(format!("{url}: {error}")))?;
         let context = ContextBuilder::new().timeout(ANSWER_LIMIT).build(client);
         let cases = context.get_or_create_stream(Config {

@@ -14,6 +14,7 @@ use tokio::task::JoinSet;
 use tokio::time::{interval, sleep};
 use tokio_stream::StreamExt as _;
 
+use super::gauges::Gauges;
 use super::{Manifest, PROGRESS_INTERVAL, Queue, broken, depot, parts, post, result_subject};
 use crate::campaign::row::{FAILED, REFUSED, Row, told};
 use crate::campaign::server::Server;
@@ -40,6 +41,8 @@ pub(crate) struct Worker {
     pub(crate) idle: Option<Duration>,
     pub(crate) verbosity: Verbosity,
     pub(crate) manifests: Mutex<HashMap<String, Arc<Manifest>>>,
+    /// Where somebody looks at them.
+    pub(crate) gauges: Option<Arc<Gauges>>,
 }
 
 /// A case as it came.
@@ -48,6 +51,9 @@ struct Delivery {
     study: String,
     case: u64,
     id: String,
+    /// When, and how many waited behind it.
+    came: Instant,
+    waiting: u64,
     /// Times that it was given out, this one included.
     delivered: u32,
 }
@@ -98,7 +104,7 @@ async fn serve(worker: Arc<Worker>, mut stop: Stop) -> Result<(), Failure> {
                 worker.take(message, &mut stop).await?;
                 last = Instant::now();
             }
-            Ok(None) => {}
+            Ok(None) => worker.tell(Gauges::idle),
             Err(_) => sleep(PAUSE).await,
         }
     }
@@ -120,6 +126,7 @@ impl Worker {
         let Some(delivery) = Delivery::of(message) else {
             return Ok(());
         };
+        self.tell(|gauges| gauges.came(delivery.waiting));
         let work = self.verdict(&delivery, stop);
         let mut work = std::pin::pin!(work);
         let mut signs = interval(PROGRESS_INTERVAL);
@@ -139,7 +146,17 @@ impl Worker {
         };
         // One that is lost is given out again, and its row is found.
         let _unsaid = delivery.message.ack_with(kind).await;
+        self.tell(Gauges::left);
+        if let Ok(Verdict::Back) | Err(_) = &verdict {
+            self.tell(Gauges::given_back);
+        }
         verdict.map(|_| ())
+    }
+
+    fn tell(&self, told: impl FnOnce(&Gauges)) {
+        if let Some(gauges) = &self.gauges {
+            told(gauges);
+        }
     }
 
     async fn verdict(&self, delivery: &Delivery, stop: &mut Stop) -> Result<Verdict, Failure> {
@@ -161,6 +178,7 @@ impl Worker {
             ));
         }
         post::result(&self.queue, &delivery.study, &row).await?;
+        self.tell(|gauges| gauges.done(&row, delivery.came));
         Ok(Verdict::Done)
     }
 
@@ -272,7 +290,8 @@ impl Delivery {
     fn of(message: Message) -> Option<Self> {
         let (study, case) = parts(&message.subject)?;
         let (study, info) = (study.to_owned(), message.info().ok()?);
-        let delivered = u32::try_from(info.delivered).unwrap_or(u32::MAX);
+        let (delivered, waiting) = (info.delivered, info.pending);
+        let delivered = u32::try_from(delivered).unwrap_or(u32::MAX);
         let headers = message.headers.as_ref();
         let id = headers.and_then(|headers| headers.get(super::ID_HEADER));
         let id = id.map_or_else(|| case.to_string(), ToString::to_string);
@@ -280,6 +299,8 @@ impl Delivery {
             study,
             case,
             id,
+            came: Instant::now(),
+            waiting,
             delivered,
             message,
         })

@@ -145,6 +145,7 @@ fn write(database: &Database, changes: &[Change]) -> Result<usize, JournalError>
     commit(
         database,
         changes.iter().map(|change| ("sessions/one", change)),
+        Durability::Immediate,
     )
 }
 

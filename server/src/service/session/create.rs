@@ -70,7 +70,7 @@ impl Sessions {
             .await?;
         let spec = SessionSpec {
             name: claim.name().to_owned(),
-            lease: self.services.lease(claim.name()),
+            lease: self.services.lease(claim.name())?,
             reservation: taken.reservation,
             prepared: taken.prepared,
             own_bytes,

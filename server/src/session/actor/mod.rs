@@ -157,6 +157,10 @@ pub(in crate::session) async fn run(
         let room = Arc::clone(&actor.room);
         tokio::select! {
             command = inbox.recv() => match command {
+                // Another server may have gone on with it: what is known here may be old.
+                Some(_) if actor.is_given_up() => {
+                    parting.get_or_init(|| actor.parting());
+                }
                 Some(command) => actor.command(command),
                 // Every handle is gone, so nobody can ask for the session again.
                 None => actor.end(SessionEnd::Deleted),
