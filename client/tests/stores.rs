@@ -73,7 +73,7 @@ async fn an_object_store_beside_a_folder() {
         eprintln!("left out: nats-server is not there");
         return;
     };
-    println!("MiB    put: store  folder    get: store  folder   (seconds, medians of {ROUNDS})");
+    eprintln!("MiB    put: store  folder    get: store  folder   (seconds, medians of {ROUNDS})");
     for size in SIZES {
         let mut seconds = [const { Vec::new() }; 4];
         for round in 0..ROUNDS {
@@ -96,6 +96,6 @@ async fn an_object_store_beside_a_folder() {
             assert!(found == bytes && read == bytes);
         }
         let [put, wrote, got, read] = seconds.map(median);
-        println!("{size:4}   {put:9.4}  {wrote:6.4}   {got:9.4}  {read:6.4}");
+        eprintln!("{size:4}   {put:9.4}  {wrote:6.4}   {got:9.4}  {read:6.4}");
     }
 }
