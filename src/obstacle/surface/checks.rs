@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::topology::sorted_by_vertex;
+use super::sorting::sorted_by_vertex;
 use crate::geometry::vector3::{cross, dot, is_finite, norm, sub};
 
 /// Height of a facet over its longest edge below which it is a line.

@@ -20,6 +20,7 @@ mod flats;
 mod geometry;
 mod normals;
 mod patch;
+mod sorting;
 mod tool;
 mod topology;
 mod tree;
