@@ -5,7 +5,7 @@
 
 use super::{BlockIterate, QpIterate, QpProblem, QpStatus};
 use crate::linalg::{LinearOperator, SymmetricMatrix};
-use crate::saddle::{EqualityBlock, Metric, ProductSet, SharedMode};
+use crate::saddle::{EqualityBlock, Metric, ProductSet, SharedModes};
 
 /// Equalities and contact.
 pub(crate) struct Blocks<'a> {
@@ -36,7 +36,7 @@ pub(crate) struct ContactBlock<'a> {
     /// where it is the same all over.
     pub(crate) moduli: &'a [f64],
     /// Modes that contact shares with the first block.
-    pub(crate) shared: &'a [SharedMode],
+    pub(crate) shared: Option<&'a SharedModes>,
     /// The product of sets in which the multipliers lie.
     pub(crate) set: ProductSet<'a>,
 }

@@ -145,7 +145,7 @@ impl Matrices {
                 matrix: &self.metric,
                 weights: &self.weights,
                 moduli: &[],
-                shared: &[],
+                shared: None,
                 sprung: None,
             },
             set: ProductSet::Uniform(SetPart { size, set }),
@@ -167,7 +167,7 @@ pub(super) fn equality() -> Vec<Vec<f64>> {
 /// The block of an equality.
 pub(super) fn block<'a>(coupling: &'a SparseRows, metric: &'a Exact) -> MultiplierBlock<'a> {
     MultiplierBlock::from(EqualityBlock {
-        shared: &[],
+        shared: None,
         rows: coupling,
         columns: coupling,
         stabilisation: None,

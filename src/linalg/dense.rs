@@ -191,6 +191,25 @@ impl DenseMatrix {
         product
     }
 
+    /// `A^T B` `[columns, columns of B]`.
+    pub fn transposed_times(&self, other: &Self) -> Self {
+        let mut product = Self::zeros(self.columns, other.columns);
+        faer::linalg::matmul::matmul(
+            MatMut::from_column_major_slice_mut(&mut product.values, self.columns, other.columns),
+            faer::Accum::Replace,
+            self.view().transpose(),
+            other.view(),
+            1.0,
+            faer::Par::Seq,
+        );
+        product
+    }
+
+    /// All entries, column by column.
+    pub fn entries_mut(&mut self) -> &mut [f64] {
+        &mut self.values
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
         8 * self.values.len() as u64
@@ -265,6 +284,18 @@ impl DenseCholesky {
                 right_hand_side,
                 self.size,
                 1,
+            ));
+        }
+    }
+
+    /// Solves for every column in place.
+    pub fn solve_all(&self, right_hand_sides: &mut DenseMatrix) {
+        if let Some(factor) = &self.factor {
+            let columns = right_hand_sides.columns;
+            factor.solve_in_place(MatMut::from_column_major_slice_mut(
+                &mut right_hand_sides.values,
+                self.size,
+                columns,
             ));
         }
     }

@@ -8,6 +8,7 @@ pub mod cholesky;
 pub mod dense;
 pub mod eigen;
 mod factorise_error;
+mod gram;
 pub mod indefinite;
 pub mod ordering;
 #[cfg(test)]
@@ -20,6 +21,7 @@ pub mod workspace;
 pub use cholesky::SparseCholesky;
 pub use dense::{DenseCholesky, DenseLu, DenseMatrix};
 pub use factorise_error::FactoriseError;
+pub use gram::GramFactor;
 pub use sparse::{SparseRows, SparseRowsBuilder};
 pub use symmetric::{PartFactor, SymmetricMatrix};
 pub use workspace::Workspace;
@@ -57,4 +59,13 @@ pub trait LinearOperator: Send + Sync {
 pub trait Preconditioner: Send + Sync {
     /// `z ~ A^-1 r`.
     fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace);
+
+    /// The same for `count` vectors, one behind the other; at once where that costs less.
+    fn apply_to_all(&self, r: &[f64], z: &mut [f64], count: usize, work: &mut Workspace) {
+        let length = r.len() / count.max(1);
+        let pairs = r
+            .chunks_exact(length.max(1))
+            .zip(z.chunks_exact_mut(length.max(1)));
+        pairs.for_each(|(r, z)| self.apply(r, z, work));
+    }
 }

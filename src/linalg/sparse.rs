@@ -37,6 +37,18 @@ impl SparseRowsBuilder {
         }
     }
 
+    /// Appends what is larger than `share` of the largest entry of a dense row.
+    pub fn push_dense(&mut self, row: &[f64], share: f64) {
+        let bound = share * row.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        for (column, &value) in (0..).zip(row) {
+            if value.abs() > bound {
+                self.matrix.indices.push(column);
+                self.matrix.values.push(value);
+            }
+        }
+        self.matrix.offsets.push(self.matrix.indices.len());
+    }
+
     /// Appends a row; entries of the same column are summed in the given order.
     pub fn push_row(&mut self, entries: &mut [(u32, f64)]) {
         entries.sort_by_key(|entry| entry.0);
@@ -151,6 +163,36 @@ impl SparseRows {
         builder.finish()
     }
 
+    /// Those rows, in that order.
+    pub fn selected(&self, rows: &[usize]) -> Self {
+        let mut builder = SparseRowsBuilder::new(self.columns);
+        for &row in rows {
+            let (columns, values) = self.row(row);
+            let mut entries: Vec<_> = columns
+                .iter()
+                .copied()
+                .zip(values.iter().copied())
+                .collect();
+            builder.push_row(&mut entries);
+        }
+        builder.finish()
+    }
+
+    /// Multiplies every column by its factor.
+    pub fn scale_columns(&mut self, factors: &[f64]) {
+        for (value, &column) in self.values.iter_mut().zip(&self.indices) {
+            *value *= factors[column as usize];
+        }
+    }
+
+    /// Adds `factor` times a row to `x`.
+    pub fn add_row(&self, row: usize, factor: f64, x: &mut [f64]) {
+        let (columns, values) = self.row(row);
+        for (&column, value) in columns.iter().zip(values) {
+            x[column as usize] += factor * value;
+        }
+    }
+
     /// The diagonal of a square matrix.
     pub fn diagonal(&self) -> Vec<f64> {
         (0..self.rows())
@@ -193,7 +235,8 @@ impl SparseRows {
         }
     }
 
-    fn row_product(&self, row: usize, x: &[f64]) -> f64 {
+    /// Product of one row with `x`.
+    pub fn row_product(&self, row: usize, x: &[f64]) -> f64 {
         let (columns, values) = self.row(row);
         columns
             .iter()

@@ -7,30 +7,32 @@
 //! the edges (of all nodes for quadratic multipliers). The edge part keeps the metric regular where the rim of the surface
 //! is held. The factor brings the largest eigenvalue against the incompressible
 //! body near one. What a volume that hardly changes forbids is taken off
-//! ([`super::volume_mode`]). Condition 2 to 4, independent of the mesh size. Only the inverse at the vertices is
+//! ([`super::volume_modes`]). Condition 2 to 4, independent of the mesh size. Only the inverse at the vertices is
 //! dense; a part on the closed multipliers is factorised by its parts where it touches few
 //! vertices for its size (`split`), else formed. Cost:
 //! O(v^2) a product, O(n v + n^2) a part of n multipliers, for v contact vertices.
 
 mod nodes;
 mod part;
+mod seen;
 mod split;
 
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
-use nodes::{AtNode, at_all_nodes, at_edges, of_nodes};
+use nodes::{at_all_nodes, at_edges, of_nodes};
 use part::Known;
+use seen::seen_of;
 use split::SplitFactor;
 
 use super::NodeBlocks;
 use super::p1::Traces;
-use super::volume_mode::VolumeMode;
-use crate::linalg::vector::{add_scaled, dot, scale};
+use super::volume_modes::VolumeModes;
+use crate::linalg::vector::{dot, scale};
 use crate::linalg::{
     DenseCholesky, DenseMatrix, FactoriseError, LinearOperator, PartFactor, SparseRows,
-    SymmetricMatrix, Workspace,
+    SparseRowsBuilder, SymmetricMatrix, Workspace,
 };
 
 /// Factor on the whole compliance, which brings its largest eigenvalue against the
@@ -56,8 +58,8 @@ pub struct ComplianceParts<'a> {
     pub edge_ends: Option<&'a [[u32; 2]]>,
     /// Which unknowns are prescribed `[displacement]`.
     pub is_held: &'a [bool],
-    /// What the volumes of the connected parts of a body take off.
-    pub volumes: &'a [VolumeMode],
+    /// What volumes take off; none where none do.
+    pub volumes: Option<&'a VolumeModes>,
 }
 
 /// K, kept as its parts: the inverse at the contact vertices, a sparse matrix, and one
@@ -69,9 +71,10 @@ pub struct Compliance {
     vertex_rows: Vec<Vec<(u32, f64)>>,
     /// C D^-1 C^T of nodes that move alone `[multipliers, multipliers]`.
     nodes: SparseRows,
-    /// What the rows see of each volume `[volumes][multipliers]`, over the root of its
-    /// work.
-    volumes: Vec<Vec<f64>>,
+    /// What the rows see of the volumes made orthonormal, L^-1 W `[volumes, multipliers]`.
+    volumes: DenseMatrix,
+    /// W, what the rows see of each, without next to nothing `[volumes, multipliers]`.
+    seen: SparseRows,
     /// Added to the diagonal, so that redundant constraints have a solution.
     lift: f64,
     /// The diagonal, once it was asked for.
@@ -108,15 +111,18 @@ impl Compliance {
             Some(ends) => at_all_nodes(parts, coupling, ends),
             None => at_edges(parts, coupling),
         };
-        let volumes = parts.volumes.iter().map(|volume| {
-            let mut seen = seen_by(parts, (&vertex_rows, &touching), volume);
-            scale(&mut seen, volume.work.sqrt().recip());
-            seen
-        });
+        let (volumes, seen) = match parts.volumes {
+            Some(volumes) => seen_of(parts, (&vertex_rows, &touching), volumes),
+            None => (
+                DenseMatrix::zeros(0, coupling.rows()),
+                SparseRowsBuilder::new(coupling.rows()).finish(),
+            ),
+        };
         let mut out = Self {
             vertex_inverse: parts.vertex_inverse.clone(),
             nodes: of_nodes(parts, &touching, coupling.rows()),
-            volumes: volumes.collect(),
+            volumes,
+            seen,
             vertex_rows,
             lift: 0.0,
             diagonal: OnceLock::new(),
@@ -130,10 +136,9 @@ impl Compliance {
         out
     }
 
-    /// What the rows see of each volume, over the root of its work
-    /// `[volumes][multipliers]`.
-    pub fn volumes(&self) -> &[Vec<f64>] {
-        &self.volumes
+    /// What the rows see of each volume, without next to nothing `[volumes, multipliers]`.
+    pub fn seen(&self) -> &SparseRows {
+        &self.seen
     }
 
     /// The inverse of what is known at some traces; none where it is not positive definite.
@@ -165,8 +170,7 @@ impl Compliance {
 
     /// What the volumes take off between two rows.
     fn through_volumes(&self, row: usize, column: usize) -> f64 {
-        let volumes = self.volumes.iter();
-        volumes.map(|seen| seen[row] * seen[column]).sum()
+        dot(self.volumes.column(row), self.volumes.column(column))
     }
 
     /// One entry, A11^-1 through the traces of both rows alone.
@@ -219,8 +223,12 @@ impl SymmetricMatrix for Compliance {
         for (row, sum) in y.iter_mut().enumerate() {
             *sum += self.through_vertices(row, &flexibility) + self.lift * x[row];
         }
-        for seen in &self.volumes {
-            add_scaled(y, -dot(seen, x), seen);
+        if self.volumes.rows() > 0 {
+            let mut shares = vec![0.0; self.volumes.rows()];
+            self.volumes.multiply(x, &mut shares);
+            for (row, sum) in y.iter_mut().enumerate() {
+                *sum -= dot(self.volumes.column(row), &shares);
+            }
         }
         scale(y, SCALE);
     }
@@ -299,29 +307,6 @@ fn vertex_rows(parts: &ComplianceParts<'_>, coupling: &SparseRows) -> Vec<TraceR
 
 /// What one row sees of the traces at the vertices: their numbers and its entries there.
 type TraceRow = Vec<(u32, f64)>;
-
-/// w: what each row sees of the motion that an even pressure causes.
-fn seen_by(
-    parts: &ComplianceParts<'_>,
-    (vertex_rows, touching): (&[TraceRow], &[(u32, AtNode)]),
-    volume: &VolumeMode,
-) -> Vec<f64> {
-    let c = parts.node_blocks.components();
-    let along = |&(trace, value): &(u32, f64)| {
-        let vertex = parts.traces.vertices[trace as usize] as usize;
-        let direction = &parts.traces.directions[trace as usize][..c];
-        value * dot(direction, &volume.smooth[vertex * c..(vertex + 1) * c])
-    };
-    let rows = vertex_rows.iter();
-    let mut seen: Vec<f64> = rows.map(|row| row.iter().map(along).sum()).collect();
-    for (node, rows) in touching {
-        let first = *node as usize * c;
-        for (row, load) in rows {
-            seen[*row] += dot(&load[..c], &volume.alone[first..first + c]);
-        }
-    }
-    seen
-}
 
 #[cfg(test)]
 mod tests;

@@ -17,7 +17,7 @@ pub mod schur;
 pub mod spectrum;
 pub mod stiff_constraints;
 pub mod transfer;
-pub mod volume_mode;
+pub mod volume_modes;
 
 pub use counted::Counted;
 pub use lines::AlongLines;

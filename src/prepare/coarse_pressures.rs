@@ -7,54 +7,67 @@
 //!
 //! t the thickness. Shapes `[pressures]`. What a thin bonded layer does under contact is to
 //! press its volume sideways, with a pressure that varies along it on the scale of its
-//! thickness: a constant knows nothing of it. Cost: 64 vectors at most.
+//! thickness: a constant knows nothing of it. As many as the body is long over its thickness, up
+//! to where their Gram matrix costs. Cost: 8 numbers a vertex at most.
 
 use std::collections::BTreeMap;
 
+use crate::linalg::{SparseRows, SparseRowsBuilder};
 use crate::mesh::Mesh;
 
 /// Length over thickness from which on a body is thin: below, one pressure does.
 const THIN: f64 = 6.0;
 /// Spacing of the grid over the thickness.
 const SPACING: f64 = 2.0;
-/// Hats at most.
-const MOST: usize = 64;
+/// Hats at most under contact: the factor of their Gram matrix takes a third of a Gflop and 4 MB.
+const UNDER_CONTACT: usize = 1024;
+/// The same without: as long waves do for the internal pressure, more are not worth their solves.
+const ALONE: usize = 64;
 /// Growth of the spacing where there would be more.
 const GROWTH: f64 = 1.2;
 
 /// The coarse pressures of a body.
 #[derive(Debug)]
 pub(crate) struct CoarsePressures {
-    /// z `[modes][pressures]`.
-    pub(crate) pressures: Vec<Vec<f64>>,
+    /// z `[modes, pressures]`.
+    pub(crate) pressures: SparseRows,
     /// Whether there are hats among them.
     pub(crate) is_thin: bool,
 }
 
 impl CoarsePressures {
-    /// Of `mesh`, whose vertices belong to `parts`, empty for one part.
-    pub(super) fn new(mesh: &Mesh, parts: &[u32]) -> Self {
-        let mut pressures = of_parts(mesh.coordinates().len(), parts);
-        let hats = stretches(mesh);
+    /// Of `mesh`, whose vertices belong to `parts`, empty for one part, under contact with so many
+    /// `multipliers`.
+    pub(super) fn new(mesh: &Mesh, parts: &[u32], multipliers: u64) -> Self {
+        let most = match multipliers {
+            0 => ALONE,
+            _ => UNDER_CONTACT,
+        };
+        let vertices = mesh.coordinates().len();
+        let mut builder = SparseRowsBuilder::new(vertices);
+        for part in 0..=parts.iter().max().copied().unwrap_or(0) {
+            let is_own = |vertex: usize| parts.get(vertex).is_none_or(|&own| own == part);
+            let own = (0..vertices).filter(|&vertex| is_own(vertex));
+            let mut row: Hat = own.map(|vertex| (vertex as u32, 1.0)).collect();
+            builder.push_row(&mut row);
+        }
+        let hats = stretches(mesh, most);
         let is_thin = !hats.is_empty();
-        pressures.extend(hats);
-        Self { pressures, is_thin }
+        for mut hat in hats {
+            builder.push_row(&mut hat);
+        }
+        Self {
+            pressures: builder.finish(),
+            is_thin,
+        }
     }
 }
 
-/// One for each part.
-fn of_parts(vertices: usize, parts: &[u32]) -> Vec<Vec<f64>> {
-    let last = parts.iter().max().map_or(0, |&last| last);
-    let of_part = |part: u32| {
-        let is_own = |vertex: usize| parts.get(vertex).is_none_or(|&own| own == part);
-        let ones = (0..vertices).map(|vertex| f64::from(u8::from(is_own(vertex))));
-        ones.collect()
-    };
-    (0..=last).map(of_part).collect()
-}
+/// Vertices, ascending, with the value of a hat there.
+type Hat = Vec<(u32, f64)>;
 
 /// The hats along a thin body; none for another.
-fn stretches(mesh: &Mesh) -> Vec<Vec<f64>> {
+fn stretches(mesh: &Mesh, most: usize) -> Vec<Hat> {
     let kind = mesh.cell_kind();
     let cells = 0..mesh.cell_count();
     let volume: f64 = cells
@@ -69,8 +82,8 @@ fn stretches(mesh: &Mesh) -> Vec<Vec<f64>> {
     }
     let mut spacing = SPACING * thickness;
     loop {
-        let hats = hats(mesh.coordinates(), (least, extents), spacing);
-        if hats.len() <= MOST {
+        let hats = hats(mesh.coordinates(), (least, extents), (spacing, most));
+        if hats.len() <= most {
             return hats;
         }
         spacing *= GROWTH;
@@ -93,14 +106,14 @@ fn extents(coordinates: &[[f64; 3]]) -> ([f64; 3], [f64; 3]) {
 fn hats(
     coordinates: &[[f64; 3]],
     (least, extents): ([f64; 3], [f64; 3]),
-    spacing: f64,
-) -> Vec<Vec<f64>> {
+    (spacing, most): (f64, usize),
+) -> Vec<Hat> {
     // Whole cells along every long axis; across a short one nothing changes.
     let cells = extents.map(|extent| match extent >= 2.0 * spacing {
         true => (extent / spacing).round(),
         false => 0.0,
     });
-    let mut hats: BTreeMap<[u32; 3], Vec<f64>> = BTreeMap::new();
+    let mut hats: BTreeMap<[u32; 3], Hat> = BTreeMap::new();
     for (vertex, x) in coordinates.iter().enumerate() {
         let along = [0, 1, 2].map(|i| match cells[i] > 0.0 {
             true => cells[i] * (x[i] - least[i]) / extents[i],
@@ -112,13 +125,10 @@ fn hats(
             let value: f64 = values.iter().product();
             if value > 0.0 {
                 let place = ends.map(|end| end as u32);
-                let hat = hats
-                    .entry(place)
-                    .or_insert_with(|| vec![0.0; coordinates.len()]);
-                hat[vertex] = value;
+                hats.entry(place).or_default().push((vertex as u32, value));
             }
         }
-        if hats.len() > MOST {
+        if hats.len() > most {
             break; // Too many whatever follows.
         }
     }
@@ -128,6 +138,7 @@ fn hats(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linalg::LinearOperator;
     use crate::mesh::samples::rectangle_parts;
 
     /// A strip of that length and unit height.
@@ -140,12 +151,12 @@ mod tests {
 
     #[test]
     fn a_thick_body_has_one_pressure_and_a_thin_one_hats_that_sum_to_it() {
-        assert_eq!(CoarsePressures::new(&strip(2), &[]).pressures.len(), 1);
-        let all = CoarsePressures::new(&strip(32), &[]).pressures;
-        assert_eq!(all.len(), 1 + 17);
-        for (vertex, one) in all[0].iter().enumerate() {
-            let sum: f64 = all[1..].iter().map(|hat| hat[vertex]).sum();
-            assert!((sum - one).abs() < 1e-14);
-        }
+        assert_eq!(CoarsePressures::new(&strip(2), &[], 1).pressures.rows(), 1);
+        let all = CoarsePressures::new(&strip(32), &[], 1).pressures;
+        assert_eq!(all.rows(), 1 + 17);
+        let mut left = vec![0.0; all.columns()];
+        (0..all.rows())
+            .for_each(|row| all.add_row(row, if row == 0 { 1.0 } else { -1.0 }, &mut left));
+        assert!(left.iter().all(|left| left.abs() < 1e-14));
     }
 }

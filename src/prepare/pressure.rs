@@ -110,7 +110,7 @@ pub(crate) fn pressure_block(
     };
     PressureBlock {
         body,
-        coarse: CoarsePressures::new(mesh, &several_parts(mesh)),
+        coarse: CoarsePressures::new(mesh, &several_parts(mesh), plan.unknowns().contact),
         is_enclosed: !compressible && constant_pressure_is_idle(&coupling),
         coupling,
         stabilisation: compressible

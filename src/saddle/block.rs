@@ -8,7 +8,7 @@
 //! B `[block, displacement]` constrains, D `[block, displacement]` acts; they may differ, and
 //! nothing here assumes that they do not.
 
-use super::{AdmissibleSet, ProductSet, SetPart};
+use super::{AdmissibleSet, JointModes, ProductSet, SetPart, SharedModes};
 use crate::linalg::{LinearOperator, Preconditioner, SymmetricMatrix};
 
 /// One block of a problem whose multipliers lie in an admissible set.
@@ -49,34 +49,9 @@ pub enum Metric<'a> {
         /// How many times stiffer than elsewhere the body is where each multiplier acts
         /// `[block]`; empty where it is the same all over.
         moduli: &'a [f64],
-        /// Modes that the block shares with the first one.
-        shared: &'a [SharedMode],
+        /// Modes that the block shares with the first one; none where it shares none.
+        shared: Option<&'a SharedModes>,
     },
-}
-
-/// A pattern of the first block's unknowns that acts on the body as some pattern of
-/// another block's do, so that neither metric alone knows the two: an even internal
-/// pressure and an even contact pressure on a closed volume. With the Schur complement
-///
-/// ```text
-/// [ work   own^T ]   of the amplitude a of `first` and of the block's multipliers x,
-/// [ own    ...   ]   the metric of the block is its own part less own own^T / work.
-/// ```
-#[derive(Clone, Debug)]
-pub struct SharedMode {
-    /// The pattern `[first block]`.
-    pub first: Vec<f64>,
-    /// The pattern of the block that acts alike `[block]`.
-    pub alike: Vec<f64>,
-    /// What the block's constraints see of it `[block]`.
-    pub own: Vec<f64>,
-    /// What its own constraint sees of it, above zero.
-    pub work: f64,
-    /// By how much 1 / `work` exceeds what the metric of the first block makes of it: where
-    /// springs hold the surface a volume gives way by its compressibility alone.
-    pub excess: f64,
-    /// Share of the mode that the block has to take up for both to be solved together.
-    pub least_share: f64,
 }
 
 /// One block of a linear system: an equality, its multipliers all unknown.
@@ -90,8 +65,8 @@ pub struct EqualityBlock<'a> {
     pub stabilisation: Option<&'a dyn LinearOperator>,
     /// Approximate inverse of B A^-1 D^T + C, positive.
     pub metric: &'a dyn Preconditioner,
-    /// Modes that the block shares with the first one; empty for that.
-    pub shared: &'a [SharedMode],
+    /// Modes that the block shares with the first one; none for that.
+    pub shared: Option<&'a JointModes>,
     /// [A D^T; B 0] in one product, where there is one that costs less than its
     /// parts; used for the first block.
     pub joint: Option<&'a dyn LinearOperator>,
@@ -118,7 +93,7 @@ impl<'a> MultiplierBlock<'a> {
                 columns: self.columns,
                 stabilisation: self.stabilisation,
                 metric,
-                shared: &[],
+                shared: None,
                 joint: self.joint,
             }),
             Metric::Inverse(_) | Metric::Dense { .. } => None,

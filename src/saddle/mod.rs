@@ -16,12 +16,14 @@
 //! displacement preconditioner.
 
 mod block;
+mod joint;
 mod set;
 
-use crate::linalg::vector::{add_scaled, dot, scale};
+use crate::linalg::vector::scale;
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 
-pub use block::{EqualityBlock, Metric, MultiplierBlock, SharedMode};
+pub use block::{EqualityBlock, Metric, MultiplierBlock};
+pub use joint::{JointModes, SharedModes};
 pub use set::{
     Admissible, AdmissibleSet, Components, Cones, Discs, FrictionBound, Kind, PairProblem,
     PointSet, ProductSet, SetPart, SetPoint, Status,
@@ -159,11 +161,11 @@ impl Preconditioner for BlockTriangular<'_> {
                 let (r_block, r_next) = r_rest.split_at(block.size());
                 let (z_block, z_next) = z_rest.split_at_mut(block.size());
                 joint_step(block, (r_first, r_block), z_block, work);
-                for mode in block.shared {
-                    let missed = mode.excess * dot(&mode.first, r_first);
-                    let amplitude = -dot(&mode.own, z_block) / mode.work - missed;
-                    add_scaled(z_first, amplitude, &mode.first);
-                    add_scaled(&mut moving, amplitude, &mode.first);
+                if let Some(modes) = block.shared {
+                    let amplitudes = modes.behind(r_first, z_block, work);
+                    modes.add(&amplitudes, z_first, work);
+                    modes.add(&amplitudes, &mut moving, work);
+                    work.give(amplitudes);
                 }
                 let columns = block.columns;
                 columns.add_transposed(-1.0, z_block, &mut force, work);
@@ -192,9 +194,8 @@ fn joint_step(
     work: &mut Workspace,
 ) {
     let mut rest = work.copy(r);
-    for mode in block.shared {
-        let amplitude = dot(&mode.first, r_first) / mode.work;
-        add_scaled(&mut rest, -amplitude, &mode.own);
+    if let Some(modes) = block.shared {
+        modes.reduce(r_first, &mut rest, work);
     }
     step_of(block, &rest, z, work);
     work.give(rest);
@@ -204,6 +205,7 @@ fn joint_step(
 #[allow(clippy::float_cmp)] // These values are exact.
 mod tests {
     use super::*;
+    use crate::linalg::DenseMatrix;
     use crate::linalg::samples::{Scaled, rows};
     use crate::linalg::vector::dot;
 
@@ -216,7 +218,7 @@ mod tests {
             rows: &coupling,
             columns: &coupling,
             stabilisation: Some(&stabilisation),
-            shared: &[],
+            shared: None,
             metric: &Scaled(1.0),
             joint: None,
         }];
@@ -244,7 +246,7 @@ mod tests {
             rows: &constraints,
             columns: &columns,
             stabilisation: Some(&stabilisation),
-            shared: &[],
+            shared: None,
             metric: &Scaled(1.0),
             joint: None,
         }];
@@ -272,7 +274,7 @@ mod tests {
             rows: &coupling,
             columns: &coupling,
             stabilisation: None,
-            shared: &[],
+            shared: None,
             metric: &Scaled(0.5),
             joint: None,
         }];
@@ -292,14 +294,17 @@ mod tests {
         let (flexibility, slack) = (2.0, 1e-6);
         let coupling = rows(&[[1.0]]);
         let work = flexibility + slack;
-        let modes = [SharedMode {
-            first: vec![1.0],
-            alike: vec![1.0],
-            own: vec![flexibility],
-            work,
-            excess: 0.0,
+        let mut gram = DenseMatrix::zeros(1, 1);
+        *gram.at_mut(0, 0) = work;
+        let modes = SharedModes {
+            first: rows(&[[1.0]]),
+            alike: rows(&[[1.0]]),
+            own: rows(&[[flexibility]]),
+            work: gram,
+            excess: vec![0.0],
             least_share: 0.0,
-        }];
+        };
+        let modes = modes.on_face(&[0], &[1.0]);
         let own_part = flexibility - flexibility * flexibility / work;
         let (of_first, of_second) = (Scaled(1.0 / work), Scaled(1.0 / own_part));
         let block = |metric, shared| EqualityBlock {
@@ -310,7 +315,7 @@ mod tests {
             shared,
             joint: None,
         };
-        let blocks = [block(&of_first, &[]), block(&of_second, &modes)];
+        let blocks = [block(&of_first, None), block(&of_second, Some(&modes))];
         let triangular = BlockTriangular {
             displacement: &Scaled(flexibility),
             blocks: &blocks,

@@ -8,15 +8,17 @@ use super::volumes::{edge_ends, volumes};
 use crate::inequality::dense_cone;
 use crate::inequality::metric::{POWER_STEPS, largest_ratio};
 use crate::linalg::vector::{dot, norm, scale};
-use crate::linalg::{DenseCholesky, LinearOperator, SparseRows, SymmetricMatrix, Workspace};
+use crate::linalg::{
+    DenseCholesky, LinearOperator, SparseRows, SparseRowsBuilder, SymmetricMatrix, Workspace,
+};
 use crate::model::Model;
 use crate::model::evaluate::Evaluation;
 use crate::model::state::State;
 use crate::precond::compliance::{Compliance, ComplianceParts};
 use crate::precond::p1::Traces;
-use crate::precond::volume_mode::VolumeMode;
+use crate::precond::volume_modes::VolumeModes;
 use crate::prepare::ApproximateInverse;
-use crate::saddle::SharedMode;
+use crate::saddle::SharedModes;
 use crate::scene::MetricKind;
 
 /// What the power iteration may miss of the compliance's largest ratio: without it
@@ -42,8 +44,8 @@ pub(crate) struct ContactMetric {
     pub(crate) sprung: Option<Box<dyn SymmetricMatrix>>,
     /// Scaled lumped mass; empty where the method does not read it.
     pub(crate) weights: Vec<f64>,
-    /// Modes that contact shares with the internal pressure.
-    pub(crate) shared: Vec<SharedMode>,
+    /// Modes that contact shares with the internal pressure; none where it shares none.
+    pub(crate) shared: Option<SharedModes>,
     /// Applications of the displacement preconditioner that it took.
     pub(crate) applications: u32,
 }
@@ -54,20 +56,19 @@ impl ContactMetric {
     pub(crate) fn new(
         model: &Model<'_>,
         (inverse, divergence): (&ApproximateInverse, Option<&dyn LinearOperator>),
-        volumes: Vec<VolumeMode>,
+        volumes: Option<VolumeModes>,
         now: &Evaluation,
         work: &mut Workspace,
     ) -> Self {
         let surface = &model.interfaces.metric;
         let (matrix, shared): (Box<dyn SymmetricMatrix>, _) = match model.plan.contact.metric {
             MetricKind::Compliance => {
-                let matrix = compliance_of(model, (inverse, &volumes), &now.coupling);
-                let shared = shared(model, (inverse, volumes), &matrix, work);
+                let matrix = compliance_of(model, (inverse, volumes.as_ref()), &now.coupling);
+                let shared =
+                    volumes.map(|volumes| shared(model, (inverse, volumes), &matrix, work));
                 (Box::new(matrix), shared)
             }
-            MetricKind::Mass | MetricKind::Fractional => {
-                (Box::new(surface.matrix.clone()), Vec::new())
-            }
+            MetricKind::Mass | MetricKind::Fractional => (Box::new(surface.matrix.clone()), None),
         };
         let (matrix, sprung) = match inverse.springs {
             None => (matrix, None),
@@ -188,7 +189,7 @@ fn contact_norm(multiplier: &[f64], now: &Evaluation, state: &State, work: &mut 
 /// contact vertices and the node blocks of the edges.
 fn compliance_of(
     model: &Model<'_>,
-    (inverse, volumes): (&ApproximateInverse, &[VolumeMode]),
+    (inverse, volumes): (&ApproximateInverse, Option<&VolumeModes>),
     coupling: &SparseRows,
 ) -> Compliance {
     let parts = ComplianceParts {
@@ -216,59 +217,73 @@ fn at_rest(
 ) -> Box<dyn SymmetricMatrix> {
     let inverse = &model.prepared.at_rest;
     let volumes = volumes(model, (inverse, divergence), work);
-    Box::new(compliance_of(model, (inverse, &volumes), &now.coupling))
+    Box::new(compliance_of(
+        model,
+        (inverse, volumes.as_ref()),
+        &now.coupling,
+    ))
 }
 
-/// The volume modes as contact shares them with the internal pressure.
+/// The volumes as contact shares them with the internal pressure.
 fn shared(
     model: &Model<'_>,
-    (inverse, volumes): (&ApproximateInverse, Vec<VolumeMode>),
+    (inverse, volumes): (&ApproximateInverse, VolumeModes),
     matrix: &Compliance,
     work: &mut Workspace,
-) -> Vec<SharedMode> {
+) -> SharedModes {
     let block = model.prepared.pressure.as_ref();
-    let least_share = match block.is_some_and(|block| block.coarse.is_thin) {
-        true => THIN,
-        false => ENCLOSED,
+    let excess = match inverse.springs {
+        None => vec![0.0; volumes.count()],
+        Some(_) => excess(model, &volumes, work),
     };
-    let modes = volumes.into_iter().zip(matrix.volumes());
-    let mode = |(volume, seen): (VolumeMode, &Vec<f64>)| {
-        let mut own = seen.clone();
-        scale(&mut own, volume.work.sqrt());
-        let excess = match inverse.springs {
-            None => 0.0,
-            Some(_) => excess(model, &volume, work),
-        };
-        SharedMode {
-            alike: on_multipliers(model, &volume.pressures),
-            first: volume.pressures,
-            own,
-            work: volume.work,
-            excess,
-            least_share,
-        }
-    };
-    modes.map(mode).collect()
-}
-
-/// By how much a volume on springs gives way less than the metric of the pressure, which
-/// knows of no springs, says; zero where about as much.
-fn excess(model: &Model<'_>, volume: &VolumeMode, work: &mut Workspace) -> f64 {
-    let Some(block) = &model.prepared.pressure else {
-        return 0.0;
-    };
-    let mut weighed = vec![0.0; volume.pressures.len()];
-    let mass = block.metric.mass();
-    mass.apply(&volume.pressures, &mut weighed, work);
-    let known = dot(&volume.pressures, &weighed);
-    match known > STIFFENED * volume.work {
-        true => 1.0 / volume.work - 1.0 / known,
-        false => 0.0,
+    SharedModes {
+        alike: on_multipliers(model, &volumes.pressures),
+        own: matrix.seen().clone(),
+        first: volumes.pressures,
+        work: volumes.work,
+        excess,
+        least_share: match block.is_some_and(|block| block.coarse.is_thin) {
+            true => THIN,
+            false => ENCLOSED,
+        },
     }
 }
 
+/// By how much each volume on springs gives way less than the metric of the pressure, which
+/// knows of no springs, says; zero where about as much.
+fn excess(model: &Model<'_>, volumes: &VolumeModes, work: &mut Workspace) -> Vec<f64> {
+    let Some(block) = &model.prepared.pressure else {
+        return vec![0.0; volumes.count()];
+    };
+    let mut pressures = vec![0.0; volumes.pressures.columns()];
+    let mut weighed = vec![0.0; pressures.len()];
+    let modes = (0..volumes.count()).map(|mode| {
+        pressures.fill(0.0);
+        volumes.pressures.add_row(mode, 1.0, &mut pressures);
+        block.metric.mass().apply(&pressures, &mut weighed, work);
+        let (known, own) = (dot(&pressures, &weighed), volumes.work.at(mode, mode));
+        match known > STIFFENED * own {
+            true => 1.0 / own - 1.0 / known,
+            false => 0.0,
+        }
+    });
+    modes.collect()
+}
+
+/// Internal pressures `[modes, pressures]` where the multipliers act `[modes, multipliers]`.
+fn on_multipliers(model: &Model<'_>, patterns: &SparseRows) -> SparseRows {
+    let mut builder = SparseRowsBuilder::new(model.plan.unknowns().contact as usize);
+    let mut pressures = vec![0.0; patterns.columns()];
+    for mode in 0..patterns.rows() {
+        pressures.fill(0.0);
+        patterns.add_row(mode, 1.0, &mut pressures);
+        builder.push_dense(&at_multipliers(model, &pressures), 0.0);
+    }
+    builder.finish()
+}
+
 /// Internal pressures `[pressures]` where the multipliers act `[multipliers]`.
-fn on_multipliers(model: &Model<'_>, pressures: &[f64]) -> Vec<f64> {
+fn at_multipliers(model: &Model<'_>, pressures: &[f64]) -> Vec<f64> {
     let space = &model.prepared.space;
     let at = |node: u32| match (node as usize).checked_sub(space.vertices) {
         None => pressures[node as usize],

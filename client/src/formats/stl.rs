@@ -5,10 +5,12 @@
 //! Normals of the file are not read. Cost: one pass, some 100 bytes a facet.
 
 mod text;
+mod weld;
 
 use std::borrow::Cow;
-use std::collections::HashMap;
 use std::io::Cursor;
+
+use weld::weld;
 
 /// Distance of corners that are one vertex, over the diagonal of the surface's box.
 pub const WELD: f64 = 1e-6;
@@ -133,93 +135,10 @@ fn check_length(bytes: &[u8]) -> Result<(), StlError> {
     }
 }
 
-/// Makes one vertex of corners that are near each other; the first one gives the place.
-fn weld(corners: &[[[f64; 3]; 3]]) -> SurfaceFile {
-    let points = corners.as_flattened();
-    let (low, high) = points.iter().fold(
-        ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]),
-        |(low, high), point| (pick(low, *point, f64::min), pick(high, *point, f64::max)),
-    );
-    let extent = pick(high, low, |high, low| high - low);
-    let diagonal = extent.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let near = (WELD * diagonal).max(f64::MIN_POSITIVE);
-    let mut welder = Welder {
-        near,
-        low,
-        cells: HashMap::with_capacity(points.len() / 4),
-        vertices: Vec::with_capacity(points.len() / 5),
-    };
-    let facets = corners
-        .iter()
-        .map(|facet| facet.map(|point| welder.vertex(point)));
-    SurfaceFile {
-        facets: facets.collect(),
-        vertices: welder.vertices,
-    }
-}
-
 fn pick(a: [f64; 3], b: [f64; 3], of: impl Fn(f64, f64) -> f64) -> [f64; 3] {
     let [x, y, z] = a;
     let [u, v, w] = b;
     [of(x, u), of(y, v), of(z, w)]
-}
-
-/// Cells of the welder's grid, in what is welded: most points are near one cell only.
-const CELL: f64 = 8.0;
-
-/// Vertices by the cells of a grid.
-struct Welder {
-    near: f64,
-    low: [f64; 3],
-    cells: HashMap<[i64; 3], Vec<u32>>,
-    vertices: Vec<[f64; 3]>,
-}
-
-impl Welder {
-    /// The first vertex that is near, else a new one.
-    fn vertex(&mut self, point: [f64; 3]) -> u32 {
-        let cell_of = |shift: f64| {
-            let cell = |x: f64, low: f64| ((x - low + shift) / (CELL * self.near)).floor();
-            pick(point, self.low, cell).map(|x| x as i64)
-        };
-        let (own, [first, last]) = (cell_of(0.0), [-self.near, self.near].map(cell_of));
-        // A vertex at the point itself is the first one near it.
-        let same = self.cells.get(&own).and_then(|cell| {
-            let is_here = |vertex: &&u32| self.is_at(**vertex, point);
-            cell.iter().find(is_here).copied()
-        });
-        let beside =
-            || (first[0]..=last[0]).flat_map(|x| (first[1]..=last[1]).map(move |y| (x, y)));
-        let cells = || beside().flat_map(|(x, y)| (first[2]..=last[2]).map(move |z| [x, y, z]));
-        let near = || {
-            let vertices = cells().filter_map(|cell| self.cells.get(&cell)).flatten();
-            vertices
-                .copied()
-                .filter(|&vertex| self.is_near(vertex, point))
-                .min()
-        };
-        if let Some(vertex) = same.or_else(near) {
-            return vertex;
-        }
-        let index = u32::try_from(self.vertices.len()).unwrap_or(u32::MAX);
-        self.vertices.push(point);
-        self.cells.entry(own).or_default().push(index);
-        index
-    }
-
-    fn is_at(&self, vertex: u32, point: [f64; 3]) -> bool {
-        let bits = |place: &[f64; 3]| place.map(f64::to_bits);
-        let place = self.vertices.get(vertex as usize);
-        place.is_some_and(|place| bits(place) == bits(&point))
-    }
-
-    fn is_near(&self, vertex: u32, point: [f64; 3]) -> bool {
-        let Some(other) = self.vertices.get(vertex as usize) else {
-            return false;
-        };
-        let offset = pick(*other, point, |a, b| a - b);
-        offset.iter().map(|x| x * x).sum::<f64>() <= self.near * self.near
-    }
 }
 
 #[cfg(test)]

@@ -101,7 +101,7 @@ impl EnrichedBody {
             vertex_count: self.data.space.vertices,
             edge_ends: None,
             is_held: &[],
-            volumes: &[],
+            volumes: None,
         };
         Compliance::new(&parts, coupling)
     }

@@ -183,7 +183,7 @@ impl EnrichedBody {
         let block = &self.data.pressure;
         let stabilisation = block.stabilisation.as_ref();
         EqualityBlock {
-            shared: &[],
+            shared: None,
             rows: &block.coupling,
             columns: &block.coupling,
             stabilisation: stabilisation.map(|s| s as &dyn LinearOperator),
@@ -211,7 +211,7 @@ fn contact_block<'a>(now: &'a Evaluation, compliance: &'a Compliance) -> Multipl
             matrix: compliance,
             weights: &[],
             moduli: &[],
-            shared: &[],
+            shared: None,
             sprung: None,
         },
         set: ProductSet::Uniform(SetPart {

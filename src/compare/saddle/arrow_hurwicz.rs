@@ -158,7 +158,7 @@ mod tests {
     fn exact_blocks_and_the_computed_ratio_solve_the_system_in_one_step() {
         let (stiffness, coupling) = (rows(&[[4.0, 0.0], [0.0, 4.0]]), rows(&[[1.0, 3.0]]));
         let blocks = [EqualityBlock {
-            shared: &[],
+            shared: None,
             rows: &coupling,
             columns: &coupling,
             stabilisation: None,
@@ -188,7 +188,7 @@ mod tests {
     fn a_residual_of_zero_takes_the_metric_as_it_is() {
         let coupling = rows(&[[1.0, 3.0]]);
         let block = EqualityBlock {
-            shared: &[],
+            shared: None,
             rows: &coupling,
             columns: &coupling,
             stabilisation: None,

@@ -270,7 +270,7 @@ mod tests {
             stiffness: &stiffness,
             displacement: &Scaled(1.0),
             block: EqualityBlock {
-                shared: &[],
+                shared: None,
                 rows: &coupling,
                 columns: &coupling,
                 stabilisation: None,

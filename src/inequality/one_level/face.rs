@@ -27,7 +27,7 @@ use crate::krylov::Outcome;
 use crate::krylov::gcr::{self, Gcr};
 use crate::linalg::vector::add_scaled;
 use crate::linalg::{FactoriseError, LinearOperator, Preconditioner, Workspace};
-use crate::saddle::{EqualityBlock, SaddleOperator, SharedMode, Status};
+use crate::saddle::{EqualityBlock, JointModes, SaddleOperator, Status};
 
 /// How the work on a face ended.
 pub(super) struct Face {
@@ -142,8 +142,8 @@ struct Restricted<'a> {
     softness: Option<Softness>,
     /// Inverse of the compliance on the face, the metric of the block.
     metric: FaceMetric<'a>,
-    /// Modes that contact shares with the first block, on the face.
-    shared: Vec<SharedMode>,
+    /// Modes that contact shares with the first block, on the face; none where it shares none.
+    shared: Option<JointModes>,
     /// Half of the springs that the displacement preconditioner has, weighted, zero off the
     /// face; empty where it has none.
     springs: Vec<f64>,
@@ -189,7 +189,7 @@ impl<'a> Restricted<'a> {
                 columns: &self.columns,
                 stabilisation: self.softness.as_ref().map(|s| s as &dyn LinearOperator),
                 metric: &self.metric,
-                shared: &self.shared,
+                shared: self.shared.as_ref(),
                 joint: None,
             });
         }

@@ -162,7 +162,7 @@ fn multipliers_may_act_otherwise_than_they_constrain() {
         let pushes = rows(&contact_columns);
         let blocks = [
             MultiplierBlock::from(EqualityBlock {
-                shared: &[],
+                shared: None,
                 rows: &constraint,
                 columns: &acts,
                 stabilisation: None,

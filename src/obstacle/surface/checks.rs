@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 use thiserror::Error;
 
+use super::sorting::sorted_by_vertex;
 use crate::geometry::vector3::{cross, dot, is_finite, norm, sub};
 
 /// Height of a facet over its longest edge below which it is a line.
@@ -82,7 +83,7 @@ pub enum SurfaceError {
 
 /// Checks each facet for itself.
 pub(super) fn facets(vertices: &[[f64; 3]], facets: &[[u32; 3]]) -> Result<(), SurfaceError> {
-    let limit = u32::MAX;
+    let limit = u32::MAX / 3; // Corners are counted in 32 bits.
     if facets.is_empty() {
         return Err(SurfaceError::Empty);
     }
@@ -96,21 +97,21 @@ pub(super) fn facets(vertices: &[[f64; 3]], facets: &[[u32; 3]]) -> Result<(), S
     if let Some(fault) = facets.par_iter().enumerate().find_map_first(one) {
         return Err(fault);
     }
-    match duplicate(facets) {
+    match duplicate(facets, vertices.len()) {
         Some(facet) => Err(SurfaceError::Duplicate { facet }),
         None => Ok(()),
     }
 }
 
 /// The first facet whose vertices are those of one before it.
-fn duplicate(facets: &[[u32; 3]]) -> Option<usize> {
+fn duplicate(facets: &[[u32; 3]], vertices: usize) -> Option<usize> {
     let keyed = |(index, corners): (usize, &[u32; 3])| {
         let mut sorted = *corners;
         sorted.sort_unstable();
         (sorted, index as u32)
     };
-    let mut keys: Vec<([u32; 3], u32)> = facets.par_iter().enumerate().map(keyed).collect();
-    keys.par_sort_unstable();
+    let keys = facets.iter().enumerate().map(keyed);
+    let keys = sorted_by_vertex(keys, vertices, |(corners, _)| corners[0]);
     let twice = keys.par_windows(2).filter(|pair| pair[0].0 == pair[1].0);
     twice.map(|pair| pair[1].1 as usize).min()
 }

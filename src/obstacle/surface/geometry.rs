@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::bending::curvature;
 use super::closest::Part;
-use super::normals;
+use super::normals::{self, Corners};
 use super::patch::{Patch, bend};
 use super::tree::{self, FacetTree};
 use super::walk::{Nearest, Searched};
@@ -39,7 +39,10 @@ impl Geometry {
         let flat = normals::flat(surface);
         let (features, corners) = match between {
             Between::Facets => {
-                let corners = flat.iter().map(|normal| [*normal; 3]).collect();
+                let corners = Corners {
+                    normals: flat.iter().map(|normal| [*normal; 3]).collect(),
+                    are_uneven: false,
+                };
                 (normals::features(surface, &flat, 0.0), corners)
             }
             Between::Patches(angle) => {
@@ -55,7 +58,7 @@ impl Geometry {
         let facet = |&facet: &u32| facet as usize;
         let patches: Vec<Patch> = order
             .par_iter()
-            .map(|at| patch(all[facet(at)], &corners[facet(at)]))
+            .map(|at| patch(all[facet(at)], &corners.normals[facet(at)]))
             .collect();
         let features: Vec<[bool; 3]> = order.par_iter().map(|at| features[facet(at)]).collect();
         let mut geometry = Self {
@@ -65,7 +68,7 @@ impl Geometry {
                 tree: FacetTree::new(patches.len(), |facet| patches[facet].corners),
                 patches,
             },
-            is_smooth: features.par_iter().all(|edges| *edges == [false; 3]),
+            is_smooth: !corners.are_uneven && features.par_iter().all(|edges| *edges == [false; 3]),
             features,
             ball: None,
             sharpest: None,

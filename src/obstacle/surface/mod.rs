@@ -20,6 +20,7 @@ mod flats;
 mod geometry;
 mod normals;
 mod patch;
+mod sorting;
 mod tool;
 mod topology;
 mod tree;
@@ -59,7 +60,7 @@ impl TriangulatedSurface {
     /// The first facet that keeps it from being closed, oriented and without folds.
     pub fn new(vertices: Vec<[f64; 3]>, facets: Vec<[u32; 3]>) -> Result<Self, SurfaceError> {
         checks::facets(&vertices, &facets)?;
-        let linked = topology::linked(facets)?;
+        let linked = topology::linked(facets, vertices.len())?;
         checks::orientation(&vertices, &linked.corners)?;
         Ok(Self {
             vertices,

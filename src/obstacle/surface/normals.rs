@@ -44,11 +44,18 @@ pub(super) fn features(
 }
 
 /// Normals at the corners of all facets.
+pub(super) struct Corners {
+    pub(super) normals: Vec<[[f64; 3]; 3]>,
+    /// Whether large flats meet small facets without a feature: there the curvature jumps.
+    pub(super) are_uneven: bool,
+}
+
+/// Normals at the corners of all facets.
 pub(super) fn corners(
     surface: &TriangulatedSurface,
     flat: &[[f64; 3]],
     features: &[[bool; 3]],
-) -> Vec<[[f64; 3]; 3]> {
+) -> Corners {
     let rings = Rings::new(surface.facets(), surface.vertices().len());
     let fitter = Fitter {
         surface,
@@ -60,17 +67,24 @@ pub(super) fn corners(
     let of_block = |block: usize| {
         let vertices = block * VERTICES..rings.vertices().min((block + 1) * VERTICES);
         let mut normals = Vec::with_capacity(8 * VERTICES);
+        let mut are_uneven = false;
         for vertex in vertices {
-            fitter.around(vertex as u32, rings.of(vertex), &mut normals);
+            are_uneven |= fitter.around(vertex as u32, rings.of(vertex), &mut normals);
         }
-        normals
+        (normals, are_uneven)
     };
-    let blocks: Vec<Vec<[f64; 3]>> = blocks.map(of_block).collect();
-    let normals = blocks.concat();
+    let blocks: Vec<(Vec<[f64; 3]>, bool)> = blocks.map(of_block).collect();
+    let are_uneven = blocks.iter().any(|(_, are_uneven)| *are_uneven);
+    let normals: Vec<[f64; 3]> = blocks
+        .into_iter()
+        .flat_map(|(normals, _)| normals)
+        .collect();
     let places = rings.places.par_iter();
-    places
-        .map(|places| places.map(|place| normals[place as usize]))
-        .collect()
+    let at_corners = places.map(|places| places.map(|place| normals[place as usize]));
+    Corners {
+        normals: at_corners.collect(),
+        are_uneven,
+    }
 }
 
 struct Fitter<'a> {
@@ -81,11 +95,13 @@ struct Fitter<'a> {
 }
 
 impl Fitter<'_> {
-    /// The normals at `vertex` of the facets `ring` around it, added to `normals`.
-    fn around(&self, vertex: u32, ring: &[u32], normals: &mut Vec<[f64; 3]>) {
+    /// The normals at `vertex` of the facets `ring` around it, added to `normals`; whether some of
+    /// them are small beside flats that they meet smoothly.
+    fn around(&self, vertex: u32, ring: &[u32], normals: &mut Vec<[f64; 3]>) -> bool {
         let first = normals.len();
         normals.resize(first + ring.len(), [0.0; 3]);
         let mut is_left = vec![true; ring.len()];
+        let mut are_uneven = false;
         for next in 0..ring.len() {
             if !is_left[next] {
                 continue;
@@ -93,6 +109,7 @@ impl Fitter<'_> {
             // Where a sector is cut short the facets beyond it find their own.
             let sector = self.sector(ring[next] as usize, vertex);
             let normal = self.normal(vertex, &sector);
+            are_uneven |= self.flats.are_uneven(&sector);
             for &facet in &sector {
                 if let Ok(place) = ring.binary_search(&(facet as u32))
                     && is_left[place]
@@ -102,6 +119,7 @@ impl Fitter<'_> {
                 }
             }
         }
+        are_uneven
     }
 
     /// The normal of the facets `sector` at `vertex`; none where they cancel.

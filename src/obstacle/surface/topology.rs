@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::SurfaceError;
+use super::sorting::sorted_by_vertex;
 
 /// Ends of the edge opposite a corner, in the facet's direction.
 pub(super) fn edge(corners: [u32; 3], opposite: usize) -> (u32, u32) {
@@ -19,7 +20,7 @@ pub(super) struct Facets {
 }
 
 /// An edge of a facet: its vertices in ascending order, and where it is from.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 struct Side {
     ends: (u32, u32),
     /// Whether the facet goes from the greater vertex to the less.
@@ -39,13 +40,9 @@ enum Fault {
 
 /// The facets with their neighbours: all edges are sorted, so that the two sides of each lie
 /// side by side, however many facets meet at a vertex.
-pub(super) fn linked(corners: Vec<[u32; 3]>) -> Result<Facets, SurfaceError> {
-    let mut sides: Vec<Side> = corners
-        .par_iter()
-        .enumerate()
-        .flat_map_iter(sides)
-        .collect();
-    sides.par_sort_unstable();
+pub(super) fn linked(corners: Vec<[u32; 3]>, vertices: usize) -> Result<Facets, SurfaceError> {
+    let all = corners.iter().enumerate().flat_map(sides);
+    let sides = sorted_by_vertex(all, vertices, |side| side.ends.0);
     let groups = || sides.par_chunk_by(|a, b| a.ends == b.ends);
     if let Some(fault) = groups().filter_map(fault).min() {
         return Err(named(fault, &corners));
@@ -59,7 +56,7 @@ pub(super) fn linked(corners: Vec<[u32; 3]>) -> Result<Facets, SurfaceError> {
     Ok(Facets { corners, across })
 }
 
-fn sides((facet, &corners): (usize, &[u32; 3])) -> impl Iterator<Item = Side> {
+fn sides((facet, &corners): (usize, &[u32; 3])) -> impl Iterator<Item = Side> + Clone {
     (0..3_u8).map(move |opposite| {
         let (from, to) = edge(corners, usize::from(opposite));
         Side {

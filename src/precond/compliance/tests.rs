@@ -28,16 +28,23 @@ fn sample(volumes: usize) -> Compliance {
         let second = (first + 1).min(TRACES as u32 - 1);
         vec![(first, 0.7), (second, 0.3)]
     };
-    let volume = |volume: usize| {
+    let volume = |volume: usize| -> Vec<f64> {
         let mut seen = reproducible_noise(ROWS * (volume + 1))[ROWS * volume..].to_vec();
         scale(&mut seen, 0.05);
         seen
     };
+    let mut orthonormal = DenseMatrix::zeros(volumes, ROWS);
+    for (k, values) in (0..volumes).map(volume).enumerate() {
+        for (row, value) in values.into_iter().enumerate() {
+            *orthonormal.at_mut(k, row) = value;
+        }
+    }
     Compliance {
         vertex_inverse: Arc::new(vertex_inverse),
         vertex_rows: (0..ROWS).map(row).collect(),
         nodes: nodes.finish(),
-        volumes: (0..volumes).map(volume).collect(),
+        volumes: orthonormal,
+        seen: SparseRowsBuilder::new(ROWS).finish(),
         lift: 1e-10,
         diagonal: OnceLock::new(),
         last: Mutex::new(None),

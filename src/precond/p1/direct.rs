@@ -75,4 +75,9 @@ impl Preconditioner for DirectP1 {
         z.copy_from_slice(r);
         self.factor.solve(z, 1, work);
     }
+
+    fn apply_to_all(&self, r: &[f64], z: &mut [f64], count: usize, work: &mut Workspace) {
+        z.copy_from_slice(r);
+        self.factor.solve(z, count, work);
+    }
 }

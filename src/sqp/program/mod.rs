@@ -34,7 +34,7 @@ use crate::model::state::State;
 use crate::model::tangent::Tangent;
 use crate::obstacle::Obstacle;
 use crate::precond::coarse_schur::CoarseSchur;
-use crate::precond::volume_mode::VolumeMode;
+use crate::precond::volume_modes::VolumeModes;
 use crate::prepare::{ApproximateInverse, TaylorHoodData};
 use inverse::inverse;
 pub(crate) use step::Step;
@@ -101,7 +101,7 @@ impl<'a> QuadraticProgram<'a> {
             .map(|t| &t.coupling as &dyn LinearOperator)
             .or(fixed);
         let volumes = volumes(&run.model, (&inverse, divergence), &mut run.work);
-        let coarse = coarse_schur(prepared, &volumes, &mut run.work);
+        let coarse = coarse_schur(prepared, volumes.as_ref(), &mut run.work);
         let body = (&*inverse, divergence);
         let metric = ContactMetric::new(&run.model, body, volumes, &now, &mut run.work);
         run.counters.applications += metric.applications;
@@ -171,11 +171,11 @@ impl<'a> QuadraticProgram<'a> {
 /// The metric of the internal pressure of a thin body whose coarse pressures are `volumes`.
 fn coarse_schur<'a>(
     prepared: &'a TaylorHoodData,
-    volumes: &[VolumeMode],
+    volumes: Option<&VolumeModes>,
     work: &mut Workspace,
 ) -> Option<CoarseSchur<'a>> {
-    let block = prepared.pressure.as_ref()?;
-    let is_thin = block.coarse.is_thin && !volumes.is_empty();
+    let (block, volumes) = (prepared.pressure.as_ref()?, volumes?);
+    let is_thin = block.coarse.is_thin;
     is_thin.then(|| CoarseSchur::new(&block.metric, volumes, work))
 }
 

@@ -260,7 +260,7 @@ impl QuadraticProgram<'_> {
         let coupling = tangent.map_or(&block.coupling as &dyn LinearOperator, |t| &t.coupling);
         let stabilisation = block.stabilisation.as_ref();
         Some(EqualityBlock {
-            shared: &[],
+            shared: None,
             rows: coupling,
             columns: coupling,
             stabilisation: stabilisation.map(|s| s as &dyn LinearOperator),
@@ -280,7 +280,7 @@ impl QuadraticProgram<'_> {
                 sprung: self.metric.sprung.as_deref(),
                 weights: &self.metric.weights,
                 moduli: &self.model.interfaces.moduli,
-                shared: &self.metric.shared,
+                shared: self.metric.shared.as_ref(),
             },
             set: self.now.contact_set(),
             joint: None,

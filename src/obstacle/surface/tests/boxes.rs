@@ -69,6 +69,7 @@ fn flats_and_roundings_of_a_box_keep_their_own_curvature() {
         let surface = rounded_box(parts);
         assert_eq!(surface.1.len(), 5808);
         let tool = tool(surface, SMOOTH);
+        assert!(!tool.is_smooth(), "where a flat meets a rounding");
         let mut worst = [0.0_f64; 2];
         for direction in directions(4000) {
             for step in 20..50 {
