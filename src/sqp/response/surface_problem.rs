@@ -4,7 +4,14 @@
 //! l' = argmin 1/2 x.H x + (g - C G q).x over the set,   H = C G C^T,   q' = C^T l',   u' = u0 - G q'
 //! ```
 //!
-//! with gap g and coupling C at u = u0 - G q. Multipliers that neither press nor would be
+//! with gap g and coupling C at u = u0 - G q. H is made once: behind the first problem normals have
+//! hardly turned, and its error meets what pressures still change alone,
+//!
+//! ```text
+//! l' = argmin 1/2 x.H x + (g + C G (C^T l - q) - H l).x
+//! ```
+//!
+//! Multipliers that neither press nor would be
 //! negative take no part. It ends where `C(u')^T l'` is q' and the gaps hold, both well within the
 //! tolerance.
 
@@ -30,6 +37,8 @@ const MOST: usize = 30;
 const SHARE: f64 = 0.5;
 /// Share of the mean diagonal that keeps redundant constraints solvable.
 const LIFT: f64 = 1e-12;
+/// Share of what is left that a problem with an H of earlier normals has to leave at most.
+const FRESH: f64 = 0.2;
 /// What may be left where problems take no more off: programs do.
 const ROUNDING: f64 = 1e-7;
 
@@ -53,6 +62,23 @@ pub(super) struct Iterate {
     pub(super) now: Evaluation,
 }
 
+/// H of a problem before.
+struct Compliance {
+    /// The multipliers that it knows, ascending.
+    known: Vec<usize>,
+    /// C G C^T of these.
+    matrix: DenseMatrix,
+}
+
+impl Compliance {
+    /// H of multipliers that are all known.
+    fn part(&self, taking_part: &[usize]) -> Option<DenseMatrix> {
+        let places = taking_part.iter().map(|i| self.known.binary_search(i).ok());
+        let places: Option<Vec<usize>> = places.collect();
+        places.map(|places| self.matrix.principal(&places))
+    }
+}
+
 impl SurfaceProblem<'_> {
     /// From the run's state, where that evaluation holds, to where contact holds; the load that
     /// has moved the surface there, where it is known. None where the problems
@@ -64,6 +90,7 @@ impl SurfaceProblem<'_> {
     ) -> Option<Iterate> {
         let mut at = self.start(run, start)?;
         let mut before = f64::INFINITY;
+        let mut compliance = None;
         for _ in 0..MOST {
             let load = pressing(&at.now, &at.state, &mut run.work);
             let left = left_over(run, &at, &load);
@@ -71,8 +98,12 @@ impl SurfaceProblem<'_> {
             if left <= SHARE * run.model.tolerance || is_rounding {
                 return Some(at);
             }
+            if left > FRESH * before {
+                compliance = None;
+            }
             before = left;
-            run.counters.set_changes += u32::from(self.improve(run, &mut at)?);
+            let changed = self.improve(run, &mut at, (&load, &mut compliance))?;
+            run.counters.set_changes += u32::from(changed);
         }
         None
     }
@@ -121,14 +152,37 @@ impl SurfaceProblem<'_> {
             .ask_for(places, &self.body.factor, &stopped)
     }
 
-    /// One problem; whether the set has changed. None where it has no solution.
-    fn improve(&mut self, run: &mut Run<'_>, at: &mut Iterate) -> Option<bool> {
+    /// One problem, `pressing` being the load of the present multipliers; whether the set has
+    /// changed. None where it has no solution.
+    fn improve(
+        &mut self,
+        run: &mut Run<'_>,
+        at: &mut Iterate,
+        (pressing_now, compliance): (&[f64], &mut Option<Compliance>),
+    ) -> Option<bool> {
         let taking_part = taking_part(at);
-        let rows = Rows::new(&at.now.coupling, &taking_part, &self.body.columns);
-        self.ask_for(run, &rows.places)?;
-        self.near.cover(&rows.places, &self.body.columns);
-        let matrix = rows.compliance(self.near);
-        let linear = self.linear_term(at, &taking_part);
+        let known = compliance
+            .as_ref()
+            .and_then(|known| known.part(&taking_part));
+        let (matrix, linear) = match known {
+            Some(matrix) => {
+                let linear =
+                    self.linear_term_about(run, at, (&taking_part, pressing_now, &matrix))?;
+                (matrix, linear)
+            }
+            None => {
+                let rows = Rows::new(&at.now.coupling, &taking_part, &self.body.columns);
+                self.ask_for(run, &rows.places)?;
+                self.near.cover(&rows.places, &self.body.columns);
+                let matrix = rows.compliance(self.near);
+                let known = taking_part.clone();
+                *compliance = Some(Compliance {
+                    known,
+                    matrix: matrix.clone(),
+                });
+                (matrix, self.linear_term(at, &taking_part))
+            }
+        };
         let sets = sets(&at.now, &taking_part);
         let own = |values: &[f64]| -> Vec<f64> { taking_part.iter().map(|&i| values[i]).collect() };
         let status: Vec<Status> = taking_part.iter().map(|&i| at.state.status[i]).collect();
@@ -149,15 +203,46 @@ impl SurfaceProblem<'_> {
     /// g - C G q of those that take part.
     fn linear_term(&self, at: &Iterate, taking_part: &[usize]) -> Vec<f64> {
         let free = &self.free.displacement;
-        let moved = |(columns, values): (&[u32], &[f64])| -> f64 {
+        let moved = |&i: &usize| -> f64 {
+            let (columns, values) = at.now.coupling.row(i);
             let entries = columns.iter().zip(values);
             let way =
                 |&column: &u32| free[column as usize] - at.state.displacement[column as usize];
             entries.map(|(column, value)| value * way(column)).sum()
         };
         let gaps = taking_part.iter();
-        gaps.map(|&i| at.now.gap[i] - moved(at.now.coupling.row(i)))
-            .collect()
+        gaps.map(|i| at.now.gap[*i] - moved(i)).collect()
+    }
+
+    /// g + C G (C^T l - q) - H l of those that take part, C^T l being `pressing`; none where its
+    /// columns are stopped.
+    fn linear_term_about(
+        &self,
+        run: &Run<'_>,
+        at: &Iterate,
+        (taking_part, pressing, matrix): (&[usize], &[f64], &DenseMatrix),
+    ) -> Option<Vec<f64>> {
+        let columns = &self.body.columns;
+        let turned: Vec<f64> = at.load.iter().zip(pressing).map(|(q, l)| q - l).collect();
+        let places = columns.pressed(&turned);
+        self.ask_for(run, &places)?;
+        let mut moved = vec![0.0; columns.unknowns.len()];
+        columns.subtract_product((&places, &columns.values(&places, &turned)), &mut moved);
+        let own: Vec<f64> = taking_part
+            .iter()
+            .map(|&i| at.state.multiplier[i])
+            .collect();
+        let mut known = vec![0.0; own.len()];
+        matrix.multiply(&own, &mut known);
+        let gap = |(&i, known): (&usize, &f64)| {
+            let (unknowns, values) = at.now.coupling.row(i);
+            let entries = unknowns.iter().zip(values);
+            let entries =
+                entries.filter_map(|(&unknown, value)| Some((columns.place(unknown)?, value)));
+            let way: f64 = entries.map(|(place, value)| value * moved[place]).sum();
+            at.now.gap[i] + way - known
+        };
+        Some(taking_part.iter().zip(&known).map(gap).collect())
     }
 }
 
