@@ -305,9 +305,9 @@ fn expressions_that_cannot_be_computed_name_their_key_and_the_column() {
         ),
         (
             "[[result]]\nname = \"k\"\nexpression = \"1\"\nof = \"cause\"\n",
-            "result.1.of: stands beside \"expression\"",
+            "result.k.of: stands beside \"expression\"",
         ),
-        ("[[result]]\nexpression = \"1\"\n", "result.1.name"),
+        ("[[result]]\nexpression = \"1\"\n", "result[1].name"),
     ] {
         let said = said(result);
         assert!(said.contains(expected), "{said}");
