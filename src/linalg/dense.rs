@@ -251,14 +251,6 @@ impl DenseCholesky {
         })
     }
 
-    /// Of a matrix without rows.
-    pub fn empty() -> Self {
-        Self {
-            size: 0,
-            factor: None,
-        }
-    }
-
     /// Number of rows.
     pub fn size(&self) -> usize {
         self.size

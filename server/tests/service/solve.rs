@@ -31,6 +31,40 @@ fn with_fields(session: &str) -> wire::SolveOpen {
 }
 
 #[tokio::test]
+async fn a_report_on_contact_alone_says_what_it_leaves_out_and_brings_the_same_fields() {
+    let (server, block) = (Server::start().await, Block::new(2));
+    server.upload(&block).await;
+    let mut found = Vec::new();
+    for report in ["contact", "whole"] {
+        let mut scene = block.scene();
+        let solver = scene.solver.get_or_insert_default();
+        solver.report = report.to_owned();
+        solver.response = "condensed".to_owned();
+        let session = server.session(scene).await;
+        let mut stream = server.open(with_fields(&session)).await;
+        stream.step(1, press(0.05, 1)).await;
+        stream.half_close();
+        let finished = stream.result().await;
+        let mut fields = Vec::new();
+        for _ in 0..finished.fields.len() {
+            fields.push(stream.field().await.2);
+        }
+        found.push((finished.report.unwrap(), fields));
+    }
+    let [(alone, own), (whole, all)] = &found[..] else {
+        panic!("two reports");
+    };
+    assert!(alone.left_out.contains(&"strain_energy".to_owned()));
+    assert!(alone.strain_energy.is_nan() && whole.left_out.is_empty());
+    assert_eq!(own.len(), 5);
+    for (own, all) in own.iter().zip(all) {
+        let scale = all.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let wrong = own.iter().zip(all).map(|(a, b)| (a - b).abs());
+        assert!(wrong.fold(0.0, f64::max) <= 1e-6 * scale && own.len() == all.len());
+    }
+}
+
+#[tokio::test]
 async fn a_step_brings_its_report_and_its_fields() {
     let (server, session) = pressed(2).await;
     let mut stream = server.open(with_fields(&session)).await;

@@ -156,10 +156,12 @@ impl Columns {
         &block.surface[place % BLOCK * rows..(place % BLOCK + 1) * rows]
     }
 
-    /// `K^-1 x` `[size]` of a load on the surface `[size]` by columns that are known and kept
-    /// whole.
-    pub(super) fn whole_product(&self, load: &[f64], size: usize) -> Vec<f64> {
+    /// `K^-1 x` `[size]` of a load on the surface `[size]` by columns that are kept whole.
+    pub(super) fn whole_product(&self, load: &[f64], factor: &BodyFactor) -> Vec<f64> {
+        let size = factor.size();
         let places = self.pressed(load);
+        // Those that pressed on the way are known, but not to a response that is made anew.
+        self.ask_for(&places, factor, &|| false).unwrap_or_default();
         let columns = places.iter().filter_map(|&place| {
             let block = self.blocks[place / BLOCK].get()?;
             let column = block.whole.chunks_exact(size).nth(place % BLOCK)?;
@@ -243,13 +245,11 @@ mod tests {
         let mut expected = load.clone();
         factor.solve(&mut expected, &mut Workspace::new());
         let columns = Columns::new(surface, &order, FieldsFrom::Columns);
-        let pressed = columns.pressed(&load);
-        columns.ask_for(&pressed, &factor, &|| false);
-        let found = columns.whole_product(&load, factor.size());
+        let found = columns.whole_product(&load, &factor);
         for (found, expected) in found.iter().zip(&expected) {
             assert!((found - expected).abs() <= 1e-12 * expected.abs());
         }
         columns.ask_for(&[0], &factor, &|| false);
-        assert_eq!(found, columns.whole_product(&load, factor.size()));
+        assert_eq!(found, columns.whole_product(&load, &factor));
     }
 }

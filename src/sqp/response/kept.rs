@@ -35,12 +35,11 @@ pub(super) struct BodyResponse {
 }
 
 impl BodyResponse {
-    /// K^-1 of a load on the surface `[displacement]` whose columns are known, in the same way
-    /// whatever else is.
+    /// K^-1 of a load on the surface `[displacement]`, in the same way whatever columns are known.
     pub(super) fn solution(&self, mut load: Vec<f64>, work: &mut Workspace) -> Vec<f64> {
         load.resize(self.factor.size(), 0.0);
         match self.columns.fields {
-            FieldsFrom::Columns => self.columns.whole_product(&load, self.factor.size()),
+            FieldsFrom::Columns => self.columns.whole_product(&load, &self.factor),
             FieldsFrom::Factor => {
                 self.factor.solve(&mut load, work);
                 load

@@ -152,7 +152,7 @@ impl SurfaceProblem<'_> {
             .ask_for(places, &self.body.factor, &stopped)
     }
 
-    /// One problem, `pressing` being the load of the present multipliers; whether the set has
+    /// One problem, `pressing_now` being the load of the present multipliers; whether the set has
     /// changed. None where it has no solution.
     fn improve(
         &mut self,
@@ -161,25 +161,16 @@ impl SurfaceProblem<'_> {
         (pressing_now, compliance): (&[f64], &mut Option<Compliance>),
     ) -> Option<bool> {
         let taking_part = taking_part(at);
-        let known = compliance
-            .as_ref()
-            .and_then(|known| known.part(&taking_part));
-        let (matrix, linear) = match known {
+        let known = compliance.as_ref();
+        let (matrix, linear) = match known.and_then(|known| known.part(&taking_part)) {
             Some(matrix) => {
-                let linear =
-                    self.linear_term_about(run, at, (&taking_part, pressing_now, &matrix))?;
+                let about = (&taking_part[..], pressing_now, &matrix);
+                let linear = self.linear_term_about(run, at, about)?;
                 (matrix, linear)
             }
             None => {
-                let rows = Rows::new(&at.now.coupling, &taking_part, &self.body.columns);
-                self.ask_for(run, &rows.places)?;
-                self.near.cover(&rows.places, &self.body.columns);
-                let matrix = rows.compliance(self.near);
-                let known = taking_part.clone();
-                *compliance = Some(Compliance {
-                    known,
-                    matrix: matrix.clone(),
-                });
+                let made = self.compliance(run, at, &taking_part)?;
+                let matrix = compliance.insert(made).matrix.clone();
                 (matrix, self.linear_term(at, &taking_part))
             }
         };
@@ -198,6 +189,22 @@ impl SurfaceProblem<'_> {
         at.load = pressing(&at.now, &at.state, &mut run.work);
         self.move_surface(run, at)?;
         Some(before != at.state.status)
+    }
+
+    /// H of those that take part; none where its columns are stopped.
+    fn compliance(
+        &mut self,
+        run: &Run<'_>,
+        at: &Iterate,
+        taking_part: &[usize],
+    ) -> Option<Compliance> {
+        let rows = Rows::new(&at.now.coupling, taking_part, &self.body.columns);
+        self.ask_for(run, &rows.places)?;
+        self.near.cover(&rows.places, &self.body.columns);
+        Some(Compliance {
+            known: taking_part.to_vec(),
+            matrix: rows.compliance(self.near),
+        })
     }
 
     /// g - C G q of those that take part.

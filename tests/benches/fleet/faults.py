@@ -33,6 +33,8 @@ ROOT = HERE.parents[2]
 sys.path.insert(0, str(ROOT / "client" / "python"))
 
 LEASE = 3
+# Results that a server keeps: behind as many a session writes a checkpoint.
+RETAINED = 200
 SERVERS = 3
 MESH = ROOT / "client" / "examples" / "meshes" / "indent_l1.msh"
 
@@ -109,7 +111,7 @@ class Fleet:
             "fleet_name": f"server-{number}",
             "fleet_lease_seconds": LEASE,
             "fleet_replicas": self.replicas,
-            "retained_results": 200,
+            "retained_results": RETAINED,
             "log_format": "text",
         }
         settings.write_text("".join(f"{key} = {json.dumps(value)}\n" for key, value in values.items()))
@@ -274,11 +276,18 @@ def envelope(data: bytes) -> tuple[int, str]:
     return epoch, writer
 
 
-def calm(s, program: str, count: int) -> list[bytes]:
-    """The bits of a server that nobody disturbs."""
-    os.environ["SIGNORINI_PROGRAM"] = program
-    with s.session(scene(s)) as session:
-        return [bits(session.move(ball=(0, 0, -depth(number))).result()) for number in range(1, count + 1)]
+def calm(s, program: str, folder: Path, count: int) -> list[bytes]:
+    """The bits of a server that nobody disturbs, whose checkpoints, which bits follow, are as many."""
+    settings, port = folder / "calm.toml", free_port()
+    settings.write_text(f'metrics_listen = ""\nretained_results = {RETAINED}\n')
+    command = [program, "serve", "--config", str(settings), "--listen", f"127.0.0.1:{port}"]
+    server = Program(command, port, folder / "calm.log")
+    client = s.Client(f"127.0.0.1:{port}")
+    with client.session(scene(s)) as session:
+        found = [bits(session.move(ball=(0, 0, -depth(number))).result()) for number in range(1, count + 1)]
+    client.close()
+    server.kill()
+    return found
 
 
 def main() -> int:
@@ -333,7 +342,7 @@ def main() -> int:
             # What comes at once was on its way.
             after = [when - moment for when, _ in client.results if when > moment + 0.05]
             pauses.extend(after[:1])
-        expected = calm(s, given.program, longest)
+        expected = calm(s, given.program, Path(folder), longest)
         differ = [one.name_of for one in clients if [bit for _, bit in one.results] != expected[: len(one.results)]]
         fleet.stop()
     print(f"faults {counts}, results {sum(len(one.results) for one in clients)}, longest {longest}")
