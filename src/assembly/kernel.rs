@@ -1,5 +1,5 @@
-//! The innermost element kernels, eight elements at a time: `V` vertices, `D`
-//! components, `E` edges.
+//! The innermost element kernels, W elements at a time (eight in double precision, sixteen
+//! in single): `V` vertices, `D` components, `E` edges.
 //!
 //! In the hierarchical basis grad u = sum_a H_a (x) grad lambda_a with
 //! H_a(q) = u_a + 4 sum_j lambda_j(q) c_aj. The rule of degree 2 has V points;
@@ -15,8 +15,9 @@ pub(super) mod points;
 
 use pulp::Simd;
 
-use super::lanes::{Lanes, Pack, WIDTH};
+use super::lanes::{Batched, Lanes, Pack, WIDTH};
 use super::transpose::{Row, Transpose};
+use crate::linalg::Scalar;
 pub use points::edge_factor;
 use points::{
     Elastic, Pressed, bases, edge_of, gradients, pressures, store_forces, visit_points, volumes,
@@ -28,19 +29,19 @@ pub const PRESSURE: usize = 3;
 
 /// One batch of elements.
 #[derive(Clone, Debug)]
-pub struct Batch<const V: usize, const D: usize, const E: usize> {
+pub struct Batch<const V: usize, const D: usize, const E: usize, R = f64, const W: usize = WIDTH> {
     /// Vertices inside the block.
-    pub vertices: [[u16; WIDTH]; V],
+    pub vertices: [[u16; W]; V],
     /// Edge nodes inside the block.
-    pub edges: [[u16; WIDTH]; E],
+    pub edges: [[u16; W]; E],
     /// Gradients of barycentric coordinates 1..V.
-    pub gradients: [[Lanes; D]; D],
+    pub gradients: [[Lanes<R, W>; D]; D],
     /// Volume over number of points, times mu.
-    pub shear: Lanes,
+    pub shear: Lanes<R, W>,
     /// Volume over number of points, times lambda of the displacement form.
-    pub lame: Lanes,
+    pub lame: Lanes<R, W>,
     /// Volume over number of points.
-    pub weight: Lanes,
+    pub weight: Lanes<R, W>,
 }
 
 /// Barycentric coordinates of the rule's points: at the own vertex, elsewhere.
@@ -75,72 +76,82 @@ pub const fn edge_pairs<const E: usize>() -> [(usize, usize); E] {
 }
 
 /// Nodal values of a batch in memory: displacement, pressure in the last place.
-pub(super) type NodeLanes<const N: usize> = [[Lanes; 4]; N];
+pub(super) type NodeLanes<const N: usize, R = f64, const W: usize = WIDTH> = [[Lanes<R, W>; 4]; N];
 
 /// Nodal values of the batch at work; made once for all batches of a pass, as
 /// clearing it takes as long as a third of a batch.
 #[derive(Clone, Debug)]
-pub struct Element<const V: usize, const E: usize> {
-    pub(super) vertices: NodeLanes<V>,
-    pub(super) edges: NodeLanes<E>,
+pub struct Element<const V: usize, const E: usize, R = f64, const W: usize = WIDTH> {
+    pub(super) vertices: NodeLanes<V, R, W>,
+    pub(super) edges: NodeLanes<E, R, W>,
 }
 
-impl<const V: usize, const E: usize> Element<V, E> {
+impl<const V: usize, const E: usize, R: Scalar, const W: usize> Element<V, E, R, W> {
     /// All zero.
-    pub const ZERO: Self = Self {
-        vertices: [[Lanes::ZERO; 4]; V],
-        edges: [[Lanes::ZERO; 4]; E],
-    };
-}
-
-#[inline(always)]
-pub(super) fn gather<T: Transpose, const N: usize>(
-    transpose: T,
-    nodes: &[[u16; WIDTH]; N],
-    x: &[Row],
-    values: &mut NodeLanes<N>,
-) {
-    for (values, nodes) in values.iter_mut().zip(nodes) {
-        let mut rows = [&x[usize::from(nodes[0])]; WIDTH];
-        for (row, &node) in rows.iter_mut().zip(nodes) {
-            *row = &x[usize::from(node)];
+    pub fn zero() -> Self {
+        Self {
+            vertices: [[Lanes::zero(); 4]; V],
+            edges: [[Lanes::zero(); 4]; E],
         }
-        *values = transpose.to_lanes(rows);
     }
 }
 
 #[inline(always)]
-pub(super) fn scatter<T: Transpose, const N: usize>(
+pub(super) fn gather<T: Transpose, R: Batched<W>, const N: usize, const W: usize>(
     transpose: T,
-    nodes: &[[u16; WIDTH]; N],
-    values: &NodeLanes<N>,
-    y: &mut [Row],
+    nodes: &[[u16; W]; N],
+    x: &[Row<R>],
+    values: &mut NodeLanes<N, R, W>,
+) {
+    for (values, nodes) in values.iter_mut().zip(nodes) {
+        let mut rows = [&x[usize::from(nodes[0])]; W];
+        for (row, &node) in rows.iter_mut().zip(nodes) {
+            *row = &x[usize::from(node)];
+        }
+        *values = R::to_lanes(transpose, rows);
+    }
+}
+
+#[inline(always)]
+pub(super) fn scatter<T: Transpose, R: Batched<W>, const N: usize, const W: usize>(
+    transpose: T,
+    nodes: &[[u16; W]; N],
+    values: &NodeLanes<N, R, W>,
+    y: &mut [Row<R>],
 ) {
     for (values, nodes) in values.iter().zip(nodes) {
-        let rows = transpose.to_rows(values);
+        let rows = R::to_rows(transpose, values);
         for (row, &node) in rows.iter().zip(nodes) {
+            // As one value: number by number the compiler adds in four registers.
             let target = &mut y[usize::from(node)];
-            for i in 0..4 {
-                target[i] += row[i];
-            }
+            let old = *target;
+            *target = std::array::from_fn(|i| old[i] + row[i]);
         }
     }
 }
 
 /// `y += A x` on one batch: A = int 2 mu eps : eps + lambda div div.
 #[inline(always)]
-pub fn stiffness<S: Simd, T: Transpose, const V: usize, const D: usize, const E: usize>(
+pub fn stiffness<
+    S: Simd,
+    T: Transpose,
+    const V: usize,
+    const D: usize,
+    const E: usize,
+    R: Batched<W>,
+    const W: usize,
+>(
     simd: S,
     transpose: T,
-    batch: &Batch<V, D, E>,
-    element: &mut Element<V, E>,
-    x: &[Row],
-    y: &mut [Row],
+    batch: &Batch<V, D, E, R, W>,
+    element: &mut Element<V, E, R, W>,
+    x: &[Row<R>],
+    y: &mut [Row<R>],
 ) {
     let Element { vertices, edges } = element;
     gather(transpose, &batch.vertices, x, vertices);
     gather(transpose, &batch.edges, x, edges);
-    for part in 0..Pack::<S>::PARTS {
+    for part in 0..R::parts::<S>() {
         let g = gradients(simd, batch, part);
         let shear = Pack::load(simd, &batch.shear, part);
         let lame = Pack::load(simd, &batch.lame, part);
@@ -153,20 +164,28 @@ pub fn stiffness<S: Simd, T: Transpose, const V: usize, const D: usize, const E:
 
 /// `r_i += -int lambda_i div u` on one batch, in the place of the pressure.
 #[inline(always)]
-pub fn divergence<S: Simd, T: Transpose, const V: usize, const D: usize, const E: usize>(
+pub fn divergence<
+    S: Simd,
+    T: Transpose,
+    const V: usize,
+    const D: usize,
+    const E: usize,
+    R: Batched<W>,
+    const W: usize,
+>(
     simd: S,
     transpose: T,
-    batch: &Batch<V, D, E>,
-    element: &mut Element<V, E>,
-    x: &[Row],
-    r: &mut [Row],
+    batch: &Batch<V, D, E, R, W>,
+    element: &mut Element<V, E, R, W>,
+    x: &[Row<R>],
+    r: &mut [Row<R>],
 ) {
     let Element { vertices, edges } = element;
     gather(transpose, &batch.vertices, x, vertices);
     gather(transpose, &batch.edges, x, edges);
-    for part in 0..Pack::<S>::PARTS {
+    for part in 0..R::parts::<S>() {
         let g = gradients(simd, batch, part);
-        let base = bases::<S, V, D, E>(simd, vertices, edges, part);
+        let base = bases::<S, V, D, E, R, W>(simd, vertices, edges, part);
         let mut constant = Pack::splat(simd, 0.0);
         for a in 0..V {
             for i in 0..D {
@@ -197,17 +216,19 @@ pub fn divergence_transposed<
     const V: usize,
     const D: usize,
     const E: usize,
+    R: Batched<W>,
+    const W: usize,
 >(
     simd: S,
     transpose: T,
-    batch: &Batch<V, D, E>,
-    element: &mut Element<V, E>,
-    p: &[Row],
-    y: &mut [Row],
+    batch: &Batch<V, D, E, R, W>,
+    element: &mut Element<V, E, R, W>,
+    p: &[Row<R>],
+    y: &mut [Row<R>],
 ) {
     let Element { vertices, edges } = element;
     gather(transpose, &batch.vertices, p, vertices);
-    for part in 0..Pack::<S>::PARTS {
+    for part in 0..R::parts::<S>() {
         let g = gradients(simd, batch, part);
         let weight = Pack::load(simd, &batch.weight, part);
         let pressure = pressures(simd, vertices, -weight, part);
@@ -219,7 +240,7 @@ pub fn divergence_transposed<
         for total in totals.as_flattened_mut() {
             *total = *total * sum;
         }
-        let mut at_edges = zeros::<S, E, D>(simd);
+        let mut at_edges = zeros::<S, E, D, R>(simd);
         for (force, (a, b)) in at_edges.iter_mut().zip(edge_pairs::<E>()) {
             for i in 0..D {
                 force[i] = (pressure[b] * g[a][i]).plus_product(pressure[a], g[b][i]);
@@ -239,18 +260,26 @@ pub fn divergence_transposed<
 
 /// `(y, r) += (A u + B^T p, B u)` on one batch.
 #[inline(always)]
-pub fn saddle<S: Simd, T: Transpose, const V: usize, const D: usize, const E: usize>(
+pub fn saddle<
+    S: Simd,
+    T: Transpose,
+    const V: usize,
+    const D: usize,
+    const E: usize,
+    R: Batched<W>,
+    const W: usize,
+>(
     simd: S,
     transpose: T,
-    batch: &Batch<V, D, E>,
-    element: &mut Element<V, E>,
-    x: &[Row],
-    y: &mut [Row],
+    batch: &Batch<V, D, E, R, W>,
+    element: &mut Element<V, E, R, W>,
+    x: &[Row<R>],
+    y: &mut [Row<R>],
 ) {
     let Element { vertices, edges } = element;
     gather(transpose, &batch.vertices, x, vertices);
     gather(transpose, &batch.edges, x, edges);
-    for part in 0..Pack::<S>::PARTS {
+    for part in 0..R::parts::<S>() {
         let g = gradients(simd, batch, part);
         let shear = Pack::load(simd, &batch.shear, part);
         let lame = Pack::load(simd, &batch.lame, part);

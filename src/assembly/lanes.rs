@@ -1,49 +1,228 @@
 //! Numbers that move together, one per element of a batch, in the vector
-//! registers of whatever instruction set runs (pulp's `Simd`).
+//! registers of whatever instruction set runs (pulp's `Simd`): eight in double
+//! precision, sixteen in single.
 
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 use pulp::Simd;
 
+use super::transpose::{Row, Transpose};
 use crate::geometry::tensor::Number;
+use crate::linalg::Scalar;
 
-/// Elements per batch; a multiple of every register width.
+/// Elements per batch in double precision; a multiple of every register width.
 pub const WIDTH: usize = 8;
+/// Elements per batch in single precision.
+pub const SINGLE_WIDTH: usize = 16;
 
-/// Eight numbers in memory.
+/// The numbers of a batch in memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[repr(align(64))]
-pub struct Lanes(pub [f64; WIDTH]);
+pub struct Lanes<R = f64, const W: usize = WIDTH>(pub [R; W]);
+
+impl<R: Scalar, const W: usize> Lanes<R, W> {
+    /// All zero.
+    pub fn zero() -> Self {
+        Self([R::default(); W])
+    }
+}
 
 impl Lanes {
     /// All zero.
     pub const ZERO: Self = Self([0.0; WIDTH]);
 }
 
+/// Numbers that registers hold, [`Register`] by [`Register`].
+///
+/// [`Register`]: Packed::Register
+pub trait Packed: Scalar {
+    /// One register of instruction set S.
+    type Register<S: Simd>: Copy;
+    /// Numbers of a register.
+    fn lanes<S: Simd>() -> usize;
+    /// Register `part` of `numbers`.
+    fn load<S: Simd>(numbers: &[Self], part: usize) -> Self::Register<S>;
+    /// Writes it.
+    fn store<S: Simd>(register: Self::Register<S>, numbers: &mut [Self], part: usize);
+    /// The same number everywhere.
+    fn splat<S: Simd>(simd: S, value: f64) -> Self::Register<S>;
+    /// `a + b`.
+    fn sum<S: Simd>(simd: S, a: Self::Register<S>, b: Self::Register<S>) -> Self::Register<S>;
+    /// `a - b`.
+    fn difference<S: Simd>(
+        simd: S,
+        a: Self::Register<S>,
+        b: Self::Register<S>,
+    ) -> Self::Register<S>;
+    /// `a b`.
+    fn product<S: Simd>(simd: S, a: Self::Register<S>, b: Self::Register<S>) -> Self::Register<S>;
+    /// `a b + c`.
+    fn product_sum<S: Simd>(
+        simd: S,
+        a: Self::Register<S>,
+        b: Self::Register<S>,
+        c: Self::Register<S>,
+    ) -> Self::Register<S>;
+    /// `-a`.
+    fn negative<S: Simd>(simd: S, a: Self::Register<S>) -> Self::Register<S>;
+}
+
+/// A batch of W numbers with the shuffles between nodes and lanes.
+pub trait Batched<const W: usize>: Packed {
+    /// Number `i` of all rows in lanes `i`.
+    fn to_lanes<T: Transpose>(transpose: T, rows: [&Row<Self>; W]) -> [Lanes<Self, W>; 4];
+    /// The rows again.
+    fn to_rows<T: Transpose>(transpose: T, lanes: &[Lanes<Self, W>; 4]) -> [Row<Self>; W];
+
+    /// Registers of a batch.
+    #[inline(always)]
+    fn parts<S: Simd>() -> usize {
+        W / Self::lanes::<S>()
+    }
+}
+
+impl Batched<WIDTH> for f64 {
+    #[inline(always)]
+    fn to_lanes<T: Transpose>(transpose: T, rows: [&Row; WIDTH]) -> [Lanes; 4] {
+        transpose.to_lanes(rows)
+    }
+
+    #[inline(always)]
+    fn to_rows<T: Transpose>(transpose: T, lanes: &[Lanes; 4]) -> [Row; WIDTH] {
+        transpose.to_rows(lanes)
+    }
+}
+
+impl Batched<SINGLE_WIDTH> for f32 {
+    #[inline(always)]
+    fn to_lanes<T: Transpose>(
+        transpose: T,
+        rows: [&Row<f32>; SINGLE_WIDTH],
+    ) -> [Lanes<f32, SINGLE_WIDTH>; 4] {
+        transpose.to_single_lanes(rows)
+    }
+
+    #[inline(always)]
+    fn to_rows<T: Transpose>(
+        transpose: T,
+        lanes: &[Lanes<f32, SINGLE_WIDTH>; 4],
+    ) -> [Row<f32>; SINGLE_WIDTH] {
+        transpose.to_single_rows(lanes)
+    }
+}
+
+macro_rules! packed {
+    ($number:ty, $register:ident, $lanes:ident, $view:ident, $view_mut:ident, $splat:ident,
+     $add:ident, $sub:ident, $mul:ident, $mul_add:ident, $neg:ident) => {
+        impl Packed for $number {
+            type Register<S: Simd> = S::$register;
+
+            #[inline(always)]
+            fn lanes<S: Simd>() -> usize {
+                S::$lanes
+            }
+
+            #[inline(always)]
+            fn load<S: Simd>(numbers: &[Self], part: usize) -> S::$register {
+                S::$view(numbers).0[part]
+            }
+
+            #[inline(always)]
+            fn store<S: Simd>(register: S::$register, numbers: &mut [Self], part: usize) {
+                S::$view_mut(numbers).0[part] = register;
+            }
+
+            #[inline(always)]
+            fn splat<S: Simd>(simd: S, value: f64) -> S::$register {
+                simd.$splat(Self::narrow(value))
+            }
+
+            #[inline(always)]
+            fn sum<S: Simd>(simd: S, a: S::$register, b: S::$register) -> S::$register {
+                simd.$add(a, b)
+            }
+
+            #[inline(always)]
+            fn difference<S: Simd>(simd: S, a: S::$register, b: S::$register) -> S::$register {
+                simd.$sub(a, b)
+            }
+
+            #[inline(always)]
+            fn product<S: Simd>(simd: S, a: S::$register, b: S::$register) -> S::$register {
+                simd.$mul(a, b)
+            }
+
+            #[inline(always)]
+            fn product_sum<S: Simd>(
+                simd: S,
+                a: S::$register,
+                b: S::$register,
+                c: S::$register,
+            ) -> S::$register {
+                simd.$mul_add(a, b, c)
+            }
+
+            #[inline(always)]
+            fn negative<S: Simd>(simd: S, a: S::$register) -> S::$register {
+                simd.$neg(a)
+            }
+        }
+    };
+}
+
+packed!(
+    f64,
+    f64s,
+    F64_LANES,
+    as_simd_f64s,
+    as_mut_simd_f64s,
+    splat_f64s,
+    add_f64s,
+    sub_f64s,
+    mul_f64s,
+    mul_add_e_f64s,
+    neg_f64s
+);
+packed!(
+    f32,
+    f32s,
+    F32_LANES,
+    as_simd_f32s,
+    as_mut_simd_f32s,
+    splat_f32s,
+    add_f32s,
+    sub_f32s,
+    mul_f32s,
+    mul_add_e_f32s,
+    neg_f32s
+);
+
 /// One register of numbers.
 #[derive(Clone, Copy)]
-pub struct Pack<S: Simd> {
+pub struct Pack<S: Simd, R: Packed = f64> {
     simd: S,
-    value: S::f64s,
+    value: R::Register<S>,
 }
 
 impl<S: Simd> Pack<S> {
     /// Registers per batch.
     pub const PARTS: usize = WIDTH / S::F64_LANES;
+}
 
-    /// Part `part` of eight numbers.
+impl<S: Simd, R: Packed> Pack<S, R> {
+    /// Part `part` of the numbers of a batch.
     #[inline(always)]
-    pub fn load(simd: S, lanes: &Lanes, part: usize) -> Self {
+    pub fn load<const W: usize>(simd: S, lanes: &Lanes<R, W>, part: usize) -> Self {
         Self {
             simd,
-            value: S::as_simd_f64s(&lanes.0).0[part],
+            value: R::load::<S>(&lanes.0, part),
         }
     }
 
-    /// Writes part `part` of eight numbers.
+    /// Writes part `part` of the numbers of a batch.
     #[inline(always)]
-    pub fn store(self, lanes: &mut Lanes, part: usize) {
-        S::as_mut_simd_f64s(&mut lanes.0).0[part] = self.value;
+    pub fn store<const W: usize>(self, lanes: &mut Lanes<R, W>, part: usize) {
+        R::store::<S>(self.value, &mut lanes.0, part);
     }
 
     /// The same number everywhere.
@@ -51,7 +230,7 @@ impl<S: Simd> Pack<S> {
     pub fn splat(simd: S, value: f64) -> Self {
         Self {
             simd,
-            value: simd.splat_f64s(value),
+            value: R::splat(simd, value),
         }
     }
 
@@ -60,46 +239,46 @@ impl<S: Simd> Pack<S> {
     #[must_use]
     pub fn plus_product(self, a: Self, b: Self) -> Self {
         Self {
-            value: self.simd.mul_add_e_f64s(a.value, b.value, self.value),
+            value: R::product_sum(self.simd, a.value, b.value, self.value),
             ..self
         }
     }
 }
 
-impl<S: Simd> Add for Pack<S> {
+impl<S: Simd, R: Packed> Add for Pack<S, R> {
     type Output = Self;
     #[inline(always)]
     fn add(self, other: Self) -> Self {
         Self {
-            value: self.simd.add_f64s(self.value, other.value),
+            value: R::sum(self.simd, self.value, other.value),
             ..self
         }
     }
 }
 
-impl<S: Simd> Sub for Pack<S> {
+impl<S: Simd, R: Packed> Sub for Pack<S, R> {
     type Output = Self;
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
         Self {
-            value: self.simd.sub_f64s(self.value, other.value),
+            value: R::difference(self.simd, self.value, other.value),
             ..self
         }
     }
 }
 
-impl<S: Simd> Mul for Pack<S> {
+impl<S: Simd, R: Packed> Mul for Pack<S, R> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
         Self {
-            value: self.simd.mul_f64s(self.value, other.value),
+            value: R::product(self.simd, self.value, other.value),
             ..self
         }
     }
 }
 
-impl<S: Simd> Mul<f64> for Pack<S> {
+impl<S: Simd, R: Packed> Mul<f64> for Pack<S, R> {
     type Output = Self;
     #[inline(always)]
     fn mul(self, factor: f64) -> Self {
@@ -107,18 +286,18 @@ impl<S: Simd> Mul<f64> for Pack<S> {
     }
 }
 
-impl<S: Simd> Neg for Pack<S> {
+impl<S: Simd, R: Packed> Neg for Pack<S, R> {
     type Output = Self;
     #[inline(always)]
     fn neg(self) -> Self {
         Self {
-            value: self.simd.neg_f64s(self.value),
+            value: R::negative(self.simd, self.value),
             ..self
         }
     }
 }
 
-impl<S: Simd> AddAssign for Pack<S> {
+impl<S: Simd, R: Packed> AddAssign for Pack<S, R> {
     #[inline(always)]
     fn add_assign(&mut self, other: Self) {
         *self = *self + other;

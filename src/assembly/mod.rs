@@ -22,7 +22,7 @@ pub mod transpose;
 
 pub use cells::{CellGeometry, CellModuli};
 pub use grid::Grid;
-pub use operator::{Body, Constrained, Divergence, Stiffness};
+pub use operator::{Body, Constrained, Divergence, SingleStiffness, Stiffness};
 
 #[cfg(test)]
 mod tests;

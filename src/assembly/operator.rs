@@ -4,8 +4,8 @@
 
 use std::sync::Arc;
 
-use super::grid::{Basis, Grid, Rows};
-use crate::linalg::{LinearOperator, Workspace};
+use super::grid::{Basis, Grid, Rows, SingleGrid};
+use crate::linalg::{LinearOperator, ResidualUpdate, Workspace};
 
 /// An operator on free unknowns, the identity on held ones.
 #[derive(Clone, Debug)]
@@ -78,6 +78,26 @@ impl LinearOperator for Stiffness {
 
     fn subtract_product(&self, x: &[f64], r: &mut [f64], work: &mut Workspace) {
         self.grid.subtract_stiffness(self.basis, x, r, work);
+    }
+}
+
+/// A of the displacement block in single precision, the identity on held unknowns.
+#[derive(Clone, Debug)]
+pub struct SingleStiffness {
+    /// Cells.
+    pub grid: SingleGrid,
+    /// Basis of argument and result.
+    pub basis: Basis,
+    /// Ascending indices of held entries.
+    pub held: Arc<[u32]>,
+}
+
+impl ResidualUpdate<f32> for SingleStiffness {
+    fn take_off(&self, x: &[f32], r: &mut [f32], work: &mut Workspace) {
+        self.grid.subtract_stiffness(self.basis, x, r, work);
+        for &index in self.held.iter() {
+            r[index as usize] -= x[index as usize];
+        }
     }
 }
 

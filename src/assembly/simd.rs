@@ -5,6 +5,7 @@
 use pulp::{Simd, WithSimd};
 
 use super::kernel::{self, Batch, Element};
+use super::lanes::{Batched, WIDTH};
 use super::transpose::{Row, Transpose};
 
 /// Which kernels run.
@@ -124,21 +125,25 @@ pub(super) fn prefetch_at<T>(items: &[T], index: usize) {
 }
 
 /// Batches with argument and result, [`kernel`] function still open.
-struct Pass<'a, const V: usize, const D: usize, const E: usize> {
-    batches: &'a [Batch<V, D, E>],
-    x: &'a [Row],
-    y: &'a mut [Row],
+struct Pass<'a, const V: usize, const D: usize, const E: usize, R = f64, const W: usize = WIDTH> {
+    batches: &'a [Batch<V, D, E, R, W>],
+    x: &'a [Row<R>],
+    y: &'a mut [Row<R>],
 }
 
 macro_rules! dispatched {
     ($(#[$doc:meta])* $name:ident, $pass:ident) => {
-        struct $pass<'a, const V: usize, const D: usize, const E: usize>(Pass<'a, V, D, E>);
+        struct $pass<'a, const V: usize, const D: usize, const E: usize, R, const W: usize>(
+            Pass<'a, V, D, E, R, W>,
+        );
 
-        impl<const V: usize, const D: usize, const E: usize> BatchPass for $pass<'_, V, D, E> {
+        impl<const V: usize, const D: usize, const E: usize, R: Batched<W>, const W: usize>
+            BatchPass for $pass<'_, V, D, E, R, W>
+        {
             type Output = ();
             #[inline(always)]
             fn run<S: Simd, T: Transpose>(self, simd: S, transpose: T) {
-                let mut element = Element::ZERO;
+                let mut element = Element::zero();
                 for (index, batch) in self.0.batches.iter().enumerate() {
                     prefetch_at(self.0.batches, index + 1);
                     kernel::$name(simd, transpose, batch, &mut element, self.0.x, self.0.y);
@@ -147,11 +152,11 @@ macro_rules! dispatched {
         }
 
         $(#[$doc])*
-        pub fn $name<const V: usize, const D: usize, const E: usize>(
+        pub fn $name<const V: usize, const D: usize, const E: usize, R: Batched<W>, const W: usize>(
             set: InstructionSet,
-            batches: &[Batch<V, D, E>],
-            x: &[Row],
-            y: &mut [Row],
+            batches: &[Batch<V, D, E, R, W>],
+            x: &[Row<R>],
+            y: &mut [Row<R>],
         ) {
             set.run($pass(Pass { batches, x, y }));
         }
@@ -177,17 +182,17 @@ dispatched! {
 
 /// Rows as lanes and back, by the shuffles of `set`.
 #[cfg(test)]
-pub(super) fn there_and_back(
+pub(super) fn there_and_back<R: Batched<W>, const W: usize>(
     set: InstructionSet,
-    rows: &[Row; super::lanes::WIDTH],
-) -> ([super::lanes::Lanes; 4], [Row; super::lanes::WIDTH]) {
-    struct Trip<'a>(&'a [Row; super::lanes::WIDTH]);
-    impl BatchPass for Trip<'_> {
-        type Output = ([super::lanes::Lanes; 4], [Row; super::lanes::WIDTH]);
+    rows: &[Row<R>; W],
+) -> ([super::lanes::Lanes<R, W>; 4], [Row<R>; W]) {
+    struct Trip<'a, R, const W: usize>(&'a [Row<R>; W]);
+    impl<R: Batched<W>, const W: usize> BatchPass for Trip<'_, R, W> {
+        type Output = ([super::lanes::Lanes<R, W>; 4], [Row<R>; W]);
         #[inline(always)]
         fn run<S: Simd, T: Transpose>(self, _simd: S, transpose: T) -> Self::Output {
-            let lanes = transpose.to_lanes(self.0.each_ref());
-            (lanes, transpose.to_rows(&lanes))
+            let lanes = R::to_lanes(transpose, self.0.each_ref());
+            (lanes, R::to_rows(transpose, &lanes))
         }
     }
     set.run(Trip(rows))

@@ -1,13 +1,14 @@
 //! Between nodes and lanes: eight nodes of four numbers each become four
-//! registers of eight lanes, and back.
+//! registers of eight lanes, and back; sixteen in single precision.
 //!
 //! Written with shuffles where the processor has them: numbers written one by
 //! one and read as a whole register wait for each other.
 
-use super::lanes::{Lanes, WIDTH};
+use super::lanes::{Lanes, SINGLE_WIDTH, WIDTH};
+use crate::linalg::Scalar;
 
 /// The numbers of one node: displacement, then pressure in the last place.
-pub type Row = [f64; 4];
+pub type Row<R = f64> = [R; 4];
 
 /// Transposes with the registers of one instruction set.
 pub trait Transpose: Copy {
@@ -15,40 +16,69 @@ pub trait Transpose: Copy {
     fn to_lanes(self, rows: [&Row; WIDTH]) -> [Lanes; 4];
     /// The rows again.
     fn to_rows(self, lanes: &[Lanes; 4]) -> [Row; WIDTH];
+    /// [`Self::to_lanes`] in single precision.
+    fn to_single_lanes(self, rows: [&Row<f32>; SINGLE_WIDTH]) -> [Single; 4];
+    /// [`Self::to_rows`] in single precision.
+    fn to_single_rows(self, lanes: &[Single; 4]) -> [Row<f32>; SINGLE_WIDTH];
+}
+
+/// The numbers of a batch in single precision.
+type Single = Lanes<f32, SINGLE_WIDTH>;
+
+/// Number `i` of all rows in lanes `i`, one by one.
+#[inline(always)]
+fn lanes_of<R: Scalar, const W: usize>(rows: [&Row<R>; W]) -> [Lanes<R, W>; 4] {
+    let mut out = [Lanes::zero(); 4];
+    for lane in 0..W {
+        for i in 0..4 {
+            out[i].0[lane] = rows[lane][i];
+        }
+    }
+    out
+}
+
+/// The rows again, one by one.
+#[inline(always)]
+fn rows_of<R: Scalar, const W: usize>(lanes: &[Lanes<R, W>; 4]) -> [Row<R>; W] {
+    let mut out = [[R::default(); 4]; W];
+    for lane in 0..W {
+        for i in 0..4 {
+            out[lane][i] = lanes[i].0[lane];
+        }
+    }
+    out
 }
 
 impl Transpose for pulp::Scalar {
     #[inline(always)]
     fn to_lanes(self, rows: [&Row; WIDTH]) -> [Lanes; 4] {
-        let mut out = [Lanes::ZERO; 4];
-        for lane in 0..WIDTH {
-            for i in 0..4 {
-                out[i].0[lane] = rows[lane][i];
-            }
-        }
-        out
+        lanes_of(rows)
     }
 
     #[inline(always)]
     fn to_rows(self, lanes: &[Lanes; 4]) -> [Row; WIDTH] {
-        let mut out = [[0.0; 4]; WIDTH];
-        for lane in 0..WIDTH {
-            for i in 0..4 {
-                out[lane][i] = lanes[i].0[lane];
-            }
-        }
-        out
+        rows_of(lanes)
+    }
+
+    #[inline(always)]
+    fn to_single_lanes(self, rows: [&Row<f32>; SINGLE_WIDTH]) -> [Single; 4] {
+        lanes_of(rows)
+    }
+
+    #[inline(always)]
+    fn to_single_rows(self, lanes: &[Single; 4]) -> [Row<f32>; SINGLE_WIDTH] {
+        rows_of(lanes)
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use std::arch::x86_64::{__m256d, __m512d, __m512i};
+    use std::arch::x86_64::{__m128, __m256, __m256d, __m512, __m512d, __m512i};
 
     use pulp::bytemuck::cast;
     use pulp::x86::{V3, V4};
 
-    use super::{Lanes, Row, Transpose, WIDTH};
+    use super::{Lanes, Row, SINGLE_WIDTH, Single, Transpose, WIDTH};
 
     impl Transpose for V3 {
         #[inline(always)]
@@ -75,6 +105,51 @@ mod x86 {
             let [low, high] = halves;
             cast([square(self, low), square(self, high)])
         }
+
+        #[inline(always)]
+        fn to_single_lanes(self, rows: [&Row<f32>; SINGLE_WIDTH]) -> [Single; 4] {
+            let avx = self.avx;
+            let pair = |i: usize| -> __m256 {
+                let (lower, upper): (__m128, __m128) = (cast(*rows[i]), cast(*rows[i + 4]));
+                avx._mm256_insertf128_ps::<1>(avx._mm256_castps128_ps256(lower), upper)
+            };
+            let low = squares(self, [pair(0), pair(1), pair(2), pair(3)]);
+            let high = squares(self, [pair(8), pair(9), pair(10), pair(11)]);
+            [
+                Lanes(cast([low[0], high[0]])),
+                Lanes(cast([low[1], high[1]])),
+                Lanes(cast([low[2], high[2]])),
+                Lanes(cast([low[3], high[3]])),
+            ]
+        }
+
+        #[inline(always)]
+        fn to_single_rows(self, lanes: &[Single; 4]) -> [Row<f32>; SINGLE_WIDTH] {
+            let [x, y, z, w] = lanes;
+            let ([x0, x1], [y0, y1]): ([__m256; 2], [__m256; 2]) = (cast(x.0), cast(y.0));
+            let ([z0, z1], [w0, w1]): ([__m256; 2], [__m256; 2]) = (cast(z.0), cast(w.0));
+            let low: [[Row<f32>; 2]; 4] = cast(squares(self, [x0, y0, z0, w0]));
+            let high: [[Row<f32>; 2]; 4] = cast(squares(self, [x1, y1, z1, w1]));
+            let [[r0, r4], [r1, r5], [r2, r6], [r3, r7]] = low;
+            let [[s0, s4], [s1, s5], [s2, s6], [s3, s7]] = high;
+            [
+                r0, r1, r2, r3, r4, r5, r6, r7, s0, s1, s2, s3, s4, s5, s6, s7,
+            ]
+        }
+    }
+
+    /// The transposes of four rows of four in each half.
+    #[inline(always)]
+    fn squares(simd: V3, [a, b, c, d]: [__m256; 4]) -> [__m256; 4] {
+        let avx = simd.avx;
+        let (low_ab, high_ab) = (avx._mm256_unpacklo_ps(a, b), avx._mm256_unpackhi_ps(a, b));
+        let (low_cd, high_cd) = (avx._mm256_unpacklo_ps(c, d), avx._mm256_unpackhi_ps(c, d));
+        [
+            avx._mm256_shuffle_ps::<0x44>(low_ab, low_cd),
+            avx._mm256_shuffle_ps::<0xEE>(low_ab, low_cd),
+            avx._mm256_shuffle_ps::<0x44>(high_ab, high_cd),
+            avx._mm256_shuffle_ps::<0xEE>(high_ab, high_cd),
+        ]
     }
 
     /// The transpose of four rows of four.
@@ -137,6 +212,52 @@ mod x86 {
             let [r5, r7] = rows(odd_ab, upper, odd_cd);
             [r0, r1, r2, r3, r4, r5, r6, r7]
         }
+
+        #[inline(always)]
+        fn to_single_lanes(self, rows: [&Row<f32>; SINGLE_WIDTH]) -> [Single; 4] {
+            let avx = self.avx512f;
+            let every_fourth = |i: usize| -> __m512 {
+                let row = |k: usize| -> __m128 { cast(*rows[i + 4 * k]) };
+                let first = avx._mm512_castps128_ps512(row(0));
+                let first = avx._mm512_insertf32x4::<1>(first, row(1));
+                let first = avx._mm512_insertf32x4::<2>(first, row(2));
+                avx._mm512_insertf32x4::<3>(first, row(3))
+            };
+            let (a, b) = (every_fourth(0), every_fourth(1));
+            let (c, d) = (every_fourth(2), every_fourth(3));
+            let [x, y, z, w] = quarters(self, [a, b, c, d]);
+            [
+                Lanes(cast(x)),
+                Lanes(cast(y)),
+                Lanes(cast(z)),
+                Lanes(cast(w)),
+            ]
+        }
+
+        #[inline(always)]
+        fn to_single_rows(self, lanes: &[Single; 4]) -> [Row<f32>; SINGLE_WIDTH] {
+            let [x, y, z, w] = lanes;
+            let rows = quarters(self, [cast(x.0), cast(y.0), cast(z.0), cast(w.0)]);
+            let [a, b, c, d]: [[Row<f32>; 4]; 4] = cast(rows);
+            [
+                a[0], b[0], c[0], d[0], a[1], b[1], c[1], d[1], a[2], b[2], c[2], d[2], a[3], b[3],
+                c[3], d[3],
+            ]
+        }
+    }
+
+    /// The transposes of four rows of four in each quarter.
+    #[inline(always)]
+    fn quarters(simd: V4, [a, b, c, d]: [__m512; 4]) -> [__m512; 4] {
+        let avx = simd.avx512f;
+        let (low_ab, high_ab) = (avx._mm512_unpacklo_ps(a, b), avx._mm512_unpackhi_ps(a, b));
+        let (low_cd, high_cd) = (avx._mm512_unpacklo_ps(c, d), avx._mm512_unpackhi_ps(c, d));
+        [
+            avx._mm512_shuffle_ps::<0x44>(low_ab, low_cd),
+            avx._mm512_shuffle_ps::<0xEE>(low_ab, low_cd),
+            avx._mm512_shuffle_ps::<0x44>(high_ab, high_cd),
+            avx._mm512_shuffle_ps::<0xEE>(high_ab, high_cd),
+        ]
     }
 }
 
@@ -154,6 +275,21 @@ mod tests {
             let (lanes, back) = simd::there_and_back(set, &rows);
             for (i, lanes) in lanes.iter().enumerate() {
                 let expected: [f64; WIDTH] = std::array::from_fn(|lane| (10 * lane + i) as f64);
+                assert_eq!(lanes.0, expected, "{}", set.name());
+            }
+            assert_eq!(back, rows, "{}", set.name());
+        }
+    }
+
+    #[test]
+    fn every_instruction_set_transposes_single_precision_there_and_back() {
+        let rows: [Row<f32>; SINGLE_WIDTH] =
+            std::array::from_fn(|lane| std::array::from_fn(|i| (10 * lane + i) as f32));
+        for set in InstructionSet::ALL.into_iter().filter(|set| set.is_here()) {
+            let (lanes, back) = simd::there_and_back(set, &rows);
+            for (i, lanes) in lanes.iter().enumerate() {
+                let expected: [f32; SINGLE_WIDTH] =
+                    std::array::from_fn(|lane| (10 * lane + i) as f32);
                 assert_eq!(lanes.0, expected, "{}", set.name());
             }
             assert_eq!(back, rows, "{}", set.name());

@@ -9,6 +9,7 @@
 //! then stays, and so would the direction; the next one is made from the last
 //! product instead (Orthodir; D. Young and K. Jea, Linear Algebra Appl. 34, 1980).
 
+use super::sweeps::{Combination, GROUP, Overlaps, Step};
 use super::{Monitor, Outcome, Verdict};
 use crate::linalg::vector::{add_scaled, dot, dots, norm, scale, subtract_combination};
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
@@ -16,8 +17,6 @@ use crate::linalg::{LinearOperator, Preconditioner, Workspace};
 /// Directions kept for orthogonalisation where nothing else is said, and what those of earlier
 /// solves may add to them within a solve.
 pub(crate) const KEPT: usize = 10;
-/// Directions that one sweep makes a product orthogonal to.
-const GROUP: usize = 10;
 /// A relative reduction below this counts as none.
 const LEAST_REDUCTION: f64 = 1e-13;
 /// A reduction of the squared residual below this takes the last product as the
@@ -124,6 +123,15 @@ impl Directions {
         }
     }
 
+    /// Directions and products of the group that begins at `first`, empty behind the last.
+    fn group(&self, first: usize) -> ([&[f64]; GROUP], [&[f64]; GROUP]) {
+        let pair = |k: usize| self.pairs.get(first + k);
+        (
+            std::array::from_fn(|k| pair(k).map_or(&[][..], |pair| &pair.0)),
+            std::array::from_fn(|k| pair(k).map_or(&[][..], |pair| &pair.1)),
+        )
+    }
+
     /// Adds a direction of the present solve in the place of its oldest.
     fn push(&mut self, direction: Vec<f64>, product: Vec<f64>, work: &mut Workspace) {
         if self.pairs.len() >= self.most + self.pinned.min(KEPT)
@@ -181,12 +189,11 @@ impl Gcr<'_> {
             let mut direction = self.direction(r, stalled, work);
             let mut product = work.scratch(r.len());
             self.operator.apply(&direction, &mut product, work);
-            let before = norm(&product);
-            let length = orthogonalise(self.directions, &mut direction, &mut product);
-            if !length.is_finite() || !square.is_finite() {
+            let taken = advance(self.directions, (&mut direction, &mut product), (x, r));
+            if !(taken.length.is_finite() && square.is_finite()) {
                 return Outcome::NotFinite;
             }
-            if length < SPENT * before && !self.directions.pairs.is_empty() {
+            if taken.is_spent {
                 // The kept directions span the space: what is left is rounding.
                 self.directions.clear(work);
                 match monitor.judge(r) {
@@ -194,17 +201,14 @@ impl Gcr<'_> {
                     Verdict::Continue => continue,
                 }
             }
-            if length == 0.0 {
+            if taken.length == 0.0 {
                 return Outcome::Stagnation;
             }
-            let step = dot(r, &product);
-            add_scaled(x, step, &direction);
-            add_scaled(r, -step, &product);
             self.directions.push(direction, product, work);
             if monitor.judge(r) == Verdict::Stop {
                 return Outcome::Stopped;
             }
-            let next = dot(r, r);
+            let next = taken.square;
             stalled = !stalled && next > square * (1.0 - STALL);
             idle = if next < square * (1.0 - LEAST_REDUCTION) {
                 0
@@ -232,24 +236,87 @@ impl Gcr<'_> {
     }
 }
 
+/// What a step along a new direction was.
+struct Taken {
+    /// Length of its product behind the kept ones.
+    length: f64,
+    /// Square of the residual behind it.
+    square: f64,
+    /// Whether what is left of the product is rounding; then no step was made.
+    is_spent: bool,
+}
+
+/// Makes a new pair orthonormal to the kept ones and takes the step along it: by two sweeps
+/// where enough of its product is left, otherwise with care.
+fn advance(
+    directions: &Directions,
+    (direction, product): (&mut [f64], &mut [f64]),
+    (x, r): (&mut [f64], &mut [f64]),
+) -> Taken {
+    let last = directions.pairs.len().saturating_sub(1) / GROUP * GROUP;
+    let mut before = (last > 0).then(|| dot(product, product));
+    for first in (0..last).step_by(GROUP) {
+        take_off_group(directions, first, direction, product);
+    }
+    let (kept, images) = directions.group(last);
+    let overlaps = Overlaps::of(product, r, &images);
+    let before = *before.get_or_insert(overlaps.square);
+    let rest = overlaps.rest();
+    if !(rest > MOST_LOST * MOST_LOST * before) {
+        return advance_with_care(directions, before.sqrt(), (direction, product), (x, r));
+    }
+    let length = rest.sqrt();
+    let by = Combination {
+        overlaps: &overlaps.kept,
+        directions: kept,
+        images,
+        length,
+        step: overlaps.along / length,
+    };
+    let step = Step {
+        direction,
+        product,
+        x,
+        r,
+    };
+    Taken {
+        length,
+        square: step.take(&by),
+        is_spent: false,
+    }
+}
+
+/// [`advance`] one operation after the other; `before` is the length that the product had.
+fn advance_with_care(
+    directions: &Directions,
+    before: f64,
+    (direction, product): (&mut [f64], &mut [f64]),
+    (x, r): (&mut [f64], &mut [f64]),
+) -> Taken {
+    let length = orthogonalise(directions, direction, product);
+    let is_spent = length < SPENT * before && !directions.pairs.is_empty();
+    if length > 0.0 && !is_spent {
+        let step = dot(r, product);
+        add_scaled(x, step, direction);
+        add_scaled(r, -step, product);
+    }
+    Taken {
+        length,
+        square: dot(r, r),
+        is_spent,
+    }
+}
+
 /// Makes `product` orthogonal to the kept products and of unit length; returns
 /// its length before scaling. Classical Gram-Schmidt, which reads each kept vector
 /// once, and again where little is left of the product (J. Daniel, W. Gragg, L.
 /// Kaufman and G. Stewart, Math. Comp. 30, 1976).
 fn orthogonalise(directions: &Directions, direction: &mut [f64], product: &mut [f64]) -> f64 {
-    let pairs = &directions.pairs;
     let mut length = norm(product);
     for _ in 0..2 {
         let before = length;
-        for first in (0..pairs.len()).step_by(GROUP) {
-            let pair = |k: usize| pairs.get(first + k);
-            let kept: [&[f64]; GROUP] =
-                std::array::from_fn(|k| pair(k).map_or(&[][..], |pair| &pair.0));
-            let images: [&[f64]; GROUP] =
-                std::array::from_fn(|k| pair(k).map_or(&[][..], |pair| &pair.1));
-            let overlaps = dots(product, &images);
-            subtract_combination(direction, &overlaps, &kept);
-            subtract_combination(product, &overlaps, &images);
+        for first in (0..directions.pairs.len()).step_by(GROUP) {
+            take_off_group(directions, first, direction, product);
         }
         length = norm(product);
         if length > MOST_LOST * before || length.is_nan() {
@@ -261,6 +328,19 @@ fn orthogonalise(directions: &Directions, direction: &mut [f64], product: &mut [
         scale(product, 1.0 / length);
     }
     length
+}
+
+/// Makes `product` orthogonal to the kept products of the group that begins at `first`.
+fn take_off_group(
+    directions: &Directions,
+    first: usize,
+    direction: &mut [f64],
+    product: &mut [f64],
+) {
+    let (kept, images) = directions.group(first);
+    let overlaps = dots(product, &images);
+    subtract_combination(direction, &overlaps, &kept);
+    subtract_combination(product, &overlaps, &images);
 }
 
 #[cfg(test)]

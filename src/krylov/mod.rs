@@ -12,6 +12,7 @@ pub mod least_eigenvalue;
 pub mod outlook;
 #[cfg(test)]
 pub(crate) mod samples;
+pub mod sweeps;
 
 /// What the monitor says after an iteration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -13,6 +13,7 @@ pub mod indefinite;
 pub mod ordering;
 #[cfg(test)]
 pub(crate) mod samples;
+pub mod scalar;
 pub mod sparse;
 pub mod symmetric;
 pub mod vector;
@@ -22,6 +23,7 @@ pub use cholesky::SparseCholesky;
 pub use dense::{DenseCholesky, DenseLu, DenseMatrix};
 pub use factorise_error::FactoriseError;
 pub use gram::GramFactor;
+pub use scalar::Scalar;
 pub use sparse::{SparseRows, SparseRowsBuilder};
 pub use symmetric::{PartFactor, SymmetricMatrix};
 pub use workspace::Workspace;
@@ -51,6 +53,19 @@ pub trait LinearOperator: Send + Sync {
         self.apply_transposed(y, &mut product, work);
         vector::add_scaled(x, factor, &product);
         work.give(product);
+    }
+}
+
+/// A linear map whose products are taken off a residual, in the numbers R: all that a smoother
+/// asks of it.
+pub trait ResidualUpdate<R>: Send + Sync {
+    /// `r -= A x`.
+    fn take_off(&self, x: &[R], r: &mut [R], work: &mut Workspace);
+}
+
+impl ResidualUpdate<f64> for std::sync::Arc<dyn LinearOperator> {
+    fn take_off(&self, x: &[f64], r: &mut [f64], work: &mut Workspace) {
+        self.subtract_product(x, r, work);
     }
 }
 

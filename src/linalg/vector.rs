@@ -5,11 +5,12 @@
 use rayon::prelude::*;
 
 /// Entries per block of a reduction.
-const BLOCK: usize = 4096;
+pub(crate) const BLOCK: usize = 4096;
 /// Shorter vectors are not worth a second thread.
-const PARALLEL: usize = 8 * BLOCK;
+pub(crate) const PARALLEL: usize = 8 * BLOCK;
 
-fn dot_block(x: &[f64], y: &[f64]) -> f64 {
+/// `x . y` of one block, the shorter one's entries.
+pub(crate) fn dot_block(x: &[f64], y: &[f64]) -> f64 {
     let mut sums = [0.0; 8];
     let (x8, x_rest) = x.as_chunks::<8>();
     let (y8, y_rest) = y.as_chunks::<8>();
@@ -140,6 +141,12 @@ pub fn largest(x: &[f64]) -> f64 {
         true => f64::NAN,
         false => x.iter().fold(0.0, |m, v| v.abs().max(m)),
     }
+}
+
+/// The largest power of two that is not above a positive `value`.
+pub fn power_of_two_below(value: f64) -> f64 {
+    const EXPONENT: u64 = 0x7FF0_0000_0000_0000;
+    f64::from_bits(value.to_bits() & EXPONENT).max(f64::MIN_POSITIVE)
 }
 
 /// value / scale; zero where there is nothing to scale, not a number where one of

@@ -153,10 +153,11 @@ impl Preconditioner for AlongLines {
 
 impl Preconditioner for Groups {
     fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace) {
-        z.copy_from_slice(r);
-        self.transfer.residual_to_lagrange(z);
-        self.factor.solve(z, 1, work);
-        self.transfer.values_to_hierarchical(z);
+        let mut values = work.scratch(r.len());
+        self.transfer.residual_to_lagrange(1.0, r, &mut values);
+        self.factor.solve(&mut values, 1, work);
+        self.transfer.values_to_hierarchical(1.0, &values, z);
+        work.give(values);
     }
 }
 

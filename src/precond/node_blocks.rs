@@ -6,8 +6,7 @@
 
 use rayon::prelude::*;
 
-use crate::linalg::Preconditioner;
-use crate::linalg::Workspace;
+use crate::linalg::{Preconditioner, Scalar, Workspace};
 
 /// Nodes per parallel piece.
 const PIECE: usize = 2048;
@@ -65,7 +64,8 @@ impl NodeBlocks {
     }
 
     /// The first step of a Chebyshev recurrence from nothing: `d = gain D^-1 r`, `x = d`.
-    pub fn chebyshev_start(&self, gain: f64, r: &[f64], d: &mut [f64], x: &mut [f64]) {
+    pub fn chebyshev_start<R: Scalar>(&self, gain: f64, r: &[R], d: &mut [R], x: &mut [R]) {
+        let gain = R::narrow(gain);
         self.sweep(r, d, x, |step, d, x| {
             *d = gain * step;
             *x = *d;
@@ -74,7 +74,8 @@ impl NodeBlocks {
 
     /// The first step behind a correction, which `d` holds: `x += d + gain D^-1 r`,
     /// `d = gain D^-1 r`.
-    pub fn chebyshev_restart(&self, gain: f64, r: &[f64], d: &mut [f64], x: &mut [f64]) {
+    pub fn chebyshev_restart<R: Scalar>(&self, gain: f64, r: &[R], d: &mut [R], x: &mut [R]) {
+        let gain = R::narrow(gain);
         self.sweep(r, d, x, |step, d, x| {
             *x += *d + gain * step;
             *d = gain * step;
@@ -83,13 +84,14 @@ impl NodeBlocks {
 
     /// One step of the Chebyshev recurrence:
     /// `d = keep d + gain D^-1 r`, `x += d`.
-    pub fn chebyshev_update(
+    pub fn chebyshev_update<R: Scalar>(
         &self,
         (keep, gain): (f64, f64),
-        r: &[f64],
-        d: &mut [f64],
-        x: &mut [f64],
+        r: &[R],
+        d: &mut [R],
+        x: &mut [R],
     ) {
+        let (keep, gain) = (R::narrow(keep), R::narrow(gain));
         self.sweep(r, d, x, |step, d, x| {
             *d = keep * *d + gain * step;
             *x += *d;
@@ -97,21 +99,21 @@ impl NodeBlocks {
     }
 
     /// Shows `change` each entry of D^-1 r, d and x.
-    fn sweep(
+    fn sweep<R: Scalar>(
         &self,
-        r: &[f64],
-        d: &mut [f64],
-        x: &mut [f64],
-        change: impl Fn(f64, &mut f64, &mut f64) + Sync,
+        r: &[R],
+        d: &mut [R],
+        x: &mut [R],
+        change: impl Fn(R, &mut R, &mut R) + Sync,
     ) {
         match self.components {
-            2 => self.pieces::<2, 3>(r, d, x, |[a, b, c], [x, y], d, z| {
-                let (a, b, c) = (f64::from(*a), f64::from(*b), f64::from(*c));
+            2 => self.pieces::<2, 3, R>(r, d, x, |[a, b, c], &[x, y], d, z| {
+                let [a, b, c] = [*a, *b, *c].map(R::of_single);
                 change(a * x + b * y, &mut d[0], &mut z[0]);
                 change(b * x + c * y, &mut d[1], &mut z[1]);
             }),
-            _ => self.pieces::<3, 6>(r, d, x, |block, [x, y, z], d, at| {
-                let [a, b, c, e, f, g] = block.map(f64::from);
+            _ => self.pieces::<3, 6, R>(r, d, x, |block, &[x, y, z], d, at| {
+                let [a, b, c, e, f, g] = block.map(R::of_single);
                 change(a * x + b * y + c * z, &mut d[0], &mut at[0]);
                 change(b * x + e * y + f * z, &mut d[1], &mut at[1]);
                 change(c * x + f * y + g * z, &mut d[2], &mut at[2]);
@@ -121,12 +123,12 @@ impl NodeBlocks {
 
     /// Shows `visit` each node of C components with its block of N numbers, in parallel pieces
     /// of fixed size.
-    fn pieces<const C: usize, const N: usize>(
+    fn pieces<const C: usize, const N: usize, R: Scalar>(
         &self,
-        r: &[f64],
-        d: &mut [f64],
-        x: &mut [f64],
-        visit: impl Fn(&[f32; N], &[f64; C], &mut [f64; C], &mut [f64; C]) + Sync,
+        r: &[R],
+        d: &mut [R],
+        x: &mut [R],
+        visit: impl Fn(&[f32; N], &[R; C], &mut [R; C], &mut [R; C]) + Sync,
     ) {
         let piece = PIECE * C;
         d.par_chunks_mut(piece)

@@ -405,8 +405,8 @@ mod tests {
             let transfer = Transfer::new(4, 2, EDGES.into(), held.into());
             let mut values = reproducible_noise(18);
             held.iter().for_each(|&index| values[index as usize] = 0.0);
-            let mut hierarchical = values.clone();
-            transfer.values_to_hierarchical(&mut hierarchical);
+            let mut hierarchical = vec![0.0; 18];
+            transfer.values_to_hierarchical(1.0, &values, &mut hierarchical);
             let none = nothing();
             let lagrange = energy(&*springs.on_lagrange(none.clone()), &values);
             let other = energy(&*springs.on_hierarchical(none), &hierarchical);

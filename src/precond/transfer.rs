@@ -15,6 +15,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use crate::linalg::Scalar;
+
 /// Nodes per parallel piece.
 const PIECE: usize = 2048;
 
@@ -87,94 +89,136 @@ impl Transfer {
 
     /// Sets the held entries of `x` to zero; `x` may be shorter, for the vertices
     /// alone.
-    fn mask(&self, x: &mut [f64]) {
+    fn mask<R: Scalar>(&self, x: &mut [R]) {
         let inside = self
             .held
             .partition_point(|&index| (index as usize) < x.len());
         for &index in &self.held[..inside] {
-            x[index as usize] = 0.0;
+            x[index as usize] = R::default();
         }
     }
 
-    /// Hierarchical residual to Lagrange residual, in place.
-    pub fn residual_to_lagrange(&self, r: &mut [f64]) {
-        let (vertices, edges) = r.split_at_mut(self.coarse_size());
+    /// `unit` times the hierarchical residual `h` to Lagrange residual.
+    pub fn residual_to_lagrange<R: Scalar>(&self, unit: f64, h: &[f64], r: &mut [R]) {
         match self.components {
-            2 => self.gather_edges::<2>(edges, vertices, -0.5),
-            _ => self.gather_edges::<3>(edges, vertices, -0.5),
+            2 => self.gather_edges::<2, f64, R>(h, r, (unit, -0.5 * unit)),
+            _ => self.gather_edges::<3, f64, R>(h, r, (unit, -0.5 * unit)),
         }
+        let first = self.coarse_size();
+        let pieces = r[first..].par_chunks_mut(PIECE);
+        pieces.zip(h[first..].par_chunks(PIECE)).for_each(|(r, h)| {
+            for (r, h) in r.iter_mut().zip(h) {
+                *r = R::narrow(unit * h);
+            }
+        });
         self.mask(r);
     }
 
-    /// Lagrange values to hierarchical values, in place.
-    pub fn values_to_hierarchical(&self, x: &mut [f64]) {
-        let (vertices, edges) = x.split_at_mut(self.coarse_size());
+    /// `unit` times Lagrange values `u` to hierarchical values.
+    pub fn values_to_hierarchical<R: Scalar>(&self, unit: f64, u: &[R], c: &mut [f64]) {
+        let (vertices, edges) = c.split_at_mut(self.coarse_size());
+        let (ends, middles) = u.split_at(self.coarse_size());
+        let pieces = vertices.par_chunks_mut(PIECE).zip(ends.par_chunks(PIECE));
+        pieces.for_each(|(c, u)| {
+            for (c, u) in c.iter_mut().zip(u) {
+                *c = unit * u.widen();
+            }
+        });
         match self.components {
-            2 => self.visit_edges::<2>(vertices, edges, |c, mean| *c -= mean),
-            _ => self.visit_edges::<3>(vertices, edges, |c, mean| *c -= mean),
+            2 => self.visit_edges::<2, R>(unit, ends, (middles, edges)),
+            _ => self.visit_edges::<3, R>(unit, ends, (middles, edges)),
         }
     }
 
     /// Lagrange residual to P1 residual.
-    pub fn restrict(&self, r: &[f64], coarse: &mut [f64]) {
-        let (vertices, edges) = r.split_at(self.coarse_size());
-        coarse.copy_from_slice(vertices);
+    pub fn restrict<R: Scalar>(&self, r: &[R], coarse: &mut [f64]) {
         match self.components {
-            2 => self.gather_edges::<2>(edges, coarse, 0.5),
-            _ => self.gather_edges::<3>(edges, coarse, 0.5),
+            2 => self.gather_edges::<2, R, f64>(r, coarse, (1.0, 0.5)),
+            _ => self.gather_edges::<3, R, f64>(r, coarse, (1.0, 0.5)),
         }
         self.mask(coarse);
     }
 
     /// P1 values to Lagrange values.
-    pub fn prolong(&self, coarse: &[f64], x: &mut [f64]) {
-        let (vertices, edges) = x.split_at_mut(self.coarse_size());
-        vertices.copy_from_slice(coarse);
+    pub fn prolong<R: Scalar>(&self, coarse: &[f64], x: &mut [R]) {
         match self.components {
-            2 => self.visit_edges::<2>(vertices, edges, |u, mean| *u = mean),
-            _ => self.visit_edges::<3>(vertices, edges, |u, mean| *u = mean),
+            2 => self.interpolate::<2, R>(coarse, x),
+            _ => self.interpolate::<3, R>(coarse, x),
         }
         self.mask(x);
     }
 
-    /// Adds `factor` times the values of its edges to each vertex.
-    fn gather_edges<const C: usize>(&self, edges: &[f64], vertices: &mut [f64], factor: f64) {
-        let (edges, _) = edges.as_chunks::<C>();
-        let pieces = vertices.par_chunks_mut(PIECE * C).enumerate();
-        pieces.for_each(|(piece, part)| {
+    /// `unit` times the vertices of `r` and `factor` times the values of their edges.
+    fn gather_edges<const C: usize, R: Scalar, T: Scalar>(
+        &self,
+        r: &[R],
+        vertices: &mut [T],
+        (unit, factor): (f64, f64),
+    ) {
+        let (own, edges) = r.split_at(self.coarse_size());
+        let (own, edges) = (own.as_chunks::<C>().0, edges.as_chunks::<C>().0);
+        let pieces = vertices[..self.coarse_size()].par_chunks_mut(PIECE * C);
+        pieces.enumerate().for_each(|(piece, part)| {
             let (targets, _) = part.as_chunks_mut::<C>();
-            let offsets = &self.offsets[piece * PIECE..];
-            for (target, range) in targets.iter_mut().zip(offsets.windows(2)) {
+            let nodes = own[piece * PIECE..]
+                .iter()
+                .zip(&self.offsets[piece * PIECE..]);
+            let ends = &self.offsets[piece * PIECE + 1..];
+            for ((target, (own, &first)), &end) in targets.iter_mut().zip(nodes).zip(ends) {
                 let mut sum = [0.0; C];
-                for &edge in &self.incident[range[0] as usize..range[1] as usize] {
+                for &edge in &self.incident[first as usize..end as usize] {
                     for i in 0..C {
-                        sum[i] += edges[edge as usize][i];
+                        sum[i] += edges[edge as usize][i].widen();
                     }
                 }
                 for i in 0..C {
-                    target[i] += factor * sum[i];
+                    target[i] = T::narrow(unit * own[i].widen() + factor * sum[i]);
                 }
             }
         });
     }
 
-    /// Shows each edge value the mean of its ends.
-    fn visit_edges<const C: usize>(
+    /// `unit` times the corrections `c` of edges between `ends` whose values are `middles`.
+    fn visit_edges<const C: usize, R: Scalar>(
         &self,
-        vertices: &[f64],
-        edges: &mut [f64],
-        visit: impl Fn(&mut f64, f64) + Sync,
+        unit: f64,
+        ends: &[R],
+        (middles, c): (&[R], &mut [f64]),
     ) {
-        let (vertices, _) = vertices.as_chunks::<C>();
+        let (vertices, _) = ends.as_chunks::<C>();
+        let pieces = c
+            .par_chunks_mut(PIECE * C)
+            .zip(middles.par_chunks(PIECE * C))
+            .zip(self.edges.par_chunks(PIECE));
+        pieces.for_each(|((part, middles), ends)| {
+            let (targets, _) = part.as_chunks_mut::<C>();
+            let (middles, _) = middles.as_chunks::<C>();
+            for ((target, middle), [a, b]) in targets.iter_mut().zip(middles).zip(ends) {
+                let (a, b) = (&vertices[*a as usize], &vertices[*b as usize]);
+                for i in 0..C {
+                    let mean = 0.5 * (a[i].widen() + b[i].widen());
+                    target[i] = unit * (middle[i].widen() - mean);
+                }
+            }
+        });
+    }
+
+    /// P1 values at all nodes.
+    fn interpolate<const C: usize, R: Scalar>(&self, coarse: &[f64], x: &mut [R]) {
+        let (vertices, edges) = x.split_at_mut(self.coarse_size());
+        for (x, coarse) in vertices.iter_mut().zip(coarse) {
+            *x = R::narrow(*coarse);
+        }
+        let (coarse, _) = coarse.as_chunks::<C>();
         let pieces = edges
             .par_chunks_mut(PIECE * C)
             .zip(self.edges.par_chunks(PIECE));
         pieces.for_each(|(part, ends)| {
             let (targets, _) = part.as_chunks_mut::<C>();
             for (target, [a, b]) in targets.iter_mut().zip(ends) {
-                let (a, b) = (&vertices[*a as usize], &vertices[*b as usize]);
+                let (a, b) = (&coarse[*a as usize], &coarse[*b as usize]);
                 for i in 0..C {
-                    visit(&mut target[i], 0.5 * (a[i] + b[i]));
+                    target[i] = R::narrow(0.5 * (a[i] + b[i]));
                 }
             }
         });
@@ -198,7 +242,7 @@ mod tests {
             let (coarse, fine) = (reproducible_noise(8), reproducible_noise(18));
             let mut masked = coarse.clone();
             transfer.mask(&mut masked);
-            let (mut up, mut down) = (vec![0.0; 18], vec![0.0; 8]);
+            let (mut up, mut down) = (vec![0.0_f64; 18], vec![0.0; 8]);
             transfer.prolong(&masked, &mut up);
             transfer.restrict(&fine, &mut down);
             assert!((dot(&up, &fine) - dot(&masked, &down)).abs() < 1e-14);
@@ -209,17 +253,17 @@ mod tests {
     fn a_residual_does_on_values_the_same_work_in_both_bases() {
         let transfer = square(&[]);
         let (values, residual) = (reproducible_noise(18), reproducible_noise(18));
-        let (mut hierarchical, mut lagrange) = (values.clone(), residual.clone());
-        transfer.values_to_hierarchical(&mut hierarchical);
-        transfer.residual_to_lagrange(&mut lagrange);
+        let (mut hierarchical, mut lagrange) = (vec![0.0; 18], vec![0.0_f64; 18]);
+        transfer.values_to_hierarchical(1.0, &values, &mut hierarchical);
+        transfer.residual_to_lagrange(1.0, &residual, &mut lagrange);
         assert!((dot(&lagrange, &values) - dot(&residual, &hierarchical)).abs() < 1e-14);
     }
 
     #[test]
     fn held_entries_are_cleared() {
         let transfer = square(&[1, 12]);
-        let mut r = vec![1.0; 18];
-        transfer.residual_to_lagrange(&mut r);
+        let mut r = vec![0.0_f64; 18];
+        transfer.residual_to_lagrange(1.0, &[1.0; 18], &mut r);
         assert!(r[1].abs() + r[12].abs() < f64::MIN_POSITIVE);
     }
 }

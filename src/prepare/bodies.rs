@@ -4,10 +4,10 @@
 use std::sync::Arc;
 
 use super::deformed::Deformed;
-use crate::assembly::grid::Basis;
+use crate::assembly::grid::{Basis, SingleGrid};
 use crate::assembly::p1_stiffness::CellStiffness;
 use crate::assembly::strain::{TangentProducts, TangentStiffness};
-use crate::assembly::{CellGeometry, CellModuli, Constrained, Grid, Stiffness};
+use crate::assembly::{CellGeometry, CellModuli, Constrained, Grid, SingleStiffness, Stiffness};
 use crate::linalg::{LinearOperator, Preconditioner};
 use crate::mesh::Mesh;
 use crate::plan::rubber::VOLUMETRIC;
@@ -53,6 +53,15 @@ impl DisplacementBody<'_> {
                 basis,
                 size: self.space.displacement_unknowns(),
             },
+            held: self.held.clone(),
+        }
+    }
+
+    /// A of the body at rest in single precision.
+    pub(crate) fn single_stiffness(&self, basis: Basis) -> SingleStiffness {
+        SingleStiffness {
+            grid: SingleGrid::new(self.grid.clone()),
+            basis,
             held: self.held.clone(),
         }
     }

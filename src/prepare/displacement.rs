@@ -13,10 +13,12 @@ use crate::assembly::grid::Basis;
 use crate::assembly::node_couplings::node_couplings;
 use crate::assembly::p1_stiffness::add;
 use crate::linalg::Preconditioner;
+use crate::linalg::cholesky::Precision;
 use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::precond::lines::LagrangeNodes;
 use crate::precond::node_pairs::NodePairs;
+use crate::precond::p_multigrid::largest_eigenvalue;
 use crate::precond::{AlongLines, PMultigrid, Transfer};
 use crate::space::TaylorHood;
 
@@ -32,22 +34,43 @@ fn p_multigrid(plan: &Plan, body: &DisplacementBody<'_>) -> (Arc<dyn Preconditio
         body.space.edges.clone(),
         body.held.clone(),
     );
-    let inner = Arc::new(PMultigrid::new(
-        body.operator(Basis::Lagrange),
-        (body.node_blocks.clone(), plan.smoother_degree),
-        body.p1.clone(),
-        transfer.clone(),
-    ));
-    let bytes = inner.bytes();
+    let (inner, bytes) = on_lagrange_nodes(plan, body, transfer.clone());
     let around = plan
         .smooths_along_lines()
         .then(|| lines_around(plan, body, transfer, inner.clone()));
     match around.flatten() {
         Some(lines) => {
-            let bytes = lines.bytes() + body.node_blocks.bytes();
+            let bytes = lines.bytes() + bytes;
             (Arc::new(lines), bytes)
         }
         None => (inner, bytes),
+    }
+}
+
+/// p-multigrid and its bytes; in single precision where the P1 factor may be, for a body at
+/// rest.
+fn on_lagrange_nodes(
+    plan: &Plan,
+    body: &DisplacementBody<'_>,
+    transfer: Transfer,
+) -> (Arc<dyn Preconditioner>, u64) {
+    let operator = body.operator(Basis::Lagrange);
+    let largest = largest_eigenvalue(&*operator, body.node_blocks, transfer.held());
+    let smoother = (body.node_blocks.clone(), plan.smoother_degree, largest);
+    let is_single = plan.factor_precision().0 == Precision::Single && body.tangent.is_none();
+    match is_single {
+        true => {
+            let single = body.single_stiffness(Basis::Lagrange);
+            let bytes = single.grid.bytes();
+            let inner = PMultigrid::new(Arc::new(single), smoother, body.p1.clone(), transfer);
+            let bytes = bytes + inner.bytes();
+            (Arc::new(inner), bytes)
+        }
+        false => {
+            let inner = PMultigrid::new(Arc::new(operator), smoother, body.p1.clone(), transfer);
+            let bytes = inner.bytes();
+            (Arc::new(inner), bytes)
+        }
     }
 }
 
@@ -57,7 +80,7 @@ fn lines_around(
     plan: &Plan,
     body: &DisplacementBody<'_>,
     transfer: Transfer,
-    inner: Arc<PMultigrid>,
+    inner: Arc<dyn Preconditioner>,
 ) -> Option<AlongLines> {
     let mut couplings = node_couplings(body.mesh, body.space, body.geometry, body.moduli);
     if let Some(springs) = body.springs {

@@ -16,10 +16,12 @@ use std::time::{Duration, Instant};
 
 use body::{Body, bent_cube};
 use faer::Mat;
-use signorini::assembly::grid::{Basis, Rows};
+use signorini::assembly::grid::{Basis, Rows, SingleGrid};
+use signorini::assembly::kernel::Batch;
 use signorini::assembly::mass::weighted_mass;
+use signorini::krylov::sweeps::{self, Combination, Overlaps};
 use signorini::linalg::cholesky::Precision;
-use signorini::linalg::vector::{add_scaled, dots, reproducible_noise, subtract_combination};
+use signorini::linalg::vector::reproducible_noise;
 use signorini::linalg::{Preconditioner, Workspace};
 use signorini::precond::p1::{AmgP1, VertexBlocks};
 use signorini::precond::schur::ChebyshevMass;
@@ -112,19 +114,23 @@ fn seconds(mut task: impl FnMut()) -> f64 {
 
 /// Products with A, B^T and both.
 fn products(body: &Body) -> Vec<Part> {
-    let (grid, mut work) = (body.grid(), Workspace::new());
+    let (grid, mut work) = (Arc::new(body.grid()), Workspace::new());
+    let single = SingleGrid::new(grid.clone());
     let (size, vertices) = (body.space.displacement_unknowns(), body.space.vertices);
     let (x, p) = (reproducible_noise(size), reproducible_noise(vertices));
     let (mut y, mut r) = (vec![0.0; size], vec![0.0; vertices]);
+    let (u, mut f) = (rounded(&x), vec![0.0_f32; size]);
     let (n, m) = (8.0 * size as f64, 8.0 * vertices as f64);
     let (kept, cells) = (grid.bytes() as f64, body.geometry.cells() as f64);
+    // Numbers of nodes and places of copies, which both precisions read.
+    let shared = kept - cells / 8.0 * size_of::<Batch<4, 3, 6>>() as f64;
     vec![
         Part {
             name: "A in the smoother and the correction",
             times: 4.0,
-            bytes: kept + 3.0 * n,
-            operations: cells * OPERATIONS,
-            seconds: seconds(|| grid.subtract_stiffness(Basis::Lagrange, &x, &mut y, &mut work)),
+            bytes: single.bytes() as f64 + shared + 1.5 * n,
+            operations: cells * OPERATIONS / 2.0,
+            seconds: seconds(|| single.subtract_stiffness(Basis::Lagrange, &u, &mut f, &mut work)),
         },
         Part {
             name: "A, B and B^T together",
@@ -143,6 +149,11 @@ fn products(body: &Body) -> Vec<Part> {
             }),
         },
     ]
+}
+
+/// In single precision.
+fn rounded(x: &[f64]) -> Vec<f32> {
+    x.iter().map(|&value| value as f32).collect()
 }
 
 /// Smoother, transfers, P1 solve and pressure metric.
@@ -167,7 +178,9 @@ fn preconditioner(body: &Body) -> Option<Vec<Part>> {
     let transfer = Transfer::new(vertices, 3, edges, body.held.clone().into());
     let mass = weighted_mass(&body.mesh, &body.geometry, |_| 0.5);
     let metric = ChebyshevMass::new(mass, 3, MASS_STEPS);
-    let (r, mut d, mut x) = (reproducible_noise(size), vec![0.0; size], vec![0.0; size]);
+    let r = reproducible_noise(size);
+    let (mut d, mut x) = (vec![0.0_f32; size], vec![0.0_f32; size]);
+    let (rest, mut z2) = (rounded(&r), vec![0.0; size]);
     let (r1, mut z1) = (reproducible_noise(coarse), vec![0.0; coarse]);
     let mut z = vec![0.0; vertices];
     let mut work = Workspace::new();
@@ -176,21 +189,20 @@ fn preconditioner(body: &Body) -> Option<Vec<Part>> {
         Part {
             name: "Chebyshev step in node blocks",
             times: 4.0,
-            bytes: smoother.bytes() as f64 + 5.0 * n,
-            operations: 10.0 * size as f64,
-            seconds: seconds(|| smoother.chebyshev_update((0.3, 0.7), &r, &mut d, &mut x)),
+            bytes: smoother.bytes() as f64 + 2.5 * n,
+            operations: 5.0 * size as f64,
+            seconds: seconds(|| smoother.chebyshev_update((0.3, 0.7), &rest, &mut d, &mut x)),
         },
         Part {
             name: "transfers between bases and to P1",
             times: 1.0,
-            bytes: 7.0 * n + transfer.bytes() as f64,
+            bytes: 3.5 * n + transfer.bytes() as f64,
             operations: 8.0 * size as f64,
             seconds: seconds(|| {
-                x.copy_from_slice(&r);
-                transfer.residual_to_lagrange(&mut x);
+                transfer.residual_to_lagrange(1.0, &r, &mut x);
                 transfer.restrict(&x, &mut z1);
                 transfer.prolong(&z1, &mut d);
-                transfer.values_to_hierarchical(&mut d);
+                transfer.values_to_hierarchical(1.0, &d, &mut z2);
             }),
         },
         Part {
@@ -222,14 +234,26 @@ fn krylov(body: &Body) -> Part {
     Part {
         name: "Krylov: ten directions, x and r",
         times: 1.0,
-        bytes: (3 * KEPT + 1 + 4 + 6) as f64 * n,
+        bytes: (3 * KEPT + 2 + 8) as f64 * n,
         operations: (6 * KEPT + 4) as f64 * size as f64,
         seconds: seconds(|| {
-            let overlaps = dots(&p, &images).map(|overlap| 1e-9 * overlap);
-            subtract_combination(&mut d, &overlaps, &directions);
-            subtract_combination(&mut p, &overlaps, &images);
-            add_scaled(&mut x, 1e-9, &d);
-            add_scaled(&mut r, -1e-9, &p);
+            let overlaps = Overlaps::of(&p, &r, &images).kept.map(|c| 1e-9 * c);
+            let by = Combination {
+                overlaps: &overlaps,
+                directions,
+                images,
+                length: 1.0,
+                step: 1e-9,
+            };
+            let (direction, product) = (&mut d[..], &mut p[..]);
+            let (x, r) = (&mut x[..], &mut r[..]);
+            let step = sweeps::Step {
+                direction,
+                product,
+                x,
+                r,
+            };
+            step.take(&by);
         }),
     }
 }

@@ -6,6 +6,7 @@ use crate::assembly::kernel::{Batch, PRESSURE, edge_factor};
 use crate::assembly::lanes::{Lanes, WIDTH};
 use crate::assembly::simd;
 use crate::assembly::transpose::Row;
+use crate::linalg::Scalar;
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
@@ -81,14 +82,13 @@ impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
     }
 
     /// Displacements of the block's nodes in its own rows.
-    pub(in crate::assembly) fn gather_displacement(&self, x: &[f64], rows: &mut [Row]) {
+    pub(in crate::assembly) fn gather_displacement<R: Scalar>(&self, x: &[R], rows: &mut [Row<R>]) {
         let (sources, _) = x.as_chunks::<D>();
         let ahead = self.nodes.iter().skip(AHEAD).chain(std::iter::repeat(&0));
         for ((row, &node), &later) in rows.iter_mut().zip(&self.nodes).zip(ahead) {
             simd::prefetch_at(sources, later as usize);
             let source = &sources[node as usize];
-            *row = [0.0; 4];
-            row[..D].copy_from_slice(source);
+            *row = std::array::from_fn(|i| if i < D { source[i] } else { R::default() });
         }
     }
 
@@ -100,48 +100,55 @@ impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
         }
     }
 
-    fn mask(&self, rows: Rows, x: &mut [Row]) {
+    fn mask<R: Scalar>(&self, rows: Rows, x: &mut [Row<R>]) {
         if rows == Rows::Free {
             for &(node, component) in &self.held {
-                x[usize::from(node)][usize::from(component)] = 0.0;
+                x[usize::from(node)][usize::from(component)] = R::default();
             }
         }
     }
 
-    pub(in crate::assembly) fn prepare_argument(&self, basis: Basis, rows: Rows, x: &mut [Row]) {
+    pub(in crate::assembly) fn prepare_argument<R: Scalar>(
+        &self,
+        basis: Basis,
+        rows: Rows,
+        x: &mut [Row<R>],
+    ) {
         self.mask(rows, x);
-        let factor = edge_factor(V);
+        let (factor, half) = (R::narrow(edge_factor(V)), R::narrow(0.5));
         let (vertices, edges) = x.split_at_mut(self.vertices);
         match basis {
             Basis::Hierarchical => edges
                 .as_flattened_mut()
                 .iter_mut()
-                .for_each(|c| *c *= factor),
+                .for_each(|c| *c = *c * factor),
             Basis::Lagrange => {
                 for (edge, ends) in edges.iter_mut().zip(&self.edge_ends) {
                     let [a, b] = ends.map(|end| vertices[usize::from(end)]);
-                    for i in 0..4 {
-                        edge[i] = factor * (edge[i] - 0.5 * (a[i] + b[i]));
-                    }
+                    let value = *edge;
+                    *edge = std::array::from_fn(|i| factor * (value[i] - half * (a[i] + b[i])));
                 }
             }
         }
     }
 
-    pub(in crate::assembly) fn finish_result(&self, basis: Basis, rows: Rows, y: &mut [Row]) {
-        let factor = edge_factor(V);
+    pub(in crate::assembly) fn finish_result<R: Scalar>(
+        &self,
+        basis: Basis,
+        rows: Rows,
+        y: &mut [Row<R>],
+    ) {
+        let (factor, half) = (R::narrow(edge_factor(V)), R::narrow(0.5));
         let (vertices, edges) = y.split_at_mut(self.vertices);
-        edges
-            .as_flattened_mut()
-            .iter_mut()
-            .for_each(|c| *c *= factor);
+        for edge in edges.iter_mut() {
+            *edge = edge.map(|value| value * factor);
+        }
         if basis == Basis::Lagrange {
             for (edge, ends) in edges.iter().zip(&self.edge_ends) {
                 for end in ends {
                     let vertex = &mut vertices[usize::from(*end)];
-                    for i in 0..4 {
-                        vertex[i] -= 0.5 * edge[i];
-                    }
+                    let value = *vertex;
+                    *vertex = std::array::from_fn(|i| value[i] - half * edge[i]);
                 }
             }
         }

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::assembly::simd;
 use crate::assembly::transpose::Row;
+use crate::linalg::Scalar;
 
 /// Copies between asking for one and reading it.
 const AHEAD: usize = 24;
@@ -51,13 +52,13 @@ impl Copies {
 
     /// Hands the sum of each node's rows to `take`, together with the node's
     /// `C` numbers of `y`; `y` may end before the last node.
-    pub(in crate::assembly) fn sum<const C: usize>(
+    pub(in crate::assembly) fn sum<const C: usize, R: Scalar>(
         &self,
-        local: &[Row],
-        y: &mut [f64],
-        take: impl Fn(&mut [f64; C], Row) + Sync,
+        local: &[Row<R>],
+        y: &mut [R],
+        take: impl Fn(&mut [R; C], Row<R>) + Sync,
     ) {
-        let of_piece = |(piece, part): (usize, &mut [f64])| {
+        let of_piece = |(piece, part): (usize, &mut [R])| {
             let (nodes, _) = part.as_chunks_mut::<C>();
             let offsets = &self.offsets[piece * PIECE..];
             for (target, range) in nodes.iter_mut().zip(offsets.windows(2)) {
@@ -78,13 +79,12 @@ impl Copies {
 }
 
 #[inline(always)]
-fn sum_of(local: &[Row], copies: &[u32]) -> Row {
-    let mut sum = [0.0; 4];
+fn sum_of<R: Scalar>(local: &[Row<R>], copies: &[u32]) -> Row<R> {
+    let mut sum = [R::default(); 4];
     for &position in copies {
         let row = &local[position as usize];
-        for i in 0..4 {
-            sum[i] += row[i];
-        }
+        let before = sum;
+        sum = std::array::from_fn(|i| before[i] + row[i]);
     }
     sum
 }

@@ -8,6 +8,7 @@
 
 mod block;
 mod copies;
+mod single;
 
 use rayon::prelude::*;
 
@@ -15,10 +16,11 @@ use super::kernel::{Batch, PRESSURE};
 use super::partition::blocks_of_cells;
 use super::simd::{self, InstructionSet};
 use super::transpose::Row;
-use crate::linalg::Workspace;
+use crate::linalg::{Scalar, Workspace};
 pub(super) use block::Block;
 pub use block::GridSource;
 pub(super) use copies::Copies;
+pub use single::SingleGrid;
 
 /// Most groups of blocks that run at the same time.
 const MOST_GROUPS: usize = 64;
@@ -198,13 +200,13 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
 
     fn stiffness(&self, on: (Basis, Rows), x: &[f64], y: &mut [f64], work: &mut Workspace) {
         self.stiffness_into(on, x, work, |local| {
-            self.copies.sum::<D>(local, y, set_displacement);
+            self.copies.sum::<D, f64>(local, y, set_displacement);
         });
     }
 
     fn subtract_stiffness(&self, basis: Basis, x: &[f64], r: &mut [f64], work: &mut Workspace) {
         self.stiffness_into((basis, Rows::Free), x, work, |local| {
-            self.copies.sum::<D>(local, r, add_displacement(-1.0));
+            self.copies.sum::<D, f64>(local, r, add_displacement(-1.0));
         });
     }
 
@@ -243,7 +245,10 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
                 simd::divergence_transposed(self.instructions, &block.batches, p, y);
                 block.finish_result(Basis::Hierarchical, Rows::Free, y);
             },
-            |local| self.copies.sum::<D>(local, y, add_displacement(factor)),
+            |local| {
+                self.copies
+                    .sum::<D, f64>(local, y, add_displacement(factor))
+            },
         );
     }
 
@@ -255,7 +260,7 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
                 block.prepare_argument(Basis::Hierarchical, rows, x_rows);
             },
             |_, block, x, r| simd::divergence(self.instructions, &block.batches, x, r),
-            |local| self.copies.sum::<1>(local, r, set_pressure),
+            |local| self.copies.sum::<1, f64>(local, r, set_pressure),
         );
     }
 
@@ -267,7 +272,7 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
                 simd::divergence_transposed(self.instructions, &block.batches, p, y);
                 block.finish_result(Basis::Hierarchical, rows, y);
             },
-            |local| self.copies.sum::<D>(local, y, set_displacement),
+            |local| self.copies.sum::<D, f64>(local, y, set_displacement),
         );
     }
 
@@ -289,8 +294,8 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
                 block.finish_result(Basis::Hierarchical, Rows::Free, y);
             },
             |local| {
-                self.copies.sum::<D>(local, y, set_displacement);
-                self.copies.sum::<1>(local, r, set_pressure);
+                self.copies.sum::<D, f64>(local, y, set_displacement);
+                self.copies.sum::<1, f64>(local, r, set_pressure);
             },
         );
     }
@@ -312,43 +317,44 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
 
     /// One pass: `gather` fills the rows of a block, `run` adds to its results,
     /// `finish` takes the results of all blocks.
-    pub(super) fn pass(
+    pub(super) fn pass<R: Scalar>(
         &self,
         work: &mut Workspace,
-        gather: impl Fn(&Block<V, D, E>, &mut [Row]) + Sync,
-        run: impl Fn(usize, &Block<V, D, E>, &[Row], &mut [Row]) + Sync,
-        finish: impl FnOnce(&[Row]),
+        gather: impl Fn(&Block<V, D, E>, &mut [Row<R>]) + Sync,
+        run: impl Fn(usize, &Block<V, D, E>, &[Row<R>], &mut [Row<R>]) + Sync,
+        finish: impl FnOnce(&[Row<R>]),
     ) {
         // Items without size take no memory.
         let mut nothing = vec![(); self.blocks.len()];
-        let run = |index: usize, block: &Block<V, D, E>, _: &mut (), x: &[Row], y: &mut [Row]| {
-            run(index, block, x, y);
-        };
+        let run =
+            |index: usize, block: &Block<V, D, E>, _: &mut (), x: &[Row<R>], y: &mut [Row<R>]| {
+                run(index, block, x, y);
+            };
         self.pass_over(&mut nothing, work, gather, run, finish);
     }
 
     /// [`Self::pass`] that also changes an item of each block.
-    pub(super) fn pass_over<I: Send>(
+    pub(super) fn pass_over<I: Send, R: Scalar>(
         &self,
         items: &mut [I],
         work: &mut Workspace,
-        gather: impl Fn(&Block<V, D, E>, &mut [Row]) + Sync,
-        run: impl Fn(usize, &Block<V, D, E>, &mut I, &[Row], &mut [Row]) + Sync,
-        finish: impl FnOnce(&[Row]),
+        gather: impl Fn(&Block<V, D, E>, &mut [Row<R>]) + Sync,
+        run: impl Fn(usize, &Block<V, D, E>, &mut I, &[Row<R>], &mut [Row<R>]) + Sync,
+        finish: impl FnOnce(&[Row<R>]),
     ) {
         let groups = self.blocks.len().div_ceil(self.group);
         // A group's argument is one block's, and so stays in its cache.
-        let mut arguments = work.scratch(4 * groups * self.block_rows);
-        let mut results = work.scratch(4 * groups * self.group_rows);
+        let mut arguments = R::take(work, 4 * groups * self.block_rows);
+        let mut results = R::take(work, 4 * groups * self.group_rows);
         let (argument_rows, _) = arguments.as_chunks_mut::<4>();
         let (result_rows, _) = results.as_chunks_mut::<4>();
-        let of_group = |number: usize, items: &mut [I], x: &mut [Row], mut y: &mut [Row]| {
+        let of_group = |number: usize, items: &mut [I], x: &mut [Row<R>], mut y: &mut [Row<R>]| {
             let group = self.blocks[number * self.group..].iter().zip(items);
             for (offset, (block, item)) in group.enumerate() {
                 let x = &mut x[..block.nodes.len()];
                 let (y_block, rest) = y.split_at_mut(block.nodes.len());
                 gather(block, x);
-                y_block.fill([0.0; 4]);
+                y_block.fill([R::default(); 4]);
                 run(number * self.group + offset, block, item, x, y_block);
                 y = rest;
             }
@@ -367,8 +373,8 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
                 .for_each(|(number, ((items, x), y))| of_group(number, items, x, y)),
         }
         finish(result_rows);
-        work.give(arguments);
-        work.give(results);
+        R::give(work, arguments);
+        R::give(work, results);
     }
 }
 

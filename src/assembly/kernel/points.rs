@@ -4,25 +4,33 @@
 use pulp::Simd;
 
 use super::{Batch, NodeLanes, PRESSURE, edge_pairs, rule};
-use crate::assembly::lanes::Pack;
+use crate::assembly::lanes::{Pack, Packed};
 
-pub(in crate::assembly) type Vectors<S, const N: usize, const D: usize> = [[Pack<S>; D]; N];
-pub(in crate::assembly) type Tensor<S, const D: usize> = [[Pack<S>; D]; D];
+pub(in crate::assembly) type Vectors<S, const N: usize, const D: usize, R = f64> =
+    [[Pack<S, R>; D]; N];
+pub(in crate::assembly) type Tensor<S, const D: usize, R = f64> = [[Pack<S, R>; D]; D];
 #[inline(always)]
-pub(in crate::assembly) fn zeros<S: Simd, const N: usize, const D: usize>(
+pub(in crate::assembly) fn zeros<S: Simd, const N: usize, const D: usize, R: Packed>(
     simd: S,
-) -> Vectors<S, N, D> {
+) -> Vectors<S, N, D, R> {
     [[Pack::splat(simd, 0.0); D]; N]
 }
 
 /// Gradients of all barycentric coordinates in one part of a batch.
 #[inline(always)]
-pub(in crate::assembly) fn gradients<S: Simd, const V: usize, const D: usize, const E: usize>(
+pub(in crate::assembly) fn gradients<
+    S: Simd,
+    const V: usize,
+    const D: usize,
+    const E: usize,
+    R: Packed,
+    const W: usize,
+>(
     simd: S,
-    batch: &Batch<V, D, E>,
+    batch: &Batch<V, D, E, R, W>,
     part: usize,
-) -> Vectors<S, V, D> {
-    let mut out = zeros::<S, V, D>(simd);
+) -> Vectors<S, V, D, R> {
+    let mut out = zeros::<S, V, D, R>(simd);
     for j in 0..D {
         for a in 0..D {
             let slope = Pack::load(simd, &batch.gradients[a][j], part);
@@ -50,15 +58,22 @@ pub fn edge_factor(vertices: usize) -> f64 {
 
 /// u_a + 4 beta sum_j c_aj, in one part of a batch.
 #[inline(always)]
-pub(super) fn bases<S: Simd, const V: usize, const D: usize, const E: usize>(
+pub(super) fn bases<
+    S: Simd,
+    const V: usize,
+    const D: usize,
+    const E: usize,
+    R: Packed,
+    const W: usize,
+>(
     simd: S,
-    vertices: &NodeLanes<V>,
-    edges: &NodeLanes<E>,
+    vertices: &NodeLanes<V, R, W>,
+    edges: &NodeLanes<E, R, W>,
     part: usize,
-) -> Vectors<S, V, D> {
+) -> Vectors<S, V, D, R> {
     let (alpha, beta) = rule(V);
     let shared = Pack::splat(simd, beta / (alpha - beta));
-    let mut sums = zeros::<S, V, D>(simd);
+    let mut sums = zeros::<S, V, D, R>(simd);
     for (e, (a, b)) in edge_pairs::<E>().into_iter().enumerate() {
         for i in 0..D {
             let c = Pack::load(simd, &edges[e][i], part);
@@ -78,34 +93,34 @@ pub(super) fn bases<S: Simd, const V: usize, const D: usize, const E: usize>(
 /// Turns the displacement gradient at a point into a weighted stress. A trait
 /// and not a closure: only a method is sure to be inlined, and without that
 /// every sum is a call.
-pub(super) trait Law<S: Simd, const D: usize> {
-    fn stress(&mut self, point: usize, h: &Tensor<S, D>) -> Tensor<S, D>;
+pub(super) trait Law<S: Simd, const D: usize, R: Packed> {
+    fn stress(&mut self, point: usize, h: &Tensor<S, D, R>) -> Tensor<S, D, R>;
 }
 
 /// 2 mu eps + lambda div I.
-pub(super) struct Elastic<S: Simd> {
-    pub(super) shear: Pack<S>,
-    pub(super) lame: Pack<S>,
+pub(super) struct Elastic<S: Simd, R: Packed> {
+    pub(super) shear: Pack<S, R>,
+    pub(super) lame: Pack<S, R>,
 }
 
-impl<S: Simd, const D: usize> Law<S, D> for Elastic<S> {
+impl<S: Simd, const D: usize, R: Packed> Law<S, D, R> for Elastic<S, R> {
     #[inline(always)]
-    fn stress(&mut self, _point: usize, h: &Tensor<S, D>) -> Tensor<S, D> {
+    fn stress(&mut self, _point: usize, h: &Tensor<S, D, R>) -> Tensor<S, D, R> {
         stress(h, trace(h), self.shear, self.lame)
     }
 }
 
 /// The same less the pressure; keeps the divergences.
-pub(super) struct Pressed<S: Simd, const V: usize> {
-    pub(super) elastic: Elastic<S>,
+pub(super) struct Pressed<S: Simd, const V: usize, R: Packed> {
+    pub(super) elastic: Elastic<S, R>,
     /// Weighted, at the points.
-    pub(super) pressure: [Pack<S>; V],
-    pub(super) traces: [Pack<S>; V],
+    pub(super) pressure: [Pack<S, R>; V],
+    pub(super) traces: [Pack<S, R>; V],
 }
 
-impl<S: Simd, const V: usize, const D: usize> Law<S, D> for Pressed<S, V> {
+impl<S: Simd, const V: usize, const D: usize, R: Packed> Law<S, D, R> for Pressed<S, V, R> {
     #[inline(always)]
-    fn stress(&mut self, point: usize, h: &Tensor<S, D>) -> Tensor<S, D> {
+    fn stress(&mut self, point: usize, h: &Tensor<S, D, R>) -> Tensor<S, D, R> {
         let divergence = trace(h);
         self.traces[point] = divergence;
         let mut total = stress(h, divergence, self.elastic.shear, self.elastic.lame);
@@ -117,22 +132,32 @@ impl<S: Simd, const V: usize, const D: usize> Law<S, D> for Pressed<S, V> {
 }
 
 /// What the points of an element share, in one part of a batch.
-pub(super) struct Sweep<'a, S: Simd, const V: usize, const D: usize, const E: usize> {
-    g: &'a Vectors<S, V, D>,
-    edges: &'a NodeLanes<E>,
-    constant: Tensor<S, D>,
+pub(super) struct Sweep<
+    'a,
+    S: Simd,
+    const V: usize,
+    const D: usize,
+    const E: usize,
+    R: Packed,
+    const W: usize,
+> {
+    g: &'a Vectors<S, V, D, R>,
+    edges: &'a NodeLanes<E, R, W>,
+    constant: Tensor<S, D, R>,
     /// Stresses of the points so far.
-    sum: Tensor<S, D>,
+    sum: Tensor<S, D, R>,
     /// What they add at edges.
-    at_edges: Vectors<S, E, D>,
+    at_edges: Vectors<S, E, D, R>,
     part: usize,
 }
 
-impl<S: Simd, const V: usize, const D: usize, const E: usize> Sweep<'_, S, V, D, E> {
+impl<S: Simd, const V: usize, const D: usize, const E: usize, R: Packed, const W: usize>
+    Sweep<'_, S, V, D, E, R, W>
+{
     /// Visits point `Q`, a constant so that the loops unroll and the sums stay
     /// in registers.
     #[inline(always)]
-    fn visit<const Q: usize>(&mut self, simd: S, law: &mut impl Law<S, D>) {
+    fn visit<const Q: usize>(&mut self, simd: S, law: &mut impl Law<S, D, R>) {
         let mut h = self.constant;
         for k in 1..V {
             let a = (Q + k) % V;
@@ -165,15 +190,22 @@ impl<S: Simd, const V: usize, const D: usize, const E: usize> Sweep<'_, S, V, D,
 /// Visits the points in one part of a batch: nodal forces of the stress that
 /// `law` gives replace the argument.
 #[inline(always)]
-pub(super) fn visit_points<S: Simd, const V: usize, const D: usize, const E: usize>(
+pub(super) fn visit_points<
+    S: Simd,
+    const V: usize,
+    const D: usize,
+    const E: usize,
+    R: Packed,
+    const W: usize,
+>(
     simd: S,
-    g: &Vectors<S, V, D>,
-    (vertices, edges): (&mut NodeLanes<V>, &mut NodeLanes<E>),
+    g: &Vectors<S, V, D, R>,
+    (vertices, edges): (&mut NodeLanes<V, R, W>, &mut NodeLanes<E, R, W>),
     part: usize,
-    law: &mut impl Law<S, D>,
+    law: &mut impl Law<S, D, R>,
 ) {
-    let base = bases::<S, V, D, E>(simd, vertices, edges, part);
-    let mut constant = zeros::<S, D, D>(simd);
+    let base = bases::<S, V, D, E, R, W>(simd, vertices, edges, part);
+    let mut constant = zeros::<S, D, D, R>(simd);
     for a in 0..V {
         for i in 0..D {
             for j in 0..D {
@@ -185,8 +217,8 @@ pub(super) fn visit_points<S: Simd, const V: usize, const D: usize, const E: usi
         g,
         edges: &*edges,
         constant,
-        sum: zeros::<S, D, D>(simd),
-        at_edges: zeros::<S, E, D>(simd),
+        sum: zeros::<S, D, D, R>(simd),
+        at_edges: zeros::<S, E, D, R>(simd),
         part,
     };
     sweep.visit::<0>(simd, law);
@@ -196,7 +228,7 @@ pub(super) fn visit_points<S: Simd, const V: usize, const D: usize, const E: usi
         sweep.visit::<3>(simd, law);
     }
     let (sum, at_edges) = (sweep.sum, sweep.at_edges);
-    let mut totals = zeros::<S, V, D>(simd);
+    let mut totals = zeros::<S, V, D, R>(simd);
     for a in 0..V {
         totals[a] = traction(simd, &sum, &g[a]);
     }
@@ -206,11 +238,18 @@ pub(super) fn visit_points<S: Simd, const V: usize, const D: usize, const E: usi
 /// Forces of vertices and edges from the sum over the points at vertices and
 /// what the points add at edges.
 #[inline(always)]
-pub(super) fn store_forces<S: Simd, const V: usize, const D: usize, const E: usize>(
+pub(super) fn store_forces<
+    S: Simd,
+    const V: usize,
+    const D: usize,
+    const E: usize,
+    R: Packed,
+    const W: usize,
+>(
     simd: S,
-    totals: &Vectors<S, V, D>,
-    at_edges: &Vectors<S, E, D>,
-    (vertices, edges): (&mut NodeLanes<V>, &mut NodeLanes<E>),
+    totals: &Vectors<S, V, D, R>,
+    at_edges: &Vectors<S, E, D, R>,
+    (vertices, edges): (&mut NodeLanes<V, R, W>, &mut NodeLanes<E, R, W>),
     part: usize,
 ) {
     let (alpha, beta) = rule(V);
@@ -230,11 +269,11 @@ pub(super) fn store_forces<S: Simd, const V: usize, const D: usize, const E: usi
 }
 
 #[inline(always)]
-pub(in crate::assembly) fn traction<S: Simd, const D: usize>(
+pub(in crate::assembly) fn traction<S: Simd, const D: usize, R: Packed>(
     simd: S,
-    stress: &Tensor<S, D>,
-    direction: &[Pack<S>; D],
-) -> [Pack<S>; D] {
+    stress: &Tensor<S, D, R>,
+    direction: &[Pack<S, R>; D],
+) -> [Pack<S, R>; D] {
     let mut out = [Pack::splat(simd, 0.0); D];
     for i in 0..D {
         for j in 0..D {
@@ -246,12 +285,12 @@ pub(in crate::assembly) fn traction<S: Simd, const D: usize>(
 
 /// Weighted stress 2 mu eps + lambda div I from a displacement gradient.
 #[inline(always)]
-pub(super) fn stress<S: Simd, const D: usize>(
-    h: &Tensor<S, D>,
-    trace: Pack<S>,
-    shear: Pack<S>,
-    lame: Pack<S>,
-) -> Tensor<S, D> {
+pub(super) fn stress<S: Simd, const D: usize, R: Packed>(
+    h: &Tensor<S, D, R>,
+    trace: Pack<S, R>,
+    shear: Pack<S, R>,
+    lame: Pack<S, R>,
+) -> Tensor<S, D, R> {
     let volumetric = trace * lame;
     let mut out = *h;
     for i in 0..D {
@@ -264,7 +303,7 @@ pub(super) fn stress<S: Simd, const D: usize>(
 }
 
 #[inline(always)]
-pub(super) fn trace<S: Simd, const D: usize>(h: &Tensor<S, D>) -> Pack<S> {
+pub(super) fn trace<S: Simd, const D: usize, R: Packed>(h: &Tensor<S, D, R>) -> Pack<S, R> {
     let mut sum = h[0][0];
     for i in 1..D {
         sum += h[i][i];
@@ -274,11 +313,11 @@ pub(super) fn trace<S: Simd, const D: usize>(h: &Tensor<S, D>) -> Pack<S> {
 
 /// -int lambda_a div u from the divergences at the points, in one part.
 #[inline(always)]
-pub(super) fn volumes<S: Simd, const V: usize>(
+pub(super) fn volumes<S: Simd, const V: usize, R: Packed, const W: usize>(
     simd: S,
-    traces: &[Pack<S>; V],
-    weight: Pack<S>,
-    vertices: &mut NodeLanes<V>,
+    traces: &[Pack<S, R>; V],
+    weight: Pack<S, R>,
+    vertices: &mut NodeLanes<V, R, W>,
     part: usize,
 ) {
     let (alpha, beta) = rule(V);
@@ -296,12 +335,12 @@ pub(super) fn volumes<S: Simd, const V: usize>(
 
 /// Weighted pressures at the points, in one part.
 #[inline(always)]
-pub(super) fn pressures<S: Simd, const V: usize>(
+pub(super) fn pressures<S: Simd, const V: usize, R: Packed, const W: usize>(
     simd: S,
-    vertices: &NodeLanes<V>,
-    weight: Pack<S>,
+    vertices: &NodeLanes<V, R, W>,
+    weight: Pack<S, R>,
     part: usize,
-) -> [Pack<S>; V] {
+) -> [Pack<S, R>; V] {
     let (alpha, beta) = rule(V);
     let mut values = [Pack::splat(simd, 0.0); V];
     let mut sum = Pack::splat(simd, 0.0);

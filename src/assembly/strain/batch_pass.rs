@@ -22,7 +22,7 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for RespondPass<'
     type Output = Response;
     #[inline(always)]
     fn run<S: Simd, T: Transpose>(self, simd: S, transpose: T) -> Response {
-        let mut element = Element::ZERO;
+        let mut element = Element::zero();
         let zero = Pack::splat(simd, 0.0);
         let mut least: f64 = f64::INFINITY;
         let mut energy = 0.0;
@@ -75,7 +75,7 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for LinearisePass
     type Output = ();
     #[inline(always)]
     fn run<S: Simd, T: Transpose>(self, simd: S, transpose: T) {
-        let mut element = Element::ZERO;
+        let mut element = Element::zero();
         let states = self.states.chunks_exact_mut(self.cells.stride);
         let cells = self.cells.batches.iter().zip(self.cells.laws);
         for (index, ((batch, law), state)) in cells.zip(states).enumerate() {
@@ -137,7 +137,7 @@ macro_rules! frozen_pass {
             type Output = ();
             #[inline(always)]
             fn run<S: Simd, T: Transpose>(self, simd: S, transpose: T) {
-                let mut element = Element::ZERO;
+                let mut element = Element::zero();
                 let (stride, points) = (self.cells.stride, self.cells.rule.len());
                 let hoops = self.cells.hoops;
                 let cells = self.cells.batches.iter().zip(self.cells.laws);

@@ -48,7 +48,7 @@ pub(super) fn vertex_gradients<S: Simd, const V: usize, const D: usize, const E:
     (vertices, edges): (&NodeLanes<V>, &NodeLanes<E>),
     part: usize,
 ) -> VertexGradients<S, V, D> {
-    let mut constant = zeros::<S, D, D>(simd);
+    let mut constant = zeros::<S, D, D, f64>(simd);
     for a in 0..V {
         for i in 0..D {
             let value = Pack::load(simd, &vertices[a][i], part);
@@ -113,7 +113,7 @@ pub(super) fn at_point<S: Simd, const V: usize, const D: usize>(
     hats: &[Pack<S>; V],
     vertex: &VertexGradients<S, V, D>,
 ) -> Tensor<Pack<S>> {
-    let mut out = zeros::<S, D, D>(simd);
+    let mut out = zeros::<S, D, D, f64>(simd);
     for (hat, gradient) in hats.iter().zip(vertex) {
         for i in 0..D {
             for j in 0..D {
@@ -145,7 +145,7 @@ pub(super) fn moments<S: Simd, const V: usize, const D: usize, const E: usize>(
     ring: Option<&Ring<S, V, E>>,
     law: &mut impl PointLaw<S, V>,
 ) -> (VertexGradients<S, V, D>, RingForces<S, V, E>) {
-    let mut out = [zeros::<S, D, D>(simd); V];
+    let mut out = [zeros::<S, D, D, f64>(simd); V];
     let mut forces = RingForces::zero(simd);
     for (index, (point, weight)) in rule.points.iter().zip(&rule.weights).enumerate() {
         let hats = hats::<S, V>(simd, point);

@@ -57,8 +57,8 @@ impl StrainGrid {
                 block.finish_result(Basis::Hierarchical, Rows::All, y);
             },
             |local| {
-                grid.copies().sum::<D>(local, f, set_displacement);
-                grid.copies().sum::<1>(local, c, set_pressure);
+                grid.copies().sum::<D, f64>(local, f, set_displacement);
+                grid.copies().sum::<1, f64>(local, c, set_pressure);
             },
         );
         let mut response = parts.into_iter().fold(Response::NONE, Response::with);

@@ -71,7 +71,7 @@ impl CellMatrices {
         grid.pass_over(
             &mut blocks,
             &mut Workspace::new(),
-            |_, _| (),
+            |_, _: &mut [Row]| (),
             |index, _, matrices, _, _| {
                 let cells = cells.batches(grid, index);
                 matrices.resize(cells.batches.len(), [Lanes::ZERO; ENTRIES]);
@@ -109,8 +109,8 @@ impl CellMatrices {
                 block.finish_result(Basis::Hierarchical, Rows::Free, y);
             },
             |local| {
-                grid.copies().sum::<2>(local, y, set_displacement);
-                grid.copies().sum::<1>(local, r, set_pressure);
+                grid.copies().sum::<2, f64>(local, y, set_displacement);
+                grid.copies().sum::<1, f64>(local, r, set_pressure);
             },
         );
     }
@@ -133,7 +133,10 @@ impl CellMatrices {
                 self.multiply((grid, index), Part::Stiffness, x, y);
                 block.finish_result(basis, Rows::Free, y);
             },
-            |local| grid.copies().sum::<2>(local, y, add_displacement(factor)),
+            |local| {
+                grid.copies()
+                    .sum::<2, f64>(local, y, add_displacement(factor))
+            },
         );
     }
 
@@ -152,7 +155,7 @@ impl CellMatrices {
                 block.prepare_argument(Basis::Hierarchical, Rows::Free, x);
             },
             |index, _, x, y| self.multiply((grid, index), Part::Divergence, x, y),
-            |local| grid.copies().sum::<1>(local, r, set_pressure),
+            |local| grid.copies().sum::<1, f64>(local, r, set_pressure),
         );
     }
 
@@ -174,7 +177,10 @@ impl CellMatrices {
                 self.multiply((grid, index), Part::Transposed, x, y);
                 block.finish_result(Basis::Hierarchical, Rows::Free, y);
             },
-            |local| grid.copies().sum::<2>(local, y, add_displacement(factor)),
+            |local| {
+                grid.copies()
+                    .sum::<2, f64>(local, y, add_displacement(factor))
+            },
         );
     }
 
@@ -210,7 +216,7 @@ impl BatchPass for MatrixPass<'_> {
             let state = BatchState::<3, 2>(state);
             let points = cells.rule.len();
             for column in 0..DISPLACEMENTS {
-                let mut element = Element::ZERO;
+                let mut element = Element::zero();
                 *entry_of(&mut element, column) = one;
                 forces(
                     (simd, cells.rule),
@@ -279,7 +285,7 @@ impl BatchPass for ProductPass<'_> {
     type Output = ();
     #[inline(always)]
     fn run<S: Simd, T: Transpose>(self, simd: S, transpose: T) {
-        let mut element = Element::ZERO;
+        let mut element = Element::zero();
         for (index, (batch, matrix)) in self.cells.iter().zip(self.matrices).enumerate() {
             prefetch_at(self.cells, index + 1);
             gather(transpose, &batch.vertices, self.x, &mut element.vertices);

@@ -125,8 +125,8 @@ impl<const V: usize, const D: usize, const E: usize> OnGrid<'_, V, D, E> {
                 block.finish_result(Basis::Hierarchical, rows, y);
             },
             |local| {
-                grid.copies().sum::<D>(local, y, set_displacement);
-                grid.copies().sum::<1>(local, r, set_pressure);
+                grid.copies().sum::<D, f64>(local, y, set_displacement);
+                grid.copies().sum::<1, f64>(local, r, set_pressure);
             },
         );
     }
@@ -152,7 +152,7 @@ impl<const V: usize, const D: usize, const E: usize> OnGrid<'_, V, D, E> {
             },
             |local| {
                 grid.copies()
-                    .sum::<D>(local, y, add_displacement(term.factor));
+                    .sum::<D, f64>(local, y, add_displacement(term.factor));
             },
         );
     }
@@ -174,7 +174,7 @@ impl<const V: usize, const D: usize, const E: usize> OnGrid<'_, V, D, E> {
                 };
                 grid.instructions().run(pass);
             },
-            |local| grid.copies().sum::<1>(local, r, set_pressure),
+            |local| grid.copies().sum::<1, f64>(local, r, set_pressure),
         );
     }
 
@@ -202,7 +202,10 @@ impl<const V: usize, const D: usize, const E: usize> OnGrid<'_, V, D, E> {
                 grid.instructions().run(pass);
                 block.finish_result(Basis::Hierarchical, Rows::Free, y);
             },
-            |local| grid.copies().sum::<D>(local, y, add_displacement(factor)),
+            |local| {
+                grid.copies()
+                    .sum::<D, f64>(local, y, add_displacement(factor))
+            },
         );
     }
 }

@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use super::scalar::Scalar;
+use crate::linalg::Scalar;
 use crate::linalg::{LinearOperator, Workspace};
 
 /// A dense block, row-major.

@@ -5,7 +5,7 @@
 
 use super::AmgError;
 use super::block_rows::{BlockRows, wide};
-use super::scalar::Scalar;
+use crate::linalg::Scalar;
 use crate::linalg::SparseCholesky;
 use crate::linalg::cholesky::{LowerColumns, Precision};
 

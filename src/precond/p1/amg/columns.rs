@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::block_rows::nodes;
 use super::cycle::{Hierarchy, Visits};
-use super::scalar::Scalar;
+use crate::linalg::Scalar;
 use crate::linalg::{DenseMatrix, Workspace};
 use crate::precond::p1::Traces;
 

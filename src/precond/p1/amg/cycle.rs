@@ -9,8 +9,8 @@
 
 use super::block_rows::{BlockRows, in_pieces, nodes, nodes_mut, wide};
 use super::coarsest::Coarsest;
-use super::scalar::Scalar;
 use super::smoother::{DEGREE, Smoother};
+use crate::linalg::Scalar;
 use crate::linalg::Workspace;
 
 /// One level and its way to the next.

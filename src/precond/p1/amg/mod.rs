@@ -20,18 +20,17 @@ mod cycle;
 mod galerkin;
 mod modes;
 mod prolongate;
-mod scalar;
 mod setup;
 mod smoother;
 mod strength;
 
 use super::Traces;
+use crate::linalg::Scalar;
 use crate::linalg::cholesky::Precision;
-use crate::linalg::vector::largest;
+use crate::linalg::vector::{largest, power_of_two_below};
 use crate::linalg::{DenseMatrix, FactoriseError, LinearOperator, Preconditioner, Workspace};
 use crate::precond::spectrum::{Interval, Lanczos};
 use cycle::{Hierarchy, Visits};
-use scalar::Scalar;
 
 /// Lanczos steps that judge a finished hierarchy.
 const TRIAL_STEPS: usize = 6;
@@ -259,12 +258,6 @@ impl<S: Scalar, const N: usize, const K: usize> Preconditioner for Hierarchy<S, 
         S::give(work, residual);
         S::give(work, x);
     }
-}
-
-/// The largest power of two that is not above a positive `value`.
-fn power_of_two_below(value: f64) -> f64 {
-    const EXPONENT: u64 = 0x7FF0_0000_0000_0000;
-    f64::from_bits(value.to_bits() & EXPONENT).max(f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]

@@ -10,9 +10,9 @@ use super::cycle::{Hierarchy, Level};
 use super::galerkin::galerkin;
 use super::modes::{Modes, rigid_modes};
 use super::prolongate::{smoothed, tentative};
-use super::scalar::Scalar;
 use super::smoother::{Smoother, inverse_diagonal, largest_eigenvalue};
 use super::strength::{COARSE_THRESHOLD, THRESHOLD, couplings};
+use crate::linalg::Scalar;
 use crate::linalg::Workspace;
 
 /// Nodes that are few enough for a dense inverse.

@@ -12,8 +12,8 @@ use super::AmgError;
 use super::block_rows::{
     Block, BlockRows, Lanes, PIECE, add_block_product, in_pieces, nodes, nodes_mut, wide,
 };
-use super::scalar::Scalar;
 use super::strength::position_of_diagonal;
+use crate::linalg::Scalar;
 use crate::linalg::{Preconditioner, Workspace};
 use crate::precond::spectrum::Lanczos;
 

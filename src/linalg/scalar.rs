@@ -1,11 +1,12 @@
-//! The number type of a hierarchy: `f32`, half the bytes, or `f64`.
+//! The number type of a preconditioner: `f32`, half the bytes and twice the numbers in a
+//! register, or `f64`.
 
 use std::ops::{Add, AddAssign, Mul, Neg, Sub, SubAssign};
 
 use crate::linalg::Workspace;
 
 /// `f32` or `f64`.
-pub(super) trait Scalar:
+pub trait Scalar:
     Copy
     + Default
     + Send
@@ -17,12 +18,15 @@ pub(super) trait Scalar:
     + Neg<Output = Self>
     + AddAssign
     + SubAssign
+    + PartialEq
     + 'static
 {
     /// Rounds.
     fn narrow(value: f64) -> Self;
     /// Widens exactly.
     fn widen(self) -> f64;
+    /// From single precision, exactly.
+    fn of_single(value: f32) -> Self;
     /// `length` unspecified values from the pool.
     fn take(work: &mut Workspace, length: usize) -> Vec<Self>;
     /// Hands a vector back to the pool.
@@ -35,6 +39,9 @@ impl Scalar for f64 {
     }
     fn widen(self) -> f64 {
         self
+    }
+    fn of_single(value: f32) -> Self {
+        value.into()
     }
     fn take(work: &mut Workspace, length: usize) -> Vec<Self> {
         work.scratch(length)
@@ -50,6 +57,9 @@ impl Scalar for f32 {
     }
     fn widen(self) -> f64 {
         Self::into(self)
+    }
+    fn of_single(value: f32) -> Self {
+        value
     }
     fn take(work: &mut Workspace, length: usize) -> Vec<Self> {
         work.scratch_f32(length)
