@@ -42,6 +42,11 @@ use clap::Parser as _;
 
 use arguments::Arguments;
 
+/// A server of this process holds large buffers.
+#[cfg(feature = "embedded")]
+#[global_allocator]
+static MEMORY: signorini_server::LargePages = signorini_server::LargePages;
+
 fn main() -> ExitCode {
     let started = Instant::now();
     let arguments = Arguments::parse();

@@ -4,8 +4,12 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use signorini_server::{
-    Flags, Hangups, Listener, follow_log_level, return_freed_memory, serve_and_tell, start_log,
+    Flags, Hangups, LargePages, Listener, follow_log_level, return_freed_memory, serve_and_tell,
+    start_log,
 };
+
+#[global_allocator]
+static MEMORY: LargePages = LargePages;
 
 /// Serves contact problems of nearly incompressible bodies over gRPC.
 #[derive(Parser)]

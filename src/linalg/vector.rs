@@ -55,6 +55,11 @@ fn zip_blocks(y: &mut [f64], x: &[f64], kernel: impl Fn(&mut [f64], &[f64]) + Sy
     }
 }
 
+/// `y = x`.
+pub fn assign(y: &mut [f64], x: &[f64]) {
+    zip_blocks(y, x, <[f64]>::copy_from_slice);
+}
+
 /// `y += a x`.
 pub fn add_scaled(y: &mut [f64], a: f64, x: &[f64]) {
     zip_blocks(y, x, |y, x| {

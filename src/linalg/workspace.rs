@@ -3,6 +3,9 @@
 
 use std::mem::MaybeUninit;
 
+use super::Scalar;
+use super::vector::assign;
+
 /// A pool of vectors. Not shared: each session owns one.
 #[derive(Debug, Default)]
 pub struct Workspace {
@@ -19,25 +22,26 @@ impl Workspace {
 
     /// A vector of `length` zeros.
     pub fn zeros(&mut self, length: usize) -> Vec<f64> {
-        let mut vector = reuse(&mut self.free, length);
-        vector.clear();
-        vector.resize(length, 0.0);
-        vector
+        match reuse(&mut self.free, length) {
+            Some(mut vector) => {
+                vector.clear();
+                vector.resize(length, 0.0);
+                vector
+            }
+            None => vec![0.0; length],
+        }
     }
 
     /// A vector of `length` unspecified finite values, for callers that
     /// overwrite it.
     pub fn scratch(&mut self, length: usize) -> Vec<f64> {
-        let mut vector = reuse(&mut self.free, length);
-        vector.resize(length, 0.0);
-        vector
+        sized(&mut self.free, length)
     }
 
     /// A copy of `values`.
     pub fn copy(&mut self, values: &[f64]) -> Vec<f64> {
-        let mut vector = reuse(&mut self.free, values.len());
-        vector.clear();
-        vector.extend_from_slice(values);
+        let mut vector = sized(&mut self.free, values.len());
+        assign(&mut vector, values);
         vector
     }
 
@@ -48,9 +52,7 @@ impl Workspace {
 
     /// [`Self::scratch`] in single precision.
     pub fn scratch_f32(&mut self, length: usize) -> Vec<f32> {
-        let mut vector = reuse(&mut self.free_f32, length);
-        vector.resize(length, 0.0);
-        vector
+        sized(&mut self.free_f32, length)
     }
 
     /// [`Self::give`] in single precision.
@@ -60,7 +62,7 @@ impl Workspace {
 
     /// At least `bytes` of memory for a factor's solve.
     pub(super) fn memory(&mut self, bytes: usize) -> Vec<MaybeUninit<f64>> {
-        let mut memory = reuse(&mut self.free_memory, bytes.div_ceil(8));
+        let mut memory = reuse(&mut self.free_memory, bytes.div_ceil(8)).unwrap_or_default();
         memory.resize(bytes.div_ceil(8), MaybeUninit::uninit());
         memory
     }
@@ -79,18 +81,27 @@ impl Workspace {
     }
 }
 
-/// The smallest free vector that holds `length`, or a new one.
-fn reuse<T>(free: &mut Vec<Vec<T>>, length: usize) -> Vec<T> {
+/// A vector of `length` unspecified values. A new one comes zeroed from the system, which clears
+/// its pages where they are first used, and so by all threads.
+fn sized<T: Scalar>(free: &mut Vec<Vec<T>>, length: usize) -> Vec<T> {
+    match reuse(free, length) {
+        Some(mut vector) => {
+            vector.resize(length, T::default());
+            vector
+        }
+        None => T::zeros(length),
+    }
+}
+
+/// The smallest free vector that holds `length`.
+fn reuse<T>(free: &mut Vec<Vec<T>>, length: usize) -> Option<Vec<T>> {
     let fitting = free
         .iter()
         .enumerate()
         .filter(|(_, vector)| vector.capacity() >= length)
         .min_by_key(|(_, vector)| vector.capacity())
         .map(|(index, _)| index);
-    match fitting {
-        Some(index) => free.swap_remove(index),
-        None => Vec::with_capacity(length),
-    }
+    fitting.map(|index| free.swap_remove(index))
 }
 
 #[cfg(test)]
