@@ -14,6 +14,7 @@ use crate::space::TaylorHood;
 #[cfg(feature = "comparisons")]
 mod edges;
 mod loads;
+mod single;
 mod strain;
 mod strain_reference;
 

@@ -34,6 +34,22 @@ fn a_deep_indentation_at_once_ends_where_small_increments_do() {
     }
 }
 
+#[test]
+fn loads_of_any_size_take_the_same_iterations_and_scale_the_answer() {
+    let solved = |load: f64| {
+        let mut scene = cube_bend(0.5);
+        scene.tractions = vec![traction("x1", [0.0, 0.0, load])];
+        let report = solve_one(&scene, &Step::default(), &block());
+        (report.preconditioner_applications, report.strain_energy)
+    };
+    let (iterations, energy) = solved(1e-3);
+    for factor in [1e-40, 1e-20, 1e6] {
+        let (others, scaled) = solved(1e-3 * factor);
+        assert!(others.abs_diff(iterations) <= 1, "{others} {iterations}");
+        assert!(close(scaled / factor / factor, energy, 1e-9), "{scaled}");
+    }
+}
+
 /// Only contact holds the body against vertical motion.
 fn standing(shape: Shape, load: f64) -> Scene {
     let mut scene = elastic(0.5);
