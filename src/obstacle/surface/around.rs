@@ -5,10 +5,11 @@
 use rayon::prelude::*;
 
 use super::flats::{Flats, is_like};
-use super::normals::MOST;
 use super::rings::Rings;
 use super::topology::Facets;
 
+/// Facets that a fit looks at, at most: fans of many more show nothing new.
+pub(super) const MOST: usize = 512;
 /// Facets around such a vertex at most.
 const MOST_AROUND: usize = 32;
 

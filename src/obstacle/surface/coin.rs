@@ -176,9 +176,12 @@ impl Coin {
     }
 
     /// Where a point is from the middle along the axis, and the square across.
+    #[inline]
     fn parts(&self, x: [f64; 3]) -> (f64, f64) {
-        let offset = sub(x, self.middle.map(f64::from));
-        let along = dot(offset, self.axis.map(f64::from));
+        // Written out: closures are not always put in place here.
+        let ([a, b, c], [p, q, r]) = (self.axis, self.middle);
+        let offset = sub(x, [f64::from(p), f64::from(q), f64::from(r)]);
+        let along = dot(offset, [f64::from(a), f64::from(b), f64::from(c)]);
         (along, (dot(offset, offset) - along * along).max(0.0))
     }
 

@@ -63,17 +63,19 @@ impl Geometry {
             .map(|at| patch(all[facet(at)], &corners.normals[facet(at)]))
             .collect();
         let features: Vec<[bool; 3]> = order.par_iter().map(|at| features[facet(at)]).collect();
+        // In the order of the tree: it is read level by level.
+        let facing = order
+            .par_iter()
+            .map(|at| (flat[facet(at)], turns[facet(at)]));
+        let facing: Vec<([f64; 3], f64)> = facing.collect();
         let mut geometry = Self {
             unit,
             searched: Searched {
                 facets: surface.linked.ordered(&order),
-                tree: FacetTree::new(order.len(), |place| {
-                    let facet = facet(&order[place]);
-                    Flat {
-                        corners: all[facet],
-                        normal: flat[facet],
-                        turn: turns[facet],
-                    }
+                tree: FacetTree::new(order.len(), |place| Flat {
+                    corners: patches[place].corners,
+                    normal: facing[place].0,
+                    turn: facing[place].1,
                 }),
                 patches,
             },

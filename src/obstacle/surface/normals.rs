@@ -7,15 +7,13 @@
 use rayon::prelude::*;
 
 use super::TriangulatedSurface;
-use super::around::Around;
+use super::around::{Around, MOST};
 use super::fit;
 use super::flats::Flats;
 use super::rings::Rings;
 use super::topology::edge;
 use crate::geometry::vector3::{add, cross, dot, norm, normalised, scale, sub};
 
-/// Facets that a fit looks at, at most: fans of many more show nothing new.
-pub(super) const MOST: usize = 512;
 /// Facets around a corner whose normals are compared, at most.
 const MOST_AROUND: usize = 64;
 /// Vertices that a thread takes at a time.
