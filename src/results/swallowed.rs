@@ -6,8 +6,9 @@
 //!
 //! Faces feel an obstacle only while it overlaps them, and where the scene lets it press: one
 //! that has slipped in between their nodes, or beside them, is met by cells alone. Points are the centroids, and a lattice of the cells that are
-//! larger than their distance. Cost: a pass over the nodes where the obstacle is away, one
-//! distance a cell where it is near.
+//! larger than their distance; a distance changes by no more than the point moves, which leaves most of
+//! them out. Cost: a pass over the nodes where the obstacle is away, one distance a cell where it is
+//! near, some more in cells at it.
 
 use rayon::prelude::*;
 
@@ -100,7 +101,7 @@ impl Search<'_> {
             self.obstacle.probe(&[middle], What::Gap, &mut contact);
             last = (middle, contact[0].distance);
             if contact[0].distance <= NEAR * size {
-                deepest = deepest.max(self.depth_in(cell));
+                deepest = deepest.max(self.depth_in(cell, last));
             }
         }
         deepest
@@ -126,19 +127,26 @@ impl Search<'_> {
         (middle, distances.fold(0.0, f64::max))
     }
 
-    /// How deep the obstacle lies inside a cell near it.
-    fn depth_in(&self, cell: usize) -> f64 {
+    /// How deep the obstacle lies inside a cell near it, `last` being a place with its distance.
+    fn depth_in(&self, cell: usize, mut last: ([f64; 3], f64)) -> f64 {
         let Self { model, state, .. } = self;
         let corners = model.mesh.cell(cell).iter();
         let corners = corners.map(|&corner| model.place(corner as usize, &state.displacement));
         let space = &model.prepared.space;
         let edges = space.edge_values(model.mesh, &state.displacement, cell);
         let values: Vec<[f64; 3]> = corners.chain(edges).collect();
-        let points: Vec<[f64; 3]> = self.shapes.iter().map(|at| sum(at, &values)).collect();
-        let mut contacts = vec![Contact::default(); points.len()];
-        self.obstacle.probe(&points, What::Gap, &mut contacts);
-        let depths = contacts.iter().map(|contact| -contact.distance);
-        let deepest = depths.fold(0.0, f64::max);
+        let middle = last;
+        let mut deepest = 0.0_f64;
+        for at in &self.shapes {
+            let point = sum(at, &values);
+            if [middle, last].iter().any(|known| is_outside(point, known)) {
+                continue;
+            }
+            let mut contact = [Contact::default()];
+            self.obstacle.probe(&[point], What::Gap, &mut contact);
+            last = (point, contact[0].distance);
+            deepest = deepest.max(-last.1);
+        }
         match self.obstacle.inner_ball() {
             Some(ball) if contains(model, state, (cell, ball.centre)) => {
                 deepest.max(2.0 * ball.radius + self.nearest.max(0.0))
@@ -146,6 +154,11 @@ impl Search<'_> {
             Some(_) | None => deepest,
         }
     }
+}
+
+/// Whether a point is outside by the distance of another one.
+fn is_outside(point: [f64; 3], (place, distance): &([f64; 3], f64)) -> bool {
+    distance - CAREFUL * norm(&sub(point, *place)) > 0.0
 }
 
 /// `sum w_i x_i`.

@@ -8,6 +8,8 @@ use crate::geometry::vector3::{cross, dot, is_finite, norm, sub};
 
 /// Height of a facet over its longest edge below which it is a line.
 const FLAT: f64 = 1e-12;
+/// Facets whose volumes a thread adds up.
+const PART: usize = 8192;
 
 /// Why a triangulation is refused.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -90,14 +92,22 @@ pub(super) fn facets(vertices: &[[f64; 3]], facets: &[[u32; 3]]) -> Result<(), S
     if facets.len() >= limit as usize || vertices.len() >= limit as usize {
         return Err(SurfaceError::TooLarge { limit });
     }
-    if let Some(vertex) = vertices.iter().position(|place| !is_finite(*place)) {
+    if let Some(vertex) = vertices
+        .par_iter()
+        .position_first(|place| !is_finite(*place))
+    {
         return Err(SurfaceError::NotFinite { vertex });
     }
     let one = |(index, corners)| one_facet(vertices, index, corners).err();
-    if let Some(fault) = facets.par_iter().enumerate().find_map_first(one) {
-        return Err(fault);
+    match facets.par_iter().enumerate().find_map_first(one) {
+        Some(fault) => Err(fault),
+        None => Ok(()),
     }
-    match duplicate(facets, vertices.len()) {
+}
+
+/// Checks that no two facets have the same corners.
+pub(super) fn none_twice(facets: &[[u32; 3]], vertices: usize) -> Result<(), SurfaceError> {
+    match duplicate(facets, vertices) {
         Some(facet) => Err(SurfaceError::Duplicate { facet }),
         None => Ok(()),
     }
@@ -142,7 +152,10 @@ pub(super) fn orientation(vertices: &[[f64; 3]], facets: &[[u32; 3]]) -> Result<
         let [a, b, c] = corners.map(|vertex| sub(vertices[vertex as usize], origin));
         dot(a, cross(b, c))
     };
-    match facets.iter().map(volume).sum::<f64>() > 0.0 {
+    // Parts of a size, so that the sum does not depend on the threads.
+    let parts = facets.par_chunks(PART);
+    let sums: Vec<f64> = parts.map(|part| part.iter().map(volume).sum()).collect();
+    match sums.iter().sum::<f64>() > 0.0 {
         true => Ok(()),
         false => Err(SurfaceError::InsideOut),
     }

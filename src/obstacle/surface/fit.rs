@@ -47,9 +47,20 @@ pub(super) fn normal(vertex: [f64; 3], guess: [f64; 3], others: &[[f64; 3]]) -> 
 
 /// a and b of the points.
 fn slope(local: &[[f64; 3]], reach: [f64; 2]) -> Option<[f64; 2]> {
-    let quadric = least_squares::<QUADRIC>(local, reach)?;
+    let points: Vec<Weighted> = local
+        .iter()
+        .map(|&[x, y, z]| {
+            let (x, y) = (x / reach[0], y / reach[1]);
+            let terms = terms(x, y);
+            // Near vertices tell more of the slope than far ones.
+            let weight = 1.0 / (x * x + y * y).max(RIDGE);
+            Weighted { terms, z, weight }
+        })
+        .collect();
+    let system = system(&points);
+    let quadric = least_squares::<QUADRIC>(&points, &system)?;
     let cubic = match local.len() >= ENOUGH {
-        true => least_squares::<CUBIC>(local, reach),
+        true => least_squares::<CUBIC>(&points, &system),
         false => None,
     };
     let [a, b] = match cubic {
@@ -57,6 +68,13 @@ fn slope(local: &[[f64; 3]], reach: [f64; 2]) -> Option<[f64; 2]> {
         _ => quadric.slope,
     };
     Some([a / reach[0], b / reach[1]])
+}
+
+/// A point with its terms.
+struct Weighted {
+    terms: [f64; CUBIC],
+    z: f64,
+    weight: f64,
 }
 
 /// A fit: its slopes along both axes, and the weighted norm of what it leaves.
@@ -71,34 +89,42 @@ fn terms(x: f64, y: f64) -> [f64; CUBIC] {
     [x, y, xx, x * y, yy, xx * x, xx * y, x * yy, yy * y]
 }
 
-fn least_squares<const SIZE: usize>(local: &[[f64; 3]], reach: [f64; 2]) -> Option<Fit> {
-    let mut matrix = [[0.0; SIZE]; SIZE];
-    let mut right = [0.0; SIZE];
-    let weighted = |point: &[f64; 3]| {
-        let (x, y) = (point[0] / reach[0], point[1] / reach[1]);
-        // Near vertices tell more of the slope than far ones.
-        (terms(x, y), 1.0 / (x * x + y * y).max(RIDGE))
-    };
-    for point in local {
-        let (row, weight) = weighted(point);
-        // The solver reads the lower half.
-        for i in 0..SIZE {
-            let weighted = weight * row[i];
-            for j in 0..=i {
-                matrix[i][j] += weighted * row[j];
+/// Matrix and, in the last column, right-hand side of all terms; those of fewer terms are its
+/// first rows and columns.
+fn system(points: &[Weighted]) -> [[f64; CUBIC + 1]; CUBIC] {
+    let mut system = [[0.0; CUBIC + 1]; CUBIC];
+    for point in points {
+        let [a, b, c, d, e, f, g, h, i] = point.terms;
+        let all = [a, b, c, d, e, f, g, h, i, point.z];
+        for (row, term) in system.iter_mut().zip(point.terms) {
+            let weighted = point.weight * term;
+            for (entry, other) in row.iter_mut().zip(all) {
+                *entry += weighted * other;
             }
-            right[i] += weighted * point[2];
         }
     }
+    system
+}
+
+fn least_squares<const SIZE: usize>(
+    points: &[Weighted],
+    system: &[[f64; CUBIC + 1]; CUBIC],
+) -> Option<Fit> {
+    let mut matrix: [[f64; SIZE]; SIZE] =
+        std::array::from_fn(|i| std::array::from_fn(|j| system[i][j]));
+    let right: [f64; SIZE] = std::array::from_fn(|i| system[i][CUBIC]);
     let trace: f64 = (0..SIZE).map(|i| matrix[i][i]).sum();
     for (i, row) in matrix.iter_mut().enumerate() {
         row[i] += RIDGE * trace;
     }
     let found = cholesky(matrix, right)?;
-    let left = local.iter().map(|point| {
-        let (row, weight) = weighted(point);
-        let fitted: f64 = found.iter().zip(row).map(|(c, term)| c * term).sum();
-        weight * (fitted - point[2]).powi(2)
+    let left = points.iter().map(|point| {
+        let fitted: f64 = found
+            .iter()
+            .zip(point.terms)
+            .map(|(c, term)| c * term)
+            .sum();
+        point.weight * (fitted - point.z).powi(2)
     });
     Some(Fit {
         slope: [found[0], found[1]],

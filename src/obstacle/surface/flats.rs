@@ -32,19 +32,20 @@ impl Flats {
             .into_par_iter()
             .map(|facet| sizes(surface.corners(facet), rounding))
             .collect();
+        let is_one = |facet: usize, other: usize| {
+            let turned = norm(sub(flat[facet], flat[other]));
+            turned <= IN_PLANE + sizes[facet].1 + sizes[other].1
+        };
+        let across = surface.linked.across.par_iter().enumerate();
+        let joined = across.flat_map_iter(|(facet, across)| {
+            let others = across.iter().map(move |&other| (facet, other as usize));
+            others.filter(|&(facet, other)| other > facet && is_one(facet, other))
+        });
+        let joined: Vec<(usize, usize)> = joined.collect();
         let mut part: Vec<u32> = (0..flat.len() as u32).collect();
-        for (facet, across) in surface.linked.across.iter().enumerate() {
-            for other in across
-                .map(|other| other as usize)
-                .into_iter()
-                .filter(|o| *o > facet)
-            {
-                let turned = norm(sub(flat[facet], flat[other]));
-                if turned <= IN_PLANE + sizes[facet].1 + sizes[other].1 {
-                    let [a, b] = [root(&mut part, facet), root(&mut part, other)];
-                    part[a.max(b)] = a.min(b) as u32;
-                }
-            }
+        for (facet, other) in joined {
+            let [a, b] = [root(&mut part, facet), root(&mut part, other)];
+            part[a.max(b)] = a.min(b) as u32;
         }
         for facet in 0..part.len() {
             part[facet] = root(&mut part, facet) as u32;
@@ -62,7 +63,7 @@ impl Flats {
     }
 
     /// Least and largest area of the parts of some facets, twice.
-    fn range(&self, facets: &[usize]) -> [f64; 2] {
+    pub(super) fn range(&self, facets: &[usize]) -> [f64; 2] {
         let areas = facets.iter().map(|&facet| self.area_of(facet));
         areas.fold([f64::INFINITY, 0.0], |[least, most], area| {
             [least.min(area), most.max(area)]
@@ -84,8 +85,8 @@ impl Flats {
 
     /// Whether the part of a facet is about as large as those of others.
     pub(super) fn is_like(&self, facets: &[usize]) -> impl Fn(usize) -> bool {
-        let [least, most] = self.range(facets);
-        move |facet| (least / SMALL..most * SMALL).contains(&self.area_of(facet))
+        let range = self.range(facets);
+        move |facet| is_like(range, self.area_of(facet))
     }
 
     /// One facet of each part that is not small beside another, ascending.
@@ -101,6 +102,11 @@ impl Flats {
         };
         facets.iter().copied().filter(is_first).collect()
     }
+}
+
+/// Whether an area is about as large as those from the least to the most.
+pub(super) fn is_like([least, most]: [f64; 2], area: f64) -> bool {
+    (least / SMALL..most * SMALL).contains(&area)
 }
 
 /// Twice the area of a facet, and the angle by which rounding turns it.

@@ -5,9 +5,10 @@ use rayon::prelude::*;
 
 use super::bending::curvature;
 use super::closest::Part;
+use super::coin::Flat;
 use super::normals::{self, Corners};
 use super::patch::{Patch, bend};
-use super::tree::{self, FacetTree};
+use super::tree::{self, FacetTree, Found};
 use super::walk::{Nearest, Searched};
 use super::{Between, TriangulatedSurface};
 use crate::geometry::vector3::{add, cross, dot, norm, normalised, scale, sub};
@@ -51,6 +52,7 @@ impl Geometry {
                 (features, corners)
             }
         };
+        let turns = normals::turns(surface, &flat);
         let unit = surface.diagonal().log2().ceil().exp2();
         let places = |facet: usize| surface.corners(facet).map(|place| place.map(|x| x / unit));
         let all: Vec<[[f64; 3]; 3]> = (0..flat.len()).into_par_iter().map(places).collect();
@@ -61,11 +63,20 @@ impl Geometry {
             .map(|at| patch(all[facet(at)], &corners.normals[facet(at)]))
             .collect();
         let features: Vec<[bool; 3]> = order.par_iter().map(|at| features[facet(at)]).collect();
+        // In the order of the tree: it is read level by level.
+        let facing = order
+            .par_iter()
+            .map(|at| (flat[facet(at)], turns[facet(at)]));
+        let facing: Vec<([f64; 3], f64)> = facing.collect();
         let mut geometry = Self {
             unit,
             searched: Searched {
                 facets: surface.linked.ordered(&order),
-                tree: FacetTree::new(patches.len(), |facet| patches[facet].corners),
+                tree: FacetTree::new(order.len(), |place| Flat {
+                    corners: patches[place].corners,
+                    normal: facing[place].0,
+                    turn: facing[place].1,
+                }),
                 patches,
             },
             is_smooth: !corners.are_uneven && features.par_iter().all(|edges| *edges == [false; 3]),
@@ -84,15 +95,38 @@ impl Geometry {
         facets * facet + FacetTree::bytes(facets)
     }
 
-    /// What the surface is to `x`; `hint` is a facet that may be near, and becomes the nearest.
-    pub(super) fn contact(
+    /// What the surface is to points near each other `[points][3]`.
+    pub(super) fn contacts(
         &self,
-        (x, hint): ([f64; 3], &mut Option<usize>),
+        points: impl ExactSizeIterator<Item = [f64; 3]> + Clone,
         what: What,
-        contact: &mut Contact,
+        out: &mut [Contact],
     ) {
-        let at = self.searched.nearest(x, *hint);
-        *hint = Some(at.facet);
+        let Some(first) = points.clone().next() else {
+            return;
+        };
+        let mut found = self.searched.nearest_facet(first);
+        if let ([contact], 1) = (&mut *out, points.len()) {
+            self.contact((first, &found), what, contact);
+            return;
+        }
+        let squares = points.clone().map(|x| {
+            let offset = sub(x, first);
+            dot(offset, offset)
+        });
+        let reach = squares.fold(0.0, f64::max).sqrt();
+        let region = self.searched.tree.region(first, &found, reach);
+        for (index, (x, contact)) in points.zip(out).enumerate() {
+            if index > 0 {
+                found = self.searched.nearest_facet_from(x, found.facet, &region);
+            }
+            self.contact((x, &found), what, contact);
+        }
+    }
+
+    /// What the surface is to `x`, to which a facet is the nearest.
+    fn contact(&self, (x, found): ([f64; 3], &Found), what: What, contact: &mut Contact) {
+        let at = self.searched.nearest(x, found);
         let side = self.side(at);
         let sign = 1.0_f64.copysign(dot(at.foot.offset, side));
         contact.distance = sign * at.foot.distance;
@@ -161,12 +195,15 @@ impl Geometry {
 
     /// Whether the edge of a facet opposite a corner is a feature that stands out.
     fn is_convex_feature(&self, facet: usize, opposite: usize) -> bool {
+        if !self.features[facet][opposite] {
+            return false;
+        }
         let other = self.searched.facets.across[facet][opposite] as usize;
         let [a, b, c] = self.searched.patches[facet].corners;
         let [p, q, r] = self.searched.patches[other].corners;
         let middle = scale(1.0 / 3.0, add(p, add(q, r)));
         let edge = self.searched.patches[facet].corners[(opposite + 1) % 3];
-        self.features[facet][opposite] && dot(sub(middle, edge), cross(sub(b, a), sub(c, a))) < 0.0
+        dot(sub(middle, edge), cross(sub(b, a), sub(c, a))) < 0.0
     }
 
     /// Whether the surface has an edge or a corner at the point.
@@ -215,7 +252,8 @@ impl Geometry {
         let ball = |index: u32| {
             let mut contact = Contact::default();
             let centre = centre(index);
-            self.contact((centre, &mut None), What::Gap, &mut contact);
+            let found = self.searched.nearest_facet(centre);
+            self.contact((centre, &found), What::Gap, &mut contact);
             let radius = -contact.distance;
             (radius > 0.0).then_some((Ball { centre, radius }, index))
         };

@@ -11,15 +11,18 @@
 //! h^2 and h. Across smooth edges patches share their edge curve, their normals differ by as
 //! much as normals are wrong. Cost: a search in a tree of boxes and some Newton steps a point.
 
+mod around;
 mod bending;
 mod checks;
 mod closest;
 mod coin;
+mod coins;
 mod fit;
 mod flats;
 mod geometry;
 mod normals;
 mod patch;
+mod rings;
 mod sorting;
 mod tool;
 mod topology;

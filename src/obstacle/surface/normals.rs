@@ -7,13 +7,15 @@
 use rayon::prelude::*;
 
 use super::TriangulatedSurface;
+use super::around::{Around, MOST};
 use super::fit;
 use super::flats::Flats;
-use super::topology::{Rings, edge};
+use super::rings::Rings;
+use super::topology::edge;
 use crate::geometry::vector3::{add, cross, dot, norm, normalised, scale, sub};
 
-/// Facets that a fit looks at, at most: fans of many more show nothing new.
-const MOST: usize = 512;
+/// Facets around a corner whose normals are compared, at most.
+const MOST_AROUND: usize = 64;
 /// Vertices that a thread takes at a time.
 const VERTICES: usize = 256;
 
@@ -43,6 +45,27 @@ pub(super) fn features(
     across.enumerate().map(of_facet).collect()
 }
 
+/// Largest difference of the normal of each facet from those of the facets at its corners.
+pub(super) fn turns(surface: &TriangulatedSurface, flat: &[[f64; 3]]) -> Vec<f64> {
+    let at_corner = |facet: usize, corner: usize| {
+        let around = surface.linked.around(facet, corner).take(MOST_AROUND + 1);
+        let (mut count, mut most) = (0, 0.0_f64);
+        for other in around {
+            let difference = sub(flat[facet], flat[other]);
+            most = most.max(dot(difference, difference));
+            count += 1;
+        }
+        // As different as normals can be, where there are too many to look at.
+        if count > MOST_AROUND { 4.0 } else { most }
+    };
+    let of_facet = |facet: usize| {
+        let squares = [0, 1, 2].map(|corner| at_corner(facet, corner));
+        squares.into_iter().fold(0.0, f64::max).sqrt()
+    };
+    let facets = (0..flat.len()).into_par_iter();
+    facets.map(of_facet).collect()
+}
+
 /// Normals at the corners of all facets.
 pub(super) struct Corners {
     pub(super) normals: Vec<[[f64; 3]; 3]>,
@@ -57,12 +80,7 @@ pub(super) fn corners(
     features: &[[bool; 3]],
 ) -> Corners {
     let rings = Rings::new(surface.facets(), surface.vertices().len());
-    let fitter = Fitter {
-        surface,
-        flat,
-        flats: Flats::new(surface, flat),
-        features,
-    };
+    let fitter = Fitter::new(surface, (flat, features), &rings);
     let blocks = (0..rings.vertices().div_ceil(VERTICES)).into_par_iter();
     let of_block = |block: usize| {
         let vertices = block * VERTICES..rings.vertices().min((block + 1) * VERTICES);
@@ -87,14 +105,32 @@ pub(super) fn corners(
     }
 }
 
-struct Fitter<'a> {
+/// Fits normals.
+pub(super) struct Fitter<'a> {
+    pub(super) around: Around<'a>,
     surface: &'a TriangulatedSurface,
     flat: &'a [[f64; 3]],
-    flats: Flats,
+    pub(super) flats: Flats,
     features: &'a [[bool; 3]],
 }
 
-impl Fitter<'_> {
+impl<'a> Fitter<'a> {
+    /// On a surface with its flat normals and features.
+    pub(super) fn new(
+        surface: &'a TriangulatedSurface,
+        (flat, features): (&'a [[f64; 3]], &'a [[bool; 3]]),
+        rings: &'a Rings,
+    ) -> Self {
+        let flats = Flats::new(surface, flat);
+        Self {
+            around: Around::new(&surface.linked, (rings, features), &flats),
+            surface,
+            flat,
+            flats,
+            features,
+        }
+    }
+
     /// The normals at `vertex` of the facets `ring` around it, added to `normals`; whether some of
     /// them are small beside flats that they meet smoothly.
     fn around(&self, vertex: u32, ring: &[u32], normals: &mut Vec<[f64; 3]>) -> bool {
@@ -107,9 +143,13 @@ impl Fitter<'_> {
                 continue;
             }
             // Where a sector is cut short the facets beyond it find their own.
-            let sector = self.sector(ring[next] as usize, vertex);
-            let normal = self.normal(vertex, &sector);
-            are_uneven |= self.flats.are_uneven(&sector);
+            let sector = match self.around.is_plain(vertex) {
+                true => ring.iter().map(|&facet| facet as usize).collect(),
+                false => self.sector(ring[next] as usize, vertex),
+            };
+            let is_uneven = self.flats.are_uneven(&sector);
+            let normal = self.normal(vertex, &sector, is_uneven);
+            are_uneven |= is_uneven;
             for &facet in &sector {
                 if let Ok(place) = ring.binary_search(&(facet as u32))
                     && is_left[place]
@@ -123,15 +163,15 @@ impl Fitter<'_> {
     }
 
     /// The normal of the facets `sector` at `vertex`; none where they cancel.
-    fn normal(&self, vertex: u32, sector: &[usize]) -> Option<[f64; 3]> {
+    fn normal(&self, vertex: u32, sector: &[usize], is_uneven: bool) -> Option<[f64; 3]> {
         let place = self.surface.vertices()[vertex as usize];
         let mut sum = [0.0; 3];
         for &facet in sector {
             sum = add(sum, scale(self.angle(facet, vertex), self.flat[facet]));
         }
         let guess = normalised(sum)?;
-        let is_plain = self.flats.are_one(sector) || self.flats.are_uneven(sector);
-        let fitted = match is_plain {
+        let is_flat = is_uneven || self.flats.are_one(sector);
+        let fitted = match is_flat {
             true => self.mean_of_large(sector).unwrap_or(guess),
             false => fit::normal(place, guess, &self.two_rings(sector, vertex)),
         };
@@ -155,7 +195,7 @@ impl Fitter<'_> {
 
     /// Facets around `vertex` that are reached from `facet` across edges without a feature,
     /// ascending.
-    fn sector(&self, facet: usize, vertex: u32) -> Vec<usize> {
+    pub(super) fn sector(&self, facet: usize, vertex: u32) -> Vec<usize> {
         self.flood(vec![facet], |next| {
             self.surface.linked.corner_of(next, vertex).is_some()
         })
@@ -184,6 +224,15 @@ impl Fitter<'_> {
 
     /// Places of the vertices of two rings, without the own one, ascending by number.
     fn two_rings(&self, sector: &[usize], vertex: u32) -> Vec<[f64; 3]> {
+        let range = self.flats.range(sector);
+        let all = self.around.two_rings(vertex, range);
+        let all = all.unwrap_or_else(|| self.flooded(sector, vertex));
+        let place = |&vertex: &u32| self.surface.vertices()[vertex as usize];
+        all.iter().map(place).collect()
+    }
+
+    /// The vertices of two rings, without the own one, ascending.
+    pub(super) fn flooded(&self, sector: &[usize], vertex: u32) -> Vec<u32> {
         let vertices_of = |facets: &[usize]| -> Vec<u32> {
             let corners = facets
                 .iter()
@@ -203,9 +252,7 @@ impl Fitter<'_> {
             let mut corners = self.surface.facets()[facet].iter();
             corners.any(|one| first.binary_search(one).is_ok())
         };
-        let wide = self.flood(sector.to_vec(), meets);
-        let place = |&vertex: &u32| self.surface.vertices()[vertex as usize];
-        vertices_of(&wide).iter().map(place).collect()
+        vertices_of(&self.flood(sector.to_vec(), meets))
     }
 
     /// Angle of a facet at one of its vertices.

@@ -10,6 +10,7 @@ use crate::obstacle::{Contact, Obstacle, Shape, What};
 mod boxes;
 mod damaged;
 mod revolved;
+mod searches;
 mod twins;
 
 /// An icosahedron divided `levels` times, its vertices on the unit sphere.

@@ -53,10 +53,9 @@ fn check_angle(between: Between) -> Result<(), ObstacleError> {
 impl Obstacle for Triangulated {
     fn probe(&self, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
         // Neighbours in a batch are near each other, and so are their nearest points.
-        let mut hint = None;
-        for (contact, point) in out.iter_mut().zip(points) {
-            let x = point.map(|x| x / self.factor);
-            self.geometry.contact((x, &mut hint), what, contact);
+        let places = points.iter().map(|point| point.map(|x| x / self.factor));
+        self.geometry.contacts(places, what, out);
+        for contact in out {
             contact.distance *= self.factor;
             if what == What::Curvature {
                 let rows = contact.curvature.as_flattened_mut().iter_mut();

@@ -3,6 +3,8 @@
 use rayon::prelude::*;
 
 use super::SurfaceError;
+use super::checks;
+use super::rings::{self, Rings};
 use super::sorting::sorted_by_vertex;
 
 /// Ends of the edge opposite a corner, in the facet's direction.
@@ -38,9 +40,24 @@ enum Fault {
     Open(u32, u8),
 }
 
-/// The facets with their neighbours: all edges are sorted, so that the two sides of each lie
-/// side by side, however many facets meet at a vertex.
+/// The facets with their neighbours.
+///
+/// # Errors
+/// A facet that is there twice, else one that keeps the surface from being closed and oriented.
 pub(super) fn linked(corners: Vec<[u32; 3]>, vertices: usize) -> Result<Facets, SurfaceError> {
+    let found = rings::across(&corners, &Rings::new(&corners, vertices));
+    // Two facets with the same corners have each other across every edge.
+    let is_twice = |across: &[u32; 3]| across[0] == across[1] && across[1] == across[2];
+    match found.filter(|across| !across.par_iter().any(is_twice)) {
+        Some(across) => Ok(Facets { corners, across }),
+        None => by_sorting(corners, vertices),
+    }
+}
+
+/// As [`linked`], whatever is wrong and however many facets meet at a vertex: all edges are
+/// sorted, so that the two sides of each lie side by side.
+pub(super) fn by_sorting(corners: Vec<[u32; 3]>, vertices: usize) -> Result<Facets, SurfaceError> {
+    checks::none_twice(&corners, vertices)?;
     let all = corners.iter().enumerate().flat_map(sides);
     let sides = sorted_by_vertex(all, vertices, |side| side.ends.0);
     let groups = || sides.par_chunk_by(|a, b| a.ends == b.ends);
@@ -136,51 +153,5 @@ impl Facets {
             corners: corners.collect(),
             across: across.collect(),
         }
-    }
-}
-
-/// The facets at each vertex, ascending.
-pub(super) struct Rings {
-    /// Where the facets of a vertex begin `[vertices + 1]`.
-    starts: Vec<u32>,
-    facets: Vec<u32>,
-    /// Place of each corner of each facet among `facets`.
-    pub(super) places: Vec<[u32; 3]>,
-}
-
-impl Rings {
-    /// Those of `facets` between `vertices` vertices.
-    pub(super) fn new(facets: &[[u32; 3]], vertices: usize) -> Self {
-        let mut starts = vec![0_u32; vertices + 1];
-        for &vertex in facets.as_flattened() {
-            starts[vertex as usize + 1] += 1;
-        }
-        for vertex in 0..vertices {
-            starts[vertex + 1] += starts[vertex];
-        }
-        let mut next = starts.clone();
-        let mut all = vec![0; 3 * facets.len()];
-        let mut places = vec![[0; 3]; facets.len()];
-        for (facet, corners) in facets.iter().enumerate() {
-            for (place, &vertex) in places[facet].iter_mut().zip(corners) {
-                *place = next[vertex as usize];
-                all[*place as usize] = facet as u32;
-                next[vertex as usize] += 1;
-            }
-        }
-        Self {
-            starts,
-            facets: all,
-            places,
-        }
-    }
-
-    pub(super) fn vertices(&self) -> usize {
-        self.starts.len() - 1
-    }
-
-    /// The facets at a vertex.
-    pub(super) fn of(&self, vertex: usize) -> &[u32] {
-        &self.facets[self.starts[vertex] as usize..self.starts[vertex + 1] as usize]
     }
 }

@@ -7,12 +7,14 @@
 //!
 //! A search may begin with any facet: what is farther than it is left out. Among facets at one
 //! distance the first is taken, and coins are wider than rounding, so that where a search begins
-//! changes no bit of what it finds. Coordinates are about one. Cost: n log n to build, some 40
-//! coins and 10 facets a search, less from a facet nearby.
+//! changes no bit of what it finds. For points beside each other the nodes that may matter, as large
+//! as they are apart, are found once. Coordinates are about one. Cost: n log n to build; some
+//! hundred coins and 10 facets a search, a third of it for points beside each other.
 
 use rayon::prelude::*;
 
-use super::coin::Coin;
+use super::coin::{Coin, Flat};
+use super::coins;
 use super::triangle::{Place, nearest};
 use crate::geometry::vector3::{add, scale};
 
@@ -32,6 +34,10 @@ pub(super) struct FacetTree {
     starts: Vec<u32>,
 }
 
+/// Corners of facets in their order.
+pub(super) trait Corners: Fn(usize) -> [[f64; 3]; 3] {}
+impl<F: Fn(usize) -> [[f64; 3]; 3]> Corners for F {}
+
 /// The nearest facet so far.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Found {
@@ -39,13 +45,36 @@ pub(super) struct Found {
     pub(super) place: Place,
 }
 
+impl Found {
+    /// One facet.
+    pub(super) fn new(facet: usize, x: [f64; 3], corners: &impl Corners) -> Self {
+        Self {
+            facet,
+            place: nearest(x, corners(facet)),
+        }
+    }
+}
+
+/// Nodes below which all lies that may be nearest to some points.
+#[derive(Clone, Debug)]
+pub(super) struct Region(Vec<usize>);
+
+/// The middle of a facet, kept beside its number: halves are then read in a row.
+#[derive(Clone, Copy)]
+struct Middle {
+    place: [f64; 3],
+    facet: u32,
+}
+
 /// The order of the facets in which a tree takes them.
 pub(super) fn order(corners: &[[[f64; 3]; 3]]) -> Vec<u32> {
-    let middle = |[a, b, c]: &[[f64; 3]; 3]| scale(1.0 / 3.0, add(*a, add(*b, *c)));
-    let middles: Vec<[f64; 3]> = corners.par_iter().map(middle).collect();
-    let mut order: Vec<u32> = (0..corners.len() as u32).collect();
-    halve(&mut order, &middles, levels(corners.len()));
-    order
+    let middle = |(facet, [a, b, c]): (usize, &[[f64; 3]; 3])| Middle {
+        place: scale(1.0 / 3.0, add(*a, add(*b, *c))),
+        facet: facet as u32,
+    };
+    let mut middles: Vec<Middle> = corners.par_iter().enumerate().map(middle).collect();
+    halve(&mut middles, levels(corners.len()));
+    middles.par_iter().map(|middle| middle.facet).collect()
 }
 
 /// Halvings until leaves are small enough.
@@ -53,13 +82,13 @@ fn levels(facets: usize) -> u32 {
     facets.div_ceil(LEAF).next_power_of_two().ilog2()
 }
 
-fn halve(part: &mut [u32], middles: &[[f64; 3]], levels: u32) {
+fn halve(part: &mut [Middle], levels: u32) {
     if levels == 0 || part.len() < 2 {
         return;
     }
     let start = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    let (low, high) = part.iter().fold(start, |(low, high), &facet| {
-        let [x, y, z] = middles[facet as usize];
+    let (low, high) = part.iter().fold(start, |(low, high), middle| {
+        let [x, y, z] = middle.place;
         (
             [low[0].min(x), low[1].min(y), low[2].min(z)],
             [high[0].max(x), high[1].max(y), high[2].max(z)],
@@ -69,11 +98,13 @@ fn halve(part: &mut [u32], middles: &[[f64; 3]], levels: u32) {
     let wider = |a: &usize, b: &usize| width(a).total_cmp(&width(b));
     let axis = (0..3).max_by(wider).unwrap_or_default();
     let half = part.len().div_ceil(2);
-    let key = |facet: u32| middles[facet as usize][axis];
-    part.select_nth_unstable_by(half - 1, |&a, &b| key(a).total_cmp(&key(b)).then(a.cmp(&b)));
+    part.select_nth_unstable_by(half - 1, |a, b| {
+        let by_place = a.place[axis].total_cmp(&b.place[axis]);
+        by_place.then(a.facet.cmp(&b.facet))
+    });
     let is_large = part.len() > PARALLEL;
     let (left, right) = part.split_at_mut(half);
-    let [mut left, mut right] = [left, right].map(|part| move || halve(part, middles, levels - 1));
+    let [mut left, mut right] = [left, right].map(|part| move || halve(part, levels - 1));
     match is_large {
         true => {
             rayon::join(left, right);
@@ -86,8 +117,8 @@ fn halve(part: &mut [u32], middles: &[[f64; 3]], levels: u32) {
 }
 
 impl FacetTree {
-    /// The tree over facets with these corners, which lie in the [`order`] of one.
-    pub(super) fn new(facets: usize, corners: impl Fn(usize) -> [[f64; 3]; 3] + Sync) -> Self {
+    /// The tree over facets of a closed surface, which lie in the [`order`] of one.
+    pub(super) fn new(facets: usize, flat: impl Fn(usize) -> Flat + Sync) -> Self {
         let mut sizes = vec![facets as u32];
         for _ in 0..levels(facets) {
             let halves = sizes.iter().flat_map(|size| [size.div_ceil(2), size / 2]);
@@ -99,36 +130,80 @@ impl FacetTree {
             Some(*start)
         }));
         let leaves = sizes.len();
-        let coin = |node: usize| {
+        let coins = coins::around(leaves, |node| {
             // The leaves under a node of a level.
-            let below = leaves >> node.max(1).ilog2();
-            let first = node * below - leaves.min(node * below);
+            let below = leaves >> node.ilog2();
+            let first = node * below - leaves;
             let facets = starts[first] as usize..starts[first + below] as usize;
-            Coin::around(facets.map(&corners))
-        };
-        let coins = (0..2 * leaves).into_par_iter().map(coin).collect();
+            facets.map(&flat)
+        });
         Self { coins, starts }
     }
 
-    /// The facet nearest to `x`, among facets with these corners, no farther than that of `best`.
-    pub(super) fn nearest(
+    /// The facet nearest to `x`, among facets with these corners.
+    pub(super) fn nearest(&self, x: [f64; 3], corners: impl Corners) -> Found {
+        let mut best = Found::new(0, x, &corners);
+        self.descend(1, (x, &corners), &mut best);
+        best
+    }
+
+    /// The same for a point of a region, from a facet that is near.
+    pub(super) fn nearest_from(
         &self,
-        x: [f64; 3],
-        corners: impl Fn(usize) -> [[f64; 3]; 3],
-        best: Option<usize>,
+        (x, corners): ([f64; 3], impl Corners),
+        near: Found,
+        region: &Region,
     ) -> Found {
-        let own = |facet: usize| Found {
-            facet,
-            place: nearest(x, corners(facet)),
-        };
-        let mut best = own(best.unwrap_or_default());
+        let mut best = near;
+        for &node in &region.0 {
+            let square = self.coins[node].square_of_nearest(x, best.place.square);
+            if square <= best.place.square {
+                self.descend(node, (x, &corners), &mut best);
+            }
+        }
+        best
+    }
+
+    /// The region of points within `reach` of `x`, to which `found` is the nearest facet.
+    pub(super) fn region(&self, x: [f64; 3], found: &Found, reach: f64) -> Region {
+        let leaves = self.starts.len() - 1;
+        let farthest = found.place.square.sqrt() + 2.0 * reach;
+        let mut open = vec![1];
+        let mut nodes = Vec::new();
+        while let Some(node) = open.pop() {
+            let coin = &self.coins[node];
+            if !coin.may_be_nearest((x, reach), farthest) {
+                continue;
+            }
+            match node >= leaves || f64::from(coin.radius()) < reach {
+                true => nodes.push(node),
+                false => open.extend([2 * node + 1, 2 * node]),
+            }
+        }
+        Region(nodes)
+    }
+
+    /// Looks through the facets of a leaf.
+    fn look_through(&self, node: usize, (x, corners): ([f64; 3], &impl Corners), best: &mut Found) {
+        let leaf = node - (self.starts.len() - 1);
+        for facet in self.starts[leaf] as usize..self.starts[leaf + 1] as usize {
+            let found = Found::new(facet, x, corners);
+            if (found.place.square, found.facet) < (best.place.square, best.facet) {
+                *best = found;
+            }
+        }
+    }
+
+    /// Looks through what is below a node and not farther than the best so far.
+    fn descend(&self, from: usize, (x, corners): ([f64; 3], &impl Corners), best: &mut Found) {
         let leaves = self.starts.len() - 1;
         let mut waiting = [(0, 0.0); WAITING];
-        let (mut count, mut node) = (0, 1);
+        let (mut count, mut node) = (0, from);
         loop {
             while node < leaves {
                 let (a, b) = (2 * node, 2 * node + 1);
-                let (to_a, to_b) = (self.coins[a].square_to(x), self.coins[b].square_to(x));
+                let to = |node: usize| self.coins[node].square_of_nearest(x, best.place.square);
+                let (to_a, to_b) = (to(a), to(b));
                 let [near, far] = match to_b < to_a {
                     true => [(b, to_b), (a, to_a)],
                     false => [(a, to_a), (b, to_b)],
@@ -143,17 +218,11 @@ impl FacetTree {
                 node = near.0;
             }
             if node >= leaves {
-                let leaf = node - leaves;
-                for facet in self.starts[leaf] as usize..self.starts[leaf + 1] as usize {
-                    let found = own(facet);
-                    if (found.place.square, found.facet) < (best.place.square, best.facet) {
-                        best = found;
-                    }
-                }
+                self.look_through(node, (x, corners), best);
             }
             loop {
                 let Some(last) = count.checked_sub(1) else {
-                    return best;
+                    return;
                 };
                 count = last;
                 if waiting[last].1 <= best.place.square {

@@ -5,7 +5,7 @@
 use super::closest::{Foot, Part, Search};
 use super::patch::Patch;
 use super::topology::Facets;
-use super::tree::FacetTree;
+use super::tree::{FacetTree, Found, Region};
 
 /// Facets that a search goes through at most.
 const WALK: usize = 24;
@@ -13,6 +13,9 @@ const WALK: usize = 24;
 const MOST_AROUND: usize = 64;
 /// Patches that Newton's method is led through at most.
 const CROSSED: usize = 3;
+
+/// Facets on the way to one nearby at most.
+const DOWNHILL: usize = 16;
 
 /// A point of the surface: the facet and its place on the patch.
 #[derive(Clone, Copy, Debug)]
@@ -30,10 +33,36 @@ pub(super) struct Searched {
 }
 
 impl Searched {
-    /// The nearest point to `x`; `hint` is a facet that may be near.
-    pub(super) fn nearest(&self, x: [f64; 3], hint: Option<usize>) -> Nearest {
+    /// The facet nearest to `x`.
+    pub(super) fn nearest_facet(&self, x: [f64; 3]) -> Found {
+        self.tree.nearest(x, |facet| self.patches[facet].corners)
+    }
+
+    /// The same from a facet that is near, for a point of a region.
+    pub(super) fn nearest_facet_from(&self, x: [f64; 3], near: usize, region: &Region) -> Found {
         let corners = |facet: usize| self.patches[facet].corners;
-        let found = self.tree.nearest(x, corners, hint);
+        let near = self.downhill(x, near);
+        self.tree.nearest_from((x, corners), near, region)
+    }
+
+    /// A facet near `x`: from one across the edges at its nearest point, as long as they lead nearer.
+    fn downhill(&self, x: [f64; 3], from: usize) -> Found {
+        let corners = |facet: usize| self.patches[facet].corners;
+        let mut best = Found::new(from, x, &corners);
+        for _ in 0..DOWNHILL {
+            let on = (0..3).filter(|&opposite| best.place.l[opposite] <= 0.0);
+            let across = on.map(|opposite| self.facets.across[best.facet][opposite] as usize);
+            let mut nearer = across.map(|facet| Found::new(facet, x, &corners));
+            match nearer.find(|found| found.place.square < best.place.square) {
+                Some(found) => best = found,
+                None => break,
+            }
+        }
+        best
+    }
+
+    /// The nearest point to `x`, to which this facet is the nearest.
+    pub(super) fn nearest(&self, x: [f64; 3], found: &Found) -> Nearest {
         let (first, start) = (found.facet, found.place.l);
         let crossed = self.crossing(x, (first, start));
         crossed.unwrap_or_else(|| self.through_boundaries(x, (first, start)))

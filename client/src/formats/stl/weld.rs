@@ -1,8 +1,8 @@
 //! One vertex of corners that are near each other; the first one gives the place.
 //!
-//! A corner with all the bits of an earlier one, as files of programs have them, costs one look
-//! into a table; others are looked for in a grid whose cells are larger than what is welded. Cost:
-//! some 60 bytes a vertex.
+//! Corners with all the bits of an earlier one, as files of programs have them, are found part by
+//! part, so that the table of each stays small; others are looked for in a grid whose cells are
+//! larger than what is welded. Cost: some 200 bytes a facet while it works.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -11,6 +11,8 @@ use super::{SurfaceFile, WELD, pick};
 
 /// Cells of the grid, in what is welded: most points are near one cell only.
 const CELL: f64 = 8.0;
+/// Parts of the points.
+const PARTS: usize = 256;
 /// No vertex.
 const NONE: u32 = u32::MAX;
 
@@ -26,25 +28,45 @@ pub(super) fn weld(corners: &[[[f64; 3]; 3]]) -> SurfaceFile {
     let mut welder = Welder {
         near: (WELD * diagonal).max(f64::MIN_POSITIVE),
         low,
-        known: table(points.len() / 5),
-        cells: table(points.len() / 5),
+        cells: HashMap::with_capacity_and_hasher(points.len() / 5, BuildHasherDefault::default()),
         earlier: Vec::with_capacity(points.len() / 5),
         vertices: Vec::with_capacity(points.len() / 5),
     };
-    let facets = corners
-        .iter()
-        .map(|facet| facet.map(|point| welder.vertex(point)));
+    let mut vertices = Vec::with_capacity(points.len());
+    for (index, (&first, point)) in first_alike(points).iter().zip(points).enumerate() {
+        let known = vertices.get(first).copied().filter(|_| first < index);
+        vertices.push(known.unwrap_or_else(|| welder.vertex(*point)));
+    }
     SurfaceFile {
-        facets: facets.collect(),
+        facets: vertices.as_chunks::<3>().0.to_vec(),
         vertices: welder.vertices,
     }
 }
 
-/// A table by three numbers.
-type Table<K> = HashMap<[K; 3], u32, BuildHasherDefault<Mixer>>;
-
-fn table<K>(capacity: usize) -> Table<K> {
-    HashMap::with_capacity_and_hasher(capacity, BuildHasherDefault::default())
+/// For each point the first one with the same bits, maybe itself.
+fn first_alike(points: &[[f64; 3]]) -> Vec<usize> {
+    let mut parts: Vec<Vec<([u64; 3], usize)>> = Vec::new();
+    parts.resize_with(PARTS, || Vec::with_capacity(points.len() / PARTS));
+    for (index, point) in points.iter().enumerate() {
+        let bits = point.map(f64::to_bits);
+        let mut mixer = Mixer::default();
+        bits.into_iter().for_each(|word| mixer.write_u64(word));
+        // Tables take the bits at both ends.
+        if let Some(part) = parts.get_mut((mixer.0 >> 40) as usize % PARTS) {
+            part.push((bits, index));
+        }
+    }
+    let mut first: Vec<usize> = (0..points.len()).collect();
+    for part in parts {
+        let mut known: HashMap<[u64; 3], usize, BuildHasherDefault<Mixer>> = HashMap::default();
+        for (bits, index) in part {
+            let earliest = *known.entry(bits).or_insert(index);
+            if let Some(first) = first.get_mut(index) {
+                *first = earliest;
+            }
+        }
+    }
+    first
 }
 
 /// Multiplies and turns: keys are coordinates of a file of the user's own, nobody's to choose.
@@ -80,10 +102,8 @@ impl Hasher for Mixer {
 struct Welder {
     near: f64,
     low: [f64; 3],
-    /// The vertex of each point that was met, by its bits.
-    known: Table<u64>,
     /// The last vertex of each cell.
-    cells: Table<i64>,
+    cells: HashMap<[i64; 3], u32, BuildHasherDefault<Mixer>>,
     /// The vertex before each in its cell `[vertices]`.
     earlier: Vec<u32>,
     vertices: Vec<[f64; 3]>,
@@ -92,10 +112,6 @@ struct Welder {
 impl Welder {
     /// The first vertex that is near, else a new one.
     fn vertex(&mut self, point: [f64; 3]) -> u32 {
-        let bits = point.map(f64::to_bits);
-        if let Some(&vertex) = self.known.get(&bits) {
-            return vertex;
-        }
         let cell_of = |shift: f64| {
             let cell = |x: f64, low: f64| ((x - low + shift) / (CELL * self.near)).floor();
             pick(point, self.low, cell).map(|x| x as i64)
@@ -106,10 +122,7 @@ impl Welder {
         let cells = || beside().flat_map(|(x, y)| (first[2]..=last[2]).map(move |z| [x, y, z]));
         let vertices = cells().flat_map(|cell| self.in_cell(cell));
         let near = vertices.filter(|&vertex| self.is_near(vertex, point)).min();
-        let vertex = near.unwrap_or_else(|| self.add(point, own));
-        // Vertices that come later are not the first near the point.
-        self.known.insert(bits, vertex);
-        vertex
+        near.unwrap_or_else(|| self.add(point, own))
     }
 
     fn add(&mut self, point: [f64; 3], cell: [i64; 3]) -> u32 {

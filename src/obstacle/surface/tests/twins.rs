@@ -5,10 +5,10 @@ use super::*;
 use crate::obstacle::surface::closest::Part;
 
 /// Vertices and facets.
-type Facets = (Vec<[f64; 3]>, Vec<[u32; 3]>);
+pub(super) type Facets = (Vec<[f64; 3]>, Vec<[u32; 3]>);
 
 /// The surfaces that twins are compared on.
-fn surfaces() -> Vec<Facets> {
+pub(super) fn surfaces() -> Vec<Facets> {
     vec![
         icosphere(3),
         torus(),
@@ -18,7 +18,7 @@ fn surfaces() -> Vec<Facets> {
 }
 
 /// Points within 0.1 of the middles of facets, on both sides.
-fn points_near(tool: &Triangulated) -> Vec<[f64; 3]> {
+pub(super) fn points_near(tool: &Triangulated) -> Vec<[f64; 3]> {
     let patches = &tool.geometry.searched.patches;
     let step = (patches.len() / 60).max(1);
     let shifts: Vec<[f64; 3]> = directions(7).map(|d| scale(0.05, d)).collect();
@@ -68,10 +68,9 @@ fn the_curvature_is_the_slope_of_the_normal() {
     for surface in surfaces() {
         let tool = tool(surface, SMOOTH);
         let place = |point: [f64; 3]| {
-            let at = tool
-                .geometry
-                .searched
-                .nearest(point.map(|x| x / tool.geometry.unit), None);
+            let searched = &tool.geometry.searched;
+            let x = point.map(|x| x / tool.geometry.unit);
+            let at = searched.nearest(x, &searched.nearest_facet(x));
             (at.facet, at.foot.part)
         };
         for point in points_near(&tool) {

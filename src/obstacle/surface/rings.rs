@@ -1,0 +1,95 @@
+//! The facets around each vertex, and the vertices behind them. Cost: two passes over the corners.
+
+use rayon::prelude::*;
+
+/// The facets at each vertex, ascending.
+pub(super) struct Rings {
+    /// Where the facets of a vertex begin `[vertices + 1]`.
+    starts: Vec<u32>,
+    facets: Vec<u32>,
+    /// Place of each corner of each facet among `facets`.
+    pub(super) places: Vec<[u32; 3]>,
+}
+
+impl Rings {
+    /// Those of `facets` between `vertices` vertices.
+    pub(super) fn new(facets: &[[u32; 3]], vertices: usize) -> Self {
+        let mut starts = vec![0_u32; vertices + 1];
+        for &vertex in facets.as_flattened() {
+            starts[vertex as usize + 1] += 1;
+        }
+        for vertex in 0..vertices {
+            starts[vertex + 1] += starts[vertex];
+        }
+        let mut next = starts.clone();
+        let mut all = vec![0; 3 * facets.len()];
+        let mut places = vec![[0; 3]; facets.len()];
+        for (facet, corners) in facets.iter().enumerate() {
+            for (place, &vertex) in places[facet].iter_mut().zip(corners) {
+                *place = next[vertex as usize];
+                all[*place as usize] = facet as u32;
+                next[vertex as usize] += 1;
+            }
+        }
+        Self {
+            starts,
+            facets: all,
+            places,
+        }
+    }
+
+    pub(super) fn vertices(&self) -> usize {
+        self.starts.len() - 1
+    }
+
+    /// The facets at a vertex.
+    pub(super) fn of(&self, vertex: usize) -> &[u32] {
+        &self.facets[self.range(vertex)]
+    }
+
+    /// Where the facets of a vertex are among those of all.
+    pub(super) fn range(&self, vertex: usize) -> std::ops::Range<usize> {
+        self.starts[vertex] as usize..self.starts[vertex + 1] as usize
+    }
+
+    /// The vertex that each facet around a vertex names behind it, beside the facets of [`Self::of`].
+    pub(super) fn behind(&self, facets: &[[u32; 3]]) -> Vec<u32> {
+        let vertices = (0..self.vertices() as u32).into_par_iter();
+        let of_vertex = |vertex: u32| {
+            let ring = self.of(vertex as usize).iter();
+            ring.map(move |&facet| {
+                let [a, b, c] = facets[facet as usize];
+                match (a == vertex, b == vertex) {
+                    (true, _) => b,
+                    (_, true) => c,
+                    _ => a,
+                }
+            })
+        };
+        vertices.flat_map_iter(of_vertex).collect()
+    }
+}
+
+/// The facet across the edge opposite each corner, where every edge has one facet in each
+/// direction; none where one has not, or both its ends have more facets than are looked through.
+pub(super) fn across(corners: &[[u32; 3]], rings: &Rings) -> Option<Vec<[u32; 3]>> {
+    /// Facets around a vertex that are looked through.
+    const MOST: usize = 64;
+    let mate = |from: u32, to: u32| {
+        let [own, other] = [from, to].map(|vertex| rings.of(vertex as usize));
+        let ring = if own.len() < other.len() { own } else { other };
+        if ring.len() > MOST {
+            return None;
+        }
+        let mut mates = ring.iter().filter(|&&facet| {
+            let [a, b, c] = corners[facet as usize];
+            (a == to && b == from) || (b == to && c == from) || (c == to && a == from)
+        });
+        match (mates.next(), mates.next()) {
+            (Some(mate), None) => Some(*mate),
+            _ => None,
+        }
+    };
+    let of_facet = |&[a, b, c]: &[u32; 3]| Some([mate(b, c)?, mate(c, a)?, mate(a, b)?]);
+    corners.par_iter().map(of_facet).collect()
+}
