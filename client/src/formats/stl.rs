@@ -8,6 +8,7 @@ mod text;
 mod weld;
 
 use std::borrow::Cow;
+use std::io::Cursor;
 
 use weld::weld;
 
@@ -96,22 +97,32 @@ fn text_of(bytes: &[u8]) -> Option<Cow<'_, str>> {
     is_text.then(|| String::from_utf8_lossy(bytes))
 }
 
-/// Facets are a normal, three corners of little-endian single precision, and two bytes.
 fn binary(bytes: &[u8]) -> Result<Vec<[[f64; 3]; 3]>, StlError> {
-    let count = check_length(bytes)?;
-    let facets = bytes.get(BINARY_HEADER..).unwrap_or_default();
-    let facets = facets.as_chunks::<BINARY_FACET>().0.iter().take(count);
-    let corners = facets.map(|facet| {
-        let numbers = facet.as_chunks::<4>().0.iter().skip(3);
-        let mut numbers = numbers.map(|number| f64::from(f32::from_le_bytes(*number)));
-        let mut point = || std::array::from_fn(|_| numbers.next().unwrap_or_default());
-        [point(), point(), point()]
-    });
-    Ok(corners.collect())
+    check_length(bytes)?;
+    let unreadable = |facet: usize| {
+        move |error: std::io::Error| StlError::Unreadable {
+            facet,
+            said: error.to_string(),
+        }
+    };
+    // The library tells a text by its first word, which a binary header may have.
+    let mut header_blank = bytes.to_vec();
+    header_blank
+        .iter_mut()
+        .take(5)
+        .for_each(|byte| *byte = b' ');
+    let mut cursor = Cursor::new(header_blank);
+    let reader = stl_io::create_stl_reader(&mut cursor).map_err(unreadable(0))?;
+    let mut corners = Vec::new();
+    for (facet, triangle) in reader.enumerate() {
+        let triangle = triangle.map_err(unreadable(facet))?;
+        corners.push(triangle.vertices.map(|vertex| vertex.0.map(f64::from)));
+    }
+    Ok(corners)
 }
 
-/// The facets of a binary file, which says how many it has.
-fn check_length(bytes: &[u8]) -> Result<usize, StlError> {
+/// A binary file says how many facets it has.
+fn check_length(bytes: &[u8]) -> Result<(), StlError> {
     let Some(count) = bytes.get(BINARY_HEADER - 4..BINARY_HEADER) else {
         return Err(StlError::Empty);
     };
@@ -119,7 +130,7 @@ fn check_length(bytes: &[u8]) -> Result<usize, StlError> {
     let there = (bytes.len() - BINARY_HEADER) / BINARY_FACET;
     let announced = count as usize;
     match announced <= there {
-        true => Ok(announced),
+        true => Ok(()),
         false => Err(StlError::Cut { there, announced }),
     }
 }
