@@ -262,7 +262,7 @@ fn advance(
     let overlaps = Overlaps::of(product, r, &images);
     let before = *before.get_or_insert(overlaps.square);
     let rest = overlaps.rest();
-    if !(rest > MOST_LOST * MOST_LOST * before) {
+    if rest.is_nan() || rest <= MOST_LOST * MOST_LOST * before {
         return advance_with_care(directions, before.sqrt(), (direction, product), (x, r));
     }
     let length = rest.sqrt();
