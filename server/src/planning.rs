@@ -109,7 +109,8 @@ pub(crate) fn reserve(
     })
 }
 
-/// A mesh by its identity, from memory or the data folder.
+/// A mesh by its identity, from memory or the data folder. One whose file alone is there is on its
+/// way, or was not acknowledged: whoever read it would take it for one that others find too.
 pub(crate) async fn mesh(services: &Arc<Services>, id: MeshId) -> Result<Lease<Mesh>, Fault> {
     let missing = match services.store.mesh(id) {
         Ok(mesh) => return Ok(mesh),
@@ -119,29 +120,26 @@ pub(crate) async fn mesh(services: &Arc<Services>, id: MeshId) -> Result<Lease<M
         return Err(missing);
     };
     let services = Arc::clone(services);
-    aside(move || match journal.read_mesh(id).map_err(unwritable)? {
-        Some(bytes) => read_mesh(&services.store, id, &bytes, owners(&journal, id)?),
-        None => Err(missing),
+    aside(move || {
+        let Some(owners) = owners(&journal, id)? else {
+            return Err(missing);
+        };
+        match journal.read_mesh(id).map_err(unwritable)? {
+            Some(bytes) => read_mesh(&services.store, id, &bytes, owners),
+            None => Err(missing),
+        }
     })
     .await?
 }
 
-/// A mesh that somebody has uploaded before: one whose file alone is there was not acknowledged,
-/// and is nobody's.
+/// As [`mesh`], of one that may not be there.
 pub(crate) async fn known_mesh(
     services: &Arc<Services>,
     id: MeshId,
 ) -> Result<Option<Lease<Mesh>>, Fault> {
-    if let Ok(found) = services.store.mesh(id) {
-        return Ok(Some(found));
-    }
-    let Some(journal) = services.journal.clone() else {
-        return Ok(None);
-    };
-    let stored = aside(move || journal.mesh(&convert::name(id))).await?;
-    match stored.map_err(unwritable)? {
-        Some(_) => mesh(services, id).await.map(Some),
-        None => Ok(None),
+    match mesh(services, id).await {
+        Err(Fault::MeshNotFound(_)) => Ok(None),
+        found => found.map(Some),
     }
 }
 
@@ -159,13 +157,13 @@ pub(crate) async fn mesh_for(
     Ok(found)
 }
 
-/// Whom a mesh of the data folder belongs to.
-fn owners(journal: &Journal, id: MeshId) -> Result<Owners, Fault> {
+/// Whom a mesh of the data folder belongs to; none for one that has no entry.
+fn owners(journal: &Journal, id: MeshId) -> Result<Option<Owners>, Fault> {
     let name = convert::name(id);
-    let Some(stored) = journal.mesh(&name).map_err(unwritable)? else {
-        return Ok(Owners::default());
-    };
-    Owners::from_stored(&stored.owners)
+    let stored = journal.mesh(&name).map_err(unwritable)?;
+    let owners = stored.map(|stored| Owners::from_stored(&stored.owners));
+    owners
+        .transpose()
         .map_err(|owner| Fault::Unwritable(format!("`{name}` has the owner \"{owner}\"")))
 }
 

@@ -18,7 +18,13 @@ static ALONE: Mutex<()> = Mutex::const_new(());
 /// One test at a time, all points of failure off.
 async fn alone() -> MutexGuard<'static, ()> {
     let guard = ALONE.lock().await;
-    for point in ["journal-commit", "file-write", "file-sync", "file-rename"] {
+    for point in [
+        "journal-commit",
+        "file-write",
+        "file-sync",
+        "file-rename",
+        "folder-sync",
+    ] {
         fail::remove(point);
     }
     guard
@@ -158,6 +164,35 @@ async fn a_mesh_whose_file_fails_is_refused_and_leaves_no_part() {
     let server = on(&data).await;
     server.session(block.scene()).await;
     assert!(!data.join("meshes/half.part").exists());
+    stop(server).await;
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_mesh_on_its_way_is_found_by_nobody_and_is_entered_though_somebody_asks_for_it() {
+    let _alone = alone().await;
+    let data = folder("on-its-way").join("data");
+    let (server, block) = (on(&data).await, Block::new(2));
+    // An answer comes when the folder is open.
+    let list = wire::ListMeshesRequest::default();
+    server.meshes().list_meshes(list.clone()).await.unwrap();
+    // The disk is slow when the file has its name already.
+    fail::cfg("folder-sync", "sleep(1000)").unwrap();
+    let (mut meshes, parts) = (server.meshes(), tokio_stream::iter(block.messages()));
+    let upload = tokio::spawn(async move { meshes.upload_mesh(parts).await });
+    let name = format!("meshes/{}", block.digest());
+    while !data.join(&name).exists() {
+        tokio::time::sleep(Duration::from_millis(5)).await;
+    }
+    let asked = wire::GetMeshRequest { name };
+    let missing = server.meshes().get_mesh(asked).await.unwrap_err();
+    assert_eq!(reason(&missing), "MESH_NOT_FOUND");
+    let uploaded = upload.await.unwrap().unwrap().into_inner();
+    assert!(!uploaded.already_present);
+    fail::remove("folder-sync");
+    stop(server).await;
+    let server = on(&data).await;
+    let listed = server.meshes().list_meshes(list).await.unwrap();
+    assert_eq!(listed.into_inner().meshes.len(), 1);
     stop(server).await;
 }
 

@@ -132,7 +132,7 @@ impl ThreadArguments {
 /// Where cases of studies wait.
 #[derive(Args, Debug)]
 pub(crate) struct QueueArguments {
-    /// NATS with JetStream: nats://HOST:PORT or tls://HOST:PORT (feature `fleet`)
+    /// NATS with JetStream: nats://HOST:PORT or tls://HOST:PORT, several with commas (feature `fleet`)
     #[arg(long, value_name = "URL", env = "SIGNORINI_QUEUE")]
     pub(crate) queue: Option<String>,
     /// Credentials file to show it

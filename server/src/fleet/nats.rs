@@ -5,7 +5,7 @@ use std::hash::{BuildHasher as _, Hasher as _, RandomState};
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use bytes::Bytes;
 use tokio::runtime::Handle;
@@ -13,7 +13,7 @@ use tokio::sync::mpsc;
 
 use super::lease::Lease;
 use super::leases::{Asked, Holder, Leases};
-use super::stream::{Place, Records, Refused, context};
+use super::stream::{Place, Records, Refused, context, is_unanswered};
 use super::{Found, Wish, Wished, nats_addresses, wishes};
 use crate::config::Config;
 use crate::fault::Fault;
@@ -28,6 +28,8 @@ const LEAST: u64 = 4 << 20;
 const TIMES: u64 = 4;
 /// Looks at the leases in one time to live.
 const LOOKS: u32 = 24;
+/// How long a server that starts waits for NATS to answer, which a cluster without a leader does not.
+const LEADERLESS: Duration = Duration::from_secs(30);
 /// How often a server tries to follow the last record of a session that it takes over.
 const TRIES: usize = 5;
 
@@ -59,7 +61,7 @@ impl Fleet {
         let Some(journal) = journal.filter(|_| !config.fleet_nats.is_empty()) else {
             return Ok(None);
         };
-        let joined = Self::open(config, url, journal, metrics).await;
+        let joined = Self::open_patiently(config, url, journal, metrics).await;
         let fleet = joined.map_err(|error| format!("{}: {error}", config.fleet_nats))?;
         journal
             .forget_sessions()
@@ -69,6 +71,24 @@ impl Fleet {
         metrics.fleet_joined();
         journal.fence(Arc::clone(&fleet) as Arc<dyn Fence>);
         Ok(Some(fleet))
+    }
+
+    async fn open_patiently(
+        config: &Config,
+        url: &str,
+        journal: &Arc<Journal>,
+        metrics: &Arc<Metrics>,
+    ) -> Result<Self, async_nats::Error> {
+        let until = Instant::now() + LEADERLESS;
+        loop {
+            match Self::open(config, url, journal, metrics).await {
+                Err(error) if is_unanswered(&error) && Instant::now() < until => {
+                    tracing::info!(why = error.to_string(), "the fleet is asked again");
+                    tokio::time::sleep(PAUSE).await;
+                }
+                opened => return opened,
+            }
+        }
     }
 
     async fn open(

@@ -8,7 +8,7 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use async_nats::jetstream::context::PublishErrorKind;
+use async_nats::jetstream::context::{CreateStreamError, CreateStreamErrorKind, PublishErrorKind};
 use async_nats::jetstream::message::PublishMessage;
 use async_nats::jetstream::stream::{self, LastRawMessageErrorKind};
 use async_nats::jetstream::{self, Context};
@@ -20,6 +20,8 @@ const STREAM: &str = "SIGNORINI-SESSIONS";
 const SUBJECTS: &str = "signorini.sessions";
 /// Larger records are files: a server of NATS takes 1 MiB.
 const LARGEST: usize = 256 << 10;
+/// Code of a cluster that cannot answer now.
+const UNAVAILABLE: usize = 503;
 /// In which a record that is sent again is known again.
 const KNOWN: Duration = Duration::from_secs(120);
 
@@ -223,9 +225,41 @@ fn digest(bytes: &[u8]) -> String {
     signorini_proto::digest::hex(&digest)
 }
 
+/// Whether a stream was not opened because nobody could say what there is: a cluster that has no
+/// leader yet is silent, or says that it has none.
+pub(super) fn is_unanswered(error: &async_nats::Error) -> bool {
+    let error = error.downcast_ref::<CreateStreamError>();
+    error.is_some_and(|error| match error.kind() {
+        CreateStreamErrorKind::TimedOut => true,
+        CreateStreamErrorKind::JetStream(error) => error.code() == UNAVAILABLE,
+        CreateStreamErrorKind::EmptyStreamName
+        | CreateStreamErrorKind::InvalidStreamName
+        | CreateStreamErrorKind::DomainAndExternalSet
+        | CreateStreamErrorKind::JetStreamUnavailable
+        | CreateStreamErrorKind::Response
+        | CreateStreamErrorKind::NotFound
+        | CreateStreamErrorKind::ResponseParse => false,
+    })
+}
+
 /// A context whose calls end in time for another try within a lease.
 pub(super) fn context(client: async_nats::Client, ttl: Duration) -> Context {
     let mut context = jetstream::new(client);
     context.set_timeout((ttl / 6).max(Duration::from_millis(200)));
     context
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_start_waits_for_a_leader_and_not_for_settings_that_are_wrong() {
+        let of = |kind| async_nats::Error::from(CreateStreamError::from(kind));
+        assert!(is_unanswered(&of(CreateStreamErrorKind::TimedOut)));
+        assert!(!is_unanswered(&of(
+            CreateStreamErrorKind::InvalidStreamName
+        )));
+        assert!(!is_unanswered(&"the leases live 3 s".into()));
+    }
 }

@@ -60,7 +60,7 @@ impl Journal {
         digest: &str,
     ) -> Result<Option<Vec<u8>>, JournalError> {
         match &self.shared.0 {
-            Some(folder) => files::read(&folder.join(part).join(digest)),
+            Some(folder) => read(&folder.join(part).join(digest)),
             None => Ok(None),
         }
     }
@@ -73,8 +73,22 @@ impl Journal {
         let (Some(folder), true) = (&self.shared.0, is_plain(name)) else {
             return Ok(None);
         };
-        let found = files::read(&folder.join(format!("{name}.entry")))?;
+        let found = read(&folder.join(format!("{name}.entry")))?;
         found.map(|bytes| opened(&bytes, name)).transpose()
+    }
+}
+
+/// A file of the folder; none where it is not in it. A folder that is not there, unmounted say, has
+/// not said so.
+fn read(path: &Path) -> Result<Option<Vec<u8>>, JournalError> {
+    let found = files::read(path)?;
+    let folder = path.parent().unwrap_or(path);
+    match found.is_none() && !folder.is_dir() {
+        true => Err(JournalError::Unwritable(format!(
+            "{}: is not there",
+            folder.display()
+        ))),
+        false => Ok(found),
     }
 }
 
@@ -102,4 +116,30 @@ fn write(path: &Path, bytes: &[u8]) -> Result<(), JournalError> {
 fn random() -> u64 {
     use std::hash::{BuildHasher as _, Hasher as _, RandomState};
     RandomState::new().build_hasher().finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::journal::StoredMesh;
+    use crate::metrics::Metrics;
+
+    #[test]
+    fn a_folder_that_is_not_there_has_not_said_that_a_mesh_is_not() {
+        let name = format!("signorini-shared-{}", std::process::id());
+        let folder = std::env::temp_dir().join(name);
+        // Of an earlier process of the same number.
+        drop(fs::remove_dir_all(&folder));
+        let (own, store) = (folder.join("data"), folder.join("store"));
+        let journal = Journal::open(&own, &Metrics::new().unwrap()).unwrap();
+        let journal = journal.sharing(&store).unwrap();
+        let entry = || journal.shared_entry::<StoredMesh>("meshes/0a");
+        assert_eq!(entry().unwrap(), None);
+        fs::remove_dir_all(&store).unwrap();
+        assert!(matches!(entry(), Err(JournalError::Unwritable(_))));
+        let file = journal.shared_file("meshes", "0a");
+        assert!(matches!(file, Err(JournalError::Unwritable(_))));
+        journal.close();
+        fs::remove_dir_all(&folder).unwrap();
+    }
 }

@@ -15,7 +15,7 @@ use crate::client_key::ClientIdentity;
 use crate::convert::surface::{self as convert, name};
 use crate::convert::uploaded::SurfacesByName;
 use crate::fault::Fault;
-use crate::journal::{Change, Journal, Part, StoredSurface};
+use crate::journal::{Change, Part, StoredSurface};
 use crate::session::Services;
 use crate::store::{Account, Reservation};
 use crate::surfaces::Stored;
@@ -183,9 +183,14 @@ pub(crate) async fn surface(services: &Arc<Services>, digest: &str) -> Result<St
         return Ok(found);
     }
     let (services, digest) = (Arc::clone(services), digest.to_owned());
-    let read = move || match journal.read_surface(&digest).map_err(unwritable)? {
-        Some(bytes) => read_file(&services, &journal, &digest, &bytes),
-        None => Err(missing),
+    let read = move || {
+        let entry = journal.surface(&name(&digest)).map_err(unwritable)?;
+        let bytes = journal.read_surface(&digest).map_err(unwritable)?;
+        match (entry, bytes) {
+            (Some(entry), Some(bytes)) => read_file(&services, &digest, &entry, &bytes),
+            // A file alone was not acknowledged, as one of a mesh.
+            (None, _) | (_, None) => Err(missing),
+        }
     };
     aside(read).await?
 }
@@ -193,15 +198,13 @@ pub(crate) async fn surface(services: &Arc<Services>, digest: &str) -> Result<St
 /// A surface out of its file, taken into memory.
 fn read_file(
     services: &Services,
-    journal: &Journal,
     digest: &str,
+    entry: &StoredSurface,
     bytes: &[u8],
 ) -> Result<Stored, Fault> {
     let name = name(digest);
-    let entry = journal.surface(&name).map_err(unwritable)?;
-    let owners = entry.as_ref().map(|entry| owners_of(&name, entry));
-    let owners = owners.transpose()?.unwrap_or_default();
-    let described = entry.and_then(|entry| read_entry(&name, &entry).ok());
+    let owners = owners_of(&name, entry)?;
+    let described = read_entry(&name, entry).ok();
     // It was let in when it was uploaded: counted, and never refused for that.
     let account = Account {
         client: owners

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import contextlib
 import hashlib
 import json
 import os
@@ -304,9 +305,13 @@ def main() -> int:
     import signorini as s
 
     chance = random.Random(given.seed)
-    with tempfile.TemporaryDirectory(prefix="signorini-fleet-") as folder:
+    with contextlib.ExitStack() as stack:
+        folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="signorini-fleet-"))
         fleet = Fleet(Path(folder), given.program, given.haproxy, given.nats)
+        stack.callback(fleet.stop)
         time.sleep(1.5)
+        gone = [one.log.read_text() for one in fleet.servers if one.process.poll() is not None]
+        assert not gone, gone
         clients = [Client(s, fleet.address, f"client-{number}", given.pace) for number in range(given.clients)]
         for client in clients:
             client.start()
@@ -344,7 +349,6 @@ def main() -> int:
             pauses.extend(after[:1])
         expected = calm(s, given.program, Path(folder), longest)
         differ = [one.name_of for one in clients if [bit for _, bit in one.results] != expected[: len(one.results)]]
-        fleet.stop()
     print(f"faults {counts}, results {sum(len(one.results) for one in clients)}, longest {longest}")
     print(f"failed {failed}; lost or doubled {gaps}; other bits {differ}; epochs grow {grown}")
     if pauses:

@@ -7,7 +7,8 @@
 
 Needs nats-server with JetStream on PATH. Three parts, each a line of figures:
 
-clean     all cases on 4 workers: wall time a case and worker, minus the solver's seconds
+clean     all cases on 4 workers: wall time a case and worker, minus the solver's seconds; where the workers share
+          cores that contains their waiting for each other, so processor time a case is told too
 faults    the same with 10 poison cases (5 that the server refuses, 5 whose workers are killed each time they
           begin one, 3 kills each), 5 more kills of workers (20 in all), 3 of servers, one of NATS, one of the study
 pending   memory of the study and of a worker with few and with many pending cases
@@ -20,6 +21,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import csv
+import os
 import random
 import re
 import shutil
@@ -58,6 +60,12 @@ def resident(process: subprocess.Popen[str]) -> float:
     text = Path(f"/proc/{process.pid}/status").read_text()
     found = re.search(r"VmRSS:\s+(\d+) kB", text)
     return int(found.group(1)) / 1024 if found else 0.0
+
+
+def processor(process: subprocess.Popen[str]) -> float:
+    """Processor time so far, seconds."""
+    fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 class Place:
@@ -140,16 +148,20 @@ def logged(out: Path) -> int:
     return log.read_text().count('{"row":') if log.exists() else 0
 
 
-def clean(place: Place, cases: int, workers: int) -> None:
+def clean(place: Place, nats: subprocess.Popen[str], cases: int, workers: int) -> None:
     """All cases without a fault."""
     file, out = write_study(place.folder, cases, set()), place.folder / "clean.csv"
     team = [place.worker() for _ in range(workers)]
     time.sleep(1)
     if any(one.poll() is not None for one in team):
         raise SystemExit("the workers do not start: was the program built with --features fleet?")
-    begun = time.monotonic()
+    before = [processor(one) for one in [nats, *team]]
+    begun, others = time.monotonic(), os.times()
     code = place.study(file, out).wait()
     wall = time.monotonic() - begun
+    spent = [processor(one) - used for one, used in zip([nats, *team], before, strict=True)]
+    # The study is the one child that was waited for meanwhile.
+    study = os.times().children_user + os.times().children_system - others.children_user - others.children_system
     rows = table(out)
     solver = sum(float(row["seconds"]) for row in rows) / cases
     each = wall * workers / cases
@@ -158,6 +170,9 @@ def clean(place: Place, cases: int, workers: int) -> None:
         f"solver {1e3 * solver:.2f} ms, beside it {1e3 * (each - solver):.2f} ms",
         flush=True,
     )
+    shares = {"NATS": spent[0], "workers": sum(spent[1:]), "study": study}
+    told = ", ".join(f"{name} {1e3 * seconds / cases:.2f} ms" for name, seconds in shares.items())
+    print(f"processor time a case: {told}", flush=True)
     assert code == 0 and len(rows) == cases, (code, len(rows))
     for one in team:
         one.kill()
@@ -297,7 +312,7 @@ def main() -> None:
         try:
             nats = place.nats()
             if "clean" in given.parts:
-                clean(place, given.cases, given.workers)
+                clean(place, nats, given.cases, given.workers)
             if "pending" in given.parts:
                 for cases in (max(given.pending // 100, 2000), given.pending):
                     pending(place, cases)

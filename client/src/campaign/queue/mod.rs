@@ -51,6 +51,9 @@ const MOST_IN_WORK: i64 = 100_000;
 /// How long a request to the queue may take.
 const ANSWER_LIMIT: Duration = Duration::from_secs(5);
 
+/// Copies that a cluster keeps of everything: as many servers named are one.
+const COPIES: usize = 3;
+
 /// Header with the identifier of a case.
 const ID_HEADER: &str = "Signorini-Case";
 /// How long the queue is tried again after it broke.
@@ -122,17 +125,19 @@ impl Queue {
         let client = options.connect(addresses.as_slice()).await;
         let client = client.map_err(|error| broken(format!("{url}: {error}")))?;
         let context = ContextBuilder::new().timeout(ANSWER_LIMIT).build(client);
+        let copies = copies(addresses.len());
         let cases = context.get_or_create_stream(Config {
             retention: RetentionPolicy::WorkQueue,
             duplicate_window: DUPLICATE_WINDOW,
-            ..stream(CASES, "signorini.case.*.*")
+            ..stream(CASES, "signorini.case.*.*", copies)
         });
         let cases = cases.await.map_err(broken)?;
-        let results = context.get_or_create_stream(stream(RESULTS, "signorini.result.*.*"));
+        let results = stream(RESULTS, "signorini.result.*.*", copies);
+        let results = context.get_or_create_stream(results);
         let results = results.await.map_err(broken)?;
         Ok(Self {
-            studies: studies(&context).await?,
-            assets: assets(&context).await?,
+            studies: studies(&context, copies).await?,
+            assets: assets(&context, copies).await?,
             cases,
             results,
             context,
@@ -177,32 +182,49 @@ impl Queue {
 }
 
 /// The bucket is made as the stream that it is: what the crate asks about the account first is
-/// not all answered by NATS 2.9.
-async fn studies(context: &Context) -> Result<kv::Store, Failure> {
+/// not all answered by NATS 2.9. Its leader alone answers: a copy that lags behind would say of a
+/// study that it is over.
+async fn studies(context: &Context, copies: usize) -> Result<kv::Store, Failure> {
     let config = Config {
         max_messages_per_subject: 1,
         discard: DiscardPolicy::New,
         allow_rollup: true,
         deny_delete: true,
-        allow_direct: true,
-        ..stream(&format!("KV_{STUDIES}"), &format!("$KV.{STUDIES}.>"))
+        ..stream(
+            &format!("KV_{STUDIES}"),
+            &format!("$KV.{STUDIES}.>"),
+            copies,
+        )
     };
     context.get_or_create_stream(config).await.map_err(broken)?;
     context.get_key_value(STUDIES).await.map_err(broken)
 }
 
-async fn assets(context: &Context) -> Result<object_store::ObjectStore, Failure> {
+/// One that is there stays as it was made.
+async fn assets(context: &Context, copies: usize) -> Result<object_store::ObjectStore, Failure> {
+    if let Ok(store) = context.get_object_store(ASSETS).await {
+        return Ok(store);
+    }
     let config = object_store::Config {
         bucket: ASSETS.to_owned(),
+        num_replicas: copies,
         ..Default::default()
     };
     context.create_object_store(config).await.map_err(broken)
 }
 
-fn stream(name: &str, subject: &str) -> Config {
+fn copies(addresses: usize) -> usize {
+    match addresses >= COPIES {
+        true => COPIES,
+        false => 1,
+    }
+}
+
+fn stream(name: &str, subject: &str, copies: usize) -> Config {
     Config {
         name: name.to_owned(),
         subjects: vec![subject.to_owned()],
+        num_replicas: copies,
         ..Default::default()
     }
 }

@@ -7,11 +7,12 @@ use std::time::{Duration, Instant};
 
 use async_nats::jetstream::AckKind;
 use async_nats::jetstream::Message;
+use async_nats::jetstream::consumer::PullConsumer;
 use prost::Message as _;
 use signorini_proto::v1;
 use tokio::sync::{Mutex, watch};
 use tokio::task::JoinSet;
-use tokio::time::{interval, sleep};
+use tokio::time::{interval_at, sleep};
 use tokio_stream::StreamExt as _;
 
 use super::gauges::Gauges;
@@ -90,13 +91,13 @@ pub(crate) async fn work(
 }
 
 async fn serve(worker: Arc<Worker>, mut stop: Stop) -> Result<(), Failure> {
-    let mut last = Instant::now();
+    let (mut last, mut consumer) = (Instant::now(), None);
     while !*stop.borrow() {
         if worker.idle.is_some_and(|idle| last.elapsed() > idle) {
             break;
         }
         let message = tokio::select! {
-            message = next(&worker.queue) => message,
+            message = next(&worker.queue, &mut consumer) => message,
             _ = stop.wait_for(|stop| *stop) => break,
         };
         match message {
@@ -112,12 +113,17 @@ async fn serve(worker: Arc<Worker>, mut stop: Stop) -> Result<(), Failure> {
 }
 
 /// The next case, if one comes in time. One only is asked for, so that a worker that dies
-/// holds up no other case.
-async fn next(queue: &Queue) -> Result<Option<Message>, Failure> {
-    let consumer = queue.workers().await?;
+/// holds up no other case. Who gave none is made again where it is gone.
+async fn next(queue: &Queue, known: &mut Option<PullConsumer>) -> Result<Option<Message>, Failure> {
+    let consumer = match known.take() {
+        Some(consumer) => consumer,
+        None => queue.workers().await?,
+    };
     let batch = consumer.batch().max_messages(1).expires(ASK_LIMIT);
     let mut messages = batch.messages().await.map_err(broken)?;
-    messages.next().await.transpose().map_err(broken)
+    let message = messages.next().await.transpose().map_err(broken)?;
+    *known = message.is_some().then_some(consumer);
+    Ok(message)
 }
 
 impl Worker {
@@ -129,7 +135,8 @@ impl Worker {
         self.tell(|gauges| gauges.came(delivery.waiting));
         let work = self.verdict(&delivery, stop);
         let mut work = std::pin::pin!(work);
-        let mut signs = interval(PROGRESS_INTERVAL);
+        let first = tokio::time::Instant::now() + PROGRESS_INTERVAL;
+        let mut signs = interval_at(first, PROGRESS_INTERVAL);
         let verdict = loop {
             tokio::select! {
                 verdict = &mut work => break verdict,
