@@ -27,8 +27,6 @@ pub trait Scalar:
     fn widen(self) -> f64;
     /// From single precision, exactly.
     fn of_single(value: f32) -> Self;
-    /// `length` zeros, whose pages are first touched by who uses them.
-    fn zeros(length: usize) -> Vec<Self>;
     /// `length` unspecified values from the pool.
     fn take(work: &mut Workspace, length: usize) -> Vec<Self>;
     /// Hands a vector back to the pool.
@@ -44,9 +42,6 @@ impl Scalar for f64 {
     }
     fn of_single(value: f32) -> Self {
         value.into()
-    }
-    fn zeros(length: usize) -> Vec<Self> {
-        vec![0.0; length]
     }
     fn take(work: &mut Workspace, length: usize) -> Vec<Self> {
         work.scratch(length)
@@ -65,9 +60,6 @@ impl Scalar for f32 {
     }
     fn of_single(value: f32) -> Self {
         value
-    }
-    fn zeros(length: usize) -> Vec<Self> {
-        vec![0.0; length]
     }
     fn take(work: &mut Workspace, length: usize) -> Vec<Self> {
         work.scratch_f32(length)

@@ -3,7 +3,6 @@
 
 use std::mem::MaybeUninit;
 
-use super::Scalar;
 use super::vector::assign;
 
 /// A pool of vectors. Not shared: each session owns one.
@@ -83,13 +82,13 @@ impl Workspace {
 
 /// A vector of `length` unspecified values. A new one comes zeroed from the system, which clears
 /// its pages where they are first used, and so by all threads.
-fn sized<T: Scalar>(free: &mut Vec<Vec<T>>, length: usize) -> Vec<T> {
+fn sized<T: Copy + Default>(free: &mut Vec<Vec<T>>, length: usize) -> Vec<T> {
     match reuse(free, length) {
         Some(mut vector) => {
             vector.resize(length, T::default());
             vector
         }
-        None => T::zeros(length),
+        None => vec![T::default(); length],
     }
 }
 

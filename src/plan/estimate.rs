@@ -20,8 +20,9 @@ const CUBE_FLOPS: f64 = 2.4e9;
 const VECTORS: u64 = 40;
 /// The same of a certificate by Lanczos steps beside it: most take twenty.
 const CERTIFICATE_VECTORS: u64 = 40;
-/// Bytes per cell of the matrix-free operator and of the geometry it is made from.
-const CELL_BYTES: u64 = 330;
+/// Bytes per cell of the matrix-free operator in both precisions and of the geometry it is made
+/// from.
+const CELL_BYTES: u64 = 400;
 
 /// Bytes per cell of the assembled matrices of a comparison element and of what
 /// they are made from.

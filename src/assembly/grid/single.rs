@@ -4,6 +4,8 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::{Basis, CellGrid, Grid, Rows};
 use crate::assembly::kernel::Batch;
 use crate::assembly::lanes::{Lanes, SINGLE_WIDTH, WIDTH};
@@ -102,7 +104,7 @@ fn subtract<const V: usize, const D: usize, const E: usize>(
 fn rounded<const V: usize, const D: usize, const E: usize>(
     grid: &CellGrid<V, D, E>,
 ) -> Vec<Vec<SingleBatch<V, D, E>>> {
-    let blocks = grid.blocks.iter();
+    let blocks = grid.blocks.par_iter();
     let of_block = |batches: &[Batch<V, D, E>]| batches.chunks(PAIR).map(joined).collect();
     blocks.map(|block| of_block(&block.batches)).collect()
 }
