@@ -33,6 +33,12 @@ const TEXTS: [(&str, &str); 5] = [
     ),
 ];
 
+/// Names of all.
+#[cfg(test)]
+pub(super) fn names() -> impl Iterator<Item = &'static str> {
+    TEXTS.iter().map(|(name, _)| *name).chain([HELD])
+}
+
 impl Metrics {
     /// The server is in a fleet.
     pub(crate) fn fleet_joined(&self) {

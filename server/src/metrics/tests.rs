@@ -74,6 +74,8 @@ fn every_metric_and_reason_is_in_the_manual() {
         .chain(COUNTERS.iter().map(|(name, _)| *name))
         .chain(GAUGES.iter().map(|(name, _)| *name));
     let mut known: Vec<&str> = metrics.chain(status::REASONS).collect();
+    #[cfg(feature = "fleet")]
+    known.extend(fleet::names());
     let told = |name: &&str| quoted.contains(name);
     let missing: Vec<&&str> = known.iter().filter(|name| !told(name)).collect();
     assert!(missing.is_empty(), "{missing:?}");
