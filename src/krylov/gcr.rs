@@ -295,7 +295,7 @@ fn advance_with_care(
 ) -> Taken {
     let length = orthogonalise(directions, direction, product);
     let is_spent = length < SPENT * before && !directions.pairs.is_empty();
-    if length > 0.0 && !is_spent {
+    if length > 0.0 && length.is_finite() && !is_spent {
         let step = dot(r, product);
         add_scaled(x, step, direction);
         add_scaled(r, -step, product);

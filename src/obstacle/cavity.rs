@@ -62,6 +62,10 @@ impl Obstacle for Cavity {
         self.shape.is_smooth()
     }
 
+    fn has_exact_distances(&self) -> bool {
+        self.shape.has_exact_distances()
+    }
+
     fn is_closed(&self) -> bool {
         false
     }

@@ -99,6 +99,12 @@ pub trait Obstacle: fmt::Debug + Send + Sync {
     /// Whether the shape has an inside that a body may lie in, in place of the outside.
     fn is_closed(&self) -> bool;
 
+    /// Whether the distance changes by no more than a point moves; values on a grid may be
+    /// steeper.
+    fn has_exact_distances(&self) -> bool {
+        true
+    }
+
     /// Whether a body in the plane z = 0 meets the shape in that plane only: its
     /// normals there have no z.
     ///

@@ -96,6 +96,10 @@ impl Obstacle for Moving {
         self.shape.is_smooth()
     }
 
+    fn has_exact_distances(&self) -> bool {
+        self.shape.has_exact_distances()
+    }
+
     fn is_closed(&self) -> bool {
         self.shape.is_closed()
     }

@@ -5,7 +5,7 @@
 //! corrections). The smoother works on Lagrange node values
 //! u_e + (u_a + u_b)/2, where it needs half the iterations. One application of
 //! degree k costs 2k operator products and one P1 solve; it is symmetric
-//! positive definite, with condition about 2.2 (k = 2) or 1.7 (k = 3) on good
+//! positive definite up to rounding, with condition about 2.2 (k = 2) or 1.7 (k = 3) on good
 //! tetrahedra, independent of the mesh size.
 //!
 //! Between its ends all vectors are in the numbers R: in single precision half the bytes

@@ -139,7 +139,8 @@ impl Search<'_> {
         let mut deepest = 0.0_f64;
         for at in &self.shapes {
             let point = sum(at, &values);
-            if [middle, last].iter().any(|known| is_outside(point, known)) {
+            let is_outside = |known| is_outside(point, known);
+            if self.obstacle.has_exact_distances() && [middle, last].iter().any(is_outside) {
                 continue;
             }
             let mut contact = [Contact::default()];

@@ -196,7 +196,7 @@ fn preconditioner(body: &Body) -> Option<Vec<Part>> {
         Part {
             name: "transfers between bases and to P1",
             times: 1.0,
-            bytes: 3.5 * n + transfer.bytes() as f64,
+            bytes: 4.25 * n + transfer.bytes() as f64,
             operations: 8.0 * size as f64,
             seconds: seconds(|| {
                 transfer.residual_to_lagrange(1.0, &r, &mut x);

@@ -165,6 +165,10 @@ impl<T: Tool> Obstacle for Sampled<T> {
         self.grid.is_closed()
     }
 
+    fn has_exact_distances(&self) -> bool {
+        false
+    }
+
     fn lies_in_plane(&self) -> Result<(), ObstacleError> {
         Err(ObstacleError::OutOfPlane { parameter: "kind" })
     }

@@ -120,7 +120,7 @@ impl Coin {
         }
     }
 
-    /// Around the facets of a piece; without any the coin is a point.
+    /// Around the facets of a piece.
     pub(super) fn around(piece: &Piece, facets: impl Iterator<Item = Flat>) -> Self {
         let coin = Self::new(piece);
         let axis = coin.axis.map(f64::from);
@@ -158,11 +158,15 @@ impl Coin {
             return self;
         }
         let shift = 0.5 * (least + most);
-        let moved = |i: usize| (f64::from(self.middle[i]) + shift * f64::from(self.axis[i])) as f32;
-        let (half, across) = (0.5 * (most - least), extent.across);
+        let moved: [f64; 3] =
+            std::array::from_fn(|i| f64::from(self.middle[i]) + shift * f64::from(self.axis[i]));
+        let middle = moved.map(|x| x as f32);
+        // Far from the origin of a file the middle is rounded by more than a coin is thick.
+        let off = norm(sub(moved, middle.map(f64::from)));
+        let (half, across) = (0.5 * (most - least) + off, extent.across + off);
         Self {
             axis: self.axis,
-            middle: std::array::from_fn(moved),
+            middle,
             half: widened(half),
             radius: widened(across),
             reach: widened(half.hypot(across)),

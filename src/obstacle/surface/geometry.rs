@@ -106,15 +106,19 @@ impl Geometry {
             return;
         };
         let mut found = self.searched.nearest_facet(first);
-        if let ([contact], 1) = (&mut *out, points.len()) {
-            self.contact((first, &found), what, contact);
-            return;
-        }
         let squares = points.clone().map(|x| {
             let offset = sub(x, first);
             dot(offset, offset)
         });
-        let reach = squares.fold(0.0, f64::max).sqrt();
+        let reach = squares
+            .fold(0.0, |most: f64, square| most.max(square))
+            .sqrt();
+        if points.len() == 1 || !(reach.is_finite() && found.place.square.is_finite()) {
+            for (x, contact) in points.zip(out) {
+                self.contact((x, &self.searched.nearest_facet(x)), what, contact);
+            }
+            return;
+        }
         let region = self.searched.tree.region(first, &found, reach);
         for (index, (x, contact)) in points.zip(out).enumerate() {
             if index > 0 {

@@ -9,7 +9,7 @@
 //! of vertices and split where facets meet at more than the feature angle. The distance is that
 //! of the nearest point of all patches: error h^4, of its normal h^3, where the raw facets have
 //! h^2 and h. Across smooth edges patches share their edge curve, their normals differ by as
-//! much as normals are wrong. Cost: a search in a tree of boxes and some Newton steps a point.
+//! much as normals are wrong. Cost: a search in a tree of coins and some Newton steps a point.
 
 mod around;
 mod bending;

@@ -58,7 +58,9 @@ fn two_rings_of_neighbours_are_those_of_a_search_through_facets() {
 
 #[test]
 fn points_beside_each_other_have_the_nearest_facets_of_all() {
-    for surface in surfaces() {
+    let (vertices, facets) = icosphere(3);
+    let far = vertices.into_iter().map(|x| add(x, [300.0, -200.0, 900.0]));
+    for surface in surfaces().into_iter().chain([(far.collect(), facets)]) {
         for between in [SMOOTH, Between::Facets] {
             let tool = tool(surface.clone(), between);
             let searched = &tool.geometry.searched;
