@@ -27,11 +27,6 @@ impl<R: Scalar, const W: usize> Lanes<R, W> {
     }
 }
 
-impl Lanes {
-    /// All zero.
-    pub const ZERO: Self = Self([0.0; WIDTH]);
-}
-
 /// Numbers that registers hold, [`Register`] by [`Register`].
 ///
 /// [`Register`]: Packed::Register
@@ -204,11 +199,6 @@ pub struct Pack<S: Simd, R: Packed = f64> {
     value: R::Register<S>,
 }
 
-impl<S: Simd> Pack<S> {
-    /// Registers per batch.
-    pub const PARTS: usize = WIDTH / S::F64_LANES;
-}
-
 impl<S: Simd, R: Packed> Pack<S, R> {
     /// Part `part` of the numbers of a batch.
     #[inline(always)]
@@ -316,7 +306,7 @@ impl<S: Simd> Pack<S> {
     #[inline(always)]
     #[must_use]
     pub fn each(self, change: impl Fn(f64) -> f64) -> Self {
-        let mut lanes = Lanes::ZERO;
+        let mut lanes = <Lanes>::zero();
         self.store(&mut lanes, 0);
         for value in &mut lanes.0[..S::F64_LANES] {
             *value = change(*value);

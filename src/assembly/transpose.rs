@@ -89,7 +89,7 @@ mod x86 {
             }
             let [a, b, c, d, e, f, g, h] = registers;
             let (low, high) = (square(self, [a, b, c, d]), square(self, [e, f, g, h]));
-            let mut out = [Lanes::ZERO; 4];
+            let mut out = [Lanes::zero(); 4];
             for ((lanes, low), high) in out.iter_mut().zip(low).zip(high) {
                 *lanes = Lanes(cast([low, high]));
             }

@@ -60,7 +60,7 @@ impl DisplacementBody<'_> {
     /// A of the body at rest in single precision.
     pub(crate) fn single_stiffness(&self, basis: Basis) -> SingleStiffness {
         SingleStiffness {
-            grid: SingleGrid::new(self.grid.clone()),
+            grid: SingleGrid::new(self.grid),
             basis,
             held: self.held.clone(),
         }

@@ -114,8 +114,8 @@ fn seconds(mut task: impl FnMut()) -> f64 {
 
 /// Products with A, B^T and both.
 fn products(body: &Body) -> Vec<Part> {
-    let (grid, mut work) = (Arc::new(body.grid()), Workspace::new());
-    let single = SingleGrid::new(grid.clone());
+    let (grid, mut work) = (body.grid(), Workspace::new());
+    let single = SingleGrid::new(&grid);
     let (size, vertices) = (body.space.displacement_unknowns(), body.space.vertices);
     let (x, p) = (reproducible_noise(size), reproducible_noise(vertices));
     let (mut y, mut r) = (vec![0.0; size], vec![0.0; vertices]);

@@ -256,7 +256,14 @@ mod tests {
     #[test]
     fn a_start_waits_for_a_leader_and_not_for_settings_that_are_wrong() {
         let of = |kind| async_nats::Error::from(CreateStreamError::from(kind));
+        let said = |code: usize| {
+            let said = serde_json::json!({ "code": code, "err_code": 10008 });
+            of(CreateStreamErrorKind::JetStream(
+                serde_json::from_value(said).unwrap(),
+            ))
+        };
         assert!(is_unanswered(&of(CreateStreamErrorKind::TimedOut)));
+        assert!(is_unanswered(&said(503)) && !is_unanswered(&said(400)));
         assert!(!is_unanswered(&of(
             CreateStreamErrorKind::InvalidStreamName
         )));

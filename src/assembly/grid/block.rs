@@ -193,10 +193,10 @@ fn batch<const V: usize, const D: usize, const E: usize>(
     let mut out = Batch {
         vertices: [[0; WIDTH]; V],
         edges: [[0; WIDTH]; E],
-        gradients: [[Lanes::ZERO; D]; D],
-        shear: Lanes::ZERO,
-        lame: Lanes::ZERO,
-        weight: Lanes::ZERO,
+        gradients: [[Lanes::zero(); D]; D],
+        shear: Lanes::zero(),
+        lame: Lanes::zero(),
+        weight: Lanes::zero(),
     };
     for lane in 0..WIDTH {
         let member = lane.min(cells.len() - 1);

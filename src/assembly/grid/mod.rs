@@ -10,6 +10,8 @@ mod block;
 mod copies;
 mod single;
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::kernel::{Batch, PRESSURE};
@@ -65,9 +67,9 @@ pub struct CellGrid<const V: usize, const D: usize, const E: usize> {
 #[derive(Clone, Debug)]
 pub enum Grid {
     /// Plane.
-    Triangles(CellGrid<3, 2, 3>),
+    Triangles(Arc<CellGrid<3, 2, 3>>),
     /// Solid.
-    Tetrahedra(CellGrid<4, 3, 6>),
+    Tetrahedra(Arc<CellGrid<4, 3, 6>>),
 }
 
 /// The same call on either cell kind.
@@ -84,8 +86,8 @@ impl Grid {
     /// Blocks of the cells of `source`.
     pub fn new(source: GridSource<'_>) -> Self {
         match source.geometry.vertices {
-            3 => Self::Triangles(CellGrid::new(source)),
-            _ => Self::Tetrahedra(CellGrid::new(source)),
+            3 => Self::Triangles(Arc::new(CellGrid::new(source))),
+            _ => Self::Tetrahedra(Arc::new(CellGrid::new(source))),
         }
     }
 
@@ -151,7 +153,7 @@ impl Grid {
     /// The same cells with other kernels, to compare them.
     #[must_use]
     pub fn with_instruction_set(mut self, instructions: InstructionSet) -> Self {
-        either!(&mut self, grid => grid.instructions = instructions);
+        either!(&mut self, grid => Arc::make_mut(grid).instructions = instructions);
         self
     }
 

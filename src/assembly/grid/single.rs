@@ -19,94 +19,84 @@ const PAIR: usize = SINGLE_WIDTH / WIDTH;
 type SingleBatch<const V: usize, const D: usize, const E: usize> =
     Batch<V, D, E, f32, SINGLE_WIDTH>;
 
-/// The cells of each block of a grid.
-#[derive(Clone, Debug)]
-enum Cells {
-    Triangles(Vec<Vec<SingleBatch<3, 2, 3>>>),
-    Tetrahedra(Vec<Vec<SingleBatch<4, 3, 6>>>),
-}
-
 /// A grid whose cells are known in single precision too.
 #[derive(Clone, Debug)]
-pub struct SingleGrid {
-    grid: Arc<Grid>,
-    cells: Cells,
+pub enum SingleGrid {
+    /// Plane.
+    Triangles(SingleCells<3, 2, 3>),
+    /// Solid.
+    Tetrahedra(SingleCells<4, 3, 6>),
+}
+
+/// A grid and the batches of each of its blocks in single precision.
+#[derive(Clone, Debug)]
+pub struct SingleCells<const V: usize, const D: usize, const E: usize> {
+    grid: Arc<CellGrid<V, D, E>>,
+    blocks: Vec<Vec<SingleBatch<V, D, E>>>,
 }
 
 impl SingleGrid {
     /// The cells of `grid`, rounded.
-    pub fn new(grid: Arc<Grid>) -> Self {
-        let cells = match &*grid {
-            Grid::Triangles(grid) => Cells::Triangles(rounded(grid)),
-            Grid::Tetrahedra(grid) => Cells::Tetrahedra(rounded(grid)),
-        };
-        Self { grid, cells }
+    pub fn new(grid: &Grid) -> Self {
+        match grid {
+            Grid::Triangles(grid) => Self::Triangles(SingleCells::new(grid)),
+            Grid::Tetrahedra(grid) => Self::Tetrahedra(SingleCells::new(grid)),
+        }
     }
 
     /// `r -= A x` on all nodes, held entries of both left out.
     pub fn subtract_stiffness(&self, basis: Basis, x: &[f32], r: &mut [f32], work: &mut Workspace) {
-        match (&*self.grid, &self.cells) {
-            (Grid::Triangles(grid), Cells::Triangles(cells)) => {
-                subtract(grid, cells, basis, (x, r), work);
-            }
-            (Grid::Tetrahedra(grid), Cells::Tetrahedra(cells)) => {
-                subtract(grid, cells, basis, (x, r), work);
-            }
-            (Grid::Triangles(_), Cells::Tetrahedra(_))
-            | (Grid::Tetrahedra(_), Cells::Triangles(_)) => {}
+        match self {
+            Self::Triangles(cells) => cells.subtract_stiffness(basis, x, r, work),
+            Self::Tetrahedra(cells) => cells.subtract_stiffness(basis, x, r, work),
         }
     }
 
     /// Bytes held beside those of the grid.
     pub fn bytes(&self) -> u64 {
-        let count = |blocks: usize, size: usize| (blocks * size) as u64;
-        match &self.cells {
-            Cells::Triangles(blocks) => count(
-                blocks.iter().map(Vec::len).sum(),
-                size_of::<SingleBatch<3, 2, 3>>(),
-            ),
-            Cells::Tetrahedra(blocks) => count(
-                blocks.iter().map(Vec::len).sum(),
-                size_of::<SingleBatch<4, 3, 6>>(),
-            ),
+        match self {
+            Self::Triangles(cells) => cells.bytes(),
+            Self::Tetrahedra(cells) => cells.bytes(),
         }
     }
 }
 
-fn subtract<const V: usize, const D: usize, const E: usize>(
-    grid: &CellGrid<V, D, E>,
-    cells: &[Vec<SingleBatch<V, D, E>>],
-    basis: Basis,
-    (x, r): (&[f32], &mut [f32]),
-    work: &mut Workspace,
-) {
-    grid.pass(
-        work,
-        |block, x_rows| {
-            block.gather_displacement(x, x_rows);
-            block.prepare_argument(basis, Rows::Free, x_rows);
-        },
-        |index, block, x, y| {
-            simd::stiffness(grid.instructions, &cells[index], x, y);
-            block.finish_result(basis, Rows::Free, y);
-        },
-        |local| {
-            grid.copies.sum::<D, f32>(local, r, |target, sum| {
-                for i in 0..D {
-                    target[i] -= sum[i];
-                }
-            });
-        },
-    );
-}
+impl<const V: usize, const D: usize, const E: usize> SingleCells<V, D, E> {
+    fn new(grid: &Arc<CellGrid<V, D, E>>) -> Self {
+        let blocks = grid.blocks.par_iter();
+        let of_block = |batches: &[Batch<V, D, E>]| batches.chunks(PAIR).map(joined).collect();
+        Self {
+            grid: grid.clone(),
+            blocks: blocks.map(|block| of_block(&block.batches)).collect(),
+        }
+    }
 
-/// The batches of all blocks in single precision.
-fn rounded<const V: usize, const D: usize, const E: usize>(
-    grid: &CellGrid<V, D, E>,
-) -> Vec<Vec<SingleBatch<V, D, E>>> {
-    let blocks = grid.blocks.par_iter();
-    let of_block = |batches: &[Batch<V, D, E>]| batches.chunks(PAIR).map(joined).collect();
-    blocks.map(|block| of_block(&block.batches)).collect()
+    fn bytes(&self) -> u64 {
+        let batches: usize = self.blocks.iter().map(Vec::len).sum();
+        (batches * size_of::<SingleBatch<V, D, E>>()) as u64
+    }
+
+    fn subtract_stiffness(&self, basis: Basis, x: &[f32], r: &mut [f32], work: &mut Workspace) {
+        let grid = &*self.grid;
+        grid.pass(
+            work,
+            |block, x_rows| {
+                block.gather_displacement(x, x_rows);
+                block.prepare_argument(basis, Rows::Free, x_rows);
+            },
+            |index, block, x, y| {
+                simd::stiffness(grid.instructions, &self.blocks[index], x, y);
+                block.finish_result(basis, Rows::Free, y);
+            },
+            |local| {
+                grid.copies.sum::<D, f32>(local, r, |target, sum| {
+                    for i in 0..D {
+                        target[i] -= sum[i];
+                    }
+                });
+            },
+        );
+    }
 }
 
 /// Up to two batches as one; missing lanes repeat the last batch with weight zero.

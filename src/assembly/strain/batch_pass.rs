@@ -28,7 +28,7 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for RespondPass<'
         let mut energy = 0.0;
         let cells = self.cells.batches.iter().zip(self.cells.laws);
         for (index, (batch, law)) in cells.enumerate() {
-            let mut energies = Lanes::ZERO;
+            let mut energies = <Lanes>::zero();
             BatchRun {
                 simd,
                 transpose,

@@ -8,7 +8,7 @@ use crate::assembly::kernel::points::{Tensor as Square, Vectors, gradients, trac
 use crate::assembly::kernel::{
     Batch, Element, NodeLanes, PRESSURE, edge_pairs, edge_share, gather, scatter,
 };
-use crate::assembly::lanes::{Lanes, Pack};
+use crate::assembly::lanes::{Batched, Lanes, Pack};
 use crate::assembly::transpose::{Row, Transpose};
 use crate::element::quadrature::Rule;
 use crate::geometry::tensor::Tensor;
@@ -227,7 +227,7 @@ pub(super) fn forces<S: Simd, L, const V: usize, const D: usize, const E: usize>
     L: PointLaw<S, V>,
 {
     let Element { vertices, edges } = element;
-    for part in 0..Pack::<S>::PARTS {
+    for part in 0..f64::parts::<S>() {
         let g = gradients(simd, batch, part);
         let vertex = vertex_gradients(simd, &g, (&*vertices, &*edges), part);
         let mut law = begin(part, &vertex, vertices);

@@ -92,7 +92,7 @@ impl<S: Simd, const V: usize> PointLaw<S, V> for Respond<'_, S, V> {
         gradient: &Tensor<Pack<S>>,
     ) -> Tensor<Pack<S>> {
         let change = volume_change(gradient);
-        let mut lanes = Lanes::ZERO;
+        let mut lanes = <Lanes>::zero();
         change.store(&mut lanes, 0);
         for (least, value) in self.least.iter_mut().zip(lanes.0).take(S::F64_LANES) {
             *least = least.min(value);

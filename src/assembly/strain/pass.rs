@@ -81,7 +81,7 @@ impl StrainGrid {
             |block, x| gather_state(block, Rows::All, (u, p), x),
             |index, _, states, x, y| {
                 let cells = self.batches(grid, index);
-                states.resize(stride * cells.batches.len(), Lanes::ZERO);
+                states.resize(stride * cells.batches.len(), <Lanes>::zero());
                 grid.instructions().run(LinearisePass {
                     cells,
                     states,

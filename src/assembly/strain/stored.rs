@@ -21,7 +21,7 @@ use crate::assembly::grid::{
     Basis, CellGrid, Rows, add_displacement, set_displacement, set_pressure,
 };
 use crate::assembly::kernel::{Element, PRESSURE, gather, scatter};
-use crate::assembly::lanes::{Lanes, Pack};
+use crate::assembly::lanes::{Batched, Lanes, Pack};
 use crate::assembly::simd::{BatchPass, prefetch_at};
 use crate::assembly::transpose::{Row, Transpose};
 use crate::linalg::Workspace;
@@ -74,7 +74,7 @@ impl CellMatrices {
             |_, _: &mut [Row]| (),
             |index, _, matrices, _, _| {
                 let cells = cells.batches(grid, index);
-                matrices.resize(cells.batches.len(), [Lanes::ZERO; ENTRIES]);
+                matrices.resize(cells.batches.len(), [<Lanes>::zero(); ENTRIES]);
                 grid.instructions().run(MatrixPass {
                     cells,
                     states: &at.blocks[index],
@@ -243,7 +243,7 @@ impl BatchPass for MatrixPass<'_> {
                 );
                 take_column(&mut element, column, matrix);
             }
-            for part in 0..Pack::<S>::PARTS {
+            for part in 0..f64::parts::<S>() {
                 let share = law.volume(simd, part, cells.penalty).pushed_share(simd);
                 share.store(&mut matrix[TRANSPOSED], part);
             }
@@ -290,7 +290,7 @@ impl BatchPass for ProductPass<'_> {
             prefetch_at(self.cells, index + 1);
             gather(transpose, &batch.vertices, self.x, &mut element.vertices);
             gather(transpose, &batch.edges, self.x, &mut element.edges);
-            for part in 0..Pack::<S>::PARTS {
+            for part in 0..f64::parts::<S>() {
                 let product = Product { simd, part, matrix };
                 product.run(self.part, &mut element);
             }

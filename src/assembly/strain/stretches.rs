@@ -24,7 +24,7 @@ fn each_lane<S: Simd>(
     gradient: &Tensor<Pack<S>>,
     mut visit: impl FnMut(usize, &Ogden, &Tensor<f64>),
 ) {
-    let mut lanes = [[Lanes::ZERO; 3]; 3];
+    let mut lanes = [[<Lanes>::zero(); 3]; 3];
     for (row, packs) in lanes.iter_mut().zip(gradient) {
         let pairs = row.iter_mut().zip(packs);
         pairs.for_each(|(lanes, pack)| pack.store(lanes, 0));
@@ -46,8 +46,8 @@ pub(super) fn add_response<S: Simd>(
     gradient: &Tensor<Pack<S>>,
     stress: &mut Tensor<Pack<S>>,
 ) -> Pack<S> {
-    let mut energies = Lanes::ZERO;
-    let mut stresses = [[Lanes::ZERO; 3]; 3];
+    let mut energies = <Lanes>::zero();
+    let mut stresses = [[<Lanes>::zero(); 3]; 3];
     each_lane(laws, gradient, |lane, law, h| {
         energies.0[lane] = law.energy(h);
         let found = law.stress(h);
@@ -72,7 +72,7 @@ pub(super) fn store_tangent<S: Simd>(
     tangents: &mut [Lanes],
     part: usize,
 ) {
-    let mut entries = [Lanes::ZERO; TANGENT];
+    let mut entries = [<Lanes>::zero(); TANGENT];
     each_lane(laws, gradient, |lane, law, h| {
         let tangent = law.tangent(h);
         let upper = tangent.iter().enumerate().flat_map(|(i, row)| &row[i..]);

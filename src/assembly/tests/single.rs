@@ -1,7 +1,5 @@
 //! Products in single precision against those in double.
 
-use std::sync::Arc;
-
 use super::*;
 use crate::assembly::SingleStiffness;
 use crate::assembly::grid::SingleGrid;
@@ -20,7 +18,7 @@ fn a_product_in_single_precision_is_the_one_in_double_rounded() {
             for set in InstructionSet::ALL.into_iter().filter(|set| set.is_here()) {
                 let grid = sample.grid.clone().with_instruction_set(set);
                 let operator = SingleStiffness {
-                    grid: SingleGrid::new(Arc::new(grid)),
+                    grid: SingleGrid::new(&grid),
                     basis,
                     held: sample.held.clone().into(),
                 };

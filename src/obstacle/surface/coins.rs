@@ -11,7 +11,8 @@ const LAST: u32 = 3;
 /// Levels between a coin and those that it lies around, at most.
 const APART: u32 = 5;
 
-/// Coins of the nodes of a tree `[2 leaves]` from 1, `facets` being those under a node; the first is not used. `leaves` is a power of two.
+/// Coins of the nodes of a tree `[2 leaves]` from 1, `facets` being those under a node; the first
+/// is not used. `leaves` is a power of two.
 pub(super) fn around<I>(leaves: usize, facets: impl Fn(usize) -> I + Sync) -> Vec<Coin>
 where
     I: Iterator<Item = Flat>,

@@ -51,7 +51,7 @@ const MOST_IN_WORK: i64 = 100_000;
 /// How long a request to the queue may take.
 const ANSWER_LIMIT: Duration = Duration::from_secs(5);
 
-/// Copies that a cluster keeps of everything: as many servers named are one.
+/// Copies that a cluster keeps of everything; who names as many servers has a cluster.
 const COPIES: usize = 3;
 
 /// Header with the identifier of a case.
