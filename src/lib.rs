@@ -169,6 +169,7 @@
 #![doc = include_str!("decisions/0047-account-of-an-application.md")]
 #![doc = include_str!("decisions/0048-fleet.md")]
 #![doc = include_str!("decisions/0049-studies.md")]
+#![doc = include_str!("decisions/0050-augmented-linear.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

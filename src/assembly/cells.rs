@@ -25,6 +25,8 @@ pub struct CellModuli {
     pub shear: Vec<f64>,
     /// lambda of the displacement form, zero where a pressure unknown serves `[cells]`.
     pub lame: Vec<f64>,
+    /// What the approximate inverse of the displacement block holds in its place `[cells]`.
+    pub augmented: Vec<f64>,
     /// 1 / lambda of the mixed form `[cells]`.
     pub inverse_lame: Vec<f64>,
 }

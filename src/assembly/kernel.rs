@@ -40,6 +40,8 @@ pub struct Batch<const V: usize, const D: usize, const E: usize, R = f64, const 
     pub shear: Lanes<R, W>,
     /// Volume over number of points, times lambda of the displacement form.
     pub lame: Lanes<R, W>,
+    /// Volume over number of points, times the lambda that an approximate inverse holds.
+    pub augmented: Lanes<R, W>,
     /// Volume over number of points.
     pub weight: Lanes<R, W>,
 }
@@ -148,13 +150,55 @@ pub fn stiffness<
     x: &[Row<R>],
     y: &mut [Row<R>],
 ) {
+    elastic(simd, transpose, (batch, &batch.lame), element, x, y);
+}
+
+/// The same with the lambda of an approximate inverse.
+#[inline(always)]
+pub fn augmented_stiffness<
+    S: Simd,
+    T: Transpose,
+    const V: usize,
+    const D: usize,
+    const E: usize,
+    R: Batched<W>,
+    const W: usize,
+>(
+    simd: S,
+    transpose: T,
+    batch: &Batch<V, D, E, R, W>,
+    element: &mut Element<V, E, R, W>,
+    x: &[Row<R>],
+    y: &mut [Row<R>],
+) {
+    elastic(simd, transpose, (batch, &batch.augmented), element, x, y);
+}
+
+/// [`stiffness`] with `lame` for lambda.
+#[inline(always)]
+fn elastic<
+    S: Simd,
+    T: Transpose,
+    const V: usize,
+    const D: usize,
+    const E: usize,
+    R: Batched<W>,
+    const W: usize,
+>(
+    simd: S,
+    transpose: T,
+    (batch, lame): (&Batch<V, D, E, R, W>, &Lanes<R, W>),
+    element: &mut Element<V, E, R, W>,
+    x: &[Row<R>],
+    y: &mut [Row<R>],
+) {
     let Element { vertices, edges } = element;
     gather(transpose, &batch.vertices, x, vertices);
     gather(transpose, &batch.edges, x, edges);
     for part in 0..R::parts::<S>() {
         let g = gradients(simd, batch, part);
         let shear = Pack::load(simd, &batch.shear, part);
-        let lame = Pack::load(simd, &batch.lame, part);
+        let lame = Pack::load(simd, lame, part);
         let mut law = Elastic { shear, lame };
         visit_points(simd, &g, (&mut *vertices, &mut *edges), part, &mut law);
     }

@@ -82,7 +82,7 @@ pub fn node_couplings(
     for cell in 0..geometry.cells() {
         let nodes = nodes_of(mesh, space, cell);
         let g = geometry.gradients_of(cell);
-        let (shear, lame) = (moduli.shear[cell], moduli.lame[cell]);
+        let (shear, lame) = (moduli.shear[cell], moduli.augmented[cell]);
         for (i, &row) in nodes.iter().enumerate() {
             for (j, &column) in nodes
                 .iter()
@@ -134,6 +134,7 @@ mod tests {
                 .map(|cell| 1.0 + (cell % 3) as f64)
                 .collect(),
             lame: vec![0.7; mesh.cell_count()],
+            augmented: vec![0.7; mesh.cell_count()],
             inverse_lame: Vec::new(),
         };
         let blocks = node_couplings(mesh, &space, &geometry, &moduli);

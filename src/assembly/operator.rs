@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use super::grid::{Basis, Grid, Rows, SingleGrid};
+use super::grid::{Basis, Grid, Rows, SingleGrid, VolumeTerm};
 use crate::linalg::{LinearOperator, ResidualUpdate, Workspace};
 
 /// An operator on free unknowns, the identity on held ones.
@@ -55,6 +55,8 @@ pub struct Stiffness {
     pub grid: Arc<Grid>,
     /// Basis of argument and result.
     pub basis: Basis,
+    /// Resistance to changes of volume.
+    pub volume: VolumeTerm,
     /// Displacement unknowns.
     pub size: usize,
 }
@@ -69,7 +71,8 @@ impl LinearOperator for Stiffness {
     }
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        self.grid.stiffness((self.basis, Rows::Free), x, y, work);
+        let on = (self.basis, Rows::Free, self.volume);
+        self.grid.stiffness(on, x, y, work);
     }
 
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
@@ -77,11 +80,13 @@ impl LinearOperator for Stiffness {
     }
 
     fn subtract_product(&self, x: &[f64], r: &mut [f64], work: &mut Workspace) {
-        self.grid.subtract_stiffness(self.basis, x, r, work);
+        let on = (self.basis, self.volume);
+        self.grid.subtract_stiffness(on, x, r, work);
     }
 }
 
-/// A of the displacement block in single precision, the identity on held unknowns.
+/// What the approximate inverse of the displacement block belongs to, in single precision; the
+/// identity on held unknowns.
 #[derive(Clone, Debug)]
 pub struct SingleStiffness {
     /// Cells.

@@ -21,9 +21,10 @@ pub trait CellStiffness: Sync {
     fn shear(&self, cell: usize) -> f64;
 }
 
+/// That of the approximate inverse.
 impl CellStiffness for CellModuli {
     fn coupling(&self, cell: usize, a: &[f64; 3], b: &[f64; 3]) -> Block {
-        coupling(self.shear[cell], self.lame[cell], a, b)
+        coupling(self.shear[cell], self.augmented[cell], a, b)
     }
 
     fn shear(&self, cell: usize) -> f64 {

@@ -168,6 +168,10 @@ dispatched! {
     stiffness, StiffnessPass
 }
 dispatched! {
+    /// [`kernel::augmented_stiffness`] on all batches.
+    augmented_stiffness, AugmentedPass
+}
+dispatched! {
     /// [`kernel::divergence`] on all batches.
     divergence, DivergencePass
 }

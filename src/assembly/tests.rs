@@ -1,6 +1,6 @@
 //! The matrix-free operators against element integrals written plainly.
 
-use super::grid::{Basis, GridSource, Rows};
+use super::grid::{Basis, GridSource, Rows, VolumeTerm};
 use super::mass::weighted_mass;
 use super::p1_stiffness::StiffCells;
 use super::simd::InstructionSet;
@@ -49,7 +49,8 @@ impl Sample {
         let cells = 0..mesh.cell_count();
         let moduli = CellModuli {
             shear: cells.clone().map(|cell| 1.0 + (cell % 3) as f64).collect(),
-            lame: cells.map(|cell| 0.5 * (cell % 4) as f64).collect(),
+            lame: cells.clone().map(|cell| 0.5 * (cell % 4) as f64).collect(),
+            augmented: cells.map(|cell| 0.5 * (cell % 4) as f64).collect(),
             inverse_lame: Vec::new(),
         };
         let held: Vec<u32> = (0..space.displacement_unknowns() as u32)
@@ -87,8 +88,12 @@ impl Sample {
 
     fn stiffness(&self, basis: Basis, rows: Rows, x: &[f64]) -> Vec<f64> {
         let mut y = vec![f64::NAN; x.len()];
-        self.grid
-            .stiffness((basis, rows), x, &mut y, &mut Workspace::new());
+        self.grid.stiffness(
+            (basis, rows, VolumeTerm::Own),
+            x,
+            &mut y,
+            &mut Workspace::new(),
+        );
         y
     }
 
@@ -302,7 +307,8 @@ fn sweeps_that_add_match_product_and_sum() {
         let mut work = Workspace::new();
         for basis in [Basis::Hierarchical, Basis::Lagrange] {
             let mut r = vec![1.0; x.len()];
-            sample.grid.subtract_stiffness(basis, &x, &mut r, &mut work);
+            let on = (basis, VolumeTerm::Own);
+            sample.grid.subtract_stiffness(on, &x, &mut r, &mut work);
             let product = sample.stiffness(basis, Rows::Free, &x);
             let expected: Vec<f64> = product.iter().map(|y| 1.0 - y).collect();
             assert_close(&r, &expected, 1e-13);
@@ -453,7 +459,8 @@ fn every_instruction_set_gives_the_portable_result() {
             let mut work = Workspace::new();
             let (mut force, mut gradient) = (vec![0.0; size], vec![0.0; size]);
             let mut volume = vec![0.0; sample.space.vertices];
-            grid.stiffness((Basis::Lagrange, Rows::Free), &x, &mut force, &mut work);
+            let on = (Basis::Lagrange, Rows::Free, VolumeTerm::Own);
+            grid.stiffness(on, &x, &mut force, &mut work);
             grid.divergence(Rows::All, &x, &mut volume, &mut work);
             grid.divergence_transposed(Rows::All, &p, &mut gradient, &mut work);
             let (mut joint, mut rate) = (vec![0.0; size], vec![0.0; p.len()]);

@@ -6,6 +6,7 @@
 //! the scene does so here, once. Nothing later validates. Cost: one pass over cells, facets
 //! and groups.
 
+pub(crate) mod augmentation;
 mod chooser;
 pub(crate) mod contact;
 pub(crate) mod displacement;
@@ -310,6 +311,7 @@ impl Plan {
         hash.update([u8::from(self.is_floating()), self.p1.solver as u8]);
         hash.update([self.displacement as u8]);
         hash.update(self.penalty().to_le_bytes());
+        hash.update(self.augmentation().to_le_bytes());
         for (unknown, _) in &self.held {
             hash.update(unknown.to_le_bytes());
         }

@@ -70,9 +70,9 @@ impl SaddleMethod {
         match self {
             Self::ConjugateGradients => "conjugate gradients",
             Self::Stationary => "stationary iteration",
-            Self::Gcr if has_multipliers => "flexible GCR(10), upper block-triangular",
-            Self::Gcr => "flexible GCR(10)",
-            Self::ArrowHurwicz => "flexible GCR(10), symmetric Arrow-Hurwicz step",
+            Self::Gcr if has_multipliers => "flexible GCR, upper block-triangular",
+            Self::Gcr => "flexible GCR",
+            Self::ArrowHurwicz => "flexible GCR, symmetric Arrow-Hurwicz step",
             Self::UzawaCg => "Uzawa, nested conjugate gradients",
             Self::Minres => "MINRES, block-diagonal",
         }

@@ -1,37 +1,61 @@
-//! Two-level p-multigrid for the P2 stiffness: Chebyshev smoothing around node
-//! blocks, exact or approximate P1 correction, the same smoothing again.
+//! Two-level p-multigrid for the P2 stiffness: an exact or approximate P1 correction, and Chebyshev
+//! smoothing in node blocks around or behind it.
 //!
 //! Input and output are in the hierarchical basis (vertices, then edge
 //! corrections). The smoother works on Lagrange node values
-//! u_e + (u_a + u_b)/2, where it needs half the iterations. One application of
-//! degree k costs 2k operator products and one P1 solve; it is symmetric
+//! u_e + (u_a + u_b)/2, where it needs half the iterations. With k steps before and k behind, an
+//! application costs 2k operator products and one P1 solve; it is symmetric
 //! positive definite up to rounding, with condition about 2.2 (k = 2) or 1.7 (k = 3) on good
-//! tetrahedra, independent of the mesh size.
+//! tetrahedra, independent of the mesh size. With k steps behind alone it costs k products and is
+//! not symmetric: for methods that do not ask for that, 3 steps do the work of 2 and 2.
 //!
 //! Between its ends all vectors are in the numbers R: in single precision half the bytes
 //! move, and the outer method, which is flexible, makes good what rounding leaves.
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::spectrum::Lanczos;
 use super::{NodeBlocks, Transfer};
 use crate::linalg::vector::{norm, power_of_two_below};
 use crate::linalg::{LinearOperator, Preconditioner, ResidualUpdate, Scalar, Workspace};
 
-/// The smoother damps `[largest / ratio, largest]`; a higher degree reaches deeper.
-fn ratio(degree: usize) -> f64 {
-    match degree {
-        0..=2 => 6.0,
-        3 => 10.0,
-        4..=5 => 16.0,
-        6..=7 => 30.0,
-        _ => 60.0,
-    }
-}
 /// Lanczos steps for the largest eigenvalue, each of which takes a product with A.
 pub const LANCZOS_STEPS: usize = 12;
 /// The Lanczos process approaches the largest eigenvalue from below.
 const SAFETY: f64 = 1.05;
+
+/// Chebyshev steps and their place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Smoothing {
+    /// So many before the P1 correction, and as many behind it.
+    Around(usize),
+    /// So many behind it.
+    Behind(usize),
+}
+
+impl Smoothing {
+    /// Steps of one smoothing.
+    fn steps(self) -> usize {
+        match self {
+            Self::Around(steps) | Self::Behind(steps) => steps,
+        }
+    }
+
+    /// The smoother damps `[largest / ratio, largest]`; a higher degree reaches deeper, two smoothings
+    /// deeper than one.
+    fn ratio(self) -> f64 {
+        match self {
+            Self::Around(0..=2) => 6.0,
+            Self::Behind(0..=3) => 7.0,
+            Self::Around(3) => 10.0,
+            Self::Around(4..=5) | Self::Behind(4..=5) => 16.0,
+            Self::Around(6..=7) | Self::Behind(6..=7) => 30.0,
+            Self::Around(_) | Self::Behind(_) => 60.0,
+        }
+    }
+}
 
 /// The preconditioner of the displacement block.
 pub struct PMultigrid<R> {
@@ -43,22 +67,66 @@ pub struct PMultigrid<R> {
     coarse: Arc<dyn Preconditioner>,
     /// The way between the hierarchical basis and Lagrange's, and to the vertices.
     transfer: Transfer,
-    /// Degree of the Chebyshev smoother before and behind the correction.
-    degree: usize,
+    /// Chebyshev steps and their place.
+    smoothing: Smoothing,
     /// Largest eigenvalue of the smoother's product with A, the upper end of its
     /// interval.
     largest: f64,
 }
 
+/// Numbers that one thread converts at a time.
+const PIECE: usize = 16384;
+
+/// A in the numbers R for vectors in double precision.
+struct Widened<'a, R> {
+    operator: &'a dyn ResidualUpdate<R>,
+    /// Number of unknowns.
+    size: usize,
+}
+
+impl<R: Scalar> LinearOperator for Widened<'_, R> {
+    fn rows(&self) -> usize {
+        self.size
+    }
+
+    fn columns(&self) -> usize {
+        self.size
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
+        let [mut argument, mut rest] = std::array::from_fn(|_| R::take(work, x.len()));
+        (argument.par_chunks_mut(PIECE).zip(x.par_chunks(PIECE)))
+            .zip(rest.par_chunks_mut(PIECE))
+            .for_each(|((argument, x), rest)| {
+                for (to, from) in argument.iter_mut().zip(x) {
+                    *to = R::narrow(*from);
+                }
+                rest.fill(R::default());
+            });
+        self.operator.take_off(&argument, &mut rest, work);
+        (y.par_chunks_mut(PIECE).zip(rest.par_chunks(PIECE))).for_each(|(y, rest)| {
+            for (to, from) in y.iter_mut().zip(rest) {
+                *to = -from.widen();
+            }
+        });
+        R::give(work, argument);
+        R::give(work, rest);
+    }
+
+    fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
+        self.apply(y, x, work);
+    }
+}
+
 /// The largest eigenvalue of the product of `smoother` with A, which acts on Lagrange values with
 /// vanishing `held` entries; a little more, as the Lanczos process approaches it from below.
-pub fn largest_eigenvalue(
-    operator: &dyn LinearOperator,
-    smoother: &NodeBlocks,
+fn largest_eigenvalue<R: Scalar>(
+    operator: &dyn ResidualUpdate<R>,
+    (smoother, size): (&NodeBlocks, usize),
     held: &[u32],
 ) -> f64 {
     let lanczos = Lanczos {
-        operator,
+        operator: &Widened { operator, size },
         preconditioner: smoother,
         held,
         steps: LANCZOS_STEPS,
@@ -68,20 +136,21 @@ pub fn largest_eigenvalue(
 
 impl<R: Scalar> PMultigrid<R> {
     /// `operator` acts on Lagrange values; `smoother` holds its inverted node
-    /// blocks, takes steps of `degree` and damps up to `largest`; `coarse` solves P1.
+    /// blocks and is taken as `smoothing` says; `coarse` solves P1. Cost: [`LANCZOS_STEPS`] products.
     pub fn new(
         operator: Arc<dyn ResidualUpdate<R>>,
-        (smoother, degree, largest): (NodeBlocks, usize, f64),
+        (smoother, smoothing): (NodeBlocks, Smoothing),
         coarse: Arc<dyn Preconditioner>,
         transfer: Transfer,
     ) -> Self {
+        let with_size = (&smoother, transfer.size());
         Self {
+            largest: largest_eigenvalue(&*operator, with_size, transfer.held()),
             operator,
             smoother,
             coarse,
             transfer,
-            degree,
-            largest,
+            smoothing,
         }
     }
 
@@ -90,7 +159,7 @@ impl<R: Scalar> PMultigrid<R> {
         self.smoother.bytes() + self.transfer.bytes()
     }
 
-    /// `degree` Chebyshev steps on `x` with running residual `r` and direction `d`, beginning as
+    /// The Chebyshev steps on `x` with running residual `r` and direction `d`, beginning as
     /// `start` says; the residual of the last step is computed only where `products` asks for it.
     fn smooth(
         &self,
@@ -99,12 +168,13 @@ impl<R: Scalar> PMultigrid<R> {
         products: usize,
         work: &mut Workspace,
     ) {
-        let (low, high) = (self.largest / ratio(self.degree), self.largest);
+        let steps = self.smoothing.steps();
+        let (low, high) = (self.largest / self.smoothing.ratio(), self.largest);
         let (centre, half) = (0.5 * (high + low), 0.5 * (high - low));
         let sigma = centre / half;
         let mut rho = 1.0 / sigma;
         let (mut keep, mut gain) = (0.0, 1.0 / centre);
-        for step in 0..self.degree {
+        for step in 0..steps {
             match (step, start) {
                 (0, Start::FromNothing) => self.smoother.chebyshev_start(gain, r, d, x),
                 (0, Start::BehindCorrection) => self.smoother.chebyshev_restart(gain, r, d, x),
@@ -155,9 +225,18 @@ impl<R: Scalar> Preconditioner for PMultigrid<R> {
         self.transfer
             .residual_to_lagrange(1.0 / unit, r, &mut residual);
         let (x, r, d) = (&mut values[..], &mut residual[..], &mut direction[..]);
-        self.smooth((x, r, d), Start::FromNothing, self.degree, work);
-        self.coarse_correction(r, d, work);
-        self.smooth((x, r, d), Start::BehindCorrection, self.degree - 1, work);
+        match self.smoothing {
+            Smoothing::Around(steps) => {
+                self.smooth((x, r, d), Start::FromNothing, steps, work);
+                self.coarse_correction(r, d, work);
+            }
+            Smoothing::Behind(_) => {
+                self.coarse_correction(r, d, work);
+                x.fill(R::default());
+            }
+        }
+        let products = self.smoothing.steps() - 1;
+        self.smooth((x, r, d), Start::BehindCorrection, products, work);
         self.transfer.values_to_hierarchical(unit, x, z);
         for vector in [residual, direction, values] {
             R::give(work, vector);

@@ -34,6 +34,7 @@ fn sample(mesh: &Mesh, side: &str) -> Sample {
     let moduli = CellModuli {
         shear: cells.map(|cell| 1.0 + (cell % 2) as f64).collect(),
         lame: vec![0.3; mesh.cell_count()],
+        augmented: vec![0.3; mesh.cell_count()],
         inverse_lame: Vec::new(),
     };
     // The first vertices are held, and one component on the contact side.

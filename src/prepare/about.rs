@@ -13,7 +13,7 @@ use crate::assembly::strain::{CellLaws, CellStates, CellTangents, Linearised};
 use crate::linalg::{FactoriseError, Preconditioner, Workspace};
 use crate::mesh::Mesh;
 use crate::plan::Plan;
-use crate::plan::rubber::VOLUMETRIC;
+use crate::plan::augmentation::VOLUMETRIC;
 use crate::precond::node_blocks::are_positive;
 use crate::precond::stiff_constraints::Nodes;
 use crate::precond::{NodeBlocks, StiffConstraints};

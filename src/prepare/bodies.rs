@@ -4,13 +4,13 @@
 use std::sync::Arc;
 
 use super::deformed::Deformed;
-use crate::assembly::grid::{Basis, SingleGrid};
+use crate::assembly::grid::{Basis, SingleGrid, VolumeTerm};
 use crate::assembly::p1_stiffness::CellStiffness;
 use crate::assembly::strain::{TangentProducts, TangentStiffness};
 use crate::assembly::{CellGeometry, CellModuli, Constrained, Grid, SingleStiffness, Stiffness};
 use crate::linalg::{LinearOperator, Preconditioner};
 use crate::mesh::Mesh;
-use crate::plan::rubber::VOLUMETRIC;
+use crate::plan::augmentation::VOLUMETRIC;
 use crate::precond::{NodeBlocks, StiffConstraints};
 use crate::space::TaylorHood;
 
@@ -47,17 +47,22 @@ pub(crate) struct DisplacementBody<'a> {
 impl DisplacementBody<'_> {
     /// A in the given basis.
     pub(crate) fn stiffness(&self, basis: Basis) -> Constrained<Stiffness> {
+        self.linear(basis, VolumeTerm::Own)
+    }
+
+    fn linear(&self, basis: Basis, volume: VolumeTerm) -> Constrained<Stiffness> {
         Constrained {
             free: Stiffness {
                 grid: self.grid.clone(),
                 basis,
+                volume,
                 size: self.space.displacement_unknowns(),
             },
             held: self.held.clone(),
         }
     }
 
-    /// A of the body at rest in single precision.
+    /// What the inverse at rest approximates the inverse of, in single precision.
     pub(crate) fn single_stiffness(&self, basis: Basis) -> SingleStiffness {
         SingleStiffness {
             grid: SingleGrid::new(self.grid),
@@ -66,10 +71,11 @@ impl DisplacementBody<'_> {
         }
     }
 
-    /// A in the given basis, or the tangent with its volume term.
+    /// What the inverse approximates the inverse of, in the given basis: A or the tangent, with
+    /// a volume term.
     pub(crate) fn operator(&self, basis: Basis) -> Arc<dyn LinearOperator> {
         let Some(state) = self.tangent else {
-            return Arc::new(self.stiffness(basis));
+            return Arc::new(self.linear(basis, VolumeTerm::Augmented));
         };
         let tangent = Arc::new(Constrained {
             free: TangentStiffness {

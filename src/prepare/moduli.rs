@@ -1,4 +1,5 @@
-//! Moduli of the cells, non-dimensional, with the grad-div penalty of a plan.
+//! Moduli of the cells, non-dimensional, with the grad-div penalty of a plan, and what the
+//! approximate inverse holds beside.
 
 use crate::assembly::CellModuli;
 use crate::plan::Plan;
@@ -16,8 +17,10 @@ pub(crate) fn moduli(plan: &Plan) -> CellModuli {
             ),
             false => (law.lame() / plan.units.stress, 0.0),
         };
-        moduli.shear.push(law.shear_modulus / plan.units.stress);
+        let shear = law.shear_modulus / plan.units.stress;
+        moduli.shear.push(shear);
         moduli.lame.push(lame);
+        moduli.augmented.push(lame + plan.augmentation() * shear);
         moduli.inverse_lame.push(inverse);
     }
     moduli

@@ -80,7 +80,7 @@ pub(crate) fn pressure_block(
     (geometry, moduli): (&CellGeometry, &CellModuli),
     stiffness: &Constrained<Stiffness>,
 ) -> PressureBlock {
-    let step = plan.displacement.pressure_step() + plan.penalty();
+    let step = plan.pressure_step();
     let is_homogeneous = moduli
         .shear
         .windows(2)

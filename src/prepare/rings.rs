@@ -11,7 +11,7 @@ use crate::linalg::Workspace;
 use crate::linalg::vector::norm;
 use crate::mesh::Mesh;
 use crate::plan::Plan;
-use crate::plan::rubber::VOLUMETRIC;
+use crate::plan::augmentation::VOLUMETRIC;
 use crate::prepare::Deformed;
 use crate::space::TaylorHood;
 

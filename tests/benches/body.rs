@@ -36,6 +36,7 @@ impl Body {
         let moduli = CellModuli {
             shear: vec![1.0; count],
             lame: vec![0.0; count],
+            augmented: vec![0.0; count],
             inverse_lame: vec![0.0; count],
         };
         let held = held_at_x0(&mesh, &space);

@@ -17,7 +17,7 @@ use std::sync::Arc;
 
 use body::{Body, bent_cube};
 use notebook::{Notebook, Wishes};
-use signorini::assembly::grid::{Basis, Rows};
+use signorini::assembly::grid::{Basis, Rows, VolumeTerm};
 use signorini::assembly::simd::InstructionSet;
 use signorini::assembly::strain::{CellLaws, Linearised, StrainGrid};
 use signorini::contact::gap::Deformed;
@@ -47,10 +47,12 @@ fn kernels(notebook: &mut Notebook, body: &Body) {
         let (name, mut work) = (set.name(), Workspace::new());
         for threads in THREADS {
             notebook.measure("operator, Lagrange", name, threads, size, || {
-                grid.stiffness((Basis::Lagrange, Rows::Free), &x, &mut y, &mut work);
+                let on = (Basis::Lagrange, Rows::Free, VolumeTerm::Own);
+                grid.stiffness(on, &x, &mut y, &mut work);
             });
             notebook.measure("operator, hierarchical", name, threads, size, || {
-                grid.stiffness((Basis::Hierarchical, Rows::Free), &x, &mut y, &mut work);
+                let on = (Basis::Hierarchical, Rows::Free, VolumeTerm::Own);
+                grid.stiffness(on, &x, &mut y, &mut work);
             });
             notebook.measure("divergence", name, threads, size, || {
                 grid.divergence(Rows::Free, &x, &mut r, &mut work);

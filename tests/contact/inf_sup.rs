@@ -11,7 +11,7 @@
 use std::sync::Arc;
 
 use crate::common::meshes::{cube, square};
-use signorini::assembly::grid::{Basis, GridSource};
+use signorini::assembly::grid::{Basis, GridSource, VolumeTerm};
 use signorini::assembly::probe::{Probed, Probes};
 use signorini::assembly::{CellGeometry, CellModuli, Grid, Stiffness};
 use signorini::contact::basis::{Bernstein, Hats};
@@ -73,6 +73,7 @@ impl Body {
         let moduli = CellModuli {
             shear: vec![1.0; cells],
             lame: vec![0.0; cells],
+            augmented: vec![0.0; cells],
             inverse_lame: Vec::new(),
         };
         let grid = Arc::new(Grid::new(GridSource {
@@ -85,6 +86,7 @@ impl Body {
         let operator = Stiffness {
             grid,
             basis: Basis::Hierarchical,
+            volume: VolumeTerm::Own,
             size: self.held.len(),
         };
         let probed = Probed {

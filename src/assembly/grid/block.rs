@@ -196,6 +196,7 @@ fn batch<const V: usize, const D: usize, const E: usize>(
         gradients: [[Lanes::zero(); D]; D],
         shear: Lanes::zero(),
         lame: Lanes::zero(),
+        augmented: Lanes::zero(),
         weight: Lanes::zero(),
     };
     for lane in 0..WIDTH {
@@ -218,6 +219,7 @@ fn batch<const V: usize, const D: usize, const E: usize>(
             out.weight.0[lane] = weight;
             out.shear.0[lane] = weight * source.moduli.shear[cell];
             out.lame.0[lane] = weight * source.moduli.lame[cell];
+            out.augmented.0[lane] = weight * source.moduli.augmented[cell];
         }
     }
     out

@@ -49,6 +49,15 @@ pub enum Rows {
     All,
 }
 
+/// Which resistance to changes of volume a product holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VolumeTerm {
+    /// That of the displacement block.
+    Own,
+    /// That of its approximate inverse.
+    Augmented,
+}
+
 /// Blocks of one cell kind.
 #[derive(Clone, Debug)]
 pub struct CellGrid<const V: usize, const D: usize, const E: usize> {
@@ -94,17 +103,23 @@ impl Grid {
     /// `y = A x` on all nodes.
     pub fn stiffness(
         &self,
-        (basis, rows): (Basis, Rows),
+        (basis, rows, volume): (Basis, Rows, VolumeTerm),
         x: &[f64],
         y: &mut [f64],
         work: &mut Workspace,
     ) {
-        either!(self, grid => grid.stiffness((basis, rows), x, y, work));
+        either!(self, grid => grid.stiffness((basis, rows, volume), x, y, work));
     }
 
     /// `r -= A x` on all nodes, held entries of both left out.
-    pub fn subtract_stiffness(&self, basis: Basis, x: &[f64], r: &mut [f64], work: &mut Workspace) {
-        either!(self, grid => grid.subtract_stiffness(basis, x, r, work));
+    pub fn subtract_stiffness(
+        &self,
+        (basis, volume): (Basis, VolumeTerm),
+        x: &[f64],
+        r: &mut [f64],
+        work: &mut Workspace,
+    ) {
+        either!(self, grid => grid.subtract_stiffness((basis, volume), x, r, work));
     }
 
     /// `r = B x`, hierarchical, `[vertices]`.
@@ -200,21 +215,33 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
         (blocks + self.copies.bytes()) as u64
     }
 
-    fn stiffness(&self, on: (Basis, Rows), x: &[f64], y: &mut [f64], work: &mut Workspace) {
+    fn stiffness(
+        &self,
+        on: (Basis, Rows, VolumeTerm),
+        x: &[f64],
+        y: &mut [f64],
+        work: &mut Workspace,
+    ) {
         self.stiffness_into(on, x, work, |local| {
             self.copies.sum::<D, f64>(local, y, set_displacement);
         });
     }
 
-    fn subtract_stiffness(&self, basis: Basis, x: &[f64], r: &mut [f64], work: &mut Workspace) {
-        self.stiffness_into((basis, Rows::Free), x, work, |local| {
+    fn subtract_stiffness(
+        &self,
+        (basis, volume): (Basis, VolumeTerm),
+        x: &[f64],
+        r: &mut [f64],
+        work: &mut Workspace,
+    ) {
+        self.stiffness_into((basis, Rows::Free, volume), x, work, |local| {
             self.copies.sum::<D, f64>(local, r, add_displacement(-1.0));
         });
     }
 
     fn stiffness_into(
         &self,
-        (basis, rows): (Basis, Rows),
+        (basis, rows, volume): (Basis, Rows, VolumeTerm),
         x: &[f64],
         work: &mut Workspace,
         finish: impl FnOnce(&[Row]),
@@ -226,7 +253,12 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
                 block.prepare_argument(basis, rows, x_rows);
             },
             |_, block, x, y| {
-                simd::stiffness(self.instructions, &block.batches, x, y);
+                match volume {
+                    VolumeTerm::Own => simd::stiffness(self.instructions, &block.batches, x, y),
+                    VolumeTerm::Augmented => {
+                        simd::augmented_stiffness(self.instructions, &block.batches, x, y);
+                    }
+                }
                 block.finish_result(basis, rows, y);
             },
             finish,

@@ -44,7 +44,8 @@ impl SingleGrid {
         }
     }
 
-    /// `r -= A x` on all nodes, held entries of both left out.
+    /// `r -= A x` with the volume term of the approximate inverse, on all nodes, held entries of
+    /// both left out.
     pub fn subtract_stiffness(&self, basis: Basis, x: &[f32], r: &mut [f32], work: &mut Workspace) {
         match self {
             Self::Triangles(cells) => cells.subtract_stiffness(basis, x, r, work),
@@ -85,7 +86,7 @@ impl<const V: usize, const D: usize, const E: usize> SingleCells<V, D, E> {
                 block.prepare_argument(basis, Rows::Free, x_rows);
             },
             |index, block, x, y| {
-                simd::stiffness(grid.instructions, &self.blocks[index], x, y);
+                simd::augmented_stiffness(grid.instructions, &self.blocks[index], x, y);
                 block.finish_result(basis, Rows::Free, y);
             },
             |local| {
@@ -124,6 +125,7 @@ fn joined<const V: usize, const D: usize, const E: usize>(
         }),
         shear: measure(&|batch| batch.shear),
         lame: measure(&|batch| batch.lame),
+        augmented: measure(&|batch| batch.augmented),
         weight: measure(&|batch| batch.weight),
     }
 }

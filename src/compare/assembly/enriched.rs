@@ -255,6 +255,7 @@ mod tests {
                     moduli: CellModuli {
                         shear: (0..cells).map(|cell| 1.0 + 0.3 * cell as f64).collect(),
                         lame: vec![0.4; cells],
+                        augmented: vec![0.4; cells],
                         inverse_lame: vec![0.1; cells],
                     },
                     geometry,

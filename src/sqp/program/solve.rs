@@ -12,6 +12,7 @@ use crate::krylov::Outcome;
 use crate::krylov::gcr::Directions;
 use crate::krylov::outlook::Outlook;
 use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
+use crate::plan::augmentation::VOLUMETRIC;
 use crate::plan::second_attempt::Programs;
 use crate::precond::{Counted, StiffConstraints};
 use crate::saddle::{BlockStep, EqualityBlock, Metric, MultiplierBlock, UpperTriangular};
@@ -238,11 +239,14 @@ impl QuadraticProgram<'_> {
             .pressure()
             .and_then(|pressure| chooser::block_step(method, displacement, &pressure, now, work));
         other.unwrap_or_else(|| {
-            let share = match self.tangent {
-                Some(_) => self.model.plan.augmented_share(),
-                None => 1.0,
+            let plan = self.model.plan;
+            let volume = match self.tangent {
+                Some(_) => VOLUMETRIC,
+                None => plan.augmentation(),
             };
-            Box::new(UpperTriangular { share })
+            Box::new(UpperTriangular {
+                share: plan.augmented_share(volume),
+            })
         })
     }
 

@@ -32,6 +32,7 @@ fn sample(mesh: Mesh, shear: impl Fn([f64; 3]) -> f64) -> Sample {
             .map(|cell| shear(centre(cell)))
             .collect(),
         lame: vec![0.0; mesh.cell_count()],
+        augmented: vec![0.0; mesh.cell_count()],
         inverse_lame: Vec::new(),
     };
     let cells = StiffCells {

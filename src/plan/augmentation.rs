@@ -1,0 +1,67 @@
+//! The volume term that the approximate inverse of a mixed body holds beside A,
+//!
+//! ```text
+//! A^ ~ (A + gamma mu int div u div v)^-1
+//! ```
+//!
+//! The saddle point is solved augmented by gamma B^T M^-1 B to match: its Schur complement is nearer
+//! to the mass than that of A, and in the block-triangular step only the share of the pressure
+//! step that moves the displacement grows (decision 50). The tangent of rubber resists no change
+//! of volume, so that there the term makes A^ that of linear elasticity (decision 19).
+
+use super::Plan;
+use crate::precond::p_multigrid::Smoothing;
+use crate::scene::{DisplacementMethod, ElementKind, SaddleMethod};
+
+/// gamma of rubber, in units of the shear modulus.
+pub(crate) const VOLUMETRIC: f64 = 2.0 / 3.0;
+/// gamma of linear bodies.
+const LINEAR: f64 = 0.5;
+/// How much longer the pressure step is with it: half of gamma serves contact and tractions alike.
+const LONGER: f64 = 0.25;
+/// Contrast of shear moduli from which on A itself serves better.
+const MOST_CONTRAST: f64 = 10.0;
+
+impl Plan {
+    /// The volume term of a linear body's approximate inverse beside that of A, in units of the
+    /// shear modulus. Methods that do not solve augmented take the inverse of A itself.
+    pub(crate) fn augmentation(&self) -> f64 {
+        let is_augmented = self.is_mixed()
+            && !self.resolved.is_rubber()
+            && self.saddle.method == SaddleMethod::Gcr
+            && !self.contact.method.has_fixed_steps()
+            && self.displacement == DisplacementMethod::PMultigrid
+            && self.element == ElementKind::TaylorHood
+            && !self.smooths_along_lines()
+            && self.penalty() == 0.0
+            && self.contrast() <= MOST_CONTRAST;
+        if is_augmented { LINEAR } else { 0.0 }
+    }
+
+    /// Whether the approximate inverse holds such a term though the body is linear.
+    pub(crate) fn is_augmented(&self) -> bool {
+        self.augmentation() > 0.0
+    }
+
+    /// The smoothing of p-multigrid: behind the P1 correction alone, by one product less, where
+    /// what is around it does not ask for symmetry.
+    pub(crate) fn smoothing(&self) -> Smoothing {
+        let degree = self.smoother_degree;
+        match self.is_augmented() {
+            true => Smoothing::Behind(2 * degree - 1),
+            false => Smoothing::Around(degree),
+        }
+    }
+
+    /// Inverse of the pressure's metric beside the mass over mu.
+    pub(crate) fn pressure_step(&self) -> f64 {
+        let longer = if self.is_augmented() { LONGER } else { 0.0 };
+        self.displacement.pressure_step() + longer + self.penalty()
+    }
+
+    /// Share of the pressure step that moves the displacement, where A^ holds a volume term of
+    /// this weight beside A.
+    pub(crate) fn augmented_share(&self, weight: f64) -> f64 {
+        1.0 + weight / self.pressure_step()
+    }
+}
