@@ -24,23 +24,39 @@ const MOST_CONTRAST: f64 = 10.0;
 
 impl Plan {
     /// The volume term of a linear body's approximate inverse beside that of A, in units of the
-    /// shear modulus. Methods that do not solve augmented take the inverse of A itself.
+    /// shear modulus.
     pub(crate) fn augmentation(&self) -> f64 {
-        let is_augmented = self.is_mixed()
+        if self.is_augmented() { LINEAR } else { 0.0 }
+    }
+
+    /// Whether the approximate inverse of a linear body holds such a term.
+    pub(crate) fn is_augmented(&self) -> bool {
+        self.may_be_augmented() && self.solves_augmented()
+    }
+
+    /// Whether the body is one that is solved faster so.
+    fn may_be_augmented(&self) -> bool {
+        self.is_mixed()
             && !self.resolved.is_rubber()
-            && self.saddle.method == SaddleMethod::Gcr
-            && !self.contact.method.has_fixed_steps()
             && self.displacement == DisplacementMethod::PMultigrid
             && self.element == ElementKind::TaylorHood
             && !self.smooths_along_lines()
             && self.penalty() == 0.0
-            && self.contrast() <= MOST_CONTRAST;
-        if is_augmented { LINEAR } else { 0.0 }
+            && self.contrast() <= MOST_CONTRAST
     }
 
-    /// Whether the approximate inverse holds such a term though the body is linear.
-    pub(crate) fn is_augmented(&self) -> bool {
-        self.augmentation() > 0.0
+    /// Methods that do not solve augmented take the inverse of A itself.
+    fn solves_augmented(&self) -> bool {
+        self.saddle.method == SaddleMethod::Gcr && !self.contact.method.has_fixed_steps()
+    }
+
+    /// What tells prepared data for other methods from those for the usual one, whose keys are
+    /// as old as the first release.
+    pub(super) fn key_of_inverse(&self) -> &'static [u8] {
+        match self.may_be_augmented() && !self.solves_augmented() {
+            true => b"not augmented",
+            false => b"",
+        }
     }
 
     /// The smoothing of p-multigrid: behind the P1 correction alone, by one product less, where

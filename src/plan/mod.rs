@@ -311,7 +311,7 @@ impl Plan {
         hash.update([u8::from(self.is_floating()), self.p1.solver as u8]);
         hash.update([self.displacement as u8]);
         hash.update(self.penalty().to_le_bytes());
-        hash.update(self.augmentation().to_le_bytes());
+        hash.update(self.key_of_inverse());
         for (unknown, _) in &self.held {
             hash.update(unknown.to_le_bytes());
         }
