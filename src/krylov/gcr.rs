@@ -23,6 +23,8 @@ const LEAST_REDUCTION: f64 = 1e-13;
 /// source of the next direction, once: between 0.02 and 0.2 the counts are the
 /// same, but many such steps in a row let the residual drift.
 const STALL: f64 = 5e-2;
+/// Iterations of a system that few directions serve; others take more of both.
+const USUAL: usize = 24;
 /// Successive iterations without reduction before giving up.
 const PATIENCE: usize = 4;
 /// A product that keeps less of its length is made orthogonal once more.
@@ -38,6 +40,8 @@ const DEPENDENT: f64 = 1e-8;
 pub struct Directions {
     pairs: std::collections::VecDeque<(Vec<f64>, Vec<f64>)>,
     most: usize,
+    /// What `most` grows to in a solve that takes more than [`USUAL`] iterations.
+    ceiling: usize,
     /// Directions of earlier solves that stay until the present one ends, at most.
     most_pinned: usize,
     /// How many of the first do in the present one.
@@ -57,6 +61,7 @@ impl Directions {
         Self {
             pairs: std::collections::VecDeque::new(),
             most,
+            ceiling: most,
             most_pinned: most,
             pinned: 0,
         }
@@ -68,6 +73,21 @@ impl Directions {
         Self {
             most_pinned: 0,
             ..Self::keeping(most)
+        }
+    }
+
+    /// At most `most`, but [`KEPT`] where a solve turns out a long one.
+    pub fn starting_with(most: usize) -> Self {
+        Self {
+            ceiling: KEPT,
+            ..Self::keeping(most)
+        }
+    }
+
+    /// Keeps one more behind a late iteration.
+    fn grow(&mut self, iteration: usize) {
+        if iteration >= USUAL && self.most < self.ceiling {
+            self.most += 1;
         }
     }
 
@@ -185,7 +205,7 @@ impl Gcr<'_> {
         let mut idle = 0;
         let mut stalled = false;
         let mut square = dot(r, r);
-        for _ in 0..self.iterations {
+        for iteration in 0..self.iterations {
             let mut direction = self.direction(r, stalled, work);
             let mut product = work.scratch(r.len());
             self.operator.apply(&direction, &mut product, work);
@@ -204,6 +224,7 @@ impl Gcr<'_> {
             if taken.length == 0.0 {
                 return Outcome::Stagnation;
             }
+            self.directions.grow(iteration);
             self.directions.push(direction, product, work);
             if monitor.judge(r) == Verdict::Stop {
                 return Outcome::Stopped;

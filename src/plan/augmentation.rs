@@ -40,7 +40,6 @@ impl Plan {
             && !self.resolved.is_rubber()
             && self.displacement == DisplacementMethod::PMultigrid
             && self.element == ElementKind::TaylorHood
-            && !self.smooths_along_lines()
             && self.penalty() == 0.0
             && self.contrast() <= MOST_CONTRAST
     }
@@ -63,7 +62,7 @@ impl Plan {
     /// what is around it does not ask for symmetry.
     pub(crate) fn smoothing(&self) -> Smoothing {
         let degree = self.smoother_degree;
-        match self.is_augmented() {
+        match self.is_augmented() && !self.smooths_along_lines() {
             true => Smoothing::Behind(2 * degree - 1),
             false => Smoothing::Around(degree),
         }

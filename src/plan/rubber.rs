@@ -43,14 +43,15 @@ impl Plan {
         match (self.has_friction(), self.resolved.is_rubber()) {
             (true, _) => Directions::sliding(KEPT_WITH_FRICTION),
             (false, true) => Directions::keeping(KEPT_DIRECTIONS),
-            (false, false) if self.forgets_early() => Directions::keeping(KEPT_OF_GOOD_CELLS),
+            (false, false) if self.forgets_early() => Directions::starting_with(KEPT_OF_GOOD_CELLS),
             (false, false) => Directions::default(),
         }
     }
 
     /// Whether a few directions do as well as ten.
     fn forgets_early(&self) -> bool {
-        self.is_augmented() && self.smoother_degree == 2 && self.unknowns.contact == 0
+        let is_simple = self.units.dimension == 3 && self.unknowns.contact == 0;
+        is_simple && self.is_augmented() && self.smoother_degree == 2
     }
 
     /// Weight of the volume term at the start, in units of the shear modulus.

@@ -207,3 +207,15 @@ fn no_more_than_ten_directions_are_kept() {
     directions.clear(&mut work);
     assert_eq!(directions.bytes(), 0);
 }
+
+#[test]
+fn a_few_directions_become_ten_where_a_solve_takes_long() {
+    let mut directions = Directions::starting_with(5);
+    let mut work = Workspace::new();
+    for iteration in 0..2 * USUAL {
+        directions.grow(iteration);
+        directions.push(vec![0.0; 4], vec![0.0; 4], &mut work);
+        assert!(iteration >= USUAL || directions.pairs.len() <= 5);
+    }
+    assert_eq!(directions.pairs.len(), KEPT);
+}
