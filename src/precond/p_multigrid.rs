@@ -14,8 +14,6 @@
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use super::spectrum::Lanczos;
 use super::{NodeBlocks, Transfer};
 use crate::linalg::vector::{norm, power_of_two_below};
@@ -74,59 +72,15 @@ pub struct PMultigrid<R> {
     largest: f64,
 }
 
-/// Numbers that one thread converts at a time.
-const PIECE: usize = 16384;
-
-/// A in the numbers R for vectors in double precision.
-struct Widened<'a, R> {
-    operator: &'a dyn ResidualUpdate<R>,
-    /// Number of unknowns.
-    size: usize,
-}
-
-impl<R: Scalar> LinearOperator for Widened<'_, R> {
-    fn rows(&self) -> usize {
-        self.size
-    }
-
-    fn columns(&self) -> usize {
-        self.size
-    }
-
-    fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        let [mut argument, mut rest] = std::array::from_fn(|_| R::take(work, x.len()));
-        (argument.par_chunks_mut(PIECE).zip(x.par_chunks(PIECE)))
-            .zip(rest.par_chunks_mut(PIECE))
-            .for_each(|((argument, x), rest)| {
-                for (to, from) in argument.iter_mut().zip(x) {
-                    *to = R::narrow(*from);
-                }
-                rest.fill(R::default());
-            });
-        self.operator.take_off(&argument, &mut rest, work);
-        (y.par_chunks_mut(PIECE).zip(rest.par_chunks(PIECE))).for_each(|(y, rest)| {
-            for (to, from) in y.iter_mut().zip(rest) {
-                *to = -from.widen();
-            }
-        });
-        R::give(work, argument);
-        R::give(work, rest);
-    }
-
-    fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
-        self.apply(y, x, work);
-    }
-}
-
 /// The largest eigenvalue of the product of `smoother` with A, which acts on Lagrange values with
 /// vanishing `held` entries; a little more, as the Lanczos process approaches it from below.
-fn largest_eigenvalue<R: Scalar>(
-    operator: &dyn ResidualUpdate<R>,
-    (smoother, size): (&NodeBlocks, usize),
+pub fn largest_eigenvalue(
+    operator: &dyn LinearOperator,
+    smoother: &NodeBlocks,
     held: &[u32],
 ) -> f64 {
     let lanczos = Lanczos {
-        operator: &Widened { operator, size },
+        operator,
         preconditioner: smoother,
         held,
         steps: LANCZOS_STEPS,
@@ -136,21 +90,20 @@ fn largest_eigenvalue<R: Scalar>(
 
 impl<R: Scalar> PMultigrid<R> {
     /// `operator` acts on Lagrange values; `smoother` holds its inverted node
-    /// blocks and is taken as `smoothing` says; `coarse` solves P1. Cost: [`LANCZOS_STEPS`] products.
+    /// blocks, is taken as `smoothing` says and damps up to `largest`; `coarse` solves P1.
     pub fn new(
         operator: Arc<dyn ResidualUpdate<R>>,
-        (smoother, smoothing): (NodeBlocks, Smoothing),
+        (smoother, smoothing, largest): (NodeBlocks, Smoothing, f64),
         coarse: Arc<dyn Preconditioner>,
         transfer: Transfer,
     ) -> Self {
-        let with_size = (&smoother, transfer.size());
         Self {
-            largest: largest_eigenvalue(&*operator, with_size, transfer.held()),
             operator,
             smoother,
             coarse,
             transfer,
             smoothing,
+            largest,
         }
     }
 

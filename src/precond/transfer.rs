@@ -77,11 +77,6 @@ impl Transfer {
         self.vertices * self.components
     }
 
-    /// Number of unknowns of all nodes.
-    pub fn size(&self) -> usize {
-        self.coarse_size() + self.edges.len() * self.components
-    }
-
     /// Indices of held entries, ascending.
     pub fn held(&self) -> &[u32] {
         &self.held

@@ -18,6 +18,7 @@ use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::precond::lines::LagrangeNodes;
 use crate::precond::node_pairs::NodePairs;
+use crate::precond::p_multigrid::largest_eigenvalue;
 use crate::precond::{AlongLines, PMultigrid, Transfer};
 use crate::space::TaylorHood;
 
@@ -53,7 +54,9 @@ fn on_lagrange_nodes(
     body: &DisplacementBody<'_>,
     transfer: Transfer,
 ) -> (Arc<dyn Preconditioner>, u64) {
-    let smoother = (body.node_blocks.clone(), plan.smoothing());
+    let operator = body.operator(Basis::Lagrange);
+    let largest = largest_eigenvalue(&*operator, body.node_blocks, transfer.held());
+    let smoother = (body.node_blocks.clone(), plan.smoothing(), largest);
     let is_single = plan.factor_precision().0 == Precision::Single && body.tangent.is_none();
     match is_single {
         true => {
@@ -64,8 +67,7 @@ fn on_lagrange_nodes(
             (Arc::new(inner), bytes)
         }
         false => {
-            let operator = Arc::new(body.operator(Basis::Lagrange));
-            let inner = PMultigrid::new(operator, smoother, body.p1.clone(), transfer);
+            let inner = PMultigrid::new(Arc::new(operator), smoother, body.p1.clone(), transfer);
             let bytes = inner.bytes();
             (Arc::new(inner), bytes)
         }
