@@ -76,7 +76,7 @@ impl Directions {
         }
     }
 
-    /// At most `most`, but [`KEPT`] where a solve turns out a long one.
+    /// At most `most`, but ten where a solve turns out a long one.
     pub fn starting_with(most: usize) -> Self {
         Self {
             ceiling: KEPT,
