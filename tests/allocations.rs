@@ -50,7 +50,12 @@ fn bytes_of_step(session: &mut Session, step: &Step) -> (StepReport, usize) {
 
 /// Bytes asked for by each iteration beyond those of a looser tolerance.
 fn bytes_of_an_iteration(scene: &Scene, step: &Step, mesh: &Arc<Mesh>) -> f64 {
-    let solved = [1e-5, 1e-11].map(|tolerance| {
+    // Long solves of incompressible bodies without contact come to keep more directions.
+    let tolerances = match scene.obstacles.is_empty() && !scene_is_compressible(scene) {
+        true => [1e-4, 1e-8],
+        false => [1e-5, 1e-11],
+    };
+    let solved = tolerances.map(|tolerance| {
         let mut scene = scene.clone();
         scene.solver.tolerance = tolerance;
         scene.solver.verify = false;
@@ -59,8 +64,8 @@ fn bytes_of_an_iteration(scene: &Scene, step: &Step, mesh: &Arc<Mesh>) -> f64 {
         (f64::from(report.krylov_iterations), bytes as f64)
     });
     let [(few, loose), (many, tight)] = solved;
-    // GCR has all ten directions that it keeps before the looser solve ends.
-    assert!(few > 10.0 || scene_is_compressible(scene), "{few}");
+    // GCR has all five directions that it keeps before the looser solve ends.
+    assert!(few > 5.0 || scene_is_compressible(scene), "{few}");
     assert!(many >= few + 8.0, "{few} {many}");
     (tight - loose) / (many - few)
 }
