@@ -17,8 +17,6 @@ use crate::scene::{DisplacementMethod, ElementKind, SaddleMethod};
 pub(crate) const VOLUMETRIC: f64 = 2.0 / 3.0;
 /// gamma of linear bodies.
 const LINEAR: f64 = 0.5;
-/// How much longer the pressure step is with it: half of gamma serves contact and tractions alike.
-const LONGER: f64 = 0.25;
 /// Contrast of shear moduli from which on A itself serves better.
 const MOST_CONTRAST: f64 = 10.0;
 
@@ -68,10 +66,10 @@ impl Plan {
         }
     }
 
-    /// Inverse of the pressure's metric beside the mass over mu.
+    /// Inverse of the pressure's metric beside the mass over mu. Of gamma, half of which makes it
+    /// longer serves contact and tractions alike.
     pub(crate) fn pressure_step(&self) -> f64 {
-        let longer = if self.is_augmented() { LONGER } else { 0.0 };
-        self.displacement.pressure_step() + longer + self.penalty()
+        self.displacement.pressure_step() + 0.5 * self.augmentation() + self.penalty()
     }
 
     /// Share of the pressure step that moves the displacement, where A^ holds a volume term of

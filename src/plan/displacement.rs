@@ -5,6 +5,7 @@
 //! the choice for every scene. The others stand beside it for comparison.
 
 use crate::plan::saddle::Demand;
+use crate::precond::p_multigrid::Smoothing;
 use crate::scene::{Choice, DisplacementMethod};
 
 /// Chooses; `asked` is the scene's `solver.displacement_preconditioner`.
@@ -51,14 +52,16 @@ impl DisplacementMethod {
     }
 
     /// The choice in words and why.
-    pub(crate) fn describe(self, degree: usize) -> (String, &'static str) {
+    pub(crate) fn describe(self, smoothing: Smoothing) -> (String, &'static str) {
         let name = match self {
             Self::PMultigrid => {
-                let reason = match degree {
-                    2 => "well-shaped cells",
-                    _ => "stretched cells or a stiff volume response",
+                let reason = match smoothing {
+                    Smoothing::Around(2) | Smoothing::Behind(3) => "well-shaped cells",
+                    Smoothing::Around(_) | Smoothing::Behind(_) => {
+                        "stretched cells or a stiff volume response"
+                    }
                 };
-                return (format!("p-multigrid, Chebyshev degree {degree}"), reason);
+                return (format!("p-multigrid, {smoothing}"), reason);
             }
             Self::HierarchicalSsor => "hierarchical block SSOR: P1, edges, P1",
             Self::HierarchicalMultiplicative => "hierarchical block Gauss-Seidel: P1, edges",

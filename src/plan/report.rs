@@ -104,8 +104,11 @@ impl Plan {
         }
         push("p1_solver", self.p1_name(), &self.p1.reason);
         let has_multipliers = self.unknowns.pressure + self.unknowns.contact > 0;
-        let method = self.saddle.method.describe(has_multipliers);
-        push("saddle", method.into(), self.saddle.reason);
+        let mut method = self.saddle.method.describe(has_multipliers).to_owned();
+        if self.is_augmented() {
+            method.push_str(", augmented");
+        }
+        push("saddle", method, self.saddle.reason);
         if self.penalty() > 0.0 {
             let choice = format!("grad-div term of {} mu", self.penalty());
             push("penalty", choice, "asked for");
@@ -136,7 +139,7 @@ impl Plan {
 
     /// The preconditioner of the displacement block, with its smoother.
     fn push_smoother(&self, push: &mut dyn FnMut(&str, String, &str)) {
-        let (mut name, reason) = self.displacement.describe(self.smoother_degree);
+        let (mut name, reason) = self.displacement.describe(self.smoothing());
         if self.smooths_along_lines() {
             name.push_str(", along short edges");
         }

@@ -33,6 +33,15 @@ pub enum Smoothing {
     Behind(usize),
 }
 
+impl std::fmt::Display for Smoothing {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Around(steps) => write!(out, "Chebyshev degree {steps}"),
+            Self::Behind(steps) => write!(out, "{steps} Chebyshev steps behind the P1 solve"),
+        }
+    }
+}
+
 impl Smoothing {
     /// Steps of one smoothing.
     fn steps(self) -> usize {

@@ -9,7 +9,7 @@
 //! cells, by which the discretisation error in L2 is smaller, and in contact at
 //! most theta, for the error of a force is of the order of theta^2.
 //! r, c, g: residuals of force, volume and gap; A^ the displacement
-//! preconditioner, M the pressure metric, so that the first two terms are squares
+//! preconditioner, M the pressure metric, both with what they are augmented by taken back, so that the first two terms are squares
 //! of energy norms; w_i = int phi_i and k_i the stiffness of a punch of that area
 //! (larger than the true one for smooth gaps); theta: [`crate::results::estimate`].
 //!
@@ -100,7 +100,8 @@ fn algebraic_error(run: &mut Run<'_>) -> f64 {
     let inverse = &prepared.at_rest.displacement;
     inverse.apply(&now.force, &mut correction, work);
     let plan = run.model.plan;
-    // The term that the inverse holds beside A makes it smaller by at most this.
+    // The term that the inverse holds beside A makes it smaller by this for motions along their
+    // own gradient, by nothing for those that keep their volume.
     let augmented = 1.0 + 0.5 * plan.augmentation();
     let mut square = augmented * dot(&now.force, &correction);
     work.give(correction);

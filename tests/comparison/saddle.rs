@@ -242,7 +242,7 @@ fn a_small_penalty_saves_iterations_and_changes_what_the_mesh_leaves_open() {
         let mesh = mesh(cube(6));
         let (without, _) = penalised(0.0, saddle, &mesh);
         // GCR solves augmented without it, which gains as much.
-        let saved = u32::from(saddle != "gcr");
+        let (saved, lost) = if saddle == "gcr" { (0, 2) } else { (1, 0) };
         for weight in [0.5, 1.0] {
             let (taken, _) = penalised(weight, saddle, &mesh);
             assert!(
@@ -251,7 +251,7 @@ fn a_small_penalty_saves_iterations_and_changes_what_the_mesh_leaves_open() {
             );
         }
         let (taken, _) = penalised(5.0, saddle, &mesh);
-        assert!(taken + saved <= without + 3, "{saddle}: {taken} {without}");
+        assert!(taken <= without + lost, "{saddle}: {taken} {without}");
     }
     let change = |count| {
         let mesh = mesh(cube(count));

@@ -1,6 +1,6 @@
 //! Products with A in single precision, for preconditioners: half the bytes, sixteen cells at a
 //! time. Nodes, ends of edges and held entries are those of the grid in double precision; cells
-//! and order of sums are the same. Memory: 68 bytes a tetrahedron.
+//! and order of sums are the same. Memory: 72 bytes a tetrahedron.
 
 use std::sync::Arc;
 
