@@ -1,8 +1,8 @@
 //! Sparse Cholesky factor P A P^T = L L^T of a symmetric positive definite
 //! matrix, supernodal, through faer.
 //!
-//! Sequential on purpose: the bits of a factor must not depend on the number
-//! of threads. The caller gives the ordering. In single precision factor and
+//! The factor is made by one thread: its bits must not depend on their number. Solves with one
+//! right-hand side run along its branches (`tree`). The caller gives the ordering. In single precision factor and
 //! solve cost half the time and memory; the error of a solution is then about
 //! 1e-7 times the condition of A, which a preconditioner bears.
 
@@ -19,6 +19,11 @@ use faer::traits::RealField;
 use faer::{Conj, MatMut, Par, Side};
 
 use super::{DenseMatrix, FactoriseError, Workspace};
+use tree::{Supernode, Tree};
+use triangle::Factor;
+
+mod tree;
+mod triangle;
 
 /// The lower triangle of a symmetric matrix, column by column, rows ascending.
 #[derive(Clone, Debug, Default)]
@@ -47,37 +52,19 @@ pub enum Precision {
     Double,
 }
 
-/// A number that factors are made of.
-trait Scalar: RealField + Copy {
-    fn of(value: f64) -> Self;
-    fn double(self) -> f64;
-}
+/// A number that faer makes factors of.
+trait Scalar: RealField + Factor {}
 
-impl Scalar for f32 {
-    fn of(value: f64) -> Self {
-        value as Self
-    }
-
-    fn double(self) -> f64 {
-        self.into()
-    }
-}
-
-impl Scalar for f64 {
-    fn of(value: f64) -> Self {
-        value
-    }
-
-    fn double(self) -> f64 {
-        self
-    }
-}
+impl Scalar for f32 {}
+impl Scalar for f64 {}
 
 /// A factor that solves.
 #[derive(Debug)]
 pub struct SparseCholesky {
     symbolic: SymbolicCholesky<u32>,
     values: Values,
+    /// None where faer holds no supernodes.
+    tree: Option<Tree>,
     size: usize,
 }
 
@@ -144,6 +131,7 @@ impl SparseCholesky {
             Precision::Double => Values::Double(factorise(&symbolic, pattern, &matrix.values)?),
         };
         Ok(Self {
+            tree: tree_of(&symbolic, size),
             symbolic,
             values,
             size,
@@ -152,6 +140,15 @@ impl SparseCholesky {
 
     /// Solves `A X = B` in place for `count` right-hand sides, column by column.
     pub fn solve(&self, right_hand_sides: &mut [f64], count: usize, work: &mut Workspace) {
+        match (self.tree.as_ref().filter(|_| count == 1), &self.values) {
+            (Some(tree), Values::Single(values)) => tree.solve(values, right_hand_sides, work),
+            (Some(tree), Values::Double(values)) => tree.solve(values, right_hand_sides, work),
+            (None, _) => self.solve_all(right_hand_sides, count, work),
+        }
+    }
+
+    /// [`Self::solve`] of several at once, as matrices.
+    fn solve_all(&self, right_hand_sides: &mut [f64], count: usize, work: &mut Workspace) {
         match &self.values {
             Values::Single(values) => {
                 let mut single = work.scratch_f32(right_hand_sides.len());
@@ -213,7 +210,7 @@ impl SparseCholesky {
                 for (position, row) in rows.enumerate() {
                     if row >= start + column {
                         *block.at_mut(row - first, start + column - first) =
-                            values[position].double();
+                            values[position].widen();
                     }
                 }
             }
@@ -221,13 +218,35 @@ impl SparseCholesky {
         block
     }
 
-    /// Bytes held by the values.
+    /// Bytes held by the values and the tree.
     pub fn bytes(&self) -> u64 {
-        match &self.values {
-            Values::Single(values) => size_of_val(values.as_slice()) as u64,
-            Values::Double(values) => size_of_val(values.as_slice()) as u64,
-        }
+        let values = match &self.values {
+            Values::Single(values) => size_of_val(values.as_slice()),
+            Values::Double(values) => size_of_val(values.as_slice()),
+        };
+        values as u64 + self.tree.as_ref().map_or(0, Tree::bytes)
     }
+}
+
+/// The tree of a factor.
+fn tree_of(symbolic: &SymbolicCholesky<u32>, size: usize) -> Option<Tree> {
+    let SymbolicCholeskyRaw::Supernodal(raw) = symbolic.raw() else {
+        return None;
+    };
+    let ends = raw.supernode_end();
+    let supernodes = (0..raw.n_supernodes()).map(|index| {
+        let supernode = raw.supernode(index);
+        Supernode {
+            first: supernode.start(),
+            width: ends[index] as usize - supernode.start(),
+            below: supernode.pattern(),
+            values: raw.col_ptr_for_val()[index] as usize,
+        }
+    });
+    let supernodes: Vec<Supernode<'_>> = supernodes.collect();
+    let same: Vec<u32> = (0..size as u32).collect();
+    let unknowns = symbolic.perm().map_or(&same[..], |perm| perm.arrays().0);
+    Some(Tree::new(&supernodes, unknowns))
 }
 
 fn factorise<T: Scalar>(
@@ -239,7 +258,7 @@ fn factorise<T: Scalar>(
     values
         .try_reserve_exact(symbolic.len_val())
         .map_err(|_| FactoriseError::OutOfMemory)?;
-    values.resize(symbolic.len_val(), T::of(0.0));
+    values.resize(symbolic.len_val(), T::narrow(0.0));
     let scratch = symbolic.factorize_numeric_llt_scratch::<T>(Par::Seq, Default::default());
     let mut memory = MemBuffer::try_new(scratch).map_err(|_| FactoriseError::OutOfMemory)?;
     symbolic
@@ -257,103 +276,4 @@ fn factorise<T: Scalar>(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Five-point Laplacian on an n by n grid.
-    fn laplacian(n: usize) -> LowerColumns {
-        let mut matrix = LowerColumns {
-            offsets: vec![0],
-            ..LowerColumns::default()
-        };
-        for column in 0..n * n {
-            let mut push = |row: usize, value: f64| {
-                matrix.rows.push(row as u32);
-                matrix.values.push(value);
-            };
-            push(column, 4.0);
-            if column % n + 1 < n {
-                push(column + 1, -1.0);
-            }
-            if column + n < n * n {
-                push(column + n, -1.0);
-            }
-            matrix.offsets.push(matrix.rows.len() as u32);
-        }
-        matrix
-    }
-
-    fn product(matrix: &LowerColumns, x: &[f64]) -> Vec<f64> {
-        let mut y = vec![0.0; x.len()];
-        for column in 0..matrix.size() {
-            for k in matrix.offsets[column] as usize..matrix.offsets[column + 1] as usize {
-                let row = matrix.rows[k] as usize;
-                y[row] += matrix.values[k] * x[column];
-                if row != column {
-                    y[column] += matrix.values[k] * x[row];
-                }
-            }
-        }
-        y
-    }
-
-    #[test]
-    fn a_factor_solves_several_right_hand_sides() {
-        let matrix = laplacian(9);
-        let order: Vec<u32> = (0..81).rev().collect();
-        let factor =
-            SparseCholesky::new(&matrix, &order, Precision::Double).expect("positive definite");
-        let x = super::super::vector::reproducible_noise(162);
-        let mut b = product(&matrix, &x[..81]);
-        b.extend(product(&matrix, &x[81..]));
-        factor.solve(&mut b, 2, &mut Workspace::new());
-        for (value, exact) in b.iter().zip(&x) {
-            assert!((value - exact).abs() < 1e-12);
-        }
-    }
-
-    #[test]
-    fn a_factor_in_single_precision_solves_to_its_rounding() {
-        let matrix = laplacian(9);
-        let order: Vec<u32> = (0..81).rev().collect();
-        let factor =
-            SparseCholesky::new(&matrix, &order, Precision::Single).expect("positive definite");
-        let x = super::super::vector::reproducible_noise(81);
-        let mut b = product(&matrix, &x);
-        factor.solve(&mut b, 1, &mut Workspace::new());
-        for (value, exact) in b.iter().zip(&x) {
-            assert!((value - exact).abs() < 1e-5);
-        }
-        let double = SparseCholesky::new(&matrix, &order, Precision::Double).expect("as above");
-        assert_eq!(2 * factor.bytes(), double.bytes());
-    }
-
-    #[test]
-    fn the_trailing_block_gives_the_inverse_on_the_last_unknowns() {
-        let matrix = laplacian(7);
-        let last = [3_u32, 4, 24, 40];
-        let order: Vec<u32> = (0..49).filter(|i| !last.contains(i)).chain(last).collect();
-        let factor =
-            SparseCholesky::new(&matrix, &order, Precision::Double).expect("positive definite");
-        let inverse = factor.trailing_block(4).inverse_of_product();
-        for (j, &column) in last.iter().enumerate() {
-            let mut unit = vec![0.0; 49];
-            unit[column as usize] = 1.0;
-            factor.solve(&mut unit, 1, &mut Workspace::new());
-            for (i, &row) in last.iter().enumerate() {
-                assert!((inverse.at(i, j) - unit[row as usize]).abs() < 1e-13);
-            }
-        }
-    }
-
-    #[test]
-    fn an_indefinite_matrix_is_refused() {
-        let mut matrix = laplacian(3);
-        matrix.values[0] = -4.0;
-        let order: Vec<u32> = (0..9).collect();
-        assert!(matches!(
-            SparseCholesky::new(&matrix, &order, Precision::Double),
-            Err(FactoriseError::NotPositiveDefinite)
-        ));
-    }
-}
+mod tests;
