@@ -20,12 +20,15 @@ use super::transpose::{Row, Transpose};
 use crate::linalg::Scalar;
 pub use points::edge_factor;
 use points::{
-    Elastic, Pressed, bases, edge_of, gradients, pressures, store_forces, visit_points, volumes,
-    zeros,
+    Elastic, Pressed, Tangent, bases, edge_of, gradients, pressures, store_forces, visit_points,
+    volumes, zeros,
 };
 
 /// Place of the pressure in a row.
 pub const PRESSURE: usize = 3;
+
+/// Entries of a symmetric matrix of nine rows, its upper triangle row by row.
+pub const SYMMETRIC: usize = 45;
 
 /// One batch of elements.
 #[derive(Clone, Debug)]
@@ -200,6 +203,29 @@ fn elastic<
         let shear = Pack::load(simd, &batch.shear, part);
         let lame = Pack::load(simd, lame, part);
         let mut law = Elastic { shear, lame };
+        visit_points(simd, &g, (&mut *vertices, &mut *edges), part, &mut law);
+    }
+    scatter(transpose, &batch.vertices, vertices, y);
+    scatter(transpose, &batch.edges, edges, y);
+}
+
+/// `y += A x` on one batch of tetrahedra, stress and displacement gradient related by `tensor`,
+/// which is that of [`SYMMETRIC`] times the weight.
+#[inline(always)]
+pub fn tangent<S: Simd, T: Transpose, R: Batched<W>, const W: usize>(
+    simd: S,
+    transpose: T,
+    (batch, tensor): (&Batch<4, 3, 6, R, W>, &[Lanes<R, W>; SYMMETRIC]),
+    element: &mut Element<4, 6, R, W>,
+    x: &[Row<R>],
+    y: &mut [Row<R>],
+) {
+    let Element { vertices, edges } = element;
+    gather(transpose, &batch.vertices, x, vertices);
+    gather(transpose, &batch.edges, x, edges);
+    for part in 0..R::parts::<S>() {
+        let g = gradients(simd, batch, part);
+        let mut law = Tangent { simd, part, tensor };
         visit_points(simd, &g, (&mut *vertices, &mut *edges), part, &mut law);
     }
     scatter(transpose, &batch.vertices, vertices, y);

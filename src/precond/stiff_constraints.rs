@@ -17,7 +17,10 @@ use std::sync::Arc;
 
 use super::NodeBlocks;
 use crate::linalg::vector::{dot, norm};
-use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, Workspace};
+use crate::linalg::{LinearOperator, ResidualUpdate, SparseRows, SparseRowsBuilder};
+use stiffened::Stiffened;
+
+mod stiffened;
 
 /// Stiffness of a spring over that of the nodes which it holds: between 3 and 100 the
 /// counts of a pressed block stay within two.
@@ -167,22 +170,31 @@ impl StiffConstraints {
         weights.filter(|&(_, weight)| weight > 0.0)
     }
 
+    /// `inner` with springs on the rows of C in its basis.
+    fn around<A: ?Sized>(&self, inner: Arc<A>, rows: &Arc<SparseRows>) -> Stiffened<A> {
+        Stiffened {
+            inner,
+            rows: rows.clone(),
+            weights: self.weights.clone(),
+        }
+    }
+
     /// A + C^T W C on Lagrange node values, `inner` being A there.
     pub fn on_lagrange(&self, inner: Arc<dyn LinearOperator>) -> Arc<dyn LinearOperator> {
-        Arc::new(Stiffened {
-            inner,
-            rows: self.lagrange.clone(),
-            weights: self.weights.clone(),
-        })
+        Arc::new(self.around(inner, &self.lagrange))
+    }
+
+    /// A + C^T W C on Lagrange node values in single precision, `inner` being A there.
+    pub fn on_single_lagrange(
+        &self,
+        inner: Arc<dyn ResidualUpdate<f32>>,
+    ) -> Arc<dyn ResidualUpdate<f32>> {
+        Arc::new(self.around(inner, &self.lagrange))
     }
 
     /// A + C^T W C on hierarchical displacements, `inner` being A there.
     pub fn on_hierarchical(&self, inner: Arc<dyn LinearOperator>) -> Arc<dyn LinearOperator> {
-        Arc::new(Stiffened {
-            inner,
-            rows: self.hierarchical.clone(),
-            weights: self.weights.clone(),
-        })
+        Arc::new(self.around(inner, &self.hierarchical))
     }
 }
 
@@ -271,58 +283,10 @@ fn lagrange(coupling: &SparseRows, nodes: &Nodes<'_>) -> SparseRows {
     builder.finish()
 }
 
-/// A with springs.
-struct Stiffened {
-    /// A.
-    inner: Arc<dyn LinearOperator>,
-    /// C in the basis of A.
-    rows: Arc<SparseRows>,
-    /// W.
-    weights: Arc<[f64]>,
-}
-
-impl Stiffened {
-    /// Adds `factor` C^T W C x.
-    fn add_springs(&self, factor: f64, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        let mut forces = work.scratch(self.weights.len());
-        self.rows.apply(x, &mut forces, work);
-        forces
-            .iter_mut()
-            .zip(&*self.weights)
-            .for_each(|(force, weight)| *force *= weight);
-        self.rows.add_transposed(factor, &forces, y, work);
-        work.give(forces);
-    }
-}
-
-impl LinearOperator for Stiffened {
-    fn rows(&self) -> usize {
-        self.inner.rows()
-    }
-
-    fn columns(&self) -> usize {
-        self.inner.columns()
-    }
-
-    fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        self.inner.apply(x, y, work);
-        self.add_springs(1.0, x, y, work);
-    }
-
-    fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
-        self.inner.apply_transposed(y, x, work);
-        self.add_springs(1.0, y, x, work);
-    }
-
-    fn subtract_product(&self, x: &[f64], r: &mut [f64], work: &mut Workspace) {
-        self.inner.subtract_product(x, r, work);
-        self.add_springs(-1.0, x, r, work);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linalg::Workspace;
     use crate::linalg::vector::reproducible_noise;
     use crate::precond::Transfer;
 
@@ -412,6 +376,29 @@ mod tests {
             let other = energy(&*springs.on_hierarchical(none), &hierarchical);
             assert!(lagrange > 0.0 && (lagrange - other).abs() < 1e-12 * lagrange);
         }
+    }
+
+    #[test]
+    fn springs_in_single_precision_push_as_those_in_double() {
+        struct Nothing;
+        impl ResidualUpdate<f32> for Nothing {
+            fn take_off(&self, _: &[f32], _: &mut [f32], _: &mut Workspace) {}
+        }
+        let springs = springs(&[true; 4], &[]);
+        let x = reproducible_noise(18);
+        let (mut r, mut narrow) = (vec![0.0; 18], vec![0.0_f32; 18]);
+        let single: Vec<f32> = x.iter().map(|&x| x as f32).collect();
+        let work = &mut Workspace::new();
+        springs
+            .on_lagrange(nothing())
+            .subtract_product(&x, &mut r, work);
+        springs
+            .on_single_lagrange(Arc::new(Nothing))
+            .take_off(&single, &mut narrow, work);
+        let size = norm(&r);
+        let pairs = r.iter().zip(&narrow);
+        assert!(size > 0.1);
+        pairs.for_each(|(r, n)| assert!((r - f64::from(*n)).abs() < 1e-6 * size));
     }
 
     #[test]

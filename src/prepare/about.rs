@@ -88,6 +88,7 @@ impl TaylorHoodData {
         };
         let weight = VOLUMETRIC + state.cells.penalty();
         let tangents = CellTangents::new(&states, weight);
+        let springs = self.springs(state.contact);
         let body = P1Body {
             mesh,
             space: &self.space,
@@ -95,7 +96,7 @@ impl TaylorHoodData {
             stiffness: &tangents,
             held: &self.held,
             moved: state.displacement,
-            springs: None,
+            springs: springs.as_ref(),
         };
         let cells = StiffCells {
             mesh,
@@ -103,22 +104,12 @@ impl TaylorHoodData {
             geometry: &self.geometry,
             stiffness: &tangents,
         };
-        let mut blocks = cells.node_blocks(&self.held);
-        let springs = self.springs(state.contact);
-        if let Some(springs) = &springs {
-            let c = self.space.components;
-            springs.at_nodes(|node, spring| add_to(&mut blocks[node * c * c..], c, &spring));
-        }
-        if !are_positive(self.space.components, &blocks) {
-            return Err(FactoriseError::NotPositiveDefinite.into());
-        }
-        let node_blocks = NodeBlocks::invert(self.space.components, blocks);
-        let body = P1Body {
-            springs: springs.as_ref(),
-            ..body
-        };
-        let p1 = p1::build(plan, body, cancel)?;
-        let around = (state, &node_blocks, springs.as_ref());
+        let (p1, node_blocks) = rayon::join(
+            || p1::build(plan, body, cancel),
+            || self.node_blocks(&cells, springs.as_ref()),
+        );
+        let (node_blocks, p1) = (node_blocks?, p1?);
+        let around = ((state, &tangents), &node_blocks, springs.as_ref());
         let (displacement, displacement_bytes) =
             self.around_p1(plan, mesh, around, p1.solver.clone());
         Ok(ApproximateInverse {
@@ -133,12 +124,36 @@ impl TaylorHoodData {
         })
     }
 
+    /// Inverted node blocks with springs.
+    ///
+    /// # Errors
+    /// Where one is not positive definite.
+    fn node_blocks(
+        &self,
+        cells: &StiffCells<'_>,
+        springs: Option<&StiffConstraints>,
+    ) -> Result<NodeBlocks, FactoriseError> {
+        let c = self.space.components;
+        let mut blocks = cells.node_blocks(&self.held);
+        if let Some(springs) = springs {
+            springs.at_nodes(|node, spring| add_to(&mut blocks[node * c * c..], c, &spring));
+        }
+        match are_positive(c, &blocks) {
+            true => Ok(NodeBlocks::invert(c, blocks)),
+            false => Err(FactoriseError::NotPositiveDefinite),
+        }
+    }
+
     /// The preconditioner of all displacements around a P1 solver, and its bytes.
     fn around_p1(
         &self,
         plan: &Plan,
         mesh: &Mesh,
-        (state, node_blocks, springs): (Deformed<'_>, &NodeBlocks, Option<&StiffConstraints>),
+        ((state, tangents), node_blocks, springs): (
+            (Deformed<'_>, &CellTangents),
+            &NodeBlocks,
+            Option<&StiffConstraints>,
+        ),
         p1: Arc<dyn Preconditioner>,
     ) -> (Arc<dyn Preconditioner>, u64) {
         let body = DisplacementBody {
@@ -151,6 +166,7 @@ impl TaylorHoodData {
             node_blocks,
             p1,
             tangent: Some(state),
+            tangents: Some(tangents),
             springs,
         };
         displacement::build(plan, &body)

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use super::deformed::Deformed;
 use crate::assembly::grid::{Basis, SingleGrid, VolumeTerm};
 use crate::assembly::p1_stiffness::CellStiffness;
-use crate::assembly::strain::{TangentProducts, TangentStiffness};
+use crate::assembly::strain::{CellTangents, SingleTangent, TangentProducts, TangentStiffness};
 use crate::assembly::{CellGeometry, CellModuli, Constrained, Grid, SingleStiffness, Stiffness};
-use crate::linalg::{LinearOperator, Preconditioner};
+use crate::linalg::{LinearOperator, Preconditioner, ResidualUpdate};
 use crate::mesh::Mesh;
 use crate::plan::augmentation::VOLUMETRIC;
 use crate::precond::{NodeBlocks, StiffConstraints};
@@ -40,6 +40,8 @@ pub(crate) struct DisplacementBody<'a> {
     pub(crate) p1: Arc<dyn Preconditioner>,
     /// None at rest.
     pub(crate) tangent: Option<Deformed<'a>>,
+    /// The tangents of cells there, where they have been made.
+    pub(crate) tangents: Option<&'a CellTangents>,
     /// Springs on its surface; none at rest.
     pub(crate) springs: Option<&'a StiffConstraints>,
 }
@@ -62,12 +64,22 @@ impl DisplacementBody<'_> {
         }
     }
 
-    /// What the inverse at rest approximates the inverse of, in single precision.
-    pub(crate) fn single_stiffness(&self, basis: Basis) -> SingleStiffness {
-        SingleStiffness {
-            grid: SingleGrid::new(self.grid),
-            basis,
-            held: self.held.clone(),
+    /// What the inverse approximates the inverse of, on Lagrange values in single precision, and
+    /// its bytes; none about a deformed state in the plane.
+    pub(crate) fn single_operator(&self) -> Option<(Arc<dyn ResidualUpdate<f32>>, u64)> {
+        let (basis, held) = (Basis::Lagrange, self.held.clone());
+        if self.tangent.is_none() {
+            let grid = SingleGrid::new(self.grid);
+            let bytes = grid.bytes();
+            let stiffness = SingleStiffness { grid, basis, held };
+            return Some((Arc::new(stiffness), bytes));
+        }
+        let tangent = SingleTangent::new((self.mesh, self.grid), self.tangents?, basis, held)?;
+        let bytes = tangent.bytes();
+        let tangent = Arc::new(tangent);
+        match self.springs {
+            None => Some((tangent, bytes)),
+            Some(springs) => Some((springs.on_single_lagrange(tangent), bytes)),
         }
     }
 

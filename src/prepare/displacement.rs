@@ -12,14 +12,14 @@ use super::chooser;
 use crate::assembly::grid::Basis;
 use crate::assembly::node_couplings::node_couplings;
 use crate::assembly::p1_stiffness::add;
-use crate::linalg::Preconditioner;
 use crate::linalg::cholesky::Precision;
+use crate::linalg::{LinearOperator, Preconditioner, Widened};
 use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::precond::lines::LagrangeNodes;
 use crate::precond::node_pairs::NodePairs;
-use crate::precond::p_multigrid::largest_eigenvalue;
-use crate::precond::{AlongLines, PMultigrid, Transfer};
+use crate::precond::p_multigrid::{Smoothing, largest_eigenvalue};
+use crate::precond::{AlongLines, NodeBlocks, PMultigrid, StiffConstraints, Transfer};
 use crate::space::TaylorHood;
 
 /// The preconditioner that `plan` chose, and its bytes without the P1 solver.
@@ -47,31 +47,48 @@ fn p_multigrid(plan: &Plan, body: &DisplacementBody<'_>) -> (Arc<dyn Preconditio
     }
 }
 
-/// p-multigrid and its bytes; in single precision where the P1 factor may be, for a body at
-/// rest.
+/// p-multigrid and its bytes; in single precision where the P1 factor may be.
 fn on_lagrange_nodes(
     plan: &Plan,
     body: &DisplacementBody<'_>,
     transfer: Transfer,
 ) -> (Arc<dyn Preconditioner>, u64) {
-    let operator = body.operator(Basis::Lagrange);
-    let largest = largest_eigenvalue(&*operator, body.node_blocks, transfer.held());
-    let smoother = (body.node_blocks.clone(), plan.smoothing(), largest);
-    let is_single = plan.factor_precision().0 == Precision::Single && body.tangent.is_none();
-    match is_single {
-        true => {
-            let single = body.single_stiffness(Basis::Lagrange);
-            let bytes = single.grid.bytes();
-            let inner = PMultigrid::new(Arc::new(single), smoother, body.p1.clone(), transfer);
-            let bytes = bytes + inner.bytes();
-            (Arc::new(inner), bytes)
+    let bears = |springs: &StiffConstraints| springs.bear_single_precision();
+    let may_be_single =
+        plan.factor_precision().0 == Precision::Single && body.springs.is_none_or(bears);
+    let single = may_be_single.then(|| body.single_operator()).flatten();
+    let Some((operator, bytes)) = single else {
+        let operator = body.operator(Basis::Lagrange);
+        let smoother = smoother(plan, body, &*operator);
+        let inner = PMultigrid::new(Arc::new(operator), smoother, body.p1.clone(), transfer);
+        let bytes = inner.bytes();
+        return (Arc::new(inner), bytes);
+    };
+    let smoother = match body.tangent {
+        // In double precision, so that no last digit of an interval stays to chance.
+        None => smoother(plan, body, &*body.operator(Basis::Lagrange)),
+        Some(_) => {
+            let size = body.space.displacement_unknowns();
+            let operator = Widened {
+                operator: &*operator,
+                size,
+            };
+            smoother(plan, body, &operator)
         }
-        false => {
-            let inner = PMultigrid::new(Arc::new(operator), smoother, body.p1.clone(), transfer);
-            let bytes = inner.bytes();
-            (Arc::new(inner), bytes)
-        }
-    }
+    };
+    let inner = PMultigrid::new(operator, smoother, body.p1.clone(), transfer);
+    let bytes = bytes + inner.bytes();
+    (Arc::new(inner), bytes)
+}
+
+/// Node blocks, steps and interval of the smoother of `operator`.
+fn smoother(
+    plan: &Plan,
+    body: &DisplacementBody<'_>,
+    operator: &dyn LinearOperator,
+) -> (NodeBlocks, Smoothing, f64) {
+    let largest = largest_eigenvalue(operator, body.node_blocks, body.held);
+    (body.node_blocks.clone(), plan.smoothing(), largest)
 }
 
 /// `inner` between smoothings along strongly coupled nodes, where there are

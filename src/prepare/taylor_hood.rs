@@ -229,6 +229,7 @@ impl Parts {
             node_blocks: &self.node_blocks,
             p1: self.p1.solver.clone(),
             tangent: rest.as_ref().map(Rest::state),
+            tangents: None,
             springs: None,
         };
         let stiffness = body.stiffness(Basis::Hierarchical);

@@ -22,7 +22,7 @@ use crate::linalg::{Scalar, Workspace};
 pub(super) use block::Block;
 pub use block::GridSource;
 pub(super) use copies::Copies;
-pub use single::SingleGrid;
+pub use single::{SingleCells, SingleGrid};
 
 /// Most groups of blocks that run at the same time.
 const MOST_GROUPS: usize = 64;

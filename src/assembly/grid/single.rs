@@ -9,7 +9,8 @@ use rayon::prelude::*;
 use super::{Basis, CellGrid, Grid, Rows};
 use crate::assembly::kernel::Batch;
 use crate::assembly::lanes::{Lanes, SINGLE_WIDTH, WIDTH};
-use crate::assembly::simd;
+use crate::assembly::simd::{self, InstructionSet};
+use crate::assembly::transpose::Row;
 use crate::linalg::{Scalar, Workspace};
 
 /// Batches in double precision that one in single precision holds.
@@ -63,7 +64,7 @@ impl SingleGrid {
 }
 
 impl<const V: usize, const D: usize, const E: usize> SingleCells<V, D, E> {
-    fn new(grid: &Arc<CellGrid<V, D, E>>) -> Self {
+    pub(in crate::assembly) fn new(grid: &Arc<CellGrid<V, D, E>>) -> Self {
         let blocks = grid.blocks.par_iter();
         let of_block = |batches: &[Batch<V, D, E>]| batches.chunks(PAIR).map(joined).collect();
         Self {
@@ -72,12 +73,37 @@ impl<const V: usize, const D: usize, const E: usize> SingleCells<V, D, E> {
         }
     }
 
-    fn bytes(&self) -> u64 {
+    /// Batches of a block.
+    pub(in crate::assembly) fn batches(&self, block: usize) -> &[SingleBatch<V, D, E>] {
+        &self.blocks[block]
+    }
+
+    /// The kernels that run here.
+    pub(in crate::assembly) fn instructions(&self) -> InstructionSet {
+        self.grid.instructions
+    }
+
+    pub(in crate::assembly) fn bytes(&self) -> u64 {
         let batches: usize = self.blocks.iter().map(Vec::len).sum();
         (batches * size_of::<SingleBatch<V, D, E>>()) as u64
     }
 
     fn subtract_stiffness(&self, basis: Basis, x: &[f32], r: &mut [f32], work: &mut Workspace) {
+        let instructions = self.grid.instructions;
+        self.subtract(basis, (x, r), work, |block, x, y| {
+            simd::augmented_stiffness(instructions, &self.blocks[block], x, y);
+        });
+    }
+
+    /// Takes off `r` what `product` makes of `x` on the rows of each block, held entries of both
+    /// left out.
+    pub(in crate::assembly) fn subtract(
+        &self,
+        basis: Basis,
+        (x, r): (&[f32], &mut [f32]),
+        work: &mut Workspace,
+        product: impl Fn(usize, &[Row<f32>], &mut [Row<f32>]) + Sync,
+    ) {
         let grid = &*self.grid;
         grid.pass(
             work,
@@ -86,7 +112,7 @@ impl<const V: usize, const D: usize, const E: usize> SingleCells<V, D, E> {
                 block.prepare_argument(basis, Rows::Free, x_rows);
             },
             |index, block, x, y| {
-                simd::augmented_stiffness(grid.instructions, &self.blocks[index], x, y);
+                product(index, x, y);
                 block.finish_result(basis, Rows::Free, y);
             },
             |local| {

@@ -3,8 +3,8 @@
 
 use pulp::Simd;
 
-use super::{Batch, NodeLanes, PRESSURE, edge_pairs, rule};
-use crate::assembly::lanes::{Pack, Packed};
+use super::{Batch, NodeLanes, PRESSURE, SYMMETRIC, edge_pairs, rule};
+use crate::assembly::lanes::{Lanes, Pack, Packed};
 
 pub(in crate::assembly) type Vectors<S, const N: usize, const D: usize, R = f64> =
     [[Pack<S, R>; D]; N];
@@ -110,7 +110,34 @@ impl<S: Simd, const D: usize, R: Packed> Law<S, D, R> for Elastic<S, R> {
     }
 }
 
-/// The same less the pressure; keeps the divergences.
+/// A symmetric matrix times the gradient, row 3 i + j being component ij of the stress.
+pub(super) struct Tangent<'a, S, R, const W: usize> {
+    pub(super) simd: S,
+    pub(super) part: usize,
+    pub(super) tensor: &'a [Lanes<R, W>; SYMMETRIC],
+}
+
+impl<S: Simd, R: Packed, const W: usize> Law<S, 3, R> for Tangent<'_, S, R, W> {
+    #[inline(always)]
+    fn stress(&mut self, _point: usize, h: &Tensor<S, 3, R>) -> Tensor<S, 3, R> {
+        let mut out = zeros::<S, 3, 3, R>(self.simd);
+        let mut entry = 0;
+        for row in 0..9 {
+            for column in row..9 {
+                let value = Pack::load(self.simd, &self.tensor[entry], self.part);
+                entry += 1;
+                let (i, j, k, l) = (row / 3, row % 3, column / 3, column % 3);
+                out[i][j] = out[i][j].plus_product(value, h[k][l]);
+                if column > row {
+                    out[k][l] = out[k][l].plus_product(value, h[i][j]);
+                }
+            }
+        }
+        out
+    }
+}
+
+/// That of [`Elastic`] less the pressure; keeps the divergences.
 pub(super) struct Pressed<S: Simd, const V: usize, R: Packed> {
     pub(super) elastic: Elastic<S, R>,
     /// Weighted, at the points.

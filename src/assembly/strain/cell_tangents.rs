@@ -14,6 +14,7 @@ use rayon::prelude::*;
 
 use super::cells::CellLaws;
 use crate::assembly::CellGeometry;
+use crate::assembly::kernel::SYMMETRIC;
 use crate::assembly::p1_stiffness::{Block, CellStiffness};
 use crate::geometry::tensor::{Tensor, cross, volume_change};
 use crate::material::{Deformation, Rubber};
@@ -21,7 +22,7 @@ use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
 /// Entries of a symmetric matrix of nine rows.
-const ENTRIES: usize = 45;
+const ENTRIES: usize = SYMMETRIC;
 
 /// A state of the body.
 #[derive(Clone, Copy, Debug)]
@@ -43,7 +44,8 @@ pub struct CellStates<'a> {
 /// Tangents of all cells.
 #[derive(Clone, Debug)]
 pub struct CellTangents {
-    tensors: Vec<[f64; ENTRIES]>,
+    /// Upper triangles, row by row, row 3 i + j being component ij `[cells]`.
+    pub(super) tensors: Vec<[f64; ENTRIES]>,
     shear: Vec<f64>,
     /// Change of F_33 with a vertex's displacement along the radius `[cells]`;
     /// empty where the body is not one of revolution.

@@ -4,10 +4,12 @@
 use std::sync::Arc;
 
 use super::*;
+use crate::assembly::Constrained;
 use crate::assembly::strain::{
-    CellLaws, Linearised, Response, StrainGrid, TangentBody, TangentDivergence, TangentProducts,
-    TangentStiffness,
+    CellLaws, CellStates, CellTangents, Linearised, Response, SingleTangent, StrainGrid,
+    TangentBody, TangentDivergence, TangentProducts, TangentStiffness,
 };
+use crate::linalg::ResidualUpdate;
 use crate::linalg::vector::{add_scaled, scale};
 use crate::material::{InvariantLaw, Isochoric, Rubber};
 
@@ -338,5 +340,66 @@ fn a_section_that_opens_along_its_radius_grows_like_its_rings() {
         assert!((volume - std::f64::consts::PI * SCALE.powi(3)).abs() < 1e-13);
         assert!((response.volume_change - (1.5625 - 1.0) * volume).abs() < 1e-12);
         assert!((response.least_jacobian - 1.5625).abs() < 1e-13);
+    }
+}
+
+/// A state whose gradient and pressure are the same everywhere.
+fn even_state(sample: &Sample) -> (Vec<f64>, Vec<f64>) {
+    let slopes = [[0.2, -0.1, 0.3], [0.05, 0.1, -0.2], [-0.15, 0.25, -0.1]];
+    let mut u = vec![0.0; sample.unknowns()];
+    let nodes = u.chunks_exact_mut(sample.space.components);
+    for (u, x) in nodes.zip(sample.mesh.coordinates()) {
+        for (u, slope) in u.iter_mut().zip(&slopes) {
+            *u = SCALE * dot(slope, x);
+        }
+    }
+    (u, vec![0.7; sample.space.vertices])
+}
+
+#[test]
+fn tangents_of_cells_in_single_precision_are_those_at_the_points_of_an_even_state() {
+    let solid = bodies(2).into_iter();
+    for body in solid.filter(|body| body.sample.space.components == 3) {
+        let sample = &body.sample;
+        let (u, p) = even_state(sample);
+        let of_cell = (0..sample.mesh.cell_count() as u16).map(|cell| cell % 2);
+        let states = CellStates {
+            mesh: &sample.mesh,
+            space: &sample.space,
+            geometry: &sample.geometry,
+            laws: CellLaws {
+                laws: &LAWS,
+                of_cell: &of_cell.collect::<Vec<_>>(),
+            },
+            displacement: &u,
+            pressure: &p,
+        };
+        let tangents = CellTangents::new(&states, 0.5);
+        let at = Arc::new(body.linearised(&u, &p));
+        let x = reproducible_noise(sample.unknowns());
+        let narrow: Vec<f32> = x.iter().map(|&x| x as f32).collect();
+        for basis in [Basis::Hierarchical, Basis::Lagrange] {
+            let exact = Constrained {
+                free: TangentStiffness {
+                    products: TangentProducts::new(&Arc::new(body.cells.clone()), &at, 0.5),
+                    basis,
+                    size: sample.unknowns(),
+                },
+                held: sample.held.clone().into(),
+            };
+            let mut expected = x.clone();
+            exact.apply(&x, &mut expected, &mut Workspace::new());
+            for set in InstructionSet::ALL.into_iter().filter(|set| set.is_here()) {
+                let grid = sample.grid.clone().with_instruction_set(set);
+                let cells = (&sample.mesh, &grid);
+                let single =
+                    SingleTangent::new(cells, &tangents, basis, sample.held.clone().into());
+                let mut r = vec![0.0_f32; x.len()];
+                let single = single.expect("tetrahedra");
+                single.take_off(&narrow, &mut r, &mut Workspace::new());
+                let found: Vec<f64> = r.iter().map(|&r| -f64::from(r)).collect();
+                assert!(distance(&found, &expected) < 3e-6, "{}", set.name());
+            }
+        }
     }
 }
