@@ -170,6 +170,7 @@
 #![doc = include_str!("decisions/0048-fleet.md")]
 #![doc = include_str!("decisions/0049-studies.md")]
 #![doc = include_str!("decisions/0050-augmented-linear.md")]
+#![doc = include_str!("decisions/0051-branches-and-cell-tangents.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

@@ -45,6 +45,11 @@ pub(crate) fn coupling(shear: f64, lame: f64, a: &[f64; 3], b: &[f64; 3]) -> Blo
     block
 }
 
+/// The coupling the other way round.
+fn transposed(block: &Block) -> Block {
+    std::array::from_fn(|i| std::array::from_fn(|j| block[j][i]))
+}
+
 pub(crate) fn add(target: &mut Block, factor: f64, block: &Block) {
     for i in 0..3 {
         for j in 0..3 {
@@ -75,7 +80,31 @@ pub struct StiffCells<'a> {
     pub stiffness: &'a dyn CellStiffness,
 }
 
+/// Couplings of one cell for unit volume; those of a triangle leave the last ones out.
+struct Couplings {
+    /// Of each vertex with itself.
+    vertices: [Block; 4],
+    /// Of the first end of each edge (rows) with the second.
+    edges: [Block; 6],
+}
+
 impl StiffCells<'_> {
+    fn couplings(&self, cell: usize) -> Couplings {
+        let g = self.geometry.gradients_of(cell);
+        let mut out = Couplings {
+            vertices: [[[0.0; 3]; 3]; 4],
+            edges: [[[0.0; 3]; 3]; 6],
+        };
+        for (block, g) in out.vertices.iter_mut().zip(g) {
+            *block = self.stiffness.coupling(cell, g, g);
+        }
+        let pairs = self.mesh.cell_kind().edges();
+        for (block, &(a, b)) in out.edges.iter_mut().zip(pairs) {
+            *block = self.stiffness.coupling(cell, &g[a], &g[b]);
+        }
+        out
+    }
+
     /// A11 by blocks. `shift` adds a multiple of the lumped mass, for bodies whose
     /// supports leave rigid modes.
     pub fn p1_blocks(&self, shift: f64) -> P1Blocks {
@@ -90,25 +119,22 @@ impl StiffCells<'_> {
         let vertices = geometry.vertices;
         let pairs = mesh.cell_kind().edges();
         for cell in 0..geometry.cells() {
-            let g = geometry.gradients_of(cell);
             let volume = geometry.volumes[cell];
             let corners = &mesh.cells()[cell * vertices..(cell + 1) * vertices];
-            for (a, &vertex) in corners.iter().enumerate() {
+            let couplings = self.couplings(cell);
+            for (own, &vertex) in couplings.vertices.iter().zip(corners) {
                 let block = &mut diagonal[vertex as usize];
-                add(block, volume, &stiffness.coupling(cell, &g[a], &g[a]));
+                add(block, volume, own);
                 for (i, row) in block.iter_mut().enumerate() {
                     row[i] += shift * stiffness.shear(cell) * volume / vertices as f64;
                 }
             }
-            for (local, &(a, b)) in pairs.iter().enumerate() {
+            for (local, (&(a, b), block)) in pairs.iter().zip(&couplings.edges).enumerate() {
                 let edge = mesh.cell_edges()[cell * pairs.len() + local] as usize;
-                let (low, high) = if corners[a] < corners[b] {
-                    (a, b)
-                } else {
-                    (b, a)
-                };
-                let block = stiffness.coupling(cell, &g[low], &g[high]);
-                add(&mut off[edge], volume, &block);
+                match corners[a] < corners[b] {
+                    true => add(&mut off[edge], volume, block),
+                    false => add(&mut off[edge], volume, &transposed(block)),
+                }
             }
         }
         P1Blocks { diagonal, off }
@@ -121,7 +147,7 @@ impl StiffCells<'_> {
             mesh,
             space,
             geometry,
-            stiffness,
+            ..
         } = *self;
         let vertices = geometry.vertices;
         let pairs = mesh.cell_kind().edges();
@@ -132,20 +158,19 @@ impl StiffCells<'_> {
         let corner = 16.0 * square - 8.0 / (d + 1.0) + 1.0;
         let mut blocks = vec![[[0.0; 3]; 3]; space.nodes()];
         for cell in 0..geometry.cells() {
-            let g = geometry.gradients_of(cell);
             let volume = geometry.volumes[cell];
-            let couple = |a: usize, b: usize| stiffness.coupling(cell, &g[a], &g[b]);
-            for a in 0..vertices {
-                let vertex = mesh.cells()[cell * vertices + a] as usize;
-                add(&mut blocks[vertex], volume * corner, &couple(a, a));
+            let couplings = self.couplings(cell);
+            let corners = &mesh.cells()[cell * vertices..(cell + 1) * vertices];
+            for (own, &vertex) in couplings.vertices.iter().zip(corners) {
+                add(&mut blocks[vertex as usize], volume * corner, own);
             }
-            for (local, &(a, b)) in pairs.iter().enumerate() {
+            for (local, (&(a, b), both)) in pairs.iter().zip(&couplings.edges).enumerate() {
                 let edge = mesh.cell_edges()[cell * pairs.len() + local] as usize;
                 let block = &mut blocks[space.vertices + edge];
-                add(block, 16.0 * volume * square, &couple(a, a));
-                add(block, 16.0 * volume * square, &couple(b, b));
-                add(block, 16.0 * volume * mixed, &couple(a, b));
-                add(block, 16.0 * volume * mixed, &couple(b, a));
+                add(block, 16.0 * volume * square, &couplings.vertices[a]);
+                add(block, 16.0 * volume * square, &couplings.vertices[b]);
+                add(block, 16.0 * volume * mixed, both);
+                add(block, 16.0 * volume * mixed, &transposed(both));
             }
         }
         flatten(&blocks, space.components, held)

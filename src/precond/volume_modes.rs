@@ -27,6 +27,8 @@ use crate::linalg::{
 
 /// Least s over b^T Y b: a P1 factor in single precision knows the difference no better.
 const FLOOR: f64 = 1e-5;
+/// Rows with more than this part of all entries are summed entry by entry and not sorted.
+const DENSE: usize = 8;
 /// P1 solves at a time.
 const PANEL: usize = 16;
 
@@ -190,7 +192,7 @@ impl Flexibility<'_> {
         let c = self.node_blocks.components();
         let first_edge = self.vertex_count * c;
         let mut builder = SparseRowsBuilder::new(loads.columns());
-        let mut entries = Vec::new();
+        let (mut entries, mut whole) = (Vec::new(), Vec::new());
         for mode in 0..loads.rows() {
             entries.clear();
             let (unknowns, values) = loads.row(mode);
@@ -207,7 +209,15 @@ impl Flexibility<'_> {
                 }
             }
             entries.retain(|&(unknown, _)| !self.is_held[unknown as usize]);
-            builder.push_row(&mut entries);
+            match entries.len() < loads.columns() / DENSE {
+                true => builder.push_row(&mut entries),
+                false => {
+                    whole.resize(loads.columns(), 0.0);
+                    whole.fill(0.0);
+                    (entries.iter()).for_each(|&(unknown, value)| whole[unknown as usize] += value);
+                    builder.push_dense(&whole, 0.0);
+                }
+            }
         }
         builder.finish()
     }
@@ -220,11 +230,17 @@ impl Flexibility<'_> {
         for mode in 0..forces.rows() {
             entries.clear();
             let (unknowns, values) = forces.row(mode);
+            let mut last = None;
             for (&unknown, &value) in unknowns.iter().zip(values) {
                 let (node, j) = (unknown as usize / c, unknown as usize % c);
+                if last.replace(node) != Some(node) {
+                    entries.extend((0..c).map(|i| ((node * c + i) as u32, 0.0)));
+                }
                 let block = self.node_blocks.block(node);
-                let moved = (0..c).map(|i| ((node * c + i) as u32, block[i * c + j] * value));
-                entries.extend(moved);
+                let first = entries.len() - c;
+                for (i, entry) in entries[first..].iter_mut().enumerate() {
+                    entry.1 += block[i * c + j] * value;
+                }
             }
             builder.push_row(&mut entries);
         }
