@@ -28,7 +28,7 @@ use points::{
 pub const PRESSURE: usize = 3;
 
 /// Entries of a symmetric matrix of nine rows, its upper triangle row by row.
-pub const SYMMETRIC: usize = 45;
+pub const SYMMETRIC_ENTRIES: usize = 45;
 
 /// One batch of elements.
 #[derive(Clone, Debug)]
@@ -209,13 +209,13 @@ fn elastic<
     scatter(transpose, &batch.edges, edges, y);
 }
 
-/// `y += A x` on one batch of tetrahedra, stress and displacement gradient related by `tensor`,
-/// which is that of [`SYMMETRIC`] times the weight.
+/// `y += A x` on one batch of tetrahedra, the stress being a symmetric matrix times the displacement
+/// gradient: `tensor` is its upper triangle, row by row, times the weight.
 #[inline(always)]
 pub fn tangent<S: Simd, T: Transpose, R: Batched<W>, const W: usize>(
     simd: S,
     transpose: T,
-    (batch, tensor): (&Batch<4, 3, 6, R, W>, &[Lanes<R, W>; SYMMETRIC]),
+    (batch, tensor): (&Batch<4, 3, 6, R, W>, &[Lanes<R, W>; SYMMETRIC_ENTRIES]),
     element: &mut Element<4, 6, R, W>,
     x: &[Row<R>],
     y: &mut [Row<R>],

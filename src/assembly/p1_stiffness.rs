@@ -15,7 +15,8 @@ pub type Block = [[f64; 3]; 3];
 
 /// A stiffness that is constant on each cell.
 pub trait CellStiffness: Sync {
-    /// Coupling of gradients `a` (rows) and `b` (columns) for unit volume.
+    /// Coupling of gradients `a` (rows) and `b` (columns) for unit volume; its transpose where
+    /// they change places.
     fn coupling(&self, cell: usize, a: &[f64; 3], b: &[f64; 3]) -> Block;
     /// Shear modulus.
     fn shear(&self, cell: usize) -> f64;

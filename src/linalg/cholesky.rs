@@ -2,8 +2,8 @@
 //! matrix, supernodal, through faer.
 //!
 //! The factor is made by one thread: its bits must not depend on their number. Solves with one
-//! right-hand side run along its branches (`tree`). The caller gives the ordering. In single precision factor and
-//! solve cost half the time and memory; the error of a solution is then about
+//! right-hand side run along its branches (`branches`). The caller gives the ordering. In single
+//! precision factor and solve cost half the time and memory; the error of a solution is then about
 //! 1e-7 times the condition of A, which a preconditioner bears.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -22,6 +22,7 @@ use super::{DenseMatrix, FactoriseError, Workspace};
 use tree::{Supernode, Tree};
 use triangle::Factor;
 
+mod branches;
 mod tree;
 mod triangle;
 

@@ -17,6 +17,7 @@ pub mod scalar;
 pub mod sparse;
 pub mod symmetric;
 pub mod vector;
+mod widened;
 pub mod workspace;
 
 pub use cholesky::SparseCholesky;
@@ -26,6 +27,7 @@ pub use gram::GramFactor;
 pub use scalar::Scalar;
 pub use sparse::{SparseRows, SparseRowsBuilder};
 pub use symmetric::{PartFactor, SymmetricMatrix};
+pub use widened::Widened;
 pub use workspace::Workspace;
 
 /// A linear map that is applied, not stored.
@@ -66,42 +68,6 @@ pub trait ResidualUpdate<R>: Send + Sync {
 impl ResidualUpdate<f64> for std::sync::Arc<dyn LinearOperator> {
     fn take_off(&self, x: &[f64], r: &mut [f64], work: &mut Workspace) {
         self.subtract_product(x, r, work);
-    }
-}
-
-/// An operator in single precision as one in double, whose products are rounded.
-pub struct Widened<'a> {
-    /// A.
-    pub operator: &'a dyn ResidualUpdate<f32>,
-    /// Rows and columns.
-    pub size: usize,
-}
-
-impl LinearOperator for Widened<'_> {
-    fn rows(&self) -> usize {
-        self.size
-    }
-
-    fn columns(&self) -> usize {
-        self.size
-    }
-
-    fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
-        let mut single = work.scratch_f32(self.size);
-        let mut product = work.scratch_f32(self.size);
-        single.iter_mut().zip(x).for_each(|(s, x)| *s = *x as f32);
-        product.fill(0.0);
-        self.operator.take_off(&single, &mut product, work);
-        y.iter_mut()
-            .zip(&product)
-            .for_each(|(y, p)| *y = -f64::from(*p));
-        work.give_f32(single);
-        work.give_f32(product);
-    }
-
-    /// Of a symmetric operator.
-    fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
-        self.apply(y, x, work);
     }
 }
 

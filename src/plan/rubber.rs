@@ -34,7 +34,8 @@ const PENALTIES: [f64; 4] = [1.0, 4.0, 16.0, 64.0];
 
 /// Vertex gradients and pressures of a tetrahedron.
 const VERTEX_NUMBERS: u64 = 40;
-/// Bytes per cell of its laws and of its tangent while an inverse is made.
+/// Bytes per cell of its laws, of its tangent while an inverse is made and of that which the
+/// smoother keeps.
 const CELL_TANGENT_BYTES: u64 = 650;
 
 impl Plan {

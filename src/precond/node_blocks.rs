@@ -10,6 +10,8 @@ use crate::linalg::{Preconditioner, Scalar, Workspace};
 
 /// Nodes per parallel piece.
 const PIECE: usize = 2048;
+/// Pieces that a thread takes at least: waking another costs as much as they do.
+const FEWEST: usize = 3;
 
 /// Inverted symmetric node blocks, in single precision: they only say which way to step, and
 /// reading them is a large part of a step.
@@ -135,6 +137,7 @@ impl NodeBlocks {
             .zip(x.par_chunks_mut(piece))
             .zip(r.par_chunks(piece))
             .zip(self.inverse.par_chunks(PIECE * N))
+            .with_min_len(FEWEST)
             .for_each(|(((d, x), r), inverse)| {
                 let (d, x) = (d.as_chunks_mut::<C>().0, x.as_chunks_mut::<C>().0);
                 let data = r.as_chunks::<C>().0.iter().zip(inverse.as_chunks::<N>().0);

@@ -19,6 +19,8 @@ use crate::linalg::Scalar;
 
 /// Nodes per parallel piece.
 const PIECE: usize = 2048;
+/// Pieces that a thread takes at least: waking another costs as much as they do.
+const FEWEST: usize = 3;
 
 /// The edges of a mesh with their incidence.
 #[derive(Clone, Debug)]
@@ -105,8 +107,10 @@ impl Transfer {
             _ => self.gather_edges::<3, f64, R>(h, r, (unit, -0.5 * unit)),
         }
         let first = self.coarse_size();
-        let pieces = r[first..].par_chunks_mut(PIECE);
-        pieces.zip(h[first..].par_chunks(PIECE)).for_each(|(r, h)| {
+        let piece = PIECE * self.components;
+        let pieces = r[first..].par_chunks_mut(piece);
+        let pieces = pieces.zip(h[first..].par_chunks(piece));
+        pieces.with_min_len(FEWEST).for_each(|(r, h)| {
             for (r, h) in r.iter_mut().zip(h) {
                 *r = R::narrow(unit * h);
             }
@@ -118,8 +122,9 @@ impl Transfer {
     pub fn values_to_hierarchical<R: Scalar>(&self, unit: f64, u: &[R], c: &mut [f64]) {
         let (vertices, edges) = c.split_at_mut(self.coarse_size());
         let (ends, middles) = u.split_at(self.coarse_size());
-        let pieces = vertices.par_chunks_mut(PIECE).zip(ends.par_chunks(PIECE));
-        pieces.for_each(|(c, u)| {
+        let piece = PIECE * self.components;
+        let pieces = vertices.par_chunks_mut(piece).zip(ends.par_chunks(piece));
+        pieces.with_min_len(FEWEST).for_each(|(c, u)| {
             for (c, u) in c.iter_mut().zip(u) {
                 *c = unit * u.widen();
             }
@@ -158,7 +163,8 @@ impl Transfer {
         let (own, edges) = r.split_at(self.coarse_size());
         let (own, edges) = (own.as_chunks::<C>().0, edges.as_chunks::<C>().0);
         let pieces = vertices[..self.coarse_size()].par_chunks_mut(PIECE * C);
-        pieces.enumerate().for_each(|(piece, part)| {
+        let pieces = pieces.enumerate().with_min_len(FEWEST);
+        pieces.for_each(|(piece, part)| {
             let (targets, _) = part.as_chunks_mut::<C>();
             let nodes = own[piece * PIECE..]
                 .iter()
@@ -189,7 +195,8 @@ impl Transfer {
         let pieces = c
             .par_chunks_mut(PIECE * C)
             .zip(middles.par_chunks(PIECE * C))
-            .zip(self.edges.par_chunks(PIECE));
+            .zip(self.edges.par_chunks(PIECE))
+            .with_min_len(FEWEST);
         pieces.for_each(|((part, middles), ends)| {
             let (targets, _) = part.as_chunks_mut::<C>();
             let (middles, _) = middles.as_chunks::<C>();
@@ -212,7 +219,8 @@ impl Transfer {
         let (coarse, _) = coarse.as_chunks::<C>();
         let pieces = edges
             .par_chunks_mut(PIECE * C)
-            .zip(self.edges.par_chunks(PIECE));
+            .zip(self.edges.par_chunks(PIECE))
+            .with_min_len(FEWEST);
         pieces.for_each(|(part, ends)| {
             let (targets, _) = part.as_chunks_mut::<C>();
             for (target, [a, b]) in targets.iter_mut().zip(ends) {

@@ -27,7 +27,7 @@ use crate::linalg::{
 
 /// Least s over b^T Y b: a P1 factor in single precision knows the difference no better.
 const FLOOR: f64 = 1e-5;
-/// Rows with more than this part of all entries are summed entry by entry and not sorted.
+/// Rows with more than one entry in so many columns are summed entry by entry and not sorted.
 const DENSE: usize = 8;
 /// P1 solves at a time.
 const PANEL: usize = 16;

@@ -104,11 +104,8 @@ impl TaylorHoodData {
             geometry: &self.geometry,
             stiffness: &tangents,
         };
-        let (p1, node_blocks) = rayon::join(
-            || p1::build(plan, body, cancel),
-            || self.node_blocks(&cells, springs.as_ref()),
-        );
-        let (node_blocks, p1) = (node_blocks?, p1?);
+        let node_blocks = self.node_blocks(&cells, springs.as_ref())?;
+        let p1 = p1::build(plan, body, cancel)?;
         let around = ((state, &tangents), &node_blocks, springs.as_ref());
         let (displacement, displacement_bytes) =
             self.around_p1(plan, mesh, around, p1.solver.clone());

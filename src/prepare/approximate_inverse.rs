@@ -8,7 +8,9 @@
 //!
 //! The isochoric tangent has no volume stiffness of its own, and node blocks do not
 //! smooth what nothing resists. With the second term A at rest is int 2 mu eps : eps,
-//! that of linear elasticity; the pressure makes up for the difference.
+//! that of linear elasticity; the pressure makes up for the difference. About a deformed state
+//! all parts take the tangent at the centroid of each cell (in the plane the smoother that at the
+//! points).
 
 use std::sync::Arc;
 

@@ -64,8 +64,8 @@ impl DisplacementBody<'_> {
         }
     }
 
-    /// What the inverse approximates the inverse of, on Lagrange values in single precision, and
-    /// its bytes; none about a deformed state in the plane.
+    /// What the smoother of the inverse takes on Lagrange values in single precision, and its bytes:
+    /// about a deformed state by one tangent a cell. None there in the plane.
     pub(crate) fn single_operator(&self) -> Option<(Arc<dyn ResidualUpdate<f32>>, u64)> {
         let (basis, held) = (Basis::Lagrange, self.held.clone());
         if self.tangent.is_none() {

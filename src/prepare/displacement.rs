@@ -65,7 +65,8 @@ fn on_lagrange_nodes(
         return (Arc::new(inner), bytes);
     };
     let smoother = match body.tangent {
-        // In double precision, so that no last digit of an interval stays to chance.
+        // At rest the same in both precisions but for rounding: in double no last digit depends on
+        // the instruction set.
         None => smoother(plan, body, &*body.operator(Basis::Lagrange)),
         Some(_) => {
             let size = body.space.displacement_unknowns();

@@ -435,22 +435,23 @@ fn a_strut_wedges_or_swings_free_by_its_path_and_both_say_so() {
             .all(|&value| value == 0.0)
     );
     // Where two states are near, the last digits decide which one an increment ends in, or
-    // whether it ends at all: most paths wedge, and none may be asked to.
+    // whether it ends at all: half of the paths wedge, one in ten does not end.
     let depths = [0.008, 0.009, 0.01, 0.011, 0.012, 0.013];
     let ends = depths.iter().flat_map(|&depth| [(depth, 1), (depth, 2)]);
-    let mut wedged = 0;
+    let (mut wedged, mut failed) = (0, 0);
     for (depth, increments) in ends {
         let path = reports(&scene, &pressed(depth, increments), &mesh);
         let end = path.last().expect("a result");
         let [x, y, _] = end.obstacles["tool"].force;
         let has_ended = path.iter().all(|r| r.termination == Termination::Converged);
+        failed += usize::from(!has_ended);
         if has_ended && y > 1e-4 {
             assert!(x.abs() < 1.5 * y);
             assert!(not_unique(end) > Some(1.0), "{depth} {increments}");
             wedged += 1;
         }
     }
-    assert!(wedged >= 2, "{wedged}");
+    assert!(wedged >= 4 && failed <= 6, "{wedged} {failed}");
     // Where friction is too weak to wedge there is one state, and no warning.
     let mut weak = scene.clone();
     weak.obstacles[0].friction = 0.3;

@@ -26,10 +26,14 @@ pub use single::{SingleCells, SingleGrid};
 
 /// Most groups of blocks that run at the same time.
 const MOST_GROUPS: usize = 64;
-/// Vertices of a triangle.
-const TRIANGLE: usize = 3;
-/// Rows of results below which a pass over triangles takes less than waking a second thread.
-const ALONE: usize = 8192;
+/// Rows of results that a pass over cells of so many vertices needs for a second thread to be worth
+/// its waking.
+const fn alone(vertices: usize) -> usize {
+    match vertices {
+        3 => 8192,
+        _ => 4096,
+    }
+}
 
 /// The basis of a displacement vector.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -394,18 +398,12 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
             }
         };
         let (own, each) = (self.block_rows.max(1), self.group_rows.max(1));
-        match V == TRIANGLE && result_rows.len() < ALONE {
-            true => (items.chunks_mut(self.group))
-                .zip(argument_rows.chunks_mut(own))
-                .zip(result_rows.chunks_mut(each))
-                .enumerate()
-                .for_each(|(number, ((items, x), y))| of_group(number, items, x, y)),
-            false => (items.par_chunks_mut(self.group))
-                .zip(argument_rows.par_chunks_mut(own))
-                .zip(result_rows.par_chunks_mut(each))
-                .enumerate()
-                .for_each(|(number, ((items, x), y))| of_group(number, items, x, y)),
-        }
+        (items.par_chunks_mut(self.group))
+            .zip(argument_rows.par_chunks_mut(own))
+            .zip(result_rows.par_chunks_mut(each))
+            .enumerate()
+            .with_min_len((alone(V) / each).div_ceil(2).max(1))
+            .for_each(|(number, ((items, x), y))| of_group(number, items, x, y));
         finish(result_rows);
         R::give(work, arguments);
         R::give(work, results);

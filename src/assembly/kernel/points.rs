@@ -3,7 +3,7 @@
 
 use pulp::Simd;
 
-use super::{Batch, NodeLanes, PRESSURE, SYMMETRIC, edge_pairs, rule};
+use super::{Batch, NodeLanes, PRESSURE, SYMMETRIC_ENTRIES, edge_pairs, rule};
 use crate::assembly::lanes::{Lanes, Pack, Packed};
 
 pub(in crate::assembly) type Vectors<S, const N: usize, const D: usize, R = f64> =
@@ -114,7 +114,7 @@ impl<S: Simd, const D: usize, R: Packed> Law<S, D, R> for Elastic<S, R> {
 pub(super) struct Tangent<'a, S, R, const W: usize> {
     pub(super) simd: S,
     pub(super) part: usize,
-    pub(super) tensor: &'a [Lanes<R, W>; SYMMETRIC],
+    pub(super) tensor: &'a [Lanes<R, W>; SYMMETRIC_ENTRIES],
 }
 
 impl<S: Simd, R: Packed, const W: usize> Law<S, 3, R> for Tangent<'_, S, R, W> {

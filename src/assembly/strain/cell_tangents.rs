@@ -1,4 +1,4 @@
-//! The tangent of each cell at its centroid, for assembled preconditioners:
+//! The tangent of each cell at its centroid, for preconditioners:
 //!
 //! ```text
 //! C = d2W/dF2 - p d(cof F)/dF + volumetric mu cof F (x) cof F
@@ -14,15 +14,12 @@ use rayon::prelude::*;
 
 use super::cells::CellLaws;
 use crate::assembly::CellGeometry;
-use crate::assembly::kernel::SYMMETRIC;
+use crate::assembly::kernel::SYMMETRIC_ENTRIES;
 use crate::assembly::p1_stiffness::{Block, CellStiffness};
 use crate::geometry::tensor::{Tensor, cross, volume_change};
 use crate::material::{Deformation, Rubber};
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
-
-/// Entries of a symmetric matrix of nine rows.
-const ENTRIES: usize = SYMMETRIC;
 
 /// A state of the body.
 #[derive(Clone, Copy, Debug)]
@@ -45,14 +42,14 @@ pub struct CellStates<'a> {
 #[derive(Clone, Debug)]
 pub struct CellTangents {
     /// Upper triangles, row by row, row 3 i + j being component ij `[cells]`.
-    pub(super) tensors: Vec<[f64; ENTRIES]>,
+    pub(super) tensors: Vec<[f64; SYMMETRIC_ENTRIES]>,
     shear: Vec<f64>,
     /// Change of F_33 with a vertex's displacement along the radius `[cells]`;
     /// empty where the body is not one of revolution.
     hoops: Vec<f64>,
 }
 
-/// Place of C_ij33 in [`ENTRIES`], `row` being 3 i + j.
+/// Place of C_ij33 in [`SYMMETRIC_ENTRIES`], `row` being 3 i + j.
 fn around(row: usize) -> usize {
     row * (17 - row) / 2 + 8
 }
@@ -108,7 +105,7 @@ impl CellStates<'_> {
         out
     }
 
-    fn tangent(&self, cell: usize, law: &Rubber, volumetric: f64) -> [f64; ENTRIES] {
+    fn tangent(&self, cell: usize, law: &Rubber, volumetric: f64) -> [f64; SYMMETRIC_ENTRIES] {
         let mut h = self.gradient(cell);
         if volume_change(&h) < LEAST_CHANGE {
             // A centroid that is turned inside out has no tangent of its own.
@@ -119,7 +116,7 @@ impl CellStates<'_> {
         let sum: f64 = corners.iter().map(|&v| self.pressure[v as usize]).sum();
         let pressure = sum / corners.len() as f64;
         let matrix = law.isochoric.tangent(&h);
-        let mut out = [0.0; ENTRIES];
+        let mut out = [0.0; SYMMETRIC_ENTRIES];
         let mut entry = 0;
         for row in 0..9 {
             let mut unit = [[0.0; 3]; 3];
@@ -138,7 +135,12 @@ impl CellStates<'_> {
 }
 
 /// Adds what the stretch around the axis contributes, `hoop` for both nodes.
-fn add_hoops(tensor: &[f64; ENTRIES], hoop: f64, [a, b]: [&[f64; 3]; 2], block: &mut Block) {
+fn add_hoops(
+    tensor: &[f64; SYMMETRIC_ENTRIES],
+    hoop: f64,
+    [a, b]: [&[f64; 3]; 2],
+    block: &mut Block,
+) {
     for row in 0..6 {
         let (i, m) = (row / 3, row % 3);
         let value = hoop * tensor[around(row)];

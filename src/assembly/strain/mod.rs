@@ -10,7 +10,8 @@
 //! follow from the moments T_j = sum_q w lambda_j P. A rule of any degree fits
 //! between the two. What is linearised about are the G_j, the pressures and
 //! J^(-1/3) at the points: 380 bytes per tetrahedron with four points; stresses and
-//! tangents are computed anew in every product in space, once a state in the plane. Laws in principal stretches are
+//! tangents are computed anew in every product in space, once a state in the plane; the smoother of
+//! an inverse about a state takes one tangent a cell (`single`). Laws in principal stretches are
 //! taken lane by lane; they leave their tangent at the points too, 360 bytes each.
 //! About an axis the stretch around it is kept at each point too.
 //!

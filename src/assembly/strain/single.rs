@@ -6,10 +6,11 @@
 use std::sync::Arc;
 
 use pulp::Simd;
+use rayon::prelude::*;
 
 use super::cell_tangents::CellTangents;
 use crate::assembly::grid::{Basis, Grid, SingleCells};
-use crate::assembly::kernel::{self, Batch, Element, SYMMETRIC};
+use crate::assembly::kernel::{self, Batch, Element, SYMMETRIC_ENTRIES};
 use crate::assembly::lanes::{Lanes, SINGLE_WIDTH};
 use crate::assembly::partition::blocks_of_cells;
 use crate::assembly::simd::{BatchPass, prefetch_at};
@@ -20,7 +21,7 @@ use crate::mesh::Mesh;
 /// A batch in single precision.
 type SingleBatch = Batch<4, 3, 6, f32, SINGLE_WIDTH>;
 /// The tangents of a batch, times the weight of a point.
-type Tensors = [Lanes<f32, SINGLE_WIDTH>; SYMMETRIC];
+type Tensors = [Lanes<f32, SINGLE_WIDTH>; SYMMETRIC_ENTRIES];
 
 /// The tangent of a body, the identity on held unknowns.
 #[derive(Clone, Debug)]
@@ -46,13 +47,13 @@ impl SingleTangent {
         };
         let cells = SingleCells::new(grid);
         let blocks = blocks_of_cells(mesh);
-        let of_block = |(index, block): (usize, &Vec<u32>)| -> Vec<Tensors> {
+        let of_block = |(index, block): (usize, &Vec<u32>)| {
             let batches = block.chunks(SINGLE_WIDTH).zip(cells.batches(index));
-            let of_batch = |(batch, geometry)| tensors_of(batch, geometry, tangents);
-            batches.map(of_batch).collect()
+            let tensors = batches.map(|(batch, geometry)| tensors_of(batch, geometry, tangents));
+            tensors.collect()
         };
         Some(Self {
-            tensors: blocks.iter().enumerate().map(of_block).collect(),
+            tensors: blocks.par_iter().enumerate().map(of_block).collect(),
             cells,
             basis,
             held,

@@ -101,8 +101,8 @@ fn an_indefinite_matrix_is_refused() {
     ));
 }
 
-/// Two grids that know nothing of each other, each behind a long chain.
-fn two_combs(n: usize) -> LowerColumns {
+/// Two grids that know nothing of each other.
+fn two_grids(n: usize) -> LowerColumns {
     let one = laplacian(n);
     let size = one.size();
     let mut both = LowerColumns {
@@ -120,9 +120,32 @@ fn two_combs(n: usize) -> LowerColumns {
     both
 }
 
+/// What `entries` say below a diagonal of fours.
+fn with_entries(size: usize, entries: impl Fn(usize, usize) -> bool) -> LowerColumns {
+    let mut matrix = LowerColumns {
+        offsets: vec![0],
+        ..LowerColumns::default()
+    };
+    for column in 0..size {
+        for row in (column..size).filter(|&row| row == column || entries(row, column)) {
+            matrix.rows.push(row as u32);
+            matrix.values.push(if row == column { 4.0 } else { -0.01 });
+        }
+        matrix.offsets.push(matrix.rows.len() as u32);
+    }
+    matrix
+}
+
 #[test]
 fn one_right_hand_side_along_the_branches_is_solved_as_among_several() {
-    for matrix in [laplacian(1), laplacian(2), laplacian(30), two_combs(17)] {
+    let (nothing, diagonal) = (with_entries(0, |_, _| true), with_entries(50, |_, _| false));
+    let (chain, arrow) = (
+        with_entries(400, |row, column| row == column + 1),
+        with_entries(90, |row, _| row == 89),
+    );
+    let special = [nothing, diagonal, chain, arrow];
+    let grids = [laplacian(1), laplacian(2), laplacian(30), two_grids(17)];
+    for matrix in special.into_iter().chain(grids) {
         let size = matrix.size();
         let natural: Vec<u32> = (0..size as u32).collect();
         let factors = [
@@ -144,7 +167,7 @@ fn one_right_hand_side_along_the_branches_is_solved_as_among_several() {
 
 #[test]
 fn branches_on_any_threads_give_the_same_bits() {
-    let matrix = two_combs(120);
+    let matrix = two_grids(120);
     for precision in [Precision::Single, Precision::Double] {
         let factor = SparseCholesky::by_least_degree(&matrix, precision).expect("definite");
         assert!(factor.tree.as_ref().is_some_and(|tree| tree.splits() > 5));
