@@ -53,10 +53,8 @@ fn on_lagrange_nodes(
     body: &DisplacementBody<'_>,
     transfer: Transfer,
 ) -> (Arc<dyn Preconditioner>, u64) {
-    let bears = |springs: &StiffConstraints| springs.bear_single_precision();
-    let may_be_single =
-        plan.factor_precision().0 == Precision::Single && body.springs.is_none_or(bears);
-    let single = may_be_single.then(|| body.single_operator()).flatten();
+    let single = may_be_single(plan, body).then(|| body.single_operator());
+    let single = single.flatten();
     let Some((operator, bytes)) = single else {
         let operator = body.operator(Basis::Lagrange);
         let smoother = smoother(plan, body, &*operator);
@@ -80,6 +78,15 @@ fn on_lagrange_nodes(
     let inner = PMultigrid::new(operator, smoother, body.p1.clone(), transfer);
     let bytes = bytes + inner.bytes();
     (Arc::new(inner), bytes)
+}
+
+/// Whether the smoother bears single precision, and about a deformed state one tangent a cell: with
+/// friction directions are forgotten in a system without symmetry, which stagnates where the
+/// inverse is a little further from the tangent (decision 51).
+fn may_be_single(plan: &Plan, body: &DisplacementBody<'_>) -> bool {
+    let bears = |springs: &StiffConstraints| springs.bear_single_precision();
+    let is_near = body.tangent.is_none() || !plan.has_friction();
+    plan.factor_precision().0 == Precision::Single && body.springs.is_none_or(bears) && is_near
 }
 
 /// Node blocks, steps and interval of the smoother of `operator`.
