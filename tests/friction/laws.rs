@@ -453,7 +453,7 @@ fn a_strut_wedges_or_swings_free_by_its_path_and_both_say_so() {
     }
     assert!(wedged >= 4 && failed <= 6, "{wedged} {failed}");
     // Where friction is too weak to wedge there is one state, and no warning.
-    let mut weak = scene.clone();
+    let mut weak = scene;
     weak.obstacles[0].friction = 0.3;
     let path = reports(&weak, &pressed(0.01, 2), &mesh);
     let report = path.last().expect("a result");
