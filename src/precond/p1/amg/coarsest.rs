@@ -36,6 +36,11 @@ impl<S: Scalar> Coarsest<S> {
         })
     }
 
+    /// Number of scalar unknowns.
+    pub(super) fn size(&self) -> usize {
+        self.size
+    }
+
     /// `x = A^-1 r` for W vectors side by side.
     pub(super) fn solve<const W: usize>(&self, r: &[S], x: &mut [S]) {
         x.fill(S::default());

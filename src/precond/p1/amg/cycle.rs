@@ -4,10 +4,9 @@
 //!
 //! Symmetric positive definite, since both smoothings are the same polynomial
 //! in D^-1 A. Each cycle takes four products with the level's matrix and two with
-//! its prolongator; scratch comes from the pool. W vectors share the way, which
-//! then reads the matrices once.
+//! its prolongator; scratch comes from the pool.
 
-use super::block_rows::{BlockRows, in_pieces, nodes, nodes_mut, wide};
+use super::block_rows::{BlockRows, in_pieces, nodes, nodes_mut};
 use super::coarsest::Coarsest;
 use super::smoother::{DEGREE, Smoother};
 use crate::linalg::Scalar;
@@ -28,7 +27,7 @@ pub(super) struct Level<S, const N: usize, const K: usize> {
 
 impl<S: Scalar, const N: usize, const K: usize> Level<S, N, K> {
     /// `x ~ A^-1 r` with `coarser` for the next level; spends `r`.
-    fn cycle<const W: usize>(
+    fn cycle(
         &self,
         r: &mut [S],
         x: &mut [S],
@@ -37,22 +36,22 @@ impl<S: Scalar, const N: usize, const K: usize> Level<S, N, K> {
     ) {
         let mut d = S::take(work, r.len());
         let mut next = S::take(work, r.len());
-        self.smoother.start::<W>(r, &mut d, x);
+        self.smoother.start(r, &mut d, x);
         for index in 1..DEGREE {
             self.smoother
-                .step::<W>(index, &self.matrix, &d, (&mut *r, &mut next, &mut *x));
+                .step(index, &self.matrix, &d, (&mut *r, &mut next, &mut *x));
             std::mem::swap(&mut d, &mut next);
         }
-        subtract_product::<S, N, W>(&self.matrix, &d, r);
-        let mut coarse_residual = S::take(work, W * K * self.restriction.rows());
+        subtract_product(&self.matrix, &d, r);
+        let mut coarse_residual = S::take(work, K * self.restriction.rows());
         let mut coarse = S::take(work, coarse_residual.len());
-        multiply::<S, K, N, W>(&self.restriction, r, &mut coarse_residual);
+        multiply(&self.restriction, r, &mut coarse_residual);
         coarser(&mut coarse_residual, &mut coarse, work);
-        multiply::<S, N, K, W>(&self.prolongation, &coarse, &mut d);
+        multiply(&self.prolongation, &coarse, &mut d);
         add(x, &d);
         for index in 0..DEGREE {
             self.smoother
-                .step::<W>(index, &self.matrix, &d, (&mut *r, &mut next, &mut *x));
+                .step(index, &self.matrix, &d, (&mut *r, &mut next, &mut *x));
             std::mem::swap(&mut d, &mut next);
         }
         for vector in [d, next, coarse_residual, coarse] {
@@ -77,56 +76,30 @@ fn add<S: Scalar>(y: &mut [S], x: &[S]) {
 }
 
 /// `y = A x`.
-fn multiply<S: Scalar, const R: usize, const C: usize, const W: usize>(
+fn multiply<S: Scalar, const R: usize, const C: usize>(
     matrix: &BlockRows<S, R, C>,
     x: &[S],
     y: &mut [S],
 ) {
-    let x = nodes::<S, C, W>(x);
-    in_pieces(nodes_mut::<S, R, W>(y), |first, rows| {
-        wide::<W>(
-            #[inline(always)]
-            || {
-                for (row, y) in rows.iter_mut().enumerate() {
-                    *y = matrix.row_product(first + row, x);
-                }
-            },
-        );
+    let x = nodes::<S, C, 1>(x);
+    in_pieces(nodes_mut::<S, R, 1>(y), |first, rows| {
+        for (row, y) in rows.iter_mut().enumerate() {
+            *y = matrix.row_product(first + row, x);
+        }
     });
 }
 
 /// `y -= A x`.
-fn subtract_product<S: Scalar, const N: usize, const W: usize>(
-    matrix: &BlockRows<S, N, N>,
-    x: &[S],
-    y: &mut [S],
-) {
-    let x = nodes::<S, N, W>(x);
-    in_pieces(nodes_mut::<S, N, W>(y), |first, rows| {
-        wide::<W>(
-            #[inline(always)]
-            || {
-                for (row, y) in rows.iter_mut().enumerate() {
-                    let product = matrix.row_product(first + row, x);
-                    for i in 0..N {
-                        for lane in 0..W {
-                            y[i][lane] -= product[i][lane];
-                        }
-                    }
-                }
-            },
-        );
+fn subtract_product<S: Scalar, const N: usize>(matrix: &BlockRows<S, N, N>, x: &[S], y: &mut [S]) {
+    let x = nodes::<S, N, 1>(x);
+    in_pieces(nodes_mut::<S, N, 1>(y), |first, rows| {
+        for (row, y) in rows.iter_mut().enumerate() {
+            let product = matrix.row_product(first + row, x);
+            for (y, [product]) in y.as_flattened_mut().iter_mut().zip(product) {
+                *y -= product;
+            }
+        }
     });
-}
-
-/// Cycles on every level below the finest.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Visits {
-    /// One cycle on each coarser level: a V-cycle.
-    One,
-    /// Two cycles on each coarser level: a W-cycle, whose cost stays linear because
-    /// levels shrink fast.
-    Two,
 }
 
 /// All levels: blocks of N components on the finest, of K modes below.
@@ -141,42 +114,28 @@ pub(super) struct Hierarchy<S, const N: usize, const K: usize> {
 }
 
 impl<S: Scalar, const N: usize, const K: usize> Hierarchy<S, N, K> {
-    /// One cycle from zero on each of W vectors; spends `r`.
-    pub(super) fn cycle<const W: usize>(
-        &self,
-        visits: Visits,
-        r: &mut [S],
-        x: &mut [S],
-        work: &mut Workspace,
-    ) {
-        self.finest.cycle::<W>(r, x, work, |r, x, work| {
-            self.descend::<W>(visits, 0, (r, x), work);
+    /// One cycle from zero; spends `r`.
+    pub(super) fn cycle(&self, r: &mut [S], x: &mut [S], work: &mut Workspace) {
+        self.finest.cycle(r, x, work, |r, x, work| {
+            self.descend(0, (r, x), work);
         });
     }
 
-    /// The cycles on a level below the finest, the exact inverse on the last.
-    fn descend<const W: usize>(
-        &self,
-        visits: Visits,
-        depth: usize,
-        (r, x): (&mut [S], &mut [S]),
-        work: &mut Workspace,
-    ) {
+    /// The two cycles on a level below the finest, whose cost stays linear because levels
+    /// shrink fast; the exact inverse on the last.
+    fn descend(&self, depth: usize, (r, x): (&mut [S], &mut [S]), work: &mut Workspace) {
         let Some(level) = self.coarser.get(depth) else {
-            return self.coarsest.solve::<W>(r, x);
+            return self.coarsest.solve::<1>(r, x);
         };
         let below = |r: &mut [S], x: &mut [S], work: &mut Workspace| {
-            self.descend::<W>(visits, depth + 1, (r, x), work);
+            self.descend(depth + 1, (r, x), work);
         };
-        if visits == Visits::One {
-            return level.cycle::<W>(r, x, work, below);
-        }
         let mut rest = S::take(work, r.len());
         rest.copy_from_slice(r);
-        level.cycle::<W>(r, x, work, below);
-        subtract_product::<S, K, W>(&level.matrix, x, &mut rest);
+        level.cycle(r, x, work, below);
+        subtract_product(&level.matrix, x, &mut rest);
         let mut second = S::take(work, r.len());
-        level.cycle::<W>(&mut rest, &mut second, work, below);
+        level.cycle(&mut rest, &mut second, work, below);
         add(x, &second);
         S::give(work, rest);
         S::give(work, second);

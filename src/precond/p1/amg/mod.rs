@@ -30,7 +30,7 @@ use crate::linalg::cholesky::Precision;
 use crate::linalg::vector::{largest, power_of_two_below};
 use crate::linalg::{DenseMatrix, FactoriseError, LinearOperator, Preconditioner, Workspace};
 use crate::precond::spectrum::{Interval, Lanczos};
-use cycle::{Hierarchy, Visits};
+use cycle::Hierarchy;
 
 /// Lanczos steps that judge a finished hierarchy.
 const TRIAL_STEPS: usize = 6;
@@ -104,8 +104,8 @@ trait Cycle: Preconditioner {
     fn levels(&self) -> Vec<LevelShape>;
     /// Bytes that the hierarchy holds.
     fn held_bytes(&self) -> u64;
-    /// The inverse between the traces `[traces, traces]` by cycles on many right-hand
-    /// sides at once; none where `proceed` says stop.
+    /// The inverse between the traces `[traces, traces]` by one V-cycle; none where
+    /// `proceed` says stop.
     fn compliance(
         &self,
         traces: &Traces<'_>,
@@ -170,8 +170,8 @@ impl AmgP1 {
         self.cycle.held_bytes()
     }
 
-    /// About A11^-1 on `traces`: one cycle for each; none when `proceed` says
-    /// no on the way.
+    /// About A11^-1 on `traces`, that of one V-cycle; none when `proceed` says no on
+    /// the way.
     pub fn compliance(
         &self,
         traces: &Traces<'_>,
@@ -251,7 +251,7 @@ impl<S: Scalar, const N: usize, const K: usize> Preconditioner for Hierarchy<S, 
         for (to, from) in residual.iter_mut().zip(r) {
             *to = S::narrow(from / scale);
         }
-        self.cycle::<1>(Visits::Two, &mut residual, &mut x, work);
+        self.cycle(&mut residual, &mut x, work);
         for (to, from) in z.iter_mut().zip(&x) {
             *to = from.widen() * scale;
         }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::AmgError;
 use super::block_rows::{
-    Block, BlockRows, Lanes, PIECE, add_block_product, in_pieces, nodes, nodes_mut, wide,
+    Block, BlockRows, Lanes, PIECE, add_block_product, in_pieces, nodes, nodes_mut,
 };
 use super::strength::position_of_diagonal;
 use crate::linalg::Scalar;
@@ -25,6 +25,13 @@ const RATIO: f64 = 8.0;
 const LANCZOS_STEPS: usize = 8;
 /// The Lanczos process approaches it from below.
 const SAFETY: f64 = 1.1;
+
+/// Residual, next move and iterate of one row.
+type OfRow<'a, S, const N: usize, const W: usize> = (
+    &'a mut [Lanes<S, W>; N],
+    &'a mut [Lanes<S, W>; N],
+    &'a mut [Lanes<S, W>; N],
+);
 
 /// Inverted diagonal blocks, and the coefficients of the steps.
 #[derive(Clone, Debug)]
@@ -145,72 +152,68 @@ impl<S: Scalar, const N: usize> Smoother<S, N> {
         }
     }
 
-    /// First step from zero: `d = gain D^-1 r`, `x = d`.
-    pub(super) fn start<const W: usize>(&self, r: &[S], d: &mut [S], x: &mut [S]) {
+    /// First step of a row from zero, `gain D^-1 r`.
+    #[inline(always)]
+    pub(super) fn first<const W: usize>(
+        &self,
+        row: usize,
+        r: &[Lanes<S, W>; N],
+    ) -> [Lanes<S, W>; N] {
         let gain = self.steps[0].1;
-        let r = nodes::<S, N, W>(r);
-        nodes_mut::<S, N, W>(d)
+        let mut d = times(&self.inverse[row], r);
+        for value in d.as_flattened_mut() {
+            *value = gain * *value;
+        }
+        d
+    }
+
+    /// First step from zero: `d = gain D^-1 r`, `x = d`.
+    pub(super) fn start(&self, r: &[S], d: &mut [S], x: &mut [S]) {
+        let r = nodes::<S, N, 1>(r);
+        nodes_mut::<S, N, 1>(d)
             .par_chunks_mut(PIECE)
-            .zip(nodes_mut::<S, N, W>(x).par_chunks_mut(PIECE))
+            .zip(nodes_mut::<S, N, 1>(x).par_chunks_mut(PIECE))
             .enumerate()
             .for_each(|(piece, (d, x))| {
-                wide::<W>(
-                    #[inline(always)]
-                    || {
-                        for (k, (d, x)) in d.iter_mut().zip(x).enumerate() {
-                            let row = piece * PIECE + k;
-                            *d = times(&self.inverse[row], &r[row]);
-                            for i in 0..N {
-                                for lane in 0..W {
-                                    d[i][lane] = gain * d[i][lane];
-                                }
-                            }
-                            *x = *d;
-                        }
-                    },
-                );
+                for (k, (d, x)) in d.iter_mut().zip(x).enumerate() {
+                    let row = piece * PIECE + k;
+                    *d = self.first(row, &r[row]);
+                    *x = *d;
+                }
             });
     }
 
     /// Step `index` after `x` has moved by `d`; `next` becomes the next move.
-    pub(super) fn step<const W: usize>(
+    pub(super) fn step(
         &self,
         index: usize,
         matrix: &BlockRows<S, N, N>,
         d: &[S],
         (r, next, x): (&mut [S], &mut [S], &mut [S]),
     ) {
-        let d = nodes::<S, N, W>(d);
-        nodes_mut::<S, N, W>(r)
+        let d = nodes::<S, N, 1>(d);
+        nodes_mut::<S, N, 1>(r)
             .par_chunks_mut(PIECE)
-            .zip(nodes_mut::<S, N, W>(next).par_chunks_mut(PIECE))
-            .zip(nodes_mut::<S, N, W>(x).par_chunks_mut(PIECE))
+            .zip(nodes_mut::<S, N, 1>(next).par_chunks_mut(PIECE))
+            .zip(nodes_mut::<S, N, 1>(x).par_chunks_mut(PIECE))
             .enumerate()
             .for_each(|(piece, ((r, next), x))| {
-                wide::<W>(
-                    #[inline(always)]
-                    || {
-                        for (k, ((r, next), x)) in r.iter_mut().zip(next).zip(x).enumerate() {
-                            let row = piece * PIECE + k;
-                            let product = matrix.row_product(row, d);
-                            self.step_of_row(index, row, (&product, &d[row]), r, next, x);
-                        }
-                    },
-                );
+                for (k, ((r, next), x)) in r.iter_mut().zip(next).zip(x).enumerate() {
+                    let row = piece * PIECE + k;
+                    let product = matrix.row_product(row, d);
+                    self.step_of_row((index, row), (&product, &d[row]), (r, next, x));
+                }
             });
     }
 
     /// One Chebyshev step of a row: residual, scaled residual, direction and iterate,
     /// side by side so that the row is read once.
     #[inline(always)]
-    fn step_of_row<const W: usize>(
+    pub(super) fn step_of_row<const W: usize>(
         &self,
-        index: usize,
-        row: usize,
+        (index, row): (usize, usize),
         (product, d): (&[Lanes<S, W>; N], &[Lanes<S, W>; N]),
-        r: &mut [Lanes<S, W>; N],
-        next: &mut [Lanes<S, W>; N],
-        x: &mut [Lanes<S, W>; N],
+        (r, next, x): OfRow<'_, S, N, W>,
     ) {
         let (keep, gain) = self.steps[index];
         for i in 0..N {
