@@ -9,11 +9,18 @@ use super::{DenseCholesky, DenseMatrix, FactoriseError, Workspace};
 pub trait PartFactor: Send + Sync {
     /// Solves in place `[rows of the part]`.
     fn solve_part(&self, right_hand_side: &mut [f64], work: &mut Workspace);
+
+    /// Bytes held.
+    fn bytes(&self) -> u64;
 }
 
 impl PartFactor for DenseCholesky {
     fn solve_part(&self, right_hand_side: &mut [f64], _work: &mut Workspace) {
         self.solve(right_hand_side);
+    }
+
+    fn bytes(&self) -> u64 {
+        8 * (self.size() as u64).pow(2)
     }
 }
 

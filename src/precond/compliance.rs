@@ -40,6 +40,10 @@ use crate::linalg::{
 const SCALE: f64 = 0.7;
 /// Rows of the largest part that is formed, two gigabytes with its factor.
 const MOST_FORMED: usize = 11_000;
+/// Parts that are kept: pivots and faces come back to sides that they left a few steps ago.
+const MOST_PARTS: usize = 4;
+/// Bytes of all but the latest of them.
+const MOST_KEPT: u64 = 1 << 28;
 /// Keeps doubled or redundant constraints solvable.
 const REGULARISATION: f64 = 1e-10;
 
@@ -79,8 +83,8 @@ pub struct Compliance {
     lift: f64,
     /// The diagonal, once it was asked for.
     diagonal: OnceLock<Vec<f64>>,
-    /// The part that was factorised last.
-    last: Mutex<Option<Part>>,
+    /// The parts that were asked for last, the latest at the end.
+    last: Mutex<Vec<Part>>,
     /// The inverse of what is known at the vertices that such a part last touched.
     stiffness: Mutex<Option<Stiffness>>,
     /// The largest part that was asked for by entries; empty without friction.
@@ -126,7 +130,7 @@ impl Compliance {
             vertex_rows,
             lift: 0.0,
             diagonal: OnceLock::new(),
-            last: Mutex::new(None),
+            last: Mutex::default(),
             stiffness: Mutex::new(None),
             known: Mutex::default(),
         };
@@ -257,18 +261,23 @@ impl SymmetricMatrix for Compliance {
 
     fn factor_of_part(&self, selected: &[usize]) -> Result<Arc<dyn PartFactor>, FactoriseError> {
         let mut last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some(part) = last.as_ref().filter(|part| part.selected == selected) {
-            return Ok(part.factor.clone());
+        if let Some(place) = last.iter().position(|part| part.selected == selected) {
+            last[place..].rotate_left(1);
+            return Ok(last[last.len() - 1].factor.clone());
         }
         let factor: Arc<dyn PartFactor> = match SplitFactor::new(self, selected) {
             Some(split) => Arc::new(split),
             None if selected.len() > MOST_FORMED => return Err(FactoriseError::OutOfMemory),
             None => Arc::new(DenseCholesky::new(&self.principal_part(selected))?),
         };
-        *last = Some(Part {
+        last.push(Part {
             selected: selected.to_vec(),
             factor: factor.clone(),
         });
+        let bytes = |last: &[Part]| last.iter().map(|part| part.factor.bytes()).sum::<u64>();
+        while last.len() > 1 && (last.len() > MOST_PARTS || bytes(&last[..]) > MOST_KEPT) {
+            last.remove(0);
+        }
         Ok(factor)
     }
 }

@@ -19,7 +19,7 @@ use crate::saddle::{
     AdmissibleSet, EqualityBlock, Metric, MultiplierBlock, ProductSet, SetPart, UpperTriangular,
 };
 use crate::session::body::Increment;
-use crate::sqp::contact_metric::expected_contact_norm;
+use crate::sqp::contact_metric::prediction;
 use crate::sqp::increment::{ending, residuals};
 use crate::sqp::linear::Track;
 use crate::sqp::program::step::first_iterate;
@@ -126,7 +126,7 @@ impl EnrichedBody {
         goal: f64,
     ) -> QpOutcome {
         let compliance = self.compliance(&now.coupling);
-        let expected = expected_contact_norm(&compliance, now, run.state, &mut run.work);
+        let expected = prediction(&compliance, now, run.state, &mut run.work).norm;
         let displacement = Counted::new(&self.data.displacement);
         let blocks = [
             MultiplierBlock::from(self.pressure_block()),

@@ -136,6 +136,18 @@ impl PartFactor for SplitFactor {
         self.nodes.solve(x, 1, work);
         scale(x, 1.0 / SCALE);
     }
+
+    fn bytes(&self) -> u64 {
+        let volumes = &self.volumes;
+        let rows = self.rows.iter().map(|row| 16 * row.len() as u64 + 24);
+        self.nodes.bytes()
+            + rows.sum::<u64>()
+            + self.traces.bytes()
+            + volumes.seen.bytes()
+            + volumes.on_traces.bytes()
+            + volumes.moved.bytes()
+            + volumes.factor.bytes()
+    }
 }
 
 impl Volumes {

@@ -47,7 +47,7 @@ fn sample(volumes: usize) -> Compliance {
         seen: SparseRowsBuilder::new(ROWS).finish(),
         lift: 1e-10,
         diagonal: OnceLock::new(),
-        last: Mutex::new(None),
+        last: Mutex::default(),
         stiffness: Mutex::new(None),
         known: Mutex::default(),
     }
@@ -94,4 +94,23 @@ fn nodes_that_leave_a_row_without_stiffness_are_left_to_the_dense_factor() {
     let selected: Vec<usize> = (0..ROWS).collect();
     let touched = part::Touched::new(&metric, &selected);
     assert!(SplitFactor::of_part(&metric, &selected, touched).is_none());
+}
+
+#[test]
+fn a_part_that_comes_back_is_not_factorised_again() {
+    let metric = sample(0);
+    let parts: Vec<Vec<usize>> = (0..MOST_PARTS + 1).map(|k| (k..ROWS).collect()).collect();
+    let factor = |part: &[usize]| metric.factor_of_part(part).expect("regular");
+    let first = factor(&parts[0]);
+    for part in &parts[1..MOST_PARTS] {
+        factor(part);
+        assert!(Arc::ptr_eq(&first, &factor(&parts[0])));
+    }
+    let second = factor(&parts[1]);
+    // One more than are kept: the one that was asked for longest ago goes.
+    factor(&parts[MOST_PARTS]);
+    assert!(Arc::ptr_eq(&second, &factor(&parts[1])));
+    let third = factor(&parts[2]);
+    assert!(Arc::ptr_eq(&third, &factor(&parts[2])));
+    assert!(metric.last.lock().expect("not poisoned").len() <= MOST_PARTS);
 }

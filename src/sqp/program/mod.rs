@@ -36,6 +36,7 @@ use crate::obstacle::Obstacle;
 use crate::precond::coarse_schur::CoarseSchur;
 use crate::precond::volume_modes::VolumeModes;
 use crate::prepare::{ApproximateInverse, TaylorHoodData};
+use crate::saddle::Status;
 use inverse::inverse;
 pub(crate) use step::Step;
 pub(crate) use stiffness::Accuracy;
@@ -67,6 +68,9 @@ pub(crate) struct QuadraticProgram<'a> {
     coarse: Option<CoarseSchur<'a>>,
     /// Norm of the force that counts as one, non-dimensional.
     force_scale: f64,
+    /// What the metric says that each multiplier does `[multipliers]`; empty where it was not
+    /// asked.
+    predicted: Vec<Status>,
 }
 
 impl<'a> QuadraticProgram<'a> {
@@ -105,7 +109,7 @@ impl<'a> QuadraticProgram<'a> {
         let body = (&*inverse, divergence);
         let metric = ContactMetric::new(&run.model, body, volumes, &now, &mut run.work);
         run.counters.applications += metric.applications;
-        let expected = metric.expected_contact_norm(&now, run.state, &mut run.work);
+        let predicted = metric.prediction(&now, run.state, &mut run.work);
         let released = released_of(&run.model, run.state);
         let turning = (run.model.interfaces.friction.as_ref())
             .and_then(|friction| friction.turning(&run.model, run.state));
@@ -122,7 +126,8 @@ impl<'a> QuadraticProgram<'a> {
         run.counters.seconds.contact += start.elapsed().as_secs_f64();
         Self {
             model: run.model.clone(),
-            force_scale: now.force_scale(*first_force).max(expected),
+            force_scale: now.force_scale(*first_force).max(predicted.norm),
+            predicted: predicted.status,
             released,
             curvature,
             turned,

@@ -15,7 +15,8 @@ use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::plan::augmentation::VOLUMETRIC;
 use crate::plan::second_attempt::Programs;
 use crate::precond::{Counted, StiffConstraints};
-use crate::saddle::{BlockStep, EqualityBlock, Metric, MultiplierBlock, UpperTriangular};
+use crate::saddle::{BlockStep, EqualityBlock, Metric, MultiplierBlock, Status, UpperTriangular};
+use crate::scene::ContactMethod;
 use crate::sqp::chooser;
 use crate::sqp::linear::{Linear, Track};
 use crate::sqp::run::Run;
@@ -107,6 +108,7 @@ impl QuadraticProgram<'_> {
         };
         let mut scales = state.scales;
         let mut iterate = first_iterate(state, &self.now, self.motion.as_deref());
+        self.start_from_prediction(&mut iterate);
         let krylov = std::time::Instant::now();
         let displacement = Counted::new(&*self.inverse.displacement);
         let mut track = Track {
@@ -138,6 +140,23 @@ impl QuadraticProgram<'_> {
         counters.contact_products += outcome.products;
         state.scales = scales;
         (step_from(iterate, state), outcome)
+    }
+
+    /// Takes the predicted sides of a body that nothing touches yet: those of the first face,
+    /// which are not sought again.
+    fn start_from_prediction(&self, iterate: &mut QpIterate) {
+        let is_asked = self.model.plan.contact.method == ContactMethod::OneLevel;
+        let Some(contact) = iterate.blocks.last_mut().filter(|_| is_asked) else {
+            return;
+        };
+        let is_open = |(&status, &value): (&Status, &f64)| status == Status::Open && value == 0.0;
+        let is_smooth = !self.predicted.contains(&Status::Slip) && self.now.friction.is_none();
+        if is_smooth
+            && self.predicted.len() == contact.status.len()
+            && contact.status.iter().zip(&contact.multiplier).all(is_open)
+        {
+            contact.status.copy_from_slice(&self.predicted);
+        }
     }
 
     /// Whether iterations lead on, where something else may be tried; none for rubber,
