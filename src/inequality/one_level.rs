@@ -325,13 +325,13 @@ impl Faces<'_, '_> {
 
     /// Moves to the next face, the kept directions with it.
     fn move_to(&self, iterate: &mut QpIterate, next: DenseSolution, run: &mut QpRun<'_, '_>) {
-        self.detach(run, self.blocks.contact_of(iterate));
+        let last = self.blocks.contact_of(iterate).clone();
         if self.rule.solves_to_the_end() {
             // A set solved to the end leaves directions of rounding.
             run.directions.clear(run.work);
         }
         self.change_face(iterate, next, run.work);
-        self.attach(run, self.blocks.contact_of(iterate));
+        self.exchange(run, (&last, self.blocks.contact_of(iterate)));
     }
 }
 

@@ -29,19 +29,9 @@ impl Faces<'_, '_> {
             run.directions.clear(run.work);
         }
         let is_unknown = unknowns(&contact.status, &contact.slides);
-        self.adapt((run, contact), 1.0, |multiplier, closing| {
-            gather(&contact.slides, closing);
-            let entries = multiplier.iter_mut().zip(closing.iter_mut());
-            for ((l, g), &is_unknown) in entries.zip(&is_unknown) {
-                if !is_unknown {
-                    (*l, *g) = (0.0, 0.0);
-                }
-            }
-            for slide in contact.slides.iter().filter(|slide| slide.width > 1) {
-                let place = slide.first as usize;
-                let weight = GAP_WEIGHT * self.blocks.contact.moduli.get(place).unwrap_or(&1.0);
-                closing[place] -= slide.softness * weight * weight * multiplier[place];
-            }
+        let mut work = Workspace::new();
+        run.directions.adapt(run.work, |direction, product| {
+            self.put_on((direction, product), (contact, &is_unknown), &mut work);
         });
     }
 
@@ -53,43 +43,99 @@ impl Faces<'_, '_> {
         if self.is_rough() {
             run.directions.keep_last(KEPT_BETWEEN_FACES, run.work);
         }
-        self.adapt((run, contact), -1.0, |_, closing| closing.fill(0.0));
+        let mut work = Workspace::new();
+        run.directions.adapt(run.work, |direction, product| {
+            self.take_off((direction, product), contact, &mut work);
+        });
     }
 
-    /// Puts contact on the products of the kept directions (`sign` 1) or takes it off
-    /// (-1): rows, columns and curvature of this program. Cost: two products with the
-    /// coupling a direction.
-    fn adapt(
+    /// Takes the contact of one face off and puts that of another on.
+    pub(super) fn exchange(
         &self,
-        (run, at): (&mut QpRun<'_, '_>, &BlockIterate),
-        sign: f64,
-        restrict: impl Fn(&mut [f64], &mut [f64]),
+        run: &mut QpRun<'_, '_>,
+        (last, next): (&BlockIterate, &BlockIterate),
     ) {
-        let contact = &self.blocks.contact;
-        let unknowns = self.problem.stiffness.rows();
-        let mut part = run.work.scratch(unknowns);
-        let mut inner = Workspace::new();
+        if self.problem.augmentation.is_some() {
+            run.directions.clear(run.work);
+        }
+        if self.is_rough() {
+            run.directions.keep_last(KEPT_BETWEEN_FACES, run.work);
+        }
+        let is_unknown = unknowns(&next.status, &next.slides);
+        let mut work = Workspace::new();
         run.directions.adapt(run.work, |direction, product| {
-            let others = direction.len() - contact.rows.rows();
-            let (known, multiplier) = direction.split_at_mut(others);
-            let (force, closing) = product.split_at_mut(others);
-            let (force, u) = (&mut force[..unknowns], &known[..unknowns]);
-            contact.rows.apply(u, closing, &mut inner);
-            scale(closing, GAP_WEIGHT);
-            weigh(contact.moduli, closing);
-            restrict(multiplier, closing);
-            let mut pushed = inner.copy(multiplier);
-            weigh(contact.moduli, &mut pushed);
-            expand(&at.slides, &mut pushed);
-            let columns = contact.columns;
-            columns.apply_transposed(&pushed, &mut part, &mut inner);
-            inner.give(pushed);
-            add_scaled(force, sign * GAP_WEIGHT, &part);
-            if let Some(curvature) = self.problem.curvature {
-                curvature.apply(u, &mut part, &mut inner);
-                add_scaled(force, -sign, &part);
-            }
+            self.take_off((&mut *direction, &mut *product), last, &mut work);
+            self.put_on((direction, product), (next, &is_unknown), &mut work);
         });
-        run.work.give(part);
+    }
+
+    /// Puts contact on the product of a direction: rows, columns and curvature of this
+    /// program, on the face alone.
+    fn put_on(
+        &self,
+        (direction, product): (&mut [f64], &mut [f64]),
+        (contact, is_unknown): (&BlockIterate, &[bool]),
+        work: &mut Workspace,
+    ) {
+        let block = &self.blocks.contact;
+        let others = direction.len() - block.rows.rows();
+        let (known, multiplier) = direction.split_at_mut(others);
+        let closing = &mut product[others..];
+        block
+            .rows
+            .apply(&known[..self.problem.stiffness.rows()], closing, work);
+        scale(closing, GAP_WEIGHT);
+        weigh(block.moduli, closing);
+        gather(&contact.slides, closing);
+        let entries = multiplier.iter_mut().zip(closing.iter_mut());
+        for ((l, g), &is_unknown) in entries.zip(is_unknown) {
+            if !is_unknown {
+                (*l, *g) = (0.0, 0.0);
+            }
+        }
+        for slide in contact.slides.iter().filter(|slide| slide.width > 1) {
+            let place = slide.first as usize;
+            let weight = GAP_WEIGHT * block.moduli.get(place).unwrap_or(&1.0);
+            closing[place] -= slide.softness * weight * weight * multiplier[place];
+        }
+        self.push(1.0, (direction, product), contact, work);
+    }
+
+    /// Takes contact off the product of a direction that it was put on.
+    fn take_off(
+        &self,
+        (direction, product): (&mut [f64], &mut [f64]),
+        contact: &BlockIterate,
+        work: &mut Workspace,
+    ) {
+        let others = direction.len() - self.blocks.contact.rows.rows();
+        product[others..].fill(0.0);
+        self.push(-1.0, (direction, product), contact, work);
+    }
+
+    /// Adds `sign` times what the multipliers and the curvature push.
+    fn push(
+        &self,
+        sign: f64,
+        (direction, product): (&[f64], &mut [f64]),
+        contact: &BlockIterate,
+        work: &mut Workspace,
+    ) {
+        let block = &self.blocks.contact;
+        let unknowns = self.problem.stiffness.rows();
+        let (known, multiplier) = direction.split_at(direction.len() - block.rows.rows());
+        let force = &mut product[..unknowns];
+        let mut pushed = work.copy(multiplier);
+        weigh(block.moduli, &mut pushed);
+        expand(&contact.slides, &mut pushed);
+        let columns = block.columns;
+        columns.add_transposed(sign * GAP_WEIGHT, &pushed, force, work);
+        work.give(pushed);
+        if let Some(curvature) = self.problem.curvature {
+            let mut part = work.scratch(unknowns);
+            curvature.apply(&known[..unknowns], &mut part, work);
+            add_scaled(force, -sign, &part);
+            work.give(part);
+        }
     }
 }
