@@ -171,6 +171,7 @@
 #![doc = include_str!("decisions/0049-studies.md")]
 #![doc = include_str!("decisions/0050-augmented-linear.md")]
 #![doc = include_str!("decisions/0051-branches-and-cell-tangents.md")]
+#![doc = include_str!("decisions/0052-multigrid-in-contact.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

@@ -193,7 +193,7 @@ impl Plan {
         let sizes = P1Sizes {
             dimension: units.dimension,
             vertices: space.vertices as u64,
-            contact_vertices: contact_vertices.len(),
+            is_rough: tangential > 0,
             contrast: contrast(&resolved),
             quality: mesh.quality().mean,
         };

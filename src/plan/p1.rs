@@ -1,9 +1,8 @@
 //! The solver of the P1 block: which one, and why.
 //!
 //! Multigrid needs time and bytes in proportion to the vertices, a factor grows
-//! faster but bears any contrast of stiffness and gives the contact compliance
-//! on the way. The choice rests on sizes alone; a cycle that turns out weak is
-//! replaced by the factor.
+//! faster but bears any contrast of stiffness. Both give the contact compliance, which
+//! friction wants exact. A cycle that turns out weak is replaced by the factor.
 
 use super::estimate;
 use crate::plan::saddle::Demand;
@@ -11,9 +10,8 @@ use crate::scene::{Choice, P1Solver};
 
 /// Flops below which the factor takes less time than the multigrid saves.
 const CHEAP_FACTOR: f64 = 1e9;
-/// Bytes of the largest factor. Contact is worth any factor that fits: columns
-/// of the compliance by multigrid take three to four times as long (hertz-sphere
-/// l5, l6).
+/// Bytes of the largest factor. Friction is worth any that fits: its faces follow from the
+/// compliance, and with that of a cycle `mr-rough` takes twice the applications.
 const LARGEST_FACTOR: f64 = 4e9;
 /// Flops of a factor that contrast or poor cells are worth.
 const DEAREST_FACTOR: f64 = 4e11;
@@ -77,9 +75,8 @@ pub(super) struct P1Sizes {
     pub(super) dimension: usize,
     /// Number of mesh vertices.
     pub(super) vertices: u64,
-    /// Number of vertices of candidate faces; where there are any, the factor gives
-    /// their compliance too.
-    pub(super) contact_vertices: usize,
+    /// Whether obstacles have friction.
+    pub(super) is_rough: bool,
     /// Largest over smallest shear modulus of the scene.
     pub(super) contrast: f64,
     /// Mean quality of the cells, 1 for regular ones.
@@ -94,8 +91,8 @@ pub(super) fn choose(asked: Choice<P1Solver>, sizes: P1Sizes) -> P1Choice {
     }
 }
 
-/// A sparse factor for small bodies, and where contact, contrast or stretched cells
-/// want one that fits memory and work; multigrid otherwise.
+/// A sparse factor for small bodies, and where friction, contrast or stretched cells want
+/// one that fits memory and work; multigrid otherwise.
 fn automatic(sizes: P1Sizes) -> P1Choice {
     let (entries, flops) = estimate::factor(sizes.dimension, sizes.vertices);
     let cost = format!(
@@ -107,8 +104,8 @@ fn automatic(sizes: P1Sizes) -> P1Choice {
     let is_affordable = fits && flops <= DEAREST_FACTOR;
     if flops <= CHEAP_FACTOR {
         P1Choice::new(P1Solver::Direct, format!("small: {cost}"))
-    } else if fits && sizes.contact_vertices > 0 {
-        let reason = format!("the factor also gives the contact compliance; {cost}");
+    } else if fits && sizes.is_rough {
+        let reason = format!("friction asks for the exact compliance; {cost}");
         P1Choice::new(P1Solver::Direct, reason)
     } else if !is_affordable {
         P1Choice::new(P1Solver::Amg, format!("large: {cost}"))
@@ -129,12 +126,12 @@ mod tests {
     use super::*;
     use crate::scene::Named;
 
-    /// A well-shaped homogeneous body without contact.
+    /// A well-shaped homogeneous body.
     fn body(vertices: u64) -> P1Sizes {
         P1Sizes {
             dimension: 3,
             vertices,
-            contact_vertices: 0,
+            is_rough: false,
             contrast: 1.0,
             quality: 0.7,
         }
@@ -161,11 +158,11 @@ mod tests {
     }
 
     #[test]
-    fn contact_contrast_and_poor_cells_keep_the_factor_while_it_fits() {
+    fn friction_contrast_and_poor_cells_keep_the_factor_while_it_fits() {
         let hard = |vertices| {
             [
                 P1Sizes {
-                    contact_vertices: 500,
+                    is_rough: true,
                     ..body(vertices)
                 },
                 P1Sizes {
@@ -180,7 +177,7 @@ mod tests {
         };
         for (sizes, word) in hard(20_000)
             .into_iter()
-            .zip(["contact", "moduli", "quality"])
+            .zip(["friction", "moduli", "quality"])
         {
             let choice = choose(Choice::Auto, sizes);
             assert_eq!(choice.solver, P1Solver::Direct);

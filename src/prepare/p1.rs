@@ -92,7 +92,7 @@ pub(crate) fn build(
         directions: &directions.directions,
     };
     let mut built = match chooser::p1(plan.p1.solver, &vertex_blocks(body, &blocks)) {
-        // Scenes with contact are refused it: it gives no compliance.
+        // Scenes with contact are refused those: they give no compliance.
         Some((solver, bytes)) => {
             let none = DenseMatrix::zeros(0, 0);
             P1Built::new(plan.p1.solver, solver, bytes, none)
