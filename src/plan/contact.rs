@@ -15,11 +15,6 @@ const OWN_BYTES: f64 = 24.0;
 const INVERSE_BYTES: f64 = 16.0;
 /// Candidates of the largest fractional metric, whose cost grows fastest.
 const MOST_FRACTIONAL: u64 = 4000;
-/// Flops of the largest factor made for a compliance. At 37 168 vertices and 2208
-/// candidates it takes 17 of 24 seconds; the fractional metric with multigrid
-/// takes 9 seconds in all for twice the applications, and half the memory.
-const DEAREST_COMPLIANCE: f64 = 1.5e11;
-
 /// A choice with its reason.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct ContactChoice {
@@ -40,8 +35,6 @@ pub(crate) struct ContactSizes {
     pub(crate) multipliers: u64,
     /// Number of vertices of candidate faces, each once.
     pub(crate) vertices: u64,
-    /// Flops of the factor that gives the compliance.
-    pub(crate) factor_flops: f64,
     /// Whether only one level serves: rigid modes that only contact holds, or an
     /// element that has no other.
     pub(crate) needs_one_level: bool,
@@ -107,22 +100,6 @@ pub(crate) fn choose(
     }
     let method = asked.unwrap_or(ContactMethod::OneLevel);
     let metric = asked_metric.unwrap_or(method.natural_metric());
-    let is_free =
-        asked_metric.is_none() && options.p1_solver.named().is_none() && !sizes.needs_one_level;
-    if is_free
-        && metric == MetricKind::Compliance
-        && sizes.factor_flops > DEAREST_COMPLIANCE
-        && sizes.fits(method, MetricKind::Fractional)
-    {
-        return Ok(ContactChoice {
-            method,
-            metric: MetricKind::Fractional,
-            reason: format!(
-                "the factor that gives the compliance takes {:.0} Gflop",
-                1e-9 * sizes.factor_flops
-            ),
-        });
-    }
     if sizes.fits(method, metric) {
         return Ok(ContactChoice {
             method,
@@ -238,31 +215,10 @@ mod tests {
             dimension: 3,
             multipliers,
             vertices: multipliers,
-            factor_flops: 1e10,
             needs_one_level: false,
             is_rough: false,
             known: None,
         }
-    }
-
-    #[test]
-    fn a_dear_factor_gives_way_to_the_fractional_metric() {
-        let large = |multipliers| ContactSizes {
-            factor_flops: 3e11,
-            ..body(multipliers)
-        };
-        let choice = choose(&asked("auto", "auto"), large(2200)).expect("a choice");
-        assert_eq!(choice.method, ContactMethod::OneLevel);
-        assert_eq!(choice.metric, MetricKind::Fractional);
-        assert!(choice.reason.contains("300 Gflop"), "{}", choice.reason);
-        let compliance = chosen(&asked("auto", "compliance"), large(2200));
-        assert_eq!(compliance.1, MetricKind::Compliance);
-        let floating = ContactSizes {
-            needs_one_level: true,
-            ..large(2200)
-        };
-        let kept = chosen(&asked("auto", "auto"), floating);
-        assert_eq!(kept.1, MetricKind::Compliance);
     }
 
     fn asked(contact: &str, contact_metric: &str) -> SolverOptions {

@@ -162,7 +162,6 @@ impl Plan {
             dimension: units.dimension as u64,
             multipliers: unknowns.contact,
             vertices: surfaces.vertices.len() as u64,
-            factor_flops: estimate::factor(units.dimension, space.vertices as u64).1,
             needs_one_level: !resolved.free_modes.is_empty()
                 || surfaces.guided > 0
                 || tangential > 0

@@ -77,7 +77,6 @@ impl Plan {
             dimension: self.units.dimension as u64,
             multipliers: self.unknowns.contact,
             vertices: self.contact_vertices.len() as u64,
-            factor_flops: 0.0,
             needs_one_level: false,
             is_rough: self.has_friction(),
             known: None,

@@ -42,7 +42,7 @@ const SCALE: f64 = 0.7;
 const MOST_FORMED: usize = 11_000;
 /// Parts that are kept: pivots and faces come back to sides that they left a few steps ago.
 const MOST_PARTS: usize = 4;
-/// Bytes of all but the latest of them.
+/// Bytes of all of them, but for the latest, which stays whatever it takes.
 const MOST_KEPT: u64 = 1 << 28;
 /// Keeps doubled or redundant constraints solvable.
 const REGULARISATION: f64 = 1e-10;

@@ -5,7 +5,7 @@
 //! A11 = P^T A P (+ shift M where rigid modes are free),   N^T A11^-1 N on contact vertices
 //! ```
 //!
-//! Non-dimensional. Cost: that of the factor or of the multigrid hierarchy; a cycle
+//! Non-dimensional. Cost: that of the factor or of the multigrid hierarchy with its columns; a cycle
 //! that turns out weak is replaced by the factor.
 
 use std::sync::Arc;
@@ -134,8 +134,7 @@ fn direct(
         &plan.contact_vertices,
     );
     let factorise = |precision| DirectP1::new(&matrix, &order, c, precision);
-    let bears = |springs: &StiffConstraints| springs.bear_single_precision();
-    let precision = match body.springs.is_none_or(bears) {
+    let precision = match bears_single_precision(body) {
         true => plan.factor_precision().0,
         false => Precision::Double,
     };
@@ -151,6 +150,11 @@ fn direct(
     Ok(P1Built::new(P1Solver::Direct, solver, bytes, compliance))
 }
 
+fn bears_single_precision(body: P1Body<'_>) -> bool {
+    let bears = |springs: &StiffConstraints| springs.bear_single_precision();
+    body.springs.is_none_or(bears)
+}
+
 fn vertex_blocks<'a>(body: P1Body<'a>, blocks: &'a P1Blocks) -> VertexBlocks<'a> {
     VertexBlocks {
         components: body.space.components,
@@ -162,9 +166,12 @@ fn vertex_blocks<'a>(body: P1Body<'a>, blocks: &'a P1Blocks) -> VertexBlocks<'a>
     }
 }
 
-/// Multigrid in single precision, or in double where that overshoots.
+/// Multigrid in single precision, or in double where that overshoots or springs are too stiff.
 fn hierarchy(body: P1Body<'_>, blocks: &P1Blocks) -> Result<AmgP1, AmgError> {
     let view = vertex_blocks(body, blocks);
+    if !bears_single_precision(body) {
+        return AmgP1::new(&view, Precision::Double);
+    }
     match AmgP1::new(&view, Precision::Single) {
         Err(AmgError::Indefinite) => AmgP1::new(&view, Precision::Double),
         other => other,

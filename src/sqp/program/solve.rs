@@ -108,7 +108,9 @@ impl QuadraticProgram<'_> {
         };
         let mut scales = state.scales;
         let mut iterate = first_iterate(state, &self.now, self.motion.as_deref());
-        self.start_from_prediction(&mut iterate);
+        if layout.is_none() {
+            self.start_from_prediction(&mut iterate);
+        }
         let krylov = std::time::Instant::now();
         let displacement = Counted::new(&*self.inverse.displacement);
         let mut track = Track {

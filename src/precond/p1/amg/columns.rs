@@ -288,41 +288,21 @@ fn smoothed<S: Scalar, const N: usize, const K: usize>(
     }
     let mut residual = weights.clone();
     let mut moved = vec![[[S::default(); LANES]; N]; nodes.len()];
-    let mut next = moved.clone();
     for (place, &node) in nodes.iter().enumerate() {
-        next[place] = level.smoother.first(node as usize, &residual[place]);
-        moved[place] = next[place];
+        moved[place] = level.smoother.first(node as usize, &residual[place]);
     }
+    let mut last = moved.clone();
     for index in 1..DEGREE {
-        let last = next.clone();
-        wide::<LANES>(
-            #[inline(always)]
-            || {
-                for (place, &node) in nodes.iter().enumerate() {
-                    let product = product_of_row(&level.matrix, node, &last, places);
-                    level.smoother.step_of_row(
-                        (index, node as usize),
-                        (&product, &last[place]),
-                        (&mut residual[place], &mut next[place], &mut moved[place]),
-                    );
-                }
-            },
-        );
+        let change = (&mut residual[..], &mut moved[..]);
+        last = step(level, index, (&nodes, places), &last, change);
     }
-    wide::<LANES>(
-        #[inline(always)]
-        || {
-            for (place, &node) in nodes.iter().enumerate() {
-                let product = product_of_row(&level.matrix, node, &next, places);
-                for i in 0..N {
-                    for lane in 0..LANES {
-                        residual[place][i][lane] -= product[i][lane];
-                        weights[place][i][lane] += residual[place][i][lane];
-                    }
-                }
-            }
-        },
-    );
+    take_off(level, (&nodes, places), &last, &mut residual);
+    for (weights, residual) in weights.iter_mut().zip(&residual) {
+        let entries = weights.as_flattened_mut().iter_mut();
+        for (weight, left) in entries.zip(residual.as_flattened()) {
+            *weight += *left;
+        }
+    }
     let restricted = restricted(level, (&nodes, &residual), places);
     places.clear(&nodes);
     let share = Share {
@@ -331,6 +311,52 @@ fn smoothed<S: Scalar, const N: usize, const K: usize>(
         weights,
     };
     (share, restricted)
+}
+
+/// A step of the smoother after `moved` has moved by `last`; returns the next move.
+fn step<S: Scalar, const N: usize, const K: usize>(
+    level: &Level<S, N, K>,
+    index: usize,
+    (nodes, places): (&[u32], &Places),
+    last: &[Node<S, N>],
+    (residual, moved): (&mut [Node<S, N>], &mut [Node<S, N>]),
+) -> Vec<Node<S, N>> {
+    let mut next = last.to_vec();
+    wide::<LANES>(
+        #[inline(always)]
+        || {
+            for (place, &node) in nodes.iter().enumerate() {
+                let product = product_of_row(&level.matrix, node, last, places);
+                level.smoother.step_of_row(
+                    (index, node as usize),
+                    (&product, &last[place]),
+                    (&mut residual[place], &mut next[place], &mut moved[place]),
+                );
+            }
+        },
+    );
+    next
+}
+
+/// `residual -= A move`.
+fn take_off<S: Scalar, const N: usize, const K: usize>(
+    level: &Level<S, N, K>,
+    (nodes, places): (&[u32], &Places),
+    last: &[Node<S, N>],
+    residual: &mut [Node<S, N>],
+) {
+    wide::<LANES>(
+        #[inline(always)]
+        || {
+            for (residual, &node) in residual.iter_mut().zip(nodes) {
+                let product = product_of_row(&level.matrix, node, last, places);
+                let entries = residual.as_flattened_mut().iter_mut();
+                for (left, taken) in entries.zip(product.as_flattened()) {
+                    *left -= *taken;
+                }
+            }
+        },
+    );
 }
 
 /// P^T of what is left at `nodes`.

@@ -284,7 +284,8 @@ fn the_bits_do_not_depend_on_the_number_of_threads() {
             let amg = sample.amg(Precision::Single);
             let mut z = vec![0.0; b.len()];
             amg.apply(&b, &mut z, &mut Workspace::new());
-            (z, compliance(&amg, &[13, 14, 300]))
+            let vertices: Vec<u32> = (13..400).collect();
+            (z, compliance(&amg, &vertices))
         })
     };
     let (one, two, three) = (run(1), run(2), run(3));
@@ -390,6 +391,40 @@ fn the_compliance_is_that_of_the_cycle() {
 }
 
 #[test]
+fn several_directions_of_a_vertex_in_the_plane_have_a_compliance() {
+    let sample = sample(samples::rectangle(12, 9), |_| 1.0);
+    let amg = sample.amg(Precision::Double);
+    assert_eq!(amg.levels().len(), 1);
+    let vertices: Vec<u32> = (0..2 * 100).map(|k| k / 2).collect();
+    let along = |k: usize| [[0.8, 0.6, 0.0], [-0.6, 0.8, 0.0]][k % 2];
+    let directions: Vec<[f64; 3]> = (0..200).map(along).collect();
+    let traces = Traces {
+        vertices: &vertices,
+        directions: &directions,
+    };
+    let found = amg.compliance(&traces, &|| true).expect("nobody says no");
+    let work = &mut Workspace::new();
+    let size = 2 * sample.space.vertices;
+    for (j, &vertex) in vertices.iter().enumerate() {
+        let mut force = vec![0.0; size];
+        let start = 2 * vertex as usize;
+        force[start..start + 2].copy_from_slice(&directions[j][..2]);
+        let mut column = force.clone();
+        amg.apply(&force, &mut column, work);
+        for (i, &row) in vertices.iter().enumerate() {
+            let start = 2 * row as usize;
+            let expected = dot(&column[start..start + 2], &directions[i][..2]);
+            assert!((found.at(i, j) - expected).abs() < 1e-12, "{expected}");
+        }
+    }
+    let none = Traces {
+        vertices: &[],
+        directions: &[],
+    };
+    assert_eq!(amg.compliance(&none, &|| true).map(|m| m.rows()), Some(0));
+}
+
+#[test]
 fn columns_can_be_stopped() {
     let amg = sample(samples::cube(6), |_| 1.0).amg(Precision::Single);
     let vertices: Vec<u32> = (0..40).collect();
@@ -399,6 +434,12 @@ fn columns_can_be_stopped() {
         directions: &directions,
     };
     assert!(amg.compliance(&traces, &|| false).is_none());
+    let asked = std::sync::atomic::AtomicUsize::new(0);
+    let count = || asked.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
+    assert!(amg.compliance(&traces, &|| count() < usize::MAX).is_some());
+    let last = asked.load(std::sync::atomic::Ordering::Relaxed) - 1;
+    asked.store(0, std::sync::atomic::Ordering::Relaxed);
+    assert!(amg.compliance(&traces, &|| count() < last).is_none());
 }
 
 #[test]
