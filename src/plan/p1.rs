@@ -2,7 +2,8 @@
 //!
 //! Multigrid needs time and bytes in proportion to the vertices, a factor grows
 //! faster but bears any contrast of stiffness. Both give the contact compliance, which
-//! friction wants exact while the factor fits. A cycle that turns out weak is replaced by the factor.
+//! friction wants exact while the factor fits. A cycle that turns out weak is replaced by
+//! the factor.
 
 use super::estimate;
 use crate::plan::saddle::Demand;
