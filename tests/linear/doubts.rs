@@ -152,7 +152,7 @@ fn a_body_carried_so_far_that_its_strains_drown_is_named() {
 #[test]
 fn a_tool_that_lifts_off_has_not_passed_through_the_body() {
     for (travel, is_named) in [(0.8, false), (-50.0, true)] {
-        let mut session = open(&block(sphere([0.5, 0.5, 1.3], 0.3)), &mesh(cube(6)));
+        let mut session = open(&block(sphere([0.5, 0.5, 1.3], 0.3)), &mesh(cube(4)));
         take(&mut session, &push("tool", [0.0, 0.0, -0.1]));
         let report = take(&mut session, &push("tool", [0.0, 0.0, travel])).remove(0);
         let mut kinds = report.warnings.iter().map(|warning| warning.kind);
