@@ -31,21 +31,18 @@ impl Faces<'_, '_> {
         let is_unknown = unknowns(&contact.status, &contact.slides);
         let mut work = Workspace::new();
         run.directions.adapt(run.work, |direction, product| {
-            self.put_on((direction, product), (contact, &is_unknown), &mut work);
+            self.put_on((&mut *direction, &mut *product), (contact, &is_unknown), &mut work);
+            self.curve(-1.0, (direction, product), &mut work);
         });
     }
 
     /// Takes contact off again.
     pub(super) fn detach(&self, run: &mut QpRun<'_, '_>, contact: &BlockIterate) {
-        if self.problem.augmentation.is_some() {
-            run.directions.clear(run.work);
-        }
-        if self.is_rough() {
-            run.directions.keep_last(KEPT_BETWEEN_FACES, run.work);
-        }
+        self.forget_the_face(run);
         let mut work = Workspace::new();
         run.directions.adapt(run.work, |direction, product| {
-            self.take_off((direction, product), contact, &mut work);
+            self.take_off((&mut *direction, &mut *product), contact, &mut work);
+            self.curve(1.0, (direction, product), &mut work);
         });
     }
 
@@ -55,12 +52,7 @@ impl Faces<'_, '_> {
         run: &mut QpRun<'_, '_>,
         (last, next): (&BlockIterate, &BlockIterate),
     ) {
-        if self.problem.augmentation.is_some() {
-            run.directions.clear(run.work);
-        }
-        if self.is_rough() {
-            run.directions.keep_last(KEPT_BETWEEN_FACES, run.work);
-        }
+        self.forget_the_face(run);
         let is_unknown = unknowns(&next.status, &next.slides);
         let mut work = Workspace::new();
         run.directions.adapt(run.work, |direction, product| {
@@ -69,8 +61,18 @@ impl Faces<'_, '_> {
         });
     }
 
-    /// Puts contact on the product of a direction: rows, columns and curvature of this
-    /// program, on the face alone.
+    /// Drops directions that have no use beyond the face they were found on.
+    fn forget_the_face(&self, run: &mut QpRun<'_, '_>) {
+        if self.problem.augmentation.is_some() {
+            run.directions.clear(run.work);
+        }
+        if self.is_rough() {
+            run.directions.keep_last(KEPT_BETWEEN_FACES, run.work);
+        }
+    }
+
+    /// Puts contact on the product of a direction: rows and columns of this program, on the
+    /// face alone.
     fn put_on(
         &self,
         (direction, product): (&mut [f64], &mut [f64]),
@@ -113,7 +115,7 @@ impl Faces<'_, '_> {
         self.push(-1.0, (direction, product), contact, work);
     }
 
-    /// Adds `sign` times what the multipliers and the curvature push.
+    /// Adds `sign` times what the multipliers push.
     fn push(
         &self,
         sign: f64,
@@ -122,19 +124,29 @@ impl Faces<'_, '_> {
         work: &mut Workspace,
     ) {
         let block = &self.blocks.contact;
-        let unknowns = self.problem.stiffness.rows();
-        let (known, multiplier) = direction.split_at(direction.len() - block.rows.rows());
-        let force = &mut product[..unknowns];
+        let multiplier = &direction[direction.len() - block.rows.rows()..];
+        let force = &mut product[..self.problem.stiffness.rows()];
         let mut pushed = work.copy(multiplier);
         weigh(block.moduli, &mut pushed);
         expand(&contact.slides, &mut pushed);
         let columns = block.columns;
         columns.add_transposed(sign * GAP_WEIGHT, &pushed, force, work);
         work.give(pushed);
+    }
+
+    /// Adds `sign` times the curvature of contact, which is the same on every face of a
+    /// program.
+    fn curve(
+        &self,
+        sign: f64,
+        (direction, product): (&[f64], &mut [f64]),
+        work: &mut Workspace,
+    ) {
         if let Some(curvature) = self.problem.curvature {
+            let unknowns = self.problem.stiffness.rows();
             let mut part = work.scratch(unknowns);
-            curvature.apply(&known[..unknowns], &mut part, work);
-            add_scaled(force, -sign, &part);
+            curvature.apply(&direction[..unknowns], &mut part, work);
+            add_scaled(&mut product[..unknowns], sign, &part);
             work.give(part);
         }
     }
