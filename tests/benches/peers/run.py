@@ -238,7 +238,9 @@ def write(path, rows, header=""):
         file.write(header)
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
-        writer.writerows([text_of(row, column) for column in COLUMNS] for row in rows)
+        # Curves are drawn in the order of the rows.
+        by_size = sorted(rows, key=lambda row: (row["scene"], int(row["unknowns"] or 0)))
+        writer.writerows([text_of(row, column) for column in COLUMNS] for row in by_size)
 
 
 def kept(path, new):
@@ -294,13 +296,14 @@ def main():
         "repeats": arguments.repeats,
         "versions": "; ".join(sorted({row["version"] for row in peers if row["version"]})),
     }
-    path = os.path.join(arguments.out, "peers.csv")
+    path, pairs = (os.path.join(arguments.out, name) for name in ("peers.csv", "paired.csv"))
     if arguments.add:
         comments, rows = kept(path, peers)
         write(path, rows + peers, comments + ADDED.format(**about))
+        write(pairs, kept(pairs, found.values())[1] + list(found.values()))
     else:
         write(path, peers, HEADER.format(**about))
-    write(os.path.join(arguments.out, "paired.csv"), found.values())
+        write(pairs, found.values())
     tell_pairs(found)
 
 
