@@ -31,7 +31,11 @@ impl Faces<'_, '_> {
         let is_unknown = unknowns(&contact.status, &contact.slides);
         let mut work = Workspace::new();
         run.directions.adapt(run.work, |direction, product| {
-            self.put_on((&mut *direction, &mut *product), (contact, &is_unknown), &mut work);
+            self.put_on(
+                (&mut *direction, &mut *product),
+                (contact, &is_unknown),
+                &mut work,
+            );
             self.curve(-1.0, (direction, product), &mut work);
         });
     }
@@ -136,12 +140,7 @@ impl Faces<'_, '_> {
 
     /// Adds `sign` times the curvature of contact, which is the same on every face of a
     /// program.
-    fn curve(
-        &self,
-        sign: f64,
-        (direction, product): (&[f64], &mut [f64]),
-        work: &mut Workspace,
-    ) {
+    fn curve(&self, sign: f64, (direction, product): (&[f64], &mut [f64]), work: &mut Workspace) {
         if let Some(curvature) = self.problem.curvature {
             let unknowns = self.problem.stiffness.rows();
             let mut part = work.scratch(unknowns);
