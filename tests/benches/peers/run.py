@@ -110,6 +110,13 @@ def run(command, limit, folder=HERE):
     return ended.stdout, ""
 
 
+def judged(row):
+    """A peer's row; a failure where one of its values is no number."""
+    numbers = {column: value for column, value in row.items() if not (isinstance(value, float) and math.isnan(value))}
+    fault = "" if len(numbers) == len(row) else "ended without numbers"
+    return ({**numbers, "failure": fault} if fault else row), fault
+
+
 def peer(name, scene, level, arguments):
     script, more, scenes, python, _ = PEERS[name]
     options = [*more, "--meshes", arguments.meshes] if arguments.meshes and scenes is not LINEAR else more
@@ -117,7 +124,7 @@ def peer(name, scene, level, arguments):
     output, fault = run([python, script, scene, level, *options], arguments.limit)
     rows = [line for line in (output or "").splitlines() if line.startswith("{")]
     if rows:
-        return json.loads(rows[-1]), ""
+        return judged(json.loads(rows[-1]))
     fault = fault or "no result"
     seconds = time.perf_counter() - start
     row = {"scene": scene, "level": level, "solver": LABELS[name], "seconds": seconds, "failure": fault}
