@@ -246,7 +246,7 @@ def write(path, rows, header=""):
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(COLUMNS)
         # Curves are drawn in the order of the rows.
-        by_size = sorted(rows, key=lambda row: (row["scene"], int(row["unknowns"] or 0)))
+        by_size = sorted(rows, key=lambda row: (row["scene"], int(row.get("unknowns") or 0)))
         writer.writerows([text_of(row, column) for column in COLUMNS] for row in by_size)
 
 
