@@ -124,11 +124,14 @@ pub struct ObstacleResult {
     pub moment: [f64; 3],
     /// Undeformed area carried by vertices in contact.
     pub contact_area: f64,
-    /// Largest vertex value of the contact pressure, per undeformed area.
+    /// Largest vertex value of the contact pressure: per deformed area for bodies of finite
+    /// strain.
     pub max_pressure: f64,
-    /// Largest vertex value of the contact pressure per deformed area; none for
-    /// linear kinematics.
+    /// The same; none for linear kinematics.
     pub max_pressure_deformed: Option<f64>,
+    /// Largest vertex value of the contact pressure per undeformed area; none for linear
+    /// kinematics.
+    pub max_pressure_undeformed: Option<f64>,
     /// Pressure-weighted mean position in the deformed body `[3]`; zero without contact.
     pub centre_of_pressure: [f64; 3],
     /// Number of contact multipliers that are pressed and stick; zero without friction.

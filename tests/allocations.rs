@@ -10,7 +10,7 @@ use cap::Cap;
 use common::meshes::{cube, file, mesh};
 use common::scenes::{HELD, cube_bend, hertz_plane, obstacle, support};
 use common::{assert_converged, open};
-use signorini::contact::gap::Deformed;
+use signorini::contact::gap::{Deformed, Measure};
 use signorini::contact::{ContactSurface, evaluate_gaps};
 use signorini::element::quadrature::{Simplex, rule};
 use signorini::obstacle::Sphere;
@@ -146,6 +146,7 @@ fn a_contact_integral_takes_nothing_from_the_heap_for_a_point() {
             space: &space,
             displacement: &vec![0.0; space.displacement_unknowns()],
             rule: &rule(Simplex::Triangle, 8),
+            measure: Measure::Undeformed,
         };
         let ball = Sphere::new([0.5, 0.5, 2.0], 1.0).expect("a ball");
         let before = HEAP.total_allocated();

@@ -6,10 +6,11 @@ use std::collections::BTreeMap;
 use signorini_proto::v1;
 
 const LENGTHS: [&str; 4] = ["Points", "displacement", "gap", "slip"];
-const STRESSES: [&str; 7] = [
+const STRESSES: [&str; 8] = [
     "pressure",
     "contact_pressure",
     "contact_pressure_deformed",
+    "contact_pressure_undeformed",
     "friction_traction",
     "stress",
     "von_mises",

@@ -1,8 +1,14 @@
-//! The curvature term of the Lagrangian, what the contact pressure takes off the
-//! stiffness:
+//! The second derivative of the weighted gaps times the contact pressure, which is
+//! subtracted from the stiffness:
 //!
 //! ```text
 //! K_kl = int lambda (Hessian of d) N_k N_l dS   [unknowns, unknowns]
+//! ```
+//!
+//! over the undeformed surface, and over the deformed one, with the derivatives a_k of da,
+//!
+//! ```text
+//! K_kl = int lambda [ (Hessian of d) N_k N_l da + N_k n a_l^T + a_k n^T N_l + d a_kl ]
 //! ```
 //!
 //! On a curved face the Hessian of d(x(u)), with the turning of the offsets.
@@ -14,11 +20,14 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::deformed::{Deformed, FacePoints, Table};
+use super::area_element::{AreaElement, NODES};
+use super::counterpart::Counterpart;
+use super::deformed::{Deformed, FacePoints, Measure, Table};
 use super::face::ContactFace;
 use super::surface::ContactSurface;
+use crate::geometry::vector3::{add, scale};
 use crate::linalg::{SparseRows, SparseRowsBuilder};
-use crate::obstacle::{Obstacle, What};
+use crate::obstacle::{Contact, What};
 
 /// Fewer nodes are not worth a second thread.
 const PARALLEL_NODES: usize = 64;
@@ -26,17 +35,38 @@ const PARALLEL_NODES: usize = 64;
 /// Entries of some rows, by unknown.
 type Rows = Vec<(u32, Vec<(u32, f64)>)>;
 
-/// K of surfaces on their obstacles with their pressures `[multipliers]`; rows and
+/// K of surfaces on what they meet with their pressures `[multipliers]`; rows and
 /// columns of unknowns that are `held` are left out.
-pub fn curvature(
+pub fn curvature<C: Counterpart + ?Sized>(
     body: &Deformed<'_>,
-    surfaces: &[(&ContactSurface, &dyn Obstacle, &[f64])],
+    surfaces: &[(&ContactSurface, &C, &[f64])],
     held: &[bool],
 ) -> SparseRows {
+    let integrated = surfaces.iter();
+    let integrated = integrated.map(|&surface| Integrated::new(body, surface, held));
+    summed(body, integrated)
+}
+
+/// What the change of the deformed area makes of tractions, int N_k T (da/du_l) with
+/// T = sum psi_i T_i, of surfaces with their T_i `[multipliers][3]`; rows and columns of unknowns
+/// that are `held` are left out. Not symmetric.
+pub fn traction_change(
+    body: &Deformed<'_>,
+    surfaces: &[(&ContactSurface, Vec<[f64; 3]>)],
+    held: &[bool],
+) -> SparseRows {
+    let integrated = surfaces.iter();
+    let integrated = integrated
+        .map(|(surface, tractions)| Integrated::of_tractions(body, (surface, tractions), held));
+    summed(body, integrated)
+}
+
+/// The sum over surfaces `[unknowns, unknowns]`.
+fn summed<'a>(body: &Deformed<'_>, surfaces: impl Iterator<Item = Integrated<'a>>) -> SparseRows {
     let unknowns = body.space.displacement_unknowns();
     let mut rows: BTreeMap<u32, Vec<(u32, f64)>> = BTreeMap::new();
-    for &surface in surfaces {
-        for (unknown, mut entries) in Integrated::new(body, surface, held).rows() {
+    for surface in surfaces {
+        for (unknown, mut entries) in surface.rows() {
             rows.entry(unknown).or_default().append(&mut entries);
         }
     }
@@ -61,7 +91,8 @@ fn is_under_pressure(face: &ContactFace, pressure: &[f64]) -> bool {
 struct Integrated<'a> {
     /// The surface whose faces are integrated.
     surface: &'a ContactSurface,
-    /// Coefficients of the contact pressure `[functions]`, non-dimensional.
+    /// Which functions are loaded: coefficients of the contact pressure `[functions]`,
+    /// non-dimensional, or sizes of tractions.
     pressure: Cow<'a, [f64]>,
     /// Whether a displacement unknown is held `[unknowns]`; held rows and columns are
     /// left out.
@@ -77,9 +108,9 @@ struct Integrated<'a> {
 impl<'a> Integrated<'a> {
     /// Integrates lambda times the curvature of the obstacle over every face under
     /// pressure, in parallel. Cost: one probe a quadrature point.
-    fn new(
+    fn new<C: Counterpart + ?Sized>(
         body: &Deformed<'_>,
-        (surface, obstacle, pressure): (&'a ContactSurface, &dyn Obstacle, &'a [f64]),
+        (surface, counterpart, pressure): (&'a ContactSurface, &C, &'a [f64]),
         held: &'a [bool],
     ) -> Self {
         let pressure = surface.shares.spread(pressure);
@@ -87,16 +118,46 @@ impl<'a> Integrated<'a> {
         let size = 9 * table.nodes * table.nodes;
         let blocks = body.on_faces(&table, &surface.faces, size, |points, face, blocks| {
             if is_under_pressure(face, &pressure) {
-                points.probe(obstacle, face, What::Curvature);
-                match &points.standing {
-                    Some(_) => add_curved_blocks(points, face, &pressure, blocks),
-                    None => add_blocks(points, face, &pressure, blocks),
+                points.probe(counterpart, face, What::Curvature);
+                match (body.measure, &points.standing) {
+                    (Measure::Deformed, _) => add_deformed_blocks(points, face, &pressure, blocks),
+                    (_, Some(_)) => add_curved_blocks(points, face, &pressure, blocks),
+                    (_, None) => add_blocks(points, face, &pressure, blocks),
                 }
             }
         });
         Self {
             surface,
             pressure,
+            held,
+            components: body.space.components,
+            nodes: table.nodes,
+            blocks,
+        }
+    }
+
+    /// The same of tractions `[multipliers][3]`.
+    fn of_tractions(
+        body: &Deformed<'_>,
+        (surface, tractions): (&'a ContactSurface, &[[f64; 3]]),
+        held: &'a [bool],
+    ) -> Self {
+        let along = [0, 1, 2].map(|i| {
+            let own: Vec<f64> = tractions.iter().map(|traction| traction[i]).collect();
+            surface.shares.spread(&own).into_owned()
+        });
+        let size = |k: usize| along.iter().map(|own| own[k].abs()).fold(0.0, f64::max);
+        let sizes: Vec<f64> = (0..surface.carriers.len()).map(size).collect();
+        let table = Table::new(body, surface.basis);
+        let size = 9 * table.nodes * table.nodes;
+        let blocks = body.on_faces(&table, &surface.faces, size, |points, face, blocks| {
+            if is_under_pressure(face, &sizes) {
+                add_traction_blocks(points, (face, &along), blocks);
+            }
+        });
+        Self {
+            surface,
+            pressure: sizes.into(),
             held,
             components: body.space.components,
             nodes: table.nodes,
@@ -158,7 +219,7 @@ fn add_curved_blocks(
         let at = standing.at(table.shapes(point), table.corners);
         for (pair, block) in blocks.chunks_exact_mut(9).enumerate() {
             let nodes = [pair / nodes, pair % nodes];
-            let hessian = at.hessian(nodes, contact.normal, &contact.curvature);
+            let hessian = at.hessian(nodes, &contact.curvature);
             for (entry, value) in block.iter_mut().zip(hessian.as_flattened()) {
                 *entry += weight * value;
             }
@@ -179,6 +240,105 @@ fn add_blocks(points: &FacePoints<'_>, face: &ContactFace, pressure: &[f64], blo
                 for (entry, value) in block.iter_mut().zip(hessian) {
                     *entry += factor * value;
                 }
+            }
+        }
+    }
+}
+
+/// Adds what the deformed area makes of them `[nodes, nodes, 3, 3]`.
+fn add_deformed_blocks(
+    points: &FacePoints<'_>,
+    face: &ContactFace,
+    pressure: &[f64],
+    blocks: &mut [f64],
+) {
+    let (table, nodes) = (points.table, points.table.nodes);
+    let mut gradient = [[0.0; 3]; NODES];
+    let elements = points.contacts.iter().zip(&points.areas).enumerate();
+    for (point, (contact, area)) in elements {
+        let lambda = table.rule.weights[point] * points.pressure(face, point, pressure);
+        let at = Point {
+            contact,
+            area,
+            shapes: table.shapes(point),
+            slopes: table.slopes(point),
+            changes: std::array::from_fn(|k| {
+                table
+                    .shapes(point)
+                    .get(k)
+                    .map_or([0.0; 3], |&shape| area.gradient(k, shape))
+            }),
+        };
+        for (k, sum) in gradient.iter_mut().enumerate().take(nodes) {
+            *sum = add(*sum, scale(lambda, at.gradient(k)));
+        }
+        for (pair, block) in blocks.chunks_exact_mut(9).enumerate() {
+            at.add_hessian([pair / nodes, pair % nodes], lambda, block);
+        }
+    }
+    if let Some(standing) = &points.standing {
+        standing.pull_blocks(&gradient, blocks);
+    }
+}
+
+/// Adds int N_k T a_l^T `[nodes, nodes, 3, 3]`.
+fn add_traction_blocks(
+    points: &FacePoints<'_>,
+    (face, tractions): (&ContactFace, &[Vec<f64>; 3]),
+    blocks: &mut [f64],
+) {
+    let (table, nodes) = (points.table, points.table.nodes);
+    for (point, area) in points.areas.iter().enumerate() {
+        let weight = table.rule.weights[point];
+        let traction = tractions
+            .each_ref()
+            .map(|own| weight * points.pressure(face, point, own));
+        let shapes = table.shapes(point);
+        for (pair, block) in blocks.chunks_exact_mut(9).enumerate() {
+            let (k, l) = (pair / nodes, pair % nodes);
+            let change = area.gradient(l, shapes[l]);
+            for (row, traction) in block.chunks_exact_mut(3).zip(traction) {
+                let moved = row.iter_mut().zip(change);
+                moved.for_each(|(entry, change)| *entry += shapes[k] * traction * change);
+            }
+        }
+    }
+    if let Some(standing) = &points.standing {
+        standing.pull_blocks(&[[0.0; 3]; NODES], blocks);
+    }
+}
+
+/// d da at a point and its derivatives.
+struct Point<'a> {
+    contact: &'a Contact,
+    area: &'a AreaElement,
+    shapes: &'a [f64],
+    slopes: &'a [[f64; 2]],
+    /// a_k.
+    changes: [[f64; 3]; NODES],
+}
+
+impl Point<'_> {
+    /// By the coefficient of node `k`.
+    fn gradient(&self, k: usize) -> [f64; 3] {
+        let moved = scale(self.shapes[k] * self.area.size(), self.contact.normal);
+        add(moved, scale(self.contact.distance, self.changes[k]))
+    }
+
+    /// Adds `factor` times the second derivative by the coefficients of two nodes `[3, 3]`.
+    fn add_hessian(&self, [k, l]: [usize; 2], factor: f64, block: &mut [f64]) {
+        let values = [self.shapes[k], self.shapes[l]];
+        let slopes = [self.slopes[k], self.slopes[l]];
+        let bend = self.area.hessian([k, l], values, slopes);
+        let size = values[0] * values[1] * self.area.size();
+        let normal = self.contact.normal;
+        for (i, row) in block.chunks_exact_mut(3).enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry += factor
+                    * (size * self.contact.curvature[i][j]
+                        + values[0] * normal[i] * self.changes[l][j]
+                        + values[1] * self.changes[k][i] * normal[j]
+                        + self.contact.distance * bend[i][j]);
             }
         }
     }

@@ -158,7 +158,6 @@ impl CurvedFace {
             along: self.along,
             height: self.height,
             facet,
-            kinematics: self.kinematics,
         }
     }
 
@@ -211,10 +210,104 @@ pub(super) struct Standing {
     along: [[f64; 3]; 3],
     height: [f64; 3],
     facet: Facet,
-    kinematics: Kinematics,
 }
 
 impl Standing {
+    /// Corners of the face.
+    fn count(&self) -> usize {
+        match self.facet.gradients[2] == [0.0; 3] {
+            true => 2,
+            false => 3,
+        }
+    }
+
+    /// The part at each corner of what an offset would gain along `direction`:
+    /// (do_e/du_v)^T `direction` `[corners]`.
+    fn pull(&self, edge: usize, direction: [f64; 3]) -> [[f64; 3]; 3] {
+        std::array::from_fn(|v| {
+            let tilt = self.height[edge] * dot(direction, self.facet.gradients[v]);
+            let straight = scale(self.along[edge][v], direction);
+            sub(straight, scale(tilt, self.facet.normal))
+        })
+    }
+
+    /// Turns derivatives by the coefficients of the position into those by the displacement,
+    /// `[3, nodes]`.
+    pub(super) fn pull_row(&self, row: &mut [f64]) {
+        let (count, nodes) = (self.count(), row.len() / 3);
+        for edge in 0..nodes - count {
+            let own = std::array::from_fn(|i| row[i * nodes + count + edge]);
+            for (v, part) in self.pull(edge, own).iter().enumerate().take(count) {
+                (0..3).for_each(|i| row[i * nodes + v] += part[i]);
+            }
+        }
+    }
+
+    /// Turns second derivatives by the coefficients of the position into those by the
+    /// displacement, `[nodes, nodes, 3, 3]`; `gradient` `[nodes]` are the first ones, along
+    /// which the turning of the offsets acts.
+    pub(super) fn pull_blocks(&self, gradient: &[[f64; 3]; 6], blocks: &mut [f64]) {
+        let count = self.count();
+        let nodes = count * (count + 1) / 2;
+        let at = |k: usize, l: usize| 9 * (k * nodes + l);
+        // Rows, then columns, of the edges onto the corners.
+        for edge in 0..nodes - count {
+            for other in 0..nodes {
+                for j in 0..3 {
+                    let from = at(count + edge, other) + j;
+                    let own = [blocks[from], blocks[from + 3], blocks[from + 6]];
+                    for (v, part) in self.pull(edge, own).iter().enumerate().take(count) {
+                        (0..3).for_each(|i| blocks[at(v, other) + 3 * i + j] += part[i]);
+                    }
+                }
+            }
+        }
+        for edge in 0..nodes - count {
+            for other in 0..nodes {
+                for i in 0..3 {
+                    let from = at(other, count + edge) + 3 * i;
+                    let own = [blocks[from], blocks[from + 1], blocks[from + 2]];
+                    for (v, part) in self.pull(edge, own).iter().enumerate().take(count) {
+                        (0..3).for_each(|j| blocks[at(other, v) + 3 * i + j] += part[j]);
+                    }
+                }
+            }
+        }
+        for v in 0..count {
+            for w in 0..count {
+                let mut turning = [[0.0; 3]; 3];
+                for edge in 0..nodes - count {
+                    self.add_turning([v, w], (edge, gradient[count + edge]), &mut turning);
+                }
+                let block = blocks[at(v, w)..].iter_mut();
+                block
+                    .zip(turning.as_flattened())
+                    .for_each(|(entry, part)| *entry += part);
+            }
+        }
+    }
+
+    /// The second derivative of an offset along `direction`: its height times that of nu.
+    fn add_turning(
+        &self,
+        [v, w]: [usize; 2],
+        (edge, direction): (usize, [f64; 3]),
+        out: &mut Matrix3,
+    ) {
+        let (nu, [of_v, of_w]) = (
+            self.facet.normal,
+            [v, w].map(|corner| self.facet.gradients[corner]),
+        );
+        let height = self.height[edge];
+        let [by_v, by_w] = [of_v, of_w].map(|gradient| height * dot(direction, gradient));
+        let bend = height * dot(direction, nu) * dot(of_v, of_w);
+        for (i, row) in out.iter_mut().enumerate() {
+            for (j, entry) in row.iter_mut().enumerate() {
+                *entry += by_w * nu[i] * of_v[j] + by_v * of_w[i] * nu[j] - bend * nu[i] * nu[j];
+            }
+        }
+    }
+
     /// The point with those values of the hierarchical functions, of `count` corners.
     pub(super) fn at<'a>(&'a self, shapes: &'a [f64], count: usize) -> StandingPoint<'a> {
         let (mut along, mut height) = ([0.0; 3], 0.0);
@@ -230,7 +323,6 @@ impl Standing {
             along,
             height,
             facet: &self.facet,
-            kinematics: self.kinematics,
         }
     }
 }
@@ -246,7 +338,6 @@ pub(super) struct StandingPoint<'a> {
     /// h at the point.
     height: f64,
     facet: &'a Facet,
-    kinematics: Kinematics,
 }
 
 impl StandingPoint<'_> {
@@ -261,33 +352,13 @@ impl StandingPoint<'_> {
         sub(straight, scale(tilt, self.facet.normal))
     }
 
-    /// The Hessian of d(x(u)) by the nodes `v` and `w`, from gradient and Hessian of d:
-    /// that of d with both points moved, and d along the turning of the offset.
-    pub(super) fn hessian(&self, [v, w]: [usize; 2], normal: [f64; 3], own: &Matrix3) -> Matrix3 {
+    /// The Hessian of d(x(u)) by the nodes `v` and `w` of a body of linear kinematics, from
+    /// that of d: both points moved.
+    pub(super) fn hessian(&self, [v, w]: [usize; 2], own: &Matrix3) -> Matrix3 {
         // Rows (dx/du_v)^T H, then each against dx/du_w.
         let columns: [[f64; 3]; 3] =
             std::array::from_fn(|j| self.pulled(v, [own[0][j], own[1][j], own[2][j]]));
-        let mut out: Matrix3 =
-            std::array::from_fn(|i| self.pulled(w, [columns[0][i], columns[1][i], columns[2][i]]));
-        if self.kinematics == Kinematics::Finite && v.max(w) < self.count {
-            self.add_turning([v, w], normal, &mut out);
-        }
-        out
-    }
-
-    /// h times the second derivative of nu along `normal`.
-    fn add_turning(&self, [v, w]: [usize; 2], normal: [f64; 3], out: &mut Matrix3) {
-        let (nu, [of_v, of_w]) = (
-            self.facet.normal,
-            [v, w].map(|corner| self.facet.gradients[corner]),
-        );
-        let [by_v, by_w] = [of_v, of_w].map(|gradient| self.height * dot(normal, gradient));
-        let bend = self.height * dot(normal, nu) * dot(of_v, of_w);
-        for (i, row) in out.iter_mut().enumerate() {
-            for (j, entry) in row.iter_mut().enumerate() {
-                *entry += by_w * nu[i] * of_v[j] + by_v * of_w[i] * nu[j] - bend * nu[i] * nu[j];
-            }
-        }
+        std::array::from_fn(|i| self.pulled(w, [columns[0][i], columns[1][i], columns[2][i]]))
     }
 }
 

@@ -7,18 +7,31 @@
 
 use rayon::prelude::*;
 
+use super::area_element::{AreaElement, Extent, NODES};
 use super::basis::ContactBasis;
 use super::counterpart::Counterpart;
 use super::curved_face::Standing;
 use super::face::ContactFace;
+use crate::assembly::follower::shape_slopes;
 use crate::assembly::load::push_shape_values;
 use crate::element::quadrature::Rule;
+use crate::geometry::vector3::add;
 use crate::mesh::Mesh;
 use crate::obstacle::{Contact, What};
 use crate::space::TaylorHood;
 
 /// Fewer faces are not worth a second thread.
 const PARALLEL_FACES: usize = 48;
+
+/// The surface that contact integrals are taken over.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Measure {
+    /// The undeformed surface: bodies of small strain.
+    #[default]
+    Undeformed,
+    /// The deformed surface, whose area moves with the displacement: bodies of finite strain.
+    Deformed,
+}
 
 /// What every contact integral reads.
 #[derive(Clone, Copy)]
@@ -34,6 +47,8 @@ pub struct Deformed<'a> {
     pub displacement: &'a [f64],
     /// Quadrature rule on the reference face; its weights add up to one.
     pub rule: &'a Rule,
+    /// Which area the rule weighs.
+    pub measure: Measure,
 }
 
 /// A rule with the values of all functions at its points: the same on every face.
@@ -55,6 +70,9 @@ pub(super) struct Table<'a> {
     /// Values of the multiplier functions at the points of the rule, row-major
     /// `[points, functions]`.
     values: Vec<f64>,
+    /// Slopes of the hierarchical P2 functions, row-major `[points, nodes]`; empty where the
+    /// area is the undeformed one.
+    slopes: Vec<[f64; 2]>,
 }
 
 impl<'a> Table<'a> {
@@ -72,9 +90,13 @@ impl<'a> Table<'a> {
         let nodes = corners * (corners + 1) / 2;
         let mut scaled = Vec::with_capacity(rule.len() * corners);
         let mut shapes = Vec::with_capacity(rule.len() * nodes);
+        let mut slopes = Vec::new();
         for point in &rule.points {
             scaled.extend(point[..corners].iter().map(|l| l * body.scale));
             push_shape_values(&point[..corners], &mut shapes);
+            if body.measure == Measure::Deformed {
+                slopes.extend(shape_slopes(&point[..corners]));
+            }
         }
         Self {
             rule,
@@ -84,6 +106,7 @@ impl<'a> Table<'a> {
             scaled,
             shapes,
             values,
+            slopes,
         }
     }
 
@@ -102,6 +125,13 @@ impl<'a> Table<'a> {
         &self.shapes[point * self.nodes..(point + 1) * self.nodes]
     }
 
+    /// Slopes of the hierarchical P2 functions at a point `[nodes]`; empty where the area is
+    /// the undeformed one.
+    pub(super) fn slopes(&self, point: usize) -> &[[f64; 2]] {
+        let own = point * self.nodes..(point + 1) * self.nodes;
+        self.slopes.get(own).unwrap_or_default()
+    }
+
     /// Multiplier functions at a point `[functions]`.
     pub(super) fn values(&self, point: usize) -> &[f64] {
         &self.values[point * self.functions..(point + 1) * self.functions]
@@ -113,9 +143,10 @@ impl<'a> Table<'a> {
 pub(super) struct FacePoints<'a> {
     /// The rule and the functions at its points.
     pub(super) table: &'a Table<'a>,
-    /// Weight times undeformed area at each point `[points]`, so that a sum is an
-    /// integral.
+    /// Weight times area at each point `[points]`, so that a sum is an integral.
     pub(super) weights: Vec<f64>,
+    /// Elements of the deformed area `[points]`; empty where the area is the undeformed one.
+    pub(super) areas: Vec<AreaElement>,
     /// Deformed position x + u of each point `[points][3]`, in units of the scaled
     /// body.
     pub(super) deformed: Vec<[f64; 3]>,
@@ -134,6 +165,7 @@ impl<'a> FacePoints<'a> {
         Self {
             table,
             weights: vec![0.0; points],
+            areas: Vec::with_capacity(table.slopes.len() / table.nodes),
             deformed: vec![[0.0; 3]; points],
             contacts: vec![Contact::default(); points],
             standing: None,
@@ -167,9 +199,31 @@ impl<'a> FacePoints<'a> {
         }
         self.standing = standing(body, face);
         self.add_offsets();
+        self.weigh(body, face);
+    }
+
+    /// Weights of the points of `face` by the measure of `body`.
+    fn weigh(&mut self, body: &Deformed<'_>, face: &ContactFace) {
+        let table = self.table;
         let weights = self.weights.iter_mut().zip(&table.rule.weights);
+        if body.measure == Measure::Undeformed {
+            for (point, (weight, share)) in weights.enumerate() {
+                *weight = share * face.area_at(table.coordinates(point));
+            }
+            return;
+        }
+        let place = node_positions(body, self.standing.as_ref(), face);
+        let extent = match (face.corners.len(), face.radii) {
+            (2, None) => Extent::Segment,
+            (2, Some(_)) => Extent::Ring,
+            _ => Extent::Triangle,
+        };
+        self.areas.clear();
         for (point, (weight, share)) in weights.enumerate() {
-            *weight = share * face.area_at(table.coordinates(point));
+            let functions = (table.shapes(point), table.slopes(point));
+            let area = AreaElement::new(extent, &place, functions);
+            *weight = share * area.size();
+            self.areas.push(area);
         }
     }
 
@@ -209,6 +263,32 @@ impl<'a> FacePoints<'a> {
         let values = face.functions.iter().zip(self.table.values(point));
         values.map(|(&m, value)| value * pressure[m as usize]).sum()
     }
+}
+
+/// Coefficients of x + u at the nodes of a face: positions of the corners, those of
+/// the edges in the hierarchical basis; zero beyond the face's nodes.
+fn node_positions(
+    body: &Deformed<'_>,
+    standing: Option<&Standing>,
+    face: &ContactFace,
+) -> [[f64; 3]; NODES] {
+    let c = body.space.components;
+    let mut values = [[0.0; 3]; NODES];
+    for (shape, (&node, value)) in face.nodes.iter().zip(&mut values).enumerate() {
+        if let Some(&corner) = face.corners.get(shape) {
+            *value = body.mesh.coordinates()[corner as usize].map(|x| body.scale * x);
+        }
+        for (i, x) in value.iter_mut().enumerate().take(c) {
+            *x += body.displacement[node as usize * c + i];
+        }
+    }
+    if let Some(standing) = standing {
+        let edges = values.iter_mut().skip(face.corners.len());
+        for (value, offset) in edges.zip(standing.offsets) {
+            *value = add(*value, offset);
+        }
+    }
+    values
 }
 
 /// The offsets of a curved face where its corners are displaced to.

@@ -1,33 +1,19 @@
-//! Deformed areas of the contact surface: int psi_i da with x = X + u on quadratic
-//! faces, da = |x_s x x_t| ds dt (|x_s| ds in the plane, times 2 pi (x + u_x) about an axis), by the rule of the gap.
+//! Deformed areas of the contact surface: int psi_i da by the rule of the gap.
 //!
-//! A contact pressure l per undeformed area is l_i int psi_i dS / int psi_i da per
-//! deformed area. Shapes: `[multipliers]`. Cost: some 100 flops a point.
+//! A contact pressure l per deformed area is l_i int psi_i da / int psi_i dS per
+//! undeformed area. Shapes: `[multipliers]`. Cost: some 100 flops a point.
 
-use std::f64::consts::TAU;
-
-use super::deformed::{Deformed, FacePoints, Table};
-use super::face::ContactFace;
+use super::deformed::{Deformed, Measure, Table};
 use super::surface::ContactSurface;
-use crate::assembly::follower::shape_slopes;
-use crate::geometry::vector3::{add, cross, norm, scale};
 
 impl ContactSurface {
-    /// int psi_k da over the deformed surface `[functions]`.
-    pub(super) fn deformed_weights(&self, body: &Deformed<'_>) -> Vec<f64> {
+    /// int psi_k dS over the undeformed or da over the deformed surface, as `body` measures
+    /// `[functions]`.
+    pub(super) fn areas(&self, body: &Deformed<'_>) -> Vec<f64> {
         let table = Table::new(body, self.basis);
-        let slopes: Vec<Vec<[f64; 2]>> = (0..table.points())
-            .map(|point| shape_slopes(table.coordinates(point)))
-            .collect();
         let size = table.points();
-        let areas = body.on_faces(&table, &self.faces, size, |points, face, areas| {
-            let nodes = node_positions(body, points, face);
-            let rule = points.table;
-            for (point, area) in areas.iter_mut().enumerate() {
-                let (values, slopes) = (rule.shapes(point), slopes[point].iter());
-                let functions = values.iter().zip(slopes);
-                *area = rule.rule.weights[point] * area_element(face, &nodes, functions);
-            }
+        let areas = body.on_faces(&table, &self.faces, size, |points, _, areas| {
+            areas.copy_from_slice(&points.weights);
         });
         let mut weights = vec![0.0; self.carriers.len()];
         for (face, areas) in self.faces.iter().zip(areas.chunks_exact(size)) {
@@ -40,25 +26,16 @@ impl ContactSurface {
         weights
     }
 
-    /// Coefficients of the contact pressure per deformed area `[functions]`, from those
-    /// per undeformed area `[multipliers]`.
-    pub fn deformed_pressure(&self, body: &Deformed<'_>, pressure: &[f64]) -> Vec<f64> {
-        let deformed = self.deformed_weights(body);
-        let weights = self.own_weights().into_iter().zip(deformed);
-        let ratios = weights.map(|(undeformed, deformed)| undeformed / deformed);
+    /// Coefficients of the contact pressure per undeformed area `[functions]`, from those
+    /// per deformed area `[multipliers]`.
+    pub fn undeformed_pressure(&self, body: &Deformed<'_>, pressure: &[f64]) -> Vec<f64> {
+        let by = |measure| self.areas(&Deformed { measure, ..*body });
+        let deformed = by(Measure::Deformed).into_iter();
+        let ratios = deformed
+            .zip(by(Measure::Undeformed))
+            .map(|(now, rest)| now / rest);
         let pressure = self.shares.spread(pressure);
         pressure.iter().zip(ratios).map(|(p, r)| p * r).collect()
-    }
-
-    /// int phi_k dS over the undeformed surface `[functions]`.
-    fn own_weights(&self) -> Vec<f64> {
-        let mut weights = vec![0.0; self.carriers.len()];
-        for face in &self.faces {
-            for (k, &function) in face.functions.iter().enumerate() {
-                weights[function as usize] += self.basis.weight(face, k);
-            }
-        }
-        weights
     }
 
     /// Nodes with the values there of the pressure with these `coefficients`
@@ -81,64 +58,17 @@ impl ContactSurface {
     }
 }
 
-/// Coefficients of x + u at the nodes of a face: positions of the corners, those of
-/// the edges in the hierarchical basis; zero beyond the face's nodes.
-pub(super) fn node_positions(
-    body: &Deformed<'_>,
-    points: &FacePoints<'_>,
-    face: &ContactFace,
-) -> [[f64; 3]; 6] {
-    let c = body.space.components;
-    let mut values = [[0.0; 3]; 6];
-    for (shape, (&node, value)) in face.nodes.iter().zip(&mut values).enumerate() {
-        if let Some(&corner) = face.corners.get(shape) {
-            *value = body.mesh.coordinates()[corner as usize].map(|x| body.scale * x);
-        }
-        for (i, x) in value.iter_mut().enumerate().take(c) {
-            *x += body.displacement[node as usize * c + i];
-        }
-    }
-    if let Some(standing) = &points.standing {
-        let edges = values.iter_mut().skip(face.corners.len());
-        for (value, offset) in edges.zip(standing.offsets) {
-            *value = add(*value, offset);
-        }
-    }
-    values
-}
-
-/// Area of the deformed face were it everywhere as at a point, given the value and
-/// the slopes there of the function of each node.
-fn area_element<'a>(
-    face: &ContactFace,
-    nodes: &[[f64; 3]],
-    functions: impl Iterator<Item = (&'a f64, &'a [f64; 2])>,
-) -> f64 {
-    let mut along = [[0.0; 3]; 2];
-    let mut radius = 0.0;
-    for (position, (value, slopes)) in nodes.iter().zip(functions) {
-        radius += value * position[0];
-        for (tangent, &slope) in along.iter_mut().zip(slopes) {
-            *tangent = add(*tangent, scale(slope, *position));
-        }
-    }
-    match (face.corners.len(), face.radii) {
-        (2, None) => norm(along[0]),
-        (2, Some(_)) => norm(along[0]) * TAU * radius,
-        _ => 0.5 * norm(cross(along[0], along[1])),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::contact::basis::Bernstein;
     use crate::element::quadrature::{Simplex, rule};
+    use crate::geometry::vector3::{cross, norm};
     use crate::mesh::{GroupKind, samples};
     use crate::space::TaylorHood;
 
     #[test]
-    fn a_stretched_face_has_its_stretched_area_and_less_pressure() {
+    fn a_stretched_face_has_its_stretched_area_and_more_undeformed_pressure() {
         let mesh = samples::cube(2);
         let space = TaylorHood::new(&mesh);
         let group = mesh.group("z1", GroupKind::Facets).expect("a side");
@@ -155,17 +85,18 @@ mod tests {
             space: &space,
             displacement: &displacement,
             rule: &rule(Simplex::Triangle, 2),
+            measure: Measure::Deformed,
         };
         // (1.5, 0, 0.3) x (0.25, 1.2, 0)
         let area = norm(cross([1.5, 0.0, 0.3], [0.25, 1.2, 0.0]));
-        let pairs = surface.weights.iter().zip(surface.deformed_weights(&body));
+        let pairs = surface.weights.iter().zip(surface.areas(&body));
         for (undeformed, deformed) in pairs {
             assert!((deformed - area * undeformed).abs() < 1e-15);
         }
         for surface in [surface.clone(), surface.with_basis(&Bernstein)] {
             let ones = vec![1.0; surface.multipliers()];
-            for pressure in surface.deformed_pressure(&body, &ones) {
-                assert!((pressure * area - 1.0).abs() < 1e-13);
+            for pressure in surface.undeformed_pressure(&body, &ones) {
+                assert!((pressure / area - 1.0).abs() < 1e-13);
             }
         }
     }
@@ -186,10 +117,11 @@ mod tests {
             space: &space,
             displacement: &displacement,
             rule: &rule(Simplex::Segment, 20),
+            measure: Measure::Deformed,
         };
         // y = x (1 - x): int sqrt(1 + (1 - 2 x)^2) dx over 0 .. 1.
         let length = 0.5 * (2.0_f64.sqrt() + 1.0_f64.asinh());
-        let found: f64 = surface.deformed_weights(&body).iter().sum();
+        let found: f64 = surface.areas(&body).iter().sum();
         assert!((found - length).abs() < 1e-9, "{found} {length}");
     }
 }

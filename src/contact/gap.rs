@@ -13,9 +13,10 @@ use rayon::prelude::*;
 
 use super::counterpart::Counterpart;
 use super::curved_face::Standing;
-pub use super::deformed::Deformed;
+pub use super::deformed::{Deformed, Measure};
 use super::deformed::{FacePoints, Table};
 use super::surface::ContactSurface;
+use crate::geometry::vector3::{add, scale};
 use crate::obstacle::What;
 
 /// Fewer rows are not worth a second thread.
@@ -95,22 +96,43 @@ pub fn linearise<C: Counterpart + ?Sized>(
         let (first, couplings) = numbers.split_at_mut(gaps);
         points.probe(counterpart, face, What::Normal);
         fill_gaps(points, first);
-        match (&points.standing, table.corners) {
-            (Some(standing), _) => add_curved_couplings(points, standing, couplings),
-            (None, 2) => add_couplings::<3>(points, couplings),
-            (None, _) => add_couplings::<6>(points, couplings),
+        match (body.measure, &points.standing, table.corners) {
+            (Measure::Deformed, _, _) => add_deformed_couplings(points, couplings),
+            (_, Some(standing), _) => add_curved_couplings(points, standing, couplings),
+            (_, None, 2) => add_couplings::<3>(points, couplings),
+            (_, None, _) => add_couplings::<6>(points, couplings),
         }
     });
     let numbers = FaceNumbers { numbers, size };
-    let c = body.space.components;
-    let row = |index: usize| surface.row(index, &table, &numbers, (c, held));
-    let rows = (0..surface.carriers.len()).into_par_iter();
-    let rows = rows.with_min_len(PARALLEL_ROWS).map(row).collect();
     Linearisation {
         gap: surface.shares.gather(surface.summed(&table, &numbers)),
-        rows: surface.shares.gather_rows(rows),
+        rows: surface.rows(&table, &numbers, held),
         max_penetration: numbers.deepest(),
     }
+}
+
+/// How the change of the deformed area changes the integral of a field: rows of
+/// -int psi_i f (da/du) `[multipliers]`, f the component `axis` of `field`
+/// `[displacement unknowns]`.
+pub fn area_rows(
+    body: &Deformed<'_>,
+    surface: &ContactSurface,
+    (field, axis): (&[f64], usize),
+    held: &[bool],
+) -> Vec<Vec<(u32, f64)>> {
+    let table = Table::new(body, surface.basis);
+    let gaps = 1 + table.functions * table.points();
+    let size = gaps + table.functions * 3 * table.nodes;
+    let c = body.space.components;
+    let numbers = body.on_faces(&table, &surface.faces, size, |points, face, numbers| {
+        for (point, contact) in points.contacts.iter_mut().enumerate() {
+            let nodes = face.nodes.iter().zip(table.shapes(point));
+            let values = nodes.map(|(&node, shape)| shape * field[node as usize * c + axis]);
+            (contact.distance, contact.normal) = (values.sum(), [0.0; 3]);
+        }
+        add_deformed_couplings(points, &mut numbers[gaps..]);
+    });
+    surface.rows(&table, &FaceNumbers { numbers, size }, held)
 }
 
 /// Numbers of all faces `[faces, size]`: the deepest penetration, what each function
@@ -183,6 +205,28 @@ fn add_curved_couplings(points: &FacePoints<'_>, standing: &Standing, couplings:
     }
 }
 
+/// -int psi (N n da + d da/dX) of every function, direction and node.
+fn add_deformed_couplings(points: &FacePoints<'_>, couplings: &mut [f64]) {
+    let (table, nodes) = (points.table, points.table.nodes);
+    let elements = points.contacts.iter().zip(&points.areas).enumerate();
+    for (point, (contact, area)) in elements {
+        let weight = table.rule.weights[point];
+        for (node, &shape) in table.shapes(point).iter().enumerate() {
+            let pulled = scale(shape * area.size(), contact.normal);
+            let change = scale(contact.distance, area.gradient(node, shape));
+            let along = scale(weight, add(pulled, change));
+            let values = table.values(point).iter();
+            for (value, block) in values.zip(couplings.chunks_exact_mut(3 * nodes)) {
+                (0..3).for_each(|i| block[i * nodes + node] -= value * along[i]);
+            }
+        }
+    }
+    if let Some(standing) = &points.standing {
+        let blocks = couplings.chunks_exact_mut(3 * nodes);
+        blocks.for_each(|block| standing.pull_row(block));
+    }
+}
+
 impl ContactSurface {
     /// Per function, the sum of what it gains on its faces `[functions]`.
     fn summed(&self, table: &Table<'_>, numbers: &FaceNumbers) -> Vec<f64> {
@@ -197,6 +241,19 @@ impl ContactSurface {
         };
         let rows = (0..self.carriers.len()).into_par_iter();
         rows.with_min_len(PARALLEL_ROWS).map(gain).collect()
+    }
+
+    /// The rows of all multipliers, without what is `held`.
+    fn rows(
+        &self,
+        table: &Table<'_>,
+        numbers: &FaceNumbers,
+        held: &[bool],
+    ) -> Vec<Vec<(u32, f64)>> {
+        let row = |index: usize| self.row(index, table, numbers, (table.corners, held));
+        let rows = (0..self.carriers.len()).into_par_iter();
+        let rows = rows.with_min_len(PARALLEL_ROWS).map(row).collect();
+        self.shares.gather_rows(rows)
     }
 
     /// One row of C for `components` of the displacement, without what is `held`.

@@ -8,6 +8,7 @@
 //! quadratic face. d > 0 outside the obstacle.
 
 pub mod area_change;
+mod area_element;
 pub mod basis;
 pub mod coarseness;
 mod counterpart;
@@ -30,10 +31,11 @@ pub mod surface_metric;
 
 pub use basis::ContactBasis;
 pub use counterpart::{Counterpart, Guide};
-pub use curvature::curvature;
+pub use curvature::{curvature, traction_change};
 pub use curved_face::{CurvedFace, Kinematics};
+pub use deformed::Measure;
 pub use face::ContactFace;
-pub use gap::{Linearisation, evaluate_gaps, linearise};
+pub use gap::{Linearisation, area_rows, evaluate_gaps, linearise};
 pub use resultant::{Acting, Resultant, resultant};
 pub use surface::ContactSurface;
 

@@ -27,8 +27,6 @@ pub(crate) struct ContactBlock<'a> {
     /// Dense metric `[multipliers, multipliers]`, an approximation of the Schur
     /// complement of the block.
     pub(crate) matrix: &'a dyn SymmetricMatrix,
-    /// The metric of steps on a face where it is another one.
-    pub(crate) sprung: Option<&'a dyn SymmetricMatrix>,
     /// Weights of the multipliers: the integrals of their functions, or empty for
     /// methods that read none.
     pub(crate) weights: &'a [f64],
@@ -58,7 +56,6 @@ impl<'a> Blocks<'a> {
                 Some(equalities),
                 Metric::Dense {
                     matrix,
-                    sprung,
                     weights,
                     moduli,
                     shared,
@@ -69,7 +66,6 @@ impl<'a> Blocks<'a> {
                     rows: last.rows,
                     columns: last.columns,
                     matrix,
-                    sprung,
                     weights,
                     moduli,
                     shared,

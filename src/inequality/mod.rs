@@ -22,6 +22,7 @@ pub mod qp;
 pub use augmentation::Augmentation;
 pub use factorised::{BodyFactor, Factorised, Inertia, MOST_FACES, Matrices, inertia};
 pub use one_level::OneLevel;
+pub(crate) use one_level::augmented::Augmented;
 pub use qp::{
     BlockIterate, QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
     Slide,

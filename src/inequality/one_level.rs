@@ -14,7 +14,7 @@
 //! Costs about what the same problem costs without contact; a review costs one
 //! small dense solve and no application of the displacement preconditioner.
 
-mod augmented;
+pub(crate) mod augmented;
 mod face;
 mod face_metric;
 mod history;
@@ -23,7 +23,6 @@ mod monitor;
 mod sets;
 mod shared;
 mod slides;
-mod sprung;
 mod weights;
 
 use std::collections::HashSet;
@@ -183,9 +182,7 @@ impl Faces<'_, '_> {
         run: &mut QpRun<'_, '_>,
         outcome: &mut QpOutcome,
     ) -> Result<QpStatus, QpStatus> {
-        if !self.keeps_its_face(iterate) {
-            self.choose_first_face(iterate, outcome, run.work)?;
-        }
+        self.choose_first_face(iterate, outcome, run.work)?;
         let first = self.blocks.contact_of(iterate);
         let mut history = History {
             visited: HashSet::from([first.status.clone()]),
@@ -237,10 +234,7 @@ impl Faces<'_, '_> {
         // Solved, or reduced enough for a look at the signs: the dense problem in the
         // metric says which face the solution lies on.
         let bound = run.targets.level * run.scales.gap;
-        let next = match self.keeps_its_face(iterate) {
-            true => Ok(None),
-            false => self.following(iterate, history, bound),
-        };
+        let next = self.following(iterate, history, bound);
         if let Ok(Some(next)) = &next {
             outcome.newton_steps += next.steps;
         }

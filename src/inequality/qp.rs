@@ -26,9 +26,6 @@ pub struct QpProblem<'a> {
     /// Terms that vanish where the constraints of contact hold; none where A is not
     /// indefinite without them. Read by the methods on one level.
     pub augmentation: Option<&'a Augmentation>,
-    /// W `[multipliers]`: springs on the constraints that `displacement` has in its A;
-    /// empty where it has none.
-    pub springs: &'a [f64],
     /// Approximate inverse of A, fixed during the solve.
     pub displacement: &'a dyn Preconditioner,
     /// How multipliers and displacement are stepped by the preconditioner of the whole

@@ -73,7 +73,6 @@ fn every_method_bears_an_equality_and_a_curvature() {
         let parts = QpProblem {
             curvature: Some(&identity(0.02)),
             augmentation: None,
-            springs: &[],
             ..matrices.problem(&blocks)
         };
         let mut iterate = problem.iterate(1);
@@ -93,7 +92,6 @@ fn every_nested_method_can_be_interrupted_inside_an_inner_solve() {
         let parts = QpProblem {
             curvature: Some(&identity(0.02)),
             augmentation: None,
-            springs: &[],
             ..matrices.problem(&blocks)
         };
         let mut calls = 0;

@@ -9,7 +9,8 @@
 //! explained (within the tolerance: `note_slip`), Q what the obstacle has done since: Q x0 is where its
 //! material point is now that stood at x0. n_i is the mean normal of the obstacle at the end,
 //! so that everything is implicit, and body and obstacle turned together slip by nothing. The
-//! functions and the weights are those of the pressure, over the undeformed surface. What a
+//! functions and the weights are those of the pressure: over the undeformed surface of a linear
+//! body, over the deformed one of a body of finite strain. What a
 //! support holds at the node of a point drops out of its traction and its slip.
 //!
 //! Points stand obstacle by obstacle in the order of its multipliers; where two rough
@@ -18,8 +19,10 @@
 //! Cost: the mass of the traces once; then a sparse product, and mean normals of curved
 //! obstacles, an evaluation.
 
+mod area;
 mod frame;
 mod points;
+mod traces;
 mod turning;
 
 use std::sync::Arc;
@@ -32,12 +35,12 @@ use crate::contact::gap::Deformed;
 use crate::geometry::Matrix3;
 use crate::geometry::rigid_motion::multiply;
 use crate::geometry::vector3::{add, dot, scale, sub};
-use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, Workspace};
 use crate::obstacle::Moving;
 use crate::plan::Plan;
 use crate::saddle::{Components, FrictionBound, Status};
 use frame::{frame, normals};
-use points::{guided, points_of, trace_of};
+use points::{guided, points_of};
+use traces::Traces;
 
 pub(crate) use frame::Frame;
 pub(crate) use points::Point;
@@ -56,8 +59,8 @@ pub(crate) struct Friction {
     pub(crate) first: usize,
     /// The pressure of each point `[points]`.
     pub(crate) partners: Arc<[u32]>,
-    /// int phi_i N_k dS `[points, nodes]`.
-    trace: SparseRows,
+    /// Integrals over the undeformed surface.
+    at_rest: Arc<Traces>,
 }
 
 /// Where an increment began.
@@ -147,25 +150,24 @@ impl Friction {
             _ => Components::Two,
         };
         let (mut points, mut partners) = (Vec::new(), Vec::new());
-        let mut trace = SparseRowsBuilder::new(body.space.nodes());
+        let mut surfaces = Vec::new();
         let (obstacles, guides) = list.split_at(plan.obstacles.len());
         let guided = guided(guides.iter().map(|(_, surface)| *surface));
         for (obstacle, (multipliers, surface)) in obstacles.iter().enumerate() {
             if !plan.obstacles[obstacle].is_rough {
                 continue;
             }
-            points.extend(points_of((plan, &guided), body, (obstacle, surface)));
+            let components = body.space.components;
+            points.extend(points_of((plan, &guided), components, (obstacle, surface)));
             partners.extend_from_slice(multipliers);
-            for mut row in trace_of(body, surface) {
-                trace.push_row(&mut row);
-            }
+            surfaces.push(*surface);
         }
         (!points.is_empty()).then(|| Self {
             points,
             components,
             first,
             partners: partners.into(),
-            trace: trace.finish(),
+            at_rest: Arc::new(Traces::new(body, surfaces.into_iter())),
         })
     }
 
@@ -211,41 +213,21 @@ impl Friction {
         ([component(0), component(1)], state.status[first])
     }
 
-    /// int phi_i x dS of all points where `displacement` has them.
-    pub(crate) fn moments(&self, components: usize, displacement: &[f64]) -> Vec<[f64; 3]> {
-        let moved = self.moved(components, displacement);
-        let points = self.points.iter().zip(moved);
-        points
-            .map(|(point, moved)| add(point.place, moved))
-            .collect()
-    }
-
-    /// int phi_i u dS of all points.
-    fn moved(&self, components: usize, displacement: &[f64]) -> Vec<[f64; 3]> {
-        let mut moved = vec![[0.0; 3]; self.points.len()];
-        let mut work = Workspace::new();
-        let mut sums = vec![0.0; self.points.len()];
-        for i in 0..components {
-            let along: Vec<f64> = displacement
-                .iter()
-                .skip(i)
-                .step_by(components)
-                .copied()
-                .collect();
-            self.trace.apply(&along, &mut sums, &mut work);
-            moved
-                .iter_mut()
-                .zip(&sums)
-                .for_each(|(moved, &sum)| moved[i] = sum);
+    /// The integrals at a state: over the deformed surface of a body of finite strain.
+    pub(crate) fn traces(&self, model: &Model<'_>, state: &State) -> Arc<Traces> {
+        if !model.is_rubber() {
+            return self.at_rest.clone();
         }
-        moved
+        let body = model.deformed(&state.displacement);
+        let frictional = model.frictional().map(|(_, interface)| &interface.surface);
+        Arc::new(Traces::new(&body, frictional))
     }
 
     /// Weighted slips since `start` `[points]`, not projected.
     pub(crate) fn travels(
         &self,
-        model: &Model<'_>,
-        state: &State,
+        traces: &Traces,
+        (model, state): (&Model<'_>, &State),
         start: &SlipStart,
     ) -> Vec<[f64; 3]> {
         let c = model.prepared.space.components;
@@ -255,17 +237,17 @@ impl Friction {
             .zip(&start.displacement)
             .map(|(now, before)| now - before)
             .collect();
-        let moved = self.moved(c, &change);
-        let before = self.moments(c, &start.displacement);
+        let moved = traces.moved(c, &change);
+        let before = traces.moments(c, &start.displacement);
         let length = model.plan.units.length;
         let [from, to] =
             [&start.drive, &state.drive].map(|drive| model.interfaces.obstacles(drive, length));
-        let points = self.points.iter().zip(before).zip(moved);
-        let points = points.zip(start.residue());
+        let points = self.points.iter().zip(&traces.weights);
+        let points = points.zip(before).zip(moved).zip(start.residue());
         points
-            .map(|(((point, before), moved), residue)| {
+            .map(|((((point, &weight), before), moved), residue)| {
                 let pair = [&from[point.obstacle], &to[point.obstacle]];
-                let travel = sub(moved, carried(pair, before, point.weight));
+                let travel = sub(moved, carried(pair, before, weight));
                 add(travel, turned(pair, *residue))
             })
             .collect()
@@ -299,18 +281,24 @@ impl Friction {
     /// Slip since the increment began and its rows at a state, columns of `held` unknowns left out.
     pub(crate) fn linearised(&self, model: &Model<'_>, state: &State, held: &[bool]) -> Slips {
         let frames = self.frames(model, state);
+        let traces = self.traces(model, state);
         Slips {
-            slip: self.slips(&frames, model, state),
-            rows: self.rows(&frames, model, held),
+            slip: self.slips((&frames, &traces), model, state),
+            rows: self.rows((&frames, &traces), model, held),
         }
     }
 
     /// Slip since the increment began in given frames `[points * components]`; zero where
     /// none has.
-    pub(crate) fn slips(&self, frames: &[Frame], model: &Model<'_>, state: &State) -> Vec<f64> {
+    pub(crate) fn slips(
+        &self,
+        (frames, traces): (&[Frame], &Traces),
+        model: &Model<'_>,
+        state: &State,
+    ) -> Vec<f64> {
         let width = self.components.count();
         let travels = match &model.slip_start {
-            Some(start) => self.travels(model, state, start),
+            Some(start) => self.travels(traces, (model, state), start),
             None => vec![[0.0; 3]; self.points.len()],
         };
         let pairs = frames.iter().zip(travels);
@@ -325,14 +313,14 @@ impl Friction {
     /// Rows of -ds/du in given frames.
     pub(crate) fn rows(
         &self,
-        frames: &[Frame],
+        (frames, traces): (&[Frame], &Traces),
         model: &Model<'_>,
         held: &[bool],
     ) -> Vec<Vec<(u32, f64)>> {
         let c = model.prepared.space.components;
         let mut rows = Vec::with_capacity(self.size());
         for (point, frame) in frames.iter().enumerate() {
-            let (nodes, values) = self.trace.row(point);
+            let (nodes, values) = traces.rows.row(point);
             for tangent in &frame[..self.components.count()] {
                 let mut row = Vec::new();
                 for (&node, value) in nodes.iter().zip(values) {
@@ -355,7 +343,8 @@ pub(crate) fn note_slip(model: &Model<'_>, state: &mut State) {
         return;
     };
     let frames = friction.frames(model, state);
-    let travels = friction.travels(model, state, start);
+    let traces = friction.traces(model, state);
+    let travels = friction.travels(&traces, (model, state), start);
     state.slip.increment.fill(0.0);
     for (number, point) in friction.points.iter().enumerate() {
         let frame = &frames[number];
@@ -366,7 +355,7 @@ pub(crate) fn note_slip(model: &Model<'_>, state: &mut State) {
         let is_pressed = state.multiplier[friction.partners[number] as usize] > 0.0;
         let (travel, residue) = match is_pressed {
             true => (
-                scale(point.weight.recip(), vector(slip)),
+                scale(traces.weights[number].recip(), vector(slip)),
                 vector([along[0] - slip[0], along[1] - slip[1]]),
             ),
             false => Default::default(),

@@ -25,7 +25,7 @@ use crate::contact::gap::Deformed;
 use crate::contact::patches::outward;
 use crate::contact::smooth::{sagittas, smooth_offsets};
 use crate::contact::surface::{FACE_DEGREE, KINKED_DEGREE, face_rule};
-use crate::contact::{ContactFace, ContactSurface, Counterpart, Guide, Kinematics};
+use crate::contact::{ContactFace, ContactSurface, Counterpart, Guide, Kinematics, Measure};
 use crate::element::quadrature::Rule;
 use crate::geometry::RigidMotion;
 use crate::mesh::Mesh;
@@ -188,6 +188,7 @@ impl Interfaces {
             space,
             displacement: &at_rest,
             rule: &rule,
+            measure: Measure::Undeformed,
         };
         let surfaces = list.iter().map(|one| (&one.multipliers[..], &one.surface));
         let surfaces: Vec<(&[u32], &ContactSurface)> = surfaces.collect();

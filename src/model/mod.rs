@@ -35,6 +35,7 @@ pub(crate) mod values;
 
 use std::sync::Arc;
 
+use crate::contact::Measure;
 use crate::contact::gap::Deformed;
 use crate::mesh::Mesh;
 use crate::plan::Plan;
@@ -94,6 +95,10 @@ impl<'a> Model<'a> {
             space: &self.prepared.space,
             displacement,
             rule: &self.interfaces.rule,
+            measure: match self.is_rubber() {
+                true => Measure::Deformed,
+                false => Measure::Undeformed,
+            },
         }
     }
 
@@ -107,6 +112,14 @@ impl<'a> Model<'a> {
         let mut place = rest.map(|x| self.plan.units.coordinate_scale * x);
         place.iter_mut().zip(moved).for_each(|(x, u)| *x += u);
         place
+    }
+
+    /// The interfaces of frictional obstacles with the numbers of these, in the order of the
+    /// points of friction.
+    pub(crate) fn frictional(&self) -> impl Iterator<Item = (usize, &'a Interface)> {
+        let obstacles = self.plan.obstacles.iter().zip(&self.interfaces.list);
+        let frictional = obstacles.enumerate().filter(|(_, (one, _))| one.is_rough);
+        frictional.map(|(index, (_, interface))| (index, interface))
     }
 
     /// Every surface with what it meets where `drive` has it, in the order of the

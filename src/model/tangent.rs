@@ -134,7 +134,8 @@ fn gaps(model: &Model<'_>, state: &State) -> Vec<f64> {
     }
     if let Some(friction) = &model.interfaces.friction {
         let frames = friction.frames(model, state);
-        let slips = friction.slips(&frames, model, state);
+        let traces = friction.traces(model, state);
+        let slips = friction.slips((&frames, &traces), model, state);
         gaps[friction.first..friction.first + slips.len()].copy_from_slice(&slips);
     }
     gaps

@@ -15,7 +15,6 @@ pub mod p1;
 pub mod p_multigrid;
 pub mod schur;
 pub mod spectrum;
-pub mod stiff_constraints;
 pub mod transfer;
 pub mod volume_modes;
 
@@ -23,7 +22,6 @@ pub use counted::Counted;
 pub use lines::AlongLines;
 pub use node_blocks::NodeBlocks;
 pub use p_multigrid::PMultigrid;
-pub use stiff_constraints::StiffConstraints;
 pub use transfer::Transfer;
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 use super::TaylorHoodData;
 use super::approximate_inverse::ApproximateInverse;
 use super::bodies::{DisplacementBody, P1Body};
-use super::deformed::{ClosedGaps, Deformed};
+use super::deformed::Deformed;
 use super::error::PrepareError;
 use super::moduli::moduli;
 use super::{displacement, p1};
@@ -14,9 +14,8 @@ use crate::linalg::{FactoriseError, Preconditioner, Workspace};
 use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::plan::augmentation::VOLUMETRIC;
+use crate::precond::NodeBlocks;
 use crate::precond::node_blocks::are_positive;
-use crate::precond::stiff_constraints::Nodes;
-use crate::precond::{NodeBlocks, StiffConstraints};
 use crate::report::CancelToken;
 use std::sync::Arc;
 
@@ -88,7 +87,6 @@ impl TaylorHoodData {
         };
         let weight = VOLUMETRIC + state.cells.penalty();
         let tangents = CellTangents::new(&states, weight);
-        let springs = self.springs(state.contact);
         let body = P1Body {
             mesh,
             space: &self.space,
@@ -96,7 +94,6 @@ impl TaylorHoodData {
             stiffness: &tangents,
             held: &self.held,
             moved: state.displacement,
-            springs: springs.as_ref(),
         };
         let cells = StiffCells {
             mesh,
@@ -104,16 +101,15 @@ impl TaylorHoodData {
             geometry: &self.geometry,
             stiffness: &tangents,
         };
-        let node_blocks = self.node_blocks(&cells, springs.as_ref())?;
+        let node_blocks = self.node_blocks(&cells)?;
         let p1 = p1::build(plan, body, cancel)?;
-        let around = ((state, &tangents), &node_blocks, springs.as_ref());
+        let around = ((state, &tangents), &node_blocks);
         let (displacement, displacement_bytes) =
             self.around_p1(plan, mesh, around, p1.solver.clone());
         Ok(ApproximateInverse {
             displacement,
             p1: p1.solver,
             node_blocks,
-            springs,
             compliance: p1.compliance,
             traces: p1.traces,
             solver_bytes: p1.bytes + displacement_bytes,
@@ -121,20 +117,13 @@ impl TaylorHoodData {
         })
     }
 
-    /// Inverted node blocks with springs.
+    /// Inverted node blocks.
     ///
     /// # Errors
     /// Where one is not positive definite.
-    fn node_blocks(
-        &self,
-        cells: &StiffCells<'_>,
-        springs: Option<&StiffConstraints>,
-    ) -> Result<NodeBlocks, FactoriseError> {
+    fn node_blocks(&self, cells: &StiffCells<'_>) -> Result<NodeBlocks, FactoriseError> {
         let c = self.space.components;
-        let mut blocks = cells.node_blocks(&self.held);
-        if let Some(springs) = springs {
-            springs.at_nodes(|node, spring| add_to(&mut blocks[node * c * c..], c, &spring));
-        }
+        let blocks = cells.node_blocks(&self.held);
         match are_positive(c, &blocks) {
             true => Ok(NodeBlocks::invert(c, blocks)),
             false => Err(FactoriseError::NotPositiveDefinite),
@@ -146,11 +135,7 @@ impl TaylorHoodData {
         &self,
         plan: &Plan,
         mesh: &Mesh,
-        ((state, tangents), node_blocks, springs): (
-            (Deformed<'_>, &CellTangents),
-            &NodeBlocks,
-            Option<&StiffConstraints>,
-        ),
+        ((state, tangents), node_blocks): ((Deformed<'_>, &CellTangents), &NodeBlocks),
         p1: Arc<dyn Preconditioner>,
     ) -> (Arc<dyn Preconditioner>, u64) {
         let body = DisplacementBody {
@@ -164,32 +149,7 @@ impl TaylorHoodData {
             p1,
             tangent: Some(state),
             tangents: Some(tangents),
-            springs,
         };
         displacement::build(plan, &body)
-    }
-
-    /// Springs in the place of the closed gaps, by the nodes of the body at rest.
-    fn springs(&self, contact: Option<ClosedGaps<'_>>) -> Option<StiffConstraints> {
-        let contact = contact?;
-        let nodes = Nodes {
-            blocks: &self.at_rest.node_blocks,
-            vertices: self.space.vertices,
-            edges: &self.space.edges,
-            is_held: &self.is_held,
-        };
-        Some(StiffConstraints::new(
-            contact.coupling,
-            contact.pressed,
-            &nodes,
-        ))
-    }
-}
-
-/// Adds `spring` to the first block of `blocks`, which has `c` rows.
-fn add_to(blocks: &mut [f64], c: usize, spring: &[[f64; 3]; 3]) {
-    for (row, spring) in blocks.chunks_exact_mut(c).zip(&spring[..c]) {
-        let entries = row.iter_mut().zip(spring);
-        entries.for_each(|(entry, spring)| *entry += spring);
     }
 }

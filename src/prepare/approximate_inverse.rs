@@ -16,7 +16,7 @@ use std::sync::Arc;
 
 use super::traces::TraceDirections;
 use crate::linalg::{DenseMatrix, Preconditioner};
-use crate::precond::{NodeBlocks, StiffConstraints};
+use crate::precond::NodeBlocks;
 
 /// The parts that belong together.
 pub(crate) struct ApproximateInverse {
@@ -24,8 +24,6 @@ pub(crate) struct ApproximateInverse {
     /// A11^-1 `[vertex unknowns]`.
     pub(crate) p1: Arc<dyn Preconditioner>,
     pub(crate) node_blocks: NodeBlocks,
-    /// Springs that stand for closed gaps in all of the above; none at rest.
-    pub(crate) springs: Option<StiffConstraints>,
     /// A11^-1 on `traces`; empty without contact.
     pub(crate) compliance: Arc<DenseMatrix>,
     pub(crate) traces: TraceDirections,
@@ -46,11 +44,6 @@ impl std::fmt::Debug for ApproximateInverse {
 impl ApproximateInverse {
     /// Bytes held.
     pub(crate) fn bytes(&self) -> u64 {
-        let springs = self.springs.as_ref().map_or(0, StiffConstraints::bytes);
-        self.solver_bytes
-            + self.node_blocks.bytes()
-            + self.compliance.bytes()
-            + self.traces.bytes()
-            + springs
+        self.solver_bytes + self.node_blocks.bytes() + self.compliance.bytes() + self.traces.bytes()
     }
 }

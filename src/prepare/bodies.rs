@@ -11,7 +11,7 @@ use crate::assembly::{CellGeometry, CellModuli, Constrained, Grid, SingleStiffne
 use crate::linalg::{LinearOperator, Preconditioner, ResidualUpdate};
 use crate::mesh::Mesh;
 use crate::plan::augmentation::VOLUMETRIC;
-use crate::precond::{NodeBlocks, StiffConstraints};
+use crate::precond::NodeBlocks;
 use crate::space::TaylorHood;
 
 /// Mesh and material of A11.
@@ -24,8 +24,6 @@ pub(crate) struct P1Body<'a> {
     pub(crate) held: &'a [u32],
     /// Hierarchical displacement of the surface; empty at rest.
     pub(crate) moved: &'a [f64],
-    /// Springs on its surface; none at rest.
-    pub(crate) springs: Option<&'a StiffConstraints>,
 }
 
 /// What the preconditioner of the displacement block is built from.
@@ -42,8 +40,6 @@ pub(crate) struct DisplacementBody<'a> {
     pub(crate) tangent: Option<Deformed<'a>>,
     /// The tangents of cells there, where they have been made.
     pub(crate) tangents: Option<&'a CellTangents>,
-    /// Springs on its surface; none at rest.
-    pub(crate) springs: Option<&'a StiffConstraints>,
 }
 
 impl DisplacementBody<'_> {
@@ -76,11 +72,7 @@ impl DisplacementBody<'_> {
         }
         let tangent = SingleTangent::new((self.mesh, self.grid), self.tangents?, basis, held)?;
         let bytes = tangent.bytes();
-        let tangent = Arc::new(tangent);
-        match self.springs {
-            None => Some((tangent, bytes)),
-            Some(springs) => Some((springs.on_single_lagrange(tangent), bytes)),
-        }
+        Some((Arc::new(tangent), bytes))
     }
 
     /// What the inverse approximates the inverse of, in the given basis: A or the tangent, with
@@ -89,18 +81,13 @@ impl DisplacementBody<'_> {
         let Some(state) = self.tangent else {
             return Arc::new(self.linear(basis, VolumeTerm::Augmented));
         };
-        let tangent = Arc::new(Constrained {
+        Arc::new(Constrained {
             free: TangentStiffness {
                 products: TangentProducts::new(state.cells, state.at, VOLUMETRIC),
                 basis,
                 size: self.space.displacement_unknowns(),
             },
             held: self.held.clone(),
-        });
-        match (self.springs, basis) {
-            (None, _) => tangent,
-            (Some(springs), Basis::Lagrange) => springs.on_lagrange(tangent),
-            (Some(springs), Basis::Hierarchical) => springs.on_hierarchical(tangent),
-        }
+        })
     }
 }

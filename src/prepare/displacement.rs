@@ -11,7 +11,6 @@ use super::bodies::DisplacementBody;
 use super::chooser;
 use crate::assembly::grid::Basis;
 use crate::assembly::node_couplings::node_couplings;
-use crate::assembly::p1_stiffness::add;
 use crate::linalg::cholesky::Precision;
 use crate::linalg::{LinearOperator, Preconditioner, Widened};
 use crate::mesh::Mesh;
@@ -19,7 +18,7 @@ use crate::plan::Plan;
 use crate::precond::lines::LagrangeNodes;
 use crate::precond::node_pairs::NodePairs;
 use crate::precond::p_multigrid::{Smoothing, largest_eigenvalue};
-use crate::precond::{AlongLines, NodeBlocks, PMultigrid, StiffConstraints, Transfer};
+use crate::precond::{AlongLines, NodeBlocks, PMultigrid, Transfer};
 use crate::space::TaylorHood;
 
 /// The preconditioner that `plan` chose, and its bytes without the P1 solver.
@@ -84,9 +83,8 @@ fn on_lagrange_nodes(
 /// friction directions are forgotten in a system without symmetry, which stagnates where the
 /// inverse is a little further from the tangent (decision 51).
 fn may_be_single(plan: &Plan, body: &DisplacementBody<'_>) -> bool {
-    let bears = |springs: &StiffConstraints| springs.bear_single_precision();
     let is_near = body.tangent.is_none() || !plan.has_friction();
-    plan.factor_precision().0 == Precision::Single && body.springs.is_none_or(bears) && is_near
+    plan.factor_precision().0 == Precision::Single && is_near
 }
 
 /// Node blocks, steps and interval of the smoother of `operator`.
@@ -107,10 +105,7 @@ fn lines_around(
     transfer: Transfer,
     inner: Arc<dyn Preconditioner>,
 ) -> Option<AlongLines> {
-    let mut couplings = node_couplings(body.mesh, body.space, body.geometry, body.moduli);
-    if let Some(springs) = body.springs {
-        springs.at_nodes(|node, spring| add(&mut couplings.diagonal[node], 1.0, &spring));
-    }
+    let couplings = node_couplings(body.mesh, body.space, body.geometry, body.moduli);
     let scale = plan.units.coordinate_scale;
     let coordinates: Vec<[f64; 3]> = (0..body.space.nodes())
         .map(|node| node_position(body.mesh, body.space, node).map(|x| x * scale))

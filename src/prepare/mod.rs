@@ -25,7 +25,7 @@ use crate::plan::Plan;
 use crate::report::{CancelToken, Seconds};
 
 pub(crate) use approximate_inverse::ApproximateInverse;
-pub(crate) use deformed::{ClosedGaps, Deformed};
+pub(crate) use deformed::Deformed;
 use element_chooser::ComparisonData;
 pub use error::PrepareError;
 pub(crate) use taylor_hood::TaylorHoodData;

@@ -15,11 +15,10 @@ use super::bodies::P1Body;
 use super::chooser;
 use super::error::PrepareError;
 use super::traces::TraceDirections;
-use crate::assembly::p1_stiffness::{P1Blocks, StiffCells, add};
+use crate::assembly::p1_stiffness::{P1Blocks, StiffCells};
 use crate::linalg::cholesky::Precision;
 use crate::linalg::{DenseMatrix, FactoriseError, Preconditioner};
 use crate::plan::Plan;
-use crate::precond::StiffConstraints;
 use crate::precond::p1::{AmgError, AmgP1, DirectP1, Traces, VertexBlocks, vertex_order};
 use crate::report::{CancelToken, Termination};
 use crate::scene::P1Solver;
@@ -79,12 +78,7 @@ pub(crate) fn build(
         geometry: body.geometry,
         stiffness: body.stiffness,
     };
-    let mut blocks = cells.p1_blocks(shift);
-    if let Some(springs) = body.springs {
-        springs.at_vertices(body.space.vertices, |vertex, spring| {
-            add(&mut blocks.diagonal[vertex], 1.0, &spring);
-        });
-    }
+    let blocks = cells.p1_blocks(shift);
     let assemble = start.elapsed().as_secs_f64();
     let directions = TraceDirections::new(plan, body);
     let traces = Traces {
@@ -134,11 +128,7 @@ fn direct(
         &plan.contact_vertices,
     );
     let factorise = |precision| DirectP1::new(&matrix, &order, c, precision);
-    let precision = match bears_single_precision(body) {
-        true => plan.factor_precision().0,
-        false => Precision::Double,
-    };
-    let factor = match precision {
+    let factor = match plan.factor_precision().0 {
         // Rounding may cost a small pivot its sign.
         Precision::Single => {
             factorise(Precision::Single).or_else(|_| factorise(Precision::Double))?
@@ -148,11 +138,6 @@ fn direct(
     let (compliance, bytes) = (factor.compliance(traces, c), factor.bytes());
     let solver = Arc::new(factor);
     Ok(P1Built::new(P1Solver::Direct, solver, bytes, compliance))
-}
-
-fn bears_single_precision(body: P1Body<'_>) -> bool {
-    let bears = |springs: &StiffConstraints| springs.bear_single_precision();
-    body.springs.is_none_or(bears)
 }
 
 fn vertex_blocks<'a>(body: P1Body<'a>, blocks: &'a P1Blocks) -> VertexBlocks<'a> {
@@ -166,12 +151,9 @@ fn vertex_blocks<'a>(body: P1Body<'a>, blocks: &'a P1Blocks) -> VertexBlocks<'a>
     }
 }
 
-/// Multigrid in single precision, or in double where that overshoots or springs are too stiff.
+/// Multigrid in single precision, or in double where that overshoots.
 fn hierarchy(body: P1Body<'_>, blocks: &P1Blocks) -> Result<AmgP1, AmgError> {
     let view = vertex_blocks(body, blocks);
-    if !bears_single_precision(body) {
-        return AmgP1::new(&view, Precision::Double);
-    }
     match AmgP1::new(&view, Precision::Single) {
         Err(AmgError::Indefinite) => AmgP1::new(&view, Precision::Double),
         other => other,

@@ -65,7 +65,6 @@ impl Rest {
             at: &self.at,
             displacement: &self.displacement,
             pressure: &self.pressure,
-            contact: None,
         }
     }
 

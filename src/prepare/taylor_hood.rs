@@ -82,7 +82,6 @@ impl TaylorHoodData {
             stiffness: cells,
             held: &held,
             moved: &[],
-            springs: None,
         };
         let (p1, (grid, node_blocks)) = rayon::join(
             || p1::build(plan, body, cancel),
@@ -230,7 +229,6 @@ impl Parts {
             p1: self.p1.solver.clone(),
             tangent: rest.as_ref().map(Rest::state),
             tangents: None,
-            springs: None,
         };
         let stiffness = body.stiffness(Basis::Hierarchical);
         let (displacement, displacement_bytes) = displacement::build(plan, &body);
@@ -255,7 +253,6 @@ impl Parts {
             at_rest: Arc::new(ApproximateInverse {
                 displacement,
                 p1: self.p1.solver,
-                springs: None,
                 node_blocks: self.node_blocks,
                 compliance: self.p1.compliance,
                 traces: self.p1.traces,

@@ -7,11 +7,13 @@ pub enum FieldName {
     Displacement,
     /// `[vertices, 1]`: internal pressure; absent without a pressure unknown.
     Pressure,
-    /// `[nodes, 1]`: contact pressure per undeformed area, zero off the contact
-    /// surface; `[vertices, 1]` in the linear contact space.
+    /// `[nodes, 1]`: contact pressure, zero off the contact surface; `[vertices, 1]` in the
+    /// linear contact space. Per deformed area for bodies of finite strain.
     ContactPressure,
-    /// The same per deformed area; absent for linear kinematics.
+    /// The same; absent for linear kinematics.
     ContactPressureDeformed,
+    /// The same per undeformed area; absent for linear kinematics.
+    ContactPressureUndeformed,
     /// `[vertices, 1]`: weighted gap over nodal weight, zero off the contact surface.
     Gap,
     /// `[vertices, 1]`: −1 not a candidate, 0 open, 1 in contact.
@@ -23,7 +25,7 @@ pub enum FieldName {
     /// `[cells, 1]`: the cell's part of [`super::StepReport::error_estimate`], whose
     /// square is the sum of the parts' squares.
     ErrorEstimate,
-    /// `[vertices, 3]`: traction of friction per undeformed area, zero off rough obstacles;
+    /// `[vertices, 3]`: traction of friction by the area of the contact pressure, zero off rough obstacles;
     /// absent without friction.
     FrictionTraction,
     /// `[vertices, 3]`: slip against the obstacle in the last increment, a length, zero where
@@ -39,7 +41,7 @@ pub enum FieldName {
 
 impl FieldName {
     /// Every field, in the order of the documentation.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Displacement,
         Self::Pressure,
         Self::ContactPressure,
@@ -49,6 +51,7 @@ impl FieldName {
         Self::Jacobian,
         Self::ErrorEstimate,
         Self::ContactPressureDeformed,
+        Self::ContactPressureUndeformed,
         Self::FrictionTraction,
         Self::Slip,
         Self::LowestMode,
@@ -67,6 +70,7 @@ impl FieldName {
             Self::Jacobian => "jacobian",
             Self::ErrorEstimate => "error_estimate",
             Self::ContactPressureDeformed => "contact_pressure_deformed",
+            Self::ContactPressureUndeformed => "contact_pressure_undeformed",
             Self::FrictionTraction => "friction_traction",
             Self::Slip => "slip",
             Self::LowestMode => "lowest_mode",

@@ -27,15 +27,17 @@ pub(crate) fn coarse_turns(model: &Model<'_>, state: &State) -> Vec<Warning> {
     let (Some(friction), Some(start)) = (&model.interfaces.friction, &model.slip_start) else {
         return Vec::new();
     };
-    let travels = friction.travels(model, state, start);
-    let places = friction.moments(model.prepared.space.components, &state.displacement);
+    let traces = friction.traces(model, state);
+    let travels = friction.travels(&traces, (model, state), start);
+    let places = traces.moments(model.prepared.space.components, &state.displacement);
     let obstacles = model.plan.obstacles.iter().enumerate();
     let warning = |index: usize, name: &str| {
         let (mut pairs, mut is_pressed) = (Vec::new(), false);
         for (number, point) in friction.points.iter().enumerate() {
             if point.obstacle == index {
-                let now = scale(point.weight.recip(), places[number]);
-                let carried = sub(now, scale(point.weight.recip(), travels[number]));
+                let shrink = traces.weights[number].recip();
+                let now = scale(shrink, places[number]);
+                let carried = sub(now, scale(shrink, travels[number]));
                 pairs.push((carried, now));
                 is_pressed |= state.multiplier[friction.partners[number] as usize] > 0.0;
             }

@@ -44,6 +44,7 @@ pub(crate) fn field(
         }
         FieldName::ContactPressure
         | FieldName::ContactPressureDeformed
+        | FieldName::ContactPressureUndeformed
         | FieldName::Gap
         | FieldName::ContactState
             if !has_contact =>
@@ -66,8 +67,10 @@ pub(crate) fn field(
         ),
         FieldName::ErrorEstimate if model.plan.resolved.is_rubber() => return None,
         FieldName::ErrorEstimate => (1, cell_estimates(model, state)),
-        FieldName::ContactPressureDeformed => {
-            let pressure = finite_strain::deformed_pressure(model, state)?;
+        FieldName::ContactPressureDeformed if !model.is_rubber() => return None,
+        FieldName::ContactPressureDeformed => (1, Touching::of(model, state).pressure()),
+        FieldName::ContactPressureUndeformed => {
+            let pressure = finite_strain::undeformed_pressure(model, state)?;
             let touching = Touching::of(model, state);
             (1, touching.at_nodes(&pressure))
         }

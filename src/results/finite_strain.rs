@@ -131,9 +131,9 @@ fn cell_bound(
     }
 }
 
-/// Coefficients of the contact pressure per deformed area, interface by interface
+/// Coefficients of the contact pressure per undeformed area, interface by interface
 /// `[interfaces][functions]`; none in linear scenes.
-pub(crate) fn deformed_pressure(model: &Model<'_>, state: &State) -> Option<Vec<Vec<f64>>> {
+pub(crate) fn undeformed_pressure(model: &Model<'_>, state: &State) -> Option<Vec<Vec<f64>>> {
     if !model.plan.resolved.is_rubber() {
         return None;
     }
@@ -142,9 +142,9 @@ pub(crate) fn deformed_pressure(model: &Model<'_>, state: &State) -> Option<Vec<
     let interfaces = model.interfaces.list.iter();
     let all = interfaces.map(|interface| {
         let pressure = interface.own(&state.multiplier);
-        let mut deformed = interface.surface.deformed_pressure(&body, &pressure);
-        scale(&mut deformed, unit);
-        deformed
+        let mut undeformed = interface.surface.undeformed_pressure(&body, &pressure);
+        scale(&mut undeformed, unit);
+        undeformed
     });
     Some(all.collect())
 }

@@ -30,7 +30,8 @@ pub(crate) fn add_friction(
     let tractions = tractions(friction, &friction.frames(model, state), state);
     let units = &model.plan.units;
     let obstacles = model.interfaces.obstacles(&state.drive, units.length);
-    let moments = friction.moments(model.prepared.space.components, &state.displacement);
+    let traces = friction.traces(model, state);
+    let moments = traces.moments(model.prepared.space.components, &state.displacement);
     let radii = friction
         .law(model.plan, &state.drive)
         .radii(&state.multiplier);
@@ -45,8 +46,9 @@ pub(crate) fn add_friction(
                 continue;
             }
             let traction = tractions[number];
-            force = add(force, scale(point.weight, traction));
-            let arm = sub(moments[number], scale(point.weight, reference));
+            let weight = traces.weights[number];
+            force = add(force, scale(weight, traction));
+            let arm = sub(moments[number], scale(weight, reference));
             moment = add(moment, cross(arm, traction));
             count(
                 result,

@@ -25,7 +25,7 @@ use crate::report::{ObstacleResult, ProbeResult, StepReport, SupportResult, Term
 use crate::results::errors::manufactured_errors;
 use crate::results::estimate::{estimate, force_error};
 use crate::results::fields::pressure_share;
-use crate::results::finite_strain::{deformed_pressure, jacobian_bound};
+use crate::results::finite_strain::{jacobian_bound, undeformed_pressure};
 use crate::results::friction::add_friction;
 use crate::results::geometry_error::geometry_error;
 use crate::results::nodal_force::{contact_force, reaction};
@@ -129,7 +129,7 @@ fn obstacles(
     estimated: Option<&Estimate>,
 ) -> BTreeMap<String, ObstacleResult> {
     let force_unit = model.plan.units.force();
-    let deformed = deformed_pressure(model, state);
+    let undeformed = undeformed_pressure(model, state);
     let touching = Touching::of(model, state);
     let places = model.interfaces.list.iter().enumerate();
     let places: BTreeMap<&str, usize> = places.map(|(at, one)| (&*one.name, at)).collect();
@@ -137,8 +137,11 @@ fn obstacles(
         result.force_error =
             estimated.map(|estimate| force_error(model, interface, found, estimate) * force_unit);
         result.geometry_error = geometry_error(model, state, interface);
-        let own = deformed.as_ref().map(|all| &all[places[&*interface.name]]);
-        result.max_pressure_deformed = own.map(|own| interface.surface.largest(own));
+        let own = undeformed
+            .as_ref()
+            .map(|all| &all[places[&*interface.name]]);
+        result.max_pressure_undeformed = own.map(|own| interface.surface.largest(own));
+        result.max_pressure_deformed = own.map(|_| result.max_pressure);
     });
     add_friction(model, state, &mut results);
     results

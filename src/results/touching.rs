@@ -109,6 +109,7 @@ impl<'a> Touching<'a> {
             contact_area: found.area * units.area(),
             max_pressure: found.max_pressure * units.stress,
             max_pressure_deformed: None,
+            max_pressure_undeformed: None,
             centre_of_pressure: found.centre.map(|x| x * units.length),
             ..ObstacleResult::default()
         }

@@ -40,9 +40,6 @@ pub enum Metric<'a> {
         /// `[block, block]`, symmetric positive definite; without rows where the
         /// weights are all of it.
         matrix: &'a dyn SymmetricMatrix,
-        /// The same for a body with springs on the constraints, by which a step on a face is
-        /// taken where the displacement preconditioner has them.
-        sprung: Option<&'a dyn SymmetricMatrix>,
         /// Lumped mass, scaled like the matrix `[block]`; empty for methods that do
         /// not read it.
         weights: &'a [f64],

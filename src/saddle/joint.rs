@@ -26,9 +26,6 @@ pub struct SharedModes {
     pub own: SparseRows,
     /// G: what their own constraints see of them, positive semi-definite `[modes, modes]`.
     pub work: DenseMatrix,
-    /// E: by how much 1 / G exceeds what the metric of the first block makes of a mode: where
-    /// springs hold the surface a volume gives way by its compressibility alone `[modes]`.
-    pub excess: Vec<f64>,
     /// Share of a mode that the block has to take up for both to be solved together.
     pub least_share: f64,
 }
@@ -39,7 +36,6 @@ pub struct JointModes {
     first: SparseRows,
     own: SparseRows,
     factor: GramFactor,
-    excess: Vec<f64>,
 }
 
 impl SharedModes {
@@ -52,7 +48,6 @@ impl SharedModes {
             first: self.first.selected(selected),
             own,
             factor: GramFactor::new(&self.work.principal(selected)),
-            excess: selected.iter().map(|&mode| self.excess[mode]).collect(),
         }
     }
 }
@@ -60,7 +55,7 @@ impl SharedModes {
 impl JointModes {
     /// Takes off `r` `[block]` what the residual of the first block leaves there.
     pub(super) fn reduce(&self, r_first: &[f64], r: &mut [f64], work: &mut Workspace) {
-        let mut amplitudes = work.zeros(self.excess.len());
+        let mut amplitudes = work.zeros(self.first.rows());
         self.first.apply(r_first, &mut amplitudes, work);
         self.factor.solve(&mut amplitudes);
         self.own.add_transposed(-1.0, &amplitudes, r, work);
@@ -68,16 +63,13 @@ impl JointModes {
     }
 
     /// The amplitudes that follow the step `z` of the block `[modes]`.
-    pub(super) fn behind(&self, r_first: &[f64], z: &[f64], work: &mut Workspace) -> Vec<f64> {
-        let mut amplitudes = work.zeros(self.excess.len());
+    pub(super) fn behind(&self, z: &[f64], work: &mut Workspace) -> Vec<f64> {
+        let mut amplitudes = work.zeros(self.first.rows());
         self.own.apply(z, &mut amplitudes, work);
         self.factor.solve(&mut amplitudes);
-        for (mode, amplitude) in amplitudes.iter_mut().enumerate() {
-            *amplitude = -*amplitude;
-            if self.excess[mode] > 0.0 {
-                *amplitude -= self.excess[mode] * self.first.row_product(mode, r_first);
-            }
-        }
+        amplitudes
+            .iter_mut()
+            .for_each(|amplitude| *amplitude = -*amplitude);
         amplitudes
     }
 

@@ -162,7 +162,7 @@ impl Preconditioner for BlockTriangular<'_> {
                 let (z_block, z_next) = z_rest.split_at_mut(block.size());
                 joint_step(block, (r_first, r_block), z_block, work);
                 if let Some(modes) = block.shared {
-                    let amplitudes = modes.behind(r_first, z_block, work);
+                    let amplitudes = modes.behind(z_block, work);
                     modes.add(&amplitudes, z_first, work);
                     modes.add(&amplitudes, &mut moving, work);
                     work.give(amplitudes);
@@ -301,7 +301,6 @@ mod tests {
             alike: rows(&[[1.0]]),
             own: rows(&[[flexibility]]),
             work: gram,
-            excess: vec![0.0],
             least_share: 0.0,
         };
         let modes = modes.on_face(&[0], &[1.0]);

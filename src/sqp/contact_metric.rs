@@ -4,10 +4,10 @@
 //! the surface: made once in a session, scaled at each linearisation by power
 //! iteration so that H >= C A^-1 C^T about.
 
-use super::volumes::{edge_ends, volumes};
+use super::volumes::edge_ends;
 use crate::inequality::dense_cone;
 use crate::inequality::metric::{POWER_STEPS, largest_ratio};
-use crate::linalg::vector::{dot, norm, scale};
+use crate::linalg::vector::{norm, scale};
 use crate::linalg::{
     DenseCholesky, LinearOperator, SparseRows, SparseRowsBuilder, SymmetricMatrix, Workspace,
 };
@@ -32,16 +32,10 @@ const ENCLOSED: f64 = 0.9;
 /// That of a stretch of a thin body, whose volume has neighbours to go to.
 const THIN: f64 = 0.3;
 
-/// Times by which springs make a volume give way less from which on its pressure is stepped
-/// by that.
-const STIFFENED: f64 = 4.0;
-
 /// The metric at one linearisation.
 pub(crate) struct ContactMetric {
     /// H; without rows where the method reads the weights alone.
     pub(crate) matrix: Box<dyn SymmetricMatrix>,
-    /// That of a body with the springs of its approximate inverse, if it has any.
-    pub(crate) sprung: Option<Box<dyn SymmetricMatrix>>,
     /// Scaled lumped mass; empty where the method does not read it.
     pub(crate) weights: Vec<f64>,
     /// Modes that contact shares with the internal pressure; none where it shares none.
@@ -65,7 +59,7 @@ impl ContactMetric {
     /// step in weights have them scaled by a power iteration.
     pub(crate) fn new(
         model: &Model<'_>,
-        (inverse, divergence): (&ApproximateInverse, Option<&dyn LinearOperator>),
+        inverse: &ApproximateInverse,
         volumes: Option<VolumeModes>,
         now: &Evaluation,
         work: &mut Workspace,
@@ -74,19 +68,13 @@ impl ContactMetric {
         let (matrix, shared): (Box<dyn SymmetricMatrix>, _) = match model.plan.contact.metric {
             MetricKind::Compliance => {
                 let matrix = compliance_of(model, (inverse, volumes.as_ref()), &now.coupling);
-                let shared =
-                    volumes.map(|volumes| shared(model, (inverse, volumes), &matrix, work));
+                let shared = volumes.map(|volumes| shared(model, volumes, &matrix));
                 (Box::new(matrix), shared)
             }
             MetricKind::Mass | MetricKind::Fractional => (Box::new(surface.matrix.clone()), None),
         };
-        let (matrix, sprung) = match inverse.springs {
-            None => (matrix, None),
-            Some(_) => (at_rest(model, divergence, now, work), Some(matrix)),
-        };
         let mut metric = Self {
             matrix,
-            sprung,
             shared,
             weights: surface.weights.clone(),
             applications: 0,
@@ -222,67 +210,19 @@ fn compliance_of(
     Compliance::new(&parts, coupling)
 }
 
-/// The compliance by the inverse at rest, which has no springs: it is what says how the
-/// faces of a pressed body change.
-fn at_rest(
-    model: &Model<'_>,
-    divergence: Option<&dyn LinearOperator>,
-    now: &Evaluation,
-    work: &mut Workspace,
-) -> Box<dyn SymmetricMatrix> {
-    let inverse = &model.prepared.at_rest;
-    let volumes = volumes(model, (inverse, divergence), work);
-    Box::new(compliance_of(
-        model,
-        (inverse, volumes.as_ref()),
-        &now.coupling,
-    ))
-}
-
 /// The volumes as contact shares them with the internal pressure.
-fn shared(
-    model: &Model<'_>,
-    (inverse, volumes): (&ApproximateInverse, VolumeModes),
-    matrix: &Compliance,
-    work: &mut Workspace,
-) -> SharedModes {
+fn shared(model: &Model<'_>, volumes: VolumeModes, matrix: &Compliance) -> SharedModes {
     let block = model.prepared.pressure.as_ref();
-    let excess = match inverse.springs {
-        None => vec![0.0; volumes.count()],
-        Some(_) => excess(model, &volumes, work),
-    };
     SharedModes {
         alike: on_multipliers(model, &volumes.pressures),
         own: matrix.seen().clone(),
         first: volumes.pressures,
         work: volumes.work,
-        excess,
         least_share: match block.is_some_and(|block| block.coarse.is_thin) {
             true => THIN,
             false => ENCLOSED,
         },
     }
-}
-
-/// By how much each volume on springs gives way less than the metric of the pressure, which
-/// knows of no springs, says; zero where about as much.
-fn excess(model: &Model<'_>, volumes: &VolumeModes, work: &mut Workspace) -> Vec<f64> {
-    let Some(block) = &model.prepared.pressure else {
-        return vec![0.0; volumes.count()];
-    };
-    let mut pressures = vec![0.0; volumes.pressures.columns()];
-    let mut weighed = vec![0.0; pressures.len()];
-    let modes = (0..volumes.count()).map(|mode| {
-        pressures.fill(0.0);
-        volumes.pressures.add_row(mode, 1.0, &mut pressures);
-        block.metric.mass().apply(&pressures, &mut weighed, work);
-        let (known, own) = (dot(&pressures, &weighed), volumes.work.at(mode, mode));
-        match known > STIFFENED * own {
-            true => 1.0 / own - 1.0 / known,
-            false => 0.0,
-        }
-    });
-    modes.collect()
 }
 
 /// Internal pressures `[modes, pressures]` where the multipliers act `[modes, multipliers]`.

@@ -4,7 +4,7 @@
 use super::enclosure::{constant_pressure_force, is_full};
 use super::run::Run;
 use crate::contact::coarseness::{Coarsest, coarsest as coarsest_face};
-use crate::contact::gap::{evaluate_gaps, linearise};
+use crate::contact::gap::{Deformed, Measure, evaluate_gaps, linearise};
 use crate::linalg::Workspace;
 use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::model::Model;
@@ -101,7 +101,11 @@ fn is_closed_by_contact(model: &Model<'_>, state: &State, work: &mut Workspace) 
     let before = norm(&pushed);
     let mut taken: Vec<Vec<f64>> = Vec::new();
     let rest = vec![0.0; size];
-    let body = model.deformed(&rest);
+    // What contact pushes, without what it would gain by a larger area.
+    let body = Deformed {
+        measure: Measure::Undeformed,
+        ..model.deformed(&rest)
+    };
     let present = model.deformed(&state.displacement);
     for (interface, obstacle) in model.placed(&state.drive) {
         let is_held = &model.prepared.is_held;

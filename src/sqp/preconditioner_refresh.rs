@@ -12,11 +12,6 @@ use crate::prepare::ApproximateInverse;
 const DEAR: f64 = 3.0;
 /// Reductions below this say little of a rate.
 const LEAST_DECADES: f64 = 0.5;
-/// Mean contact pressure, in shear moduli, from which on the inverse has to know what holds
-/// the body.
-pub(crate) const PRESSED: f64 = 0.7;
-/// Growth of the pressure with which springs have become weak.
-const MORE: f64 = 4.0;
 
 /// The approximate inverse in use and what it costs.
 #[derive(Debug, Default)]
@@ -28,8 +23,6 @@ pub(crate) struct PreconditionerRefresh {
     fresh: Option<f64>,
     /// Applications that the last program needed for each decade of the residual.
     last: f64,
-    /// Mean contact pressure, in shear moduli, under which one was made last.
-    pressure: f64,
     /// Whether the last tangent had no factor, so that another attempt waits for the
     /// state to change.
     refused: bool,
@@ -68,23 +61,9 @@ impl PreconditionerRefresh {
         self.refused = false;
     }
 
-    /// Whether the one in use has become too dear for programs
-    /// under a mean contact `pressure` in shear moduli, or was made under much less.
-    pub(crate) fn is_stale(&self, pressure: f64) -> bool {
-        pressure > PRESSED.max(MORE * self.pressure)
-            || self.fresh.is_some_and(|fresh| self.last > DEAR * fresh)
-    }
-
-    /// Goes back to that at rest where the mean contact `pressure` has fallen far below that
-    /// under which the one in use was made: its springs hold what is about to open.
-    pub(crate) fn see_release(&mut self, pressure: f64) {
-        let has_springs = self
-            .made
-            .as_ref()
-            .is_some_and(|made| made.springs.is_some());
-        if has_springs && pressure < self.pressure / MORE {
-            *self = Self::default();
-        }
+    /// Whether the one in use has become too dear.
+    pub(crate) fn is_stale(&self) -> bool {
+        self.fresh.is_some_and(|fresh| self.last > DEAR * fresh)
     }
 
     /// The one in use; none for that at rest.
@@ -92,17 +71,15 @@ impl PreconditionerRefresh {
         self.made.clone()
     }
 
-    /// Takes a new one into use, made under a mean contact `pressure`.
-    pub(crate) fn take(&mut self, made: ApproximateInverse, pressure: f64) {
-        self.pressure = pressure;
+    /// Takes a new one into use.
+    pub(crate) fn take(&mut self, made: ApproximateInverse) {
         self.made = Some(Arc::new(made));
         self.fresh = None;
         self.refused = false;
     }
 
-    /// Notes that the present tangent has none, under a mean contact `pressure`.
-    pub(crate) fn refuse(&mut self, pressure: f64) {
-        self.pressure = pressure;
+    /// Notes that the present tangent has none.
+    pub(crate) fn refuse(&mut self) {
         self.fresh = None;
         self.refused = true;
     }

@@ -46,7 +46,7 @@ fn rival(run: &mut Run<'_>) -> Option<Rival> {
     let divergence = pressure.map(|block| &block.coupling as &dyn LinearOperator);
     let body = (&*inverse, divergence);
     let volumes = volumes(&run.model, body, &mut run.work);
-    let metric = ContactMetric::new(&run.model, body, volumes, &now, &mut run.work);
+    let metric = ContactMetric::new(&run.model, &inverse, volumes, &now, &mut run.work);
     let matrix = &*metric.matrix;
     let known = DenseSolution {
         values: run.state.multiplier.clone(),

@@ -4,7 +4,8 @@
 //! g_m = int psi_m d(x + u),   f(v) += int lambda n . v,   lambda = sum_m lambda_m psi_m
 //! ```
 //!
-//! in the caller's units.
+//! over the undeformed surface, for bodies of finite strain over the deformed one, whose change
+//! adds int lambda d (da/du) . v to the force; in the caller's units.
 
 use std::f64::consts::TAU;
 
@@ -97,7 +98,12 @@ impl<'a, 'm> Faces<'a, 'm> {
             let (values, _) = shapes(l, &[], self.pairs);
             let edges = &values[l.len()..];
             let (x, radius) = self.place((face, curved.as_ref()), l, &values);
-            let area = self.measure((face, curved.as_ref()), l) * turn(self.model, radius);
+            let deformed =
+                (self.model.is_rubber()).then(|| self.area((face, curved.as_ref()), l, x[0]));
+            let area = match &deformed {
+                Some(deformed) => deformed.size,
+                None => self.measure((face, curved.as_ref()), l) * turn(self.model, radius),
+            };
             let mut contact = [Contact::default()];
             met.probe_on(
                 face,
@@ -116,6 +122,11 @@ impl<'a, 'm> Faces<'a, 'm> {
                 for i in 0..3 {
                     force[node as usize][i] += weight * area * shape * local * contact.normal[i];
                 }
+            }
+            if let Some(deformed) = &deformed {
+                let change = weight * local * contact.distance * units.length;
+                let at = (l, deformed, change);
+                self.add_change((face, curved.as_ref()), at, force);
             }
             let Some(curved) = &curved else {
                 continue;

@@ -1,11 +1,11 @@
 //! Slips and tractions of rough obstacles, face by face:
 //!
 //! ```text
-//! S_m = int psi_m [x - Q x0] dS,   f(v) += int t . v,   t = sum_m psi_m t_m
+//! S_m = int psi_m [x - Q x0] da,   f(v) += int t . v,   t = sum_m psi_m t_m
 //! s = 0 in the disc, s against t on its edge,   |t| <= r
 //! ```
 //!
-//! x0 is where the increment began, Q x0 where the obstacle's point there is now; in the
+//! by the area of the gaps. x0 is where the increment began, Q x0 where the obstacle's point there is now; in the
 //! caller's units. Tractions are numbers in the frames of their points, which the solver says.
 
 use std::ops::Range;
@@ -179,7 +179,13 @@ impl Slide<'_, '_, '_> {
             let start = add(sub(x, moved(faces.nodal)), moved(self.before));
             let carried = self.carried(start.map(|x| x / units.length));
             let travel = sub(x, carried.map(|x| x * units.length));
-            let area = faces.measure((face, curved.as_ref()), l) * turn(faces.model, radius);
+            let area = match faces.model.is_rubber() {
+                true => {
+                    let (at, _) = faces.place((face, curved.as_ref()), l, &values);
+                    faces.area((face, curved.as_ref()), l, at[0]).size
+                }
+                false => faces.measure((face, curved.as_ref()), l) * turn(faces.model, radius),
+            };
             let functions = pressure_functions(l, faces.pairs, face.functions.len());
             let mut traction = [0.0; 3];
             for (&m, value) in face.functions.iter().zip(&functions) {

@@ -4,6 +4,7 @@
 //!
 //! Cost: one pass over the cells with some hundred flops per point.
 
+mod area;
 mod cell;
 mod contact;
 mod curved;

@@ -20,7 +20,7 @@ use notebook::{Notebook, Wishes};
 use signorini::assembly::grid::{Basis, Rows, VolumeTerm};
 use signorini::assembly::simd::InstructionSet;
 use signorini::assembly::strain::{CellLaws, Linearised, StrainGrid};
-use signorini::contact::gap::Deformed;
+use signorini::contact::gap::{Deformed, Measure};
 use signorini::contact::{ContactSurface, curvature, evaluate_gaps, linearise};
 use signorini::element::quadrature::{Simplex, rule};
 use signorini::inequality::dense_cone;
@@ -188,6 +188,7 @@ fn contact(notebook: &mut Notebook, body: &Body) {
         space: &body.space,
         displacement: &displacement,
         rule: &rule(Simplex::Triangle, 8),
+        measure: Measure::Undeformed,
     };
     let Some(ball) = ball() else { return };
     let held = vec![false; unknowns];

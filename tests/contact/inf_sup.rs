@@ -15,7 +15,7 @@ use signorini::assembly::grid::{Basis, GridSource, VolumeTerm};
 use signorini::assembly::probe::{Probed, Probes};
 use signorini::assembly::{CellGeometry, CellModuli, Grid, Stiffness};
 use signorini::contact::basis::{Bernstein, Hats};
-use signorini::contact::gap::Deformed;
+use signorini::contact::gap::{Deformed, Measure};
 use signorini::contact::surface::{FACE_DEGREE, face_rule};
 use signorini::contact::{ContactBasis, ContactSurface, linearise};
 use signorini::linalg::cholesky::{LowerColumns, Precision, SparseCholesky};
@@ -64,6 +64,7 @@ impl Body {
             space: &self.space,
             displacement: &vec![0.0; self.held.len()],
             rule: &face_rule(self.space.components, FACE_DEGREE),
+            measure: Measure::Undeformed,
         };
         linearise(&body, &self.surface, &lid, &self.held).rows
     }

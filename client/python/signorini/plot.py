@@ -28,6 +28,7 @@ Floats = npt.NDArray[np.float64]
 ON_SURFACE = (
     "contact_pressure",
     "contact_pressure_deformed",
+    "contact_pressure_undeformed",
     "gap",
     "contact_state",
     "friction_traction",
@@ -40,7 +41,14 @@ BAR |= {"width": 0.6, "height": 0.11, "position_x": 0.2, "position_y": 0.01, "ti
 #: Fields by the quantity that names their unit.
 QUANTITIES = {
     "length": ("displacement", "gap", "slip"),
-    "stress": ("pressure", "contact_pressure", "contact_pressure_deformed", "friction_traction", "stress"),
+    "stress": (
+        "pressure",
+        "contact_pressure",
+        "contact_pressure_deformed",
+        "contact_pressure_undeformed",
+        "friction_traction",
+        "stress",
+    ),
     "force": ("nodal_force",),
 }
 

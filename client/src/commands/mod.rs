@@ -146,7 +146,8 @@ fn lightest_field(scene: &v1::Scene) -> Vec<v1::FieldName> {
         v1::FieldName::ContactState
         | v1::FieldName::Gap
         | v1::FieldName::ContactPressure
-        | v1::FieldName::ContactPressureDeformed => 1,
+        | v1::FieldName::ContactPressureDeformed
+        | v1::FieldName::ContactPressureUndeformed => 1,
         v1::FieldName::Pressure | v1::FieldName::ErrorEstimate => 2,
         v1::FieldName::Unspecified
         | v1::FieldName::Displacement

@@ -3,8 +3,9 @@
 const words = (text) => (text || "").replace(/_/g, " ");
 const vector = (values) => `(${(values || []).map((x) => num(x)).join(", ")})`;
 const LABELS = {
-  contact_pressure: "contact pressure, per undeformed area",
+  contact_pressure: "contact pressure",
   contact_pressure_deformed: "contact pressure, per deformed area",
+  contact_pressure_undeformed: "contact pressure, per undeformed area",
   pressure: "pressure inside",
   von_mises: "von Mises stress",
   displacement: "displacement",
@@ -17,7 +18,7 @@ const label = (name) => LABELS[name] || words(name);
 // What the scene calls the unit of a quantity; empty where it does not.
 const QUANTITIES = {
   length: ["displacement", "gap", "slip"],
-  stress: ["pressure", "contact_pressure", "contact_pressure_deformed", "friction_traction", "stress", "von_mises"],
+  stress: ["pressure", "contact_pressure", "contact_pressure_deformed", "contact_pressure_undeformed", "friction_traction", "stress", "von_mises"],
   force: ["nodal_force"],
 };
 let UNITS = {};

@@ -31,6 +31,10 @@ pub(crate) const FIELDS: &[(&str, v1::FieldName)] = &[
         "contact_pressure_deformed",
         v1::FieldName::ContactPressureDeformed,
     ),
+    (
+        "contact_pressure_undeformed",
+        v1::FieldName::ContactPressureUndeformed,
+    ),
     ("friction_traction", v1::FieldName::FrictionTraction),
     ("slip", v1::FieldName::Slip),
     ("lowest_mode", v1::FieldName::LowestMode),

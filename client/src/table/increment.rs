@@ -102,10 +102,10 @@ fn pressed(
 /// Where and how hard it presses.
 fn patch(obstacle: &v1::ObstacleResult) -> String {
     let (area, pressure) = (number(obstacle.contact_area), number(obstacle.max_pressure));
-    let deformed = obstacle.max_pressure_deformed;
-    let deformed = deformed.map(|p| format!(" ({} per deformed area)", number(p)));
-    let deformed = deformed.unwrap_or_default();
-    format!("contact area {area}, pressure {pressure}{deformed} at most")
+    let undeformed = obstacle.max_pressure_undeformed;
+    let undeformed = undeformed.map(|p| format!(" ({} per undeformed area)", number(p)));
+    let undeformed = undeformed.unwrap_or_default();
+    format!("contact area {area}, pressure {pressure}{undeformed} at most")
 }
 
 /// What friction does on an obstacle; none without.

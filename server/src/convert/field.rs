@@ -150,6 +150,7 @@ pub(crate) fn name(field: FieldName) -> wire::FieldName {
         FieldName::Jacobian => wire::FieldName::Jacobian,
         FieldName::ErrorEstimate => wire::FieldName::ErrorEstimate,
         FieldName::ContactPressureDeformed => wire::FieldName::ContactPressureDeformed,
+        FieldName::ContactPressureUndeformed => wire::FieldName::ContactPressureUndeformed,
         FieldName::FrictionTraction => wire::FieldName::FrictionTraction,
         FieldName::Slip => wire::FieldName::Slip,
         FieldName::LowestMode => wire::FieldName::LowestMode,

@@ -225,6 +225,7 @@ fn obstacle(value: ObstacleResult) -> wire::ObstacleResult {
         contact_area: value.contact_area,
         max_pressure: value.max_pressure,
         max_pressure_deformed: value.max_pressure_deformed,
+        max_pressure_undeformed: value.max_pressure_undeformed,
         centre_of_pressure: value.centre_of_pressure.to_vec(),
         stick_vertices: narrow(value.stick_vertices),
         slip_vertices: narrow(value.slip_vertices),

@@ -5,7 +5,7 @@
 use std::collections::BTreeMap;
 
 use crate::compare::element::body::EnrichedBody;
-use crate::contact::gap::{Deformed, linearise};
+use crate::contact::gap::{Deformed, Measure, linearise};
 use crate::linalg::vector::{add_scaled, norm};
 use crate::linalg::{LinearOperator, SparseRows, Workspace};
 use crate::model::evaluate::Evaluation;
@@ -35,6 +35,7 @@ impl EnrichedBody {
             space: &self.data.trace,
             displacement: trace,
             rule: &self.interfaces.rule,
+            measure: Measure::Undeformed,
         }
     }
 
@@ -141,6 +142,7 @@ impl EnrichedBody {
             | FieldName::Jacobian
             | FieldName::ErrorEstimate
             | FieldName::ContactPressureDeformed
+            | FieldName::ContactPressureUndeformed
             | FieldName::FrictionTraction
             | FieldName::Slip
             | FieldName::LowestMode

@@ -122,7 +122,6 @@ impl ComparisonData {
                 stiffness: &moduli,
                 held: &held[..on_p1],
                 moved: &[],
-                springs: None,
             },
             cancel,
         )?;

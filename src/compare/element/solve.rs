@@ -136,7 +136,6 @@ impl EnrichedBody {
             stiffness: &self.data.stiffness,
             curvature: None,
             augmentation: None,
-            springs: &[],
             displacement: &displacement,
             step: &UpperTriangular { share: 1.0 },
             blocks: &blocks,
@@ -212,7 +211,6 @@ fn contact_block<'a>(now: &'a Evaluation, compliance: &'a Compliance) -> Multipl
             weights: &[],
             moduli: &[],
             shared: None,
-            sprung: None,
         },
         set: ProductSet::Uniform(SetPart {
             size: now.gap.len(),

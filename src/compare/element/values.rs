@@ -149,6 +149,7 @@ impl EnrichedBody {
             // The recovery knows the shape functions of Taylor-Hood only.
             FieldName::ErrorEstimate => return None,
             FieldName::ContactPressureDeformed
+            | FieldName::ContactPressureUndeformed
             | FieldName::FrictionTraction
             | FieldName::Slip
             | FieldName::LowestMode

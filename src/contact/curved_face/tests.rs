@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::*;
 use crate::contact::basis::Bernstein;
-use crate::contact::gap::Deformed;
+use crate::contact::gap::{Deformed, Measure};
 use crate::contact::surface::{FACE_DEGREE, face_rule};
 use crate::contact::{ContactSurface, linearise};
 use crate::geometry::rigid_motion::{multiply, rotation_matrix};
@@ -129,6 +129,7 @@ fn linearised(
         space: &space,
         displacement: &displacement,
         rule: &face_rule(c, FACE_DEGREE),
+        measure: Measure::Deformed,
     };
     let surface = round.surface(round.flat());
     let obstacle = Moving::new(shape.clone(), [0.0; 3], rotation);

@@ -3,16 +3,15 @@
 //! sparse factor of M on the face, two products with it, C and R an iteration.
 
 use crate::inequality::Augmentation;
-use crate::inequality::blocks::ContactBlock;
 use crate::linalg::cholesky::Precision;
 use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, SparseCholesky, SparseRows, Workspace};
 use crate::saddle::Status;
 
 /// E on one face.
-pub(super) struct Augmented<'a> {
+pub(crate) struct Augmented<'a> {
     /// C and D.
-    contact: ContactBlock<'a>,
+    rows_and_columns: [&'a dyn LinearOperator; 2],
     /// R of all multipliers.
     rows: &'a SparseRows,
     /// Multipliers that stick, ascending.
@@ -26,9 +25,9 @@ pub(super) struct Augmented<'a> {
 impl<'a> Augmented<'a> {
     /// Those of `terms` on the multipliers that stick, with the `curvature` of the program; none where
     /// none sticks or their mass has no factor.
-    pub(super) fn new(
+    pub(crate) fn new(
         terms: &'a Augmentation,
-        contact: ContactBlock<'a>,
+        rows_and_columns: [&'a dyn LinearOperator; 2],
         status: &[Status],
         curvature: Option<&'a SparseRows>,
     ) -> Option<Self> {
@@ -43,7 +42,7 @@ impl<'a> Augmented<'a> {
         let lower = terms.lower_part(&selected);
         let factor = SparseCholesky::new(&lower, &order, Precision::Double).ok()?;
         Some(Self {
-            contact,
+            rows_and_columns,
             rows: &terms.rows,
             selected,
             factor,
@@ -86,10 +85,10 @@ impl Augmented<'_> {
     /// Adds `factor` (D^T E + E^T C) du to `force`.
     fn add_stiffness(&self, factor: f64, du: &[f64], (force, work): (&mut [f64], &mut Workspace)) {
         let moved = self.multipliers(du, work);
-        let columns = self.contact.columns;
+        let [rows, columns] = self.rows_and_columns;
         columns.add_transposed(factor, &moved, force, work);
         let mut closing = vec![0.0; self.rows.rows()];
-        self.contact.rows.apply(du, &mut closing, work);
+        rows.apply(du, &mut closing, work);
         self.add_force(factor, &closing, (force, work));
     }
 }

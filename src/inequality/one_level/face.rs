@@ -20,13 +20,12 @@ use super::face_metric::{FaceMetric, LastFactor};
 use super::monitor::{FaceMonitor, Review};
 use super::shared::shared_on_the_face;
 use super::slides::{Shape, add_along, expand, gather, unknowns};
-use super::sprung::{self, Sprung};
 use super::weights::weigh;
 use super::{Faces, GAP_WEIGHT};
 use crate::krylov::Outcome;
 use crate::krylov::gcr::{self, Gcr};
 use crate::linalg::vector::add_scaled;
-use crate::linalg::{FactoriseError, LinearOperator, Preconditioner, Workspace};
+use crate::linalg::{FactoriseError, LinearOperator, Workspace};
 use crate::saddle::{EqualityBlock, JointModes, SaddleOperator, Status};
 
 /// How the work on a face ended.
@@ -144,9 +143,6 @@ struct Restricted<'a> {
     metric: FaceMetric<'a>,
     /// Modes that contact shares with the first block, on the face; none where it shares none.
     shared: Option<JointModes>,
-    /// Half of the springs that the displacement preconditioner has, weighted, zero off the
-    /// face; empty where it has none.
-    springs: Vec<f64>,
     /// Terms that vanish where the constraints hold.
     augmented: Option<Augmented<'a>>,
 }
@@ -174,9 +170,10 @@ impl<'a> Restricted<'a> {
             softness: softness(contact.moduli, face),
             metric: FaceMetric::new(contact, face, last)?,
             shared: shared_on_the_face(contact, status),
-            springs: sprung::on_the_face(problem.springs, contact.moduli, status),
-            augmented: terms
-                .and_then(|terms| Augmented::new(terms, *contact, status, problem.curvature)),
+            augmented: terms.and_then(|terms| {
+                let pair = [contact.rows, contact.columns];
+                Augmented::new(terms, pair, status, problem.curvature)
+            }),
         })
     }
 
@@ -315,18 +312,9 @@ impl Faces<'_, '_> {
             },
             blocks: &blocks,
         };
-        let sprung = Sprung {
-            inner: &*preconditioner,
-            constraints: &restricted.rows,
-            springs: &restricted.springs,
-        };
-        let preconditioner: &dyn Preconditioner = match restricted.springs.is_empty() {
-            true => &*preconditioner,
-            false => &sprung,
-        };
         let method = Gcr {
             operator: &operator,
-            preconditioner,
+            preconditioner: &*preconditioner,
             directions: means.directions,
             iterations: means.iterations as usize,
         };

@@ -157,7 +157,7 @@ impl<'a> FaceMetric<'a> {
         let factor = match known {
             Some(known) => known.factor.clone(),
             None => {
-                let matrix = contact.sprung.unwrap_or(contact.matrix);
+                let matrix = contact.matrix;
                 let factor = Arc::new(FaceFactor::new(matrix, &selected, face.slides)?);
                 *last = Some(Known {
                     selected: selected.clone(),

@@ -174,18 +174,6 @@ impl Faces<'_, '_> {
         (contact.status, contact.slides) = (next.status, slides);
     }
 
-    /// Whether a face is kept without asking the dense problem: no sign is wrong, what is
-    /// open has no pressure, as extrapolation may leave it, and what closed before is known to
-    /// the displacement preconditioner. That problem costs a factor of all that is closed.
-    pub(super) fn keeps_its_face(&self, iterate: &QpIterate) -> bool {
-        let contact = self.blocks.contact_of(iterate);
-        let mut multipliers = contact.status.iter().zip(&contact.multiplier);
-        !self.problem.springs.is_empty()
-            && !self.is_rough()
-            && multipliers.all(|(&status, &value)| status != Status::Open || value == 0.0)
-            && self.is_acceptable(iterate, 0.0, 0.0)
-    }
-
     /// Whether what speaks against the current face is below the targets: gaps below
     /// `bound`, multipliers outside of their sets below `share` of all.
     pub(super) fn is_acceptable(&self, iterate: &QpIterate, bound: f64, share: f64) -> bool {

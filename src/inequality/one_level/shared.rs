@@ -16,7 +16,7 @@ pub(super) fn shared_on_the_face(
     status: &[Status],
 ) -> Option<JointModes> {
     let modes = contact.shared?;
-    let matrix = contact.sprung.unwrap_or(contact.matrix);
+    let matrix = contact.matrix;
     let encloses = |&mode: &usize| {
         let alike = on_the_face(&modes.alike, mode, status);
         let seen: f64 = (alike.iter().zip(values_at(&modes.own, mode, &alike)))
@@ -24,9 +24,9 @@ pub(super) fn shared_on_the_face(
             .sum();
         let work = modes.work.at(mode, mode);
         let taken = seen * seen / work;
-        modes.excess[mode] > 0.0 || taken > modes.least_share * (taken + energy(matrix, &alike))
+        taken > modes.least_share * (taken + energy(matrix, &alike))
     };
-    let selected: Vec<usize> = (0..modes.excess.len()).filter(encloses).collect();
+    let selected: Vec<usize> = (0..modes.work.rows()).filter(encloses).collect();
     let mut weights: Vec<f64> = (status.iter())
         .map(|status| match status {
             Status::Stick => GAP_WEIGHT,

@@ -51,7 +51,6 @@ fn the_curvature_term_is_taken_off_the_stiffness() {
     let parts = QpProblem {
         curvature: Some(&identity(0.02)),
         augmentation: None,
-        springs: &[],
         ..matrices.problem(&blocks)
     };
     let mut iterate = problem.iterate(0);

@@ -1,12 +1,9 @@
-//! The points of rough obstacles: their weights, places and held directions, and the mass of
-//! the traces by which they move.
+//! The points of frictional obstacles and the directions in which supports hold them.
 
 use std::collections::BTreeMap;
 
-use crate::contact::gap::{Deformed, evaluate_gaps, linearise};
-use crate::contact::{ContactFace, ContactSurface, Counterpart};
+use crate::contact::ContactSurface;
 use crate::geometry::vector3::{add, normalised, scale};
-use crate::obstacle::{Contact, What};
 use crate::plan::Plan;
 
 /// A point of friction.
@@ -14,10 +11,6 @@ use crate::plan::Plan;
 pub(crate) struct Point {
     /// Its obstacle, in the order of the plan.
     pub(crate) obstacle: usize,
-    /// Integral of its function over the undeformed faces of the obstacle.
-    pub(crate) weight: f64,
-    /// int phi_i X dS, in units of the scaled body.
-    pub(super) place: [f64; 3],
     /// Axes that lie across the undeformed surface, the flattest first.
     pub(super) axes: [[f64; 3]; 2],
     /// Unit vectors along which supports hold its node.
@@ -41,10 +34,9 @@ pub(super) fn guided<'a>(guides: impl Iterator<Item = &'a ContactSurface>) -> Gu
 /// The points of one rough obstacle.
 pub(super) fn points_of(
     (plan, guided): (&Plan, &Guided),
-    body: &Deformed<'_>,
+    c: usize,
     (obstacle, surface): (usize, &ContactSurface),
 ) -> Vec<Point> {
-    let c = body.space.components;
     let mut nodes = vec![0; surface.multipliers()];
     for (function, &node) in (0..).zip(&surface.carriers) {
         let own = surface
@@ -53,9 +45,6 @@ pub(super) fn points_of(
             .filter(|&(_, share)| share > 0.99);
         own.for_each(|(multiplier, _)| nodes[multiplier as usize] = node);
     }
-    let places: Vec<Vec<f64>> = (0..c)
-        .map(|axis| evaluate_gaps(body, surface, &Axis(axis)).0)
-        .collect();
     let normals = gathered(surface, &outward(surface));
     let is_held = |node: u32, i: usize| {
         let unknown = node * c as u32 + i as u32;
@@ -69,8 +58,6 @@ pub(super) fn points_of(
     };
     let point = |own: usize| Point {
         obstacle,
-        weight: surface.weights[own],
-        place: std::array::from_fn(|i| places.get(i).map_or(0.0, |place| place[own])),
         axes: axes(normals[own]),
         held: held(nodes[own]),
     };
@@ -111,30 +98,4 @@ fn axes(normal: [f64; 3]) -> [[f64; 3]; 2] {
     let mut order = [0, 1, 2];
     order.sort_by(|&a, &b| normal[a].abs().total_cmp(&normal[b].abs()));
     [unit(order[0]), unit(order[1])]
-}
-
-/// int phi_i N_k dS of one interface: rows by displacement nodes.
-pub(super) fn trace_of(body: &Deformed<'_>, surface: &ContactSurface) -> Vec<Vec<(u32, f64)>> {
-    let c = body.space.components as u32;
-    let free = vec![false; body.displacement.len()];
-    let rows = linearise(body, surface, &Axis(0), &free).rows;
-    let nodes = |row: Vec<(u32, f64)>| {
-        let along = row.into_iter().filter(|(unknown, _)| unknown % c == 0);
-        along
-            .map(|(unknown, value)| (unknown / c, -value))
-            .collect()
-    };
-    rows.into_iter().map(nodes).collect()
-}
-
-/// A coordinate as a distance, by which integrals of places are those of gaps.
-struct Axis(usize);
-
-impl Counterpart for Axis {
-    fn probe_on(&self, _: &ContactFace, points: &[[f64; 3]], _: What, out: &mut [Contact]) {
-        for (contact, point) in out.iter_mut().zip(points) {
-            contact.distance = point[self.0];
-            contact.normal = std::array::from_fn(|i| if i == self.0 { 1.0 } else { 0.0 });
-        }
-    }
 }

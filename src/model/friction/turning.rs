@@ -9,9 +9,10 @@
 //! point travels over the obstacle's radius. The derivative of a tangent by its normal is a
 //! central difference of the frame. Cost: three linearisations of a curved rough obstacle.
 
-use super::Friction;
 use super::frame::{Frame, frame};
 use super::points::Point;
+use super::traces::Traces;
+use super::{Friction, area};
 use crate::contact::gap::{linearise, mean_normals};
 use crate::contact::shares::add_equal_columns;
 use crate::contact::{ContactFace, Counterpart};
@@ -38,7 +39,8 @@ pub(crate) struct Turning {
     pub(crate) released: SparseRows,
 }
 
-/// An obstacle whose normal stands for a row of its curvature.
+/// An obstacle whose normal's component stands for the distance, and a row of its curvature for
+/// the normal.
 struct CurvatureRow<'a> {
     obstacle: &'a Moving,
     axis: usize,
@@ -47,8 +49,10 @@ struct CurvatureRow<'a> {
 impl Counterpart for CurvatureRow<'_> {
     fn probe_on(&self, _: &ContactFace, points: &[[f64; 3]], _: What, out: &mut [Contact]) {
         self.obstacle.probe(points, What::Curvature, out);
-        out.iter_mut()
-            .for_each(|contact| contact.normal = contact.curvature[self.axis]);
+        for contact in out {
+            contact.distance = contact.normal[self.axis];
+            contact.normal = contact.curvature[self.axis];
+        }
     }
 }
 
@@ -63,17 +67,27 @@ struct Turn<'r> {
 }
 
 impl Friction {
-    /// What the turning of tangents adds at `state`; none where all rough obstacles are flat.
+    /// What the turning of tangents and the change of the area add at `state`; none where all
+    /// frictional obstacles are flat and the area is the undeformed one.
     pub(crate) fn turning(&self, model: &Model<'_>, state: &State) -> Option<Turning> {
-        if self.is_on_flats(model, state) {
-            return None;
+        if model.is_rubber() {
+            let turning = self.turning_of_tangents(model, state);
+            return Some(area::add_change_of_area(self, (model, state), turning));
         }
+        let is_flat = self.is_on_flats(model, state);
+        (!is_flat).then(|| self.turning_of_tangents(model, state))
+    }
+
+    /// What the turning of tangents adds at `state`.
+    fn turning_of_tangents(&self, model: &Model<'_>, state: &State) -> Turning {
+        let traces = self.traces(model, state);
         let travels = match &model.slip_start {
-            Some(start) => self.travels(model, state, start),
+            Some(start) => self.travels(&traces, (model, state), start),
             None => vec![[0.0; 3]; self.points.len()],
         };
         let mut turning = Parts {
             friction: self,
+            traces: &traces,
             components: model.prepared.space.components,
             held: &model.prepared.is_held,
             rows: vec![Vec::new(); state.multiplier.len()],
@@ -109,7 +123,7 @@ impl Friction {
                 }
             }
         }
-        Some(turning.finish())
+        turning.finish()
     }
 
     /// Whether no rough obstacle is curved.
@@ -125,6 +139,7 @@ impl Friction {
 /// What is added, under construction.
 struct Parts<'a> {
     friction: &'a Friction,
+    traces: &'a Traces,
     /// Components of the displacement.
     components: usize,
     /// Whether a displacement unknown is held `[unknowns]`.
@@ -153,7 +168,7 @@ impl Parts<'_> {
         if pulled.as_flattened().iter().all(|&value| value == 0.0) {
             return;
         }
-        let (nodes, values) = friction.trace.row(number);
+        let (nodes, values) = self.traces.rows.row(number);
         for (i, pulled) in pulled.iter().take(self.components).enumerate() {
             let change = combined(scale(-1.0, *pulled), turn.rows);
             for (&node, value) in nodes.iter().zip(values) {

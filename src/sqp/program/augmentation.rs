@@ -1,6 +1,6 @@
 //! What rubber under contact pressure needs beside its tangent: the terms of
 //! [`crate::inequality::augmentation`] about the present state. None for linear bodies,
-//! whose stiffness knows no pressure, and under low contact pressure.
+//! whose stiffness knows no pressure.
 
 use crate::contact::area_change::{AreaChange, Pressures, area_change};
 use crate::contact::shares::add_equal_columns;
@@ -11,15 +11,12 @@ use crate::model::Model;
 use crate::model::interfaces::Interface;
 use crate::model::state::State;
 
-/// Mean contact pressure, in shear moduli, from which on the terms save applications:
-/// mr-sphere, which stays below, takes 45 without and 100 and more with them.
-const HIGH: f64 = 1.0;
-
 /// The terms about `state`.
 pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentation> {
     // The terms know no tractions.
     let is_rough = model.interfaces.friction.is_some();
-    if !model.is_rubber() || is_rough || mean_pressure(model, state) < HIGH {
+    let is_pressed = state.multiplier.iter().any(|&l| l != 0.0);
+    if !model.is_rubber() || is_rough || !is_pressed {
         return None;
     }
     let closed = state.status.iter().map(|status| status.is_closed());
@@ -32,14 +29,18 @@ pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentat
         mass: vec![Vec::new(); size],
     };
     let body = model.deformed(&state.displacement);
-    for (interface, met) in model.placed(&state.drive) {
+    for interface in &model.interfaces.list {
         let pressures = Pressures {
             contact: &interface.own(&state.multiplier),
             internal: &state.pressure,
             closed: &interface.own(&closed),
         };
-        let surface = (&interface.surface, &met);
-        let part = area_change(&body, surface, pressures, &model.prepared.is_held);
+        let part = area_change(
+            &body,
+            &interface.surface,
+            pressures,
+            &model.prepared.is_held,
+        );
         add(interface, part, &mut all);
     }
     let mass = finish(all.mass, size);
@@ -48,24 +49,6 @@ pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentat
         rows: finish(all.rows, state.displacement.len()),
         mass,
     })
-}
-
-/// Mean pressure on the closed part of all surfaces, in shear moduli.
-pub(super) fn mean_pressure(model: &Model<'_>, state: &State) -> f64 {
-    let (mut force, mut area) = (0.0, 0.0);
-    for interface in &model.interfaces.list {
-        let weights = interface.surface.weights.iter();
-        for (place, weight) in interface.places().zip(weights) {
-            if state.status[place].is_closed() {
-                force += weight * state.multiplier[place].abs();
-                area += weight;
-            }
-        }
-    }
-    match area > 0.0 {
-        true => force / area,
-        false => 0.0,
-    }
 }
 
 /// Adds the part of one interface to the rows of all multipliers.

@@ -32,7 +32,6 @@ use crate::model::evaluate::Evaluation;
 use crate::model::pressures::pressure_tangent;
 use crate::model::state::State;
 use crate::model::tangent::Tangent;
-use crate::obstacle::Obstacle;
 use crate::precond::coarse_schur::CoarseSchur;
 use crate::precond::volume_modes::VolumeModes;
 use crate::prepare::{ApproximateInverse, TaylorHoodData};
@@ -86,7 +85,7 @@ impl<'a> QuadraticProgram<'a> {
             let linearised = &mut run.learned.linearised;
             Tangent::new(&run.model, run.state, linearised, &mut run.work)
         });
-        let inverse = inverse(run, tangent.as_ref(), &now.coupling);
+        let inverse = inverse(run, tangent.as_ref());
         let now = match (&tangent, &motion) {
             (Some(tangent), Some(motion)) => {
                 tangent.after(motion, (&run.model, run.state), now, &mut run.work)
@@ -106,8 +105,7 @@ impl<'a> QuadraticProgram<'a> {
             .or(fixed);
         let volumes = volumes(&run.model, (&inverse, divergence), &mut run.work);
         let coarse = coarse_schur(prepared, volumes.as_ref(), &mut run.work);
-        let body = (&*inverse, divergence);
-        let metric = ContactMetric::new(&run.model, body, volumes, &now, &mut run.work);
+        let metric = ContactMetric::new(&run.model, &inverse, volumes, &now, &mut run.work);
         run.counters.applications += metric.applications;
         let predicted = metric.prediction(&now, run.state, &mut run.work);
         let released = released_of(&run.model, run.state);
@@ -199,19 +197,18 @@ fn released_of(model: &Model<'_>, state: &State) -> Option<SparseRows> {
 /// vanishes.
 fn curvature_of(model: &Model<'_>, state: &State) -> Option<SparseRows> {
     let under_pressure = state.multiplier.iter().any(|&l| l != 0.0);
-    if model.interfaces.are_flat() || !under_pressure {
+    if model.is_linear() || !under_pressure {
         return None;
     }
     let placed: Vec<_> = model.placed(&state.drive).collect();
-    let curved = placed.iter().filter_map(|(interface, met)| {
+    let pressed = placed.iter().map(|(interface, met)| {
         let pressure = interface.own(&state.multiplier);
-        let obstacle = met.obstacle()? as &dyn Obstacle;
-        Some((&interface.surface, obstacle, pressure))
+        (&interface.surface, met, pressure)
     });
-    let curved: Vec<_> = curved.collect();
-    let surfaces = curved
+    let pressed: Vec<_> = pressed.collect();
+    let surfaces = pressed
         .iter()
-        .map(|(surface, obstacle, pressure)| (*surface, *obstacle, &pressure[..]));
+        .map(|(surface, met, pressure)| (*surface, *met, &pressure[..]));
     let surfaces: Vec<_> = surfaces.collect();
     let body = model.deformed(&state.displacement);
     Some(curvature(&body, &surfaces, &model.prepared.is_held))

@@ -1,12 +1,12 @@
 //! The stiffness of a program with its constraints as stiff terms,
 //!
 //! ```text
-//! K_w = K + B^T (M / (w step mu) + S)^-1 B + C_A^T (w H_A^-1 + W) C_A,   K = A - curvature
+//! K_w = K + B^T (M / (w step mu) + S)^-1 B + w C_A^T H_A^-1 C_A,   K = A - curvature
 //! ```
 //!
 //! M the mass of the pressures, S their volume compliance, both inverted by Chebyshev steps and
 //! taken a hundredth too small for what these leave, H_A the compliance metric of the
-//! multipliers that hold, W the springs of the approximate inverse. On motions without change of
+//! multipliers that hold. On motions without change of
 //! volume that keep all contacts it is K, and it is below what the constraints themselves add
 //! elsewhere: where K_w is positive, K is so among the motions that the constraints admit. Rigid
 //! motions that nothing resists are made stiff besides (`loose`).
@@ -17,7 +17,9 @@ use std::sync::Arc;
 
 use super::QuadraticProgram;
 use super::loose::Loose;
+use crate::inequality::Augmented;
 use crate::krylov::least_eigenvalue::{Least, LeastEigenvalue};
+use crate::linalg::vector::add_scaled;
 use crate::linalg::{
     FactoriseError, LinearOperator, PartFactor, Preconditioner, SparseRows, Workspace,
 };
@@ -35,8 +37,8 @@ const SLACK: f64 = 0.99;
 struct Penalised<'a> {
     /// A.
     stiffness: &'a dyn LinearOperator,
-    /// What loads and contacts take off A.
-    released: Option<&'a SparseRows>,
+    /// What loads and contacts subtract from A, but for what vanishes where the contacts hold.
+    released: Option<Box<dyn LinearOperator + 'a>>,
     /// What is added to that to make it symmetric; none where it is.
     skew: Option<SparseRows>,
     /// Internal pressure.
@@ -47,6 +49,27 @@ struct Penalised<'a> {
     weight: f64,
     /// Rigid motions; none where supports hold the body.
     loose: Option<Loose>,
+}
+
+/// A matrix of the program.
+struct Borrowed<'a>(&'a SparseRows);
+
+impl LinearOperator for Borrowed<'_> {
+    fn rows(&self) -> usize {
+        self.0.rows()
+    }
+
+    fn columns(&self) -> usize {
+        self.0.columns()
+    }
+
+    fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
+        self.0.apply(x, y, work);
+    }
+
+    fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
+        self.0.apply_transposed(y, x, work);
+    }
 }
 
 /// What the volume resists.
@@ -78,8 +101,6 @@ struct Held<'a> {
     selected: Vec<usize>,
     /// Factor of H_A.
     factor: Arc<dyn PartFactor>,
-    /// W of the springs `[multipliers]`; empty where there are none.
-    springs: &'a [f64],
 }
 
 impl Held<'_> {
@@ -91,8 +112,7 @@ impl Held<'_> {
         let mut own: Vec<f64> = self.selected.iter().map(|&row| gaps[row]).collect();
         self.factor.solve_part(&mut own, work);
         for (&row, own) in self.selected.iter().zip(&own) {
-            let spring = self.springs.get(row).copied().unwrap_or(0.0);
-            pressures[row] = weight * own + spring * gaps[row];
+            pressures[row] = weight * own;
         }
         self.rows.add_transposed(1.0, &pressures, y, work);
         work.give(gaps);
@@ -111,8 +131,11 @@ impl LinearOperator for Penalised<'_> {
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
         self.stiffness.apply(x, y, work);
-        if let Some(released) = self.released {
-            released.subtract_product(x, y, work);
+        if let Some(released) = &self.released {
+            let mut product = work.scratch(y.len());
+            released.apply(x, &mut product, work);
+            add_scaled(y, -1.0, &product);
+            work.give(product);
         }
         if let Some(skew) = &self.skew {
             skew.subtract_product(x, y, work);
@@ -148,7 +171,7 @@ impl QuadraticProgram<'_> {
         let displacement = Counted::new(&*self.inverse.displacement);
         let mut operator = Penalised {
             stiffness: self.stiffness(),
-            released: self.released_by_all(),
+            released: self.released_on_contact(&run.state.status),
             skew: self.skew(),
             volume: self.volume(weight),
             held,
@@ -176,6 +199,22 @@ impl QuadraticProgram<'_> {
         least
     }
 
+    /// What loads and contacts subtract from A, less what vanishes where the contacts of
+    /// `status` hold.
+    fn released_on_contact(&self, status: &[Status]) -> Option<Box<dyn LinearOperator + '_>> {
+        let released = self.released_by_all();
+        let coupling: &dyn LinearOperator = &self.now.coupling;
+        let terms = self.augmentation.as_ref();
+        let on_contact =
+            terms.and_then(|terms| Augmented::new(terms, [coupling; 2], status, released));
+        match on_contact {
+            Some(operator) => Some(Box::new(operator)),
+            None => {
+                released.map(|released| Box::new(Borrowed(released)) as Box<dyn LinearOperator>)
+            }
+        }
+    }
+
     /// What the volume resists; none in displacement form.
     fn volume(&self, weight: f64) -> Option<Volume<'_>> {
         let block = self.model.prepared.pressure.as_ref()?;
@@ -196,11 +235,9 @@ impl QuadraticProgram<'_> {
         if selected.is_empty() {
             return Ok(None);
         }
-        let springs = self.inverse.springs.as_ref();
         Ok(Some(Held {
             factor: self.metric.matrix.factor_of_part(&selected)?,
             rows: &self.now.coupling,
-            springs: springs.map_or(&[], |springs| springs.weights()),
             selected,
         }))
     }

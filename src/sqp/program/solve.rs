@@ -14,7 +14,7 @@ use crate::krylov::outlook::Outlook;
 use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::plan::augmentation::VOLUMETRIC;
 use crate::plan::second_attempt::Programs;
-use crate::precond::{Counted, StiffConstraints};
+use crate::precond::Counted;
 use crate::saddle::{BlockStep, EqualityBlock, Metric, MultiplierBlock, Status, UpperTriangular};
 use crate::scene::ContactMethod;
 use crate::sqp::chooser;
@@ -237,11 +237,6 @@ impl QuadraticProgram<'_> {
             stiffness: self.stiffness(),
             curvature,
             augmentation: self.augmentation.as_ref(),
-            springs: self
-                .inverse
-                .springs
-                .as_ref()
-                .map_or(&[], StiffConstraints::weights),
             displacement,
             step,
             blocks,
@@ -302,7 +297,6 @@ impl QuadraticProgram<'_> {
             stabilisation: None,
             metric: Metric::Dense {
                 matrix: &*self.metric.matrix,
-                sprung: self.metric.sprung.as_deref(),
                 weights: &self.metric.weights,
                 moduli: &self.model.interfaces.moduli,
                 shared: self.metric.shared.as_ref(),
