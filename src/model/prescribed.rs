@@ -107,7 +107,10 @@ pub(crate) fn prescribed_value(
     ) else {
         return 0.0;
     };
+    let is_plane = !held.planes.is_empty();
     let value = match (&plan.resolved.manufactured, &held.profile) {
+        // The sum takes its sign from a zero.
+        _ if is_plane => 0.0 + values[0] * held.normal_at(i, position()[i]).unwrap_or(0.0),
         (Some(field), _) => drive.load * field.displacement(position().map(|x| x * scale))[i],
         (None, Some(profile)) => values[i] * profile.at(position()),
         (None, None) => values[i],

@@ -5,29 +5,39 @@ use std::collections::BTreeMap;
 
 use crate::mesh::Mesh;
 use crate::plan::surfaces::vertices_of;
-use crate::scene::SceneKind;
-use crate::scene::validate::{ON_AXIS, Resolved};
+use crate::scene::validate::{ON_AXIS, Resolved, rotates};
+use crate::scene::{SceneError, SceneKind, Step, Violation};
 use crate::space::TaylorHood;
 
 /// In the place of a support: the axis of a body of revolution, where u_x = 0.
 pub(crate) const AXIS: u16 = u16::MAX;
 
-/// Held unknowns; where supports overlap, the first one named holds.
+/// Held unknowns; where supports overlap, the first one named holds, those that name components
+/// before those that hold planes.
 pub(crate) fn held_unknowns(
     resolved: &Resolved,
     mesh: &Mesh,
     space: &TaylorHood,
 ) -> Vec<(u32, u16)> {
     let mut held = BTreeMap::new();
+    let c = space.components as u32;
     for (index, support) in resolved.supports.iter().enumerate() {
         for &facet in &support.facets {
             for node in space.facet_nodes(mesh.facet(facet as usize)) {
                 for i in 0..space.components {
                     if support.displacement[i].is_some() {
-                        let unknown = node * space.components as u32 + i as u32;
-                        held.entry(unknown).or_insert(index as u16);
+                        held.entry(node * c + i as u32).or_insert(index as u16);
                     }
                 }
+            }
+        }
+    }
+    for (index, support) in resolved.supports.iter().enumerate() {
+        for plane in &support.planes {
+            let facets = plane.facets.iter();
+            for node in facets.flat_map(|&f| space.facet_nodes(mesh.facet(f as usize))) {
+                let unknown = node * c + plane.axis as u32;
+                held.entry(unknown).or_insert(index as u16);
             }
         }
     }
@@ -92,4 +102,24 @@ pub(crate) fn conflicts(resolved: &Resolved, mesh: &Mesh) -> Vec<String> {
             )
         })
         .collect()
+}
+
+impl crate::plan::Plan {
+    /// Refuses a step that rotates planes which are held as components.
+    ///
+    /// # Errors
+    /// [`SceneError::Unsupported`] with the key.
+    pub(crate) fn check_turned_planes(&self, step: &Step) -> Result<(), SceneError> {
+        let supports = self.resolved.supports.iter();
+        let mut held = supports.filter(|support| !support.planes.is_empty());
+        match held.find(|support| rotates(step, &support.name)) {
+            None => Ok(()),
+            Some(support) => Err(SceneError::Unsupported(Violation {
+                path: format!("step.support.{}.rotation", support.name),
+                message: "its planes across an axis are held as components: give a step that \
+                          rotates them with the scene"
+                    .to_owned(),
+            })),
+        }
+    }
 }

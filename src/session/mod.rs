@@ -226,6 +226,7 @@ impl Session {
     pub fn check_step(&self, step: &Step) -> Result<(), SceneError> {
         check_step(self.plan().scene(), step, self.body.mesh())?;
         self.plan().check_pushes(step)?;
+        self.plan().check_turned_planes(step)?;
         self.plan().check_friction(step)
     }
 

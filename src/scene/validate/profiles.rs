@@ -1,31 +1,32 @@
 //! Supports whose prescribed values vary over their surface.
 
-use super::{Faults, Parabola, Placed, ResolvedSupport, values};
-use crate::contact::patches::smooth_patches;
+use super::{Faults, Parabola, Placed, ResolvedSupport, planes, values};
 use crate::mesh::Mesh;
-use crate::scene::{Profile, Support};
+use crate::scene::{Profile, Step, Support};
 
 /// The supports with their profiles.
 pub(crate) fn resolve(
     supports: Vec<Placed<'_, Support>>,
-    mesh: &Mesh,
+    (steps, mesh): (&[Step], &Mesh),
     faults: &mut Faults,
 ) -> Vec<ResolvedSupport> {
-    let supports = supports.into_iter();
-    supports
-        .map(|Placed { item, facets }| ResolvedSupport {
+    let resolve = |Placed { item, facets }: Placed<'_, Support>| {
+        let (planes, patches) = match item.normal {
+            Some(_) => planes::parted(mesh, (&item.name, &facets), steps),
+            None => Default::default(),
+        };
+        ResolvedSupport {
             name: item.name.clone(),
             displacement: item.displacement,
             normal: item.normal,
-            patches: match item.normal {
-                Some(_) => smooth_patches(mesh, &facets),
-                None => Vec::new(),
-            },
+            planes,
+            patches,
             profile: profile(item, &facets, mesh, faults),
             values: values::of_support(item, (&facets, mesh), faults),
             facets,
-        })
-        .collect()
+        }
+    };
+    supports.into_iter().map(resolve).collect()
 }
 
 fn profile(

@@ -38,6 +38,19 @@ impl ResolvedMaterial {
     }
 }
 
+/// A plane patch across an axis.
+#[derive(Clone, Debug)]
+pub(crate) struct HeldPlane {
+    /// Facets of the patch.
+    pub(crate) facets: Vec<u32>,
+    /// The axis that the normal lies along.
+    pub(crate) axis: usize,
+    /// One where the outward normal points up that axis, else minus one.
+    pub(crate) outward: f64,
+    /// Coordinate of the plane along the axis, in units of the mesh.
+    pub(crate) coordinate: f64,
+}
+
 /// Held displacement components of a surface.
 #[derive(Clone, Debug)]
 pub(crate) struct ResolvedSupport {
@@ -50,13 +63,26 @@ pub(crate) struct ResolvedSupport {
     /// Displacement held along the outward normal, the caller's length; `None` where
     /// the support holds components.
     pub(crate) normal: Option<f64>,
-    /// The smooth patches of a surface that is held along its normal: nodes between
-    /// two of them are held along both normals. None where components are held.
+    /// Planes across an axis on which the normal is held: there it is a component.
+    pub(crate) planes: Vec<HeldPlane>,
+    /// The other smooth patches of a surface that is held along its normal, by multipliers:
+    /// nodes between two of them are held along both normals. None where components are held.
     pub(crate) patches: Vec<Vec<u32>>,
     /// Variation of the values over the surface; `None` where they are constant.
     pub(crate) profile: Option<Parabola>,
     /// Displacement of each node on top, the caller's length.
     pub(crate) values: Spread,
+}
+
+impl ResolvedSupport {
+    /// Component `i` of the outward normal of the plane held across that axis which is nearest
+    /// to `coordinate`; none without any.
+    pub(crate) fn normal_at(&self, i: usize, coordinate: f64) -> Option<f64> {
+        let own = self.planes.iter().filter(|plane| plane.axis == i);
+        let away = |plane: &HeldPlane| (plane.coordinate - coordinate).abs();
+        let nearest = own.min_by(|a, b| away(a).total_cmp(&away(b)));
+        nearest.map(|plane| plane.outward)
+    }
 }
 
 /// A dead load per undeformed area.

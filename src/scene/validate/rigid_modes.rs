@@ -55,7 +55,7 @@ pub(crate) fn check(
         faults.add("support", format!("nothing holds the body against {list}"));
     }
     let has_multipliers =
-        !scene.obstacles.is_empty() || scene.supports.iter().any(|s| s.normal.is_some());
+        !scene.obstacles.is_empty() || supports.iter().any(|s| !s.patches.is_empty());
     if !free.is_empty() && has_multipliers && count > 1 {
         let list = free.join(", ");
         faults.unsupported(
@@ -159,6 +159,13 @@ impl<'a> Parts<'a> {
                     for component in (0..dimension).filter(|&i| support.displacement[i].is_some()) {
                         add_product(&mode_row(dimension, component, arm), &mut moments[part]);
                     }
+                }
+            }
+            for plane in &support.planes {
+                let corners = plane.facets.iter();
+                for &vertex in corners.flat_map(|&facet| self.mesh.facet(facet as usize)) {
+                    let (part, arm) = self.arm(vertex);
+                    add_product(&mode_row(dimension, plane.axis, arm), &mut moments[part]);
                 }
             }
         }
