@@ -53,7 +53,7 @@
 //! | c_e | edge correction: midpoint minus mean of the ends | as u | as u |
 //! | p | `pressure`, positive in compression | vertices | smallest shear modulus |
 //! | l | `multiplier`: contact pressure, normal traction of guides | multipliers of all interfaces | as p |
-//! | g_i = int psi_i d(x + u) dS | `gap`, weighted by a multiplier function | as l | length^dimension |
+//! | g_i = int psi_i d(x + u) dS | `gap`, weighted by a multiplier function; da, the deformed area, for bodies of finite strain | as l | length^dimension |
 //! | A, A11 | `stiffness`, its P1 block | | |
 //! | B | `divergence`: (B u)_i = -int lambda_i div u | vertices x unknowns | |
 //! | C = -dg/du | `coupling`, `rows` of a block | multipliers x unknowns | |
@@ -62,7 +62,7 @@
 //! | D | `columns` of a block: the forces of its multipliers, transposed; D = C without friction | as C | as C |
 //! | x in X | `AdmissibleSet`: `Free`, `NonNegative`, `Discs`, `Cones` | a run of multipliers | |
 //! | | `Status`: `Open` x = 0, `Stick` residual zero, `Slip` on the edge of the set | as l | |
-//! | s_i = T_i int psi_i (x - Q x0) dS | `slip` of a point of friction, weighted | tractions | length^dimension |
+//! | s_i = T_i int psi_i (x - Q x0) dS (da as for g) | `slip` of a point of friction, weighted | tractions | length^dimension |
 //! | A^ | `PMultigrid`, the displacement preconditioner | | |
 //! | m(X) | `RigidMotion` of an obstacle or a support | rotation, translation | radians, length |
 //! | s | `penalty`: weight of the volume term of rubber | one number | shear moduli |
@@ -172,6 +172,7 @@
 #![doc = include_str!("decisions/0050-augmented-linear.md")]
 #![doc = include_str!("decisions/0051-branches-and-cell-tangents.md")]
 #![doc = include_str!("decisions/0052-multigrid-in-contact.md")]
+#![doc = include_str!("decisions/0053-gap-over-the-deformed-surface.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

@@ -5,7 +5,7 @@
 //! R_j(v) = int psi_j (p - lambda) da(v),   da = |x_,1 x x_,2|,   M_jk = int psi_j psi_k da
 //! ```
 //!
-//! p: the internal pressure, zero where the body has none. In the tangent of the energy the
+//! p: the internal pressure, or zero. In the tangent of the energy the
 //! internal pressure takes int p (u.n da(v) + v.n da(u)) off on a loaded face, and the second
 //! derivative of the gap gives the same with lambda back: they differ by the deviatoric stress.
 //! The gap holds u.n, and with u.n = sum_k (M^-1 C u)_k psi_k these rows say what is left there.
@@ -35,7 +35,7 @@ pub struct AreaChange {
 pub struct Pressures<'a> {
     /// Contact pressure `[multipliers]`.
     pub contact: &'a [f64],
-    /// Internal pressure `[vertices]`; empty for a body in displacement form.
+    /// Internal pressure `[vertices]`; empty where it counts as zero.
     pub internal: &'a [f64],
     /// One where a multiplier is closed, else zero `[multipliers]`: faces count whose
     /// functions all are.

@@ -7,6 +7,7 @@
 //! at all nodes; never nodal P2 functions, whose vertex functions have zero mean on a
 //! quadratic face. d > 0 outside the obstacle.
 
+mod admitted;
 pub mod area_change;
 mod area_element;
 pub mod basis;
@@ -29,6 +30,7 @@ pub mod smooth;
 pub mod surface;
 pub mod surface_metric;
 
+pub use admitted::AdmittedDepth;
 pub use basis::ContactBasis;
 pub use counterpart::{Counterpart, Guide};
 pub use curvature::{curvature, traction_change};

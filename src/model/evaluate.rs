@@ -158,9 +158,6 @@ fn add_contact(model: &Model<'_>, state: &State, out: &mut Evaluation) {
         out.friction = Some(friction.law(model.plan, &state.drive));
     }
     (out.gap, out.coupling) = joined.finish(state.displacement.len());
-    if !model.admitted_penetration.is_empty() {
-        add_scaled(&mut out.gap, 1.0, &model.admitted_penetration);
-    }
 }
 
 impl Evaluation {

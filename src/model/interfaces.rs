@@ -25,7 +25,9 @@ use crate::contact::gap::Deformed;
 use crate::contact::patches::outward;
 use crate::contact::smooth::{sagittas, smooth_offsets};
 use crate::contact::surface::{FACE_DEGREE, KINKED_DEGREE, face_rule};
-use crate::contact::{ContactFace, ContactSurface, Counterpart, Guide, Kinematics, Measure};
+use crate::contact::{
+    AdmittedDepth, ContactFace, ContactSurface, Counterpart, Guide, Kinematics, Measure,
+};
 use crate::element::quadrature::Rule;
 use crate::geometry::RigidMotion;
 use crate::mesh::Mesh;
@@ -76,15 +78,27 @@ pub(crate) enum Role {
 pub(crate) enum Placed {
     /// An obstacle in its pose, non-dimensional.
     Obstacle(Moving),
+    /// An obstacle that lets the body in by some depth.
+    Admitting(Moving, AdmittedDepth),
     /// The planes of the faces, moved with their support.
     Guide(Guide),
 }
 
 impl Placed {
+    /// The same, letting the body of `surface` in by `depths` `[multipliers]`.
+    pub(crate) fn admitting(self, surface: &ContactSurface, rule: &Rule, depths: &[f64]) -> Self {
+        match self {
+            Self::Obstacle(obstacle) => {
+                Self::Admitting(obstacle, AdmittedDepth::new(surface, rule, depths))
+            }
+            Self::Admitting(..) | Self::Guide(_) => self,
+        }
+    }
+
     /// The obstacle; none where a support holds the surface.
     pub(crate) fn obstacle(&self) -> Option<&Moving> {
         match self {
-            Self::Obstacle(obstacle) => Some(obstacle),
+            Self::Obstacle(obstacle) | Self::Admitting(obstacle, _) => Some(obstacle),
             Self::Guide(_) => None,
         }
     }
@@ -94,6 +108,7 @@ impl Counterpart for Placed {
     fn probe_on(&self, face: &ContactFace, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
         match self {
             Self::Obstacle(obstacle) => obstacle.probe_on(face, points, what, out),
+            Self::Admitting(obstacle, depth) => depth.probe(obstacle, (face, points), what, out),
             Self::Guide(guide) => guide.probe_on(face, points, what, out),
         }
     }

@@ -59,8 +59,8 @@ pub(crate) struct Model<'a> {
     pub(crate) interfaces: &'a Interfaces,
     /// Dead load at load factor one `[displacement unknowns]`.
     pub(crate) load: &'a [f64],
-    /// Weighted penetration that is still let be while a body is pushed out of an
-    /// obstacle `[multipliers]`; empty where none is.
+    /// Depth that a body is still let in by while it is pushed out of an obstacle
+    /// `[multipliers]`, in units of the scaled body; empty where it is not.
     pub(crate) admitted_penetration: Arc<[f64]>,
     /// Where the increment began, from where slip counts; none without friction.
     pub(crate) slip_start: Option<Arc<SlipStart>>,
@@ -125,6 +125,15 @@ impl<'a> Model<'a> {
     /// Every surface with what it meets where `drive` has it, in the order of the
     /// multipliers.
     pub(crate) fn placed(&self, drive: &Drive) -> impl Iterator<Item = (&'a Interface, Placed)> {
-        self.interfaces.placed(drive, self.plan.units.length)
+        let depths = self.admitted_penetration.clone();
+        let rule = &self.interfaces.rule;
+        let placed = self.interfaces.placed(drive, self.plan.units.length);
+        placed.map(move |(interface, met)| match depths.is_empty() {
+            true => (interface, met),
+            false => {
+                let own = interface.own(&depths);
+                (interface, met.admitting(&interface.surface, rule, &own))
+            }
+        })
     }
 }

@@ -116,9 +116,6 @@ impl Tangent {
             let mut behind = state.clone();
             add_scaled(&mut behind.displacement, 1.0, motion);
             moved.gap = gaps(model, &behind);
-            if !model.admitted_penetration.is_empty() {
-                add_scaled(&mut moved.gap, 1.0, &model.admitted_penetration);
-            }
         }
         moved
     }

@@ -140,7 +140,12 @@ pub(crate) fn name_the_impossible(run: &Run<'_>, ending: &mut Ending, goal: &Dri
     let may_be_full = is_numerical(ending)
         || matches!(
             ending.cause,
-            Some(Cause::LimitPoint | Cause::CoarseContact | Cause::NegativeJacobian)
+            Some(
+                Cause::LimitPoint
+                    | Cause::CoarseContact
+                    | Cause::NegativeJacobian
+                    | Cause::UnstableEquilibrium
+            )
         );
     let failed = ending.termination == Termination::NotConverged;
     if failed && may_be_full && is_full(&run.model, run.state, goal) {

@@ -2,7 +2,7 @@
 //! pushed out over the parts of the first increment:
 //!
 //! ```text
-//! g_i + (1 - t) max(-g_i(0), 0) >= 0,   t from 0 to 1
+//! int psi_i (d + (1 - t) delta) da >= 0,   delta_i = max(-g_i(0) / w_i, 0),   t from 0 to 1
 //! ```
 
 use std::sync::Arc;
@@ -18,7 +18,8 @@ const LARGEST_PART: f64 = 0.05;
 
 /// By how much a start lies inside its obstacles.
 pub(crate) struct InitialPenetration {
-    /// Weighted penetration `[multipliers]`; empty where one part resolves it.
+    /// Mean penetration `[multipliers]`, in units of the scaled body; empty where one part
+    /// resolves it.
     penetration: Vec<f64>,
     /// Deepest penetration of the start, in units of the scaled body.
     depth: f64,
@@ -44,8 +45,9 @@ impl InitialPenetration {
             let (gaps, _) = evaluate_gaps(&body, &interface.surface, &obstacle);
             let weighted = gaps.iter().zip(&interface.surface.weights);
             for (place, (gap, weight)) in interface.places().zip(weighted) {
-                found.depth = found.depth.max(-gap / weight);
-                found.penetration[place] += (-gap).max(0.0);
+                let depth = (-gap / weight).max(0.0);
+                found.depth = found.depth.max(depth);
+                found.penetration[place] = found.penetration[place].max(depth);
             }
         }
         if found.depth <= LARGEST_PART {

@@ -4,15 +4,14 @@
 //! int 2 mu |dev eps(v)|^2 - p int ((tr grad v)^2 - grad v : grad v^T) > 0   for all v with B v = 0, C v = 0
 //! ```
 //!
-//! The second integral vanishes where the rows C hold all of the P2 trace, as a support and
-//! quadratic pressures do; hats leave edge nodes free, that buckle at about one shear
-//! modulus. The values at no compression are those of an independent eigenvalue solver
-//! (incompressible; here K = 1e4 mu, so that the walls move by 3e-4 at most).
+//! less the second derivative of the gap times the contact pressure. By the deformed area an even
+//! pressure works on the volume of body and gap, which is constant, so that both cancel in every
+//! space (K = 1e4 mu: the walls move by 3e-4 at most).
 
 use crate::common::meshes::{cube, mesh, square};
 use crate::common::scenes::{in_parts, obstacle, push, rubber, support};
 use crate::common::solve;
-use signorini::report::{Cause, Stability};
+use signorini::report::Stability;
 use signorini::scene::{Choice, ContactSpace, OnInstability, RubberModel, Shape, StabilityCheck};
 use signorini::{MeshParts, Scene, StepReport};
 
@@ -63,32 +62,20 @@ fn pressure(report: &StepReport) -> f64 {
     -force.iter().sum::<f64>()
 }
 
-/// Blocks with the critical pressures of hats on their lids.
-fn blocks() -> [(MeshParts, f64); 5] {
-    [
-        (square(2), 2.25),
-        (square(4), 1.21),
-        (square(8), 0.93),
-        (cube(2), 1.42),
-        (cube(4), 0.95),
-    ]
+fn blocks() -> [MeshParts; 5] {
+    [square(2), square(4), square(8), cube(2), cube(4)]
 }
 
-#[test]
-fn a_lid_of_hats_gives_way_at_the_pressure_of_the_eigenvalue_solver() {
-    for (parts, expected) in blocks() {
-        let reports = pressed(parts, ContactSpace::Linear);
-        let last = reports.last().expect("an increment");
-        assert_eq!(last.cause, Some(Cause::UnstableEquilibrium));
-        let found = pressure(last);
-        assert!((found - expected).abs() < 0.02, "{expected} {found}");
-    }
+fn in_both_spaces(parts: MeshParts) -> [(MeshParts, ContactSpace); 2] {
+    let spaces = [ContactSpace::Linear, ContactSpace::Quadratic];
+    spaces.map(|space| (parts.clone(), space))
 }
 
+/// By the undeformed area a lid of hats gave way at 0.93 to 2.25 shear moduli.
 #[test]
-fn a_lid_of_quadratic_pressures_gives_way_at_none() {
-    for (parts, _) in blocks() {
-        let reports = pressed(parts, ContactSpace::Quadratic);
+fn a_lid_gives_way_at_no_pressure_in_either_space() {
+    for (parts, space) in blocks().into_iter().flat_map(in_both_spaces) {
+        let reports = pressed(parts, space);
         assert_eq!(reports.len(), INCREMENTS as usize);
         for report in &reports {
             assert_eq!(report.stability, Some(Stability::Minimum));
