@@ -15,18 +15,8 @@ use crate::model::values::gradient_at;
 /// Parts of an edge of the lattice.
 const PARTS: usize = 4;
 
-/// The worst place of all cells that are inside out.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct InsideOut {
-    pub(crate) cell: usize,
-    /// det F there, below zero.
-    pub(crate) jacobian: f64,
-    /// The undeformed point, in the caller's units.
-    pub(crate) point: [f64; 3],
-}
-
-/// The place where det F is least, if that is not above zero.
-pub(crate) fn inside_out(model: &Model<'_>, state: &State) -> Option<InsideOut> {
+/// The undeformed point where det F is least, if that is not above zero, in the mesh's lengths.
+pub(crate) fn inside_out(model: &Model<'_>, state: &State) -> Option<[f64; 3]> {
     if !model.is_rubber() {
         return None;
     }
@@ -40,13 +30,10 @@ pub(crate) fn inside_out(model: &Model<'_>, state: &State) -> Option<InsideOut> 
         lattice.iter().map(at)
     });
     let worst = found.filter(|(_, jacobian, _)| *jacobian <= 0.0);
-    let (cell, jacobian, place) = worst.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let (cell, _, place) = worst.min_by(|a, b| a.1.total_cmp(&b.1))?;
     let corners = model.mesh.corners(cell);
-    Some(InsideOut {
-        cell,
-        jacobian,
-        point: std::array::from_fn(|i| corners.iter().zip(place).map(|(x, l)| l * x[i]).sum()),
-    })
+    let along = |i: usize| corners.iter().zip(place).map(|(x, l)| l * x[i]).sum();
+    Some(std::array::from_fn(along))
 }
 
 /// Whether the bound of a cell leaves room for det F below zero.

@@ -72,8 +72,11 @@ pub enum Cause {
     /// The faces are too large for the pressure on a curved obstacle: from some
     /// 4 mu R / h on the mesh, not the body, loses its equilibrium.
     CoarseContact,
-    /// det F falls to zero somewhere: cells would turn inside out.
+    /// det F falls to zero at a point of the rule: cells would turn inside out.
     NegativeJacobian,
+    /// All is in balance, but det F is below zero between the points of the rule: a cell is
+    /// inside out, which no body is.
+    InsideOut,
 }
 
 impl Cause {
@@ -90,7 +93,7 @@ impl Cause {
     }
 
     /// All, in the order in which they are listed.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Stagnation,
         Self::IterationLimit,
         Self::ActiveSetCycle,
@@ -104,6 +107,7 @@ impl Cause {
         Self::UnstableEquilibrium,
         Self::CoarseContact,
         Self::NegativeJacobian,
+        Self::InsideOut,
     ];
 
     /// The name used on the wire and in result lines.
@@ -122,6 +126,7 @@ impl Cause {
             Self::UnstableEquilibrium => "unstable_equilibrium",
             Self::CoarseContact => "coarse_contact",
             Self::NegativeJacobian => "negative_jacobian",
+            Self::InsideOut => "inside_out",
         }
     }
 }

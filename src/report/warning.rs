@@ -27,15 +27,13 @@ pub enum WarningKind {
     CoarseTurn,
     /// Friction may admit another equilibrium under the same drive.
     NotUnique,
-    /// A cell is turned inside out: the mesh is too coarse for the deformation.
-    InsideOut,
     /// Digits are lost in motions far larger than the body's strains.
     LostDigits,
 }
 
 impl WarningKind {
     /// All, in the order in which they are listed.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 13] = [
         Self::Snapped,
         Self::UnstableEquilibrium,
         Self::UntouchedObstacle,
@@ -48,7 +46,6 @@ impl WarningKind {
         Self::CoarseFacets,
         Self::CoarseTurn,
         Self::NotUnique,
-        Self::InsideOut,
         Self::LostDigits,
     ];
 
@@ -67,7 +64,6 @@ impl WarningKind {
             Self::CoarseFacets => "coarse_facets",
             Self::CoarseTurn => "coarse_turn",
             Self::NotUnique => "not_unique",
-            Self::InsideOut => "inside_out",
             Self::LostDigits => "lost_digits",
         }
     }
@@ -122,8 +118,7 @@ mod tests {
             CoarseContact => CoarseFacets,
             CoarseFacets => CoarseTurn,
             CoarseTurn => NotUnique,
-            NotUnique => InsideOut,
-            InsideOut => LostDigits,
+            NotUnique => LostDigits,
             LostDigits => return None,
         })
     }

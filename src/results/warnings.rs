@@ -10,7 +10,6 @@
 //! | large strain | the largest strain at the centroid of a cell, of a linear solid |
 //! | coarse contact | pressure on a few functions of a curved contact |
 //! | coarse facets | how far facets are off the surface that they stand for, over the squeeze |
-//! | inside out | det F below zero on a lattice of the cells whose bound allows it |
 //! | lost digits | displacements, or of rubber lengths, whose rounding is a strain of some share of the largest |
 //! | snapped, unstable equilibrium, not unique | what the solver did |
 //!
@@ -21,7 +20,6 @@ use std::collections::BTreeMap;
 
 use crate::model::Model;
 use crate::model::ending::Ending;
-use crate::model::inside_out::inside_out;
 use crate::model::state::{Start, State};
 use crate::model::values::gradient_at;
 use crate::report::{ObstacleResult, Stability, Termination, Warning, WarningKind};
@@ -251,7 +249,6 @@ fn of_the_body(model: &Model<'_>, state: &State, ending: &Ending, all: &mut Vec<
             ),
         ));
     }
-    all.extend(turned(model, state));
     all.extend(lost.or_else(|| lost_in_contrast(model)));
 }
 
@@ -288,22 +285,6 @@ fn lost_in_contrast(model: &Model<'_>) -> Option<Warning> {
             "",
             Some(contrast),
             format!("moduli are {contrast:.0e} apart: forces of the soft part keep {rounding:.0e} of themselves only"),
-        )
-    })
-}
-
-/// A cell that is inside out.
-fn turned(model: &Model<'_>, state: &State) -> Option<Warning> {
-    inside_out(model, state).map(|worst| {
-        let ([x, y, z], cell) = (worst.point, worst.cell);
-        Warning::new(
-            WarningKind::InsideOut,
-            "",
-            Some(worst.jacobian),
-            format!(
-                "cell {cell} is turned inside out at ({x:.4}, {y:.4}, {z:.4}), det F {:.3}: the mesh is too coarse there for this deformation, and the result is not to be trusted",
-                worst.jacobian
-            ),
         )
     })
 }

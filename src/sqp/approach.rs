@@ -242,7 +242,7 @@ fn first_fall(state: &State) -> f64 {
 fn may_fall(run: &Run<'_>, ending: &Ending) -> bool {
     let is_elsewhere = matches!(
         ending.cause,
-        Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
+        Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite | Cause::InsideOut)
     );
     let is_lost = is_unstable(run, ending)
         || run.learned.lowest_mode.is_none()

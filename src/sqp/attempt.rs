@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use super::balance;
 use super::certificate::certify;
-use super::diagnosis::explain;
+use super::diagnosis::{explain, refuse_inside_out};
 use super::response::contact_alone::answer;
 use super::run::Run;
 use super::uniqueness::look_for_a_rival;
@@ -22,6 +22,7 @@ pub(crate) fn attempt(run: &mut Run<'_>, drive: &Drive) -> Ending {
     let mut ending = balance::solve(run, drive);
     explain(run, &mut ending);
     centre_pressure(&run.model, run.state);
+    refuse_inside_out(run, &mut ending);
     certify_timed(run, &mut ending);
     look_for_a_rival(run, &mut ending);
     ending

@@ -22,7 +22,6 @@ use super::run::Run;
 use crate::linalg::vector::{add_scaled, dot};
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Snap};
-use crate::model::inside_out::inside_out;
 use crate::model::proximal::{Proximal, mass};
 use crate::model::state::State;
 use crate::report::{Cause, Termination};
@@ -118,10 +117,6 @@ fn flow_down(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
         let kept = run.state.clone();
         let mut ending = attempt(run, drive);
         if ending.termination == Termination::Converged {
-            // A well of the mesh, not of the body.
-            if inside_out(&run.model, run.state).is_some() {
-                return None;
-            }
             flow.add_work(&[&kept.displacement, &run.state.displacement], 0.0);
             ending.snapped = Some(flow.snap(run, &before));
             return Some(ending);
@@ -130,6 +125,8 @@ fn flow_down(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
             return Some(ending);
         }
         match ending.cause {
+            // A well of the mesh, not of the body.
+            Some(Cause::InsideOut) => return None,
             Some(Cause::UnstableEquilibrium) => flow.leave_saddle(run),
             _ => run.state.clone_from(&kept),
         }

@@ -9,8 +9,9 @@ use crate::linalg::Workspace;
 use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::model::Model;
 use crate::model::drive::Drive;
-use crate::model::ending::Ending;
+use crate::model::ending::{Ending, Site};
 use crate::model::evaluate::external_force;
+use crate::model::inside_out::inside_out;
 use crate::model::state::State;
 use crate::obstacle::{Contact, Obstacle, What};
 use crate::report::{Cause, Termination};
@@ -48,6 +49,22 @@ pub(crate) fn explain(run: &mut Run<'_>, ending: &mut Ending) {
         ending.cause = Some(Cause::NoEquilibrium);
     } else if is_enclosed(model) || is_closed_by_contact(model, run.state, &mut run.work) {
         ending.cause = Some(Cause::EnclosedVolume);
+    }
+}
+
+/// Takes it back that a state converged in which a cell is inside out: what balances there is
+/// the mesh, not the body. Smaller parts may lead past it.
+pub(crate) fn refuse_inside_out(run: &Run<'_>, ending: &mut Ending) {
+    if ending.termination != Termination::Converged {
+        return;
+    }
+    if let Some(point) = inside_out(&run.model, run.state) {
+        ending.termination = Termination::NotConverged;
+        ending.cause = Some(Cause::InsideOut);
+        ending.site = Some(Site {
+            point: Some(point),
+            ..Site::default()
+        });
     }
 }
 

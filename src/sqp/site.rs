@@ -5,6 +5,7 @@
 //! | unstable equilibrium, limit point, step too small | moves most in the softest motion | its direction there |
 //! | coarse contact | face too large for its pressure, with the size that it takes | |
 //! | negative Jacobian | middle of the cell of least volume ratio | |
+//! | inside out | least det F at the state that was refused | |
 //! | no equilibrium | | sum of forces, less what pressure of the obstacles can take up |
 //! | others, where the state is out of balance | vertex of the largest force out of balance | its direction |
 //!
@@ -34,7 +35,8 @@ pub(crate) fn locate(run: &mut Run<'_>, ending: &Ending, goal: &Drive) -> Option
         Cause::CoarseContact => of_faces(run),
         Cause::NegativeJacobian => of_cells(run),
         Cause::NoEquilibrium => of_sum(run, goal),
-        Cause::EnclosedVolume | Cause::NotFinite => None,
+        // The place of an inside-out cell was found at the state that was refused.
+        Cause::EnclosedVolume | Cause::NotFinite | Cause::InsideOut => None,
         Cause::Stagnation
         | Cause::IterationLimit
         | Cause::ActiveSetCycle

@@ -1,11 +1,11 @@
 //! What results say of rubber: stresses, volumes and contact pressures of a block
 //! that a plate squeezes evenly, and a support that travels.
 
-use crate::common::meshes::{cube, mesh};
-use crate::common::scenes::{HELD, elastic, obstacle, push, support};
-use crate::common::{assert_converged, difference, run, run_one, values};
+use crate::common::meshes::{cube, mesh, square};
+use crate::common::scenes::{HELD, elastic, obstacle, pull, push, support};
+use crate::common::{assert_converged, difference, run, run_one, solve, values};
 use signorini::scene::{Formulation, MaterialModel, RubberModel, Shape, SupportTarget};
-use signorini::{FieldName, Scene, Step};
+use signorini::{Cause, FieldName, Scene, Step, Termination};
 
 fn neo_hookean() -> Scene {
     let mut scene = elastic(0.5);
@@ -159,4 +159,25 @@ fn a_body_on_a_turning_support_turns_with_it_without_strain() {
         let moved: Vec<f64> = x.iter().zip(u).map(|(x, u)| x + u).collect();
         assert!(difference(&moved, &turned) < 1e-6, "{moved:?} {turned:?}");
     }
+}
+
+#[test]
+fn a_cell_inside_out_is_no_result() {
+    // Beyond half the height cells beside the free sides turn, though det F stays above zero at
+    // the points of the rule and all residuals are met.
+    let mut scene = neo_hookean();
+    if let MaterialModel::Rubber { bulk_modulus, .. } = &mut scene.materials[0].model {
+        *bulk_modulus = Some(50.0);
+    }
+    let held = [Some(0.0), Some(0.0), None];
+    scene.supports = vec![support("y0", held), support("y1", held)];
+    let pressed = pull("y1", [Some(0.0), Some(-0.6), None], 8);
+    let reports = solve(&scene, &[pressed], &mesh(square(2)));
+    let (last, before) = reports.split_last().expect("increments");
+    before.iter().for_each(assert_converged);
+    let end = (last.termination, last.cause);
+    assert_eq!(end, (Termination::NotConverged, Some(Cause::InsideOut)));
+    assert!((0.5..1.0).contains(&last.time), "{}", last.time);
+    let site = last.cause_site.as_ref().and_then(|site| site.point);
+    assert!(site.is_some() && last.cut_backs > 0);
 }

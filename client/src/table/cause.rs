@@ -52,6 +52,10 @@ pub(crate) fn cause(cause: Cause) -> Option<&'static str> {
         Cause::NegativeJacobian => {
             "cells would turn inside out: mesh finer, or round the corner that presses"
         }
+        Cause::InsideOut => {
+            "a cell is inside out between the points where stress is taken: mesh finer there, or \
+             round the corner that presses"
+        }
         Cause::CoarseContact => {
             "the faces are too large for the pressure on this curved obstacle: mesh the contact \
              finer"

@@ -152,6 +152,7 @@ fn cause(value: Cause) -> wire::Cause {
         Cause::UnstableEquilibrium => wire::Cause::UnstableEquilibrium,
         Cause::CoarseContact => wire::Cause::CoarseContact,
         Cause::NegativeJacobian => wire::Cause::NegativeJacobian,
+        Cause::InsideOut => wire::Cause::InsideOut,
     }
 }
 
