@@ -9,12 +9,15 @@ use crate::plan::{Plan, Units};
 use crate::report::{Cause, CauseSite, Fallback, Residuals, Snapped, Stability, Termination};
 
 /// The estimated error of the displacement.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Estimate {
     /// theta, the energy norm of the error over that of the displacement.
     pub(crate) relative: f64,
     /// Energy norm of the displacement with the error included, non-dimensional.
     pub(crate) norm: f64,
+    /// Squares of the energy norms of the error and of the displacement in each connected
+    /// part of the body `[parts]`.
+    pub(crate) parts: Vec<[f64; 2]>,
 }
 
 /// A fall from an equilibrium that was lost to the next minimum, non-dimensional.

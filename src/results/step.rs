@@ -29,7 +29,7 @@ use crate::results::finite_strain::{jacobian_bound, undeformed_pressure};
 use crate::results::friction::add_friction;
 use crate::results::geometry_error::geometry_error;
 use crate::results::nodal_force::{contact_force, reaction};
-use crate::results::touch::Touch;
+use crate::results::touch::{Touch, pressed_facets};
 use crate::results::touching::Touching;
 
 /// The report, without what only the session knows.
@@ -100,7 +100,10 @@ pub(crate) fn counted(state: &State, ending: &Ending, counters: &Counters) -> St
 fn reported_estimate(model: &Model<'_>, state: &State, ending: &Ending) -> Option<Estimate> {
     let is_wanted = model.plan.settings.estimates_error && model.prepared.strain.is_none();
     let is_there = ending.termination == Termination::Converged;
-    (is_wanted && is_there).then(|| ending.estimate.unwrap_or_else(|| estimate(model, state)))
+    (is_wanted && is_there).then(|| {
+        let known = ending.estimate.clone();
+        known.unwrap_or_else(|| estimate(model, state))
+    })
 }
 
 /// Deformed over undeformed volume.
@@ -134,8 +137,10 @@ fn obstacles(
     let places = model.interfaces.list.iter().enumerate();
     let places: BTreeMap<&str, usize> = places.map(|(at, one)| (&*one.name, at)).collect();
     let mut results = touching.results(|interface, found, result| {
-        result.force_error =
-            estimated.map(|estimate| force_error(model, interface, found, estimate) * force_unit);
+        result.force_error = estimated.map(|estimate| {
+            let pressed = pressed_facets(interface, state);
+            force_error(model, (found, &pressed), estimate) * force_unit
+        });
         result.geometry_error = geometry_error(model, state, interface);
         let own = undeformed
             .as_ref()

@@ -133,6 +133,13 @@ impl<'t> Touch<'t> {
     }
 }
 
+/// Facets of the mesh under the faces that some function acts on.
+pub(crate) fn pressed_facets(interface: &Interface, state: &State) -> Vec<u32> {
+    let facets = interface.facets.iter().zip(acts(interface, state));
+    let pressed = facets.filter(|(_, acts)| *acts);
+    pressed.map(|(&facet, _)| facet).collect()
+}
+
 /// Whether some function acts on a face `[faces]`.
 fn acts(interface: &Interface, state: &State) -> Vec<bool> {
     let flags = state

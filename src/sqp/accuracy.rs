@@ -64,7 +64,7 @@ fn by_discretisation(run: &mut Run<'_>, drive: &Drive, floor: f64) -> Ending {
             return ending;
         }
         let estimated = estimate(&run.model, run.state);
-        ending.estimate = Some(estimated);
+        ending.estimate = Some(estimated.clone());
         run.counters.applications += 1;
         let algebraic = algebraic_error(run);
         let allowed = allowed_error(&run.model, run.state, &estimated);

@@ -3,11 +3,12 @@
 
 use std::sync::Arc;
 
-use crate::common::meshes::{cube, file, irregular, mesh, square};
+use crate::common::meshes::{cube, file, irregular, mesh, moved, square};
 use crate::common::scenes::{
-    HELD, cube_bend, elastic, hertz_plane, hertz_sphere, material, small_indentation, support,
+    HELD, cube_bend, elastic, hertz_plane, hertz_sphere, material, obstacle, plane,
+    small_indentation, support,
 };
-use crate::common::{assert_converged, open, run_one, solve, solve_one, values};
+use crate::common::{assert_converged, close, open, run_one, solve, solve_one, values};
 use serde_json::Value;
 use signorini::scene::{Choice, ErrorEstimate, Modulus, ToleranceRule};
 use signorini::{
@@ -283,4 +284,61 @@ fn a_tolerance_by_the_estimate_needs_the_estimate() {
         text.contains("solver.error_estimate") && text.contains("`discretisation`"),
         "{text}"
     );
+}
+
+/// Two unit squares, far apart, their groups as `of-a` and `of-b`.
+fn two_squares(count: usize) -> MeshParts {
+    let named = |mut parts: MeshParts, name: &str| {
+        for group in &mut parts.groups {
+            group.name = format!("{}-{name}", group.name);
+        }
+        parts
+    };
+    let mut both = named(square(count), "a");
+    let other = named(moved(square(count), |[x, y, z]| [x + 5.0, y, z]), "b");
+    let shift = (both.coordinates.len() as u32, both.cells.len() as u32 / 3);
+    let facets = both.facets.len() as u32 / 2;
+    both.coordinates.extend(other.coordinates);
+    both.cells.extend(other.cells.iter().map(|v| v + shift.0));
+    both.facets.extend(other.facets.iter().map(|v| v + shift.0));
+    both.groups
+        .extend(other.groups.into_iter().map(|mut group| {
+            let by = match group.kind {
+                GroupKind::Cells => shift.1,
+                _ => facets,
+            };
+            group.members.iter_mut().for_each(|member| *member += by);
+            group
+        }));
+    both
+}
+
+/// Blocks of shear moduli 1 and `contrast`, each under a plate.
+fn pressed_blocks(contrast: f64) -> StepReport {
+    let mut scene = elastic(0.5);
+    scene.materials = [("body-a", 1.0), ("body-b", contrast)]
+        .map(|(group, shear)| {
+            let mut one = material(Modulus::Shear(shear), 0.5);
+            one.group = group.to_owned();
+            one
+        })
+        .to_vec();
+    let held = [Some(0.0), Some(0.0), None];
+    scene.supports = vec![support("y0-a", held), support("y0-b", held)];
+    let lid = |name: &str, on: &str| obstacle(name, on, plane([0.0, 0.95, 0.0], [0.0, -1.0, 0.0]));
+    scene.obstacles = vec![lid("a", "y1-a"), lid("b", "y1-b")];
+    solve_one(&scene, &Step::default(), &mesh(two_squares(4)))
+}
+
+#[test]
+fn the_error_of_a_force_is_that_of_the_body_it_presses() {
+    let error = |contrast, name: &str| {
+        let error = pressed_blocks(contrast).obstacles[name].force_error;
+        error.expect("an estimate")
+    };
+    let alone = error(1.0, "a");
+    for contrast in [1e4, 1e8] {
+        assert!(close(error(contrast, "a"), alone, 1e-3), "{contrast}");
+        assert!(close(error(contrast, "b"), contrast * alone, 1e-3));
+    }
 }
