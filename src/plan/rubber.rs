@@ -92,12 +92,13 @@ impl Plan {
         self.resolved.kind == SceneKind::Axisymmetric
     }
 
-    /// Laws by material, non-dimensional.
+    /// Laws by material, as cells count them, non-dimensional; none of linear bodies. Where one
+    /// material is rubber all have a law for finite strain.
     pub(crate) fn laws(&self) -> Vec<Rubber> {
         let materials = self.resolved.materials.iter();
-        let rubbers = materials.filter_map(|material| material.rubber.as_ref());
         let unit = self.units.stress;
-        rubbers.map(|rubber| rubber.over(unit)).collect()
+        let laws = materials.map(|material| Some(material.rubber.as_ref()?.over(unit)));
+        laws.collect::<Option<_>>().unwrap_or_default()
     }
 
     /// What rubber holds at its peak beside a linear body: kept directions, two
@@ -129,18 +130,22 @@ impl Plan {
     /// Laws with their bulk moduli, each once.
     pub(crate) fn rubber_laws(&self) -> String {
         let mut laws: Vec<String> = Vec::new();
-        for material in &self.scene.materials {
-            let MaterialModel::Rubber {
-                model,
-                bulk_modulus,
-                ..
-            } = &material.model
-            else {
-                continue;
+        for (material, resolved) in self.scene.materials.iter().zip(&self.resolved.materials) {
+            let (name, bulk) = match &material.model {
+                MaterialModel::Rubber {
+                    model,
+                    bulk_modulus,
+                    ..
+                } => (model.name().to_owned(), *bulk_modulus),
+                other => {
+                    let law = resolved.rubber.as_ref();
+                    let name = format!("neo-hookean in the place of {}", other.name());
+                    (name, law.map(|law| law.inverse_bulk.recip()))
+                }
             };
-            let law = match bulk_modulus.filter(|bulk| bulk.is_finite()) {
-                None => format!("{}, incompressible", model.name()),
-                Some(bulk) => format!("{}, bulk modulus {bulk}", model.name()),
+            let law = match bulk.filter(|bulk| bulk.is_finite()) {
+                None => format!("{name}, incompressible"),
+                Some(bulk) => format!("{name}, bulk modulus {bulk}"),
             };
             if !laws.contains(&law) {
                 laws.push(law);

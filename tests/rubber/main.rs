@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod beside_rubber;
 mod extremes;
 mod frames;
 mod instability;

@@ -5,10 +5,10 @@ use crate::common::meshes::{cube, mesh, square};
 use crate::common::refusals::{block, unsupported, violations};
 use crate::common::scenes::{HELD, cube_bend, obstacle, support};
 use signorini::scene::{
-    Choice, ContactMethod, DisplacementMethod, ElementKind, Formulation, Material, MaterialModel,
-    Pressure, Profile, RubberModel, SaddleMethod, SceneKind, Shape, SupportTarget, ToleranceRule,
+    Choice, ContactMethod, DisplacementMethod, ElementKind, Formulation, MaterialModel, Pressure,
+    Profile, RubberModel, SaddleMethod, SceneKind, Shape, SupportTarget, ToleranceRule,
 };
-use signorini::{MeshParts, Plan, PlanReport, Scene, SceneError, Step};
+use signorini::{Plan, PlanReport, Scene, SceneError, Step};
 
 /// The bent cube of a law.
 fn rubber(model: RubberModel, bulk_modulus: Option<f64>) -> Scene {
@@ -187,24 +187,6 @@ fn the_volume_rule_of_rubber_has_degree_two_to_twelve() {
         let path = "solver.quadrature_degree";
         assert_refused(&scene, path, "between 2 and 12 for rubber");
     }
-}
-
-#[test]
-fn a_linear_body_beside_rubber_is_refused() {
-    let mut parts: MeshParts = cube(2);
-    let half = parts.groups[0].members.len() / 2;
-    let mut core = parts.groups[0].clone();
-    core.name = "core".to_owned();
-    core.members = parts.groups[0].members.split_off(half);
-    parts.groups.push(core);
-    let mut scene = mooney_rivlin(0.4, 0.1);
-    scene.materials.push(Material {
-        group: "core".to_owned(),
-        ..cube_bend(0.5).materials[0].clone()
-    });
-    let found = unsupported(&scene, &mesh(parts));
-    assert_eq!(found.path, "material.core.model");
-    assert!(found.message.contains("`linear-elastic` beside rubber"));
 }
 
 #[test]

@@ -32,12 +32,17 @@ pub(crate) fn resolve(
         faults.add("material", "too many materials");
         return (materials, of_cell);
     }
+    let has_rubber = scene.materials.iter().any(|one| one.model.is_rubber());
     for (index, material) in scene.materials.iter().enumerate() {
         if faults.is_full() {
             break;
         }
         let path = format!("material.{}", material.group);
-        materials.push(law(&material.model, &path, faults));
+        let resolved = law(&material.model, &path, faults);
+        materials.push(match has_rubber {
+            true => rubber::beside_rubber(resolved),
+            false => resolved,
+        });
         match mesh.group(&material.group, GroupKind::Cells) {
             None => faults.add(
                 &path,
@@ -212,9 +217,13 @@ pub(crate) fn mixed(
             .named()
             .is_none_or(|element| element == ElementKind::TaylorHood);
         match resolved.rubber {
-            Some(_) => faults.unsupported(
+            Some(_) if material.model.is_rubber() => faults.unsupported(
                 format!("{path}.bulk_modulus"),
                 "is below two thirds of the shear modulus at rest",
+            ),
+            Some(_) => faults.unsupported(
+                format!("{path}.poisson_ratio"),
+                format!("below {LEAST_MIXED}, a material cannot share a scene with rubber"),
             ),
             None if resolved.poisson_ratio < LEAST_BESIDE_A_PRESSURE || !is_taylor_hood => faults.unsupported(
                 format!("{path}.poisson_ratio"),

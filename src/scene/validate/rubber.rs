@@ -40,6 +40,34 @@ pub(super) fn resolve(
     }
 }
 
+/// A material that shares a scene with rubber: a linear solid takes the neo-Hookean law that
+/// has its moduli at rest, mu and K = lambda + 2 mu / 3, so that it may turn with the body.
+pub(super) fn beside_rubber(material: ResolvedMaterial) -> ResolvedMaterial {
+    if material.is_flow || material.rubber.is_some() {
+        return material;
+    }
+    let (shear_modulus, nu) = (material.law.shear_modulus, material.poisson_ratio);
+    let inverse_bulk = 1.5 * (1.0 - 2.0 * nu) / (shear_modulus * (1.0 + nu));
+    let isochoric = Isochoric::Invariants(InvariantLaw {
+        c10: 0.5 * shear_modulus,
+        c01: 0.0,
+        c20: 0.0,
+        c30: 0.0,
+    });
+    ResolvedMaterial {
+        law: LinearElastic {
+            shear_modulus,
+            inverse_lame: inverse_bulk,
+            direct_lame: 0.0,
+        },
+        rubber: Some(Rubber {
+            isochoric,
+            inverse_bulk,
+        }),
+        ..material
+    }
+}
+
 /// At rest, from mu / K.
 fn poisson_ratio(shear_over_bulk: f64) -> f64 {
     (3.0 - 2.0 * shear_over_bulk) / (6.0 + 2.0 * shear_over_bulk)
@@ -134,14 +162,8 @@ fn ogden(mu: &[f64], alpha: &[f64], path: &str, faults: &mut Faults) -> Isochori
 /// Refuses what rubber is not solved with, and what only rubber has.
 pub(super) fn check(scene: &Scene, materials: &[ResolvedMaterial], faults: &mut Faults) {
     let is_rubber = |material: &ResolvedMaterial| material.rubber.is_some();
-    let named = || scene.materials.iter().zip(materials);
     if !materials.iter().any(is_rubber) {
         return needs_rubber(scene, faults);
-    }
-    if let Some((other, _)) = named().find(|(_, material)| !is_rubber(material)) {
-        let path = format!("material.{}.model", other.group);
-        let message = format!("`{}` beside rubber in one scene", other.model.name());
-        faults.unsupported(path, message);
     }
     if scene.manufactured.is_some() {
         let message = "the fields are of linear elasticity, not of rubber";
