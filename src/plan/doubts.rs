@@ -9,6 +9,7 @@
 //! | tool below the mesh | the radius of an obstacle beside the edges that may touch it |
 //! | edges below the mesh | the radius of an obstacle's edges or tip beside the same |
 //! | begins inside | distances of the vertices that an obstacle may touch, in its first pose |
+//! | facets left out | those of a surface that have no area or are there twice |
 //! | long way | the travel of a step over the length of the body |
 //!
 //! Cost: one pass over materials and facets, one distance a vertex that may be touched
@@ -18,7 +19,7 @@ use super::Units;
 use super::overlap::overlap;
 use crate::mesh::Mesh;
 use crate::scene::validate::{Resolved, ResolvedObstacle};
-use crate::scene::{Scene, Step};
+use crate::scene::{Obstacle, Scene, Shape, Step};
 
 /// Mean ratio below which a cell is flat: sides of about 1 : 12 in the plane, 1 : 20 in space.
 const FLAT: f64 = 0.15;
@@ -55,8 +56,21 @@ pub(super) fn doubts(
             .iter()
             .filter_map(|one| begins_inside(one, (mesh, units))),
     );
+    all.extend(scene.obstacles.iter().filter_map(left_out));
     all.extend(long_way(steps, units));
     all
+}
+
+/// Facets of a tool that bound nothing.
+fn left_out(obstacle: &Obstacle) -> Option<String> {
+    let Shape::Surface(shape) = &obstacle.shape else {
+        return None;
+    };
+    let left_out = shape.surface.left_out()?;
+    Some(format!(
+        "{} facets of the surface of obstacle `{}` have no area or are there twice, the first is facet {}: they are left out",
+        left_out.facets, obstacle.name, left_out.first
+    ))
 }
 
 /// An obstacle that lies in the body before anything has moved.
@@ -133,9 +147,9 @@ fn nearly_incompressible(scene: &Scene, resolved: &Resolved) -> Option<String> {
     let (material, found) = materials
         .find(|(_, resolved)| !resolved.is_incompressible() && is_nearly(&resolved.law))?;
     let ratio = found.law.lame() / found.law.shear_modulus;
-    let cure = match found.rubber {
-        Some(_) => "no `bulk_modulus`",
-        None => "0.5 as `poisson_ratio`",
+    let cure = match material.model.is_rubber() {
+        true => "no `bulk_modulus`",
+        false => "0.5 as `poisson_ratio`",
     };
     Some(format!(
         "material `{}` resists a change of volume {ratio:.0e} times as much as one of shape: unless it is closed in on all sides, {cure} costs less and differs by as little",

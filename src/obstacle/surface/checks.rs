@@ -81,6 +81,14 @@ pub enum SurfaceError {
         "facet 0 and all others are clockwise from outside: turn them around, or use `inside = true` for a cavity"
     )]
     InsideOut,
+    /// The same of a part that lies in no other, of which it could be a hole.
+    #[error(
+        "facet {facet} and those joined to it are clockwise from outside, and in no other part of which they could be a hole: turn them around"
+    )]
+    InsideOutPart {
+        /// Index of the facet.
+        facet: usize,
+    },
 }
 
 /// Checks each facet for itself.
@@ -98,7 +106,7 @@ pub(super) fn facets(vertices: &[[f64; 3]], facets: &[[u32; 3]]) -> Result<(), S
     {
         return Err(SurfaceError::NotFinite { vertex });
     }
-    let one = |(index, corners)| one_facet(vertices, index, corners).err();
+    let one = |(index, corners)| one_facet(vertices.len(), index, corners).err();
     match facets.par_iter().enumerate().find_map_first(one) {
         Some(fault) => Err(fault),
         None => Ok(()),
@@ -126,8 +134,7 @@ fn duplicate(facets: &[[u32; 3]], vertices: usize) -> Option<usize> {
     twice.map(|pair| pair[1].1 as usize).min()
 }
 
-fn one_facet(vertices: &[[f64; 3]], facet: usize, corners: &[u32; 3]) -> Result<(), SurfaceError> {
-    let count = vertices.len();
+fn one_facet(count: usize, facet: usize, corners: &[u32; 3]) -> Result<(), SurfaceError> {
     if let Some(&vertex) = corners.iter().find(|vertex| **vertex as usize >= count) {
         return Err(SurfaceError::NoVertex {
             facet,
@@ -135,14 +142,19 @@ fn one_facet(vertices: &[[f64; 3]], facet: usize, corners: &[u32; 3]) -> Result<
             count,
         });
     }
-    let [a, b, c] = corners.map(|vertex| vertices[vertex as usize]);
+    Ok(())
+}
+
+/// Whether corners lie on a line.
+pub(super) fn is_flat([a, b, c]: [[f64; 3]; 3]) -> bool {
     let longest = [sub(b, a), sub(c, b), sub(a, c)].map(norm);
     let longest = longest.into_iter().fold(0.0, f64::max);
     let area = norm(cross(sub(b, a), sub(c, a)));
-    match area > FLAT * longest * longest {
-        true => Ok(()),
-        false => Err(SurfaceError::Degenerate { facet, at: a }),
-    }
+    // Not a number is no area either.
+    !matches!(
+        area.partial_cmp(&(FLAT * longest * longest)),
+        Some(std::cmp::Ordering::Greater)
+    )
 }
 
 /// Checks that the volume inside is above zero.

@@ -32,11 +32,42 @@ pub(super) struct Geometry {
     pub(super) ball: Option<Ball>,
     pub(super) sharpest: Option<f64>,
     pub(super) is_smooth: bool,
+    /// Further solids that these cross, nest in or touch.
+    beside: Vec<Self>,
 }
 
 impl Geometry {
     /// Of a surface with this between its vertices; the angle is one.
     pub(super) fn new(surface: &TriangulatedSurface, between: Between) -> Self {
+        let layers = surface.layers();
+        let mut layers = layers.iter().map(|layer| Self::of_layer(layer, between));
+        match layers.next() {
+            Some(first) => first.with(layers.collect()),
+            None => Self::of_layer(surface, between),
+        }
+    }
+
+    /// The union with other solids.
+    fn with(mut self, beside: Vec<Self>) -> Self {
+        for other in &beside {
+            let factor = other.unit / self.unit;
+            let ball = other.ball.map(|ball| Ball {
+                centre: scale(factor, ball.centre),
+                radius: factor * ball.radius,
+            });
+            let larger = |a: &Ball, b: &Ball| a.radius.total_cmp(&b.radius);
+            self.ball = self.ball.into_iter().chain(ball).max_by(larger);
+            let radius = other.sharpest.map(|radius| factor * radius);
+            self.sharpest = self.sharpest.into_iter().chain(radius).reduce(f64::min);
+        }
+        // They may meet in an edge.
+        self.is_smooth &= beside.is_empty();
+        self.beside = beside;
+        self
+    }
+
+    /// Of solids that lie apart.
+    fn of_layer(surface: &TriangulatedSurface, between: Between) -> Self {
         let flat = normals::flat(surface);
         let (features, corners) = match between {
             Between::Facets => {
@@ -83,6 +114,7 @@ impl Geometry {
             features,
             ball: None,
             sharpest: None,
+            beside: Vec::new(),
         };
         geometry.ball = geometry.largest_ball();
         geometry.sharpest = geometry.smallest_radius();
@@ -95,8 +127,35 @@ impl Geometry {
         facets * facet + FacetTree::bytes(facets)
     }
 
-    /// What the surface is to points near each other `[points][3]`.
+    /// What the solids are to points near each other `[points][3]`: the nearest or deepest of all.
     pub(super) fn contacts(
+        &self,
+        points: impl ExactSizeIterator<Item = [f64; 3]> + Clone,
+        what: What,
+        out: &mut [Contact],
+    ) {
+        self.of_own(points.clone(), what, out);
+        for other in &self.beside {
+            // Units are powers of two: their ratio changes no digit.
+            let factor = other.unit / self.unit;
+            let mut found = vec![Contact::default(); out.len()];
+            let points = points.clone().map(|point| point.map(|x| x / factor));
+            other.of_own(points, what, &mut found);
+            for (own, mut found) in out.iter_mut().zip(found) {
+                found.distance *= factor;
+                if found.distance < own.distance {
+                    let bent = found.curvature.map(|row| row.map(|entry| entry / factor));
+                    *own = Contact {
+                        curvature: bent,
+                        ..found
+                    };
+                }
+            }
+        }
+    }
+
+    /// What the solids of this layer are to points near each other `[points][3]`.
+    fn of_own(
         &self,
         points: impl ExactSizeIterator<Item = [f64; 3]> + Clone,
         what: What,

@@ -9,7 +9,8 @@
 //! of vertices and split where facets meet at more than the feature angle. The distance is that
 //! of the nearest point of all patches: error h^4, of its normal h^3, where the raw facets have
 //! h^2 and h. Across smooth edges patches share their edge curve, their normals differ by as
-//! much as normals are wrong. Cost: a search in a tree of coins and some Newton steps a point.
+//! much as normals are wrong. Parts that cross, nest or touch are one solid ([`parts`]); facets
+//! that bound nothing are left out ([`mend`]). Cost: a search in a tree of coins and some Newton steps a point.
 
 mod around;
 mod bending;
@@ -20,7 +21,9 @@ mod coins;
 mod fit;
 mod flats;
 mod geometry;
+mod mend;
 mod normals;
+mod parts;
 mod patch;
 mod rings;
 mod sorting;
@@ -38,6 +41,7 @@ use topology::Facets;
 use crate::geometry::vector3::{norm, sub};
 
 pub use checks::SurfaceError;
+pub use mend::LeftOut;
 pub use tool::Triangulated;
 
 /// A closed triangulated surface, its facets seen from outside anticlockwise.
@@ -45,6 +49,10 @@ pub use tool::Triangulated;
 pub struct TriangulatedSurface {
     vertices: Vec<[f64; 3]>,
     linked: Facets,
+    /// Facets of the solids that lie apart, layer by layer; empty where they are one.
+    layers: Vec<Vec<u32>>,
+    /// Facets that were given and bound nothing.
+    left_out: Option<LeftOut>,
     /// The patches that a tool of it used last, and what is between their vertices: sessions and
     /// plans of one tool make them once.
     made: Mutex<Option<(Between, Arc<Geometry>)>>,
@@ -59,17 +67,78 @@ impl PartialEq for TriangulatedSurface {
 impl TriangulatedSurface {
     /// The surface of `facets` (three of `vertices` each, anticlockwise from outside).
     ///
+    /// Facets that bound nothing are left out ([`Self::left_out`]).
+    ///
     /// # Errors
     /// The first facet that keeps it from being closed, oriented and without folds.
     pub fn new(vertices: Vec<[f64; 3]>, facets: Vec<[u32; 3]>) -> Result<Self, SurfaceError> {
         checks::facets(&vertices, &facets)?;
-        let linked = topology::linked(facets, vertices.len())?;
+        let (facets, left_out) = mend::with_area(&vertices, facets);
+        mend::areas(&vertices, (&facets, left_out))?;
+        let (linked, left_out) = match topology::linked(facets.clone(), vertices.len()) {
+            Err(SurfaceError::Duplicate { .. }) => {
+                let (once, twice) = mend::without_twice(&facets);
+                let all = twice.and_then(|twice| LeftOut::and(left_out, twice));
+                (topology::linked(once, vertices.len())?, all)
+            }
+            linked => (linked?, left_out),
+        };
+        if linked.corners.is_empty() {
+            return Err(SurfaceError::Empty);
+        }
         checks::orientation(&vertices, &linked.corners)?;
+        let layers = parts::layers(&vertices, &linked)?;
         Ok(Self {
             vertices,
             linked,
+            layers: if layers.len() > 1 { layers } else { Vec::new() },
+            left_out,
             made: Mutex::new(None),
         })
+    }
+
+    /// Facets that were given and bound nothing, being without area or there twice.
+    pub fn left_out(&self) -> Option<LeftOut> {
+        self.left_out
+    }
+
+    /// The surfaces of the layers, each with its vertices alone; none where there is one layer.
+    fn layers(&self) -> Vec<Self> {
+        self.layers.iter().map(|layer| self.part(layer)).collect()
+    }
+
+    /// The surface of some facets, which are closed.
+    fn part(&self, facets: &[u32]) -> Self {
+        let all = facets
+            .iter()
+            .flat_map(|&facet| self.linked.corners[facet as usize]);
+        let mut vertices: Vec<u32> = all.collect();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let place = |list: &[u32], one: u32| list.partition_point(|other| *other < one) as u32;
+        let corners = facets
+            .iter()
+            .map(|&facet| self.linked.corners[facet as usize]);
+        let across = facets
+            .iter()
+            .map(|&facet| self.linked.across[facet as usize]);
+        Self {
+            linked: Facets {
+                corners: corners
+                    .map(|own| own.map(|one| place(&vertices, one)))
+                    .collect(),
+                across: across
+                    .map(|own| own.map(|one| place(facets, one)))
+                    .collect(),
+            },
+            vertices: vertices
+                .iter()
+                .map(|&one| self.vertices[one as usize])
+                .collect(),
+            layers: Vec::new(),
+            left_out: None,
+            made: Mutex::new(None),
+        }
     }
 
     /// Vertices `[vertices][3]`, length.

@@ -16,7 +16,7 @@ fn facets_across_edges_are_those_of_sorted_edges() {
 }
 
 #[test]
-fn two_facets_with_the_same_corners_are_told_as_twice() {
+fn two_facets_with_the_same_corners_are_told_as_twice_and_left_out() {
     let (vertices, mut facets) = icosphere(1);
     let own = vertices.len() as u32;
     let vertices = [
@@ -26,8 +26,10 @@ fn two_facets_with_the_same_corners_are_told_as_twice() {
     .concat();
     facets.extend([[own, own + 1, own + 2], [own, own + 2, own + 1]]);
     let facet = facets.len() - 1;
-    let refused = TriangulatedSurface::new(vertices, facets).expect_err("twice");
+    let refused = topology::linked(facets.clone(), vertices.len()).expect_err("twice");
     assert_eq!(refused, SurfaceError::Duplicate { facet });
+    let surface = TriangulatedSurface::new(vertices, facets).expect("closed without them");
+    assert_eq!(surface.left_out().map(|one| one.facets), Some(2));
 }
 
 #[test]
