@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+import saddle_area
 import saddle_law
 import saddle_mesh
 import saddle_obstacle
@@ -63,7 +64,8 @@ class Problem:
         is_held = np.zeros(self.body.displacements, dtype=bool)
         is_held[self.held] = True
         space = space or solver.get("contact_space", "quadratic")
-        self.surface = Surface(self.mesh, facets, is_held, space)
+        measure = saddle_area.Deformed if self.is_rubber else saddle_area.Undeformed
+        self.surface = Surface(self.mesh, facets, is_held, space, measure)
         self.load = self.dead_load()
 
     def hold(self):

@@ -1,5 +1,5 @@
-"""Contact surfaces and their multipliers: lambda = sum Lam_j psi_j, G_j = int psi_j d(x + u) dS >= 0 over the
-undeformed surface by a rule of degree 8.
+"""Contact surfaces and their multipliers: lambda = sum Lam_j psi_j, G_j = int psi_j d(x + u) da >= 0 by a rule of
+degree 8, over the deformed surface where bodies are of rubber, else over the undeformed one (`saddle_area`).
 
 Functions before merging ("raw") stand at the nodes of each obstacle's facets: hats at vertices (`linear`), L^2 and
 2 La Lb at all nodes (`quadratic`). A matrix T >= 0 of columns with sum one makes the multipliers, psi = T psi_raw:
@@ -38,11 +38,13 @@ class Faces:
 
 
 class Surface:
-    """The facets of all obstacles; `held[dof]` tells supports, `space` is linear or quadratic."""
+    """The facets of all obstacles; `held[dof]` tells supports, `space` is linear or quadratic, `measure` the class of
+    `saddle_area` that weighs the gap."""
 
-    def __init__(self, mesh, facets, held, space):
+    def __init__(self, mesh, facets, held, space, measure):
         self.mesh, self.dim, self.space = mesh, mesh.dim, space
         self.points, self.weights = rule(mesh.dim, DEGREE)
+        self.measure = measure(self.points, self.weights)
         self.shapes = p2(self.points)
         self.psi = self.points if space == "linear" else bernstein(self.points)
         self.raw = []
@@ -70,6 +72,7 @@ class Surface:
         return Faces(nodes, factor * lengths, normals / lengths[:, None], functions)
 
     def raw_areas(self):
+        """Of the undeformed facets: scales of gaps only."""
         areas = np.zeros(len(self.raw))
         shares = self.weights @ self.psi
         for faces in self.faces:
@@ -156,42 +159,55 @@ class Surface:
         gaps = np.zeros(len(self.raw))
         coupling, curvature = [], []
         for faces, obstacle in zip(self.faces, obstacles):
-            distance, normal, bend = self.probe(faces, obstacle, u)
-            weights = np.outer(faces.measure, self.weights)
-            np.add.at(gaps, faces.functions.ravel(), np.einsum("fq,qk,fq->fk", weights, self.psi, distance).ravel())
+            area, distance, normal, bend = self.probe(faces, obstacle, u)
+            of_faces = np.einsum("fq,qk,fq->fk", area.value, self.psi, distance)
+            np.add.at(gaps, faces.functions.ravel(), of_faces.ravel())
             dofs = (self.dim * faces.nodes[..., None] + np.arange(self.dim)).reshape(len(faces.nodes), -1)
             size = dofs.shape[1]
-            rows = -np.einsum("fq,qk,qa,fqi->fkai", weights, self.psi, self.shapes, normal, optimize=True)
+            rows = -self.slopes(area, distance, normal)
             coupling.append((faces.functions, dofs, rows.reshape(len(dofs), -1, size)))
-            if bend is not None:
-                pressed = weights * (raw[faces.functions] @ self.psi.T)
-                block = -np.einsum(
-                    "fq,qa,qb,fqij->faibj", pressed, self.shapes, self.shapes, bend, optimize=True
-                )
-                curvature.append((dofs, dofs, block.reshape(len(dofs), size, size)))
+            block = -self.bends(area, raw[faces.functions] @ self.psi.T, (distance, normal, bend))
+            curvature.append((dofs, dofs, block.reshape(len(dofs), size, size)))
         unknowns = self.dim * len(self.mesh.nodes)
         c = matrix(coupling, (len(self.raw), unknowns))
         return self.merge @ gaps, (self.merge @ c).tocsr(), matrix(curvature, (unknowns, unknowns))
 
+    def slopes(self, area, distance, normal):
+        """int psi_k (n . v da + d da(v)) of the functions and displacements of each facet [f, k, a, i]."""
+        slopes = np.einsum("fq,qk,qa,fqi->fkai", area.value, self.psi, self.shapes, normal, optimize=True)
+        if area.slope is not None:
+            slopes += np.einsum("fq,qk,fqai->fkai", distance, self.psi, area.slope, optimize=True)
+        return slopes
+
+    def bends(self, area, pressure, probed):
+        """int lambda (v . d2d w da + n . v da(w) + n . w da(v) + d d2a(v, w)) of each facet [f, a, i, b, j]."""
+        distance, normal, bend = probed
+        bends = np.einsum(
+            "fq,qa,qb,fqij->faibj", pressure * area.value, self.shapes, self.shapes, bend, optimize=True
+        )
+        if area.slope is not None:
+            turned = np.einsum("fq,qa,fqi,fqbj->faibj", pressure, self.shapes, normal, area.slope, optimize=True)
+            bends += turned + turned.transpose(0, 3, 4, 1, 2) + area.curvature(pressure * distance)
+        return bends
+
     def probe(self, faces, obstacle, u):
-        """Distance [f, q], normal [f, q, dim] and curvature, None of a plane."""
+        """Area, distance [f, q], normal [f, q, dim] and curvature [f, q, dim, dim]."""
         places = self.mesh.nodes[faces.nodes] + u.reshape(-1, self.dim)[faces.nodes]
         x = np.zeros((len(faces.nodes), len(self.weights), 3))
         x[..., : self.dim] = np.einsum("qa,fai->fqi", self.shapes, places)
         distance, normal, bend = obstacle.probe(x.reshape(-1, 3))
         shape = x.shape[:2]
         normal = normal.reshape(*shape, 3)[..., : self.dim]
-        if obstacle.kind == "half-space":
-            return distance.reshape(shape), normal, None
-        return distance.reshape(shape), normal, bend.reshape(*shape, 3, 3)[..., : self.dim, : self.dim]
+        bend = bend.reshape(*shape, 3, 3)[..., : self.dim, : self.dim]
+        return self.measure.area(faces.measure, places), distance.reshape(shape), normal, bend
 
     def forces(self, u, obstacles, multipliers):
-        """Force of each obstacle on the body [3]."""
+        """Force of each obstacle on the body [3]: int lambda n da."""
         raw = self.merge.T @ multipliers
         forces = []
         for faces, obstacle in zip(self.faces, obstacles):
-            _, normal, _ = self.probe(faces, obstacle, u)
-            pressed = np.outer(faces.measure, self.weights) * (raw[faces.functions] @ self.psi.T)
+            area, _, normal, _ = self.probe(faces, obstacle, u)
+            pressed = area.value * (raw[faces.functions] @ self.psi.T)
             force = np.zeros(3)
             force[: self.dim] = np.einsum("fq,fqi->i", pressed, normal)
             forces.append(force)
