@@ -43,6 +43,8 @@ class Watch:
 
 def solve(problem, parts=None, eigenvalue=False):
     """One record an increment; ends with the increment that does not converge."""
+    if any("friction" in obstacle for obstacle in problem.scene.get("obstacle", [])):
+        raise ValueError("friction is not solved here, but by saddle_friction")
     solver = Solver(problem)
     state, drive = solver.rest(), problem.start()
     watch = Watch(solver)

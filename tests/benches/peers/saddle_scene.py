@@ -148,5 +148,3 @@ def refuse(scene):
         raise ValueError("bodies about an axis are not solved here")
     if any("normal" in support for support in scene.get("support", [])):
         raise ValueError("supports along a normal are not solved here")
-    if any("friction" in obstacle for obstacle in scene.get("obstacle", [])):
-        raise ValueError("friction is not solved here")
