@@ -18,9 +18,9 @@ use crate::model::drive::Drive;
 use crate::model::state::State;
 use crate::obstacle::{Contact, Obstacle, What};
 
-/// Share of what overlaps and is open by which one has to exceed the other: areas are those of
-/// the undeformed body.
-const UNEVEN: f64 = 0.2;
+/// Share of what overlaps and is open by which one has to exceed the other: what is left of the
+/// volumes by faces that are not flat.
+const UNEVEN: f64 = 0.02;
 /// Cosine of the angle up to which an obstacle is in front of a face.
 const FACING: f64 = 0.5;
 /// Share of a constant pressure's forces that is rounding.

@@ -182,7 +182,7 @@ fn friction_that_a_later_step_brings_follows_cattaneo() {
 }
 
 #[test]
-fn rough_rubber_is_pressed_as_two_other_codes_say() {
+fn rough_rubber_is_pressed_as_another_code_says() {
     let mut scene = rubber(mooney_rivlin(), None);
     scene.supports = vec![support("z0", HELD)];
     let shape = plane([0.0, 0.0, 1.0], [0.0, 0.0, -1.0]);

@@ -7,7 +7,6 @@
 //! for bodies of finite strain. The tractions have no potential, so that the second is not
 //! symmetric. Cost: four linearisations of a frictional surface.
 
-use super::turning::Turning;
 use super::{Friction, SlipStart, turn};
 use crate::contact::shares::add_equal_columns;
 use crate::contact::{area_rows, traction_change};
@@ -21,12 +20,12 @@ use crate::obstacle::Moving;
 /// Entries by unknown.
 type Row = Vec<(u32, f64)>;
 
-/// Adds to `turning` what the change of the area makes of slips and tractions.
-pub(super) fn add_change_of_area(
+/// What the change of the area makes of the rows of slips `[multipliers, displacement]` and of
+/// the tractions `[displacement, displacement]`.
+pub(super) fn change_of_area(
     friction: &Friction,
     (model, state): (&Model<'_>, &State),
-    turning: Turning,
-) -> Turning {
+) -> [SparseRows; 2] {
     let frames = friction.frames(model, state);
     let width = friction.components.count();
     let held = &model.prepared.is_held;
@@ -64,10 +63,7 @@ pub(super) fn add_change_of_area(
         surfaces.push((&interface.surface, own.map(traction).collect()));
     }
     let released = traction_change(&body, &surfaces, held);
-    Turning {
-        rows: turning.rows.plus(&stored(rows, state.displacement.len())),
-        released: turning.released.plus(&released),
-    }
+    [stored(rows, state.displacement.len()), released]
 }
 
 /// x - Q x0 as coefficients of the hierarchical functions `[displacement unknowns]`, Q the

@@ -72,7 +72,11 @@ impl Friction {
     pub(crate) fn turning(&self, model: &Model<'_>, state: &State) -> Option<Turning> {
         if model.is_rubber() {
             let turning = self.turning_of_tangents(model, state);
-            return Some(area::add_change_of_area(self, (model, state), turning));
+            let [rows, released] = area::change_of_area(self, (model, state));
+            return Some(Turning {
+                rows: turning.rows.plus(&rows),
+                released: turning.released.plus(&released),
+            });
         }
         let is_flat = self.is_on_flats(model, state);
         (!is_flat).then(|| self.turning_of_tangents(model, state))
@@ -258,7 +262,7 @@ mod tests {
     use crate::prepare::TaylorHoodData;
     use crate::report::{CancelToken, Seconds};
     use crate::scene::{
-        Formulation, Material, MaterialModel, Modulus, Profile, Scene, Shape, Support,
+        Formulation, Material, MaterialModel, Modulus, Profile, RubberModel, Scene, Shape, Support,
     };
 
     const STEP: f64 = 1e-5;
@@ -377,6 +381,27 @@ mod tests {
             radius: 0.8,
         };
         check(&scene(["z0", "z1"], ball), samples::cube(2));
+    }
+
+    #[test]
+    fn slips_and_tractions_of_rubber_change_with_the_deformed_area() {
+        let ball = Shape::Sphere {
+            centre: [0.4, 0.6, 1.8],
+            radius: 0.8,
+        };
+        let lid = Shape::HalfSpace {
+            point: [0.0, 0.0, 1.0],
+            normal: [0.0, 0.0, -1.0],
+        };
+        for shape in [ball, lid] {
+            let mut scene = scene(["z0", "z1"], shape);
+            scene.materials[0].model = MaterialModel::Rubber {
+                model: RubberModel::NeoHookean { shear_modulus: 1.0 },
+                bulk_modulus: Some(10.0),
+                formulation: Formulation::Auto,
+            };
+            check(&scene, samples::cube(2));
+        }
     }
 
     #[test]
