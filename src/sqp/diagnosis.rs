@@ -162,6 +162,7 @@ pub(crate) fn name_the_impossible(run: &Run<'_>, ending: &mut Ending, goal: &Dri
                     | Cause::CoarseContact
                     | Cause::NegativeJacobian
                     | Cause::UnstableEquilibrium
+                    | Cause::InsideOut
             )
         );
     let failed = ending.termination == Termination::NotConverged;
