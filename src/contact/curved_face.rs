@@ -158,6 +158,7 @@ impl CurvedFace {
             along: self.along,
             height: self.height,
             facet,
+            count,
         }
     }
 
@@ -210,17 +211,11 @@ pub(super) struct Standing {
     along: [[f64; 3]; 3],
     height: [f64; 3],
     facet: Facet,
+    /// Corners of the face.
+    count: usize,
 }
 
 impl Standing {
-    /// Corners of the face.
-    fn count(&self) -> usize {
-        match self.facet.gradients[2] == [0.0; 3] {
-            true => 2,
-            false => 3,
-        }
-    }
-
     /// The part at each corner of what an offset would gain along `direction`:
     /// (do_e/du_v)^T `direction` `[corners]`.
     fn pull(&self, edge: usize, direction: [f64; 3]) -> [[f64; 3]; 3] {
@@ -234,7 +229,7 @@ impl Standing {
     /// Turns derivatives by the coefficients of the position into those by the displacement,
     /// `[3, nodes]`.
     pub(super) fn pull_row(&self, row: &mut [f64]) {
-        let (count, nodes) = (self.count(), row.len() / 3);
+        let (count, nodes) = (self.count, row.len() / 3);
         for edge in 0..nodes - count {
             let own = std::array::from_fn(|i| row[i * nodes + count + edge]);
             for (v, part) in self.pull(edge, own).iter().enumerate().take(count) {
@@ -247,7 +242,7 @@ impl Standing {
     /// displacement, `[nodes, nodes, 3, 3]`; `gradient` `[nodes]` are the first ones, along
     /// which the turning of the offsets acts.
     pub(super) fn pull_blocks(&self, gradient: &[[f64; 3]; 6], blocks: &mut [f64]) {
-        let count = self.count();
+        let count = self.count;
         let nodes = count * (count + 1) / 2;
         let at = |k: usize, l: usize| 9 * (k * nodes + l);
         // Rows, then columns, of the edges onto the corners.

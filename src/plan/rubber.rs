@@ -137,7 +137,7 @@ impl Plan {
                     bulk_modulus,
                     ..
                 } => (model.name().to_owned(), *bulk_modulus),
-                other => {
+                other @ (MaterialModel::LinearElastic { .. } | MaterialModel::Stokes { .. }) => {
                     let law = resolved.rubber.as_ref();
                     let name = format!("neo-hookean in the place of {}", other.name());
                     (name, law.map(|law| law.inverse_bulk.recip()))
