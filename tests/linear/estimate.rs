@@ -305,7 +305,7 @@ fn two_squares(count: usize) -> MeshParts {
         .extend(other.groups.into_iter().map(|mut group| {
             let by = match group.kind {
                 GroupKind::Cells => shift.1,
-                _ => facets,
+                GroupKind::Facets => facets,
             };
             group.members.iter_mut().for_each(|member| *member += by);
             group

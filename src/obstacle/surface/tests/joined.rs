@@ -129,7 +129,7 @@ fn facets_that_bound_nothing_are_left_out() {
     flat.splice(0..1, [[a, middle, c], [middle, b, c], [a, b, middle]]);
     let collapsed = [vec![[a, a, b]], facets.clone()].concat();
     let twice = [facets.clone(), vec![[b, c, a]]].concat();
-    let fin = [facets.clone(), vec![[0, 3, 5], [5, 3, 0]]].concat();
+    let fin = [facets, vec![[0, 3, 5], [5, 3, 0]]].concat();
     for (raw, left_out) in [
         (flat, (1, 2)),
         (collapsed, (1, 0)),
