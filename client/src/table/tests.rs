@@ -82,12 +82,12 @@ fn finite_strain_says_how_far_cells_are_from_turning_inside_out() {
     report.min_jacobian_bound = Some(0.85);
     report.stability = v1::Stability::Minimum.into();
     let obstacle = report.obstacles.get_mut("ball").unwrap();
-    obstacle.max_pressure_deformed = Some(0.55);
+    obstacle.max_pressure_undeformed = Some(0.55);
     let text = told(&[report.clone()], Detail::Short);
     for part in [
         "det F              0.9 at least, nowhere below 0.85",
         "last equilibrium   minimum of the energy",
-        "pressure 0.6 (0.55 per deformed area) at most",
+        "pressure 0.6 (0.55 per undeformed area) at most",
     ] {
         assert!(text.contains(part), "{part}\n{text}");
     }
