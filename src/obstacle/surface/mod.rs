@@ -9,8 +9,8 @@
 //! of vertices and split where facets meet at more than the feature angle. The distance is that
 //! of the nearest point of all patches: error h^4, of its normal h^3, where the raw facets have
 //! h^2 and h. Across smooth edges patches share their edge curve, their normals differ by as
-//! much as normals are wrong. Parts that cross, nest or touch are one solid ([`parts`]); facets
-//! that bound nothing are left out ([`mend`]). Cost: a search in a tree of coins and some Newton steps a point.
+//! much as normals are wrong. Parts that cross, nest or touch are one solid (`parts`); facets
+//! that bound nothing are left out (`mend`). Cost: a search in a tree of coins and some Newton steps a point.
 
 mod around;
 mod bending;
