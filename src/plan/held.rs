@@ -63,30 +63,55 @@ pub(crate) fn nodes_on_axis(mesh: &Mesh, space: &TaylorHood) -> Vec<u32> {
 /// Relative difference of prescribed values that counts as none.
 const SAME: f64 = 1e-9;
 
+/// A component that a support holds on some vertices.
+struct Held {
+    support: usize,
+    component: usize,
+    vertices: Vec<u32>,
+    /// The caller's length, before any variation over the surface.
+    value: f64,
+}
+
+/// What supports hold, in the order in which [`held_unknowns`] gives it to them: named
+/// components, then planes.
+fn held(resolved: &Resolved, mesh: &Mesh) -> Vec<Held> {
+    let supports = || resolved.supports.iter().enumerate();
+    let named = supports().flat_map(|(index, support)| {
+        let values = support.displacement.into_iter().enumerate();
+        values.filter_map(move |(component, value)| {
+            Some(Held {
+                support: index,
+                component,
+                vertices: vertices_of(mesh, std::iter::once(&support.facets)),
+                value: value?,
+            })
+        })
+    });
+    let planes = supports().flat_map(|(index, support)| {
+        support.planes.iter().map(move |plane| Held {
+            support: index,
+            component: plane.axis,
+            vertices: vertices_of(mesh, std::iter::once(&plane.facets)),
+            value: plane.outward * support.normal.unwrap_or(0.0),
+        })
+    });
+    named.chain(planes).collect()
+}
+
 /// Supports that prescribe different values on shared vertices.
 pub(crate) fn conflicts(resolved: &Resolved, mesh: &Mesh) -> Vec<String> {
-    let mut holder: BTreeMap<(u32, usize), usize> = BTreeMap::new();
+    let mut holders: BTreeMap<(u32, usize), (usize, f64)> = BTreeMap::new();
     let mut found: BTreeMap<(usize, usize), usize> = BTreeMap::new();
     let supports = &resolved.supports;
-    for (index, support) in supports.iter().enumerate() {
-        let at = |support: usize, vertex: u32, value: f64| {
+    for held in held(resolved, mesh) {
+        let profile = supports[held.support].profile.as_ref();
+        for &vertex in &held.vertices {
             let point = mesh.coordinates()[vertex as usize];
-            let profile = supports[support].profile.as_ref();
-            profile.map_or(value, |profile| value * profile.at(point))
-        };
-        let vertices = vertices_of(mesh, std::iter::once(&support.facets));
-        for (component, value) in support.displacement.into_iter().enumerate() {
-            let Some(value) = value else { continue };
-            for &vertex in &vertices {
-                let first = *holder.entry((vertex, component)).or_insert(index);
-                let held = supports[first].displacement[component];
-                let differs = |held: f64| {
-                    let difference = at(first, vertex, held) - at(index, vertex, value);
-                    difference.abs() > SAME * held.abs().max(value.abs())
-                };
-                if held.is_some_and(differs) {
-                    *found.entry((first, index)).or_default() += 1;
-                }
+            let value = profile.map_or(held.value, |profile| held.value * profile.at(point));
+            let key = (vertex, held.component);
+            let &mut (first, known) = holders.entry(key).or_insert((held.support, value));
+            if (known - value).abs() > SAME * known.abs().max(value.abs()) {
+                *found.entry((first, held.support)).or_default() += 1;
             }
         }
     }
@@ -120,6 +145,88 @@ impl crate::plan::Plan {
                           rotates them with the scene"
                     .to_owned(),
             })),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::samples;
+    use crate::plan::Plan;
+    use crate::scene::{
+        Formulation, Material, MaterialModel, Profile, RubberModel, Scene, Support, SupportTarget,
+    };
+
+    fn support(name: &str, normal: Option<f64>, x: Option<f64>) -> Support {
+        Support {
+            name: name.to_owned(),
+            on: vec!["x0".to_owned()],
+            normal,
+            displacement: [x, None, None],
+            profile: Profile::Constant,
+            values: None,
+        }
+    }
+
+    /// A clamped body of rubber with those supports besides.
+    fn plan(others: Vec<Support>) -> Plan {
+        let mut clamp = support("clamp", None, Some(0.0));
+        clamp.on = vec!["x1".to_owned()];
+        clamp.displacement = [Some(0.0); 3];
+        let scene = Scene {
+            materials: vec![Material {
+                group: "body".to_owned(),
+                model: MaterialModel::Rubber {
+                    model: RubberModel::NeoHookean { shear_modulus: 1.0 },
+                    bulk_modulus: None,
+                    formulation: Formulation::Auto,
+                },
+            }],
+            supports: [vec![clamp], others].concat(),
+            ..Scene::default()
+        };
+        Plan::new(&scene, &[], &samples::cube(2)).expect("a valid scene")
+    }
+
+    #[test]
+    fn planes_that_are_held_at_two_places_are_told() {
+        let mesh = samples::cube(2);
+        // Outwards is down the axis: 0.05 along the normal is -0.05 along x.
+        for (first, second, is_told) in [
+            ((Some(0.05), None), (Some(-0.05), None), true),
+            ((None, Some(-0.05)), (Some(-0.05), None), true),
+            ((Some(-0.05), None), (None, Some(-0.05)), true),
+            ((None, Some(-0.05)), (Some(0.05), None), false),
+            ((Some(0.05), None), (Some(0.05), None), false),
+        ] {
+            let two = vec![
+                support("a", first.0, first.1),
+                support("b", second.0, second.1),
+            ];
+            let told = conflicts(&plan(two).resolved, &mesh);
+            assert_eq!(!told.is_empty(), is_told, "{first:?} {second:?}: {told:?}");
+        }
+    }
+
+    #[test]
+    fn a_later_step_that_rotates_a_held_plane_is_refused_by_name() {
+        let plan = plan(vec![support("wall", Some(0.0), None)]);
+        let turned = |name: &str, rotation| Step {
+            supports: vec![SupportTarget {
+                name: name.to_owned(),
+                rotation: Some(rotation),
+                ..SupportTarget::default()
+            }],
+            ..Step::default()
+        };
+        assert!(plan.check_turned_planes(&turned("wall", [0.0; 3])).is_ok());
+        assert!(plan.check_turned_planes(&turned("clamp", [0.1; 3])).is_ok());
+        match plan.check_turned_planes(&turned("wall", [0.0, 0.0, 0.1])) {
+            Err(SceneError::Unsupported(fault)) => {
+                assert_eq!(fault.path, "step.support.wall.rotation");
+            }
+            other => panic!("{other:?}"),
         }
     }
 }
