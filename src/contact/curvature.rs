@@ -114,26 +114,15 @@ impl<'a> Integrated<'a> {
         held: &'a [bool],
     ) -> Self {
         let pressure = surface.shares.spread(pressure);
-        let table = Table::new(body, surface.basis);
-        let size = 9 * table.nodes * table.nodes;
-        let blocks = body.on_faces(&table, &surface.faces, size, |points, face, blocks| {
-            if is_under_pressure(face, &pressure) {
-                points.probe(counterpart, face, What::Curvature);
-                match (body.measure, &points.standing) {
-                    (Measure::Deformed, _) => add_deformed_blocks(points, face, &pressure, blocks),
-                    (_, Some(_)) => add_curved_blocks(points, face, &pressure, blocks),
-                    (_, None) => add_blocks(points, face, &pressure, blocks),
-                }
+        let loaded = pressure.clone();
+        Self::integrated(body, (surface, loaded, held), |points, face, blocks| {
+            points.probe(counterpart, face, What::Curvature);
+            match (body.measure, &points.standing) {
+                (Measure::Deformed, _) => add_deformed_blocks(points, face, &pressure, blocks),
+                (_, Some(_)) => add_curved_blocks(points, face, &pressure, blocks),
+                (_, None) => add_blocks(points, face, &pressure, blocks),
             }
-        });
-        Self {
-            surface,
-            pressure,
-            held,
-            components: body.space.components,
-            nodes: table.nodes,
-            blocks,
-        }
+        })
     }
 
     /// The same of tractions `[multipliers][3]`.
@@ -148,16 +137,31 @@ impl<'a> Integrated<'a> {
         });
         let size = |k: usize| along.iter().map(|own| own[k].abs()).fold(0.0, f64::max);
         let sizes: Vec<f64> = (0..surface.carriers.len()).map(size).collect();
+        Self::integrated(
+            body,
+            (surface, sizes.into(), held),
+            |points, face, blocks| {
+                add_traction_blocks(points, (face, &along), blocks);
+            },
+        )
+    }
+
+    /// Of what `add` integrates over every face where a coefficient of `loaded` is not zero.
+    fn integrated(
+        body: &Deformed<'_>,
+        (surface, loaded, held): (&'a ContactSurface, Cow<'a, [f64]>, &'a [bool]),
+        add: impl Fn(&mut FacePoints<'_>, &ContactFace, &mut [f64]) + Sync,
+    ) -> Self {
         let table = Table::new(body, surface.basis);
         let size = 9 * table.nodes * table.nodes;
         let blocks = body.on_faces(&table, &surface.faces, size, |points, face, blocks| {
-            if is_under_pressure(face, &sizes) {
-                add_traction_blocks(points, (face, &along), blocks);
+            if is_under_pressure(face, &loaded) {
+                add(points, face, blocks);
             }
         });
         Self {
             surface,
-            pressure: sizes.into(),
+            pressure: loaded,
             held,
             components: body.space.components,
             nodes: table.nodes,
