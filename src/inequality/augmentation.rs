@@ -8,7 +8,9 @@
 //! E = M^-1 R on the multipliers that stick
 //! ```
 //!
-//! Both systems have the same solution for every E. A body that presses with many shear
+//! Both systems have the same solution for every E. Of tractions of friction only D^T E is
+//! there: their slips are no constraints where they slide, and tractions that slide are shifted
+//! with the pressures that they follow. A body that presses with many shear
 //! moduli against an obstacle has an A with a large negative part on the motions that C
 //! forbids (the module `contact::area_change` has R and M); a Krylov method sees those
 //! motions until it has converged. Cost: a factor of M on the face, and a product with
@@ -22,6 +24,8 @@ use crate::linalg::cholesky::LowerColumns;
 pub struct Augmentation {
     /// R `[multipliers, displacement]`.
     pub rows: SparseRows,
+    /// Which multipliers are tractions `[multipliers]`.
+    pub is_traction: Vec<bool>,
     /// M `[multipliers, multipliers]`, symmetric positive definite.
     pub mass: SparseRows,
     /// Order in which M is eliminated, new to old `[multipliers]`.

@@ -2,7 +2,8 @@
 //! multipliers that stick, its products, and the way back to the original system. Cost: a
 //! sparse factor of M on the face, two products with it, C and R an iteration.
 
-use crate::inequality::Augmentation;
+use super::slides::expand;
+use crate::inequality::{Augmentation, Slide};
 use crate::linalg::cholesky::Precision;
 use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, SparseCholesky, SparseRows, Workspace};
@@ -12,8 +13,10 @@ use crate::saddle::Status;
 pub(crate) struct Augmented<'a> {
     /// C and D.
     rows_and_columns: [&'a dyn LinearOperator; 2],
-    /// R of all multipliers.
-    rows: &'a SparseRows,
+    /// R and M of all multipliers.
+    terms: &'a Augmentation,
+    /// Points that slip: their tractions follow the pressures that E shifts.
+    slides: &'a [Slide],
     /// Multipliers that stick, ascending.
     selected: Vec<usize>,
     /// Factor of M on them.
@@ -28,7 +31,7 @@ impl<'a> Augmented<'a> {
     pub(crate) fn new(
         terms: &'a Augmentation,
         rows_and_columns: [&'a dyn LinearOperator; 2],
-        status: &[Status],
+        (status, slides): (&[Status], &'a [Slide]),
         curvature: Option<&'a SparseRows>,
     ) -> Option<Self> {
         let sticks = |&i: &usize| status[i] == Status::Stick;
@@ -43,7 +46,8 @@ impl<'a> Augmented<'a> {
         let factor = SparseCholesky::new(&lower, &order, Precision::Double).ok()?;
         Some(Self {
             rows_and_columns,
-            rows: &terms.rows,
+            terms,
+            slides,
             selected,
             factor,
             curvature,
@@ -64,9 +68,10 @@ impl Augmented<'_> {
 
     /// E du `[multipliers]`.
     pub(super) fn multipliers(&self, du: &[f64], work: &mut Workspace) -> Vec<f64> {
-        let mut values = vec![0.0; self.rows.rows()];
-        self.rows.apply(du, &mut values, work);
+        let mut values = vec![0.0; self.terms.rows.rows()];
+        self.terms.rows.apply(du, &mut values, work);
         self.solve(&mut values, work);
+        expand(self.slides, &mut values);
         values
     }
 
@@ -78,8 +83,14 @@ impl Augmented<'_> {
         (force, work): (&mut [f64], &mut Workspace),
     ) {
         let mut values = gap.to_vec();
+        let tractions = values.iter_mut().zip(&self.terms.is_traction);
+        tractions.for_each(|(value, &is_traction)| {
+            if is_traction {
+                *value = 0.0;
+            }
+        });
         self.solve(&mut values, work);
-        self.rows.add_transposed(factor, &values, force, work);
+        self.terms.rows.add_transposed(factor, &values, force, work);
     }
 
     /// Adds `factor` (D^T E + E^T C) du to `force`.
@@ -87,7 +98,7 @@ impl Augmented<'_> {
         let moved = self.multipliers(du, work);
         let [rows, columns] = self.rows_and_columns;
         columns.add_transposed(factor, &moved, force, work);
-        let mut closing = vec![0.0; self.rows.rows()];
+        let mut closing = vec![0.0; self.terms.rows.rows()];
         rows.apply(du, &mut closing, work);
         self.add_force(factor, &closing, (force, work));
     }
@@ -96,11 +107,11 @@ impl Augmented<'_> {
 /// What is taken off A: the curvature less D^T E + E^T C.
 impl LinearOperator for Augmented<'_> {
     fn rows(&self) -> usize {
-        self.rows.columns()
+        self.terms.rows.columns()
     }
 
     fn columns(&self) -> usize {
-        self.rows.columns()
+        self.terms.rows.columns()
     }
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {

@@ -172,7 +172,7 @@ impl<'a> Restricted<'a> {
             shared: shared_on_the_face(contact, status),
             augmented: terms.and_then(|terms| {
                 let pair = [contact.rows, contact.columns];
-                Augmented::new(terms, pair, status, problem.curvature)
+                Augmented::new(terms, pair, (status, face.slides), problem.curvature)
             }),
         })
     }

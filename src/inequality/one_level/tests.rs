@@ -1,6 +1,7 @@
 //! The one-level method against optimality conditions of small problems.
 
 use super::*;
+use crate::inequality::Augmentation;
 use crate::inequality::samples::{
     CONTACTS, Exact, Problem, SIZE, assert_optimal, block, equality, identity, saddle_solution,
     schur, solve, solve_watched, springs,
@@ -9,7 +10,9 @@ use crate::krylov::Verdict;
 use crate::linalg::DenseMatrix;
 use crate::linalg::samples::rows;
 use crate::linalg::vector::{largest, reproducible_noise};
-use crate::saddle::{AdmissibleSet, EqualityBlock, MultiplierBlock, Status};
+use crate::saddle::{
+    AdmissibleSet, Components, Cones, EqualityBlock, FrictionBound, MultiplierBlock, Status,
+};
 
 #[test]
 fn random_problems_end_optimal_without_equalities() {
@@ -58,6 +61,57 @@ fn the_curvature_term_is_taken_off_the_stiffness() {
     assert_eq!(outcome.status, QpStatus::Solved);
     (0..SIZE).for_each(|i| problem.stiffness[i][i] -= 0.02);
     assert_optimal(&problem, &[], &iterate);
+}
+
+/// Two pressures and their tractions under Coulomb's law.
+fn rough() -> AdmissibleSet<'static> {
+    AdmissibleSet::Cones(Cones {
+        normals: 2,
+        partners: &[0, 1],
+        bounds: &[FrictionBound::Coulomb(0.3); 2],
+        components: Components::One,
+    })
+}
+
+#[test]
+fn terms_that_vanish_on_contact_leave_the_solution_with_friction_as_it_is() {
+    let (mut sticking, mut slipping) = (0, 0);
+    for seed in 0..20 {
+        let problem = Problem::new(seed);
+        let matrices = problem.matrices();
+        let blocks = [matrices.contact(rough())];
+        let noise = reproducible_noise(CONTACTS * SIZE);
+        let terms: Vec<Vec<f64>> = noise
+            .chunks_exact(SIZE)
+            .map(|row| row.iter().map(|x| 0.1 * x).collect())
+            .collect();
+        let terms = Augmentation {
+            rows: rows(&terms),
+            is_traction: vec![false, false, true, true],
+            mass: rows(&[
+                [2.0, 0.5, 0.0, 0.0],
+                [0.5, 1.0, 0.0, 0.0],
+                [0.0, 0.0, 2.0, 0.5],
+                [0.0, 0.0, 0.5, 1.0],
+            ]),
+            order: vec![0, 1, 2, 3],
+        };
+        let [plain, augmented] = [None, Some(&terms)].map(|augmentation| {
+            let parts = QpProblem {
+                augmentation,
+                ..matrices.problem(&blocks)
+            };
+            let mut iterate = problem.iterate(0);
+            let outcome = solve(&OneLevel::new(parts), &mut iterate);
+            assert_eq!(outcome.status, QpStatus::Solved, "{seed}");
+            iterate
+        });
+        assert_near(&unknowns(&augmented), &unknowns(&plain));
+        let tractions = &augmented.blocks[0].status[2..];
+        sticking += tractions.iter().filter(|&&s| s == Status::Stick).count();
+        slipping += tractions.iter().filter(|&&s| s == Status::Slip).count();
+    }
+    assert!(sticking > 3 && slipping > 3, "{sticking} {slipping}");
 }
 
 #[test]

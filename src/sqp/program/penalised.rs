@@ -206,7 +206,7 @@ impl QuadraticProgram<'_> {
         let coupling: &dyn LinearOperator = &self.now.coupling;
         let terms = self.augmentation.as_ref();
         let on_contact =
-            terms.and_then(|terms| Augmented::new(terms, [coupling; 2], status, released));
+            terms.and_then(|terms| Augmented::new(terms, [coupling; 2], (status, &[]), released));
         match on_contact {
             Some(operator) => Some(Box::new(operator)),
             None => {
