@@ -9,7 +9,10 @@ use crate::common::scenes::{
     HELD, mooney_rivlin, obstacle, plane, rubber, squeezed_cube, support, travel,
 };
 use crate::common::{assert_converged, open, solve, take};
-use signorini::scene::{Choice, ContactSpace, Pressure, Shape, SupportTarget};
+use signorini::scene::{
+    Choice, ContactSpace, Formulation, Material, MaterialModel, Pressure, RubberModel, Shape,
+    SupportTarget,
+};
 use signorini::{Scene, Step, StepReport};
 
 /// With one more obstacle of that friction.
@@ -51,6 +54,48 @@ fn functions_of_vertices_alone_press_a_rough_block_as_far_with_a_penalty() {
     let reports = solve(&scene, &[down], &mesh(cube(6)));
     assert_eq!(reports.len(), 10);
     reports.iter().for_each(assert_converged);
+}
+
+/// Force on a rough plate that presses and drags a soft block and, apart from it, one of that
+/// modulus.
+fn on_two_blocks(modulus: f64) -> [f64; 3] {
+    let block = |group: &str, shear_modulus: f64| Material {
+        group: group.to_owned(),
+        model: MaterialModel::Rubber {
+            model: RubberModel::NeoHookean { shear_modulus },
+            bulk_modulus: None,
+            formulation: Formulation::Auto,
+        },
+    };
+    let mut scene = Scene {
+        materials: vec![block("a", 1.0), block("b", modulus)],
+        supports: vec![support("y0", [Some(0.0), Some(0.0), None])],
+        ..Scene::default()
+    };
+    let plate = plane([0.0, 1.0, 0.0], [0.0, -1.0, 0.0]);
+    with_rough(&mut scene, ("plate", &["y1"]), plate, 0.3);
+    let drag = travel("plate", 3, [0.02, -0.15, 0.0], [0.0; 3]);
+    let reports = solve(&scene, &[drag], &file("two_blocks"));
+    assert_eq!(reports.len(), 3);
+    reports.iter().for_each(assert_converged);
+    let counts = reports
+        .iter()
+        .map(|report| report.preconditioner_applications);
+    let spent: u32 = counts.sum();
+    assert!(spent < 2000, "{modulus}: {spent} applications");
+    reports[2].obstacles["plate"].force
+}
+
+#[test]
+fn blocks_apart_are_solved_under_one_rough_plate_whatever_their_moduli() {
+    // Each block is what it is alone, so that the force is a + b c for the modulus c.
+    let [low, middle, high] = [100.0, 1e3, 1e4].map(on_two_blocks);
+    for axis in 0..2 {
+        let slope = (middle[axis] - low[axis]) / 900.0;
+        let expected = middle[axis] + 9000.0 * slope;
+        let error = (high[axis] - expected).abs() / expected.abs();
+        assert!(error < 1e-6, "{axis}: {error:e}");
+    }
 }
 
 /// Work of a plate that twists a pressed block, over what is stored and dissipated.

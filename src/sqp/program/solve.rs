@@ -71,7 +71,10 @@ impl QuadraticProgram<'_> {
             let solved = self.solve_with(Some(curvature), run, level);
             let failed = matches!(solved.1.status, QpStatus::Krylov(_));
             let step = &solved.0.displacement;
-            if !failed && self.has_positive_stiffness(curvature, step, &mut run.work) {
+            // Friction has no energy that a step could lower.
+            let is_rough = self.now.friction.is_some();
+            let serves = is_rough || self.has_positive_stiffness(curvature, step, &mut run.work);
+            if !failed && serves {
                 return solved;
             }
         }
