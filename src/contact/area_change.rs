@@ -10,8 +10,8 @@
 //! derivative of the gap gives the same with lambda back: they differ by the deviatoric stress.
 //! The gap holds u.n, and with u.n = sum_k (M^-1 C u)_k psi_k these rows say what is left there.
 //! Faces that are closed in part keep the term: the gap does not hold u.n there. Shapes
-//! `[multipliers, displacement]`, `[multipliers, multipliers]`. Cost: one probe a quadrature
-//! point of the faces under pressure.
+//! `[multipliers, displacement]`, `[multipliers, multipliers]`. Cost: some 100 flops
+//! a quadrature point and node of the closed faces.
 
 use super::deformed::{Deformed, FacePoints, Table};
 use super::face::ContactFace;

@@ -115,7 +115,7 @@ impl<'a> Integrated<'a> {
     ) -> Self {
         let pressure = surface.shares.spread(pressure);
         let loaded = pressure.clone();
-        Self::integrated(body, (surface, loaded, held), |points, face, blocks| {
+        Self::of_faces(body, (surface, loaded, held), |points, face, blocks| {
             points.probe(counterpart, face, What::Curvature);
             match (body.measure, &points.standing) {
                 (Measure::Deformed, _) => add_deformed_blocks(points, face, &pressure, blocks),
@@ -137,7 +137,7 @@ impl<'a> Integrated<'a> {
         });
         let size = |k: usize| along.iter().map(|own| own[k].abs()).fold(0.0, f64::max);
         let sizes: Vec<f64> = (0..surface.carriers.len()).map(size).collect();
-        Self::integrated(
+        Self::of_faces(
             body,
             (surface, sizes.into(), held),
             |points, face, blocks| {
@@ -147,7 +147,7 @@ impl<'a> Integrated<'a> {
     }
 
     /// Of what `add` integrates over every face where a coefficient of `loaded` is not zero.
-    fn integrated(
+    fn of_faces(
         body: &Deformed<'_>,
         (surface, loaded, held): (&'a ContactSurface, Cow<'a, [f64]>, &'a [bool]),
         add: impl Fn(&mut FacePoints<'_>, &ContactFace, &mut [f64]) + Sync,
