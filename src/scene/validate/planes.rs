@@ -14,10 +14,10 @@ use crate::contact::patches::{outward, smooth_patches};
 use crate::mesh::Mesh;
 use crate::scene::Step;
 
-/// Component of a unit normal that counts as none: files of twelve digits, turned once, leave
-/// 1e-12.
+/// Component of a unit normal that counts as none: chosen, between rounding (1e-15) and an
+/// inclination that a mesh means; no scene measures it.
 const ACROSS: f64 = 1e-9;
-/// Distance of planes over the extent of the mesh below which they are one, for the same reason.
+/// Distance of planes over the extent of the mesh below which they are one; chosen alike.
 const SAME_PLANE: f64 = 1e-9;
 
 /// The planes across an axis among the smooth patches of `facets`, and the other patches.
