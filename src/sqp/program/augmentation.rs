@@ -19,7 +19,8 @@ use crate::model::state::State;
 /// cancelled as well: mr-sphere, which stays below, takes 45 applications an increment with that
 /// part in the operator and 56 without, a block at 8 moduli 131 and 75. With friction the terms
 /// as a whole count from there on: a gripper, which stays below, takes 477 applications with them
-/// everywhere and 445 so, a pressed O-ring 5134 and 4538.
+/// everywhere and 445 so; above, an O-ring takes 4538 with them and 4866 without, a belt 4742 and
+/// 7497, two blocks of contrast 1e4 931 and 10411, of contrast 100 942 and 644.
 const HIGH: f64 = 1.0;
 
 /// The terms about `state`.
