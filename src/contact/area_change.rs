@@ -19,7 +19,7 @@ use super::shares::add_equal_columns;
 use super::surface::ContactSurface;
 
 /// Share of closed multipliers that makes a function closed, but for rounding.
-const WHOLE: f64 = 1.0 - 1e-9;
+pub(super) const WHOLE: f64 = 1.0 - 1e-9;
 
 /// R and M of one surface, sparse rows with ascending columns.
 #[derive(Clone, Debug, Default)]
@@ -60,12 +60,8 @@ pub fn area_change(
         let is_closed = |&k: &u32| closed[k as usize] > WHOLE;
         if face.functions.iter().all(is_closed) {
             for point in 0..points.table.points() {
-                let corners = face.corners.iter().zip(points.table.coordinates(point));
-                let internal = pressures.internal;
-                let p: f64 = corners
-                    .filter_map(|(&v, l)| Some(l * internal.get(v as usize)?))
-                    .sum();
-                let excess = p - points.pressure(face, point, &coefficients);
+                let internal = points.at_corners(face, point, pressures.internal);
+                let excess = internal - points.pressure(face, point, &coefficients);
                 add_change(points, (point, excess), rows);
             }
         }

@@ -20,6 +20,7 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
+use super::area_change::{Pressures, WHOLE};
 use super::area_element::{AreaElement, NODES};
 use super::counterpart::Counterpart;
 use super::deformed::{Deformed, FacePoints, Measure, Table};
@@ -44,6 +45,32 @@ pub fn curvature<C: Counterpart + ?Sized>(
 ) -> SparseRows {
     let integrated = surfaces.iter();
     let integrated = integrated.map(|&surface| Integrated::new(body, surface, held));
+    summed(body, integrated)
+}
+
+/// K of surfaces under `pressures` with what the gaps hold left out: on faces whose functions are
+/// all closed the derivatives of da count with the internal pressure ([`super::area_change`]),
+/// so that what a constraint u.n = 0 cancels is not there.
+pub fn curvature_where_held<C: Counterpart + ?Sized>(
+    body: &Deformed<'_>,
+    surfaces: &[(&ContactSurface, &C, Pressures<'_>)],
+    held: &[bool],
+) -> SparseRows {
+    let integrated = surfaces.iter();
+    let integrated = integrated.map(|&(surface, counterpart, pressures)| {
+        let closed = surface.shares.spread(pressures.closed);
+        let pressure = surface.shares.spread(pressures.contact);
+        let loaded = pressure.clone();
+        Integrated::of_faces(body, (surface, loaded, held), |points, face, blocks| {
+            points.probe(counterpart, face, What::Curvature);
+            let is_closed = |&k: &u32| closed[k as usize] > WHOLE;
+            let internal = match face.functions.iter().all(is_closed) {
+                true => Some(pressures.internal),
+                false => None,
+            };
+            add_deformed_blocks(points, (face, internal), &pressure, blocks);
+        })
+    });
     summed(body, integrated)
 }
 
@@ -118,7 +145,9 @@ impl<'a> Integrated<'a> {
         Self::of_faces(body, (surface, loaded, held), |points, face, blocks| {
             points.probe(counterpart, face, What::Curvature);
             match (body.measure, &points.standing) {
-                (Measure::Deformed, _) => add_deformed_blocks(points, face, &pressure, blocks),
+                (Measure::Deformed, _) => {
+                    add_deformed_blocks(points, (face, None), &pressure, blocks);
+                }
                 (_, Some(_)) => add_curved_blocks(points, face, &pressure, blocks),
                 (_, None) => add_blocks(points, face, &pressure, blocks),
             }
@@ -249,10 +278,11 @@ fn add_blocks(points: &FacePoints<'_>, face: &ContactFace, pressure: &[f64], blo
     }
 }
 
-/// Adds what the deformed area makes of them `[nodes, nodes, 3, 3]`.
+/// Adds what the deformed area makes of them `[nodes, nodes, 3, 3]`; the derivatives of da count
+/// with the pressure at the corners where there is one.
 fn add_deformed_blocks(
     points: &FacePoints<'_>,
-    face: &ContactFace,
+    (face, of_area): (&ContactFace, Option<&[f64]>),
     pressure: &[f64],
     blocks: &mut [f64],
 ) {
@@ -261,6 +291,9 @@ fn add_deformed_blocks(
     let elements = points.contacts.iter().zip(&points.areas).enumerate();
     for (point, (contact, area)) in elements {
         let lambda = table.rule.weights[point] * points.pressure(face, point, pressure);
+        let area_lambda = of_area.map_or(lambda, |internal| {
+            table.rule.weights[point] * points.at_corners(face, point, internal)
+        });
         let at = Point {
             contact,
             area,
@@ -277,7 +310,7 @@ fn add_deformed_blocks(
             *sum = add(*sum, scale(lambda, at.gradient(k)));
         }
         for (pair, block) in blocks.chunks_exact_mut(9).enumerate() {
-            at.add_hessian([pair / nodes, pair % nodes], lambda, block);
+            at.add_hessian([pair / nodes, pair % nodes], [lambda, area_lambda], block);
         }
     }
     if let Some(standing) = &points.standing {
@@ -329,8 +362,9 @@ impl Point<'_> {
         add(moved, scale(self.contact.distance, self.changes[k]))
     }
 
-    /// Adds `factor` times the second derivative by the coefficients of two nodes `[3, 3]`.
-    fn add_hessian(&self, [k, l]: [usize; 2], factor: f64, block: &mut [f64]) {
+    /// Adds the second derivative by the coefficients of two nodes `[3, 3]` times a factor, its
+    /// terms of the area times another.
+    fn add_hessian(&self, [k, l]: [usize; 2], [factor, of_area]: [f64; 2], block: &mut [f64]) {
         let values = [self.shapes[k], self.shapes[l]];
         let slopes = [self.slopes[k], self.slopes[l]];
         let bend = self.area.hessian([k, l], values, slopes);
@@ -339,10 +373,10 @@ impl Point<'_> {
         for (i, row) in block.chunks_exact_mut(3).enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
                 *entry += factor
-                    * (size * self.contact.curvature[i][j]
-                        + values[0] * normal[i] * self.changes[l][j]
-                        + values[1] * self.changes[k][i] * normal[j]
-                        + self.contact.distance * bend[i][j]);
+                    * (size * self.contact.curvature[i][j] + self.contact.distance * bend[i][j])
+                    + of_area
+                        * (values[0] * normal[i] * self.changes[l][j]
+                            + values[1] * self.changes[k][i] * normal[j]);
             }
         }
     }

@@ -252,6 +252,14 @@ impl<'a> FacePoints<'a> {
         counterpart.probe_on(face, &self.deformed, what, &mut self.contacts);
     }
 
+    /// A field of vertices at a point; zero where the field is empty.
+    pub(super) fn at_corners(&self, face: &ContactFace, point: usize, field: &[f64]) -> f64 {
+        let corners = face.corners.iter().zip(self.table.coordinates(point));
+        corners
+            .filter_map(|(&vertex, share)| Some(share * field.get(vertex as usize)?))
+            .sum()
+    }
+
     /// Deepest penetration at a point, zero without any.
     pub(super) fn deepest(&self) -> f64 {
         let depths = self.contacts.iter().map(|contact| -contact.distance);

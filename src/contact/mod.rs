@@ -33,7 +33,7 @@ pub mod surface_metric;
 pub use admitted::AdmittedDepth;
 pub use basis::ContactBasis;
 pub use counterpart::{Counterpart, Guide};
-pub use curvature::{curvature, traction_change};
+pub use curvature::{curvature, curvature_where_held, traction_change};
 pub use curved_face::{CurvedFace, Kinematics};
 pub use deformed::Measure;
 pub use face::ContactFace;

@@ -1,5 +1,7 @@
 //! Gaps, their derivatives and resultants on a deformed irregular face.
 
+mod held;
+
 use std::sync::Arc;
 
 use super::basis::Bernstein;
