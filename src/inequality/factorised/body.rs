@@ -10,6 +10,7 @@
 
 use super::super::qp::QpStatus;
 use super::system::{Matrices, System};
+use super::turned::Turned;
 use crate::linalg::Workspace;
 use crate::linalg::indefinite::SparseIndefinite;
 
@@ -19,6 +20,8 @@ pub struct BodyFactor {
     /// D `[displacement, pressures]`.
     scale: Vec<f64>,
     factor: SparseIndefinite,
+    /// Motions that lower the energy, turned; none where none does or they stay.
+    turned: Option<Turned>,
 }
 
 impl BodyFactor {
@@ -32,7 +35,43 @@ impl BodyFactor {
         Ok(Self {
             factor: system.factor(&[])?,
             scale: system.scale,
+            turned: None,
         })
+    }
+
+    /// The same of a body that may have motions which lower its energy: on the factor they raise
+    /// it by as much.
+    ///
+    /// # Errors
+    /// As those of [`Self::new`]; also [`QpStatus::IndefiniteMetric`] where they are more than
+    /// `most`, or not found.
+    pub fn stable(
+        matrices: &Matrices<'_>,
+        most: usize,
+        work: &mut Workspace,
+    ) -> Result<Self, QpStatus> {
+        let system = System::new(matrices)?;
+        let factor = system.factor(&[])?;
+        let unstable = system.unstable(&factor);
+        let turned = match unstable {
+            0 => None,
+            count if count > most => return Err(QpStatus::IndefiniteMetric),
+            count => {
+                let sizes = [system.displacements, system.scale.len()];
+                let turned = Turned::new(&factor, sizes, count, work);
+                Some(turned.ok_or(QpStatus::IndefiniteMetric)?)
+            }
+        };
+        Ok(Self {
+            factor,
+            scale: system.scale,
+            turned,
+        })
+    }
+
+    /// Whether it is that of the body: no motion of it lowers the energy.
+    pub fn is_exact(&self) -> bool {
+        self.turned.is_none()
     }
 
     /// Unknowns `[displacement, pressures]`.
@@ -42,13 +81,18 @@ impl BodyFactor {
 
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
-        8 * self.scale.len() as u64 + self.factor.bytes()
+        let turned = self.turned.as_ref().map_or(0, Turned::bytes);
+        8 * self.scale.len() as u64 + self.factor.bytes() + turned
     }
 
     /// Solves in place for loads one after the other `[count, size]`.
     pub fn solve(&self, loads: &mut [f64], work: &mut Workspace) {
         self.rescale(loads);
         self.factor.solve(loads, work);
+        if let Some(turned) = &self.turned {
+            let solutions = loads.chunks_exact_mut(self.scale.len());
+            solutions.for_each(|solution| turned.correct(solution));
+        }
         self.rescale(loads);
     }
 

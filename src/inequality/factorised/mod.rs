@@ -18,7 +18,9 @@ mod circulation;
 mod face;
 mod inertia;
 mod rule;
+mod step;
 mod system;
+mod turned;
 
 use std::collections::HashSet;
 
@@ -32,6 +34,7 @@ use crate::saddle::Status;
 pub use body::BodyFactor;
 pub use inertia::{Inertia, inertia};
 use rule::Rule;
+pub use step::FactorStep;
 pub use system::Matrices;
 use system::System;
 
@@ -219,5 +222,7 @@ impl History {
     }
 }
 
+#[cfg(test)]
+mod body_tests;
 #[cfg(test)]
 mod tests;
