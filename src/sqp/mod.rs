@@ -21,6 +21,7 @@
 //! | [`descent`] | down the energy where an equilibrium is lost |
 //! | [`diagnosis`], [`enclosure`], [`site`] | causes that only the end shows, and where they lie |
 //! | [`contact_metric`], [`volumes`] | what the programs know of the compliance of surface and volume |
+//! | [`factored_body`], [`near_compliance`] | the same by a factor of the body, once that is cheaper |
 //! | [`learned`] | what is kept for the next increment: [`trend`], [`lowest_mode`], [`preconditioner_refresh`], [`saddle_layout`] |
 //!
 //! Everything is non-dimensional inside.
@@ -35,6 +36,7 @@ pub(crate) mod contact_metric;
 mod descent;
 mod diagnosis;
 mod enclosure;
+mod factored_body;
 pub(crate) mod increment;
 mod initial_penetration;
 pub(crate) mod ladder;
@@ -42,6 +44,7 @@ pub(crate) mod learned;
 pub(crate) mod linear;
 mod longest_step;
 mod lowest_mode;
+mod near_compliance;
 mod passing;
 mod penalty;
 mod preconditioner_refresh;
