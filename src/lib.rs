@@ -87,8 +87,10 @@
 //! | counterpart: what a face meets, master surface | `Counterpart`, `Obstacle` | `contact::counterpart`, `obstacle` |
 //! | cut-back, adaptive load stepping | `Parts`, `KeptState` | `sqp::step_control` |
 //! | estimate of the discretisation error by recovery | `estimate` | `results::estimate` |
+//! | factor of the body, Schur complement on contact | `FactoredBody`, `NearCompliance` | `sqp::program::by_factor` |
 //! | face of the feasible polyhedron | `Face` | `inequality::one_level` |
 //! | forcing term of an inexact Newton method | `goal` | `sqp::increment` |
+//! | inertia, modified Newton step of an unstable body | `Turned` | `inequality::factorised::turned` |
 //! | initial penetration, overclosure at the start | `InitialPenetration` | `sqp::initial_penetration` |
 //! | line search | `search` | `sqp::search` |
 //! | load factor, poses, prescribed motion | `Drive` | `model::drive` |
@@ -173,6 +175,7 @@
 #![doc = include_str!("decisions/0051-branches-and-cell-tangents.md")]
 #![doc = include_str!("decisions/0052-multigrid-in-contact.md")]
 #![doc = include_str!("decisions/0053-gap-over-the-deformed-surface.md")]
+#![doc = include_str!("decisions/0054-a-factor-where-it-is-cheaper.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

@@ -50,11 +50,15 @@ impl Plan {
             }
     }
 
-    /// Whether a program of rubber that iterations do not solve takes the factor of its
-    /// saddle point at once: it costs less than parts of the increment.
-    pub(crate) fn has_small_factor(&self) -> bool {
-        let flops = estimate::saddle_factor(self.units.dimension, self.unknowns).1;
-        self.leaves_methods_open() && flops <= super::stability::CHEAP
+    /// Krylov iterations that cost as much as a factor of the body of rubber with the compliance of
+    /// its contact; none where the scene names a method or the factor is large.
+    pub(crate) fn factor_price(&self) -> Option<u32> {
+        let takes_one = self.resolved.is_rubber()
+            && self.element == ElementKind::TaylorHood
+            && self.names_no_method()
+            && self.contact.method == ContactMethod::OneLevel;
+        let price = estimate::factor_price(self.units.dimension, self.unknowns);
+        price.filter(|_| takes_one)
     }
 
     /// Whether the scene leaves all methods to the plan.

@@ -84,7 +84,6 @@ impl TaylorHoodBody {
             counters: increment.counters,
             work: increment.work,
             retry: Retry::Parts,
-            by_factor: false,
             patience: MOST_PROGRAMS,
         }
     }

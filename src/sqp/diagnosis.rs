@@ -33,7 +33,7 @@ pub(crate) const NEARLY: f64 = 0.5;
 pub(crate) fn explain(run: &mut Run<'_>, ending: &mut Ending) {
     let stuck = ending.cause.is_some_and(Cause::is_numerical);
     // A factor moves the body where iterations would stagnate.
-    let is_forced = run.by_factor && ending.cause == Some(Cause::NegativeJacobian);
+    let is_forced = run.learned.factored.is_some() && ending.cause == Some(Cause::NegativeJacobian);
     // What slides off without end leaves all numbers.
     let is_lost = ending.cause == Some(Cause::NotFinite);
     let model = &run.model;

@@ -29,6 +29,8 @@ pub(crate) const MOST_PROGRAMS: u32 = 40;
 const WORTHWHILE: f64 = 0.1;
 /// Programs of a linear problem that may leave the residual as it is: rounding does.
 const MOST_IDLE: u32 = 5;
+/// The same of a body of finite strain, which turns against forces that grow before they fall.
+const MOST_IDLE_AT_FINITE_STRAIN: u32 = 12;
 /// Steps of an increment that are taken without progress.
 const MOST_LEAPS: u32 = 3;
 /// Level of a program over the tolerance: what the recomputed residual adds has room.
@@ -77,11 +79,11 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         run.state.surface_load = None;
         run.counters.sqp_iterations += 1;
         let made = run.counters.factorisations;
-        let program = QuadraticProgram::new(run, &at.now, motion, &mut at.first_force);
+        let mut program = QuadraticProgram::new(run, &at.now, motion, &mut at.first_force);
         let scale = program.force_scale();
         let worst = residuals(run.state, program.start(), scale).largest();
         let scales = run.state.scales;
-        let (step, outcome) = at.solve_program(run, &program, worst);
+        let (step, outcome) = at.solve_program(run, &mut program, worst);
         if let Some(verdict) = of_status(outcome, &run.watch) {
             // Those of a method that diverged would make a solution of any state.
             run.state.scales = scales.or(run.state.scales);
@@ -142,7 +144,7 @@ impl Iterate {
     fn solve_program(
         &mut self,
         run: &mut Run<'_>,
-        program: &QuadraticProgram<'_>,
+        program: &mut QuadraticProgram<'_>,
         worst: f64,
     ) -> (Step, crate::inequality::QpStatus) {
         let share = match run.model.is_linear() {
@@ -202,7 +204,10 @@ impl Iterate {
         }
         self.idle += 1;
         if !run.model.is_linear() {
-            return None;
+            // By a factor every program is solved, whether it leads anywhere or not.
+            let is_by_factor = run.learned.factored.is_some() && run.model.proximal.is_none();
+            let is_stuck = is_by_factor && self.idle > MOST_IDLE_AT_FINITE_STRAIN;
+            return is_stuck.then(|| Verdict::failed(Cause::Stagnation));
         }
         run.learned.directions.clear(&mut run.work);
         let is_rounding = self.idle >= MOST_IDLE;

@@ -36,9 +36,6 @@ pub(crate) fn climb(run: &mut Run<'_>, goal: &Drive, start: &State) -> (Ending, 
             approach(run, goal)
         }
     };
-    if run.by_factor && end.0.termination == Termination::Converged {
-        end.0.fallback.get_or_insert(Fallback::Direct);
-    }
     let is_final = rungs.is_empty() || !is_failure_of_the_method(run, &end.0);
     if is_final || is_full(&run.model, run.state, goal) {
         return end;
@@ -111,7 +108,6 @@ fn approach_on(run: &mut Run<'_>, rung: &Rung, (goal, retry): (&Drive, Retry)) -
         counters: run.counters,
         work: std::mem::take(&mut run.work),
         retry,
-        by_factor: false,
         patience: run.patience,
     };
     let (mut ending, part) = approach(&mut inner, goal);

@@ -4,6 +4,7 @@
 
 use std::sync::Arc;
 
+use super::factored_body::FactoredBody;
 use super::lowest_mode::LowestMode;
 use super::preconditioner_refresh::PreconditionerRefresh;
 use super::push_stiffness::PushStiffness;
@@ -23,6 +24,9 @@ pub(crate) struct Learned {
     pub(crate) directions: Directions,
     /// The approximate inverse in use, and what it costs.
     pub(crate) refresh: PreconditionerRefresh,
+    /// The factor of the body that the last program made, with which later ones begin; none
+    /// while iterations are cheaper.
+    pub(crate) factored: Option<Arc<FactoredBody>>,
     /// The softest motion of the last equilibrium; none for linear bodies.
     pub(crate) lowest_mode: Option<LowestMode>,
     /// How the last parts moved the state; none for linear bodies.
@@ -48,6 +52,7 @@ impl Learned {
         Self {
             directions: plan.directions(),
             refresh: PreconditionerRefresh::default(),
+            factored: None,
             lowest_mode: None,
             trend: None,
             linearised: Arc::default(),
@@ -82,6 +87,7 @@ impl Learned {
             + self.trend.as_ref().map_or(0, Trend::bytes)
             + self.linearised.bytes()
             + self.layout.as_ref().map_or(0, |layout| layout.bytes())
+            + self.factored.as_ref().map_or(0, |body| body.bytes())
             + self.rung.as_ref().map_or(0, |rung| rung.bytes())
             + self.response.bytes()
     }

@@ -3,6 +3,8 @@
 //!
 //! Unknowns (du, dx) and residuals are those of the quadratic program.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use crate::inequality::{QpIterate, QpNorms, QpOutcome, QpScales, QpStatus, QpTargets};
 use crate::krylov::cg::Cg;
 use crate::krylov::outlook::Outlook;
@@ -22,6 +24,8 @@ pub(crate) struct Track<'a, 'w> {
     pub(crate) counters: &'a mut Counters,
     /// Approximate inverse of A, which counts its own applications.
     pub(crate) displacement: &'a Counted<'a>,
+    /// Solutions with a factor of the body, which count as applications; none without one.
+    pub(crate) solutions: Option<&'a AtomicU32>,
     /// Number of applications before this program, so that they are not counted twice.
     pub(crate) before: u32,
     /// When the program counts as solved.
@@ -62,7 +66,10 @@ impl Track<'_, '_> {
 
     /// Takes over the applications so far.
     pub(crate) fn count(&mut self) {
-        self.counters.applications = self.before + self.displacement.applications();
+        let solutions = self
+            .solutions
+            .map_or(0, |count| count.load(Ordering::Relaxed));
+        self.counters.applications = self.before + self.displacement.applications() + solutions;
     }
 
     /// Stops where the caller, a deadline or the wall limit asks for it.

@@ -28,9 +28,6 @@ pub(crate) struct Run<'a> {
     pub(crate) work: Workspace,
     /// What follows where a program is not solved.
     pub(crate) retry: Retry,
-    /// Whether a program was not solved by iterations and the rest of the increment takes
-    /// the factor of its saddle point, which is small.
-    pub(crate) by_factor: bool,
     /// Quadratic programs that one drive may take.
     pub(crate) patience: u32,
 }

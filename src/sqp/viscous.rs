@@ -62,9 +62,7 @@ fn is_for(run: &Run<'_>, ending: &Ending) -> bool {
     let is_numerical =
         ending.cause == Some(Cause::NotFinite) || ending.cause.is_some_and(Cause::is_numerical);
     // A factor has no place for the pull, nor does a fall.
-    let has_place = !run.by_factor
-        && run.model.plan.programs == Programs::AsPlanned
-        && run.model.proximal.is_none();
+    let has_place = run.model.plan.programs == Programs::AsPlanned && run.model.proximal.is_none();
     is_numerical && has_place && (run.model.is_linear() || run.model.plan.has_friction())
 }
 

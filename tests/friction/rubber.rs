@@ -10,8 +10,8 @@ use crate::common::scenes::{
 };
 use crate::common::{assert_converged, open, solve, take};
 use signorini::scene::{
-    Choice, ContactSpace, Formulation, Material, MaterialModel, Pressure, RubberModel, Shape,
-    SupportTarget,
+    Choice, ContactMethod, ContactSpace, Formulation, Material, MaterialModel, Pressure,
+    RubberModel, Shape, SupportTarget,
 };
 use signorini::{Scene, Step, StepReport};
 
@@ -57,8 +57,8 @@ fn functions_of_vertices_alone_press_a_rough_block_as_far_with_a_penalty() {
 }
 
 /// Force on a rough plate that presses and drags a soft block and, apart from it, one of that
-/// modulus.
-fn on_two_blocks(modulus: f64) -> [f64; 3] {
+/// modulus, and the applications that it took.
+fn on_two_blocks(modulus: f64, method: Choice<ContactMethod>) -> ([f64; 3], u32) {
     let block = |group: &str, shear_modulus: f64| Material {
         group: group.to_owned(),
         model: MaterialModel::Rubber {
@@ -72,6 +72,7 @@ fn on_two_blocks(modulus: f64) -> [f64; 3] {
         supports: vec![support("y0", [Some(0.0), Some(0.0), None])],
         ..Scene::default()
     };
+    scene.solver.contact = method;
     let plate = plane([0.0, 1.0, 0.0], [0.0, -1.0, 0.0]);
     with_rough(&mut scene, ("plate", &["y1"]), plate, 0.3);
     let drag = travel("plate", 3, [0.02, -0.15, 0.0], [0.0; 3]);
@@ -81,21 +82,39 @@ fn on_two_blocks(modulus: f64) -> [f64; 3] {
     let counts = reports
         .iter()
         .map(|report| report.preconditioner_applications);
-    let spent: u32 = counts.sum();
-    assert!(spent < 2000, "{modulus}: {spent} applications");
-    reports[2].obstacles["plate"].force
+    (reports[2].obstacles["plate"].force, counts.sum())
 }
 
 #[test]
 fn blocks_apart_are_solved_under_one_rough_plate_whatever_their_moduli() {
     // Each block is what it is alone, so that the force is a + b c for the modulus c.
-    let [low, middle, high] = [100.0, 1e3, 1e4].map(on_two_blocks);
+    let [low, middle, high] = [100.0, 1e3, 1e4].map(|modulus| {
+        let (force, spent) = on_two_blocks(modulus, Choice::Auto);
+        assert!(spent < 400, "{modulus}: {spent} applications");
+        force
+    });
     for axis in 0..2 {
         let slope = (middle[axis] - low[axis]) / 900.0;
         let expected = middle[axis] + 9000.0 * slope;
         let error = (high[axis] - expected).abs() / expected.abs();
         assert!(error < 1e-6, "{axis}: {error:e}");
     }
+}
+
+#[test]
+fn a_factor_finds_what_iterations_find_and_sooner() {
+    // A scene that names its method keeps to iterations.
+    let named = Choice::Named(ContactMethod::OneLevel);
+    let [by_factor, by_iterations] =
+        [Choice::Auto, named].map(|method| on_two_blocks(100.0, method));
+    for (own, other) in by_factor.0.iter().zip(by_iterations.0) {
+        assert!(
+            (own - other).abs() < 1e-6 * by_iterations.0[1].abs(),
+            "{own} {other}"
+        );
+    }
+    let [few, many] = [by_factor.1, by_iterations.1];
+    assert!(3 * few < many, "{few} {many}");
 }
 
 /// Work of a plate that twists a pressed block, over what is stored and dissipated.

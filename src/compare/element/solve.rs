@@ -155,6 +155,7 @@ impl EnrichedBody {
             active: 0,
             is_hopeless: false,
             displacement: &displacement,
+            solutions: None,
             watch: &mut run.watch,
             counters: &mut run.counters,
         };

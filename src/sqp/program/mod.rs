@@ -9,6 +9,7 @@
 //! residuals of the state. One program is one SQP iteration.
 
 mod augmentation;
+mod by_factor;
 mod factorised;
 mod inverse;
 mod loose;
@@ -20,6 +21,7 @@ mod stiffness;
 use std::sync::Arc;
 
 use super::contact_metric::ContactMetric;
+use super::factored_body::FactoredBody;
 use super::run::Run;
 use super::volumes::volumes;
 use crate::contact::curvature;
@@ -61,6 +63,10 @@ pub(crate) struct QuadraticProgram<'a> {
     turned: Option<SparseRows>,
     /// What contact pressure makes of the stiffness, cancelled where the gaps hold.
     augmentation: Option<Augmentation>,
+    /// The body by a factor; none while iterations are cheaper.
+    factored: Option<Arc<FactoredBody>>,
+    /// Whether it was made for this program.
+    has_fresh_factor: bool,
     /// Metric of the multipliers at this linearisation.
     metric: ContactMetric,
     /// Metric of the internal pressure of a thin body; none where its mass is all.
@@ -105,10 +111,10 @@ impl<'a> QuadraticProgram<'a> {
             .or(fixed);
         let volumes = volumes(&run.model, (&inverse, divergence), &mut run.work);
         let coarse = coarse_schur(prepared, volumes.as_ref(), &mut run.work);
+        let released = released_of(&run.model, run.state);
         let metric = ContactMetric::new(&run.model, &inverse, volumes, &now, &mut run.work);
         run.counters.applications += metric.applications;
         let predicted = metric.prediction(&now, run.state, &mut run.work);
-        let released = released_of(&run.model, run.state);
         let turning = (run.model.interfaces.friction.as_ref())
             .and_then(|friction| friction.turning(&run.model, run.state));
         let terms = turning.as_ref().map(|turning| &turning.released);
@@ -130,6 +136,8 @@ impl<'a> QuadraticProgram<'a> {
             curvature,
             turned,
             augmentation,
+            factored: None,
+            has_fresh_factor: false,
             metric,
             coarse,
             tangent,

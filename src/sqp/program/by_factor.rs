@@ -1,0 +1,228 @@
+//! A program of rubber by a factor of its body, once iterations have cost as much:
+//!
+//! ```text
+//! K = [ A - G  B^T ]   W = C K^-1 C^T   du = K^-1 (r - C^T dl),   l in its set by W
+//!     [ B      -S  ]
+//! ```
+//!
+//! K is the body about the state, without what held gaps cancel of its contact pressure
+//! ([`crate::contact::curvature_where_held`]) and without the part that is not symmetric; motions
+//! that lower its energy are turned. W is dense, so that one problem of the size of the contact
+//! gives its sides, and GCR on the true operator starts from there and ends after some
+//! iterations, as many as K is wrong in columns. Where the sides do not settle - the state is far
+//! from equilibrium and the program has many solutions or none - the solution in W is the step:
+//! that of a stable body.
+//!
+//! When (A. Karlin, M. Manasse, L. McGeoch and S. Owicki, Algorithmica 11, 1994: rent until the
+//! price is paid): after as many iterations as the factor costs by the estimates of the plan, so
+//! that no program costs more than twice the cheaper way. Later programs of a session begin with
+//! it. Cost: products for the entries of A, a factor, a solution for each near multiplier.
+
+use std::sync::Arc;
+
+use super::ContactMetric;
+use super::QuadraticProgram;
+use super::step::{Step, first_iterate, step_from};
+use crate::contact::area_change::Pressures;
+use crate::contact::curvature_where_held;
+use crate::inequality::{BodyFactor, Matrices, QpIterate, dense_cone};
+use crate::linalg::vector::add_scaled;
+use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, SymmetricMatrix, Workspace};
+use crate::model::Model;
+use crate::model::evaluate::Evaluation;
+use crate::model::state::State;
+use crate::model::tangent::Tangent;
+use crate::plan::estimate::MOST_FACTOR_FLOPS;
+use crate::saddle::{EqualityBlock, SaddleOperator, Status};
+use crate::sqp::factored_body::FactoredBody;
+use crate::sqp::near_compliance::NearCompliance;
+use crate::sqp::run::Run;
+
+/// Motions that lower the energy, at most: of a ball between plates ten, of a belt on a drum
+/// fourteen; each costs a column.
+const MOST_TURNED: usize = 32;
+
+/// The body about `tangent` without what `released` and the contact of the state take off, and
+/// the compliance of its contact in `now`; none where it has no such factor or the increment is
+/// stopped.
+fn factored(
+    run: &mut Run<'_>,
+    (tangent, released): (&Tangent, Option<&SparseRows>),
+    now: &Evaluation,
+) -> Option<FactoredBody> {
+    let start = std::time::Instant::now();
+    let factor = factor(run, tangent, released);
+    run.counters.seconds.factorise += start.elapsed().as_secs_f64();
+    let factor = factor?;
+    run.counters.factorisations += 1;
+    let at = (&run.model, &*run.state);
+    let compliance = NearCompliance::new(&factor, at, now, &mut run.work);
+    Some(FactoredBody::new(factor, compliance))
+}
+
+/// K as a factor.
+fn factor(
+    run: &mut Run<'_>,
+    tangent: &Tangent,
+    released: Option<&SparseRows>,
+) -> Option<BodyFactor> {
+    let layout = run.learned.layout(&run.model);
+    let Run {
+        model,
+        state,
+        watch,
+        counters,
+        work,
+        ..
+    } = run;
+    let stopped = || watch.stopped(counters).is_some();
+    let operators = (
+        &tangent.stiffness as &dyn LinearOperator,
+        Some(&tangent.coupling as &dyn LinearOperator),
+    );
+    let (mut stiffness, coupling) = layout.stored(operators, &stopped, work)?;
+    let held = curvature(model, state);
+    for taken in released.into_iter().chain(&held) {
+        let symmetric = taken.plus(&taken.transposed());
+        stiffness = stiffness.plus_multiple(-0.5, &symmetric);
+    }
+    let block = model.prepared.pressure.as_ref();
+    let no_contact = SparseRowsBuilder::new(stiffness.rows()).finish();
+    let matrices = Matrices {
+        stiffness,
+        coupling,
+        stabilisation: block.and_then(|block| block.stabilisation.as_ref()),
+        contact: &no_contact,
+        places: layout.places.clone(),
+        is_loose: model.plan.is_floating(),
+        may_be_indefinite: true,
+        most_flops: MOST_FACTOR_FLOPS,
+    };
+    BodyFactor::stable(&matrices, MOST_TURNED, work).ok()
+}
+
+/// What contact takes off A where the gaps hold what they can; none without contact.
+fn curvature(model: &Model<'_>, state: &State) -> Option<SparseRows> {
+    let under_pressure = state.multiplier.iter().any(|&l| l != 0.0);
+    under_pressure.then(|| {
+        let closed = |status: &Status| f64::from(u8::from(status.is_closed()));
+        let closed: Vec<f64> = state.status.iter().map(closed).collect();
+        let placed: Vec<_> = model.placed(&state.drive).collect();
+        let own = placed.iter().map(|(interface, met)| {
+            let pressures = [&state.multiplier, &closed].map(|all| interface.own(all));
+            (&interface.surface, met, pressures)
+        });
+        let own: Vec<_> = own.collect();
+        let surfaces = own.iter().map(|(surface, met, [contact, closed])| {
+            let pressures = Pressures {
+                contact,
+                internal: &state.pressure,
+                closed,
+            };
+            (*surface, *met, pressures)
+        });
+        let surfaces: Vec<_> = surfaces.collect();
+        let body = model.deformed(&state.displacement);
+        curvature_where_held(&body, &surfaces, &model.prepared.is_held)
+    })
+}
+
+impl QuadraticProgram<'_> {
+    /// Takes the factor of an earlier program into use; whether there is one.
+    pub(super) fn take_kept_factor(&mut self, run: &Run<'_>) -> bool {
+        let kept = run.learned.factored.clone();
+        if let Some(kept) = kept.filter(|kept| kept.compliance.size() == self.now.gap.len()) {
+            self.take(kept, false);
+        }
+        self.factored.is_some()
+    }
+
+    /// Takes a factor of the body about the state into use; whether there is one.
+    pub(super) fn take_factor(&mut self, run: &mut Run<'_>) -> bool {
+        let Some(tangent) = &self.tangent else {
+            return false;
+        };
+        let body = (tangent, self.released.as_ref());
+        let made = factored(run, body, &self.now).map(Arc::new);
+        run.learned.factored.clone_from(&made);
+        made.map(|made| self.take(made, true)).is_some()
+    }
+
+    fn take(&mut self, body: Arc<FactoredBody>, is_fresh: bool) {
+        self.metric = ContactMetric::of_factor(body.compliance.clone());
+        self.has_fresh_factor = is_fresh;
+        self.factored = Some(body);
+    }
+
+    /// The step to the solution in the compliance of the factor; none where that has none.
+    pub(super) fn step_by_compliance(&self, run: &mut Run<'_>) -> Option<Step> {
+        let mut iterate = first_iterate(run.state, &self.now, self.motion.as_deref());
+        run.counters.applications += 2;
+        let moved = self.move_by_compliance(&mut iterate, &mut run.work);
+        moved.map(|()| step_from(iterate, run.state))
+    }
+
+    /// Moves the iterate to the solution in the compliance of the factor, its residuals with it;
+    /// none, the iterate where it was, where that has no solution.
+    pub(super) fn move_by_compliance(
+        &self,
+        iterate: &mut QpIterate,
+        work: &mut Workspace,
+    ) -> Option<()> {
+        let body = self.factored.as_ref()?;
+        let [pressure, contact] = &mut iterate.blocks[..] else {
+            return None;
+        };
+        let free = body.solve(&iterate.force, &pressure.residual, work);
+        let mut linear = vec![0.0; contact.residual.len()];
+        self.metric().product(&contact.multiplier, &mut linear);
+        let gaps = linear.iter_mut().zip(&contact.residual);
+        gaps.for_each(|(linear, gap)| *linear = gap - *linear);
+        let unknowns = iterate.force.len();
+        let rows = self.contact_rows();
+        rows.subtract_product(&free[..unknowns], &mut linear, work);
+        let near = (&contact.status[..], &contact.multiplier[..]);
+        let set = self.now.contact_set();
+        let solution = dense_cone::solve(self.metric(), &linear, set, near).ok()?;
+        let mut change = solution.values;
+        add_scaled(&mut change, -1.0, &contact.multiplier);
+        add_scaled(&mut contact.multiplier, 1.0, &change);
+        contact.status = solution.status;
+        let columns = &self.now.coupling;
+        columns.add_transposed(-1.0, &change, &mut iterate.force, work);
+        let step = body.solve(&iterate.force, &pressure.residual, work);
+        self.move_body(&step, iterate, work);
+        Some(())
+    }
+
+    /// Adds a step of displacement and pressure to the iterate and takes what it does off the
+    /// residuals.
+    fn move_body(&self, step: &[f64], iterate: &mut QpIterate, work: &mut Workspace) {
+        let [pressure, contact] = &mut iterate.blocks[..] else {
+            return;
+        };
+        let blocks: Vec<EqualityBlock<'_>> = self.pressure().into_iter().collect();
+        let operator = SaddleOperator {
+            stiffness: self.stiffness(),
+            released: self.released_by_all().map(|all| all as &dyn LinearOperator),
+            blocks: &blocks,
+        };
+        let mut left = work.zeros(step.len());
+        operator.apply(step, &mut left, work);
+        let (du, dp) = step.split_at(iterate.force.len());
+        let (force, volumes) = left.split_at(du.len());
+        add_scaled(&mut iterate.displacement, 1.0, du);
+        add_scaled(&mut iterate.force, -1.0, force);
+        add_scaled(&mut pressure.multiplier, 1.0, dp);
+        add_scaled(&mut pressure.residual, -1.0, volumes);
+        let rows = self.contact_rows();
+        rows.subtract_product(du, &mut contact.residual, work);
+        work.give(left);
+    }
+
+    /// Whether the factor is that of the body.
+    pub(super) fn has_exact_factor(&self) -> bool {
+        let body = self.factored.as_ref();
+        self.has_fresh_factor && body.is_some_and(|body| body.is_exact())
+    }
+}
