@@ -176,6 +176,7 @@
 #![doc = include_str!("decisions/0052-multigrid-in-contact.md")]
 #![doc = include_str!("decisions/0053-gap-over-the-deformed-surface.md")]
 #![doc = include_str!("decisions/0054-a-factor-where-it-is-cheaper.md")]
+#![doc = include_str!("decisions/0055-compliance-along-lines.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

@@ -4,7 +4,8 @@
 //! C1, C2: the coupling's columns at vertices and edges; A11^-1 only on the
 //! contact vertices and along the normals of the surfaces that meet there, which is
 //! what a metric needs where the obstacle's normals are not far from them; D22: node blocks of
-//! the edges (of all nodes for quadratic multipliers). The edge part keeps the metric regular where the rim of the surface
+//! the edges (of all nodes for quadratic multipliers), in flat cells with the lines of nodes that
+//! they move along ([`super::lines`]). The edge part keeps the metric regular where the rim of the surface
 //! is held. The factor brings the largest eigenvalue against the incompressible
 //! body near one. What a volume that hardly changes forbids is taken off
 //! ([`super::volume_modes`]). Condition 2 to 4, independent of the mesh size. Only the inverse at the vertices is
@@ -53,7 +54,7 @@ pub struct ComplianceParts<'a> {
     pub vertex_inverse: &'a Arc<DenseMatrix>,
     /// Contact vertices with the directions in which their compliance is known.
     pub traces: Traces<'a>,
-    /// Inverted Lagrange node blocks of all nodes, for the part of the edges.
+    /// How each Lagrange node moves under a load on it, for the part of the edges.
     pub node_blocks: &'a NodeBlocks,
     /// Number of vertices: nodes below are vertices, the others edges.
     pub vertex_count: usize,

@@ -5,15 +5,16 @@
 //! coupled Lagrange nodes (lines through flat cells, planes across tall ones) are
 //! solved exactly instead: with F the stiffness restricted to the groups,
 //! a few Chebyshev steps around F^-1, `inner`, the same steps again. Symmetric
-//! positive definite. The factor of F costs O(n) on lines, O(n^1.5) on planes.
+//! positive definite. The compliance of contact takes the diagonal blocks of F^-1. The factor of F costs O(n) on lines, O(n^1.5) on planes.
 //!
 //! U. Trottenberg, C. Oosterlee and A. Schueller, Multigrid, section 5.1 (2001).
 
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-use super::Transfer;
 use super::node_pairs::{Block, NodePairs};
 use super::spectrum::Lanczos;
+use super::{NodeBlocks, Transfer};
 use crate::linalg::cholesky::{LowerColumns, Precision};
 use crate::linalg::ordering::{Graph, nested_dissection};
 use crate::linalg::vector::add_scaled;
@@ -30,6 +31,8 @@ const DEGREE: usize = 2;
 const RATIO: f64 = 6.0;
 /// Lanczos steps for the largest eigenvalue.
 const LANCZOS_STEPS: usize = 12;
+/// Nodes of a group that are asked how they move with it: lines through a body have fewer.
+const MOST_IN_A_LINE: u32 = 64;
 /// The Lanczos process approaches it from below.
 const SAFETY: f64 = 1.05;
 
@@ -65,6 +68,8 @@ struct Groups {
     factor: SparseCholesky,
     /// The way between the hierarchical basis and Lagrange's.
     transfer: Transfer,
+    /// The lowest node of the group of each node `[nodes]`.
+    of_node: Vec<u32>,
 }
 
 impl AlongLines {
@@ -83,7 +88,11 @@ impl AlongLines {
         let matrix = restricted(nodes, &group_of);
         let order = order(nodes, &group_of);
         let factor = SparseCholesky::new(&matrix, &order, Precision::Double).ok()?;
-        let groups = Groups { factor, transfer };
+        let groups = Groups {
+            factor,
+            transfer,
+            of_node: group_of,
+        };
         let lanczos = Lanczos {
             operator: &*operator,
             preconditioner: &groups,
@@ -101,7 +110,42 @@ impl AlongLines {
 
     /// Bytes held besides those of `inner`.
     pub fn bytes(&self) -> u64 {
-        self.groups.factor.bytes()
+        self.groups.factor.bytes() + 4 * self.groups.of_node.len() as u64
+    }
+
+    /// How nodes move under loads on them and take their groups along: the diagonal blocks of F^-1,
+    /// and those between two nodes that `is_seen` `[nodes]`; `alone` where the group is large. Cost:
+    /// one solution with F for each place in the largest group and each component.
+    pub fn with_groups(&self, alone: &NodeBlocks, is_seen: &[bool]) -> NodeBlocks {
+        let group_of = &self.groups.of_node;
+        let places = places(group_of);
+        let (c, nodes) = (alone.components(), group_of.len());
+        let mut seen: HashMap<u32, Vec<usize>> = HashMap::new();
+        for node in (0..nodes).filter(|&node| is_seen[node] && places[node].is_some()) {
+            seen.entry(group_of[node]).or_default().push(node);
+        }
+        let own = (0..nodes).flat_map(|node| alone.block(node).into_iter().take(c * c));
+        let mut own: Vec<f64> = own.collect();
+        let mut pairs: BTreeMap<[u32; 2], [f64; 9]> = BTreeMap::new();
+        let mut work = Workspace::new();
+        let most = places.iter().flatten().copied().max().unwrap_or(0);
+        for (place, i) in (0..=most).flat_map(|place| (0..c).map(move |i| (place, i))) {
+            let loaded = || (0..nodes).filter(|&node| places[node] == Some(place));
+            let mut x = vec![0.0; nodes * c];
+            loaded().for_each(|node| x[node * c + i] = 1.0);
+            self.groups.factor.solve(&mut x, 1, &mut work);
+            for node in loaded() {
+                for j in 0..c {
+                    own[(node * c + j) * c + i] = x[node * c + j];
+                }
+                let others = seen.get(&group_of[node]).filter(|_| is_seen[node]);
+                for &other in others.into_iter().flatten().filter(|&&other| other != node) {
+                    let block = pairs.entry([other as u32, node as u32]).or_default();
+                    (0..c).for_each(|j| block[j * c + i] = x[other * c + j]);
+                }
+            }
+        }
+        NodeBlocks::of_inverse(c, &own).with_pairs(pairs)
     }
 
     /// Adds [`DEGREE`] Chebyshev steps to `x` and takes them off `r`, the last
@@ -159,6 +203,21 @@ impl Preconditioner for Groups {
         self.transfer.values_to_hierarchical(1.0, &values, z);
         work.give(values);
     }
+}
+
+/// Place of each node in its group `[nodes]`; none in one of more than [`MOST_IN_A_LINE`].
+fn places(group_of: &[u32]) -> Vec<Option<u32>> {
+    let mut count = vec![0_u32; group_of.len()];
+    let place = |&group: &u32| {
+        count[group as usize] += 1;
+        count[group as usize] - 1
+    };
+    let places: Vec<u32> = group_of.iter().map(place).collect();
+    let is_line = |group: u32| count[group as usize] <= MOST_IN_A_LINE;
+    let pairs = places.into_iter().zip(group_of);
+    pairs
+        .map(|(place, &group)| is_line(group).then_some(place))
+        .collect()
 }
 
 /// Frobenius norm of a block.
@@ -259,4 +318,20 @@ fn order(nodes: &LagrangeNodes<'_>, group_of: &[u32]) -> Vec<u32> {
         .into_iter()
         .flat_map(|node| (0..c).map(move |i| node * c + i))
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nodes_of_lines_have_places_and_those_of_large_groups_none() {
+        let mut group_of = vec![0, 0, 2, 0];
+        let places_of_lines = [Some(0), Some(1), Some(0), Some(2)];
+        assert_eq!(places(&group_of), places_of_lines);
+        group_of.extend(vec![4; MOST_IN_A_LINE as usize + 1]);
+        let found = places(&group_of);
+        assert_eq!(found[..4], places_of_lines);
+        assert!(found[4..].iter().all(Option::is_none));
+    }
 }

@@ -4,6 +4,8 @@
 //! Blocks of held components must carry the identity there, as the operator
 //! does; otherwise the largest eigenvalue grows several times.
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
 use crate::linalg::{Preconditioner, Scalar, Workspace};
@@ -21,6 +23,9 @@ pub struct NodeBlocks {
     components: usize,
     /// Upper triangles of the blocks, row by row `[nodes, 3 or 6]`.
     inverse: Vec<f32>,
+    /// Blocks between two nodes that move together, the first one under a load on the second, by
+    /// nodes; empty where nodes move alone. Sweeps leave them out.
+    pairs: Vec<([u32; 2], [f64; 9])>,
 }
 
 impl NodeBlocks {
@@ -34,6 +39,12 @@ impl NodeBlocks {
                 2 => invert_2(block),
                 _ => invert_3(block),
             });
+        Self::of_inverse(components, &blocks)
+    }
+
+    /// Of inverse blocks `[nodes, components, components]`.
+    pub fn of_inverse(components: usize, blocks: &[f64]) -> Self {
+        let size = components * components;
         let nodes = blocks.chunks_exact(size);
         let upper = nodes.flat_map(|block| {
             let entry = move |(i, j): (usize, usize)| block[i * components + j] as f32;
@@ -43,7 +54,24 @@ impl NodeBlocks {
         Self {
             components,
             inverse: upper.collect(),
+            pairs: Vec::new(),
         }
+    }
+
+    /// With blocks between nodes, row-major `[components, components]`, zeros behind it.
+    #[must_use]
+    pub fn with_pairs(self, pairs: BTreeMap<[u32; 2], [f64; 9]>) -> Self {
+        Self {
+            pairs: pairs.into_iter().collect(),
+            ..self
+        }
+    }
+
+    /// The blocks of one node with others that move it.
+    pub fn pairs_of(&self, node: u32) -> &[([u32; 2], [f64; 9])] {
+        let first = self.pairs.partition_point(|(pair, _)| pair[0] < node);
+        let end = self.pairs.partition_point(|(pair, _)| pair[0] <= node);
+        &self.pairs[first..end]
     }
 
     /// Components per node.

@@ -222,7 +222,7 @@ impl Flexibility<'_> {
         builder.finish()
     }
 
-    /// D^-1 `forces`, node by node.
+    /// D^-1 `forces`, node by node, nodes of a line with those that they move.
     fn alone(&self, forces: &SparseRows) -> SparseRows {
         let c = self.node_blocks.components();
         let mut builder = SparseRowsBuilder::new(forces.columns());
@@ -240,6 +240,13 @@ impl Flexibility<'_> {
                 let first = entries.len() - c;
                 for (i, entry) in entries[first..].iter_mut().enumerate() {
                     entry.1 += block[i * c + j] * value;
+                }
+            }
+            for (&unknown, &value) in unknowns.iter().zip(values) {
+                let (node, j) = (unknown as usize / c, unknown as usize % c);
+                for ([_, other], block) in self.node_blocks.pairs_of(node as u32) {
+                    let moved = (0..c).map(|i| (other * c as u32 + i as u32, block[j * c + i]));
+                    entries.extend(moved.map(|(unknown, share)| (unknown, share * value)));
                 }
             }
             builder.push_row(&mut entries);

@@ -104,15 +104,14 @@ impl TaylorHoodData {
         let node_blocks = self.node_blocks(&cells)?;
         let p1 = p1::build(plan, body, cancel)?;
         let around = ((state, &tangents), &node_blocks);
-        let (displacement, displacement_bytes) =
-            self.around_p1(plan, mesh, around, p1.solver.clone());
+        let displacement = self.around_p1(plan, mesh, around, p1.solver.clone());
         Ok(ApproximateInverse {
-            displacement,
+            displacement: displacement.preconditioner,
             p1: p1.solver,
-            node_blocks,
+            node_blocks: displacement.nodes.unwrap_or(node_blocks),
             compliance: p1.compliance,
             traces: p1.traces,
-            solver_bytes: p1.bytes + displacement_bytes,
+            solver_bytes: p1.bytes + displacement.bytes,
             p1_part: p1.part,
         })
     }
@@ -130,14 +129,14 @@ impl TaylorHoodData {
         }
     }
 
-    /// The preconditioner of all displacements around a P1 solver, and its bytes.
+    /// The preconditioner of all displacements around a P1 solver.
     fn around_p1(
         &self,
         plan: &Plan,
         mesh: &Mesh,
         ((state, tangents), node_blocks): ((Deformed<'_>, &CellTangents), &NodeBlocks),
         p1: Arc<dyn Preconditioner>,
-    ) -> (Arc<dyn Preconditioner>, u64) {
+    ) -> displacement::Built {
         let body = DisplacementBody {
             mesh,
             space: &self.space,

@@ -23,6 +23,7 @@ pub(crate) struct ApproximateInverse {
     pub(crate) displacement: Arc<dyn Preconditioner>,
     /// A11^-1 `[vertex unknowns]`.
     pub(crate) p1: Arc<dyn Preconditioner>,
+    /// How each node moves under a load on it, in flat cells with its line.
     pub(crate) node_blocks: NodeBlocks,
     /// A11^-1 on `traces`; empty without contact.
     pub(crate) compliance: Arc<DenseMatrix>,

@@ -21,12 +21,30 @@ use crate::precond::p_multigrid::{Smoothing, largest_eigenvalue};
 use crate::precond::{AlongLines, NodeBlocks, PMultigrid, Transfer};
 use crate::space::TaylorHood;
 
-/// The preconditioner that `plan` chose, and its bytes without the P1 solver.
-pub(crate) fn build(plan: &Plan, body: &DisplacementBody<'_>) -> (Arc<dyn Preconditioner>, u64) {
-    chooser::displacement(plan.displacement, body).unwrap_or_else(|| p_multigrid(plan, body))
+/// A preconditioner of the displacement block.
+pub(crate) struct Built {
+    /// The preconditioner.
+    pub(crate) preconditioner: Arc<dyn Preconditioner>,
+    /// Its bytes without the P1 solver.
+    pub(crate) bytes: u64,
+    /// How nodes move alone, in stretched cells with the nodes that they are coupled to: what the
+    /// compliance of contact takes for the edges.
+    pub(crate) nodes: Option<NodeBlocks>,
 }
 
-fn p_multigrid(plan: &Plan, body: &DisplacementBody<'_>) -> (Arc<dyn Preconditioner>, u64) {
+/// The preconditioner that `plan` chose.
+pub(crate) fn build(plan: &Plan, body: &DisplacementBody<'_>) -> Built {
+    match chooser::displacement(plan.displacement, body) {
+        Some((preconditioner, bytes)) => Built {
+            preconditioner,
+            bytes,
+            nodes: None,
+        },
+        None => p_multigrid(plan, body),
+    }
+}
+
+fn p_multigrid(plan: &Plan, body: &DisplacementBody<'_>) -> Built {
     let transfer = Transfer::new(
         body.space.vertices,
         body.space.components,
@@ -38,11 +56,17 @@ fn p_multigrid(plan: &Plan, body: &DisplacementBody<'_>) -> (Arc<dyn Preconditio
         .smooths_along_lines()
         .then(|| lines_around(plan, body, transfer, inner.clone()));
     match around.flatten() {
-        Some(lines) => {
-            let bytes = lines.bytes() + bytes;
-            (Arc::new(lines), bytes)
-        }
-        None => (inner, bytes),
+        Some(lines) => Built {
+            bytes: lines.bytes() + bytes,
+            nodes: (plan.unknowns.contact > 0)
+                .then(|| lines.with_groups(body.node_blocks, &on_contact(plan, body.space))),
+            preconditioner: Arc::new(lines),
+        },
+        None => Built {
+            preconditioner: inner,
+            bytes,
+            nodes: None,
+        },
     }
 }
 
@@ -122,6 +146,17 @@ fn lines_around(
     };
     let operator = body.operator(Basis::Hierarchical);
     AlongLines::new(&nodes, operator, transfer, inner)
+}
+
+/// Whether a node is a contact vertex or between two of them `[nodes]`.
+fn on_contact(plan: &Plan, space: &TaylorHood) -> Vec<bool> {
+    let mut is_seen = vec![false; space.nodes()];
+    let vertices = plan.contact_vertices.iter();
+    vertices.for_each(|&vertex| is_seen[vertex as usize] = true);
+    for (edge, ends) in space.edges.iter().enumerate() {
+        is_seen[space.vertices + edge] = ends.iter().all(|&end| is_seen[end as usize]);
+    }
+    is_seen
 }
 
 /// Position of a vertex or of the middle of an edge.

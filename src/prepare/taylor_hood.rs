@@ -231,7 +231,7 @@ impl Parts {
             tangents: None,
         };
         let stiffness = body.stiffness(Basis::Hierarchical);
-        let (displacement, displacement_bytes) = displacement::build(plan, &body);
+        let displacement = displacement::build(plan, &body);
         poll()?;
         let cells = (&self.geometry, &self.moduli);
         let mut pressure = plan
@@ -251,12 +251,12 @@ impl Parts {
             is_held,
             pressure,
             at_rest: Arc::new(ApproximateInverse {
-                displacement,
+                displacement: displacement.preconditioner,
                 p1: self.p1.solver,
-                node_blocks: self.node_blocks,
+                node_blocks: displacement.nodes.unwrap_or(self.node_blocks),
                 compliance: self.p1.compliance,
                 traces: self.p1.traces,
-                solver_bytes: self.p1.bytes + displacement_bytes,
+                solver_bytes: self.p1.bytes + displacement.bytes,
                 p1_part: self.p1.part,
             }),
             space: self.space,

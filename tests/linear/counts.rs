@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::common::meshes::{cube, file, mesh};
+use crate::common::meshes::{cube, file, mesh, moved};
 use crate::common::scenes::{
-    cube_bend, hertz_plane, hertz_sphere, quarter_ball, quarter_block, traction,
+    HELD, cube_bend, elastic, hertz_plane, hertz_sphere, obstacle, push, quarter_ball,
+    quarter_block, support, traction,
 };
-use crate::common::solve_one;
+use crate::common::{assert_converged, solve_one};
+use signorini::scene::Shape;
 use signorini::{Mesh, Scene, Step, StepReport};
 
 const TOLERANCE: f64 = 1e-8;
@@ -78,5 +80,36 @@ fn a_curved_obstacle_costs_at_most_twice_a_traction() {
         let bound = 2 * applications(&scene, &mesh);
         let taken = contact(hertz_sphere(0.5), &mesh).preconditioner_applications;
         assert!(taken <= bound, "{name}: {taken} {bound}");
+    }
+}
+
+/// A bonded layer of 6^3 flat cells under a ball that comes in by a fifth of its thickness.
+fn pressed_layer(aspect: f64, poisson_ratio: f64) -> StepReport {
+    let mut scene = elastic(poisson_ratio);
+    scene.solver.tolerance = TOLERANCE;
+    scene.supports = vec![support("z0", HELD)];
+    let thickness = 1.0 / aspect;
+    let ball = Shape::Sphere {
+        centre: [0.5, 0.5, 5.0 + thickness],
+        radius: 5.0,
+    };
+    scene.obstacles = vec![obstacle("ball", "z1", ball)];
+    let flat = moved(cube(6), |[x, y, z]| [x, y, thickness * z]);
+    solve_one(
+        &scene,
+        &push("ball", [0.0, 0.0, -0.2 * thickness]),
+        &mesh(flat),
+    )
+}
+
+#[test]
+fn thin_bonded_layers_take_few_applications_and_no_second_attempt() {
+    for (poisson_ratio, most) in [(0.3, 20), (0.5, 60)] {
+        for aspect in [5.0, 10.0, 20.0, 30.0, 50.0, 100.0] {
+            let report = pressed_layer(aspect, poisson_ratio);
+            assert_converged(&report);
+            let taken = report.preconditioner_applications;
+            assert!(taken <= most, "{aspect}, {poisson_ratio}: {taken}");
+        }
     }
 }

@@ -3,7 +3,9 @@
 
 use crate::common::meshes::{cube, file, mesh};
 use crate::common::scenes::{HELD, elastic, mooney_rivlin, obstacle, press, push, rubber, support};
-use crate::common::{assert_converged, close, difference, open, take, values};
+use crate::common::{
+    assert_converged, assert_converged_at_last, close, difference, open, take, values,
+};
 use signorini::scene::{Choice, ContactSpace, Shape, SupportTarget};
 use signorini::{FieldName, Scene, Step, StepReport};
 
@@ -52,11 +54,11 @@ fn a_press_behind_any_lift_equals_the_first_one() {
             // Twice in the air: the second time nothing moves any more.
             for lift in [height, 2.0 * height] {
                 let air = take(&mut session, &push("ball", [0.0, 0.0, lift])).remove(0);
-                assert_converged(&air);
+                assert_converged_at_last(&air);
                 assert!(air.strain_energy < 1e-12 * first.strain_energy);
             }
             let again = take(&mut session, &down).remove(0);
-            assert_converged(&again);
+            assert_converged_at_last(&again);
             assert_equal((&first, &again), "ball", 1e-7);
             let back = values(&session, FieldName::Displacement);
             assert!(difference(&moved, &back) < 1e-7);

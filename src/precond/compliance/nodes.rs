@@ -102,16 +102,18 @@ pub(super) fn of_nodes(
     let moved: Vec<AtNode> = touching
         .par_iter()
         .map(|(node, touched)| {
-            let block = parts.node_blocks.block(*node as usize);
-            let motion = |b: &[f64; 3]| {
-                let mut motion = [0.0; 3];
-                for (i, value) in motion.iter_mut().take(c).enumerate() {
-                    *value = dot(&block[i * c..(i + 1) * c], &b[..c]);
-                }
-                motion
+            let own = parts.node_blocks.block(*node as usize);
+            let mut moved: AtNode = Vec::new();
+            let mut add = |block: &[f64; 9], touched: &AtNode| {
+                moved.extend(touched.iter().map(|(row, b)| (*row, motion(block, b, c))));
             };
-            let touched = touched.iter();
-            touched.map(|(row, b)| (*row, motion(b))).collect()
+            add(&own, touched);
+            for ([_, other], block) in parts.node_blocks.pairs_of(*node) {
+                if let Ok(place) = touching.binary_search_by_key(other, |(node, _)| *node) {
+                    add(block, &touching[place].1);
+                }
+            }
+            moved
         })
         .collect();
     let entries: Vec<Vec<(u32, f64)>> = touched_by
@@ -126,6 +128,15 @@ pub(super) fn of_nodes(
         builder.push_row(&mut row);
     }
     builder.finish()
+}
+
+/// `block` times `b`.
+fn motion(block: &[f64; 9], b: &[f64; 3], c: usize) -> [f64; 3] {
+    let mut motion = [0.0; 3];
+    for (i, value) in motion.iter_mut().take(c).enumerate() {
+        *value = dot(&block[i * c..(i + 1) * c], &b[..c]);
+    }
+    motion
 }
 
 /// One row of C D^-1 C^T from what it does at its nodes, and how these move with each row;
