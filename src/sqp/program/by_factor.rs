@@ -29,6 +29,7 @@ use crate::inequality::{BodyFactor, Matrices, QpIterate, dense_cone};
 use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, SymmetricMatrix, Workspace};
 use crate::model::Model;
+use crate::model::counters::timed;
 use crate::model::evaluate::Evaluation;
 use crate::model::state::State;
 use crate::model::tangent::Tangent;
@@ -56,7 +57,9 @@ fn factored(
     let factor = factor?;
     run.counters.factorisations += 1;
     let at = (&run.model, &*run.state);
-    let compliance = NearCompliance::new(&factor, at, now, &mut run.work);
+    let compliance = timed(&mut run.counters.seconds.contact, || {
+        NearCompliance::new(&factor, at, now, &mut run.work)
+    });
     Some(FactoredBody::new(factor, compliance))
 }
 
