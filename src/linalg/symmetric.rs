@@ -67,24 +67,6 @@ pub trait SymmetricMatrix: Send + Sync {
     }
 }
 
-impl<M: SymmetricMatrix> SymmetricMatrix for Arc<M> {
-    fn size(&self) -> usize {
-        self.as_ref().size()
-    }
-
-    fn entry(&self, row: usize, column: usize) -> f64 {
-        self.as_ref().entry(row, column)
-    }
-
-    fn product(&self, x: &[f64], y: &mut [f64]) {
-        self.as_ref().product(x, y);
-    }
-
-    fn principal_part(&self, selected: &[usize]) -> DenseMatrix {
-        self.as_ref().principal_part(selected)
-    }
-}
-
 impl SymmetricMatrix for DenseMatrix {
     fn size(&self) -> usize {
         self.rows()

@@ -222,7 +222,7 @@ impl Plan {
                 .into(),
             "a rule on counts, the same on every machine",
         );
-        if let Some(price) = self.factor_price() {
+        if let Some(price) = self.factor_cost() {
             push(
                 "factor",
                 format!("of the saddle point, after {price} iterations of a program"),

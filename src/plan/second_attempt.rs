@@ -52,12 +52,12 @@ impl Plan {
 
     /// Krylov iterations that cost as much as a factor of the body of rubber with the compliance of
     /// its contact; none where the scene names a method or the factor is large.
-    pub(crate) fn factor_price(&self) -> Option<u32> {
+    pub(crate) fn factor_cost(&self) -> Option<u32> {
         let takes_one = self.resolved.is_rubber()
             && self.element == ElementKind::TaylorHood
             && self.names_no_method()
             && self.contact.method == ContactMethod::OneLevel;
-        let price = estimate::factor_price(self.units.dimension, self.unknowns);
+        let price = estimate::factor_cost(self.units.dimension, self.unknowns);
         price.filter(|_| takes_one)
     }
 

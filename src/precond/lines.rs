@@ -5,7 +5,8 @@
 //! coupled Lagrange nodes (lines through flat cells, planes across tall ones) are
 //! solved exactly instead: with F the stiffness restricted to the groups,
 //! a few Chebyshev steps around F^-1, `inner`, the same steps again. Symmetric
-//! positive definite. The compliance of contact takes the diagonal blocks of F^-1. The factor of F costs O(n) on lines, O(n^1.5) on planes.
+//! positive definite. The compliance of contact takes blocks of F^-1. The factor of F costs O(n) on
+//! lines, O(n^1.5) on planes.
 //!
 //! U. Trottenberg, C. Oosterlee and A. Schueller, Multigrid, section 5.1 (2001).
 

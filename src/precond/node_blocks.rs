@@ -177,7 +177,7 @@ impl NodeBlocks {
 
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
-        4 * self.inverse.len() as u64
+        4 * self.inverse.len() as u64 + size_of_val(&self.pairs[..]) as u64
     }
 }
 

@@ -88,16 +88,6 @@ impl ContactMetric {
         metric
     }
 
-    /// The compliance by a factor of the body.
-    pub(crate) fn of_factor(compliance: impl SymmetricMatrix + 'static) -> Self {
-        Self {
-            matrix: Box::new(compliance),
-            weights: Vec::new(),
-            shared: None,
-            applications: 0,
-        }
-    }
-
     /// Scales the weights so that the largest eigenvalue of the compliance in them is
     /// one. Cost: five applications of the displacement preconditioner.
     fn scale_weights(

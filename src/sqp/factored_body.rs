@@ -1,7 +1,6 @@
 //! The body of a program by a factor of its saddle point K, with the compliance W of its contact:
 //! what `program::by_factor` makes and later programs may use.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::near_compliance::NearCompliance;
@@ -14,7 +13,7 @@ pub(crate) struct FactoredBody {
     /// K.
     factor: BodyFactor,
     /// W.
-    pub(super) compliance: Arc<NearCompliance>,
+    pub(super) compliance: NearCompliance,
     /// Solutions with it since the present solve began.
     pub(super) solutions: AtomicU32,
 }
@@ -24,7 +23,7 @@ impl FactoredBody {
     pub(super) fn new(factor: BodyFactor, compliance: NearCompliance) -> Self {
         Self {
             factor,
-            compliance: compliance.into(),
+            compliance,
             solutions: AtomicU32::new(0),
         }
     }

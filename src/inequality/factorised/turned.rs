@@ -19,13 +19,13 @@ use crate::linalg::indefinite::SparseIndefinite;
 use crate::linalg::vector::{add_scaled, dot, norm, reproducible_noise, scale};
 use crate::linalg::{DenseLu, DenseMatrix, Workspace};
 
-/// Steps of Lanczos at most.
+/// Steps of Lanczos at most: an X-ring takes 13 in the mean, a belt 34, a breast 37.
 const MOST_STEPS: usize = 120;
 /// Steps from one look at the values to the next.
 const LOOK: usize = 6;
 /// Residual of a vector over its value with which it serves: what is missed is another column.
 const SHARP: f64 = 0.1;
-/// Length of what is left of a vector over that before that is rounding.
+/// Length of what is left of a vector, over its length before, that is rounding in 64 bits.
 const NOTHING: f64 = 1e-12;
 
 /// What makes K' of K.

@@ -13,14 +13,13 @@
 //! from equilibrium and the program has many solutions or none - the solution in W is the step:
 //! that of a stable body.
 //!
-//! When (A. Karlin, M. Manasse, L. McGeoch and S. Owicki, Algorithmica 11, 1994: rent until the
-//! price is paid): after as many iterations as the factor costs by the estimates of the plan, so
+//! When (A. Karlin, M. Manasse, L. McGeoch and S. Owicki, Algorithmica 11, 1994: the
+//! ski-rental rule): after as many iterations as the factor costs by the estimates of the plan, so
 //! that no program costs more than twice the cheaper way. Later programs of a session begin with
 //! it. Cost: products for the entries of A, a factor, a solution for each near multiplier.
 
 use std::sync::Arc;
 
-use super::ContactMetric;
 use super::QuadraticProgram;
 use super::step::{Step, first_iterate, step_from};
 use crate::contact::area_change::Pressures;
@@ -39,8 +38,8 @@ use crate::sqp::factored_body::FactoredBody;
 use crate::sqp::near_compliance::NearCompliance;
 use crate::sqp::run::Run;
 
-/// Motions that lower the energy, at most: of a ball between plates ten, of a belt on a drum
-/// fourteen; each costs a column.
+/// Motions that lower the energy, at most: of a breast between plates fifteen, of an O-ring
+/// far from equilibrium fourteen, of a belt on a drum nine; each costs a column.
 const MOST_TURNED: usize = 32;
 
 /// The body about `tangent` without what `released` and the contact of the state take off, and
@@ -135,26 +134,21 @@ impl QuadraticProgram<'_> {
     pub(super) fn take_kept_factor(&mut self, run: &Run<'_>) -> bool {
         let kept = run.learned.factored.clone();
         if let Some(kept) = kept.filter(|kept| kept.compliance.size() == self.now.gap.len()) {
-            self.take(kept, false);
+            self.factored = Some(kept);
         }
         self.factored.is_some()
     }
 
-    /// Takes a factor of the body about the state into use; whether there is one.
+    /// Takes a factor of the body about the state into use; whether there is one. Without one no
+    /// earlier factor stays in use.
     pub(super) fn take_factor(&mut self, run: &mut Run<'_>) -> bool {
-        let Some(tangent) = &self.tangent else {
-            return false;
-        };
-        let body = (tangent, self.released.as_ref());
-        let made = factored(run, body, &self.now).map(Arc::new);
-        run.learned.factored.clone_from(&made);
-        made.map(|made| self.take(made, true)).is_some()
-    }
-
-    fn take(&mut self, body: Arc<FactoredBody>, is_fresh: bool) {
-        self.metric = ContactMetric::of_factor(body.compliance.clone());
-        self.has_fresh_factor = is_fresh;
-        self.factored = Some(body);
+        let body = self.tangent.as_ref();
+        let body = body.map(|tangent| (tangent, self.released.as_ref()));
+        let made = body.and_then(|body| factored(run, body, &self.now));
+        self.factored = made.map(Arc::new);
+        self.has_fresh_factor = self.factored.is_some();
+        run.learned.factored.clone_from(&self.factored);
+        self.has_fresh_factor
     }
 
     /// The step to the solution in the compliance of the factor; none where that has none.

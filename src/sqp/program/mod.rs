@@ -111,10 +111,10 @@ impl<'a> QuadraticProgram<'a> {
             .or(fixed);
         let volumes = volumes(&run.model, (&inverse, divergence), &mut run.work);
         let coarse = coarse_schur(prepared, volumes.as_ref(), &mut run.work);
-        let released = released_of(&run.model, run.state);
         let metric = ContactMetric::new(&run.model, &inverse, volumes, &now, &mut run.work);
         run.counters.applications += metric.applications;
         let predicted = metric.prediction(&now, run.state, &mut run.work);
+        let released = released_of(&run.model, run.state);
         let turning = (run.model.interfaces.friction.as_ref())
             .and_then(|friction| friction.turning(&run.model, run.state));
         let terms = turning.as_ref().map(|turning| &turning.released);
@@ -156,7 +156,10 @@ impl<'a> QuadraticProgram<'a> {
     /// Metric of the multipliers at this linearisation `[multipliers, multipliers]`; without
     /// rows where the method reads weights alone.
     pub(crate) fn metric(&self) -> &dyn SymmetricMatrix {
-        &*self.metric.matrix
+        match &self.factored {
+            Some(body) => &body.compliance,
+            None => &*self.metric.matrix,
+        }
     }
 
     /// Residuals that the program starts from.

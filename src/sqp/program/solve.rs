@@ -65,7 +65,7 @@ impl QuadraticProgram<'_> {
     /// Solves the program to `level`: by iterations until they have cost as much as a factor of
     /// the body, from the first one on by factors.
     pub(crate) fn solve(&mut self, run: &mut Run<'_>, level: f64) -> (Step, QpOutcome) {
-        let may_take_factor = self.factor_price().is_some();
+        let may_take_factor = self.factor_cost().is_some();
         let first = match run.learned.factored.is_some() && may_take_factor {
             true => self.solve_by_kept_factor(run, level),
             false => Some(self.solve_as_planned(run, level)),
@@ -131,8 +131,8 @@ impl QuadraticProgram<'_> {
 
     /// Iterations that cost as much as a factor of the body; none where the plan does not take
     /// one.
-    fn factor_price(&self) -> Option<u32> {
-        self.tangent.as_ref().and(self.model.plan.factor_price())
+    fn factor_cost(&self) -> Option<u32> {
+        self.tangent.as_ref().and(self.model.plan.factor_cost())
     }
 
     /// Solves the program to `level` and returns its step; `curvature` is what contact
@@ -293,7 +293,7 @@ impl QuadraticProgram<'_> {
             Some(_) if self.model.plan.has_friction() => MOST_WITH_FRICTION[1],
             Some(_) => MOST_AT_FINITE_STRAIN,
         };
-        self.factor_price().map_or(most, |price| price.min(most))
+        self.factor_cost().map_or(most, |price| price.min(most))
     }
 
     /// The body less `curvature`, on this program's contacts.
@@ -375,10 +375,11 @@ impl QuadraticProgram<'_> {
             columns: &self.now.coupling,
             stabilisation: None,
             metric: Metric::Dense {
-                matrix: &*self.metric.matrix,
+                matrix: self.metric(),
                 weights: &self.metric.weights,
                 moduli: &self.model.interfaces.moduli,
-                shared: self.metric.shared.as_ref(),
+                // The factor solves for both pressures together.
+                shared: (self.metric.shared.as_ref()).filter(|_| self.factored.is_none()),
             },
             set: self.now.contact_set(),
             joint: None,
