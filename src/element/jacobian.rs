@@ -36,16 +36,24 @@ fn least(a: f64, b: f64) -> f64 {
 /// gradient is not finite.
 #[must_use]
 pub fn least_jacobian_bound(corners: &[Tensor<f64>]) -> f64 {
-    let mut bound = f64::INFINITY;
-    for (i, a) in corners.iter().enumerate() {
-        for (j, b) in corners.iter().enumerate().skip(i) {
-            let crossed = cross(a, b);
-            for c in &corners[j..] {
-                bound = least(bound, polar(c, &crossed));
-            }
-        }
-    }
-    bound
+    coefficients(corners).fold(f64::INFINITY, least)
+}
+
+/// A number that J is nowhere above there; NaN where a gradient is not finite.
+#[must_use]
+pub fn most_jacobian_bound(corners: &[Tensor<f64>]) -> f64 {
+    -coefficients(corners)
+        .map(|coefficient| -coefficient)
+        .fold(f64::INFINITY, least)
+}
+
+/// The Bernstein coefficients of J.
+fn coefficients(corners: &[Tensor<f64>]) -> impl Iterator<Item = f64> {
+    let pairs = (0..corners.len()).flat_map(move |i| (i..corners.len()).map(move |j| (i, j)));
+    pairs.flat_map(move |(i, j)| {
+        let crossed = cross(&corners[i], &corners[j]);
+        corners[j..].iter().map(move |c| polar(c, &crossed))
+    })
 }
 
 /// [`least_jacobian_bound`] over the four parts of a triangle or the eight of a

@@ -1,8 +1,8 @@
 //! Meshes of tetrahedra or triangles: what a caller uploads, checked and numbered.
 //!
 //! A [`Mesh`] is immutable and addressed by its content ([`MeshId`]). Cells have
-//! straight sides and positive measure; edges of the surface may have an offset
-//! ([`EdgeOffset`]), by which contact sees a curved surface. Two numberings of vertices live here:
+//! positive measure and straight sides but for edges of the surface, which may have an offset
+//! ([`EdgeOffset`]). Two numberings of vertices live here:
 //! the *uploaded* one, and the *used* one, which leaves out vertices that no
 //! cell has and keeps the order of the others; `used_vertices` joins them.
 //! Everything below but the counts and groups speaks the used numbering. Edges
@@ -17,6 +17,8 @@ mod bits;
 mod buckets;
 pub mod cell;
 mod check;
+mod curved_facet;
+mod curving;
 mod digest;
 mod edges;
 mod error;
@@ -31,12 +33,15 @@ mod turn;
 use std::fmt;
 
 pub use cell::{CellKind, barycentric_gradients};
+pub use curved_facet::CurvedFacet;
 pub use digest::MeshId;
 pub use error::{CellFault, EdgeFault, FacetFault, GroupFault, MeshError};
 pub use locate::{Located, Locator};
 pub use offsets::EdgeOffset;
 pub use quality::Quality;
 
+use crate::element::curved_cell::MOST_EDGES;
+use curving::Bent;
 use facets::FacetParent;
 use numbering::Numbering;
 use offsets::Lines;
@@ -97,7 +102,7 @@ pub struct BoundaryFacet {
 }
 
 /// A checked mesh.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Mesh {
     /// Digest of the uploaded arrays, which names the mesh.
     id: MeshId,
@@ -169,7 +174,13 @@ impl Mesh {
             topology: &topology,
             is_plane: kind == CellKind::Triangle,
         };
-        let (offsets, about_offsets) = lines.keep(offsets)?;
+        let (mut offsets, about_offsets) = lines.keep(offsets)?;
+        let bent = Bent {
+            kind,
+            coordinates: &coordinates,
+            cells: &cells,
+        };
+        let about_folds = bent.limit(&mut offsets);
         let facet_parents = check::attached(topology.facets.parents)?;
         check::check_repeated_facets(kind, &parts.groups, &facet_parents, cells.len())?;
         Ok(Self {
@@ -185,6 +196,7 @@ impl Mesh {
                 .warnings()
                 .into_iter()
                 .chain(about_offsets)
+                .chain(about_folds)
                 .chain(turn::warning(&turned))
                 .collect(),
             offsets,
@@ -287,6 +299,36 @@ impl Mesh {
         let ends = [first.min(second), first.max(second)];
         let found = self.offsets.binary_search_by_key(&ends, |one| one.ends);
         found.ok().map(|place| self.offsets[place].offset)
+    }
+
+    /// Undeformed point of a cell at barycentric coordinates `[4]`, length.
+    pub fn position_in(&self, cell: usize, barycentric: &[f64]) -> [f64; 3] {
+        let corners = self.corners(cell);
+        let mut point = [0.0; 3];
+        for (corner, l) in corners.iter().zip(barycentric) {
+            (0..3).for_each(|i| point[i] += l * corner[i]);
+        }
+        let edges = self.kind.edges().iter();
+        let offsets = self.offsets_of_cell(cell).unwrap_or_default();
+        for (&(a, b), offset) in edges.zip(offsets) {
+            let share = 4.0 * barycentric[a] * barycentric[b];
+            (0..3).for_each(|i| point[i] += share * offset[i]);
+        }
+        point
+    }
+
+    /// Offset of an edge by its number; zero where it is a line.
+    pub fn offset_of(&self, edge: usize) -> [f64; 3] {
+        match (self.offsets.is_empty(), self.edges.get(edge)) {
+            (false, Some(&[a, b])) => self.offset_between(a, b).unwrap_or_default(),
+            _ => [0.0; 3],
+        }
+    }
+
+    /// Offsets of the edges of a cell `[6][3]`, zero beyond those that it has; `None` where all
+    /// are lines.
+    pub fn offsets_of_cell(&self, cell: usize) -> Option<[[f64; 3]; MOST_EDGES]> {
+        offsets::of_cell(self.kind, self.cell(cell), &self.offsets)
     }
 
     /// Used vertices of the uploaded facets, flat `[facets, 2 | 3]`, oriented

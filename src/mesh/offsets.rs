@@ -6,14 +6,16 @@
 //! ```
 //!
 //! Only edges of the surface keep an offset, and only one that is more than rounding;
-//! cells stay straight, and edges inside the body are lines. Cost: nothing on a mesh
+//! edges inside the body are lines. Cost: nothing on a mesh
 //! without offsets, else one look-up a surface edge.
 
 use super::bits::Bits;
+use super::cell::CellKind;
 use super::check::{OFF_PLANE, extent, first_and_count};
 use super::error::{EdgeFault, MeshError};
 use super::numbering::Numbering;
 use super::topology::Topology;
+use crate::element::curved_cell::MOST_EDGES;
 use crate::geometry::vector3::{is_finite, norm, sub};
 
 /// Offset over the length of its edge below which the edge is a line.
@@ -29,6 +31,26 @@ pub struct EdgeOffset {
     pub ends: [u32; 2],
     /// Middle less the mean of the ends `[3]`, length.
     pub offset: [f64; 3],
+}
+
+/// Offsets of the edges of a cell with these `vertices` `[6][3]`, zero beyond those that it has;
+/// `None` where all are lines. `offsets` ascend by their ends.
+pub(super) fn of_cell(
+    kind: CellKind,
+    vertices: &[u32],
+    offsets: &[EdgeOffset],
+) -> Option<[[f64; 3]; MOST_EDGES]> {
+    let mut own = [[0.0; 3]; MOST_EDGES];
+    let mut is_curved = false;
+    for (slot, &(a, b)) in own.iter_mut().zip(kind.edges()) {
+        let (a, b) = (vertices[a], vertices[b]);
+        let ends = [a.min(b), a.max(b)];
+        if let Ok(place) = offsets.binary_search_by_key(&ends, |one| one.ends) {
+            *slot = offsets[place].offset;
+            is_curved = true;
+        }
+    }
+    is_curved.then_some(own)
 }
 
 /// Refuses offsets that are not finite or not in the order of their edges.
