@@ -103,7 +103,7 @@
 //! | response at the contact surface, static condensation, superelement | `Response` | `sqp::response` |
 //! | rigid predictor, co-rotated start | `RigidPredictor` | `sqp::rigid_predictor` |
 //! | static condensation on the multiplier | `Condensed` | `inequality::condensed` |
-//! | true surface, middles of second-order edges | `EdgeOffset`, `CurvedFace` | `mesh`, `contact` |
+//! | curved edges, cells of second order | `EdgeOffset`, `CurvedCell`, `CurvedFacet` | `element`, `mesh` |
 //! | trace directions of the compliance | `TraceDirections` | `prepare::traces` |
 //! | values of other codes, coupling data | `Given`, `Spread` | `model::given`, `scene::validate` |
 //! | weighted gap | `gap` | `contact::gap` |
@@ -177,6 +177,7 @@
 #![doc = include_str!("decisions/0053-gap-over-the-deformed-surface.md")]
 #![doc = include_str!("decisions/0054-a-factor-where-it-is-cheaper.md")]
 #![doc = include_str!("decisions/0055-compliance-along-lines.md")]
+#![doc = include_str!("decisions/0056-curved-cells.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

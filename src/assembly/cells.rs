@@ -1,8 +1,9 @@
-//! Geometry and moduli of straight-sided cells: barycentric gradients and
-//! volume, constant on a cell.
+//! Geometry and moduli of cells: barycentric gradients and volume of the straight ones,
+//! constant on a cell, and what bends those whose edges are curved.
 
 use std::f64::consts::TAU;
 
+use crate::element::curved_cell::{CellMap, CurvedCell};
 use crate::mesh::Mesh;
 
 /// Per cell: gradients of the barycentric coordinates and the volume.
@@ -16,6 +17,58 @@ pub struct CellGeometry {
     pub volumes: Vec<f64>,
     /// Mean radius `[cells]`; empty where the body is not one of revolution.
     pub radii: Vec<f64>,
+    /// Cells with curved edges.
+    pub curves: CellCurves,
+}
+
+/// The cells of a mesh whose edges are curved.
+#[derive(Clone, Debug, Default)]
+pub struct CellCurves {
+    /// Place of each cell in `curved`, [`CellCurves::STRAIGHT`] of straight ones `[cells]`; empty
+    /// where all are.
+    places: Vec<u32>,
+    curved: Vec<CurvedCell>,
+}
+
+impl CellCurves {
+    /// The place of a straight cell.
+    const STRAIGHT: u32 = u32::MAX;
+
+    /// Those of `mesh`, whose cells have these barycentric `gradients`, lengths times `scale`.
+    fn new(mesh: &Mesh, scale: f64, gradients: &[[f64; 3]]) -> Self {
+        let mut curves = Self::default();
+        if mesh.edge_offsets().is_empty() {
+            return curves;
+        }
+        let own = gradients.chunks_exact(mesh.cell_kind().vertices());
+        for (cell, gradients) in own.enumerate() {
+            let offsets = mesh.offsets_of_cell(cell);
+            curves.places.push(match offsets {
+                Some(_) => curves.curved.len() as u32,
+                None => Self::STRAIGHT,
+            });
+            curves.curved.extend(offsets.map(|offsets| {
+                let scaled = offsets.map(|offset| offset.map(|o| o * scale));
+                CurvedCell::new(gradients, mesh.cell_kind().edges(), scaled)
+            }));
+        }
+        curves
+    }
+
+    /// The curved edges of a cell; none of a straight one.
+    pub fn of(&self, cell: usize) -> Option<&CurvedCell> {
+        self.curved.get(*self.places.get(cell)? as usize)
+    }
+
+    /// F0 of a cell at barycentric coordinates; none of a straight one.
+    pub fn map(&self, cell: usize, l: &[f64]) -> Option<CellMap> {
+        self.of(cell).map(|curved| curved.map(l))
+    }
+
+    /// det F0 of a cell at barycentric coordinates.
+    pub fn measure(&self, cell: usize, l: &[f64]) -> f64 {
+        self.map(cell, l).map_or(1.0, |map| map.measure)
+    }
 }
 
 /// Per cell: the moduli that enter the operators, non-dimensional.
@@ -41,6 +94,7 @@ impl CellGeometry {
             gradients: Vec::with_capacity(mesh.cells().len()),
             volumes: Vec::with_capacity(cells.len()),
             radii: Vec::new(),
+            curves: CellCurves::default(),
         };
         for cell in cells {
             let mut points = [[0.0; 3]; 4];
@@ -53,6 +107,7 @@ impl CellGeometry {
             };
             geometry.volumes.push(volume);
         }
+        geometry.curves = CellCurves::new(mesh, scale, &geometry.gradients);
         geometry
     }
 
@@ -86,7 +141,9 @@ impl CellGeometry {
 
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
-        (24 * self.gradients.len() + 8 * (self.volumes.len() + self.radii.len())) as u64
+        let curves =
+            4 * self.curves.places.len() + self.curves.curved.len() * size_of::<CurvedCell>();
+        (24 * self.gradients.len() + 8 * (self.volumes.len() + self.radii.len()) + curves) as u64
     }
 }
 

@@ -24,6 +24,7 @@ use super::load::shape_values;
 use crate::element::quadrature::{Simplex, rule};
 use crate::geometry::vector3::{cross, scale};
 use crate::linalg::{SparseRows, SparseRowsBuilder};
+use crate::mesh::CurvedFacet;
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
@@ -162,6 +163,12 @@ impl Face {
         let mut place = [[0.0; 3]; NODES];
         for (row, &vertex) in place.iter_mut().zip(corners) {
             *row = scale(body.scale, body.mesh.coordinates()[vertex as usize]);
+        }
+        if let Some(curve) = CurvedFacet::of(body.mesh, body.scale, corners) {
+            place[corners.len()..]
+                .iter_mut()
+                .zip(curve.offsets)
+                .for_each(|(row, o)| *row = o);
         }
         let c = body.space.components;
         for (row, &node) in place.iter_mut().zip(&nodes) {

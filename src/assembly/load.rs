@@ -1,12 +1,16 @@
 //! Load vectors in the hierarchical basis: body forces and surface tractions
 //! given as functions of position.
 //!
-//! Vertex functions are barycentric coordinates, edge functions 4 l_a l_b. Cost: one
+//! Vertex functions are barycentric coordinates, edge functions 4 l_a l_b; cells and facets are those
+//! with their curved edges. Cost: one
 //! value of the function a point of the rule, in parallel over cells.
 
 use rayon::prelude::*;
 
+use super::cells::CellGeometry;
 use crate::element::quadrature::Rule;
+use crate::geometry::vector3::normalised;
+use crate::mesh::CurvedFacet;
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
@@ -112,35 +116,79 @@ pub struct Integral<'a> {
 }
 
 /// A loaded facet.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct LoadedFacet<'a> {
     /// Its corners.
     pub vertices: &'a [u32],
-    /// Area, or length in two dimensions.
-    pub area: f64,
+    /// Area, or length in two dimensions, of the straight facet.
+    area: f64,
+    /// Its unit normal.
+    normal: [f64; 3],
+    /// Curved edges.
+    curve: Option<CurvedFacet>,
+}
+
+impl<'a> LoadedFacet<'a> {
+    /// The facet with these vertices of `mesh`, lengths times `scale`.
+    pub fn new(mesh: &Mesh, vertices: &'a [u32], scale: f64) -> Self {
+        let (area, normal) = facet_measure(mesh, vertices, scale);
+        Self {
+            vertices,
+            area,
+            normal,
+            curve: CurvedFacet::of(mesh, scale, vertices),
+        }
+    }
+
+    /// Position at barycentric coordinates.
+    pub fn position(&self, on: &Integral<'_>, l: &[f64]) -> [f64; 3] {
+        match &self.curve {
+            Some(curve) => curve.position(l),
+            None => position(on.mesh, on.scale, self.vertices, l),
+        }
+    }
+
+    /// Unit normal at barycentric coordinates, by the order of the corners.
+    fn normal_at(&self, l: &[f64]) -> [f64; 3] {
+        let curved = self
+            .curve
+            .as_ref()
+            .and_then(|curve| normalised(curve.area_vector(l)));
+        curved.unwrap_or(self.normal)
+    }
+
+    /// Its own area over that of the straight facet at barycentric coordinates.
+    fn stretch_at(&self, l: &[f64]) -> f64 {
+        let curved = self
+            .curve
+            .as_ref()
+            .map(|curve| curve.area_at(l, false) / self.area);
+        curved.unwrap_or(1.0)
+    }
 }
 
 impl Integral<'_> {
-    /// Adds `int f . v` over all cells of these `volumes`; `force` takes a cell and a
+    /// Adds `int f . v` over all cells of this `geometry`; `force` takes a cell and a
     /// position. Integrals run in parallel, sums in the order of the cells.
     pub fn add_body_force(
         &self,
-        volumes: &[f64],
+        geometry: &CellGeometry,
         force: &(dyn Fn(usize, [f64; 3]) -> [f64; 3] + Sync),
         load: &mut [f64],
     ) {
-        let (mesh, scale) = (self.mesh, self.scale);
-        let at = |cell: usize, l: &[f64]| force(cell, position(mesh, scale, mesh.cell(cell), l));
-        self.add_cell_density(volumes, &at, load);
+        let place = |cell: usize, l: &[f64]| self.mesh.position_in(cell, l).map(|x| x * self.scale);
+        let at = |cell: usize, l: &[f64]| force(cell, place(cell, l));
+        self.add_cell_density(geometry, &at, load);
     }
 
     /// The same; `force` takes a cell and barycentric coordinates in it.
     pub fn add_cell_density(
         &self,
-        volumes: &[f64],
+        geometry: &CellGeometry,
         force: &(dyn Fn(usize, &[f64]) -> [f64; 3] + Sync),
         load: &mut [f64],
     ) {
+        let volumes = &geometry.volumes;
         let table = Tabulated::new(self.rule, self.mesh.cell_kind().vertices());
         let mut local = vec![[0.0; 3]; BLOCK.min(volumes.len()) * table.nodes()];
         for first in (0..volumes.len()).step_by(BLOCK) {
@@ -150,7 +198,11 @@ impl Integral<'_> {
             cells.for_each(|(index, sums)| {
                 let cell = first + index;
                 sums.fill([0.0; 3]);
-                table.integrate(volumes[cell], &|l| force(cell, l), sums);
+                let density = |l: &[f64]| {
+                    let measure = geometry.curves.measure(cell, l);
+                    force(cell, l).map(|f| f * measure)
+                };
+                table.integrate(volumes[cell], &density, sums);
             });
             for (index, sums) in block.chunks_exact(table.nodes()).enumerate() {
                 scatter(self.space, self.nodes(first + index), sums, load);
@@ -167,28 +219,32 @@ impl Integral<'_> {
         self.mesh.cell(cell).iter().copied().chain(own_edges)
     }
 
-    /// Adds `int t . v` over one facet; `traction` takes a position.
+    /// Adds `int t . v` over one facet; `traction` takes a position and the unit normal.
     pub fn add_traction(
         &self,
-        facet: LoadedFacet<'_>,
-        traction: &dyn Fn([f64; 3]) -> [f64; 3],
+        facet: &LoadedFacet<'_>,
+        traction: &dyn Fn([f64; 3], [f64; 3]) -> [f64; 3],
         load: &mut [f64],
     ) {
-        let value = |l: &[f64]| traction(position(self.mesh, self.scale, facet.vertices, l));
+        let value = |l: &[f64]| traction(facet.position(self, l), facet.normal_at(l));
         self.add_facet_density(facet, &value, load);
     }
 
     /// The same; `traction` takes barycentric coordinates.
     pub fn add_facet_density(
         &self,
-        facet: LoadedFacet<'_>,
+        facet: &LoadedFacet<'_>,
         traction: &dyn Fn(&[f64]) -> [f64; 3],
         load: &mut [f64],
     ) {
         let vertices = facet.vertices;
         let table = Tabulated::new(self.rule, vertices.len());
         let mut local = [[0.0; 3]; 6];
-        table.integrate(facet.area, traction, &mut local);
+        let density = |l: &[f64]| {
+            let stretch = facet.stretch_at(l);
+            traction(l).map(|t| t * stretch)
+        };
+        table.integrate(facet.area, &density, &mut local);
         let nodes = self.space.facet_nodes(vertices).into_iter();
         scatter(self.space, nodes, &local, load);
     }

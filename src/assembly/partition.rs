@@ -10,7 +10,7 @@ use crate::mesh::Mesh;
 /// cache, and two threads have enough blocks to share.
 const BLOCK_CELLS: usize = 1536;
 
-/// Cells of each block, ascending inside a block.
+/// Cells of each block, ascending inside a block, those with curved edges last.
 pub fn blocks_of_cells(mesh: &Mesh) -> Vec<Vec<u32>> {
     let vertices = mesh.cell_kind().vertices();
     let centroids: Vec<[f64; 3]> = mesh
@@ -30,6 +30,12 @@ pub fn blocks_of_cells(mesh: &Mesh) -> Vec<Vec<u32>> {
     let mut all: Vec<u32> = (0..centroids.len() as u32).collect();
     let mut blocks = Vec::new();
     bisect(&centroids, &mut all, &mut blocks);
+    if !mesh.edge_offsets().is_empty() {
+        let is_curved = |cell: &u32| mesh.offsets_of_cell(*cell as usize).is_some();
+        for block in &mut blocks {
+            block.sort_by_cached_key(|cell| (is_curved(cell), *cell));
+        }
+    }
     blocks
 }
 

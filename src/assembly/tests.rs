@@ -11,6 +11,7 @@ use crate::linalg::{LinearOperator, Workspace};
 use crate::mesh::{Mesh, MeshParts, barycentric_gradients, samples};
 use crate::space::TaylorHood;
 
+mod curved;
 #[cfg(feature = "comparisons")]
 mod edges;
 mod loads;
@@ -43,7 +44,11 @@ impl Sample {
                 }
             }
         }
-        let mesh = Mesh::new(parts).expect("a valid sample");
+        Self::of(Mesh::new(parts).expect("a valid sample"))
+    }
+
+    /// The same on a mesh as it is.
+    fn of(mesh: Mesh) -> Self {
         let space = TaylorHood::new(&mesh);
         let geometry = CellGeometry::new(&mesh, SCALE);
         let cells = 0..mesh.cell_count();
@@ -437,9 +442,11 @@ fn node_blocks_are_the_diagonal_blocks_of_the_lagrange_stiffness() {
 #[test]
 fn mass_rows_sum_to_the_hats_integrals() {
     for sample in samples() {
-        let mass = weighted_mass(&sample.mesh, &sample.geometry, |cell| {
-            sample.moduli.shear[cell]
-        });
+        let mass = weighted_mass(
+            (&sample.mesh, &sample.geometry),
+            &sample.volume_rule(),
+            |cell| sample.moduli.shear[cell],
+        );
         let mut sums = vec![0.0; sample.space.vertices];
         mass.apply(&vec![1.0; sums.len()], &mut sums, &mut Workspace::new());
         let mut expected = vec![0.0; sums.len()];

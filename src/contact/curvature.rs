@@ -26,7 +26,6 @@ use super::counterpart::Counterpart;
 use super::deformed::{Deformed, FacePoints, Measure, Table};
 use super::face::ContactFace;
 use super::surface::ContactSurface;
-use crate::geometry::vector3::{add, scale};
 use crate::linalg::{SparseRows, SparseRowsBuilder};
 use crate::obstacle::{Contact, What};
 
@@ -144,12 +143,11 @@ impl<'a> Integrated<'a> {
         let loaded = pressure.clone();
         Self::of_faces(body, (surface, loaded, held), |points, face, blocks| {
             points.probe(counterpart, face, What::Curvature);
-            match (body.measure, &points.standing) {
-                (Measure::Deformed, _) => {
+            match body.measure {
+                Measure::Deformed => {
                     add_deformed_blocks(points, (face, None), &pressure, blocks);
                 }
-                (_, Some(_)) => add_curved_blocks(points, face, &pressure, blocks),
-                (_, None) => add_blocks(points, face, &pressure, blocks),
+                Measure::Undeformed => add_blocks(points, face, &pressure, blocks),
             }
         })
     }
@@ -236,30 +234,6 @@ impl<'a> Integrated<'a> {
     }
 }
 
-/// Adds int lambda d''(u) of all pairs of nodes of a curved face `[nodes, nodes, 3, 3]`.
-fn add_curved_blocks(
-    points: &FacePoints<'_>,
-    face: &ContactFace,
-    pressure: &[f64],
-    blocks: &mut [f64],
-) {
-    let (table, nodes) = (points.table, points.table.nodes);
-    let Some(standing) = &points.standing else {
-        return;
-    };
-    for (point, contact) in points.contacts.iter().enumerate() {
-        let weight = points.weights[point] * points.pressure(face, point, pressure);
-        let at = standing.at(table.shapes(point), table.corners);
-        for (pair, block) in blocks.chunks_exact_mut(9).enumerate() {
-            let nodes = [pair / nodes, pair % nodes];
-            let hessian = at.hessian(nodes, &contact.curvature);
-            for (entry, value) in block.iter_mut().zip(hessian.as_flattened()) {
-                *entry += weight * value;
-            }
-        }
-    }
-}
-
 /// Adds int lambda H N_k N_l of all pairs of nodes of a face `[nodes, nodes, 3, 3]`.
 fn add_blocks(points: &FacePoints<'_>, face: &ContactFace, pressure: &[f64], blocks: &mut [f64]) {
     let nodes = points.table.nodes;
@@ -287,7 +261,6 @@ fn add_deformed_blocks(
     blocks: &mut [f64],
 ) {
     let (table, nodes) = (points.table, points.table.nodes);
-    let mut gradient = [[0.0; 3]; NODES];
     let elements = points.contacts.iter().zip(&points.areas).enumerate();
     for (point, (contact, area)) in elements {
         let lambda = table.rule.weights[point] * points.pressure(face, point, pressure);
@@ -306,15 +279,9 @@ fn add_deformed_blocks(
                     .map_or([0.0; 3], |&shape| area.gradient(k, shape))
             }),
         };
-        for (k, sum) in gradient.iter_mut().enumerate().take(nodes) {
-            *sum = add(*sum, scale(lambda, at.gradient(k)));
-        }
         for (pair, block) in blocks.chunks_exact_mut(9).enumerate() {
             at.add_hessian([pair / nodes, pair % nodes], [lambda, area_lambda], block);
         }
-    }
-    if let Some(standing) = &points.standing {
-        standing.pull_blocks(&gradient, blocks);
     }
 }
 
@@ -340,9 +307,6 @@ fn add_traction_blocks(
             }
         }
     }
-    if let Some(standing) = &points.standing {
-        standing.pull_blocks(&[[0.0; 3]; NODES], blocks);
-    }
 }
 
 /// d da at a point and its derivatives.
@@ -356,12 +320,6 @@ struct Point<'a> {
 }
 
 impl Point<'_> {
-    /// By the coefficient of node `k`.
-    fn gradient(&self, k: usize) -> [f64; 3] {
-        let moved = scale(self.shapes[k] * self.area.size(), self.contact.normal);
-        add(moved, scale(self.contact.distance, self.changes[k]))
-    }
-
     /// Adds the second derivative by the coefficients of two nodes `[3, 3]` times a factor, its
     /// terms of the area times another.
     fn add_hessian(&self, [k, l]: [usize; 2], [factor, of_area]: [f64; 2], block: &mut [f64]) {

@@ -10,7 +10,6 @@ use rayon::prelude::*;
 use super::area_element::{AreaElement, Extent, NODES};
 use super::basis::ContactBasis;
 use super::counterpart::Counterpart;
-use super::curved_face::Standing;
 use super::face::ContactFace;
 use crate::assembly::follower::shape_slopes;
 use crate::assembly::load::push_shape_values;
@@ -153,8 +152,6 @@ pub(super) struct FacePoints<'a> {
     /// What the obstacle is to each point `[points]`: distance, and normal and
     /// curvature where asked for.
     pub(super) contacts: Vec<Contact>,
-    /// The offsets of a curved face on its deformed corners; none on a flat facet.
-    pub(super) standing: Option<Standing>,
 }
 
 impl<'a> FacePoints<'a> {
@@ -168,7 +165,6 @@ impl<'a> FacePoints<'a> {
             areas: Vec::with_capacity(table.slopes.len() / table.nodes),
             deformed: vec![[0.0; 3]; points],
             contacts: vec![Contact::default(); points],
-            standing: None,
         }
     }
 
@@ -197,8 +193,7 @@ impl<'a> FacePoints<'a> {
                 }
             }
         }
-        self.standing = standing(body, face);
-        self.add_offsets();
+        self.add_offsets(face);
         self.weigh(body, face);
     }
 
@@ -212,7 +207,7 @@ impl<'a> FacePoints<'a> {
             }
             return;
         }
-        let place = node_positions(body, self.standing.as_ref(), face);
+        let place = node_positions(body, face);
         let extent = match (face.corners.len(), face.radii) {
             (2, None) => Extent::Segment,
             (2, Some(_)) => Extent::Ring,
@@ -228,13 +223,13 @@ impl<'a> FacePoints<'a> {
     }
 
     /// Moves the points from the flat facet to the true surface.
-    fn add_offsets(&mut self) {
-        let Some(standing) = &self.standing else {
+    fn add_offsets(&mut self, face: &ContactFace) {
+        let Some(curve) = &face.curve else {
             return;
         };
         for (point, position) in self.deformed.iter_mut().enumerate() {
             let edges = &self.table.shapes(point)[self.table.corners..];
-            for (shape, offset) in edges.iter().zip(&standing.offsets) {
+            for (shape, offset) in edges.iter().zip(&curve.offsets) {
                 for i in 0..3 {
                     position[i] += shape * offset[i];
                 }
@@ -275,11 +270,7 @@ impl<'a> FacePoints<'a> {
 
 /// Coefficients of x + u at the nodes of a face: positions of the corners, those of
 /// the edges in the hierarchical basis; zero beyond the face's nodes.
-fn node_positions(
-    body: &Deformed<'_>,
-    standing: Option<&Standing>,
-    face: &ContactFace,
-) -> [[f64; 3]; NODES] {
+fn node_positions(body: &Deformed<'_>, face: &ContactFace) -> [[f64; 3]; NODES] {
     let c = body.space.components;
     let mut values = [[0.0; 3]; NODES];
     for (shape, (&node, value)) in face.nodes.iter().zip(&mut values).enumerate() {
@@ -290,25 +281,13 @@ fn node_positions(
             *x += body.displacement[node as usize * c + i];
         }
     }
-    if let Some(standing) = standing {
+    if let Some(curve) = &face.curve {
         let edges = values.iter_mut().skip(face.corners.len());
-        for (value, offset) in edges.zip(standing.offsets) {
+        for (value, offset) in edges.zip(curve.offsets) {
             *value = add(*value, offset);
         }
     }
     values
-}
-
-/// The offsets of a curved face where its corners are displaced to.
-pub(super) fn standing(body: &Deformed<'_>, face: &ContactFace) -> Option<Standing> {
-    let curve = face.curve.as_ref()?;
-    let c = body.space.components;
-    let mut moved = [[0.0; 3]; 3];
-    for (moved, &corner) in moved.iter_mut().zip(&face.corners) {
-        let first = corner as usize * c;
-        moved[..c].copy_from_slice(&body.displacement[first..first + c]);
-    }
-    Some(curve.deformed(face.corners.len(), &moved))
 }
 
 impl Deformed<'_> {

@@ -6,7 +6,7 @@
 //! points are those of the undeformed, scaled body, and of the flat facet; where edges
 //! have offsets the true surface stands beside it.
 
-use super::curved_face::CurvedFace;
+use crate::mesh::CurvedFacet;
 
 /// One candidate face.
 #[derive(Clone, Debug)]
@@ -31,7 +31,7 @@ pub struct ContactFace {
     /// gives `[3]`.
     pub normal: [f64; 3],
     /// The true surface over the facet; none where all its edges are lines.
-    pub curve: Option<Box<CurvedFace>>,
+    pub curve: Option<Box<CurvedFacet>>,
 }
 
 impl ContactFace {

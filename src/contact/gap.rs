@@ -4,15 +4,13 @@
 //! g_i = int psi_i d(x + u) dS,   C_ik = -dg_i/du_k = -int psi_i N_k n dS
 //! ```
 //!
-//! by one rule on the undeformed faces; on a curved one (dx/du_k)^T n in the place of
-//! N_k n. Faces run in parallel, then rows; each row
+//! by one rule on the faces. Faces run in parallel, then rows; each row
 //! adds up its faces and their points in their order. Cost: (rule points) * (faces)
 //! distance evaluations.
 
 use rayon::prelude::*;
 
 use super::counterpart::Counterpart;
-use super::curved_face::Standing;
 pub use super::deformed::{Deformed, Measure};
 use super::deformed::{FacePoints, Table};
 use super::surface::ContactSurface;
@@ -96,11 +94,10 @@ pub fn linearise<C: Counterpart + ?Sized>(
         let (first, couplings) = numbers.split_at_mut(gaps);
         points.probe(counterpart, face, What::Normal);
         fill_gaps(points, first);
-        match (body.measure, &points.standing, table.corners) {
-            (Measure::Deformed, _, _) => add_deformed_couplings(points, couplings),
-            (_, Some(standing), _) => add_curved_couplings(points, standing, couplings),
-            (_, None, 2) => add_couplings::<3>(points, couplings),
-            (_, None, _) => add_couplings::<6>(points, couplings),
+        match (body.measure, table.corners) {
+            (Measure::Deformed, _) => add_deformed_couplings(points, couplings),
+            (Measure::Undeformed, 2) => add_couplings::<3>(points, couplings),
+            (Measure::Undeformed, _) => add_couplings::<6>(points, couplings),
         }
     });
     let numbers = FaceNumbers { numbers, size };
@@ -187,24 +184,6 @@ fn add_couplings<const N: usize>(points: &FacePoints<'_>, couplings: &mut [f64])
     }
 }
 
-/// -int psi (dx/du)^T n of every function, direction and node of a curved face.
-fn add_curved_couplings(points: &FacePoints<'_>, standing: &Standing, couplings: &mut [f64]) {
-    let (table, nodes) = (points.table, points.table.nodes);
-    for (point, contact) in points.contacts.iter().enumerate() {
-        let at = standing.at(table.shapes(point), table.corners);
-        for node in 0..nodes {
-            let pulled = at.pulled(node, contact.normal);
-            let values = table.values(point).iter();
-            for (value, block) in values.zip(couplings.chunks_exact_mut(3 * nodes)) {
-                let weight = points.weights[point] * value;
-                for (i, along) in pulled.iter().enumerate() {
-                    block[i * nodes + node] -= weight * along;
-                }
-            }
-        }
-    }
-}
-
 /// -int psi (N n da + d da/dX) of every function, direction and node.
 fn add_deformed_couplings(points: &FacePoints<'_>, couplings: &mut [f64]) {
     let (table, nodes) = (points.table, points.table.nodes);
@@ -220,10 +199,6 @@ fn add_deformed_couplings(points: &FacePoints<'_>, couplings: &mut [f64]) {
                 (0..3).for_each(|i| block[i * nodes + node] -= value * along[i]);
             }
         }
-    }
-    if let Some(standing) = &points.standing {
-        let blocks = couplings.chunks_exact_mut(3 * nodes);
-        blocks.for_each(|block| standing.pull_row(block));
     }
 }
 

@@ -256,7 +256,7 @@ impl<'a> Sides<'a> {
 
     /// A displacement node in the undeformed body, in the caller's lengths.
     fn position(&self, node: u32) -> [f64; 3] {
-        self.space.node_place(self.mesh.coordinates(), node)
+        self.space.node_place(self.mesh, node)
     }
 }
 

@@ -9,7 +9,7 @@
 //! one lattice of points serves all parts. Lengths are those of the scaled body. Cost: 36
 //! products a point.
 
-use super::deformed::{Deformed, standing};
+use super::deformed::Deformed;
 use super::face::ContactFace;
 use crate::geometry::vector3::{norm, sub};
 
@@ -43,7 +43,7 @@ impl QuadraticFace {
             *edge = moved(node);
         }
         for (edge, offset) in
-            (edges.iter_mut()).zip(standing(body, face).iter().flat_map(|s| s.offsets))
+            (edges.iter_mut()).zip(face.curve.iter().flat_map(|curve| curve.offsets))
         {
             (0..3).for_each(|i| edge[i] += offset[i]);
         }

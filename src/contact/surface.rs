@@ -9,7 +9,6 @@
 use std::f64::consts::TAU;
 
 use super::basis::{ContactBasis, Hats};
-use super::curved_face::{CurvedFace, Kinematics};
 use super::face::ContactFace;
 use super::incidence::{Couplings, Incidence};
 use super::layout::Layout;
@@ -17,7 +16,8 @@ use super::shares::Shares;
 use crate::assembly::load::facet_measure;
 use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::geometry::vector3::{add, cross, norm, normalised, sub};
-use crate::mesh::{EdgeOffset, Mesh};
+use crate::mesh::CurvedFacet;
+use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
 /// Degree of the rule on faces.
@@ -69,7 +69,7 @@ impl ContactSurface {
                 flat_area: area,
                 point: first.map(|x| x * scale),
                 normal,
-                curve: None,
+                curve: CurvedFacet::of(mesh, scale, corners).map(Box::new),
             }
         };
         Self::of(facets.iter().map(face).collect(), &Hats)
@@ -96,21 +96,6 @@ impl ContactSurface {
     /// those of the surface.
     pub fn with_layout(self, basis: &'static dyn ContactBasis, layout: Layout) -> Self {
         Self::laid_out(self.faces, basis, layout)
-    }
-
-    /// The same surface with the middles of its edges where `offsets` have them, ascending
-    /// by their ends and in units of the mesh; `scale` multiplies them. Faces without any
-    /// stay as they are.
-    pub fn curved(
-        mut self,
-        (mesh, scale): (&Mesh, f64),
-        offsets: &[EdgeOffset],
-        kinematics: Kinematics,
-    ) -> Self {
-        for face in &mut self.faces {
-            face.curve = curve(face, (mesh, scale), offsets, kinematics);
-        }
-        Self::of(self.faces, self.basis)
     }
 
     /// Numbers the functions by the nodes that carry them, ascending.
@@ -163,12 +148,6 @@ impl ContactSurface {
         }
     }
 
-    /// Whether the points of all faces move linearly with the displacement.
-    pub fn moves_linearly(&self) -> bool {
-        let mut curves = self.faces.iter().filter_map(|face| face.curve.as_ref());
-        curves.all(|curve| curve.kinematics == Kinematics::Linear)
-    }
-
     /// Number of multipliers.
     pub fn multipliers(&self) -> usize {
         self.shares.multipliers()
@@ -196,29 +175,6 @@ fn integral(face: &ContactFace, basis: &dyn ContactBasis, k: usize, rule: &Rule)
         weight * face.area_at(l) * values[k]
     });
     terms.sum()
-}
-
-/// The true surface over a face; none where no edge of it has an offset.
-fn curve(
-    face: &ContactFace,
-    (mesh, scale): (&Mesh, f64),
-    offsets: &[EdgeOffset],
-    kinematics: Kinematics,
-) -> Option<Box<CurvedFace>> {
-    let offset = |a: usize, b: usize| {
-        let (a, b) = (face.corners.get(a)?, face.corners.get(b)?);
-        let ends = [*a.min(b), *a.max(b)];
-        let found = offsets.binary_search_by_key(&ends, |one| one.ends);
-        Some(offsets[found.ok()?].offset.map(|x| x * scale))
-    };
-    let found = [offset(0, 1), offset(0, 2), offset(1, 2)];
-    found.iter().any(Option::is_some).then(|| {
-        let corner = |v: &u32| mesh.coordinates()[*v as usize].map(|x| x * scale);
-        let corners = [0, 1, 2].map(|v| face.corners.get(v).map_or([0.0; 3], corner));
-        let offsets = found.map(Option::unwrap_or_default);
-        let count = face.corners.len();
-        Box::new(CurvedFace::new(count, corners, offsets, kinematics))
-    })
 }
 
 /// The values that occur, ascending.

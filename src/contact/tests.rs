@@ -1,14 +1,15 @@
 //! Gaps, their derivatives and resultants on a deformed irregular face.
 
 mod held;
+mod round;
 
 use std::sync::Arc;
 
 use super::basis::Bernstein;
 use super::gap::{Deformed, Measure};
 use super::{
-    Acting, ContactFace, ContactSurface, Counterpart, Kinematics, curvature, evaluate_gaps,
-    linearise, resultant,
+    Acting, ContactFace, ContactSurface, Counterpart, curvature, evaluate_gaps, linearise,
+    resultant,
 };
 use crate::assembly::load::shape_values;
 use crate::element::quadrature::{Rule, Simplex, rule};
@@ -29,12 +30,16 @@ struct Sample {
     surface: ContactSurface,
     rule: Rule,
     displacement: Vec<f64>,
+    side: &'static str,
     measure: Measure,
 }
 
 impl Sample {
-    fn new(parts: MeshParts, side: &str) -> Self {
-        let mesh = Mesh::new(parts).expect("a valid sample");
+    fn new(parts: MeshParts, side: &'static str) -> Self {
+        Self::on(Mesh::new(parts).expect("a valid sample"), side)
+    }
+
+    fn on(mesh: Mesh, side: &'static str) -> Self {
         let space = TaylorHood::new(&mesh);
         let group = mesh.group(side, GroupKind::Facets).expect("a side");
         let facets: Vec<Vec<u32>> = group
@@ -55,12 +60,13 @@ impl Sample {
             mesh,
             space,
             surface,
+            side,
             measure: Measure::Undeformed,
         }
     }
 
     /// With the middles of its edges off the lines by up to a tenth of their length.
-    fn curved(self, kinematics: Kinematics) -> Self {
+    fn curved(self) -> Self {
         let noise = reproducible_noise(3 * self.space.edges.len());
         let edges = self.space.edges.iter().zip(noise.chunks(3));
         let offset = |(ends, noise): (&[u32; 2], &[f64])| EdgeOffset {
@@ -70,14 +76,21 @@ impl Sample {
                 false => 0.0,
             }),
         };
-        let offsets: Vec<EdgeOffset> = edges.map(offset).collect();
-        let surface = self.surface.clone();
+        let mesh = self.mesh.with_offsets(edges.map(offset).collect());
+        let is_ring = self.surface.faces.iter().any(|face| face.radii.is_some());
+        let bent = Self::on(mesh, self.side);
+        match is_ring {
+            true => bent.turned(),
+            false => bent,
+        }
+    }
+
+    /// As a section of a body of revolution.
+    fn turned(self) -> Self {
+        let faces = self.surface.faces.iter();
+        let facets: Vec<Vec<u32>> = faces.map(|face| face.corners.clone()).collect();
         Self {
-            surface: surface.curved((&self.mesh, SCALE), &offsets, kinematics),
-            measure: match kinematics {
-                Kinematics::Finite => Measure::Deformed,
-                Kinematics::Linear => Measure::Undeformed,
-            },
+            surface: ContactSurface::about_axis(&self.mesh, &self.space, SCALE, &facets),
             ..self
         }
     }
@@ -88,11 +101,6 @@ impl Sample {
             surface: self.surface.with_basis(&Bernstein),
             ..self
         }
-    }
-
-    fn kinematics(&self) -> Option<Kinematics> {
-        let mut curves = self.surface.faces.iter();
-        curves.find_map(|face| face.curve.as_ref().map(|curve| curve.kinematics))
     }
 
     fn body<'a>(&'a self, displacement: &'a [f64]) -> Deformed<'a> {
@@ -162,13 +170,7 @@ fn plane() -> Sample {
 
 /// A ring about the axis.
 fn ring() -> Sample {
-    let sample = plane();
-    let facets = sample.surface.faces.iter();
-    let facets: Vec<Vec<u32>> = facets.map(|face| face.corners.clone()).collect();
-    Sample {
-        surface: ContactSurface::about_axis(&sample.mesh, &sample.space, SCALE, &facets),
-        ..sample
-    }
+    plane().turned()
 }
 
 /// Obstacles over the top of the scaled unit cube.
@@ -202,15 +204,15 @@ type Case = (Sample, Arc<dyn Obstacle>);
 fn cases() -> Vec<Case> {
     let on = |sample: fn() -> Sample, obstacles: Vec<Arc<dyn Obstacle>>| -> Vec<Case> {
         let both = |obstacle: Arc<dyn Obstacle>| {
-            let bent = |kinematics| (sample().curved(kinematics).quadratic(), obstacle.clone());
+            let bent = || sample().curved().quadratic();
             [
                 (sample(), obstacle.clone()),
                 (sample().quadratic(), obstacle.clone()),
                 (sample().finite(), obstacle.clone()),
                 (sample().quadratic().finite(), obstacle.clone()),
-                (sample().curved(Kinematics::Finite), obstacle.clone()),
-                bent(Kinematics::Finite),
-                bent(Kinematics::Linear),
+                (sample().curved().finite(), obstacle.clone()),
+                (bent().finite(), obstacle.clone()),
+                (bent(), obstacle.clone()),
             ]
         };
         obstacles.into_iter().flat_map(both).collect()
@@ -225,7 +227,7 @@ fn cases_and_rings() -> Vec<Case> {
     let mut cases = cases();
     for obstacle in plane_obstacles() {
         cases.push((ring().finite(), obstacle.clone()));
-        cases.push((ring().curved(Kinematics::Finite).quadratic(), obstacle));
+        cases.push((ring().curved().quadratic().finite(), obstacle));
     }
     cases
 }
@@ -426,11 +428,7 @@ fn gaps_have_the_bits_of_the_plain_sum_over_faces_and_points() {
 
 #[test]
 fn the_resultant_is_the_work_of_the_contact_force_on_rigid_motions() {
-    for (mut sample, obstacle) in cases() {
-        if sample.kinematics() == Some(Kinematics::Linear) {
-            // To first order: about the undeformed body only.
-            sample.displacement.fill(0.0);
-        }
+    for (sample, obstacle) in cases() {
         let pressure = sample.pressure();
         let force = sample.contact_force(&sample.displacement, &*obstacle, &pressure);
         let (reference, active) = ([0.1, -0.2, 0.3], vec![true; pressure.len()]);
@@ -470,13 +468,16 @@ fn spin_about_z(sample: &Sample, reference: [f64; 3]) -> Vec<f64> {
     let u = &sample.displacement;
     let mut spin = vec![0.0; u.len()];
     for node in 0..sample.space.nodes() {
-        // The position is linear: edge corrections have the displacement only.
-        let x = match sample.mesh.coordinates().get(node) {
+        let vertices = sample.mesh.coordinates();
+        let x = match vertices.get(node) {
             Some(point) => [
                 SCALE * point[0] - reference[0],
                 SCALE * point[1] - reference[1],
             ],
-            None => [0.0; 2],
+            None => {
+                let offset = sample.mesh.offset_of(node - vertices.len());
+                [SCALE * offset[0], SCALE * offset[1]]
+            }
         };
         spin[node * c] = -(x[1] + u[node * c + 1]);
         spin[node * c + 1] = x[0] + u[node * c];
@@ -541,10 +542,9 @@ impl Counterpart for Along {
 fn an_even_pressure_on_a_closed_flat_gap_works_on_the_volume_only() {
     // The top stays in its plane and is stretched and sheared in it; the rim does not move.
     for mut sample in [solid().finite(), solid().quadratic().finite()] {
-        let coordinates = sample.mesh.coordinates().to_vec();
         let rim = |place: [f64; 3]| place[0] * (1.0 - place[0]) * place[1] * (1.0 - place[1]);
         for node in 0..sample.space.nodes() {
-            let place = sample.space.node_place(&coordinates, node as u32);
+            let place = sample.space.node_place(&sample.mesh, node as u32);
             let is_inside = rim(place).abs() > 1e-9;
             let own = &mut sample.displacement[3 * node..3 * node + 3];
             own[2] = 0.0;

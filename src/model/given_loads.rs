@@ -14,12 +14,14 @@ use std::f64::consts::TAU;
 use super::Model;
 use super::drive::Drive;
 use super::loads::simplices;
-use crate::assembly::load::{Integral, LoadedFacet, facet_measure, position, shape_values};
+use crate::assembly::load::{Integral, LoadedFacet, shape_values};
 use crate::element::quadrature::rule;
 use crate::scene::validate::Spread;
 
 /// Degree of two quadratic functions.
 const DEGREE: u32 = 4;
+/// What the measure of curved cells and facets adds to it.
+const CURVED: u32 = 2;
 
 /// All dead loads at load factor one `[displacement]`.
 pub(crate) fn dead_load<'a>(model: &Model<'a>, drive: &Drive) -> Cow<'a, [f64]> {
@@ -33,7 +35,11 @@ pub(crate) fn dead_load<'a>(model: &Model<'a>, drive: &Drive) -> Cow<'a, [f64]> 
 /// Adds what is given to `load` `[displacement]`.
 fn add_given(model: &Model<'_>, drive: &Drive, load: &mut [f64]) {
     let (cell, facet) = simplices(model.plan.units.dimension);
-    let degree = DEGREE + u32::from(model.plan.is_axisymmetric());
+    let bent = match model.mesh.edge_offsets() {
+        [] => 0,
+        _ => CURVED,
+    };
+    let degree = DEGREE + u32::from(model.plan.is_axisymmetric()) + bent;
     let (cell_rule, facet_rule) = (rule(cell, degree), rule(facet, degree));
     let surface = Integral {
         mesh: model.mesh,
@@ -66,7 +72,7 @@ fn add_traction(
     let space = &model.prepared.space;
     for &index in facets {
         let vertices = model.mesh.facet(index as usize);
-        let (area, _) = facet_measure(model.mesh, vertices, surface.scale);
+        let facet = LoadedFacet::new(model.mesh, vertices, surface.scale);
         let part = Local::new(
             spread,
             (&space.facet_nodes(vertices), index),
@@ -74,12 +80,12 @@ fn add_traction(
         );
         let density = |l: &[f64]| {
             let turn = match model.plan.is_axisymmetric() {
-                true => TAU * position(model.mesh, surface.scale, vertices, l)[0],
+                true => TAU * facet.position(surface, l)[0],
                 false => 1.0,
             };
             part.at(l).map(|value| value * unit * turn)
         };
-        surface.add_facet_density(LoadedFacet { vertices, area }, &density, load);
+        surface.add_facet_density(&facet, &density, load);
     }
 }
 
@@ -93,11 +99,11 @@ fn add_body_force(model: &Model<'_>, body: &Integral<'_>, spread: &Spread, load:
     let locals: Vec<Local> = locals.collect();
     let density = |cell: usize, l: &[f64]| {
         let turn = geometry.radii.get(cell).map_or(1.0, |radius| {
-            position(model.mesh, body.scale, model.mesh.cell(cell), l)[0] / radius
+            body.scale * model.mesh.position_in(cell, l)[0] / radius
         });
         locals[cell].at(l).map(|value| value * unit * turn)
     };
-    body.add_cell_density(&geometry.volumes, &density, load);
+    body.add_cell_density(geometry, &density, load);
 }
 
 /// Values on one facet or cell, in the hierarchical basis.

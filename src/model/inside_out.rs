@@ -2,15 +2,15 @@
 //! above zero at the points of the rule, which alone the energy sees. No body does that; the
 //! mesh is too coarse for what it is asked. Only rubber is looked at.
 //!
-//! F is linear on a cell but for the stretch around an axis, so that cells whose Bernstein bound
-//! is above zero are passed over ([`crate::element::jacobian`]); the others are looked at on a lattice.
-//! Cost: a gradient a corner.
+//! The gradient from the straight to the deformed cell is linear but for the stretch around an axis,
+//! so that cells whose Bernstein bound is above zero are passed over ([`crate::element::jacobian`]);
+//! the others are looked at on a lattice. Cost: a gradient a corner.
 
 use crate::element::jacobian::least_jacobian_bound;
-use crate::geometry::tensor::{plus_unit, volume_change};
+use crate::geometry::tensor::volume_change;
 use crate::model::Model;
 use crate::model::state::State;
-use crate::model::values::gradient_at;
+use crate::model::values::{deformation_from_straight, gradient_at};
 
 /// Parts of an edge of the lattice.
 const PARTS: usize = 4;
@@ -31,9 +31,7 @@ pub(crate) fn inside_out(model: &Model<'_>, state: &State) -> Option<[f64; 3]> {
     });
     let worst = found.filter(|(_, jacobian, _)| *jacobian <= 0.0);
     let (cell, _, place) = worst.min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let corners = model.mesh.corners(cell);
-    let along = |i: usize| corners.iter().zip(place).map(|(x, l)| l * x[i]).sum();
-    Some(std::array::from_fn(along))
+    Some(model.mesh.position_in(cell, &place))
 }
 
 /// Whether the bound of a cell leaves room for det F below zero.
@@ -44,10 +42,9 @@ fn may_be(model: &Model<'_>, state: &State, cell: usize) -> bool {
     for (corner, gradient) in gradients.iter_mut().enumerate().take(corners) {
         let mut place = [0.0; 4];
         place[corner] = 1.0;
-        *gradient = plus_unit(&gradient_at(model, state, cell, &place));
+        *gradient = deformation_from_straight(model, state, cell, &place);
         if model.plan.is_axisymmetric() {
-            is_turned |= gradient[2][2] <= 0.0;
-            gradient[2][2] = 1.0;
+            is_turned |= 1.0 + gradient_at(model, state, cell, &place)[2][2] <= 0.0;
         }
     }
     let bound = least_jacobian_bound(&gradients[..corners]);

@@ -23,11 +23,9 @@ use super::surface_metric::SurfaceMetric;
 use crate::contact::basis::Bernstein;
 use crate::contact::gap::Deformed;
 use crate::contact::patches::outward;
-use crate::contact::smooth::{sagittas, smooth_offsets};
+use crate::contact::smooth::sagittas;
 use crate::contact::surface::{FACE_DEGREE, KINKED_DEGREE, face_rule};
-use crate::contact::{
-    AdmittedDepth, ContactFace, ContactSurface, Counterpart, Guide, Kinematics, Measure,
-};
+use crate::contact::{AdmittedDepth, ContactFace, ContactSurface, Counterpart, Guide, Measure};
 use crate::element::quadrature::Rule;
 use crate::geometry::RigidMotion;
 use crate::mesh::Mesh;
@@ -35,8 +33,8 @@ use crate::obstacle::{Contact, Moving, Obstacle, What};
 use crate::plan::Plan;
 use crate::plan::surfaces::ContactLayout;
 use crate::saddle::{AdmissibleSet, SetPart};
+use crate::scene::ContactSpace;
 use crate::scene::validate::{ResolvedObstacle, ResolvedSupport};
-use crate::scene::{ContactSpace, SurfaceGeometry};
 use crate::space::TaylorHood;
 
 /// Component of a unit normal that counts as one.
@@ -150,7 +148,7 @@ impl Interface {
     /// Whether what the surface meets has no curvature, so that its tangent needs none.
     fn is_flat(&self) -> bool {
         match &self.role {
-            Role::Contact(shape) => shape.is_flat() && self.surface.moves_linearly(),
+            Role::Contact(shape) => shape.is_flat(),
             Role::Support(_) => true,
         }
     }
@@ -306,16 +304,17 @@ fn of_obstacle(
 ) -> Interface {
     let facets = obstacle.facets.iter();
     let facets: Vec<Vec<u32>> = facets.map(|&f| mesh.facet(f as usize).to_vec()).collect();
-    let bare = true_surface((plan, mesh), obstacle, surface(plan, mesh, space, &facets));
+    let bare = surface(plan, mesh, space, &facets);
+    let is_curved = bare.faces.iter().any(|face| face.curve.is_some());
     Interface {
         name: obstacle.name.clone(),
         surface: match plan.contact_space {
             ContactSpace::Linear => bare,
             ContactSpace::Quadratic => bare.with_layout(&Bernstein, planned.layout.clone()),
         },
-        sagittas: match (obstacle.surface, mesh.edge_offsets()) {
-            (SurfaceGeometry::AsMeshed, []) => sagittas(mesh, &obstacle.facets),
-            _ => Vec::new(),
+        sagittas: match is_curved {
+            true => Vec::new(),
+            false => sagittas(mesh, &obstacle.facets),
         },
         facets: obstacle.facets.clone(),
         idle: Vec::new(),
@@ -351,27 +350,6 @@ fn surface(plan: &Plan, mesh: &Mesh, space: &TaylorHood, facets: &[Vec<u32>]) ->
     match plan.is_axisymmetric() {
         true => ContactSurface::about_axis(mesh, space, scale, facets),
         false => ContactSurface::new(mesh, space, scale, facets),
-    }
-}
-
-/// The surface with the offsets of its edges, where the mesh has any or the scene wants
-/// them fitted. Supports hold the planes of their facets instead.
-fn true_surface(
-    (plan, mesh): (&Plan, &Mesh),
-    obstacle: &ResolvedObstacle,
-    surface: ContactSurface,
-) -> ContactSurface {
-    let kinematics = match plan.resolved.is_rubber() {
-        true => Kinematics::Finite,
-        false => Kinematics::Linear,
-    };
-    let offsets = match obstacle.surface {
-        SurfaceGeometry::AsMeshed => Cow::Borrowed(mesh.edge_offsets()),
-        SurfaceGeometry::Smooth => Cow::Owned(smooth_offsets(mesh, &obstacle.facets)),
-    };
-    match offsets.as_ref() {
-        [] => surface,
-        offsets => surface.curved((mesh, plan.units.coordinate_scale), offsets, kinematics),
     }
 }
 

@@ -11,7 +11,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::assembly::load::{Integral, LoadedFacet, facet_measure};
+use crate::assembly::load::{Integral, LoadedFacet};
 use crate::element::manufactured::Manufactured;
 use crate::element::quadrature::{Simplex, rule};
 use crate::mesh::Mesh;
@@ -24,6 +24,8 @@ pub(crate) const MANUFACTURED_DEGREE: u32 = 8;
 const CONSTANT_DEGREE: u32 = 2;
 /// Times the radius.
 const DEGREE_ABOUT_AXIS: u32 = 3;
+/// On curved cells and facets, whose measure varies.
+const CURVED_DEGREE: u32 = 6;
 
 /// Cell and facet simplex of a dimension.
 pub(crate) fn simplices(dimension: usize) -> (Simplex, Simplex) {
@@ -49,9 +51,10 @@ fn add_constant(plan: &Plan, mesh: &Mesh, prepared: &TaylorHoodData, load: &mut 
     let (cell, facet) = simplices(plan.units.dimension);
     let scale = plan.units.coordinate_scale;
     let is_turned = plan.is_axisymmetric();
-    let degree = match is_turned {
-        true => DEGREE_ABOUT_AXIS,
-        false => CONSTANT_DEGREE,
+    let degree = match (is_turned, mesh.edge_offsets().is_empty()) {
+        (_, false) => CURVED_DEGREE,
+        (true, true) => DEGREE_ABOUT_AXIS,
+        (false, true) => CONSTANT_DEGREE,
     };
     let turn = |value: [f64; 3], x: [f64; 3]| match is_turned {
         true => value.map(|t| t * TAU * x[0]),
@@ -68,9 +71,8 @@ fn add_constant(plan: &Plan, mesh: &Mesh, prepared: &TaylorHoodData, load: &mut 
         let value = traction.value.map(|t| t / plan.units.stress);
         for &index in &traction.facets {
             let vertices = mesh.facet(index as usize);
-            let (area, _) = facet_measure(mesh, vertices, scale);
-            let facet = LoadedFacet { vertices, area };
-            surface.add_traction(facet, &|x| turn(value, x), load);
+            let facet = LoadedFacet::new(mesh, vertices, scale);
+            surface.add_traction(&facet, &|x, _| turn(value, x), load);
         }
     }
     if plan.resolved.has_body_force() {
@@ -78,7 +80,6 @@ fn add_constant(plan: &Plan, mesh: &Mesh, prepared: &TaylorHoodData, load: &mut 
             .resolved
             .body_force
             .map(|f| f / plan.units.body_force());
-        let volumes = &prepared.geometry.volumes;
         let volume_rule = rule(cell, degree);
         let radii = &prepared.geometry.radii;
         let density = |cell: usize, x: [f64; 3]| match radii.get(cell) {
@@ -89,7 +90,7 @@ fn add_constant(plan: &Plan, mesh: &Mesh, prepared: &TaylorHoodData, load: &mut 
             rule: &volume_rule,
             ..surface
         };
-        body.add_body_force(volumes, &density, load);
+        body.add_body_force(&prepared.geometry, &density, load);
     }
 }
 
@@ -122,15 +123,14 @@ fn add_manufactured(
         scale,
         rule: &rule(cell, degree),
     };
-    body.add_body_force(&prepared.geometry.volumes, &force, load);
+    body.add_body_force(&prepared.geometry, &force, load);
     let surface = Integral {
         rule: &rule(facet, degree),
         ..body
     };
     for boundary in mesh.boundary_facets() {
         let vertices = &boundary.vertices[..units.dimension];
-        let (area, normal) = facet_measure(mesh, vertices, scale);
-        let traction = |x: [f64; 3]| {
+        let traction = |x: [f64; 3], normal: [f64; 3]| {
             field
                 .traction(
                     x.map(|x| x * units.length),
@@ -140,6 +140,7 @@ fn add_manufactured(
                 .map(|t| t / units.stress)
         };
         // Held entries of the load belong to reactions and are never read.
-        surface.add_traction(LoadedFacet { vertices, area }, &traction, load);
+        let facet = LoadedFacet::new(mesh, vertices, scale);
+        surface.add_traction(&facet, &traction, load);
     }
 }

@@ -102,11 +102,15 @@ impl<'a> Model<'a> {
         }
     }
 
-    /// Place of a vertex of the mesh displaced by `displacement` `[displacement unknowns]`;
-    /// the origin for one that the mesh lacks.
-    pub(crate) fn place(&self, vertex: usize, displacement: &[f64]) -> [f64; 3] {
-        let rest = self.mesh.coordinates().get(vertex).unwrap_or(&[0.0; 3]);
-        let first = vertex * self.prepared.space.components;
+    /// Place of a vertex displaced by `displacement` `[displacement unknowns]`, hierarchical: of
+    /// an edge that of its middle less the mean of its ends.
+    pub(crate) fn place(&self, node: usize, displacement: &[f64]) -> [f64; 3] {
+        let vertices = self.mesh.coordinates();
+        let rest = match vertices.get(node) {
+            Some(vertex) => *vertex,
+            None => self.mesh.offset_of(node - vertices.len()),
+        };
+        let first = node * self.prepared.space.components;
         let moved = displacement.get(first..).unwrap_or(&[]);
         let moved = moved.iter().take(self.prepared.space.components);
         let mut place = rest.map(|x| self.plan.units.coordinate_scale * x);

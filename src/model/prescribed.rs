@@ -10,9 +10,7 @@
 use super::Model;
 use super::drive::Drive;
 use super::state::State;
-use crate::mesh::Mesh;
 use crate::plan::Plan;
-use crate::space::TaylorHood;
 
 /// Share of a motion by which parts of it differ that are the same.
 const SAME: f64 = 1e-12;
@@ -25,7 +23,7 @@ pub(crate) fn prescribe(model: &Model<'_>, drive: &Drive, displacement: &mut [f6
     let c = space.components;
     for &(unknown, support) in &model.plan.held {
         let (node, i) = (unknown as usize / c, unknown as usize % c);
-        let position = || mesh_position(model.mesh, space, node);
+        let position = || space.node_place(model.mesh, node as u32);
         let value = prescribed_value(model.plan, drive, (usize::from(support), i), &position);
         let given = drive.given.supports.get(usize::from(support));
         let given = given.map_or(0.0, |spread| spread.nodes.at(node as u32)[i]);
@@ -119,18 +117,6 @@ pub(crate) fn prescribed_value(
     match motion.is_rest() {
         true => value / length,
         false => (value + motion.displacement(position().map(|x| x * scale))[i]) / length,
-    }
-}
-
-/// Position of a node in the coordinates of the mesh.
-fn mesh_position(mesh: &Mesh, space: &TaylorHood, node: usize) -> [f64; 3] {
-    let at = |vertex: usize| mesh.coordinates()[vertex];
-    match node.checked_sub(space.vertices) {
-        None => at(node),
-        Some(edge) => {
-            let [a, b] = space.edges[edge].map(|v| at(v as usize));
-            std::array::from_fn(|i| 0.5 * (a[i] + b[i]))
-        }
     }
 }
 

@@ -58,10 +58,8 @@ fn length([start, end]: [RigidMotion; 2], reach: impl Fn([f64; 3]) -> f64) -> f6
     shift + turn * levers[0].max(levers[1])
 }
 
-/// Distance of the farthest node of the faces from `centre`; edges bend by less than their own
-/// displacement.
+/// Distance of the farthest node of the faces from `centre`; edges bend by less than their middles are off.
 fn reach(model: &Model<'_>, interface: &Interface, displacement: &[f64], centre: [f64; 3]) -> f64 {
-    let components = model.prepared.space.components;
     let (mut farthest, mut bent) = (0.0_f64, 0.0_f64);
     for face in &interface.surface.faces {
         for &corner in &face.corners {
@@ -69,9 +67,7 @@ fn reach(model: &Model<'_>, interface: &Interface, displacement: &[f64], centre:
             farthest = farthest.max(norm(sub(place, centre)));
         }
         for &node in face.nodes.iter().skip(face.corners.len()) {
-            let own = displacement.get(node as usize * components..);
-            let own = own.unwrap_or(&[]).iter().take(components);
-            bent = bent.max(own.map(|u| u * u).sum::<f64>().sqrt());
+            bent = bent.max(norm(model.place(node as usize, displacement)));
         }
     }
     farthest + bent

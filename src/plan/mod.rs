@@ -30,12 +30,13 @@ mod settings;
 mod stability;
 pub(crate) mod surfaces;
 mod tools;
+mod true_surface;
 mod units;
 
 use sha2::{Digest, Sha256};
 
 use crate::linalg::cholesky::Precision;
-use crate::mesh::{Mesh, MeshId};
+use crate::mesh::{EdgeOffset, Mesh, MeshId};
 use crate::report::Unknowns;
 use crate::scene::validate::{Resolved, ResolvedObstacle, build, resolve};
 use crate::scene::{
@@ -113,8 +114,10 @@ pub struct Plan {
     pub(crate) saddle: SaddleChoice,
     /// How equilibria of rubber are certified.
     pub(crate) stability: StabilityChoice,
-    /// Number of edges of the surface whose offset the mesh knows.
+    /// Number of edges of the surface that have an offset.
     pub(crate) curved_edges: usize,
+    /// Offsets of all edges where arcs are fitted over some of them, else empty.
+    fitted: Vec<EdgeOffset>,
     /// Whether programs are solved by that method, or by a factor of the whole.
     pub(crate) programs: Programs,
     /// From which step on the body is solved by its response at the contact surface.
@@ -136,6 +139,8 @@ impl Plan {
         chooser::check(&scene.solver)?;
         let units = usable_units(scene, &resolved, mesh)?;
         let mut obstacles = build(obstacles, units.length)?;
+        let fitted = true_surface::fitted(mesh, &obstacles);
+        let mesh = fitted.as_ref().unwrap_or(mesh);
         overlap::refuse((&scene.obstacles, &obstacles), (mesh, &units))?;
         friction::roughen(&mut obstacles, steps);
         let space = TaylorHood::new(mesh);
@@ -211,6 +216,7 @@ impl Plan {
         let mut plan = Self {
             tools,
             curved_edges: mesh.edge_offsets().len(),
+            fitted: fitted.as_ref().map_or(&[][..], Mesh::edge_offsets).to_vec(),
             warnings: mesh.warnings().iter().cloned().chain(own).collect(),
             units,
             mesh_id: mesh.id(),
@@ -343,6 +349,13 @@ impl Plan {
         }
         if self.has_quadratic_multipliers() {
             hash.update(self.contact_space.name());
+        }
+        for one in &self.fitted {
+            hash.update(b"arc");
+            one.ends
+                .iter()
+                .for_each(|end| hash.update(end.to_le_bytes()));
+            one.offset.iter().for_each(|x| hash.update(x.to_le_bytes()));
         }
         for obstacle in self.obstacles.iter().filter(|obstacle| obstacle.is_rough) {
             hash.update(b"rough");

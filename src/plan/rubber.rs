@@ -15,6 +15,10 @@ const DEGREE: u32 = 2;
 /// About an axis, where the stretch around it is no polynomial.
 const DEGREE_ABOUT_AXIS: u32 = 4;
 
+/// In space where cells have curved edges: an even pressure has no force inside the body by it, the
+/// volume being cubic in the displacement gradient.
+const DEGREE_OF_CURVED: u32 = 4;
+
 /// Krylov directions kept: near a limit of stability a few eigenvalues are far from
 /// the others, and ten directions forget them (mr-sphere l2: 312 applications in
 /// the last increment instead of 228).
@@ -80,8 +84,10 @@ impl Plan {
 
     /// Degree of the rule for stress, volume and tangent.
     pub(crate) fn strain_degree(&self) -> u32 {
+        let is_curved = self.curved_edges > 0 && self.units.dimension == 3;
         let degree = match self.is_axisymmetric() {
             true => DEGREE_ABOUT_AXIS,
+            false if is_curved => DEGREE_OF_CURVED,
             false => DEGREE,
         };
         self.settings.quadrature_degree.unwrap_or(degree)

@@ -16,8 +16,9 @@ pub(crate) fn body(
     mesh: &Arc<Mesh>,
     cancel: &CancelToken,
 ) -> Result<PreparedBody, PrepareError> {
-    Ok(match compare::prepared(plan, mesh, cancel)? {
+    let mesh = plan.body_mesh(mesh);
+    Ok(match compare::prepared(plan, &mesh, cancel)? {
         Some(data) => PreparedBody::Comparison(Arc::new(data)),
-        None => PreparedBody::TaylorHood(Arc::new(TaylorHoodData::build(plan, mesh, cancel)?)),
+        None => PreparedBody::TaylorHood(Arc::new(TaylorHoodData::build(plan, &mesh, cancel)?)),
     })
 }

@@ -11,7 +11,9 @@ use super::coarse_pressures::CoarsePressures;
 use crate::assembly::grid::Rows;
 use crate::assembly::mass::weighted_mass;
 use crate::assembly::node_moduli::softness;
+use crate::assembly::strain::CURVED_DEGREE;
 use crate::assembly::{Body, CellGeometry, CellModuli, Constrained, Divergence, Stiffness};
+use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::linalg::vector::norm;
 use crate::linalg::{LinearOperator, SparseRows, Workspace};
 use crate::mesh::Mesh;
@@ -108,17 +110,32 @@ pub(crate) fn pressure_block(
         },
         held: stiffness.held.clone(),
     };
+    let cells = (mesh, geometry);
+    let rule = volume_rule(plan);
     PressureBlock {
         body,
         coarse: CoarsePressures::new(mesh, &several_parts(mesh), plan.unknowns().contact),
         is_enclosed: !compressible && constant_pressure_is_idle(&coupling),
         coupling,
         stabilisation: compressible
-            .then(|| weighted_mass(mesh, geometry, |cell| moduli.inverse_lame[cell])),
+            .then(|| weighted_mass(cells, &rule, |cell| moduli.inverse_lame[cell])),
         metric: ChebyshevMass::new(
-            weighted_mass(mesh, geometry, schur),
+            weighted_mass(cells, &rule, schur),
             space.components,
             MASS_STEPS,
         ),
     }
+}
+
+/// The rule of the volumes of cells.
+fn volume_rule(plan: &Plan) -> Rule {
+    let simplex = match plan.units.dimension {
+        2 => Simplex::Triangle,
+        _ => Simplex::Tetrahedron,
+    };
+    let degree = match plan.resolved.is_rubber() {
+        true => plan.strain_degree(),
+        false => CURVED_DEGREE,
+    };
+    rule(simplex, degree)
 }

@@ -9,7 +9,6 @@
 
 use rayon::prelude::*;
 
-use crate::assembly::load::position;
 use crate::element::manufactured::Manufactured;
 use crate::element::quadrature::{Rule, rule};
 use crate::geometry::Matrix3;
@@ -36,13 +35,11 @@ fn cell_squares(
     let mut squares = [0.0; 5];
     for (point, weight) in rule.points.iter().zip(&rule.weights) {
         let l = &point[..corners.len()];
-        let x = position(
-            model.mesh,
-            units.coordinate_scale * units.length,
-            corners,
-            l,
-        );
-        let weight = weight * model.prepared.geometry.volumes[cell] * units.volume();
+        let place = model.mesh.position_in(cell, point);
+        let x = place.map(|x| x * units.coordinate_scale * units.length);
+        let geometry = &model.prepared.geometry;
+        let measure = geometry.volumes[cell] * geometry.curves.measure(cell, point);
+        let weight = weight * measure * units.volume();
         let u = displacement_at(model, state, cell, point).map(|v| v * units.length);
         let (exact, load) = (field.displacement(x), state.drive.load);
         let gradient = gradient_at(model, state, cell, point);

@@ -15,7 +15,7 @@ use crate::material::Rubber;
 use crate::model::Model;
 use crate::model::loads::simplices;
 use crate::model::state::State;
-use crate::model::values::{gradient_at, radius_at};
+use crate::model::values::{deformation_from_straight, gradient_at, radius_at};
 use crate::scene::validate::ON_AXIS;
 
 /// J is a cubic polynomial on a cell.
@@ -47,12 +47,14 @@ pub(crate) fn volume_ratio(model: &Model<'_>, state: &State, cell: usize) -> f64
     let (simplex, _) = simplices(model.plan.units.dimension);
     let rule = rule(simplex, JACOBIAN_DEGREE);
     let mean = model.prepared.geometry.radii.get(cell);
-    let points = rule.points.iter().zip(&rule.weights);
-    let change = points.map(|(point, weight)| {
+    let (mut change, mut whole) = (0.0, 0.0);
+    for (point, weight) in rule.points.iter().zip(&rule.weights) {
         let share = mean.map_or(1.0, |mean| radius_at(model, cell, point) / mean);
-        weight * share * volume_change(&gradient_at(model, state, cell, point))
-    });
-    1.0 + change.sum::<f64>()
+        let share = weight * share * model.prepared.geometry.curves.measure(cell, point);
+        change += share * volume_change(&gradient_at(model, state, cell, point));
+        whole += share;
+    }
+    1.0 + change / whole
 }
 
 /// A number that J is nowhere in the body below; none in linear scenes, and where
@@ -65,7 +67,7 @@ pub(crate) fn jacobian_bound(model: &Model<'_>, state: &State) -> Option<f64> {
     let cells = 0..model.mesh.cell_count();
     let bounds = cells.map(|cell| match is_turned {
         true => ring_bound(model, state, cell),
-        false => cell_bound(model, state, cell, plus_unit),
+        false => cell_bound(model, state, cell),
     });
     let bound = bounds.reduce(|a, b| if a.is_nan() || a < b { a } else { b });
     bound.filter(|bound| !is_turned || !bound.is_nan())
@@ -74,11 +76,7 @@ pub(crate) fn jacobian_bound(model: &Model<'_>, state: &State) -> Option<f64> {
 /// The bound of the section times that of the stretch around the axis; NaN where one
 /// of them is not above zero.
 fn ring_bound(model: &Model<'_>, state: &State, cell: usize) -> f64 {
-    let section = cell_bound(model, state, cell, |h| {
-        let mut gradient = plus_unit(h);
-        gradient[2][2] = 1.0;
-        gradient
-    });
+    let section = cell_bound(model, state, cell);
     let stretch = least_stretch(model, state, cell);
     match section > 0.0 && stretch > 0.0 {
         true => section * stretch,
@@ -94,13 +92,14 @@ fn least_stretch(model: &Model<'_>, state: &State, cell: usize) -> f64 {
     let scale = model.plan.units.coordinate_scale;
     let corners = model.mesh.cell(cell);
     let x = |corner: usize| scale * model.mesh.coordinates()[corners[corner] as usize][0];
+    let bend = |edge: u32| scale * model.mesh.offset_of(edge as usize)[0];
     let at_corners = (0..corners.len()).map(|a| (x(a), u(corners[a] as usize)));
     let pairs = model.mesh.cell_kind().edges();
     let edges = &model.mesh.cell_edges()[cell * pairs.len()..(cell + 1) * pairs.len()];
     let at_edges = edges.iter().zip(pairs).map(|(&edge, &(a, b))| {
         let ends = u(corners[a] as usize) + u(corners[b] as usize);
         let middle = 2.0 * u(space.vertices + edge as usize);
-        (0.5 * (x(a) + x(b)), 0.5 * ends + middle)
+        (0.5 * (x(a) + x(b)) + 2.0 * bend(edge), 0.5 * ends + middle)
     });
     let off_axis = at_corners.chain(at_edges).filter(|(x, _)| *x > ON_AXIS);
     let stretches = off_axis.map(|(x, moved)| (x + moved) / x);
@@ -110,25 +109,27 @@ fn least_stretch(model: &Model<'_>, state: &State, cell: usize) -> f64 {
     )
 }
 
-/// The plain bound where it shows that J is above zero, else the sharper one.
-fn cell_bound(
-    model: &Model<'_>,
-    state: &State,
-    cell: usize,
-    deformation: impl Fn(&Tensor<f64>) -> Tensor<f64>,
-) -> f64 {
+/// The plain bound where it shows that J is above zero, else the sharper one: of the section, in
+/// curved cells that from the straight cell over the most or least that their edges bend it.
+fn cell_bound(model: &Model<'_>, state: &State, cell: usize) -> f64 {
     let corners = model.mesh.cell(cell).len();
     let mut gradients = [[[0.0; 3]; 3]; 4];
     for (corner, gradient) in gradients.iter_mut().enumerate().take(corners) {
         let mut at = [0.0; 4];
         at[corner] = 1.0;
-        *gradient = deformation(&gradient_at(model, state, cell, &at));
+        *gradient = deformation_from_straight(model, state, cell, &at);
     }
     let plain = least_jacobian_bound(&gradients[..corners]);
-    match plain > 0.0 {
+    let bound = match plain > 0.0 {
         true => plain,
         false => sharper_jacobian_bound(&gradients[..corners]),
-    }
+    };
+    let bent = model.prepared.geometry.curves.of(cell);
+    bound
+        / bent.map_or(1.0, |bent| match bound > 0.0 {
+            true => bent.most_measure(),
+            false => bent.least_measure(),
+        })
 }
 
 /// Coefficients of the contact pressure per undeformed area, interface by interface

@@ -115,8 +115,7 @@ impl Search<'_> {
             *place = self.model.place(corner as usize, &self.state.displacement);
         }
         let share = 1.0 / corners.len() as f64;
-        let space = &self.model.prepared.space;
-        let edges = space.edge_values(self.model.mesh, &self.state.displacement, cell);
+        let edges = edges_of(self.model, self.state, cell);
         let bent = edges.fold([0.0; 3], add);
         let places = &places[..corners.len()];
         let middle: [f64; 3] = std::array::from_fn(|i| {
@@ -132,8 +131,7 @@ impl Search<'_> {
         let Self { model, state, .. } = self;
         let corners = model.mesh.cell(cell).iter();
         let corners = corners.map(|&corner| model.place(corner as usize, &state.displacement));
-        let space = &model.prepared.space;
-        let edges = space.edge_values(model.mesh, &state.displacement, cell);
+        let edges = edges_of(model, state, cell);
         let values: Vec<[f64; 3]> = corners.chain(edges).collect();
         let middle = last;
         let mut deepest = 0.0_f64;
@@ -155,6 +153,16 @@ impl Search<'_> {
             Some(_) | None => deepest,
         }
     }
+}
+
+/// What the middles of the edges of a deformed cell are off the means of their ends, each `[3]`.
+fn edges_of<'a>(
+    model: &'a Model<'_>,
+    state: &'a State,
+    cell: usize,
+) -> impl Iterator<Item = [f64; 3]> + 'a {
+    let nodes = model.prepared.space.edge_nodes_of(model.mesh, cell);
+    nodes.map(|(node, _)| model.place(node, &state.displacement))
 }
 
 /// Whether a point is outside by the distance of another one.

@@ -11,6 +11,7 @@ use crate::prepare::{Prepared, PreparedBody};
 
 /// The body of `plan` on the element of its prepared data.
 pub(super) fn body(plan: Arc<Plan>, mesh: Arc<Mesh>, prepared: &Prepared) -> Box<dyn Body> {
+    let mesh = plan.body_mesh(&mesh);
     match prepared.body() {
         PreparedBody::TaylorHood(data) => Box::new(TaylorHoodBody::new(plan, mesh, data)),
         PreparedBody::Comparison(data) => compare::body(plan, mesh, data),

@@ -62,14 +62,15 @@ impl TaylorHood {
         nodes
     }
 
-    /// Undeformed place of a node, from the `coordinates` `[vertices]` of the mesh: of an
-    /// edge the mean of its ends.
-    pub fn node_place(&self, coordinates: &[[f64; 3]], node: u32) -> [f64; 3] {
+    /// Undeformed place of a node of `mesh`: of an edge its middle.
+    pub fn node_place(&self, mesh: &Mesh, node: u32) -> [f64; 3] {
+        let at = |vertex: u32| mesh.coordinates()[vertex as usize];
         match (node as usize).checked_sub(self.vertices) {
-            None => coordinates[node as usize],
+            None => at(node),
             Some(edge) => {
-                let [a, b] = self.edges[edge].map(|end| coordinates[end as usize]);
-                [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]))
+                let [a, b] = self.edges[edge].map(at);
+                let offset = mesh.offset_of(edge);
+                [0, 1, 2].map(|i| 0.5 * (a[i] + b[i]) + offset[i])
             }
         }
     }

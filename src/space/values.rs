@@ -67,21 +67,8 @@ impl TaylorHood {
         gradient
     }
 
-    /// The corrections at the edges of a cell, each `[3]`.
-    pub fn edge_values<'a>(
-        &'a self,
-        mesh: &'a Mesh,
-        field: &'a [f64],
-        cell: usize,
-    ) -> impl Iterator<Item = [f64; 3]> + 'a {
-        self.edge_nodes_of(mesh, cell).map(move |(node, _)| {
-            let own = &field[node * self.components..(node + 1) * self.components];
-            std::array::from_fn(|i| own.get(i).copied().unwrap_or(0.0))
-        })
-    }
-
     /// Edge nodes of a cell, each with the two corners that it lies between.
-    fn edge_nodes_of<'a>(
+    pub(crate) fn edge_nodes_of<'a>(
         &self,
         mesh: &'a Mesh,
         cell: usize,

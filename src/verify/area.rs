@@ -11,7 +11,6 @@
 use std::f64::consts::TAU;
 
 use super::contact::Faces;
-use super::curved::Curved;
 use super::shapes;
 use crate::contact::ContactFace;
 use crate::geometry::vector3::{add, cross, norm, scale};
@@ -36,13 +35,8 @@ const HATS: [[[f64; 3]; 3]; 2] = [
 
 impl Faces<'_, '_> {
     /// The deformed area at the point `l` of a face, whose radius is that of the point there.
-    pub(super) fn area(
-        &self,
-        (face, curved): (&ContactFace, Option<&Curved<'_>>),
-        l: &[f64],
-        radius: f64,
-    ) -> Area {
-        let tangents = self.tangents((face, curved), l);
+    pub(super) fn area(&self, face: &ContactFace, l: &[f64], radius: f64) -> Area {
+        let tangents = self.tangents(face, l);
         let (first, second, factor) = match l.len() {
             2 => (tangents[0], [0.0, 0.0, 1.0], 1.0),
             _ => (tangents[0], tangents[1], 0.5),
@@ -68,7 +62,7 @@ impl Faces<'_, '_> {
     /// Adds `factor` da/dx to the forces on the nodes of a face.
     pub(super) fn add_change(
         &self,
-        (face, curved): (&ContactFace, Option<&Curved<'_>>),
+        face: &ContactFace,
         (l, area, factor): (&[f64], &Area, f64),
         force: &mut [[f64; 3]],
     ) {
@@ -80,31 +74,10 @@ impl Faces<'_, '_> {
             *own = add(*own, scale(slope[0], along));
             *own = add(*own, add(scale(slope[1], across), scale(*value, radial)));
         }
-        let Some(curved) = curved else {
-            return;
-        };
-        let count = face.corners.len();
-        let edges =
-            |axis: usize| -> Vec<f64> { slopes[count..].iter().map(|slope| slope[axis]).collect() };
-        let pulls = [
-            (edges(0), along),
-            (edges(1), across),
-            (values[count..].to_vec(), radial),
-        ];
-        for (corner, &vertex) in face.corners.iter().enumerate() {
-            for (edges, push) in &pulls {
-                let own = &mut force[vertex as usize];
-                *own = add(*own, curved.pull(edges, corner, *push));
-            }
-        }
     }
 
     /// x_s and x_t at a point of a deformed face.
-    fn tangents(
-        &self,
-        (face, curved): (&ContactFace, Option<&Curved<'_>>),
-        l: &[f64],
-    ) -> [[f64; 3]; 2] {
+    fn tangents(&self, face: &ContactFace, l: &[f64]) -> [[f64; 3]; 2] {
         let units = &self.model.plan.units;
         let unit = units.coordinate_scale * units.length;
         let (_, slopes) = shapes(l, slopes_of_hats(l), self.pairs);
@@ -118,9 +91,11 @@ impl Faces<'_, '_> {
             for (&node, slope) in face.nodes.iter().zip(&slopes) {
                 tangent = add(tangent, scale(slope[axis], self.nodal[node as usize]));
             }
-            let edges: Vec<f64> = edges.iter().map(|slope| slope[axis]).collect();
-            let off = curved.map_or([0.0; 3], |curved| curved.off(&edges)[0]);
-            add(tangent, scale(units.length, off))
+            let offsets = face.curve.iter().flat_map(|curve| curve.offsets);
+            let bent = edges.iter().zip(offsets);
+            bent.fold(tangent, |sum, (slope, offset)| {
+                add(sum, scale(slope[axis] * units.length, offset))
+            })
         })
     }
 }

@@ -2,11 +2,14 @@
 //!
 //! ```text
 //! grad u = sum_a u_a (x) grad N_a,   about the axis (grad u)_33 = u_x / x
+//! grad N = F0^-T grad_straight N,   F0 = I + sum o_e (x) grad_straight N_e
 //! ```
+//!
+//! o_e the offsets of its edges.
 
 use super::shapes;
 use crate::geometry::tensor::Tensor;
-use crate::geometry::vector3::{cross, scale, sub};
+use crate::geometry::vector3::{add, cross, dot, scale, sub};
 use crate::mesh::barycentric_gradients;
 use crate::model::Model;
 use crate::scene::SceneKind;
@@ -40,6 +43,8 @@ pub(crate) struct Cell {
     /// Of its vertices, then of its edges.
     pub(crate) nodes: Vec<usize>,
     pairs: &'static [(usize, usize)],
+    /// Offsets of its edges.
+    offsets: [[f64; 3]; 6],
     /// What the section stands for.
     kind: SceneKind,
 }
@@ -52,8 +57,10 @@ pub(crate) struct Point {
     values: Vec<f64>,
     /// Their gradients `[nodes, 3]`.
     slopes: Vec<[f64; 3]>,
-    /// x of the undeformed point.
-    pub(crate) radius: f64,
+    /// The undeformed point.
+    pub(crate) place: [f64; 3],
+    /// Its volume over that of the straight cell.
+    pub(crate) measure: f64,
 }
 
 impl Cell {
@@ -78,13 +85,33 @@ impl Cell {
                 .chain(edge_nodes)
                 .collect(),
             pairs,
+            offsets: model
+                .mesh
+                .offsets_of_cell(cell)
+                .unwrap_or_default()
+                .map(|o| o.map(|x| x * scale)),
             kind: model.plan.resolved.kind,
         }
     }
 
     /// Shape functions and gradient at barycentric coordinates `l`.
     pub(crate) fn point(&self, l: &[f64], nodal: &[[f64; 3]]) -> Point {
-        let (values, slopes) = shapes(l, &self.gradients[..self.vertices], self.pairs);
+        let (values, mut slopes) = shapes(l, &self.gradients[..self.vertices], self.pairs);
+        let bent = self.offsets.iter().zip(&slopes[self.vertices..]);
+        let mut base = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        for (offset, slope) in bent {
+            (0..3).for_each(|i| (0..3).for_each(|j| base[i][j] += offset[i] * slope[j]));
+        }
+        // Rows are J F0^-T.
+        let across = [
+            cross(base[1], base[2]),
+            cross(base[2], base[0]),
+            cross(base[0], base[1]),
+        ];
+        let measure = dot(base[0], across[0]);
+        for slope in &mut slopes {
+            *slope = across.map(|row| dot(row, *slope) / measure);
+        }
         let mut gradient = [[0.0; 3]; 3];
         let mut along = 0.0;
         for (&node, (value, slope)) in self.nodes.iter().zip(values.iter().zip(&slopes)) {
@@ -95,7 +122,14 @@ impl Cell {
                 }
             }
         }
-        let radius = l.iter().zip(&self.corners).map(|(l, x)| l * x[0]).sum();
+        let mut place = [0.0; 3];
+        for (l, corner) in l.iter().zip(&self.corners) {
+            place = add(place, scale(*l, *corner));
+        }
+        for (value, offset) in values[self.vertices..].iter().zip(&self.offsets) {
+            place = add(place, scale(*value, *offset));
+        }
+        let radius = place[0];
         if self.kind == SceneKind::Axisymmetric {
             // On the axis the strains across it are equal.
             gradient[2][2] = match radius > 0.0 {
@@ -107,7 +141,8 @@ impl Cell {
             gradient,
             values,
             slopes,
-            radius,
+            place,
+            measure,
         }
     }
 }
@@ -129,7 +164,7 @@ impl Point {
             }
         }
         if cell.kind == SceneKind::Axisymmetric {
-            let hoop = weight * stress[2][2] / self.radius;
+            let hoop = weight * stress[2][2] / self.place[0];
             let values = cell.nodes.iter().zip(&self.values);
             values.for_each(|(&node, value)| force[node][0] -= hoop * value);
         }

@@ -9,11 +9,11 @@
 
 use std::f64::consts::TAU;
 
-use super::curved::Curved;
 use super::{shapes, turn};
 use crate::contact::{ContactFace, Counterpart};
 use crate::element::quadrature::{Rule, Simplex, rule};
-use crate::geometry::vector3::add;
+use crate::geometry::vector3::{add, cross, norm, sub};
+use crate::mesh::CurvedFacet;
 use crate::model::Model;
 use crate::model::state::State;
 use crate::obstacle::{Contact, What};
@@ -92,17 +92,14 @@ impl<'a, 'm> Faces<'a, 'm> {
         (gap, force): (&mut [f64], &mut [[f64; 3]]),
     ) {
         let units = &self.model.plan.units;
-        let curved = Curved::of(face, self.moved(face));
         for (point, weight) in self.rule.points.iter().zip(&self.rule.weights) {
             let l = &point[..units.dimension];
             let (values, _) = shapes(l, &[], self.pairs);
-            let edges = &values[l.len()..];
-            let (x, radius) = self.place((face, curved.as_ref()), l, &values);
-            let deformed =
-                (self.model.is_rubber()).then(|| self.area((face, curved.as_ref()), l, x[0]));
+            let (x, radius) = self.place(face, l, &values);
+            let deformed = (self.model.is_rubber()).then(|| self.area(face, l, x[0]));
             let area = match &deformed {
                 Some(deformed) => deformed.size,
-                None => self.measure((face, curved.as_ref()), l) * turn(self.model, radius),
+                None => self.measure(face, l) * turn(self.model, radius),
             };
             let mut contact = [Contact::default()];
             met.probe_on(
@@ -126,39 +123,20 @@ impl<'a, 'm> Faces<'a, 'm> {
             if let Some(deformed) = &deformed {
                 let change = weight * local * contact.distance * units.length;
                 let at = (l, deformed, change);
-                self.add_change((face, curved.as_ref()), at, force);
-            }
-            let Some(curved) = &curved else {
-                continue;
-            };
-            let push = contact.normal.map(|n| weight * area * local * n);
-            for (corner, &vertex) in face.corners.iter().enumerate() {
-                let pull = curved.pull(edges, corner, push);
-                (0..3).for_each(|i| force[vertex as usize][i] += pull[i]);
+                self.add_change(face, at, force);
             }
         }
     }
 
-    /// Displacements of the corners in lengths of the scaled body `[3][3]`.
-    pub(super) fn moved(&self, face: &ContactFace) -> [[f64; 3]; 3] {
-        let length = self.model.plan.units.length;
-        let at = |v: &u32| self.nodal[*v as usize].map(|x| x / length);
-        [0, 1, 2].map(|corner| face.corners.get(corner).map_or([0.0; 3], at))
-    }
-
     /// Area or, where the way around is that of each point, length.
-    pub(super) fn measure(
-        &self,
-        (face, curved): (&ContactFace, Option<&Curved<'_>>),
-        l: &[f64],
-    ) -> f64 {
+    pub(super) fn measure(&self, face: &ContactFace, l: &[f64]) -> f64 {
         let units = &self.model.plan.units;
-        if let Some(curved) = curved {
+        if let Some(curve) = &face.curve {
             let unit = match units.dimension {
                 2 => units.length,
                 _ => units.area(),
             };
-            return curved.measure(l) * unit;
+            return curved_measure(curve, l) * unit;
         }
         match face.radii {
             None => face.area * units.area(),
@@ -168,12 +146,7 @@ impl<'a, 'm> Faces<'a, 'm> {
 
     /// The displaced point with coordinates `l`, and the undeformed radius; `values`
     /// are those of the shape functions.
-    pub(super) fn place(
-        &self,
-        (face, curved): (&ContactFace, Option<&Curved<'_>>),
-        l: &[f64],
-        values: &[f64],
-    ) -> ([f64; 3], f64) {
+    pub(super) fn place(&self, face: &ContactFace, l: &[f64], values: &[f64]) -> ([f64; 3], f64) {
         let units = &self.model.plan.units;
         let scale = units.coordinate_scale * units.length;
         let mut x = [0.0; 3];
@@ -181,17 +154,33 @@ impl<'a, 'm> Faces<'a, 'm> {
             let corner = self.model.mesh.coordinates()[vertex as usize];
             (0..3).for_each(|i| x[i] += l * corner[i] * scale);
         }
-        let edges = &values[l.len()..];
-        let mut radius = x[0];
-        if let Some(curved) = curved {
-            let [off, at_rest] = curved.off(edges).map(|off| off.map(|x| x * units.length));
-            radius += at_rest[0];
-            x = add(x, off);
+        let offsets = face.curve.iter().flat_map(|curve| curve.offsets);
+        for (value, offset) in values[l.len()..].iter().zip(offsets) {
+            x = add(x, offset.map(|o| value * o * units.length));
         }
+        let radius = x[0];
         for (&node, shape) in face.nodes.iter().zip(values) {
             (0..3).for_each(|i| x[i] += shape * self.nodal[node as usize][i]);
         }
         (x, radius)
+    }
+}
+
+/// Area (length in 2D) per weight of a rule at `l`, undeformed, without any turn: by central
+/// differences of the position, which is quadratic.
+fn curved_measure(curve: &CurvedFacet, l: &[f64]) -> f64 {
+    let along = |end: usize| {
+        let moved = |by: f64| {
+            let mut l = l.to_vec();
+            l[0] -= by;
+            l[end] += by;
+            curve.position(&l)
+        };
+        sub(moved(0.5), moved(-0.5))
+    };
+    match l.len() {
+        2 => norm(along(1)),
+        _ => 0.5 * norm(cross(along(1), along(2))),
     }
 }
 

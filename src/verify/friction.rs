@@ -11,7 +11,6 @@
 use std::ops::Range;
 
 use super::contact::{Faces, pressure_functions};
-use super::curved::Curved;
 use super::{nodal_displacement, shapes, turn};
 use crate::contact::ContactFace;
 use crate::geometry::vector3::{add, dot, scale, sub};
@@ -164,12 +163,10 @@ impl Slide<'_, '_, '_> {
     ) {
         let faces = self.faces;
         let units = &faces.model.plan.units;
-        let curved = Curved::of(face, faces.moved(face));
         for (point, weight) in faces.rule.points.iter().zip(&faces.rule.weights) {
             let l = &point[..units.dimension];
             let (values, _) = shapes(l, &[], faces.pairs);
-            // Curved faces slip as their chords do.
-            let (x, radius) = faces.place((face, None), l, &values);
+            let (x, radius) = faces.place(face, l, &values);
             let moved = |nodal: &[[f64; 3]]| -> [f64; 3] {
                 let parts = face.nodes.iter().zip(&values);
                 parts.fold([0.0; 3], |sum, (&node, shape)| {
@@ -180,11 +177,8 @@ impl Slide<'_, '_, '_> {
             let carried = self.carried(start.map(|x| x / units.length));
             let travel = sub(x, carried.map(|x| x * units.length));
             let area = match faces.model.is_rubber() {
-                true => {
-                    let (at, _) = faces.place((face, curved.as_ref()), l, &values);
-                    faces.area((face, curved.as_ref()), l, at[0]).size
-                }
-                false => faces.measure((face, curved.as_ref()), l) * turn(faces.model, radius),
+                true => faces.area(face, l, x[0]).size,
+                false => faces.measure(face, l) * turn(faces.model, radius),
             };
             let functions = pressure_functions(l, faces.pairs, face.functions.len());
             let mut traction = [0.0; 3];

@@ -6,6 +6,7 @@ use super::pressures::Pushed;
 use super::{shapes, turn};
 use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::geometry::vector3::{add, norm, scale};
+use crate::mesh::CurvedFacet;
 use crate::model::Model;
 use crate::model::given::Given;
 use crate::model::state::State;
@@ -17,6 +18,8 @@ const CONSTANT_DEGREE: u32 = 4;
 const ANALYTIC_DEGREE: u32 = 8;
 /// Degree of the rule for values of other codes, at every radius.
 const VALUES_DEGREE: u32 = 6;
+/// Degree of the rule where the measure of cells and facets varies.
+const CURVED_DEGREE: u32 = 6;
 /// Exact for cof F N times quadratic functions, at every radius.
 const PRESSURE_DEGREE: u32 = 5;
 
@@ -30,6 +33,7 @@ pub(crate) fn external_load(model: &Model<'_>, state: &State, nodal: &[[f64; 3]]
             .settings
             .quadrature_degree
             .unwrap_or(ANALYTIC_DEGREE),
+        None if !model.mesh.edge_offsets().is_empty() => CURVED_DEGREE,
         None if state.drive.given.is_unloaded() => CONSTANT_DEGREE,
         None => VALUES_DEGREE,
     };
@@ -66,14 +70,6 @@ fn shear_modulus(model: &Model<'_>, cell: usize) -> f64 {
     model.plan.resolved.materials[material].law.shear_modulus
 }
 
-fn point_at(corners: &[[f64; 3]], l: &[f64]) -> [f64; 3] {
-    let mut x = [0.0; 3];
-    for (corner, l) in corners.iter().zip(l) {
-        (0..3).for_each(|i| x[i] += l * corner[i]);
-    }
-    x
-}
-
 /// Loads by one rule, as they are added to forces `[nodes, 3]`.
 struct Integral<'a, 'm> {
     model: &'a Model<'m>,
@@ -94,15 +90,25 @@ fn given_at(spread: Option<&Spread>, part: u32, nodes: &[u32], shapes: &[f64]) -
     value
 }
 
+/// A point of a region, in the caller's units.
+struct Place {
+    position: [f64; 3],
+    /// Unit normal of a facet.
+    normal: [f64; 3],
+    /// Volume, area or length per weight of a rule.
+    measure: f64,
+}
+
 /// A cell or facet in the caller's units.
 struct Region<'a> {
     /// What another code gives there, by the number of the region.
     given: (Option<&'a Spread>, u32),
     /// Vertices, then edges.
     nodes: &'a [u32],
-    corners: &'a [[f64; 3]],
-    /// Volume, area or length.
-    measure: f64,
+    /// Corners.
+    corners: usize,
+    /// Position, normal and measure at a point.
+    at: &'a dyn Fn(&[f64]) -> Place,
     /// Ends of its edges.
     pairs: &'a [(usize, usize)],
 }
@@ -116,7 +122,7 @@ impl Integral<'_, '_> {
         for cell in 0..model.mesh.cell_count() {
             let vertices = model.mesh.cell(cell);
             let measure = kind.signed_measure(&model.mesh.corners(cell).map(|x| scale(factor, x)));
-            let density = |x: [f64; 3]| match &model.plan.resolved.manufactured {
+            let density = |x: [f64; 3], _: [f64; 3]| match &model.plan.resolved.manufactured {
                 Some(field) => field.body_force(x, shear_modulus(model, cell)),
                 None => model.plan.resolved.body_force,
             };
@@ -125,11 +131,17 @@ impl Integral<'_, '_> {
                 .iter()
                 .map(|&e| e + model.prepared.space.vertices as u32);
             let nodes: Vec<u32> = vertices.iter().copied().chain(edge_nodes).collect();
+            let curves = &model.prepared.geometry.curves;
+            let at = |l: &[f64]| Place {
+                position: scale(factor, model.mesh.position_in(cell, l)),
+                normal: [0.0; 3],
+                measure: measure * curves.measure(cell, l),
+            };
             let region = Region {
                 given: (self.given.body_force.first(), cell as u32),
                 nodes: &nodes,
-                corners: &positions(model, vertices),
-                measure,
+                corners: vertices.len(),
+                at: &at,
                 pairs,
             };
             self.add(&region, &density, force);
@@ -163,36 +175,51 @@ impl Integral<'_, '_> {
         traction: &dyn Fn([f64; 3], [f64; 3]) -> [f64; 3],
         force: &mut [[f64; 3]],
     ) {
-        let corners = positions(self.model, vertices);
+        let model = self.model;
+        let corners = positions(model, vertices);
         let (area_vector, pairs) = facet_area(&corners);
-        let area = norm(area_vector);
-        let normal = scale(1.0 / area, area_vector);
+        let factor = model.plan.units.coordinate_scale * model.plan.units.length;
+        let flat = CurvedFacet {
+            corners: [0, 1, 2].map(|v| corners.get(v).copied().unwrap_or_default()),
+            offsets: [[0.0; 3]; 3],
+        };
+        let curve = CurvedFacet::of(model.mesh, factor, vertices);
+        let at = |l: &[f64]| {
+            let area = curve
+                .as_ref()
+                .map_or(area_vector, |curve| curve.area_vector(l));
+            Place {
+                position: curve.as_ref().unwrap_or(&flat).position(l),
+                normal: scale(1.0 / norm(area), area),
+                measure: norm(area),
+            }
+        };
         let region = Region {
             given: (given, facet),
-            nodes: &self.model.prepared.space.facet_nodes(vertices),
-            corners: &corners,
-            measure: area,
+            nodes: &model.prepared.space.facet_nodes(vertices),
+            corners: vertices.len(),
+            at: &at,
             pairs,
         };
-        self.add(&region, &|x| traction(x, normal), force);
+        self.add(&region, traction, force);
     }
 
     fn add(
         &self,
         region: &Region<'_>,
-        density: &dyn Fn([f64; 3]) -> [f64; 3],
+        density: &dyn Fn([f64; 3], [f64; 3]) -> [f64; 3],
         force: &mut [[f64; 3]],
     ) {
         for (point, weight) in self.rule.points.iter().zip(&self.rule.weights) {
-            let l = &point[..region.corners.len()];
-            let place = point_at(region.corners, l);
+            let l = &point[..region.corners];
+            let place = (region.at)(l);
             let (values, _) = shapes(l, &[], region.pairs);
             let (spread, part) = region.given;
             let value = add(
-                density(place),
+                density(place.position, place.normal),
                 given_at(spread, part, region.nodes, &values),
             );
-            let weight = weight * region.measure * turn(self.model, place[0]);
+            let weight = weight * place.measure * turn(self.model, place.position[0]);
             for (&node, shape) in region.nodes.iter().zip(&values) {
                 for i in 0..3 {
                     force[node as usize][i] += weight * shape * value[i];

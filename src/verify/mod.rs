@@ -7,7 +7,6 @@
 mod area;
 mod cell;
 mod contact;
-mod curved;
 mod friction;
 mod loads;
 mod pressures;

@@ -10,6 +10,7 @@ use super::rubber::Deformed;
 use super::{shapes, turn};
 use crate::element::quadrature::Rule;
 use crate::geometry::vector3::dot;
+use crate::mesh::CurvedFacet;
 use crate::model::Model;
 
 /// A body under pressures, deformed by the Lagrange displacement `nodal` `[nodes, 3]`.
@@ -36,17 +37,19 @@ impl Pushed<'_, '_> {
         let model = self.model;
         let vertices = model.mesh.facet(facet);
         let corners = positions(model, vertices);
-        let (area, pairs) = facet_area(&corners);
+        let (flat, pairs) = facet_area(&corners);
+        let factor = model.plan.units.coordinate_scale * model.plan.units.length;
+        let curve = CurvedFacet::of(model.mesh, factor, vertices);
         let (number, _) = model.mesh.facet_cell(facet);
         let cell = Cell::new(model, number);
         let nodes = model.prepared.space.facet_nodes(vertices);
         for (l, weight) in self.rule.points.iter().zip(&self.rule.weights) {
             let l = &l[..vertices.len()];
             let in_cell = barycentric(model.mesh.cell(number), vertices, l);
-            let gradient = cell.point(&in_cell[..=vertices.len()], self.nodal).gradient;
-            let cofactor = Deformed::new(&gradient).cofactor;
-            let radius = l.iter().zip(&corners).map(|(l, x)| l * x[0]).sum();
-            let factor = -pressure * weight * turn(model, radius);
+            let point = cell.point(&in_cell[..=vertices.len()], self.nodal);
+            let cofactor = Deformed::new(&point.gradient).cofactor;
+            let area = curve.as_ref().map_or(flat, |curve| curve.area_vector(l));
+            let factor = -pressure * weight * turn(model, point.place[0]);
             let push = cofactor.map(|row| factor * dot(row, area));
             let (values, _) = shapes(l, &[], pairs);
             for (&node, shape) in nodes.iter().zip(&values) {

@@ -105,7 +105,7 @@ impl Body<'_, '_> {
         let material = &model.plan.resolved.materials[material];
         for (l, weight) in self.rule.points.iter().zip(&self.rule.weights) {
             let point = cell.point(&l[..vertices.len()], self.nodal);
-            let weight = weight * measure * turn(model, point.radius);
+            let weight = weight * measure * point.measure * turn(model, point.place[0]);
             let pressure = self.pressure(vertices, l);
             let (stress, defect) = self.response(material, &point.gradient, pressure);
             if pressure.is_some() {

@@ -102,7 +102,7 @@ impl Body {
         let probes = Probes::new(&self.mesh, &self.space);
         let lower = lower_columns(&self.stiffness(&probes), &self.held);
         let nodes = 0..self.space.nodes() as u32;
-        let places = nodes.map(|node| self.space.node_place(self.mesh.coordinates(), node));
+        let places = nodes.map(|node| self.space.node_place(&self.mesh, node));
         let places: Vec<[f64; 3]> = places.collect();
         let c = self.space.components as u32;
         let order = nested_dissection(&places, &probes.near, &[]);
@@ -167,7 +167,7 @@ impl Body {
 fn held(mesh: &Mesh, space: &TaylorHood) -> Vec<bool> {
     let c = space.components;
     let of_node = |node: u32| {
-        let place = space.node_place(mesh.coordinates(), node);
+        let place = space.node_place(mesh, node);
         (0..c).map(move |axis| {
             let is_lid = axis == c - 1 && place[axis] > 0.5;
             !is_lid && (place[axis] - 0.5).abs() > 0.5 - 1e-12
@@ -223,7 +223,7 @@ fn coefficients(
     node: u32,
     basis: &'static dyn ContactBasis,
 ) -> Vec<f64> {
-    let place = |node: u32| fine.space.node_place(fine.mesh.coordinates(), node);
+    let place = |node: u32| fine.space.node_place(&fine.mesh, node);
     let at_node = coarse.values(place(node), basis);
     let Some(edge) = (node as usize).checked_sub(fine.space.vertices) else {
         return at_node;

@@ -91,13 +91,29 @@ fn a_ring_on_a_shaft_bears_the_exact_pressure_to_order_four() {
     }
 }
 
+/// u = A / r stores 3 pi mu A^2 / 8 in a quarter of the ring; straight cells miss it by order two.
+#[test]
+fn a_ring_of_second_order_stores_the_exact_energy_to_order_four() {
+    let energy = |mesh: &Arc<Mesh>| {
+        let report = solve_one(&shrink_fit(0.05), &Step::default(), mesh);
+        report.strain_energy / (0.375 * PI * 0.05 * 0.05) - 1.0
+    };
+    let [coarse, fine] = [32, 64].map(|facets| {
+        let [straight, round] = ring(facets);
+        assert!(energy(&straight).abs() > 30.0 * energy(&round).abs());
+        energy(&round).abs()
+    });
+    assert!(coarse < 1e-3 && fine < coarse / 12.0, "{coarse} {fine}");
+}
+
 #[test]
 fn arcs_fitted_to_the_normals_bear_the_same_pressure() {
     for interference in [0.05, 0.005] {
         let [straight, _] = ring(32);
         let scene = smooth(shrink_fit(interference));
         let (error, geometry) = pressure_error(&scene, &straight, interference);
-        assert!(error < 8e-4 && geometry.is_none(), "{error}");
+        // The outer side stays a polygon, 0.6 % smaller than its circle.
+        assert!(error < 2.5e-3 && geometry.is_none(), "{error}");
     }
 }
 

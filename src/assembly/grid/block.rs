@@ -4,7 +4,8 @@ use super::{Basis, Rows};
 use crate::assembly::cells::{CellGeometry, CellModuli};
 use crate::assembly::kernel::{Batch, PRESSURE, edge_factor};
 use crate::assembly::lanes::{Lanes, WIDTH};
-use crate::assembly::simd;
+use crate::assembly::simd::{self, InstructionSet};
+use crate::assembly::strain::{Curve, CurvedPass, Terms};
 use crate::assembly::transpose::Row;
 use crate::linalg::Scalar;
 use crate::mesh::Mesh;
@@ -24,6 +25,8 @@ pub(in crate::assembly) struct Block<const V: usize, const D: usize, const E: us
     /// Local node and component of held entries.
     held: Vec<(u16, u8)>,
     pub(super) batches: Vec<Batch<V, D, E>>,
+    /// Curved edges of the last batches.
+    pub(super) curves: Vec<Curve<V, D, E>>,
 }
 
 /// What the blocks of a mesh are made from.
@@ -71,6 +74,7 @@ impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
             held: held_of(&nodes, source.held, D as u32),
             vertices,
             edge_ends,
+            curves: curves_of(cells, source.geometry),
             batches,
             nodes,
         }
@@ -78,7 +82,30 @@ impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
 
     pub(super) fn bytes(&self) -> usize {
         size_of::<Batch<V, D, E>>() * self.batches.len()
+            + size_of::<Curve<V, D, E>>() * self.curves.len()
             + 4 * (self.nodes.len() + self.edge_ends.len() + self.held.len())
+    }
+
+    /// The batches without curved edges.
+    pub(super) fn straight(&self) -> &[Batch<V, D, E>] {
+        &self.batches[..self.batches.len() - self.curves.len()]
+    }
+
+    /// The products of the cells with curved edges, added to `y`.
+    pub(super) fn add_curved(
+        &self,
+        (set, terms): (InstructionSet, Terms),
+        x: &[Row],
+        y: &mut [Row],
+    ) {
+        let straight = self.straight().len();
+        let pass = CurvedPass {
+            batches: &self.batches[straight..],
+            curves: &self.curves,
+            x,
+            y,
+        };
+        pass.run(set, terms);
     }
 
     /// Displacements of the block's nodes in its own rows.
@@ -153,6 +180,21 @@ impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
             }
         }
         self.mask(rows, y);
+    }
+}
+
+/// Curved edges of the batches of `cells`, from the first that has any.
+fn curves_of<const V: usize, const D: usize, const E: usize>(
+    cells: &[u32],
+    geometry: &CellGeometry,
+) -> Vec<Curve<V, D, E>> {
+    let of = |cell: &u32| geometry.curves.of(*cell as usize);
+    let straight = cells.partition_point(|cell| of(cell).is_none()) / WIDTH;
+    let batches = cells.chunks(WIDTH).skip(straight);
+    let curve = |cells: &[u32]| Curve::new(std::array::from_fn(|lane| of(cells.get(lane)?)));
+    match cells.iter().rev().take(1).any(|cell| of(cell).is_some()) {
+        true => batches.map(curve).collect(),
+        false => Vec::new(),
     }
 }
 

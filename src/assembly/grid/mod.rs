@@ -17,6 +17,7 @@ use rayon::prelude::*;
 use super::kernel::{Batch, PRESSURE};
 use super::partition::blocks_of_cells;
 use super::simd::{self, InstructionSet};
+use super::strain::{Curve, Terms};
 use super::transpose::Row;
 use crate::linalg::{Scalar, Workspace};
 pub(super) use block::Block;
@@ -58,7 +59,7 @@ pub enum Rows {
 pub enum VolumeTerm {
     /// That of the displacement block.
     Own,
-    /// That of its approximate inverse.
+    /// That of its approximate inverse, on straight cells.
     Augmented,
 }
 
@@ -258,7 +259,10 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
             },
             |_, block, x, y| {
                 match volume {
-                    VolumeTerm::Own => simd::stiffness(self.instructions, &block.batches, x, y),
+                    VolumeTerm::Own => {
+                        simd::stiffness(self.instructions, block.straight(), x, y);
+                        block.add_curved((self.instructions, Terms::Saddle), x, y);
+                    }
                     VolumeTerm::Augmented => {
                         simd::augmented_stiffness(self.instructions, &block.batches, x, y);
                     }
@@ -280,7 +284,8 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
             work,
             |block, p_rows| block.gather_pressure(p, p_rows),
             |_, block, p, y| {
-                simd::divergence_transposed(self.instructions, &block.batches, p, y);
+                simd::divergence_transposed(self.instructions, block.straight(), p, y);
+                block.add_curved((self.instructions, Terms::Pressure), p, y);
                 block.finish_result(Basis::Hierarchical, Rows::Free, y);
             },
             |local| {
@@ -297,7 +302,10 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
                 block.gather_displacement(x, x_rows);
                 block.prepare_argument(Basis::Hierarchical, rows, x_rows);
             },
-            |_, block, x, r| simd::divergence(self.instructions, &block.batches, x, r),
+            |_, block, x, r| {
+                simd::divergence(self.instructions, block.straight(), x, r);
+                block.add_curved((self.instructions, Terms::Saddle), x, r);
+            },
             |local| self.copies.sum::<1, f64>(local, r, set_pressure),
         );
     }
@@ -307,7 +315,8 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
             work,
             |block, p_rows| block.gather_pressure(p, p_rows),
             |_, block, p, y| {
-                simd::divergence_transposed(self.instructions, &block.batches, p, y);
+                simd::divergence_transposed(self.instructions, block.straight(), p, y);
+                block.add_curved((self.instructions, Terms::Pressure), p, y);
                 block.finish_result(Basis::Hierarchical, rows, y);
             },
             |local| self.copies.sum::<D, f64>(local, y, set_displacement),
@@ -328,7 +337,8 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
                 block.gather_pressure(p, x_rows);
             },
             |_, block, x, y| {
-                simd::saddle(self.instructions, &block.batches, x, y);
+                simd::saddle(self.instructions, block.straight(), x, y);
+                block.add_curved((self.instructions, Terms::Saddle), x, y);
                 block.finish_result(Basis::Hierarchical, Rows::Free, y);
             },
             |local| {
@@ -336,6 +346,11 @@ impl<const V: usize, const D: usize, const E: usize> CellGrid<V, D, E> {
                 self.copies.sum::<1, f64>(local, r, set_pressure);
             },
         );
+    }
+
+    /// Curved edges of the last batches of a block.
+    pub(super) fn curves(&self, block: usize) -> &[Curve<V, D, E>] {
+        &self.blocks[block].curves
     }
 
     /// Batches of a block.

@@ -2,14 +2,17 @@
 //! strain field.
 //!
 //! Strains are `[xx, yy, xy]` or `[xx, yy, zz, xy, yz, zx]`, tensor components.
-//! eps(u_h) is linear in a cell: its values at the corners tell all.
+//! eps(u_h) is linear in a straight cell: its values at the corners tell all. In a curved one they
+//! stand for it.
 
 use rayon::prelude::*;
 
 use super::Recovery;
 use super::fit::Quadratic;
 use crate::assembly::load::shape_values;
+use crate::element::curved_cell::CurvedCell;
 use crate::element::quadrature::{Simplex, rule};
+use crate::geometry::Matrix3;
 
 /// Strains at the nodes of a cell: corners, then edge midpoints.
 pub(super) struct NodeStrains<const V: usize, const E: usize, const S: usize> {
@@ -70,7 +73,12 @@ impl<'a, const D: usize, const V: usize, const E: usize, const S: usize> Cells<'
             add_product(&mut corners[a], 4.0, correction, &gradients[b]);
             add_product(&mut corners[b], 4.0, correction, &gradients[a]);
         }
-        corners.map(|gradient| symmetric_part(&gradient))
+        let curved = problem.geometry.curves.of(cell);
+        let maps = curved.map(|curved| corner_maps::<V>(curved));
+        std::array::from_fn(|a| match &maps {
+            Some(maps) => symmetric_part(&on_curved(&corners[a], &maps[a])),
+            None => symmetric_part(&corners[a]),
+        })
     }
 
     /// Calls `visit` with position and strain at points in barycentric
@@ -141,6 +149,20 @@ impl<'a, const D: usize, const V: usize, const E: usize, const S: usize> Cells<'
         }
         out
     }
+}
+
+/// F0^-1 at the corners of a cell.
+fn corner_maps<const V: usize>(curved: &CurvedCell) -> [Matrix3; V] {
+    std::array::from_fn(|a| {
+        let mut at = [0.0; V];
+        at[a] = 1.0;
+        curved.map(&at).inverse
+    })
+}
+
+/// A gradient on the straight cell as one on the curved one.
+fn on_curved<const D: usize>(straight: &[[f64; D]; D], inverse: &Matrix3) -> [[f64; D]; D] {
+    straight.map(|row| std::array::from_fn(|j| (0..D).map(|k| row[k] * inverse[k][j]).sum()))
 }
 
 fn add_product<const D: usize>(

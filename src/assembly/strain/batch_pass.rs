@@ -26,8 +26,7 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for RespondPass<'
         let zero = Pack::splat(simd, 0.0);
         let mut least: f64 = f64::INFINITY;
         let mut energy = 0.0;
-        let cells = self.cells.batches.iter().zip(self.cells.laws);
-        for (index, (batch, law)) in cells.enumerate() {
+        for (index, law) in self.cells.laws.iter().enumerate() {
             let mut energies = <Lanes>::zero();
             BatchRun {
                 simd,
@@ -37,7 +36,7 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for RespondPass<'
                 y: &mut *self.y,
             }
             .run(
-                (batch, self.cells.radii(index)),
+                self.cells.at(index),
                 &mut element,
                 |part, _, vertices| Respond {
                     law: law.load(simd, part),
@@ -77,8 +76,7 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for LinearisePass
     fn run<S: Simd, T: Transpose>(self, simd: S, transpose: T) {
         let mut element = Element::zero();
         let states = self.states.chunks_exact_mut(self.cells.stride);
-        let cells = self.cells.batches.iter().zip(self.cells.laws);
-        for (index, ((batch, law), state)) in cells.zip(states).enumerate() {
+        for (index, (law, state)) in self.cells.laws.iter().zip(states).enumerate() {
             let (fields, rest) = state.split_at_mut(V * D * D + V);
             let (roots, rest) = rest.split_at_mut(self.cells.rule.len());
             let (hoops, tangents) = rest.split_at_mut(self.cells.hoops);
@@ -93,7 +91,7 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for LinearisePass
                 y: &mut *self.y,
             }
             .run(
-                (batch, self.cells.radii(index)),
+                self.cells.at(index),
                 &mut element,
                 |part, gradients, vertices| {
                     for (j, gradient) in gradients.iter().enumerate() {
@@ -140,14 +138,14 @@ macro_rules! frozen_pass {
                 let mut element = Element::zero();
                 let (stride, points) = (self.cells.stride, self.cells.rule.len());
                 let hoops = self.cells.hoops;
-                let cells = self.cells.batches.iter().zip(self.cells.laws);
-                for (index, ((batch, law), state)) in
-                    cells.zip(self.states.chunks_exact(stride)).enumerate()
+                let laws = self.cells.laws.iter();
+                for (index, (law, state)) in
+                    laws.zip(self.states.chunks_exact(stride)).enumerate()
                 {
                     prefetch_at(self.cells.batches, index + 1);
                     let state = BatchState::<V, D>(state);
                     BatchRun { simd, transpose, rule: self.cells.rule, x: self.x, y: &mut *self.y }.run(
-(batch, self.cells.radii(index)),
+self.cells.at(index),
 &mut element,
                         |part, _, vertices| {
                             let frozen = Frozen {

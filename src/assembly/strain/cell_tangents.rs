@@ -16,7 +16,7 @@ use super::cells::CellLaws;
 use crate::assembly::CellGeometry;
 use crate::assembly::kernel::SYMMETRIC_ENTRIES;
 use crate::assembly::p1_stiffness::{Block, CellStiffness};
-use crate::geometry::tensor::{Tensor, cross, volume_change};
+use crate::geometry::tensor::{Tensor, cross, product, volume_change};
 use crate::material::{Deformation, Rubber};
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
@@ -94,6 +94,10 @@ impl CellStates<'_> {
             let node = self.space.vertices + edge as usize;
             add(node, 4.0 * hat, &g[a]);
             add(node, 4.0 * hat, &g[b]);
+        }
+        let centroid = [1.0 / g.len() as f64; 4];
+        if let Some(map) = self.geometry.curves.map(cell, &centroid[..g.len()]) {
+            out = product(&out, &map.inverse);
         }
         if let Some(radius) = self.geometry.radii.get(cell) {
             let at = |node: usize| self.displacement[node * c];

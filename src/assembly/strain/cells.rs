@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use super::bend::Curve;
+use super::kernel::BatchCells;
 use super::laws::VolumeTerm;
 use super::stretches::{Stretches, TANGENT};
-use crate::assembly::grid::Grid;
+use crate::assembly::grid::{CellGrid, Grid};
 use crate::assembly::kernel::Batch;
 use crate::assembly::lanes::{Lanes, Pack, WIDTH};
 use crate::assembly::partition::blocks_of_cells;
@@ -288,7 +290,7 @@ impl<'a, const V: usize, const D: usize> BatchState<'a, V, D> {
         &self,
         simd: S,
         part: usize,
-    ) -> super::kernel::VertexGradients<S, V, D> {
+    ) -> super::points::VertexGradients<S, V, D> {
         let mut out = [[[Pack::splat(simd, 0.0); D]; D]; V];
         for (j, gradient) in out.iter_mut().enumerate() {
             for i in 0..D {
@@ -320,6 +322,8 @@ pub(super) struct Batches<'a, const V: usize, const D: usize, const E: usize> {
     pub(super) stride: usize,
     /// Of the vertices, batch by batch, or empty.
     radii: &'a [Lanes],
+    /// Of the last batches.
+    curves: &'a [Curve<V, D, E>],
     /// Points that a stretch around the axis is kept at.
     pub(super) hoops: usize,
     /// s.
@@ -328,9 +332,10 @@ pub(super) struct Batches<'a, const V: usize, const D: usize, const E: usize> {
 
 impl<'a, const V: usize, const D: usize, const E: usize> Batches<'a, V, D, E> {
     /// The block of `cells` that has `batches`.
-    pub(super) fn new(cells: &'a StrainGrid, batches: &'a [Batch<V, D, E>], block: usize) -> Self {
+    pub(super) fn new(cells: &'a StrainGrid, grid: &'a CellGrid<V, D, E>, block: usize) -> Self {
         Self {
-            batches,
+            batches: grid.batches(block),
+            curves: grid.curves(block),
             laws: &cells.laws[block],
             rule: &cells.rule,
             stride: cells.stride(),
@@ -340,12 +345,17 @@ impl<'a, const V: usize, const D: usize, const E: usize> Batches<'a, V, D, E> {
         }
     }
 
-    /// Radii of the vertices of a batch, or none.
+    /// A batch with what its cells have beside it.
     #[inline(always)]
-    pub(super) fn radii(&self, batch: usize) -> &'a [Lanes] {
-        match self.radii.is_empty() {
-            true => &[],
-            false => &self.radii[V * batch..V * (batch + 1)],
+    pub(super) fn at(&self, index: usize) -> BatchCells<'a, V, D, E> {
+        let straight = self.batches.len() - self.curves.len();
+        BatchCells {
+            batch: &self.batches[index],
+            radii: match self.radii.is_empty() {
+                true => &[],
+                false => &self.radii[V * index..V * (index + 1)],
+            },
+            curve: index.checked_sub(straight).map(|place| &self.curves[place]),
         }
     }
 }

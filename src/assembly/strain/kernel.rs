@@ -1,43 +1,49 @@
 //! One batch of elements between its nodal values and its points; equations in
-//! [`super`].
+//! [`super`], of cells with curved edges in [`super::bend`].
 
 use pulp::Simd;
 
+use super::bend::{Bend, BendAt, Curve};
+use super::points::{VertexGradients, at_point, hats};
 use super::ring::{Ring, RingForces};
-use crate::assembly::kernel::points::{Tensor as Square, Vectors, gradients, traction, zeros};
+use crate::assembly::kernel::points::{Vectors, gradients, traction, zeros};
 use crate::assembly::kernel::{
     Batch, Element, NodeLanes, PRESSURE, edge_pairs, edge_share, gather, scatter,
 };
 use crate::assembly::lanes::{Batched, Lanes, Pack};
 use crate::assembly::transpose::{Row, Transpose};
 use crate::element::quadrature::Rule;
-use crate::geometry::tensor::Tensor;
+use crate::geometry::tensor::{Tensor, product};
 
-/// grad u at the vertices.
-pub(super) type VertexGradients<S, const V: usize, const D: usize> = [Square<S, D>; V];
+/// A point of a batch.
+pub(super) struct Site<'a, S: Simd, const V: usize> {
+    /// Barycentric coordinates.
+    pub(super) hats: &'a [Pack<S>; V],
+    /// F0 of curved cells.
+    bend: Option<&'a BendAt<S>>,
+}
+
+impl<S: Simd, const V: usize> Site<'_, S, V> {
+    /// A gradient on the straight cells as one on the curved ones.
+    #[inline(always)]
+    pub(super) fn on_curved(&self, straight: Tensor<Pack<S>>) -> Tensor<Pack<S>> {
+        match self.bend {
+            Some(bend) => product(&straight, &bend.inverse),
+            None => straight,
+        }
+    }
+}
 
 /// What happens at a point: a stress follows from a displacement gradient.
 pub(super) trait PointLaw<S: Simd, const V: usize> {
-    /// `hats` are the barycentric coordinates, `weight` times volume the measure.
+    /// `weight` is the measure.
     fn stress(
         &mut self,
         point: usize,
-        hats: &[Pack<S>; V],
+        site: &Site<'_, S, V>,
         weight: Pack<S>,
         gradient: &Tensor<Pack<S>>,
     ) -> Tensor<Pack<S>>;
-}
-
-/// A plane tensor in space.
-#[inline(always)]
-pub(super) fn in_space<S: Simd, const D: usize>(simd: S, plane: &Square<S, D>) -> Tensor<Pack<S>> {
-    let mut out = [[Pack::splat(simd, 0.0); 3]; 3];
-    for i in 0..D {
-        for j in 0..D {
-            out[i][j] = plane[i][j];
-        }
-    }
-    out
 }
 
 /// Gradients at the vertices of one part of a batch.
@@ -106,59 +112,53 @@ pub(super) fn store_moments<S: Simd, const V: usize, const D: usize, const E: us
     }
 }
 
-/// sum_j lambda_j G_j.
-#[inline(always)]
-pub(super) fn at_point<S: Simd, const V: usize, const D: usize>(
-    simd: S,
-    hats: &[Pack<S>; V],
-    vertex: &VertexGradients<S, V, D>,
-) -> Tensor<Pack<S>> {
-    let mut out = zeros::<S, D, D, f64>(simd);
-    for (hat, gradient) in hats.iter().zip(vertex) {
-        for i in 0..D {
-            for j in 0..D {
-                out[i][j] = out[i][j].plus_product(*hat, gradient[i][j]);
-            }
-        }
-    }
-    in_space(simd, &out)
+/// Cells of one part of a batch.
+pub(super) struct Cells<S: Simd, const V: usize, const D: usize, const E: usize> {
+    volume: Pack<S>,
+    /// grad u at the vertices.
+    vertex: VertexGradients<S, V, D>,
+    /// About an axis.
+    ring: Option<Ring<S, V, E>>,
+    /// Curved edges.
+    bend: Option<Bend<S, V, D, E>>,
 }
 
-/// Barycentric coordinates of a point.
-#[inline(always)]
-pub(super) fn hats<S: Simd, const V: usize>(simd: S, point: &[f64; 4]) -> [Pack<S>; V] {
-    let mut out = [Pack::splat(simd, 0.0); V];
-    for (hat, value) in out.iter_mut().zip(point) {
-        *hat = Pack::splat(simd, *value);
-    }
-    out
-}
-
-/// Moments of the stresses that `law` gives where the gradients are `vertex`, and
-/// the forces of those around an axis.
+/// Moments of the stresses that `law` gives in `cells`, and the forces of those around an axis.
 #[inline(always)]
 pub(super) fn moments<S: Simd, const V: usize, const D: usize, const E: usize>(
     simd: S,
     rule: &Rule,
-    volume: Pack<S>,
-    vertex: &VertexGradients<S, V, D>,
-    ring: Option<&Ring<S, V, E>>,
+    cells: &Cells<S, V, D, E>,
     law: &mut impl PointLaw<S, V>,
 ) -> (VertexGradients<S, V, D>, RingForces<S, V, E>) {
     let mut out = [zeros::<S, D, D, f64>(simd); V];
     let mut forces = RingForces::zero(simd);
     for (index, (point, weight)) in rule.points.iter().zip(&rule.weights).enumerate() {
         let hats = hats::<S, V>(simd, point);
-        let mut weight = volume * *weight;
-        let mut gradient = at_point(simd, &hats, vertex);
-        let around = ring.map(|ring| ring.at(&hats));
+        let bend = cells.bend.as_ref().map(|bend| bend.at(simd, &hats));
+        let site = Site {
+            hats: &hats,
+            bend: bend.as_ref(),
+        };
+        let mut weight = cells.volume * *weight;
+        if let Some(bend) = &bend {
+            weight = weight * bend.measure;
+        }
+        let mut gradient = site.on_curved(at_point(simd, &hats, &cells.vertex));
+        let around = cells
+            .ring
+            .as_ref()
+            .map(|ring| ring.at(&hats, cells.bend.as_ref().map(|bend| &bend.radii)));
         if let Some(around) = &around {
             weight = weight * around.share;
             gradient[2][2] = around.hoop;
         }
-        let stress = law.stress(index, &hats, weight, &gradient);
+        let mut stress = law.stress(index, &site, weight, &gradient);
         if let Some(around) = &around {
             forces.add(around, &hats, weight, stress[2][2]);
+        }
+        if let Some(bend) = &bend {
+            stress = bend.pulled::<D>(&stress);
         }
         for (hat, moment) in hats.iter().zip(&mut out) {
             let factor = *hat * weight;
@@ -192,7 +192,7 @@ impl<S: Simd, T: Transpose> BatchRun<'_, S, T> {
     #[inline(always)]
     pub(super) fn run<L, const V: usize, const D: usize, const E: usize>(
         self,
-        (batch, radii): (&Batch<V, D, E>, &[Lanes]),
+        batch: BatchCells<'_, V, D, E>,
         element: &mut Element<V, E>,
         mut begin: impl FnMut(usize, &VertexGradients<S, V, D>, &NodeLanes<V>) -> L,
         mut end: impl FnMut(usize, L, &mut NodeLanes<V>),
@@ -206,12 +206,23 @@ impl<S: Simd, T: Transpose> BatchRun<'_, S, T> {
             x,
             y,
         } = self;
-        gather(transpose, &batch.vertices, x, &mut element.vertices);
-        gather(transpose, &batch.edges, x, &mut element.edges);
-        forces((simd, rule), (batch, radii), element, &mut begin, &mut end);
-        scatter(transpose, &batch.vertices, &element.vertices, y);
-        scatter(transpose, &batch.edges, &element.edges, y);
+        let nodes = batch.batch;
+        gather(transpose, &nodes.vertices, x, &mut element.vertices);
+        gather(transpose, &nodes.edges, x, &mut element.edges);
+        forces((simd, rule), batch, element, &mut begin, &mut end);
+        scatter(transpose, &nodes.vertices, &element.vertices, y);
+        scatter(transpose, &nodes.edges, &element.edges, y);
     }
+}
+
+/// A batch with what its cells have beside it.
+#[derive(Clone, Copy)]
+pub(super) struct BatchCells<'a, const V: usize, const D: usize, const E: usize> {
+    pub(super) batch: &'a Batch<V, D, E>,
+    /// Radii of the vertices about an axis, or empty.
+    pub(super) radii: &'a [Lanes],
+    /// Curved edges; none where all are lines.
+    pub(super) curve: Option<&'a Curve<V, D, E>>,
 }
 
 /// Nodal values of one batch in, forces of the law's stresses in their place; `begin` and
@@ -219,7 +230,7 @@ impl<S: Simd, T: Transpose> BatchRun<'_, S, T> {
 #[inline(always)]
 pub(super) fn forces<S: Simd, L, const V: usize, const D: usize, const E: usize>(
     (simd, rule): (S, &Rule),
-    (batch, radii): (&Batch<V, D, E>, &[Lanes]),
+    cells: BatchCells<'_, V, D, E>,
     element: &mut Element<V, E>,
     begin: &mut impl FnMut(usize, &VertexGradients<S, V, D>, &NodeLanes<V>) -> L,
     end: &mut impl FnMut(usize, L, &mut NodeLanes<V>),
@@ -228,14 +239,17 @@ pub(super) fn forces<S: Simd, L, const V: usize, const D: usize, const E: usize>
 {
     let Element { vertices, edges } = element;
     for part in 0..f64::parts::<S>() {
-        let g = gradients(simd, batch, part);
-        let vertex = vertex_gradients(simd, &g, (&*vertices, &*edges), part);
-        let mut law = begin(part, &vertex, vertices);
-        let volume = Pack::load(simd, &batch.weight, part) * V as f64;
-        let ring = Ring::load(simd, radii, (&*vertices, &*edges), part);
-        let (moments, forces) = moments(simd, rule, volume, &vertex, ring.as_ref(), &mut law);
+        let g = gradients(simd, cells.batch, part);
+        let here = Cells {
+            volume: Pack::load(simd, &cells.batch.weight, part) * V as f64,
+            vertex: vertex_gradients(simd, &g, (&*vertices, &*edges), part),
+            ring: Ring::load(simd, cells.radii, (&*vertices, &*edges), part),
+            bend: cells.curve.map(|curve| curve.load(simd, part)),
+        };
+        let mut law = begin(part, &here.vertex, vertices);
+        let (moments, forces) = moments(simd, rule, &here, &mut law);
         store_moments(simd, &g, &moments, (&mut *vertices, &mut *edges), part);
-        if ring.is_some() {
+        if here.ring.is_some() {
             forces.store(simd, (&mut *vertices, &mut *edges), part);
         }
         end(part, law, vertices);

@@ -2,7 +2,8 @@
 
 use pulp::Simd;
 
-use super::kernel::{PointLaw, VertexGradients, at_point};
+use super::kernel::{PointLaw, Site};
+use super::points::{VertexGradients, at_point};
 use super::stretches::{self, Stretches, TANGENT};
 use crate::assembly::lanes::{Lanes, Pack, WIDTH};
 use crate::geometry::tensor::{Tensor, plus, volume_change};
@@ -10,7 +11,10 @@ use crate::material::{Deformation, InvariantLaw};
 
 /// sum_j lambda_j p_j.
 #[inline(always)]
-fn interpolate<S: Simd, const V: usize>(hats: &[Pack<S>; V], values: &[Pack<S>; V]) -> Pack<S> {
+pub(super) fn interpolate<S: Simd, const V: usize>(
+    hats: &[Pack<S>; V],
+    values: &[Pack<S>; V],
+) -> Pack<S> {
     let mut sum = hats[0] * values[0];
     for j in 1..V {
         sum = sum.plus_product(hats[j], values[j]);
@@ -20,7 +24,7 @@ fn interpolate<S: Simd, const V: usize>(hats: &[Pack<S>; V], values: &[Pack<S>; 
 
 /// Adds `weight` lambda_j `value` to the moments.
 #[inline(always)]
-fn add_moments<S: Simd, const V: usize>(
+pub(super) fn add_moments<S: Simd, const V: usize>(
     moments: &mut [Pack<S>; V],
     hats: &[Pack<S>; V],
     value: Pack<S>,
@@ -87,7 +91,7 @@ impl<S: Simd, const V: usize> PointLaw<S, V> for Respond<'_, S, V> {
     fn stress(
         &mut self,
         _point: usize,
-        hats: &[Pack<S>; V],
+        site: &Site<'_, S, V>,
         weight: Pack<S>,
         gradient: &Tensor<Pack<S>>,
     ) -> Tensor<Pack<S>> {
@@ -98,10 +102,10 @@ impl<S: Simd, const V: usize> PointLaw<S, V> for Respond<'_, S, V> {
             *least = least.min(value);
         }
         let at = Deformation::new(*gradient, root(change));
-        let pressure = interpolate(hats, &self.pressures);
+        let pressure = interpolate(site.hats, &self.pressures);
         let energy = self.law.energy(&at) + self.volume.energy(change, pressure);
         self.energy = self.energy.plus_product(weight, energy);
-        add_moments(&mut self.volumes, hats, weight * at.volume_change);
+        add_moments(&mut self.volumes, site.hats, weight * at.volume_change);
         let pressure = pressure - self.volume.pressure(change, pressure);
         let mut stress = plus(&self.law.stress(&at), -pressure, &at.cofactor);
         if !self.stretches.is_empty() {
@@ -128,7 +132,7 @@ impl<S: Simd, const V: usize> PointLaw<S, V> for Roots<'_> {
     fn stress(
         &mut self,
         point: usize,
-        _hats: &[Pack<S>; V],
+        _site: &Site<'_, S, V>,
         _weight: Pack<S>,
         gradient: &Tensor<Pack<S>>,
     ) -> Tensor<Pack<S>> {
@@ -161,8 +165,8 @@ pub(super) struct Frozen<'a, S: Simd, const V: usize, const D: usize> {
 
 impl<S: Simd, const V: usize, const D: usize> Frozen<'_, S, V, D> {
     #[inline(always)]
-    pub(super) fn at(&self, point: usize, hats: &[Pack<S>; V]) -> Deformation<Pack<S>> {
-        let mut gradient = at_point(self.simd, hats, &self.gradients);
+    pub(super) fn at(&self, point: usize, site: &Site<'_, S, V>) -> Deformation<Pack<S>> {
+        let mut gradient = site.on_curved(at_point(self.simd, site.hats, &self.gradients));
         if let Some(hoop) = self.hoops.get(point) {
             gradient[2][2] = Pack::load(self.simd, hoop, self.part);
         }
@@ -193,12 +197,12 @@ impl<S: Simd, const V: usize, const D: usize> Frozen<'_, S, V, D> {
     #[inline(always)]
     fn stiffness(
         &self,
-        (point, hats): (usize, &[Pack<S>; V]),
+        (point, site): (usize, &Site<'_, S, V>),
         at: &Deformation<Pack<S>>,
         (law, volumetric): (&InvariantLaw<Pack<S>>, Pack<S>),
         gradient: &Tensor<Pack<S>>,
     ) -> (Tensor<Pack<S>>, Pack<S>) {
-        let pressure = self.pressure(hats, at);
+        let pressure = self.pressure(site.hats, at);
         let (mut stress, volume) = law.tangent(at, pressure, gradient);
         self.add_stretches(point, gradient, &mut stress);
         let stiffness = volumetric + self.volume.stiffness;
@@ -221,16 +225,16 @@ impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Tangent<'_, S, 
     fn stress(
         &mut self,
         point: usize,
-        hats: &[Pack<S>; V],
+        site: &Site<'_, S, V>,
         weight: Pack<S>,
         gradient: &Tensor<Pack<S>>,
     ) -> Tensor<Pack<S>> {
-        let at = self.frozen.at(point, hats);
-        let pressure = self.frozen.pressure(hats, &at);
+        let at = self.frozen.at(point, site);
+        let pressure = self.frozen.pressure(site.hats, &at);
         let (mut stress, volume) = self.law.tangent(&at, pressure, gradient);
         self.frozen.add_stretches(point, gradient, &mut stress);
-        add_moments(&mut self.volumes, hats, weight * volume);
-        let change = interpolate(hats, &self.changes);
+        add_moments(&mut self.volumes, site.hats, weight * volume);
+        let change = interpolate(site.hats, &self.changes);
         let pushed = self.frozen.volume.pressure(volume, change) - change;
         plus(&stress, pushed, &at.cofactor)
     }
@@ -251,15 +255,15 @@ impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Columns<'_, S, 
     fn stress(
         &mut self,
         point: usize,
-        hats: &[Pack<S>; V],
+        site: &Site<'_, S, V>,
         weight: Pack<S>,
         gradient: &Tensor<Pack<S>>,
     ) -> Tensor<Pack<S>> {
-        let at = self.frozen.at(point, hats);
+        let at = self.frozen.at(point, site);
         let (stress, volume) =
             self.frozen
-                .stiffness((point, hats), &at, (&self.law, self.volumetric), gradient);
-        add_moments(&mut self.volumes, hats, weight * volume);
+                .stiffness((point, site), &at, (&self.law, self.volumetric), gradient);
+        add_moments(&mut self.volumes, site.hats, weight * volume);
         stress
     }
 }
@@ -277,13 +281,13 @@ impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Stiff<'_, S, V,
     fn stress(
         &mut self,
         point: usize,
-        hats: &[Pack<S>; V],
+        site: &Site<'_, S, V>,
         _weight: Pack<S>,
         gradient: &Tensor<Pack<S>>,
     ) -> Tensor<Pack<S>> {
-        let at = self.frozen.at(point, hats);
+        let at = self.frozen.at(point, site);
         let law = (&self.law, self.volumetric);
-        self.frozen.stiffness((point, hats), &at, law, gradient).0
+        self.frozen.stiffness((point, site), &at, law, gradient).0
     }
 }
 
@@ -298,13 +302,13 @@ impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Volumes<'_, S, 
     fn stress(
         &mut self,
         point: usize,
-        hats: &[Pack<S>; V],
+        site: &Site<'_, S, V>,
         weight: Pack<S>,
         gradient: &Tensor<Pack<S>>,
     ) -> Tensor<Pack<S>> {
-        let at = self.frozen.at(point, hats);
+        let at = self.frozen.at(point, site);
         let volume = crate::geometry::tensor::contract(&at.cofactor, gradient);
-        add_moments(&mut self.volumes, hats, weight * volume);
+        add_moments(&mut self.volumes, site.hats, weight * volume);
         *gradient
     }
 }
@@ -320,12 +324,12 @@ impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Pressures<'_, S
     fn stress(
         &mut self,
         point: usize,
-        hats: &[Pack<S>; V],
+        site: &Site<'_, S, V>,
         _weight: Pack<S>,
         _gradient: &Tensor<Pack<S>>,
     ) -> Tensor<Pack<S>> {
-        let at = self.frozen.at(point, hats);
-        let change = interpolate(hats, &self.changes);
+        let at = self.frozen.at(point, site);
+        let change = interpolate(site.hats, &self.changes);
         let volume = &self.frozen.volume;
         let pushed = volume.stiffness * volume.compliance * change - change;
         crate::geometry::tensor::scaled(pushed, &at.cofactor)

@@ -20,17 +20,23 @@
 //! what keeps the pair from moving volume where its pressures do not look (the energy
 //! loses convexity there once p is some mu; Auricchio et al., Comput. Mech. 52, 2013).
 //!
+//! Curved edges bend the cells without stress ([`bend`]); their gradients are no longer linear, but
+//! those on the straight cell are.
+//!
 //! Vectors are hierarchical or Lagrange like those of the linear passes. Cost of a
 //! product with the tangent: some 2000 products per tetrahedron with four points,
 //! six (scalars) to twelve (wide vectors) times the linear one (decision 20).
 
 mod batch_pass;
+mod bend;
 mod cell_tangents;
 mod cells;
 mod kernel;
 mod laws;
+mod linear;
 mod operator;
 mod pass;
+mod points;
 mod products;
 mod response;
 mod ring;
@@ -39,8 +45,11 @@ mod stored;
 mod stretches;
 mod tangent;
 
+pub(super) use bend::Curve;
 pub use cell_tangents::{CellStates, CellTangents};
 pub use cells::{CellLaws, Linearised, StrainGrid};
+pub use linear::CURVED_DEGREE;
+pub(super) use linear::{CurvedPass, Terms};
 pub use operator::{TangentBody, TangentDivergence, TangentStiffness};
 pub use products::TangentProducts;
 pub use response::Response;

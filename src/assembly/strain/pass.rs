@@ -36,7 +36,7 @@ impl StrainGrid {
         grid: &'a CellGrid<V, D, E>,
         block: usize,
     ) -> Batches<'a, V, D, E> {
-        Batches::new(self, grid.batches(block), block)
+        Batches::new(self, grid, block)
     }
 
     fn respond_on<const V: usize, const D: usize, const E: usize>(

@@ -5,7 +5,7 @@
 //! F_33 = 1 + u_x / x,   int dV = int 2 pi x dA,   f_x(v) += int P_33 v_x / x dV
 //! ```
 //!
-//! x is linear on a cell and u_x quadratic; points of the rule lie off the axis. The
+//! x is linear on a straight cell and u_x quadratic; points of the rule lie off the axis. The
 //! volume of a cell is that of its full turn, area times 2 pi times the mean radius.
 //! Cost: some 40 flops a point.
 
@@ -84,8 +84,9 @@ impl<S: Simd, const V: usize, const E: usize> Ring<S, V, E> {
         Some(out)
     }
 
+    /// A point; `offsets` of curved edges along the radius, times four.
     #[inline(always)]
-    pub(super) fn at(&self, hats: &[Pack<S>; V]) -> RingPoint<S> {
+    pub(super) fn at(&self, hats: &[Pack<S>; V], offsets: Option<&[Pack<S>; E]>) -> RingPoint<S> {
         let (mut radius, mut moved) = (hats[0] * self.radii[0], hats[0] * self.vertices[0]);
         for a in 1..V {
             radius = radius.plus_product(hats[a], self.radii[a]);
@@ -93,6 +94,11 @@ impl<S: Simd, const V: usize, const E: usize> Ring<S, V, E> {
         }
         for (product, value) in products::<S, V, E>(hats).iter().zip(&self.edges) {
             moved = moved.plus_product(*product, *value);
+        }
+        if let Some(offsets) = offsets {
+            for (product, offset) in products::<S, V, E>(hats).iter().zip(offsets) {
+                radius = radius.plus_product(*product, *offset);
+            }
         }
         let curvature = radius.inverse();
         RingPoint {

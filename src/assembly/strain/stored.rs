@@ -210,9 +210,9 @@ impl BatchPass for MatrixPass<'_> {
     fn run<S: Simd, T: Transpose>(self, simd: S, _transpose: T) {
         let cells = &self.cells;
         let states = self.states.chunks_exact(cells.stride);
-        let batches = cells.batches.iter().zip(cells.laws).zip(states);
+        let laws = cells.laws.iter().zip(states);
         let one = Lanes([1.0; crate::assembly::lanes::WIDTH]);
-        for (index, (((batch, law), state), matrix)) in batches.zip(self.matrices).enumerate() {
+        for (index, ((law, state), matrix)) in laws.zip(self.matrices).enumerate() {
             let state = BatchState::<3, 2>(state);
             let points = cells.rule.len();
             for column in 0..DISPLACEMENTS {
@@ -220,7 +220,7 @@ impl BatchPass for MatrixPass<'_> {
                 *entry_of(&mut element, column) = one;
                 forces(
                     (simd, cells.rule),
-                    (batch, cells.radii(index)),
+                    cells.at(index),
                     &mut element,
                     &mut |part, _, _| Columns {
                         law: law.load(simd, part),

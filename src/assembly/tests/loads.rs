@@ -35,10 +35,10 @@ fn integral<'a>(sample: &'a Sample, rule: &'a Rule) -> Integral<'a> {
 fn a_body_force_does_exact_work_on_quadratic_fields() {
     for sample in samples() {
         let mut load = vec![0.0; sample.unknowns()];
-        let (rule, volumes) = (sample.volume_rule(), &sample.geometry.volumes);
+        let rule = sample.volume_rule();
         // Linear in position: f = (x, 3, ..).
         let force = |_: usize, x: [f64; 3]| [x[0], 3.0, 0.0];
-        integral(&sample, &rule).add_body_force(volumes, &force, &mut load);
+        integral(&sample, &rule).add_body_force(&sample.geometry, &force, &mut load);
         // The body is [0, 1/2]^d: int x (x^2 + 2 x y) and 3 int (x^2 + 2 x y).
         let depth = SCALE.powi(sample.space.components as i32 - 2);
         let along = SCALE.powi(5) * (0.25 + 1.0 / 3.0);
@@ -66,9 +66,9 @@ fn a_traction_does_exact_work_on_quadratic_fields() {
                 "{normal:?} points outwards"
             );
             total += area;
-            let value = |x: [f64; 3]| [1.0, x[1], 0.0];
-            let facet = LoadedFacet { vertices, area };
-            integral(&sample, &rule(simplex, 4)).add_traction(facet, &value, &mut load);
+            let value = |x: [f64; 3], _: [f64; 3]| [1.0, x[1], 0.0];
+            let facet = LoadedFacet::new(&sample.mesh, vertices, SCALE);
+            integral(&sample, &rule(simplex, 4)).add_traction(&facet, &value, &mut load);
         }
         let depth = SCALE.powi(sample.space.components as i32 - 2);
         assert!((total - SCALE * depth).abs() < 1e-14);

@@ -91,9 +91,10 @@ fn slip_field(
         let (now, then): ([f64; 3], [f64; 3]) =
             (vector(&state.displacement), vector(&start.displacement));
         // Vertices carry the constant part of a field, edges corrections only.
+        let place = model.place(node, &start.displacement);
         let (arm, shift) = match node < space.vertices {
-            true => (sub(model.place(node, &start.displacement), centre), shift),
-            false => (then, [0.0; 3]),
+            true => (sub(place, centre), shift),
+            false => (place, [0.0; 3]),
         };
         let carried = add(sub(multiply(&turn, arm), arm), shift);
         let moved = sub(sub(now, then), carried);

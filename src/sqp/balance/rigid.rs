@@ -74,11 +74,7 @@ fn motion(model: &Model<'_>, state: &State, (axis, about): (usize, [f64; 3])) ->
                 let place = model.place(node, &state.displacement);
                 cross(direction, sub(place, about))
             }
-            (false, false) => {
-                let mut bend = [0.0; 3];
-                bend[..c].copy_from_slice(&state.displacement[node * c..(node + 1) * c]);
-                cross(direction, bend)
-            }
+            (false, false) => cross(direction, model.place(node, &state.displacement)),
         };
         own.copy_from_slice(&moved[..c]);
     }

@@ -156,11 +156,11 @@ fn order(model: &Model<'_>, mass: &SparseRows) -> Vec<u32> {
 
 /// The undeformed place of each multiplier, in the mesh's lengths.
 fn places(model: &Model<'_>, size: usize) -> Vec<[f64; 3]> {
-    let (space, coordinates) = (&model.prepared.space, model.mesh.coordinates());
+    let space = &model.prepared.space;
     let mut places = vec![[0.0; 3]; size];
     for interface in &model.interfaces.list {
         for (function, &node) in (0..).zip(&interface.surface.carriers) {
-            let place = space.node_place(coordinates, node);
+            let place = space.node_place(model.mesh, node);
             let own = interface.surface.shares.of(function);
             for (multiplier, _) in own.filter(|&(_, share)| share > 0.99) {
                 places[interface.multipliers[multiplier as usize] as usize] = place;

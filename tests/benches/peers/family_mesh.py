@@ -22,6 +22,8 @@ class Box:
         # Eight digits in the file, so that every reader has the same bits.
         self.points = np.round((grid + moves) * spacing, 8)
         self.cells = self.make_cells()
+        # Cells of each material; a second one takes its cells out of the first.
+        self.regions = {"body": np.arange(len(self.cells))}
         self.facets = self.make_facets(halves)
 
     def number(self, place):
@@ -58,16 +60,26 @@ class Box:
             facets[name + "a"], facets[name + "b"] = top[left], top[~left]
         return facets
 
+    def split(self, axis, line):
+        """Cells beyond a grid line become the material `other`."""
+        beyond = self.grid[self.cells][:, :, axis].mean(axis=1) > line
+        self.regions = {"body": np.flatnonzero(~beyond), "other": np.flatnonzero(beyond)}
+
+    def place(self, where):
+        """Moves every point by a map; eight digits in the file as before."""
+        self.points = np.round(where(self.points), 8)
+
     def write(self, path):
         kinds = {2: (1, 2), 3: (2, 4)}[self.dim]
-        names = list(self.facets)
-        lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(names) + 1)]
-        lines += [f'{self.dim} 1 "body"'] + [f'{self.dim - 1} {10 + i} "{n}"' for i, n in enumerate(names)]
+        names, regions = list(self.facets), list(self.regions)
+        lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(names) + len(regions))]
+        lines += [f'{self.dim} {i} "{n}"' for i, n in enumerate(regions, 1)]
+        lines += [f'{self.dim - 1} {10 + i} "{n}"' for i, n in enumerate(names)]
         lines += ["$EndPhysicalNames", "$Nodes", str(len(self.points))]
         for number, point in enumerate(self.points, 1):
             lines.append(" ".join([str(number)] + [f"{x:.10g}" for x in (*point, 0.0)[:3]]))
         rows = [(kinds[0], 10 + i, f) for i, n in enumerate(names) for f in self.facets[n]]
-        rows += [(kinds[1], 1, cell) for cell in self.cells]
+        rows += [(kinds[1], i, self.cells[c]) for i, n in enumerate(regions, 1) for c in self.regions[n]]
         lines += ["$EndNodes", "$Elements", str(len(rows))]
         for number, (kind, tag, corners) in enumerate(rows, 1):
             lines.append(f"{number} {kind} 2 {tag} {tag} " + " ".join(str(c + 1) for c in corners))

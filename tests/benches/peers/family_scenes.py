@@ -261,22 +261,35 @@ def toml(it, index):
     law, is_rubber = material(it)
     increments = int(it.random.choice(INCREMENTS))
     lines = [f"# {it.kind}, squeeze {it.squeeze:g}, K / mu = {it.bulk:g}", 'mesh = "MESH"', "", "[material.body]", *law]
+    lines += support_lines(it) + obstacle_lines(it) + ["", "[[step]]", f"increments = {increments}"]
+    return "\n".join(lines + travel_lines(it)) + "\n"
+
+
+def support_lines(it):
+    lines = []
     for side, axes in it.supports.items():
         held = ", ".join(f"{axis} = 0.0" for axis in axes)
         lines += ["", "[[support]]", f'name = "{side}"', f'on = "{side}"', f"displacement = {{ {held} }}"]
+    return lines
+
+
+def obstacle_lines(it):
+    lines = []
     for name, side, shape, _ in it.obstacles:
         shape = ", ".join(f"{key} = {value_of(value)}" for key, value in shape.items())
-        lines += ["", "[[obstacle]]", f'name = "{name}"', f'on = "{side}"', f"shape = {{ {shape} }}"]
-    lines += ["", "[[step]]", f"increments = {increments}"]
-    for name, _, _, travel in it.obstacles:
-        if any(travel):
-            lines.append(f"obstacle.{name} = {{ translation = {value_of(travel)} }}")
-    return "\n".join(lines) + "\n"
+        lines += ["", "[[obstacle]]", f'name = "{name}"', f"on = {value_of(side)}", f"shape = {{ {shape} }}"]
+    return lines
+
+
+def travel_lines(it):
+    """Where the tools go that move."""
+    moving = [(name, travel) for name, _, _, travel in it.obstacles if any(travel)]
+    return [f"obstacle.{name} = {{ translation = {value_of(travel)} }}" for name, travel in moving]
 
 
 def value_of(value):
     if isinstance(value, str):
         return f'"{value}"'
     if isinstance(value, list):
-        return "[" + ", ".join(repr(float(x)) for x in value) + "]"
+        return "[" + ", ".join(map(value_of, value)) + "]"
     return repr(float(value))

@@ -2,6 +2,7 @@
 
     E(u, p) = int W(H) - p j(H) - p^2 / (2 K) dX,   B = d2E / dp du,   S = int phi phi / K
 """
+import itertools
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,15 +57,11 @@ class Body:
 
     def add(self, law, cells, u, p, total):
         nodes, corners = self.mesh.cell_nodes[cells], self.mesh.cells[cells]
-        count, points, dim = len(cells), len(self.weights), self.dim
-        gradients = np.einsum("qak,ekd->eqad", self.table, self.slopes[cells])
-        h = np.zeros((count, points, 3, 3))
-        h[..., :dim, :dim] = np.einsum("eqad,eai->eqid", gradients, u.reshape(-1, dim)[nodes])
-        flat = h.reshape(-1, 3, 3)
-        weights = np.outer(self.measure[cells], self.weights)
+        gradients, weights = self.gradients(cells), self.weigh(cells)
+        flat = self.strain(gradients, u.reshape(-1, self.dim)[nodes]).reshape(-1, 3, 3)
         energy, stress, tangent = law.response(flat)
         change, slope, second = law.volume(flat)
-        pressure = np.zeros((count, points))
+        pressure = np.zeros(weights.shape)
         if self.mixed:
             pressure = p[corners] @ self.points.T
             energy = energy - pressure.ravel() * (change + 0.5 * pressure.ravel() * law.inverse_bulk)
@@ -73,30 +70,65 @@ class Body:
         total.energy += energy @ weights.ravel()
         if law.is_rubber:
             total.least = min(total.least, 1.0 + change.min())
-        shape = (count, points, dim, dim)
-        inside = lambda tensor: tensor[:, :dim, :dim].reshape(shape)
-        forces = np.einsum("eq,eqid,eqad->eai", weights, inside(stress), gradients, optimize=True)
+        forces = np.einsum("eq,eqai->eai", weights, self.against(gradients, stress), optimize=True)
         total.add_forces(self.dofs(nodes), forces)
-        total.add_stiffness(self.dofs(nodes), blocks(gradients, weights, tangent, dim))
+        total.add_stiffness(self.dofs(nodes), self.blocks(gradients, weights, tangent))
         if self.mixed:
-            volumes = np.einsum("eq,qv,eqid,eqad->evai", weights, self.points, inside(slope), gradients, optimize=True)
-            change = change.reshape(count, points) + pressure * law.inverse_bulk
+            slope = self.against(gradients, slope)
+            volumes = np.einsum("eq,qv,eqai->evai", weights, self.points, slope, optimize=True)
+            change = change.reshape(weights.shape) + pressure * law.inverse_bulk
             total.add_volumes(corners, self.dofs(nodes), -volumes, -(weights * change) @ self.points)
             masses = np.einsum("eq,qv,qw->evw", weights, self.points, self.points) * law.inverse_bulk
             total.add_masses(corners, masses)
 
+    def weigh(self, cells):
+        """Volume of each point [e, q]."""
+        return np.outer(self.measure[cells], self.weights)
 
-def blocks(gradients, weights, tangent, dim):
-    """Stiffness of each cell [cells, nodes * dim, nodes * dim]."""
-    count, points, nodes, _ = gradients.shape
-    tangent = tangent[:, :dim, :dim, :dim, :dim].reshape(count, points, dim, dim, dim, dim)
-    # [cell, point, d, i k f] with the weight.
-    turned = np.transpose(tangent, (0, 1, 3, 2, 4, 5)) * weights[:, :, None, None, None, None]
-    left = gradients @ turned.reshape(count, points, dim, dim**3)
-    left = left.reshape(count, points, nodes * dim * dim, dim)
-    full = (left @ np.swapaxes(gradients, 2, 3)).sum(axis=1)
-    full = full.reshape(count, nodes, dim, dim, nodes)
-    return np.transpose(full, (0, 1, 2, 4, 3)).reshape(count, nodes * dim, nodes * dim)
+    def gradients(self, cells):
+        """Of the nodes' functions [e, q, a, d]."""
+        return np.einsum("qak,ekd->eqad", self.table, self.slopes[cells])
+
+    def strain(self, gradients, moved):
+        """The displacement gradient H [e, q, 3, 3] of nodes moved by [e, a, i]."""
+        h = np.zeros((*gradients.shape[:2], 3, 3))
+        h[..., : self.dim, : self.dim] = np.einsum("eqad,eai->eqid", gradients, moved)
+        return h
+
+    def against(self, gradients, tensor):
+        """A tensor [e q, 3, 3] against the gradients of the nodes' motions [e, q, a, i]."""
+        tensor = tensor[:, : self.dim, : self.dim].reshape(*gradients.shape[:2], self.dim, self.dim)
+        return np.einsum("eqid,eqad->eqai", tensor, gradients, optimize=True)
+
+    def least_within(self, u):
+        """The least J of all cells on a grid of each, vertices too: the points of the rule may not see a cell turn."""
+        points = lattice(self.dim + 1)
+        gradients = np.einsum("qak,ekd->eqad", p2_slopes(points), self.slopes)
+        moved = u.reshape(-1, self.dim)[self.mesh.cell_nodes]
+        flat = np.einsum("eqad,eai->eqid", gradients, moved) + np.eye(self.dim)
+        return float((np.linalg.det(flat) * self.around(points, moved)).min())
+
+    def around(self, _points, _moved):
+        """Stretch out of the plane."""
+        return 1.0
+
+    def blocks(self, gradients, weights, tangent):
+        """Stiffness of each cell [cells, nodes * dim, nodes * dim]."""
+        dim, (count, points, nodes, _) = self.dim, gradients.shape
+        tangent = tangent[:, :dim, :dim, :dim, :dim].reshape(count, points, dim, dim, dim, dim)
+        # [cell, point, d, i k f] with the weight.
+        turned = np.transpose(tangent, (0, 1, 3, 2, 4, 5)) * weights[:, :, None, None, None, None]
+        left = gradients @ turned.reshape(count, points, dim, dim**3)
+        left = left.reshape(count, points, nodes * dim * dim, dim)
+        full = (left @ np.swapaxes(gradients, 2, 3)).sum(axis=1)
+        full = full.reshape(count, nodes, dim, dim, nodes)
+        return np.transpose(full, (0, 1, 2, 4, 3)).reshape(count, nodes * dim, nodes * dim)
+
+
+def lattice(corners, parts=6):
+    """Barycentric points of a regular grid [n, corners]."""
+    places = itertools.product(range(parts + 1), repeat=corners - 1)
+    return np.array([[*x, parts - sum(x)] for x in places if sum(x) <= parts]) / parts
 
 
 class Total:

@@ -87,6 +87,7 @@ def record(solver, state, drive, found):
         "largest_pressure": float(np.abs(state.p).max(initial=0.0)),
         "largest_multiplier": float(state.multipliers.max(initial=0.0)),
         "min_jacobian": body.least_jacobian if np.isfinite(body.least_jacobian) else None,
+        "least_within": problem.body.least_within(state.u) if problem.is_rubber else None,
         "iterations": solver.iterations,
     }
 

@@ -218,7 +218,7 @@ class Law:
             "open_vertices": int((~self.active).sum()),
             "max_slip": float(size[self.active].max(initial=0.0)),
             "dissipated_energy": float(-(self.tractions * self.slip).sum()),
-            "pressure_margin": float(self.pressed[self.active].min() / self.pressed.max()),
+            "pressure_margin": float(self.pressed[self.active].min(initial=np.inf) / max(self.pressed.max(), 1e-300)),
             "stick_margin": float((1.0 - share)[self.sticks].min(initial=1.0)),
             "slip_margin": float(size[self.slides].min(initial=np.inf)),
         }

@@ -47,9 +47,20 @@ def turn(vector):
 
 def of(shape):
     """The obstacle of a scene's `shape` table."""
+    if shape["kind"] == "torus":
+        shape = in_section(shape)
     place, along = {
         "half-space": ("point", "normal"), "sphere": ("centre", None), "cylinder": ("point", "axis"),
     }[shape["kind"]]
     direction = np.array(shape[along], dtype=float) if along else np.array([0.0, 0.0, 1.0])
     direction = direction / np.linalg.norm(direction)
     return Obstacle(shape["kind"], np.array(shape[place], dtype=float), direction, shape.get("radius", 0.0))
+
+
+def in_section(shape):
+    """A torus about the axis y of a body of revolution: a disc of its section x, y."""
+    centre = np.array(shape["centre"], dtype=float)
+    if centre[0] or centre[2] or np.any(np.cross(shape["axis"], [0.0, 1.0, 0.0])):
+        raise ValueError("a torus about the axis y of a body of revolution only")
+    point = centre + [shape["radius"], 0.0, 0.0]
+    return {"kind": "cylinder", "point": point, "axis": [0.0, 0.0, 1.0], "radius": shape["tube_radius"]}

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 
 import saddle_area
+import saddle_axis
 import saddle_law
 import saddle_mesh
 import saddle_obstacle
@@ -54,8 +55,10 @@ class Problem:
         if not mixed:
             for law in self.laws.values():
                 law.lame, law.inverse_bulk = 1.0 / law.inverse_bulk, 0.0
-        degree = changes.get("degree") or solver.get("quadrature_degree") or DEGREE
-        self.body = Body(self.mesh, self.laws, degree, mixed)
+        is_revolved = scene.get("kind") == "axisymmetric"
+        degree = changes.get("degree") or solver.get("quadrature_degree")
+        degree = degree or (saddle_axis.DEGREE if is_revolved else DEGREE)
+        self.body = (saddle_axis.Revolved if is_revolved else Body)(self.mesh, self.laws, degree, mixed)
         self.supports = scene.get("support", [])
         self.held, self.owner = self.hold()
         self.obstacles = [saddle_obstacle.of(o["shape"]) for o in scene.get("obstacle", [])]
@@ -65,6 +68,7 @@ class Problem:
         is_held[self.held] = True
         space = space or solver.get("contact_space", "quadratic")
         measure = saddle_area.Deformed if self.is_rubber else saddle_area.Undeformed
+        measure = saddle_axis.Ring if is_revolved else measure
         self.surface = Surface(self.mesh, facets, is_held, space, measure)
         self.load = self.dead_load()
 
@@ -72,7 +76,10 @@ class Problem:
         """Held dofs, and for each the (support, component) whose value it takes; the last support wins."""
         owner = {}
         for number, support in enumerate(self.supports):
-            nodes = np.unique(self.mesh.facet_nodes(self.mesh.facets_of(listed(support["on"]))))
+            facets = self.mesh.facets_of(listed(support["on"]))
+            nodes = np.unique(self.mesh.facet_nodes(facets))
+            if "normal" in support:
+                support["displacement"] = {AXES[plane_axis(self.mesh.points[facets])]: 0.0}
             for axis in support.get("displacement", {}):
                 component = AXES.index(axis)
                 if component < self.mesh.dim:
@@ -131,6 +138,15 @@ def measures(corners):
     return np.sqrt(np.linalg.det(gram)) / (1.0, 1.0, 2.0, 6.0)[sides.shape[1]]
 
 
+def plane_axis(corners):
+    """The axis along which facets [n, corners, dim] of one plane have no extent."""
+    spread = np.ptp(corners.reshape(-1, corners.shape[2]), axis=0)
+    axis = int(np.argmin(spread))
+    if spread[axis] > 1e-9 * spread.max():
+        raise ValueError("supports along normals of other planes than those of the axes are not solved here")
+    return axis
+
+
 def listed(names):
     return [names] if isinstance(names, str) else names
 
@@ -144,7 +160,7 @@ def refuse(scene):
     for key in ("pressure", "manufactured"):
         if key in scene:
             raise ValueError(f"`{key}` is not solved here")
-    if scene.get("kind", "solid") == "axisymmetric":
-        raise ValueError("bodies about an axis are not solved here")
-    if any("normal" in support for support in scene.get("support", [])):
-        raise ValueError("supports along a normal are not solved here")
+    if scene.get("kind") == "axisymmetric" and ("traction" in scene or "body_force" in scene):
+        raise ValueError("loads on bodies of revolution are not solved here")
+    if any(support.get("normal") for support in scene.get("support", [])):
+        raise ValueError("moved supports along a normal are not solved here")

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 
-from saddle_rule import bernstein, p2, rule
+from saddle_rule import bernstein, of_facets, p2
 
 DEGREE = 8
 # Least cosine between normals of nearly parallel facets.
@@ -43,7 +43,7 @@ class Surface:
 
     def __init__(self, mesh, facets, held, space, measure):
         self.mesh, self.dim, self.space = mesh, mesh.dim, space
-        self.points, self.weights = rule(mesh.dim, DEGREE)
+        self.points, self.weights = of_facets(mesh.dim, DEGREE)
         self.measure = measure(self.points, self.weights)
         self.shapes = p2(self.points)
         self.psi = self.points if space == "linear" else bernstein(self.points)
