@@ -74,7 +74,7 @@ impl<'a, const D: usize, const V: usize, const E: usize, const S: usize> Cells<'
             add_product(&mut corners[b], 4.0, correction, &gradients[a]);
         }
         let curved = problem.geometry.curves.of(cell);
-        let maps = curved.map(|curved| corner_maps::<V>(curved));
+        let maps = curved.map(corner_maps::<V>);
         std::array::from_fn(|a| match &maps {
             Some(maps) => symmetric_part(&on_curved(&corners[a], &maps[a])),
             None => symmetric_part(&corners[a]),
