@@ -23,6 +23,7 @@ pub use augmentation::Augmentation;
 pub use factorised::{BodyFactor, FactorStep, Factorised, Inertia, MOST_FACES, Matrices, inertia};
 pub use one_level::OneLevel;
 pub(crate) use one_level::augmented::Augmented;
+pub(crate) use one_level::slides_of;
 pub use qp::{
     BlockIterate, QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
     Slide,

@@ -25,6 +25,8 @@ mod shared;
 mod slides;
 mod weights;
 
+pub(crate) use sets::slides_of;
+
 use std::collections::HashSet;
 use std::ops::ControlFlow;
 

@@ -93,6 +93,13 @@ impl Plan {
             self.formulation_reason(),
         );
         self.push_rubber(&mut push);
+        if let Some(price) = self.factor_cost() {
+            push(
+                "factor",
+                format!("of the saddle point, after {price} iterations of a program"),
+                "it costs as much by then; later programs begin with it",
+            );
+        }
         if self.element != ElementKind::TaylorHood {
             push(
                 "displacement_preconditioner",

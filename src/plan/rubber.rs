@@ -228,12 +228,5 @@ impl Plan {
                 .into(),
             "a rule on counts, the same on every machine",
         );
-        if let Some(price) = self.factor_cost() {
-            push(
-                "factor",
-                format!("of the saddle point, after {price} iterations of a program"),
-                "it costs as much by then; later programs begin with it",
-            );
-        }
     }
 }

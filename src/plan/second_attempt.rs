@@ -50,10 +50,10 @@ impl Plan {
             }
     }
 
-    /// Krylov iterations that cost as much as a factor of the body of rubber with the compliance of
-    /// its contact; none where the scene names a method or the factor is large.
+    /// Krylov iterations that cost as much as a factor of the body with the compliance of its
+    /// contact; none without contact, where the scene names a method or the factor is large.
     pub(crate) fn factor_cost(&self) -> Option<u32> {
-        let takes_one = self.resolved.is_rubber()
+        let takes_one = self.unknowns.contact > 0
             && self.element == ElementKind::TaylorHood
             && self.names_no_method()
             && self.contact.method == ContactMethod::OneLevel;

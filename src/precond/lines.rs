@@ -22,7 +22,7 @@ use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, Preconditioner, SparseCholesky, Workspace};
 
 /// Couplings tried, relative to the nodes' own blocks: the weakest that leaves
-/// small groups.
+/// lines or, where none does, small groups.
 const THRESHOLDS: [f64; 3] = [0.1, 0.2, 0.35];
 /// A group with a larger part of the nodes is no group.
 const LARGEST_PART: usize = 4;
@@ -82,10 +82,11 @@ impl AlongLines {
         transfer: Transfer,
         inner: Arc<dyn Preconditioner>,
     ) -> Option<Self> {
-        let group_of = THRESHOLDS
-            .iter()
-            .map(|&threshold| groups(nodes, threshold))
-            .find(|group_of| are_small(group_of))?;
+        let candidates = THRESHOLDS.map(|threshold| groups(nodes, threshold));
+        let are_lines = |of: &&Vec<u32>| (2..=MOST_IN_A_LINE as usize).contains(&largest_group(of));
+        let lines = candidates.iter().find(are_lines);
+        let small = || candidates.iter().find(|of| are_small(of));
+        let group_of = lines.or_else(small)?.clone();
         let matrix = restricted(nodes, &group_of);
         let order = order(nodes, &group_of);
         let factor = SparseCholesky::new(&matrix, &order, Precision::Double).ok()?;
@@ -260,12 +261,16 @@ fn root(parent: &mut [u32], mut node: u32) -> u32 {
 /// Whether groups are worth factorising: none is a large part of the body, and one has
 /// several nodes.
 fn are_small(group_of: &[u32]) -> bool {
-    let mut sizes = vec![0_usize; group_of.len()];
-    group_of
-        .iter()
-        .for_each(|&group| sizes[group as usize] += 1);
-    let largest = sizes.into_iter().max().unwrap_or(0);
+    let largest = largest_group(group_of);
     largest > 1 && LARGEST_PART * largest <= group_of.len()
+}
+
+/// Nodes of the largest group.
+fn largest_group(group_of: &[u32]) -> usize {
+    let mut sizes = vec![0_usize; group_of.len()];
+    let nodes = group_of.iter();
+    nodes.for_each(|&group| sizes[group as usize] += 1);
+    sizes.into_iter().max().unwrap_or(0)
 }
 
 /// F: held components are the identity, pairs across groups are left out.

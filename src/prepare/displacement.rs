@@ -52,20 +52,24 @@ fn p_multigrid(plan: &Plan, body: &DisplacementBody<'_>) -> Built {
         body.held.clone(),
     );
     let (inner, bytes) = on_lagrange_nodes(plan, body, transfer.clone());
-    let around = plan
-        .smooths_along_lines()
-        .then(|| lines_around(plan, body, transfer, inner.clone()));
-    match around.flatten() {
+    let wants_lines = plan.smooths_along_lines() || plan.has_compliance_along_lines();
+    let around = wants_lines.then(|| lines_around(plan, body, transfer, inner.clone()));
+    let around = around.flatten();
+    let contact = around
+        .as_ref()
+        .filter(|_| plan.has_compliance_along_lines());
+    let nodes =
+        contact.map(|lines| lines.with_groups(body.node_blocks, &on_contact(plan, body.space)));
+    match around.filter(|_| plan.smooths_along_lines()) {
         Some(lines) => Built {
             bytes: lines.bytes() + bytes,
-            nodes: (plan.unknowns.contact > 0)
-                .then(|| lines.with_groups(body.node_blocks, &on_contact(plan, body.space))),
+            nodes,
             preconditioner: Arc::new(lines),
         },
         None => Built {
             preconditioner: inner,
             bytes,
-            nodes: None,
+            nodes,
         },
     }
 }

@@ -19,6 +19,7 @@ use faer::Mat;
 use signorini::assembly::grid::{Basis, Rows, SingleGrid};
 use signorini::assembly::kernel::Batch;
 use signorini::assembly::mass::weighted_mass;
+use signorini::element::quadrature::{Simplex, rule};
 use signorini::krylov::sweeps::{self, Combination, GROUP, Overlaps};
 use signorini::linalg::cholesky::Precision;
 use signorini::linalg::vector::reproducible_noise;
@@ -176,7 +177,11 @@ fn preconditioner(body: &Body) -> Option<Vec<Part>> {
     let smoother = NodeBlocks::invert(3, body.cells().node_blocks(&body.held));
     let edges = body.space.edges.clone();
     let transfer = Transfer::new(vertices, 3, edges, body.held.clone().into());
-    let mass = weighted_mass(&body.mesh, &body.geometry, |_| 0.5);
+    let mass = weighted_mass(
+        (&body.mesh, &body.geometry),
+        &rule(Simplex::Tetrahedron, 2),
+        |_| 0.5,
+    );
     let metric = ChebyshevMass::new(mass, 3, MASS_STEPS);
     let r = reproducible_noise(size);
     let (mut d, mut x) = (vec![0.0_f32; size], vec![0.0_f32; size]);

@@ -102,6 +102,31 @@ fn pressed_layer(aspect: f64, poisson_ratio: f64) -> StepReport {
     )
 }
 
+/// A layer of cells of that aspect, bonded below, under a flat lid.
+fn layer_under_a_lid(aspect: f64, poisson_ratio: f64) -> StepReport {
+    let mut scene = elastic(poisson_ratio);
+    scene.solver.tolerance = TOLERANCE;
+    scene.supports = vec![support("z0", HELD)];
+    let lid = Shape::HalfSpace {
+        point: [0.0, 0.0, 1.0],
+        normal: [0.0, 0.0, -1.0],
+    };
+    scene.obstacles = vec![obstacle("lid", "z1", lid)];
+    let layer = moved(cube(5), |[x, y, z]| [aspect * x, aspect * y, z]);
+    solve_one(&scene, &push("lid", [0.0, 0.0, -0.02]), &mesh(layer))
+}
+
+/// By nodes alone 650 applications and a fallback from 2.5 to 4.
+#[test]
+fn cells_of_any_aspect_under_a_lid_take_few_applications() {
+    for (poisson_ratio, most) in [(0.3, 40), (0.5, 60)] {
+        for aspect in [1.0, 1.5, 2.0, 2.2, 2.5, 3.0, 4.0, 6.0] {
+            let taken = layer_under_a_lid(aspect, poisson_ratio).preconditioner_applications;
+            assert!(taken <= most, "{aspect}, {poisson_ratio}: {taken}");
+        }
+    }
+}
+
 #[test]
 fn thin_bonded_layers_take_few_applications_and_no_second_attempt() {
     for (poisson_ratio, most) in [(0.3, 20), (0.5, 60)] {

@@ -9,7 +9,7 @@ use super::super::qp::{BlockIterate, QpIterate, QpOutcome, QpStatus, Slide};
 use super::Faces;
 use crate::linalg::Workspace;
 use crate::linalg::vector::{add_scaled, largest, norm};
-use crate::saddle::{Cones, Status};
+use crate::saddle::{Cones, ProductSet, Status};
 
 /// Change of a traction, over the largest multiplier, that is rounding.
 const TURNED: f64 = 1e-12;
@@ -201,6 +201,18 @@ impl Faces<'_, '_> {
             square += wrong * wrong;
         }
         square.sqrt()
+    }
+}
+
+/// The points of `contact` that slip on the face of `solution`, whose tractions go to their discs.
+pub(crate) fn slides_of(
+    set: &ProductSet<'_>,
+    solution: &mut DenseSolution,
+    contact: &BlockIterate,
+) -> Vec<Slide> {
+    match dense_cone::cones(set) {
+        Some(cones) => slipping(cones, solution, contact).0,
+        None => Vec::new(),
     }
 }
 

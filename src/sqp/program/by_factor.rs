@@ -19,20 +19,22 @@
 //! it. Cost: products for the entries of A, a factor, a solution for each near multiplier.
 
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use super::QuadraticProgram;
 use super::step::{Step, first_iterate, step_from};
 use crate::contact::area_change::Pressures;
 use crate::contact::curvature_where_held;
-use crate::inequality::{BodyFactor, Matrices, QpIterate, dense_cone};
+use crate::inequality::{
+    BodyFactor, Matrices, OneLevel, QpIterate, QpNorms, QpRun, QpScales, QpTargets, dense_cone,
+    slides_of,
+};
+use crate::krylov::Verdict;
 use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, SymmetricMatrix, Workspace};
 use crate::model::Model;
 use crate::model::counters::timed;
-use crate::model::evaluate::Evaluation;
 use crate::model::state::State;
-use crate::model::tangent::Tangent;
-use crate::plan::estimate::MOST_FACTOR_FLOPS;
 use crate::saddle::{EqualityBlock, SaddleOperator, Status};
 use crate::sqp::factored_body::FactoredBody;
 use crate::sqp::near_compliance::NearCompliance;
@@ -42,66 +44,8 @@ use crate::sqp::run::Run;
 /// far from equilibrium fourteen, of a belt on a drum nine; each costs a column.
 const MOST_TURNED: usize = 32;
 
-/// The body about `tangent` without what `released` and the contact of the state take off, and
-/// the compliance of its contact in `now`; none where it has no such factor or the increment is
-/// stopped.
-fn factored(
-    run: &mut Run<'_>,
-    (tangent, released): (&Tangent, Option<&SparseRows>),
-    now: &Evaluation,
-) -> Option<FactoredBody> {
-    let start = std::time::Instant::now();
-    let factor = factor(run, tangent, released);
-    run.counters.seconds.factorise += start.elapsed().as_secs_f64();
-    let factor = factor?;
-    run.counters.factorisations += 1;
-    let at = (&run.model, &*run.state);
-    let compliance = timed(&mut run.counters.seconds.contact, || {
-        NearCompliance::new(&factor, at, now, &mut run.work)
-    });
-    Some(FactoredBody::new(factor, compliance))
-}
-
-/// K as a factor.
-fn factor(
-    run: &mut Run<'_>,
-    tangent: &Tangent,
-    released: Option<&SparseRows>,
-) -> Option<BodyFactor> {
-    let layout = run.learned.layout(&run.model);
-    let Run {
-        model,
-        state,
-        watch,
-        counters,
-        work,
-        ..
-    } = run;
-    let stopped = || watch.stopped(counters).is_some();
-    let operators = (
-        &tangent.stiffness as &dyn LinearOperator,
-        Some(&tangent.coupling as &dyn LinearOperator),
-    );
-    let (mut stiffness, coupling) = layout.stored(operators, &stopped, work)?;
-    let held = curvature(model, state);
-    for taken in released.into_iter().chain(&held) {
-        let symmetric = taken.plus(&taken.transposed());
-        stiffness = stiffness.plus_multiple(-0.5, &symmetric);
-    }
-    let block = model.prepared.pressure.as_ref();
-    let no_contact = SparseRowsBuilder::new(stiffness.rows()).finish();
-    let matrices = Matrices {
-        stiffness,
-        coupling,
-        stabilisation: block.and_then(|block| block.stabilisation.as_ref()),
-        contact: &no_contact,
-        places: layout.places.clone(),
-        is_loose: model.plan.is_floating(),
-        may_be_indefinite: true,
-        most_flops: MOST_FACTOR_FLOPS,
-    };
-    BodyFactor::stable(&matrices, MOST_TURNED, work).ok()
-}
+/// Iterations on one face with a factor of the body: as many as motions are turned, and some more.
+const MOST_ON_FACE: u32 = 60;
 
 /// What contact takes off A where the gaps hold what they can; none without contact.
 fn curvature(model: &Model<'_>, state: &State) -> Option<SparseRows> {
@@ -142,13 +86,53 @@ impl QuadraticProgram<'_> {
     /// Takes a factor of the body about the state into use; whether there is one. Without one no
     /// earlier factor stays in use.
     pub(super) fn take_factor(&mut self, run: &mut Run<'_>) -> bool {
-        let body = self.tangent.as_ref();
-        let body = body.map(|tangent| (tangent, self.released.as_ref()));
-        let made = body.and_then(|body| factored(run, body, &self.now));
-        self.factored = made.map(Arc::new);
+        self.factored = self.factored(run).map(Arc::new);
         self.has_fresh_factor = self.factored.is_some();
         run.learned.factored.clone_from(&self.factored);
         self.has_fresh_factor
+    }
+
+    /// The body about the state, without what the contact of the state takes off, and the
+    /// compliance of its contact; none where it has no such factor or the increment is stopped.
+    fn factored(&self, run: &mut Run<'_>) -> Option<FactoredBody> {
+        let start = std::time::Instant::now();
+        let factor = self.body_factor(run);
+        run.counters.seconds.factorise += start.elapsed().as_secs_f64();
+        let factor = factor?;
+        run.counters.factorisations += 1;
+        let at = (&run.model, &*run.state);
+        let compliance = timed(&mut run.counters.seconds.contact, || {
+            NearCompliance::new(&factor, at, &self.now, &mut run.work)
+        });
+        Some(FactoredBody::new(factor, compliance))
+    }
+
+    /// K as a factor.
+    fn body_factor(&self, run: &mut Run<'_>) -> Option<BodyFactor> {
+        let layout = run.learned.layout(&run.model);
+        let Run {
+            state,
+            watch,
+            counters,
+            work,
+            ..
+        } = run;
+        let stopped = || watch.stopped(counters).is_some();
+        let held = self
+            .tangent
+            .as_ref()
+            .and_then(|_| curvature(&self.model, state));
+        let taken = match (&self.released, held) {
+            (Some(released), Some(held)) => Some(released.plus(&held)),
+            (released, held) => held.or_else(|| released.clone()),
+        };
+        let all = self.matrices(taken.as_ref(), &layout, &stopped, work)?;
+        let no_contact = SparseRowsBuilder::new(all.stiffness.rows()).finish();
+        let matrices = Matrices {
+            contact: &no_contact,
+            ..all
+        };
+        BodyFactor::stable(&matrices, MOST_TURNED, work).ok()
     }
 
     /// The step to the solution in the compliance of the factor; none where that has none.
@@ -159,6 +143,47 @@ impl QuadraticProgram<'_> {
         moved.map(|()| step_from(iterate, run.state))
     }
 
+    /// Newton's step on the face of the solution in the compliance; none where that has none, or
+    /// where iterations on the face do not come to an end.
+    pub(super) fn step_on_face(&self, run: &mut Run<'_>, level: f64) -> Option<Step> {
+        let body = self.factored.as_ref()?;
+        body.begin();
+        let mut iterate = first_iterate(run.state, &self.now, self.motion.as_deref());
+        self.move_by_compliance(&mut iterate, &mut run.work)?;
+        let blocks = self.blocks();
+        let step = self.block_step(&*self.inverse.displacement, &mut run.work);
+        let released = self.released_by_all();
+        let problem = self.problem(released, &*self.inverse.displacement, &blocks, &*step);
+        let Run {
+            state,
+            learned,
+            watch,
+            counters,
+            work,
+            ..
+        } = run;
+        learned.directions.clear(work);
+        let mut progress = |_: &QpNorms, _: &QpScales, _: usize| match watch.stopped(counters) {
+            Some(_) => Verdict::Stop,
+            None => Verdict::Continue,
+        };
+        let mut solve = QpRun {
+            targets: QpTargets {
+                force_scale: self.force_scale,
+                level,
+                multiplier_error: None,
+            },
+            scales: &mut state.scales.clone(),
+            iterations: MOST_ON_FACE,
+            directions: &mut learned.directions,
+            progress: &mut progress,
+            work,
+        };
+        let status = OneLevel::new(problem).solve_on_face(&mut iterate, &mut solve);
+        counters.applications += body.solutions.load(Ordering::Relaxed);
+        status.is_none().then(|| step_from(iterate, run.state))
+    }
+
     /// Moves the iterate to the solution in the compliance of the factor, its residuals with it;
     /// none, the iterate where it was, where that has no solution.
     pub(super) fn move_by_compliance(
@@ -167,10 +192,9 @@ impl QuadraticProgram<'_> {
         work: &mut Workspace,
     ) -> Option<()> {
         let body = self.factored.as_ref()?;
-        let [pressure, contact] = &mut iterate.blocks[..] else {
-            return None;
-        };
-        let free = body.solve(&iterate.force, &pressure.residual, work);
+        let (contact, equalities) = iterate.blocks.split_last_mut()?;
+        let volumes = equalities.first().map_or(&[][..], |block| &block.residual);
+        let free = body.solve(&iterate.force, volumes, work);
         let mut linear = vec![0.0; contact.residual.len()];
         self.metric().product(&contact.multiplier, &mut linear);
         let gaps = linear.iter_mut().zip(&contact.residual);
@@ -180,14 +204,15 @@ impl QuadraticProgram<'_> {
         rows.subtract_product(&free[..unknowns], &mut linear, work);
         let near = (&contact.status[..], &contact.multiplier[..]);
         let set = self.now.contact_set();
-        let solution = dense_cone::solve(self.metric(), &linear, set, near).ok()?;
+        let mut solution = dense_cone::solve(self.metric(), &linear, set, near).ok()?;
+        contact.slides = slides_of(&set, &mut solution, contact);
         let mut change = solution.values;
         add_scaled(&mut change, -1.0, &contact.multiplier);
         add_scaled(&mut contact.multiplier, 1.0, &change);
         contact.status = solution.status;
         let columns = &self.now.coupling;
         columns.add_transposed(-1.0, &change, &mut iterate.force, work);
-        let step = body.solve(&iterate.force, &pressure.residual, work);
+        let step = body.solve(&iterate.force, volumes, work);
         self.move_body(&step, iterate, work);
         Some(())
     }
@@ -195,7 +220,7 @@ impl QuadraticProgram<'_> {
     /// Adds a step of displacement and pressure to the iterate and takes what it does off the
     /// residuals.
     fn move_body(&self, step: &[f64], iterate: &mut QpIterate, work: &mut Workspace) {
-        let [pressure, contact] = &mut iterate.blocks[..] else {
+        let Some((contact, equalities)) = iterate.blocks.split_last_mut() else {
             return;
         };
         let blocks: Vec<EqualityBlock<'_>> = self.pressure().into_iter().collect();
@@ -210,8 +235,10 @@ impl QuadraticProgram<'_> {
         let (force, volumes) = left.split_at(du.len());
         add_scaled(&mut iterate.displacement, 1.0, du);
         add_scaled(&mut iterate.force, -1.0, force);
-        add_scaled(&mut pressure.multiplier, 1.0, dp);
-        add_scaled(&mut pressure.residual, -1.0, volumes);
+        for pressure in equalities {
+            add_scaled(&mut pressure.multiplier, 1.0, dp);
+            add_scaled(&mut pressure.residual, -1.0, volumes);
+        }
         let rows = self.contact_rows();
         rows.subtract_product(du, &mut contact.residual, work);
         work.give(left);

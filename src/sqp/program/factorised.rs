@@ -92,7 +92,7 @@ impl QuadraticProgram<'_> {
     }
 
     /// The matrices of the program; none where it was stopped on the way.
-    fn matrices<'m>(
+    pub(super) fn matrices<'m>(
         &'m self,
         curvature: Option<&SparseRows>,
         layout: &SaddleLayout,

@@ -35,6 +35,8 @@ const MOST_BY_FACTOR: u32 = 40;
 /// an X-ring factors for every program take 7.0 s, this 5.3 s, and a hundredth 4.7 s with some
 /// programs of three hundred iterations.
 const NEAR: f64 = 1e-3;
+/// Share of the force out of balance that the step of a stable body may leave near equilibrium.
+const WORTHWHILE: f64 = 0.5;
 /// Error of the contact pressure, in shear moduli, with which the next tangent is still
 /// that of a stable body: the pressure stands in its stiffness.
 const PRESSURE_ERROR: f64 = 0.05;
@@ -82,7 +84,9 @@ impl QuadraticProgram<'_> {
     /// none where it is not, or where that does not solve it.
     fn solve_by_kept_factor(&mut self, run: &mut Run<'_>, level: f64) -> Option<(Step, QpOutcome)> {
         let is_near = norm(&self.now.force) <= NEAR * self.force_scale;
-        if !is_near || !self.take_kept_factor(run) {
+        // The stiffness of a linear body is that of the program before.
+        let serves = is_near || self.tangent.is_none();
+        if !serves || !self.take_kept_factor(run) {
             return None;
         }
         let solved = self.solve_with(self.released_by_all(), run, level);
@@ -110,12 +114,36 @@ impl QuadraticProgram<'_> {
             return self.solve_as_planned(run, level);
         }
         let (step, mut outcome) = self.solve_with(self.released_by_all(), run, level);
-        match is_lost(outcome.status).then(|| self.step_by_compliance(run)) {
-            Some(Some(stable)) => {
+        if !is_lost(outcome.status) {
+            return (step, outcome);
+        }
+        let stable = self.step_by_compliance(run);
+        let now = norm(&self.now.force);
+        let leads_on = |step: &Step| self.force_after(step, run) <= WORTHWHILE * now;
+        let is_near = now <= NEAR * self.force_scale;
+        let may_stay = !is_near || stable.as_ref().is_some_and(leads_on);
+        let other = match may_stay {
+            true => stable,
+            false => self.step_on_face(run, level).or(stable),
+        };
+        match other {
+            Some(other) => {
                 outcome.status = QpStatus::Solved;
-                (stable, outcome)
+                (other, outcome)
             }
-            _ => (step, outcome),
+            None => (step, outcome),
+        }
+    }
+
+    /// Force out of balance after a whole step; infinite where that turns cells inside out.
+    fn force_after(&self, step: &Step, run: &mut Run<'_>) -> f64 {
+        let before = run.state.clone();
+        step.apply(run.state, 1.0);
+        let after = run.evaluate();
+        run.state.clone_from(&before);
+        match after.least_jacobian.is_some_and(|least| least <= 0.0) {
+            true => f64::INFINITY,
+            false => norm(&after.force),
         }
     }
 
@@ -132,7 +160,8 @@ impl QuadraticProgram<'_> {
     /// Iterations that cost as much as a factor of the body; none where the plan does not take
     /// one.
     fn factor_cost(&self) -> Option<u32> {
-        self.tangent.as_ref().and(self.model.plan.factor_cost())
+        let is_asked = self.model.plan.programs == Programs::AsPlanned;
+        self.model.plan.factor_cost().filter(|_| is_asked)
     }
 
     /// Solves the program to `level` and returns its step; `curvature` is what contact
