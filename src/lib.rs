@@ -178,6 +178,7 @@
 #![doc = include_str!("decisions/0054-a-factor-where-it-is-cheaper.md")]
 #![doc = include_str!("decisions/0055-compliance-along-lines.md")]
 #![doc = include_str!("decisions/0056-curved-cells.md")]
+#![doc = include_str!("decisions/0057-planes-at-nodes.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

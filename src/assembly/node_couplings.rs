@@ -124,6 +124,7 @@ fn nodes_of(mesh: &Mesh, space: &TaylorHood, cell: usize) -> Vec<u32> {
 mod tests {
     use super::*;
     use crate::assembly::p1_stiffness::StiffCells;
+    use crate::linalg::Held;
     use crate::mesh::samples;
 
     fn couplings(mesh: &Mesh) -> (TaylorHood, NodeCouplings, Vec<f64>) {
@@ -144,7 +145,7 @@ mod tests {
             geometry: &geometry,
             stiffness: &moduli,
         };
-        let diagonal = cells.node_blocks(&[]);
+        let diagonal = cells.node_blocks(&Held::of_entries(mesh.cell_kind().dimension(), []));
         (space, blocks, diagonal)
     }
 

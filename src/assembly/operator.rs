@@ -5,7 +5,7 @@
 use std::sync::Arc;
 
 use super::grid::{Basis, Grid, Rows, SingleGrid, VolumeTerm};
-use crate::linalg::{LinearOperator, ResidualUpdate, Workspace};
+use crate::linalg::{Held, LinearOperator, ResidualUpdate, Workspace};
 
 /// An operator on free unknowns, the identity on held ones.
 #[derive(Clone, Debug)]
@@ -13,8 +13,8 @@ pub struct Constrained<O> {
     /// Held rows and columns are zero: products have zeros there, and what is
     /// subtracted leaves such entries alone.
     pub free: O,
-    /// Ascending indices of held entries.
-    pub held: Arc<[u32]>,
+    /// What is held.
+    pub held: Held,
 }
 
 impl<O: LinearOperator> LinearOperator for Constrained<O> {
@@ -28,23 +28,17 @@ impl<O: LinearOperator> LinearOperator for Constrained<O> {
 
     fn apply(&self, x: &[f64], y: &mut [f64], work: &mut Workspace) {
         self.free.apply(x, y, work);
-        for &index in self.held.iter() {
-            y[index as usize] = x[index as usize];
-        }
+        self.held.add_held(1.0, x, y);
     }
 
     fn apply_transposed(&self, y: &[f64], x: &mut [f64], work: &mut Workspace) {
         self.free.apply_transposed(y, x, work);
-        for &index in self.held.iter() {
-            x[index as usize] = y[index as usize];
-        }
+        self.held.add_held(1.0, y, x);
     }
 
     fn subtract_product(&self, x: &[f64], r: &mut [f64], work: &mut Workspace) {
         self.free.subtract_product(x, r, work);
-        for &index in self.held.iter() {
-            r[index as usize] -= x[index as usize];
-        }
+        self.held.add_held(-1.0, x, r);
     }
 }
 
@@ -93,16 +87,14 @@ pub struct SingleStiffness {
     pub grid: SingleGrid,
     /// Basis of argument and result.
     pub basis: Basis,
-    /// Ascending indices of held entries.
-    pub held: Arc<[u32]>,
+    /// What is held.
+    pub held: Held,
 }
 
 impl ResidualUpdate<f32> for SingleStiffness {
     fn take_off(&self, x: &[f32], r: &mut [f32], work: &mut Workspace) {
         self.grid.subtract_stiffness(self.basis, x, r, work);
-        for &index in self.held.iter() {
-            r[index as usize] -= x[index as usize];
-        }
+        self.held.add_held(-1.0, x, r);
     }
 }
 

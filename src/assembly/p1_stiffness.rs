@@ -6,6 +6,7 @@
 //! volume. Held components have identity rows and columns.
 
 use super::cells::{CellGeometry, CellModuli};
+use crate::linalg::Held;
 use crate::linalg::cholesky::LowerColumns;
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
@@ -66,6 +67,44 @@ pub struct P1Blocks {
     pub diagonal: Vec<Block>,
     /// Block of each edge: rows of the lower end, columns of the upper one.
     pub off: Vec<Block>,
+}
+
+/// Stiffness of held directions, over that of the node, where inverse blocks are to let nothing
+/// through.
+pub const RIGID: f64 = 1e8;
+
+/// Couplings of nodes where directions of some are held: P A P + s (1 - P), s `stiffness` times the
+/// largest entry of the node. `off` are the blocks of `pairs`, rows of the lower end.
+pub fn project_couplings(
+    held: &Held,
+    diagonal: &mut [Block],
+    (pairs, off): (&[[u32; 2]], &mut [Block]),
+    stiffness: f64,
+) {
+    if held.nodes.is_empty() {
+        return;
+    }
+    let found = |node: u32| {
+        let place = held.nodes.binary_search_by_key(&node, |one| one.node);
+        place.ok().map(|place| &held.nodes[place])
+    };
+    for (pair, block) in pairs.iter().zip(off) {
+        if let Some(column) = found(pair[1]) {
+            block.iter_mut().for_each(|row| column.project(row));
+        }
+        if let Some(row) = found(pair[0]) {
+            let mut turned = transposed(block);
+            turned.iter_mut().for_each(|column| row.project(column));
+            *block = transposed(&turned);
+        }
+    }
+    for one in held.nodes.iter() {
+        if let Some(block) = diagonal.get_mut(one.node as usize) {
+            let block = block.as_flattened_mut();
+            let largest = block.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            one.project_block(block, 3, stiffness * largest);
+        }
+    }
 }
 
 /// Cells and the stiffness of each.
@@ -143,7 +182,7 @@ impl StiffCells<'_> {
 
     /// Diagonal blocks of the P2 stiffness on Lagrange nodes
     /// `[nodes, components, components]`, identity for held components.
-    pub fn node_blocks(&self, held: &[u32]) -> Vec<f64> {
+    pub fn node_blocks(&self, held: &Held) -> Vec<f64> {
         let Self {
             mesh,
             space,
@@ -233,7 +272,7 @@ fn lower_columns(
     matrix
 }
 
-fn flatten(blocks: &[Block], components: usize, held: &[u32]) -> Vec<f64> {
+fn flatten(blocks: &[Block], components: usize, held: &Held) -> Vec<f64> {
     let size = components * components;
     let mut flat = Vec::with_capacity(blocks.len() * size);
     for block in blocks {
@@ -241,7 +280,7 @@ fn flatten(blocks: &[Block], components: usize, held: &[u32]) -> Vec<f64> {
             flat.extend_from_slice(&row[..components]);
         }
     }
-    for &index in held {
+    for &index in held.entries.iter() {
         let (node, i) = (index as usize / components, index as usize % components);
         let block = &mut flat[node * size..(node + 1) * size];
         for j in 0..components {
@@ -249,6 +288,11 @@ fn flatten(blocks: &[Block], components: usize, held: &[u32]) -> Vec<f64> {
             block[j * components + i] = 0.0;
         }
         block[i * components + i] = 1.0;
+    }
+    for one in held.nodes.iter() {
+        let block = &mut flat[one.node as usize * size..][..size];
+        let largest = block.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        one.project_block(block, components, RIGID * largest);
     }
     flat
 }

@@ -7,7 +7,7 @@ use super::simd::InstructionSet;
 use super::{CellGeometry, CellModuli, Grid};
 use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::linalg::vector::{dot, largest, reproducible_noise};
-use crate::linalg::{LinearOperator, Workspace};
+use crate::linalg::{Held, LinearOperator, Workspace};
 use crate::mesh::{Mesh, MeshParts, barycentric_gradients, samples};
 use crate::space::TaylorHood;
 
@@ -66,7 +66,7 @@ impl Sample {
             space: &space,
             geometry: &geometry,
             moduli: &moduli,
-            held: &held,
+            held: &Held::of_entries(space.components, held.clone()),
         });
         Self {
             mesh,
@@ -85,6 +85,10 @@ impl Sample {
             geometry: &self.geometry,
             stiffness: &self.moduli,
         }
+    }
+
+    fn held(&self) -> Held {
+        Held::of_entries(self.space.components, self.held.clone())
     }
 
     fn unknowns(&self) -> usize {
@@ -421,7 +425,7 @@ fn node_blocks_are_the_diagonal_blocks_of_the_lagrange_stiffness() {
     for parts in [samples::cube_parts(2), samples::rectangle_parts(3, 2)] {
         let sample = Sample::new(parts);
         let c = sample.space.components;
-        let blocks = sample.stiff_cells().node_blocks(&sample.held);
+        let blocks = sample.stiff_cells().node_blocks(&sample.held());
         for column in 0..sample.unknowns() {
             let mut unit = vec![0.0; sample.unknowns()];
             unit[column] = 1.0;

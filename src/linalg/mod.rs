@@ -9,6 +9,7 @@ pub mod dense;
 pub mod eigen;
 mod factorise_error;
 mod gram;
+pub mod held;
 pub mod indefinite;
 pub mod ordering;
 #[cfg(test)]
@@ -24,6 +25,7 @@ pub use cholesky::SparseCholesky;
 pub use dense::{DenseCholesky, DenseLu, DenseMatrix};
 pub use factorise_error::FactoriseError;
 pub use gram::GramFactor;
+pub use held::{Held, HeldNode};
 pub use scalar::Scalar;
 pub use sparse::{SparseRows, SparseRowsBuilder};
 pub use symmetric::{PartFactor, SymmetricMatrix};

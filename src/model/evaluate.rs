@@ -157,7 +157,8 @@ fn add_contact(model: &Model<'_>, state: &State, out: &mut Evaluation) {
         );
         out.friction = Some(friction.law(model.plan, &state.drive));
     }
-    (out.gap, out.coupling) = joined.finish(state.displacement.len());
+    let (gap, coupling) = joined.finish(state.displacement.len());
+    (out.gap, out.coupling) = (gap, model.prepared.held.project_columns(coupling));
 }
 
 impl Evaluation {

@@ -1,17 +1,13 @@
-//! Entries of vectors that supports hold.
-//!
-//! Vectors are `[nodes * components]`, held entries ascending. Cost: one pass over the
-//! held entries.
+//! Parts of vectors that supports hold. Cost: one pass over what is held.
 
-/// Zeroes held entries.
-pub(crate) fn mask(held: &[u32], x: &mut [f64]) {
-    for &index in held {
-        x[index as usize] = 0.0;
-    }
+use crate::linalg::Held;
+
+/// Takes off what is held.
+pub(crate) fn mask(held: &Held, x: &mut [f64]) {
+    held.mask(x);
 }
 
-/// Euclidean norm of the held entries.
-pub(crate) fn norm_of(held: &[u32], x: &[f64]) -> f64 {
-    let entries = held.iter().map(|&index| x[index as usize]);
-    entries.map(|value| value * value).sum::<f64>().sqrt()
+/// Euclidean norm of what is held.
+pub(crate) fn norm_of(held: &Held, x: &[f64]) -> f64 {
+    held.square(x).sqrt()
 }

@@ -10,7 +10,9 @@
 use super::Model;
 use super::drive::Drive;
 use super::state::State;
+use crate::geometry::vector3::{add, dot, scale, sub};
 use crate::plan::Plan;
+use crate::plan::held_nodes::HeldPlane;
 
 /// Share of a motion by which parts of it differ that are the same.
 const SAME: f64 = 1e-12;
@@ -37,6 +39,46 @@ pub(crate) fn prescribe(model: &Model<'_>, drive: &Drive, displacement: &mut [f6
             }
         };
     }
+    prescribe_planes(model, drive, displacement);
+}
+
+/// Sets what planes across no axis hold; components that are held have their values already.
+fn prescribe_planes(model: &Model<'_>, drive: &Drive, displacement: &mut [f64]) {
+    let space = &model.prepared.space;
+    let c = space.components;
+    for one in &model.plan.held_nodes {
+        let node = one.held.node as usize;
+        let wanted = one
+            .planes
+            .iter()
+            .map(|plane| value_of_plane(model, drive, plane));
+        let wanted: Vec<f64> = wanted.collect();
+        let row = |all: &[f64], node: usize| -> [f64; 3] {
+            std::array::from_fn(|i| if i < c { all[node * c + i] } else { 0.0 })
+        };
+        let mean = match node.checked_sub(space.vertices) {
+            None => [0.0; 3],
+            Some(edge) => {
+                let [a, b] = space.edges[edge].map(|v| row(displacement, v as usize));
+                scale(0.5, add(a, b))
+            }
+        };
+        let mut own = add(row(displacement, node), mean);
+        let targets = one.targets(&wanted, own);
+        for (direction, target) in one.held.directions().iter().zip(targets) {
+            own = add(own, scale(target - dot(own, *direction), *direction));
+        }
+        let own = sub(own, mean);
+        displacement[node * c..(node + 1) * c].copy_from_slice(&own[..c]);
+    }
+}
+
+/// n . u on a plane, non-dimensional: supports of planes do not rotate.
+fn value_of_plane(model: &Model<'_>, drive: &Drive, plane: &HeldPlane) -> f64 {
+    let support = usize::from(plane.support);
+    let value = drive.supports.get(support).map_or(0.0, |values| values[0]);
+    let motion = drive.motions.get(support).copied().unwrap_or_default();
+    (value + dot(plane.normal, motion.translation)) / model.plan.units.length
 }
 
 /// Moves the free entries of a linear body along where supports carry it: each component in
@@ -47,7 +89,12 @@ pub(crate) fn carry(model: &Model<'_>, before: &[f64], displacement: &mut [f64])
     let space = &model.prepared.space;
     let (c, vertices) = (space.components, space.vertices * space.components);
     let mut is_held = vec![false; vertices];
-    let held = model.prepared.held.iter().map(|&index| index as usize);
+    let held = model
+        .prepared
+        .held
+        .entries
+        .iter()
+        .map(|&index| index as usize);
     (held.filter(|&index| index < vertices)).for_each(|index| is_held[index] = true);
     // Nothing carries a body away from its axis.
     for i in usize::from(model.plan.is_axisymmetric())..c {
@@ -81,10 +128,11 @@ pub(crate) fn remaining_motion(
     model.prepared.strain.as_ref()?;
     let mut goal = state.displacement.clone();
     prescribe(model, drive, &mut goal);
+    goal.iter_mut()
+        .zip(&state.displacement)
+        .for_each(|(goal, u)| *goal -= u);
     let mut motion = vec![0.0; goal.len()];
-    for &index in model.prepared.held.iter() {
-        motion[index as usize] = goal[index as usize] - state.displacement[index as usize];
-    }
+    model.prepared.held.add_held(1.0, &goal, &mut motion);
     let largest = motion.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
     (largest > SETTLED).then_some(motion)
 }

@@ -57,6 +57,8 @@ pub(crate) fn pressure_tangent(model: &Model<'_>, state: &State) -> Option<Spars
     let is_pressed = !model.plan.resolved.pressures.is_empty() && load != 0.0;
     is_pressed.then(|| {
         let body = pressed(model, &state.displacement);
-        follower_tangent(&body, &pressures(model, load), &model.prepared.is_held)
+        let held = &model.prepared;
+        let tangent = follower_tangent(&body, &pressures(model, load), &held.is_held);
+        held.held.project_matrix(tangent)
     })
 }

@@ -136,13 +136,14 @@ impl crate::plan::Plan {
     /// [`SceneError::Unsupported`] with the key.
     pub(crate) fn check_turned_planes(&self, step: &Step) -> Result<(), SceneError> {
         let supports = self.resolved.supports.iter();
-        let mut held = supports.filter(|support| !support.planes.is_empty());
+        let mut held =
+            supports.filter(|support| !support.planes.is_empty() || !support.oblique.is_empty());
         match held.find(|support| rotates(step, &support.name)) {
             None => Ok(()),
             Some(support) => Err(SceneError::Unsupported(Violation {
                 path: format!("step.support.{}.rotation", support.name),
-                message: "its planes across an axis are held as components: give a step that \
-                          rotates them with the scene"
+                message: "its planes are held at each node: give a step that rotates them with \
+                          the scene"
                     .to_owned(),
             })),
         }

@@ -15,6 +15,7 @@ pub(crate) mod element;
 pub(crate) mod estimate;
 mod friction;
 pub(crate) mod held;
+pub(crate) mod held_nodes;
 mod near;
 mod overlap;
 pub(crate) mod p1;
@@ -87,6 +88,8 @@ pub struct Plan {
     /// Held unknown and the support that holds it ([`held::AXIS`] where none does),
     /// ascending by unknown.
     pub(crate) held: Vec<(u32, u16)>,
+    /// Nodes that planes hold, ascending.
+    pub(crate) held_nodes: Vec<held_nodes::HeldByPlanes>,
     /// Functions of the contact pressure.
     pub(crate) contact_space: ContactSpace,
     /// Functions and multipliers of each obstacle's surface.
@@ -148,6 +151,7 @@ impl Plan {
         push::check_pushes(element, steps)?;
         let contact_space = contact_space(scene, element);
         let held = held_unknowns(&resolved, mesh, &space);
+        let held_nodes = held_nodes::held_nodes(&resolved, (mesh, &space), &held);
         let body = surfaces::Body {
             mesh,
             space: &space,
@@ -225,6 +229,7 @@ impl Plan {
             vertices: space.vertices,
             cells: mesh.cell_count(),
             held,
+            held_nodes,
             contact_space,
             contact_layouts: surfaces.layouts,
             tangential_multipliers: tangential,
@@ -319,6 +324,11 @@ impl Plan {
         hash.update(self.key_of_inverse());
         for (unknown, _) in &self.held {
             hash.update(unknown.to_le_bytes());
+        }
+        for one in &self.held_nodes {
+            hash.update(one.held.node.to_le_bytes());
+            let directions = one.held.directions().as_flattened();
+            directions.iter().for_each(|x| hash.update(x.to_le_bytes()));
         }
         hash.update(u64::MAX.to_le_bytes());
         if self.resolved.kind == SceneKind::Axisymmetric {

@@ -51,9 +51,11 @@ impl Plan {
     }
 
     /// Krylov iterations that cost as much as a factor of the body with the compliance of its
-    /// contact; none without contact, where the scene names a method or the factor is large.
+    /// contact; none of a linear body without contact, where the scene names a method or the factor
+    /// is large.
     pub(crate) fn factor_cost(&self) -> Option<u32> {
-        let takes_one = self.unknowns.contact > 0
+        let has_programs = self.resolved.is_rubber() || self.unknowns.contact > 0;
+        let takes_one = has_programs
             && self.element == ElementKind::TaylorHood
             && self.names_no_method()
             && self.contact.method == ContactMethod::OneLevel;

@@ -112,6 +112,7 @@ fn noise(prepared: &Prepared) -> Vec<f64> {
     let mut x = reproducible_noise(prepared.stiffness.rows());
     prepared
         .held
+        .entries
         .iter()
         .for_each(|&index| x[index as usize] = 0.0);
     x
@@ -134,6 +135,7 @@ fn the_displacement_preconditioner_is_symmetric_and_positive() {
         let mut y: Vec<f64> = x.iter().rev().copied().collect();
         prepared
             .held
+            .entries
             .iter()
             .for_each(|&index| y[index as usize] = 0.0);
         let apply = |r: &[f64]| {
@@ -164,6 +166,7 @@ fn hierarchical_preconditioners_for_conjugate_gradients_are_symmetric_and_positi
             let mut y: Vec<f64> = x.iter().rev().copied().collect();
             prepared
                 .held
+                .entries
                 .iter()
                 .for_each(|&index| y[index as usize] = 0.0);
             let apply = |r: &[f64]| {

@@ -98,7 +98,7 @@ impl AlongLines {
         let lanczos = Lanczos {
             operator: &*operator,
             preconditioner: &groups,
-            held: groups.transfer.held(),
+            held: Some(groups.transfer.held()),
             steps: LANCZOS_STEPS,
         };
         let interval = lanczos.interval(&mut Workspace::new());

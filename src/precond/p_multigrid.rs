@@ -17,7 +17,7 @@ use std::sync::Arc;
 use super::spectrum::Lanczos;
 use super::{NodeBlocks, Transfer};
 use crate::linalg::vector::{norm, power_of_two_below};
-use crate::linalg::{LinearOperator, Preconditioner, ResidualUpdate, Scalar, Workspace};
+use crate::linalg::{Held, LinearOperator, Preconditioner, ResidualUpdate, Scalar, Workspace};
 
 /// Lanczos steps for the largest eigenvalue, each of which takes a product with A.
 pub const LANCZOS_STEPS: usize = 12;
@@ -82,16 +82,16 @@ pub struct PMultigrid<R> {
 }
 
 /// The largest eigenvalue of the product of `smoother` with A, which acts on Lagrange values with
-/// vanishing `held` entries; a little more, as the Lanczos process approaches it from below.
+/// vanishing where it is `held`; a little more, as the Lanczos process approaches it from below.
 pub fn largest_eigenvalue(
     operator: &dyn LinearOperator,
     smoother: &NodeBlocks,
-    held: &[u32],
+    held: &Held,
 ) -> f64 {
     let lanczos = Lanczos {
         operator,
         preconditioner: smoother,
-        held,
+        held: Some(held),
         steps: LANCZOS_STEPS,
     };
     SAFETY * lanczos.interval(&mut Workspace::new()).largest

@@ -6,7 +6,7 @@
 //! inside the spectrum, so the largest is a lower bound.
 
 use crate::linalg::vector::{add_scaled, dot, reproducible_noise, scale_and_add};
-use crate::linalg::{LinearOperator, Preconditioner, Workspace};
+use crate::linalg::{Held, LinearOperator, Preconditioner, Workspace};
 
 /// Smallest and largest Ritz value.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,8 +23,8 @@ pub struct Lanczos<'a> {
     pub operator: &'a dyn LinearOperator,
     /// M^-1.
     pub preconditioner: &'a dyn Preconditioner,
-    /// Entries where all vectors vanish.
-    pub held: &'a [u32],
+    /// Where all vectors vanish; none where nowhere.
+    pub held: Option<&'a Held>,
     /// Its steps.
     pub steps: usize,
 }
@@ -39,8 +39,8 @@ impl Lanczos<'_> {
             steps,
         } = *self;
         let mut r = reproducible_noise(operator.rows());
-        for &index in held {
-            r[index as usize] = 0.0;
+        if let Some(held) = held {
+            held.mask(&mut r);
         }
         let mut z = work.zeros(r.len());
         preconditioner.apply(&r, &mut z, work);
@@ -156,7 +156,7 @@ mod tests {
         let lanczos = Lanczos {
             operator: &matrix,
             preconditioner: &Scaled(1.0),
-            held: &[],
+            held: None,
             steps: 20,
         };
         let interval = lanczos.interval(&mut work);

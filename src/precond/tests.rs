@@ -11,8 +11,8 @@ use crate::assembly::{CellGeometry, CellModuli};
 use crate::linalg::cholesky::Precision;
 use crate::linalg::vector::reproducible_noise;
 use crate::linalg::{
-    DenseCholesky, DenseMatrix, Preconditioner, SparseRows, SparseRowsBuilder, SymmetricMatrix,
-    Workspace,
+    DenseCholesky, DenseMatrix, Held, Preconditioner, SparseRows, SparseRowsBuilder,
+    SymmetricMatrix, Workspace,
 };
 use crate::mesh::{GroupKind, Mesh, samples};
 use crate::space::TaylorHood;
@@ -64,7 +64,7 @@ fn sample(mesh: &Mesh, side: &str) -> Sample {
     contact.sort_unstable();
     contact.dedup();
     let order = vertex_order(mesh.coordinates(), &space.edges, &contact);
-    let blocks = cells.node_blocks(&held);
+    let blocks = cells.node_blocks(&Held::of_entries(space.components, held.clone()));
     Sample {
         factor: DirectP1::new(&lower, &order, space.components, Precision::Double)
             .expect("positive definite"),

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::linalg::Scalar;
+use crate::linalg::{Held, Scalar};
 
 /// Nodes per parallel piece.
 const PIECE: usize = 2048;
@@ -35,19 +35,13 @@ pub struct Transfer {
     offsets: Vec<u32>,
     /// Edges at each vertex, ascending for each, so that sums keep one order.
     incident: Vec<u32>,
-    /// Indices of held entries, ascending; they stay zero on every level.
-    held: Arc<[u32]>,
+    /// What is held; it stays zero on every level.
+    held: Held,
 }
 
 impl Transfer {
-    /// `edges` are the ends of each edge, `held` the ascending indices of held
-    /// entries.
-    pub fn new(
-        vertices: usize,
-        components: usize,
-        edges: Arc<[[u32; 2]]>,
-        held: Arc<[u32]>,
-    ) -> Self {
+    /// `edges` are the ends of each edge.
+    pub fn new(vertices: usize, components: usize, edges: Arc<[[u32; 2]]>, held: Held) -> Self {
         let mut offsets = vec![0_u32; vertices + 1];
         for end in edges.as_flattened() {
             offsets[*end as usize + 1] += 1;
@@ -79,25 +73,14 @@ impl Transfer {
         self.vertices * self.components
     }
 
-    /// Indices of held entries, ascending.
-    pub fn held(&self) -> &[u32] {
+    /// What is held.
+    pub fn held(&self) -> &Held {
         &self.held
     }
 
     /// Bytes held, those shared with the space left out.
     pub fn bytes(&self) -> u64 {
         4 * (self.offsets.len() + self.incident.len()) as u64
-    }
-
-    /// Sets the held entries of `x` to zero; `x` may be shorter, for the vertices
-    /// alone.
-    fn mask<R: Scalar>(&self, x: &mut [R]) {
-        let inside = self
-            .held
-            .partition_point(|&index| (index as usize) < x.len());
-        for &index in &self.held[..inside] {
-            x[index as usize] = R::default();
-        }
     }
 
     /// `unit` times the hierarchical residual `h` to Lagrange residual.
@@ -115,7 +98,7 @@ impl Transfer {
                 *r = R::narrow(unit * h);
             }
         });
-        self.mask(r);
+        self.held.mask(r);
     }
 
     /// `unit` times Lagrange values `u` to hierarchical values.
@@ -133,6 +116,8 @@ impl Transfer {
             2 => self.visit_edges::<2, R>(unit, ends, (middles, edges)),
             _ => self.visit_edges::<3, R>(unit, ends, (middles, edges)),
         }
+        // What rounding leaves in held directions no later step takes off.
+        self.held.mask_nodes(c);
     }
 
     /// Lagrange residual to P1 residual.
@@ -141,7 +126,7 @@ impl Transfer {
             2 => self.gather_edges::<2, R, f64>(r, coarse, (1.0, 0.5)),
             _ => self.gather_edges::<3, R, f64>(r, coarse, (1.0, 0.5)),
         }
-        self.mask(coarse);
+        self.held.mask(coarse);
     }
 
     /// P1 values to Lagrange values.
@@ -150,7 +135,7 @@ impl Transfer {
             2 => self.interpolate::<2, R>(coarse, x),
             _ => self.interpolate::<3, R>(coarse, x),
         }
-        self.mask(x);
+        self.held.mask(x);
     }
 
     /// `unit` times the vertices of `r` and `factor` times the values of their edges.
@@ -241,7 +226,7 @@ mod tests {
     /// A square with one diagonal; nothing, or two entries, held.
     fn square(held: &[u32]) -> Transfer {
         let edges = [[0, 1], [0, 2], [0, 3], [1, 3], [2, 3]];
-        Transfer::new(4, 2, edges.into(), held.into())
+        Transfer::new(4, 2, edges.into(), Held::of_entries(2, held))
     }
 
     #[test]
@@ -249,7 +234,7 @@ mod tests {
         for transfer in [square(&[]), square(&[1, 6])] {
             let (coarse, fine) = (reproducible_noise(8), reproducible_noise(18));
             let mut masked = coarse.clone();
-            transfer.mask(&mut masked);
+            transfer.held.mask(&mut masked);
             let (mut up, mut down) = (vec![0.0_f64; 18], vec![0.0; 8]);
             transfer.prolong(&masked, &mut up);
             transfer.restrict(&fine, &mut down);

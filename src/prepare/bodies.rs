@@ -8,7 +8,7 @@ use crate::assembly::grid::{Basis, SingleGrid, VolumeTerm};
 use crate::assembly::p1_stiffness::CellStiffness;
 use crate::assembly::strain::{CellTangents, SingleTangent, TangentProducts, TangentStiffness};
 use crate::assembly::{CellGeometry, CellModuli, Constrained, Grid, SingleStiffness, Stiffness};
-use crate::linalg::{LinearOperator, Preconditioner, ResidualUpdate};
+use crate::linalg::{Held, LinearOperator, Preconditioner, ResidualUpdate};
 use crate::mesh::Mesh;
 use crate::plan::augmentation::VOLUMETRIC;
 use crate::precond::NodeBlocks;
@@ -21,7 +21,7 @@ pub(crate) struct P1Body<'a> {
     pub(crate) space: &'a TaylorHood,
     pub(crate) geometry: &'a CellGeometry,
     pub(crate) stiffness: &'a dyn CellStiffness,
-    pub(crate) held: &'a [u32],
+    pub(crate) held: &'a Held,
     /// Hierarchical displacement of the surface; empty at rest.
     pub(crate) moved: &'a [f64],
 }
@@ -32,7 +32,7 @@ pub(crate) struct DisplacementBody<'a> {
     pub(crate) space: &'a TaylorHood,
     pub(crate) geometry: &'a CellGeometry,
     pub(crate) moduli: &'a CellModuli,
-    pub(crate) held: &'a Arc<[u32]>,
+    pub(crate) held: &'a Held,
     pub(crate) grid: &'a Arc<Grid>,
     pub(crate) node_blocks: &'a NodeBlocks,
     pub(crate) p1: Arc<dyn Preconditioner>,

@@ -11,6 +11,7 @@ use super::bodies::DisplacementBody;
 use super::chooser;
 use crate::assembly::grid::Basis;
 use crate::assembly::node_couplings::node_couplings;
+use crate::assembly::p1_stiffness::{RIGID, project_couplings};
 use crate::linalg::cholesky::Precision;
 use crate::linalg::{LinearOperator, Preconditioner, Widened};
 use crate::mesh::Mesh;
@@ -133,7 +134,9 @@ fn lines_around(
     transfer: Transfer,
     inner: Arc<dyn Preconditioner>,
 ) -> Option<AlongLines> {
-    let couplings = node_couplings(body.mesh, body.space, body.geometry, body.moduli);
+    let mut couplings = node_couplings(body.mesh, body.space, body.geometry, body.moduli);
+    let pairs = (&couplings.pairs[..], &mut couplings.off[..]);
+    project_couplings(body.held, &mut couplings.diagonal, pairs, RIGID);
     let scale = plan.units.coordinate_scale;
     let coordinates: Vec<[f64; 3]> = (0..body.space.nodes())
         .map(|node| node_position(body.mesh, body.space, node).map(|x| x * scale))
@@ -146,7 +149,7 @@ fn lines_around(
             pairs: &couplings.pairs,
             off: &couplings.off,
         },
-        held: body.held,
+        held: &body.held.entries,
     };
     let operator = body.operator(Basis::Hierarchical);
     AlongLines::new(&nodes, operator, transfer, inner)

@@ -15,6 +15,7 @@ use super::bodies::P1Body;
 use super::chooser;
 use super::error::PrepareError;
 use super::traces::TraceDirections;
+use crate::assembly::p1_stiffness::project_couplings;
 use crate::assembly::p1_stiffness::{P1Blocks, StiffCells};
 use crate::linalg::cholesky::Precision;
 use crate::linalg::{DenseMatrix, FactoriseError, Preconditioner};
@@ -78,7 +79,9 @@ pub(crate) fn build(
         geometry: body.geometry,
         stiffness: body.stiffness,
     };
-    let blocks = cells.p1_blocks(shift);
+    let mut blocks = cells.p1_blocks(shift);
+    let edges = (&body.space.edges[..], &mut blocks.off[..]);
+    project_couplings(body.held, &mut blocks.diagonal, edges, 1.0);
     let assemble = start.elapsed().as_secs_f64();
     let directions = TraceDirections::new(plan, body);
     let traces = Traces {
@@ -121,7 +124,7 @@ fn direct(
     traces: &Traces<'_>,
 ) -> Result<P1Built, FactoriseError> {
     let c = body.space.components;
-    let matrix = blocks.lower_columns(body.space, body.held);
+    let matrix = blocks.lower_columns(body.space, &body.held.entries);
     let order = vertex_order(
         body.mesh.coordinates(),
         &body.space.edges,

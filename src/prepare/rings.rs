@@ -7,8 +7,8 @@ use std::sync::Arc;
 use crate::assembly::CellGeometry;
 use crate::assembly::grid::Rows;
 use crate::assembly::strain::{CellLaws, CellStates, CellTangents, Linearised, StrainGrid};
-use crate::linalg::Workspace;
 use crate::linalg::vector::norm;
+use crate::linalg::{Held, Workspace};
 use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::plan::augmentation::VOLUMETRIC;
@@ -69,7 +69,7 @@ impl Rest {
     }
 
     /// Whether a constant pressure does no work on free entries.
-    pub(crate) fn is_enclosed(&self, held: &[u32]) -> bool {
+    pub(crate) fn is_enclosed(&self, held: &Held) -> bool {
         let ones = vec![1.0; self.pressure.len()];
         let mut force = vec![0.0; self.displacement.len()];
         let mut volume = vec![0.0; ones.len()];
@@ -80,7 +80,7 @@ impl Rest {
             &mut Workspace::new(),
         );
         let all = norm(&force);
-        held.iter().for_each(|&index| force[index as usize] = 0.0);
+        held.mask(&mut force);
         norm(&force) <= 1e-12 * all
     }
 }

@@ -18,7 +18,7 @@ use crate::assembly::p1_stiffness::{CellStiffness, StiffCells};
 use crate::assembly::strain::{CellLaws, StrainGrid};
 use crate::assembly::{CellGeometry, CellModuli, Constrained, Grid, Stiffness};
 use crate::element::quadrature::{Simplex, rule};
-use crate::linalg::SparseRows;
+use crate::linalg::{Held, SparseRows};
 use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::precond::NodeBlocks;
@@ -30,7 +30,7 @@ pub(crate) struct TaylorHoodData {
     pub(crate) space: TaylorHood,
     pub(crate) geometry: CellGeometry,
     pub(crate) grid: Arc<Grid>,
-    pub(crate) held: Arc<[u32]>,
+    pub(crate) held: Held,
     pub(crate) is_held: Vec<bool>,
     pub(crate) stiffness: Constrained<Stiffness>,
     /// The approximate inverse at rest.
@@ -69,7 +69,7 @@ impl TaylorHoodData {
         };
         let space = TaylorHood::new(mesh);
         let (geometry, moduli) = (geometry_of(plan, mesh), moduli(plan));
-        let held: Arc<[u32]> = plan.held.iter().map(|&(unknown, _)| unknown).collect();
+        let held = held_of(plan, space.components);
         poll()?;
         let is_turned = plan.is_axisymmetric();
         let rings = is_turned.then(|| rings_at_rest(plan, mesh, &space, &geometry));
@@ -127,7 +127,7 @@ impl TaylorHoodData {
             + self.strain.as_ref().map_or(0, |strain| strain.bytes())
             + self.at_rest.bytes()
             + pressure
-            + (8 * self.space.edges.len() + 4 * self.held.len() + self.is_held.len()) as u64
+            + (8 * self.space.edges.len() + 4 * self.held.entries.len() + self.is_held.len()) as u64
     }
 
     /// Wall seconds that building took; `prepare` is what is not named apart.
@@ -181,6 +181,15 @@ fn geometry_of(plan: &Plan, mesh: &Mesh) -> CellGeometry {
     }
 }
 
+/// What supports hold.
+fn held_of(plan: &Plan, components: usize) -> Held {
+    Held {
+        components,
+        entries: plan.held.iter().map(|&(unknown, _)| unknown).collect(),
+        nodes: plan.held_nodes.iter().map(|one| one.held).collect(),
+    }
+}
+
 /// The operator and the inverted blocks of its nodes.
 fn grid_and_blocks(source: GridSource<'_>, cells: &StiffCells<'_>) -> (Arc<Grid>, NodeBlocks) {
     let (components, held) = (source.space.components, source.held);
@@ -198,7 +207,7 @@ struct Parts {
     space: TaylorHood,
     geometry: CellGeometry,
     moduli: CellModuli,
-    held: Arc<[u32]>,
+    held: Held,
     grid: Arc<Grid>,
     node_blocks: NodeBlocks,
     p1: P1Built,
@@ -241,7 +250,7 @@ impl Parts {
             block.is_enclosed = block.stabilisation.is_none() && rest.is_enclosed(&self.held);
         }
         let mut is_held = vec![false; self.space.displacement_unknowns()];
-        let held = self.held.iter();
+        let held = self.held.entries.iter();
         held.for_each(|&index| is_held[index as usize] = true);
         Ok(TaylorHoodData {
             seconds: self.seconds(),

@@ -147,9 +147,16 @@ fn normals(plan: &Plan, body: P1Body<'_>, facets: &[u32]) -> Vec<[f64; 3]> {
 fn free_part(body: P1Body<'_>, vertex: u32, mut direction: [f64; 3]) -> [f64; 3] {
     let c = body.space.components as u32;
     for (component, unknown) in direction.iter_mut().zip(vertex * c..(vertex + 1) * c) {
-        if body.held.binary_search(&unknown).is_ok() {
+        if body.held.entries.binary_search(&unknown).is_ok() {
             *component = 0.0;
         }
+    }
+    if let Ok(place) = body
+        .held
+        .nodes
+        .binary_search_by_key(&vertex, |one| one.node)
+    {
+        body.held.nodes[place].project(&mut direction);
     }
     direction
 }

@@ -34,6 +34,13 @@ pub(crate) fn nodal_force(model: &Model<'_>, state: &State) -> Vec<f64> {
             force[unknown as usize] += reaction[unknown as usize];
         }
     }
+    let c = space.components;
+    for one in &model.plan.held_nodes {
+        let first = one.held.node as usize * c;
+        for own in one.reactions(c, &reaction) {
+            (0..c).for_each(|i| force[first + i] += own[i]);
+        }
+    }
     force
 }
 

@@ -10,6 +10,7 @@
 use std::collections::BTreeMap;
 
 use crate::assembly::grid::Rows;
+use crate::geometry::vector3::add;
 use crate::linalg::Workspace;
 use crate::model::Model;
 use crate::model::counters::{Counters, timed};
@@ -193,6 +194,12 @@ pub(crate) fn given_to_supports(
         // What the axis of a body of revolution holds is no support's.
         if let (Some(force), Some(nodal)) = (forces.get_mut(usize::from(support)), nodal) {
             force[unknown as usize % components] += nodal;
+        }
+    }
+    for one in &plan.held_nodes {
+        for (plane, own) in one.planes.iter().zip(one.reactions(components, nodal)) {
+            let sum = &mut forces[usize::from(plane.support)];
+            *sum = add(*sum, own);
         }
     }
     let unit = plan.units.force();

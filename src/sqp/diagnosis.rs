@@ -137,6 +137,7 @@ fn is_closed_by_contact(model: &Model<'_>, state: &State, work: &mut Workspace) 
         for (index, value) in rows.filter(|(_, acts)| *acts).flat_map(|(row, _)| row) {
             held[index as usize] += value;
         }
+        model.prepared.held.mask(&mut held);
         // What earlier obstacles on the same faces hold is held.
         for other in &taken {
             let share = dot(&held, other) / dot(other, other);

@@ -137,8 +137,10 @@ fn predict(
 fn settle(model: &Model<'_>, state: &mut State, drive: &Drive) {
     let mut goal = state.displacement.clone();
     prescribe(model, drive, &mut goal);
-    let held = model.prepared.held.iter().map(|&index| index as usize);
-    let mut distances = held.map(|index| (goal[index] - state.displacement[index]).abs());
+    let mut distances = goal
+        .iter()
+        .zip(&state.displacement)
+        .map(|(a, b)| (a - b).abs());
     if distances.all(|distance| distance <= ROUND_OFF) {
         state.displacement = goal;
     }

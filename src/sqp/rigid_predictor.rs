@@ -48,7 +48,8 @@ impl RigidPredictor {
         };
         let components = model.prepared.space.components;
         let guides = own.iter().zip(&model.plan.resolved.supports);
-        let mut guides = guides.filter(|(_, support)| !support.patches.is_empty());
+        let mut guides = guides
+            .filter(|(_, support)| !support.patches.is_empty() || !support.oblique.is_empty());
         let is_guided = guides.all(|(own, _)| own.is(&shared));
         let is_shared = is_guided
             && model.plan.held.iter().all(|&(unknown, support)| {

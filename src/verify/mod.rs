@@ -121,6 +121,9 @@ fn free_hierarchical(model: &Model<'_>, lagrange: &[[f64; 3]]) -> Vec<f64> {
         }
     }
     let c = space.components;
+    for one in &model.plan.held_nodes {
+        one.held.project(&mut rows[one.held.node as usize]);
+    }
     let is_held = &model.prepared.is_held;
     rows.iter()
         .enumerate()

@@ -176,7 +176,7 @@ fn preconditioner(body: &Body) -> Option<Vec<Part>> {
     .ok()?;
     let smoother = NodeBlocks::invert(3, body.cells().node_blocks(&body.held));
     let edges = body.space.edges.clone();
-    let transfer = Transfer::new(vertices, 3, edges, body.held.clone().into());
+    let transfer = Transfer::new(vertices, 3, edges, body.held.clone());
     let mass = weighted_mass(
         (&body.mesh, &body.geometry),
         &rule(Simplex::Tetrahedron, 2),

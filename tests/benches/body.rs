@@ -9,6 +9,7 @@ mod meshes;
 use signorini::assembly::grid::{Grid, GridSource};
 use signorini::assembly::p1_stiffness::{P1Blocks, StiffCells};
 use signorini::assembly::{CellGeometry, CellModuli};
+use signorini::linalg::Held;
 use signorini::scene::{Formulation, Material, MaterialModel, Modulus, Profile, Support, Traction};
 use signorini::space::TaylorHood;
 use signorini::{GroupKind, Mesh, Scene};
@@ -24,7 +25,7 @@ pub(crate) struct Body {
     /// A shear modulus of one.
     pub(crate) moduli: CellModuli,
     /// Unknowns on x0, ascending.
-    pub(crate) held: Vec<u32>,
+    pub(crate) held: Held,
 }
 
 impl Body {
@@ -77,7 +78,7 @@ impl Body {
 }
 
 /// Unknowns of the nodes on x0, ascending.
-fn held_at_x0(mesh: &Mesh, space: &TaylorHood) -> Vec<u32> {
+fn held_at_x0(mesh: &Mesh, space: &TaylorHood) -> Held {
     let members = mesh
         .group("x0", GroupKind::Facets)
         .map(|group| group.members.clone());
@@ -90,7 +91,7 @@ fn held_at_x0(mesh: &Mesh, space: &TaylorHood) -> Vec<u32> {
         .collect();
     held.sort_unstable();
     held.dedup();
-    held
+    Held::of_entries(3, held)
 }
 
 /// Held at x0, pulled down at x1.

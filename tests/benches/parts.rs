@@ -131,7 +131,7 @@ fn preconditioner(notebook: &mut Notebook, body: &Body) {
         held: &body.held,
     };
     let cycle = AmgP1::new(&view, Precision::Single).ok();
-    let matrix = blocks.lower_columns(&body.space, &body.held);
+    let matrix = blocks.lower_columns(&body.space, &body.held.entries);
     let order = vertex_order(body.mesh.coordinates(), &body.space.edges, &[]);
     let factor = DirectP1::new(&matrix, &order, 3, Precision::Single).ok();
     for threads in THREADS {

@@ -4,7 +4,7 @@
 
 use crate::common::meshes::{cube, mesh, moved, square};
 use crate::common::scenes::{obstacle, pull, push, rubber, support};
-use crate::common::{assert_converged_at_last, close, solve_one, solve_one_at_last};
+use crate::common::{assert_converged, close, solve_one};
 use signorini::geometry::{Matrix3, rotation_matrix};
 use signorini::scene::{RubberModel, Shape, Support};
 use signorini::{MeshParts, Scene, StepReport};
@@ -69,7 +69,7 @@ fn under_obstacle(
     };
     scene.obstacles = vec![obstacle("lid", on, shape)];
     let down = push("lid", turn(rotation, along(axis, -squeeze)));
-    solve_one_at_last(&scene, &down, &mesh(moved(parts, |x| turn(rotation, x))))
+    solve_one(&scene, &down, &mesh(moved(parts, |x| turn(rotation, x))))
 }
 
 /// The block under a support.
@@ -83,9 +83,7 @@ fn under_support(parts: MeshParts, (bulk, squeeze): (f64, f64)) -> StepReport {
 
 /// That the block under an obstacle is the one under a support.
 fn assert_same(found: &StepReport, expected: &StepReport) {
-    [expected, found]
-        .into_iter()
-        .for_each(assert_converged_at_last);
+    [expected, found].into_iter().for_each(assert_converged);
     assert!(close(found.strain_energy, expected.strain_energy, 1e-7));
 }
 

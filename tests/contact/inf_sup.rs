@@ -20,7 +20,7 @@ use signorini::contact::surface::{FACE_DEGREE, face_rule};
 use signorini::contact::{ContactBasis, ContactSurface, linearise};
 use signorini::linalg::cholesky::{LowerColumns, Precision, SparseCholesky};
 use signorini::linalg::ordering::nested_dissection;
-use signorini::linalg::{DenseCholesky, DenseMatrix, SparseRows, Workspace};
+use signorini::linalg::{DenseCholesky, DenseMatrix, Held, SparseRows, Workspace};
 use signorini::mesh::GroupKind;
 use signorini::obstacle::HalfSpace;
 use signorini::space::TaylorHood;
@@ -82,7 +82,7 @@ impl Body {
             space: &self.space,
             geometry: &CellGeometry::new(&self.mesh, 1.0),
             moduli: &moduli,
-            held: &[],
+            held: &Held::of_entries(self.space.components, []),
         }));
         let operator = Stiffness {
             grid,

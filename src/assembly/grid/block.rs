@@ -7,7 +7,7 @@ use crate::assembly::lanes::{Lanes, WIDTH};
 use crate::assembly::simd::{self, InstructionSet};
 use crate::assembly::strain::{Curve, CurvedPass, Terms};
 use crate::assembly::transpose::Row;
-use crate::linalg::Scalar;
+use crate::linalg::{Held, HeldNode, Scalar};
 use crate::mesh::Mesh;
 use crate::space::TaylorHood;
 
@@ -24,6 +24,8 @@ pub(in crate::assembly) struct Block<const V: usize, const D: usize, const E: us
     edge_ends: Vec<[u16; 2]>,
     /// Local node and component of held entries.
     held: Vec<(u16, u8)>,
+    /// Directions of local nodes that are held.
+    held_nodes: Vec<HeldNode>,
     pub(super) batches: Vec<Batch<V, D, E>>,
     /// Curved edges of the last batches.
     pub(super) curves: Vec<Curve<V, D, E>>,
@@ -40,8 +42,8 @@ pub struct GridSource<'a> {
     pub geometry: &'a CellGeometry,
     /// Elasticity.
     pub moduli: &'a CellModuli,
-    /// Indices of held entries, ascending.
-    pub held: &'a [u32],
+    /// What is held.
+    pub held: &'a Held,
 }
 
 impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
@@ -71,7 +73,8 @@ impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
             .map(|(cells, cell_nodes)| batch(cells, cell_nodes, source, &local))
             .collect();
         Self {
-            held: held_of(&nodes, source.held, D as u32),
+            held: held_of(&nodes, &source.held.entries, D as u32),
+            held_nodes: held_nodes_of(&nodes, &source.held.nodes),
             vertices,
             edge_ends,
             curves: curves_of(cells, source.geometry),
@@ -131,6 +134,9 @@ impl<const V: usize, const D: usize, const E: usize> Block<V, D, E> {
         if rows == Rows::Free {
             for &(node, component) in &self.held {
                 x[usize::from(node)][usize::from(component)] = R::default();
+            }
+            for one in &self.held_nodes {
+                one.project(&mut x[one.node as usize][..D]);
             }
         }
     }
@@ -209,6 +215,17 @@ fn held_of(nodes: &[u32], held: &[u32], components: u32) -> Vec<(u16, u8)> {
         }
     }
     out
+}
+
+/// Directions that are held at the nodes of a block, by their local numbers.
+fn held_nodes_of(nodes: &[u32], held: &[HeldNode]) -> Vec<HeldNode> {
+    let local = |one: &HeldNode| nodes.binary_search(&one.node).ok();
+    let found = held.iter().filter_map(|one| Some((local(one)?, one)));
+    let renamed = found.map(|(local, one)| HeldNode {
+        node: local as u32,
+        ..*one
+    });
+    renamed.collect()
 }
 
 /// Node numbers of a cell: vertices and edges.

@@ -3,8 +3,6 @@
 //! leaves. Tetrahedra. Memory: 250 bytes a cell. Cost of a product: some twice the linear one in
 //! single precision.
 
-use std::sync::Arc;
-
 use pulp::Simd;
 use rayon::prelude::*;
 
@@ -15,7 +13,7 @@ use crate::assembly::lanes::{Lanes, SINGLE_WIDTH};
 use crate::assembly::partition::blocks_of_cells;
 use crate::assembly::simd::{BatchPass, prefetch_at};
 use crate::assembly::transpose::{Row, Transpose};
-use crate::linalg::{ResidualUpdate, Workspace};
+use crate::linalg::{Held, ResidualUpdate, Workspace};
 use crate::mesh::Mesh;
 
 /// A batch in single precision.
@@ -30,8 +28,8 @@ pub struct SingleTangent {
     /// Of each block, batch by batch.
     tensors: Vec<Vec<Tensors>>,
     basis: Basis,
-    /// Ascending indices of held entries.
-    held: Arc<[u32]>,
+    /// What is held.
+    held: Held,
 }
 
 impl SingleTangent {
@@ -40,7 +38,7 @@ impl SingleTangent {
         (mesh, grid): (&Mesh, &Grid),
         tangents: &CellTangents,
         basis: Basis,
-        held: Arc<[u32]>,
+        held: Held,
     ) -> Option<Self> {
         let Grid::Tetrahedra(grid) = grid else {
             return None;
@@ -93,9 +91,7 @@ impl ResidualUpdate<f32> for SingleTangent {
                     y,
                 });
             });
-        for &index in self.held.iter() {
-            r[index as usize] -= x[index as usize];
-        }
+        self.held.add_held(-1.0, x, r);
     }
 }
 

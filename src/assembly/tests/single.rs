@@ -21,7 +21,7 @@ fn a_product_in_single_precision_is_the_one_in_double_rounded() {
                 let operator = SingleStiffness {
                     grid: SingleGrid::new(&grid),
                     basis,
-                    held: sample.held.clone().into(),
+                    held: sample.held(),
                 };
                 let mut r = vec![1.0_f32; x.len()];
                 operator.take_off(&narrow, &mut r, &mut Workspace::new());

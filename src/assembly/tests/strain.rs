@@ -187,7 +187,7 @@ fn at_rest_the_tangent_is_that_of_linear_elasticity() {
             space: &sample.space,
             geometry: &sample.geometry,
             moduli: &sample.moduli,
-            held: &sample.held,
+            held: &sample.held(),
         });
         let rest = vec![0.0; sample.unknowns()];
         let at = Arc::new(body.linearised(&rest, &vec![0.0; sample.space.vertices]));
@@ -325,7 +325,7 @@ fn a_section_that_opens_along_its_radius_grows_like_its_rings() {
             space: &sample.space,
             geometry: &sample.geometry,
             moduli: &sample.moduli,
-            held: &sample.held,
+            held: &sample.held(),
         });
         let cells = body.cells.clone().on(Arc::new(grid));
         let mut u = vec![0.0; sample.unknowns()];
@@ -385,15 +385,14 @@ fn tangents_of_cells_in_single_precision_are_those_at_the_points_of_an_even_stat
                     basis,
                     size: sample.unknowns(),
                 },
-                held: sample.held.clone().into(),
+                held: sample.held(),
             };
             let mut expected = x.clone();
             exact.apply(&x, &mut expected, &mut Workspace::new());
             for set in InstructionSet::ALL.into_iter().filter(|set| set.is_here()) {
                 let grid = sample.grid.clone().with_instruction_set(set);
                 let cells = (&sample.mesh, &grid);
-                let single =
-                    SingleTangent::new(cells, &tangents, basis, sample.held.clone().into());
+                let single = SingleTangent::new(cells, &tangents, basis, sample.held());
                 let mut r = vec![0.0_f32; x.len()];
                 let single = single.expect("tetrahedra");
                 single.take_off(&narrow, &mut r, &mut Workspace::new());

@@ -10,7 +10,7 @@ use crate::compare::assembly::enriched::{divergence, pressure_mass, stiffness};
 use crate::compare::precond::enriched::{BubblesAndP1, Diagonal};
 use crate::compare::space::enriched::{Enriched, Enrichment};
 use crate::linalg::vector::norm;
-use crate::linalg::{DenseMatrix, LinearOperator, Preconditioner, SparseRows, Workspace};
+use crate::linalg::{DenseMatrix, Held, LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::precond::schur::ChebyshevMass;
@@ -120,7 +120,7 @@ impl ComparisonData {
                 space: &trace,
                 geometry: &geometry,
                 stiffness: &moduli,
-                held: &held[..on_p1],
+                held: &Held::of_entries(space.components, &held[..on_p1]),
                 moved: &[],
             },
             cancel,

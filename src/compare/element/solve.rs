@@ -6,7 +6,7 @@ use crate::inequality::{
     QpTargets,
 };
 use crate::linalg::vector::{add_scaled, norm};
-use crate::linalg::{LinearOperator, Workspace};
+use crate::linalg::{Held, LinearOperator, Workspace};
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
 use crate::model::evaluate::Evaluation;
@@ -50,7 +50,8 @@ impl EnrichedBody {
 
     /// Residuals of `state` under its drive.
     fn evaluate(&self, state: &State, work: &mut Workspace) -> Evaluation {
-        let (held, drive) = (&self.data.held, &state.drive);
+        let held = &Held::of_entries(self.data.space.components, self.data.held.clone());
+        let drive = &state.drive;
         let mut force: Vec<f64> = self.load.iter().map(|value| value * drive.load).collect();
         mask(held, &mut force);
         let mut out = Evaluation {

@@ -39,7 +39,7 @@ fn splitting(body: &DisplacementBody<'_>) -> (Splitting, u64) {
         pairs: &blocks.pairs,
         off: &blocks.off,
     };
-    let held = body.held.iter();
+    let held = body.held.entries.iter();
     let held_edges = held.filter_map(|&unknown| unknown.checked_sub(vertex_unknowns as u32));
     let (edges, bytes) = edge_sweep(body.space.components, &pairs, held_edges);
     let splitting = Splitting {

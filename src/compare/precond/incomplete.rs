@@ -52,7 +52,7 @@ impl<const C: usize> IncompleteCholeskyCg<C> {
             pairs: blocks.edges,
             off: blocks.off,
         };
-        let matrix = SymmetricBlocks::new(&pairs, blocks.held.iter().copied());
+        let matrix = SymmetricBlocks::new(&pairs, blocks.held.entries.iter().copied());
         Self {
             factor: TriangularSweep::incomplete(&matrix),
             matrix,
@@ -98,6 +98,7 @@ impl<const C: usize> Preconditioner for IncompleteCholeskyCg<C> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linalg::Held;
     use crate::linalg::vector::{reproducible_noise, subtract_from};
 
     /// A bar of `vertices` in two dimensions, held at its first vertex.
@@ -111,7 +112,7 @@ mod tests {
             edges: &edges,
             diagonal: &vec![node; vertices],
             off: &vec![link; vertices - 1],
-            held: &[0, 1],
+            held: &Held::of_entries(2, [0, 1]),
         };
         IncompleteCholeskyCg::new(&blocks)
     }

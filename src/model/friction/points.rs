@@ -53,8 +53,16 @@ pub(super) fn points_of(
     };
     let held = |node: u32| {
         let components = (0..3).filter(|&i| is_held(node, i)).map(unit);
+        let planes = plan
+            .held_nodes
+            .binary_search_by_key(&node, |one| one.held.node);
+        let planes = planes.map_or(&[][..], |place| &plan.held_nodes[place].planes);
         let guided = guided.get(&node).into_iter().flatten();
-        components.chain(guided.copied()).collect()
+        let normals = planes
+            .iter()
+            .map(|plane| plane.normal)
+            .chain(guided.copied());
+        components.chain(normals).collect()
     };
     let point = |own: usize| Point {
         obstacle,

@@ -27,8 +27,8 @@ pub(crate) use obstacles::build;
 pub(crate) use parabola::Parabola;
 pub(crate) use planes::rotates;
 pub(crate) use resolved::{
-    HeldPlane, Placed, Resolved, ResolvedMaterial, ResolvedObstacle, ResolvedPressure,
-    ResolvedProbe, ResolvedSupport, ResolvedTraction,
+    HeldPlane, ObliquePlane, Placed, Resolved, ResolvedMaterial, ResolvedObstacle,
+    ResolvedPressure, ResolvedProbe, ResolvedSupport, ResolvedTraction,
 };
 pub(crate) use rigid_modes::parts;
 pub(crate) use spread::{Spread, Table};
@@ -128,7 +128,7 @@ pub(crate) fn resolve<'a>(
     let mixed = materials::mixed(scene, &mut materials, &mut faults);
     materials::check_flow(scene, &materials, &mut faults);
     let supports = surfaces::supports(scene, mesh, &mut faults);
-    let supports = profiles::resolve(supports, (steps, mesh), &mut faults);
+    let supports = profiles::resolve(supports, (scene, steps, mesh), &mut faults);
     let tractions = surfaces::tractions(scene, mesh, &mut faults);
     let pressures = surfaces::pressures(scene, mesh, &mut faults);
     let obstacles = obstacles::resolve(scene, mesh, &mut faults);

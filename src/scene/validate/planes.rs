@@ -8,15 +8,18 @@
 //! Nodes of several planes are held along each of their axes. A support that a step of the scene
 //! rotates keeps multipliers, for its planes leave their axes. Cost: one visit a facet.
 
-use super::HeldPlane;
+use super::{HeldPlane, ObliquePlane};
 use crate::assembly::load::facet_measure;
 use crate::contact::patches::{outward, smooth_patches};
+use crate::geometry::vector3::{add, dot, norm, normalised, scale, sub};
 use crate::mesh::Mesh;
 use crate::scene::Step;
 
 /// Component of a unit normal that counts as none: chosen, between rounding (1e-15) and an
 /// inclination that a mesh means; no scene measures it.
 const ACROSS: f64 = 1e-9;
+/// Distance of unit normals of one plane: coordinates of a mesh file have some nine digits.
+const ACROSS_OBLIQUE: f64 = 1e-6;
 /// Distance of planes over the extent of the mesh below which they are one; chosen alike.
 const SAME_PLANE: f64 = 1e-9;
 
@@ -47,6 +50,46 @@ pub(super) fn parted(
         }
     }
     (planes, others)
+}
+
+/// The planes among `patches`, and the other ones.
+pub(super) fn oblique(mesh: &Mesh, patches: Vec<Vec<u32>>) -> (Vec<ObliquePlane>, Vec<Vec<u32>>) {
+    let mut planes = Vec::new();
+    let mut others = Vec::new();
+    for patch in patches {
+        match oblique_plane(mesh, &patch) {
+            Some(normal) => planes.push(ObliquePlane {
+                facets: patch,
+                normal,
+            }),
+            None => others.push(patch),
+        }
+    }
+    (planes, others)
+}
+
+/// The normal of a patch, where that is a plane and its edges are lines in it.
+fn oblique_plane(mesh: &Mesh, patch: &[u32]) -> Option<[f64; 3]> {
+    let measured = |facet: &u32| facet_measure(mesh, &outward(mesh, *facet), 1.0);
+    let weighted = patch.iter().map(|facet| {
+        let (area, normal) = measured(facet);
+        scale(area, normal)
+    });
+    let normal = normalised(weighted.fold([0.0; 3], add))?;
+    let is_flat = |facet: &u32| norm(sub(measured(facet).1, normal)) <= ACROSS_OBLIQUE;
+    let is_in_plane = |facet: &u32| {
+        let corners = mesh.facet(*facet as usize);
+        let pairs = corners.iter().enumerate();
+        let mut pairs = pairs.flat_map(|(k, &a)| corners[k + 1..].iter().map(move |&b| (a, b)));
+        pairs.all(|(a, b)| {
+            let offset = mesh.offset_between(a, b).unwrap_or_default();
+            dot(offset, normal).abs() <= SAME_PLANE * mesh.extent()
+        })
+    };
+    patch
+        .iter()
+        .all(|facet| is_flat(facet) && is_in_plane(facet))
+        .then_some(normal)
 }
 
 /// Whether a step turns the support of that name.

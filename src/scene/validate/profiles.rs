@@ -1,13 +1,13 @@
 //! Supports whose prescribed values vary over their surface.
 
-use super::{Faults, Parabola, Placed, ResolvedSupport, planes, values};
+use super::{Faults, Parabola, Placed, ResolvedSupport, planes, rotates, values};
 use crate::mesh::Mesh;
-use crate::scene::{Profile, Step, Support};
+use crate::scene::{ElementKind, Profile, Scene, Step, Support};
 
 /// The supports with their profiles.
 pub(crate) fn resolve(
     supports: Vec<Placed<'_, Support>>,
-    (steps, mesh): (&[Step], &Mesh),
+    (scene, steps, mesh): (&Scene, &[Step], &Mesh),
     faults: &mut Faults,
 ) -> Vec<ResolvedSupport> {
     let resolve = |Placed { item, facets }: Placed<'_, Support>| {
@@ -15,8 +15,19 @@ pub(crate) fn resolve(
             Some(_) => planes::parted(mesh, (&item.name, &facets), steps),
             None => Default::default(),
         };
+        // Elements that are compared hold components alone.
+        let is_own = matches!(
+            scene.solver.element.named(),
+            None | Some(ElementKind::TaylorHood)
+        );
+        let (oblique, patches) = match is_own && !steps.iter().any(|step| rotates(step, &item.name))
+        {
+            true => planes::oblique(mesh, patches),
+            false => (Vec::new(), patches),
+        };
         ResolvedSupport {
             name: item.name.clone(),
+            oblique,
             displacement: item.displacement,
             normal: item.normal,
             planes,

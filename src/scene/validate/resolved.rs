@@ -51,6 +51,15 @@ pub(crate) struct HeldPlane {
     pub(crate) coordinate: f64,
 }
 
+/// A plane patch across no axis.
+#[derive(Clone, Debug)]
+pub(crate) struct ObliquePlane {
+    /// Facets of the patch.
+    pub(crate) facets: Vec<u32>,
+    /// Outward unit normal.
+    pub(crate) normal: [f64; 3],
+}
+
 /// Held displacement components of a surface.
 #[derive(Clone, Debug)]
 pub(crate) struct ResolvedSupport {
@@ -65,6 +74,8 @@ pub(crate) struct ResolvedSupport {
     pub(crate) normal: Option<f64>,
     /// Planes across an axis on which the normal is held: there it is a component.
     pub(crate) planes: Vec<HeldPlane>,
+    /// Other planes: there the normal is a direction of each node.
+    pub(crate) oblique: Vec<ObliquePlane>,
     /// The other smooth patches of a surface that is held along its normal, by multipliers:
     /// nodes between two of them are held along both normals. None where components are held.
     pub(crate) patches: Vec<Vec<u32>>,

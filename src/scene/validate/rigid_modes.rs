@@ -168,30 +168,41 @@ impl<'a> Parts<'a> {
                     add_product(&mode_row(dimension, plane.axis, arm), &mut moments[part]);
                 }
             }
+            for plane in &support.oblique {
+                let corners = plane.facets.iter();
+                for &vertex in corners.flat_map(|&facet| self.mesh.facet(facet as usize)) {
+                    self.add_along(plane.normal, vertex, &mut moments);
+                }
+            }
         }
         moments
     }
 
     /// Adds the rows of supports that hold a normal component.
     fn add_normals(&self, supports: &[ResolvedSupport], moments: &mut [Moments]) {
-        let dimension = self.mesh.cell_kind().dimension();
-        for &facet in supports
-            .iter()
-            .flat_map(|support| support.patches.iter().flatten())
-        {
+        for &facet in supports.iter().flat_map(|support| {
+            let oblique = support.oblique.iter().map(|plane| &plane.facets);
+            support.patches.iter().chain(oblique).flatten()
+        }) {
             let corners = outward(self.mesh, facet);
             let (_, normal) = facet_measure(self.mesh, &corners, 1.0);
             for &vertex in &corners {
-                let (part, arm) = self.arm(vertex);
-                let mut row = vec![0.0; moments[part].len()];
-                for component in 0..dimension {
-                    for (sum, value) in row.iter_mut().zip(mode_row(dimension, component, arm)) {
-                        *sum += normal[component] * value;
-                    }
-                }
-                add_product(&row, &mut moments[part]);
+                self.add_along(normal, vertex, moments);
             }
         }
+    }
+
+    /// Adds the row of a vertex that is held along `normal`.
+    fn add_along(&self, normal: [f64; 3], vertex: u32, moments: &mut [Moments]) {
+        let dimension = self.mesh.cell_kind().dimension();
+        let (part, arm) = self.arm(vertex);
+        let mut row = vec![0.0; moments[part].len()];
+        for (component, along) in normal.iter().enumerate().take(dimension) {
+            for (sum, value) in row.iter_mut().zip(mode_row(dimension, component, arm)) {
+                *sum += along * value;
+            }
+        }
+        add_product(&row, &mut moments[part]);
     }
 }
 

@@ -62,7 +62,10 @@ pub(super) fn augmentation(model: &Model<'_>, state: &State) -> Option<Augmentat
     let mass = finish(all.mass, size);
     Some(Augmentation {
         order: order(model, &mass),
-        rows: finish(all.rows, state.displacement.len()),
+        rows: model
+            .prepared
+            .held
+            .project_columns(finish(all.rows, state.displacement.len())),
         is_traction,
         mass,
     })

@@ -69,7 +69,8 @@ fn curvature(model: &Model<'_>, state: &State) -> Option<SparseRows> {
         });
         let surfaces: Vec<_> = surfaces.collect();
         let body = model.deformed(&state.displacement);
-        curvature_where_held(&body, &surfaces, &model.prepared.is_held)
+        let own = curvature_where_held(&body, &surfaces, &model.prepared.is_held);
+        model.prepared.held.project_matrix(own)
     })
 }
 

@@ -116,7 +116,12 @@ impl<'a> QuadraticProgram<'a> {
         let predicted = metric.prediction(&now, run.state, &mut run.work);
         let released = released_of(&run.model, run.state);
         let turning = (run.model.interfaces.friction.as_ref())
-            .and_then(|friction| friction.turning(&run.model, run.state));
+            .and_then(|friction| friction.turning(&run.model, run.state))
+            .map(|mut turning| {
+                turning.rows = prepared.held.project_columns(turning.rows);
+                turning.released = prepared.held.project_matrix(turning.released);
+                turning
+            });
         let terms = turning.as_ref().map(|turning| &turning.released);
         let terms = [released.as_ref(), terms];
         let curvature = curvature_of(&run.model, run.state).map(|own| {
@@ -222,5 +227,6 @@ fn curvature_of(model: &Model<'_>, state: &State) -> Option<SparseRows> {
         .map(|(surface, met, pressure)| (*surface, *met, &pressure[..]));
     let surfaces: Vec<_> = surfaces.collect();
     let body = model.deformed(&state.displacement);
-    Some(curvature(&body, &surfaces, &model.prepared.is_held))
+    let own = curvature(&body, &surfaces, &model.prepared.is_held);
+    Some(model.prepared.held.project_matrix(own))
 }

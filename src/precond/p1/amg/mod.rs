@@ -28,7 +28,7 @@ use super::Traces;
 use crate::linalg::Scalar;
 use crate::linalg::cholesky::Precision;
 use crate::linalg::vector::{largest, power_of_two_below};
-use crate::linalg::{DenseMatrix, FactoriseError, LinearOperator, Preconditioner, Workspace};
+use crate::linalg::{DenseMatrix, FactoriseError, Held, LinearOperator, Preconditioner, Workspace};
 use crate::precond::spectrum::{Interval, Lanczos};
 use cycle::Hierarchy;
 
@@ -55,7 +55,7 @@ pub struct VertexBlocks<'a> {
     /// Block of each edge: rows of the lower end, columns of the upper one.
     pub off: &'a [[[f64; 3]; 3]],
     /// Held unknowns; others than those of vertices are passed over.
-    pub held: &'a [u32],
+    pub held: &'a Held,
 }
 
 /// Why there is no usable hierarchy.
@@ -147,7 +147,7 @@ impl AmgP1 {
         let lanczos = Lanczos {
             operator: cycle.matrix(),
             preconditioner: &*cycle,
-            held: blocks.held_of_vertices(),
+            held: Some(blocks.held),
             steps: TRIAL_STEPS,
         };
         let interval = lanczos.interval(work);
@@ -184,15 +184,6 @@ impl AmgP1 {
 impl Preconditioner for AmgP1 {
     fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace) {
         self.cycle.apply(r, z, work);
-    }
-}
-
-impl VertexBlocks<'_> {
-    /// Held unknowns of vertices; `held` ascends.
-    fn held_of_vertices(&self) -> &[u32] {
-        let size = (self.components * self.coordinates.len()) as u32;
-        let end = self.held.partition_point(|&unknown| unknown < size);
-        &self.held[..end]
     }
 }
 

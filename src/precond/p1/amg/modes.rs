@@ -3,6 +3,8 @@
 //! K = 3 (2D) or 6 (3D) modes; the unknowns of a vertex at x, relative to the
 //! centroid, move by the rows of `[I | rotations]`. Held components carry none.
 
+use crate::linalg::Held;
+
 /// Modes at each node: `[nodes][components][modes]`.
 pub(super) type Modes<const N: usize, const K: usize> = Vec<[[f64; K]; N]>;
 
@@ -10,16 +12,25 @@ pub(super) type Modes<const N: usize, const K: usize> = Vec<[[f64; K]; N]>;
 /// the vertices are passed over.
 pub(super) fn rigid_modes<const N: usize, const K: usize>(
     coordinates: &[[f64; 3]],
-    held: &[u32],
+    held: &Held,
 ) -> Modes<N, K> {
     let (centre, radius) = centre_and_radius(coordinates);
     let mut modes: Modes<N, K> = coordinates
         .iter()
         .map(|x| at([0, 1, 2].map(|axis| (x[axis] - centre[axis]) / radius)))
         .collect();
-    for &unknown in held {
+    for &unknown in held.entries.iter() {
         if let Some(vertex) = modes.get_mut(unknown as usize / N) {
             vertex[unknown as usize % N] = [0.0; K];
+        }
+    }
+    for one in held.nodes.iter() {
+        if let Some(vertex) = modes.get_mut(one.node as usize) {
+            for mode in 0..K {
+                let mut moved: [f64; N] = std::array::from_fn(|i| vertex[i][mode]);
+                one.project(&mut moved);
+                (0..N).for_each(|i| vertex[i][mode] = moved[i]);
+            }
         }
     }
     modes

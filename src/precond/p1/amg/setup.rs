@@ -102,7 +102,7 @@ fn groups_of<const N: usize>(
 pub(super) fn fine_matrix<const N: usize>(blocks: &VertexBlocks<'_>) -> BlockRows<f64, N, N> {
     let vertices = blocks.coordinates.len();
     let mut is_held = vec![[false; N]; vertices];
-    for &unknown in blocks.held {
+    for &unknown in blocks.held.entries.iter() {
         if let Some(vertex) = is_held.get_mut(unknown as usize / N) {
             vertex[unknown as usize % N] = true;
         }

@@ -124,7 +124,7 @@ pub(super) fn largest_eigenvalue<const N: usize>(
     let lanczos = Lanczos {
         operator: matrix,
         preconditioner: &BlockJacobi(inverse),
-        held: &[],
+        held: None,
         steps: LANCZOS_STEPS,
     };
     SAFETY * lanczos.interval(work).largest

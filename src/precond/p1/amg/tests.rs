@@ -3,6 +3,7 @@
 use super::*;
 use crate::assembly::p1_stiffness::{P1Blocks, StiffCells};
 use crate::assembly::{CellGeometry, CellModuli};
+use crate::linalg::Held;
 use crate::linalg::vector::{add_scaled, dot, norm, reproducible_noise, scale_and_add};
 use crate::mesh::{GroupKind, Mesh, MeshParts, samples};
 use crate::space::TaylorHood;
@@ -11,7 +12,7 @@ struct Sample {
     mesh: Mesh,
     space: TaylorHood,
     blocks: P1Blocks,
-    held: Vec<u32>,
+    held: Held,
 }
 
 /// `mesh` clamped on `x0`, with a shear modulus for each cell centre.
@@ -50,7 +51,7 @@ fn sample(mesh: Mesh, shear: impl Fn([f64; 3]) -> f64) -> Sample {
     vertices.sort_unstable();
     vertices.dedup();
     let c = space.components as u32;
-    let held = vertices
+    let held: Vec<u32> = vertices
         .iter()
         .flat_map(|&vertex| (0..c).map(move |i| vertex * c + i))
         .collect();
@@ -58,7 +59,7 @@ fn sample(mesh: Mesh, shear: impl Fn([f64; 3]) -> f64) -> Sample {
         mesh,
         space,
         blocks,
-        held,
+        held: Held::of_entries(c as usize, held),
     }
 }
 
@@ -81,7 +82,7 @@ impl Sample {
     /// A fixed random vector that vanishes at held unknowns.
     fn noise(&self) -> Vec<f64> {
         let mut x = reproducible_noise(self.space.components * self.space.vertices);
-        for &unknown in &self.held {
+        for &unknown in self.held.entries.iter() {
             x[unknown as usize] = 0.0;
         }
         x
@@ -191,7 +192,7 @@ fn reproduction_error<const N: usize, const K: usize>(sample: &Sample) -> f64 {
     let matrix = setup::fine_matrix::<N>(&view);
     let modes = modes::rigid_modes::<N, K>(view.coordinates, view.held);
     let (level, _, coarse) = setup::coarsen::<f64, N, K>(&matrix, &modes, 0.02).expect("groups");
-    let is_held = |vertex: u32| sample.held.contains(&(vertex * N as u32));
+    let is_held = |vertex: u32| sample.held.entries.contains(&(vertex * N as u32));
     let mut largest: f64 = 0.0;
     let mut compared = 0;
     for vertex in 0..matrix.rows() {
@@ -223,10 +224,10 @@ fn the_prolongator_reproduces_rigid_motions() {
 #[test]
 fn the_coarse_modes_carry_no_energy_away_from_supports() {
     let mut sample = sample(samples::cube(5), |_| 1.0);
-    sample.held.clear();
+    sample.held = Held::of_entries(3, []);
     let view = sample.view();
     let matrix = setup::fine_matrix::<3>(&view);
-    let modes = modes::rigid_modes::<3, 6>(view.coordinates, &[]);
+    let modes = modes::rigid_modes::<3, 6>(view.coordinates, &Held::of_entries(3, []));
     let (_, coarse, coarse_modes) =
         setup::coarsen::<f64, 3, 6>(&matrix, &modes, 0.02).expect("groups");
     for mode in 0..6 {
@@ -335,7 +336,9 @@ fn one_cycle_gives_the_compliance_to_a_quarter() {
 /// On a cube of so many cells along an edge, whose hierarchy has so many levels.
 fn gives_the_compliance_to_a_quarter(cells: usize, levels: usize) {
     let sample = sample(samples::cube(cells), |_| 1.0);
-    let lower = sample.blocks.lower_columns(&sample.space, &sample.held);
+    let lower = sample
+        .blocks
+        .lower_columns(&sample.space, &sample.held.entries);
     let order: Vec<u32> = (0..sample.space.vertices as u32).collect();
     let exact = super::super::DirectP1::new(&lower, &order, 3, Precision::Double)
         .expect("positive definite");
