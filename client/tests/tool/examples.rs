@@ -137,20 +137,25 @@ fn the_fluid_pushes_the_o_ring_to_its_wall_which_it_seals() {
     assert!(number(&last["obstacles"]["wall"]["max_pressure_deformed"]) > 4.0);
 }
 
+/// The pin's force on meshes two and four times finer: 264.778 and 264.765 with curved cells,
+/// 264.531 and 264.694 with straight ones. The shaft's: 5.2520 and 5.2441, 5.2226 and 5.2403.
+const PIN_FORCE: f64 = 264.764;
+const SHAFT_FORCE: f64 = 5.244;
+
 #[test]
 fn pin_and_sleeve_of_the_bush_are_in_balance() {
     let (_, last) = solve("bush.toml", &[]);
     for component in 0..2 {
         let [pin, sleeve] = ["pin", "sleeve"].map(|name| force(&last, "supports", name, component));
-        assert!((pin + sleeve).abs() < 1e-6 * 264.0, "{pin} {sleeve}");
+        assert!((pin + sleeve).abs() < 1e-6 * PIN_FORCE, "{pin} {sleeve}");
     }
-    assert_near(&last["supports"]["pin"]["force"][0], 264.1, 1e-3);
+    assert_near(&last["supports"]["pin"]["force"][0], PIN_FORCE, 1e-3);
 }
 
 #[test]
 fn the_lip_presses_its_shaft() {
     let (_, last) = solve("lip.toml", &[]);
-    assert_near(&last["obstacles"]["shaft"]["force"][0], 5.189, 1e-3);
+    assert_near(&last["obstacles"]["shaft"]["force"][0], SHAFT_FORCE, 3e-3);
     assert!(last["warnings"].as_array().unwrap().is_empty(), "{last}");
 }
 
