@@ -20,7 +20,7 @@
 //! what keeps the pair from moving volume where its pressures do not look (the energy
 //! loses convexity there once p is some mu; Auricchio et al., Comput. Mech. 52, 2013).
 //!
-//! Curved edges bend the cells without stress ([`bend`]); their gradients are no longer linear, but
+//! Curved edges bend the cells without stress (`bend`); their gradients are no longer linear, but
 //! those on the straight cell are.
 //!
 //! Vectors are hierarchical or Lagrange like those of the linear passes. Cost of a
