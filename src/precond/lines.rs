@@ -21,8 +21,8 @@ use crate::linalg::ordering::{Graph, nested_dissection};
 use crate::linalg::vector::add_scaled;
 use crate::linalg::{LinearOperator, Preconditioner, SparseCholesky, Workspace};
 
-/// Couplings tried, relative to the nodes' own blocks: the weakest that leaves
-/// lines or, where none does, small groups.
+/// Couplings tried, relative to the nodes' own blocks, weakest first: groups that are too large for
+/// a line fall apart by the next.
 const THRESHOLDS: [f64; 3] = [0.1, 0.2, 0.35];
 /// A group with a larger part of the nodes is no group.
 const LARGEST_PART: usize = 4;
@@ -32,8 +32,9 @@ const DEGREE: usize = 2;
 const RATIO: f64 = 6.0;
 /// Lanczos steps for the largest eigenvalue.
 const LANCZOS_STEPS: usize = 12;
-/// Nodes of a group that are asked how they move with it: lines through a body have fewer.
-const MOST_IN_A_LINE: u32 = 64;
+/// Nodes of a group that are asked how they move with it: three lines through a layer have fewer,
+/// which meet at its corners.
+const MOST_IN_A_LINE: u32 = 256;
 /// The Lanczos process approaches it from below.
 const SAFETY: f64 = 1.05;
 
@@ -82,11 +83,7 @@ impl AlongLines {
         transfer: Transfer,
         inner: Arc<dyn Preconditioner>,
     ) -> Option<Self> {
-        let candidates = THRESHOLDS.map(|threshold| groups(nodes, threshold));
-        let are_lines = |of: &&Vec<u32>| (2..=MOST_IN_A_LINE as usize).contains(&largest_group(of));
-        let lines = candidates.iter().find(are_lines);
-        let small = || candidates.iter().find(|of| are_small(of));
-        let group_of = lines.or_else(small)?.clone();
+        let group_of = groups(nodes)?;
         let matrix = restricted(nodes, &group_of);
         let order = order(nodes, &group_of);
         let factor = SparseCholesky::new(&matrix, &order, Precision::Double).ok()?;
@@ -215,10 +212,9 @@ fn places(group_of: &[u32]) -> Vec<Option<u32>> {
         count[group as usize] - 1
     };
     let places: Vec<u32> = group_of.iter().map(place).collect();
-    let is_line = |group: u32| count[group as usize] <= MOST_IN_A_LINE;
     let pairs = places.into_iter().zip(group_of);
     pairs
-        .map(|(place, &group)| is_line(group).then_some(place))
+        .map(|(place, &group)| (count[group as usize] <= MOST_IN_A_LINE).then_some(place))
         .collect()
 }
 
@@ -228,8 +224,45 @@ fn size(block: &Block<3>) -> f64 {
     squares.sum::<f64>().sqrt()
 }
 
-/// The lowest node of each node's group.
-fn groups(nodes: &LagrangeNodes<'_>, threshold: f64) -> Vec<u32> {
+/// The lowest node of each node's group: lines where most nodes are in one, small groups where
+/// they are not; none where there is neither.
+fn groups(nodes: &LagrangeNodes<'_>) -> Option<Vec<u32>> {
+    let candidates = THRESHOLDS.map(|threshold| coupled(nodes, threshold));
+    let lines = lines(&candidates);
+    let sizes = group_sizes(&lines);
+    let in_lines = lines
+        .iter()
+        .filter(|&&group| is_line(sizes[group as usize]));
+    if 2 * in_lines.count() >= lines.len() {
+        return Some(lines);
+    }
+    candidates.into_iter().find(|of| are_small(of))
+}
+
+/// Whether that many nodes are a line.
+fn is_line(nodes: u32) -> bool {
+    (2..=MOST_IN_A_LINE).contains(&nodes)
+}
+
+/// The groups by the weakest coupling by which each is no larger than a line.
+fn lines(candidates: &[Vec<u32>]) -> Vec<u32> {
+    let sizes: Vec<Vec<u32>> = candidates.iter().map(|of| group_sizes(of)).collect();
+    let of_node = |node: usize| {
+        let mut groups = candidates
+            .iter()
+            .zip(&sizes)
+            .map(|(of, sizes)| (of[node], sizes));
+        let fitting = groups.find(|&(group, sizes)| sizes[group as usize] <= MOST_IN_A_LINE);
+        fitting.map_or_else(
+            || candidates[candidates.len() - 1][node],
+            |(group, _)| group,
+        )
+    };
+    (0..candidates[0].len()).map(of_node).collect()
+}
+
+/// The lowest node of each node's group, which couplings beyond `threshold` connect.
+fn coupled(nodes: &LagrangeNodes<'_>, threshold: f64) -> Vec<u32> {
     let own: Vec<f64> = nodes
         .blocks
         .diagonal
@@ -261,16 +294,16 @@ fn root(parent: &mut [u32], mut node: u32) -> u32 {
 /// Whether groups are worth factorising: none is a large part of the body, and one has
 /// several nodes.
 fn are_small(group_of: &[u32]) -> bool {
-    let largest = largest_group(group_of);
+    let largest = group_sizes(group_of).into_iter().max().unwrap_or(0) as usize;
     largest > 1 && LARGEST_PART * largest <= group_of.len()
 }
 
-/// Nodes of the largest group.
-fn largest_group(group_of: &[u32]) -> usize {
-    let mut sizes = vec![0_usize; group_of.len()];
+/// Nodes of the group that each node is the lowest of `[nodes]`.
+fn group_sizes(group_of: &[u32]) -> Vec<u32> {
+    let mut sizes = vec![0; group_of.len()];
     let nodes = group_of.iter();
     nodes.for_each(|&group| sizes[group as usize] += 1);
-    sizes.into_iter().max().unwrap_or(0)
+    sizes
 }
 
 /// F: held components are the identity, pairs across groups are left out.
@@ -339,5 +372,18 @@ mod tests {
         let found = places(&group_of);
         assert_eq!(found[..4], places_of_lines);
         assert!(found[4..].iter().all(Option::is_none));
+    }
+
+    #[test]
+    fn a_group_too_large_for_a_line_falls_apart_by_the_next_coupling() {
+        let large = MOST_IN_A_LINE + 1;
+        let weak: Vec<u32> = (0..large).map(|_| 0).chain([large, large]).collect();
+        let strong: Vec<u32> = (0..large)
+            .map(|node| node / 2 * 2)
+            .chain([large, large + 1])
+            .collect();
+        let found = lines(&[weak, strong.clone()]);
+        assert_eq!(found[..large as usize], strong[..large as usize]);
+        assert_eq!(found[large as usize..], [large, large]);
     }
 }
