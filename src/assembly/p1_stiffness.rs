@@ -70,7 +70,7 @@ pub struct P1Blocks {
 }
 
 /// Stiffness of held directions, over that of the node, where inverse blocks are to let nothing
-/// through.
+/// through: 1e-8 of a free motion, above the rounding of a block.
 pub const RIGID: f64 = 1e8;
 
 /// Couplings of nodes where directions of some are held: P A P + s (1 - P), s `stiffness` times the

@@ -21,7 +21,7 @@ use crate::assembly::transpose::{Row, Transpose};
 use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::geometry::tensor::{Number, Tensor, trace};
 
-/// Degree of the rule on curved cells.
+/// Degree of the rule on curved cells: that of `lambda_j div u` times the measure, in space.
 pub const CURVED_DEGREE: u32 = 4;
 
 static RULES: LazyLock<[Rule; 2]> = LazyLock::new(|| {

@@ -1,4 +1,4 @@
-//! A program of rubber by a factor of its body, once iterations have cost as much:
+//! A program by a factor of its body, once iterations have cost as much:
 //!
 //! ```text
 //! K = [ A - G  B^T ]   W = C K^-1 C^T   du = K^-1 (r - C^T dl),   l in its set by W
