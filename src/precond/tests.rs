@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::NodeBlocks;
-use super::compliance::{Compliance, ComplianceParts};
+use super::compliance::{Compliance, ComplianceParts, OF_MIXED};
 use super::p1::{DirectP1, Traces, vertex_order};
 use super::volume_modes::{Flexibility, VolumeModes};
 use crate::assembly::p1_stiffness::StiffCells;
@@ -200,6 +200,7 @@ fn the_compliance_is_that_of_vertices_and_edges_apart() {
             edge_ends: None,
             is_held: &[],
             volumes: None,
+            scale: OF_MIXED,
         };
         let found = Compliance::new(&parts, &coupling).dense();
         let inverse = sample.inverse();
@@ -227,7 +228,7 @@ fn the_compliance_is_that_of_vertices_and_edges_apart() {
                 let mut exact = 0.0;
                 for (&a, x) in rows.0.iter().zip(rows.1) {
                     for (&b, y) in columns.0.iter().zip(columns.1) {
-                        exact += 0.7 * x * entry(a, b) * y;
+                        exact += OF_MIXED * x * entry(a, b) * y;
                     }
                 }
                 // The regularisation lifts the diagonal by 1e-10 of its mean.
@@ -278,6 +279,7 @@ impl Sample {
             edge_ends: None,
             is_held: &[],
             volumes,
+            scale: OF_MIXED,
         };
         Compliance::new(&parts, &self.coupling())
     }

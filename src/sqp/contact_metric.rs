@@ -14,7 +14,7 @@ use crate::linalg::{
 use crate::model::Model;
 use crate::model::evaluate::Evaluation;
 use crate::model::state::State;
-use crate::precond::compliance::{Compliance, ComplianceParts};
+use crate::precond::compliance::{Compliance, ComplianceParts, EVENLY, OF_DISPLACEMENT, OF_MIXED};
 use crate::precond::p1::Traces;
 use crate::precond::volume_modes::VolumeModes;
 use crate::prepare::ApproximateInverse;
@@ -206,8 +206,26 @@ fn compliance_of(
         edge_ends: edge_ends(model),
         is_held: &model.prepared.is_held,
         volumes,
+        scale: scale_of(model),
     };
     Compliance::new(&parts, coupling)
+}
+
+/// s of a body.
+fn scale_of(model: &Model<'_>) -> f64 {
+    match model.prepared.pressure {
+        Some(_) => OF_MIXED,
+        None => OF_DISPLACEMENT,
+    }
+}
+
+/// How much a body gives under an even pressure, over what the compliance says; one for other
+/// metrics.
+pub(crate) fn evenly(model: &Model<'_>) -> f64 {
+    match model.plan.contact.metric {
+        MetricKind::Compliance => EVENLY / scale_of(model),
+        MetricKind::Mass | MetricKind::Fractional => 1.0,
+    }
 }
 
 /// The volumes as contact shares them with the internal pressure.

@@ -127,6 +127,18 @@ fn cells_of_any_aspect_under_a_lid_take_few_applications() {
     }
 }
 
+/// Steps of contact go too far by a metric below half the compliance: 650 applications and a
+/// fallback by 0.7 of its parts, 22 by 1, 20 by 1.4.
+#[test]
+fn tall_cells_under_a_lid_take_few_applications() {
+    for (aspect, poisson_ratio, most) in [(0.2, 0.3, 28), (0.2, 0.5, 40), (0.5, 0.3, 32)] {
+        let report = layer_under_a_lid(12, aspect, poisson_ratio);
+        assert_converged(&report);
+        let taken = report.preconditioner_applications;
+        assert!(taken <= most, "{aspect}, {poisson_ratio}: {taken}");
+    }
+}
+
 /// Lines of the corners and edges that are coupled are one group, which is not left out: 650
 /// applications and a fallback where it was.
 #[test]

@@ -12,7 +12,7 @@ use crate::model::evaluate::Evaluation;
 use crate::model::joined::Joined;
 use crate::model::state::State;
 use crate::precond::NodeBlocks;
-use crate::precond::compliance::{Compliance, ComplianceParts};
+use crate::precond::compliance::{Compliance, ComplianceParts, OF_MIXED};
 use crate::precond::p1::Traces;
 use crate::report::{FieldName, ObstacleResult};
 use crate::results::touching::Touching;
@@ -103,6 +103,7 @@ impl EnrichedBody {
             edge_ends: None,
             is_held: &[],
             volumes: None,
+            scale: OF_MIXED,
         };
         Compliance::new(&parts, coupling)
     }

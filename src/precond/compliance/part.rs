@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::{Compliance, SCALE};
+use super::Compliance;
 use crate::linalg::DenseMatrix;
 
 /// A principal part that contains those of earlier questions.
@@ -121,7 +121,7 @@ impl<'c> PartBeside<'c> {
             entries[0] += self.of.lift;
         }
         for (entry, is_known) in entries.iter_mut().zip(is_known) {
-            *entry *= if is_known { 1.0 } else { SCALE };
+            *entry *= if is_known { 1.0 } else { self.of.scale };
         }
         entries
     }

@@ -18,8 +18,8 @@
 
 use rayon::prelude::*;
 
+use super::Compliance;
 use super::part::Touched;
-use super::{Compliance, SCALE};
 use crate::linalg::cholesky::{LowerColumns, Precision};
 use crate::linalg::vector::{add_scaled, dot, norm, reproducible_noise, scale};
 use crate::linalg::{
@@ -45,6 +45,8 @@ pub(super) struct SplitFactor {
     traces: DenseCholesky,
     /// What volumes take off.
     volumes: Volumes,
+    /// s.
+    scale: f64,
 }
 
 /// The volumes' part.
@@ -88,6 +90,7 @@ impl SplitFactor {
             rows: touched.rows,
             traces,
             volumes,
+            scale: of.scale,
         };
         factor.is_right(of, selected).then_some(factor)
     }
@@ -134,7 +137,7 @@ impl PartFactor for SplitFactor {
         }
         work.give(on_traces);
         self.nodes.solve(x, 1, work);
-        scale(x, 1.0 / SCALE);
+        scale(x, 1.0 / self.scale);
     }
 
     fn bytes(&self) -> u64 {

@@ -46,6 +46,7 @@ fn sample(volumes: usize) -> Compliance {
         volumes: orthonormal,
         seen: SparseRowsBuilder::new(ROWS).finish(),
         lift: 1e-10,
+        scale: OF_MIXED,
         diagonal: OnceLock::new(),
         last: Mutex::default(),
         stiffness: Mutex::new(None),

@@ -10,9 +10,10 @@
 //! once the tool is pushed aside, and too stiff is learnt better than nothing at all. Cost: a factor of H_AA.
 
 use super::rigid::gap_changes;
-use crate::linalg::vector::dot;
+use crate::linalg::vector::{dot, scale};
 use crate::linalg::{SymmetricMatrix, Workspace};
 use crate::model::push::Control;
+use crate::sqp::contact_metric::evenly;
 use crate::sqp::program::QuadraticProgram;
 use crate::sqp::push_stiffness::PushStiffness;
 use crate::sqp::run::Run;
@@ -30,7 +31,11 @@ pub(super) fn by_metric(run: &mut Run<'_>, controls: &[Control]) -> PushStiffnes
     let changes = gap_changes(&run.model, run.state, controls);
     let own = |change: &Vec<f64>| -> Vec<f64> { closed.iter().map(|&k| change[k]).collect() };
     let own: Vec<Vec<f64>> = changes.iter().map(own).collect();
-    let known = condensed(program.metric(), &closed, &own, &mut run.work);
+    let mut known = condensed(program.metric(), &closed, &own, &mut run.work);
+    let stiffer = evenly(&run.model).recip();
+    for column in known.iter_mut().flatten() {
+        scale(column, stiffer);
+    }
     PushStiffness {
         controls: controls.to_vec(),
         columns: known.unwrap_or_else(|| of_punches(&own)),

@@ -14,6 +14,7 @@ use crate::inequality::dense_cone;
 use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::model::push::Control;
 use crate::saddle::Status;
+use crate::sqp::contact_metric::evenly;
 use crate::sqp::program::QuadraticProgram;
 use crate::sqp::run::Run;
 
@@ -168,7 +169,7 @@ fn beyond(run: &mut Run<'_>, controls: &[Control], (direction, force): (&[f64], 
     if program.metric().size() != now.gap.len() {
         return ADVANCES[0];
     }
-    secant_of_powers(exerted, force)
+    secant_of_powers(exerted, force * evenly(&run.model))
 }
 
 /// What other obstacles exert against `direction` `[controls]` for each unit of their pressures
