@@ -41,6 +41,7 @@ pub(crate) mod increment;
 mod initial_penetration;
 pub(crate) mod ladder;
 pub(crate) mod learned;
+mod left_tools;
 pub(crate) mod linear;
 mod longest_step;
 mod lowest_mode;

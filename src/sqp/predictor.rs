@@ -20,6 +20,7 @@
 //! evaluations, a product with the tangent where supports move, and two changes of
 //! the state kept.
 
+use super::left_tools::release;
 use super::rigid_predictor::RigidPredictor;
 use super::run::Run;
 use super::search::JACOBIAN_SHARE;
@@ -83,7 +84,10 @@ pub(crate) fn start(run: &mut Run<'_>, drive: &Drive) -> (Evaluation, f64) {
     let is_predicted = predict(run, &before, rigid.as_ref(), drive);
     run.state.drive = drive.clone();
     if !is_predicted {
-        let plain = run.evaluate();
+        let mut plain = run.evaluate();
+        if release(&run.model, run.state, &plain) {
+            plain = run.evaluate();
+        }
         let force = norm(&plain.force);
         return (plain, force);
     }

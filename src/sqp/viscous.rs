@@ -20,7 +20,6 @@ use crate::linalg::vector::largest;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
 use crate::model::proximal::{Proximal, mass};
-use crate::plan::second_attempt::Programs;
 use crate::report::{Cause, Termination};
 
 /// First t, in mu / L^2: M holds vertices and edges, rigid motions move vertices alone.
@@ -61,8 +60,8 @@ fn is_for(run: &Run<'_>, ending: &Ending) -> bool {
     // What is thrown away leaves all numbers.
     let is_numerical =
         ending.cause == Some(Cause::NotFinite) || ending.cause.is_some_and(Cause::is_numerical);
-    // A factor has no place for the pull, nor does a fall.
-    let has_place = run.model.plan.programs == Programs::AsPlanned && run.model.proximal.is_none();
+    // A fall has no place for the pull.
+    let has_place = run.model.proximal.is_none();
     is_numerical && has_place && (run.model.is_linear() || run.model.plan.has_friction())
 }
 
@@ -108,6 +107,12 @@ impl Flow {
             let kept = run.state.clone();
             let mut ending = self.step(run, drive, tolerance);
             if ending.is_stopped() {
+                return Some(ending);
+            }
+            // What nothing resists is soon farther away than anything could have carried it.
+            let has_flown = ending.cause == Some(Cause::NotFinite) && self.unresisted > 0;
+            if has_flown {
+                ending.cause = Some(Cause::NoEquilibrium);
                 return Some(ending);
             }
             if ending.termination != Termination::Converged {
