@@ -56,11 +56,10 @@ const SERIALISED: [&str; 16] = [
 ];
 
 /// Fields that JSON spells otherwise than the wire; see `src/serialised.rs`.
-const SPELLED: [(&str, &str); 10] = [
+const SPELLED: [(&str, &str); 9] = [
     ("StepReport.termination", "termination"),
     ("StepReport.cause", "cause"),
     ("StepReport.stability", "stability"),
-    ("StepReport.fallback", "fallback"),
     ("StepReport.seconds", "or_default"),
     ("StepReport.unknowns", "or_default"),
     ("StepReport.obstacle_poses", "poses"),

@@ -99,7 +99,6 @@
 //! | preconditioner refresh | `PreconditionerRefresh` | `sqp::preconditioner_refresh` |
 //! | quadratic program of an SQP iteration | `QuadraticProgram` | `sqp::program` |
 //! | recycled Krylov directions | `Directions` | `krylov::gcr` |
-//! | recovery from a failed solve, solver fall-back | `ladder` | `sqp::ladder` |
 //! | response at the contact surface, static condensation, superelement | `Response` | `sqp::response` |
 //! | rigid predictor, co-rotated start | `RigidPredictor` | `sqp::rigid_predictor` |
 //! | static condensation on the multiplier | `Condensed` | `inequality::condensed` |
@@ -179,6 +178,7 @@
 #![doc = include_str!("decisions/0055-compliance-along-lines.md")]
 #![doc = include_str!("decisions/0056-curved-cells.md")]
 #![doc = include_str!("decisions/0057-planes-at-nodes.md")]
+#![doc = include_str!("decisions/0058-no-second-attempts.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]
@@ -209,8 +209,8 @@ pub use mesh::{CellKind, EdgeOffset, Group, GroupKind, Mesh, MeshError, MeshId, 
 pub use plan::{LeftOut, Plan, PlanEntry, PlanReport, PreparedKey};
 pub use prepare::{PrepareError, Prepared};
 pub use report::{
-    CancelToken, Cause, Fallback, FieldData, FieldName, IterationRecord, Observer, Residuals,
-    Silent, StepReport, Termination,
+    CancelToken, Cause, FieldData, FieldName, IterationRecord, Observer, Residuals, Silent,
+    StepReport, Termination,
 };
 pub use scene::{Scene, SceneError, Step, Violation};
 pub use session::{CheckpointError, ObstaclePose, Origin, Reuse, Rounding, Session, StepRun};

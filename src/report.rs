@@ -5,7 +5,6 @@
 //! here computes, so every module may depend on it.
 
 mod ending;
-mod fallback;
 mod field;
 mod warning;
 
@@ -14,7 +13,6 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 pub use ending::{Cause, CauseSite, Snapped, Stability, Termination};
-pub use fallback::Fallback;
 pub use field::{FieldData, FieldName};
 pub use warning::{Warning, WarningKind};
 
@@ -212,9 +210,6 @@ pub struct StepReport {
     pub cause: Option<Cause>,
     /// Where the cause lies; none when the increment converged, or nothing is known.
     pub cause_site: Option<CauseSite>,
-    /// The second attempt that solved the increment; none where the method of the plan
-    /// did.
-    pub fallback: Option<Fallback>,
     /// The fall from an equilibrium that was lost to the next minimum; none where every
     /// equilibrium was followed.
     pub snapped: Option<Snapped>,

@@ -20,12 +20,6 @@ pub(crate) fn cause<S: Serializer>(number: &i32, serializer: S) -> Result<S::Ok,
     words::cause(value).serialize(serializer)
 }
 
-/// Writes the word of a second attempt, or null.
-pub(crate) fn fallback<S: Serializer>(number: &i32, serializer: S) -> Result<S::Ok, S::Error> {
-    let value = v1::Fallback::try_from(*number).unwrap_or_default();
-    words::fallback(value).serialize(serializer)
-}
-
 /// Writes the word of a kind of equilibrium, or null.
 pub(crate) fn stability<S: Serializer>(number: &i32, serializer: S) -> Result<S::Ok, S::Error> {
     let value = v1::Stability::try_from(*number).unwrap_or_default();

@@ -21,12 +21,6 @@ pub fn cause(cause: v1::Cause) -> Option<String> {
     known.then(|| word(cause.as_str_name(), "CAUSE_"))
 }
 
-/// The word of a second attempt, such as `direct`; none where there was none.
-pub fn fallback(fallback: v1::Fallback) -> Option<String> {
-    let known = fallback != v1::Fallback::Unspecified;
-    known.then(|| word(fallback.as_str_name(), "FALLBACK_"))
-}
-
 /// The word of a kind of equilibrium; none where it was not found out.
 pub fn stability(stability: v1::Stability) -> Option<String> {
     let known = stability != v1::Stability::Unspecified;

@@ -20,7 +20,7 @@ pub mod one_level;
 pub mod qp;
 
 pub use augmentation::Augmentation;
-pub use factorised::{BodyFactor, FactorStep, Factorised, Inertia, MOST_FACES, Matrices, inertia};
+pub use factorised::{BodyFactor, FactorStep, Inertia, Matrices, inertia};
 pub use one_level::OneLevel;
 pub(crate) use one_level::augmented::Augmented;
 pub(crate) use one_level::slides_of;

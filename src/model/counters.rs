@@ -29,8 +29,6 @@ pub(crate) struct Counters {
     pub(crate) newton_steps: u32,
     /// Passes of the iteration on the threshold of friction.
     pub(crate) threshold_passes: u32,
-    /// Quadratic programs of the present attempt that no method solved.
-    pub(crate) failed_programs: u32,
     /// Parts of the increment that were given up for smaller ones.
     pub(crate) cut_backs: u32,
     /// Length of the last accepted step, in (0, 1].
@@ -54,7 +52,6 @@ impl Counters {
             set_changes: 0,
             newton_steps: 0,
             threshold_passes: 0,
-            failed_programs: 0,
             cut_backs: 0,
             step_length: 1.0,
             seconds: Seconds::default(),

@@ -6,7 +6,7 @@
 
 use super::push::Control;
 use crate::plan::{Plan, Units};
-use crate::report::{Cause, CauseSite, Fallback, Residuals, Snapped, Stability, Termination};
+use crate::report::{Cause, CauseSite, Residuals, Snapped, Stability, Termination};
 
 /// The estimated error of the displacement.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -124,8 +124,6 @@ pub(crate) struct Ending {
     pub(crate) snapped: Option<Snap>,
     /// Another equilibrium that friction may admit; none where none was found.
     pub(crate) rival: Option<Rival>,
-    /// The second attempt that led here; none where the plan's own method did.
-    pub(crate) fallback: Option<Fallback>,
 }
 
 impl Ending {

@@ -13,6 +13,7 @@ pub(crate) mod displacement;
 mod doubts;
 pub(crate) mod element;
 pub(crate) mod estimate;
+mod factor;
 mod friction;
 pub(crate) mod held;
 pub(crate) mod held_nodes;
@@ -26,7 +27,6 @@ mod report;
 pub(crate) mod response;
 pub(crate) mod rubber;
 pub(crate) mod saddle;
-pub(crate) mod second_attempt;
 mod settings;
 mod stability;
 pub(crate) mod surfaces;
@@ -52,7 +52,6 @@ use p1::P1Sizes;
 pub use report::{LeftOut, PlanEntry, PlanReport};
 use response::ResponseChoice;
 use saddle::{Demand, SaddleChoice, SaddleNeeds};
-use second_attempt::Programs;
 use settings::Settings;
 use stability::StabilityChoice;
 use surfaces::{ContactLayout, Surfaces};
@@ -121,8 +120,6 @@ pub struct Plan {
     pub(crate) curved_edges: usize,
     /// Offsets of all edges where arcs are fitted over some of them, else empty.
     fitted: Vec<EdgeOffset>,
-    /// Whether programs are solved by that method, or by a factor of the whole.
-    pub(crate) programs: Programs,
     /// From which step on the body is solved by its response at the contact surface.
     pub(crate) response: ResponseChoice,
     /// What may touch each obstacle, and its way, for reports of the plan.
@@ -241,7 +238,6 @@ impl Plan {
             quality: mesh.quality().mean,
             p1,
             saddle,
-            programs: Programs::AsPlanned,
             response: ResponseChoice::default(),
             stability: stability::choose(
                 (scene.solver.stability.named(), tangential > 0),

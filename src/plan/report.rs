@@ -130,13 +130,6 @@ impl Plan {
         for tool in &self.tools {
             push(&tool.what, tool.choice.clone(), &tool.reason);
         }
-        if let Some(rungs) = self.second_attempt() {
-            push(
-                "second_attempt",
-                rungs,
-                "where the method does not converge",
-            );
-        }
         if self.is_floating() {
             let reason = format!("supports leave {}", self.resolved.free_modes.join(", "));
             push("rigid modes", "shifted P1 factor".into(), &reason);

@@ -79,7 +79,6 @@ pub(crate) fn counted(state: &State, ending: &Ending, counters: &Counters) -> St
         load: state.drive.load,
         termination: ending.termination,
         cause: ending.cause,
-        fallback: ending.fallback,
         sqp_iterations: counters.sqp_iterations,
         krylov_iterations: counters.krylov_iterations,
         preconditioner_applications: counters.applications,

@@ -241,7 +241,6 @@ impl Session {
         let end = reached.after(self.plan(), step);
         let end = end.given_by((self.plan(), self.body.mesh()), step);
         self.steps += 1;
-        self.learned.rung = None;
         self.target = end.clone();
         let start = self.start_towards(&end);
         let start = self.begun.insert(start);

@@ -122,7 +122,6 @@ mod tests {
             stability: None,
             snapped: None,
             site: None,
-            fallback: None,
             rival: None,
         };
         let mut step = StepRun::new(rest.clone(), rest, 3);

@@ -24,11 +24,11 @@ use crate::results::exerted::exerted;
 use crate::results::touch::Touch;
 use crate::results::warnings::{coarse_facets, warnings};
 use crate::results::{fields, step};
+use crate::sqp::approach::approach;
 use crate::sqp::increment::{self, MOST_PROGRAMS};
-use crate::sqp::ladder::climb;
 use crate::sqp::learned::Learned;
 use crate::sqp::response::inside;
-use crate::sqp::run::{Retry, Run};
+use crate::sqp::run::Run;
 use crate::sqp::site::locate;
 use crate::verify;
 
@@ -83,7 +83,6 @@ impl TaylorHoodBody {
             watch: increment.watch,
             counters: increment.counters,
             work: increment.work,
-            retry: Retry::Parts,
             patience: MOST_PROGRAMS,
         }
     }
@@ -115,7 +114,7 @@ impl Body for TaylorHoodBody {
         if self.interfaces.friction.is_some() {
             run.model.slip_start = Some(SlipStart::at(before).into());
         }
-        let (mut ending, part) = climb(&mut run, goal, before);
+        let (mut ending, part) = approach(&mut run, goal);
         ending.site = ending.site.or_else(|| locate(&mut run, &ending, goal));
         if ending.is_stopped() {
             if part == 0.0 {

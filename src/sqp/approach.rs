@@ -12,7 +12,7 @@ use super::initial_penetration::InitialPenetration;
 use super::lowest_mode::LowestMode;
 use super::passing::{MOST_PARTS, longest_part};
 use super::penalty::{next_penalty, penalise};
-use super::run::{Retry, Run};
+use super::run::Run;
 use super::step_control::{KeptState, Parts};
 use super::trend::Trend;
 use crate::contact::coarseness::Coarsest;
@@ -284,14 +284,9 @@ fn is_meaningful(ending: &Ending) -> bool {
 
 /// A linear problem that fails as a whole fails in parts too, and so does a nested method that
 /// spends its products, and a volume that cannot change: what parts of it lead to is a body that
-/// escapes between its nodes. A program of a linear body that a method did not solve is left to
-/// the next method.
+/// escapes between its nodes.
 fn cut_backs_help(run: &Run<'_>, ending: &Ending) -> bool {
     let model = &run.model;
-    let is_left = run.retry == Retry::AnotherMethod && !model.is_rubber();
-    if is_left && run.counters.failed_programs > 0 {
-        return false;
-    }
     // The way matters where something slips.
     let is_linear = model.is_linear() && !model.plan.has_friction();
     let is_spent =

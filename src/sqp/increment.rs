@@ -88,7 +88,6 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         if let Some(verdict) = of_status(outcome, &run.watch) {
             // Those of a method that diverged would make a solution of any state.
             run.state.scales = scales.or(run.state.scales);
-            run.counters.failed_programs += 1;
             let is_new = run.counters.factorisations > made;
             match at.after_failure(run, verdict, (&step, worst), is_new) {
                 AfterFailure::Another => continue,
@@ -196,7 +195,7 @@ impl Iterate {
     }
 
     /// The end of a linear problem whose programs are solved and bring nothing: what is
-    /// left of its residual is rounding, of the next rung perhaps less. Before that the kept
+    /// left of its residual is rounding. Before that the kept
     /// directions go, whose products rounding has parted from them.
     fn idleness(&mut self, run: &mut Run<'_>, worst: f64) -> Option<Verdict> {
         if worst <= 0.5 * self.least {
@@ -212,9 +211,6 @@ impl Iterate {
         }
         run.learned.directions.clear(&mut run.work);
         let is_rounding = self.idle >= MOST_IDLE;
-        // What friction lets slide off grows from program to program, and is no rounding.
-        let may_have_failed = !run.model.plan.has_friction();
-        run.counters.failed_programs += u32::from(is_rounding && may_have_failed);
         is_rounding.then(|| Verdict::failed(Cause::Stagnation))
     }
 
@@ -289,7 +285,6 @@ pub(crate) fn ending(
         stability: None,
         snapped: None,
         site: None,
-        fallback: None,
         rival: None,
     }
 }

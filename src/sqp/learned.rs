@@ -9,7 +9,6 @@ use super::lowest_mode::LowestMode;
 use super::preconditioner_refresh::PreconditionerRefresh;
 use super::push_stiffness::PushStiffness;
 use super::response::kept::Known;
-use super::rung::Rung;
 use super::saddle_layout::SaddleLayout;
 use super::trend::Trend;
 use crate::assembly::strain::Linearised;
@@ -37,9 +36,6 @@ pub(crate) struct Learned {
     /// What the saddle point is assembled and ordered by, once it was; it depends on the
     /// mesh only.
     layout: Option<Arc<SaddleLayout>>,
-    /// The rung that solved the last increment of the step, where the next one begins;
-    /// none where the plan's own method does.
-    pub(crate) rung: Option<Arc<Rung>>,
     /// How stiff the body is under the obstacles that are pushed; none before the first push.
     pub(crate) under_pushes: Option<PushStiffness>,
     /// How the body of a linear scene responds at its contact surface.
@@ -57,7 +53,6 @@ impl Learned {
             trend: None,
             linearised: Arc::default(),
             layout: None,
-            rung: None,
             under_pushes: None,
             response: Known::Nothing,
         }
@@ -88,7 +83,6 @@ impl Learned {
             + self.linearised.bytes()
             + self.layout.as_ref().map_or(0, |layout| layout.bytes())
             + self.factored.as_ref().map_or(0, |body| body.bytes())
-            + self.rung.as_ref().map_or(0, |rung| rung.bytes())
             + self.response.bytes()
     }
 }

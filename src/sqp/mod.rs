@@ -9,12 +9,11 @@
 //! | file | station |
 //! |---|---|
 //! | [`run`] | everything that one increment reads and changes |
-//! | [`ladder`] | the plan's own method, then others where it fails |
 //! | [`approach`] | the way to the increment's end, in parts: [`step_control`], [`initial_penetration`], [`passing`], [`penalty`] |
 //! | [`attempt`] | one part, solved and judged |
 //! | [`balance`] | the poses of pushed obstacles: [`push_stiffness`] |
 //! | [`accuracy`] | how far residuals are reduced |
-//! | [`increment`] | programs until the four criteria hold: [`predictor`], [`program`], [`search`], [`verdict`], measured by [`scales`] |
+//! | [`increment`] | programs until the four criteria hold: [`predictor`], [`left_tools`], [`program`], [`search`], [`verdict`], measured by [`scales`] |
 //! | [`response`] | linear bodies whose response at the contact surface is known: a small problem instead of programs |
 //! | [`viscous`] | a body that contact alone holds, brought to rest slowly where programs throw it away |
 //! | [`certificate`] | whether the equilibrium is a minimum |
@@ -39,7 +38,6 @@ mod enclosure;
 mod factored_body;
 pub(crate) mod increment;
 mod initial_penetration;
-pub(crate) mod ladder;
 pub(crate) mod learned;
 mod left_tools;
 pub(crate) mod linear;
@@ -55,7 +53,6 @@ mod push_stiffness;
 pub(crate) mod response;
 mod rigid_predictor;
 pub(crate) mod run;
-mod rung;
 mod saddle_layout;
 mod scales;
 mod search;

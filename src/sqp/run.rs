@@ -26,19 +26,8 @@ pub(crate) struct Run<'a> {
     pub(crate) counters: Counters,
     /// Scratch vectors, handed back after use.
     pub(crate) work: Workspace,
-    /// What follows where a program is not solved.
-    pub(crate) retry: Retry,
     /// Quadratic programs that one drive may take.
     pub(crate) patience: u32,
-}
-
-/// What follows a program that its method did not solve.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Retry {
-    /// The increment once more, by another method.
-    AnotherMethod,
-    /// Smaller parts of the increment.
-    Parts,
 }
 
 impl Run<'_> {

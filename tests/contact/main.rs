@@ -1,4 +1,4 @@
-//! Stories of contact: the space of the pressure, the true surface, second attempts, families of scenes.
+//! Stories of contact: the space of the pressure, the true surface, bodies that obstacles hold, families of scenes.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -9,13 +9,13 @@ mod contact_space;
 mod critical_pressure;
 mod families;
 mod grids;
+mod held_by_obstacles;
 mod inf_sup;
 mod large_surface;
 mod passing;
 mod pushed;
 mod response;
 mod rotated_surfaces;
-mod second_attempt;
 mod tools;
 mod true_surface;
 mod wavy;

@@ -123,7 +123,7 @@ def test_every_message_of_reports_has_a_view() -> None:
 def test_absent_numbers_are_none_and_enumerations_words() -> None:
     message = report_pb2.StepReport(termination=2, cause=11)
     view = reports.StepReport(message)
-    assert (view.termination, view.cause, view.fallback) == ("not_converged", "unstable_equilibrium", None)
+    assert (view.termination, view.cause) == ("not_converged", "unstable_equilibrium")
     assert view.error_estimate is None
     message.error_estimate = 0.0
     assert reports.StepReport(message).error_estimate == 0.0

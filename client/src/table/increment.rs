@@ -220,9 +220,6 @@ pub(super) fn time(lines: &mut Lines, report: &v1::StepReport) {
 
 /// What the solver did.
 pub(super) fn solver(lines: &mut Lines, report: &v1::StepReport) {
-    if let Some(rung) = words::fallback(report.fallback()) {
-        lines.add("second attempt", &format!("solved by rung {rung}"));
-    }
     lines.add("iterations", &iterations(report));
     lines.add("residuals", &residuals(report.residuals.as_ref()));
     lines.add("seconds", &seconds(report.seconds.unwrap_or_default()));

@@ -174,25 +174,6 @@ fn every_cause_and_kind_of_equilibrium_keeps_to_the_schema() {
 }
 
 #[test]
-fn every_second_attempt_keeps_to_the_schema_and_has_its_word() {
-    let schema = result_lines();
-    let all = (0..).map_while(|number| v1::Fallback::try_from(number).ok());
-    let mut words = Vec::new();
-    for fallback in all {
-        let line = result_line::step(&v1::StepReport {
-            fallback: fallback.into(),
-            ..report()
-        });
-        assert_eq!(fault(&schema, &line), None);
-        words.push(line["fallback"].clone());
-    }
-    assert_eq!(
-        json!(words),
-        json!([null, "mass_metric", "mprgp", "direct"])
-    );
-}
-
-#[test]
 fn totals_add_up_over_increments() {
     let mut totals = Totals::default();
     totals.add(&report());
@@ -242,7 +223,7 @@ fn the_pose_of_an_obstacle_stands_with_what_it_does() {
 fn the_keys_of_a_result_keep_their_order() {
     let expected = [
         r#"{"event":"step","step":0,"increment":0,"time":0.0,"load":0.0,"#,
-        r#""termination":"unspecified","cause":null,"cause_site":null,"fallback":null,"#,
+        r#""termination":"unspecified","cause":null,"cause_site":null,"#,
         r#""snapped":null,"warnings":[],"sqp_iterations":0,"#,
         r#""krylov_iterations":0,"preconditioner_applications":0,"#,
         r#""eigenvalue_applications":0,"compliance_columns":0,"contact_products":0,"#,

@@ -3,9 +3,8 @@
 use signorini::ObstaclePose;
 use signorini::plan::PlanReport;
 use signorini::report::{
-    Cause, CauseSite, Fallback, IterationRecord, ManufacturedErrors, ObstacleResult, ProbeResult,
-    Residuals, Seconds, Snapped, Stability, StepReport, SupportResult, Termination, Unknowns,
-    Warning,
+    Cause, CauseSite, IterationRecord, ManufacturedErrors, ObstacleResult, ProbeResult, Residuals,
+    Seconds, Snapped, Stability, StepReport, SupportResult, Termination, Unknowns, Warning,
 };
 use signorini_proto::v1 as wire;
 
@@ -20,10 +19,6 @@ pub(crate) fn step(report: StepReport, poses: Vec<ObstaclePose>) -> wire::StepRe
         load: report.load,
         termination: termination(report.termination).into(),
         cause: report.cause.map_or(wire::Cause::Unspecified, cause).into(),
-        fallback: report
-            .fallback
-            .map_or(wire::Fallback::Unspecified, fallback)
-            .into(),
         sqp_iterations: narrow(report.sqp_iterations),
         krylov_iterations: narrow(report.krylov_iterations),
         preconditioner_applications: narrow(report.preconditioner_applications),
@@ -153,14 +148,6 @@ fn cause(value: Cause) -> wire::Cause {
         Cause::CoarseContact => wire::Cause::CoarseContact,
         Cause::NegativeJacobian => wire::Cause::NegativeJacobian,
         Cause::InsideOut => wire::Cause::InsideOut,
-    }
-}
-
-fn fallback(value: Fallback) -> wire::Fallback {
-    match value {
-        Fallback::MassMetric => wire::Fallback::MassMetric,
-        Fallback::Mprgp => wire::Fallback::Mprgp,
-        Fallback::Direct => wire::Fallback::Direct,
     }
 }
 

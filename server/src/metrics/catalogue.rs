@@ -14,7 +14,6 @@ pub(super) const ITERATIONS: &str = "signorini_iterations_total";
 pub(super) const INCREMENTS: &str = "signorini_increments_total";
 pub(super) const STEPS: &str = "signorini_steps_total";
 pub(super) const FAILURES: &str = "signorini_failures_total";
-pub(super) const FALLBACKS: &str = "signorini_fallbacks_total";
 pub(super) const WARNINGS: &str = "signorini_warnings_total";
 pub(super) const CUT_BACKS: &str = "signorini_cut_backs_total";
 pub(super) const FACTORISATIONS: &str = "signorini_factorisations_total";
@@ -154,7 +153,7 @@ pub(super) const HISTOGRAMS: [(&str, &[f64], &str); 14] = [
     ),
 ];
 
-pub(super) const COUNTERS: [(&str, &str); 23] = [
+pub(super) const COUNTERS: [(&str, &str); 22] = [
     (JOURNAL_BYTES, "Bytes handed to the journal."),
     (JOURNAL_FAILURES, "Commits that the disk refused."),
     (
@@ -165,10 +164,6 @@ pub(super) const COUNTERS: [(&str, &str); 23] = [
     (INCREMENTS, "Finished increments by termination."),
     (STEPS, "Finished steps by termination."),
     (FAILURES, "Increments that did not converge, by cause."),
-    (
-        FALLBACKS,
-        "Increments that a second attempt solved, by its rung.",
-    ),
     (
         WARNINGS,
         "Warnings in the results of increments, by kind; `snapped` counts falls.",

@@ -115,10 +115,6 @@ impl Metrics {
             self.counter(FAILURES, &[("cause", cause.name())])
                 .increment(1);
         }
-        if let Some(rung) = report.fallback {
-            self.counter(FALLBACKS, &[("rung", rung.name())])
-                .increment(1);
-        }
         for warning in &report.warnings {
             self.counter(WARNINGS, &[("kind", warning.kind.name())])
                 .increment(1);

@@ -4,7 +4,7 @@
 //! failure would be lost to alerts; a panel of a series that is missing says "no data".
 
 use signorini::assembly::simd::InstructionSet;
-use signorini::report::{Cause, Fallback, Seconds, Termination, WarningKind};
+use signorini::report::{Cause, Seconds, Termination, WarningKind};
 
 use super::catalogue::*;
 use super::{Away, Kind, Metrics, SERVER_TIME_LIMIT, phases};
@@ -88,10 +88,6 @@ impl Metrics {
         let causes = Cause::ALL.map(Cause::name).into_iter();
         for cause in causes.chain([SERVER_TIME_LIMIT]) {
             self.counter(FAILURES, &[("cause", cause)]).increment(0);
-        }
-        for rung in Fallback::ALL {
-            self.counter(FALLBACKS, &[("rung", rung.name())])
-                .increment(0);
         }
         for kind in WarningKind::ALL {
             self.counter(WARNINGS, &[("kind", kind.name())])

@@ -3,10 +3,13 @@
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::*;
+use crate::inequality::QpStatus;
 use crate::inequality::samples::Exact;
 use crate::linalg::samples::{Scaled, rows};
 use crate::linalg::vector::{dot, reproducible_noise};
-use crate::linalg::{DenseLu, DenseMatrix, LinearOperator, SparseRows, SparseRowsBuilder};
+use crate::linalg::{
+    DenseLu, DenseMatrix, LinearOperator, SparseRows, SparseRowsBuilder, Workspace,
+};
 use crate::saddle::{BlockStep, EqualityBlock};
 
 const SIZE: usize = 12;
@@ -40,7 +43,6 @@ fn factor(stiffness: &[Vec<f64>], most: usize) -> Result<BodyFactor, QpStatus> {
         contact: &none,
         places: (0..SIZE as u32).collect(),
         is_loose: false,
-        may_be_indefinite: true,
         most_flops: f64::INFINITY,
     };
     BodyFactor::stable(&matrices, most, &mut Workspace::new())

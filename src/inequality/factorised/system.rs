@@ -43,9 +43,6 @@ pub struct Matrices<'a> {
     pub places: Vec<u32>,
     /// Whether rigid modes are held by contact alone.
     pub is_loose: bool,
-    /// Whether A - G may have motions that lower the energy, so that a face that is left may
-    /// lead anywhere.
-    pub may_be_indefinite: bool,
     /// Floating-point operations of the largest factor that is made.
     pub most_flops: f64,
 }

@@ -1,64 +1,17 @@
-//! A program by a factor of its saddle point: the operators found by products, the nodes
-//! ordered, everything handed to the method and dropped behind it.
+//! What a program's factors are made of: its operators, found by products, and the motions that
+//! lower its energy.
 
 use super::QuadraticProgram;
-use super::solve::Solve;
-use crate::inequality::{
-    Factorised, InequalitySolver, Inertia, MOST_FACES, Matrices, QpNorms, QpOutcome, QpRun,
-    QpScales, QpStatus, inertia,
-};
-use crate::krylov::Verdict;
+use crate::inequality::{Inertia, Matrices, inertia};
 use crate::linalg::{SparseRows, Workspace};
 use crate::plan::estimate::MOST_FACTOR_FLOPS;
-use crate::sqp::linear::Track;
 use crate::sqp::run::Run;
 use crate::sqp::saddle_layout::SaddleLayout;
 
-/// Faces of a program of rubber at most: one that takes more has no stable solution near,
-/// and smaller parts of the increment cost less.
-const FACES_OF_RUBBER: u32 = 12;
 /// Entries of the skew part over the largest of the whole that are rounding.
 const SKEW: f64 = 1e-12;
 
 impl QuadraticProgram<'_> {
-    /// Solves the program by a factor on each face.
-    pub(super) fn run_factorised(
-        &self,
-        curvature: Option<&SparseRows>,
-        (solve, layout): (Solve<'_>, &SaddleLayout),
-        track: &mut Track<'_, '_>,
-        work: &mut Workspace,
-    ) -> QpOutcome {
-        let stopped = || track.poll() == Verdict::Stop;
-        let Some(matrices) = self.matrices(curvature, layout, &stopped, work) else {
-            return QpOutcome::new(QpStatus::Interrupted);
-        };
-        let displacement = track.displacement;
-        let step = self.block_step(displacement, work);
-        let blocks = self.blocks();
-        let method = Factorised {
-            problem: self.problem(curvature, displacement, &blocks, &*step),
-            matrices,
-            faces: match self.tangent {
-                Some(_) => FACES_OF_RUBBER,
-                None => MOST_FACES,
-            },
-        };
-        let guided = self.model.plan.guided_multipliers;
-        let mut progress = |norms: &QpNorms, scales: &QpScales, active: usize| {
-            track.iteration(norms, scales, active.saturating_sub(guided))
-        };
-        let mut run = QpRun {
-            targets: solve.targets,
-            scales: solve.scales,
-            iterations: 0,
-            directions: solve.directions,
-            progress: &mut progress,
-            work,
-        };
-        method.solve(solve.iterate, &mut run)
-    }
-
     /// Counts the motions that lower the energy where the present contacts hold, and finds
     /// the softest one from `start`; none where it was stopped or the factor is too large.
     pub(crate) fn inertia(&self, run: &mut Run<'_>, start: &[f64]) -> Option<Inertia> {
@@ -117,7 +70,6 @@ impl QuadraticProgram<'_> {
             contact: &self.now.coupling,
             places: layout.places.clone(),
             is_loose: model.plan.is_floating(),
-            may_be_indefinite: self.tangent.is_some(),
             most_flops: MOST_FACTOR_FLOPS,
         })
     }

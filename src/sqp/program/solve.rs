@@ -1,8 +1,6 @@
 //! Solving one quadratic program: the method that the plan chose on the program's
 //! blocks, every iteration reported, and the step that follows.
 
-use std::sync::Arc;
-
 use super::step::{first_iterate, step_from};
 use super::{QuadraticProgram, Step};
 use crate::inequality::{
@@ -14,14 +12,12 @@ use crate::krylov::outlook::Outlook;
 use crate::linalg::vector::norm;
 use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::plan::augmentation::VOLUMETRIC;
-use crate::plan::second_attempt::Programs;
 use crate::precond::Counted;
 use crate::saddle::{BlockStep, EqualityBlock, Metric, MultiplierBlock, Status, UpperTriangular};
 use crate::scene::ContactMethod;
 use crate::sqp::chooser;
 use crate::sqp::linear::{Linear, Track};
 use crate::sqp::run::Run;
-use crate::sqp::saddle_layout::SaddleLayout;
 
 /// Krylov iterations per program.
 const MOST_ITERATIONS: u32 = 600;
@@ -51,8 +47,6 @@ pub(super) struct Solve<'s> {
     pub(super) scales: &'s mut QpScales,
     /// Krylov directions of earlier programs, which this one uses and adds to.
     pub(super) directions: &'s mut Directions,
-    /// What the saddle point is assembled and ordered by, where its factor is the method.
-    pub(super) layout: Option<Arc<SaddleLayout>>,
 }
 
 /// Whether a method has not solved a program that another may.
@@ -67,15 +61,19 @@ impl QuadraticProgram<'_> {
     /// Solves the program to `level`: by iterations until they have cost as much as a factor of
     /// the body, from the first one on by factors.
     pub(crate) fn solve(&mut self, run: &mut Run<'_>, level: f64) -> (Step, QpOutcome) {
-        let may_take_factor = self.factor_cost().is_some();
+        let may_take_factor = self.model.plan.factor_cost().is_some();
         let first = match run.learned.factored.is_some() && may_take_factor {
             true => self.solve_by_kept_factor(run, level),
-            false => Some(self.solve_as_planned(run, level)),
+            false => Some(self.solve_with(self.released_by_all(), run, level)),
         };
+        let is_solved = first.as_ref().is_some_and(|(_, end)| !is_lost(end.status));
         match first {
-            Some(solved) if !is_lost(solved.1.status) => solved,
-            _ if may_take_factor && self.take_factor(run) => self.solve_by_factor(run, level),
-            Some(solved) => solved,
+            Some(solved) if is_solved && self.serves(&solved.0, run) => solved,
+            _ if !is_solved && may_take_factor && self.take_factor(run) => {
+                self.solve_by_factor(run, level)
+            }
+            Some(solved) if self.curvature.is_none() => solved,
+            Some(_) => self.solve_with(self.released.as_ref(), run, level),
             None => self.solve_as_planned(run, level),
         }
     }
@@ -157,13 +155,6 @@ impl QuadraticProgram<'_> {
         })
     }
 
-    /// Iterations that cost as much as a factor of the body; none where the plan does not take
-    /// one.
-    fn factor_cost(&self) -> Option<u32> {
-        let is_asked = self.model.plan.programs == Programs::AsPlanned;
-        self.model.plan.factor_cost().filter(|_| is_asked)
-    }
-
     /// Solves the program to `level` and returns its step; `curvature` is what contact
     /// adds to A, left out where it spoils the stiffness.
     fn solve_with(
@@ -180,8 +171,6 @@ impl QuadraticProgram<'_> {
             work,
             ..
         } = run;
-        let is_factorised = self.model.plan.programs == Programs::Factorised;
-        let layout = is_factorised.then(|| learned.layout(&self.model));
         if self.tangent.is_some() {
             // Products with another tangent.
             learned.directions.clear(work);
@@ -193,9 +182,7 @@ impl QuadraticProgram<'_> {
         };
         let mut scales = state.scales;
         let mut iterate = first_iterate(state, &self.now, self.motion.as_deref());
-        if layout.is_none() {
-            self.start_from_prediction(&mut iterate);
-        }
+        self.start_from_prediction(&mut iterate);
         if let Some(body) = &self.factored {
             body.begin();
         }
@@ -221,7 +208,6 @@ impl QuadraticProgram<'_> {
             targets,
             scales: &mut scales,
             directions: &mut learned.directions,
-            layout,
         };
         let mut outcome = self.run_method(curvature, solve, &mut track, work);
         track.count();
@@ -254,12 +240,11 @@ impl QuadraticProgram<'_> {
         }
     }
 
-    /// Whether iterations lead on, where something else may be tried; none for rubber,
-    /// whose programs are worth what they bring, and for methods that nest iterations.
+    /// Whether iterations lead on, where a factor goes on; none for rubber, whose programs are
+    /// worth what they bring.
     fn outlook(&self) -> Option<Outlook> {
-        let plan = self.model.plan;
-        let is_plain = plan.programs == Programs::AsPlanned && !plan.contact.method.is_nested();
-        let is_wanted = is_plain && self.tangent.is_none() && !plan.rungs().is_empty();
+        let has_other = self.factored.is_none() && self.model.plan.factor_cost().is_some();
+        let is_wanted = has_other && self.tangent.is_none();
         is_wanted.then(|| Outlook::new(MOST_ITERATIONS))
     }
 
@@ -272,13 +257,11 @@ impl QuadraticProgram<'_> {
         track: &mut Track<'_, '_>,
         work: &mut Workspace,
     ) -> QpOutcome {
-        if let Some(layout) = solve.layout.clone() {
-            return self.run_factorised(curvature, (solve, &layout), track, work);
-        }
         let displacement = track.displacement;
         let guided = self.model.plan.guided_multipliers;
         let pressure = self.pressure();
-        match chooser::linear(self.model.plan.saddle.method) {
+        let linear = chooser::linear(self.model.plan.saddle.method);
+        match linear.filter(|_| self.factored.is_none()) {
             Some(method) => {
                 let linear = Linear {
                     method: &*method,
@@ -286,7 +269,7 @@ impl QuadraticProgram<'_> {
                     displacement,
                     pressure: pressure.as_ref(),
                     targets: solve.targets,
-                    iterations: MOST_ITERATIONS as usize,
+                    iterations: self.most_iterations() as usize,
                 };
                 linear.solve(solve.iterate, solve.scales, track, work)
             }
@@ -322,7 +305,10 @@ impl QuadraticProgram<'_> {
             Some(_) if self.model.plan.has_friction() => MOST_WITH_FRICTION[1],
             Some(_) => MOST_AT_FINITE_STRAIN,
         };
-        self.factor_cost().map_or(most, |price| price.min(most))
+        self.model
+            .plan
+            .factor_cost()
+            .map_or(most, |price| price.min(most))
     }
 
     /// The body less `curvature`, on this program's contacts.

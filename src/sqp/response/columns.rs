@@ -227,7 +227,6 @@ mod tests {
             contact: &SparseRowsBuilder::new(size).finish(),
             places: (0..size as u32).collect(),
             is_loose: false,
-            may_be_indefinite: false,
             most_flops: f64::INFINITY,
         })
         .expect("a positive definite matrix")

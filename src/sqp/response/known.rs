@@ -104,7 +104,6 @@ fn factor_of(run: &mut Run<'_>) -> Option<BodyFactor> {
         contact: &no_contact,
         places: layout.places.clone(),
         is_loose: false,
-        may_be_indefinite: false,
         most_flops: MOST_RESPONSE_FLOPS,
     };
     BodyFactor::new(&matrices).ok()

@@ -41,11 +41,11 @@ from saddle_scene import Problem
 
 COLUMNS = (
     "index", "kind", "dim", "bulk", "contrast", "squeeze", "material", "increments", "verdict", "energy_error",
-    "force_error", "step_failed", "cause", "most_applications", "fallbacks", "twin", "peer_seconds", "seconds",
+    "force_error", "step_failed", "cause", "most_applications", "twin", "peer_seconds", "seconds",
 )
 # What is kept of each increment of the binary.
 KEPT = (
-    "step", "increment", "time", "termination", "cause", "fallback", "penalty", "preconditioner_applications",
+    "step", "increment", "time", "termination", "cause", "penalty", "preconditioner_applications",
     "cut_backs", "stability",
 )
 # Difference between a scene and its twin.
@@ -180,7 +180,6 @@ def row(given, index, binary=True):
         "verdict": verdict, "energy_error": f"{worst[0]:.1e}", "force_error": f"{worst[1]:.1e}",
         "step_failed": failed, "cause": cause, "seconds": seconds,
         "most_applications": max((step["preconditioner_applications"] for step in counts), default=0),
-        "fallbacks": sum(step["fallback"] is not None for step in counts),
         "twin": twin(given, scene, text, other) if given.kinds == "more" else "",
     }
 

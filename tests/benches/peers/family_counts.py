@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Applications an increment by kind, of what `family.py run` kept. usage: family_counts.py FOLDER [--space SPACE]
 
-Columns: scenes, increments, median, 99th percentile and most applications of converged increments, scenes with a rung
-of the ladder, scenes with the penalty, scenes that end before their last increment.
+Columns: scenes, increments, median, 99th percentile and most applications of converged increments,
+scenes with the penalty, scenes that end before their last increment.
 """
 import argparse
 import json
@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 
-COLUMNS = ("kind", "scenes", "increments", "median", "p99", "most", "rungs", "penalty", "ended")
+COLUMNS = ("kind", "scenes", "increments", "median", "p99", "most", "penalty", "ended")
 
 
 def row(kind, scenes):
@@ -20,7 +20,7 @@ def row(kind, scenes):
     ended = sum(not scene or scene[-1]["termination"] != "converged" for scene in scenes)
     middle, high, most = np.median(counts), np.percentile(counts, 99), max(counts)
     return (
-        kind, len(scenes), len(steps), f"{middle:.0f}", f"{high:.0f}", most, has("fallback"), has("penalty"), ended
+        kind, len(scenes), len(steps), f"{middle:.0f}", f"{high:.0f}", most, has("penalty"), ended
     )
 
 

@@ -6,7 +6,7 @@ Boxes of linear or rubber cells, held below, beside or nowhere but by the floor,
 cylinder that presses, drags, turns, comes back and lifts off. A scene is `converged`, or stops with a cause; then its
 steps are cut four times as fine, and it is `confirmed` where that stops in the same place (within a coarse increment)
 too, `cured` where that goes through. It prints a line a scene and what all took: applications an increment, steps of
-Newton's method a program, shares of second attempts and cut-backs. The balance checked: dissipation is nowhere negative.
+Newton's method a program, shares of cut-backs. The balance checked: dissipation is nowhere negative.
 """
 import argparse
 import json
@@ -193,11 +193,11 @@ def total(verdicts, found):
     applications = [e["preconditioner_applications"] for e in found]
     programs = sum(e["sqp_iterations"] for e in found)
     newton = sum(e["newton_steps"] for e in found)
-    by_others = sum(e["fallback"] is not None or e["cut_backs"] > 0 for e in found)
+    by_parts = sum(e["cut_backs"] > 0 for e in found)
     print(verdicts)
     print(f"{len(found)} increments, {np.mean(applications):.0f} applications each (median {np.median(applications):.0f}, ")
     print(f"most {max(applications)}), {newton / max(programs, 1):.2f} steps of Newton a program, ")
-    print(f"{by_others} increments by cut-backs or second attempts, {sum(e['seconds']['total'] for e in found):.1f} s")
+    print(f"{by_parts} increments by cut-backs, {sum(e['seconds']['total'] for e in found):.1f} s")
 
 
 if __name__ == "__main__":

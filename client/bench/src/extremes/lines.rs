@@ -68,11 +68,6 @@ impl Lines {
         }
     }
 
-    pub(super) fn rungs(&self) -> Vec<String> {
-        let rungs = self.steps.iter().map(|line| line.get("fallback"));
-        each_once(rungs)
-    }
-
     /// Kinds of the warnings of all results.
     pub(super) fn warnings(&self) -> Vec<String> {
         let warnings = self

@@ -31,8 +31,6 @@ pub(crate) struct Finding {
     /// Wall time of the solves, or of the process where there is no result.
     pub(crate) seconds: f64,
     /// Of all results, in their order and without repetition.
-    pub(crate) rungs: Vec<String>,
-    /// The same.
     pub(crate) warnings: Vec<String>,
     /// Of the last result.
     pub(crate) stability: String,
@@ -78,7 +76,6 @@ pub(super) async fn run(
             .total("seconds/total")
             .and_then(Value::as_f64)
             .unwrap_or(wall),
-        rungs: lines.rungs(),
         warnings: lines.warnings(),
         stability: lines.word("stability").to_owned(),
         falls: lines.falls(),

@@ -19,7 +19,7 @@ const COLUMNS: [Column; 10] = [
     Column::Number("error"),
     Column::Number("applications"),
     Column::Number("seconds"),
-    Column::Long("rung; verdict on stability; falls; warnings"),
+    Column::Long("verdict on stability; falls; warnings"),
     Column::Long("other solvers"),
 ];
 
@@ -60,8 +60,8 @@ fn end(outcome: &Outcome) -> String {
 
 /// What the results say about themselves.
 fn said(found: &Finding) -> String {
-    let mut parts = found.rungs.clone();
-    parts.extend(Some(found.stability.clone()).filter(|verdict| !verdict.is_empty()));
+    let verdict = Some(found.stability.clone()).filter(|verdict| !verdict.is_empty());
+    let mut parts: Vec<String> = verdict.into_iter().collect();
     parts.extend(match found.falls {
         0 => None,
         1 => Some("1 fall".to_owned()),
@@ -181,7 +181,7 @@ fn dot(found: &Finding) -> Dot {
 }
 
 /// Titles of [`record`].
-const TITLES: [&str; 15] = [
+const TITLES: [&str; 14] = [
     "id",
     "family",
     "case",
@@ -194,7 +194,6 @@ const TITLES: [&str; 15] = [
     "within",
     "applications",
     "seconds",
-    "rungs",
     "stability",
     "warnings",
 ];
@@ -213,7 +212,7 @@ pub(crate) fn csv(findings: &[Finding]) -> Result<Vec<u8>, String> {
     writer.into_inner().map_err(|error| error.to_string())
 }
 
-fn record(found: &Finding) -> [String; 15] {
+fn record(found: &Finding) -> [String; 14] {
     let trial = &found.trial;
     let number = |value: Option<f64>| value.map(|value| value.to_string()).unwrap_or_default();
     [
@@ -229,7 +228,6 @@ fn record(found: &Finding) -> [String; 15] {
         trial.within.to_string(),
         found.applications.to_string(),
         found.seconds.to_string(),
-        found.rungs.join(" "),
         found.stability.clone(),
         found.warnings.join(" "),
     ]
@@ -255,7 +253,6 @@ mod tests {
             error: Some(1e-9),
             applications: 12,
             seconds: 0.5,
-            rungs: vec!["mass_metric".into()],
             warnings: vec!["lost_digits".into()],
             stability: "minimum".into(),
             falls: 2,
