@@ -34,9 +34,10 @@ const RATIO: f64 = 6.0;
 const LANCZOS_STEPS: usize = 12;
 /// Nodes of a group that are asked how they move with it, each by a solution with F a component:
 /// three lines that meet at the corner of a layer of 42 cells have fewer. With 64, layers of 12^3
-/// cells took 619 to 654 applications, now 15 to 20. The planes of tall cells have more and stay out:
-/// 12^3 cells 0.2 : 0.2 : 1 take 657 by fallback.
+/// cells took 619 to 654 applications, now 15 to 20. The planes of tall cells have more and stay out.
 const MOST_IN_A_LINE: u32 = 256;
+/// Loads that are solved for together.
+const TOGETHER: usize = 16;
 /// The Lanczos process approaches it from below.
 const SAFETY: f64 = 1.05;
 
@@ -119,7 +120,7 @@ impl AlongLines {
     /// one solution with F for each place in the largest group and each component.
     pub fn with_groups(&self, alone: &NodeBlocks, is_seen: &[bool]) -> NodeBlocks {
         let group_of = &self.groups.of_node;
-        let places = places(group_of);
+        let places = &places(group_of);
         let (c, nodes) = (alone.components(), group_of.len());
         let mut seen: HashMap<u32, Vec<usize>> = HashMap::new();
         for node in (0..nodes).filter(|&node| is_seen[node] && places[node].is_some()) {
@@ -130,19 +131,25 @@ impl AlongLines {
         let mut pairs: BTreeMap<[u32; 2], [f64; 9]> = BTreeMap::new();
         let mut work = Workspace::new();
         let most = places.iter().flatten().copied().max().unwrap_or(0);
-        for (place, i) in (0..=most).flat_map(|place| (0..c).map(move |i| (place, i))) {
-            let loaded = || (0..nodes).filter(|&node| places[node] == Some(place));
-            let mut x = vec![0.0; nodes * c];
-            loaded().for_each(|node| x[node * c + i] = 1.0);
-            self.groups.factor.solve(&mut x, 1, &mut work);
-            for node in loaded() {
-                for j in 0..c {
-                    own[(node * c + j) * c + i] = x[node * c + j];
-                }
-                let others = seen.get(&group_of[node]).filter(|_| is_seen[node]);
-                for &other in others.into_iter().flatten().filter(|&&other| other != node) {
-                    let block = pairs.entry([other as u32, node as u32]).or_default();
-                    (0..c).for_each(|j| block[j * c + i] = x[other * c + j]);
+        let loads = (0..=most).flat_map(|place| (0..c).map(move |i| (place, i)));
+        let loads: Vec<(u32, usize)> = loads.collect();
+        let loaded = |place| (0..nodes).filter(move |&node| places[node] == Some(place));
+        for batch in loads.chunks(TOGETHER) {
+            let mut all = vec![0.0; batch.len() * nodes * c];
+            for (x, &(place, i)) in all.chunks_exact_mut(nodes * c).zip(batch) {
+                loaded(place).for_each(|node| x[node * c + i] = 1.0);
+            }
+            self.groups.factor.solve(&mut all, batch.len(), &mut work);
+            for (x, &(place, i)) in all.chunks_exact(nodes * c).zip(batch) {
+                for node in loaded(place) {
+                    for j in 0..c {
+                        own[(node * c + j) * c + i] = x[node * c + j];
+                    }
+                    let others = seen.get(&group_of[node]).filter(|_| is_seen[node]);
+                    for &other in others.into_iter().flatten().filter(|&&other| other != node) {
+                        let block = pairs.entry([other as u32, node as u32]).or_default();
+                        (0..c).for_each(|j| block[j * c + i] = x[other * c + j]);
+                    }
                 }
             }
         }

@@ -274,7 +274,7 @@ mod tests {
             ("right", "converged", "1.0e-9")
         );
         assert_eq!((&*bad[3], &*bad[4]), ("FAILED", "stagnation"));
-        assert_eq!(good[8], "mass metric; minimum; 2 falls; warns: lost digits");
+        assert_eq!(good[8], "minimum; 2 falls; warns: lost digits");
         assert_eq!(good[9], "not run");
         let remark = remark(&found);
         assert!(remark.starts_with("2 rows: 1 right"), "{remark}");
