@@ -33,6 +33,8 @@ pub(crate) struct State {
     pub(crate) penalty: f64,
     /// What friction did in the last increment; empty without it.
     pub(crate) slip: SlipState,
+    /// Whether a program has cost as much as a factor of the body, by which later ones begin.
+    pub(crate) by_factor: bool,
     /// What moved the surface where the response of the body has answered; none behind others,
     /// and in every checkpoint.
     pub(crate) surface_load: Option<SurfaceLoad>,
@@ -115,6 +117,7 @@ impl State {
                 false => 0.0,
             },
             slip: SlipState::undeformed(plan),
+            by_factor: false,
             surface_load: None,
         }
     }

@@ -39,6 +39,8 @@ const WITH_PUSHES: u32 = 2;
 const WITH_VALUES: u32 = 3;
 /// Of the format with the way of points that no slip explains, where a scene has friction.
 const WITH_RESIDUES: u32 = 4;
+/// Of the format where programs may begin by a factor.
+const WITH_FACTOR: u32 = 5;
 /// Bytes of a SHA-256 digest.
 const DIGEST: usize = 32;
 /// More steps than any session takes.
@@ -134,9 +136,10 @@ impl Checkpoint {
             (true, [_, ..]) => WITH_PUSHES,
             (true, []) => VERSION,
         };
-        let of_state = match self.state.slip.residue.is_empty() {
-            true => VERSION,
-            false => WITH_RESIDUES,
+        let of_state = match (self.state.by_factor, self.state.slip.residue.is_empty()) {
+            (true, _) => WITH_FACTOR,
+            (false, true) => VERSION,
+            (false, false) => WITH_RESIDUES,
         };
         drives.map(of_one).fold(of_state, u32::max)
     }
@@ -173,8 +176,8 @@ fn verified(bytes: &[u8]) -> Result<(u32, &[u8]), CheckpointError> {
     let rest = rest.ok_or(CheckpointError::NotACheckpoint)?;
     let (version, rest) = rest.split_first_chunk().ok_or(CheckpointError::Damaged)?;
     let found = u32::from_le_bytes(*version);
-    if !(VERSION..=WITH_RESIDUES).contains(&found) {
-        let known = WITH_RESIDUES;
+    if !(VERSION..=WITH_FACTOR).contains(&found) {
+        let known = WITH_FACTOR;
         return Err(CheckpointError::UnknownVersion { found, known });
     }
     let (body, written) = rest
@@ -214,6 +217,9 @@ fn visit_state<E>(
     fields.magnitude("scale of the gap", &mut scales.gap)?;
     fields.magnitude("scale of the force", &mut state.force_scale)?;
     fields.magnitude("penalty", &mut state.penalty)?;
+    if version >= WITH_FACTOR {
+        fields.flags("factor", from_mut(&mut state.by_factor))?;
+    }
     match state.slip.total.is_empty() {
         true => Ok(()),
         false => visit_slip(&mut state.slip, version, fields),

@@ -118,7 +118,7 @@ fn pushed(axis: usize, value: f64) -> Vec<Push> {
 fn every_field_is_read_back_and_changes_the_bytes() {
     let plan = plan();
     let rest = at_rest(&plan);
-    let changes: [fn(&mut Checkpoint); 28] = [
+    let changes: [fn(&mut Checkpoint); 29] = [
         |one| one.steps += 1,
         |one| one.moved = true,
         |one| one.begun = None,
@@ -147,6 +147,7 @@ fn every_field_is_read_back_and_changes_the_bytes() {
         |one| one.state.scales.gap = 0.1,
         |one| one.state.force_scale = 0.1,
         |one| one.state.penalty = 0.1,
+        |one| one.state.by_factor = true,
         |one| one.target.given.supports = vec![spread(&[0, 7], -0.0)],
         |one| one.target.given.supports = vec![spread(&[0, 8], -0.0)],
         |one| one.state.drive.given.tractions = vec![Spread::default(), spread(&[3], 1.0)],

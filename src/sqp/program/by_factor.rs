@@ -90,6 +90,7 @@ impl QuadraticProgram<'_> {
         self.factored = self.factored(run).map(Arc::new);
         self.has_fresh_factor = self.factored.is_some();
         run.learned.factored.clone_from(&self.factored);
+        run.state.by_factor |= self.has_fresh_factor;
         self.has_fresh_factor
     }
 

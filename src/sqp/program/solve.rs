@@ -62,7 +62,8 @@ impl QuadraticProgram<'_> {
     /// the body, from the first one on by factors.
     pub(crate) fn solve(&mut self, run: &mut Run<'_>, level: f64) -> (Step, QpOutcome) {
         let may_take_factor = self.model.plan.factor_cost().is_some();
-        let first = match run.learned.factored.is_some() && may_take_factor {
+        let begins_by_factor = run.state.by_factor || run.learned.factored.is_some();
+        let first = match begins_by_factor && may_take_factor {
             true => self.solve_by_kept_factor(run, level),
             false => Some(self.solve_with(self.released_by_all(), run, level)),
         };
