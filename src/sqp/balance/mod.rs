@@ -22,7 +22,7 @@ mod touch;
 use super::accuracy;
 use super::push_stiffness::PushStiffness;
 use super::run::Run;
-use crate::linalg::vector::{dot, largest, ratio};
+use crate::linalg::vector::{add_scaled, dot, largest, norm, ratio};
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Site};
 use crate::model::push::Control;
@@ -31,6 +31,7 @@ use crate::report::{Cause, Termination};
 use crate::results::exerted::exerted;
 use course::{Course, Progress};
 use metric::by_metric;
+use rigid::gap_changes;
 
 /// Solves at most.
 const MOST_SOLVES: u32 = 40;
@@ -124,7 +125,8 @@ impl Balance {
                 continue;
             }
             self.learn(&course, &after);
-            if course.is_there(&after, run.model.tolerance, floor) {
+            let is_there = course.is_there(&after, run.model.tolerance, floor);
+            if is_there || self.is_unresolved(run, &after, floor) {
                 run.learned.under_pushes = self.stiffness;
                 return ending;
             }
@@ -150,6 +152,21 @@ impl Balance {
             }
             run.model.tolerance = (SHARPNESS[1] * run.model.tolerance).max(floor);
         }
+    }
+
+    /// Whether what is missing is less than gaps as exact as they are asked for can tell: near full
+    /// contact of a body that keeps its volume forces change without end on no way at all.
+    fn is_unresolved(&mut self, run: &mut Run<'_>, after: &Progress, floor: f64) -> bool {
+        if run.model.tolerance > floor || after.relative > COARSE {
+            return false;
+        }
+        let (step, _) = self.step(run, &after.misfit);
+        let mut moved = vec![0.0; run.state.multiplier.len()];
+        let changes = gap_changes(&run.model, run.state, &self.controls);
+        for (change, part) in changes.iter().zip(step) {
+            add_scaled(&mut moved, part, change);
+        }
+        norm(&moved) <= floor * run.state.scales.gap
     }
 
     /// Whether forces have hardly changed where the stiffness says that they do.
