@@ -375,16 +375,33 @@ pub(crate) fn vtu_array(path: &Path, name: &str) -> Vec<f64> {
         .collect()
 }
 
-/// Applications of the preconditioner of every increment of a scene of the tests.
-fn applications(name: &str) -> Vec<u64> {
+/// The increments of a scene of the tests.
+fn increments(name: &str, more: &[&str]) -> Vec<Value> {
     let scene = format!("{}/tests/scenes/{name}", env!("CARGO_MANIFEST_DIR"));
-    let run = run(["solve", &scene, "--json"]);
+    let arguments = ["solve", &scene, "--json"];
+    let run = run(arguments.into_iter().chain(more.iter().copied()));
     assert_eq!(run.code, Some(0), "{}", run.stderr);
-    let steps = run.events("step");
-    let taken = steps
-        .iter()
-        .map(|step| &step["preconditioner_applications"]);
-    taken.map(|taken| taken.as_u64().unwrap()).collect()
+    run.events("step")
+}
+
+/// Contact fractions of a pushed wave on a confined incompressible slab, from another code, up to
+/// nine tenths of the pressure that closes it; beyond it the rest of the push is an even pressure.
+#[test]
+fn a_wave_pushed_on_a_confined_slab_is_borne_evenly_beyond_full_contact() {
+    let steps = increments("wave-full-contact.toml", &[]);
+    let result = |step: usize, key: &str| number(&steps[step]["obstacles"]["wave"][key]);
+    for (step, fraction) in [0.195, 0.327, 0.4915, 0.6605, 0.788]
+        .into_iter()
+        .enumerate()
+    {
+        assert!((result(step, "contact_area") - 0.1 * fraction).abs() < 1e-4);
+    }
+    let full = [6, 7].map(|step| result(step, "contact_area"));
+    assert!(full.iter().all(|area| (area - 0.1).abs() < 1e-9));
+    let force = |step: usize| force(&steps[step], "obstacles", "wave", 2);
+    let even = (force(7) - force(6)) / 0.1;
+    let risen = result(7, "max_pressure") - result(6, "max_pressure");
+    assert!((risen - even).abs() < 0.01 * even, "{risen} {even}");
 }
 
 /// Where programs go on without the curvature of contact in the place of a factor, one increment
