@@ -36,7 +36,7 @@ const LANCZOS_STEPS: usize = 12;
 /// three lines that meet at the corner of a layer of 42 cells have fewer. With 64, layers of 12^3
 /// cells took 619 to 654 applications, now 15 to 20. The planes of tall cells have more and stay out.
 const MOST_IN_A_LINE: u32 = 256;
-/// Loads that are solved for together.
+/// Loads that are solved for together: a layer 2.5 : 2.5 : 1 of 12^3 cells takes 1.42 s one by one, 1.12 s so.
 const TOGETHER: usize = 16;
 /// The Lanczos process approaches it from below.
 const SAFETY: f64 = 1.05;
