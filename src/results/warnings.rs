@@ -249,7 +249,8 @@ fn of_the_body(model: &Model<'_>, state: &State, ending: &Ending, all: &mut Vec<
             ),
         ));
     }
-    all.extend(lost.or_else(|| lost_in_contrast(model)));
+    let lost = lost.or_else(|| lost_in_contrast(model));
+    all.extend(lost.or_else(|| lost_to_rounding(ending)));
 }
 
 /// A body that supports leave free, and obstacles too: one alone pushes it before it, with forces
@@ -285,6 +286,21 @@ fn lost_in_contrast(model: &Model<'_>) -> Option<Warning> {
             "",
             Some(contrast),
             format!("moduli are {contrast:.0e} apart: forces of the soft part keep {rounding:.0e} of themselves only"),
+        )
+    })
+}
+
+/// Stretched cells, or moduli far apart, on which rounding leaves more out of balance than the
+/// tolerance.
+fn lost_to_rounding(ending: &Ending) -> Option<Warning> {
+    let left = ending.residuals.largest();
+    let is_solved = ending.termination == Termination::Converged;
+    (is_solved && left > ending.tolerance).then(|| {
+        Warning::new(
+            WarningKind::LostDigits,
+            "",
+            Some(left),
+            format!("rounding leaves {left:.0e} of the forces out of balance: cells are very flat, or moduli far apart"),
         )
     })
 }

@@ -11,7 +11,8 @@ use super::program::{QuadraticProgram, Step};
 use super::response::{self, inside};
 use super::run::Run;
 use super::scales::{
-    forget_scales, least_force, limit_gap_scale, limit_volume_scale, raise_scales, touches,
+    forget_scales, is_rounding, least_force, limit_gap_scale, limit_volume_scale, raise_scales,
+    touches,
 };
 use super::search::{Refused, leap, search};
 use super::verdict::{Verdict, of_status, verdict};
@@ -29,6 +30,9 @@ pub(crate) const MOST_PROGRAMS: u32 = 40;
 const WORTHWHILE: f64 = 0.1;
 /// Programs of a linear problem that may leave the residual as it is: rounding does.
 const MOST_IDLE: u32 = 5;
+/// Residual up to which a linear problem is solved whose rounding hides the rest: by 1e12 between
+/// moduli 1e-4 are hidden, and forces still are right to 1e-6.
+const MOST_ROUNDING: f64 = 1e-3;
 /// The same of a body of finite strain, which turns against forces that grow before they fall: a
 /// bonded block of 32 cells ends at the same load after 12 s with this and after 27 to 35 s without.
 const MOST_IDLE_AT_FINITE_STRAIN: u32 = 12;
@@ -210,8 +214,20 @@ impl Iterate {
             return is_stuck.then(|| Verdict::failed(Cause::Stagnation));
         }
         run.learned.directions.clear(&mut run.work);
-        let is_rounding = self.idle >= MOST_IDLE;
-        is_rounding.then(|| Verdict::failed(Cause::Stagnation))
+        (self.idle >= MOST_IDLE).then(|| self.end_of_progress(run))
+    }
+
+    /// How a linear problem ends whose programs are solved and bring nothing: in balance where what
+    /// is left is rounding, and little of the forces. A body that no support holds slides away into
+    /// a rounding of its own.
+    fn end_of_progress(&self, run: &mut Run<'_>) -> Verdict {
+        let left = self.residuals(run.state);
+        let is_met = left.gap.max(left.complementarity) <= run.model.tolerance;
+        let is_small = left.largest() <= MOST_ROUNDING && !run.model.plan.is_floating();
+        match is_met && is_small && is_rounding(run, &self.now) {
+            true => Verdict::stopped(Termination::Converged),
+            false => Verdict::failed(Cause::Stagnation),
+        }
     }
 
     /// Takes an accepted step over, which started from the residual `worst`.

@@ -7,7 +7,7 @@
 use super::lowest_mode::length_at_rest;
 use super::run::Run;
 use crate::inequality::QpScales;
-use crate::linalg::vector::{dot, largest};
+use crate::linalg::vector::{dot, largest, norm};
 use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
 use crate::model::evaluate::Evaluation;
@@ -113,6 +113,31 @@ fn at_rest(model: &Model<'_>, now: &Evaluation) -> f64 {
 /// of its displacements meets the tolerance.
 pub(super) fn least_force(model: &Model<'_>, state: &State, now: &Evaluation) -> f64 {
     at_rest(model, now).max(rounding(model, state) / model.tolerance)
+}
+
+/// Whether forces and volumes that are out of balance at `now`, where gaps are met, are what
+/// rounding of the unknowns makes: at a state that is one rounding away they are others, and no
+/// smaller than by [`ROUNDINGS`]. Such a state solves a problem whose data differ by roundings
+/// (W. Oettli and W. Prager, Numer. Math. 6, 1964).
+pub(super) fn is_rounding(run: &mut Run<'_>, now: &Evaluation) -> bool {
+    let [displacement, pressure] = [&run.state.displacement, &run.state.pressure].map(Vec::clone);
+    round_anew(&mut run.state.displacement);
+    round_anew(&mut run.state.pressure);
+    let other = run.evaluate();
+    (run.state.displacement, run.state.pressure) = (displacement, pressure);
+    let is_noise = |here: &[f64], there: &[f64]| {
+        let apart: f64 = here.iter().zip(there).map(|(a, b)| (a - b).powi(2)).sum();
+        norm(here) <= ROUNDINGS * apart.sqrt()
+    };
+    is_noise(&now.force, &other.force) && is_noise(&now.constraint, &other.constraint)
+}
+
+/// Moves each number by one rounding, to sides that follow from its place by Knuth's hash.
+fn round_anew(numbers: &mut [f64]) {
+    for (place, number) in numbers.iter_mut().enumerate() {
+        let side = (place as u32).wrapping_mul(2_654_435_769) >> 31;
+        *number *= 1.0 + f64::EPSILON * (2.0 * f64::from(side) - 1.0);
+    }
 }
 
 /// What rounding of displacements, and of rubber of lengths, leaves of the forces of a body:

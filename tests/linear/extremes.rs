@@ -190,6 +190,35 @@ fn digits_that_twelve_decades_of_contrast_hide_are_said() {
     assert!(!is_said(warnings(1e-6)));
 }
 
+/// A soft box with a stiff layer, pressed by a lid: compliances add up. Rounding of the layer's
+/// displacements leaves more out of balance than the tolerance.
+#[test]
+fn what_rounding_leaves_of_a_stiff_layer_is_said_and_its_force_is_exact() {
+    let layer = |x: [f64; 3]| x[2] > 0.5 && x[2] < 0.75;
+    for contrast in [1e9, 1e12] {
+        let mut scene = elastic(0.3);
+        let of_group = |group: &str, shear: f64| Material {
+            group: group.to_owned(),
+            ..material(Modulus::Shear(shear), 0.3)
+        };
+        scene.materials = vec![of_group("body", 1.0), of_group("inclusion", contrast)];
+        let sides = ["x0", "x1", "y0", "y1", "z0"].into_iter().enumerate();
+        let held = |axis: usize| std::array::from_fn(|i| (i == axis / 2).then_some(0.0));
+        scene.supports = sides
+            .map(|(axis, side)| support(side, held(axis)))
+            .collect();
+        scene.supports.push(support("z1", [None, None, Some(0.0)]));
+        let parts = with_inclusion(cube(4), "inclusion", layer);
+        let step = pull("z1", [None, None, Some(-0.01)], 1);
+        let report = solve_one_at_last(&scene, &step, &mesh(parts));
+        let exact = 0.01 * 3.5 / (0.75 + 0.25 / contrast);
+        assert!(close(-report.supports["z1"].force[2], exact, 1e-6));
+        let mut kinds = report.warnings.iter().map(|warning| warning.kind);
+        assert!(kinds.any(|kind| kind == WarningKind::LostDigits));
+        assert!(report.residuals.equilibrium > report.tolerance);
+    }
+}
+
 /// A layer whose cells are `height` times as high as wide, bonded below and
 /// sheared and pressed above.
 fn bonded_layer(height: f64, poisson_ratio: f64) -> (Scene, Arc<Mesh>) {
