@@ -4,7 +4,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::common::meshes::{cube, file, mesh, ring};
+use crate::common::meshes::{cube, file, mesh, moved, ring, unit_grid};
 use crate::common::scenes::{
     HELD, mooney_rivlin, obstacle, plane, rubber, squeezed_cube, support, travel,
 };
@@ -13,7 +13,7 @@ use signorini::scene::{
     Choice, ContactMethod, ContactSpace, Formulation, Material, MaterialModel, Pressure,
     RubberModel, Shape, SupportTarget,
 };
-use signorini::{Scene, Step, StepReport};
+use signorini::{Cause, Scene, Step, StepReport};
 
 /// With one more obstacle of that friction.
 fn with_rough(scene: &mut Scene, (name, on): (&str, &[&str]), shape: Shape, friction: f64) {
@@ -54,6 +54,41 @@ fn functions_of_vertices_alone_press_a_rough_block_as_far_with_a_penalty() {
     let reports = solve(&scene, &[down], &mesh(cube(6)));
     assert_eq!(reports.len(), 10);
     reports.iter().for_each(assert_converged);
+}
+
+/// A roller is pressed on a strip of rubber and turned by a moment: it rolls away from the largest
+/// one that sticking points give it.
+#[test]
+fn a_roller_turned_by_more_than_its_contact_holds_has_no_equilibrium() {
+    let model = RubberModel::NeoHookean { shear_modulus: 1.0 };
+    let mut scene = rubber(model, Some(50.0));
+    scene.supports = vec![support("y0", [Some(0.0), Some(0.0), None])];
+    let roller = Shape::Cylinder {
+        point: [1.5, 1.4, 0.0],
+        axis: [0.0, 0.0, 1.0],
+        radius: 0.4,
+    };
+    with_rough(&mut scene, ("roller", &["y1"]), roller, 0.5);
+    let pushed = |increments, force, moment| {
+        let mut step = travel("roller", increments, [0.0; 3], [0.0; 3]);
+        step.obstacles[0].translation = None;
+        step.obstacles[0].rotation = None;
+        step.obstacles[0].force = force;
+        step.obstacles[0].moment = moment;
+        step
+    };
+    let steps = [
+        pushed(2, [None, Some(-0.2), None], [None; 3]),
+        pushed(4, [Some(0.0), Some(-0.2), None], [None, None, Some(-0.005)]),
+    ];
+    let strip = moved(unit_grid(24, 8), |[x, y, _]| [3.0 * x, y, 0.0]);
+    let reports = solve(&scene, &steps, &mesh(strip));
+    let (last, held) = reports.split_last().expect("a result");
+    assert!(held.len() >= 3);
+    held.iter().for_each(assert_converged);
+    assert_eq!(last.cause, Some(Cause::NoEquilibrium));
+    let key = last.cause_site.as_ref().and_then(|site| site.key.clone());
+    assert_eq!(key.as_deref(), Some("obstacle.roller.moment.z"));
 }
 
 /// Force on a rough plate that presses and drags a soft block and, apart from it, one of that

@@ -5,7 +5,7 @@
 //! long as they may be that takes nothing off is a slide. Cost: nothing.
 
 use super::COARSE;
-use crate::linalg::vector::norm;
+use crate::linalg::vector::{add_scaled, dot, norm};
 use crate::model::ending::Ending;
 use crate::report::Termination;
 use crate::sqp::push_stiffness::LONGEST;
@@ -18,6 +18,13 @@ const SHORTER: f64 = 0.25;
 const PROGRESS: f64 = 0.1;
 /// Error of forces over the largest one and the accuracy of the solve.
 const NOISE: f64 = 10.0;
+/// Solves without a halved misfit behind which its side is asked for: those of a ball dragged
+/// over a slab beyond what friction bears differ from each other in the last digits only.
+const MOST_STALLED: u32 = 8;
+/// Steps against the one before among them: where a push is only met slowly steps go on.
+const MOST_REVERSALS: u32 = 2;
+/// Mean of misfits, each over its norm, from which on they lie on one side.
+const ONE_SIDED: f64 = 0.5;
 /// Misfits over the tolerance that count where the search comes no nearer.
 const NEAR: f64 = 10.0;
 
@@ -110,9 +117,67 @@ impl Course {
     }
 }
 
+/// Misfits since the least one was last halved.
+#[derive(Default)]
+pub(super) struct Stall {
+    /// The least misfit that counts, over the scale of forces; none at the start.
+    least: Option<f64>,
+    /// Sum of the misfits since, each over its norm `[controls]`.
+    sum: Vec<f64>,
+    /// Their number.
+    count: u32,
+    /// The last step `[controls]`, and steps since that went against the one before them.
+    step: Vec<f64>,
+    reversals: u32,
+}
+
+impl Stall {
+    /// Notes the misfit `after` a step that was not taken back.
+    pub(super) fn note(&mut self, step: &[f64], after: &Progress) {
+        let is_against = self.step.len() == step.len() && dot(&self.step, step) < 0.0;
+        self.step = step.to_vec();
+        if self.least.is_none_or(|least| after.relative <= 0.5 * least) {
+            self.least = Some(after.relative);
+            self.sum = vec![0.0; after.misfit.len()];
+            (self.count, self.reversals) = (0, 0);
+        }
+        add_scaled(&mut self.sum, norm(&after.misfit).recip(), &after.misfit);
+        self.count += 1;
+        self.reversals += u32::from(is_against);
+    }
+
+    /// Whether the search has found the largest force along a way, which is less than the push:
+    /// steps go to and fro, and ahead of it and short of it the same is missing.
+    pub(super) fn is_beyond_the_largest(&self) -> bool {
+        let is_one_sided = norm(&self.sum) >= ONE_SIDED * f64::from(self.count);
+        self.count >= MOST_STALLED && self.reversals >= MOST_REVERSALS && is_one_sided
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_missing_on_both_sides_of_a_way_is_beyond_the_largest_force() {
+        let misfit = |way: f64| vec![-1e-4 - 0.1 * way * way, 0.3 * way];
+        let [mut one, mut other, mut slow] = [(); 3].map(|()| Stall::default());
+        for place in 0..MOST_STALLED {
+            let way = if place % 2 == 0 { 0.01 } else { -0.01 };
+            let at = |misfit: Vec<f64>| Progress {
+                misfit,
+                ..progress(1e-4)
+            };
+            one.note(&[way], &at(vec![-1e-4 - 0.1 * way * way, 0.3 * way * way]));
+            other.note(&[way], &at(misfit(way)));
+            slow.note(&[0.01], &at(vec![-1e-4, 0.0]));
+        }
+        assert!(one.is_beyond_the_largest());
+        assert!(!other.is_beyond_the_largest());
+        assert!(!slow.is_beyond_the_largest());
+        one.note(&[0.01], &progress(1e-5));
+        assert!(!one.is_beyond_the_largest());
+    }
 
     fn course(step: f64, relative: f64) -> Course {
         Course::new(vec![step], progress(relative), true)

@@ -29,7 +29,7 @@ use crate::model::push::Control;
 use crate::plan::Units;
 use crate::report::{Cause, Termination};
 use crate::results::exerted::exerted;
-use course::{Course, Progress};
+use course::{Course, Progress, Stall};
 use metric::by_metric;
 use rigid::gap_changes;
 
@@ -107,6 +107,7 @@ impl Balance {
     fn reach(mut self, run: &mut Run<'_>, floor: f64) -> Ending {
         let length = run.model.plan.units.length;
         let (mut course, mut solves) = (self.begin(run, floor), 0);
+        let mut stall = Stall::default();
         loop {
             let kept = run.state.clone();
             self.go(&course.step, length);
@@ -123,6 +124,10 @@ impl Balance {
                 self.go_back(&course.step, length);
                 course.shorten();
                 continue;
+            }
+            stall.note(&course.step, &after);
+            if stall.is_beyond_the_largest() {
+                return unmet(ending, Cause::NoEquilibrium, self.worst(&after.misfit));
             }
             self.learn(&course, &after);
             let is_there = course.is_there(&after, run.model.tolerance, floor);
