@@ -147,10 +147,13 @@ impl QuadraticProgram<'_> {
     }
 
     /// Whether a step has positive stiffness with the curvature of the gaps. Friction has no
-    /// energy that a step could lower.
+    /// energy that a step could lower, and where forces balance a step is about gaps and volumes,
+    /// along which the stiffness of a stable body may have either sign.
     fn serves(&self, step: &Step, run: &mut Run<'_>) -> bool {
         let is_rough = self.now.friction.is_some();
-        let curvature = self.curvature.as_ref().filter(|_| !is_rough);
+        let is_balanced = norm(&self.now.force) <= self.model.tolerance * self.force_scale;
+        let is_asked = !is_rough && !is_balanced;
+        let curvature = self.curvature.as_ref().filter(|_| is_asked);
         curvature.is_none_or(|curvature| {
             self.has_positive_stiffness(curvature, &step.displacement, &mut run.work)
         })
