@@ -11,7 +11,6 @@ mod admitted;
 pub mod area_change;
 mod area_element;
 pub mod basis;
-pub mod coarseness;
 mod counterpart;
 pub mod curvature;
 mod deformed;

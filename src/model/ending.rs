@@ -64,8 +64,6 @@ pub(crate) struct Site {
     pub(crate) point: Option<[f64; 3]>,
     /// Unit vector of the motion.
     pub(crate) motion: Option<[f64; 3]>,
-    /// Size that faces have to fall below, non-dimensional.
-    pub(crate) mesh_size: Option<f64>,
     /// Push that nothing balances.
     pub(crate) unbalanced: Option<Control>,
 }
@@ -80,7 +78,6 @@ impl Site {
         CauseSite {
             point: self.point.map(|point| plan.units.of_mesh(point)),
             motion: self.motion,
-            mesh_size: self.mesh_size.map(|size| size * plan.units.length),
             key: self.unbalanced.and_then(key),
         }
     }

@@ -75,6 +75,14 @@ impl Plan {
         weights.find(|&weight| weight > present)
     }
 
+    /// Whether a body that loses its equilibrium may fall to the next one: under hats on a curved
+    /// tool the mesh alone loses it, above some 4 mu R / h on faces of size h under a radius R.
+    pub(crate) fn may_fall(&self) -> bool {
+        let has_curved = self.obstacles.iter().any(|tool| !tool.shape.is_flat());
+        let is_held = !has_curved || self.contact_space == ContactSpace::Quadratic;
+        self.settings.on_instability == OnInstability::Descend && is_held
+    }
+
     /// Whether a body that loses its equilibrium falls to the next one, and functions of the
     /// pressure let it.
     pub(crate) fn falls(&self) -> bool {

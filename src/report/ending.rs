@@ -69,9 +69,6 @@ pub enum Cause {
     LimitPoint,
     /// The equilibrium is no minimum of the energy: the body buckles or snaps.
     UnstableEquilibrium,
-    /// The faces are too large for the pressure on a curved obstacle: from some
-    /// 4 mu R / h on the mesh, not the body, loses its equilibrium.
-    CoarseContact,
     /// det F falls to zero at a point of the rule: cells would turn inside out.
     NegativeJacobian,
     /// All is in balance, but det F is below zero between the points of the rule: a cell is
@@ -93,7 +90,7 @@ impl Cause {
     }
 
     /// All, in the order in which they are listed.
-    pub const ALL: [Self; 14] = [
+    pub const ALL: [Self; 13] = [
         Self::Stagnation,
         Self::IterationLimit,
         Self::ActiveSetCycle,
@@ -105,7 +102,6 @@ impl Cause {
         Self::IndefiniteTangent,
         Self::LimitPoint,
         Self::UnstableEquilibrium,
-        Self::CoarseContact,
         Self::NegativeJacobian,
         Self::InsideOut,
     ];
@@ -124,7 +120,6 @@ impl Cause {
             Self::IndefiniteTangent => "indefinite_tangent",
             Self::LimitPoint => "limit_point",
             Self::UnstableEquilibrium => "unstable_equilibrium",
-            Self::CoarseContact => "coarse_contact",
             Self::NegativeJacobian => "negative_jacobian",
             Self::InsideOut => "inside_out",
         }
@@ -151,9 +146,6 @@ pub struct CauseSite {
     /// Unit vector along which that point, or the whole body, gives way; none where nothing
     /// moves.
     pub motion: Option<[f64; 3]>,
-    /// Size that faces there have to fall below, in the caller's unit of length; none
-    /// where the mesh is not to blame.
-    pub mesh_size: Option<f64>,
     /// Key of a step that asks for what cannot be, as `obstacle.ball.force.x`; none where none
     /// does.
     pub key: Option<String>,

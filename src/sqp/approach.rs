@@ -6,7 +6,7 @@
 
 use super::attempt::attempt;
 use super::descent::descend;
-use super::diagnosis::{NEARLY, coarsest, is_soft, name_the_end, name_the_impossible};
+use super::diagnosis::{is_soft, name_the_end, name_the_impossible};
 use super::increment;
 use super::initial_penetration::InitialPenetration;
 use super::lowest_mode::LowestMode;
@@ -15,12 +15,10 @@ use super::penalty::{next_penalty, penalise};
 use super::run::Run;
 use super::step_control::{KeptState, Parts};
 use super::trend::Trend;
-use crate::contact::coarseness::Coarsest;
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Snap};
 use crate::model::state::State;
 use crate::report::{Cause, Termination};
-use crate::scene::OnInstability;
 
 /// Smallest part of an increment that cut-backs try, and of the longest part where tools bound
 /// it to less: what fails there fails anew behind each small part.
@@ -246,31 +244,13 @@ fn may_fall(run: &Run<'_>, ending: &Ending) -> bool {
     );
     let is_lost = is_unstable(run, ending)
         || run.learned.lowest_mode.is_none()
-        || is_held_by_no_face(run, ending);
-    let settings = &run.model.plan.settings;
-    run.model.is_rubber()
-        && is_lost
-        && !is_elsewhere
-        && !gives_way(run)
-        && settings.on_instability == OnInstability::Descend
-}
-
-/// Whether the pressure is above what the faces bear on a curved obstacle: what is lost then is
-/// the mesh's, and a fall would end in a well of it.
-fn gives_way(run: &Run<'_>) -> bool {
-    coarsest(run).is_some_and(|face| face.ratio > 1.0)
+        || ending.cause == Some(Cause::ActiveSetCycle);
+    run.model.is_rubber() && is_lost && !is_elsewhere && run.model.plan.may_fall()
 }
 
 /// Whether an equilibrium was seen to be unstable, or nearly so.
 fn is_unstable(run: &Run<'_>, ending: &Ending) -> bool {
     ending.cause == Some(Cause::UnstableEquilibrium) || is_soft(run)
-}
-
-/// Whether faces have come back, as they do where a motion lowers the energy and none holds
-/// it; on a mesh that is nearly too coarse for its pressure the motion is that of the mesh.
-fn is_held_by_no_face(run: &Run<'_>, ending: &Ending) -> bool {
-    let is_coarse = |face: Coarsest| face.ratio > NEARLY;
-    ending.cause == Some(Cause::ActiveSetCycle) && !coarsest(run).is_some_and(is_coarse)
 }
 
 /// Whether an iterate that did not converge is still of use.

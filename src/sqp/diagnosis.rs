@@ -3,7 +3,6 @@
 
 use super::enclosure::{constant_pressure_force, is_full};
 use super::run::Run;
-use crate::contact::coarseness::{Coarsest, coarsest as coarsest_face};
 use crate::contact::gap::{Deformed, Measure, evaluate_gaps, linearise};
 use crate::linalg::Workspace;
 use crate::linalg::vector::{add_scaled, dot, norm};
@@ -24,10 +23,6 @@ const CLOSED: f64 = 1e-6;
 const BALANCED: f64 = 1e-9;
 /// Gap over the length of the body up to which an obstacle may come to touch.
 const NEAR: f64 = 0.1;
-/// Share of the bearable size of faces from which on the failure of a method is that of the
-/// mesh: the bound is one of even pressures, and the pressure that is kept is that before the
-/// failure.
-pub(crate) const NEARLY: f64 = 0.5;
 
 /// Names what the Krylov method could only notice as stagnation.
 pub(crate) fn explain(run: &mut Run<'_>, ending: &mut Ending) {
@@ -160,7 +155,6 @@ pub(crate) fn name_the_impossible(run: &Run<'_>, ending: &mut Ending, goal: &Dri
             ending.cause,
             Some(
                 Cause::LimitPoint
-                    | Cause::CoarseContact
                     | Cause::NegativeJacobian
                     | Cause::UnstableEquilibrium
                     | Cause::InsideOut
@@ -197,16 +191,6 @@ pub(crate) fn name_the_end(run: &Run<'_>, ending: &mut Ending) {
         None => Some(Cause::StepTooSmall),
         named => named,
     };
-    let is_of_the_body = !matches!(
-        ending.cause,
-        Some(Cause::NoEquilibrium | Cause::EnclosedVolume | Cause::NotFinite)
-    );
-    // Whatever shows it: a mesh that gives way ends any method.
-    let bearable = if is_numerical(ending) { NEARLY } else { 1.0 };
-    let is_coarse = |face: Coarsest| face.ratio > bearable;
-    if is_of_the_body && run.model.is_rubber() && coarsest(run).is_some_and(is_coarse) {
-        ending.cause = Some(Cause::CoarseContact);
-    }
 }
 
 /// Whether the cause is that of a method, which says nothing of the body.
@@ -221,18 +205,6 @@ fn is_numerical(ending: &Ending) -> bool {
                 | Cause::IndefiniteTangent
         )
     )
-}
-
-/// The face that is largest beside what the pressure on a curved obstacle allows; none
-/// where nothing presses on one.
-pub(crate) fn coarsest(run: &Run<'_>) -> Option<Coarsest> {
-    let body = run.model.deformed(&run.state.displacement);
-    let contacts = run.model.placed(&run.state.drive);
-    let faces = contacts.filter_map(|(interface, met)| {
-        let pressure = interface.own(&run.state.multiplier);
-        coarsest_face(&body, (&interface.surface, &met), &pressure)
-    });
-    faces.max_by(|a, b| a.ratio.total_cmp(&b.ratio))
 }
 
 #[cfg(test)]

@@ -3,7 +3,6 @@
 //! | cause | point | motion |
 //! |---|---|---|
 //! | unstable equilibrium, limit point, step too small | moves most in the softest motion | its direction there |
-//! | coarse contact | face too large for its pressure, with the size that it takes | |
 //! | negative Jacobian | middle of the cell of least volume ratio | |
 //! | inside out | least det F at the state that was refused | |
 //! | no equilibrium | | sum of forces, less what pressure of the obstacles can take up |
@@ -11,7 +10,6 @@
 //!
 //! Read from the state that is kept. Cost: one evaluation at most.
 
-use super::diagnosis::{NEARLY, coarsest};
 use super::run::Run;
 use crate::contact::gap::mean_normals;
 use crate::geometry::vector3::{add, dot, normalised, scale};
@@ -32,7 +30,6 @@ const BALANCED: f64 = 1e-6;
 pub(crate) fn locate(run: &mut Run<'_>, ending: &Ending, goal: &Drive) -> Option<Site> {
     match ending.cause? {
         Cause::UnstableEquilibrium | Cause::LimitPoint | Cause::StepTooSmall => of_mode(run),
-        Cause::CoarseContact => of_faces(run),
         Cause::NegativeJacobian => of_cells(run),
         Cause::NoEquilibrium => of_sum(run, goal),
         // The place of an inside-out cell was found at the state that was refused.
@@ -72,16 +69,6 @@ fn direction(vector: &[f64], length: f64) -> [f64; 3] {
         .zip(vector)
         .for_each(|(unit, x)| *unit = x / length);
     unit
-}
-
-/// Of the face that is largest beside what its pressure allows.
-fn of_faces(run: &Run<'_>) -> Option<Site> {
-    let coarse = coarsest(run)?;
-    Some(Site {
-        point: Some(middle(&run.model, &coarse.corners)),
-        mesh_size: Some(NEARLY * coarse.size / coarse.ratio),
-        ..Site::default()
-    })
 }
 
 /// Of the cell that has least of its volume left.

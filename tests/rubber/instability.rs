@@ -296,10 +296,10 @@ fn a_block_between_plates_is_not_let_down_by_its_mesh() {
     }
 }
 
-/// The lid of a roller box is a ball on two faces an edge: from a pressure on that these faces do
-/// not bear the mesh gives way, which is no fall of the body.
+/// A ball on two faces an edge fills the lid of a roller box after a fifth of its way; from then on
+/// the pressure rises by K dV / V. By the undeformed area the mesh gave way at 59 shear moduli.
 #[test]
-fn a_mesh_that_gives_way_under_a_filled_lid_is_named_and_no_fall() {
+fn a_lid_that_a_ball_fills_stays_filled() {
     let mut scene = rubber(RubberModel::NeoHookean { shear_modulus: 1.0 }, Some(1000.0));
     scene.supports = rollers();
     let ball = Shape::Sphere {
@@ -313,15 +313,15 @@ fn a_mesh_that_gives_way_under_a_filled_lid_is_named_and_no_fall() {
     scene.obstacles = vec![obstacle("lid", "z1", ball)];
     let step = in_parts(push("lid", [0.0, 0.0, -0.1]), 10);
     let reports = solve(&scene, &[step], &mesh(cube(2)));
-    let mut before = 0.0;
-    for report in &reports {
-        let force = -report.obstacles["lid"].force[2];
-        if report.termination == Termination::Converged {
-            assert!(force >= before, "{force} behind {before}");
-        } else {
-            assert_eq!(report.cause, Some(Cause::CoarseContact), "{report:?}");
-        }
-        before = force;
+    assert_eq!(reports.len(), 10);
+    reports.iter().for_each(assert_converged);
+    assert!(reports.iter().all(|report| report.snapped.is_none()));
+    let forces: Vec<f64> = reports
+        .iter()
+        .map(|report| -report.obstacles["lid"].force[2])
+        .collect();
+    for pair in forces[3..].windows(2) {
+        assert!(close(pair[1] - pair[0], 10.0, 3e-3), "{forces:?}");
     }
 }
 

@@ -44,8 +44,7 @@ function head(data, last) {
     el("p", { class: "dim" }, facts.filter(Boolean).join(" · ")),
     last.why ? el("p", {}, `Why: ${last.why}`) : null,
     last.place && last.place.point.length ? el("p", {}, `Where: at ${vector(last.place.point)}` +
-      (last.place.motion.length ? `, along ${vector(last.place.motion)}` : "") +
-      (last.place.mesh_size ? `; faces there have to be smaller than ${num(last.place.mesh_size)}` : "")) : null,
+      (last.place.motion.length ? `, along ${vector(last.place.motion)}` : "")) : null,
   ];
 }
 

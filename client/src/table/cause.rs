@@ -56,10 +56,6 @@ pub(crate) fn cause(cause: Cause) -> Option<&'static str> {
             "a cell is inside out between the points where stress is taken: mesh finer there, or \
              round the corner that presses"
         }
-        Cause::CoarseContact => {
-            "the faces are too large for the pressure on this curved obstacle: mesh the contact \
-             finer"
-        }
         Cause::ServerTimeLimit => {
             "the step took as long as any step may on this server (maximum_step_seconds): give it \
              more increments, or ask for a longer time"

@@ -42,13 +42,11 @@ fn place(site: &v1::CauseSite) -> String {
         true => String::new(),
         false => format!(", along {}", vector(&site.motion)),
     };
-    let size = site.mesh_size.map(number);
-    let size = size.map(|size| format!(", faces there have to be smaller than {size}"));
     let key = match site.key.is_empty() {
         true => String::new(),
         false => format!(", nothing balances `{}`", site.key),
     };
-    point + &motion + &size.unwrap_or_default() + &key
+    point + &motion + &key
 }
 
 /// A fall to the next minimum in words.

@@ -145,7 +145,6 @@ fn cause(value: Cause) -> wire::Cause {
         Cause::IndefiniteTangent => wire::Cause::IndefiniteTangent,
         Cause::LimitPoint => wire::Cause::LimitPoint,
         Cause::UnstableEquilibrium => wire::Cause::UnstableEquilibrium,
-        Cause::CoarseContact => wire::Cause::CoarseContact,
         Cause::NegativeJacobian => wire::Cause::NegativeJacobian,
         Cause::InsideOut => wire::Cause::InsideOut,
     }
@@ -156,7 +155,6 @@ fn cause_site(value: CauseSite) -> wire::CauseSite {
     wire::CauseSite {
         point: list(value.point),
         motion: list(value.motion),
-        mesh_size: value.mesh_size,
         key: value.key.unwrap_or_default(),
     }
 }
