@@ -9,7 +9,7 @@
 //! that its weight by the deformed area stays one of a gap that nearly closes. delta_j: lengths of
 //! the scaled body `[multipliers]`. Cost: some flops a point more than the obstacle.
 
-use super::counterpart::Counterpart;
+use super::counterpart::{Counterpart, Places};
 use super::face::ContactFace;
 use super::surface::ContactSurface;
 use crate::element::quadrature::Rule;
@@ -43,7 +43,7 @@ impl AdmittedDepth {
     pub fn probe<C: Counterpart + ?Sized>(
         &self,
         inner: &C,
-        (face, points): (&ContactFace, &[[f64; 3]]),
+        (face, points): (&ContactFace, Places<'_>),
         what: What,
         out: &mut [Contact],
     ) {

@@ -6,19 +6,28 @@
 
 use super::face::ContactFace;
 use crate::geometry::rigid_motion::multiply;
-use crate::geometry::vector3::{dot, scale, sub};
+use crate::geometry::vector3::{dot, norm, scale, sub};
 use crate::geometry::{Matrix3, RigidMotion};
 use crate::obstacle::{Contact, Obstacle, What};
 
+/// Points of a face.
+#[derive(Clone, Copy, Debug)]
+pub struct Places<'a> {
+    /// Barycentric coordinates `[points, 4]`, of which a face uses as many as it has corners.
+    pub coordinates: &'a [[f64; 4]],
+    /// Where they are in the deformed body `[points, 3]`.
+    pub deformed: &'a [[f64; 3]],
+}
+
 /// What a face meets.
 pub trait Counterpart: Sync {
-    /// What it is to `points` `[points, 3]` of `face`, into `out` `[points]`.
-    fn probe_on(&self, face: &ContactFace, points: &[[f64; 3]], what: What, out: &mut [Contact]);
+    /// What it is to `points` of `face`, into `out` `[points]`.
+    fn probe_on(&self, face: &ContactFace, points: Places<'_>, what: What, out: &mut [Contact]);
 }
 
 impl<T: Obstacle + ?Sized> Counterpart for T {
-    fn probe_on(&self, _: &ContactFace, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
-        self.probe(points, what, out);
+    fn probe_on(&self, _: &ContactFace, points: Places<'_>, what: What, out: &mut [Contact]) {
+        self.probe(points.deformed, what, out);
     }
 }
 
@@ -28,8 +37,9 @@ impl<T: Obstacle + ?Sized> Counterpart for T {
 /// d = value - R N . (x - m(X)),   m the motion of the support, R its rotation
 /// ```
 ///
-/// N the outward normal of the undeformed face, X any of its points: points slide in
-/// the plane of their face. d is linear in x. Lengths as those of the faces.
+/// N the outward normal of the undeformed face where the point X is in it, which a flat face has
+/// everywhere: points slide in the tangent plane of their place. d is linear in x. Lengths as
+/// those of the faces.
 #[derive(Clone, Copy, Debug)]
 pub struct Guide {
     /// Rigid motion of the support from its first place, lengths as those of the faces.
@@ -51,13 +61,24 @@ impl Guide {
             value,
         }
     }
+
+    /// A point and a normal of the undeformed surface where the support has them now.
+    fn carried(&self, point: [f64; 3], normal: [f64; 3]) -> [[f64; 3]; 2] {
+        [self.motion.apply(point), multiply(&self.rotation, normal)]
+    }
 }
 
 impl Counterpart for Guide {
-    fn probe_on(&self, face: &ContactFace, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
-        let normal = multiply(&self.rotation, face.normal);
-        let origin = self.motion.apply(face.point);
-        for (contact, &point) in out.iter_mut().zip(points) {
+    fn probe_on(&self, face: &ContactFace, points: Places<'_>, what: What, out: &mut [Contact]) {
+        let flat = self.carried(face.point, face.normal);
+        let pairs = points.deformed.iter().zip(points.coordinates);
+        for (contact, (&point, l)) in out.iter_mut().zip(pairs) {
+            let l = &l[..face.corners.len()];
+            let curve = face.curve.as_deref();
+            let [origin, normal] = curve.map_or(flat, |curve| {
+                let area = curve.area_vector(l);
+                self.carried(curve.position(l), scale(norm(area).recip(), area))
+            });
             contact.distance = self.value - dot(normal, sub(point, origin));
             if what >= What::Normal {
                 contact.normal = scale(-1.0, normal);

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::area_element::{AreaElement, Extent, NODES};
 use super::basis::ContactBasis;
-use super::counterpart::Counterpart;
+use super::counterpart::{Counterpart, Places};
 use super::face::ContactFace;
 use crate::assembly::follower::shape_slopes;
 use crate::assembly::load::push_shape_values;
@@ -244,7 +244,11 @@ impl<'a> FacePoints<'a> {
         face: &ContactFace,
         what: What,
     ) {
-        counterpart.probe_on(face, &self.deformed, what, &mut self.contacts);
+        let places = Places {
+            coordinates: &self.table.rule.points,
+            deformed: &self.deformed,
+        };
+        counterpart.probe_on(face, places, what, &mut self.contacts);
     }
 
     /// A field of vertices at a point; zero where the field is empty.

@@ -30,7 +30,7 @@ pub mod surface_metric;
 
 pub use admitted::AdmittedDepth;
 pub use basis::ContactBasis;
-pub use counterpart::{Counterpart, Guide};
+pub use counterpart::{Counterpart, Guide, Places};
 pub use curvature::{curvature, curvature_where_held, traction_change};
 pub use deformed::Measure;
 pub use face::ContactFace;

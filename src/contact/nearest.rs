@@ -13,12 +13,11 @@
 
 use rayon::prelude::*;
 
-use super::counterpart::Counterpart;
 use super::deformed::Deformed;
 use super::face::ContactFace;
 use super::quadratic_face::{QuadraticFace, towards};
 use super::surface::ContactSurface;
-use crate::obstacle::{Contact, What};
+use crate::obstacle::{Contact, Obstacle, What};
 
 /// Above one by more than all rounding, and by what distances to patches miss of a true distance.
 const CAREFUL: f64 = 1.01;
@@ -36,14 +35,14 @@ const FEW: usize = 16;
 
 /// The least distance of each face `[faces]`, or a bound below it where it is neither the least of
 /// all nor negative.
-pub fn nearest<C: Counterpart + ?Sized>(
+pub fn nearest<O: Obstacle + ?Sized>(
     body: &Deformed<'_>,
     surface: &ContactSurface,
-    counterpart: &C,
+    obstacle: &O,
 ) -> Vec<f64> {
     let search = Search {
         grid: grid(body.space.components),
-        counterpart,
+        obstacle,
         body,
     };
     let faces = surface.faces.par_iter().with_min_len(4 * FEW);
@@ -61,9 +60,9 @@ pub fn nearest<C: Counterpart + ?Sized>(
     let power = 1.0 / (body.space.components as f64 - 1.0);
     let faces = near.par_iter().zip(&found).with_min_len(FEW / 4);
     let refined = faces.map(|(&face, found)| {
-        let face = &surface.faces[face];
-        match found.distance < least + REACH * face.flat_area.powf(power) {
-            true => search.refined(face, found),
+        let size = surface.faces[face].flat_area.powf(power);
+        match found.distance < least + REACH * size {
+            true => search.refined(found),
             false => found.distance,
         }
     });
@@ -74,11 +73,11 @@ pub fn nearest<C: Counterpart + ?Sized>(
     distances
 }
 
-/// Distances of the faces of a body from what they meet.
-struct Search<'a, C: ?Sized> {
+/// Distances of the faces of a body from an obstacle.
+struct Search<'a, O: ?Sized> {
     /// Barycentric coordinates of points of a face `[points]`.
     grid: Vec<[f64; 3]>,
-    counterpart: &'a C,
+    obstacle: &'a O,
     body: &'a Deformed<'a>,
 }
 
@@ -90,14 +89,14 @@ struct Found {
     shape: QuadraticFace,
 }
 
-impl<C: Counterpart + ?Sized> Search<'_, C> {
+impl<O: Obstacle + ?Sized> Search<'_, O> {
     /// Bounds of the least distance of a face from below and above, by the distance of one of its
     /// points and how far the others are from it.
     fn bounds(&self, face: &ContactFace) -> [f64; 2] {
         let shape = QuadraticFace::of(self.body, face);
         let middle = shape.at(&self.grid[self.grid.len() / 2]);
         let mut contact = [Contact::default()];
-        (self.counterpart).probe_on(face, &[middle], What::Gap, &mut contact);
+        self.obstacle.probe(&[middle], What::Gap, &mut contact);
         let distance = contact[0].distance;
         [distance - CAREFUL * shape.reach(middle), distance]
     }
@@ -105,7 +104,7 @@ impl<C: Counterpart + ?Sized> Search<'_, C> {
     /// The nearest point of the grid.
     fn on_grid(&self, face: &ContactFace) -> Found {
         let shape = QuadraticFace::of(self.body, face);
-        let (distance, at) = self.least(face, &shape);
+        let (distance, at) = self.least(&shape);
         Found {
             distance,
             at,
@@ -114,13 +113,13 @@ impl<C: Counterpart + ?Sized> Search<'_, C> {
     }
 
     /// The least distance of one face, sought around the best point so far.
-    fn refined(&self, face: &ContactFace, found: &Found) -> f64 {
+    fn refined(&self, found: &Found) -> f64 {
         let (mut distance, mut best) = (found.distance, found.at);
         let mut size = 1.0;
         for _ in 0..ROUNDS {
             size *= 0.25;
             // The grid shrunk towards the best point stays on the face.
-            let (least, at) = self.least(face, &found.shape.around(&best, size));
+            let (least, at) = self.least(&found.shape.around(&best, size));
             if least < distance {
                 (distance, best) = (least, towards(&best, size, &at));
             }
@@ -129,7 +128,7 @@ impl<C: Counterpart + ?Sized> Search<'_, C> {
     }
 
     /// The least distance over the grid on a part of a face, and where.
-    fn least(&self, face: &ContactFace, part: &QuadraticFace) -> (f64, [f64; 3]) {
+    fn least(&self, part: &QuadraticFace) -> (f64, [f64; 3]) {
         let mut points = [[0.0; 3]; MOST_POINTS];
         let mut contacts = [Contact::default(); MOST_POINTS];
         let count = self.grid.len();
@@ -137,7 +136,7 @@ impl<C: Counterpart + ?Sized> Search<'_, C> {
             *point = part.at(l);
         }
         let contacts = &mut contacts[..count];
-        (self.counterpart).probe_on(face, &points[..count], What::Gap, contacts);
+        self.obstacle.probe(&points[..count], What::Gap, contacts);
         let mut least = (f64::INFINITY, self.grid[0]);
         for (contact, &l) in contacts.iter().zip(&self.grid) {
             if contact.distance < least.0 {

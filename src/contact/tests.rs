@@ -8,7 +8,7 @@ use std::sync::Arc;
 use super::basis::Bernstein;
 use super::gap::{Deformed, Measure};
 use super::{
-    Acting, ContactFace, ContactSurface, Counterpart, curvature, evaluate_gaps, linearise,
+    Acting, ContactFace, ContactSurface, Counterpart, Places, curvature, evaluate_gaps, linearise,
     resultant,
 };
 use crate::assembly::load::shape_values;
@@ -531,7 +531,7 @@ fn area_vectors(sample: &Sample) -> Vec<f64> {
 struct Along;
 
 impl Counterpart for Along {
-    fn probe_on(&self, _: &ContactFace, _: &[[f64; 3]], _: What, out: &mut [Contact]) {
+    fn probe_on(&self, _: &ContactFace, _: Places<'_>, _: What, out: &mut [Contact]) {
         for contact in out {
             (contact.distance, contact.normal) = (0.0, [0.0, 0.0, 1.0]);
         }

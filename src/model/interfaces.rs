@@ -25,7 +25,9 @@ use crate::contact::gap::Deformed;
 use crate::contact::patches::outward;
 use crate::contact::smooth::sagittas;
 use crate::contact::surface::{FACE_DEGREE, KINKED_DEGREE, face_rule};
-use crate::contact::{AdmittedDepth, ContactFace, ContactSurface, Counterpart, Guide, Measure};
+use crate::contact::{
+    AdmittedDepth, ContactFace, ContactSurface, Counterpart, Guide, Measure, Places,
+};
 use crate::element::quadrature::Rule;
 use crate::geometry::RigidMotion;
 use crate::mesh::Mesh;
@@ -103,7 +105,7 @@ impl Placed {
 }
 
 impl Counterpart for Placed {
-    fn probe_on(&self, face: &ContactFace, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
+    fn probe_on(&self, face: &ContactFace, points: Places<'_>, what: What, out: &mut [Contact]) {
         match self {
             Self::Obstacle(obstacle) => obstacle.probe_on(face, points, what, out),
             Self::Admitting(obstacle, depth) => depth.probe(obstacle, (face, points), what, out),

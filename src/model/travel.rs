@@ -83,8 +83,9 @@ pub(crate) fn least_distance(
     let mut placed = model.placed(drive);
     let met = placed.find(|(other, _)| other.name == interface.name);
     let body = model.deformed(displacement);
-    met.map_or(f64::INFINITY, |(_, met)| {
-        let distances = nearest(&body, &interface.surface, &met);
+    let met = met.as_ref().and_then(|(_, met)| met.obstacle());
+    met.map_or(f64::INFINITY, |obstacle| {
+        let distances = nearest(&body, &interface.surface, obstacle);
         distances.into_iter().fold(f64::INFINITY, f64::min)
     })
 }

@@ -52,7 +52,7 @@ impl<'t> Touch<'t> {
         let met = model.placed(&state.drive).filter_map(|(interface, met)| {
             let obstacle = met.obstacle()?;
             let acts = acts(interface, state);
-            let distances = nearest(&body, &interface.surface, &met);
+            let distances = nearest(&body, &interface.surface, obstacle);
             let cells = match acts.contains(&true) {
                 true => cells_beside(model, &interface.surface),
                 false => (0..model.mesh.cell_count()).collect(),

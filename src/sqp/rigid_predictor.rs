@@ -125,6 +125,18 @@ impl RigidPredictor {
             u.copy_from_slice(&sub(moved, x)[..u.len()]);
         }
         self.turn(space.components, on_edges);
+        if model.mesh.edge_offsets().is_empty() {
+            return;
+        }
+        // The middle of a curved edge is o + u from that of its ends: R (o + u) - o.
+        for (edge, u) in on_edges.chunks_exact_mut(space.components).enumerate() {
+            let offset = scale(
+                model.plan.units.coordinate_scale,
+                model.mesh.offset_of(edge),
+            );
+            let turned = sub(multiply(&self.rotation, offset), offset);
+            u.iter_mut().zip(turned).for_each(|(u, part)| *u += part);
+        }
     }
 
     /// Turns vectors at nodes.

@@ -10,7 +10,7 @@
 use std::f64::consts::TAU;
 
 use super::{shapes, turn};
-use crate::contact::{ContactFace, Counterpart};
+use crate::contact::{ContactFace, Counterpart, Places};
 use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::geometry::vector3::{add, cross, norm, sub};
 use crate::mesh::CurvedFacet;
@@ -102,12 +102,11 @@ impl<'a, 'm> Faces<'a, 'm> {
                 None => self.measure(face, l) * turn(self.model, radius),
             };
             let mut contact = [Contact::default()];
-            met.probe_on(
-                face,
-                &[x.map(|x| x / units.length)],
-                What::Normal,
-                &mut contact,
-            );
+            let places = Places {
+                coordinates: &[*point],
+                deformed: &[x.map(|x| x / units.length)],
+            };
+            met.probe_on(face, places, What::Normal, &mut contact);
             let [contact] = contact;
             let functions = pressure_functions(l, self.pairs, face.functions.len());
             let at = face.functions.iter().zip(&functions);

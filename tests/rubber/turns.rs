@@ -6,13 +6,15 @@
 //! times angle; axial force -(pi / 2) A^4 tau^2 (C10 + 2 C01).
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 use crate::common::curved::cylinder;
 use crate::common::meshes::{cube, irregular, mesh};
+use crate::common::rounded::{round, together, whole_ring};
 use crate::common::scenes::{HELD, mooney_rivlin, press, pull, push, rubber, support, turned};
 use crate::common::{assert_converged, close, open, solve, solve_one, take};
-use signorini::scene::{ObstacleTarget, SupportTarget};
-use signorini::{Session, Step, StepReport};
+use signorini::scene::{ObstacleTarget, Support, SupportTarget};
+use signorini::{Mesh, Session, Step, StepReport};
 
 const TWIST: f64 = 0.5;
 /// Along this axis, so that turns leave a stretch along it as it is,
@@ -170,5 +172,52 @@ fn a_pressed_body_turns_under_a_press_that_stands_still() {
         for (value, expected) in invariants(&report).into_iter().zip(&expected) {
             assert!(close(value, *expected, 1e-7), "{report:?}");
         }
+    }
+}
+
+/// A ring of second order whose supports turn about its axis by these angles, one step each.
+fn ring_turned(inner: Support, steps: &[[f64; 2]]) -> Vec<StepReport> {
+    let mut scene = rubber(mooney_rivlin(), Some(10.0));
+    scene.supports = vec![inner, support("outer", [Some(0.0), Some(0.0), None])];
+    let steps: Vec<Step> = steps
+        .iter()
+        .map(|angles| Step {
+            supports: vec![
+                turned("inner", [0.0, 0.0, angles[0]], [0.0; 3]),
+                turned("outer", [0.0, 0.0, angles[1]], [0.0; 3]),
+            ],
+            ..Step::default()
+        })
+        .collect();
+    let parts = whole_ring(16, 3);
+    let arcs = together(round(&parts, 1.0, 2), round(&parts, 2.0, 2));
+    let mesh = Mesh::second_order(parts, arcs).expect("a valid mesh");
+    solve(&scene, &steps, &Arc::new(mesh))
+}
+
+#[test]
+fn a_twisted_ring_of_curved_cells_turns_with_its_supports() {
+    let inner = support("inner", [Some(0.0), Some(0.0), None]);
+    let reports = ring_turned(inner, &[[0.0, 0.2], [1.0, 1.2]]);
+    reports.iter().for_each(assert_converged);
+    assert_eq!(reports[1].sqp_iterations, 0, "nothing is left to solve");
+    let [before, after] = [&reports[0], &reports[1]].map(|report| report.strain_energy);
+    assert!(
+        before > 1e-3 && close(after, before, 1e-9),
+        "{before} {after}"
+    );
+}
+
+/// Its bore is a cylinder, which points leave by the sagitta of a facet where arcs are taken for
+/// their chords.
+#[test]
+fn a_ring_of_curved_cells_that_its_bore_guides_is_free_of_stress_at_rest_and_turned() {
+    let inner = Support {
+        normal: Some(0.0),
+        ..support("inner", [None; 3])
+    };
+    for report in ring_turned(inner, &[[0.0, 0.0], [1.0, 1.0]]) {
+        assert_converged(&report);
+        assert!(report.strain_energy < 1e-14, "{:e}", report.strain_energy);
     }
 }

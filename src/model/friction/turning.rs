@@ -15,7 +15,7 @@ use super::traces::Traces;
 use super::{Friction, area};
 use crate::contact::gap::{linearise, mean_normals};
 use crate::contact::shares::add_equal_columns;
-use crate::contact::{ContactFace, Counterpart};
+use crate::contact::{ContactFace, Counterpart, Places};
 use crate::geometry::Matrix3;
 use crate::geometry::vector3::{add, dot, norm, normalised, scale, sub};
 use crate::linalg::{SparseRows, SparseRowsBuilder};
@@ -47,8 +47,8 @@ struct CurvatureRow<'a> {
 }
 
 impl Counterpart for CurvatureRow<'_> {
-    fn probe_on(&self, _: &ContactFace, points: &[[f64; 3]], _: What, out: &mut [Contact]) {
-        self.obstacle.probe(points, What::Curvature, out);
+    fn probe_on(&self, _: &ContactFace, points: Places<'_>, _: What, out: &mut [Contact]) {
+        self.obstacle.probe(points.deformed, What::Curvature, out);
         for contact in out {
             contact.distance = contact.normal[self.axis];
             contact.normal = contact.curvature[self.axis];

@@ -126,8 +126,7 @@ fn advance(run: &mut Run<'_>, obstacle: usize, force: [f64; 3]) -> Option<f64> {
     for _ in 0..MOST_DISTANCES {
         let body = run.model.deformed(&run.state.displacement);
         let (interface, met) = run.model.placed(&run.state.drive).nth(obstacle)?;
-        met.obstacle()?;
-        let distances = nearest(&body, &interface.surface, &met);
+        let distances = nearest(&body, &interface.surface, met.obstacle()?);
         let distance = distances.into_iter().fold(f64::INFINITY, f64::min);
         if distance <= TOUCH {
             return Some(way);
