@@ -84,10 +84,8 @@ pub(crate) fn start(run: &mut Run<'_>, drive: &Drive) -> (Evaluation, f64) {
     let is_predicted = predict(run, &before, rigid.as_ref(), drive);
     run.state.drive = drive.clone();
     if !is_predicted {
-        let mut plain = run.evaluate();
-        if release(&run.model, run.state, &plain) {
-            plain = run.evaluate();
-        }
+        let plain = run.evaluate();
+        let plain = released(run, plain);
         let force = norm(&plain.force);
         return (plain, force);
     }
@@ -100,7 +98,7 @@ pub(crate) fn start(run: &mut Run<'_>, drive: &Drive) -> (Evaluation, f64) {
     let plain = Start::of(run);
     let force = plain.force_scale(run.state);
     if !is_better(run.state, &predicted, &plain) {
-        return (plain.now, force);
+        return (released(run, plain.now), force);
     }
     run.state.clone_from(&after);
     // Scales are those of the plain start: a good prediction leaves residuals of
@@ -115,6 +113,14 @@ pub(crate) fn start(run: &mut Run<'_>, drive: &Drive) -> (Evaluation, f64) {
     (predicted.now, force)
 }
 
+/// What holds once tools that have left exert nothing.
+fn released(run: &mut Run<'_>, now: Evaluation) -> Evaluation {
+    match release(&run.model, run.state, &now) {
+        true => run.evaluate(),
+        false => now,
+    }
+}
+
 /// Moves the fields of the state, which are those of `before`, on towards `drive`;
 /// whether there is a way to.
 fn predict(
@@ -125,7 +131,7 @@ fn predict(
 ) -> bool {
     let plan = run.model.plan;
     let [here, there] = [&run.state.drive, drive].map(|drive| drive.felt_by(plan));
-    let goes_on = |trend: &Trend| trend.continue_to(run.state, &here, &there);
+    let goes_on = |trend: &Trend| trend.continue_to(plan, run.state, [&here, &there]);
     let is_continued = run.learned.trend.as_ref().is_some_and(goes_on);
     if !is_continued {
         run.state.clone_from(before);

@@ -13,6 +13,7 @@ use crate::linalg::vector::{add_scaled, norm};
 use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::state::State;
+use crate::plan::Plan;
 
 /// Share of the contact pressure that a prediction must leave.
 const FADED: f64 = 0.1;
@@ -117,7 +118,12 @@ impl Trend {
     /// Continues `state`, driven from `here`, towards `drive`; whether that is in the
     /// same direction and leaves contact pressure where there is some: that of a body
     /// at the end of contact is rounding, and no measure of itself.
-    pub(crate) fn continue_to(&self, state: &mut State, here: &Drive, drive: &Drive) -> bool {
+    pub(crate) fn continue_to(
+        &self,
+        plan: &Plan,
+        state: &mut State,
+        [here, drive]: [&Drive; 2],
+    ) -> bool {
         let Some(further) = drive.continues(&self.from, &self.to) else {
             return false;
         };
@@ -131,7 +137,8 @@ impl Trend {
             self.last.add_to(state, bend);
             earlier.add_to(state, -bend * longer);
         }
-        let pressures = state.multiplier.iter_mut();
+        // Tractions and what supports exert have either sign.
+        let pressures = state.multiplier.iter_mut().take(plan.normal_multipliers());
         pressures.for_each(|pressure| *pressure = pressure.max(0.0));
         before == 0.0 || norm(&state.multiplier) > FADED * before
     }
