@@ -168,6 +168,25 @@ pub(crate) fn unit_grid(across: usize, up: usize) -> MeshParts {
     with_sides(CellKind::Triangle, points, cells)
 }
 
+/// The unit square of `count`^2 squares with both diagonals, groups x0 x1 y0 y1, body.
+pub(crate) fn crossed(count: usize) -> MeshParts {
+    let number = |x: usize, y: usize| (y * (count + 1) + x) as u32;
+    let place = |x: f64, y: f64| [x / count as f64, y / count as f64, 0.0];
+    let corners = lattice([count + 1, count + 1, 1]);
+    let mut points: Vec<_> = corners.map(|[x, y, _]| place(x as f64, y as f64)).collect();
+    let mut cells = Vec::new();
+    for [x, y, _] in lattice([count, count, 1]) {
+        let middle = points.len() as u32;
+        points.push(place(x as f64 + 0.5, y as f64 + 0.5));
+        let around = [(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)];
+        let around = around.map(|(right, up)| number(x + right, y + up));
+        for side in around.windows(2) {
+            cells.extend([side[0], side[1], middle]);
+        }
+    }
+    with_sides(CellKind::Triangle, points, cells)
+}
+
 /// Cook's membrane: the square on the corners (0,0) (48,44) (48,60) (0,44).
 pub(crate) fn cook(count: usize) -> MeshParts {
     tapered(square(count))

@@ -10,7 +10,7 @@
 
 use std::sync::Arc;
 
-use crate::common::meshes::{cube, mesh, square, unit_grid};
+use crate::common::meshes::{crossed, cube, mesh, square, unit_grid};
 use crate::common::rounded::round;
 use crate::common::scenes::{in_parts, obstacle, push, rubber, support};
 use crate::common::{assert_converged_at_last, close, solve};
@@ -85,6 +85,29 @@ fn a_lid_gives_way_at_no_pressure_in_either_space() {
         }
         let found = pressure(&reports[reports.len() - 1]);
         assert!((found / PRESSURE - 1.0).abs() < 1e-3, "{found}");
+    }
+}
+
+/// A lid comes down on half of the height between two sides of rollers and a wall: in the corner
+/// where it meets the wall a body without contact is as soft as the pressure is high. With
+/// l = 1/2, force = K (1 - l) - 1/2 d/dl [l^(-2/3) (2 + l^2)].
+#[test]
+fn a_lid_and_a_wall_that_meet_in_a_corner_bear_five_thousand_moduli() {
+    for cells in [6, 8, 10] {
+        let mut scene = confined(2, ContactSpace::Quadratic);
+        scene.supports.retain(|support| support.name != "x1");
+        let shape = Shape::HalfSpace {
+            point: [1.0, 0.0, 0.0],
+            normal: [-1.0, 0.0, 0.0],
+        };
+        scene.obstacles.insert(0, obstacle("wall", "x1", shape));
+        let step = in_parts(push("lid", [0.0, -0.5, 0.0]), 4);
+        let reports = solve(&scene, &[step], &mesh(crossed(cells)));
+        reports.iter().for_each(assert_converged_at_last);
+        let force = -reports[3].obstacles["lid"].force[1];
+        let half = 0.5_f64;
+        let shear = half.powf(1.0 / 3.0) - half.powf(-5.0 / 3.0) * (2.0 + half * half) / 3.0;
+        assert!(close(force, BULK_MODULUS * half - shear, 1e-5), "{force}");
     }
 }
 

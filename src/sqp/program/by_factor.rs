@@ -22,6 +22,7 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use super::QuadraticProgram;
+use super::seams::seams;
 use super::step::{Step, first_iterate, step_from};
 use crate::contact::area_change::Pressures;
 use crate::contact::curvature_where_held;
@@ -124,10 +125,9 @@ impl QuadraticProgram<'_> {
             .tangent
             .as_ref()
             .and_then(|_| curvature(&self.model, state));
-        let taken = match (&self.released, held) {
-            (Some(released), Some(held)) => Some(released.plus(&held)),
-            (released, held) => held.or_else(|| released.clone()),
-        };
+        let seams = held.as_ref().and_then(|_| seams(&self.model, state));
+        let all = [held, seams, self.released.clone()];
+        let taken = all.into_iter().flatten().reduce(|sum, one| sum.plus(&one));
         let all = self.matrices(taken.as_ref(), &layout, &stopped, work)?;
         let no_contact = SparseRowsBuilder::new(all.stiffness.rows()).finish();
         let matrices = Matrices {

@@ -14,6 +14,7 @@ mod factorised;
 mod inverse;
 mod loose;
 mod penalised;
+mod seams;
 mod solve;
 pub(crate) mod step;
 mod stiffness;

@@ -1,0 +1,96 @@
+//! What the factor of a body adds where two closed contacts meet at an angle:
+//!
+//! ```text
+//! G_s = - sum over nodes of a seam  c sum_i (n_i . v)^2,   c = p l,   l = w^((d - 2) / (d - 1))
+//! ```
+//!
+//! n_i the normals of the closed multipliers on the node, p the largest of their pressures, w
+//! their weight. The internal pressure takes p (u . n_1) (v . n_2) off along a seam, which the
+//! gaps of both faces hold and the areas of neither tell: in the corner of a box that is full at
+//! 4,000 shear moduli the body alone has one motion as soft as that, which no Lanczos step finds.
+//! A program whose seams stay closed does not see the term; others see as many columns as there
+//! are such nodes. Cost: a pass over the closed multipliers.
+
+use std::collections::BTreeMap;
+
+use crate::contact::gap::mean_normals;
+use crate::geometry::vector3::{dot, normalised};
+use crate::linalg::{SparseRows, SparseRowsBuilder};
+use crate::model::Model;
+use crate::model::state::State;
+
+/// Cosine of the angle between normals from which on they are of one face.
+const ALIKE: f64 = 0.9;
+
+/// The closed contacts of a node.
+#[derive(Default)]
+struct Seam {
+    /// Unit normals `[contacts][3]`.
+    normals: Vec<[f64; 3]>,
+    /// Largest pressure, and the largest weight.
+    pressure: f64,
+    weight: f64,
+}
+
+impl Seam {
+    /// Whether two of the normals are of different faces.
+    fn is_bent(&self) -> bool {
+        let pairs = self.normals.windows(2);
+        pairs.into_iter().any(|pair| dot(pair[0], pair[1]) < ALIKE)
+    }
+}
+
+/// G_s on free entries `[displacement, displacement]`, as what is taken off the stiffness; none
+/// without seams.
+pub(super) fn seams(model: &Model<'_>, state: &State) -> Option<SparseRows> {
+    let c = model.prepared.space.components;
+    let mut rows = vec![Vec::new(); state.displacement.len()];
+    let bent = of_nodes(model, state);
+    let bent = bent.into_iter().filter(|(_, seam)| seam.is_bent());
+    let mut is_any = false;
+    for (node, seam) in bent {
+        is_any = true;
+        let power = (c as f64 - 2.0) / (c as f64 - 1.0);
+        let size = seam.pressure * seam.weight.powf(power);
+        let first = node as usize * c;
+        let is_free = |k: usize| !model.prepared.is_held[first + k];
+        for i in (0..c).filter(|&i| is_free(i)) {
+            for j in (0..c).filter(|&j| is_free(j)) {
+                let sum: f64 = seam.normals.iter().map(|n| n[i] * n[j]).sum();
+                rows[first + i].push(((first + j) as u32, -size * sum));
+            }
+        }
+    }
+    is_any.then(|| {
+        let mut builder = SparseRowsBuilder::new(state.displacement.len());
+        rows.iter_mut().for_each(|row| builder.push_row(row));
+        model.prepared.held.project_matrix(builder.finish())
+    })
+}
+
+/// The closed contacts of the nodes.
+fn of_nodes(model: &Model<'_>, state: &State) -> BTreeMap<u32, Seam> {
+    let body = model.deformed(&state.displacement);
+    let mut nodes: BTreeMap<u32, Seam> = BTreeMap::new();
+    for (interface, met) in model.placed(&state.drive) {
+        let surface = &interface.surface;
+        let normals = mean_normals(&body, surface, &met);
+        let multipliers = interface.own(&state.multiplier);
+        let status = interface.own(&state.status);
+        for (function, &node) in (0..).zip(&surface.carriers) {
+            for (m, _) in surface.shares.of(function) {
+                let m = m as usize;
+                if !status[m].is_closed() {
+                    continue;
+                }
+                if let Some(normal) = normalised(normals[m]) {
+                    let seam = nodes.entry(node).or_default();
+                    seam.normals.push(normal);
+                    seam.pressure = seam.pressure.max(multipliers[m].abs());
+                    seam.weight = seam.weight.max(surface.weights[m]);
+                }
+            }
+        }
+    }
+    nodes
+}
