@@ -136,12 +136,15 @@ impl Stall {
     pub(super) fn note(&mut self, step: &[f64], after: &Progress) {
         let is_against = self.step.len() == step.len() && dot(&self.step, step) < 0.0;
         self.step = step.to_vec();
-        if self.least.is_none_or(|least| after.relative <= 0.5 * least) {
-            self.least = Some(after.relative);
+        // A misfit below the error of the solve is small by chance.
+        let misfit = after.relative.max(after.tolerance);
+        if self.least.is_none_or(|least| misfit <= 0.5 * least) {
+            self.least = Some(misfit);
             self.sum = vec![0.0; after.misfit.len()];
             (self.count, self.reversals) = (0, 0);
         }
-        add_scaled(&mut self.sum, norm(&after.misfit).recip(), &after.misfit);
+        let size = norm(&after.misfit).max(f64::MIN_POSITIVE);
+        add_scaled(&mut self.sum, size.recip(), &after.misfit);
         self.count += 1;
         self.reversals += u32::from(is_against);
     }

@@ -117,7 +117,7 @@ impl Balance {
             }
             solves += 1;
             if course.leads_away(&ending, &after) {
-                if course.failures == MOST_FAILURES || solves == MOST_SOLVES {
+                if course.failures == MOST_FAILURES || solves == MOST_SOLVES || run.is_spent() {
                     return self.given_up(ending, &after);
                 }
                 run.state.clone_from(&kept);
@@ -125,15 +125,15 @@ impl Balance {
                 course.shorten();
                 continue;
             }
-            stall.note(&course.step, &after);
-            if stall.is_beyond_the_largest() {
-                return unmet(ending, Cause::NoEquilibrium, self.worst(&after.misfit));
-            }
             self.learn(&course, &after);
             let is_there = course.is_there(&after, run.model.tolerance, floor);
             if is_there || self.is_unresolved(run, &after, floor) {
                 run.learned.under_pushes = self.stiffness;
                 return ending;
+            }
+            stall.note(&course.step, &after);
+            if stall.is_beyond_the_largest() {
+                return unmet(ending, Cause::NoEquilibrium, self.worst(&after.misfit));
             }
             if solves == MOST_SOLVES {
                 return self.given_up(ending, &after);
@@ -284,7 +284,9 @@ impl Balance {
             }
             return;
         };
-        if !course.tells {
+        // Several components, whose contact has changed where a step was taken back.
+        let is_stale = course.failures > 0 && self.controls.len() > 1;
+        if !course.tells || is_stale {
             self.stiffness = None;
             return;
         }
