@@ -51,6 +51,8 @@ struct Iterate {
     now: Evaluation,
     /// Largest force out of balance that the increment began with: a scale.
     first_force: f64,
+    /// Constraint violation and force residual where programs began.
+    filter: Vec<[f64; 2]>,
     /// Share of the residual that the next program may leave.
     reduction: f64,
     /// Level over the tolerance below which no program need go.
@@ -98,7 +100,12 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
                 AfterFailure::End(verdict) => return at.ending(run, verdict),
             }
         }
-        match search(run, &step, program.start(), at.first_force) {
+        match search(
+            run,
+            &step,
+            program.start(),
+            (at.first_force, &mut at.filter),
+        ) {
             Ok(next) => at.advance(run, next, worst),
             Err(refused) => match at.leap(run, &step, program.start(), refused) {
                 Some(next) => at.advance(run, next, worst),
@@ -135,6 +142,7 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
     Iterate {
         now: response::solve(run, (&now, first_force), known).unwrap_or(now),
         first_force,
+        filter: Vec::new(),
         reduction: FIRST_REDUCTION,
         margin: MARGIN,
         least: f64::INFINITY,

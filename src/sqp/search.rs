@@ -35,11 +35,10 @@ pub(crate) fn search(
     run: &mut Run<'_>,
     step: &Step,
     now: &Evaluation,
-    first_force: f64,
+    (first_force, filter): (f64, &mut Vec<[f64; 2]>),
 ) -> Result<Evaluation, Refused> {
-    // Two measures are a filter: one of them must fall, the other may rise.
     let old = run.state.clone();
-    let start = measures(run.state, now, first_force);
+    filter.push(measures(run.state, now, first_force));
     let floor = now.least_jacobian.map(|least| JACOBIAN_SHARE * least);
     let mut refused = Refused::Jacobian;
     let mut longest = None;
@@ -50,7 +49,10 @@ pub(crate) fn search(
         if !is_inside_out(&trial, floor) {
             refused = Refused::Progress;
             let end = measures(run.state, &trial, first_force);
-            if run.model.is_linear() || is_progress(&end, &start, run.model.tolerance) {
+            let mut all = filter.iter();
+            if run.model.is_linear()
+                || all.all(|start| is_progress(&end, start, run.model.tolerance))
+            {
                 run.counters.step_length = length;
                 return Ok(trial);
             }
