@@ -92,7 +92,7 @@ impl Way<'_> {
                     self.parts.succeed();
                     self.bound(run);
                 }
-                Termination::NotConverged if cut_backs_help(run, &ending) => {
+                Termination::NotConverged if cut_backs_help(run, &ending) && !run.is_spent() => {
                     let is_saddle = ending.cause == Some(Cause::UnstableEquilibrium);
                     let lost = run.learned.lowest_mode.clone().filter(|_| is_saddle);
                     kept.restore(run);

@@ -101,6 +101,9 @@ fn flow_down(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
             return Some(ending);
         }
         if ending.termination != Termination::Converged {
+            if run.is_spent() {
+                return None;
+            }
             run.state.clone_from(&kept);
             flow.fail();
             run.patience = MORE_PATIENCE;

@@ -210,7 +210,9 @@ fn what_rounding_leaves_of_a_stiff_layer_is_said_and_its_force_is_exact() {
         scene.supports.push(support("z1", [None, None, Some(0.0)]));
         let parts = with_inclusion(cube(4), "inclusion", layer);
         let step = pull("z1", [None, None, Some(-0.01)], 1);
-        let report = solve_one_at_last(&scene, &step, &mesh(parts));
+        scene.solver.verify = false;
+        let report = solve(&scene, &[step], &mesh(parts)).remove(0);
+        assert_eq!(report.termination, Termination::Converged);
         let exact = 0.01 * 3.5 / (0.75 + 0.25 / contrast);
         assert!(close(-report.supports["z1"].force[2], exact, 1e-6));
         let mut kinds = report.warnings.iter().map(|warning| warning.kind);
