@@ -23,6 +23,10 @@ const NOISE: f64 = 10.0;
 const MOST_STALLED: u32 = 8;
 /// Steps against the one before among them: where a push is only met slowly steps go on.
 const MOST_REVERSALS: u32 = 2;
+/// Rises of the misfit, one after the other, behind which the largest force lies, and what is one:
+/// a tool that slides to where it is in balance keeps its misfit, by chance a little more or less.
+const MOST_RISES: u32 = 6;
+const RISE: f64 = 1.01;
 /// Mean of misfits, each over its norm, from which on they lie on one side.
 const ONE_SIDED: f64 = 0.5;
 /// Misfits over the tolerance that count where the search comes no nearer.
@@ -122,6 +126,9 @@ impl Course {
 pub(super) struct Stall {
     /// The least misfit that counts, over the scale of forces; none at the start.
     least: Option<f64>,
+    /// The last one, and how many before it were each less than the next.
+    last: f64,
+    rises: u32,
     /// Sum of the misfits since, each over its norm `[controls]`.
     sum: Vec<f64>,
     /// Their number.
@@ -138,6 +145,11 @@ impl Stall {
         self.step = step.to_vec();
         // A misfit below the error of the solve is small by chance.
         let misfit = after.relative.max(after.tolerance);
+        self.rises = match misfit > RISE * self.last {
+            true => self.rises + 1,
+            false => 0,
+        };
+        self.last = misfit;
         if self.least.is_none_or(|least| misfit <= 0.5 * least) {
             self.least = Some(misfit);
             self.sum = vec![0.0; after.misfit.len()];
@@ -150,16 +162,27 @@ impl Stall {
     }
 
     /// Whether the search has found the largest force along a way, which is less than the push:
-    /// steps go to and fro, and ahead of it and short of it the same is missing.
+    /// the same is missing behind steps to and fro, or more and more of it behind steps ahead.
     pub(super) fn is_beyond_the_largest(&self) -> bool {
         let is_one_sided = norm(&self.sum) >= ONE_SIDED * f64::from(self.count);
-        self.count >= MOST_STALLED && self.reversals >= MOST_REVERSALS && is_one_sided
+        let has_passed = self.reversals >= MOST_REVERSALS || self.rises >= MOST_RISES;
+        self.count >= MOST_STALLED && has_passed && is_one_sided
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_force_that_falls_along_a_way_has_had_its_largest_value() {
+        let mut ahead = Stall::default();
+        for place in 0..MOST_STALLED {
+            let part = 1.0 + 0.05 * f64::from(place);
+            ahead.note(&[0.01], &progress(1e-3 * part));
+        }
+        assert!(ahead.is_beyond_the_largest());
+    }
 
     #[test]
     fn what_is_missing_on_both_sides_of_a_way_is_beyond_the_largest_force() {

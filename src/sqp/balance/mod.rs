@@ -255,12 +255,19 @@ impl Balance {
 
     /// The step that takes `misfit` off, as far as the stiffness is known, and what it leaves.
     fn step(&mut self, run: &mut Run<'_>, misfit: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let stiffness = match self.stiffness.take() {
-            Some(known) => known,
-            None => by_metric(run, &self.controls).times(self.stiffer),
-        };
+        let known = self.stiffness.take().and_then(|known| {
+            let solved = known.solve(misfit);
+            // Where points slip a stiffness is learnt by which tools would go ahead of the force
+            // that holds them back: none resists like that.
+            let is_against = dot(&solved.0, misfit) <= 0.0;
+            is_against.then_some((known, solved))
+        });
+        let (stiffness, solved) = known.unwrap_or_else(|| {
+            let stiffness = by_metric(run, &self.controls).times(self.stiffer);
+            let solved = stiffness.solve(misfit);
+            (stiffness, solved)
+        });
         self.stiffer = 1.0;
-        let solved = stiffness.solve(misfit);
         self.stiffness = Some(stiffness);
         solved
     }
