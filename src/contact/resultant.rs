@@ -2,10 +2,10 @@
 //! the gap's own rule, so that they balance the multipliers exactly.
 //!
 //! ```text
-//! F = int lambda n dS,   M = int (x + u - reference) x lambda n dS
+//! F = int lambda n da,   M = int (x + u - reference) x lambda n da
 //! ```
 //!
-//! over the undeformed surface, n the normal of what is met, out of it. Cost: one probe a
+//! over the deformed surface of rubber, the undeformed one of linear bodies; n the normal of what is met, out of it. Cost: one probe a
 //! quadrature point of a face under pressure.
 
 use super::counterpart::Counterpart;

@@ -15,7 +15,7 @@
 //!
 //! Points stand obstacle by obstacle in the order of its multipliers; where two rough
 //! obstacles have a common multiplier each has a point of its own on its own faces. Numbers
-//! of a point lie side by side, behind all pressures. Curved faces slip as their chords do.
+//! of a point lie side by side, behind all pressures.
 //! Cost: the mass of the traces once; then a sparse product, and mean normals of curved
 //! obstacles, an evaluation.
 

@@ -75,8 +75,9 @@ impl Plan {
         weights.find(|&weight| weight > present)
     }
 
-    /// Whether a body that loses its equilibrium may fall to the next one: under hats on a curved
-    /// tool the mesh alone loses it, above some 4 mu R / h on faces of size h under a radius R.
+    /// Whether a body that loses its equilibrium may fall to the next one: under hats on any tool
+    /// but a half-space the mesh alone may lose it, above some 4 mu R / h on faces of size h under a
+    /// radius R.
     pub(crate) fn may_fall(&self) -> bool {
         let has_curved = self.obstacles.iter().any(|tool| !tool.shape.is_flat());
         let is_held = !has_curved || self.contact_space == ContactSpace::Quadratic;

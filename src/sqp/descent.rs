@@ -118,6 +118,8 @@ fn flow_down(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
             continue;
         }
         let kept = run.state.clone();
+        // The factor of a step holds the pull.
+        run.learned.factored = None;
         let mut ending = attempt(run, drive);
         if ending.termination == Termination::Converged {
             flow.add_work(&[&kept.displacement, &run.state.displacement], 0.0);

@@ -5,7 +5,7 @@
 //! sum over faces of int d(x + u) dS < 0,   d the distance from the obstacle at the goal
 //! ```
 //!
-//! u is the last good displacement, areas those of the undeformed body: what overlaps has to
+//! u is the last good displacement, areas those of the contact of the body: what overlaps has to
 //! outweigh what is open by a share. Cost: the gaps of all faces, once a failure.
 
 use crate::assembly::load::facet_measure;

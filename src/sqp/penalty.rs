@@ -91,6 +91,7 @@ pub(crate) fn penalise(run: &mut Run<'_>, weight: f64) -> Ending {
         let share = shares.next().unwrap_or(1.0);
         run.state.penalty = share * weight;
         run.learned.refresh.renew();
+        run.learned.factored = None;
         let ending = attempt(run, &drive);
         if ending.termination != Termination::Converged {
             kept.restore(run);
