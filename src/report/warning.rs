@@ -25,6 +25,8 @@ pub enum WarningKind {
     CoarseFacets,
     /// A rough obstacle has turned too far against the body in one increment.
     CoarseTurn,
+    /// An incompressible body has lost volume between the vertices.
+    CoarseVolume,
     /// Friction may admit another equilibrium under the same drive.
     NotUnique,
     /// Digits are lost in motions far larger than the body's strains.
@@ -33,7 +35,7 @@ pub enum WarningKind {
 
 impl WarningKind {
     /// All, in the order in which they are listed.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Snapped,
         Self::UnstableEquilibrium,
         Self::UntouchedObstacle,
@@ -45,6 +47,7 @@ impl WarningKind {
         Self::CoarseContact,
         Self::CoarseFacets,
         Self::CoarseTurn,
+        Self::CoarseVolume,
         Self::NotUnique,
         Self::LostDigits,
     ];
@@ -63,6 +66,7 @@ impl WarningKind {
             Self::CoarseContact => "coarse_contact",
             Self::CoarseFacets => "coarse_facets",
             Self::CoarseTurn => "coarse_turn",
+            Self::CoarseVolume => "coarse_volume",
             Self::NotUnique => "not_unique",
             Self::LostDigits => "lost_digits",
         }
@@ -117,7 +121,8 @@ mod tests {
             FreeMotion => CoarseContact,
             CoarseContact => CoarseFacets,
             CoarseFacets => CoarseTurn,
-            CoarseTurn => NotUnique,
+            CoarseTurn => CoarseVolume,
+            CoarseVolume => NotUnique,
             NotUnique => LostDigits,
             LostDigits => return None,
         })

@@ -6,6 +6,7 @@
 //! cells and faces for a report, one for a field.
 
 pub(crate) mod coarse_turn;
+pub(crate) mod coarse_volume;
 pub(crate) mod contact_alone;
 mod digits;
 pub(crate) mod errors;

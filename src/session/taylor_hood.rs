@@ -19,6 +19,7 @@ use crate::precond::p_multigrid::LANCZOS_STEPS;
 use crate::prepare::TaylorHoodData;
 use crate::report::{FieldData, FieldName, StepReport};
 use crate::results::coarse_turn::coarse_turns;
+use crate::results::coarse_volume::coarse_volume;
 use crate::results::contact_alone;
 use crate::results::exerted::exerted;
 use crate::results::touch::Touch;
@@ -163,6 +164,8 @@ impl Body for TaylorHoodBody {
         report.warnings = warnings(&model, (start, state), (ending, &touches));
         report.warnings.extend(coarse_facets(&report.obstacles));
         report.warnings.extend(coarse_turns(&model, state));
+        let lost = coarse_volume(&model, &report);
+        report.warnings.extend(lost);
         step::add_hidden_forces(&model, &touches, &mut report.obstacles);
         if self.plan.settings.verify {
             report.verification = Some(verify::verify(&model, state, ending));

@@ -4,8 +4,9 @@
 use crate::common::meshes::{cube, mesh, square};
 use crate::common::scenes::{HELD, elastic, obstacle, pull, push, support};
 use crate::common::{assert_converged, difference, run, run_one, solve, values};
+use signorini::report::WarningKind;
 use signorini::scene::{Formulation, MaterialModel, RubberModel, Shape, SupportTarget};
-use signorini::{Cause, FieldName, Scene, Step, Termination};
+use signorini::{Cause, FieldName, Scene, Step, StepReport, Termination};
 
 fn neo_hookean() -> Scene {
     let mut scene = elastic(0.5);
@@ -180,4 +181,23 @@ fn a_cell_inside_out_is_no_result() {
     assert!((0.5..1.0).contains(&last.time), "{}", last.time);
     let site = last.cause_site.as_ref().and_then(|site| site.point);
     assert!(site.is_some() && last.cut_backs > 0);
+}
+
+#[test]
+fn volume_that_an_incompressible_body_loses_at_a_point_is_said() {
+    let mut scene = neo_hookean();
+    let held = [Some(0.0), Some(0.0), None];
+    scene.supports = vec![support("y0", held), support("y1", held)];
+    let pressed = pull("y1", [Some(0.0), Some(-0.4), None], 8);
+    let reports = solve(&scene, &[pressed], &mesh(square(2)));
+    let is_said = |report: &StepReport| {
+        let mut kinds = report.warnings.iter().map(|warning| warning.kind);
+        kinds.any(|kind| kind == WarningKind::CoarseVolume)
+    };
+    for report in &reports {
+        assert_converged(report);
+        let least = report.min_jacobian.expect("a rubber");
+        assert_eq!(is_said(report), least < 0.7, "{least}");
+    }
+    assert!(!is_said(&reports[0]) && reports.last().is_some_and(is_said));
 }
