@@ -151,7 +151,7 @@ fn names_are_those_of_the_contract() {
 #[test]
 fn every_cause_and_kind_of_equilibrium_keeps_to_the_schema() {
     let schema = result_lines();
-    let causes = (0..).map_while(|number| v1::Cause::try_from(number).ok());
+    let causes = (0..100).filter_map(|number| v1::Cause::try_from(number).ok());
     let kinds = (0..).map_while(|number| v1::Stability::try_from(number).ok());
     let (causes, kinds): (Vec<_>, Vec<_>) = (causes.collect(), kinds.collect());
     assert!(causes.contains(&v1::Cause::NegativeJacobian) && kinds.len() == 4);
