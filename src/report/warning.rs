@@ -25,7 +25,7 @@ pub enum WarningKind {
     CoarseFacets,
     /// A rough obstacle has turned too far against the body in one increment.
     CoarseTurn,
-    /// An incompressible body has lost volume between the vertices.
+    /// Rubber has lost more volume between the vertices than its pressure explains.
     CoarseVolume,
     /// Friction may admit another equilibrium under the same drive.
     NotUnique,

@@ -1,30 +1,41 @@
-//! Incompressible rubber whose volume changes between the vertices, where its pressure keeps it in
-//! the mean alone: J = det F at the points of the rule, one in the body. Cost: nothing.
+//! Rubber whose volume changes between the vertices by more than its pressure explains, which keeps
+//! it in the mean alone:
+//!
+//! ```text
+//! 1 - J > 0.3 + max |p| / K,   J = det F at the points of the rule
+//! ```
+//!
+//! Bodies without pressure unknowns have J = 1 + p / K at every point. Cost: a pass over pressures.
 
+use crate::linalg::vector::largest;
 use crate::model::Model;
+use crate::model::state::State;
 use crate::report::{StepReport, Termination, Warning, WarningKind};
 
 /// 1 - J at a point from which on a word is due: at the corners of bonded blocks cells turn inside
 /// out soon after.
 const COARSE: f64 = 0.3;
 
-/// A converged body that keeps its volume and has lost too much of it at a point.
-pub(crate) fn coarse_volume(model: &Model<'_>, report: &StepReport) -> Option<Warning> {
-    let mut laws = model.plan.resolved.materials.iter();
-    let keeps = laws.all(|one| {
-        one.rubber
-            .as_ref()
-            .is_some_and(|law| law.inverse_bulk == 0.0)
-    });
-    let lost = 1.0 - report.min_jacobian.filter(|_| keeps)?;
+/// A converged body that has lost more of its volume at a point than its pressure explains.
+pub(crate) fn coarse_volume(
+    model: &Model<'_>,
+    state: &State,
+    report: &StepReport,
+) -> Option<Warning> {
+    let laws = model.plan.resolved.materials.iter();
+    let softest = laws.filter_map(|one| one.rubber.as_ref().map(|law| law.inverse_bulk));
+    let softest = softest.fold(0.0, f64::max);
+    let explained = largest(&state.pressure) * model.plan.units.stress * softest;
+    let is_mixed = !state.pressure.is_empty();
+    let lost = 1.0 - report.min_jacobian.filter(|_| is_mixed)?;
     let is_converged = report.termination == Termination::Converged;
-    (is_converged && lost > COARSE).then(|| {
+    (is_converged && lost > COARSE + explained).then(|| {
         let percent = 100.0 * lost;
         Warning::new(
             WarningKind::CoarseVolume,
             "",
             Some(lost),
-            format!("the body keeps its volume, and a point of it has lost {percent:.0} %: mesh finer where it is strained most"),
+            format!("a point of the body has lost {percent:.0} % of its volume, more than its pressure explains: mesh finer where it is strained most"),
         )
     })
 }

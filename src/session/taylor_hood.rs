@@ -164,7 +164,7 @@ impl Body for TaylorHoodBody {
         report.warnings = warnings(&model, (start, state), (ending, &touches));
         report.warnings.extend(coarse_facets(&report.obstacles));
         report.warnings.extend(coarse_turns(&model, state));
-        let lost = coarse_volume(&model, &report);
+        let lost = coarse_volume(&model, state, &report);
         report.warnings.extend(lost);
         step::add_hidden_forces(&model, &touches, &mut report.obstacles);
         if self.plan.settings.verify {
