@@ -156,7 +156,10 @@ fn pin_and_sleeve_of_the_bush_are_in_balance() {
 fn the_lip_presses_its_shaft() {
     let (_, last) = solve("lip.toml", &[]);
     assert_near(&last["obstacles"]["shaft"]["force"][0], SHAFT_FORCE, 3e-3);
-    assert!(last["warnings"].as_array().unwrap().is_empty(), "{last}");
+    // Its edge loses volume between the vertices; of nothing else there is a word.
+    let warnings = last["warnings"].as_array().unwrap();
+    let kinds: Vec<_> = warnings.iter().map(|one| one["kind"].as_str()).collect();
+    assert_eq!(kinds, [Some("coarse_volume")], "{last}");
 }
 
 #[test]
