@@ -29,7 +29,8 @@ pub enum WarningKind {
     CoarseVolume,
     /// Friction may admit another equilibrium under the same drive.
     NotUnique,
-    /// Digits are lost in motions far larger than the body's strains.
+    /// Digits are lost: in motions far larger than the strains, between moduli far apart, in very
+    /// flat cells.
     LostDigits,
 }
 

@@ -7,7 +7,7 @@
 use super::lowest_mode::length_at_rest;
 use super::run::Run;
 use crate::inequality::QpScales;
-use crate::linalg::vector::{dot, largest, norm};
+use crate::linalg::vector::{dot, largest, norm, reproducible_noise};
 use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
 use crate::model::evaluate::Evaluation;
@@ -115,10 +115,9 @@ pub(super) fn least_force(model: &Model<'_>, state: &State, now: &Evaluation) ->
     at_rest(model, now).max(rounding(model, state) / model.tolerance)
 }
 
-/// Whether forces and volumes that are out of balance at `now`, where gaps are met, are what
-/// rounding of the unknowns makes: at a state that is one rounding away they are others, and no
-/// smaller than by [`ROUNDINGS`]. Such a state solves a problem whose data differ by roundings
-/// (W. Oettli and W. Prager, Numer. Math. 6, 1964).
+/// Whether the residuals of force and volume at `now` are no more than [`ROUNDINGS`] times what
+/// they change by if every unknown is moved by one rounding. Such a state solves a problem whose
+/// data differ by roundings (W. Oettli and W. Prager, Numer. Math. 6, 1964).
 pub(super) fn is_rounding(run: &mut Run<'_>, now: &Evaluation) -> bool {
     let [displacement, pressure] = [&run.state.displacement, &run.state.pressure].map(Vec::clone);
     round_anew(&mut run.state.displacement);
@@ -132,11 +131,11 @@ pub(super) fn is_rounding(run: &mut Run<'_>, now: &Evaluation) -> bool {
     is_noise(&now.force, &other.force) && is_noise(&now.constraint, &other.constraint)
 }
 
-/// Moves each number by one rounding, to sides that follow from its place by Knuth's hash.
+/// Moves each number by one rounding, up or down by noise that is always the same.
 fn round_anew(numbers: &mut [f64]) {
-    for (place, number) in numbers.iter_mut().enumerate() {
-        let side = (place as u32).wrapping_mul(2_654_435_769) >> 31;
-        *number *= 1.0 + f64::EPSILON * (2.0 * f64::from(side) - 1.0);
+    let noise = reproducible_noise(numbers.len());
+    for (number, noise) in numbers.iter_mut().zip(noise) {
+        *number *= 1.0 + f64::EPSILON.copysign(noise);
     }
 }
 
