@@ -13,12 +13,16 @@ use rayon::prelude::*;
 use super::counterpart::Counterpart;
 pub use super::deformed::{Deformed, Measure};
 use super::deformed::{FacePoints, Table};
+use super::face::ContactFace;
 use super::surface::ContactSurface;
 use crate::geometry::vector3::{add, scale};
 use crate::obstacle::What;
 
 /// Fewer rows are not worth a second thread.
 const PARALLEL_ROWS: usize = 64;
+
+/// What changes the distances at the points of a face between gap and coupling.
+type Limit<'a> = dyn Fn(&mut FacePoints<'_>, &ContactFace) + Sync + 'a;
 
 /// Gap and coupling of one surface.
 #[derive(Clone, Debug, Default)]
@@ -87,6 +91,30 @@ pub fn linearise<C: Counterpart + ?Sized>(
     counterpart: &C,
     held: &[bool],
 ) -> Linearisation {
+    integrate(body, surface, (counterpart, &|_, _| ()), held)
+}
+
+/// The same where `counterpart` has moved on from `before` and the body has not yet: the next step
+/// closes what that brings to the distance, which has no part in the change of the area.
+pub fn linearise_advanced<C: Counterpart + ?Sized>(
+    body: &Deformed<'_>,
+    surface: &ContactSurface,
+    (counterpart, before): (&C, &C),
+    held: &[bool],
+) -> Linearisation {
+    let limit = |points: &mut FacePoints<'_>, face: &ContactFace| {
+        points.limit_distances(before, face);
+    };
+    integrate(body, surface, (counterpart, &limit), held)
+}
+
+/// Gaps and coupling, the latter with distances that `limit` may change.
+fn integrate<C: Counterpart + ?Sized>(
+    body: &Deformed<'_>,
+    surface: &ContactSurface,
+    (counterpart, limit): (&C, &Limit<'_>),
+    held: &[bool],
+) -> Linearisation {
     let table = Table::new(body, surface.basis);
     let gaps = 1 + table.functions * table.points();
     let size = gaps + table.functions * 3 * table.nodes;
@@ -95,7 +123,10 @@ pub fn linearise<C: Counterpart + ?Sized>(
         points.probe(counterpart, face, What::Normal);
         fill_gaps(points, first);
         match (body.measure, table.corners) {
-            (Measure::Deformed, _) => add_deformed_couplings(points, couplings),
+            (Measure::Deformed, _) => {
+                limit(points, face);
+                add_deformed_couplings(points, couplings);
+            }
             (Measure::Undeformed, 2) => add_couplings::<3>(points, couplings),
             (Measure::Undeformed, _) => add_couplings::<6>(points, couplings),
         }

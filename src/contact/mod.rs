@@ -34,7 +34,7 @@ pub use counterpart::{Counterpart, Guide, Places};
 pub use curvature::{curvature, curvature_where_held, traction_change};
 pub use deformed::Measure;
 pub use face::ContactFace;
-pub use gap::{Linearisation, area_rows, evaluate_gaps, linearise};
+pub use gap::{Linearisation, area_rows, evaluate_gaps, linearise, linearise_advanced};
 pub use resultant::{Acting, Resultant, resultant};
 pub use surface::ContactSurface;
 

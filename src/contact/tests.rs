@@ -9,7 +9,7 @@ use super::basis::Bernstein;
 use super::gap::{Deformed, Measure};
 use super::{
     Acting, ContactFace, ContactSurface, Counterpart, Places, curvature, evaluate_gaps, linearise,
-    resultant,
+    linearise_advanced, resultant,
 };
 use crate::assembly::load::shape_values;
 use crate::element::quadrature::{Rule, Simplex, rule};
@@ -511,6 +511,29 @@ fn the_centre_of_a_uniform_pressure_is_the_centre_of_the_face() {
         .collect();
     assert!(norm(&error) < 1e-14 && found.area.abs() < 1e-15);
     assert!((found.force[2] + 2.0 * SCALE * SCALE).abs() < 1e-14);
+}
+
+#[test]
+fn the_way_that_a_tool_has_gone_pulls_at_no_area() {
+    for sample in [solid().finite(), plane().finite(), ring().finite()] {
+        let up = sample.space.components - 1;
+        let lid = |height: f64| {
+            let (mut point, mut normal) = ([0.0; 3], [0.0; 3]);
+            (point[up], normal[up]) = (height, -1.0);
+            HalfSpace::new(point, normal).expect("a half-space")
+        };
+        let body = sample.body(&sample.displacement);
+        let held = vec![false; sample.displacement.len()];
+        let [before, after] = [0.8, 0.3].map(lid);
+        let exact = |lid| linearise(&body, &sample.surface, lid, &held);
+        let advanced = linearise_advanced(&body, &sample.surface, (&after, &before), &held);
+        assert_eq!(advanced.gap, exact(&after).gap);
+        assert_eq!(advanced.rows, exact(&before).rows);
+        assert_ne!(advanced.rows, exact(&after).rows);
+        // A tool that comes nearer from afar is no farther than it is now.
+        let nearer = linearise_advanced(&body, &sample.surface, (&before, &after), &held);
+        assert_eq!(nearer.rows, exact(&before).rows);
+    }
 }
 
 /// Adds int N_k a dS of the deformed top, a the area vector: the force of a unit pressure on the

@@ -9,6 +9,7 @@
 
 use super::Model;
 use super::counters::timed;
+use super::drive::Drive;
 use super::friction::Law;
 use super::given_loads::dead_load;
 use super::held::{mask, norm_of};
@@ -16,13 +17,14 @@ use super::internal::internal;
 use super::joined::Joined;
 use super::pressures::add_pressures;
 use super::state::State;
-use crate::contact::gap::linearise;
+use crate::contact::{linearise, linearise_advanced};
 use crate::inequality::QpScales;
 use crate::linalg::vector::{add_scaled, dot, norm, ratio};
 use crate::linalg::{LinearOperator, SparseRows, Workspace};
 use crate::report::{Residuals, Seconds};
 use crate::saddle::{AdmissibleSet, Cones, ProductSet, SetPart, SetPoint};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Share of the forces below which contact carries nothing.
 const LEAST_CONTACT: f64 = 1e-6;
@@ -54,6 +56,18 @@ pub(crate) struct Evaluation {
     pub(crate) max_penetration: f64,
     /// Least J at the points of the rule; none for linear bodies.
     pub(crate) least_jacobian: Option<f64>,
+    /// How tools have moved on that the body has not followed yet; none once it has.
+    pub(crate) advance: Option<Arc<Advance>>,
+}
+
+/// The last motion of tools, which the next step takes off the distances.
+#[derive(Clone, Debug)]
+pub(crate) struct Advance {
+    /// The drive to which the contact pressures belong.
+    pub(crate) last: Drive,
+    /// What the motion makes of the pressures' force by the change of the area, taken off
+    /// `[displacement]`: only the whole curvature of the gaps compensates it.
+    pub(crate) force: Vec<f64>,
 }
 
 /// Residuals of `state` under its drive. Gaps are booked as contact, the body as
@@ -65,7 +79,9 @@ pub(crate) fn evaluate(
     work: &mut Workspace,
 ) -> Evaluation {
     let mut out = Evaluation::default();
-    timed(&mut seconds.contact, || add_contact(model, state, &mut out));
+    timed(&mut seconds.contact, || {
+        add_contact(model, state, None, &mut out);
+    });
     timed(&mut seconds.assemble, || {
         add_body(model, state, &mut out, work);
     });
@@ -75,7 +91,7 @@ pub(crate) fn evaluate(
 /// Gaps and coupling at a state.
 pub(crate) fn evaluate_contact(model: &Model<'_>, state: &State) -> Evaluation {
     let mut out = Evaluation::default();
-    add_contact(model, state, &mut out);
+    add_contact(model, state, None, &mut out);
     out
 }
 
@@ -134,13 +150,17 @@ pub(crate) fn external_force(model: &Model<'_>, state: &State) -> Vec<f64> {
 }
 
 /// Adds weighted gaps and their coupling.
-fn add_contact(model: &Model<'_>, state: &State, out: &mut Evaluation) {
+fn add_contact(model: &Model<'_>, state: &State, last: Option<&Drive>, out: &mut Evaluation) {
     let body = model.deformed(&state.displacement);
     let mut joined = Joined::new(state.multiplier.len());
     out.sets.clone_from(&model.interfaces.sets);
+    let mut before = last.into_iter().flat_map(|drive| model.placed(drive));
     for (interface, met) in model.placed(&state.drive) {
-        let held = &model.prepared.is_held;
-        let mut part = linearise(&body, &interface.surface, &met, held);
+        let (surface, held) = (&interface.surface, &model.prepared.is_held);
+        let mut part = match before.next() {
+            Some((_, before)) => linearise_advanced(&body, surface, (&met, &before), held),
+            None => linearise(&body, surface, &met, held),
+        };
         for &multiplier in &interface.idle {
             part.gap[multiplier as usize] = 0.0;
             part.rows[multiplier as usize].clear();
@@ -162,6 +182,35 @@ fn add_contact(model: &Model<'_>, state: &State, out: &mut Evaluation) {
 }
 
 impl Evaluation {
+    /// Takes the coupling that a step from `state` sees, whose tools have moved on from `last` and
+    /// whose body has not ([`linearise_advanced`]).
+    pub(crate) fn advance_from(
+        &mut self,
+        last: Drive,
+        (model, state): (&Model<'_>, &State),
+        work: &mut Workspace,
+    ) {
+        let mut out = Self::default();
+        add_contact(model, state, Some(&last), &mut out);
+        let mut force = vec![0.0; self.force.len()];
+        let mut limited = work.zeros(force.len());
+        self.coupling
+            .apply_transposed(&state.multiplier, &mut force, work);
+        out.coupling
+            .apply_transposed(&state.multiplier, &mut limited, work);
+        add_scaled(&mut force, -1.0, &limited);
+        work.give(limited);
+        mask(&model.prepared.held, &mut force);
+        self.coupling = out.coupling;
+        self.advance = Some(Arc::new(Advance { last, force }));
+    }
+
+    /// The drive to which the contact pressures of `state` belong.
+    pub(crate) fn pressing<'s>(&'s self, state: &'s State) -> &'s Drive {
+        let advance = self.advance.as_ref();
+        advance.map_or(&state.drive, |advance| &advance.last)
+    }
+
     /// Norm of what is wrong with the gaps: negative, or open under pressure.
     pub(crate) fn gap_norm(&self, state: &State) -> f64 {
         let wrong = self.contact_set().misfit(SetPoint {

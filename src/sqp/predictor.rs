@@ -85,20 +85,23 @@ pub(crate) fn start(run: &mut Run<'_>, drive: &Drive) -> (Evaluation, f64) {
     run.state.drive = drive.clone();
     if !is_predicted {
         let plain = run.evaluate();
-        let plain = released(run, plain);
+        let mut plain = released(run, plain);
         let force = norm(&plain.force);
+        plain.advance_from(before.drive, (&run.model, run.state), &mut run.work);
         return (plain, force);
     }
     let predicted = Start::of(run);
     // The plain start is judged by the same measures, with the supports moved as far:
     // a prediction must beat it, or the increment starts from the last state.
     let after = run.state.clone();
-    before.drive = drive.clone();
+    let last = std::mem::replace(&mut before.drive, drive.clone());
     run.state.clone_from(&before);
     let plain = Start::of(run);
     let force = plain.force_scale(run.state);
     if !is_better(run.state, &predicted, &plain) {
-        return (released(run, plain.now), force);
+        let mut plain = released(run, plain.now);
+        plain.advance_from(last, (&run.model, run.state), &mut run.work);
+        return (plain, force);
     }
     run.state.clone_from(&after);
     // Scales are those of the plain start: a good prediction leaves residuals of

@@ -165,6 +165,44 @@ fn a_bonded_strip_of_rubber_is_pressed_without_a_cut_back() {
 }
 
 #[test]
+fn a_box_with_a_wall_and_a_lid_is_pressed_to_half_in_one_increment() {
+    let lid = Shape::HalfSpace {
+        point: [0.0, 1.0, 0.0],
+        normal: [0.0, -1.0, 0.0],
+    };
+    let wall = Shape::HalfSpace {
+        point: [1.0, 0.0, 0.0],
+        normal: [-1.0, 0.0, 0.0],
+    };
+    for bulk_modulus in [30.0, 100.0, 1e4] {
+        let model = RubberModel::NeoHookean { shear_modulus: 1.0 };
+        let mut scene = rubber(model, Some(bulk_modulus));
+        scene.supports = vec![
+            support("x0", [Some(0.0), None, None]),
+            support("y0", [None, Some(0.0), None]),
+        ];
+        scene.obstacles = vec![
+            obstacle("lid", "y1", lid.clone()),
+            obstacle("wall", "x1", wall.clone()),
+        ];
+        let report = solve_one(
+            &scene,
+            &push("lid", [0.0, -0.5, 0.0]),
+            &mesh(unit_grid(6, 6)),
+        );
+        assert_eq!(report.cut_backs, 0);
+        assert!(report.preconditioner_applications <= 60);
+        // Homogeneous, J = 1/2: mu J^(-5/3) dev(b) + K (J - 1).
+        let (height, stretched) = (0.5_f64, 0.5_f64.powf(-5.0 / 3.0) * 0.75 / 3.0);
+        let lid = -0.5 * bulk_modulus - 2.0 * stretched;
+        let wall = height * (-0.5 * bulk_modulus + stretched);
+        let forces = ["lid", "wall"].map(|name| report.obstacles[name].force);
+        assert!(close(forces[0][1], lid, 1e-7), "{forces:?}");
+        assert!(close(forces[1][0], wall, 1e-7), "{forces:?}");
+    }
+}
+
+#[test]
 fn a_confined_block_has_the_exact_force() {
     // Homogeneous, from ../cases/trust of the reference set: K = 100 mu, five per cent.
     let [pressed, _] = lids(100.0, 0.05, &mesh(cube(4)));

@@ -31,6 +31,7 @@ use crate::linalg::vector::norm;
 use crate::linalg::{LinearOperator, SparseRows, SymmetricMatrix, Workspace};
 use crate::model::Model;
 use crate::model::counters::timed;
+use crate::model::drive::Drive;
 use crate::model::evaluate::Evaluation;
 use crate::model::pressures::pressure_tangent;
 use crate::model::state::State;
@@ -125,7 +126,7 @@ impl<'a> QuadraticProgram<'a> {
             });
         let terms = turning.as_ref().map(|turning| &turning.released);
         let terms = [released.as_ref(), terms];
-        let curvature = curvature_of(&run.model, run.state).map(|own| {
+        let curvature = curvature_of(&run.model, run.state, now.pressing(run.state)).map(|own| {
             terms
                 .into_iter()
                 .flatten()
@@ -210,14 +211,14 @@ fn released_of(model: &Model<'_>, state: &State) -> Option<SparseRows> {
     }
 }
 
-/// Curvature of the gaps under the present contact pressure; none where it
-/// vanishes.
-fn curvature_of(model: &Model<'_>, state: &State) -> Option<SparseRows> {
+/// Curvature of the gaps with tools where `drive` has them, under the present contact pressure;
+/// none where it vanishes.
+fn curvature_of(model: &Model<'_>, state: &State, drive: &Drive) -> Option<SparseRows> {
     let under_pressure = state.multiplier.iter().any(|&l| l != 0.0);
     if model.is_linear() || !under_pressure {
         return None;
     }
-    let placed: Vec<_> = model.placed(&state.drive).collect();
+    let placed: Vec<_> = model.placed(drive).collect();
     let pressed = placed.iter().map(|(interface, met)| {
         let pressure = interface.own(&state.multiplier);
         (&interface.surface, met, pressure)

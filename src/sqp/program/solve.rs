@@ -9,7 +9,7 @@ use crate::inequality::{
 use crate::krylov::Outcome;
 use crate::krylov::gcr::Directions;
 use crate::krylov::outlook::Outlook;
-use crate::linalg::vector::norm;
+use crate::linalg::vector::{add_scaled, norm};
 use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::plan::augmentation::VOLUMETRIC;
 use crate::precond::Counted;
@@ -186,6 +186,7 @@ impl QuadraticProgram<'_> {
         };
         let mut scales = state.scales;
         let mut iterate = first_iterate(state, &self.now, self.motion.as_deref());
+        self.leave_out_advance(curvature, &mut iterate.force);
         self.start_from_prediction(&mut iterate);
         if let Some(body) = &self.factored {
             body.begin();
@@ -225,6 +226,17 @@ impl QuadraticProgram<'_> {
         counters.contact_products += outcome.products;
         state.scales = scales;
         (step_from(iterate, state), outcome)
+    }
+
+    /// Takes off the force what the whole curvature of the gaps compensates, where that is not used.
+    fn leave_out_advance(&self, curvature: Option<&SparseRows>, force: &mut [f64]) {
+        let is_whole = match (curvature, &self.curvature) {
+            (Some(used), Some(whole)) => std::ptr::eq(used, whole),
+            (_, whole) => whole.is_none(),
+        };
+        if let Some(advance) = self.now.advance.as_ref().filter(|_| !is_whole) {
+            add_scaled(force, 1.0, &advance.force);
+        }
     }
 
     /// Takes the predicted sides of a body that nothing touches yet: those of the first face,
