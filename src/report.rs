@@ -120,7 +120,8 @@ pub struct ObstacleResult {
     pub geometry_error: Option<f64>,
     /// Its moment about the obstacle's current reference point `[3]`.
     pub moment: [f64; 3],
-    /// Undeformed area carried by vertices in contact.
+    /// Area carried by vertices in contact: deformed for bodies of finite strain, undeformed for
+    /// linear ones.
     pub contact_area: f64,
     /// Largest vertex value of the contact pressure: per deformed area for bodies of finite
     /// strain.

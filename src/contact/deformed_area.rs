@@ -3,6 +3,8 @@
 //! A contact pressure l per deformed area is l_i int psi_i da / int psi_i dS per
 //! undeformed area. Shapes: `[multipliers]`. Cost: some 100 flops a point.
 
+use std::borrow::Cow;
+
 use super::deformed::{Deformed, Measure, Table};
 use super::surface::ContactSurface;
 
@@ -24,6 +26,14 @@ impl ContactSurface {
             }
         }
         weights
+    }
+
+    /// The weights of the multipliers over the surface that `body` measures `[multipliers]`.
+    pub(super) fn present_weights(&self, body: &Deformed<'_>) -> Cow<'_, [f64]> {
+        match body.measure {
+            Measure::Undeformed => Cow::Borrowed(&self.weights),
+            Measure::Deformed => Cow::Owned(self.shares.gather(self.areas(body))),
+        }
     }
 
     /// Coefficients of the contact pressure per undeformed area `[functions]`, from those

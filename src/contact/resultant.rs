@@ -21,8 +21,8 @@ pub struct Resultant {
     /// Moment about the reference point, int (x + u - reference) x lambda n dS `[3]`,
     /// non-dimensional.
     pub moment: [f64; 3],
-    /// Undeformed area that belongs to active multipliers: the sum of their weights, in
-    /// units of the scaled body.
+    /// Area that belongs to active multipliers, deformed where the pressure is per deformed area:
+    /// the sum of their weights, in units of the scaled body.
     pub area: f64,
     /// Largest pressure at the nodes, in units of the smallest shear modulus.
     pub max_pressure: f64,
@@ -78,7 +78,8 @@ pub fn resultant<C: Counterpart + ?Sized>(
         sums.iter_mut().zip(numbers).for_each(|(sum, x)| *sum += x);
     }
     let [total, f0, f1, f2, m0, m1, m2, c0, c1, c2] = sums;
-    let weights = surface.weights.iter().zip(active);
+    let weights = surface.present_weights(body);
+    let weights = weights.iter().zip(active);
     Resultant {
         force: [f0, f1, f2],
         moment: [m0, m1, m2],

@@ -456,7 +456,12 @@ fn the_resultant_is_the_work_of_the_contact_force_on_rigid_motions() {
             (found.moment[2] - dot(&force, &spin)).abs() < 1e-12,
             "{obstacle:?}"
         );
-        assert!((found.area - sample.surface.weights.iter().sum::<f64>()).abs() < 1e-14);
+        // A gap of one everywhere weighs the area.
+        let area: f64 = evaluate_gaps(&body, &sample.surface, &Away(1.0))
+            .0
+            .iter()
+            .sum();
+        assert!((found.area - area).abs() < 1e-14);
         // Quadratic functions stay within the hull of their coefficients.
         assert!(found.max_pressure <= largest(&pressure) + 1e-15);
     }
@@ -540,7 +545,7 @@ fn the_way_that_a_tool_has_gone_pulls_at_no_area() {
 /// body from outside is its negative.
 fn area_vectors(sample: &Sample) -> Vec<f64> {
     let body = sample.body(&sample.displacement);
-    let along = Along;
+    let along = Away(0.0);
     let held = vec![false; sample.displacement.len()];
     let rows = linearise(&body, &sample.surface, &along, &held).rows;
     let mut sums = vec![0.0; held.len()];
@@ -550,13 +555,13 @@ fn area_vectors(sample: &Sample) -> Vec<f64> {
     sums
 }
 
-/// The upward normal and no distance.
-struct Along;
+/// The upward normal and that distance.
+struct Away(f64);
 
-impl Counterpart for Along {
+impl Counterpart for Away {
     fn probe_on(&self, _: &ContactFace, _: Places<'_>, _: What, out: &mut [Contact]) {
         for contact in out {
-            (contact.distance, contact.normal) = (0.0, [0.0, 0.0, 1.0]);
+            (contact.distance, contact.normal) = (self.0, [0.0, 0.0, 1.0]);
         }
     }
 }

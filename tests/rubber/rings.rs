@@ -41,7 +41,7 @@ fn an_evenly_squeezed_disc_has_its_closed_form() {
     // At stretch 0.8: 1 / l^2 - l per undeformed, 1 / l - l^2 per deformed area.
     let plate = report.obstacles["plate"];
     assert!(close(plate.force[1], -0.7625 * PI, 1e-7), "{plate:?}");
-    assert!(close(plate.contact_area, PI, 1e-12), "{plate:?}");
+    assert!(close(plate.contact_area, PI / 0.8, 1e-7), "{plate:?}");
     assert!(close(plate.max_pressure, 0.61, 1e-7), "{plate:?}");
     let undeformed = plate.max_pressure_undeformed.expect("finite strain");
     assert!(close(undeformed, 0.7625, 1e-7), "{undeformed}");
