@@ -15,7 +15,7 @@ use crate::report::Termination;
 /// Applications of an increment after which nothing is tried anew that has failed: twenty times
 /// the 500 of a dear one. Without, a cylinder pressed by a force with friction 100 spends 43,000
 /// on parts of parts.
-const MOST_APPLICATIONS: u32 = 10_000;
+const MOST_APPLICATIONS: u32 = 2_000;
 
 /// One increment under way.
 pub(crate) struct Run<'a> {
