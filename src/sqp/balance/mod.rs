@@ -17,6 +17,7 @@
 mod course;
 mod metric;
 mod rigid;
+mod rolling;
 mod touch;
 
 use super::accuracy;
@@ -32,6 +33,7 @@ use crate::results::exerted::exerted;
 use course::{Course, Progress, Stall};
 use metric::by_metric;
 use rigid::gap_changes;
+use rolling::least_slip;
 
 /// Solves at most.
 const MOST_SOLVES: u32 = 40;
@@ -190,7 +192,10 @@ impl Balance {
             return self.led(run, step, floor);
         }
         let before = self.progress(run);
-        let (step, _) = self.step(run, &before.misfit);
+        let (mut step, _) = self.step(run, &before.misfit);
+        if let Some(rolling) = least_slip(run, &self.drive, &self.controls) {
+            add_scaled(&mut step, 1.0, &rolling);
+        }
         run.model.tolerance = COARSE.max(floor);
         Course::new(step, before, self.is_only_pushed(run))
     }
