@@ -62,6 +62,8 @@ pub(super) struct Course {
     pub(super) before: Progress,
     /// Whether what follows is the doing of the step: other loads change forces, too.
     pub(super) tells: bool,
+    /// What the step should change of the forces; infinite where nothing says so.
+    pub(super) expected: f64,
     /// Steps that led away, one after the other.
     pub(super) failures: u32,
     /// Slides, one after the other.
@@ -77,6 +79,7 @@ impl Course {
             step,
             before,
             tells,
+            expected: f64::INFINITY,
             failures: 0,
             slides: 0,
             approaches: 0,
@@ -87,7 +90,13 @@ impl Course {
     pub(super) fn leads_away(&self, ending: &Ending, after: &Progress) -> bool {
         let before = self.before.relative.max(self.before.tolerance);
         let is_worse = after.relative > WORSE * before.max(COARSE);
-        ending.termination != Termination::Converged || (self.tells && is_worse)
+        ending.termination != Termination::Converged || (self.is_felt() && is_worse)
+    }
+
+    /// Whether forces say anything of the step, which should change them by more than the error of
+    /// the solve before: a misfit below that is small by chance, and grows with a sharper solve.
+    pub(super) fn is_felt(&self) -> bool {
+        self.tells && self.expected > self.before.tolerance * self.before.scale
     }
 
     /// How forces have changed since `before` `[controls]`.
@@ -174,6 +183,7 @@ impl Stall {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::Residuals;
 
     #[test]
     fn a_force_that_falls_along_a_way_has_had_its_largest_value() {
@@ -204,6 +214,39 @@ mod tests {
         assert!(!slow.is_beyond_the_largest());
         one.note(&[0.01], &progress(1e-5));
         assert!(!one.is_beyond_the_largest());
+    }
+
+    fn converged() -> Ending {
+        Ending {
+            termination: Termination::Converged,
+            cause: None,
+            site: None,
+            residuals: Residuals::default(),
+            max_penetration: 0.0,
+            force_scale: 1.0,
+            tolerance: 1e-8,
+            estimate: None,
+            stability: None,
+            snapped: None,
+            rival: None,
+        }
+    }
+
+    #[test]
+    fn a_step_below_the_error_of_the_solve_before_is_not_taken_back() {
+        let converged = converged();
+        let rough = Progress {
+            tolerance: 1e-3,
+            ..progress(1e-8)
+        };
+        let grown = progress(2e-3);
+        let mut course = Course {
+            expected: 1e-2,
+            ..Course::new(vec![1e-11], rough, true)
+        };
+        assert!(course.leads_away(&converged, &grown));
+        course.expected = 1e-8;
+        assert!(!course.leads_away(&converged, &grown));
     }
 
     fn course(step: f64, relative: f64) -> Course {

@@ -251,9 +251,12 @@ impl Balance {
         let is_slow = after.relative > SLOW * course.before.relative;
         let sharpness = SHARPNESS[usize::from(is_slow || self.controls.len() > 1)];
         run.model.tolerance = (sharpness * misfit).clamp(floor, self.roughest().max(floor));
+        let stiffness = self.stiffness.as_ref();
+        let expected = stiffness.map_or(f64::INFINITY, |known| largest(&known.product(&step)));
         Ok(Course {
             slides,
             approaches: course.approaches,
+            expected,
             ..Course::new(step, after, true)
         })
     }
@@ -306,7 +309,7 @@ impl Balance {
         // Of a step too short to show in solves as rough as these nothing is learnt.
         let expected = largest(&stiffness.product(&course.step));
         let noise = after.noise().max(course.before.noise());
-        if largest(&change).max(expected) > noise {
+        if course.is_felt() && largest(&change).max(expected) > noise {
             stiffness.learn(&course.step, &change);
         }
     }

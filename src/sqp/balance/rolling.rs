@@ -7,7 +7,8 @@
 //!
 //! A tool that begins by sliding is pulled at by friction alone, whose force no small motion
 //! changes: a cylinder that rolls freely under friction 0.05 found no equilibrium. Components that
-//! act along the normals more than across them stay. Cost: two evaluations of the gaps.
+//! act along the normals more than across them stay, and no motion is longer than a step of the
+//! search. Cost: two evaluations of the gaps.
 
 use super::rigid::gap_changes;
 use crate::linalg::vector::{add_scaled, dot};
@@ -19,40 +20,72 @@ use crate::sqp::push_stiffness::PushStiffness;
 use crate::sqp::run::Run;
 
 /// The motion `[controls]` of obstacles on the way to `drive`, whose sought components have not
-/// moved there; none where nothing slips.
+/// moved there; none where nothing that grips slips.
 pub(super) fn least_slip(run: &Run<'_>, drive: &Drive, controls: &[Control]) -> Option<Vec<f64>> {
-    let friction = run.model.interfaces.friction.as_ref()?;
+    let grip = Grip::at(run, drive)?;
     let moved = State {
         drive: drive.clone(),
         ..run.state.clone()
     };
     let [before, after] =
         [&*run.state, &moved].map(|state| evaluate_contact(&run.model, state).gap);
-    let tractions = friction.first..friction.first + friction.size();
-    let is_closed = |k: &usize| run.state.status[*k].is_closed();
-    let [normal, across]: [Vec<usize>; 2] =
-        [0..friction.first, tractions].map(|places| places.filter(is_closed).collect());
-    let at =
-        |all: &[f64], places: &[usize]| -> Vec<f64> { places.iter().map(|&k| all[k]).collect() };
-    let mut slips = at(&after, &across);
-    add_scaled(&mut slips, -1.0, &at(&before, &across));
+    let mut slips = grip.across(&after);
+    add_scaled(&mut slips, -1.0, &grip.across(&before));
     if slips.iter().all(|&slip| slip == 0.0) {
         return None;
     }
-    let columns = gap_changes(&run.model, run.state, controls).into_iter();
-    let columns: Vec<Vec<f64>> = columns
-        .map(|column| {
-            let [along, across] = [&normal, &across].map(|places| at(&column, places));
-            match dot(&across, &across) > dot(&along, &along) {
-                true => across,
-                false => vec![0.0; slips.len()],
-            }
-        })
-        .collect();
+    let changes = gap_changes(&run.model, run.state, controls);
+    let columns = changes.iter().map(|change| grip.column(change));
+    let columns: Vec<Vec<f64>> = columns.collect();
     let products = |other: &[f64]| columns.iter().map(|column| dot(column, other)).collect();
     let normal_equations = PushStiffness {
         controls: controls.to_vec(),
         columns: columns.iter().map(|column| products(column)).collect(),
     };
     Some(normal_equations.solve(&products(&slips)).0)
+}
+
+/// What is closed.
+struct Grip {
+    /// Pressures.
+    pressures: Vec<usize>,
+    /// Tractions with their bounds.
+    tractions: Vec<(usize, f64)>,
+}
+
+impl Grip {
+    /// That of the present state, under the friction of `drive`; none without friction.
+    fn at(run: &Run<'_>, drive: &Drive) -> Option<Self> {
+        let friction = run.model.interfaces.friction.as_ref()?;
+        let bounds = friction.law(run.model.plan, drive);
+        let bounds = bounds.radii(&run.state.multiplier);
+        let width = friction.components.count();
+        let is_closed = |k: &usize| run.state.status[*k].is_closed();
+        let tractions = friction.first..friction.first + friction.size();
+        let tractions = tractions.filter(is_closed);
+        Some(Self {
+            pressures: (0..friction.first).filter(is_closed).collect(),
+            tractions: tractions
+                .map(|k| (k, bounds[(k - friction.first) / width]))
+                .collect(),
+        })
+    }
+
+    /// The slips among `all` `[multipliers]`, each times its bound.
+    fn across(&self, all: &[f64]) -> Vec<f64> {
+        let tractions = self.tractions.iter();
+        tractions.map(|&(k, bound)| bound * all[k]).collect()
+    }
+
+    /// The change of the slips by a motion that changes all by `change` `[multipliers]`; zero
+    /// where that acts along the normals more than across them.
+    fn column(&self, change: &[f64]) -> Vec<f64> {
+        let square = |k: usize| change[k] * change[k];
+        let along: f64 = self.pressures.iter().map(|&k| square(k)).sum();
+        let across: f64 = self.tractions.iter().map(|&(k, _)| square(k)).sum();
+        match across > along {
+            true => self.across(change),
+            false => vec![0.0; self.tractions.len()],
+        }
+    }
 }
