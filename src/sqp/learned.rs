@@ -38,8 +38,32 @@ pub(crate) struct Learned {
     layout: Option<Arc<SaddleLayout>>,
     /// How stiff the body is under the obstacles that are pushed; none before the first push.
     pub(crate) under_pushes: Option<PushStiffness>,
+    /// What increments cost that converged.
+    pub(crate) converged: Cost,
     /// How the body of a linear scene responds at its contact surface.
     pub(crate) response: Known,
+}
+
+/// Applications of some increments.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Cost {
+    /// Their sum.
+    applications: u32,
+    /// Number of increments.
+    increments: u32,
+}
+
+impl Cost {
+    /// One increment more.
+    pub(crate) fn add(&mut self, applications: u32) {
+        self.applications = self.applications.saturating_add(applications);
+        self.increments = self.increments.saturating_add(1);
+    }
+
+    /// Applications an increment; none before the first one.
+    pub(crate) fn mean(&self) -> Option<u32> {
+        self.applications.checked_div(self.increments)
+    }
 }
 
 impl Learned {
@@ -54,6 +78,7 @@ impl Learned {
             linearised: Arc::default(),
             layout: None,
             under_pushes: None,
+            converged: Cost::default(),
             response: Known::Nothing,
         }
     }
