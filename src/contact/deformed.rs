@@ -152,8 +152,6 @@ pub(super) struct FacePoints<'a> {
     /// What the obstacle is to each point `[points]`: distance, and normal and
     /// curvature where asked for.
     pub(super) contacts: Vec<Contact>,
-    /// Room for what another obstacle is to them `[points]`; empty before it is asked for.
-    others: Vec<Contact>,
 }
 
 impl<'a> FacePoints<'a> {
@@ -167,7 +165,6 @@ impl<'a> FacePoints<'a> {
             areas: Vec::with_capacity(table.slopes.len() / table.nodes),
             deformed: vec![[0.0; 3]; points],
             contacts: vec![Contact::default(); points],
-            others: Vec::new(),
         }
     }
 
@@ -252,23 +249,6 @@ impl<'a> FacePoints<'a> {
             deformed: &self.deformed,
         };
         counterpart.probe_on(face, places, what, &mut self.contacts);
-    }
-
-    /// Brings distances to those from `before` where these are smaller in size.
-    pub(super) fn limit_distances<C: Counterpart + ?Sized>(
-        &mut self,
-        before: &C,
-        face: &ContactFace,
-    ) {
-        std::mem::swap(&mut self.contacts, &mut self.others);
-        self.contacts.resize(self.others.len(), Contact::default());
-        self.probe(before, face, What::Gap);
-        std::mem::swap(&mut self.contacts, &mut self.others);
-        for (now, before) in self.contacts.iter_mut().zip(&self.others) {
-            if before.distance.abs() < now.distance.abs() {
-                now.distance = before.distance;
-            }
-        }
     }
 
     /// A field of vertices at a point; zero where the field is empty.

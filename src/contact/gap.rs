@@ -10,6 +10,7 @@
 
 use rayon::prelude::*;
 
+use super::advancing::Advancing;
 use super::counterpart::Counterpart;
 pub use super::deformed::{Deformed, Measure};
 use super::deformed::{FacePoints, Table};
@@ -21,8 +22,8 @@ use crate::obstacle::What;
 /// Fewer rows are not worth a second thread.
 const PARALLEL_ROWS: usize = 64;
 
-/// What changes the distances at the points of a face between gap and coupling.
-type Limit<'a> = dyn Fn(&mut FacePoints<'_>, &ContactFace) + Sync + 'a;
+/// Asks what the points of a face meet and fills its gaps.
+type Probe<'a> = dyn Fn(&mut FacePoints<'_>, &ContactFace, &mut [f64]) + Sync + 'a;
 
 /// Gap and coupling of one surface.
 #[derive(Clone, Debug, Default)]
@@ -91,28 +92,34 @@ pub fn linearise<C: Counterpart + ?Sized>(
     counterpart: &C,
     held: &[bool],
 ) -> Linearisation {
-    integrate(body, surface, (counterpart, &|_, _| ()), held)
+    let probe = |points: &mut FacePoints<'_>, face: &ContactFace, out: &mut [f64]| {
+        points.probe(counterpart, face, What::Normal);
+        fill_gaps(points, out);
+    };
+    integrate(body, surface, &probe, held)
 }
 
-/// The same where `counterpart` has moved on from `before` and the body has not yet: the next step
-/// closes what that brings to the distance, which has no part in the change of the area.
+/// The same with gaps from where a tool is now, and the coupling without what its way makes of the
+/// change of the area.
 pub fn linearise_advanced<C: Counterpart + ?Sized>(
     body: &Deformed<'_>,
     surface: &ContactSurface,
-    (counterpart, before): (&C, &C),
+    tool: Advancing<'_, C>,
     held: &[bool],
 ) -> Linearisation {
-    let limit = |points: &mut FacePoints<'_>, face: &ContactFace| {
-        points.limit_distances(before, face);
+    let probe = |points: &mut FacePoints<'_>, face: &ContactFace, out: &mut [f64]| {
+        points.probe(tool.now, face, What::Gap);
+        fill_gaps(points, out);
+        points.probe(&tool, face, What::Normal);
     };
-    integrate(body, surface, (counterpart, &limit), held)
+    integrate(body, surface, &probe, held)
 }
 
-/// Gaps and coupling, the latter with distances that `limit` may change.
-fn integrate<C: Counterpart + ?Sized>(
+/// Gaps, which `probe` fills, and the coupling of what it leaves at the points of a face.
+fn integrate(
     body: &Deformed<'_>,
     surface: &ContactSurface,
-    (counterpart, limit): (&C, &Limit<'_>),
+    probe: &Probe<'_>,
     held: &[bool],
 ) -> Linearisation {
     let table = Table::new(body, surface.basis);
@@ -120,13 +127,9 @@ fn integrate<C: Counterpart + ?Sized>(
     let size = gaps + table.functions * 3 * table.nodes;
     let numbers = body.on_faces(&table, &surface.faces, size, |points, face, numbers| {
         let (first, couplings) = numbers.split_at_mut(gaps);
-        points.probe(counterpart, face, What::Normal);
-        fill_gaps(points, first);
+        probe(points, face, first);
         match (body.measure, table.corners) {
-            (Measure::Deformed, _) => {
-                limit(points, face);
-                add_deformed_couplings(points, couplings);
-            }
+            (Measure::Deformed, _) => add_deformed_couplings(points, couplings),
             (Measure::Undeformed, 2) => add_couplings::<3>(points, couplings),
             (Measure::Undeformed, _) => add_couplings::<6>(points, couplings),
         }

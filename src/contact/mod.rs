@@ -8,6 +8,7 @@
 //! quadratic face. d > 0 outside the obstacle.
 
 mod admitted;
+mod advancing;
 pub mod area_change;
 mod area_element;
 pub mod basis;
@@ -29,6 +30,7 @@ pub mod surface;
 pub mod surface_metric;
 
 pub use admitted::AdmittedDepth;
+pub use advancing::Advancing;
 pub use basis::ContactBasis;
 pub use counterpart::{Counterpart, Guide, Places};
 pub use curvature::{curvature, curvature_where_held, traction_change};

@@ -5,8 +5,9 @@
 //! F = int lambda n da,   M = int (x + u - reference) x lambda n da
 //! ```
 //!
-//! over the deformed surface of rubber, the undeformed one of linear bodies; n the normal of what is met, out of it. Cost: one probe a
-//! quadrature point of a face under pressure.
+//! over the deformed surface of rubber, the undeformed one of linear bodies; n the normal of what
+//! is met, out of it. Cost: one probe a quadrature point of a face under pressure, and for rubber
+//! the weights of all faces.
 
 use super::counterpart::Counterpart;
 use super::deformed::{Deformed, FacePoints, Table};
@@ -16,9 +17,9 @@ use crate::obstacle::What;
 /// Resultants on the body, non-dimensional.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Resultant {
-    /// Force of the counterpart on the body, int lambda n dS `[3]`, non-dimensional.
+    /// Force of the counterpart on the body, int lambda n da `[3]`, non-dimensional.
     pub force: [f64; 3],
-    /// Moment about the reference point, int (x + u - reference) x lambda n dS `[3]`,
+    /// Moment about the reference point, int (x + u - reference) x lambda n da `[3]`,
     /// non-dimensional.
     pub moment: [f64; 3],
     /// Area that belongs to active multipliers, deformed where the pressure is per deformed area:
@@ -26,7 +27,7 @@ pub struct Resultant {
     pub area: f64,
     /// Largest pressure at the nodes, in units of the smallest shear modulus.
     pub max_pressure: f64,
-    /// int lambda (x + u) dS / int lambda dS; zero without pressure.
+    /// int lambda (x + u) da / int lambda da; zero without pressure.
     pub centre: [f64; 3],
 }
 

@@ -8,8 +8,8 @@ use std::sync::Arc;
 use super::basis::Bernstein;
 use super::gap::{Deformed, Measure};
 use super::{
-    Acting, ContactFace, ContactSurface, Counterpart, Places, curvature, evaluate_gaps, linearise,
-    linearise_advanced, resultant,
+    Acting, Advancing, ContactFace, ContactSurface, Counterpart, Places, curvature, evaluate_gaps,
+    linearise, linearise_advanced, resultant,
 };
 use crate::assembly::load::shape_values;
 use crate::element::quadrature::{Rule, Simplex, rule};
@@ -531,13 +531,58 @@ fn the_way_that_a_tool_has_gone_pulls_at_no_area() {
         let held = vec![false; sample.displacement.len()];
         let [before, after] = [0.8, 0.3].map(lid);
         let exact = |lid| linearise(&body, &sample.surface, lid, &held);
-        let advanced = linearise_advanced(&body, &sample.surface, (&after, &before), &held);
+        let advanced =
+            linearise_advanced(&body, &sample.surface, advancing(&after, &before), &held);
         assert_eq!(advanced.gap, exact(&after).gap);
         assert_eq!(advanced.rows, exact(&before).rows);
         assert_ne!(advanced.rows, exact(&after).rows);
-        // A tool that comes nearer from afar is no farther than it is now.
-        let nearer = linearise_advanced(&body, &sample.surface, (&before, &after), &held);
-        assert_eq!(nearer.rows, exact(&before).rows);
+        // A tool that retreats counts where it is.
+        let back = linearise_advanced(&body, &sample.surface, advancing(&before, &after), &held);
+        assert_eq!(back.rows, exact(&before).rows);
+    }
+}
+
+#[test]
+fn a_body_that_follows_its_tool_is_pressed_as_before() {
+    for sample in [solid().finite(), solid().quadratic().finite()] {
+        let ball = |way: f64| {
+            let centre = [0.3 + 0.2 * way, 0.4, SCALE + 0.6 - way];
+            Sphere::new(centre, 0.6).expect("a ball")
+        };
+        let way = 1e-4;
+        let [before, after] = [0.02, 0.02 + way].map(ball);
+        let pressure = sample.pressure();
+        let at = |tool| sample.contact_force(&sample.displacement, tool, &pressure);
+        // The whole body goes with the tool.
+        let moved = sample.displacement.chunks_exact(3).enumerate();
+        let moved = moved.flat_map(|(node, _)| match node < sample.space.vertices {
+            true => [0.2 * way, 0.0, -way],
+            false => [0.0; 3],
+        });
+        let moved: Vec<f64> = moved.collect();
+        let held = vec![false; moved.len()];
+        let tool = advancing(&after, &before);
+        let surfaces = [(&sample.surface, &tool, &pressure[..])];
+        let matrix = curvature(&sample.body(&sample.displacement), &surfaces, &held);
+        let mut product = vec![0.0; moved.len()];
+        matrix.apply(&moved, &mut product, &mut Workspace::new());
+        let (old, new) = (at(&before), at(&after));
+        let change: Vec<f64> = old.iter().zip(&new).map(|(old, new)| old - new).collect();
+        let error: Vec<f64> = change.iter().zip(&product).map(|(x, y)| x - y).collect();
+        assert!(
+            norm(&error) < 1e-3 * norm(&change),
+            "{} {}",
+            norm(&error),
+            norm(&change)
+        );
+    }
+}
+
+/// A tool that was at `before` and is at `now`.
+fn advancing<'a, T: Obstacle>(now: &'a T, before: &'a T) -> Advancing<'a, T> {
+    Advancing {
+        now,
+        before: Some(before),
     }
 }
 

@@ -17,7 +17,7 @@ use super::internal::internal;
 use super::joined::Joined;
 use super::pressures::add_pressures;
 use super::state::State;
-use crate::contact::{linearise, linearise_advanced};
+use crate::contact::{Advancing, linearise, linearise_advanced};
 use crate::inequality::QpScales;
 use crate::linalg::vector::{add_scaled, dot, norm, ratio};
 use crate::linalg::{LinearOperator, SparseRows, Workspace};
@@ -63,7 +63,7 @@ pub(crate) struct Evaluation {
 /// The last motion of tools, which the next step takes off the distances.
 #[derive(Clone, Debug)]
 pub(crate) struct Advance {
-    /// The drive to which the contact pressures belong.
+    /// The drive from which tools have moved on.
     pub(crate) last: Drive,
     /// What the motion makes of the pressures' force by the change of the area, taken off
     /// `[displacement]`: only the whole curvature of the gaps compensates it.
@@ -154,12 +154,12 @@ fn add_contact(model: &Model<'_>, state: &State, last: Option<&Drive>, out: &mut
     let body = model.deformed(&state.displacement);
     let mut joined = Joined::new(state.multiplier.len());
     out.sets.clone_from(&model.interfaces.sets);
-    let mut before = last.into_iter().flat_map(|drive| model.placed(drive));
-    for (interface, met) in model.placed(&state.drive) {
+    for (interface, now, before) in &model.placed_from(state, last) {
         let (surface, held) = (&interface.surface, &model.prepared.is_held);
-        let mut part = match before.next() {
-            Some((_, before)) => linearise_advanced(&body, surface, (&met, &before), held),
-            None => linearise(&body, surface, &met, held),
+        let before = before.as_ref();
+        let mut part = match last {
+            Some(_) => linearise_advanced(&body, surface, Advancing { now, before }, held),
+            None => linearise(&body, surface, now, held),
         };
         for &multiplier in &interface.idle {
             part.gap[multiplier as usize] = 0.0;
@@ -205,10 +205,9 @@ impl Evaluation {
         self.advance = Some(Arc::new(Advance { last, force }));
     }
 
-    /// The drive to which the contact pressures of `state` belong.
-    pub(crate) fn pressing<'s>(&'s self, state: &'s State) -> &'s Drive {
-        let advance = self.advance.as_ref();
-        advance.map_or(&state.drive, |advance| &advance.last)
+    /// The drive from which tools have moved on and the body has not; none once it has.
+    pub(crate) fn last_drive(&self) -> Option<&Drive> {
+        self.advance.as_ref().map(|advance| &advance.last)
     }
 
     /// Norm of what is wrong with the gaps: negative, or open under pressure.

@@ -44,6 +44,7 @@ use drive::Drive;
 use friction::SlipStart;
 use interfaces::{Interface, Interfaces, Placed};
 use proximal::Proximal;
+use state::State;
 
 /// The body on its obstacles, as everything reads it that solves for a state or
 /// reports one. Cheap to clone.
@@ -59,9 +60,10 @@ pub(crate) struct Model<'a> {
     pub(crate) interfaces: &'a Interfaces,
     /// Dead load at load factor one `[displacement unknowns]`.
     pub(crate) load: &'a [f64],
-    /// Depth that a body is still let in by while it is pushed out of an obstacle
-    /// `[multipliers]`, in units of the scaled body; empty where it is not.
-    pub(crate) admitted_penetration: Arc<[f64]>,
+    /// Depths that a body is still let in by while it is pushed out of an obstacle, before this
+    /// part of the increment and by now `[2][multipliers]`, in units of the scaled body; empty
+    /// where it is not.
+    pub(crate) admitted_penetration: [Arc<[f64]>; 2],
     /// Where the increment began, from where slip counts; none without friction.
     pub(crate) slip_start: Option<Arc<SlipStart>>,
     /// What pulls the body back while it goes down its energy; none otherwise.
@@ -126,10 +128,38 @@ impl<'a> Model<'a> {
         frictional.map(|(index, (_, interface))| (index, interface))
     }
 
+    /// Every surface with what it meets now, and what it met at `last`, from where tools have moved
+    /// on: the same without that drive, none where nothing presses on the body.
+    pub(crate) fn placed_from(
+        &self,
+        state: &State,
+        last: Option<&Drive>,
+    ) -> Vec<(&'a Interface, Placed, Option<Placed>)> {
+        let is_known = last.is_none() || state.multiplier.iter().any(|&l| l != 0.0);
+        let [earlier, present] = &self.admitted_penetration;
+        let (drive, depths) = match last {
+            Some(drive) => (drive, earlier),
+            None => (&state.drive, present),
+        };
+        let both = self.placed(&state.drive);
+        let both = both.zip(self.placed_inside(drive, depths));
+        both.map(|((interface, now), (_, before))| (interface, now, is_known.then_some(before)))
+            .collect()
+    }
+
     /// Every surface with what it meets where `drive` has it, in the order of the
     /// multipliers.
     pub(crate) fn placed(&self, drive: &Drive) -> impl Iterator<Item = (&'a Interface, Placed)> {
-        let depths = self.admitted_penetration.clone();
+        self.placed_inside(drive, &self.admitted_penetration[1])
+    }
+
+    /// The same where the body is let in by those depths `[multipliers]`.
+    fn placed_inside(
+        &self,
+        drive: &Drive,
+        depths: &Arc<[f64]>,
+    ) -> impl Iterator<Item = (&'a Interface, Placed)> {
+        let depths = depths.clone();
         let rule = &self.interfaces.rule;
         let placed = self.interfaces.placed(drive, self.plan.units.length);
         placed.map(move |(interface, met)| match depths.is_empty() {

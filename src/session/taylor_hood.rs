@@ -68,7 +68,7 @@ impl TaylorHoodBody {
             prepared: &self.prepared,
             interfaces: &self.interfaces,
             load: &self.load,
-            admitted_penetration: [].into(),
+            admitted_penetration: Default::default(),
             slip_start: None,
             proximal: None,
             tolerance: self.plan.settings.tolerance,

@@ -60,13 +60,16 @@ pub(crate) fn approach(run: &mut Run<'_>, goal: &Drive) -> (Ending, f64) {
     let mut way = Way {
         start,
         goal,
-        parts: Parts::new(penetration.first_part(), longest),
+        parts: Parts::new(1.0, longest),
         least_bound: (1.0 - longest) / MOST_PARTS,
         penetration,
         snapped: None,
         falling: first_fall(run.state),
     };
     let (mut ending, part) = way.walk(run);
+    if ending.termination == Termination::Converged {
+        run.learned.converged.add(run.counters.applications);
+    }
     name_the_impossible(run, &mut ending, goal);
     ending.snapped = way.snapped;
     (ending, part)
@@ -82,7 +85,7 @@ impl Way<'_> {
                 return finished(run, ending, &self.penetration, &self.parts);
             }
             let next = self.parts.next();
-            run.model.admitted_penetration = self.penetration.left(next);
+            self.admit(run, next);
             let kept = KeptState::of(run);
             let mut ending = attempt(run, &self.start.towards(self.goal, next));
             note_trend(run, &ending, &kept.state);
@@ -97,7 +100,7 @@ impl Way<'_> {
                     let lost = run.learned.lowest_mode.clone().filter(|_| is_saddle);
                     kept.restore(run);
                     self.parts.failures += 1;
-                    run.model.admitted_penetration = self.penetration.left(self.parts.reached);
+                    self.admit(run, self.parts.reached);
                     if let Some(ending) = self.after_failure(run, ending, lost.as_ref()) {
                         return finished(run, ending, &self.penetration, &self.parts);
                     }
@@ -118,6 +121,12 @@ impl Way<'_> {
                 }
             }
         }
+    }
+
+    /// Lets the body be as deep inside its obstacles as a part that ends at `next` may.
+    fn admit(&self, run: &mut Run<'_>, next: f64) {
+        let ends = [self.parts.reached, next];
+        run.model.admitted_penetration = ends.map(|end| self.penetration.left(end));
     }
 
     /// Bounds the next part by what tools may advance from here.
@@ -205,7 +214,7 @@ impl Way<'_> {
         let was_lost = is_unstable(run, failure);
         let kept = KeptState::of(run);
         let next = self.parts.after(self.falling * self.parts.longest);
-        run.model.admitted_penetration = self.penetration.left(next);
+        self.admit(run, next);
         let settled = descend(run, &self.start.towards(self.goal, next));
         let has_landed = settled
             .as_ref()
@@ -221,7 +230,7 @@ impl Way<'_> {
             };
         } else {
             kept.restore(run);
-            run.model.admitted_penetration = self.penetration.left(self.parts.reached);
+            self.admit(run, self.parts.reached);
         }
         settled
     }
@@ -291,7 +300,7 @@ fn finished(
 ) -> (Ending, f64) {
     let is_kept = match ending.termination {
         Termination::Converged | Termination::NotConverged => true,
-        Termination::DeadlineExceeded => !penetration.takes_parts(),
+        Termination::DeadlineExceeded => !penetration.is_any(),
         Termination::Cancelled | Termination::InternalError => false,
     };
     let mode = run.learned.lowest_mode.as_ref();

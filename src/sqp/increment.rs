@@ -240,7 +240,12 @@ impl Iterate {
 
     /// Takes an accepted step over, which started from the residual `worst`.
     fn advance(&mut self, run: &mut Run<'_>, next: Evaluation, worst: f64) {
-        self.now = next;
+        let before = std::mem::replace(&mut self.now, next);
+        if let Some(advance) = before.advance.filter(|_| run.counters.step_length < 1.0) {
+            let last = advance.last.clone();
+            self.now
+                .advance_from(last, (&run.model, run.state), &mut run.work);
+        }
         limit_volume_scale(run);
         if run.model.is_rubber() {
             limit_gap_scale(run.state, &self.now);

@@ -1,5 +1,5 @@
-//! By how much a body starts inside its obstacles. It is let in by that much, and
-//! pushed out over the parts of the first increment:
+//! By how much a body starts inside its obstacles. It is pushed out at once, and where that fails
+//! let in by that much and pushed out over the parts of the first increment:
 //!
 //! ```text
 //! int psi_i (d + (1 - t) delta) da >= 0,   delta_i = max(-g_i(0) / w_i, 0),   t from 0 to 1
@@ -8,21 +8,15 @@
 use std::sync::Arc;
 
 use crate::contact::gap::evaluate_gaps;
-use crate::linalg::vector::scale;
+use crate::linalg::vector::{largest, scale};
 use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::state::State;
 
-/// Penetration at the start, over the body's length, that one part resolves.
-const LARGEST_PART: f64 = 0.05;
-
 /// By how much a start lies inside its obstacles.
 pub(crate) struct InitialPenetration {
-    /// Mean penetration `[multipliers]`, in units of the scaled body; empty where one part
-    /// resolves it.
+    /// Mean penetration `[multipliers]`, in units of the scaled body; empty without any.
     penetration: Vec<f64>,
-    /// Deepest penetration of the start, in units of the scaled body.
-    depth: f64,
 }
 
 impl InitialPenetration {
@@ -30,7 +24,6 @@ impl InitialPenetration {
     pub(crate) fn of(model: &Model<'_>, state: &State, start: &Drive) -> Self {
         let mut found = Self {
             penetration: vec![0.0; state.multiplier.len()],
-            depth: 0.0,
         };
         if !model.is_rubber() {
             found.penetration.clear();
@@ -46,30 +39,21 @@ impl InitialPenetration {
             let weighted = gaps.iter().zip(&interface.surface.weights);
             for (place, (gap, weight)) in interface.places().zip(weighted) {
                 let depth = (-gap / weight).max(0.0);
-                found.depth = found.depth.max(depth);
                 found.penetration[place] = found.penetration[place].max(depth);
             }
         }
-        if found.depth <= LARGEST_PART {
+        if largest(&found.penetration) <= 0.0 {
             found.penetration.clear();
         }
         found
     }
 
-    /// Whether one part does not resolve it.
-    pub(crate) fn takes_parts(&self) -> bool {
+    /// Whether there is any, so that a body between two parts is still let in.
+    pub(crate) fn is_any(&self) -> bool {
         !self.penetration.is_empty()
     }
 
-    /// The share of the increment that its first part takes.
-    pub(crate) fn first_part(&self) -> f64 {
-        match self.takes_parts() {
-            true => LARGEST_PART / self.depth,
-            false => 1.0,
-        }
-    }
-
-    /// What is still let be where a fraction of the way is done `[multipliers]`.
+    /// Depths that are still let be where a fraction of the way is done `[multipliers]`.
     pub(crate) fn left(&self, fraction: f64) -> Arc<[f64]> {
         let mut left = self.penetration.clone();
         scale(&mut left, 1.0 - fraction);

@@ -16,9 +16,10 @@
 //! The residual decides. A predicted state is taken where its residual is less than
 //! that of the plain start after the motion of its supports to first order, and
 //! where its gaps hold: into a contact that spreads the state has a kink, and the
-//! programs that mend it cost more than the prediction saves (decision 21). Cost: two
-//! evaluations, a product with the tangent where supports move, and two changes of
-//! the state kept.
+//! programs that mend it cost more than the prediction saves (decision 21). A plain start
+//! leaves the way of its tools out of the change of the area ([`crate::contact::Advancing`]).
+//! Cost: two evaluations, a product with the tangent where supports move, two changes of
+//! the state kept, and for a plain start the gaps once more.
 
 use super::left_tools::release;
 use super::rigid_predictor::RigidPredictor;

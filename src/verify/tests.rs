@@ -84,7 +84,7 @@ impl Body {
             prepared: &self.prepared,
             interfaces: &self.interfaces,
             load: &self.load,
-            admitted_penetration: [].into(),
+            admitted_penetration: Default::default(),
             proximal: None,
             tolerance: 1e-8,
         }

@@ -203,6 +203,33 @@ fn a_box_with_a_wall_and_a_lid_is_pressed_to_half_in_one_increment() {
 }
 
 #[test]
+fn a_body_that_starts_a_quarter_inside_its_lid_is_pressed_as_by_a_lid_that_comes() {
+    let lid = |height: f64| Shape::HalfSpace {
+        point: [0.0, height, 0.0],
+        normal: [0.0, -1.0, 0.0],
+    };
+    for bulk_modulus in [Some(10.0), Some(1e3), None] {
+        let model = RubberModel::NeoHookean { shear_modulus: 1.0 };
+        let mut scene = rubber(model, bulk_modulus);
+        scene.supports = vec![support("y0", [Some(0.0), Some(0.0), None])];
+        scene.obstacles = vec![obstacle("lid", "y1", lid(0.75))];
+        let mesh = mesh(unit_grid(10, 10));
+        let inside = solve_one(&scene, &Step::default(), &mesh);
+        scene.obstacles = vec![obstacle("lid", "y1", lid(1.0))];
+        let step = Step {
+            increments: 8,
+            ..push("lid", [0.0, -0.25, 0.0])
+        };
+        let led = solve(&scene, &[step], &mesh);
+        let led = led.last().expect("a result");
+        assert_eq!((inside.cut_backs, led.cut_backs), (0, 0));
+        assert!(inside.preconditioner_applications <= 120);
+        let [force, exact] = [&inside, led].map(|report| only_force(report)[1]);
+        assert!(close(force, exact, 1e-6), "{force} {exact}");
+    }
+}
+
+#[test]
 fn a_confined_block_has_the_exact_force() {
     // Homogeneous, from ../cases/trust of the reference set: K = 100 mu, five per cent.
     let [pressed, _] = lids(100.0, 0.05, &mesh(cube(4)));

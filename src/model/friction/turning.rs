@@ -322,7 +322,7 @@ mod tests {
             prepared: &prepared,
             interfaces: &interfaces,
             load: &load,
-            admitted_penetration: [].into(),
+            admitted_penetration: Default::default(),
             proximal: None,
             tolerance: 1e-8,
         };

@@ -63,7 +63,7 @@ fn found<T>(scene: &Scene, load: f64, ask: impl Fn(&Model<'_>, &mut State) -> T)
         interfaces: &Interfaces::new(&plan, &mesh, &prepared.space),
         load: &reference_load(&plan, &mesh, &prepared),
         prepared: &prepared,
-        admitted_penetration: [].into(),
+        admitted_penetration: Default::default(),
         slip_start: None,
         proximal: None,
         tolerance: 1e-8,

@@ -6,7 +6,8 @@
 //! ```
 //!
 //! A the tangent, G what follower loads and the curvature of contact take off it, r and b the
-//! residuals of the state. One program is one SQP iteration.
+//! residuals of the state. Where tools have moved on and the body has not, C, G and r leave their
+//! way out of the change of the area. One program is one SQP iteration.
 
 mod augmentation;
 mod by_factor;
@@ -25,7 +26,7 @@ use super::contact_metric::ContactMetric;
 use super::factored_body::FactoredBody;
 use super::run::Run;
 use super::volumes::volumes;
-use crate::contact::curvature;
+use crate::contact::{Advancing, curvature};
 use crate::inequality::Augmentation;
 use crate::linalg::vector::norm;
 use crate::linalg::{LinearOperator, SparseRows, SymmetricMatrix, Workspace};
@@ -126,7 +127,7 @@ impl<'a> QuadraticProgram<'a> {
             });
         let terms = turning.as_ref().map(|turning| &turning.released);
         let terms = [released.as_ref(), terms];
-        let curvature = curvature_of(&run.model, run.state, now.pressing(run.state)).map(|own| {
+        let curvature = curvature_of(&run.model, run.state, now.last_drive()).map(|own| {
             terms
                 .into_iter()
                 .flatten()
@@ -211,22 +212,23 @@ fn released_of(model: &Model<'_>, state: &State) -> Option<SparseRows> {
     }
 }
 
-/// Curvature of the gaps with tools where `drive` has them, under the present contact pressure;
-/// none where it vanishes.
-fn curvature_of(model: &Model<'_>, state: &State, drive: &Drive) -> Option<SparseRows> {
+/// Curvature of the gaps under the present contact pressure, of tools that have moved on from
+/// `last`; none where it vanishes.
+fn curvature_of(model: &Model<'_>, state: &State, last: Option<&Drive>) -> Option<SparseRows> {
     let under_pressure = state.multiplier.iter().any(|&l| l != 0.0);
     if model.is_linear() || !under_pressure {
         return None;
     }
-    let placed: Vec<_> = model.placed(drive).collect();
-    let pressed = placed.iter().map(|(interface, met)| {
+    let placed = model.placed_from(state, last);
+    let pressed = placed.iter().map(|(interface, now, before)| {
+        let before = before.as_ref();
         let pressure = interface.own(&state.multiplier);
-        (&interface.surface, met, pressure)
+        (&interface.surface, Advancing { now, before }, pressure)
     });
     let pressed: Vec<_> = pressed.collect();
     let surfaces = pressed
         .iter()
-        .map(|(surface, met, pressure)| (*surface, *met, &pressure[..]));
+        .map(|(surface, met, pressure)| (*surface, met, &pressure[..]));
     let surfaces: Vec<_> = surfaces.collect();
     let body = model.deformed(&state.displacement);
     let own = curvature(&body, &surfaces, &model.prepared.is_held);

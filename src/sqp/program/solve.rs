@@ -228,7 +228,8 @@ impl QuadraticProgram<'_> {
         (step_from(iterate, state), outcome)
     }
 
-    /// Takes off the force what the whole curvature of the gaps compensates, where that is not used.
+    /// Takes off the force what the whole curvature of the gaps compensates, where that is left
+    /// out.
     fn leave_out_advance(&self, curvature: Option<&SparseRows>, force: &mut [f64]) {
         let is_whole = match (curvature, &self.curvature) {
             (Some(used), Some(whole)) => std::ptr::eq(used, whole),
