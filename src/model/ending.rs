@@ -124,6 +124,24 @@ pub(crate) struct Ending {
 }
 
 impl Ending {
+    /// Converged, with nothing to say of it.
+    #[cfg(test)]
+    pub(crate) fn converged() -> Self {
+        Self {
+            termination: Termination::Converged,
+            cause: None,
+            site: None,
+            residuals: Residuals::default(),
+            max_penetration: 0.0,
+            force_scale: 1.0,
+            tolerance: 1e-8,
+            estimate: None,
+            stability: None,
+            snapped: None,
+            rival: None,
+        }
+    }
+
     /// Whether something outside the solver ended it.
     pub(crate) fn is_stopped(&self) -> bool {
         match self.termination {

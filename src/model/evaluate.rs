@@ -13,11 +13,12 @@ use super::drive::Drive;
 use super::friction::Law;
 use super::given_loads::dead_load;
 use super::held::{mask, norm_of};
+use super::interfaces::Interface;
 use super::internal::internal;
 use super::joined::Joined;
 use super::pressures::add_pressures;
 use super::state::State;
-use crate::contact::{Advancing, linearise, linearise_advanced};
+use crate::contact::{Advancing, Linearisation, linearise, linearise_advanced};
 use crate::inequality::QpScales;
 use crate::linalg::vector::{add_scaled, dot, norm, ratio};
 use crate::linalg::{LinearOperator, SparseRows, Workspace};
@@ -149,18 +150,36 @@ pub(crate) fn external_force(model: &Model<'_>, state: &State) -> Vec<f64> {
     force
 }
 
+/// Gap and coupling of every surface, in the order of the multipliers; of tools that have moved on
+/// from `last` where there is one.
+fn linearised<'a>(
+    model: &Model<'a>,
+    state: &State,
+    last: Option<&Drive>,
+) -> Vec<(&'a Interface, Linearisation)> {
+    let body = model.deformed(&state.displacement);
+    let held = &model.prepared.is_held;
+    let Some(last) = last else {
+        let placed = model.placed(&state.drive);
+        let parts = placed.map(|(one, met)| (one, linearise(&body, &one.surface, &met, held)));
+        return parts.collect();
+    };
+    let placed = model.placed_from(state, last).into_iter();
+    let parts = placed.map(|(one, now, before)| {
+        let tool = Advancing {
+            now: &now,
+            before: before.as_ref(),
+        };
+        (one, linearise_advanced(&body, &one.surface, tool, held))
+    });
+    parts.collect()
+}
+
 /// Adds weighted gaps and their coupling.
 fn add_contact(model: &Model<'_>, state: &State, last: Option<&Drive>, out: &mut Evaluation) {
-    let body = model.deformed(&state.displacement);
     let mut joined = Joined::new(state.multiplier.len());
     out.sets.clone_from(&model.interfaces.sets);
-    for (interface, now, before) in &model.placed_from(state, last) {
-        let (surface, held) = (&interface.surface, &model.prepared.is_held);
-        let before = before.as_ref();
-        let mut part = match last {
-            Some(_) => linearise_advanced(&body, surface, Advancing { now, before }, held),
-            None => linearise(&body, surface, now, held),
-        };
+    for (interface, mut part) in linearised(model, state, last) {
         for &multiplier in &interface.idle {
             part.gap[multiplier as usize] = 0.0;
             part.rows[multiplier as usize].clear();

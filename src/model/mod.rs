@@ -129,21 +129,16 @@ impl<'a> Model<'a> {
     }
 
     /// Every surface with what it meets now, and what it met at `last`, from where tools have moved
-    /// on: the same without that drive, none where nothing presses on the body.
+    /// on; none of the latter where nothing presses on the body.
     pub(crate) fn placed_from(
         &self,
         state: &State,
-        last: Option<&Drive>,
+        last: &Drive,
     ) -> Vec<(&'a Interface, Placed, Option<Placed>)> {
-        let is_known = last.is_none() || state.multiplier.iter().any(|&l| l != 0.0);
-        let [earlier, present] = &self.admitted_penetration;
-        let (drive, depths) = match last {
-            Some(drive) => (drive, earlier),
-            None => (&state.drive, present),
-        };
+        let is_pressed = state.multiplier.iter().any(|&l| l != 0.0);
         let both = self.placed(&state.drive);
-        let both = both.zip(self.placed_inside(drive, depths));
-        both.map(|((interface, now), (_, before))| (interface, now, is_known.then_some(before)))
+        let both = both.zip(self.placed_inside(last, &self.admitted_penetration[0]));
+        both.map(|((interface, now), (_, before))| (interface, now, is_pressed.then_some(before)))
             .collect()
     }
 

@@ -12,8 +12,9 @@ use crate::model::Model;
 use crate::model::state::State;
 use crate::report::{StepReport, Termination, Warning, WarningKind};
 
-/// 1 - J at a point from which on a word is due: at the corners of bonded blocks cells turn inside
-/// out soon after.
+/// 1 - J at a point from which on a word is due: a bonded square of two cells an edge passes it at
+/// 0.4 of its height, of the examples a finger (0.43) and a lip (0.36); cells at the corners of
+/// bonded blocks turn inside out soon after.
 const COARSE: f64 = 0.3;
 
 /// A converged body that has lost more of its volume at a point than its pressure explains.

@@ -98,7 +98,6 @@ mod tests {
     use std::time::{Duration, Instant};
 
     use super::*;
-    use crate::report::Residuals;
 
     #[test]
     fn increments_share_the_wall_time_of_their_step() {
@@ -111,19 +110,7 @@ mod tests {
             motions: Vec::new(),
             given: Default::default(),
         };
-        let converged = Ending {
-            termination: Termination::Converged,
-            cause: None,
-            residuals: Residuals::default(),
-            max_penetration: 0.0,
-            force_scale: 1.0,
-            tolerance: 1e-8,
-            estimate: None,
-            stability: None,
-            snapped: None,
-            site: None,
-            rival: None,
-        };
+        let converged = Ending::converged();
         let mut step = StepRun::new(rest.clone(), rest, 3);
         for increment in 1..=2 {
             let mut counters = Counters::new();

@@ -60,7 +60,7 @@ pub(crate) fn approach(run: &mut Run<'_>, goal: &Drive) -> (Ending, f64) {
     let mut way = Way {
         start,
         goal,
-        parts: Parts::new(1.0, longest),
+        parts: Parts::new(longest),
         least_bound: (1.0 - longest) / MOST_PARTS,
         penetration,
         snapped: None,

@@ -28,6 +28,7 @@ use super::search::JACOBIAN_SHARE;
 use super::trend::Trend;
 use crate::linalg::vector::{norm, ratio, worst};
 use crate::model::Model;
+use crate::model::counters::timed;
 use crate::model::drive::Drive;
 use crate::model::evaluate::Evaluation;
 use crate::model::prescribed::{prescribe, remaining_motion};
@@ -86,9 +87,8 @@ pub(crate) fn start(run: &mut Run<'_>, drive: &Drive) -> (Evaluation, f64) {
     run.state.drive = drive.clone();
     if !is_predicted {
         let plain = run.evaluate();
-        let mut plain = released(run, plain);
+        let plain = advanced(run, plain, before.drive);
         let force = norm(&plain.force);
-        plain.advance_from(before.drive, (&run.model, run.state), &mut run.work);
         return (plain, force);
     }
     let predicted = Start::of(run);
@@ -100,9 +100,7 @@ pub(crate) fn start(run: &mut Run<'_>, drive: &Drive) -> (Evaluation, f64) {
     let plain = Start::of(run);
     let force = plain.force_scale(run.state);
     if !is_better(run.state, &predicted, &plain) {
-        let mut plain = released(run, plain.now);
-        plain.advance_from(last, (&run.model, run.state), &mut run.work);
-        return (plain, force);
+        return (advanced(run, plain.now, last), force);
     }
     run.state.clone_from(&after);
     // Scales are those of the plain start: a good prediction leaves residuals of
@@ -117,12 +115,17 @@ pub(crate) fn start(run: &mut Run<'_>, drive: &Drive) -> (Evaluation, f64) {
     (predicted.now, force)
 }
 
-/// What holds once tools that have left exert nothing.
-fn released(run: &mut Run<'_>, now: Evaluation) -> Evaluation {
-    match release(&run.model, run.state, &now) {
+/// What holds once tools that have left exert nothing, as a step sees it whose tools have moved on
+/// from `last`.
+fn advanced(run: &mut Run<'_>, now: Evaluation, last: Drive) -> Evaluation {
+    let mut now = match release(&run.model, run.state, &now) {
         true => run.evaluate(),
         false => now,
-    }
+    };
+    timed(&mut run.counters.seconds.contact, || {
+        now.advance_from(last, (&run.model, run.state), &mut run.work);
+    });
+    now
 }
 
 /// Moves the fields of the state, which are those of `before`, on towards `drive`;

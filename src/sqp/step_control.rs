@@ -55,12 +55,11 @@ pub(crate) struct Parts {
 }
 
 impl Parts {
-    /// The way before its first part, which takes the fraction `part` at most
-    /// and no more than `longest`.
-    pub(crate) fn new(part: f64, longest: f64) -> Self {
+    /// The way before its first part, which takes the fraction `longest`.
+    pub(crate) fn new(longest: f64) -> Self {
         Self {
             reached: 0.0,
-            part: part.min(longest),
+            part: longest,
             longest,
             failures: 0,
             tried: 0.0,

@@ -183,7 +183,6 @@ impl Stall {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::Residuals;
 
     #[test]
     fn a_force_that_falls_along_a_way_has_had_its_largest_value() {
@@ -216,25 +215,9 @@ mod tests {
         assert!(!one.is_beyond_the_largest());
     }
 
-    fn converged() -> Ending {
-        Ending {
-            termination: Termination::Converged,
-            cause: None,
-            site: None,
-            residuals: Residuals::default(),
-            max_penetration: 0.0,
-            force_scale: 1.0,
-            tolerance: 1e-8,
-            estimate: None,
-            stability: None,
-            snapped: None,
-            rival: None,
-        }
-    }
-
     #[test]
     fn a_step_below_the_error_of_the_solve_before_is_not_taken_back() {
-        let converged = converged();
+        let converged = Ending::converged();
         let rough = Progress {
             tolerance: 1e-3,
             ..progress(1e-8)

@@ -8,7 +8,8 @@
 //! l(z) the contact pressures of the body in equilibrium at the poses z, g the gaps: forces and
 //! moments about the reference points, as they are reported. Broyden's method, from the
 //! stiffness that the metric of contact says ([`metric`]); an obstacle away from the body is
-//! first led to it along its force ([`touch`]), and so is one that the body leaves on the way.
+//! first led to it along its force ([`touch`]), and so is one that the body leaves on the way; one
+//! that grips the body begins with the least slip ([`rolling`]).
 //! Each solve is as accurate as the misfit that is left makes worthwhile, and goes on from the
 //! one before. Non-dimensional; moments are of
 //! forces at the body's length. Cost: 7 to 10 solves that together take about as many iterations

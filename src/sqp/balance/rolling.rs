@@ -2,8 +2,11 @@
 //! slips least,
 //!
 //! ```text
-//! min |s + D_t z|^2   over the points that are closed,   s the slips that its given motion makes
+//! min sum b_i^2 |s_i + (D_t z)_i|^2   over the points i that are closed
 //! ```
+//!
+//! s the slips that its given motion makes, D_t those of its free components z, b the largest
+//! tractions.
 //!
 //! A tool that begins by sliding is pulled at by friction alone, whose force no small motion
 //! changes: a cylinder that rolls freely under friction 0.05 found no equilibrium. Components that
@@ -38,6 +41,8 @@ pub(super) fn least_slip(run: &Run<'_>, drive: &Drive, controls: &[Control]) -> 
     let columns = changes.iter().map(|change| grip.column(change));
     let columns: Vec<Vec<f64>> = columns.collect();
     let products = |other: &[f64]| columns.iter().map(|column| dot(column, other)).collect();
+    // Solved like a stiffness: directions in which nothing slips are left out, and the motion is
+    // no longer than a step.
     let normal_equations = PushStiffness {
         controls: controls.to_vec(),
         columns: columns.iter().map(|column| products(column)).collect(),
@@ -45,7 +50,7 @@ pub(super) fn least_slip(run: &Run<'_>, drive: &Drive, controls: &[Control]) -> 
     Some(normal_equations.solve(&products(&slips)).0)
 }
 
-/// What is closed.
+/// The contacts that are closed.
 struct Grip {
     /// Pressures.
     pressures: Vec<usize>,

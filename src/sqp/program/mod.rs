@@ -26,7 +26,7 @@ use super::contact_metric::ContactMetric;
 use super::factored_body::FactoredBody;
 use super::run::Run;
 use super::volumes::volumes;
-use crate::contact::{Advancing, curvature};
+use crate::contact::{Advancing, Counterpart, curvature};
 use crate::inequality::Augmentation;
 use crate::linalg::vector::norm;
 use crate::linalg::{LinearOperator, SparseRows, SymmetricMatrix, Workspace};
@@ -34,6 +34,7 @@ use crate::model::Model;
 use crate::model::counters::timed;
 use crate::model::drive::Drive;
 use crate::model::evaluate::Evaluation;
+use crate::model::interfaces::Interface;
 use crate::model::pressures::pressure_tangent;
 use crate::model::state::State;
 use crate::model::tangent::Tangent;
@@ -212,6 +213,22 @@ fn released_of(model: &Model<'_>, state: &State) -> Option<SparseRows> {
     }
 }
 
+/// Curvature of the gaps of surfaces on what they meet, under the present contact pressure.
+fn curvature_under<C: Counterpart>(
+    model: &Model<'_>,
+    state: &State,
+    met: &[(&Interface, C)],
+) -> SparseRows {
+    let pressures = met.iter();
+    let pressures = pressures.map(|(interface, _)| interface.own(&state.multiplier));
+    let pressures: Vec<_> = pressures.collect();
+    let surfaces = met.iter().zip(&pressures);
+    let surfaces = surfaces.map(|((interface, met), own)| (&interface.surface, met, &own[..]));
+    let surfaces: Vec<_> = surfaces.collect();
+    let body = model.deformed(&state.displacement);
+    curvature(&body, &surfaces, &model.prepared.is_held)
+}
+
 /// Curvature of the gaps under the present contact pressure, of tools that have moved on from
 /// `last`; none where it vanishes.
 fn curvature_of(model: &Model<'_>, state: &State, last: Option<&Drive>) -> Option<SparseRows> {
@@ -219,18 +236,19 @@ fn curvature_of(model: &Model<'_>, state: &State, last: Option<&Drive>) -> Optio
     if model.is_linear() || !under_pressure {
         return None;
     }
-    let placed = model.placed_from(state, last);
-    let pressed = placed.iter().map(|(interface, now, before)| {
-        let before = before.as_ref();
-        let pressure = interface.own(&state.multiplier);
-        (&interface.surface, Advancing { now, before }, pressure)
-    });
-    let pressed: Vec<_> = pressed.collect();
-    let surfaces = pressed
-        .iter()
-        .map(|(surface, met, pressure)| (*surface, met, &pressure[..]));
-    let surfaces: Vec<_> = surfaces.collect();
-    let body = model.deformed(&state.displacement);
-    let own = curvature(&body, &surfaces, &model.prepared.is_held);
+    let own = match last {
+        None => {
+            let placed: Vec<_> = model.placed(&state.drive).collect();
+            curvature_under(model, state, &placed)
+        }
+        Some(last) => {
+            let placed = model.placed_from(state, last);
+            let tools = placed.iter().map(|(interface, now, before)| {
+                let before = before.as_ref();
+                (*interface, Advancing { now, before })
+            });
+            curvature_under(model, state, &tools.collect::<Vec<_>>())
+        }
+    };
     Some(model.prepared.held.project_matrix(own))
 }
