@@ -49,7 +49,8 @@ pub fn curvature<C: Counterpart + ?Sized>(
 
 /// K of surfaces under `pressures` with what the gaps hold left out: on faces whose functions are
 /// all closed the derivatives of da count with the internal pressure ([`super::area_change`]),
-/// so that what a constraint u.n = 0 cancels is not there.
+/// so that what a constraint u.n = 0 cancels is not there, nor d a_kl, whose d the next step
+/// closes.
 pub fn curvature_where_held<C: Counterpart + ?Sized>(
     body: &Deformed<'_>,
     surfaces: &[(&ContactSurface, &C, Pressures<'_>)],
@@ -63,10 +64,15 @@ pub fn curvature_where_held<C: Counterpart + ?Sized>(
         Integrated::of_faces(body, (surface, loaded, held), |points, face, blocks| {
             points.probe(counterpart, face, What::Curvature);
             let is_closed = |&k: &u32| closed[k as usize] > WHOLE;
-            let internal = match face.functions.iter().all(is_closed) {
-                true => Some(pressures.internal),
-                false => None,
-            };
+            let is_held = face.functions.iter().all(is_closed);
+            if is_held {
+                // At equilibrium d is next to nothing; before, it is what the next step closes.
+                points
+                    .contacts
+                    .iter_mut()
+                    .for_each(|contact| contact.distance = 0.0);
+            }
+            let internal = is_held.then_some(pressures.internal);
             add_deformed_blocks(points, (face, internal), &pressure, blocks);
         })
     });
