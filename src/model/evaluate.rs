@@ -122,7 +122,7 @@ fn add_body(model: &Model<'_>, state: &State, out: &mut Evaluation, work: &mut W
         add_scaled(&mut force, -1.0, &contact);
         work.give(contact);
     }
-    if let Some(proximal) = &model.proximal {
+    if let Some(proximal) = &model.conditions.proximal {
         proximal.add_force(&state.displacement, &mut force);
     }
     if state.drive.moves_supports() {

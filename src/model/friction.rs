@@ -297,7 +297,7 @@ impl Friction {
         state: &State,
     ) -> Vec<f64> {
         let width = self.components.count();
-        let travels = match &model.slip_start {
+        let travels = match &model.conditions.slip_start {
             Some(start) => self.travels(traces, (model, state), start),
             None => vec![[0.0; 3]; self.points.len()],
         };
@@ -339,7 +339,8 @@ impl Friction {
 /// has cost, and what of their way no slip explains: within the tolerance points move that
 /// stick, and where that was forgotten, ten thousand small increments would drag them anywhere.
 pub(crate) fn note_slip(model: &Model<'_>, state: &mut State) {
-    let (Some(friction), Some(start)) = (&model.interfaces.friction, &model.slip_start) else {
+    let (Some(friction), Some(start)) = (&model.interfaces.friction, &model.conditions.slip_start)
+    else {
         return;
     };
     let frames = friction.frames(model, state);

@@ -7,6 +7,7 @@
 //! Everything is non-dimensional inside but for [`drive`], which speaks the caller's
 //! units. Nothing here solves anything.
 
+pub(crate) mod conditions;
 pub(crate) mod contact_moduli;
 pub(crate) mod counters;
 pub(crate) mod drive;
@@ -40,10 +41,9 @@ use crate::contact::gap::Deformed;
 use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::prepare::TaylorHoodData;
+use conditions::Conditions;
 use drive::Drive;
-use friction::SlipStart;
 use interfaces::{Interface, Interfaces, Placed};
-use proximal::Proximal;
 use state::State;
 
 /// The body on its obstacles, as everything reads it that solves for a state or
@@ -60,17 +60,8 @@ pub(crate) struct Model<'a> {
     pub(crate) interfaces: &'a Interfaces,
     /// Dead load at load factor one `[displacement unknowns]`.
     pub(crate) load: &'a [f64],
-    /// Depths that a body is still let in by while it is pushed out of an obstacle, before this
-    /// part of the increment and by now `[2][multipliers]`, in units of the scaled body; empty
-    /// where it is not.
-    pub(crate) admitted_penetration: [Arc<[f64]>; 2],
-    /// Where the increment began, from where slip counts; none without friction.
-    pub(crate) slip_start: Option<Arc<SlipStart>>,
-    /// What pulls the body back while it goes down its energy; none otherwise.
-    pub(crate) proximal: Option<Proximal>,
-    /// Bound on all four residuals; looser for a while where the discretisation sets
-    /// it, or on the way down the energy.
-    pub(crate) tolerance: f64,
+    /// What an equilibrium shall meet.
+    pub(crate) conditions: Conditions,
 }
 
 impl<'a> Model<'a> {
@@ -137,7 +128,7 @@ impl<'a> Model<'a> {
     ) -> Vec<(&'a Interface, Placed, Option<Placed>)> {
         let is_pressed = state.multiplier.iter().any(|&l| l != 0.0);
         let both = self.placed(&state.drive);
-        let both = both.zip(self.placed_inside(last, &self.admitted_penetration[0]));
+        let both = both.zip(self.placed_inside(last, &self.conditions.admitted_penetration[0]));
         both.map(|((interface, now), (_, before))| (interface, now, is_pressed.then_some(before)))
             .collect()
     }
@@ -145,7 +136,7 @@ impl<'a> Model<'a> {
     /// Every surface with what it meets where `drive` has it, in the order of the
     /// multipliers.
     pub(crate) fn placed(&self, drive: &Drive) -> impl Iterator<Item = (&'a Interface, Placed)> {
-        self.placed_inside(drive, &self.admitted_penetration[1])
+        self.placed_inside(drive, &self.conditions.admitted_penetration[1])
     }
 
     /// The same where the body is let in by those depths `[multipliers]`.

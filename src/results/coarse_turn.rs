@@ -24,7 +24,8 @@ const COARSE: f64 = std::f64::consts::FRAC_PI_6;
 
 /// Rough obstacles that touch and have turned too far since the increment began.
 pub(crate) fn coarse_turns(model: &Model<'_>, state: &State) -> Vec<Warning> {
-    let (Some(friction), Some(start)) = (&model.interfaces.friction, &model.slip_start) else {
+    let (Some(friction), Some(start)) = (&model.interfaces.friction, &model.conditions.slip_start)
+    else {
         return Vec::new();
     };
     let traces = friction.traces(model, state);

@@ -9,6 +9,7 @@ use super::body::{Advanced, Body, Increment, Shared};
 use crate::linalg::Workspace;
 use crate::mesh::Mesh;
 use crate::model::Model;
+use crate::model::conditions::Conditions;
 use crate::model::drive::Drive;
 use crate::model::friction::{SlipStart, note_slip};
 use crate::model::interfaces::Interfaces;
@@ -26,7 +27,7 @@ use crate::results::touch::Touch;
 use crate::results::warnings::{coarse_facets, warnings};
 use crate::results::{fields, step};
 use crate::sqp::approach::approach;
-use crate::sqp::increment::{self, MOST_PROGRAMS};
+use crate::sqp::increment;
 use crate::sqp::learned::Learned;
 use crate::sqp::response::inside;
 use crate::sqp::run::Run;
@@ -68,23 +69,27 @@ impl TaylorHoodBody {
             prepared: &self.prepared,
             interfaces: &self.interfaces,
             load: &self.load,
-            admitted_penetration: Default::default(),
-            slip_start: None,
-            proximal: None,
-            tolerance: self.plan.settings.tolerance,
+            conditions: self.conditions(None),
+        }
+    }
+
+    /// Equilibrium as exact as the scene asks, with slip counted from `slip_start`.
+    fn conditions(&self, slip_start: Option<Arc<SlipStart>>) -> Conditions {
+        Conditions {
+            slip_start,
+            ..Conditions::to(self.plan.settings.tolerance)
         }
     }
 
     /// An increment on the body, at its begin.
-    fn run<'a>(&'a self, increment: Increment<'a>) -> Run<'a> {
+    fn run<'a>(&'a self, increment: &'a mut Increment<'_>) -> Run<'a> {
         Run {
             model: self.model(),
             state: increment.state,
             learned: increment.learned,
-            watch: increment.watch,
-            counters: increment.counters,
-            work: increment.work,
-            patience: MOST_PROGRAMS,
+            watch: increment.watch.shared(),
+            counters: &mut increment.counters,
+            work: &mut increment.work,
         }
     }
 }
@@ -110,11 +115,15 @@ impl Body for TaylorHoodBody {
         8 * self.load.len() as u64
     }
 
-    fn advance<'a>(&'a self, increment: Increment<'a>, goal: &Drive, before: &State) -> Advanced {
-        let mut run = self.run(increment);
-        if self.interfaces.friction.is_some() {
-            run.model.slip_start = Some(SlipStart::at(before).into());
-        }
+    fn advance<'a>(
+        &'a self,
+        mut increment: Increment<'a>,
+        goal: &Drive,
+        before: &State,
+    ) -> Advanced {
+        let mut run = self.run(&mut increment);
+        let has_friction = self.interfaces.friction.is_some();
+        run.model.conditions = self.conditions(has_friction.then(|| SlipStart::at(before).into()));
         let (mut ending, part) = approach(&mut run, goal);
         ending.site = ending.site.or_else(|| locate(&mut run, &ending, goal));
         if ending.is_stopped() {
@@ -128,16 +137,15 @@ impl Body for TaylorHoodBody {
             ending,
             part,
             start: start(&mut run, before),
-            slip_start: run.model.slip_start,
-            counters: run.counters,
-            work: run.work,
+            slip_start: run.model.conditions.slip_start.take(),
+            counters: increment.counters,
+            work: increment.work,
         }
     }
 
-    fn complete<'a>(&'a self, at: Increment<'a>) -> Workspace {
-        let mut run = self.run(at);
-        inside::complete(&mut run);
-        run.work
+    fn complete<'a>(&'a self, mut at: Increment<'a>) -> Workspace {
+        inside::complete(&mut self.run(&mut at));
+        at.work
     }
 
     fn exerted(&self, state: &State) -> Vec<[f64; 6]> {
@@ -146,7 +154,7 @@ impl Body for TaylorHoodBody {
 
     fn report(&self, state: &State, advanced: &mut Advanced) -> StepReport {
         let model = Model {
-            slip_start: advanced.slip_start.clone(),
+            conditions: self.conditions(advanced.slip_start.clone()),
             ..self.model()
         };
         let Advanced {

@@ -45,21 +45,17 @@ const MARGIN: f64 = 0.3;
 pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
     match run.model.plan.settings.tolerance_rule {
         ToleranceRule::Fixed => viscous::solve(run, drive),
-        ToleranceRule::Discretisation => {
-            let floor = run.model.tolerance;
-            let ending = by_discretisation(run, drive, floor);
-            run.model.tolerance = floor;
-            ending
-        }
+        ToleranceRule::Discretisation => by_discretisation(run, drive),
     }
 }
 
 /// Solves to a coarse bound first and lowers it until the algebraic error is small
 /// beside the estimated discretisation error, or the floor is met.
-fn by_discretisation(run: &mut Run<'_>, drive: &Drive, floor: f64) -> Ending {
-    run.model.tolerance = COARSE.max(floor);
+fn by_discretisation(run: &mut Run<'_>, drive: &Drive) -> Ending {
+    let floor = run.model.conditions.tolerance;
+    let mut level = COARSE.max(floor);
     loop {
-        let mut ending = viscous::solve(run, drive);
+        let mut ending = viscous::solve(&mut run.to(level), drive);
         if ending.termination != Termination::Converged {
             return ending;
         }
@@ -68,12 +64,11 @@ fn by_discretisation(run: &mut Run<'_>, drive: &Drive, floor: f64) -> Ending {
         run.counters.applications += 1;
         let algebraic = algebraic_error(run);
         let allowed = allowed_error(&run.model, run.state, &estimated);
-        let level = run.model.tolerance;
         if algebraic <= allowed || level <= floor {
             return ending;
         }
         let needed = level * (MARGIN * allowed / algebraic);
-        run.model.tolerance = needed.min(LEAST_REDUCTION * level).max(floor);
+        level = needed.min(LEAST_REDUCTION * level).max(floor);
     }
 }
 

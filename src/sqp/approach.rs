@@ -15,6 +15,7 @@ use super::penalty::{next_penalty, penalise};
 use super::run::Run;
 use super::step_control::{KeptState, Parts};
 use super::trend::Trend;
+use crate::model::conditions::Conditions;
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Snap};
 use crate::model::state::State;
@@ -85,9 +86,9 @@ impl Way<'_> {
                 return finished(run, ending, &self.penetration, &self.parts);
             }
             let next = self.parts.next();
-            self.admit(run, next);
             let kept = KeptState::of(run);
-            let mut ending = attempt(run, &self.start.towards(self.goal, next));
+            let drive = self.start.towards(self.goal, next);
+            let mut ending = attempt(&mut run.under(self.conditions(run, next)), &drive);
             note_trend(run, &ending, &kept.state);
             match ending.termination {
                 Termination::Converged if next >= 1.0 => return (ending, 1.0),
@@ -100,7 +101,7 @@ impl Way<'_> {
                     let lost = run.learned.lowest_mode.clone().filter(|_| is_saddle);
                     kept.restore(run);
                     self.parts.failures += 1;
-                    self.admit(run, self.parts.reached);
+                    let run = &mut run.under(self.conditions(run, self.parts.reached));
                     if let Some(ending) = self.after_failure(run, ending, lost.as_ref()) {
                         return finished(run, ending, &self.penetration, &self.parts);
                     }
@@ -123,10 +124,12 @@ impl Way<'_> {
         }
     }
 
-    /// Lets the body be as deep inside its obstacles as a part that ends at `next` may.
-    fn admit(&self, run: &mut Run<'_>, next: f64) {
-        let ends = [self.parts.reached, next];
-        run.model.admitted_penetration = ends.map(|end| self.penetration.left(end));
+    /// Those of a part that ends at `next`: as deep inside obstacles as the body may be there.
+    fn conditions(&self, run: &Run<'_>, next: f64) -> Conditions {
+        Conditions {
+            admitted_penetration: [self.parts.reached, next].map(|end| self.penetration.left(end)),
+            ..run.model.conditions.clone()
+        }
     }
 
     /// Bounds the next part by what tools may advance from here.
@@ -214,8 +217,8 @@ impl Way<'_> {
         let was_lost = is_unstable(run, failure);
         let kept = KeptState::of(run);
         let next = self.parts.after(self.falling * self.parts.longest);
-        self.admit(run, next);
-        let settled = descend(run, &self.start.towards(self.goal, next));
+        let drive = self.start.towards(self.goal, next);
+        let settled = descend(&mut run.under(self.conditions(run, next)), &drive);
         let has_landed = settled
             .as_ref()
             .is_some_and(|ending| ending.termination == Termination::Converged);
@@ -230,7 +233,6 @@ impl Way<'_> {
             };
         } else {
             kept.restore(run);
-            self.admit(run, self.parts.reached);
         }
         settled
     }

@@ -16,10 +16,11 @@
 use std::sync::Arc;
 
 use super::attempt::attempt;
-use super::increment::{self, MOST_PROGRAMS};
+use super::increment;
 use super::lowest_mode::{LowestMode, at_rest};
 use super::run::Run;
 use crate::linalg::vector::{add_scaled, dot};
+use crate::model::conditions::Conditions;
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Snap};
 use crate::model::proximal::{Proximal, mass};
@@ -75,6 +76,8 @@ struct Flow {
     rest: u32,
     /// Least t: with less a step near the saddle that was left leads back to it.
     least: f64,
+    /// Programs that a step, or the end, may take.
+    programs: u32,
     /// Whether the next step is the first behind a push, which mends what that has torn.
     is_first: bool,
 }
@@ -82,14 +85,6 @@ struct Flow {
 /// Moves the state, a minimum, down to one under `drive`, and says what was lost on the
 /// way; none where there is no such way. What stops it from outside ends it, too.
 pub(super) fn descend(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
-    run.patience = PATIENCE;
-    let landed = flow_down(run, drive);
-    run.patience = MOST_PROGRAMS;
-    landed
-}
-
-/// [`descend`], with little patience.
-fn flow_down(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
     let before = run.state.displacement.clone();
     let mut flow = Flow::new(run);
     run.learned.trend = None;
@@ -106,7 +101,6 @@ fn flow_down(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
             }
             run.state.clone_from(&kept);
             flow.fail();
-            run.patience = MORE_PATIENCE;
             if flow.failures > MOST_FAILURES {
                 return None;
             }
@@ -120,7 +114,7 @@ fn flow_down(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
         let kept = run.state.clone();
         // The factor of a step holds the pull.
         run.learned.factored = None;
-        let mut ending = attempt(run, drive);
+        let mut ending = attempt(&mut run.under(flow.conditions(run)), drive);
         if ending.termination == Termination::Converged {
             flow.add_work(&[&kept.displacement, &run.state.displacement], 0.0);
             ending.snapped = Some(flow.snap(run, &before));
@@ -152,6 +146,7 @@ impl Flow {
             failures: 0,
             rest: 0,
             least: 0.0,
+            programs: PATIENCE,
             is_first: true,
         }
     }
@@ -166,20 +161,30 @@ impl Flow {
         push(run);
     }
 
+    /// Those of the end, with few programs: where they are more a program leads anywhere.
+    fn conditions(&self, run: &Run<'_>) -> Conditions {
+        Conditions {
+            programs: self.programs,
+            ..run.model.conditions.clone()
+        }
+    }
+
     /// One step.
     fn step(&mut self, run: &mut Run<'_>, drive: &Drive) -> Ending {
-        let tolerance = run.model.tolerance;
+        let tolerance = run.model.conditions.tolerance;
         let before: Arc<[f64]> = run.state.displacement.clone().into();
-        run.model.proximal = Some(Proximal {
-            weight: self.weight,
-            anchor: before.clone(),
-            mass: self.mass.clone(),
+        let run = &mut run.under(Conditions {
+            proximal: Some(Proximal {
+                weight: self.weight,
+                anchor: before.clone(),
+                mass: self.mass.clone(),
+            }),
+            ..self.conditions(run)
         });
         let pulled = run.evaluate();
         let residual = increment::residuals(run.state, &pulled, 0.0).equilibrium;
-        run.model.tolerance = (REDUCTION * residual).clamp(tolerance, ROUGH.max(tolerance));
-        let ending = increment::solve(run, drive);
-        (run.model.proximal, run.model.tolerance) = (None, tolerance);
+        let level = (REDUCTION * residual).clamp(tolerance, ROUGH.max(tolerance));
+        let ending = increment::solve(&mut run.to(level), drive);
         if ending.termination == Termination::Converged {
             self.add_work(&[&before, &run.state.displacement], self.weight);
         }
@@ -199,6 +204,7 @@ impl Flow {
     /// Takes a heavier pull for a while.
     fn fail(&mut self) {
         self.failures += 1;
+        self.programs = MORE_PATIENCE;
         self.weight *= CHANGE[1];
         self.rest = REST;
     }

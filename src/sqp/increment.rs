@@ -24,8 +24,6 @@ use crate::model::prescribed::{carry, prescribe, remaining_motion};
 use crate::model::state::State;
 use crate::report::{Cause, Residuals, Termination};
 
-/// Quadratic programs that one drive may take.
-pub(crate) const MOST_PROGRAMS: u32 = 40;
 /// Share of the residual that a program may leave which did not end.
 const WORTHWHILE: f64 = 0.1;
 /// Programs of a linear problem that may leave the residual as it is: rounding does.
@@ -76,7 +74,7 @@ enum AfterFailure {
 /// Moves the state to equilibrium under `drive`.
 pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
     let mut at = start(run, drive);
-    for _ in 0..run.patience {
+    for _ in 0..run.model.conditions.programs {
         let motion = remaining_motion(&run.model, run.state, drive);
         let worst = at.residuals(run.state).largest();
         let ended = verdict(run, worst, motion.is_none());
@@ -165,10 +163,11 @@ impl Iterate {
         };
         let goal = share * worst;
         let before = run.counters.applications;
-        let (step, outcome) = program.solve(run, goal.max(self.margin * run.model.tolerance));
+        let (step, outcome) =
+            program.solve(run, goal.max(self.margin * run.model.conditions.tolerance));
         let applications = run.counters.applications - before;
         if run.model.is_rubber() {
-            let reached = goal.max(run.model.tolerance);
+            let reached = goal.max(run.model.conditions.tolerance);
             run.learned.refresh.note(applications, worst, reached);
         }
         // What no iteration was spent on comes again as it is unless more is asked.
@@ -191,7 +190,7 @@ impl Iterate {
         now: &Evaluation,
         refused: Refused,
     ) -> Option<Evaluation> {
-        let may_leap = !run.model.is_linear() && run.model.proximal.is_none();
+        let may_leap = !run.model.is_linear() && run.model.conditions.proximal.is_none();
         let is_tried = refused == Refused::Progress && may_leap;
         if !is_tried || self.leaps >= MOST_LEAPS {
             return None;
@@ -217,7 +216,8 @@ impl Iterate {
         self.idle += 1;
         if !run.model.is_linear() {
             // By a factor every program is solved, whether it leads anywhere or not.
-            let is_by_factor = run.learned.factored.is_some() && run.model.proximal.is_none();
+            let is_by_factor =
+                run.learned.factored.is_some() && run.model.conditions.proximal.is_none();
             let is_stuck = is_by_factor && self.idle > MOST_IDLE_AT_FINITE_STRAIN;
             return is_stuck.then(|| Verdict::failed(Cause::Stagnation));
         }
@@ -230,7 +230,7 @@ impl Iterate {
     /// a rounding of its own.
     fn end_of_progress(&self, run: &mut Run<'_>) -> Verdict {
         let left = self.residuals(run.state);
-        let is_met = left.gap.max(left.complementarity) <= run.model.tolerance;
+        let is_met = left.gap.max(left.complementarity) <= run.model.conditions.tolerance;
         let is_small = left.largest() <= MOST_ROUNDING && !run.model.plan.is_floating();
         match is_met && is_small && is_rounding(run, &self.now) {
             true => Verdict::stopped(Termination::Converged),
@@ -275,7 +275,7 @@ impl Iterate {
         let scales = run.state.scales;
         let after = self.residuals(run.state).largest();
         run.state.scales = scales;
-        match after <= run.model.tolerance || self.serves(run, after / worst) {
+        match after <= run.model.conditions.tolerance || self.serves(run, after / worst) {
             true => AfterFailure::Another,
             false => AfterFailure::End(verdict),
         }
@@ -290,7 +290,7 @@ impl Iterate {
     /// The ending of the increment at the present state, for that verdict.
     fn ending(&self, run: &mut Run<'_>, verdict: Verdict) -> Ending {
         let at = (&self.now, self.first_force);
-        ending(run.state, at, verdict, run.model.tolerance)
+        ending(run.state, at, verdict, run.model.conditions.tolerance)
     }
 }
 
@@ -331,14 +331,14 @@ impl Refused {
 /// The end of an increment that is stopped between two of its parts.
 pub(crate) fn stopped(run: &mut Run<'_>, termination: Termination) -> Ending {
     inside::complete(run);
-    let (now, tolerance) = (run.evaluate(), run.model.tolerance);
+    let (now, tolerance) = (run.evaluate(), run.model.conditions.tolerance);
     let at = (&now, run.state.force_scale);
     ending(run.state, at, Verdict::stopped(termination), tolerance)
 }
 
 /// Makes `ending` describe the state that is kept.
 pub(crate) fn describe(run: &mut Run<'_>, ending: &mut Ending) {
-    run.admit_no_penetration();
+    let run = &mut run.with_nothing_admitted();
     inside::complete(run);
     let now = run.evaluate();
     // That of the increment which led there.

@@ -1,12 +1,14 @@
 //! One increment under way: everything that solving it reads and changes.
 //!
 //! The fields are apart so that a function may borrow the model and change the state: what
-//! it needs of both is passed as the run itself, or as the two or three fields in question.
+//! it needs of both is passed as the run itself, or as the two or three fields in question. The
+//! conditions of a solve never change under it: [`Run::under`] makes a run of its own.
 
 use super::learned::Learned;
 use super::watch::Watch;
 use crate::linalg::Workspace;
 use crate::model::Model;
+use crate::model::conditions::Conditions;
 use crate::model::counters::Counters;
 use crate::model::evaluate::{Evaluation, evaluate};
 use crate::model::state::State;
@@ -24,7 +26,7 @@ const MOST_APPLICATIONS: u32 = 10_000;
 
 /// One increment under way.
 pub(crate) struct Run<'a> {
-    /// The body on its obstacles, with the tolerance and the penetration of this part.
+    /// The body on its obstacles, and the conditions of this solve.
     pub(crate) model: Model<'a>,
     /// Where the session is; moved by every accepted step.
     pub(crate) state: &'a mut State,
@@ -33,23 +35,21 @@ pub(crate) struct Run<'a> {
     /// Who follows the increment, and what stops it.
     pub(crate) watch: Watch<'a>,
     /// Counts and wall seconds so far.
-    pub(crate) counters: Counters,
+    pub(crate) counters: &'a mut Counters,
     /// Scratch vectors, handed back after use.
-    pub(crate) work: Workspace,
-    /// Quadratic programs that one drive may take.
-    pub(crate) patience: u32,
+    pub(crate) work: &'a mut Workspace,
 }
 
 impl Run<'_> {
     /// Residuals at the present state, their seconds booked.
     pub(crate) fn evaluate(&mut self) -> Evaluation {
         let seconds = &mut self.counters.seconds;
-        evaluate(&self.model, self.state, seconds, &mut self.work)
+        evaluate(&self.model, self.state, seconds, self.work)
     }
 
     /// Why the increment shall stop; none while it may go on.
     pub(crate) fn stopped(&self) -> Option<Termination> {
-        self.watch.stopped(&self.counters)
+        self.watch.stopped(self.counters)
     }
 
     /// Whether the increment has cost so much that what has failed ends it.
@@ -61,8 +61,36 @@ impl Run<'_> {
         self.counters.applications > most
     }
 
-    /// Lets no penetration be any more.
-    pub(crate) fn admit_no_penetration(&mut self) {
-        self.model.admitted_penetration = Default::default();
+    /// The same increment under other conditions.
+    pub(crate) fn under(&mut self, conditions: Conditions) -> Run<'_> {
+        Run {
+            model: Model {
+                conditions,
+                ..self.model.clone()
+            },
+            state: self.state,
+            learned: self.learned,
+            watch: self.watch.shared(),
+            counters: self.counters,
+            work: self.work,
+        }
+    }
+
+    /// The same increment with no penetration admitted any more.
+    pub(crate) fn with_nothing_admitted(&mut self) -> Run<'_> {
+        let conditions = self.model.conditions.clone();
+        self.under(Conditions {
+            admitted_penetration: Default::default(),
+            ..conditions
+        })
+    }
+
+    /// The same increment to another tolerance.
+    pub(crate) fn to(&mut self, tolerance: f64) -> Run<'_> {
+        let conditions = self.model.conditions.clone();
+        self.under(Conditions {
+            tolerance,
+            ..conditions
+        })
     }
 }

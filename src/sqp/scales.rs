@@ -72,7 +72,7 @@ pub(super) fn limit_volume_scale(run: &mut Run<'_>) {
 /// that nothing acts on are those of one at rest: what a tool leaves behind that has let go is
 /// nothing, and a program for it would only make it less.
 pub(super) fn raise_scales(model: &Model<'_>, state: &mut State, now: &Evaluation) {
-    let least = ROUNDINGS * f64::EPSILON / model.tolerance;
+    let least = ROUNDINGS * f64::EPSILON / model.conditions.tolerance;
     let (c, mut work) = (model.prepared.space.components, Workspace::new());
     let mut square = 0.0;
     for axis in 0..model.plan.units.dimension {
@@ -112,7 +112,7 @@ fn at_rest(model: &Model<'_>, now: &Evaluation) -> f64 {
 /// stress of some [`LEAST_STRESS`] shear moduli, and in any body one beside which the rounding
 /// of its displacements meets the tolerance.
 pub(super) fn least_force(model: &Model<'_>, state: &State, now: &Evaluation) -> f64 {
-    at_rest(model, now).max(rounding(model, state) / model.tolerance)
+    at_rest(model, now).max(rounding(model, state) / model.conditions.tolerance)
 }
 
 /// Whether the residuals of force and volume at `now` are no more than [`ROUNDINGS`] times what

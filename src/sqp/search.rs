@@ -51,7 +51,7 @@ pub(crate) fn search(
             let end = measures(run.state, &trial, first_force);
             let mut all = filter.iter();
             if run.model.is_linear()
-                || all.all(|start| is_progress(&end, start, run.model.tolerance))
+                || all.all(|start| is_progress(&end, start, run.model.conditions.tolerance))
             {
                 run.counters.step_length = length;
                 return Ok(trial);

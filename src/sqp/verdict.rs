@@ -49,7 +49,7 @@ pub(crate) fn verdict(run: &Run<'_>, worst: f64, still: bool) -> Option<Verdict>
     if !worst.is_finite() {
         return Some(Verdict::failed(Cause::NotFinite));
     }
-    if worst <= run.model.tolerance && still {
+    if worst <= run.model.conditions.tolerance && still {
         return Some(match has_flown(&run.model, run.state) {
             true => Verdict::failed(Cause::NotFinite),
             false => Verdict::stopped(Termination::Converged),

@@ -17,6 +17,7 @@ use std::sync::Arc;
 use super::increment::{residuals, solve as solve_at_once};
 use super::run::Run;
 use crate::linalg::vector::largest;
+use crate::model::conditions::Conditions;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
 use crate::model::proximal::{Proximal, mass};
@@ -61,16 +62,13 @@ fn is_for(run: &Run<'_>, ending: &Ending) -> bool {
     let is_numerical =
         ending.cause == Some(Cause::NotFinite) || ending.cause.is_some_and(Cause::is_numerical);
     // A fall has no place for the pull.
-    let has_place = run.model.proximal.is_none();
+    let has_place = run.model.conditions.proximal.is_none();
     is_numerical && has_place && (run.model.is_linear() || run.model.plan.has_friction())
 }
 
 /// Steps to rest; none, where they do not lead there, with a state of no use.
 fn slowly(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
-    let tolerance = run.model.tolerance;
-    let ending = Flow::new(run).go(run, drive, tolerance);
-    (run.model.proximal, run.model.tolerance) = (None, tolerance);
-    ending
+    Flow::new(run).go(run, drive)
 }
 
 /// A way to rest.
@@ -102,10 +100,10 @@ impl Flow {
     }
 
     /// Step after step until the body rests or nothing holds it.
-    fn go(mut self, run: &mut Run<'_>, drive: &Drive, tolerance: f64) -> Option<Ending> {
+    fn go(mut self, run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
         for _ in 0..MOST_STEPS {
             let kept = run.state.clone();
-            let mut ending = self.step(run, drive, tolerance);
+            let mut ending = self.step(run, drive);
             if ending.is_stopped() {
                 return Some(ending);
             }
@@ -130,8 +128,9 @@ impl Flow {
                     (Termination::NotConverged, Some(Cause::NoEquilibrium));
                 return Some(ending);
             }
+            let tolerance = run.model.conditions.tolerance;
             let may_end = self.pull <= tolerance || self.pull <= EBB * self.tried;
-            let ended = may_end.then(|| self.end(run, drive, tolerance));
+            let ended = may_end.then(|| self.end(run, drive));
             if let Some(ending) = ended.flatten() {
                 return Some(ending);
             }
@@ -140,17 +139,20 @@ impl Flow {
     }
 
     /// One step.
-    fn step(&self, run: &mut Run<'_>, drive: &Drive, tolerance: f64) -> Ending {
-        run.model.proximal = Some(Proximal {
+    fn step(&self, run: &mut Run<'_>, drive: &Drive) -> Ending {
+        let proximal = Proximal {
             weight: self.weight,
             anchor: run.state.displacement.clone().into(),
             mass: self.mass.clone(),
-        });
+        };
         let sharp = (SHARPNESS[0] * self.pull).min(SHARPNESS[1]);
-        run.model.tolerance = sharp.max(tolerance);
-        let ending = solve_at_once(run, drive);
-        run.model.proximal = None;
-        ending
+        let conditions = run.model.conditions.clone();
+        let conditions = Conditions {
+            proximal: Some(proximal),
+            tolerance: sharp.max(conditions.tolerance),
+            ..conditions
+        };
+        solve_at_once(&mut run.under(conditions), drive)
     }
 
     /// Notes how far a step has led, and chooses the next weight.
@@ -169,10 +171,9 @@ impl Flow {
     }
 
     /// The equilibrium without the pull; none, and the state as it was, where it is not found.
-    fn end(&mut self, run: &mut Run<'_>, drive: &Drive, tolerance: f64) -> Option<Ending> {
+    fn end(&mut self, run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
         self.tried = self.pull;
         let kept = run.state.clone();
-        run.model.tolerance = tolerance;
         let ending = solve_at_once(run, drive);
         let is_end = ending.is_stopped() || ending.termination == Termination::Converged;
         if !is_end {

@@ -22,6 +22,16 @@ pub(crate) struct Watch<'a> {
 }
 
 impl Watch<'_> {
+    /// The same watch, lent.
+    pub(crate) fn shared(&mut self) -> Watch<'_> {
+        Watch {
+            observer: self.observer,
+            cancel: self.cancel,
+            seconds_left: self.seconds_left,
+            record: self.record.clone(),
+        }
+    }
+
     /// Tells the observer of one Krylov iteration.
     pub(crate) fn report(
         &mut self,

@@ -90,7 +90,7 @@ fn travels(
     vectors: &[[f64; 3]],
     force: &mut [[f64; 3]],
 ) -> Vec<[f64; 3]> {
-    let Some(start) = &model.slip_start else {
+    let Some(start) = &model.conditions.slip_start else {
         return vec![[0.0; 3]; vectors.len()];
     };
     let length = model.plan.units.length;

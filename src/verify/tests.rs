@@ -8,6 +8,7 @@ use crate::assembly::follower::{FollowerPressure, PressedBody, SurfaceMeasure, a
 use crate::element::quadrature::{Simplex, rule};
 use crate::linalg::vector::reproducible_noise;
 use crate::mesh::{GroupKind, Mesh, samples};
+use crate::model::conditions::Conditions;
 use crate::model::interfaces::Interfaces;
 use crate::plan::Plan;
 use crate::prepare::TaylorHoodData;
@@ -78,15 +79,12 @@ impl Body {
 
     fn model(&self) -> Model<'_> {
         Model {
-            slip_start: None,
             plan: &self.plan,
             mesh: &self.mesh,
             prepared: &self.prepared,
             interfaces: &self.interfaces,
             load: &self.load,
-            admitted_penetration: Default::default(),
-            proximal: None,
-            tolerance: 1e-8,
+            conditions: Conditions::to(1e-8),
         }
     }
 

@@ -36,7 +36,7 @@ pub(super) fn change_of_area(
     for (index, interface) in model.frictional() {
         let own = point..point + interface.multipliers.len();
         point = own.end;
-        if let Some(start) = &model.slip_start {
+        if let Some(start) = &model.conditions.slip_start {
             let field = slip_field((model, state), start, index);
             let along = [0, 1, 2].map(|axis| match axis < model.prepared.space.components {
                 true => area_rows(&body, &interface.surface, (&field, axis), held),

@@ -85,7 +85,7 @@ impl Friction {
     /// What the turning of tangents adds at `state`.
     fn turning_of_tangents(&self, model: &Model<'_>, state: &State) -> Turning {
         let traces = self.traces(model, state);
-        let travels = match &model.slip_start {
+        let travels = match &model.conditions.slip_start {
             Some(start) => self.travels(&traces, (model, state), start),
             None => vec![[0.0; 3]; self.points.len()],
         };
@@ -255,6 +255,7 @@ mod tests {
     use crate::linalg::vector::{add_scaled, norm as size, reproducible_noise};
     use crate::linalg::{LinearOperator, Workspace};
     use crate::mesh::{Mesh, samples};
+    use crate::model::conditions::Conditions;
     use crate::model::evaluate::{Evaluation, evaluate};
     use crate::model::friction::SlipStart;
     use crate::model::interfaces::Interfaces;
@@ -316,15 +317,15 @@ mod tests {
         let mut state = State::undeformed(&plan);
         let start = Arc::new(SlipStart::at(&state));
         let model = Model {
-            slip_start: Some(start),
             plan: &plan,
             mesh: &mesh,
             prepared: &prepared,
             interfaces: &interfaces,
             load: &load,
-            admitted_penetration: Default::default(),
-            proximal: None,
-            tolerance: 1e-8,
+            conditions: Conditions {
+                slip_start: Some(start),
+                ..Conditions::to(1e-8)
+            },
         };
         let noise = reproducible_noise(3 * load.len() + state.multiplier.len());
         let (motion, rest) = noise.split_at(load.len());

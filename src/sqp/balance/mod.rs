@@ -68,10 +68,7 @@ pub(super) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
     if controls.is_empty() {
         return accuracy::solve(run, drive);
     }
-    let floor = run.model.tolerance;
-    let ending = Balance::new(run, drive, controls).reach(run, floor);
-    run.model.tolerance = floor;
-    ending
+    Balance::new(run, drive, controls).reach(run)
 }
 
 /// A search for poses.
@@ -86,6 +83,9 @@ struct Balance {
     stiffness: Option<PushStiffness>,
     /// How much stiffer than the metric says the body has shown to be behind touch.
     stiffer: f64,
+    /// Accuracy of the next solve, and that which the pushes shall be met to.
+    tolerance: f64,
+    floor: f64,
 }
 
 impl Balance {
@@ -97,24 +97,27 @@ impl Balance {
             push.unwrap_or_default() / unit(units, control.axis)
         };
         let known = run.learned.under_pushes.take();
+        let floor = run.model.conditions.tolerance;
         Self {
             goal: controls.iter().map(goal).collect(),
             drive: drive.carried_by(&run.state.drive),
             stiffness: known.filter(|known| known.controls == controls),
             stiffer: 1.0,
+            tolerance: floor,
+            floor,
             controls,
         }
     }
 
-    /// Solves at one pose after the other until the pushes are met to `floor`.
-    fn reach(mut self, run: &mut Run<'_>, floor: f64) -> Ending {
+    /// Solves at one pose after the other until the pushes are met.
+    fn reach(mut self, run: &mut Run<'_>) -> Ending {
         let length = run.model.plan.units.length;
-        let (mut course, mut solves) = (self.begin(run, floor), 0);
+        let (mut course, mut solves) = (self.begin(run), 0);
         let mut stall = Stall::default();
         loop {
             let kept = run.state.clone();
             self.go(&course.step, length);
-            let (ending, after) = self.solved(run, &course, floor);
+            let (ending, after) = self.solved(run, &course);
             if ending.is_stopped() {
                 return ending;
             }
@@ -129,8 +132,8 @@ impl Balance {
                 continue;
             }
             self.learn(&course, &after);
-            let is_there = course.is_there(&after, run.model.tolerance, floor);
-            if is_there || self.is_unresolved(run, &after, floor) {
+            let is_there = course.is_there(&after, self.tolerance, self.floor);
+            if is_there || self.is_unresolved(run, &after) {
                 run.learned.under_pushes = self.stiffness;
                 return ending;
             }
@@ -141,7 +144,7 @@ impl Balance {
             if solves == MOST_SOLVES {
                 return self.given_up(ending, &after);
             }
-            match self.next(run, course, after, floor) {
+            match self.next(run, course, after) {
                 Ok(next) => course = next,
                 Err((cause, control)) => return unmet(ending, cause, Some(control)),
             }
@@ -149,23 +152,23 @@ impl Balance {
     }
 
     /// Solves at the present poses, more sharply where the step that led to them does not show.
-    fn solved(&self, run: &mut Run<'_>, course: &Course, floor: f64) -> (Ending, Progress) {
+    fn solved(&mut self, run: &mut Run<'_>, course: &Course) -> (Ending, Progress) {
         loop {
-            let ending = accuracy::solve(run, &self.drive);
+            let ending = accuracy::solve(&mut run.to(self.tolerance), &self.drive);
             let after = self.progress(run);
-            let is_sharp = run.model.tolerance <= floor;
+            let is_sharp = self.tolerance <= self.floor;
             let is_solved = ending.termination == Termination::Converged;
             if is_sharp || !is_solved || !self.is_unnoticed(course, &after) {
                 return (ending, after);
             }
-            run.model.tolerance = (SHARPNESS[1] * run.model.tolerance).max(floor);
+            self.tolerance = (SHARPNESS[1] * self.tolerance).max(self.floor);
         }
     }
 
     /// Whether what is missing is less than gaps as exact as they are asked for can tell: near full
     /// contact of a body that keeps its volume forces change without end on no way at all.
-    fn is_unresolved(&mut self, run: &mut Run<'_>, after: &Progress, floor: f64) -> bool {
-        if run.model.tolerance > floor || after.relative > COARSE {
+    fn is_unresolved(&mut self, run: &mut Run<'_>, after: &Progress) -> bool {
+        if self.tolerance > self.floor || after.relative > COARSE {
             return false;
         }
         let (step, _) = self.step(run, &after.misfit);
@@ -174,7 +177,7 @@ impl Balance {
         for (change, part) in changes.iter().zip(step) {
             add_scaled(&mut moved, part, change);
         }
-        norm(&moved) <= floor * run.state.scales.gap
+        norm(&moved) <= self.floor * run.state.scales.gap
     }
 
     /// Whether forces have hardly changed where the stiffness says that they do.
@@ -188,24 +191,24 @@ impl Balance {
 
     /// The start from the poses of the state, of obstacles that touch; none takes a step
     /// where nothing says how far.
-    fn begin(&mut self, run: &mut Run<'_>, floor: f64) -> Course {
+    fn begin(&mut self, run: &mut Run<'_>) -> Course {
         if let Some(step) = touch::lead(run, &self.controls, &self.goal) {
-            return self.led(run, step, floor);
+            return self.led(run, step);
         }
         let before = self.progress(run);
         let (mut step, _) = self.step(run, &before.misfit);
         if let Some(rolling) = least_slip(run, &self.drive, &self.controls) {
             add_scaled(&mut step, 1.0, &rolling);
         }
-        run.model.tolerance = COARSE.max(floor);
+        self.tolerance = COARSE.max(self.floor);
         Course::new(step, before, self.is_only_pushed(run))
     }
 
     /// The start behind obstacles that were led to the body and take `step` into it.
-    fn led(&mut self, run: &mut Run<'_>, step: Vec<f64>, floor: f64) -> Course {
+    fn led(&mut self, run: &mut Run<'_>, step: Vec<f64>) -> Course {
         self.drive = self.drive.carried_by(&run.state.drive);
         self.stiffness = None;
-        run.model.tolerance = self.roughest().max(floor);
+        self.tolerance = self.roughest().max(self.floor);
         Course::new(step, self.progress(run), self.is_only_pushed(run))
     }
 
@@ -224,7 +227,6 @@ impl Balance {
         run: &mut Run<'_>,
         course: Course,
         after: Progress,
-        floor: f64,
     ) -> Result<Course, (Cause, Control)> {
         let (step, rest) = self.step(run, &after.misfit);
         let slides = course.slides(&after);
@@ -240,10 +242,10 @@ impl Balance {
             let approaches = course.approaches + 1;
             return Ok(Course {
                 approaches,
-                ..self.led(run, step, floor)
+                ..self.led(run, step)
             });
         }
-        let step = match after.relative <= floor {
+        let step = match after.relative <= self.floor {
             true => vec![0.0; self.controls.len()],
             false => step,
         };
@@ -251,7 +253,8 @@ impl Balance {
         let misfit = after.relative.max(after.tolerance);
         let is_slow = after.relative > SLOW * course.before.relative;
         let sharpness = SHARPNESS[usize::from(is_slow || self.controls.len() > 1)];
-        run.model.tolerance = (sharpness * misfit).clamp(floor, self.roughest().max(floor));
+        let floor = self.floor;
+        self.tolerance = (sharpness * misfit).clamp(floor, self.roughest().max(floor));
         let stiffness = self.stiffness.as_ref();
         let expected = stiffness.map_or(f64::INFINITY, |known| largest(&known.product(&step)));
         Ok(Course {
@@ -340,7 +343,7 @@ impl Balance {
             misfit,
             relative,
             scale,
-            tolerance: run.model.tolerance,
+            tolerance: self.tolerance,
             force_scale: run.state.force_scale,
         }
     }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::*;
 use crate::mesh::samples;
+use crate::model::conditions::Conditions;
 use crate::model::interfaces::Interfaces;
 use crate::model::loads::reference_load;
 use crate::plan::Plan;
@@ -63,10 +64,7 @@ fn found<T>(scene: &Scene, load: f64, ask: impl Fn(&Model<'_>, &mut State) -> T)
         interfaces: &Interfaces::new(&plan, &mesh, &prepared.space),
         load: &reference_load(&plan, &mesh, &prepared),
         prepared: &prepared,
-        admitted_penetration: Default::default(),
-        slip_start: None,
-        proximal: None,
-        tolerance: 1e-8,
+        conditions: Conditions::to(1e-8),
     };
     let mut state = State::undeformed(&plan);
     state.drive.load = load;

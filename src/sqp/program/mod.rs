@@ -206,7 +206,7 @@ fn coarse_schur<'a>(
 /// stiffness; none where there is neither.
 fn released_of(model: &Model<'_>, state: &State) -> Option<SparseRows> {
     let pressed = pressure_tangent(model, state);
-    match (&model.proximal, pressed) {
+    match (&model.conditions.proximal, pressed) {
         (Some(proximal), Some(pressed)) => Some(pressed.plus(&proximal.released())),
         (Some(proximal), None) => Some(proximal.released()),
         (None, pressed) => pressed,

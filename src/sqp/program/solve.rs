@@ -151,7 +151,8 @@ impl QuadraticProgram<'_> {
     /// along which the stiffness of a stable body may have either sign.
     fn serves(&self, step: &Step, run: &mut Run<'_>) -> bool {
         let is_rough = self.now.friction.is_some();
-        let is_balanced = norm(&self.now.force) <= self.model.tolerance * self.force_scale;
+        let is_balanced =
+            norm(&self.now.force) <= self.model.conditions.tolerance * self.force_scale;
         let is_asked = !is_rough && !is_balanced;
         let curvature = self.curvature.as_ref().filter(|_| is_asked);
         curvature.is_none_or(|curvature| {

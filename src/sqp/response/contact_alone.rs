@@ -96,7 +96,12 @@ impl Response {
         });
         state.scales.see(self.body.volumes * load, 0.0);
         let verdict = Verdict::stopped(Termination::Converged);
-        let mut ending = increment::ending(state, (&at.now, 0.0), verdict, run.model.tolerance);
+        let mut ending = increment::ending(
+            state,
+            (&at.now, 0.0),
+            verdict,
+            run.model.conditions.tolerance,
+        );
         let force = norm(&wrong) + self.body.accuracy.force * load + free.left.force;
         let volume = self.body.accuracy.volume * load + free.left.volume;
         ending.residuals = Residuals {
@@ -104,7 +109,7 @@ impl Response {
             incompressibility: ratio(volume, state.scales.constraint),
             ..ending.residuals
         };
-        (ending.residuals.largest() <= run.model.tolerance).then_some(ending)
+        (ending.residuals.largest() <= run.model.conditions.tolerance).then_some(ending)
     }
 }
 

@@ -95,7 +95,7 @@ impl SurfaceProblem<'_> {
             let load = pressing(&at.now, &at.state, &mut run.work);
             let left = left_over(run, &at, &load);
             let is_rounding = left <= ROUNDING && left > SHARE * before;
-            if left <= SHARE * run.model.tolerance || is_rounding {
+            if left <= SHARE * run.model.conditions.tolerance || is_rounding {
                 return Some(at);
             }
             if left > FRESH * before {
