@@ -8,18 +8,13 @@
 //! J = sum_ijk l_i l_j l_k D(F_i, F_j, F_k),   D(A, B, C) = A : (B x C) / 6
 //! ```
 //!
-//! the D are the Bernstein coefficients of J: 20 in a tetrahedron, 10 in a triangle,
-//! 4 between two tensors. J is nowhere below the least of them (Johnen, Remacle,
-//! Geuzaine, "Geometrical validity of curvilinear finite elements", 2013), and at a
-//! corner it is its coefficient. The bound holds where F is linear: an axisymmetric
+//! the D are the Bernstein coefficients of J: 20 in a tetrahedron, 10 in a triangle.
+//! J is nowhere below the least of them (Johnen, Remacle, Geuzaine, "Geometrical
+//! validity of curvilinear finite elements", 2013), and at a corner it is its coefficient. The bound holds where F is linear: an axisymmetric
 //! stretch u_r / r is not; there the caller bounds the in-plane J and the stretch
 //! apart. Cost: some 50 flops a coefficient.
 
 use crate::geometry::tensor::{Tensor, contract, cross};
-
-/// Halvings after which an interval of step lengths is below one unit in the last
-/// place of one.
-const HALVINGS: u32 = 53;
 
 /// D of the three tensors, `crossed` being the cross product of two of them.
 fn polar(a: &Tensor<f64>, crossed: &Tensor<f64>) -> f64 {
@@ -93,52 +88,11 @@ const INNER_TETRAHEDRA: [[(usize, usize); 4]; 4] = [
 /// The midpoints of a triangle; the last is not read.
 const INNER_TRIANGLE: [[(usize, usize); 4]; 1] = [[(0, 1), (1, 2), (0, 2), (0, 2)]];
 
-/// The largest t in \[0, 1\] with det(F + s dF) >= `floor` for all s in \[0, t\], to
-/// the last bit of one and never beyond it; zero where that fails at s = 0 already
-/// or a tensor is not finite.
-#[must_use]
-pub fn largest_step(f: &Tensor<f64>, change: &Tensor<f64>, floor: f64) -> f64 {
-    let end: Tensor<f64> = std::array::from_fn(|i| std::array::from_fn(|j| f[i][j] + change[i][j]));
-    let (here, there) = (cross(f, f), cross(&end, &end));
-    let above = [
-        polar(f, &here),
-        polar(&end, &here),
-        polar(f, &there),
-        polar(&end, &there),
-    ]
-    .map(|coefficient| coefficient - floor);
-    match above.iter().all(|&coefficient| coefficient >= 0.0) {
-        true => 1.0,
-        false => first_descent(&above, 0.0, 1.0, HALVINGS).unwrap_or(1.0),
-    }
-}
-
-/// Where the cubic with Bernstein coefficients `above` on an interval first falls
-/// below zero; none where it does not. de Casteljau's halving follows the first
-/// interval whose coefficients leave it open.
-fn first_descent(above: &[f64; 4], start: f64, length: f64, halvings: u32) -> Option<f64> {
-    if above.iter().all(|&coefficient| coefficient >= 0.0) {
-        return None;
-    }
-    let starts_above = above[0] >= 0.0;
-    if !starts_above || halvings == 0 {
-        return Some(start);
-    }
-    let mean = |a: f64, b: f64| 0.5 * (a + b);
-    let [a, b, c, d] = *above;
-    let (ab, bc, cd) = (mean(a, b), mean(b, c), mean(c, d));
-    let (abc, bcd) = (mean(ab, bc), mean(bc, cd));
-    let middle = mean(abc, bcd);
-    let half = 0.5 * length;
-    first_descent(&[a, ab, abc, middle], start, half, halvings - 1)
-        .or_else(|| first_descent(&[middle, bcd, cd, d], start + half, half, halvings - 1))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::rotation_matrix;
-    use crate::geometry::tensor::{cofactor, plus, scaled};
+    use crate::geometry::tensor::{cofactor, plus};
     use proptest::prelude::*;
 
     const UNIT: Tensor<f64> = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -177,25 +131,6 @@ mod tests {
                 prop_assert!(determinant(corner) >= sharper - 1e-14);
             }
         }
-
-        #[test]
-        fn a_step_keeps_the_floor_and_a_longer_one_does_not(
-            h in tensor(), change in tensor(), size in 0.01..10.0_f64, share in 0.0..1.0_f64,
-        ) {
-            let f = plus(&UNIT, 0.3, &h);
-            let change = scaled(size, &change);
-            let floor = share * determinant(&f);
-            let step = largest_step(&f, &change, floor);
-            prop_assert!((0.0..=1.0).contains(&step));
-            let at = |s: f64| determinant(&plus(&f, s, &change));
-            let round_off = 1e-13 * (1.0 + size.powi(3));
-            for k in 0..=50 {
-                prop_assert!(at(step * f64::from(k) / 50.0) >= floor - round_off);
-            }
-            if step < 1.0 {
-                prop_assert!((at(step) - floor).abs() < 100.0 * round_off);
-            }
-        }
     }
 
     #[test]
@@ -230,31 +165,8 @@ mod tests {
     }
 
     #[test]
-    fn degenerate_cubics_have_their_first_root() {
-        let shrink = |rate: [f64; 3]| {
-            let mut change = [[0.0; 3]; 3];
-            (0..3).for_each(|i| change[i][i] = -rate[i]);
-            change
-        };
-        let step = |rate, floor| largest_step(&UNIT, &shrink(rate), floor);
-        // Linear, quadratic and cubic; then one without change and one that grows.
-        assert!((step([2.0, 0.0, 0.0], 0.5) - 0.25).abs() < 1e-15);
-        assert!((step([2.0, 2.0, 0.0], 0.25) - 0.25).abs() < 1e-15);
-        assert!((step([2.0, 2.0, 2.0], 0.125) - 0.25).abs() < 1e-15);
-        assert!((step([0.0, 0.0, 0.0], 1.0) - 1.0).abs() < 1e-15);
-        assert!((step([-3.0, 0.0, 0.0], 1.0) - 1.0).abs() < 1e-15);
-        // A double root at 1/2 (J passes through zero and is positive at the end).
-        assert!((step([2.0, 2.0, 0.0], 1e-12) - 0.5).abs() < 1e-6);
-        // It dips below between two roots: the first counts.
-        assert!((step([4.0, 4.0 / 3.0, 0.0], 0.0) - 0.25).abs() < 1e-15);
-        assert!(step([1.0, 0.0, 0.0], 1.5).abs() < 1e-15);
-    }
-
-    #[test]
-    fn tensors_that_are_not_finite_allow_no_step_and_no_bound() {
+    fn tensors_that_are_not_finite_have_no_bound() {
         let broken = [[f64::NAN; 3]; 3];
-        assert!(largest_step(&UNIT, &broken, 0.1).abs() < 1e-300);
-        assert!(largest_step(&UNIT, &[[f64::INFINITY; 3]; 3], 0.1).abs() < 1e-300);
         assert!(least_jacobian_bound(&[UNIT, UNIT, broken]).is_nan());
         assert!(least_jacobian_bound(&[broken, UNIT, UNIT]).is_nan());
     }

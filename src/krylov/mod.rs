@@ -9,7 +9,6 @@
 pub mod cg;
 pub mod gcr;
 pub mod least_eigenvalue;
-pub mod outlook;
 #[cfg(test)]
 pub(crate) mod samples;
 pub mod sweeps;

@@ -18,7 +18,7 @@ use crate::precond::compliance::{Compliance, ComplianceParts, EVENLY, OF_DISPLAC
 use crate::precond::p1::Traces;
 use crate::precond::volume_modes::VolumeModes;
 use crate::prepare::ApproximateInverse;
-use crate::saddle::{SharedModes, Status};
+use crate::saddle::SharedModes;
 use crate::scene::MetricKind;
 
 /// What the power iteration may miss of the compliance's largest ratio: without it
@@ -42,16 +42,6 @@ pub(crate) struct ContactMetric {
     pub(crate) shared: Option<SharedModes>,
     /// Applications of the displacement preconditioner that it took.
     pub(crate) applications: u32,
-}
-
-/// Contact as a metric predicts it before a program is solved.
-#[derive(Debug, Default)]
-pub(crate) struct Prediction {
-    /// Norm of the contact load; the scale of the force residual before any contact pressure
-    /// is there.
-    pub(crate) norm: f64,
-    /// What each multiplier does `[multipliers]`; empty where the metric has not solved for it.
-    pub(crate) status: Vec<Status>,
 }
 
 impl ContactMetric {
@@ -133,38 +123,36 @@ impl ContactMetric {
         self.matrix = Box::new(matrix);
     }
 
-    /// The contact that the metric predicts.
-    pub(crate) fn prediction(
+    /// Norm of the contact load that the metric predicts: the scale of the force residual before
+    /// any contact pressure is there.
+    pub(crate) fn predicted_load(
         &self,
         now: &Evaluation,
         state: &State,
         work: &mut Workspace,
-    ) -> Prediction {
+    ) -> f64 {
         let is_known = now.friction.is_some() && state.multiplier.iter().any(|&l| l != 0.0);
         if is_known {
             // Its own load is the scale, and the dense problem is dear.
-            return Prediction::default();
+            return 0.0;
         }
         if self.matrix.size() == now.gap.len() {
-            return prediction(&*self.matrix, now, state, work);
+            return predicted_load(&*self.matrix, now, state, work);
         }
         let entries = now.gap.iter().zip(&state.multiplier).zip(&self.weights);
         let mut multiplier: Vec<f64> = entries.map(|((g, l), w)| l - g / w).collect();
         now.contact_set().project(&mut multiplier);
-        Prediction {
-            norm: contact_norm(&multiplier, now, state, work),
-            status: Vec::new(),
-        }
+        contact_norm(&multiplier, now, state, work)
     }
 }
 
-/// The contact that the dense problem in `metric` predicts.
-pub(crate) fn prediction(
+/// Norm of the contact load that the dense problem in `metric` predicts.
+pub(crate) fn predicted_load(
     metric: &dyn SymmetricMatrix,
     now: &Evaluation,
     state: &State,
     work: &mut Workspace,
-) -> Prediction {
+) -> f64 {
     let mut linear = vec![0.0; now.gap.len()];
     metric.product(&state.multiplier, &mut linear);
     linear
@@ -173,11 +161,8 @@ pub(crate) fn prediction(
         .for_each(|(q, gap)| *q = gap - *q);
     let near = (&state.status[..], &state.multiplier[..]);
     match dense_cone::solve(metric, &linear, now.contact_set(), near) {
-        Ok(solution) => Prediction {
-            norm: contact_norm(&solution.values, now, state, work),
-            status: solution.status,
-        },
-        Err(_) => Prediction::default(),
+        Ok(solution) => contact_norm(&solution.values, now, state, work),
+        Err(_) => 0.0,
     }
 }
 

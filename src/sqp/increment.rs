@@ -11,8 +11,7 @@ use super::program::{QuadraticProgram, Step};
 use super::response::{self, inside};
 use super::run::Run;
 use super::scales::{
-    forget_scales, is_rounding, least_force, limit_gap_scale, limit_volume_scale, raise_scales,
-    touches,
+    is_rounding, least_force, limit_gap_scale, raise_scales, touches,
 };
 use super::search::{Refused, leap, search};
 use super::verdict::{Verdict, of_status, verdict};
@@ -24,8 +23,6 @@ use crate::model::prescribed::{carry, prescribe, remaining_motion};
 use crate::model::state::State;
 use crate::report::{Cause, Residuals, Termination};
 
-/// Share of the residual that a program may leave which did not end.
-const WORTHWHILE: f64 = 0.1;
 /// Programs of a linear problem that may leave the residual as it is: rounding does.
 const MOST_IDLE: u32 = 5;
 /// Residual up to which a linear problem is solved whose rounding hides the rest: by 1e12 between
@@ -38,8 +35,6 @@ const MOST_IDLE_AT_FINITE_STRAIN: u32 = 12;
 const MOST_LEAPS: u32 = 3;
 /// Level of a program over the tolerance: what the recomputed residual adds has room.
 const MARGIN: f64 = 0.95;
-/// The level over that of a program that took itself for solved, which it was not.
-const SHARPER: f64 = 0.3;
 /// First reduction asked of a program with a curved gap.
 const FIRST_REDUCTION: f64 = 1e-2;
 
@@ -53,22 +48,12 @@ struct Iterate {
     filter: Vec<[f64; 2]>,
     /// Share of the residual that the next program may leave.
     reduction: f64,
-    /// Level over the tolerance below which no program need go.
-    margin: f64,
     /// Least residual of a linear problem so far.
     least: f64,
     /// Programs since that have not halved it.
     idle: u32,
     /// Steps that were taken without progress.
     leaps: u32,
-}
-
-/// What a program that did not end leads to.
-enum AfterFailure {
-    /// Another program: from here, or the same one with an inverse of its own.
-    Another,
-    /// The increment ends with that verdict.
-    End(Verdict),
 }
 
 /// Moves the state to equilibrium under `drive`.
@@ -83,7 +68,6 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         }
         run.state.surface_load = None;
         run.counters.sqp_iterations += 1;
-        let made = run.counters.factorisations;
         let mut program = QuadraticProgram::new(run, &at.now, motion, &mut at.first_force);
         let scale = program.force_scale();
         let worst = residuals(run.state, program.start(), scale).largest();
@@ -92,11 +76,10 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
         if let Some(verdict) = of_status(outcome, &run.watch) {
             // Those of a method that diverged would make a solution of any state.
             run.state.scales = scales.or(run.state.scales);
-            let is_new = run.counters.factorisations > made;
-            match at.after_failure(run, verdict, (&step, worst), is_new) {
-                AfterFailure::Another => continue,
-                AfterFailure::End(verdict) => return at.ending(run, verdict),
-            }
+            // Where it has come to shows what has gone wrong.
+            step.apply(run.state, 1.0);
+            at.now = run.evaluate();
+            return at.ending(run, verdict);
         }
         match search(
             run,
@@ -116,7 +99,6 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
 
 /// Moves the state to where the first program starts.
 fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
-    forget_scales(run);
     let known = run.state.load_behind(drive);
     let (now, first_force) = match run.model.is_rubber() {
         true => predictor::start(run, drive),
@@ -142,7 +124,6 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
         first_force,
         filter: Vec::new(),
         reduction: FIRST_REDUCTION,
-        margin: MARGIN,
         least: f64::INFINITY,
         idle: 0,
         leaps: 0,
@@ -164,17 +145,12 @@ impl Iterate {
         let goal = share * worst;
         let before = run.counters.applications;
         let (step, outcome) =
-            program.solve(run, goal.max(self.margin * run.model.conditions.tolerance));
+            program.solve(run, goal.max(MARGIN * run.model.conditions.tolerance));
         let applications = run.counters.applications - before;
         if run.model.is_rubber() {
             let reached = goal.max(run.model.conditions.tolerance);
             run.learned.refresh.note(applications, worst, reached);
         }
-        // What no iteration was spent on comes again as it is unless more is asked.
-        self.margin = match applications {
-            0 => SHARPER * self.margin,
-            _ => MARGIN,
-        };
         (step, outcome.status)
     }
 
@@ -246,45 +222,11 @@ impl Iterate {
             self.now
                 .advance_from(last, (&run.model, run.state), &mut run.work);
         }
-        limit_volume_scale(run);
         if run.model.is_rubber() {
             limit_gap_scale(run.state, &self.now);
         }
         raise_scales(&run.model, run.state, &self.now);
         self.reduction = forcing(worst, self.residuals(run.state).largest());
-    }
-
-    /// Goes on after a program that did not end, where that leads further.
-    fn after_failure(
-        &mut self,
-        run: &mut Run<'_>,
-        verdict: Verdict,
-        (step, worst): (&Step, f64),
-        inverse_is_new: bool,
-    ) -> AfterFailure {
-        if verdict.termination != Termination::NotConverged {
-            return AfterFailure::End(verdict);
-        }
-        if run.model.is_rubber() && run.learned.refresh.failed(inverse_is_new) {
-            return AfterFailure::Another;
-        }
-        // The best iterate is kept, and may be good enough after all; what it shows is no scale,
-        // for beside a method that diverged any state is a solution.
-        step.apply(run.state, 1.0);
-        self.now = run.evaluate();
-        let scales = run.state.scales;
-        let after = self.residuals(run.state).largest();
-        run.state.scales = scales;
-        match after <= run.model.conditions.tolerance || self.serves(run, after / worst) {
-            true => AfterFailure::Another,
-            false => AfterFailure::End(verdict),
-        }
-    }
-
-    /// Whether a step of rubber whose program did not end brought enough for another.
-    fn serves(&self, run: &Run<'_>, share: f64) -> bool {
-        let is_right_side_out = self.now.least_jacobian.is_some_and(|least| least > 0.0);
-        run.model.is_rubber() && is_right_side_out && share <= WORTHWHILE
     }
 
     /// The ending of the increment at the present state, for that verdict.

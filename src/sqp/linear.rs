@@ -7,7 +7,6 @@ use std::sync::atomic::{AtomicU32, Ordering};
 
 use crate::inequality::{QpIterate, QpNorms, QpOutcome, QpScales, QpStatus, QpTargets};
 use crate::krylov::cg::Cg;
-use crate::krylov::outlook::Outlook;
 use crate::krylov::{Monitor, Outcome, Verdict};
 use crate::linalg::vector::norm;
 use crate::linalg::{LinearOperator, Preconditioner, Workspace};
@@ -30,12 +29,6 @@ pub(crate) struct Track<'a, 'w> {
     pub(crate) before: u32,
     /// When the program counts as solved.
     pub(crate) targets: QpTargets,
-    /// Whether it still may; none for methods whose residuals rise on their way.
-    pub(crate) outlook: Option<Outlook>,
-    /// Multipliers at work in the last iteration: with others it is another system.
-    pub(crate) active: usize,
-    /// Whether the outlook has ended the program.
-    pub(crate) is_hopeless: bool,
 }
 
 impl Track<'_, '_> {
@@ -51,17 +44,7 @@ impl Track<'_, '_> {
         let force_scale = self.targets.force_scale;
         self.watch
             .report(norms, scales, force_scale, active, self.counters);
-        if let Some(outlook) = &mut self.outlook {
-            if std::mem::replace(&mut self.active, active) != active {
-                outlook.restart();
-            }
-            let ratio = norms.relative(force_scale, scales) / self.targets.level;
-            self.is_hopeless |= outlook.is_hopeless(ratio);
-        }
-        match self.is_hopeless {
-            true => Verdict::Stop,
-            false => self.poll(),
-        }
+        self.poll()
     }
 
     /// Takes over the applications so far.

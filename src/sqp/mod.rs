@@ -41,7 +41,6 @@ mod initial_penetration;
 pub(crate) mod learned;
 mod left_tools;
 pub(crate) mod linear;
-mod longest_step;
 mod lowest_mode;
 mod near_compliance;
 mod passing;

@@ -43,17 +43,6 @@ impl PreconditionerRefresh {
         }
     }
 
-    /// Asks for a new one after a program that failed; whether there may be a better
-    /// one than that which failed.
-    pub(crate) fn failed(&mut self, was_new: bool) -> bool {
-        let may_help = !was_new && !self.refused;
-        if may_help {
-            self.last = f64::INFINITY;
-            self.fresh.get_or_insert(1.0);
-        }
-        may_help
-    }
-
     /// Asks for a new one, for another operator.
     pub(crate) fn renew(&mut self) {
         self.last = f64::INFINITY;

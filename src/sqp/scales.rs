@@ -4,9 +4,7 @@
 //! Scales of forces, gaps `|C u|` and volumes `|B u|`, non-dimensional norms over all unknowns.
 //! Cost: some products with C and one with the stiffness at rest.
 
-use super::lowest_mode::length_at_rest;
 use super::run::Run;
-use crate::inequality::QpScales;
 use crate::linalg::vector::{dot, largest, norm, reproducible_noise};
 use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
@@ -18,18 +16,6 @@ use crate::model::state::State;
 const LEAST_STRESS: [f64; 2] = [1e-11, 1e-9];
 /// Roundings that one entry of a force adds up.
 const ROUNDINGS: f64 = 8.0;
-/// Times what the present strains may change volumes by that a scale may be.
-const OUTLIVED: f64 = 10.0;
-
-/// Lets the scales of a body that nothing drives any more be those of a fresh one: what
-/// they have seen says nothing of what comes.
-pub(super) fn forget_scales(run: &mut Run<'_>) {
-    let state = &mut *run.state;
-    let is_loaded = state.drive.has_loads(run.model.plan) && state.drive.load != 0.0;
-    if !touches(state) && !is_loaded && !state.drive.moves_supports() {
-        state.scales = QpScales::default();
-    }
-}
 
 /// Whether any multiplier of contact is at work.
 pub(super) fn touches(state: &State) -> bool {
@@ -47,24 +33,6 @@ pub(super) fn limit_gap_scale(state: &mut State, now: &Evaluation) {
     let closed = closed.filter(|(_, status)| status.is_closed());
     let square: f64 = closed.map(|(moved, _)| moved * moved).sum();
     state.scales.gap = state.scales.gap.min(square.sqrt());
-}
-
-/// Keeps the scale of volumes of rubber to what the present strains may change them by, |B u|: a
-/// lift has seen larger ones. Linear bodies, which come back to nothing, keep theirs.
-///
-/// ```text
-/// |B u| <= |div u| / sqrt(vertices),   |div u|^2 <= 3/2 u.P u,   P = int 2 eps : eps
-/// ```
-pub(super) fn limit_volume_scale(run: &mut Run<'_>) {
-    if !run.model.is_rubber() {
-        return;
-    }
-    let strain = length_at_rest(&run.model, &run.state.displacement, &mut run.work);
-    let vertices = (run.model.prepared.space.vertices as f64).sqrt();
-    let most = 2.0 * strain / vertices;
-    if run.state.scales.constraint > OUTLIVED * most {
-        run.state.scales.constraint = most;
-    }
 }
 
 /// Keeps the scales of gaps, and of volumes of rubber, to what their rounding is within the

@@ -1,10 +1,8 @@
 //! Accepts a step of all unknowns: the largest length 1, 1/2, 1/4, .. that keeps
-//! every point of the body the right side out all the way ([`crate::sqp::longest_step`])
-//! and passes a filter on (constraint violation, force residual). Right up to where a
+//! every point of the body the right side out and passes a filter on (constraint violation, force residual). Right up to where a
 //! point would turn no step goes: from there programs take two to ten times the
 //! applications (decision 21).
 
-use super::longest_step::{deformation_gradients, longest_step};
 use super::program::Step;
 use super::run::Run;
 use crate::linalg::vector::{norm, ratio};
@@ -41,7 +39,6 @@ pub(crate) fn search(
     filter.push(measures(run.state, now, first_force));
     let floor = now.least_jacobian.map(|least| JACOBIAN_SHARE * least);
     let mut refused = Refused::Jacobian;
-    let mut longest = None;
     let mut length = 1.0;
     while length >= LEAST_LENGTH {
         step.apply(run.state, length);
@@ -56,16 +53,9 @@ pub(crate) fn search(
                 run.counters.step_length = length;
                 return Ok(trial);
             }
-        } else if longest.is_none() {
-            // How far the volume lasts is found once, exactly, at the first length that
-            // goes too far; lengths beyond it are not tried.
-            longest = Some(length * bearable_part(run, &old, floor));
         }
         run.state.clone_from(&old);
         length *= 0.5;
-        while longest.is_some_and(|longest| length > longest) && length >= LEAST_LENGTH {
-            length *= 0.5;
-        }
     }
     Err(refused)
 }
@@ -103,14 +93,6 @@ fn is_progress(end: &[f64; 2], start: &[f64; 2], tolerance: f64) -> bool {
     let mut pairs = end.iter().zip(start);
     let better = pairs.any(|(after, before)| *after <= (1.0 - LEAST_PROGRESS) * before);
     better || end.iter().all(|&measure| measure <= tolerance)
-}
-
-/// The part of the way from `old` to the present state that leaves every point of the
-/// body enough volume.
-fn bearable_part(run: &Run<'_>, old: &State, floor: Option<f64>) -> f64 {
-    let end = deformation_gradients(&run.model, run.state);
-    let start = deformation_gradients(&run.model, old);
-    longest_step(&start, &end, floor.unwrap_or_default())
 }
 
 /// Constraint violation and force residual.

@@ -19,7 +19,7 @@ use crate::saddle::{
     AdmissibleSet, EqualityBlock, Metric, MultiplierBlock, ProductSet, SetPart, UpperTriangular,
 };
 use crate::session::body::Increment;
-use crate::sqp::contact_metric::prediction;
+use crate::sqp::contact_metric::predicted_load;
 use crate::sqp::increment::{ending, residuals};
 use crate::sqp::linear::Track;
 use crate::sqp::program::step::first_iterate;
@@ -127,7 +127,7 @@ impl EnrichedBody {
         goal: f64,
     ) -> QpOutcome {
         let compliance = self.compliance(&now.coupling);
-        let expected = prediction(&compliance, now, run.state, &mut run.work).norm;
+        let expected = predicted_load(&compliance, now, run.state, &mut run.work);
         let displacement = Counted::new(&self.data.displacement);
         let blocks = [
             MultiplierBlock::from(self.pressure_block()),
@@ -152,9 +152,6 @@ impl EnrichedBody {
         let mut track = Track {
             before: run.counters.applications,
             targets,
-            outlook: None,
-            active: 0,
-            is_hopeless: false,
             displacement: &displacement,
             solutions: None,
             watch: &mut run.watch,

@@ -267,21 +267,11 @@ impl Balance {
 
     /// The step that takes `misfit` off, as far as the stiffness is known, and what it leaves.
     fn step(&mut self, run: &mut Run<'_>, misfit: &[f64]) -> (Vec<f64>, Vec<f64>) {
-        let known = self.stiffness.take().and_then(|known| {
-            let solved = known.solve(misfit);
-            // Where points slip a stiffness is learnt by which tools would go ahead of the force
-            // that holds them back: none resists like that.
-            let is_against = dot(&solved.0, misfit) <= 0.0;
-            is_against.then_some((known, solved))
-        });
-        let (stiffness, solved) = known.unwrap_or_else(|| {
-            let stiffness = by_metric(run, &self.controls).times(self.stiffer);
-            let solved = stiffness.solve(misfit);
-            (stiffness, solved)
-        });
-        self.stiffer = 1.0;
-        self.stiffness = Some(stiffness);
-        solved
+        let stiffer = std::mem::replace(&mut self.stiffer, 1.0);
+        let stiffness = self
+            .stiffness
+            .get_or_insert_with(|| by_metric(run, &self.controls).times(stiffer));
+        stiffness.solve(misfit)
     }
 
     /// Whether the state is driven as it shall be but for its pushes and what follows from them.
@@ -303,9 +293,7 @@ impl Balance {
             }
             return;
         };
-        // Several components, whose contact has changed where a step was taken back.
-        let is_stale = course.failures > 0 && self.controls.len() > 1;
-        if !course.tells || is_stale {
+        if !course.tells {
             self.stiffness = None;
             return;
         }

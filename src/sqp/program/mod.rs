@@ -41,7 +41,6 @@ use crate::model::tangent::Tangent;
 use crate::precond::coarse_schur::CoarseSchur;
 use crate::precond::volume_modes::VolumeModes;
 use crate::prepare::{ApproximateInverse, TaylorHoodData};
-use crate::saddle::Status;
 use inverse::inverse;
 pub(crate) use step::Step;
 pub(crate) use stiffness::Accuracy;
@@ -77,9 +76,6 @@ pub(crate) struct QuadraticProgram<'a> {
     coarse: Option<CoarseSchur<'a>>,
     /// Norm of the force that counts as one, non-dimensional.
     force_scale: f64,
-    /// What the metric says that each multiplier does `[multipliers]`; empty where it was not
-    /// asked.
-    predicted: Vec<Status>,
 }
 
 impl<'a> QuadraticProgram<'a> {
@@ -117,7 +113,7 @@ impl<'a> QuadraticProgram<'a> {
         let coarse = coarse_schur(prepared, volumes.as_ref(), &mut run.work);
         let metric = ContactMetric::new(&run.model, &inverse, volumes, &now, &mut run.work);
         run.counters.applications += metric.applications;
-        let predicted = metric.prediction(&now, run.state, &mut run.work);
+        let expected = metric.predicted_load(&now, run.state, &mut run.work);
         let released = released_of(&run.model, run.state);
         let turning = (run.model.interfaces.friction.as_ref())
             .and_then(|friction| friction.turning(&run.model, run.state))
@@ -139,8 +135,7 @@ impl<'a> QuadraticProgram<'a> {
         run.counters.seconds.contact += start.elapsed().as_secs_f64();
         Self {
             model: run.model.clone(),
-            force_scale: now.force_scale(*first_force).max(predicted.norm),
-            predicted: predicted.status,
+            force_scale: now.force_scale(*first_force).max(expected),
             released,
             curvature,
             turned,

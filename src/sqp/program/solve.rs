@@ -6,15 +6,12 @@ use super::{QuadraticProgram, Step};
 use crate::inequality::{
     QpIterate, QpNorms, QpOutcome, QpProblem, QpRun, QpScales, QpStatus, QpTargets,
 };
-use crate::krylov::Outcome;
 use crate::krylov::gcr::Directions;
-use crate::krylov::outlook::Outlook;
 use crate::linalg::vector::{add_scaled, norm};
 use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
 use crate::plan::augmentation::VOLUMETRIC;
 use crate::precond::Counted;
-use crate::saddle::{BlockStep, EqualityBlock, Metric, MultiplierBlock, Status, UpperTriangular};
-use crate::scene::ContactMethod;
+use crate::saddle::{BlockStep, EqualityBlock, Metric, MultiplierBlock, UpperTriangular};
 use crate::sqp::chooser;
 use crate::sqp::linear::{Linear, Track};
 use crate::sqp::run::Run;
@@ -67,14 +64,10 @@ impl QuadraticProgram<'_> {
             true => self.solve_by_kept_factor(run, level),
             false => Some(self.solve_with(self.released_by_all(), run, level)),
         };
-        let is_solved = first.as_ref().is_some_and(|(_, end)| !is_lost(end.status));
         match first {
-            Some(solved) if is_solved && self.serves(&solved.0, run) => solved,
-            _ if !is_solved && may_take_factor && self.take_factor(run) => {
-                self.solve_by_factor(run, level)
-            }
-            Some(solved) if self.curvature.is_none() => solved,
-            Some(_) => self.solve_with(self.released.as_ref(), run, level),
+            Some(solved) if !is_lost(solved.1.status) => solved,
+            _ if may_take_factor && self.take_factor(run) => self.solve_by_factor(run, level),
+            Some(solved) => solved,
             None => self.solve_as_planned(run, level),
         }
     }
@@ -188,7 +181,6 @@ impl QuadraticProgram<'_> {
         let mut scales = state.scales;
         let mut iterate = first_iterate(state, &self.now, self.motion.as_deref());
         self.leave_out_advance(curvature, &mut iterate.force);
-        self.start_from_prediction(&mut iterate);
         if let Some(body) = &self.factored {
             body.begin();
         }
@@ -201,9 +193,6 @@ impl QuadraticProgram<'_> {
         let mut track = Track {
             before: counters.applications,
             targets,
-            outlook: self.outlook(),
-            active: 0,
-            is_hopeless: false,
             displacement: &displacement,
             solutions: self.factored.as_ref().map(|body| &body.solutions),
             watch,
@@ -215,11 +204,8 @@ impl QuadraticProgram<'_> {
             scales: &mut scales,
             directions: &mut learned.directions,
         };
-        let mut outcome = self.run_method(curvature, solve, &mut track, work);
+        let outcome = self.run_method(curvature, solve, &mut track, work);
         track.count();
-        if track.is_hopeless && outcome.status == QpStatus::Interrupted {
-            outcome.status = QpStatus::Krylov(Outcome::Stagnation);
-        }
         counters.seconds.krylov += krylov.elapsed().as_secs_f64();
         counters.set_changes += outcome.set_changes;
         counters.newton_steps += outcome.newton_steps;
@@ -239,31 +225,6 @@ impl QuadraticProgram<'_> {
         if let Some(advance) = self.now.advance.as_ref().filter(|_| !is_whole) {
             add_scaled(force, 1.0, &advance.force);
         }
-    }
-
-    /// Takes the predicted sides of a body that nothing touches yet: those of the first face,
-    /// which are not sought again.
-    fn start_from_prediction(&self, iterate: &mut QpIterate) {
-        let is_asked = self.model.plan.contact.method == ContactMethod::OneLevel;
-        let Some(contact) = iterate.blocks.last_mut().filter(|_| is_asked) else {
-            return;
-        };
-        let is_open = |(&status, &value): (&Status, &f64)| status == Status::Open && value == 0.0;
-        let is_smooth = !self.predicted.contains(&Status::Slip) && self.now.friction.is_none();
-        if is_smooth
-            && self.predicted.len() == contact.status.len()
-            && contact.status.iter().zip(&contact.multiplier).all(is_open)
-        {
-            contact.status.copy_from_slice(&self.predicted);
-        }
-    }
-
-    /// Whether iterations lead on, where a factor goes on; none for rubber, whose programs are
-    /// worth what they bring.
-    fn outlook(&self) -> Option<Outlook> {
-        let has_other = self.factored.is_none() && self.model.plan.factor_cost().is_some();
-        let is_wanted = has_other && self.tangent.is_none();
-        is_wanted.then(|| Outlook::new(MOST_ITERATIONS))
     }
 
     /// Hands the program to the method that the plan has chosen: a linear one without
