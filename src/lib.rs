@@ -24,7 +24,7 @@
 //! | numbers wing | [`precond`] p-multigrid, P1 solvers, Schur metrics; [`krylov`] CG and GCR; [`saddle`] multiplier blocks and their admissible sets; [`inequality`] methods for blocks whose sets are not free |
 //! | mechanics wing | [`mesh`]; [`element`] rules and analytic fields; [`space`] numbering and interpolation; [`material`]; [`obstacle`]; [`assembly`] operators, masses, loads; [`contact`] gaps, guides and resultants |
 //! | the problem | [`scene`] as data, its choices enums; [`plan`] resolved items, decisions with reasons; [`prepare`] what is expensive and shared |
-//! | the solver | `model` the body at a state, its residuals and tangent; `sqp` increments: step control, programs, search, what is learnt; [`session`] states that steps move |
+//! | the solver | `model` the body at a state, its residuals and tangent; `sqp` equilibrium under one drive: programs, search, what is learnt; `force_control` poses from forces; `stability`; `diagnosis` causes and where they lie; `continuation` the load path, and what follows a failure; [`session`] states that steps move |
 //! | the answer | `results` reports, fields, error estimates; `verify` the same residuals by an independent path |
 //! | beside it | `compare`, what the solver is compared with; only choosers name it, and it is built with the feature `comparisons` |
 //!
@@ -41,9 +41,9 @@
 //! [`Session::import`] carry a session to another process, [`Session::restore`] takes one back.
 //!
 //! Inside, an increment is one `sqp::run::Run`: the model, the state that it moves, what
-//! earlier programs have taught, who watches, counts and scratch. `sqp::approach` parts
-//! the way to its drive where one part is too long; `sqp::increment` solves one part by
-//! quadratic programs; `results::step` reads the state into the report.
+//! earlier programs have taught, who watches, counts and scratch. `continuation` takes
+//! its load path in parts where one part is too long, and decides what follows a failure
+//! (`continuation::strategy`); `sqp::increment` solves one part by quadratic programs; `results::step` reads the state into the report.
 //!
 //! # Notation
 //!
@@ -79,28 +79,32 @@
 //! | approximate inverse about a deformed state | `ApproximateInverse` | `prepare::approximate_inverse` |
 //! | bilateral contact, rollers on any surface | `Guide`, `support.normal` | `contact::counterpart` |
 //! | candidate face of a contact surface | `ContactFace` | `contact::face` |
-//! | certificate of stability, second-order condition | `Stability` | `sqp::certificate` |
+//! | certificate of stability, second-order condition | `Stability` | `stability` |
 //! | checkpoint, restart data | `State` | `model::state` |
 //! | compliance, Steklov-Poincare operator of the surface | `compliance` | `precond::compliance` |
 //! | contact surface with its multipliers and what it meets | `Interface` | `model::interfaces` |
 //! | continuation, extrapolation along the load | `Trend` | `sqp::trend` |
 //! | counterpart: what a face meets, master surface | `Counterpart`, `Obstacle` | `contact::counterpart`, `obstacle` |
-//! | cut-back, adaptive load stepping | `Parts`, `KeptState` | `sqp::step_control` |
+//! | cut-back, adaptive load stepping | `Parts`, `Checkpoint` | `continuation::parts` |
 //! | estimate of the discretisation error by recovery | `estimate` | `results::estimate` |
 //! | factor of the body, Schur complement on contact | `FactoredBody`, `NearCompliance` | `sqp::program::by_factor` |
 //! | face of the feasible polyhedron | `Face` | `inequality::one_level` |
+//! | force control, prescribed forces on an obstacle | `Balance` | `force_control` |
 //! | forcing term of an inexact Newton method | `goal` | `sqp::increment` |
 //! | inertia, modified Newton step of an unstable body | `Turned` | `inequality::factorised::turned` |
-//! | initial penetration, overclosure at the start | `InitialPenetration` | `sqp::initial_penetration` |
+//! | initial penetration, overclosure at the start | `InitialPenetration` | `continuation::initial_penetration` |
 //! | line search | `search` | `sqp::search` |
+//! | load path, what follows a failed part | `LoadPath`, `after` | `continuation`, `continuation::strategy` |
 //! | load factor, poses, prescribed motion | `Drive` | `model::drive` |
 //! | lowest mode, softest motion of the tangent | `LowestMode` | `sqp::lowest_mode` |
 //! | multiplier space: hats, quadratic Bernstein functions | `ContactBasis` | `contact::basis` |
 //! | preconditioner refresh | `PreconditionerRefresh` | `sqp::preconditioner_refresh` |
 //! | quadratic program of an SQP iteration | `QuadraticProgram` | `sqp::program` |
 //! | recycled Krylov directions | `Directions` | `krylov::gcr` |
-//! | response at the contact surface, static condensation, superelement | `Response` | `sqp::response` |
+//! | response at the contact surface, static condensation, superelement | `Response` | `sqp::condensation` |
+//! | proximal point method, implicit Euler flow to rest | `Flow` | `sqp::proximal_flow` |
 //! | rigid predictor, co-rotated start | `RigidPredictor` | `sqp::rigid_predictor` |
+//! | snap-through, snap-buckling | `snap_through` | `continuation::snap_through` |
 //! | static condensation on the multiplier | `Condensed` | `inequality::condensed` |
 //! | curved edges, cells of second order | `EdgeOffset`, `CurvedCell`, `CurvedFacet` | `element`, `mesh` |
 //! | trace directions of the compliance | `TraceDirections` | `prepare::traces` |
@@ -184,7 +188,10 @@ pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]
 mod compare;
 pub mod contact;
+mod continuation;
+mod diagnosis;
 pub mod element;
+mod force_control;
 pub mod geometry;
 pub mod inequality;
 pub mod krylov;
@@ -203,6 +210,7 @@ pub mod scene;
 pub mod session;
 pub mod space;
 mod sqp;
+mod stability;
 mod verify;
 
 pub use mesh::{CellKind, EdgeOffset, Group, GroupKind, Mesh, MeshError, MeshId, MeshParts};

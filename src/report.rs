@@ -4,6 +4,7 @@
 //! Plain data in the caller's units; residuals are non-dimensional. Nothing
 //! here computes, so every module may depend on it.
 
+mod attempt;
 mod ending;
 mod field;
 mod warning;
@@ -12,6 +13,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU8, Ordering};
 
+pub use attempt::{Attempt, Strategy};
 pub use ending::{Cause, CauseSite, Snapped, Stability, Termination};
 pub use field::{FieldData, FieldName};
 pub use warning::{Warning, WarningKind};
@@ -238,6 +240,9 @@ pub struct StepReport {
     pub threshold_passes: u32,
     /// Number of cut-backs inside this increment: parts that were tried and halved.
     pub cut_backs: u32,
+    /// What failed inside this increment, in order, and what followed; empty where the first
+    /// attempt converged.
+    pub attempts: Vec<Attempt>,
     /// Number of factorisations of the P1 block.
     pub factorisations: u32,
     /// Number of vertices in contact.

@@ -5,11 +5,11 @@
 
 use std::time::Instant;
 
-use crate::report::Seconds;
+use crate::report::{Attempt, Seconds};
 
 /// Counts and seconds of one increment; they are added up over its parts and its failed
 /// attempts.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Counters {
     /// Quadratic programs solved.
     pub(crate) sqp_iterations: u32,
@@ -31,6 +31,8 @@ pub(crate) struct Counters {
     pub(crate) threshold_passes: u32,
     /// Parts of the increment that were given up for smaller ones.
     pub(crate) cut_backs: u32,
+    /// What failed, and what followed.
+    pub(crate) attempts: Vec<Attempt>,
     /// Length of the last accepted step, in (0, 1].
     pub(crate) step_length: f64,
     /// Wall seconds by phase.
@@ -53,6 +55,7 @@ impl Counters {
             newton_steps: 0,
             threshold_passes: 0,
             cut_backs: 0,
+            attempts: Vec::new(),
             step_length: 1.0,
             seconds: Seconds::default(),
             start: Instant::now(),

@@ -88,6 +88,7 @@ pub(crate) fn counted(state: &State, ending: &Ending, counters: &Counters) -> St
         newton_steps: counters.newton_steps,
         threshold_passes: counters.threshold_passes,
         cut_backs: counters.cut_backs,
+        attempts: counters.attempts.clone(),
         factorisations: counters.factorisations,
         residuals: ending.residuals,
         tolerance: ending.tolerance,

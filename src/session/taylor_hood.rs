@@ -6,6 +6,8 @@
 use std::sync::Arc;
 
 use super::body::{Advanced, Body, Increment, Shared};
+use crate::continuation;
+use crate::diagnosis::site::locate;
 use crate::linalg::Workspace;
 use crate::mesh::Mesh;
 use crate::model::Model;
@@ -26,12 +28,10 @@ use crate::results::exerted::exerted;
 use crate::results::touch::Touch;
 use crate::results::warnings::{coarse_facets, warnings};
 use crate::results::{fields, step};
-use crate::sqp::approach::approach;
+use crate::sqp::condensation::inside;
 use crate::sqp::increment;
 use crate::sqp::learned::Learned;
-use crate::sqp::response::inside;
 use crate::sqp::run::Run;
-use crate::sqp::site::locate;
 use crate::verify;
 
 /// A body of Taylor-Hood elements.
@@ -124,7 +124,7 @@ impl Body for TaylorHoodBody {
         let mut run = self.run(&mut increment);
         let has_friction = self.interfaces.friction.is_some();
         run.model.conditions = self.conditions(has_friction.then(|| SlipStart::at(before).into()));
-        let (mut ending, part) = approach(&mut run, goal);
+        let (mut ending, part) = continuation::advance(&mut run, goal);
         ending.site = ending.site.or_else(|| locate(&mut run, &ending, goal));
         if ending.is_stopped() {
             if part == 0.0 {

@@ -17,8 +17,8 @@
 //! directions to the tolerance that follows, until it holds. Cost beside the
 //! iterations saved: an estimate and one preconditioner application a round.
 
+use super::proximal_rest;
 use super::run::Run;
-use super::viscous;
 use crate::linalg::Preconditioner;
 use crate::linalg::vector::dot;
 use crate::model::Model;
@@ -44,7 +44,7 @@ const MARGIN: f64 = 0.3;
 /// Moves the state to equilibrium under `drive`, as accurately as the scene asks.
 pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
     match run.model.plan.settings.tolerance_rule {
-        ToleranceRule::Fixed => viscous::solve(run, drive),
+        ToleranceRule::Fixed => proximal_rest::solve(run, drive),
         ToleranceRule::Discretisation => by_discretisation(run, drive),
     }
 }
@@ -55,7 +55,7 @@ fn by_discretisation(run: &mut Run<'_>, drive: &Drive) -> Ending {
     let floor = run.model.conditions.tolerance;
     let mut level = COARSE.max(floor);
     loop {
-        let mut ending = viscous::solve(&mut run.to(level), drive);
+        let mut ending = proximal_rest::solve(&mut run.to(level), drive);
         if ending.termination != Termination::Converged {
             return ending;
         }

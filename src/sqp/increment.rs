@@ -6,13 +6,11 @@
 //! body jump to where they shall be; those of rubber move with the step, so that
 //! the body follows and no element is turned inside out beside them.
 
+use super::condensation::{self, inside};
 use super::predictor;
 use super::program::{QuadraticProgram, Step};
-use super::response::{self, inside};
 use super::run::Run;
-use super::scales::{
-    is_rounding, least_force, limit_gap_scale, raise_scales, touches,
-};
+use super::scales::{is_rounding, least_force, limit_gap_scale, raise_scales, touches};
 use super::search::{Refused, leap, search};
 use super::verdict::{Verdict, of_status, verdict};
 use crate::linalg::vector::norm;
@@ -120,7 +118,7 @@ fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
     raise_scales(&run.model, run.state, &now);
     let first_force = first_force.max(least_force(&run.model, run.state, &now));
     Iterate {
-        now: response::solve(run, (&now, first_force), known).unwrap_or(now),
+        now: condensation::solve(run, (&now, first_force), known).unwrap_or(now),
         first_force,
         filter: Vec::new(),
         reduction: FIRST_REDUCTION,
@@ -144,8 +142,7 @@ impl Iterate {
         };
         let goal = share * worst;
         let before = run.counters.applications;
-        let (step, outcome) =
-            program.solve(run, goal.max(MARGIN * run.model.conditions.tolerance));
+        let (step, outcome) = program.solve(run, goal.max(MARGIN * run.model.conditions.tolerance));
         let applications = run.counters.applications - before;
         if run.model.is_rubber() {
             let reached = goal.max(run.model.conditions.tolerance);
@@ -276,6 +273,18 @@ pub(crate) fn stopped(run: &mut Run<'_>, termination: Termination) -> Ending {
     let (now, tolerance) = (run.evaluate(), run.model.conditions.tolerance);
     let at = (&now, run.state.force_scale);
     ending(run.state, at, Verdict::stopped(termination), tolerance)
+}
+
+/// The end of an increment that has taken as many steps as it may.
+pub(crate) fn out_of_iterations(run: &mut Run<'_>) -> Ending {
+    let (now, tolerance) = (run.evaluate(), run.model.conditions.tolerance);
+    let at = (&now, run.state.force_scale);
+    ending(
+        run.state,
+        at,
+        Verdict::failed(Cause::IterationLimit),
+        tolerance,
+    )
 }
 
 /// Makes `ending` describe the state that is kept.

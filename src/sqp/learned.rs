@@ -4,11 +4,11 @@
 
 use std::sync::Arc;
 
+use super::condensation::kept::Known;
 use super::factored_body::FactoredBody;
 use super::lowest_mode::LowestMode;
 use super::preconditioner_refresh::PreconditionerRefresh;
 use super::push_stiffness::PushStiffness;
-use super::response::kept::Known;
 use super::saddle_layout::SaddleLayout;
 use super::trend::Trend;
 use crate::assembly::strain::Linearised;

@@ -1,65 +1,50 @@
-//! The outer loop: an increment in parts with cut-back; in each part the gap is
-//! linearised, the inequality problem solved inexactly, the step accepted by a filter,
-//! until all four criteria hold.
+//! Equilibrium under one drive by sequential quadratic programs: the gap is linearised, the
+//! inequality problem solved inexactly, the step accepted by a filter, until all four criteria
+//! hold.
 //!
 //! ```text
 //! f - A u - B^T p - C(u)^T l = 0,   B u - S p = 0,   g(u) >= 0, l >= 0, l g(u) = 0
 //! ```
 //!
-//! | file | station |
+//! | file | part |
 //! |---|---|
-//! | [`run`] | everything that one increment reads and changes |
-//! | [`approach`] | the way to the increment's end, in parts: [`step_control`], [`initial_penetration`], [`passing`], [`penalty`] |
-//! | [`attempt`] | one part, solved and judged |
-//! | [`balance`] | the poses of pushed obstacles: [`push_stiffness`] |
-//! | [`accuracy`] | how far residuals are reduced |
+//! | [`run`], [`watch`] | everything that one increment reads and changes, who follows it |
 //! | [`increment`] | programs until the four criteria hold: [`predictor`], [`left_tools`], [`program`], [`search`], [`verdict`], measured by [`scales`] |
-//! | [`response`] | linear bodies whose response at the contact surface is known: a small problem instead of programs |
-//! | [`viscous`] | a body that contact alone holds, brought to rest slowly where programs throw it away |
-//! | [`certificate`] | whether the equilibrium is a minimum |
-//! | [`descent`] | down the energy where an equilibrium is lost |
-//! | [`diagnosis`], [`enclosure`], [`site`] | causes that only the end shows, and where they lie |
+//! | [`accuracy`] | how far residuals are reduced |
+//! | [`proximal_flow`], [`proximal_rest`] | a sequence of equilibria, each held back to the one before |
+//! | [`condensation`] | linear bodies whose response at the contact surface is known: a small problem instead of programs |
 //! | [`contact_metric`], [`volumes`] | what the programs know of the compliance of surface and volume |
 //! | [`factored_body`], [`near_compliance`] | the same by a factor of the body, once that is cheaper |
-//! | [`learned`] | what is kept for the next increment: [`trend`], [`lowest_mode`], [`preconditioner_refresh`], [`saddle_layout`] |
+//! | [`learned`] | what is kept for the next increment: [`trend`], [`lowest_mode`], [`push_stiffness`], [`preconditioner_refresh`], [`saddle_layout`] |
+//!
+//! Above it: [`crate::force_control`], [`crate::stability`], [`crate::diagnosis`] and, over all of
+//! them, [`crate::continuation`], which alone decides what follows a failure.
 //!
 //! Everything is non-dimensional inside.
 
-mod accuracy;
-pub(crate) mod approach;
-mod attempt;
-mod balance;
-mod certificate;
+pub(crate) mod accuracy;
 pub(crate) mod chooser;
+pub(crate) mod condensation;
 pub(crate) mod contact_metric;
-mod descent;
-mod diagnosis;
-mod enclosure;
 mod factored_body;
 pub(crate) mod increment;
-mod initial_penetration;
 pub(crate) mod learned;
 mod left_tools;
 pub(crate) mod linear;
-mod lowest_mode;
+pub(crate) mod lowest_mode;
 mod near_compliance;
-mod passing;
-mod penalty;
 mod preconditioner_refresh;
 mod predictor;
 pub(crate) mod program;
-mod push_stiffness;
-pub(crate) mod response;
+pub(crate) mod proximal_flow;
+mod proximal_rest;
+pub(crate) mod push_stiffness;
 mod rigid_predictor;
 pub(crate) mod run;
 mod saddle_layout;
 mod scales;
 mod search;
-pub(crate) mod site;
-mod step_control;
-mod trend;
-mod uniqueness;
+pub(crate) mod trend;
 pub(crate) mod verdict;
-mod viscous;
-mod volumes;
+pub(crate) mod volumes;
 pub(crate) mod watch;

@@ -10,7 +10,7 @@ use crate::prepare::ApproximateInverse;
 use crate::scene::MetricKind;
 
 /// Those of a mixed body, whose volumes `divergence` gives; none where no metric asks for them.
-pub(super) fn volumes(
+pub(crate) fn volumes(
     model: &Model<'_>,
     (inverse, divergence): (&ApproximateInverse, Option<&dyn LinearOperator>),
     work: &mut Workspace,

@@ -7,23 +7,20 @@
 //!
 //! l(z) the contact pressures of the body in equilibrium at the poses z, g the gaps: forces and
 //! moments about the reference points, as they are reported. Broyden's method, from the
-//! stiffness that the metric of contact says ([`metric`]); an obstacle away from the body is
-//! first led to it along its force ([`touch`]), and so is one that the body leaves on the way; one
-//! that grips the body begins with the least slip ([`rolling`]).
+//! stiffness that the metric of contact says ([`by_metric`]); an obstacle away from the body is
+//! first led to it along its force ([`approach`]), and so is one that the body leaves on the way; one
+//! that grips the body begins with the least slip ([`least_slip`]).
 //! Each solve is as accurate as the misfit that is left makes worthwhile, and goes on from the
 //! one before. Non-dimensional; moments are of
 //! forces at the body's length. Cost: 7 to 10 solves that together take about as many iterations
 //! as 1.2 at known poses, where one component is sought.
 
-mod course;
-mod metric;
-mod rigid;
-mod rolling;
-mod touch;
+mod approach;
+mod broyden;
+mod by_metric;
+mod gap_changes;
+mod least_slip;
 
-use super::accuracy;
-use super::push_stiffness::PushStiffness;
-use super::run::Run;
 use crate::linalg::vector::{add_scaled, dot, largest, norm, ratio};
 use crate::model::drive::Drive;
 use crate::model::ending::{Ending, Site};
@@ -31,10 +28,13 @@ use crate::model::push::Control;
 use crate::plan::Units;
 use crate::report::{Cause, Termination};
 use crate::results::exerted::exerted;
-use course::{Course, Progress, Stall};
-use metric::by_metric;
-use rigid::gap_changes;
-use rolling::least_slip;
+use crate::sqp::accuracy;
+use crate::sqp::push_stiffness::PushStiffness;
+use crate::sqp::run::Run;
+use broyden::{Course, Progress, Stall};
+use by_metric::by_metric;
+use gap_changes::gap_changes;
+use least_slip::least_slip;
 
 /// Solves at most.
 const MOST_SOLVES: u32 = 40;
@@ -63,7 +63,7 @@ const UNBALANCED: f64 = 1e-3;
 const MOST_SLIDES: u32 = 3;
 
 /// Moves the state to equilibrium under `drive`, with the poses that its pushes ask for.
-pub(super) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
+pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
     let controls = drive.controls();
     if controls.is_empty() {
         return accuracy::solve(run, drive);
@@ -192,7 +192,7 @@ impl Balance {
     /// The start from the poses of the state, of obstacles that touch; none takes a step
     /// where nothing says how far.
     fn begin(&mut self, run: &mut Run<'_>) -> Course {
-        if let Some(step) = touch::lead(run, &self.controls, &self.goal) {
+        if let Some(step) = approach::lead(run, &self.controls, &self.goal) {
             return self.led(run, step);
         }
         let before = self.progress(run);
@@ -233,7 +233,7 @@ impl Balance {
         let slid_away = || self.worst(&after.misfit).filter(|_| slides >= MOST_SLIDES);
         if let Some(control) = self.unbalanced(&rest, &after).or_else(slid_away) {
             // A tool that the body has left may meet it again farther along its force.
-            let Some(step) = touch::lead(run, &self.controls, &self.goal) else {
+            let Some(step) = approach::lead(run, &self.controls, &self.goal) else {
                 return Err((Cause::NoEquilibrium, control));
             };
             if course.approaches == MOST_APPROACHES {

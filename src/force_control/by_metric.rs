@@ -9,7 +9,7 @@
 //! and tractions, as if they stuck: points that slip apart under a press stick, most of them,
 //! once the tool is pushed aside, and too stiff is learnt better than nothing at all. Cost: a factor of H_AA.
 
-use super::rigid::gap_changes;
+use super::gap_changes::gap_changes;
 use crate::linalg::vector::{dot, scale};
 use crate::linalg::{SymmetricMatrix, Workspace};
 use crate::model::push::Control;

@@ -21,7 +21,7 @@ const POSE_SPACING: f64 = 0.25;
 /// Bounded parts behind the first touch at most; a tool that would need more may pass.
 pub(super) const MOST_PARTS: f64 = 1000.0;
 
-/// The longest part of the way from the drive of `state` to `goal` that may be taken from there,
+/// The longest part of the path from the drive of `state` to `goal` that may be taken from there,
 /// in (0, 1].
 pub(super) fn longest_part(model: &Model<'_>, state: &State, goal: &Drive) -> f64 {
     let longest = model.interfaces.list.iter().map(|interface| {

@@ -4,22 +4,22 @@
 
 use std::time::Instant;
 
-use super::balance;
-use super::certificate::certify;
-use super::diagnosis::{explain, refuse_inside_out};
-use super::response::contact_alone::answer;
-use super::run::Run;
-use super::uniqueness::look_for_a_rival;
+use crate::diagnosis::uniqueness::look_for_a_rival;
+use crate::diagnosis::{explain, refuse_inside_out};
+use crate::force_control;
 use crate::model::drive::Drive;
 use crate::model::ending::Ending;
 use crate::model::mean_pressure::centre_pressure;
+use crate::sqp::condensation::contact_alone::answer;
+use crate::sqp::run::Run;
+use crate::stability::certify;
 
 /// Solves one part and says what kind of equilibrium it led to.
-pub(crate) fn attempt(run: &mut Run<'_>, drive: &Drive) -> Ending {
+pub(super) fn solve_part(run: &mut Run<'_>, drive: &Drive) -> Ending {
     if let Some(ending) = answer(run, drive) {
         return ending;
     }
-    let mut ending = balance::solve(run, drive);
+    let mut ending = force_control::solve(run, drive);
     explain(run, &mut ending);
     centre_pressure(&run.model, run.state);
     refuse_inside_out(run, &mut ending);

@@ -13,7 +13,7 @@
 //! act along the normals more than across them stay, and no motion is longer than a step of the
 //! search. Cost: two evaluations of the gaps.
 
-use super::rigid::gap_changes;
+use super::gap_changes::gap_changes;
 use crate::linalg::vector::{add_scaled, dot};
 use crate::model::drive::Drive;
 use crate::model::evaluate::evaluate_contact;

@@ -8,7 +8,7 @@
 //! e the direction of the pushes, s how far beyond touch. Cost: some distances of all faces,
 //! and a few dense problems.
 
-use super::rigid::gap_changes;
+use super::gap_changes::gap_changes;
 use crate::contact::nearest::nearest;
 use crate::inequality::dense_cone;
 use crate::linalg::vector::{add_scaled, dot, norm};

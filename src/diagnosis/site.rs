@@ -10,7 +10,6 @@
 //!
 //! Read from the state that is kept. Cost: one evaluation at most.
 
-use super::run::Run;
 use crate::contact::gap::mean_normals;
 use crate::geometry::vector3::{add, dot, normalised, scale};
 use crate::linalg::vector::norm;
@@ -20,6 +19,7 @@ use crate::model::ending::{Ending, Site};
 use crate::model::state::State;
 use crate::report::Cause;
 use crate::results::finite_strain::volume_ratio;
+use crate::sqp::run::Run;
 
 /// Passes over the normals of all obstacles; each brings the sum nearer to its least.
 const MOST_SWEEPS: usize = 100;

@@ -53,7 +53,7 @@ impl InitialPenetration {
         !self.penetration.is_empty()
     }
 
-    /// Depths that are still let be where a fraction of the way is done `[multipliers]`.
+    /// Depths that are still let be where a fraction of the path is done `[multipliers]`.
     pub(crate) fn left(&self, fraction: f64) -> Arc<[f64]> {
         let mut left = self.penetration.clone();
         scale(&mut left, 1.0 - fraction);

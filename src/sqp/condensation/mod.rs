@@ -20,7 +20,7 @@
 //! update (L. Guyan, AIAA J. 3, 1965, for the condensation).
 
 mod columns;
-pub(super) mod contact_alone;
+pub(crate) mod contact_alone;
 mod free;
 pub(crate) mod inside;
 pub(super) mod kept;

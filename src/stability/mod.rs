@@ -17,13 +17,13 @@ mod exact;
 mod follow;
 mod lanczos;
 
-use super::lowest_mode::LowestMode;
-use super::run::Run;
 use crate::linalg::vector::reproducible_noise;
 use crate::model::ending::Ending;
 use crate::model::held::mask;
 use crate::report::{Cause, Stability, Termination};
 use crate::scene::{OnInstability, StabilityCheck};
+use crate::sqp::lowest_mode::LowestMode;
+use crate::sqp::run::Run;
 
 /// Eigenvalue over that at rest below which a motion lowers the energy: those of a body that is
 /// free to move as a whole are rounding.

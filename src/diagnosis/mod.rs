@@ -1,8 +1,10 @@
 //! Causes that the methods can only notice as stagnation: loads that nothing resists,
 //! a volume that cannot change, a body about to snap.
 
-use super::enclosure::{constant_pressure_force, is_full};
-use super::run::Run;
+mod enclosure;
+pub(crate) mod site;
+pub(crate) mod uniqueness;
+
 use crate::contact::gap::{Deformed, Measure, evaluate_gaps, linearise};
 use crate::linalg::Workspace;
 use crate::linalg::vector::{add_scaled, dot, norm};
@@ -14,6 +16,8 @@ use crate::model::inside_out::inside_out;
 use crate::model::state::State;
 use crate::obstacle::{Contact, Obstacle, What};
 use crate::report::{Cause, Termination};
+use crate::sqp::run::Run;
+use enclosure::{constant_pressure_force, is_full};
 
 /// Least eigenvalue over that at rest below which a body is about to snap.
 const SOFT: f64 = 0.1;

@@ -6,22 +6,16 @@
 //!
 //! zero in the exact solution; s in shear moduli (decisions 22 and 45).
 
-use super::attempt::attempt;
-use super::diagnosis::is_soft;
-use super::lowest_mode::LowestMode;
-use super::program::QuadraticProgram;
-use super::run::Run;
-use super::step_control::{KeptState, Parts};
+use super::checkpoint::Checkpoint;
+use super::part::solve_part;
 use crate::linalg::LinearOperator;
 use crate::linalg::vector::dot;
 use crate::model::ending::Ending;
-use crate::report::{Cause, Termination};
+use crate::report::Termination;
+use crate::sqp::lowest_mode::LowestMode;
+use crate::sqp::program::QuadraticProgram;
+use crate::sqp::run::Run;
 
-/// Failures of one part after another that bring the volume term in.
-const PATIENCE: u32 = 2;
-/// The same with friction, where no certificate says that a state is soft: the iterations stop
-/// where it is, and smaller parts only come nearer.
-const PATIENCE_WITH_FRICTION: u32 = 1;
 /// Share of a motion's strain energy that is change of volume between the vertices, from which on
 /// it is one of the mesh: bodies buckle and roll with hardly any.
 const OF_THE_MESH: f64 = 0.45;
@@ -29,31 +23,21 @@ const OF_THE_MESH: f64 = 0.45;
 const GENTLE: [f64; 2] = [0.0625, 0.25];
 
 /// The weight of the volume penalty where less of it may be what loses the equilibrium; `lost` is
-/// the motion along which one was seen to be unstable. Where bodies fall it has to be that motion
-/// which a penalty holds, and hardly any that the body has.
-pub(crate) fn next_penalty(
+/// the motion along which one was seen to be unstable, `tried` the largest weight that led
+/// nowhere. Where bodies snap through it has to be that motion which a penalty holds, and hardly
+/// any that the body has.
+pub(super) fn next_penalty(
     run: &mut Run<'_>,
-    (ending, lost): (&Ending, Option<&LowestMode>),
-    parts: &Parts,
+    lost: Option<&LowestMode>,
+    tried: f64,
 ) -> Option<f64> {
     let pressures = run.state.pressure.iter();
     let largest = pressures.fold(0.0, |most: f64, p| most.max(p.abs()));
-    let present = run.state.penalty.max(parts.tried);
+    let present = run.state.penalty.max(tried);
     let weight = run.model.plan.next_penalty(present, largest)?;
-    let is_needed = match run.model.plan.falls() {
-        true => lost.is_some_and(|mode| is_of_the_mesh(run, mode, weight)),
-        false => is_lost(run, ending, parts),
-    };
+    let is_needed =
+        !run.model.plan.falls() || lost.is_some_and(|mode| is_of_the_mesh(run, mode, weight));
     is_needed.then_some(weight)
-}
-
-/// Whether an equilibrium is lost, by all that is known of it.
-fn is_lost(run: &Run<'_>, ending: &Ending, parts: &Parts) -> bool {
-    let patience = match run.model.interfaces.friction {
-        Some(_) => PATIENCE_WITH_FRICTION,
-        None => PATIENCE,
-    };
-    ending.cause == Some(Cause::UnstableEquilibrium) || is_soft(run) || parts.failures >= patience
 }
 
 /// Whether a motion that lowers the energy changes volumes between the vertices so much that the
@@ -83,8 +67,8 @@ fn curvature(run: &mut Run<'_>, mode: &LowestMode, penalty: f64) -> f64 {
 
 /// Moves a good state to where a larger penalty has its equilibrium; leaves it
 /// as it was where that is not found.
-pub(crate) fn penalise(run: &mut Run<'_>, weight: f64) -> Ending {
-    let kept = KeptState::of(run);
+pub(super) fn penalise(run: &mut Run<'_>, weight: f64) -> Ending {
+    let checkpoint = Checkpoint::of(run);
     let drive = run.state.drive.clone();
     let mut shares = GENTLE.into_iter();
     loop {
@@ -92,9 +76,9 @@ pub(crate) fn penalise(run: &mut Run<'_>, weight: f64) -> Ending {
         run.state.penalty = share * weight;
         run.learned.refresh.renew();
         run.learned.factored = None;
-        let ending = attempt(run, &drive);
+        let ending = solve_part(run, &drive);
         if ending.termination != Termination::Converged {
-            kept.restore(run);
+            checkpoint.restore(run);
             return ending;
         }
         if share >= 1.0 {

@@ -1,50 +1,21 @@
-//! Parts of the way to a goal, and the states to go back to between them.
+//! Parts of a load path.
 //!
 //! ```text
 //! success:  reached += part,  part *= 1.5
 //! failure:  part /= 2, back to the last good state
 //! ```
 //!
-//! Fractions are of the way from the state at the start to the goal, in [0, 1]; the last
+//! Fractions are of the path from its start to its goal, in [0, 1]; the last
 //! part ends at the goal exactly.
-
-use super::lowest_mode::LowestMode;
-use super::run::Run;
-use crate::model::state::State;
 
 /// Growth of the part after success.
 const GROWTH: f64 = 1.5;
 
-/// A state to go back to, with the softest motion of its equilibrium.
-pub(crate) struct KeptState {
-    /// The state to go back to.
-    pub(crate) state: State,
-    /// Softest motion of its equilibrium, which belongs to the state and not to what
-    /// was tried since.
-    lowest_mode: Option<LowestMode>,
-}
-
-impl KeptState {
-    /// The present one.
-    pub(crate) fn of(run: &Run<'_>) -> Self {
-        Self {
-            state: run.state.clone(),
-            lowest_mode: run.learned.lowest_mode.clone(),
-        }
-    }
-
-    /// Goes back to it.
-    pub(crate) fn restore(&self, run: &mut Run<'_>) {
-        run.state.clone_from(&self.state);
-        run.learned.lowest_mode.clone_from(&self.lowest_mode);
-    }
-}
-
-/// Parts of the way.
+/// Parts of the path.
 pub(crate) struct Parts {
-    /// Fraction of the way that is solved, in [0, 1].
+    /// Fraction of the path that is solved, in [0, 1].
     pub(crate) reached: f64,
-    /// Fraction of the way that the next part takes.
+    /// Fraction of the path that the next part takes.
     pub(crate) part: f64,
     /// Longest part that may be taken from there.
     pub(crate) longest: f64,
@@ -55,7 +26,7 @@ pub(crate) struct Parts {
 }
 
 impl Parts {
-    /// The way before its first part, which takes the fraction `longest`.
+    /// The path before its first part, which takes the fraction `longest`.
     pub(crate) fn new(longest: f64) -> Self {
         Self {
             reached: 0.0,
@@ -77,7 +48,7 @@ impl Parts {
         if next >= 1.0 - 1e-12 { 1.0 } else { next }
     }
 
-    /// Takes `next` as reached by a fall; the next part is as long as that was.
+    /// Takes `next` as reached by a snap-through; the next part is as long as that was.
     pub(crate) fn land(&mut self, next: f64) {
         self.part = next - self.reached;
         self.reached = next;
@@ -97,8 +68,13 @@ impl Parts {
         self.part = self.part.min(longest);
     }
 
-    /// Halves what the next part takes, behind a failure.
+    /// Half of what the next part takes.
+    pub(crate) fn half(&self) -> f64 {
+        0.5 * (self.next() - self.reached)
+    }
+
+    /// Halves what the next part takes, after a failure.
     pub(crate) fn cut_back(&mut self) {
-        self.part = 0.5 * (self.next() - self.reached);
+        self.part = self.half();
     }
 }

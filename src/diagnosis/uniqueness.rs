@@ -9,9 +9,6 @@
 //! of rubber as it is at rest: another solution is reason for a doubt, no proof. Cost: the
 //! metric of a program, a Cholesky factor of the pressures; only up to `MOST` multipliers.
 
-use super::contact_metric::ContactMetric;
-use super::run::Run;
-use super::volumes::volumes;
 use crate::inequality::dense_cone::{DenseSolution, cones, uniqueness};
 use crate::linalg::LinearOperator;
 use crate::linalg::vector::add_scaled;
@@ -19,6 +16,9 @@ use crate::model::ending::{Ending, Rival};
 use crate::report::Termination;
 use crate::saddle::{ProductSet, Status};
 use crate::scene::MetricKind;
+use crate::sqp::contact_metric::ContactMetric;
+use crate::sqp::run::Run;
+use crate::sqp::volumes::volumes;
 
 /// Multipliers at most, whose factor is not felt.
 const MOST: usize = 900;

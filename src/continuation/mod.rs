@@ -1,0 +1,325 @@
+//! The load path of an increment: moves a state to where it leads, at once, or in parts where the
+//! whole fails. What follows a failure is decided in one place ([`strategy`]).
+//!
+//! | file | part |
+//! |---|---|
+//! | [`strategy`] | what follows a failed part |
+//! | [`part`] | one part, solved and judged |
+//! | [`parts`], [`checkpoint`] | parts of the path, and the equilibrium to go back to |
+//! | [`longest_part`], [`initial_penetration`] | how long parts may be, what they admit |
+//! | [`penalty`], [`snap_through`] | strategies beside smaller parts |
+//!
+//! A body that starts inside an obstacle is let in by as much as it is inside, and pushed out over
+//! the parts. Equilibria of rubber are certified; one that is no minimum is not kept. Cost: that of
+//! the parts; each failed one is in the report ([`crate::report::Attempt`]).
+
+mod checkpoint;
+mod initial_penetration;
+mod longest_part;
+mod part;
+mod parts;
+mod penalty;
+mod snap_through;
+mod strategy;
+
+use crate::diagnosis::{is_soft, name_the_end, name_the_impossible};
+use crate::model::conditions::Conditions;
+use crate::model::drive::Drive;
+use crate::model::ending::{Ending, Snap};
+use crate::model::state::State;
+use crate::report::{Attempt, Cause, Strategy, Termination};
+use crate::sqp::increment;
+use crate::sqp::lowest_mode::LowestMode;
+use crate::sqp::run::Run;
+use crate::sqp::trend::Trend;
+use checkpoint::Checkpoint;
+use initial_penetration::InitialPenetration;
+use longest_part::{MOST_PARTS, longest_part};
+use part::solve_part;
+use parts::Parts;
+use penalty::{next_penalty, penalise};
+use snap_through::snap_through;
+use strategy::{Failure, LEAST_UNSTABLE_FRACTION, Next, Rules, Tried, after};
+
+/// How far the first snap-through leads, over the longest part: what a smaller part would find is
+/// on the way down.
+const FIRST_SNAP_THROUGH: f64 = 1.0 / 2.0;
+
+/// The path from one drive to another.
+struct LoadPath<'w> {
+    /// What drove the body at the start.
+    start: Drive,
+    /// What shall drive it at the end.
+    goal: &'w Drive,
+    /// By how much the start lies inside obstacles.
+    penetration: InitialPenetration,
+    /// Parts of the path.
+    parts: Parts,
+    /// Fraction of the path to which tools do not bound a part.
+    least_bound: f64,
+    /// All snap-throughs on the path.
+    snapped: Option<Snap>,
+    /// How far a snap-through leads: half as far after each that has found no minimum.
+    snap_through: f64,
+}
+
+/// A part that failed, and the motion along which its equilibrium was seen to be unstable.
+struct Failed {
+    ending: Ending,
+    lost: Option<LowestMode>,
+    applications: u32,
+}
+
+/// Moves the state to `goal`, in parts where the whole fails; returns how it ended and the part
+/// reached.
+pub(crate) fn advance(run: &mut Run<'_>, goal: &Drive) -> (Ending, f64) {
+    let start = run.state.drive.clone();
+    let goal = &goal.carried_by(&start);
+    let penetration = InitialPenetration::of(&run.model, run.state, &start);
+    let longest = longest_part(&run.model, run.state, goal);
+    let mut path = LoadPath {
+        start,
+        goal,
+        parts: Parts::new(longest),
+        least_bound: (1.0 - longest) / MOST_PARTS,
+        penetration,
+        snapped: None,
+        snap_through: first_snap_through(run.state),
+    };
+    let (mut ending, part) = path.follow(run);
+    if ending.termination == Termination::Converged {
+        run.learned.converged.add(run.counters.applications);
+    }
+    name_the_impossible(run, &mut ending, goal);
+    ending.snapped = path.snapped;
+    (ending, part)
+}
+
+impl LoadPath<'_> {
+    /// Part after part to the end; how it ended and the part reached.
+    fn follow(&mut self, run: &mut Run<'_>) -> (Ending, f64) {
+        loop {
+            // Nothing polls where a part needs no iteration.
+            if let Some(termination) = run.stopped() {
+                let ending = increment::stopped(run, termination);
+                return self.finished(run, ending);
+            }
+            let next = self.parts.next();
+            let checkpoint = Checkpoint::of(run);
+            let before = run.counters.applications;
+            let drive = self.start.towards(self.goal, next);
+            let ending = solve_part(&mut run.under(self.conditions(run, next)), &drive);
+            note_trend(run, &ending, &checkpoint.state);
+            if ending.termination == Termination::Converged {
+                if next >= 1.0 {
+                    return (ending, 1.0);
+                }
+                self.parts.succeed();
+                self.bound(run);
+                continue;
+            }
+            let is_saddle = ending.cause == Some(Cause::UnstableEquilibrium);
+            let failed = Failed {
+                lost: run.learned.lowest_mode.clone().filter(|_| is_saddle),
+                applications: run.counters.applications - before,
+                ending,
+            };
+            checkpoint.restore(run);
+            if failed.ending.is_stopped() {
+                return self.finished(run, failed.ending);
+            }
+            self.parts.failures += 1;
+            let settled = {
+                let run = &mut run.under(self.conditions(run, self.parts.reached));
+                self.after_failure(run, failed)
+            };
+            if let Some(ending) = settled {
+                return self.finished(run, ending);
+            }
+        }
+    }
+
+    /// Does what follows a failed part; how the path ends where nothing leads on. The state is the
+    /// last good one.
+    fn after_failure(&mut self, run: &mut Run<'_>, failed: Failed) -> Option<Ending> {
+        let mut ending = failed.ending;
+        let failure = Failure {
+            cause: ending.cause,
+            is_unmet: is_unmet(&ending),
+            is_soft: is_soft(run),
+            is_certified: run.learned.lowest_mode.is_some(),
+        };
+        let rules = rules(run);
+        let mut tried = self.tried(run);
+        let (mut what, mut cause) = (Strategy::Part, failure.cause);
+        let mut applications = failed.applications;
+        loop {
+            let next = after(&failure, &tried, &rules);
+            let note = |followed_by| Attempt {
+                strategy: what,
+                cause,
+                preconditioner_applications: applications,
+                followed_by,
+            };
+            let strategy = match next {
+                Next::Smaller => {
+                    run.counters
+                        .attempts
+                        .push(note(Some(Strategy::SmallerPart)));
+                    self.parts.cut_back();
+                    run.counters.cut_backs += 1;
+                    return None;
+                }
+                Next::GiveUp => {
+                    run.counters.attempts.push(note(None));
+                    name_the_end(run, &mut ending);
+                    increment::describe(run, &mut ending);
+                    return Some(ending);
+                }
+                Next::Again(strategy) => strategy,
+            };
+            let before = run.counters.applications;
+            let noted = note(Some(strategy));
+            let settled = match strategy {
+                Strategy::VolumePenalty => {
+                    tried.penalty = true;
+                    self.penalise(run, failed.lost.as_ref())
+                }
+                _ => {
+                    tried.has_snapped = true;
+                    self.snap_through(run, &failure)
+                }
+            };
+            // A penalty that the scene has no place for is no attempt.
+            let Some(settled) = settled else { continue };
+            run.counters.attempts.push(noted);
+            if settled.is_stopped() {
+                return Some(settled);
+            }
+            if settled.termination == Termination::Converged {
+                return (self.parts.reached >= 1.0).then_some(settled);
+            }
+            tried.snap_through = self.snap_through;
+            (what, cause) = (strategy, settled.cause);
+            applications = run.counters.applications - before;
+        }
+    }
+
+    /// What has been tried since the last equilibrium.
+    fn tried(&self, run: &Run<'_>) -> Tried {
+        Tried {
+            half: self.parts.half(),
+            longest: self.parts.longest,
+            snap_through: self.snap_through,
+            failures: self.parts.failures,
+            penalty: false,
+            has_snapped: false,
+            is_spent: run.is_spent(),
+        }
+    }
+
+    /// Those of a part that ends at `next`: as deep inside obstacles as the body may be there.
+    fn conditions(&self, run: &Run<'_>, next: f64) -> Conditions {
+        Conditions {
+            admitted_penetration: [self.parts.reached, next].map(|end| self.penetration.left(end)),
+            ..run.model.conditions.clone()
+        }
+    }
+
+    /// Bounds the next part by what tools may advance from here.
+    fn bound(&mut self, run: &Run<'_>) {
+        let share = longest_part(&run.model, run.state, self.goal);
+        self.parts.bound(if share < 1.0 {
+            ((1.0 - self.parts.reached) * share).max(self.least_bound)
+        } else {
+            1.0
+        });
+    }
+
+    /// Brings a larger penalty in where that keeps an equilibrium; how that ended, the state as it
+    /// was where it failed. None where no penalty is to be had.
+    fn penalise(&mut self, run: &mut Run<'_>, lost: Option<&LowestMode>) -> Option<Ending> {
+        let weight = next_penalty(run, lost, self.parts.tried)?;
+        let settled = penalise(run, weight);
+        if settled.termination == Termination::Converged {
+            self.parts.failures = 0;
+        } else {
+            self.parts.tried = weight;
+        }
+        Some(settled)
+    }
+
+    /// Lets the body snap through to the next minimum a part of the path on; how that ended, the
+    /// state as it was where none is found.
+    fn snap_through(&mut self, run: &mut Run<'_>, failure: &Failure) -> Option<Ending> {
+        let checkpoint = Checkpoint::of(run);
+        let next = self.parts.after(self.snap_through * self.parts.longest);
+        let drive = self.start.towards(self.goal, next);
+        let settled = snap_through(&mut run.under(self.conditions(run, next)), &drive);
+        if settled.termination == Termination::Converged {
+            self.parts.land(next);
+            self.bound(run);
+            let was_lost = failure.is_unstable();
+            let snap = settled.snapped.map(|snap| Snap { was_lost, ..snap });
+            self.snapped = match (self.snapped, snap) {
+                (Some(before), Some(snap)) => Some(before.and(snap)),
+                (before, snap) => before.or(snap),
+            };
+        } else {
+            checkpoint.restore(run);
+            self.snap_through *= 0.5;
+        }
+        Some(settled)
+    }
+
+    /// The end of a path that leads no further than its last good part; an increment that was
+    /// cancelled keeps none, one whose time is up all that are equilibria.
+    fn finished(&self, run: &Run<'_>, mut ending: Ending) -> (Ending, f64) {
+        let is_kept = match ending.termination {
+            Termination::Converged | Termination::NotConverged => true,
+            Termination::DeadlineExceeded => !self.penetration.is_any(),
+            Termination::Cancelled | Termination::InternalError => false,
+        };
+        let mode = run.learned.lowest_mode.as_ref();
+        ending.stability = mode.map(|mode| mode.stability);
+        (ending, if is_kept { self.parts.reached } else { 0.0 })
+    }
+}
+
+/// How far the first snap-through leads. A body at rest leans to no side yet: small parts bend it
+/// first, so that it goes where it would under a slow press.
+fn first_snap_through(state: &State) -> f64 {
+    let is_at_rest = state.displacement.iter().all(|&u| u == 0.0);
+    if is_at_rest {
+        LEAST_UNSTABLE_FRACTION
+    } else {
+        FIRST_SNAP_THROUGH
+    }
+}
+
+/// What the scene lets a load path do.
+fn rules(run: &Run<'_>) -> Rules {
+    let plan = run.model.plan;
+    let has_friction = plan.has_friction();
+    Rules {
+        is_linear: run.model.is_linear() && !has_friction,
+        is_nested: plan.contact.method.is_nested(),
+        has_friction: run.model.interfaces.friction.is_some(),
+        may_snap_through: run.model.is_rubber() && plan.may_fall(),
+        snaps_through: plan.falls(),
+    }
+}
+
+/// Whether an obstacle does not exert what it shall.
+fn is_unmet(ending: &Ending) -> bool {
+    let site = ending.site.as_ref();
+    site.is_some_and(|site| site.unbalanced.is_some())
+}
+
+/// Keeps how rubber moved in a part that converged.
+fn note_trend(run: &mut Run<'_>, ending: &Ending, before: &State) {
+    if run.model.is_rubber() && ending.termination == Termination::Converged {
+        let known = run.learned.trend.take();
+        run.learned.trend = Trend::noted(&run.model, known, before, run.state);
+    }
+}

@@ -1,0 +1,163 @@
+//! A flow to rest: a sequence of equilibria, each held back to the one before,
+//!
+//! ```text
+//! f(u_k+1) = t_k M (u_k+1 - u_k)   with volume and contact
+//! ```
+//!
+//! f the forces out of balance, M a mass ([`crate::model::proximal`]): the implicit Euler rule of a
+//! body with a little viscosity, and down the energy where there is one (R. T. Rockafellar, SIAM J.
+//! Control Optim. 14, 1976). With t large every step is a stable problem. What t is, when the end
+//! without the proximal term is tried, and what ends the flow otherwise, is for its policy. Cost: a
+//! solve a step.
+
+use std::sync::Arc;
+
+use super::increment;
+use super::run::Run;
+use crate::model::conditions::Conditions;
+use crate::model::drive::Drive;
+use crate::model::ending::Ending;
+use crate::model::proximal::{Proximal, mass};
+use crate::model::state::State;
+use crate::report::Termination;
+
+/// What a step that was solved leads to.
+pub(crate) enum Advance {
+    /// Another step.
+    Step,
+    /// The end, without the proximal term.
+    End,
+    /// Nowhere: the flow ends for that reason.
+    Nowhere(Ending),
+}
+
+/// What trying the end has led to.
+pub(crate) enum End {
+    /// The flow ends there.
+    At(Ending),
+    /// It is not there yet: another step, from where the end was tried.
+    NotYet,
+    /// Another step from where it has come to.
+    Elsewhere,
+}
+
+/// How a flow goes.
+pub(crate) trait Policy {
+    /// Steps at most, and failures one after the other that end the flow.
+    const MOST: [u32; 2];
+    /// Change of the weight after a step that was not solved.
+    const HEAVIER: f64;
+
+    /// Those of the next step, which are those of `run` but for the proximal term.
+    fn conditions(&mut self, run: &mut Run<'_>) -> Conditions;
+
+    /// Notes a step that was not solved; whether that ends the flow.
+    fn fail(&mut self, run: &Run<'_>, ending: &mut Ending) -> bool;
+
+    /// Takes over a step from `before` that was solved, and chooses the next weight.
+    fn advance(&mut self, run: &mut Run<'_>, flow: &mut Flow, solved: Solved) -> Advance;
+
+    /// Tries the end without the proximal term.
+    fn end(&mut self, run: &mut Run<'_>, flow: &mut Flow, drive: &Drive) -> End;
+}
+
+/// A step that was solved.
+pub(crate) struct Solved {
+    /// Where it began.
+    pub(crate) before: State,
+    /// How it ended.
+    pub(crate) ending: Ending,
+}
+
+/// Where a flow is.
+pub(crate) struct Flow {
+    /// M `[displacement]`.
+    pub(crate) mass: Arc<[f64]>,
+    /// t, non-dimensional.
+    pub(crate) weight: f64,
+}
+
+impl Flow {
+    /// From the present state, with the weight that `first` finds for its mass.
+    pub(crate) fn new(run: &Run<'_>, first: impl FnOnce(&[f64]) -> f64) -> Self {
+        let mass: Arc<[f64]> = mass(&run.model).into();
+        Self {
+            weight: first(&mass),
+            mass,
+        }
+    }
+
+    /// Steps until the policy ends the flow; how it ended, with a state of no use where it did not
+    /// converge.
+    pub(crate) fn follow<P: Policy>(
+        mut self,
+        run: &mut Run<'_>,
+        drive: &Drive,
+        policy: &mut P,
+    ) -> Ending {
+        let [most_steps, most_failures] = P::MOST;
+        let (mut steps, mut failures) = (0, 0);
+        loop {
+            let before = run.state.clone();
+            let mut ending = self.step(run, drive, policy);
+            steps += 1;
+            if ending.is_stopped() {
+                return ending;
+            }
+            if ending.termination != Termination::Converged {
+                failures += 1;
+                let is_over = policy.fail(run, &mut ending);
+                if is_over || failures == most_failures || steps == most_steps {
+                    return ending;
+                }
+                *run.state = before;
+                self.weight *= P::HEAVIER;
+                continue;
+            }
+            failures = 0;
+            let ended = match policy.advance(run, &mut self, Solved { before, ending }) {
+                Advance::Step => None,
+                Advance::End => self.end(run, drive, policy),
+                Advance::Nowhere(ending) => Some(ending),
+            };
+            if let Some(ending) = ended {
+                return ending;
+            }
+            if steps == most_steps {
+                return increment::out_of_iterations(run);
+            }
+        }
+    }
+
+    /// One step.
+    fn step<P: Policy>(&self, run: &mut Run<'_>, drive: &Drive, policy: &mut P) -> Ending {
+        let proximal = Proximal {
+            weight: self.weight,
+            anchor: run.state.displacement.clone().into(),
+            mass: self.mass.clone(),
+        };
+        let conditions = run.model.conditions.clone();
+        let mut held = run.under(Conditions {
+            proximal: Some(proximal),
+            ..conditions
+        });
+        let conditions = policy.conditions(&mut held);
+        increment::solve(&mut held.under(conditions), drive)
+    }
+
+    /// Tries the end; how the flow ended there.
+    fn end<P: Policy>(
+        &mut self,
+        run: &mut Run<'_>,
+        drive: &Drive,
+        policy: &mut P,
+    ) -> Option<Ending> {
+        let before = run.state.clone();
+        match policy.end(run, self, drive) {
+            End::At(ending) => return Some(ending),
+            End::NotYet => *run.state = before,
+            End::Elsewhere => {}
+        }
+        None
+    }
+}

@@ -1,0 +1,144 @@
+//! Brings a body to rest that no support holds, where solving at once has failed, by a
+//! [flow](super::proximal_flow).
+//!
+//! Near the limit of friction all that resists a motion is a few points that stick, faces on the
+//! way to them resist nothing, and programs throw the body away; here each is that of a held body.
+//! Where points stick the force of the flow falls by the ratio of t M to their stiffness, a
+//! hundredth at first; where nothing resists it stays as it is, however light t becomes, and there
+//! is no equilibrium. Non-dimensional. Cost: three to ten solves, of scenes that would fail.
+
+use super::increment::{residuals, solve as solve_at_once};
+use super::proximal_flow::{Advance, End, Flow, Policy, Solved};
+use super::run::Run;
+use crate::linalg::vector::largest;
+use crate::model::conditions::Conditions;
+use crate::model::drive::Drive;
+use crate::model::ending::Ending;
+use crate::report::{Attempt, Cause, Strategy, Termination};
+
+/// First t, in mu / L^2: M holds vertices and edges, rigid motions move vertices alone.
+const FIRST_WEIGHT: f64 = 2e-2;
+/// Change of t after a step that hardly changes the force of the flow.
+const LIGHTER: f64 = 0.25;
+/// Residual that a step may leave over that before it, and at most.
+const SHARPNESS: [f64; 2] = [0.01, 1e-3];
+/// Force over that of the step before from which on a lighter t is tried.
+const SLOW: f64 = 0.3;
+/// The same from which on nothing resists, and such steps one after the other that show it.
+const UNRESISTED: f64 = 0.99;
+const MOST_UNRESISTED: u32 = 8;
+/// Force over that at the last trial of the end at which the end is tried.
+const EBB: f64 = 0.1;
+
+/// Moves the state to equilibrium under `drive`: at once, or by a flow where that fails and
+/// nothing but contact holds the body.
+pub(super) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
+    let start = run.model.plan.is_floating().then(|| run.state.clone());
+    let before = run.counters.applications;
+    let ending = solve_at_once(run, drive);
+    let Some(start) = start.filter(|_| is_for(run, &ending)) else {
+        return ending;
+    };
+    run.counters.attempts.push(Attempt {
+        strategy: Strategy::Part,
+        cause: ending.cause,
+        preconditioner_applications: run.counters.applications - before,
+        followed_by: Some(Strategy::ProximalRest),
+    });
+    let failed = std::mem::replace(run.state, start);
+    let flow = Flow::new(run, |_| FIRST_WEIGHT);
+    let rest = flow.follow(run, drive, &mut Rest::default());
+    let is_settled = rest.termination != Termination::NotConverged;
+    if is_settled || rest.cause == Some(Cause::NoEquilibrium) {
+        return rest;
+    }
+    *run.state = failed;
+    ending
+}
+
+/// Whether an ending may be that of the method alone.
+fn is_for(run: &Run<'_>, ending: &Ending) -> bool {
+    // What is thrown away leaves all numbers.
+    let is_numerical =
+        ending.cause == Some(Cause::NotFinite) || ending.cause.is_some_and(Cause::is_numerical);
+    is_numerical && (run.model.is_linear() || run.model.plan.has_friction())
+}
+
+/// A flow to rest.
+struct Rest {
+    /// Force out of balance without the proximal term, over the scale of forces: that of the last
+    /// step.
+    force: f64,
+    /// The same when the end was tried last.
+    tried: f64,
+    /// Steps one after the other that nothing resisted.
+    unresisted: u32,
+}
+
+impl Default for Rest {
+    fn default() -> Self {
+        Self {
+            force: f64::INFINITY,
+            tried: f64::INFINITY,
+            unresisted: 0,
+        }
+    }
+}
+
+impl Policy for Rest {
+    const MOST: [u32; 2] = [40, 3];
+    const HEAVIER: f64 = 8.0;
+
+    fn conditions(&mut self, run: &mut Run<'_>) -> Conditions {
+        let conditions = run.model.conditions.clone();
+        let sharp = (SHARPNESS[0] * self.force).min(SHARPNESS[1]);
+        Conditions {
+            tolerance: sharp.max(conditions.tolerance),
+            ..conditions
+        }
+    }
+
+    /// What nothing resists is soon farther away than anything could have carried it.
+    fn fail(&mut self, _: &Run<'_>, ending: &mut Ending) -> bool {
+        let has_flown = ending.cause == Some(Cause::NotFinite) && self.unresisted > 0;
+        if has_flown {
+            ending.cause = Some(Cause::NoEquilibrium);
+        }
+        has_flown
+    }
+
+    fn advance(&mut self, run: &mut Run<'_>, flow: &mut Flow, solved: Solved) -> Advance {
+        let now = run.evaluate();
+        let force = residuals(run.state, &now, 0.0).equilibrium;
+        let share = force / std::mem::replace(&mut self.force, force);
+        let is_unresisted = share > UNRESISTED && largest(&run.state.displacement) > 0.0;
+        self.unresisted = if is_unresisted {
+            self.unresisted + 1
+        } else {
+            0
+        };
+        if share > SLOW {
+            flow.weight *= LIGHTER;
+        }
+        if self.unresisted == MOST_UNRESISTED {
+            return Advance::Nowhere(Ending {
+                termination: Termination::NotConverged,
+                cause: Some(Cause::NoEquilibrium),
+                ..solved.ending
+            });
+        }
+        match force <= run.model.conditions.tolerance || force <= EBB * self.tried {
+            true => Advance::End,
+            false => Advance::Step,
+        }
+    }
+
+    fn end(&mut self, run: &mut Run<'_>, _: &mut Flow, drive: &Drive) -> End {
+        self.tried = self.force;
+        let ending = solve_at_once(run, drive);
+        match ending.termination {
+            Termination::NotConverged => End::NotYet,
+            _ => End::At(ending),
+        }
+    }
+}
