@@ -15,8 +15,8 @@ pub(super) mod points;
 
 use pulp::Simd;
 
-use super::lanes::{Batched, Lanes, Pack, WIDTH};
-use super::transpose::{Row, Transpose};
+use super::lanes::{Lanes, Pack, WIDTH};
+use super::transpose::{Batched, Row, Transpose};
 use crate::linalg::Scalar;
 pub use points::edge_factor;
 use points::{

@@ -6,7 +6,6 @@ use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 use pulp::Simd;
 
-use super::transpose::{Row, Transpose};
 use crate::geometry::tensor::Number;
 use crate::linalg::Scalar;
 
@@ -60,50 +59,6 @@ pub trait Packed: Scalar {
     ) -> Self::Register<S>;
     /// `-a`.
     fn negative<S: Simd>(simd: S, a: Self::Register<S>) -> Self::Register<S>;
-}
-
-/// A batch of W numbers with the shuffles between nodes and lanes.
-pub trait Batched<const W: usize>: Packed {
-    /// Number `i` of all rows in lanes `i`.
-    fn to_lanes<T: Transpose>(transpose: T, rows: [&Row<Self>; W]) -> [Lanes<Self, W>; 4];
-    /// The rows again.
-    fn to_rows<T: Transpose>(transpose: T, lanes: &[Lanes<Self, W>; 4]) -> [Row<Self>; W];
-
-    /// Registers of a batch.
-    #[inline(always)]
-    fn parts<S: Simd>() -> usize {
-        W / Self::lanes::<S>()
-    }
-}
-
-impl Batched<WIDTH> for f64 {
-    #[inline(always)]
-    fn to_lanes<T: Transpose>(transpose: T, rows: [&Row; WIDTH]) -> [Lanes; 4] {
-        transpose.to_lanes(rows)
-    }
-
-    #[inline(always)]
-    fn to_rows<T: Transpose>(transpose: T, lanes: &[Lanes; 4]) -> [Row; WIDTH] {
-        transpose.to_rows(lanes)
-    }
-}
-
-impl Batched<SINGLE_WIDTH> for f32 {
-    #[inline(always)]
-    fn to_lanes<T: Transpose>(
-        transpose: T,
-        rows: [&Row<f32>; SINGLE_WIDTH],
-    ) -> [Lanes<f32, SINGLE_WIDTH>; 4] {
-        transpose.to_single_lanes(rows)
-    }
-
-    #[inline(always)]
-    fn to_rows<T: Transpose>(
-        transpose: T,
-        lanes: &[Lanes<f32, SINGLE_WIDTH>; 4],
-    ) -> [Row<f32>; SINGLE_WIDTH] {
-        transpose.to_single_rows(lanes)
-    }
 }
 
 macro_rules! packed {

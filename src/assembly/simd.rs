@@ -5,8 +5,8 @@
 use pulp::{Simd, WithSimd};
 
 use super::kernel::{self, Batch, Element};
-use super::lanes::{Batched, WIDTH};
-use super::transpose::{Row, Transpose};
+use super::lanes::WIDTH;
+use super::transpose::{Batched, Row, Transpose};
 
 /// Which kernels run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,7 +4,9 @@
 //! Written with shuffles where the processor has them: numbers written one by
 //! one and read as a whole register wait for each other.
 
-use super::lanes::{Lanes, SINGLE_WIDTH, WIDTH};
+use pulp::Simd;
+
+use super::lanes::{Lanes, Packed, SINGLE_WIDTH, WIDTH};
 use crate::linalg::Scalar;
 
 /// The numbers of one node: displacement, then pressure in the last place.
@@ -24,6 +26,50 @@ pub trait Transpose: Copy {
 
 /// The numbers of a batch in single precision.
 type Single = Lanes<f32, SINGLE_WIDTH>;
+
+/// A batch of W numbers with the shuffles between nodes and lanes.
+pub trait Batched<const W: usize>: Packed {
+    /// Number `i` of all rows in lanes `i`.
+    fn to_lanes<T: Transpose>(transpose: T, rows: [&Row<Self>; W]) -> [Lanes<Self, W>; 4];
+    /// The rows again.
+    fn to_rows<T: Transpose>(transpose: T, lanes: &[Lanes<Self, W>; 4]) -> [Row<Self>; W];
+
+    /// Registers of a batch.
+    #[inline(always)]
+    fn parts<S: Simd>() -> usize {
+        W / Self::lanes::<S>()
+    }
+}
+
+impl Batched<WIDTH> for f64 {
+    #[inline(always)]
+    fn to_lanes<T: Transpose>(transpose: T, rows: [&Row; WIDTH]) -> [Lanes; 4] {
+        transpose.to_lanes(rows)
+    }
+
+    #[inline(always)]
+    fn to_rows<T: Transpose>(transpose: T, lanes: &[Lanes; 4]) -> [Row; WIDTH] {
+        transpose.to_rows(lanes)
+    }
+}
+
+impl Batched<SINGLE_WIDTH> for f32 {
+    #[inline(always)]
+    fn to_lanes<T: Transpose>(
+        transpose: T,
+        rows: [&Row<f32>; SINGLE_WIDTH],
+    ) -> [Lanes<f32, SINGLE_WIDTH>; 4] {
+        transpose.to_single_lanes(rows)
+    }
+
+    #[inline(always)]
+    fn to_rows<T: Transpose>(
+        transpose: T,
+        lanes: &[Lanes<f32, SINGLE_WIDTH>; 4],
+    ) -> [Row<f32>; SINGLE_WIDTH] {
+        transpose.to_single_rows(lanes)
+    }
+}
 
 /// Number `i` of all rows in lanes `i`, one by one.
 #[inline(always)]

@@ -3,6 +3,8 @@
 //! Paths are followed through `mod.rs`: a name that it only passes on belongs to
 //! the file that defines it. A file may use whatever the modules that it lies in
 //! define, and a `mod.rs` may pass on what its own files define; neither counts.
+//! A module written out in a file, `mod name { .. }`, reads its names as a module of
+//! its own; what it uses counts for its file.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -22,6 +24,8 @@ struct Import {
 
 struct Module {
     file: PathBuf,
+    /// The module whose file this is: another one's if it is written out in that file.
+    home: usize,
     parent: Option<usize>,
     children: BTreeMap<String, usize>,
     imports: Vec<Import>,
@@ -36,7 +40,7 @@ impl Tree {
     /// Reads the crate whose root is the file `root`, without its tests.
     pub(crate) fn read(root: &Path) -> Self {
         let mut tree = Self(Vec::new());
-        tree.add(root, None);
+        tree.add(Source::read(root), None);
         tree
     }
 
@@ -45,9 +49,17 @@ impl Tree {
         &self.0[module].file
     }
 
-    /// For each module the modules that define what it uses.
+    /// For each module the modules that define what its file uses; nothing for one that
+    /// has no file of its own.
     pub(crate) fn uses(&self) -> Vec<BTreeSet<usize>> {
-        (0..self.0.len()).map(|module| self.used(module)).collect()
+        let mut uses = vec![BTreeSet::new(); self.0.len()];
+        for module in 0..self.0.len() {
+            let home = self.0[module].home;
+            let used = self.used(module).into_iter();
+            let files = used.map(|used| self.0[used].home);
+            uses[home].extend(files.filter(|file| *file != home));
+        }
+        uses
     }
 
     /// Names of the modules below the root, each with all that lies in it, and for
@@ -65,19 +77,27 @@ impl Tree {
         (names, edges)
     }
 
-    fn add(&mut self, file: &Path, parent: Option<usize>) -> usize {
-        let text = fs::read_to_string(file).expect("the module's file is readable");
-        let words = tokens::production(&text);
+    fn add(&mut self, source: Source, parent: Option<usize>) -> usize {
         let number = self.0.len();
+        let (words, inner) = written_out(&source.words);
         self.0.push(Module {
-            file: file.to_owned(),
+            home: parent
+                .filter(|_| source.is_inline)
+                .map_or(number, |parent| self.0[parent].home),
+            file: source.file.clone(),
             parent,
             children: BTreeMap::new(),
             imports: imports(&words),
             paths: paths(&words),
         });
-        for name in declared(&words) {
-            let child = self.add(&child_file(file, &name), Some(number));
+        let files = declared(&words)
+            .into_iter()
+            .map(|name| (source.child(&name), name));
+        let inner = inner
+            .into_iter()
+            .map(|(name, words)| (source.inline(&name, words), name));
+        for (child, name) in files.chain(inner) {
+            let child = self.add(child, Some(number));
             self.0[number].children.insert(name, child);
         }
         number
@@ -145,19 +165,81 @@ impl Tree {
     }
 }
 
-/// The file of `mod name;` in `file`.
-fn child_file(file: &Path, name: &str) -> PathBuf {
-    let folder = file.parent().expect("a file lies in a folder");
-    let stem = file.file_stem().expect("a file has a name");
-    let folder = match stem.to_str() {
-        Some("lib" | "main" | "mod") => folder.to_owned(),
-        _ => folder.join(stem),
-    };
-    let flat = folder.join(format!("{name}.rs"));
-    match flat.exists() {
-        true => flat,
-        false => folder.join(name).join("mod.rs"),
+/// The words of a module and where those that it declares have their files.
+struct Source {
+    file: PathBuf,
+    folder: PathBuf,
+    words: Vec<String>,
+    /// Whether it is written out in the file of another one.
+    is_inline: bool,
+}
+
+impl Source {
+    fn read(file: &Path) -> Self {
+        let text = fs::read_to_string(file).expect("the module's file is readable");
+        let folder = file.parent().expect("a file lies in a folder");
+        let stem = file.file_stem().expect("a file has a name");
+        Self {
+            file: file.to_owned(),
+            folder: match stem.to_str() {
+                Some("lib" | "main" | "mod") => folder.to_owned(),
+                _ => folder.join(stem),
+            },
+            words: tokens::production(&text),
+            is_inline: false,
+        }
     }
+
+    /// The source of `mod name;`.
+    fn child(&self, name: &str) -> Self {
+        let flat = self.folder.join(format!("{name}.rs"));
+        if flat.exists() {
+            Self::read(&flat)
+        } else {
+            Self::read(&self.folder.join(name).join("mod.rs"))
+        }
+    }
+
+    /// The source of `mod name { words }`.
+    fn inline(&self, name: &str, words: Vec<String>) -> Self {
+        Self {
+            file: self.file.clone(),
+            folder: self.folder.join(name),
+            words,
+            is_inline: true,
+        }
+    }
+}
+
+/// The words outside the modules that are written out, and those modules: name and words.
+fn written_out(words: &[String]) -> (Vec<String>, Vec<(String, Vec<String>)>) {
+    let (mut own, mut inner, mut at) = (Vec::new(), Vec::new(), 0);
+    while at < words.len() {
+        let is_module = words[at] == "mod" && words.get(at + 2).is_some_and(|word| word == "{");
+        if is_module {
+            let end = closing_brace(words, at + 2);
+            inner.push((words[at + 1].clone(), words[at + 3..end].to_vec()));
+            at = end + 1;
+        } else {
+            own.push(words[at].clone());
+            at += 1;
+        }
+    }
+    (own, inner)
+}
+
+/// Place of the brace that closes the one at `open`.
+fn closing_brace(words: &[String], open: usize) -> usize {
+    let mut depth = 0_usize;
+    for (at, word) in words.iter().enumerate().skip(open) {
+        match word.as_str() {
+            "{" => depth += 1,
+            "}" if depth == 1 => return at,
+            "}" => depth -= 1,
+            _ => {}
+        }
+    }
+    words.len()
 }
 
 /// Names of modules with files of their own.
@@ -253,11 +335,21 @@ fn paths(words: &[String]) -> Vec<Vec<String>> {
     found
 }
 
+/// Writes a crate into a folder of its own and reads it.
+fn example(name: &str, files: &[(&str, &str)]) -> Tree {
+    let root = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
+    for (name, text) in files {
+        let file = root.join(name);
+        fs::create_dir_all(file.parent().expect("a folder")).expect("the folder can be made");
+        fs::write(file, text).expect("the file can be written");
+    }
+    Tree::read(&root.join("lib.rs"))
+}
+
 /// A crate in which `a` uses `b` through the root, `b` uses `c`'s child, and the
 /// child what `c` and the root define.
 #[test]
 fn uses_are_followed_to_the_file_that_defines_a_name() {
-    let root = Path::new(env!("CARGO_TARGET_TMPDIR")).join("uses");
     let files = [
         (
             "lib.rs",
@@ -271,11 +363,7 @@ fn uses_are_followed_to_the_file_that_defines_a_name() {
             "use super::Own; use crate::Root; pub struct Deep;",
         ),
     ];
-    fs::create_dir_all(root.join("c")).expect("the folder can be made");
-    for (name, text) in files {
-        fs::write(root.join(name), text).expect("the file can be written");
-    }
-    let tree = Tree::read(&root.join("lib.rs"));
+    let tree = example("uses", &files);
     let [a, b, child] = ["a.rs", "b.rs", "c/child.rs"].map(|name| {
         let has_name = |module: &usize| tree.file(*module).ends_with(name);
         (0..files.len()).find(has_name).expect("the file is read")
@@ -285,4 +373,37 @@ fn uses_are_followed_to_the_file_that_defines_a_name() {
     assert_eq!(uses[b], BTreeSet::from([child]));
     assert!(uses[child].is_empty());
     assert_eq!(tree.rooms().1[0], BTreeSet::from([1, 2]));
+}
+
+/// Two files in a circle, where a module written out in one of them takes its names from
+/// that file: read as the file's own import, its `super` would be the root.
+#[test]
+fn modules_written_out_are_modules_of_their_own() {
+    let files = [
+        ("lib.rs", "mod rows; mod batches;"),
+        (
+            "rows.rs",
+            "use super::batches::Batch; pub struct Row; mod fast { use super::{Batch, Row}; }",
+        ),
+        ("batches.rs", "use super::rows::Row; pub struct Batch;"),
+    ];
+    let uses = example("inline", &files).uses();
+    assert_eq!(uses, [[].into(), [3].into(), [].into(), [1].into()]);
+    assert_eq!(super::circles(&uses), [BTreeSet::from([1, 3])]);
+}
+
+/// What only a module written out uses counts for its file.
+#[test]
+fn uses_of_modules_written_out_are_those_of_their_file() {
+    let files = [
+        ("lib.rs", "mod a; mod b;"),
+        (
+            "a.rs",
+            "mod deep { mod deeper { use crate::b::B; } pub(super) struct D; } use deep::D;",
+        ),
+        ("b.rs", "pub struct B;"),
+    ];
+    let tree = example("deep", &files);
+    assert_eq!(tree.uses()[1], BTreeSet::from([4]));
+    assert_eq!(tree.rooms().1, [[1].into(), [].into()]);
 }

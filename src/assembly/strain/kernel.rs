@@ -10,8 +10,8 @@ use crate::assembly::kernel::points::{Vectors, gradients, traction, zeros};
 use crate::assembly::kernel::{
     Batch, Element, NodeLanes, PRESSURE, edge_pairs, edge_share, gather, scatter,
 };
-use crate::assembly::lanes::{Batched, Lanes, Pack};
-use crate::assembly::transpose::{Row, Transpose};
+use crate::assembly::lanes::{Lanes, Pack};
+use crate::assembly::transpose::{Batched, Row, Transpose};
 use crate::element::quadrature::Rule;
 use crate::geometry::tensor::{Tensor, product};
 

@@ -21,9 +21,9 @@ use crate::assembly::grid::{
     Basis, CellGrid, Rows, add_displacement, set_displacement, set_pressure,
 };
 use crate::assembly::kernel::{Element, PRESSURE, gather, scatter};
-use crate::assembly::lanes::{Batched, Lanes, Pack};
+use crate::assembly::lanes::{Lanes, Pack};
 use crate::assembly::simd::{BatchPass, prefetch_at};
-use crate::assembly::transpose::{Row, Transpose};
+use crate::assembly::transpose::{Batched, Row, Transpose};
 use crate::linalg::Workspace;
 
 /// Blocks of triangles.
