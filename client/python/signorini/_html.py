@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import io
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-if TYPE_CHECKING:
-    from .results import Result
+from ._solution import Solution
+from .plot import curves
 
 MOST_ROWS = 20
 COLUMNS = ("step", "increment", "termination", "max_penetration", "seconds")
 
 
-def page(result: Result) -> str:
+def page(result: Solution) -> str:
     """The whole."""
     title = f"<b>{escape(result.plan.name)}</b>: {state(result)}"
     notes = "".join(f"<li>{escape(one.message)}</li>" for one in result.warnings)
     return f"<div>{title}{table(result)}{f'<ul>{notes}</ul>' if notes else ''}{curve(result)}</div>"
 
 
-def state(result: Result) -> str:
+def state(result: Solution) -> str:
     """How it ended."""
     count = f"{len(result)} increment{'s' if len(result) != 1 else ''}"
     if result.converged:
@@ -28,7 +28,7 @@ def state(result: Result) -> str:
     return f"{count}, <b>not converged</b> ({escape(str(result.report.cause))})"
 
 
-def table(result: Result) -> str:
+def table(result: Solution) -> str:
     """The last rows, with the force of each obstacle."""
     first = max(len(result) - MOST_ROWS, 0)
     forces = list(result.obstacles) if len(result) else []
@@ -50,7 +50,7 @@ def shown(value: Any) -> str:
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def curve(result: Result) -> str:
+def curve(result: Solution) -> str:
     """Force against travel as a drawing, where matplotlib is there and an obstacle moves."""
     try:
         from matplotlib.figure import Figure
@@ -60,7 +60,7 @@ def curve(result: Result) -> str:
     if not moved:
         return ""
     figure = Figure(figsize=(5, 3), layout="constrained")
-    result.plot_force(*moved, ax=figure.subplots())
+    curves(result, moved, ax=figure.subplots())
     text = io.StringIO()
     figure.savefig(text, format="svg")
     drawing = text.getvalue()

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
+from ._solution import Field, Increment, Iteration
 from .errors import ProtocolError, RefusedError, ResultsLostError, SessionError, refusal
 from .reports import IterationReport, StepReport
-from .results import Field, Increment, Iteration
 from .v1 import array_pb2, scene_pb2
 from .v1 import session_service_pb2 as pb
 

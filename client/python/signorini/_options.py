@@ -12,8 +12,8 @@ from google.protobuf.duration_pb2 import Duration
 
 from ._encode import Problem, StepLike, field_numbers, load_step, obstacle_targets
 from ._journal import Event
+from ._solution import Iteration
 from .errors import SessionError
-from .results import Iteration
 from .v1 import scene_pb2
 from .v1 import session_service_pb2 as pb
 

@@ -6,18 +6,17 @@ Infinite shapes are drawn as the piece beside the body.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-if TYPE_CHECKING:
-    from .results import Increment, Result
+from ._solution import Increment, Solution
 
 Floats = npt.NDArray[np.float64]
 
 
-def outlines(result: Result, increment: Increment, body: Any) -> Iterator[Any]:
+def outlines(result: Solution, increment: Increment, body: Any) -> Iterator[Any]:
     """A `pyvista.PolyData` for each obstacle that is drawn, where it is."""
     draw = flat if result.mesh.dimension == 2 else solid
     shapes = {one.name: one.shape for one in result.scene.obstacles}

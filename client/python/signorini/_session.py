@@ -15,11 +15,11 @@ from typing import Any
 
 import grpc
 
+from ._calls import Calls
 from ._connection import again, pauses, route
 from ._encode import Problem, StepLike
 from ._journal import Event, Journal, Rejected, open_request
 from ._options import Options, busy, given_step, log, move_request, step_request
-from .client import Client
 from .errors import ConnectionBrokenError, SignoriniError, from_call
 from .reports import Plan
 from .results import Increment, Iteration, Result
@@ -83,7 +83,7 @@ class Pending:
 class Session:
     """A session and its stream. Made by `signorini.session` and `Client.session`."""
 
-    def __init__(self, client: Client, name: str, problem: Problem, plan: Plan, options: Options) -> None:
+    def __init__(self, client: Calls, name: str, problem: Problem, plan: Plan, options: Options) -> None:
         #: Name on the server, `sessions/...`.
         self.name = name
         self.scene = problem.scene
@@ -252,7 +252,7 @@ class Session:
             self._call = None
 
 
-def create(client: Client, problem: Problem, options: Options) -> Session:
+def create(client: Calls, problem: Problem, options: Options) -> Session:
     """Uploads the mesh where needed, makes the session and opens its stream."""
     options = options.named()
     client.upload_problem(problem, options.name)
@@ -260,7 +260,7 @@ def create(client: Client, problem: Problem, options: Options) -> Session:
     return Session(client, answer.session.name, problem, Plan(answer.plan), options)
 
 
-def attach(client: Client, name: str, options: Options) -> Session:
+def attach(client: Calls, name: str, options: Options) -> Session:
     """Opens the stream of a session that is there; leaving it does not delete it."""
     session = client.get_session(name)
     problem = Problem(session.scene, client.read_mesh(session.mesh, name))

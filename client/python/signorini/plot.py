@@ -9,16 +9,14 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from ._outlines import outlines
+from ._solution import Increment, Solution
 from .mesh import boundary
-
-if TYPE_CHECKING:
-    from .results import Increment, Result
 
 __all__ = ["curves", "dataset", "draw"]
 
@@ -53,26 +51,26 @@ QUANTITIES = {
 }
 
 
-def named(text: str, result: Result, quantity: str) -> str:
+def named(text: str, result: Solution, quantity: str) -> str:
     """A text with the unit of its quantity, where the scene names it."""
     unit = getattr(result.scene.units, quantity, "")
     return f"{text} ({unit})" if unit else text
 
 
-def title(result: Result, field: str) -> str:
+def title(result: Solution, field: str) -> str:
     """What a field is called in pictures."""
     quantity = next((one for one, fields in QUANTITIES.items() if field in fields), "")
     return named(field.replace("_", " "), result, quantity)
 
 
-def positions(result: Result, increment: Increment, warp: float) -> Floats:
+def positions(result: Solution, increment: Increment, warp: float) -> Floats:
     """Where the vertices are; `warp` multiplies the displacement."""
     shift = increment.fields.get("displacement")
     points = result.mesh.points * scale(result)
     return points if shift is None else points + warp * shift[: len(points)]
 
 
-def scale(result: Result) -> float:
+def scale(result: Solution) -> float:
     """What the scene multiplies the coordinates by."""
     return float(result.scene.mesh_scale) if result.scene.HasField("mesh_scale") else 1.0
 
@@ -97,7 +95,7 @@ def von_mises(stress: Floats) -> Floats:
     return np.asarray(np.sqrt(0.5 * normal + 3 * (xy**2 + yz**2 + zx**2)))
 
 
-def dataset(result: Result, increment: int = -1, warp: float = 1.0) -> Any:
+def dataset(result: Solution, increment: int = -1, warp: float = 1.0) -> Any:
     """The deformed body with all fields, as a `pyvista.UnstructuredGrid`."""
     import pyvista as pv
 
@@ -113,7 +111,7 @@ def dataset(result: Result, increment: int = -1, warp: float = 1.0) -> Any:
 
 
 def draw(
-    result: Result,
+    result: Solution,
     field: str = "displacement",
     *,
     increment: int = -1,
@@ -142,7 +140,7 @@ def draw(
     return plotter
 
 
-def fill(plotter: Any, result: Result, field: str, increment: int, warp: float) -> None:
+def fill(plotter: Any, result: Solution, field: str, increment: int, warp: float) -> None:
     """Puts the body into the scene of a plotter."""
     plotter.set_background("white")
     values = scalars(result[increment], field)
@@ -168,7 +166,7 @@ def fill(plotter: Any, result: Result, field: str, increment: int, warp: float) 
     plotter.camera_position = [middle + away, middle, (0, 1, 0) if plane else (0, 0, 1)]
 
 
-def skin_of(grid: Any, result: Result) -> Any:
+def skin_of(grid: Any, result: Solution) -> Any:
     """The boundary of a section as lines with the same values."""
     import pyvista as pv
 
@@ -178,7 +176,7 @@ def skin_of(grid: Any, result: Result) -> Any:
     return lines
 
 
-def draw_section(result: Result, field: str, increment: Increment, warp: float, file: str | Path | None) -> Any:
+def draw_section(result: Solution, field: str, increment: Increment, warp: float, file: str | Path | None) -> Any:
     """A section with matplotlib."""
     from matplotlib import pyplot
     from matplotlib.collections import LineCollection
@@ -205,7 +203,7 @@ def draw_section(result: Result, field: str, increment: Increment, warp: float, 
     return axes
 
 
-def curves(result: Result, obstacles: Sequence[str] = (), *, ax: Any = None, file: str | Path | None = None) -> Any:
+def curves(result: Solution, obstacles: Sequence[str] = (), *, ax: Any = None, file: str | Path | None = None) -> Any:
     """Draws the force along the travel against the travel, with the band of its error; the axes.
 
     Obstacles that stay are drawn by the size of their force against time; without names those that
@@ -227,7 +225,7 @@ def curves(result: Result, obstacles: Sequence[str] = (), *, ax: Any = None, fil
     return ax
 
 
-def curve(result: Result, name: str, ax: Any) -> None:
+def curve(result: Solution, name: str, ax: Any) -> None:
     """One obstacle."""
     moved = result.travel(name)
     if moved is None:

@@ -2,223 +2,25 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-import numpy as np
-import numpy.typing as npt
+from . import _html, plot
+from ._solution import Field, Increment, Iteration, Solution
 
-from .errors import NotConvergedError
-from .mesh import Mesh
-from .reports import IterationReport, ObstacleResult, Plan, ProbeResult, StepReport, SupportResult, Warning
-from .v1 import report_pb2
-
-if TYPE_CHECKING:
-    from .v1.scene_pb2 import Scene
-
-__all__ = ["Increment", "Iteration", "Result"]
-
-Field = npt.NDArray[np.float64]
-
-#: The kind of the warning of an obstacle that is away from the body.
-UNTOUCHED = "untouched_obstacle"
+__all__ = ["Field", "Increment", "Iteration", "Result"]
 
 
-@dataclass(frozen=True)
-class Iteration:
-    """Statistics of a step that runs."""
-
-    sequence: int
-    report: IterationReport
-    #: Iterations that were left out since the one before.
-    skipped: int
-
-
-@dataclass(frozen=True, eq=False)
-class Increment:
-    """The result of one increment: `report` says everything, the properties what is asked most."""
-
-    sequence: int
-    event: int
-    #: Whether it is the last of its step.
-    last: bool
-    report: StepReport
-    #: Arrays by name, [rows, components] or [rows]; read-only where nothing was copied.
-    fields: Mapping[str, Field]
-    #: Some fields that were due were not made or are no longer kept.
-    fields_dropped: bool = False
-
-    @property
-    def obstacles(self) -> Mapping[str, ObstacleResult]:
-        """What each obstacle does to the body."""
-        # A map of the wire has no order.
-        return dict(sorted(self.report.obstacles.items()))
-
-    @property
-    def supports(self) -> Mapping[str, SupportResult]:
-        """The reaction of each support."""
-        return self.report.supports
-
-    @property
-    def probes(self) -> Mapping[str, ProbeResult]:
-        """The values at each probe."""
-        return self.report.probes
-
-    @property
-    def converged(self) -> bool:
-        """Whether all criteria are met."""
-        return self.report.termination == "converged"
-
-    def __repr__(self) -> str:
-        report = self.report
-        forces = ", ".join(f"{name} {np.array2string(one.force, precision=6)}" for name, one in self.obstacles.items())
-        return f"Increment(step {report.step}, increment {report.increment}: {report.termination}; {forces})"
-
-
-class Result(Sequence[Increment]):
+class Result(Solution):
     """All increments of a solve, in order. What an increment says, the result says of its last one."""
-
-    def __init__(self, scene: Scene, mesh: Mesh, plan: Plan, increments: Sequence[Increment]) -> None:
-        self.scene = scene
-        self.mesh = mesh
-        self.plan = plan
-        self.increments = list(increments)
-
-    def __getitem__(self, index: Any) -> Any:
-        """An increment, or a list of some."""
-        return self.increments[index]
-
-    def __len__(self) -> int:
-        """How many increments there are."""
-        return len(self.increments)
-
-    def __iter__(self) -> Iterator[Increment]:
-        """The increments in order."""
-        return iter(self.increments)
-
-    @property
-    def last(self) -> Increment:
-        """The last increment."""
-        return self.increments[-1]
-
-    @property
-    def report(self) -> StepReport:
-        """Everything that the last increment says."""
-        return self.last.report
-
-    @property
-    def obstacles(self) -> Mapping[str, ObstacleResult]:
-        """What each obstacle does to the body at the end."""
-        return self.last.obstacles
-
-    @property
-    def supports(self) -> Mapping[str, SupportResult]:
-        """The reaction of each support at the end."""
-        return self.last.supports
-
-    @property
-    def probes(self) -> Mapping[str, ProbeResult]:
-        """The values at each probe at the end."""
-        return self.last.probes
-
-    @property
-    def fields(self) -> Mapping[str, Field]:
-        """The fields at the end."""
-        return self.last.fields
-
-    @property
-    def converged(self) -> bool:
-        """Whether every increment is."""
-        return all(one.converged for one in self.increments)
-
-    @cached_property
-    def warnings(self) -> list[Warning]:
-        """What a mechanic would doubt, each once; obstacles that were waited for and met are none."""
-        areas = [(name, one.contact_area) for each in self.increments for name, one in each.obstacles.items()]
-        met = {name for name, area in areas if area > 0}
-        all_told = (one for increment in self.increments for one in increment.report.warnings)
-        told = [one for one in all_told if one.kind != UNTOUCHED or one.subject not in met]
-        known = {one.subject for one in told if one.kind == UNTOUCHED}
-        never = sorted({name for name, _ in areas} - met - known)
-        return [*{one.message: one for one in told}.values(), *map(never_touched, never)]
-
-    def check(self) -> Result:
-        """Itself, or `NotConvergedError` with the first increment that is not converged."""
-        for one in self.increments:
-            if not one.converged:
-                report = one.report
-                cause = f" ({report.cause})" if report.cause else ""
-                where = f"step {report.step}, increment {report.increment}, load {report.load:g}"
-                raise NotConvergedError(f"{report.termination}{cause}: {where}")
-        return self
-
-    def forces(self, obstacle: str) -> Field:
-        """The force of an obstacle on the body in every increment, [increments, 3]."""
-        return np.array([one.obstacles[obstacle].force for one in self.increments])
-
-    def translations(self, obstacle: str) -> Field:
-        """Where an obstacle is in every increment, from its first pose, [increments, 3]."""
-        poses = ({pose.name: pose for pose in one.report.obstacle_poses} for one in self.increments)
-        return np.array([pose[obstacle].translation for pose in poses])
-
-    def travel(self, obstacle: str) -> tuple[Field, Field] | None:
-        """How far an obstacle went along its last translation, and its force along it; None if it stays.
-
-        Both [increments]; the force is positive where the obstacle pushes the body ahead of it.
-        """
-        path = self.translations(obstacle)
-        length = float(np.linalg.norm(path[-1]))
-        if length == 0.0:
-            return None
-        along = path[-1] / length
-        return path @ along, self.forces(obstacle) @ along
-
-    def table(self) -> dict[str, list[Any]]:
-        """Columns by name, one row an increment: what `pandas.DataFrame` takes."""
-        rows = [row(one) for one in self.increments]
-        return {name: [one.get(name) for one in rows] for name in (rows[0] if rows else {})}
 
     def plot(self, field: str = "displacement", **options: Any) -> Any:
         """Draws a field on the deformed body; see `signorini.plot.draw`."""
-        from .plot import draw
-
-        return draw(self, field, **options)
+        return plot.draw(self, field, **options)
 
     def plot_force(self, *obstacles: str, **options: Any) -> Any:
         """Draws force against travel with its error band; see `signorini.plot.curves`."""
-        from .plot import curves
-
-        return curves(self, obstacles, **options)
-
-    def __repr__(self) -> str:
-        state = "converged" if self.converged else f"not converged ({self.report.cause})"
-        return f"Result({self.plan.name}: {len(self)} increments, {state}; {self.last if self.increments else ''})"
+        return plot.curves(self, obstacles, **options)
 
     def _repr_html_(self) -> str:
         """For notebooks: a table, warnings, and the curve of forces where matplotlib is there."""
-        from ._html import page
-
-        return page(self)
-
-
-def never_touched(name: str) -> Warning:
-    """Of an obstacle that no increment doubts, as one that moves away from the body."""
-    said = f"obstacle `{name}` touched nothing in any increment: does it travel towards the body?"
-    return Warning(report_pb2.Warning(kind=UNTOUCHED, subject=name, message=said))
-
-
-def row(increment: Increment) -> dict[str, Any]:
-    """One row of the table."""
-    report = increment.report
-    names = ("step", "increment", "time", "load", "termination", "cause")
-    cells: dict[str, Any] = {name: getattr(report, name) for name in names}
-    for name, obstacle in increment.obstacles.items():
-        for axis, value in zip("xyz", obstacle.force.tolist(), strict=False):
-            cells[f"{name}.force_{axis}"] = value
-        for key in ("force_error", "contact_area", "max_pressure"):
-            cells[f"{name}.{key}"] = getattr(obstacle, key)
-    more = ("strain_energy", "volume_ratio", "min_jacobian", "max_penetration", "error_estimate")
-    cells |= {name: getattr(report, name) for name in (*more, "krylov_iterations")}
-    return {**cells, "seconds": report.seconds.total}
+        return _html.page(self)
