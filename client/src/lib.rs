@@ -9,6 +9,13 @@
 //! session with [`Client::watch`], read kept results with [`Client::read_step`]
 //! and its mesh with [`Client::read_mesh`].
 //!
+//! | room | what it is for | may import |
+//! |---|---|---|
+//! | `formats` | files of meshes, surfaces and grids | nothing |
+//! | `library` | the service as a client sees it | `formats` |
+//! | [`scene_file`] | scenes as TOML | `library`, `formats` |
+//! | [`study`] | one scene for many values of its keys | `library`, `scene_file` |
+//!
 //! The library knows the wire format only, never the solver. It prints nothing;
 //! network errors and bad files are typed errors ([`ClientError`],
 //! [`formats::reader::ReadError`], [`scene_file::SceneFileError`]). Cost beside the
@@ -23,26 +30,16 @@
     )
 )]
 
-mod backoff;
-pub mod bounded_file;
-mod breaks;
-mod connect;
-mod credentials;
-mod error;
 pub mod formats;
-mod mesh;
-mod read;
-pub mod result_line;
+mod library;
 pub mod scene_file;
-mod session;
-pub mod solve;
 pub mod study;
-mod surface;
 
-pub use connect::{Client, ServerAddress};
-pub use credentials::Credentials;
-pub use error::{ClientError, Refusal, Violation};
-pub use mesh::{Uploaded, WireMesh};
-pub use read::StepResults;
-pub use session::{NewSession, session_id};
-pub use surface::WireSurface;
+pub use library::connect::{Client, ServerAddress};
+pub use library::credentials::Credentials;
+pub use library::error::{ClientError, Refusal, Violation};
+pub use library::mesh::{Uploaded, WireMesh};
+pub use library::read::StepResults;
+pub use library::session::{NewSession, session_id};
+pub use library::surface::WireSurface;
+pub use library::{bounded_file, result_line, solve};

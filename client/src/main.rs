@@ -1,7 +1,15 @@
 //! The command line tool `signorini`: solves scenes through the service, starts
 //! servers and, with the feature `bench`, measures error against run time.
 //!
-//! Data go to stdout, everything else to stderr. Exit codes: see [`exit::Exit`].
+//! Data go to stdout, everything else to stderr. Exit codes: see [`terminal::exit::Exit`].
+//!
+//! | room | what it is for | may import |
+//! |---|---|---|
+//! | `terminal` | text, progress, exit codes | nothing |
+//! | `report` | files, tables and a page of results | `terminal` |
+//! | `arguments` | what the command line asks for | `terminal`, `report` |
+//! | `studies` | runs the cases of a study | the above |
+//! | `commands` | one module each | the above |
 #![cfg_attr(
     not(test),
     warn(
@@ -13,27 +21,12 @@
 )]
 
 mod arguments;
-mod campaign;
 mod commands;
-mod connection;
-mod exit;
-mod input;
 #[cfg(test)]
 mod manual;
-mod mesh_shape;
-mod output;
-mod progress;
-mod record;
-mod report_page;
-mod results;
-mod results_csv;
-mod scene_draft;
-mod stdout;
-mod table;
-mod text;
-mod travel;
-mod units;
-mod whole_file;
+mod report;
+mod studies;
+mod terminal;
 
 use std::process::ExitCode;
 use std::time::Instant;

@@ -1,17 +1,37 @@
 //! The gRPC server of the Signorini solver: [`serve`] is used by the binary, by
 //! programs that embed the server and by tests alike.
 //!
-//! The way of a request: `service` and `streams` (door) → `convert` (wire to
-//! domain) → `registry` and `session` (mailbox, one actor each) → `compute` (solver
-//! threads) → `results` → `streams`. Before the door `access` asks who comes and what that one may do. Handlers never compute, solver threads never
-//! wait, the outbox of `results` is the only place where the two speeds meet. A
-//! room knows those behind it, never those before it: `results` no session, `session`
-//! no registry, `registry` no stream. Only `status`
-//! makes a gRPC status, only `metrics` names a metric, only `convert` sees both
-//! wire and domain types, only `journal` reads and writes files, under names that are
-//! digests which the server computed. With a data folder, `session` hands each change to
-//! `journal` and shows a result when the disk has it; `wake` brings a session back. In a fleet `registry`
-//! asks `fleet` for what it does not have, and `journal` writes through its fence.
+//! The way of a request: `door` (who comes, may it) -> `service` -> `convert` (wire to
+//! domain) -> `registry` and `session` (mailbox, one actor each) -> `compute` (solver
+//! threads) -> `results` -> `service::streams`. Handlers never compute, solver threads never
+//! wait, the outbox of `results` is the only place where the two speeds meet.
+//!
+//! | room | what it is for | may import |
+//! |---|---|---|
+//! | `process` | what the operating system gives and tells | nothing |
+//! | `fault` | what can be wrong with a request, and its status | nothing |
+//! | `config` | settings | `process` |
+//! | `watch` | metrics, log, traces, doctor | the above |
+//! | `door` | connections and layers before the services | the above |
+//! | `convert` | between wire and domain types | `config`, `fault` |
+//! | `compute` | solver threads and their queue | `config`, `door`, `watch` |
+//! | `journal` | the data folder | `config`, `watch` |
+//! | `results` | results on their way to readers | `convert`, `fault` |
+//! | `uploads` | meshes, surfaces and prepared data in memory | `convert` and what lies before it |
+//! | `fleet` | sessions of several servers | `journal` and what lies before `convert` |
+//! | `session` | one actor each | all above |
+//! | `registry` | sessions by name, plans, waking | all above |
+//! | `data` | backups, checks, exported states | all above |
+//! | `service` | handlers and streams | all above |
+//! | `serve` | puts the parts together | all |
+//!
+//! The table stands in `tests/architecture`, which holds the rooms to it. Only
+//! `fault::status` makes a gRPC status, only `watch::metrics` names a metric, only `convert`
+//! sees both wire and domain types, only `journal` reads and writes files, under names that
+//! are digests which the server computed. With a data folder, `session` hands each change to
+//! `journal` and shows a result when the disk has it; `registry::wake` brings a session back.
+//! In a fleet `registry` asks `fleet` for what it does not have, and `journal` writes through
+//! its fence.
 
 #![cfg_attr(
     not(test),
@@ -23,62 +43,37 @@
     )
 )]
 
-mod accept;
-mod access;
-mod calls;
-mod client_key;
-mod client_name;
 mod compute;
 mod config;
-mod control;
 mod convert;
-mod doctor;
-mod fair_queue;
+mod data;
+mod door;
 mod fault;
 mod fleet;
-mod fsck;
-mod gates;
-mod hangup;
 mod journal;
-mod large_pages;
-mod limits;
-mod listen;
-mod log;
-mod memory;
-mod metrics;
-mod metrics_page;
-mod planning;
+mod process;
 mod registry;
-mod request_id;
 mod results;
-mod retry;
 mod serve;
 mod service;
 mod session;
-mod states;
-mod status;
-mod store;
-mod streams;
-mod surfaces;
-mod traces;
-mod transport;
-mod upkeep;
-mod wake;
+mod uploads;
+mod watch;
 
-pub use access::{AccessError, Entry, NewToken, Role, TokenFile};
-pub use client_name::{ClientName, ClientNameError};
 pub use config::{Config, ConfigError, Flags, LogFormat, LogLevel, Settings};
-pub use control::{BackupError, backup, restore};
-pub use doctor::{Doctor, Finding, Health, doctor};
+pub use data::control::{BackupError, backup, restore};
+pub use data::fsck::{Fsck, fsck};
+pub use door::access::{AccessError, Entry, NewToken, Role, TokenFile};
+pub use door::client_name::{ClientName, ClientNameError};
+pub use door::listen::{ListenError, Listener};
 #[cfg(feature = "fleet")]
 pub use fleet::{Held, HeldError, held, nats_addresses};
-pub use fsck::{Fsck, fsck};
-pub use hangup::Hangups;
 pub use journal::JournalError;
-pub use large_pages::LargePages;
-pub use listen::{ListenError, Listener};
-pub use log::{LogSwitch, follow_log_level, start_log};
-pub use memory::return_freed_memory;
-#[cfg(feature = "fleet")]
-pub use metrics_page::serve_metrics;
+pub use process::hangup::Hangups;
+pub use process::large_pages::LargePages;
+pub use process::memory::return_freed_memory;
 pub use serve::{ServeError, check, serve, serve_and_tell};
+pub use watch::doctor::{Doctor, Finding, Health, doctor};
+pub use watch::log::{LogSwitch, follow_log_level, start_log};
+#[cfg(feature = "fleet")]
+pub use watch::page::serve_metrics;

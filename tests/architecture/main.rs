@@ -5,6 +5,7 @@
 mod circles;
 mod manual;
 mod modules;
+mod rooms;
 mod tokens;
 
 use std::fs;

@@ -7,7 +7,7 @@ use clap::Args;
 use clap::Subcommand;
 use signorini_client::Credentials;
 
-use crate::exit::{Exit, Failure};
+use crate::terminal::exit::{Exit, Failure};
 
 /// What a server may ask for.
 #[derive(Args, Clone, Debug)]

@@ -2,9 +2,9 @@
 
 use signorini_bench::{Arguments, BenchError, End, Watched};
 
-use crate::exit::{Exit, Failure};
-use crate::stdout::print;
-use crate::text::note;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout::print;
+use crate::terminal::text::note;
 
 pub(super) async fn run(arguments: Arguments) -> Result<Exit, Failure> {
     let program = std::env::current_exe()

@@ -3,8 +3,8 @@
 use signorini_client::result_line;
 
 use crate::arguments::CancelArguments;
-use crate::exit::{Exit, Failure};
-use crate::stdout::print;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout::print;
 
 pub(super) async fn run(arguments: CancelArguments) -> Result<Exit, Failure> {
     let client = arguments.remote.connect().await?;

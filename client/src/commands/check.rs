@@ -2,8 +2,8 @@
 
 use super::plan;
 use crate::arguments::CheckArguments;
-use crate::exit::{Exit, Failure};
-use crate::stdout::print;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout::print;
 
 pub(super) async fn run(arguments: CheckArguments) -> Result<Exit, Failure> {
     let (plan, _) = plan::of(&arguments.scene).await?;

@@ -4,8 +4,8 @@ use clap::CommandFactory as _;
 use clap_complete::Shell;
 
 use crate::arguments::Arguments;
-use crate::exit::{Exit, Failure};
-use crate::stdout::print;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout::print;
 
 pub(super) fn run(shell: Shell) -> Result<Exit, Failure> {
     let mut script = Vec::new();

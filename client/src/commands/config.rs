@@ -3,8 +3,8 @@
 use signorini_server::{Flags, Settings};
 
 use crate::arguments::ConfigCommand;
-use crate::exit::{Exit, Failure};
-use crate::stdout::print;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout::print;
 
 pub(super) fn run(command: ConfigCommand) -> Result<Exit, Failure> {
     match command {

@@ -4,8 +4,8 @@ use std::path::Path;
 
 use signorini_server::{BackupError, JournalError};
 
-use crate::exit::{Exit, Failure};
-use crate::stdout;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout;
 
 pub(super) fn backup(data: &Path, target: &Path) -> Result<Exit, Failure> {
     signorini_server::backup(data, target).map_err(failure)?;

@@ -16,9 +16,9 @@ use signorini_client::{WireMesh, WireSurface};
 use signorini_proto::v1;
 
 use crate::arguments::EmbedCommand;
-use crate::exit::{Exit, Failure};
-use crate::input;
-use crate::text::note;
+use crate::arguments::input;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::text::note;
 
 pub(super) async fn run(command: EmbedCommand) -> Result<Exit, Failure> {
     match command {

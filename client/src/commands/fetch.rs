@@ -10,12 +10,12 @@ use signorini_proto::v1::shape::Kind;
 
 use super::{lightest_field, open_session};
 use crate::arguments::FetchArguments;
-use crate::exit::{Exit, Failure};
-use crate::output::LineSink;
-use crate::progress::Verbosity;
-use crate::record::Record;
-use crate::results::{Drawings, ResultFolder};
-use crate::whole_file;
+use crate::report::record::Record;
+use crate::report::results::{Drawings, ResultFolder};
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::output::LineSink;
+use crate::terminal::progress::Verbosity;
+use crate::terminal::whole_file;
 
 /// What names of tools begin with.
 const SURFACES: &str = "surfaces/";

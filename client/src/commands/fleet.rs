@@ -4,9 +4,9 @@ use serde_json::json;
 use signorini_server::Held;
 
 use crate::arguments::FleetCommand;
-use crate::exit::{Exit, Failure};
-use crate::stdout::print;
-use crate::text::{note, one_line};
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout::print;
+use crate::terminal::text::{note, one_line};
 
 pub(super) async fn run(command: FleetCommand) -> Result<Exit, Failure> {
     let FleetCommand::Status { nats, json } = command;

@@ -4,11 +4,11 @@ use std::fs::OpenOptions;
 use std::io::{ErrorKind, Write as _};
 use std::path::{Path, PathBuf};
 
-use crate::exit::{Exit, Failure};
-use crate::input;
-use crate::scene_draft;
-use crate::stdout::print;
-use crate::text::note;
+use crate::arguments::input;
+use crate::commands::scene_draft;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout::print;
+use crate::terminal::text::note;
 
 pub(super) fn run(mesh: &Path, scene: Option<PathBuf>) -> Result<Exit, Failure> {
     let read = input::load_mesh(mesh)?;

@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::CommandFactory as _;
 
 use crate::arguments::Arguments;
-use crate::exit::{Exit, Failure};
+use crate::terminal::exit::{Exit, Failure};
 
 pub(super) fn run(folder: &Path) -> Result<Exit, Failure> {
     let made = std::fs::create_dir_all(folder)

@@ -6,11 +6,11 @@ use serde_json::{Value, json};
 use signorini_client::WireMesh;
 use signorini_proto::v1;
 
+use crate::arguments::input;
 use crate::arguments::{MeshCommand, RemoteArguments};
-use crate::exit::{Exit, Failure};
-use crate::input;
-use crate::stdout::print;
-use crate::text::{bytes, note, one_line};
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout::print;
+use crate::terminal::text::{bytes, note, one_line};
 
 pub(super) async fn run(command: MeshCommand) -> Result<Exit, Failure> {
     match command {

@@ -18,8 +18,10 @@ mod fleet;
 mod init;
 mod man;
 mod mesh;
+mod mesh_shape;
 mod plan;
 mod report;
+mod scene_draft;
 mod serve;
 mod session;
 mod solve;
@@ -37,8 +39,8 @@ use signorini_proto::v1;
 use tokio::signal::unix::{Signal, SignalKind, signal};
 
 use crate::arguments::{Arguments, Command};
-use crate::exit::{Exit, Failure};
-use crate::text::note;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::text::note;
 
 /// Runs a command. `started` is when the process began.
 pub(crate) fn run(arguments: Arguments, started: Instant) -> Result<Exit, Failure> {

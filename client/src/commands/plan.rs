@@ -3,13 +3,13 @@
 use signorini_client::{Client, result_line};
 use signorini_proto::v1;
 
+use crate::arguments::connection::Connection;
+use crate::arguments::input::{self, Input};
 use crate::arguments::{PlanArguments, SceneArguments};
-use crate::connection::Connection;
-use crate::exit::{Exit, Failure};
-use crate::input::{self, Input};
-use crate::stdout::print;
-use crate::table;
-use crate::text::note;
+use crate::report::table;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout::print;
+use crate::terminal::text::note;
 
 pub(super) async fn run(arguments: PlanArguments) -> Result<Exit, Failure> {
     let (plan, units) = of(&arguments.scene).await?;

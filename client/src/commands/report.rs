@@ -2,12 +2,12 @@
 
 use std::path::Path;
 
-use crate::exit::{Exit, Failure};
-use crate::report_page;
-use crate::stdout::print;
+use crate::report::page;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout::print;
 
 pub(super) fn run(folder: &Path) -> Result<Exit, Failure> {
-    let page = report_page::write(folder)?;
+    let page = page::write(folder)?;
     print(&format!("{}\n", page.display()))?;
     Ok(Exit::Ok)
 }

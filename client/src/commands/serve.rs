@@ -1,7 +1,7 @@
 //! `serve`: a server until a signal ends it.
 
 use crate::arguments::ServeArguments;
-use crate::exit::{Exit, Failure};
+use crate::terminal::exit::{Exit, Failure};
 
 #[cfg(feature = "embedded")]
 pub(super) async fn run(arguments: ServeArguments) -> Result<Exit, Failure> {
@@ -21,7 +21,7 @@ pub(super) async fn run(arguments: ServeArguments) -> Result<Exit, Failure> {
         .map_err(|error| usage(&error))?;
     // Scripts that let the server choose a port read it here.
     let mut told = Ok(());
-    let tell = |url: &str| told = crate::stdout::print(&format!("{url}\n"));
+    let tell = |url: &str| told = crate::terminal::stdout::print(&format!("{url}\n"));
     serve_and_tell(listener, config, (stop_signal(), hangups), tell)
         .await
         .map_err(|error| Failure::new(Exit::Server, error.to_string()))?;

@@ -8,10 +8,10 @@ use signorini_proto::v1;
 use signorini_proto::v1::shape::Kind;
 
 use crate::arguments::{RemoteArguments, SessionCommand};
-use crate::exit::{Exit, Failure};
-use crate::stdout::print;
-use crate::table;
-use crate::text::{bytes, note, one_line};
+use crate::report::table;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout::print;
+use crate::terminal::text::{bytes, note, one_line};
 
 pub(super) async fn run(command: SessionCommand) -> Result<Exit, Failure> {
     match command {

@@ -11,13 +11,13 @@ use signorini_client::{NewSession, session_id};
 use signorini_proto::v1;
 
 use crate::arguments::SolveArguments;
-use crate::connection::Connection;
-use crate::exit::{Exit, Failure};
-use crate::input::{self, Input};
-use crate::output::LineSink;
-use crate::progress::Verbosity;
-use crate::record::Record;
-use crate::results::{DEFAULT_FIELDS, Drawings, ResultFolder};
+use crate::arguments::connection::Connection;
+use crate::arguments::input::{self, Input};
+use crate::report::record::Record;
+use crate::report::results::{DEFAULT_FIELDS, Drawings, ResultFolder};
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::output::LineSink;
+use crate::terminal::progress::Verbosity;
 use run::Run;
 
 pub(super) async fn run(arguments: SolveArguments, started: Instant) -> Result<Exit, Failure> {

@@ -8,10 +8,10 @@ use tokio::sync::watch;
 
 use super::stop_when_interrupted;
 use crate::arguments::StudyArguments;
-use crate::campaign::{self, Format, Header, Ledger, Local, RowLog, Server, Shared, Start, Tally};
-use crate::exit::{Exit, Failure};
-use crate::progress::Verbosity;
-use crate::stdout::print;
+use crate::studies::{self, Format, Header, Ledger, Local, RowLog, Server, Shared, Start, Tally};
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::progress::Verbosity;
+use crate::terminal::stdout::print;
 
 /// Rows that a check shows.
 const SHOWN: u64 = 5;
@@ -68,12 +68,12 @@ async fn queued(
     url: &str,
     table: (&Path, Format),
 ) -> Result<Exit, Failure> {
-    let queue = campaign::Queue::open(&arguments.queue, url).await?;
-    let assets = campaign::Assets::default();
-    let mesh = campaign::first_scene(study, &assets, &queue).await?.mesh;
-    let name = campaign::name_of(study, &mesh);
+    let queue = studies::Queue::open(&arguments.queue, url).await?;
+    let assets = studies::Assets::default();
+    let mesh = studies::first_scene(study, &assets, &queue).await?.mesh;
+    let name = studies::name_of(study, &mesh);
     let ledger = ledger(study, arguments, table.0, mesh)?;
-    let manifest = campaign::Manifest {
+    let manifest = studies::Manifest {
         wanted: study.wanted().to_vec(),
         tries: arguments.tries,
         fields: arguments.fields.is_some(),
@@ -81,7 +81,7 @@ async fn queued(
     let (stop, _) = watch::channel(false);
     let told = (&manifest, !arguments.resume);
     let ended = tokio::select! {
-        ended = campaign::run_study(&queue, study, (&name, &assets), told, &ledger, &stop) => ended,
+        ended = studies::run_study(&queue, study, (&name, &assets), told, &ledger, &stop) => ended,
         never = stop_when_interrupted(&stop, |line| ledger.lock().progress().note(line)) => never,
     };
     finish(ended, &ledger, study, table, arguments)
@@ -148,7 +148,7 @@ async fn check(local: &Local) -> Result<Exit, Failure> {
     let scene = local.first_scene().await?;
     let plan = local.server.client().await.plan(scene).await?;
     for warning in &plan.warnings {
-        crate::text::note(&format!("warning: {warning}\n"));
+        crate::terminal::text::note(&format!("warning: {warning}\n"));
     }
     print("no faults in the first case\n")?;
     Ok(Exit::Ok)
@@ -164,7 +164,7 @@ async fn solve(
     let ledger = ledger(&local.study, arguments, table.0, mesh)?;
     let (stop, _) = watch::channel(false);
     let ended = tokio::select! {
-        ended = campaign::run(Arc::clone(local), ledger.clone(), workers, &stop) => ended,
+        ended = studies::run(Arc::clone(local), ledger.clone(), workers, &stop) => ended,
         never = stop_when_interrupted(&stop, |line| ledger.lock().progress().note(line)) => never,
     };
     finish(ended, &ledger, &local.study, table, arguments)
@@ -201,7 +201,7 @@ fn ledger(
         _ => tally,
     };
     let ledger = Ledger::new(log, tally, header.cases, verbosity(arguments));
-    Ok(campaign::shared(ledger))
+    Ok(studies::shared(ledger))
 }
 
 /// The table of what there is, and what people are told.
@@ -224,7 +224,7 @@ fn finish(
     ended?;
     if done < study.count() {
         let line = format!("{done} of {} cases; --resume goes on\n", study.count());
-        crate::text::note(&line);
+        crate::terminal::text::note(&line);
         return Ok(Exit::Interrupted);
     }
     Ok(match ledger.tally().failures() {

@@ -4,9 +4,9 @@ use serde_json::json;
 use signorini_server::{Entry, NewToken, TokenFile};
 
 use crate::arguments::TokenCommand;
-use crate::exit::{Exit, Failure};
-use crate::stdout::print;
-use crate::text::note;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout::print;
+use crate::terminal::text::note;
 
 pub(super) fn run(command: TokenCommand) -> Result<Exit, Failure> {
     match command {

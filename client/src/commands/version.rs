@@ -1,7 +1,7 @@
 //! `version`: what many type in place of `--version`.
 
-use crate::exit::{Exit, Failure};
-use crate::stdout::print;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout::print;
 
 pub(super) fn run() -> Result<Exit, Failure> {
     print(concat!("signorini ", env!("CARGO_PKG_VERSION"), "\n"))?;

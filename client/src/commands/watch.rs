@@ -8,10 +8,10 @@ use signorini_proto::v1;
 
 use super::{interrupts, lightest_field, open_session};
 use crate::arguments::WatchArguments;
-use crate::exit::{Exit, Failure};
-use crate::output::LineSink;
-use crate::progress::Verbosity;
-use crate::record::Record;
+use crate::report::record::Record;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::output::LineSink;
+use crate::terminal::progress::Verbosity;
 
 pub(super) async fn run(arguments: WatchArguments, started: Instant) -> Result<Exit, Failure> {
     let client = arguments.remote.connect().await?;

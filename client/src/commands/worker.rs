@@ -1,7 +1,7 @@
 //! `worker`: solves cases of studies from a queue.
 
 use crate::arguments::WorkerArguments;
-use crate::exit::{Exit, Failure};
+use crate::terminal::exit::{Exit, Failure};
 
 #[cfg(not(feature = "fleet"))]
 #[allow(clippy::unused_async)]
@@ -16,8 +16,8 @@ pub(super) async fn run(arguments: WorkerArguments) -> Result<Exit, Failure> {
 
     use tokio::sync::watch;
 
-    use crate::campaign::{Fields, Queue, Server, Worker, work};
-    use crate::progress::Verbosity;
+    use crate::studies::{Fields, Queue, Server, Worker, work};
+    use crate::terminal::progress::Verbosity;
 
     let url = arguments.queue.queue.as_deref();
     let url = url.ok_or_else(|| Failure::new(Exit::Usage, "--queue URL is missing"))?;
@@ -65,7 +65,7 @@ async fn page(
     address: std::net::SocketAddr,
 ) -> Result<
     (
-        std::sync::Arc<crate::campaign::Gauges>,
+        std::sync::Arc<crate::studies::Gauges>,
         tokio::net::TcpListener,
     ),
     Failure,
@@ -75,6 +75,6 @@ async fn page(
     };
     let listener = tokio::net::TcpListener::bind(address).await;
     let listener = listener.map_err(|error| wrong(&error))?;
-    let gauges = crate::campaign::Gauges::new().map_err(|error| wrong(&error))?;
+    let gauges = crate::studies::Gauges::new().map_err(|error| wrong(&error))?;
     Ok((std::sync::Arc::new(gauges), listener))
 }

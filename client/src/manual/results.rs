@@ -6,8 +6,8 @@ use serde_json::Value;
 use signorini_proto::v1;
 
 use super::page::{self, Page};
-use crate::exit::Exit;
-use crate::{results, results_csv};
+use crate::report::{results, results_csv};
+use crate::terminal::exit::Exit;
 
 fn schema() -> Value {
     serde_json::from_str(include_str!("../../result-lines.schema.json")).unwrap()

@@ -6,7 +6,7 @@ use std::cell::RefCell;
 use toml::{Table, Value};
 
 use super::suggest::nearest;
-use crate::error::Violation;
+use crate::library::error::Violation;
 
 /// Faults that are told, as many as the server looks for.
 const MOST: usize = 100;

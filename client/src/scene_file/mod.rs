@@ -31,7 +31,7 @@ pub use overrides::{Override, read_value};
 pub use sampled::{facets, file_drawn_near, grid_surface};
 pub use values::{NamedValues, ValuesPlace, read_values};
 
-use crate::error::Violation;
+use crate::library::error::Violation;
 use keys::{Faults, Keys};
 
 const SCENE: &[&str] = &[

@@ -9,7 +9,7 @@ use std::str::FromStr;
 
 use toml::{Table, Value};
 
-use crate::error::Violation;
+use crate::library::error::Violation;
 
 /// Keys whose value is an array of tables.
 const ARRAYS: &[&str] = &[

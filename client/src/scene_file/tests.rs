@@ -5,7 +5,7 @@ use std::path::Path;
 use signorini_proto::v1;
 
 use super::{SceneFile, SceneFileError, read};
-use crate::error::Violation;
+use crate::library::error::Violation;
 
 const SMALL: &str = r#"
 mesh = "meshes/a.msh"

@@ -7,9 +7,9 @@ use signorini_proto::v1;
 use toml::{Table, Value};
 
 use super::SceneFile;
-use crate::bounded_file;
-use crate::error::Violation;
 use crate::formats::values;
+use crate::library::bounded_file;
+use crate::library::error::Violation;
 
 /// Where values belong; positions from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

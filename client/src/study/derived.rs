@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use super::expression::Expression;
 use super::{At, COLUMNS_BEFORE, COLUMNS_BEHIND, Case, TAKEN, Wanted, violation};
-use crate::error::Violation;
+use crate::library::error::Violation;
 
 /// A column to be computed, as a study says it.
 #[derive(Debug)]

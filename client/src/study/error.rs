@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::error::Violation;
+use crate::library::error::Violation;
 use crate::scene_file::SceneFileError;
 
 /// Why a study cannot be read.

@@ -30,8 +30,8 @@ pub use derived::Derived;
 pub use error::StudyError;
 pub use wanted::{At, Gathered, Wanted};
 
-use crate::bounded_file;
-use crate::error::Violation;
+use crate::library::bounded_file;
+use crate::library::error::Violation;
 use crate::scene_file::{self, Override, SceneFile, SceneFileError, Template};
 use axis::Axis;
 use derived::Sought;

@@ -12,7 +12,7 @@ use super::list::List;
 use super::range::{Range, Spacing};
 use super::sobol::{DIMENSIONS, MOST_POINTS, Sobol};
 use super::wanted::{At, Wanted};
-use crate::bounded_file;
+use crate::library::bounded_file;
 use crate::scene_file::Override;
 use crate::scene_file::keys::{Faults, Keys};
 

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use signorini_proto::v1;
 
-use crate::result_line;
+use crate::library::result_line;
 
 /// Of which increments, or what of them all.
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq, Serialize)]

@@ -10,7 +10,14 @@
 //! more running: the result has to reach its reader before the next increment may
 //! start. A panic in a job is caught and reported; the process lives. No job waits for
 //! a socket.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `fair_queue` | start-time fair queueing over a tree of clients, connections, sessions |
+//! | `queue` | jobs that wait, and which one a slot takes |
+//! | `seats` | slots that clients hold |
 
+mod fair_queue;
 mod queue;
 mod seats;
 
@@ -22,8 +29,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-use crate::client_key::{ClientKey, Flow};
-use crate::metrics::Metrics;
+use crate::config::Slots;
+use crate::door::client_key::{ClientKey, Flow};
+use crate::watch::metrics::Metrics;
 use queue::{JobQueue, Turn};
 
 /// A job that took so long is long work.
@@ -39,19 +47,6 @@ type Job = Box<dyn FnOnce(&Slot) + Send>;
 pub(crate) enum Length {
     Short,
     Long,
-}
-
-/// The slots of a server.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Slots {
-    /// All, at least 1.
-    pub(crate) count: usize,
-    /// Those of them that take no long work, fewer than all.
-    pub(crate) short: usize,
-    /// Those that one client may have at one time, at least 1.
-    pub(crate) of_client: usize,
-    /// Threads of each.
-    pub(crate) threads: usize,
 }
 
 /// A slot, as the job that has it sees it.

@@ -7,10 +7,11 @@ use std::time::{Duration, Instant};
 
 use ::metrics::Gauge;
 
-use super::{Job, LONG, Length, Slots};
-use crate::client_key::{Flow, Share};
-use crate::fair_queue::FairQueue;
-use crate::metrics::Metrics;
+use super::fair_queue::FairQueue;
+use super::{Job, LONG, Length};
+use crate::config::Slots;
+use crate::door::client_key::{Flow, Share};
+use crate::watch::metrics::Metrics;
 
 /// How long a slot waits for the next job of the session that it has served.
 const LINGER: Duration = Duration::from_millis(5);

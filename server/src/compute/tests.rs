@@ -2,7 +2,7 @@ use std::sync::mpsc;
 use std::time::Instant;
 
 use super::*;
-use crate::client_key::{ClientIdentity, ClientKey, Strand};
+use crate::door::client_key::{ClientIdentity, ClientKey, Strand};
 
 const WAIT: Duration = Duration::from_secs(20);
 

@@ -16,7 +16,7 @@ use self::engine::{Campaign, Corpus, Form};
 use super::mesh::{Header, Upload};
 use super::{field, report, scene, step};
 use crate::fault::Fault;
-use crate::status::rpc_status;
+use crate::fault::status::rpc_status;
 
 /// Tags and lengths of nested messages, and names of the seeds.
 const WORDS: [&str; 10] = [

@@ -18,7 +18,7 @@ use super::{Found, Wish, Wished, nats_addresses, wishes};
 use crate::config::Config;
 use crate::fault::Fault;
 use crate::journal::{Fence, Journal, JournalError};
-use crate::metrics::Metrics;
+use crate::watch::metrics::Metrics;
 
 /// Between two tries to store a record.
 const PAUSE: Duration = Duration::from_millis(50);

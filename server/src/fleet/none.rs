@@ -8,7 +8,7 @@ use super::{Found, Wish, Wished};
 use crate::config::Config;
 use crate::fault::Fault;
 use crate::journal::Journal;
-use crate::metrics::Metrics;
+use crate::watch::metrics::Metrics;
 
 /// Other servers.
 pub(crate) enum Fleet {}

@@ -93,7 +93,7 @@ mod tests {
 
     use super::*;
     use crate::journal::{Change, Journal, StoredSession, inspect};
-    use crate::metrics::Metrics;
+    use crate::watch::metrics::Metrics;
 
     fn folder(name: &str) -> PathBuf {
         let name = format!("signorini-layout-{name}-{}", std::process::id());

@@ -32,7 +32,8 @@ use std::sync::{Arc, PoisonError, RwLock};
 
 use redb::Database;
 
-use crate::metrics::Metrics;
+use crate::config::Limit;
+use crate::watch::metrics::Metrics;
 
 pub(crate) use database::{Change, Listed, Stored};
 pub use error::JournalError;
@@ -45,7 +46,6 @@ pub(crate) use record::{
     StoredCheckpoint, StoredField, StoredFields, StoredMesh, StoredResult, StoredSave,
     StoredSession, StoredSurface, StoredUpdate,
 };
-pub(crate) use retention::Limit;
 use shared::Shared;
 use writer::Writer;
 

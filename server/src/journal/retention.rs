@@ -11,15 +11,7 @@ use redb::{Database, ReadableDatabase, ReadableTable};
 use super::database::{CHECKPOINTS, RESULTS, states};
 use super::error::JournalError;
 use super::record::{StoredCheckpoint, StoredResult, opened};
-
-/// What may stay.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Limit {
-    /// Bytes of all results with their fields, and of all states.
-    pub(crate) bytes: u64,
-    /// Unix seconds before which a result or a state is too old.
-    pub(crate) oldest: i64,
-}
+use crate::config::Limit;
 
 /// What shall go.
 #[derive(Debug, Default, PartialEq)]

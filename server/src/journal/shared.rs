@@ -122,7 +122,7 @@ fn random() -> u64 {
 mod tests {
     use super::*;
     use crate::journal::StoredMesh;
-    use crate::metrics::Metrics;
+    use crate::watch::metrics::Metrics;
 
     #[test]
     fn a_folder_that_is_not_there_has_not_said_that_a_mesh_is_not() {

@@ -134,8 +134,8 @@ fn now() -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::journal::Limit;
-    use crate::metrics::Metrics;
+    use crate::config::Limit;
+    use crate::watch::metrics::Metrics;
 
     fn open(folder: &Path) -> Journal {
         Journal::open(folder, &Metrics::new().unwrap()).unwrap()

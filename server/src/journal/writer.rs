@@ -18,7 +18,7 @@ use super::error::JournalError;
 #[cfg(feature = "fleet")]
 use super::fenced::{Fence, encoded, is_own, whole};
 use super::{Done, Shelf, Urgency};
-use crate::metrics::Metrics;
+use crate::watch::metrics::Metrics;
 
 /// Changes that nobody waits for wait this long for others.
 const LINGER: Duration = Duration::from_millis(50);

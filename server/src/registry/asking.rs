@@ -10,7 +10,7 @@ use super::Registry;
 use super::names::checked_name;
 use crate::fault::Fault;
 use crate::fleet::{self, Wish};
-use crate::planning;
+use crate::registry::planning;
 
 /// A question that is being asked.
 struct Asking {

@@ -7,13 +7,13 @@ use prost::Message as _;
 use signorini_proto::v1 as wire;
 use tokio::time::Instant;
 
-use crate::access::Caller;
-use crate::client_name::ClientName;
 use crate::config::Config;
 use crate::convert::{step, surface};
+use crate::door::access::Caller;
+use crate::door::client_name::ClientName;
 use crate::journal::Listed;
+use crate::registry::wake;
 use crate::session::Handle;
-use crate::wake;
 
 /// The sessions by name, and by the requests that made them.
 #[derive(Default)]

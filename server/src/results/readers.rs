@@ -13,7 +13,7 @@ use super::iterations::Newest;
 use super::kept::Kept;
 use super::outbox::{Outbox, StreamEnd};
 use crate::fault::Fault;
-use crate::status;
+use crate::fault::status;
 
 /// A result that is new in the session.
 pub(crate) struct Fresh {

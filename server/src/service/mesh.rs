@@ -12,15 +12,15 @@ use tonic::{Request, Response, Status, Streaming};
 
 use super::paced::paced;
 use super::{page_size, respond};
-use crate::access::{Caller, Owners};
-use crate::client_key::{ClientIdentity, ClientKey};
 use crate::convert::mesh::{self as convert, Header, Upload};
+use crate::door::access::{Caller, Owners};
+use crate::door::client_key::{ClientIdentity, ClientKey};
 use crate::fault::Fault;
 use crate::journal::{Change, Journal};
-use crate::planning::{self, aside};
 use crate::registry::Registry;
+use crate::registry::planning::{self, aside};
 use crate::session::Services;
-use crate::store::{Lease, Reservation};
+use crate::uploads::store::{Lease, Reservation};
 use taken::{Taken, next};
 
 /// Encoded size that ends a page of meshes.

@@ -1,9 +1,16 @@
-//! The door: tonic services that decode, call and encode, and nothing else.
+//! Tonic services that decode, call and encode, and nothing else.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `mesh`, `surface`, `session`, `state` | the handlers, by kind of resource |
+//! | `streams` | `Solve` and `Watch`: streams between clients and sessions |
+//! | `paced`, `timeout` | uploads in the pace of memory; the time that a caller gives |
 
 pub(crate) mod mesh;
 mod paced;
 pub(crate) mod session;
 mod state;
+mod streams;
 pub(crate) mod surface;
 mod timeout;
 

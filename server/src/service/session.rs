@@ -10,16 +10,16 @@ use tonic::{Request, Response, Status, Streaming};
 
 use super::paced::{Messages, paced};
 use super::{page_size, respond, state, timeout};
-use crate::access::{Caller, Who};
-use crate::client_key::ClientKey;
 use crate::convert::field::{self, Encoding};
 use crate::convert::wide;
+use crate::data::states::States;
+use crate::door::access::{Caller, Who};
+use crate::door::client_key::ClientKey;
 use crate::fault::Fault;
 use crate::registry::Registry;
 use crate::results::kept::messages;
+use crate::service::streams;
 use crate::session::{ReadRequest, Services};
-use crate::states::States;
-use crate::streams;
 
 /// The service.
 pub(crate) struct Sessions {

@@ -9,12 +9,12 @@ use signorini_proto::CHUNK_BYTES;
 use signorini_proto::v1 as wire;
 use tonic::Streaming;
 
-use crate::client_name::ClientName;
+use crate::data::states::{self, State, States};
+use crate::door::client_name::ClientName;
+use crate::door::transport;
 use crate::fault::Fault;
 use crate::session::{Handle, Services};
-use crate::states::{self, State, States};
-use crate::store::Reservation;
-use crate::transport;
+use crate::uploads::store::Reservation;
 
 /// An import that sends nothing for so long gives its memory back.
 const IDLE: Duration = Duration::from_secs(60);

@@ -11,18 +11,18 @@ use tonic::{Request, Response, Status, Streaming};
 
 use super::paced::paced;
 use super::respond;
-use crate::access::{Caller, Owners};
-use crate::client_key::ClientKey;
 use crate::convert::surface::{self as convert, Upload};
 use crate::convert::uploaded::Surface;
+use crate::door::access::{Caller, Owners};
+use crate::door::client_key::ClientKey;
+use crate::door::transport;
 use crate::fault::Fault;
 use crate::journal::{Journal, Part};
-use crate::planning::{aside, tools, unwritable};
 use crate::registry::Registry;
+use crate::registry::planning::{aside, tools, unwritable};
 use crate::session::Services;
-use crate::store::Account;
-use crate::surfaces::{MOST, Stored};
-use crate::transport;
+use crate::uploads::store::Account;
+use crate::uploads::surfaces::{MOST, Stored};
 use upload_surface_request::Part as Sent;
 
 /// An upload that sends nothing for so long gives its memory back.

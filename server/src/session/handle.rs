@@ -8,9 +8,9 @@ use signorini_proto::v1 as wire;
 use tokio::sync::{mpsc, oneshot, watch};
 use tokio::time::Instant;
 
-use crate::client_key::ClientKey;
 use crate::convert::field::Encoding;
 use crate::convert::step::Update;
+use crate::door::client_key::ClientKey;
 use crate::fault::Fault;
 use crate::results::iterations::IterationReader;
 use crate::results::kept::KeptResult;

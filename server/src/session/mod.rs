@@ -22,18 +22,18 @@ use signorini::plan::Plan;
 use signorini::prepare::Prepared;
 use signorini_proto::v1 as wire;
 
-use crate::client_key::{ClientIdentity, ClientKey};
 use crate::compute::SolverThreads;
 use crate::config::Config;
 use crate::convert::scene::Output;
+use crate::door::client_key::{ClientIdentity, ClientKey};
+use crate::door::gates::Gates;
 use crate::fault::Fault;
 use crate::fleet::{self, Fleet};
-use crate::gates::Gates;
 use crate::journal::{Journal, JournalError};
-use crate::metrics::Metrics;
-use crate::store::{Account, Lease, Reservation, Store};
-use crate::surfaces::Surfaces;
-use crate::traces::Traces;
+use crate::uploads::store::{Account, Lease, Reservation, Store};
+use crate::uploads::surfaces::Surfaces;
+use crate::watch::metrics::Metrics;
+use crate::watch::traces::Traces;
 
 pub(crate) use recovered::Recovered;
 

@@ -14,7 +14,7 @@ use tokio::time::Instant;
 use super::clock::SlotClock;
 use super::work::Event;
 use crate::convert::step::Update;
-use crate::traces::UpdateTrace;
+use crate::watch::traces::UpdateTrace;
 
 /// A step that was told to stop and has not after this time is answered without
 /// its solver thread.

@@ -20,11 +20,11 @@ use crate::convert::field::KeptField;
 use crate::convert::report;
 use crate::fault::Fault;
 use crate::journal::JournalError;
-use crate::memory;
-use crate::metrics::Metrics;
+use crate::process::memory;
 use crate::results::iterations::Iterations;
 use crate::results::unfinished;
-use crate::traces::{IncrementTrace, UpdateTrace};
+use crate::watch::metrics::Metrics;
+use crate::watch::traces::{IncrementTrace, UpdateTrace};
 pub(super) use preparing::{Preparation, Ready, Unprepared, length, prepare};
 
 /// The state of a session with the step under way; where it is, nobody else is.

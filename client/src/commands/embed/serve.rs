@@ -1,6 +1,6 @@
 //! A server for one caller: it ends when the caller closes its stdin, also by dying.
 
-use crate::exit::{Exit, Failure};
+use crate::terminal::exit::{Exit, Failure};
 
 #[cfg(feature = "embedded")]
 pub(super) async fn run(listen: String) -> Result<Exit, Failure> {
@@ -13,7 +13,7 @@ pub(super) async fn run(listen: String) -> Result<Exit, Failure> {
     let listener = Listener::bind(&config)
         .await
         .map_err(|error| Failure::new(Exit::Usage, error.to_string()))?;
-    crate::stdout::print(&format!("{}\n", listener.url()))?;
+    crate::terminal::stdout::print(&format!("{}\n", listener.url()))?;
     serve(listener, config, end_of_stdin())
         .await
         .map_err(|error| Failure::new(Exit::Server, error.to_string()))?;

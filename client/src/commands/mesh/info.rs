@@ -6,11 +6,11 @@ use serde_json::{Value, json};
 use signorini_client::WireMesh;
 use signorini_client::formats::msh::MeshFile;
 
-use crate::exit::{Exit, Failure};
-use crate::input;
-use crate::mesh_shape::{Quality, Shape, group_box};
-use crate::stdout::print;
-use crate::text::{number, one_line, vector};
+use crate::arguments::input;
+use crate::commands::mesh_shape::{Quality, Shape, group_box};
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout::print;
+use crate::terminal::text::{number, one_line, vector};
 
 pub(super) fn run(file: &Path, json: bool) -> Result<Exit, Failure> {
     let mesh = input::load_mesh(file)?;

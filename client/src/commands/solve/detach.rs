@@ -8,11 +8,11 @@ use signorini_proto::v1;
 
 use super::complete;
 use crate::arguments::SolveArguments;
+use crate::arguments::input::{self, Input};
 use crate::commands::interrupts;
-use crate::exit::{Exit, Failure};
-use crate::input::{self, Input};
-use crate::stdout::print;
-use crate::text::note;
+use crate::terminal::exit::{Exit, Failure};
+use crate::terminal::stdout::print;
+use crate::terminal::text::note;
 
 /// Time to live of a session whose client has left.
 const DAY: Duration = Duration::from_secs(24 * 3600);

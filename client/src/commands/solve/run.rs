@@ -8,8 +8,8 @@ use signorini_proto::v1;
 use tokio::signal::unix::Signal;
 
 use crate::commands::interrupts;
-use crate::exit::{Exit, Failure};
-use crate::record::Record;
+use crate::report::record::Record;
+use crate::terminal::exit::{Exit, Failure};
 
 /// For the reason of an end that nobody here asked for.
 const PARTING: Duration = Duration::from_secs(5);

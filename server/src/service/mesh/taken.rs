@@ -7,13 +7,13 @@ use signorini_proto::v1::{self as wire, upload_mesh_request};
 use tokio::time::Instant;
 use tonic::{Status, Streaming};
 
-use crate::client_key::ClientIdentity;
 use crate::convert::mesh::Header;
+use crate::door::client_key::ClientIdentity;
+use crate::door::gates::UploadShare;
+use crate::door::transport;
 use crate::fault::Fault;
-use crate::gates::UploadShare;
 use crate::session::Services;
-use crate::store::Reservation;
-use crate::transport;
+use crate::uploads::store::Reservation;
 
 /// Time that every upload has; one that sends nothing for so long gives its memory back.
 const IDLE: Duration = Duration::from_secs(60);

@@ -9,12 +9,12 @@ use signorini::Rounding;
 use signorini_proto::v1 as wire;
 
 use super::Sessions;
-use crate::access::Caller;
-use crate::client_key::ClientKey;
 use crate::convert::{mesh, report, step};
+use crate::door::access::Caller;
+use crate::door::client_key::ClientKey;
 use crate::fault::Fault;
 use crate::journal::{Change, StoredSession};
-use crate::planning::{self, Planned};
+use crate::registry::planning::{self, Planned};
 use crate::registry::{Claim, Claimed};
 use crate::session::{Handle, Recovered, SessionSpec};
 

@@ -10,8 +10,8 @@ use super::memory::lock;
 use super::{Actor, Place};
 use crate::convert::{mesh, wide};
 use crate::fault::Fault;
+use crate::fault::status;
 use crate::session::handle::{ReadAnswer, ReadRequest};
-use crate::status;
 
 impl Actor {
     pub(super) fn read(&self, request: &ReadRequest) -> Result<ReadAnswer, Fault> {

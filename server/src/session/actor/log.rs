@@ -7,9 +7,9 @@ use signorini::report::{Cause, StepReport, Termination};
 
 use super::Actor;
 use crate::convert::mesh;
+use crate::fault::status;
 use crate::session::SessionEnd;
 use crate::session::queue::Accepted;
-use crate::status;
 
 impl Actor {
     pub(super) fn log_start(&self) {

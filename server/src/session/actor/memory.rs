@@ -4,7 +4,7 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::Actor;
-use crate::store::Reservation;
+use crate::uploads::store::Reservation;
 
 impl Actor {
     /// Counts what is held, and never less than was predicted: the solver's

@@ -6,7 +6,7 @@ use tokio::time::Instant;
 use super::Actor;
 use crate::convert::step::Update;
 use crate::fault::Fault;
-use crate::status;
+use crate::fault::status;
 
 impl Actor {
     pub(super) fn update(&mut self, update: Update) {

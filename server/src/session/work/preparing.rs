@@ -10,13 +10,13 @@ use signorini::report::CancelToken;
 use tokio::sync::{mpsc, oneshot};
 
 use super::{Event, Work};
-use crate::client_key::Flow;
 use crate::compute::{Length, Panicked};
+use crate::door::client_key::Flow;
 use crate::fault::FailureCause;
-use crate::memory::{self, OutOfMemory};
+use crate::process::memory::{self, OutOfMemory};
 use crate::session::Services;
 use crate::session::replay::{Ground, Replay, ReplayError, Replayed};
-use crate::store::{Lease, Reservation};
+use crate::uploads::store::{Lease, Reservation};
 /// A session that can step.
 pub(in crate::session) struct Ready {
     pub(in crate::session) work: Box<Work>,

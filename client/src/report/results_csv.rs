@@ -1,0 +1,204 @@
+//! `results.csv`: one row an increment, for spreadsheets.
+//!
+//! The columns are those of the first result: what runs, then each obstacle, support
+//! and probe by name. A number that a result does not have is left empty.
+
+use std::fs::File;
+use std::path::Path;
+
+use csv::Writer;
+use signorini_proto::{v1, words};
+
+use crate::report::travel::Travels;
+use crate::terminal::exit::Failure;
+use crate::terminal::whole_file;
+
+/// Name of the file in a folder of results.
+pub(crate) const FILE: &str = "results.csv";
+
+const AXES: [&str; 3] = ["x", "y", "z"];
+
+/// The file under construction.
+pub(crate) struct ResultsCsv {
+    path: std::path::PathBuf,
+    writer: Writer<File>,
+    columns: Option<Columns>,
+}
+
+/// Names with columns of their own.
+struct Columns {
+    obstacles: Vec<String>,
+    supports: Vec<String>,
+    probes: Vec<String>,
+}
+
+impl ResultsCsv {
+    /// Begins the file in a folder.
+    pub(crate) fn create(folder: &Path) -> Result<Self, Failure> {
+        let path = folder.join(FILE);
+        let file = whole_file::create(&path).map_err(|error| Failure::unwritable(&path, &error))?;
+        Ok(Self {
+            writer: Writer::from_writer(file),
+            path,
+            columns: None,
+        })
+    }
+
+    /// Adds the row of an increment.
+    pub(crate) fn add(
+        &mut self,
+        report: &v1::StepReport,
+        travels: &Travels,
+    ) -> Result<(), Failure> {
+        let written = self.write(report, travels);
+        written.map_err(|error| Failure::unwritable(&self.path, &error.into()))
+    }
+
+    fn write(&mut self, report: &v1::StepReport, travels: &Travels) -> csv::Result<()> {
+        let columns = match self.columns.take() {
+            Some(columns) => columns,
+            None => {
+                let columns = Columns::of(report);
+                self.writer.write_record(columns.header())?;
+                columns
+            }
+        };
+        let row = columns.row(report, travels);
+        self.columns = Some(columns);
+        self.writer.write_record(row)?;
+        Ok(self.writer.flush()?)
+    }
+}
+
+impl Columns {
+    fn of(report: &v1::StepReport) -> Self {
+        Self {
+            obstacles: report.obstacles.keys().cloned().collect(),
+            supports: report.supports.keys().cloned().collect(),
+            probes: report.probes.keys().cloned().collect(),
+        }
+    }
+
+    fn header(&self) -> Vec<String> {
+        let fixed = [
+            "step",
+            "increment",
+            "time",
+            "load",
+            "termination",
+            "cause",
+            "error_estimate",
+            "strain_energy",
+            "volume_ratio",
+            "min_jacobian",
+            "max_penetration",
+            "seconds",
+        ];
+        let mut header: Vec<String> = fixed.map(str::to_owned).to_vec();
+        for name in &self.obstacles {
+            let scalars = ["travel", "force_along_travel", "force_error"];
+            header.extend(scalars.map(|column| format!("{name}.{column}")));
+            header.extend(AXES.map(|axis| format!("{name}.force_{axis}")));
+            let scalars = ["contact_area", "max_pressure"];
+            header.extend(scalars.map(|column| format!("{name}.{column}")));
+        }
+        for name in &self.supports {
+            header.extend(AXES.map(|axis| format!("{name}.force_{axis}")));
+        }
+        for name in &self.probes {
+            header.extend(AXES.map(|axis| format!("{name}.displacement_{axis}")));
+            header.push(format!("{name}.pressure"));
+        }
+        header
+    }
+
+    fn row(&self, report: &v1::StepReport, travels: &Travels) -> Vec<String> {
+        let mut row = vec![
+            report.step.to_string(),
+            report.increment.to_string(),
+            report.time.to_string(),
+            report.load.to_string(),
+            words::termination(report.termination()),
+            words::cause(report.cause()).unwrap_or_default(),
+        ];
+        let numbers = [
+            report.error_estimate,
+            Some(report.strain_energy).filter(|value| !value.is_nan()),
+            Some(report.volume_ratio).filter(|value| !value.is_nan()),
+            report.min_jacobian,
+            Some(report.max_penetration),
+            Some(report.seconds.unwrap_or_default().total),
+        ];
+        row.extend(numbers.map(cell));
+        for name in &self.obstacles {
+            let obstacle = report.obstacles.get(name);
+            row.push(cell(travels.distance(name, report)));
+            row.push(cell(obstacle.map(|result| travels.force(name, result))));
+            row.push(cell(obstacle.and_then(|result| result.force_error)));
+            row.extend(three(obstacle.map(|result| result.force.as_slice())));
+            row.push(cell(obstacle.map(|result| result.contact_area)));
+            row.push(cell(obstacle.map(|result| result.max_pressure)));
+        }
+        for name in &self.supports {
+            let support = report.supports.get(name);
+            row.extend(three(support.map(|result| result.force.as_slice())));
+        }
+        for name in &self.probes {
+            let probe = report.probes.get(name);
+            row.extend(three(probe.map(|result| result.displacement.as_slice())));
+            row.push(cell(probe.and_then(|result| result.pressure)));
+        }
+        row
+    }
+}
+
+/// As many digits as the double has.
+fn cell(value: Option<f64>) -> String {
+    value.map(|value| value.to_string()).unwrap_or_default()
+}
+
+fn three(values: Option<&[f64]>) -> [String; 3] {
+    let values = values.unwrap_or_default();
+    [0, 1, 2].map(|axis| cell(values.get(axis).copied()))
+}
+
+/// The columns that a first result makes.
+#[cfg(test)]
+pub(crate) fn header(report: &v1::StepReport) -> Vec<String> {
+    Columns::of(report).header()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+
+    #[test]
+    fn a_row_has_a_cell_for_every_column_and_numbers_keep_their_digits() {
+        let obstacle = v1::ObstacleResult {
+            force: vec![0.1, 0.0, -2.0],
+            ..Default::default()
+        };
+        let report = v1::StepReport {
+            step: 1,
+            obstacles: BTreeMap::from([("top".to_owned(), obstacle)]),
+            supports: BTreeMap::from([("base".to_owned(), v1::SupportResult::default())]),
+            probes: BTreeMap::from([("tip".to_owned(), v1::ProbeResult::default())]),
+            strain_energy: 0.1 + 0.2,
+            ..Default::default()
+        };
+        let columns = Columns::of(&report);
+        let (header, row) = (columns.header(), columns.row(&report, &Travels::default()));
+        assert_eq!(header.len(), row.len());
+        let of = |name: &str| {
+            let index = header.iter().position(|column| column == name).unwrap();
+            row[index].as_str()
+        };
+        assert_eq!(of("strain_energy"), "0.30000000000000004");
+        assert_eq!((of("top.force_z"), of("top.travel")), ("-2", ""));
+        assert_eq!((of("base.force_x"), of("tip.pressure")), ("", ""));
+        let other = v1::StepReport::default();
+        assert_eq!(columns.row(&other, &Travels::default()).len(), row.len());
+    }
+}

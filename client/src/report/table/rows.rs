@@ -1,0 +1,147 @@
+//! One row an increment, written when it is done.
+
+use signorini_proto::{v1, words};
+
+use crate::report::travel::Travels;
+use crate::terminal::text::{number, one_line, percent, with_error};
+
+/// Obstacles that have a column: more would not fit on a line.
+const MOST: usize = 4;
+/// Characters of a force, alone and with its error.
+const ALONE: usize = 12;
+const WITH_ERROR: usize = 20;
+
+/// The table under construction.
+#[derive(Debug, Default)]
+pub(crate) struct Rows {
+    /// What has a column, once the header is written.
+    columns: Option<Columns>,
+}
+
+impl Rows {
+    /// The row of an increment, below the header when it is the first.
+    pub(crate) fn row(&mut self, report: &v1::StepReport, travels: &Travels) -> String {
+        let mut text = String::new();
+        let columns = self.columns.get_or_insert_with(|| {
+            let columns = Columns::of(report, travels);
+            text = columns.header(report);
+            columns
+        });
+        text.push_str(&columns.row(report, travels));
+        text
+    }
+}
+
+/// What has a column, by the first increment.
+#[derive(Debug)]
+struct Columns {
+    /// Obstacles or, of a scene without any, supports that move, with their widths.
+    forces: Vec<(String, usize)>,
+    /// Whether the error of the mesh is estimated.
+    has_error: bool,
+}
+
+impl Columns {
+    fn of(report: &v1::StepReport, travels: &Travels) -> Self {
+        let wide =
+            |name: &String, own: usize| (name.clone(), one_line(name).chars().count().max(own));
+        let mut forces: Vec<_> = report
+            .obstacles
+            .iter()
+            .map(|(name, one)| wide(name, one.force_error.map_or(ALONE, |_| WITH_ERROR)))
+            .collect();
+        if forces.is_empty() {
+            forces = travels.supports().map(|name| wide(name, ALONE)).collect();
+        }
+        forces.truncate(MOST);
+        Self {
+            forces,
+            has_error: report.error_estimate.is_some(),
+        }
+    }
+
+    fn header(&self, report: &v1::StepReport) -> String {
+        let mut text = String::new();
+        if !self.forces.is_empty() {
+            let of = if report.obstacles.is_empty() {
+                "support"
+            } else {
+                "obstacle"
+            };
+            text.push_str(&format!(
+                "force of each {of} along its travel, its size where it stands still\n"
+            ));
+        }
+        let hidden = report.obstacles.len().saturating_sub(MOST);
+        if hidden > 0 {
+            text.push_str(&format!(
+                "{hidden} more obstacles are in the results but not in this table\n"
+            ));
+        }
+        text.push_str("step incr");
+        for (name, width) in &self.forces {
+            text.push_str(&format!("  {:>width$}", one_line(name)));
+        }
+        if self.has_error {
+            text.push_str("    error");
+        }
+        if !report.obstacles.is_empty() {
+            text.push_str(" touching");
+        }
+        text.push_str("  seconds\n");
+        text
+    }
+
+    fn row(&self, report: &v1::StepReport, travels: &Travels) -> String {
+        let mut text = format!("{:>4} {:>4}", report.step, report.increment);
+        for (name, width) in &self.forces {
+            let force = force(report, travels, name).unwrap_or_default();
+            text.push_str(&format!("  {force:>width$}"));
+        }
+        if self.has_error {
+            let error = report.error_estimate.map(percent).unwrap_or_default();
+            text.push_str(&format!("  {error:>7}"));
+        }
+        if !report.obstacles.is_empty() {
+            text.push_str(&format!(" {:>8}", report.active_vertices));
+        }
+        let seconds = report.seconds.unwrap_or_default().total;
+        text.push_str(&format!(" {seconds:>8.3}  {}", remarks(report)));
+        text.truncate(text.trim_end().len());
+        text.push('\n');
+        text
+    }
+}
+
+/// Of an obstacle or a support of that name.
+fn force(report: &v1::StepReport, travels: &Travels, name: &str) -> Option<String> {
+    let of_obstacle = report.obstacles.get(name).map(|obstacle| {
+        let force = travels.force(name, obstacle);
+        with_error(force, obstacle.force_error)
+    });
+    let of_support = || {
+        report
+            .supports
+            .get(name)
+            .map(|one| number(travels.reaction(name, one)))
+    };
+    of_obstacle.or_else(of_support)
+}
+
+/// What is not as usual.
+fn remarks(report: &v1::StepReport) -> String {
+    let mut remarks = Vec::new();
+    if report.termination() != v1::Termination::Converged {
+        remarks.push(words::termination(report.termination()).replace('_', " "));
+    }
+    remarks.extend(words::cause(report.cause()).map(|cause| cause.replace('_', " ")));
+    let mut kinds: Vec<String> = Vec::new();
+    for warning in &report.warnings {
+        let kind = one_line(&warning.kind).replace('_', " ");
+        if !kinds.contains(&kind) {
+            kinds.push(kind);
+        }
+    }
+    remarks.append(&mut kinds);
+    remarks.join(", ")
+}

@@ -1,0 +1,108 @@
+//! What a server does by itself while it serves.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use hyper::StatusCode;
+use tokio::task::JoinHandle;
+
+use crate::config::Config;
+use crate::data::control;
+use crate::journal::Journal;
+use crate::registry::Registry;
+use crate::session::Services;
+use crate::watch::metrics::Metrics;
+use crate::watch::page::{self, Answers};
+
+const UPKEEP: Duration = Duration::from_secs(5);
+/// How often the data folder is looked through for results that shall go.
+const TRIM: Duration = Duration::from_secs(60);
+
+/// Starts what goes on beside the service until it is aborted: the metrics page, upkeep, backups.
+pub(crate) fn start(
+    page: Page,
+    services: &Arc<Services>,
+    registry: &Arc<Registry>,
+    listener: Option<tokio::net::TcpListener>,
+) -> Vec<JoinHandle<()>> {
+    let (journal, config) = (services.journal.clone(), services.config.clone());
+    let (metrics, registry) = (Arc::clone(&page.metrics), Arc::clone(registry));
+    let upkeep = tokio::spawn(async move {
+        let mut ticks = tokio::time::interval(UPKEEP);
+        loop {
+            ticks.tick().await;
+            metrics.upkeep();
+            registry.expire_asleep().await;
+        }
+    });
+    let page = listener.map(|listener| tokio::spawn(page::serve(listener, page)));
+    let trim = journal
+        .clone()
+        .map(|journal| tokio::spawn(trim(journal, config)));
+    let control = journal.map(|journal| tokio::spawn(control::serve(journal)));
+    std::iter::once(upkeep)
+        .chain(page)
+        .chain(control)
+        .chain(trim)
+        .collect()
+}
+
+/// Drops from time to time what the data folder shall not keep.
+async fn trim(journal: Arc<Journal>, config: Config) {
+    let mut ticks = tokio::time::interval(TRIM);
+    loop {
+        ticks.tick().await;
+        let Some(limit) = config.data_limit() else {
+            continue;
+        };
+        let journal = Arc::clone(&journal);
+        match tokio::task::spawn_blocking(move || journal.trim(limit)).await {
+            Ok(Ok(0)) => {}
+            Ok(Ok(sessions)) => tracing::info!(sessions, "old results dropped from disk"),
+            Ok(Err(why)) => tracing::error!(why = why.to_string(), "old results stay on disk"),
+            Err(why) => tracing::error!(why = why.to_string(), "old results stay on disk"),
+        }
+    }
+}
+
+/// The page of a server.
+#[derive(Clone)]
+pub(crate) struct Page {
+    pub(crate) metrics: Arc<Metrics>,
+    pub(crate) registry: Arc<Registry>,
+    /// Where the service itself listens.
+    pub(crate) service: Arc<str>,
+}
+
+impl Answers for Page {
+    fn answer(&self, path: &str) -> (StatusCode, String) {
+        match path {
+            "/metrics" => (StatusCode::OK, self.metrics.render()),
+            "/healthz" => self.health(),
+            "/livez" => (StatusCode::OK, "ok\n".to_owned()),
+            "/" => (StatusCode::OK, self.help()),
+            _ => (StatusCode::NOT_FOUND, self.help()),
+        }
+    }
+}
+
+impl Page {
+    fn health(&self) -> (StatusCode, String) {
+        match self.registry.check_open() {
+            Ok(()) => (StatusCode::OK, "ok\n".to_owned()),
+            Err(fault) => (StatusCode::SERVICE_UNAVAILABLE, format!("{fault}\n")),
+        }
+    }
+
+    fn help(&self) -> String {
+        format!(
+            "Signorini {}\n\n\
+             /metrics  for Prometheus\n\
+             /healthz  200 while the server takes work, 503 while it shuts down\n\
+             /livez    200 while it answers at all\n\n\
+             The service itself speaks gRPC at {}.\n",
+            env!("CARGO_PKG_VERSION"),
+            self.service
+        )
+    }
+}

@@ -1,0 +1,16 @@
+//! How an operator sees the server: metrics, their page, the log, traces, and a look at the
+//! machine.
+//!
+//! | file | what it does |
+//! |---|---|
+//! | `metrics` | every metric, with its name, buckets and text |
+//! | `page` | plain HTTP for Prometheus and probes |
+//! | `log` | lines on stderr, for people or as JSON |
+//! | `traces` | spans of solves for a collector of OpenTelemetry |
+//! | `doctor` | processor, memory, descriptors, loopback, clock and disk |
+
+pub(crate) mod doctor;
+pub(crate) mod log;
+pub(crate) mod metrics;
+pub(crate) mod page;
+pub(crate) mod traces;
