@@ -2,7 +2,10 @@
 //! follows the table below, and faer stays behind one door. No files of any crate
 //! import each other in a circle, and production knows no comparison. Pages lead somewhere.
 
+mod budgets;
 mod circles;
+mod decisions;
+mod functions;
 mod manual;
 mod modules;
 mod rooms;
@@ -122,6 +125,16 @@ fn imports(text: &str) -> Vec<String> {
         .filter(|path| path[..2] == ["crate", "::"])
         .map(|path| path[2].clone())
         .collect()
+}
+
+/// The files of the library that a build without tests reads.
+fn production() -> Vec<(String, PathBuf, String)> {
+    let tree = Tree::read(&workspace().join("src/lib.rs"));
+    let modules = 0..tree.uses().len();
+    let read: Vec<&Path> = modules.map(|module| tree.file(module)).collect();
+    let mut files = library();
+    files.retain(|(_, path, _)| read.contains(&workspace().join("src").join(path).as_path()));
+    files
 }
 
 fn is_test_file(path: &Path) -> bool {

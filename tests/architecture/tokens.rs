@@ -3,12 +3,34 @@
 
 /// The tokens of `text` that a build without tests sees.
 pub(crate) fn production(text: &str) -> Vec<String> {
-    without_tests(&tokens(text))
+    numbered(text).0
 }
 
-fn tokens(text: &str) -> Vec<String> {
+/// The tokens of `text` that a build without tests sees, and the line of each, from one.
+pub(crate) fn numbered(text: &str) -> (Vec<String>, Vec<usize>) {
+    let (tokens, lines) = tokens(text);
+    let kept = without_tests(&tokens).into_iter();
+    kept.map(|at| (tokens[at].clone(), lines[at])).unzip()
+}
+
+/// Lines of `text` that a build without tests reads: all but those of items for tests.
+pub(crate) fn production_lines(text: &str) -> usize {
+    let (tokens, lines) = tokens(text);
+    let mut kept = vec![true; text.lines().count() + 1];
+    let mut next = 0;
+    for at in without_tests(&tokens).into_iter().chain([tokens.len()]) {
+        if at > next {
+            kept[lines[next]..=lines[at - 1]].fill(false);
+        }
+        next = at + 1;
+    }
+    kept.iter().skip(1).filter(|kept| **kept).count()
+}
+
+fn tokens(text: &str) -> (Vec<String>, Vec<usize>) {
     let all: Vec<char> = text.chars().collect();
-    let (mut found, mut at) = (Vec::new(), 0);
+    let (mut found, mut lines, mut at) = (Vec::new(), Vec::new(), 0);
+    let (mut line, mut counted) = (1, 0);
     while at < all.len() {
         let end = skipped(&all, at);
         if end > at {
@@ -20,10 +42,13 @@ fn tokens(text: &str) -> Vec<String> {
             ':' if all.get(at + 1) == Some(&':') => at + 2,
             _ => at + 1,
         };
+        line += all[counted..at].iter().filter(|c| **c == '\n').count();
+        counted = at;
         found.push(all[at..end].iter().collect());
+        lines.push(line);
         at = end;
     }
-    found
+    (found, lines)
 }
 
 fn is_name(c: char) -> bool {
@@ -71,14 +96,15 @@ fn raw_string(all: &[char], at: usize) -> usize {
     past(all, at + 2 + marks, &close)
 }
 
-fn without_tests(tokens: &[String]) -> Vec<String> {
+/// Places of the tokens outside items for tests.
+fn without_tests(tokens: &[String]) -> Vec<usize> {
     const MARK: [&str; 7] = ["#", "[", "cfg", "(", "test", ")", "]"];
     let (mut kept, mut at) = (Vec::new(), 0);
     while at < tokens.len() {
         if tokens[at..].iter().take(MARK.len()).eq(MARK.iter()) {
             at = item_end(tokens, at + MARK.len());
         } else {
-            kept.push(tokens[at].clone());
+            kept.push(at);
             at += 1;
         }
     }
@@ -124,4 +150,5 @@ fn comments_literals_and_tests_are_left_out() {
     let words = production(text).concat();
     let expected = "usea::{b,c};fnf<'a>(x:&'astr){x==||x==||==}modlast;";
     assert_eq!(words, expected);
+    assert_eq!(production_lines(text), text.lines().count() - 5);
 }

@@ -1,0 +1,89 @@
+//! What a room may weigh: its production lines and its numeric constants.
+
+use super::{production, tokens};
+
+/// Room, its lines as they were recorded, and its numeric constants. A room may outgrow the
+/// lines by [`GROWTH`] per cent; the constants are a ceiling.
+#[rustfmt::skip]
+const BUDGETS: &[(&str, usize, usize)] = &[
+    ("assembly", 8142, 27),
+    ("compare", 4702, 24),
+    ("contact", 3408, 22),
+    ("element", 781, 3),
+    ("geometry", 497, 1),
+    ("inequality", 5290, 51),
+    ("krylov", 955, 15),
+    ("lib", 216, 0),
+    ("linalg", 2818, 14),
+    ("material", 816, 1),
+    ("mesh", 2638, 11),
+    ("model", 4279, 20),
+    ("obstacle", 5851, 51),
+    ("plan", 3719, 67),
+    ("precond", 4941, 45),
+    ("prepare", 1705, 9),
+    ("report", 731, 3),
+    ("results", 2654, 25),
+    ("saddle", 1153, 5),
+    ("scene", 3689, 20),
+    ("session", 1841, 9),
+    ("space", 190, 0),
+    ("sqp", 9277, 139),
+    ("verify", 1328, 8),
+];
+
+/// Per cent by which a room may outgrow its recorded lines.
+const GROWTH: usize = 5;
+
+/// Types of the constants that count: a number, or numbers side by side.
+const NUMBERS: [&str; 14] = [
+    "f64", "f32", "usize", "u8", "u16", "u32", "u64", "u128", "i8", "i16", "i32", "i64", "isize",
+    "i128",
+];
+
+/// Constants of `text` whose type is a number.
+fn numeric_constants(text: &str) -> usize {
+    let words = tokens::production(text);
+    let constant = |part: &&[String]| {
+        part[0] == "const"
+            && part[2] == ":"
+            && NUMBERS.contains(&part[3].as_str())
+            && part[4] == "="
+    };
+    // A parameter such as `const N: usize = 8` is none.
+    let is_parameter = |at: usize| at > 0 && ["<", ","].contains(&words[at - 1].as_str());
+    let parts = words.windows(5).enumerate();
+    parts
+        .filter(|(at, part)| constant(part) && !is_parameter(*at))
+        .count()
+}
+
+#[test]
+fn rooms_stay_within_their_budgets() {
+    let files = production();
+    let mut rooms: Vec<&str> = files.iter().map(|file| file.0.as_str()).collect();
+    rooms.dedup();
+    let mut faults = Vec::new();
+    for room in rooms {
+        let own = files.iter().filter(|file| file.0 == room);
+        let (lines, constants) = own.fold((0, 0), |sum, (_, _, text)| {
+            let lines = tokens::production_lines(text);
+            (sum.0 + lines, sum.1 + numeric_constants(text))
+        });
+        let budget = BUDGETS.iter().find(|row| row.0 == room);
+        let fits = |row: &(&str, usize, usize)| {
+            lines <= row.1 + row.1 * GROWTH / 100 && constants <= row.2
+        };
+        if !budget.is_some_and(fits) {
+            faults.push(format!("(\"{room}\", {lines}, {constants}),"));
+        }
+    }
+    assert!(faults.is_empty(), "outgrown:\n{}", faults.join("\n"));
+}
+
+#[test]
+fn constants_of_other_types_and_parameters_do_not_count() {
+    let text = "const A: f64 = 1.0; struct S<const N: usize = 8>; impl S { const B: usize = 2; }
+        const C: [f64; 2] = [1.0, 2.0]; const fn d() { const E: u32 = 3; }";
+    assert_eq!(numeric_constants(text), 3);
+}

@@ -1,0 +1,212 @@
+//! What one has to hold in mind to read a function: its lines, the values that it takes, and
+//! how it branches on a boolean.
+
+use super::{production, tokens};
+
+/// Lines of the longest function.
+#[rustfmt::skip]
+const LONGEST: usize = 60;
+
+/// Values that a function takes at most, `self` apart and tuples opened.
+const VALUES: usize = 5;
+
+/// Functions above [`LONGEST`] that wait to be split; the list only gets shorter.
+#[rustfmt::skip]
+const LONG: &[(&str, &str)] = &[
+    ("inequality/one_level/face.rs", "run_face"),
+    ("plan/mod.rs", "new"),
+    ("plan/mod.rs", "key"),
+    ("precond/compliance/split.rs", "new"),
+    ("results/fields.rs", "field"),
+    ("scene/validate/mod.rs", "resolve"),
+    ("scene/validate/solver.rs", "check_element"),
+    ("sqp/program/mod.rs", "new"),
+    ("sqp/program/solve.rs", "solve_with"),
+];
+
+/// Room, functions above [`VALUES`], and `match` on booleans. Ceilings, which only fall.
+#[rustfmt::skip]
+const CEILINGS: &[(&str, usize, usize)] = &[
+    ("assembly", 19, 9),
+    ("compare", 1, 9),
+    ("contact", 0, 4),
+    ("element", 0, 1),
+    ("geometry", 0, 0),
+    ("inequality", 3, 20),
+    ("krylov", 1, 1),
+    ("lib", 0, 0),
+    ("linalg", 0, 12),
+    ("material", 0, 1),
+    ("mesh", 0, 3),
+    ("model", 1, 18),
+    ("obstacle", 0, 29),
+    ("plan", 2, 15),
+    ("precond", 5, 6),
+    ("prepare", 2, 11),
+    ("report", 0, 1),
+    ("results", 1, 11),
+    ("saddle", 0, 4),
+    ("scene", 0, 7),
+    ("session", 1, 11),
+    ("space", 0, 0),
+    ("sqp", 1, 34),
+    ("verify", 0, 5),
+];
+
+/// A function of the text.
+struct Function {
+    name: String,
+    lines: usize,
+    values: usize,
+}
+
+fn functions(text: &str) -> Vec<Function> {
+    let (words, lines) = tokens::numbered(text);
+    let is_name = |at: usize| words[at].starts_with(|c: char| c.is_alphabetic() || c == '_');
+    let starts = (1..words.len()).filter(|at| words[at - 1] == "fn" && is_name(*at));
+    starts
+        .filter_map(|at| {
+            let open = arguments(&words, at + 1)?;
+            let close = closing(&words, open);
+            // A declaration without a body ends with its semicolon.
+            let start =
+                (close..words.len()).find(|at| ["{", ";"].contains(&words[*at].as_str()))?;
+            let end = closing(&words, start);
+            Some(Function {
+                name: words[at].clone(),
+                lines: lines[end] - lines[at] + 1,
+                values: values(&words[open + 1..close]),
+            })
+        })
+        .collect()
+}
+
+/// The parenthesis after the generic parameters that begin at `at`.
+fn arguments(words: &[String], at: usize) -> Option<usize> {
+    let mut depth = 0_usize;
+    for here in at..words.len() {
+        match words[here].as_str() {
+            "<" => depth += 1,
+            ">" if words[here - 1] != "-" => depth -= 1,
+            "(" if depth == 0 => return Some(here),
+            _ => {}
+        }
+    }
+    None
+}
+
+/// Where the bracket at `open` is closed; `open` itself where it is none.
+fn closing(words: &[String], open: usize) -> usize {
+    let mut depth = 0_usize;
+    for (at, word) in words.iter().enumerate().skip(open) {
+        match word.as_str() {
+            "(" | "[" | "{" => depth += 1,
+            ")" | "]" | "}" => depth -= 1,
+            _ => {}
+        }
+        if depth == 0 {
+            return at;
+        }
+    }
+    words.len() - 1
+}
+
+/// Values of an argument list: a tuple counts as what stands in its pattern, `self` not at all.
+fn values(list: &[String]) -> usize {
+    split(list)
+        .map(|argument| match argument {
+            [first, .., last] if first == "(" && last == ")" => {
+                values(&argument[1..argument.len() - 1])
+            }
+            [first, ..] if first == "(" => values(&argument[1..closing(argument, 0)]),
+            _ if argument.iter().any(|word| word == "self") => 0,
+            _ => 1,
+        })
+        .sum()
+}
+
+/// The parts of `list` between its commas.
+fn split(list: &[String]) -> impl Iterator<Item = &[String]> {
+    let mut depth = 0_usize;
+    let parts = list.split(move |word| {
+        match word.as_str() {
+            "(" | "[" | "{" | "<" => depth += 1,
+            ")" | "]" | "}" | ">" => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        depth == 0 && word == ","
+    });
+    parts.filter(|part| !part.is_empty())
+}
+
+/// How many `match`es have an arm for `true` or `false` alone.
+fn boolean_matches(text: &str) -> usize {
+    let words = tokens::production(text);
+    let arm = |at: usize| {
+        let is_first = at > 0 && words[at - 1] == "{";
+        let is_value = ["true", "false"].contains(&words[at].as_str());
+        let leads = words.get(at + 1).is_some_and(|next| next == "=");
+        is_first && is_value && leads
+    };
+    (0..words.len()).filter(|at| arm(*at)).count()
+}
+
+#[test]
+fn functions_fit_on_a_page() {
+    let mut faults = Vec::new();
+    for (_, path, text) in production() {
+        let file = path.to_string_lossy().into_owned();
+        let known = |name: &str| LONG.contains(&(file.as_str(), name));
+        let long = functions(&text).into_iter();
+        for long in long.filter(|one| one.lines > LONGEST && !known(&one.name)) {
+            faults.push(format!("{file}: {} has {} lines", long.name, long.lines));
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn rooms_keep_their_argument_lists_short_and_their_branches_plain() {
+    let (mut faults, mut worst) = (Vec::new(), Vec::new());
+    let files = production();
+    let mut rooms: Vec<&str> = files.iter().map(|file| file.0.as_str()).collect();
+    rooms.dedup();
+    for room in rooms {
+        let (mut long, mut matches) = (0, 0);
+        for (_, path, text) in files.iter().filter(|file| file.0 == room) {
+            matches += boolean_matches(text);
+            for one in functions(text).iter().filter(|one| one.values > VALUES) {
+                long += 1;
+                worst.push(format!(
+                    "{}: {} takes {}",
+                    path.display(),
+                    one.name,
+                    one.values
+                ));
+            }
+        }
+        let ceiling = CEILINGS.iter().find(|row| row.0 == room);
+        if ceiling.is_none_or(|row| long > row.1 || matches > row.2) {
+            faults.push(format!("(\"{room}\", {long}, {matches}),"));
+        }
+    }
+    let (faults, worst) = (faults.join("\n"), worst.join("\n"));
+    assert!(
+        faults.is_empty(),
+        "above their ceilings:\n{faults}\n{worst}"
+    );
+}
+
+#[test]
+fn tuples_of_argument_lists_are_opened() {
+    let text = "impl A { fn f<T: Fn(u8) -> u8, const N: usize>(&mut self, (a, (b, c)): (X, (Y, [u8; 2])), d: &[T]) -> Z where T: U {\n
+        match d { true => 1, false => 2 }\n
+    } } trait B { fn g(&self, x: HashMap<u8, u8>); }";
+    let found = functions(text);
+    let seen: Vec<(&str, usize, usize)> = found
+        .iter()
+        .map(|one| (one.name.as_str(), one.lines, one.values))
+        .collect();
+    assert_eq!(seen, [("f", 5, 4), ("g", 1, 1)]);
+    assert_eq!(boolean_matches(text), 1);
+}
