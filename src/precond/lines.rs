@@ -13,6 +13,7 @@
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
+use super::chebyshev::{Chebyshev, Step};
 use super::node_pairs::{Block, NodePairs};
 use super::spectrum::Lanczos;
 use super::{NodeBlocks, Transfer};
@@ -159,15 +160,12 @@ impl AlongLines {
     /// Adds [`DEGREE`] Chebyshev steps to `x` and takes them off `r`, the last
     /// one only where `products` asks for it.
     fn smooth(&self, x: &mut [f64], r: &mut [f64], products: usize, work: &mut Workspace) {
-        let (low, high) = (self.largest / RATIO, self.largest);
-        let (centre, half) = (0.5 * (high + low), 0.5 * (high - low));
-        let sigma = centre / half;
-        let mut rho = 1.0 / sigma;
-        let (mut keep, mut gain) = (0.0, 1.0 / centre);
+        let mut chebyshev = Chebyshev::new(self.largest / RATIO, self.largest);
         let mut direction = work.zeros(r.len());
         let mut z = work.scratch(r.len());
         for step in 0..DEGREE {
             self.groups.apply(r, &mut z, work);
+            let Step { keep, gain } = chebyshev.advance();
             for (d, z) in direction.iter_mut().zip(&z) {
                 *d = keep * *d + gain * z;
             }
@@ -176,9 +174,6 @@ impl AlongLines {
                 self.operator.apply(&direction, &mut z, work);
                 add_scaled(r, -1.0, &z);
             }
-            let next = 1.0 / (2.0 * sigma - rho);
-            (keep, gain) = (next * rho, 2.0 * next / half);
-            rho = next;
         }
         work.give(direction);
         work.give(z);

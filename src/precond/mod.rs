@@ -4,6 +4,7 @@
 //! Index ranges, edge lists and node blocks come in as plain data; nothing
 //! here knows a mesh.
 
+mod chebyshev;
 pub mod coarse_schur;
 pub mod compliance;
 mod counted;

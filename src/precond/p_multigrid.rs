@@ -14,6 +14,7 @@
 
 use std::sync::Arc;
 
+use super::chebyshev::{Chebyshev, Step};
 use super::spectrum::Lanczos;
 use super::{NodeBlocks, Transfer};
 use crate::linalg::vector::{norm, power_of_two_below};
@@ -68,17 +69,22 @@ impl Smoothing {
 pub struct PMultigrid<R> {
     /// A on Lagrange values `[unknowns, unknowns]`.
     operator: Arc<dyn ResidualUpdate<R>>,
-    /// Inverted Lagrange node blocks, which the Chebyshev smoother steps in.
-    smoother: NodeBlocks,
+    /// Chebyshev smoother on Lagrange values.
+    smoother: Smoother,
     /// Approximate inverse of A11 for the coarse correction.
     coarse: Arc<dyn Preconditioner>,
     /// The way between the hierarchical basis and Lagrange's, and to the vertices.
     transfer: Transfer,
-    /// Chebyshev steps and their place.
-    smoothing: Smoothing,
-    /// Largest eigenvalue of the smoother's product with A, the upper end of its
-    /// interval.
-    largest: f64,
+}
+
+/// Chebyshev steps in node blocks.
+pub struct Smoother {
+    /// Inverted Lagrange node blocks.
+    pub blocks: NodeBlocks,
+    /// The steps and their place.
+    pub smoothing: Smoothing,
+    /// Largest eigenvalue of the blocks' product with A, the upper end of the interval.
+    pub largest: f64,
 }
 
 /// The largest eigenvalue of the product of `smoother` with A, which acts on Lagrange values with
@@ -98,11 +104,10 @@ pub fn largest_eigenvalue(
 }
 
 impl<R: Scalar> PMultigrid<R> {
-    /// `operator` acts on Lagrange values; `smoother` holds its inverted node
-    /// blocks, is taken as `smoothing` says and damps up to `largest`; `coarse` solves P1.
+    /// `operator` acts on Lagrange values, `smoother` steps in its node blocks; `coarse` solves P1.
     pub fn new(
         operator: Arc<dyn ResidualUpdate<R>>,
-        (smoother, smoothing, largest): (NodeBlocks, Smoothing, f64),
+        smoother: Smoother,
         coarse: Arc<dyn Preconditioner>,
         transfer: Transfer,
     ) -> Self {
@@ -111,43 +116,39 @@ impl<R: Scalar> PMultigrid<R> {
             smoother,
             coarse,
             transfer,
-            smoothing,
-            largest,
         }
     }
 
     /// Bytes held by the node blocks and the incidence.
     pub fn bytes(&self) -> u64 {
-        self.smoother.bytes() + self.transfer.bytes()
+        self.smoother.blocks.bytes() + self.transfer.bytes()
     }
 
     /// The Chebyshev steps on `x` with running residual `r` and direction `d`, beginning as
-    /// `start` says; the residual of the last step is computed only where `products` asks for it.
+    /// `start` says; the residual of the last step is computed only where a correction follows.
     fn smooth(
         &self,
         (x, r, d): (&mut [R], &mut [R], &mut [R]),
         start: Start,
-        products: usize,
         work: &mut Workspace,
     ) {
-        let steps = self.smoothing.steps();
-        let (low, high) = (self.largest / self.smoothing.ratio(), self.largest);
-        let (centre, half) = (0.5 * (high + low), 0.5 * (high - low));
-        let sigma = centre / half;
-        let mut rho = 1.0 / sigma;
-        let (mut keep, mut gain) = (0.0, 1.0 / centre);
+        let Smoother {
+            blocks,
+            smoothing,
+            largest,
+        } = &self.smoother;
+        let steps = smoothing.steps();
+        let mut chebyshev = Chebyshev::new(largest / smoothing.ratio(), *largest);
         for step in 0..steps {
+            let Step { keep, gain } = chebyshev.advance();
             match (step, start) {
-                (0, Start::FromNothing) => self.smoother.chebyshev_start(gain, r, d, x),
-                (0, Start::BehindCorrection) => self.smoother.chebyshev_restart(gain, r, d, x),
-                _ => self.smoother.chebyshev_update((keep, gain), r, d, x),
+                (0, Start::FromNothing) => blocks.chebyshev_start(gain, r, d, x),
+                (0, Start::BehindCorrection) => blocks.chebyshev_restart(gain, r, d, x),
+                _ => blocks.chebyshev_update((keep, gain), r, d, x),
             }
-            if step < products {
+            if step + 1 < steps || start == Start::FromNothing {
                 self.operator.take_off(d, r, work);
             }
-            let next = 1.0 / (2.0 * sigma - rho);
-            (keep, gain) = (next * rho, 2.0 * next / half);
-            rho = next;
         }
     }
 
@@ -167,7 +168,7 @@ impl<R: Scalar> PMultigrid<R> {
 }
 
 /// Where a smoothing begins.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 enum Start {
     /// At x = 0.
     FromNothing,
@@ -187,9 +188,9 @@ impl<R: Scalar> Preconditioner for PMultigrid<R> {
         self.transfer
             .residual_to_lagrange(1.0 / unit, r, &mut residual);
         let (x, r, d) = (&mut values[..], &mut residual[..], &mut direction[..]);
-        match self.smoothing {
-            Smoothing::Around(steps) => {
-                self.smooth((x, r, d), Start::FromNothing, steps, work);
+        match self.smoother.smoothing {
+            Smoothing::Around(_) => {
+                self.smooth((x, r, d), Start::FromNothing, work);
                 self.coarse_correction(r, d, work);
             }
             Smoothing::Behind(_) => {
@@ -197,8 +198,7 @@ impl<R: Scalar> Preconditioner for PMultigrid<R> {
                 x.fill(R::default());
             }
         }
-        let products = self.smoothing.steps() - 1;
-        self.smooth((x, r, d), Start::BehindCorrection, products, work);
+        self.smooth((x, r, d), Start::BehindCorrection, work);
         self.transfer.values_to_hierarchical(unit, x, z);
         for vector in [residual, direction, values] {
             R::give(work, vector);

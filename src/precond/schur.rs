@@ -6,6 +6,7 @@
 //! (A. Wathen, IMA J. Numer. Anal. 7, 1987), so no estimate is needed. The
 //! lumped mass instead doubles the iterations of the saddle point in 3D.
 
+use super::chebyshev::{Chebyshev, Step};
 use crate::linalg::vector::{add_scaled, subtract_from};
 use crate::linalg::{LinearOperator, Preconditioner, SparseRows, Workspace};
 
@@ -46,7 +47,7 @@ impl ChebyshevMass {
     }
 
     /// One Chebyshev step of the direction: d = keep d + gain D^-1 r.
-    fn update(&self, keep: f64, gain: f64, r: &[f64], d: &mut [f64]) {
+    fn update(&self, Step { keep, gain }: Step, r: &[f64], d: &mut [f64]) {
         for ((d, r), inverse) in d.iter_mut().zip(r).zip(&self.inverse_diagonal) {
             *d = keep * *d + gain * inverse * r;
         }
@@ -55,21 +56,16 @@ impl ChebyshevMass {
 
 impl Preconditioner for ChebyshevMass {
     fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace) {
-        let (low, high) = (0.5, self.largest);
-        let (centre, half) = (0.5 * (high + low), 0.5 * (high - low));
-        let sigma = centre / half;
-        let mut rho = 1.0 / sigma;
+        let mut chebyshev = Chebyshev::new(0.5, self.largest);
         let mut direction = work.zeros(r.len());
         let mut product = work.scratch(r.len());
-        self.update(0.0, 1.0 / centre, r, &mut direction);
+        self.update(chebyshev.advance(), r, &mut direction);
         z.copy_from_slice(&direction);
         for _ in 1..self.steps {
             self.mass.apply(z, &mut product, work);
             subtract_from(&mut product, r);
-            let next = 1.0 / (2.0 * sigma - rho);
-            self.update(next * rho, 2.0 * next / half, &product, &mut direction);
+            self.update(chebyshev.advance(), &product, &mut direction);
             add_scaled(z, 1.0, &direction);
-            rho = next;
         }
         work.give(direction);
         work.give(product);

@@ -18,7 +18,7 @@ use crate::mesh::Mesh;
 use crate::plan::Plan;
 use crate::precond::lines::LagrangeNodes;
 use crate::precond::node_pairs::NodePairs;
-use crate::precond::p_multigrid::{Smoothing, largest_eigenvalue};
+use crate::precond::p_multigrid::{Smoother, largest_eigenvalue};
 use crate::precond::{AlongLines, NodeBlocks, PMultigrid, Transfer};
 use crate::space::TaylorHood;
 
@@ -117,13 +117,12 @@ fn may_be_single(plan: &Plan, body: &DisplacementBody<'_>) -> bool {
 }
 
 /// Node blocks, steps and interval of the smoother of `operator`.
-fn smoother(
-    plan: &Plan,
-    body: &DisplacementBody<'_>,
-    operator: &dyn LinearOperator,
-) -> (NodeBlocks, Smoothing, f64) {
-    let largest = largest_eigenvalue(operator, body.node_blocks, body.held);
-    (body.node_blocks.clone(), plan.smoothing(), largest)
+fn smoother(plan: &Plan, body: &DisplacementBody<'_>, operator: &dyn LinearOperator) -> Smoother {
+    Smoother {
+        blocks: body.node_blocks.clone(),
+        smoothing: plan.smoothing(),
+        largest: largest_eigenvalue(operator, body.node_blocks, body.held),
+    }
 }
 
 /// `inner` between smoothings along strongly coupled nodes, where there are

@@ -15,6 +15,7 @@ use super::block_rows::{
 use super::strength::position_of_diagonal;
 use crate::linalg::Scalar;
 use crate::linalg::{Preconditioner, Workspace};
+use crate::precond::chebyshev::Chebyshev;
 use crate::precond::spectrum::Lanczos;
 
 /// Steps before and after the coarse correction.
@@ -133,17 +134,10 @@ pub(super) fn largest_eigenvalue<const N: usize>(
 impl<S: Scalar, const N: usize> Smoother<S, N> {
     /// Smoother of a matrix with eigenvalues of D^-1 A up to `largest`.
     pub(super) fn new(inverse: &[Block<f64, N, N>], largest: f64) -> Self {
-        let (low, high) = (largest / RATIO, largest);
-        let (centre, half) = (0.5 * (high + low), 0.5 * (high - low));
-        let sigma = centre / half;
-        let mut rho = 1.0 / sigma;
-        let mut step = (0.0, 1.0 / centre);
+        let mut chebyshev = Chebyshev::new(largest / RATIO, largest);
         let steps = [(); DEGREE].map(|()| {
-            let current = (S::narrow(step.0), S::narrow(step.1));
-            let next = 1.0 / (2.0 * sigma - rho);
-            step = (next * rho, 2.0 * next / half);
-            rho = next;
-            current
+            let step = chebyshev.advance();
+            (S::narrow(step.keep), S::narrow(step.gain))
         });
         let narrow = |block: &Block<f64, N, N>| block.map(|row| row.map(S::narrow));
         Self {
