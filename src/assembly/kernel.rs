@@ -19,10 +19,7 @@ use super::lanes::{Lanes, Pack, WIDTH};
 use super::transpose::{Batched, Row, Transpose};
 use crate::linalg::Scalar;
 pub use points::edge_factor;
-use points::{
-    Elastic, Pressed, Tangent, bases, edge_of, gradients, pressures, store_forces, visit_points,
-    volumes, zeros,
-};
+use points::{Elastic, ElementPart, Pressed, Tangent};
 
 /// Place of the pressure in a row.
 pub const PRESSURE: usize = 3;
@@ -135,234 +132,163 @@ pub(super) fn scatter<T: Transpose, R: Batched<W>, const N: usize, const W: usiz
     }
 }
 
-/// `y += A x` on one batch: A = int 2 mu eps : eps + lambda div div.
-#[inline(always)]
-pub fn stiffness<
-    S: Simd,
-    T: Transpose,
+/// One batch at work: nodal values in, what a kernel makes of them added to the result. `A` is
+/// int 2 mu eps : eps + lambda div div.
+pub(super) struct Kernel<
+    'a,
+    S,
+    T,
     const V: usize,
     const D: usize,
     const E: usize,
-    R: Batched<W>,
-    const W: usize,
->(
-    simd: S,
-    transpose: T,
-    batch: &Batch<V, D, E, R, W>,
-    element: &mut Element<V, E, R, W>,
-    x: &[Row<R>],
-    y: &mut [Row<R>],
-) {
-    elastic(simd, transpose, (batch, &batch.lame), element, x, y);
+    R = f64,
+    const W: usize = WIDTH,
+> {
+    /// Instructions.
+    pub(super) simd: S,
+    /// How rows become lanes.
+    pub(super) transpose: T,
+    pub(super) batch: &'a Batch<V, D, E, R, W>,
+    pub(super) element: &'a mut Element<V, E, R, W>,
+    /// Nodal values of the block.
+    pub(super) x: &'a [Row<R>],
+    /// Result of the block.
+    pub(super) y: &'a mut [Row<R>],
 }
 
-/// The same with the lambda of an approximate inverse.
-#[inline(always)]
-pub fn augmented_stiffness<
+impl<S, T, const V: usize, const D: usize, const E: usize, R, const W: usize>
+    Kernel<'_, S, T, V, D, E, R, W>
+where
     S: Simd,
     T: Transpose,
-    const V: usize,
-    const D: usize,
-    const E: usize,
     R: Batched<W>,
-    const W: usize,
->(
-    simd: S,
-    transpose: T,
-    batch: &Batch<V, D, E, R, W>,
-    element: &mut Element<V, E, R, W>,
-    x: &[Row<R>],
-    y: &mut [Row<R>],
-) {
-    elastic(simd, transpose, (batch, &batch.augmented), element, x, y);
-}
-
-/// [`stiffness`] with `lame` for lambda.
-#[inline(always)]
-fn elastic<
-    S: Simd,
-    T: Transpose,
-    const V: usize,
-    const D: usize,
-    const E: usize,
-    R: Batched<W>,
-    const W: usize,
->(
-    simd: S,
-    transpose: T,
-    (batch, lame): (&Batch<V, D, E, R, W>, &Lanes<R, W>),
-    element: &mut Element<V, E, R, W>,
-    x: &[Row<R>],
-    y: &mut [Row<R>],
-) {
-    let Element { vertices, edges } = element;
-    gather(transpose, &batch.vertices, x, vertices);
-    gather(transpose, &batch.edges, x, edges);
-    for part in 0..R::parts::<S>() {
-        let g = gradients(simd, batch, part);
-        let shear = Pack::load(simd, &batch.shear, part);
-        let lame = Pack::load(simd, lame, part);
-        let mut law = Elastic { shear, lame };
-        visit_points(simd, &g, (&mut *vertices, &mut *edges), part, &mut law);
+{
+    /// `y += A x`.
+    #[inline(always)]
+    pub(super) fn stiffness(self) {
+        let lame = &self.batch.lame;
+        self.elastic(lame);
     }
-    scatter(transpose, &batch.vertices, vertices, y);
-    scatter(transpose, &batch.edges, edges, y);
-}
 
-/// `y += A x` on one batch of tetrahedra, the stress being a symmetric matrix times the displacement
-/// gradient: `tensor` is its upper triangle, row by row, times the weight.
-#[inline(always)]
-pub fn tangent<S: Simd, T: Transpose, R: Batched<W>, const W: usize>(
-    simd: S,
-    transpose: T,
-    (batch, tensor): (&Batch<4, 3, 6, R, W>, &[Lanes<R, W>; SYMMETRIC_ENTRIES]),
-    element: &mut Element<4, 6, R, W>,
-    x: &[Row<R>],
-    y: &mut [Row<R>],
-) {
-    let Element { vertices, edges } = element;
-    gather(transpose, &batch.vertices, x, vertices);
-    gather(transpose, &batch.edges, x, edges);
-    for part in 0..R::parts::<S>() {
-        let g = gradients(simd, batch, part);
-        let mut law = Tangent { simd, part, tensor };
-        visit_points(simd, &g, (&mut *vertices, &mut *edges), part, &mut law);
+    /// The same with the lambda of an approximate inverse.
+    #[inline(always)]
+    pub(super) fn augmented_stiffness(self) {
+        let lame = &self.batch.augmented;
+        self.elastic(lame);
     }
-    scatter(transpose, &batch.vertices, vertices, y);
-    scatter(transpose, &batch.edges, edges, y);
-}
 
-/// `r_i += -int lambda_i div u` on one batch, in the place of the pressure.
-#[inline(always)]
-pub fn divergence<
-    S: Simd,
-    T: Transpose,
-    const V: usize,
-    const D: usize,
-    const E: usize,
-    R: Batched<W>,
-    const W: usize,
->(
-    simd: S,
-    transpose: T,
-    batch: &Batch<V, D, E, R, W>,
-    element: &mut Element<V, E, R, W>,
-    x: &[Row<R>],
-    r: &mut [Row<R>],
-) {
-    let Element { vertices, edges } = element;
-    gather(transpose, &batch.vertices, x, vertices);
-    gather(transpose, &batch.edges, x, edges);
-    for part in 0..R::parts::<S>() {
-        let g = gradients(simd, batch, part);
-        let base = bases::<S, V, D, E, R, W>(simd, vertices, edges, part);
-        let mut constant = Pack::splat(simd, 0.0);
-        for a in 0..V {
-            for i in 0..D {
-                constant = constant.plus_product(base[a][i], g[a][i]);
-            }
+    /// `y += A x` with `lame` for lambda.
+    #[inline(always)]
+    fn elastic(mut self, lame: &Lanes<R, W>) {
+        self.gather();
+        for part in 0..R::parts::<S>() {
+            let g = self.batch.gradients_at(self.simd, part);
+            let mut law = Elastic {
+                shear: Pack::load(self.simd, &self.batch.shear, part),
+                lame: Pack::load(self.simd, lame, part),
+            };
+            self.part(part).visit_points(&g, &mut law);
         }
-        let mut traces = [constant; V];
-        for (q, trace) in traces.iter_mut().enumerate() {
-            for a in (0..V).filter(|&a| a != q) {
-                let edge = &edges[edge_of::<V>(a, q)];
-                for i in 0..D {
-                    let c = Pack::load(simd, &edge[i], part);
-                    *trace = trace.plus_product(c, g[a][i]);
-                }
-            }
-        }
-        let weight = Pack::load(simd, &batch.weight, part);
-        volumes(simd, &traces, weight, vertices, part);
+        self.scatter();
     }
-    scatter(transpose, &batch.vertices, vertices, r);
-}
 
-/// `y += B^T p` on one batch; p in the place of the pressure.
-#[inline(always)]
-pub fn divergence_transposed<
-    S: Simd,
-    T: Transpose,
-    const V: usize,
-    const D: usize,
-    const E: usize,
-    R: Batched<W>,
-    const W: usize,
->(
-    simd: S,
-    transpose: T,
-    batch: &Batch<V, D, E, R, W>,
-    element: &mut Element<V, E, R, W>,
-    p: &[Row<R>],
-    y: &mut [Row<R>],
-) {
-    let Element { vertices, edges } = element;
-    gather(transpose, &batch.vertices, p, vertices);
-    for part in 0..R::parts::<S>() {
-        let g = gradients(simd, batch, part);
-        let weight = Pack::load(simd, &batch.weight, part);
-        let pressure = pressures(simd, vertices, -weight, part);
-        let mut sum = Pack::splat(simd, 0.0);
-        for &value in &pressure {
-            sum += value;
+    /// `y_i += -int lambda_i div x`, in the place of the pressure.
+    #[inline(always)]
+    pub(super) fn divergence(mut self) {
+        self.gather();
+        for part in 0..R::parts::<S>() {
+            let g = self.batch.gradients_at(self.simd, part);
+            let weight = Pack::load(self.simd, &self.batch.weight, part);
+            let mut here = self.part(part);
+            let traces = here.divergences(&g);
+            here.store_volumes(&traces, weight);
         }
-        let mut totals = g;
-        for total in totals.as_flattened_mut() {
-            *total = *total * sum;
+        self.scatter_vertices();
+    }
+
+    /// `y += B^T p`, p in the place of the pressure of `x`.
+    #[inline(always)]
+    pub(super) fn divergence_transposed(mut self) {
+        self.gather_vertices();
+        for part in 0..R::parts::<S>() {
+            let g = self.batch.gradients_at(self.simd, part);
+            let weight = Pack::load(self.simd, &self.batch.weight, part);
+            self.part(part).store_pressure_forces(&g, weight);
         }
-        let mut at_edges = zeros::<S, E, D, R>(simd);
-        for (force, (a, b)) in at_edges.iter_mut().zip(edge_pairs::<E>()) {
-            for i in 0..D {
-                force[i] = (pressure[b] * g[a][i]).plus_product(pressure[a], g[b][i]);
-            }
+        self.scatter();
+    }
+
+    /// `y += (A u + B^T p, B u)`.
+    #[inline(always)]
+    pub(super) fn saddle(mut self) {
+        self.gather();
+        for part in 0..R::parts::<S>() {
+            let g = self.batch.gradients_at(self.simd, part);
+            let shear = Pack::load(self.simd, &self.batch.shear, part);
+            let lame = Pack::load(self.simd, &self.batch.lame, part);
+            let weight = Pack::load(self.simd, &self.batch.weight, part);
+            let mut here = self.part(part);
+            let pressure = here.pressures(weight);
+            let mut law = Pressed {
+                elastic: Elastic { shear, lame },
+                pressure,
+                traces: pressure,
+            };
+            here.visit_points(&g, &mut law);
+            here.store_volumes(&law.traces, weight);
         }
-        store_forces(
-            simd,
-            &totals,
-            &at_edges,
-            (&mut *vertices, &mut *edges),
+        self.scatter();
+    }
+
+    #[inline(always)]
+    fn part(&mut self, part: usize) -> ElementPart<'_, S, V, E, R, W> {
+        ElementPart {
+            simd: self.simd,
             part,
-        );
+            vertices: &mut self.element.vertices,
+            edges: &mut self.element.edges,
+        }
     }
-    scatter(transpose, &batch.vertices, vertices, y);
-    scatter(transpose, &batch.edges, edges, y);
+
+    #[inline(always)]
+    fn gather(&mut self) {
+        self.gather_vertices();
+        let edges = &mut self.element.edges;
+        gather(self.transpose, &self.batch.edges, self.x, edges);
+    }
+
+    #[inline(always)]
+    fn gather_vertices(&mut self) {
+        let vertices = &mut self.element.vertices;
+        gather(self.transpose, &self.batch.vertices, self.x, vertices);
+    }
+
+    #[inline(always)]
+    fn scatter(mut self) {
+        self.scatter_vertices();
+        let edges = &self.element.edges;
+        scatter(self.transpose, &self.batch.edges, edges, self.y);
+    }
+
+    #[inline(always)]
+    fn scatter_vertices(&mut self) {
+        let vertices = &self.element.vertices;
+        scatter(self.transpose, &self.batch.vertices, vertices, self.y);
+    }
 }
 
-/// `(y, r) += (A u + B^T p, B u)` on one batch.
-#[inline(always)]
-pub fn saddle<
-    S: Simd,
-    T: Transpose,
-    const V: usize,
-    const D: usize,
-    const E: usize,
-    R: Batched<W>,
-    const W: usize,
->(
-    simd: S,
-    transpose: T,
-    batch: &Batch<V, D, E, R, W>,
-    element: &mut Element<V, E, R, W>,
-    x: &[Row<R>],
-    y: &mut [Row<R>],
-) {
-    let Element { vertices, edges } = element;
-    gather(transpose, &batch.vertices, x, vertices);
-    gather(transpose, &batch.edges, x, edges);
-    for part in 0..R::parts::<S>() {
-        let g = gradients(simd, batch, part);
-        let shear = Pack::load(simd, &batch.shear, part);
-        let lame = Pack::load(simd, &batch.lame, part);
-        let weight = Pack::load(simd, &batch.weight, part);
-        let pressure = pressures(simd, vertices, weight, part);
-        let mut law = Pressed {
-            elastic: Elastic { shear, lame },
-            pressure,
-            traces: pressure,
-        };
-        visit_points(simd, &g, (&mut *vertices, &mut *edges), part, &mut law);
-        volumes(simd, &law.traces, weight, vertices, part);
+impl<S: Simd, T: Transpose, R: Batched<W>, const W: usize> Kernel<'_, S, T, 4, 3, 6, R, W> {
+    /// `y += A x` on tetrahedra, the stress being a symmetric matrix times the displacement
+    /// gradient: `tensor` is its upper triangle, row by row, times the weight.
+    #[inline(always)]
+    pub(super) fn tangent(mut self, tensor: &[Lanes<R, W>; SYMMETRIC_ENTRIES]) {
+        let simd = self.simd;
+        self.gather();
+        for part in 0..R::parts::<S>() {
+            let g = self.batch.gradients_at(simd, part);
+            let mut law = Tangent { simd, part, tensor };
+            self.part(part).visit_points(&g, &mut law);
+        }
+        self.scatter();
     }
-    scatter(transpose, &batch.vertices, vertices, y);
-    scatter(transpose, &batch.edges, edges, y);
 }

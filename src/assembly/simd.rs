@@ -4,7 +4,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::kernel::{self, Batch, Element};
+use super::kernel::{Batch, Element, Kernel};
 use super::lanes::WIDTH;
 use super::transpose::{Batched, Row, Transpose};
 
@@ -124,7 +124,7 @@ pub(super) fn prefetch_at<T>(items: &[T], index: usize) {
     }
 }
 
-/// Batches with argument and result, [`kernel`] function still open.
+/// Batches with argument and result, [`Kernel`] still open.
 struct Pass<'a, const V: usize, const D: usize, const E: usize, R = f64, const W: usize = WIDTH> {
     batches: &'a [Batch<V, D, E, R, W>],
     x: &'a [Row<R>],
@@ -144,9 +144,11 @@ macro_rules! dispatched {
             #[inline(always)]
             fn run<S: Simd, T: Transpose>(self, simd: S, transpose: T) {
                 let mut element = Element::zero();
-                for (index, batch) in self.0.batches.iter().enumerate() {
-                    prefetch_at(self.0.batches, index + 1);
-                    kernel::$name(simd, transpose, batch, &mut element, self.0.x, self.0.y);
+                let Pass { batches, x, y } = self.0;
+                for (index, batch) in batches.iter().enumerate() {
+                    prefetch_at(batches, index + 1);
+                    let (element, y) = (&mut element, &mut *y);
+                    Kernel { simd, transpose, batch, element, x, y }.$name();
                 }
             }
         }
@@ -164,23 +166,23 @@ macro_rules! dispatched {
 }
 
 dispatched! {
-    /// [`kernel::stiffness`] on all batches.
+    /// [`Kernel::stiffness`] on all batches.
     stiffness, StiffnessPass
 }
 dispatched! {
-    /// [`kernel::augmented_stiffness`] on all batches.
+    /// [`Kernel::augmented_stiffness`] on all batches.
     augmented_stiffness, AugmentedPass
 }
 dispatched! {
-    /// [`kernel::divergence`] on all batches.
+    /// [`Kernel::divergence`] on all batches.
     divergence, DivergencePass
 }
 dispatched! {
-    /// [`kernel::divergence_transposed`] on all batches.
+    /// [`Kernel::divergence_transposed`] on all batches.
     divergence_transposed, DivergenceTransposedPass
 }
 dispatched! {
-    /// [`kernel::saddle`] on all batches.
+    /// [`Kernel::saddle`] on all batches.
     saddle, SaddlePass
 }
 

@@ -4,7 +4,6 @@
 use super::{production, tokens};
 
 /// Lines of the longest function.
-#[rustfmt::skip]
 const LONGEST: usize = 60;
 
 /// Values that a function takes at most, `self` apart and tuples opened.

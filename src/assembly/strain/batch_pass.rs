@@ -31,7 +31,6 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for RespondPass<'
             BatchRun {
                 simd,
                 transpose,
-                rule: self.cells.rule,
                 x: self.x,
                 y: &mut *self.y,
             }
@@ -86,7 +85,6 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for LinearisePass
             BatchRun {
                 simd,
                 transpose,
-                rule: self.cells.rule,
                 x: self.x,
                 y: &mut *self.y,
             }
@@ -144,7 +142,7 @@ macro_rules! frozen_pass {
                 {
                     prefetch_at(self.cells.batches, index + 1);
                     let state = BatchState::<V, D>(state);
-                    BatchRun { simd, transpose, rule: self.cells.rule, x: self.x, y: &mut *self.y }.run(
+                    BatchRun { simd, transpose, x: self.x, y: &mut *self.y }.run(
 self.cells.at(index),
 &mut element,
                         |part, _, vertices| {

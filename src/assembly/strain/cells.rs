@@ -351,9 +351,11 @@ impl<'a, const V: usize, const D: usize, const E: usize> Batches<'a, V, D, E> {
         let straight = self.batches.len() - self.curves.len();
         BatchCells {
             batch: &self.batches[index],
-            radii: match self.radii.is_empty() {
-                true => &[],
-                false => &self.radii[V * index..V * (index + 1)],
+            rule: self.rule,
+            radii: if self.radii.is_empty() {
+                &[]
+            } else {
+                &self.radii[V * index..V * (index + 1)]
             },
             curve: index.checked_sub(straight).map(|place| &self.curves[place]),
         }

@@ -6,7 +6,7 @@ use pulp::Simd;
 use super::bend::{Bend, BendAt, Curve};
 use super::points::{VertexGradients, at_point, hats};
 use super::ring::{Ring, RingForces};
-use crate::assembly::kernel::points::{Vectors, gradients, traction, zeros};
+use crate::assembly::kernel::points::{ElementPart, Vectors, traction, zeros};
 use crate::assembly::kernel::{
     Batch, Element, NodeLanes, PRESSURE, edge_pairs, edge_share, gather, scatter,
 };
@@ -46,68 +46,63 @@ pub(super) trait PointLaw<S: Simd, const V: usize> {
     ) -> Tensor<Pack<S>>;
 }
 
-/// Gradients at the vertices of one part of a batch.
-#[inline(always)]
-pub(super) fn vertex_gradients<S: Simd, const V: usize, const D: usize, const E: usize>(
-    simd: S,
-    g: &Vectors<S, V, D>,
-    (vertices, edges): (&NodeLanes<V>, &NodeLanes<E>),
-    part: usize,
-) -> VertexGradients<S, V, D> {
-    let mut constant = zeros::<S, D, D, f64>(simd);
-    for a in 0..V {
-        for i in 0..D {
-            let value = Pack::load(simd, &vertices[a][i], part);
-            for j in 0..D {
-                constant[i][j] = constant[i][j].plus_product(value, g[a][j]);
+impl<S: Simd, const V: usize, const E: usize> ElementPart<'_, S, V, E> {
+    /// Gradients at the vertices.
+    #[inline(always)]
+    fn vertex_gradients<const D: usize>(&self, g: &Vectors<S, V, D>) -> VertexGradients<S, V, D> {
+        let (simd, part) = (self.simd, self.part);
+        let mut constant = zeros::<S, D, D, f64>(simd);
+        for a in 0..V {
+            for i in 0..D {
+                let value = Pack::load(simd, &self.vertices[a][i], part);
+                for j in 0..D {
+                    constant[i][j] = constant[i][j].plus_product(value, g[a][j]);
+                }
             }
         }
-    }
-    let share = Pack::splat(simd, edge_share::<V>());
-    let mut out = [constant; V];
-    for (e, (a, b)) in edge_pairs::<E>().into_iter().enumerate() {
-        for i in 0..D {
-            let c = Pack::load(simd, &edges[e][i], part) * share;
-            for j in 0..D {
-                out[a][i][j] = out[a][i][j].plus_product(c, g[b][j]);
-                out[b][i][j] = out[b][i][j].plus_product(c, g[a][j]);
+        let share = Pack::splat(simd, edge_share::<V>());
+        let mut out = [constant; V];
+        for (e, (a, b)) in edge_pairs::<E>().into_iter().enumerate() {
+            for i in 0..D {
+                let c = Pack::load(simd, &self.edges[e][i], part) * share;
+                for j in 0..D {
+                    out[a][i][j] = out[a][i][j].plus_product(c, g[b][j]);
+                    out[b][i][j] = out[b][i][j].plus_product(c, g[a][j]);
+                }
             }
         }
+        out
     }
-    out
-}
 
-/// Forces from the moments of the stress, in the place of nodal values.
-#[inline(always)]
-pub(super) fn store_moments<S: Simd, const V: usize, const D: usize, const E: usize>(
-    simd: S,
-    g: &Vectors<S, V, D>,
-    moments: &VertexGradients<S, V, D>,
-    (vertices, edges): (&mut NodeLanes<V>, &mut NodeLanes<E>),
-    part: usize,
-) {
-    let mut sum = moments[0];
-    for moment in &moments[1..] {
-        for i in 0..D {
-            for j in 0..D {
-                sum[i][j] += moment[i][j];
+    /// Forces from the moments of the stress, in the place of nodal values.
+    #[inline(always)]
+    fn store_moments<const D: usize>(
+        &mut self,
+        g: &Vectors<S, V, D>,
+        moments: &VertexGradients<S, V, D>,
+    ) {
+        let (simd, part) = (self.simd, self.part);
+        let mut sum = moments[0];
+        for moment in &moments[1..] {
+            for i in 0..D {
+                for j in 0..D {
+                    sum[i][j] += moment[i][j];
+                }
             }
         }
-    }
-    for a in 0..V {
-        let force = traction(simd, &sum, &g[a]);
-        for i in 0..D {
-            force[i].store(&mut vertices[a][i], part);
+        for a in 0..V {
+            let force = traction(simd, &sum, &g[a]);
+            for i in 0..D {
+                force[i].store(&mut self.vertices[a][i], part);
+            }
         }
-    }
-    let share = Pack::splat(simd, edge_share::<V>());
-    for (e, (a, b)) in edge_pairs::<E>().into_iter().enumerate() {
-        let (at_a, at_b) = (
-            traction(simd, &moments[a], &g[b]),
-            traction(simd, &moments[b], &g[a]),
-        );
-        for i in 0..D {
-            ((at_a[i] + at_b[i]) * share).store(&mut edges[e][i], part);
+        let share = Pack::splat(simd, edge_share::<V>());
+        for (e, (a, b)) in edge_pairs::<E>().into_iter().enumerate() {
+            let at_a = traction(simd, &moments[a], &g[b]);
+            let at_b = traction(simd, &moments[b], &g[a]);
+            for i in 0..D {
+                ((at_a[i] + at_b[i]) * share).store(&mut self.edges[e][i], part);
+            }
         }
     }
 }
@@ -178,8 +173,6 @@ pub(super) struct BatchRun<'a, S, T> {
     pub(super) simd: S,
     /// How rows become lanes.
     pub(super) transpose: T,
-    /// Points.
-    pub(super) rule: &'a Rule,
     /// Nodal values of the block.
     pub(super) x: &'a [Row],
     /// Forces of the block.
@@ -202,14 +195,13 @@ impl<S: Simd, T: Transpose> BatchRun<'_, S, T> {
         let Self {
             simd,
             transpose,
-            rule,
             x,
             y,
         } = self;
         let nodes = batch.batch;
         gather(transpose, &nodes.vertices, x, &mut element.vertices);
         gather(transpose, &nodes.edges, x, &mut element.edges);
-        forces((simd, rule), batch, element, &mut begin, &mut end);
+        forces(simd, batch, element, &mut begin, &mut end);
         scatter(transpose, &nodes.vertices, &element.vertices, y);
         scatter(transpose, &nodes.edges, &element.edges, y);
     }
@@ -219,6 +211,8 @@ impl<S: Simd, T: Transpose> BatchRun<'_, S, T> {
 #[derive(Clone, Copy)]
 pub(super) struct BatchCells<'a, const V: usize, const D: usize, const E: usize> {
     pub(super) batch: &'a Batch<V, D, E>,
+    /// Points.
+    pub(super) rule: &'a Rule,
     /// Radii of the vertices about an axis, or empty.
     pub(super) radii: &'a [Lanes],
     /// Curved edges; none where all are lines.
@@ -229,7 +223,7 @@ pub(super) struct BatchCells<'a, const V: usize, const D: usize, const E: usize>
 /// `end` as in [`BatchRun::run`].
 #[inline(always)]
 pub(super) fn forces<S: Simd, L, const V: usize, const D: usize, const E: usize>(
-    (simd, rule): (S, &Rule),
+    simd: S,
     cells: BatchCells<'_, V, D, E>,
     element: &mut Element<V, E>,
     begin: &mut impl FnMut(usize, &VertexGradients<S, V, D>, &NodeLanes<V>) -> L,
@@ -237,22 +231,27 @@ pub(super) fn forces<S: Simd, L, const V: usize, const D: usize, const E: usize>
 ) where
     L: PointLaw<S, V>,
 {
-    let Element { vertices, edges } = element;
     for part in 0..f64::parts::<S>() {
-        let g = gradients(simd, cells.batch, part);
+        let g = cells.batch.gradients_at(simd, part);
+        let mut nodes = ElementPart {
+            simd,
+            part,
+            vertices: &mut element.vertices,
+            edges: &mut element.edges,
+        };
         let here = Cells {
             volume: Pack::load(simd, &cells.batch.weight, part) * V as f64,
-            vertex: vertex_gradients(simd, &g, (&*vertices, &*edges), part),
-            ring: Ring::load(simd, cells.radii, (&*vertices, &*edges), part),
+            vertex: nodes.vertex_gradients(&g),
+            ring: Ring::load(cells.radii, &nodes),
             bend: cells.curve.map(|curve| curve.load(simd, part)),
         };
-        let mut law = begin(part, &here.vertex, vertices);
-        let (moments, forces) = moments(simd, rule, &here, &mut law);
-        store_moments(simd, &g, &moments, (&mut *vertices, &mut *edges), part);
+        let mut law = begin(part, &here.vertex, nodes.vertices);
+        let (moments, forces) = moments(simd, cells.rule, &here, &mut law);
+        nodes.store_moments(&g, &moments);
         if here.ring.is_some() {
-            forces.store(simd, (&mut *vertices, &mut *edges), part);
+            forces.store(&mut nodes);
         }
-        end(part, law, vertices);
+        end(part, law, nodes.vertices);
     }
 }
 

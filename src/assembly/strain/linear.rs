@@ -78,13 +78,13 @@ impl<const V: usize, const D: usize, const E: usize> BatchPass for Products<'_, 
         for (batch, curve) in batches.iter().zip(curves) {
             let cells = BatchCells {
                 batch,
+                rule: &RULES[D - 2],
                 radii: &[],
                 curve: Some(curve),
             };
             BatchRun {
                 simd,
                 transpose,
-                rule: &RULES[D - 2],
                 x,
                 y: &mut *y,
             }

@@ -11,7 +11,8 @@
 
 use pulp::Simd;
 
-use crate::assembly::kernel::{NodeLanes, edge_pairs, edge_share};
+use crate::assembly::kernel::points::ElementPart;
+use crate::assembly::kernel::{edge_pairs, edge_share};
 use crate::assembly::lanes::{Lanes, Pack};
 use crate::geometry::tensor::Number;
 
@@ -54,15 +55,11 @@ fn products<S: Simd, const V: usize, const E: usize>(hats: &[Pack<S>; V]) -> [Pa
 impl<S: Simd, const V: usize, const E: usize> Ring<S, V, E> {
     /// `radii` are those of the vertices; none in space and in the plane.
     #[inline(always)]
-    pub(super) fn load(
-        simd: S,
-        radii: &[Lanes],
-        (vertices, edges): (&NodeLanes<V>, &NodeLanes<E>),
-        part: usize,
-    ) -> Option<Self> {
+    pub(super) fn load(radii: &[Lanes], nodes: &ElementPart<'_, S, V, E>) -> Option<Self> {
         if V != 3 || radii.is_empty() {
             return None;
         }
+        let (simd, part) = (nodes.simd, nodes.part);
         let zero = Pack::splat(simd, 0.0);
         let mut out = Self {
             radii: [zero; V],
@@ -73,11 +70,11 @@ impl<S: Simd, const V: usize, const E: usize> Ring<S, V, E> {
         let mut sum = zero;
         for (a, lanes) in radii.iter().enumerate().take(V) {
             out.radii[a] = Pack::load(simd, lanes, part);
-            out.vertices[a] = Pack::load(simd, &vertices[a][0], part);
+            out.vertices[a] = Pack::load(simd, &nodes.vertices[a][0], part);
             sum += out.radii[a];
         }
         let share = Pack::splat(simd, edge_share::<V>());
-        for (value, edge) in out.edges.iter_mut().zip(edges) {
+        for (value, edge) in out.edges.iter_mut().zip(nodes.edges.iter()) {
             *value = Pack::load(simd, &edge[0], part) * share;
         }
         out.curvature = sum.inverse() * V as f64;
@@ -138,17 +135,13 @@ impl<S: Simd, const V: usize, const E: usize> RingForces<S, V, E> {
 
     /// Adds to forces in the place of nodal values.
     #[inline(always)]
-    pub(super) fn store(
-        self,
-        simd: S,
-        (vertices, edges): (&mut NodeLanes<V>, &mut NodeLanes<E>),
-        part: usize,
-    ) {
-        for (force, vertex) in self.vertices.iter().zip(vertices) {
+    pub(super) fn store(self, nodes: &mut ElementPart<'_, S, V, E>) {
+        let (simd, part) = (nodes.simd, nodes.part);
+        for (force, vertex) in self.vertices.iter().zip(nodes.vertices.iter_mut()) {
             (Pack::load(simd, &vertex[0], part) + *force).store(&mut vertex[0], part);
         }
         let share = Pack::splat(simd, edge_share::<V>());
-        for (force, edge) in self.edges.iter().zip(edges) {
+        for (force, edge) in self.edges.iter().zip(nodes.edges.iter_mut()) {
             (Pack::load(simd, &edge[0], part) + *force * share).store(&mut edge[0], part);
         }
     }

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::cell_tangents::CellTangents;
 use crate::assembly::grid::{Basis, Grid, SingleCells};
-use crate::assembly::kernel::{self, Batch, Element, SYMMETRIC_ENTRIES};
+use crate::assembly::kernel::{Batch, Element, Kernel, SYMMETRIC_ENTRIES};
 use crate::assembly::lanes::{Lanes, SINGLE_WIDTH};
 use crate::assembly::partition::blocks_of_cells;
 use crate::assembly::simd::{BatchPass, prefetch_at};
@@ -108,9 +108,17 @@ impl BatchPass for Pass<'_> {
     #[inline(always)]
     fn run<S: Simd, T: Transpose>(self, simd: S, transpose: T) {
         let mut element = Element::zero();
-        for (index, batch) in self.batches.iter().zip(self.tensors).enumerate() {
+        for (index, (batch, tensor)) in self.batches.iter().zip(self.tensors).enumerate() {
             prefetch_at(self.batches, index + 1);
-            kernel::tangent(simd, transpose, batch, &mut element, self.x, self.y);
+            let kernel = Kernel {
+                simd,
+                transpose,
+                batch,
+                element: &mut element,
+                x: self.x,
+                y: &mut *self.y,
+            };
+            kernel.tangent(tensor);
         }
     }
 }

@@ -219,7 +219,7 @@ impl BatchPass for MatrixPass<'_> {
                 let mut element = Element::zero();
                 *entry_of(&mut element, column) = one;
                 forces(
-                    (simd, cells.rule),
+                    simd,
                     cells.at(index),
                     &mut element,
                     &mut |part, _, _| Columns {
