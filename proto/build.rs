@@ -36,7 +36,8 @@ fn main() -> Outcome<()> {
 }
 
 /// Messages that become JSON as they are.
-const SERIALISED: [&str; 16] = [
+const SERIALISED: [&str; 17] = [
+    "Attempt",
     "CauseSite",
     "IterationReport",
     "ManufacturedErrors",
@@ -56,7 +57,10 @@ const SERIALISED: [&str; 16] = [
 ];
 
 /// Fields that JSON spells otherwise than the wire; see `src/serialised.rs`.
-const SPELLED: [(&str, &str); 9] = [
+const SPELLED: [(&str, &str); 12] = [
+    ("Attempt.strategy", "strategy"),
+    ("Attempt.cause", "cause"),
+    ("Attempt.followed_by", "strategy"),
     ("StepReport.termination", "termination"),
     ("StepReport.cause", "cause"),
     ("StepReport.stability", "stability"),

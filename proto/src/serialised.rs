@@ -20,6 +20,12 @@ pub(crate) fn cause<S: Serializer>(number: &i32, serializer: S) -> Result<S::Ok,
     words::cause(value).serialize(serializer)
 }
 
+/// Writes the word of a strategy, or null.
+pub(crate) fn strategy<S: Serializer>(number: &i32, serializer: S) -> Result<S::Ok, S::Error> {
+    let value = v1::Strategy::try_from(*number).unwrap_or_default();
+    words::strategy(value).serialize(serializer)
+}
+
 /// Writes the word of a kind of equilibrium, or null.
 pub(crate) fn stability<S: Serializer>(number: &i32, serializer: S) -> Result<S::Ok, S::Error> {
     let value = v1::Stability::try_from(*number).unwrap_or_default();

@@ -21,6 +21,12 @@ pub fn cause(cause: v1::Cause) -> Option<String> {
     known.then(|| word(cause.as_str_name(), "CAUSE_"))
 }
 
+/// The word of a strategy, such as `snap_through`; none where the increment ended.
+pub fn strategy(strategy: v1::Strategy) -> Option<String> {
+    let known = strategy != v1::Strategy::Unspecified;
+    known.then(|| word(strategy.as_str_name(), "STRATEGY_"))
+}
+
 /// The word of a kind of equilibrium; none where it was not found out.
 pub fn stability(stability: v1::Stability) -> Option<String> {
     let known = stability != v1::Stability::Unspecified;

@@ -227,7 +227,7 @@ fn the_keys_of_a_result_keep_their_order() {
         r#""snapped":null,"warnings":[],"sqp_iterations":0,"#,
         r#""krylov_iterations":0,"preconditioner_applications":0,"#,
         r#""eigenvalue_applications":0,"compliance_columns":0,"contact_products":0,"#,
-        r#""active_set_changes":0,"newton_steps":0,"threshold_passes":0,"cut_backs":0,"factorisations":0,"active_vertices":0,"#,
+        r#""active_set_changes":0,"newton_steps":0,"threshold_passes":0,"cut_backs":0,"attempts":[],"factorisations":0,"active_vertices":0,"#,
         r#""strain_energy":0.0,"volume_ratio":0.0,"min_jacobian":null,"#,
         r#""min_jacobian_bound":null,"stability":null,"penalty":0.0,"#,
         r#""max_penetration":0.0,"residuals":null,"tolerance":0.0,"obstacles":{},"#,

@@ -3,8 +3,8 @@
 use signorini::ObstaclePose;
 use signorini::plan::PlanReport;
 use signorini::report::{
-    Cause, CauseSite, IterationRecord, ManufacturedErrors, ObstacleResult, ProbeResult, Residuals,
-    Seconds, Snapped, Stability, StepReport, SupportResult, Termination, Unknowns, Warning,
+    Attempt, Cause, CauseSite, IterationRecord, ManufacturedErrors, ObstacleResult, ProbeResult, Residuals,
+    Seconds, Snapped, Stability, StepReport, Strategy, SupportResult, Termination, Unknowns, Warning,
 };
 use signorini_proto::v1 as wire;
 
@@ -29,6 +29,7 @@ pub(crate) fn step(report: StepReport, poses: Vec<ObstaclePose>) -> wire::StepRe
         newton_steps: narrow(report.newton_steps),
         threshold_passes: narrow(report.threshold_passes),
         cut_backs: narrow(report.cut_backs),
+        attempts: report.attempts.into_iter().map(attempt).collect(),
         factorisations: narrow(report.factorisations),
         active_vertices: narrow(report.active_vertices),
         strain_energy: report.strain_energy,
@@ -164,6 +165,28 @@ fn snapped(value: Snapped) -> wire::Snapped {
         energy_drop: value.energy_drop,
         largest_motion: value.largest_motion,
         point: value.point.to_vec(),
+    }
+}
+
+fn attempt(value: Attempt) -> wire::Attempt {
+    let followed_by = value.followed_by;
+    wire::Attempt {
+        strategy: strategy(value.strategy).into(),
+        cause: value.cause.map_or(wire::Cause::Unspecified, cause).into(),
+        preconditioner_applications: narrow(value.preconditioner_applications),
+        followed_by: followed_by
+            .map_or(wire::Strategy::Unspecified, strategy)
+            .into(),
+    }
+}
+
+fn strategy(value: Strategy) -> wire::Strategy {
+    match value {
+        Strategy::Part => wire::Strategy::Part,
+        Strategy::SmallerPart => wire::Strategy::SmallerPart,
+        Strategy::VolumePenalty => wire::Strategy::VolumePenalty,
+        Strategy::SnapThrough => wire::Strategy::SnapThrough,
+        Strategy::ProximalRest => wire::Strategy::ProximalRest,
     }
 }
 

@@ -34,6 +34,7 @@ pub(super) struct Step {
     pub(super) sqp_iterations: i64,
     pub(super) krylov_iterations: i64,
     pub(super) cut_backs: i64,
+    pub(super) attempts: Vec<Value>,
     pub(super) active_vertices: i64,
     pub(super) strain_energy: Option<f64>,
     pub(super) volume_ratio: Option<f64>,

@@ -142,16 +142,21 @@ function convergence(data) {
   return [el("h2", {}, "Convergence"), el("div", { class: "charts" }, charts)];
 }
 
+function failed(attempt) {
+  const next = attempt.followed_by ? `then ${words(attempt.followed_by)}` : "the end";
+  return `${words(attempt.strategy)}: ${words(attempt.cause || "no cause")}, ${next}`;
+}
+
 function increments(data) {
   const names = Object.keys(data.steps[data.steps.length - 1].obstacles);
   const header = ["step", "incr", "load", ...names.flatMap((name) => [`${name} travel`, `${name} force`]),
-    "error", "touching", "iterations", "cut-backs", "seconds", "", ""];
+    "error", "touching", "iterations", "failed attempts", "seconds", "", ""];
   const rows = data.steps.map((row) => [row.step, row.increment, num(row.load),
     ...names.flatMap((name) => {
       const one = row.obstacles[name];
       return one ? [num(one.travel), withError(one.along, one.error)] : ["–", "–"];
     }),
-    percent(row.error), row.touching, row.iterations, row.cut_backs || "", num(row.seconds, 3),
+    percent(row.error), row.touching, row.iterations, row.attempts.map(failed).join("; "), num(row.seconds, 3),
     row.termination === "converged" ? "" : words(row.termination), row.snapped ? "snapped" : ""]);
   const table = el("table", {}, el("thead", {}, el("tr", {}, header.map((text) => el("th", {}, text)))),
     el("tbody", {}, rows.map((cells) => el("tr", {}, cells.map((text) => el("td", {}, String(text)))))));

@@ -19,6 +19,9 @@ pub(super) fn outcome(lines: &mut Lines, report: &v1::StepReport) {
     if let Some(snapped) = &report.snapped {
         lines.add("snapped", &fall(snapped));
     }
+    for attempt in &report.attempts {
+        lines.add("failed", &tried(attempt));
+    }
     for warning in &report.warnings {
         lines.add("warning", &warning.message);
     }
@@ -47,6 +50,16 @@ fn place(site: &v1::CauseSite) -> String {
         false => format!(", nothing balances `{}`", site.key),
     };
     point + &motion + &key
+}
+
+/// An attempt that failed, and what followed, in words.
+fn tried(attempt: &v1::Attempt) -> String {
+    let spaced = |word: String| word.replace('_', " ");
+    let strategy = words::strategy(attempt.strategy()).map_or_else(|| "?".to_owned(), spaced);
+    let cause = words::cause(attempt.cause()).map_or_else(|| "no cause".to_owned(), spaced);
+    let next = words::strategy(attempt.followed_by()).map_or_else(|| "the end".to_owned(), spaced);
+    let applications = attempt.preconditioner_applications;
+    format!("{strategy} ({cause}, {applications} applications), then {next}")
 }
 
 /// A fall to the next minimum in words.

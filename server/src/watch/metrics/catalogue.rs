@@ -16,6 +16,7 @@ pub(super) const STEPS: &str = "signorini_steps_total";
 pub(super) const FAILURES: &str = "signorini_failures_total";
 pub(super) const WARNINGS: &str = "signorini_warnings_total";
 pub(super) const CUT_BACKS: &str = "signorini_cut_backs_total";
+pub(super) const ATTEMPTS: &str = "signorini_attempts_total";
 pub(super) const FACTORISATIONS: &str = "signorini_factorisations_total";
 pub(super) const SOLVE_SECONDS: &str = "signorini_solve_seconds";
 pub(super) const PHASE_SECONDS: &str = "signorini_phase_seconds";
@@ -169,6 +170,10 @@ pub(super) const COUNTERS: [(&str, &str); 22] = [
         "Warnings in the results of increments, by kind; `snapped` counts falls.",
     ),
     (CUT_BACKS, "Cut-backs inside increments."),
+    (
+        ATTEMPTS,
+        "Attempts inside increments that failed, by strategy, cause and what followed.",
+    ),
     (FACTORISATIONS, "Factorisations of the P1 block."),
     (CACHE_HITS, "Meshes and prepared data found in the store."),
     (

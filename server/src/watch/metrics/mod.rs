@@ -20,7 +20,7 @@ use metrics::{Counter, Gauge, Histogram, Key, Label, Level, Metadata, Recorder};
 use metrics_exporter_prometheus::{
     BuildError, Matcher, PrometheusBuilder, PrometheusHandle, PrometheusRecorder,
 };
-use signorini::report::{Seconds, StepReport, Termination};
+use signorini::report::{Cause, Seconds, StepReport, Strategy, Termination};
 
 pub(crate) use calls::{CallKind, Method, OpenCall};
 use catalogue::*;
@@ -121,6 +121,14 @@ impl Metrics {
         }
         self.counter(CUT_BACKS, &[])
             .increment(report.cut_backs.into());
+        for attempt in &report.attempts {
+            let labels = [
+                ("strategy", attempt.strategy.name()),
+                ("cause", attempt.cause.map_or("unknown", Cause::name)),
+                ("followed_by", attempt.followed_by.map_or("end", Strategy::name)),
+            ];
+            self.counter(ATTEMPTS, &labels).increment(1);
+        }
         self.counter(FACTORISATIONS, &[])
             .increment(report.factorisations.into());
         for (phase, value) in phases(&report.seconds) {
