@@ -67,7 +67,20 @@ struct LoadPath<'w> {
 struct Failed {
     ending: Ending,
     lost: Option<LowestMode>,
-    applications: u32,
+    attempt: Attempt,
+}
+
+impl Failed {
+    /// What decides what follows, by what is known at the last good state.
+    fn as_seen_by(&self, run: &Run<'_>) -> Failure {
+        let site = self.ending.site.as_ref();
+        Failure {
+            cause: self.ending.cause,
+            is_unmet: site.is_some_and(|site| site.unbalanced.is_some()),
+            is_soft: is_soft(run),
+            is_certified: run.learned.lowest_mode.is_some(),
+        }
+    }
 }
 
 /// Moves the state to `goal`, in parts where the whole fails; returns how it ended and the part
@@ -121,7 +134,12 @@ impl LoadPath<'_> {
             let is_saddle = ending.cause == Some(Cause::UnstableEquilibrium);
             let failed = Failed {
                 lost: run.learned.lowest_mode.clone().filter(|_| is_saddle),
-                applications: run.counters.applications - before,
+                attempt: Attempt {
+                    strategy: Strategy::Part,
+                    cause: ending.cause,
+                    preconditioner_applications: run.counters.applications - before,
+                    followed_by: None,
+                },
                 ending,
             };
             checkpoint.restore(run);
@@ -142,57 +160,35 @@ impl LoadPath<'_> {
     /// Does what follows a failed part; how the path ends where nothing leads on. The state is the
     /// last good one.
     fn after_failure(&mut self, run: &mut Run<'_>, failed: Failed) -> Option<Ending> {
-        let mut ending = failed.ending;
-        let failure = Failure {
-            cause: ending.cause,
-            is_unmet: is_unmet(&ending),
-            is_soft: is_soft(run),
-            is_certified: run.learned.lowest_mode.is_some(),
-        };
+        let failure = failed.as_seen_by(run);
         let rules = rules(run);
         let mut tried = self.tried(run);
-        let (mut what, mut cause) = (Strategy::Part, failure.cause);
-        let mut applications = failed.applications;
+        let mut attempt = failed.attempt;
         loop {
             let next = after(&failure, &tried, &rules);
-            let note = |followed_by| Attempt {
-                strategy: what,
-                cause,
-                preconditioner_applications: applications,
-                followed_by,
-            };
+            attempt.followed_by = next.strategy();
+            let noted = run.counters.attempts.len();
+            run.counters.attempts.push(attempt);
             let strategy = match next {
+                Next::Again(strategy) => strategy,
                 Next::Smaller => {
-                    run.counters
-                        .attempts
-                        .push(note(Some(Strategy::SmallerPart)));
                     self.parts.cut_back();
                     run.counters.cut_backs += 1;
                     return None;
                 }
-                Next::GiveUp => {
-                    run.counters.attempts.push(note(None));
-                    name_the_end(run, &mut ending);
-                    increment::describe(run, &mut ending);
-                    return Some(ending);
-                }
-                Next::Again(strategy) => strategy,
+                Next::GiveUp => return Some(given_up(run, failed.ending)),
             };
             let before = run.counters.applications;
-            let noted = note(Some(strategy));
+            tried.note(strategy);
             let settled = match strategy {
-                Strategy::VolumePenalty => {
-                    tried.penalty = true;
-                    self.penalise(run, failed.lost.as_ref())
-                }
-                _ => {
-                    tried.has_snapped = true;
-                    self.snap_through(run, &failure)
-                }
+                Strategy::SnapThrough => self.snap_through(run, &failure),
+                _ => self.penalise(run, failed.lost.as_ref()),
             };
-            // A penalty that the scene has no place for is no attempt.
-            let Some(settled) = settled else { continue };
-            run.counters.attempts.push(noted);
+            let Some(settled) = settled else {
+                // A penalty that the scene has no place for is no attempt.
+                run.counters.attempts.truncate(noted);
+                continue;
+            };
             if settled.is_stopped() {
                 return Some(settled);
             }
@@ -200,8 +196,12 @@ impl LoadPath<'_> {
                 return (self.parts.reached >= 1.0).then_some(settled);
             }
             tried.snap_through = self.snap_through;
-            (what, cause) = (strategy, settled.cause);
-            applications = run.counters.applications - before;
+            attempt = Attempt {
+                strategy,
+                cause: settled.cause,
+                preconditioner_applications: run.counters.applications - before,
+                followed_by: None,
+            };
         }
     }
 
@@ -310,10 +310,11 @@ fn rules(run: &Run<'_>) -> Rules {
     }
 }
 
-/// Whether an obstacle does not exert what it shall.
-fn is_unmet(ending: &Ending) -> bool {
-    let site = ending.site.as_ref();
-    site.is_some_and(|site| site.unbalanced.is_some())
+/// The end of a path on which nothing leads on, at its last good state.
+fn given_up(run: &mut Run<'_>, mut ending: Ending) -> Ending {
+    name_the_end(run, &mut ending);
+    increment::describe(run, &mut ending);
+    ending
 }
 
 /// Keeps how rubber moved in a part that converged.

@@ -84,6 +84,25 @@ pub(super) enum Next {
     GiveUp,
 }
 
+impl Next {
+    /// The strategy that is tried next; none where the increment ends.
+    pub(super) fn strategy(self) -> Option<Strategy> {
+        match self {
+            Self::Again(strategy) => Some(strategy),
+            Self::Smaller => Some(Strategy::SmallerPart),
+            Self::GiveUp => None,
+        }
+    }
+}
+
+impl Tried {
+    /// Notes that `strategy` is tried.
+    pub(super) fn note(&mut self, strategy: Strategy) {
+        self.penalty |= strategy == Strategy::VolumePenalty;
+        self.has_snapped |= strategy == Strategy::SnapThrough;
+    }
+}
+
 /// What follows `failure`.
 pub(super) fn after(failure: &Failure, tried: &Tried, rules: &Rules) -> Next {
     if tried.is_spent || !failure.depends_on_path(rules) {
@@ -99,10 +118,10 @@ pub(super) fn after(failure: &Failure, tried: &Tried, rules: &Rules) -> Next {
     if penalty {
         return Next::Again(Strategy::VolumePenalty);
     }
-    match !tried.has_snapped && failure.may_snap_through(tried, rules) {
-        true => Next::Again(Strategy::SnapThrough),
-        false => Next::GiveUp,
+    if !tried.has_snapped && failure.may_snap_through(tried, rules) {
+        return Next::Again(Strategy::SnapThrough);
     }
+    Next::GiveUp
 }
 
 impl Failure {
@@ -122,14 +141,15 @@ impl Failure {
 
     /// Whether the equilibrium is lost in a way that a penalty may hold.
     fn is_lost(&self, tried: &Tried, rules: &Rules) -> bool {
-        let patience = match rules.has_friction {
-            true => PATIENCE_WITH_FRICTION,
-            false => PATIENCE,
-        };
-        match rules.snaps_through {
-            true => self.cause == Some(Cause::UnstableEquilibrium),
-            false => self.is_unstable() || tried.failures >= patience,
+        if rules.snaps_through {
+            return self.cause == Some(Cause::UnstableEquilibrium);
         }
+        let patience = if rules.has_friction {
+            PATIENCE_WITH_FRICTION
+        } else {
+            PATIENCE
+        };
+        self.is_unstable() || tried.failures >= patience
     }
 
     /// Whether the body may snap through, and has not done so in vain too often.
@@ -149,11 +169,15 @@ impl Failure {
     /// Smallest part that is tried after the failure: what a smaller one than a snap-through would
     /// find is on its way.
     fn least_fraction(&self, tried: &Tried, rules: &Rules) -> f64 {
-        match self.is_unstable() {
-            true if self.may_snap_through(tried, rules) => tried.snap_through * tried.longest,
-            true => LEAST_UNSTABLE_FRACTION * tried.longest,
-            false => LEAST_FRACTION.min(LEAST_BOUNDED_FRACTION * tried.longest),
+        if !self.is_unstable() {
+            return LEAST_FRACTION.min(LEAST_BOUNDED_FRACTION * tried.longest);
         }
+        let over_longest = if self.may_snap_through(tried, rules) {
+            tried.snap_through
+        } else {
+            LEAST_UNSTABLE_FRACTION
+        };
+        over_longest * tried.longest
     }
 }
 

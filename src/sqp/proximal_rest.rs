@@ -127,9 +127,10 @@ impl Policy for Rest {
                 ..solved.ending
             });
         }
-        match force <= run.model.conditions.tolerance || force <= EBB * self.tried {
-            true => Advance::End,
-            false => Advance::Step,
+        if force <= run.model.conditions.tolerance || force <= EBB * self.tried {
+            Advance::End
+        } else {
+            Advance::Step
         }
     }
 

@@ -29,7 +29,10 @@ const CEILINGS: &[(&str, usize, usize)] = &[
     ("assembly", 19, 9),
     ("compare", 1, 9),
     ("contact", 0, 4),
+    ("continuation", 0, 0),
+    ("diagnosis", 0, 1),
     ("element", 0, 1),
+    ("force_control", 0, 7),
     ("geometry", 0, 0),
     ("inequality", 3, 20),
     ("krylov", 1, 1),
@@ -48,7 +51,8 @@ const CEILINGS: &[(&str, usize, usize)] = &[
     ("scene", 0, 7),
     ("session", 1, 11),
     ("space", 0, 0),
-    ("sqp", 1, 34),
+    ("sqp", 1, 22),
+    ("stability", 0, 1),
     ("verify", 0, 5),
 ];
 

@@ -3,8 +3,9 @@
 use signorini::ObstaclePose;
 use signorini::plan::PlanReport;
 use signorini::report::{
-    Attempt, Cause, CauseSite, IterationRecord, ManufacturedErrors, ObstacleResult, ProbeResult, Residuals,
-    Seconds, Snapped, Stability, StepReport, Strategy, SupportResult, Termination, Unknowns, Warning,
+    Attempt, Cause, CauseSite, IterationRecord, ManufacturedErrors, ObstacleResult, ProbeResult,
+    Residuals, Seconds, Snapped, Stability, StepReport, Strategy, SupportResult, Termination,
+    Unknowns, Warning,
 };
 use signorini_proto::v1 as wire;
 

@@ -125,7 +125,10 @@ impl Metrics {
             let labels = [
                 ("strategy", attempt.strategy.name()),
                 ("cause", attempt.cause.map_or("unknown", Cause::name)),
-                ("followed_by", attempt.followed_by.map_or("end", Strategy::name)),
+                (
+                    "followed_by",
+                    attempt.followed_by.map_or("end", Strategy::name),
+                ),
             ];
             self.counter(ATTEMPTS, &labels).increment(1);
         }
