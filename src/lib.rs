@@ -183,6 +183,7 @@
 #![doc = include_str!("decisions/0056-curved-cells.md")]
 #![doc = include_str!("decisions/0057-planes-at-nodes.md")]
 #![doc = include_str!("decisions/0058-no-second-attempts.md")]
+#![doc = include_str!("decisions/0060-one-place-that-decides.md")]
 
 pub mod assembly;
 #[cfg_attr(not(feature = "comparisons"), path = "compare/absent.rs")]

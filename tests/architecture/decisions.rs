@@ -64,7 +64,7 @@ fn has_file(span: &str) -> Option<bool> {
 
 /// Whether the library has the module and the names in it that `span` says; none where it
 /// does not begin with a room.
-fn has_item(span: &str) -> Option<bool> {
+pub(crate) fn has_item(span: &str) -> Option<bool> {
     let parts: Vec<&str> = span.split("::").collect();
     let mut at = workspace().join("src");
     if parts.len() < 2 || !at.join(parts[0]).is_dir() {

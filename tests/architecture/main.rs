@@ -8,6 +8,7 @@ mod decisions;
 mod functions;
 mod manual;
 mod modules;
+mod rescues;
 mod rooms;
 mod tokens;
 
