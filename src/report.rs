@@ -42,9 +42,10 @@ impl Residuals {
             self.complementarity,
             self.gap,
         ];
-        match all.iter().any(|value| value.is_nan()) {
-            true => f64::NAN,
-            false => all.into_iter().fold(0.0, f64::max),
+        if all.iter().any(|value| value.is_nan()) {
+            f64::NAN
+        } else {
+            all.into_iter().fold(0.0, f64::max)
         }
     }
 }

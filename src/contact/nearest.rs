@@ -61,9 +61,10 @@ pub fn nearest<O: Obstacle + ?Sized>(
     let faces = near.par_iter().zip(&found).with_min_len(FEW / 4);
     let refined = faces.map(|(&face, found)| {
         let size = surface.faces[face].flat_area.powf(power);
-        match found.distance < least + REACH * size {
-            true => search.refined(found),
-            false => found.distance,
+        if found.distance < least + REACH * size {
+            search.refined(found)
+        } else {
+            found.distance
         }
     });
     let refined: Vec<f64> = refined.collect();

@@ -84,14 +84,15 @@ pub fn resultant<C: Counterpart + ?Sized>(
     Resultant {
         force: [f0, f1, f2],
         moment: [m0, m1, m2],
-        area: weights.fold(0.0, |sum, (weight, &is_active)| match is_active {
-            true => sum + weight,
-            false => sum,
-        }),
+        area: weights.fold(
+            0.0,
+            |sum, (weight, &is_active)| if is_active { sum + weight } else { sum },
+        ),
         max_pressure: surface.largest(&coefficients),
-        centre: match total > 0.0 {
-            true => [c0, c1, c2].map(|x| x / total),
-            false => [0.0; 3],
+        centre: if total > 0.0 {
+            [c0, c1, c2].map(|x| x / total)
+        } else {
+            [0.0; 3]
         },
     }
 }

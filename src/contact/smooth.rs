@@ -287,9 +287,10 @@ struct Turned {
 
 /// Two unit vectors across `normal` and each other; in the plane one of them leaves it.
 fn tangents(normal: [f64; 3]) -> [[f64; 3]; 2] {
-    let axis = match normal[2].abs() < 0.7 {
-        true => [0.0, 0.0, 1.0],
-        false => [1.0, 0.0, 0.0],
+    let axis = if normal[2].abs() < 0.7 {
+        [0.0, 0.0, 1.0]
+    } else {
+        [1.0, 0.0, 0.0]
     };
     let first = normalised(cross(axis, normal)).unwrap_or(axis);
     [first, cross(normal, first)]

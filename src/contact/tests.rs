@@ -71,18 +71,18 @@ impl Sample {
         let edges = self.space.edges.iter().zip(noise.chunks(3));
         let offset = |(ends, noise): (&[u32; 2], &[f64])| EdgeOffset {
             ends: *ends,
-            offset: std::array::from_fn(|i| match i < self.space.components {
-                true => 0.02 * noise[i],
-                false => 0.0,
+            offset: std::array::from_fn(|i| {
+                if i < self.space.components {
+                    0.02 * noise[i]
+                } else {
+                    0.0
+                }
             }),
         };
         let mesh = self.mesh.with_offsets(edges.map(offset).collect());
         let is_ring = self.surface.faces.iter().any(|face| face.radii.is_some());
         let bent = Self::on(mesh, self.side);
-        match is_ring {
-            true => bent.turned(),
-            false => bent,
-        }
+        if is_ring { bent.turned() } else { bent }
     }
 
     /// As a section of a body of revolution.
@@ -555,9 +555,12 @@ fn a_body_that_follows_its_tool_is_pressed_as_before() {
         let at = |tool| sample.contact_force(&sample.displacement, tool, &pressure);
         // The whole body goes with the tool.
         let moved = sample.displacement.chunks_exact(3).enumerate();
-        let moved = moved.flat_map(|(node, _)| match node < sample.space.vertices {
-            true => [0.2 * way, 0.0, -way],
-            false => [0.0; 3],
+        let moved = moved.flat_map(|(node, _)| {
+            if node < sample.space.vertices {
+                [0.2 * way, 0.0, -way]
+            } else {
+                [0.0; 3]
+            }
         });
         let moved: Vec<f64> = moved.collect();
         let held = vec![false; moved.len()];

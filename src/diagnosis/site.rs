@@ -134,9 +134,10 @@ fn not_taken_up(model: &Model<'_>, state: &State, force: [f64; 3]) -> [f64; 3] {
             left = add(left, scale(change, normal));
         }
     }
-    match norm(&left) > BALANCED * norm(&force) {
-        true => left,
-        false => force,
+    if norm(&left) > BALANCED * norm(&force) {
+        left
+    } else {
+        force
     }
 }
 

@@ -234,9 +234,10 @@ fn secant_of_powers(exerted: impl Fn(f64) -> f64, force: f64) -> f64 {
 
 /// Between two ways: in the middle of their powers, or far down where the lower one is none.
 fn middle([low, high]: [f64; 2]) -> f64 {
-    match low > 0.0 {
-        true => (low * high).sqrt(),
-        false => 0.1 * high,
+    if low > 0.0 {
+        (low * high).sqrt()
+    } else {
+        0.1 * high
     }
 }
 

@@ -124,9 +124,10 @@ impl Course {
     /// Slides with the step, one after the other.
     pub(super) fn slides(&self, after: &Progress) -> u32 {
         let takes_off = after.relative < (1.0 - PROGRESS) * self.before.relative;
-        match takes_off || norm(&self.step) < 0.5 * LONGEST {
-            true => 0,
-            false => self.slides + 1,
+        if takes_off || norm(&self.step) < 0.5 * LONGEST {
+            0
+        } else {
+            self.slides + 1
         }
     }
 }
@@ -155,9 +156,10 @@ impl Stall {
         self.step = step.to_vec();
         // A misfit below the error of the solve is small by chance.
         let misfit = after.relative.max(after.tolerance);
-        self.rises = match misfit > RISE * self.last {
-            true => self.rises + 1,
-            false => 0,
+        self.rises = if misfit > RISE * self.last {
+            self.rises + 1
+        } else {
+            0
         };
         self.last = misfit;
         if self.least.is_none_or(|least| misfit <= 0.5 * least) {

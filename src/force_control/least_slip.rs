@@ -88,9 +88,10 @@ impl Grip {
         let square = |k: usize| change[k] * change[k];
         let along: f64 = self.pressures.iter().map(|&k| square(k)).sum();
         let across: f64 = self.tractions.iter().map(|&(k, _)| square(k)).sum();
-        match across > along {
-            true => self.across(change),
-            false => vec![0.0; self.tractions.len()],
+        if across > along {
+            self.across(change)
+        } else {
+            vec![0.0; self.tractions.len()]
         }
     }
 }

@@ -245,9 +245,10 @@ impl Balance {
                 ..self.led(run, step)
             });
         }
-        let step = match after.relative <= self.floor {
-            true => vec![0.0; self.controls.len()],
-            false => step,
+        let step = if after.relative <= self.floor {
+            vec![0.0; self.controls.len()]
+        } else {
+            step
         };
         // A misfit below the error of the solve is small by chance.
         let misfit = after.relative.max(after.tolerance);
@@ -323,9 +324,10 @@ impl Balance {
         let forces = found.iter().flat_map(|exerted| &exerted[..3]);
         let force = forces.fold(0.0, |most: f64, x| most.max(x.abs())) / units.force();
         let scale = force.max(largest(&self.goal));
-        let relative = match scale > 0.0 {
-            true => largest(&misfit) / scale,
-            false => largest(&misfit),
+        let relative = if scale > 0.0 {
+            largest(&misfit) / scale
+        } else {
+            largest(&misfit)
         };
         Progress {
             misfit,
@@ -365,9 +367,10 @@ impl Balance {
 
     /// The end of a search whose steps lead nowhere, or that took too many.
     fn given_up(&self, ending: Ending, at: &Progress) -> Ending {
-        match ending.termination == Termination::Converged {
-            true => unmet(ending, Cause::IterationLimit, self.worst(&at.misfit)),
-            false => ending,
+        if ending.termination == Termination::Converged {
+            unmet(ending, Cause::IterationLimit, self.worst(&at.misfit))
+        } else {
+            ending
         }
     }
 }

@@ -360,9 +360,10 @@ impl<'c, 'a, 'b> Condensed<'c, 'a, 'b> {
         };
         let outcome = method.solve((&mut x, &mut *r), &mut monitor, self.run.work);
         self.outcome.iterations += monitor.iterations;
-        let failed = match monitor.interrupted {
-            true => Some(QpStatus::Interrupted),
-            false => QpStatus::failure(outcome),
+        let failed = if monitor.interrupted {
+            Some(QpStatus::Interrupted)
+        } else {
+            QpStatus::failure(outcome)
         };
         failed.map_or(Ok((x, monitor.peak)), Err)
     }

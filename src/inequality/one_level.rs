@@ -189,9 +189,10 @@ impl Faces<'_, '_> {
         let mut history = History {
             visited: HashSet::from([first.status.clone()]),
             idle: 0,
-            review: match first.status.is_empty() || self.rule.solves_to_the_end() {
-                false => Review::WhenReduced,
-                true => Review::AtTheEnd,
+            review: if first.status.is_empty() || self.rule.solves_to_the_end() {
+                Review::AtTheEnd
+            } else {
+                Review::WhenReduced
             },
             one_by_one: false,
             reduction: REVIEW,
@@ -280,9 +281,10 @@ impl Faces<'_, '_> {
             return self.rough_face(iterate, friction);
         }
         let count = self.blocks.contact_of(iterate).status.len();
-        let neighbour = match history.one_by_one {
-            true => self.neighbour(iterate, bound / (count as f64).sqrt()),
-            false => None,
+        let neighbour = if history.one_by_one {
+            self.neighbour(iterate, bound / (count as f64).sqrt())
+        } else {
+            None
         };
         match neighbour {
             Some(next) => Ok(Some(next)),

@@ -171,9 +171,12 @@ impl QpScales {
     /// the body but a method that diverges, beside which any state would be a solution. A scale
     /// of rounding has seen nothing yet.
     pub fn largest_to_come(&self) -> Self {
-        let bound = |scale: f64| match scale > ROUNDING {
-            true => LARGEST_GROWTH * scale,
-            false => f64::INFINITY,
+        let bound = |scale: f64| {
+            if scale > ROUNDING {
+                LARGEST_GROWTH * scale
+            } else {
+                f64::INFINITY
+            }
         };
         Self {
             constraint: bound(self.constraint),

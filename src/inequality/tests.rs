@@ -98,9 +98,10 @@ fn every_nested_method_can_be_interrupted_inside_an_inner_solve() {
         let mut iterate = problem.iterate(0);
         let outcome = solve_watched(&*choose(method, parts), &mut iterate, &mut |_, _, _| {
             calls += 1;
-            match calls < 3 {
-                true => Verdict::Continue,
-                false => Verdict::Stop,
+            if calls < 3 {
+                Verdict::Continue
+            } else {
+                Verdict::Stop
             }
         });
         assert_eq!(outcome.status, QpStatus::Interrupted, "{method:?}");

@@ -92,9 +92,10 @@ impl Drive {
                 })
                 .collect(),
             pushes: Vec::new(),
-            friction: match plan.has_friction() {
-                true => plan.obstacles.iter().map(|one| one.friction).collect(),
-                false => Vec::new(),
+            friction: if plan.has_friction() {
+                plan.obstacles.iter().map(|one| one.friction).collect()
+            } else {
+                Vec::new()
             },
             supports: vec![[0.0; 3]; supports],
             motions: vec![RigidMotion::default(); supports],

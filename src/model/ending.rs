@@ -36,9 +36,10 @@ pub(crate) struct Snap {
 impl Snap {
     /// Both falls of an increment: all energy, and the larger motion.
     pub(crate) fn and(self, other: Self) -> Self {
-        let larger = match other.largest_motion > self.largest_motion {
-            true => other,
-            false => self,
+        let larger = if other.largest_motion > self.largest_motion {
+            other
+        } else {
+            self
         };
         Self {
             energy_drop: self.energy_drop + other.energy_drop,

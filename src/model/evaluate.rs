@@ -310,8 +310,9 @@ impl Evaluation {
 /// and the sign of a pressure is noise; then what would carry those forces.
 pub(crate) fn pressure_scale(pressure_norm: f64, contact_norm: f64, force_scale: f64) -> f64 {
     let carries = contact_norm >= LEAST_CONTACT * force_scale;
-    match carries || contact_norm == 0.0 {
-        true => pressure_norm,
-        false => pressure_norm * (force_scale / contact_norm),
+    if carries || contact_norm == 0.0 {
+        pressure_norm
+    } else {
+        pressure_norm * (force_scale / contact_norm)
     }
 }

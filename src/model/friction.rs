@@ -354,12 +354,13 @@ pub(crate) fn note_slip(model: &Model<'_>, state: &mut State) {
         let (traction, status) = friction.traction(state, number);
         let slip = slip(along, traction, status);
         let is_pressed = state.multiplier[friction.partners[number] as usize] > 0.0;
-        let (travel, residue) = match is_pressed {
-            true => (
+        let (travel, residue) = if is_pressed {
+            (
                 scale(traces.weights[number].recip(), vector(slip)),
                 vector([along[0] - slip[0], along[1] - slip[1]]),
-            ),
-            false => Default::default(),
+            )
+        } else {
+            Default::default()
         };
         state.slip.increment[point.obstacle] -= traction[0] * slip[0] + traction[1] * slip[1];
         state.slip.travel[3 * number..3 * number + 3].copy_from_slice(&travel);

@@ -110,9 +110,10 @@ impl Given {
 /// The list, or none where all of it is without rows.
 fn unless_none<'a>(spreads: impl Iterator<Item = &'a Spread>) -> Vec<Spread> {
     let all: Vec<Spread> = spreads.cloned().collect();
-    match all.iter().all(|one| one.shape() == [0, 0]) {
-        true => Vec::new(),
-        false => all,
+    if all.iter().all(|one| one.shape() == [0, 0]) {
+        Vec::new()
+    } else {
+        all
     }
 }
 

@@ -79,9 +79,10 @@ fn add_traction(
             vertices.len(),
         );
         let density = |l: &[f64]| {
-            let turn = match model.plan.is_axisymmetric() {
-                true => TAU * facet.position(surface, l)[0],
-                false => 1.0,
+            let turn = if model.plan.is_axisymmetric() {
+                TAU * facet.position(surface, l)[0]
+            } else {
+                1.0
             };
             part.at(l).map(|value| value * unit * turn)
         };

@@ -177,9 +177,10 @@ pub(crate) struct Interfaces {
 
 /// Degree of the rule that all contact integrals take.
 fn contact_degree(plan: &Plan) -> u32 {
-    match plan.obstacles.iter().all(|one| one.shape.is_smooth()) {
-        true => FACE_DEGREE,
-        false => KINKED_DEGREE,
+    if plan.obstacles.iter().all(|one| one.shape.is_smooth()) {
+        FACE_DEGREE
+    } else {
+        KINKED_DEGREE
     }
 }
 
@@ -314,9 +315,10 @@ fn of_obstacle(
             ContactSpace::Linear => bare,
             ContactSpace::Quadratic => bare.with_layout(&Bernstein, planned.layout.clone()),
         },
-        sagittas: match is_curved {
-            true => Vec::new(),
-            false => sagittas(mesh, &obstacle.facets),
+        sagittas: if is_curved {
+            Vec::new()
+        } else {
+            sagittas(mesh, &obstacle.facets)
         },
         facets: obstacle.facets.clone(),
         idle: Vec::new(),
@@ -349,9 +351,10 @@ fn of_patch(
 /// scene's geometry.
 fn surface(plan: &Plan, mesh: &Mesh, space: &TaylorHood, facets: &[Vec<u32>]) -> ContactSurface {
     let scale = plan.units.coordinate_scale;
-    match plan.is_axisymmetric() {
-        true => ContactSurface::about_axis(mesh, space, scale, facets),
-        false => ContactSurface::new(mesh, space, scale, facets),
+    if plan.is_axisymmetric() {
+        ContactSurface::about_axis(mesh, space, scale, facets)
+    } else {
+        ContactSurface::new(mesh, space, scale, facets)
     }
 }
 

@@ -56,9 +56,12 @@ fn add_constant(plan: &Plan, mesh: &Mesh, prepared: &TaylorHoodData, load: &mut 
         (true, true) => DEGREE_ABOUT_AXIS,
         (false, true) => CONSTANT_DEGREE,
     };
-    let turn = |value: [f64; 3], x: [f64; 3]| match is_turned {
-        true => value.map(|t| t * TAU * x[0]),
-        false => value,
+    let turn = |value: [f64; 3], x: [f64; 3]| {
+        if is_turned {
+            value.map(|t| t * TAU * x[0])
+        } else {
+            value
+        }
     };
     let surface_rule = rule(facet, degree);
     let surface = Integral {

@@ -88,9 +88,10 @@ impl<'a> Model<'a> {
             space: &self.prepared.space,
             displacement,
             rule: &self.interfaces.rule,
-            measure: match self.is_rubber() {
-                true => Measure::Deformed,
-                false => Measure::Undeformed,
+            measure: if self.is_rubber() {
+                Measure::Deformed
+            } else {
+                Measure::Undeformed
             },
         }
     }
@@ -148,9 +149,10 @@ impl<'a> Model<'a> {
         let depths = depths.clone();
         let rule = &self.interfaces.rule;
         let placed = self.interfaces.placed(drive, self.plan.units.length);
-        placed.map(move |(interface, met)| match depths.is_empty() {
-            true => (interface, met),
-            false => {
+        placed.map(move |(interface, met)| {
+            if depths.is_empty() {
+                (interface, met)
+            } else {
                 let own = interface.own(&depths);
                 (interface, met.admitting(&interface.surface, rule, &own))
             }

@@ -162,9 +162,10 @@ pub(crate) fn prescribed_value(
         (None, None) => values[i],
     };
     let motion = &drive.motions[support];
-    match motion.is_rest() {
-        true => value / length,
-        false => (value + motion.displacement(position().map(|x| x * scale))[i]) / length,
+    if motion.is_rest() {
+        value / length
+    } else {
+        (value + motion.displacement(position().map(|x| x * scale))[i]) / length
     }
 }
 

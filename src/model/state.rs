@@ -112,9 +112,10 @@ impl State {
             drive: Drive::undeformed(plan),
             scales: QpScales::default(),
             force_scale: 0.0,
-            penalty: match plan.resolved.is_rubber() {
-                true => plan.first_penalty(),
-                false => 0.0,
+            penalty: if plan.resolved.is_rubber() {
+                plan.first_penalty()
+            } else {
+                0.0
             },
             slip: SlipState::undeformed(plan),
             by_factor: false,
@@ -125,9 +126,10 @@ impl State {
     /// Cells of finite strain with the present volume term; none for linear bodies.
     pub(crate) fn cells(&self, prepared: &TaylorHoodData) -> Option<Arc<StrainGrid>> {
         let cells = prepared.strain.as_ref()?;
-        Some(match self.penalty > 0.0 {
-            true => Arc::new(cells.penalised(self.penalty)),
-            false => cells.clone(),
+        Some(if self.penalty > 0.0 {
+            Arc::new(cells.penalised(self.penalty))
+        } else {
+            cells.clone()
         })
     }
 

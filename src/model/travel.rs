@@ -122,9 +122,10 @@ impl March {
         if self.gone >= self.way {
             return None;
         }
-        let least = match self.poses < self.most {
-            true => self.spacing,
-            false => self.spacing.max(self.way / self.most),
+        let least = if self.poses < self.most {
+            self.spacing
+        } else {
+            self.spacing.max(self.way / self.most)
         };
         // No nearer than it is can it come on a way as long as that.
         self.gone += distance.max(least);

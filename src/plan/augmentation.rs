@@ -50,9 +50,10 @@ impl Plan {
     /// What tells prepared data for other methods from those for the usual one, whose keys are
     /// as old as the first release.
     pub(super) fn key_of_inverse(&self) -> &'static [u8] {
-        match self.may_be_augmented() && !self.solves_augmented() {
-            true => b"not augmented",
-            false => b"",
+        if self.may_be_augmented() && !self.solves_augmented() {
+            b"not augmented"
+        } else {
+            b""
         }
     }
 
@@ -60,9 +61,10 @@ impl Plan {
     /// what is around it does not ask for symmetry.
     pub(crate) fn smoothing(&self) -> Smoothing {
         let degree = self.smoother_degree;
-        match self.is_augmented() && !self.smooths_along_lines() {
-            true => Smoothing::Behind(2 * degree - 1),
-            false => Smoothing::Around(degree),
+        if self.is_augmented() && !self.smooths_along_lines() {
+            Smoothing::Behind(2 * degree - 1)
+        } else {
+            Smoothing::Around(degree)
         }
     }
 

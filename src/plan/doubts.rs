@@ -147,9 +147,10 @@ fn nearly_incompressible(scene: &Scene, resolved: &Resolved) -> Option<String> {
     let (material, found) = materials
         .find(|(_, resolved)| !resolved.is_incompressible() && is_nearly(&resolved.law))?;
     let ratio = found.law.lame() / found.law.shear_modulus;
-    let cure = match material.model.is_rubber() {
-        true => "no `bulk_modulus`",
-        false => "0.5 as `poisson_ratio`",
+    let cure = if material.model.is_rubber() {
+        "no `bulk_modulus`"
+    } else {
+        "0.5 as `poisson_ratio`"
     };
     Some(format!(
         "material `{}` resists a change of volume {ratio:.0e} times as much as one of shape: unless it is closed in on all sides, {cure} costs less and differs by as little",

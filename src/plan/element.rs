@@ -43,9 +43,10 @@ impl ElementKind {
 impl Plan {
     /// What carries displacement (or velocity) and pressure.
     pub(crate) fn formulation_name(&self) -> String {
-        let field = match self.resolved.is_flow() {
-            true => "velocity",
-            false => "displacement",
+        let field = if self.resolved.is_flow() {
+            "velocity"
+        } else {
+            "displacement"
         };
         match (self.element, self.resolved.mixed) {
             (ElementKind::TaylorHood, true) => format!("Taylor-Hood: P2 {field}, P1 pressure"),

@@ -126,14 +126,16 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
     let components = plan.units.dimension as u64;
     let contact = plan.contact_vertices.len() as u64 * components;
     let multipliers = plan.unknowns.contact;
-    let own = match plan.contact.method.needs_dense(plan.contact.metric) {
-        true => 3 * multipliers * multipliers,
-        false => 0,
+    let own = if plan.contact.method.needs_dense(plan.contact.metric) {
+        3 * multipliers * multipliers
+    } else {
+        0
     };
     let dense = 3 * contact * contact + own;
-    let steps = match plan.certifies_by_steps() {
-        true => CERTIFICATE_VECTORS * plan.unknowns.displacement,
-        false => 0,
+    let steps = if plan.certifies_by_steps() {
+        CERTIFICATE_VECTORS * plan.unknowns.displacement
+    } else {
+        0
     };
     let vectors = VECTORS * (plan.unknowns.displacement + plan.unknowns.pressure) + steps;
     let blocks = plan.unknowns.displacement * components;
@@ -141,9 +143,10 @@ pub(super) fn bytes(plan: &Plan, vertices: u64) -> u64 {
         ElementKind::TaylorHood => CELL_BYTES,
         ElementKind::Mini | ElementKind::BernardiRaugel => ENRICHED_CELL_BYTES,
     };
-    let edge_block = match plan.displacement.is_hierarchical() {
-        true => EDGE_BLOCK_BYTES * plan.cells as u64,
-        false => 0,
+    let edge_block = if plan.displacement.is_hierarchical() {
+        EDGE_BLOCK_BYTES * plan.cells as u64
+    } else {
+        0
     };
     p1_solver(plan, vertices).0 as u64
         + 8 * (dense + vectors + blocks)

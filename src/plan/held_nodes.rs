@@ -112,9 +112,12 @@ impl HeldByPlanes {
     /// pushes along a held component is in the reaction of that.
     pub(crate) fn reactions(&self, components: usize, nodal: &[f64]) -> Vec<[f64; 3]> {
         let first = self.held.node as usize * components;
-        let force = std::array::from_fn(|i| match i < components {
-            true => nodal.get(first + i).copied().unwrap_or(0.0),
-            false => 0.0,
+        let force = std::array::from_fn(|i| {
+            if i < components {
+                nodal.get(first + i).copied().unwrap_or(0.0)
+            } else {
+                0.0
+            }
         });
         let mut forces = self.forces(force);
         for force in &mut forces {

@@ -380,9 +380,10 @@ impl Plan {
 
     /// Weight r of the grad-div term of a linear body, in units of the shear modulus.
     pub(crate) fn penalty(&self) -> f64 {
-        match self.resolved.is_rubber() {
-            true => 0.0,
-            false => self.settings.penalty.unwrap_or(0.0),
+        if self.resolved.is_rubber() {
+            0.0
+        } else {
+            self.settings.penalty.unwrap_or(0.0)
         }
     }
 
@@ -436,9 +437,10 @@ fn contact_space(scene: &Scene, element: ElementKind) -> ContactSpace {
 fn saddle_for(scene: &Scene, unknowns: Unknowns, demands: [Demand; 2]) -> SaddleChoice {
     let needs = SaddleNeeds {
         has_multipliers: unknowns.pressure + unknowns.contact > 0,
-        demand: match demands.contains(&Demand::Flexible) {
-            true => Demand::Flexible,
-            false => Demand::None,
+        demand: if demands.contains(&Demand::Flexible) {
+            Demand::Flexible
+        } else {
+            Demand::None
         },
     };
     saddle::choose(scene.solver.saddle, needs)

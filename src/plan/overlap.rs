@@ -45,9 +45,10 @@ impl fmt::Display for Overlap {
             area,
         } = self;
         // A depth that is refused may be small.
-        let depth = match *depth < 1e-3 {
-            true => format!("{depth:.2e}"),
-            false => format!("{depth:.4}"),
+        let depth = if *depth < 1e-3 {
+            format!("{depth:.2e}")
+        } else {
+            format!("{depth:.4}")
         };
         write!(
             out,

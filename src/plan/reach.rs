@@ -48,10 +48,7 @@ pub(super) fn away(
     let [first, last] = [poses.first()?, poses.last()?].map(|pose| distance(*pose));
     let least = least.min(last);
     (least > AWAY).then(|| {
-        let what = match first.min(last) > least * (1.0 + SPACING) {
-            true => "passes the body by",
-            false => "does not come to the body",
-        };
+        let what = if first.min(last) > least * (1.0 + SPACING) { "passes the body by" } else { "does not come to the body" };
         format!(
             "obstacle `{}` {what} on its way: it is {least:.2} lengths away where it is nearest; are its axes and units those of the mesh?",
             obstacle.name

@@ -157,9 +157,10 @@ impl Plan {
             _ => MOST_UNASKED,
         };
         let is_small = whole <= MOST_WHOLE * factor && self.least_response_bytes() + whole <= most;
-        match is_small {
-            true => FieldsFrom::Columns,
-            false => FieldsFrom::Factor,
+        if is_small {
+            FieldsFrom::Columns
+        } else {
+            FieldsFrom::Factor
         }
     }
 

@@ -27,9 +27,10 @@ pub(super) fn fitted(mesh: &Mesh, obstacles: &[ResolvedObstacle]) -> Option<Mesh
 impl Plan {
     /// `mesh`, which the plan was made for, with the surface of the body.
     pub(crate) fn body_mesh(&self, mesh: &Arc<Mesh>) -> Arc<Mesh> {
-        match self.fitted.is_empty() {
-            true => mesh.clone(),
-            false => Arc::new(mesh.with_offsets(self.fitted.clone())),
+        if self.fitted.is_empty() {
+            mesh.clone()
+        } else {
+            Arc::new(mesh.with_offsets(self.fitted.clone()))
         }
     }
 }

@@ -34,9 +34,10 @@ impl TaylorHoodData {
         cancel: &CancelToken,
     ) -> Result<ApproximateInverse, PrepareError> {
         let found = self.with_pressure(plan, mesh, state, cancel);
-        match found.is_ok() || cancel.stopped().is_some() {
-            true => found,
-            false => self.about_without_pressure(plan, mesh, state, cancel),
+        if found.is_ok() || cancel.stopped().is_some() {
+            found
+        } else {
+            self.about_without_pressure(plan, mesh, state, cancel)
         }
     }
 
@@ -123,9 +124,10 @@ impl TaylorHoodData {
     fn node_blocks(&self, cells: &StiffCells<'_>) -> Result<NodeBlocks, FactoriseError> {
         let c = self.space.components;
         let blocks = cells.node_blocks(&self.held);
-        match are_positive(c, &blocks) {
-            true => Ok(NodeBlocks::invert(c, blocks)),
-            false => Err(FactoriseError::NotPositiveDefinite),
+        if are_positive(c, &blocks) {
+            Ok(NodeBlocks::invert(c, blocks))
+        } else {
+            Err(FactoriseError::NotPositiveDefinite)
         }
     }
 

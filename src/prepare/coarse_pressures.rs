@@ -109,15 +109,21 @@ fn hats(
     (spacing, most): (f64, usize),
 ) -> Vec<Hat> {
     // Whole cells along every long axis; across a short one nothing changes.
-    let cells = extents.map(|extent| match extent >= 2.0 * spacing {
-        true => (extent / spacing).round(),
-        false => 0.0,
+    let cells = extents.map(|extent| {
+        if extent >= 2.0 * spacing {
+            (extent / spacing).round()
+        } else {
+            0.0
+        }
     });
     let mut hats: BTreeMap<[u32; 3], Hat> = BTreeMap::new();
     for (vertex, x) in coordinates.iter().enumerate() {
-        let along = [0, 1, 2].map(|i| match cells[i] > 0.0 {
-            true => cells[i] * (x[i] - least[i]) / extents[i],
-            false => 0.0,
+        let along = [0, 1, 2].map(|i| {
+            if cells[i] > 0.0 {
+                cells[i] * (x[i] - least[i]) / extents[i]
+            } else {
+                0.0
+            }
         });
         for corner in 0..8_u32 {
             let ends = [0, 1, 2].map(|i| along[i].floor() + f64::from(corner >> i & 1));

@@ -69,9 +69,10 @@ fn constant_pressure_is_idle(coupling: &Divergence) -> bool {
 /// Connected part of each vertex; empty where the body is one.
 fn several_parts(mesh: &Mesh) -> Vec<u32> {
     let parts = parts(mesh);
-    match parts.iter().any(|&part| part > 0) {
-        true => parts,
-        false => Vec::new(),
+    if parts.iter().any(|&part| part > 0) {
+        parts
+    } else {
+        Vec::new()
     }
 }
 
@@ -87,13 +88,17 @@ pub(crate) fn pressure_block(
         .shear
         .windows(2)
         .all(|pair| pair[0].to_bits() == pair[1].to_bits());
-    let softness = match is_homogeneous {
-        true => Vec::new(),
-        false => softness(mesh, space, geometry, moduli),
+    let softness = if is_homogeneous {
+        Vec::new()
+    } else {
+        softness(mesh, space, geometry, moduli)
     };
-    let schur = |cell: usize| match is_homogeneous {
-        true => 1.0 / (step * moduli.shear[cell]) + moduli.inverse_lame[cell],
-        false => softness[cell] / step + moduli.inverse_lame[cell],
+    let schur = |cell: usize| {
+        if is_homogeneous {
+            1.0 / (step * moduli.shear[cell]) + moduli.inverse_lame[cell]
+        } else {
+            softness[cell] / step + moduli.inverse_lame[cell]
+        }
     };
     let compressible = moduli.inverse_lame.iter().any(|&inverse| inverse != 0.0);
     let Stiffness { grid, size, .. } = &stiffness.free;
@@ -133,9 +138,10 @@ fn volume_rule(plan: &Plan) -> Rule {
         2 => Simplex::Triangle,
         _ => Simplex::Tetrahedron,
     };
-    let degree = match plan.resolved.is_rubber() {
-        true => plan.strain_degree(),
-        false => CURVED_DEGREE,
+    let degree = if plan.resolved.is_rubber() {
+        plan.strain_degree()
+    } else {
+        CURVED_DEGREE
     };
     rule(simplex, degree)
 }

@@ -167,17 +167,19 @@ fn strain_grid(plan: &Plan, mesh: &Mesh, grid: &Arc<Grid>) -> StrainGrid {
     };
     let rule = rule(simplex, plan.strain_degree());
     let cells = StrainGrid::new(mesh, grid.clone(), cells, rule);
-    match plan.is_axisymmetric() {
-        true => cells.about_axis(mesh, plan.units.coordinate_scale),
-        false => cells,
+    if plan.is_axisymmetric() {
+        cells.about_axis(mesh, plan.units.coordinate_scale)
+    } else {
+        cells
     }
 }
 
 fn geometry_of(plan: &Plan, mesh: &Mesh) -> CellGeometry {
     let scale = plan.units.coordinate_scale;
-    match plan.is_axisymmetric() {
-        true => CellGeometry::about_axis(mesh, scale),
-        false => CellGeometry::new(mesh, scale),
+    if plan.is_axisymmetric() {
+        CellGeometry::about_axis(mesh, scale)
+    } else {
+        CellGeometry::new(mesh, scale)
     }
 }
 

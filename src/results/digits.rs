@@ -5,9 +5,10 @@
 pub(super) fn digits(value: f64) -> String {
     let size = value.abs();
     if size == 0.0 || !(1e-3..1e5).contains(&size) {
-        return match size == 0.0 {
-            true => "0".to_owned(),
-            false => format!("{value:.2e}"),
+        return if size == 0.0 {
+            "0".to_owned()
+        } else {
+            format!("{value:.2e}")
         };
     }
     let places = (2 - size.log10().floor() as i32).max(0);

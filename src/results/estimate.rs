@@ -33,9 +33,10 @@ pub(crate) fn moduli(model: &Model<'_>, cell: usize) -> [f64; 2] {
     let resolved = &model.plan.resolved;
     let law = resolved.materials[usize::from(resolved.cell_material[cell])].law;
     let stress = model.plan.units.stress;
-    let lame = match model.plan.is_mixed() {
-        true => 0.0,
-        false => law.lame() / stress,
+    let lame = if model.plan.is_mixed() {
+        0.0
+    } else {
+        law.lame() / stress
     };
     [law.shear_modulus / stress, lame]
 }

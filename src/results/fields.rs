@@ -172,13 +172,12 @@ fn stress(model: &Model<'_>, state: &State, cell: usize) -> [f64; 6] {
     let gradient = gradient_at(model, state, cell, &centre(model));
     let law =
         model.plan.resolved.materials[usize::from(model.plan.resolved.cell_material[cell])].law;
-    let pressure = match state.pressure.is_empty() {
-        true => law.pressure(gradient[0][0] + gradient[1][1] + gradient[2][2]),
-        false => {
-            let corners = model.mesh.cell(cell);
-            let sum: f64 = corners.iter().map(|&v| state.pressure[v as usize]).sum();
-            sum / corners.len() as f64 * model.plan.units.stress
-        }
+    let pressure = if state.pressure.is_empty() {
+        law.pressure(gradient[0][0] + gradient[1][1] + gradient[2][2])
+    } else {
+        let corners = model.mesh.cell(cell);
+        let sum: f64 = corners.iter().map(|&v| state.pressure[v as usize]).sum();
+        sum / corners.len() as f64 * model.plan.units.stress
     };
     let s = match finite_strain::rubber(model, cell) {
         Some(rubber) => finite_strain::true_stress(rubber, &gradient, pressure, state.penalty),

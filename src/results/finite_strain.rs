@@ -65,9 +65,12 @@ pub(crate) fn jacobian_bound(model: &Model<'_>, state: &State) -> Option<f64> {
     }
     let is_turned = model.plan.is_axisymmetric();
     let cells = 0..model.mesh.cell_count();
-    let bounds = cells.map(|cell| match is_turned {
-        true => ring_bound(model, state, cell),
-        false => cell_bound(model, state, cell),
+    let bounds = cells.map(|cell| {
+        if is_turned {
+            ring_bound(model, state, cell)
+        } else {
+            cell_bound(model, state, cell)
+        }
     });
     let bound = bounds.reduce(|a, b| if a.is_nan() || a < b { a } else { b });
     bound.filter(|bound| !is_turned || !bound.is_nan())
@@ -78,9 +81,10 @@ pub(crate) fn jacobian_bound(model: &Model<'_>, state: &State) -> Option<f64> {
 fn ring_bound(model: &Model<'_>, state: &State, cell: usize) -> f64 {
     let section = cell_bound(model, state, cell);
     let stretch = least_stretch(model, state, cell);
-    match section > 0.0 && stretch > 0.0 {
-        true => section * stretch,
-        false => f64::NAN,
+    if section > 0.0 && stretch > 0.0 {
+        section * stretch
+    } else {
+        f64::NAN
     }
 }
 
@@ -120,15 +124,19 @@ fn cell_bound(model: &Model<'_>, state: &State, cell: usize) -> f64 {
         *gradient = deformation_from_straight(model, state, cell, &at);
     }
     let plain = least_jacobian_bound(&gradients[..corners]);
-    let bound = match plain > 0.0 {
-        true => plain,
-        false => sharper_jacobian_bound(&gradients[..corners]),
+    let bound = if plain > 0.0 {
+        plain
+    } else {
+        sharper_jacobian_bound(&gradients[..corners])
     };
     let bent = model.prepared.geometry.curves.of(cell);
     bound
-        / bent.map_or(1.0, |bent| match bound > 0.0 {
-            true => bent.most_measure(),
-            false => bent.least_measure(),
+        / bent.map_or(1.0, |bent| {
+            if bound > 0.0 {
+                bent.most_measure()
+            } else {
+                bent.least_measure()
+            }
         })
 }
 

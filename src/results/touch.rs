@@ -53,9 +53,10 @@ impl<'t> Touch<'t> {
             let obstacle = met.obstacle()?;
             let acts = acts(interface, state);
             let distances = nearest(&body, &interface.surface, obstacle);
-            let cells = match acts.contains(&true) {
-                true => cells_beside(model, &interface.surface),
-                false => (0..model.mesh.cell_count()).collect(),
+            let cells = if acts.contains(&true) {
+                cells_beside(model, &interface.surface)
+            } else {
+                (0..model.mesh.cell_count()).collect()
             };
             let nearest = distances.iter().copied().fold(f64::INFINITY, f64::min);
             Some(Self {
@@ -73,9 +74,10 @@ impl<'t> Touch<'t> {
 
     /// Depths at which the obstacle is inside the body where nothing presses: face, depth.
     fn missed(&self) -> impl Iterator<Item = (usize, f64)> {
-        let least = match self.acts.contains(&true) {
-            true => MISSED_AT_THE_RIM,
-            false => MISSED,
+        let least = if self.acts.contains(&true) {
+            MISSED_AT_THE_RIM
+        } else {
+            MISSED
         };
         let usual = self.usual_depth();
         let power = 1.0 / (self.dimension as f64 - 1.0);

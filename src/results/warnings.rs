@@ -91,10 +91,7 @@ fn of_stability(model: &Model<'_>, ending: &Ending, all: &mut Vec<Warning>) {
             Some(snapped.largest_motion),
             format!(
                 "{}: the point ({x:.4}, {y:.4}, {z:.4}) moved by {:.4}",
-                match snap.was_lost {
-                    true => "the body snapped to another equilibrium",
-                    false => "the way of the body could not be followed, though no motion was seen to be unstable, and it went down its energy to an equilibrium that may be another one",
-                },
+                if snap.was_lost { "the body snapped to another equilibrium" } else { "the way of the body could not be followed, though no motion was seen to be unstable, and it went down its energy to an equilibrium that may be another one" },
                 snapped.largest_motion
             ),
         ));
@@ -313,9 +310,10 @@ fn lost_digits(model: &Model<'_>, state: &State, ending: &Ending, strain: f64) -
     // all rounding.
     let touches = state.status.iter().any(|status| status.is_closed());
     let is_driven = touches || state.drive.moves_supports() || state.drive.has_loads(model.plan);
-    let length = match touches || (model.is_rubber() && is_driven) {
-        true => largest.max(1.0),
-        false => largest,
+    let length = if touches || (model.is_rubber() && is_driven) {
+        largest.max(1.0)
+    } else {
+        largest
     };
     let rounding = f64::EPSILON * length * (model.mesh.cell_count() as f64).cbrt();
     let unsolved = ending.residuals.largest() * largest;

@@ -184,9 +184,10 @@ fn verified(bytes: &[u8]) -> Result<(u32, &[u8]), CheckpointError> {
         .split_last_chunk::<DIGEST>()
         .ok_or(CheckpointError::Damaged)?;
     let (covered, _) = bytes.split_at(bytes.len() - DIGEST);
-    match Sha256::digest(covered)[..] == written[..] {
-        true => Ok((found, body)),
-        false => Err(CheckpointError::Damaged),
+    if Sha256::digest(covered)[..] == written[..] {
+        Ok((found, body))
+    } else {
+        Err(CheckpointError::Damaged)
     }
 }
 
@@ -220,9 +221,10 @@ fn visit_state<E>(
     if version >= WITH_FACTOR {
         fields.flags("factor", from_mut(&mut state.by_factor))?;
     }
-    match state.slip.total.is_empty() {
-        true => Ok(()),
-        false => visit_slip(&mut state.slip, version, fields),
+    if state.slip.total.is_empty() {
+        Ok(())
+    } else {
+        visit_slip(&mut state.slip, version, fields)
     }
 }
 
@@ -265,9 +267,10 @@ fn visit_drive<E>(
         fields.numbers("rotation of a support", &mut motion.rotation)?;
         fields.numbers("reference point of a support", &mut motion.about)?;
     }
-    match version >= WITH_VALUES {
-        true => visit_given(&mut drive.given, fields),
-        false => Ok(()),
+    if version >= WITH_VALUES {
+        visit_given(&mut drive.given, fields)
+    } else {
+        Ok(())
     }
 }
 
@@ -296,9 +299,10 @@ fn visit_pushes<E>(drive: &mut Drive, fields: &mut impl Fields<Error = E>) -> Re
         let slots = push.components.iter_mut().zip(components);
         slots.for_each(|(slot, (is_pushed, value))| *slot = is_pushed.then_some(value));
     }
-    drive.pushes = match pushes.iter().all(Push::is_none) {
-        true => Vec::new(),
-        false => pushes,
+    drive.pushes = if pushes.iter().all(Push::is_none) {
+        Vec::new()
+    } else {
+        pushes
     };
     Ok(())
 }

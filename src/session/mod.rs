@@ -289,9 +289,10 @@ impl Session {
         };
         let advanced = self.body.advance(increment, &goal, before);
         let is_stopped = advanced.ending.is_stopped();
-        match is_stopped && advanced.part == 0.0 {
-            true => self.previous = None,
-            false => self.moved = true,
+        if is_stopped && advanced.part == 0.0 {
+            self.previous = None
+        } else {
+            self.moved = true
         }
         if is_stopped {
             self.stop();
@@ -313,9 +314,10 @@ impl Session {
     /// step was stopped.
     pub fn stop(&mut self) {
         let plan = self.body.plan();
-        self.target = match self.moved {
-            true => self.state.drive.clone(),
-            false => Drive::first_target(plan),
+        self.target = if self.moved {
+            self.state.drive.clone()
+        } else {
+            Drive::first_target(plan)
         };
         self.begun = None;
         self.learned.forget(plan);

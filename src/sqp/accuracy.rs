@@ -80,9 +80,10 @@ fn allowed_error(model: &Model<'_>, state: &State, estimated: &Estimate) -> f64 
     let corner_cells = if dimension == 2 { 2.0 } else { 6.0 };
     let cells = model.mesh.cell_count() as f64;
     let size = (corner_cells * volume / cells).powf(1.0 / dimension as f64);
-    let finest = match state.status.iter().any(|status| status.is_closed()) {
-        true => size.min(estimated.relative),
-        false => size,
+    let finest = if state.status.iter().any(|status| status.is_closed()) {
+        size.min(estimated.relative)
+    } else {
+        size
     };
     SHARE * finest * estimated.relative * estimated.norm
 }

@@ -221,9 +221,10 @@ fn shared(model: &Model<'_>, volumes: VolumeModes, matrix: &Compliance) -> Share
         own: matrix.seen().clone(),
         first: volumes.pressures,
         work: volumes.work,
-        least_share: match block.is_some_and(|block| block.coarse.is_thin) {
-            true => THIN,
-            false => ENCLOSED,
+        least_share: if block.is_some_and(|block| block.coarse.is_thin) {
+            THIN
+        } else {
+            ENCLOSED
         },
     }
 }

@@ -98,21 +98,20 @@ pub(crate) fn solve(run: &mut Run<'_>, drive: &Drive) -> Ending {
 /// Moves the state to where the first program starts.
 fn start(run: &mut Run<'_>, drive: &Drive) -> Iterate {
     let known = run.state.load_behind(drive);
-    let (now, first_force) = match run.model.is_rubber() {
-        true => predictor::start(run, drive),
-        false => {
-            let before = run.state.displacement.clone();
-            prescribe(&run.model, drive, &mut run.state.displacement);
-            // Where friction holds the body its way decides.
-            let is_held = run.model.plan.has_friction() && touches(run.state);
-            if !is_held {
-                carry(&run.model, &before, &mut run.state.displacement);
-            }
-            run.state.drive = drive.clone();
-            let now = run.evaluate();
-            let force = norm(&now.force);
-            (now, force)
+    let (now, first_force) = if run.model.is_rubber() {
+        predictor::start(run, drive)
+    } else {
+        let before = run.state.displacement.clone();
+        prescribe(&run.model, drive, &mut run.state.displacement);
+        // Where friction holds the body its way decides.
+        let is_held = run.model.plan.has_friction() && touches(run.state);
+        if !is_held {
+            carry(&run.model, &before, &mut run.state.displacement);
         }
+        run.state.drive = drive.clone();
+        let now = run.evaluate();
+        let force = norm(&now.force);
+        (now, force)
     };
     limit_gap_scale(run.state, &now);
     raise_scales(&run.model, run.state, &now);
@@ -136,9 +135,10 @@ impl Iterate {
         program: &mut QuadraticProgram<'_>,
         worst: f64,
     ) -> (Step, crate::inequality::QpStatus) {
-        let share = match run.model.is_linear() {
-            true => 0.0,
-            false => self.reduction,
+        let share = if run.model.is_linear() {
+            0.0
+        } else {
+            self.reduction
         };
         let goal = share * worst;
         let before = run.counters.applications;
@@ -205,9 +205,10 @@ impl Iterate {
         let left = self.residuals(run.state);
         let is_met = left.gap.max(left.complementarity) <= run.model.conditions.tolerance;
         let is_small = left.largest() <= MOST_ROUNDING && !run.model.plan.is_floating();
-        match is_met && is_small && is_rounding(run, &self.now) {
-            true => Verdict::stopped(Termination::Converged),
-            false => Verdict::failed(Cause::Stagnation),
+        if is_met && is_small && is_rounding(run, &self.now) {
+            Verdict::stopped(Termination::Converged)
+        } else {
+            Verdict::failed(Cause::Stagnation)
         }
     }
 

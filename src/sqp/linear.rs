@@ -148,9 +148,10 @@ impl Linear<'_> {
         }
         iterate.displacement = x;
         iterate.force = r;
-        let stopped = match monitor.reached {
-            true => QpStatus::Solved,
-            false => QpStatus::Interrupted,
+        let stopped = if monitor.reached {
+            QpStatus::Solved
+        } else {
+            QpStatus::Interrupted
         };
         QpOutcome {
             iterations: monitor.iterations,

@@ -118,9 +118,10 @@ pub(crate) fn start(run: &mut Run<'_>, drive: &Drive) -> (Evaluation, f64) {
 /// What holds once tools that have left exert nothing, as a step sees it whose tools have moved on
 /// from `last`.
 fn advanced(run: &mut Run<'_>, now: Evaluation, last: Drive) -> Evaluation {
-    let mut now = match release(&run.model, run.state, &now) {
-        true => run.evaluate(),
-        false => now,
+    let mut now = if release(&run.model, run.state, &now) {
+        run.evaluate()
+    } else {
+        now
     };
     timed(&mut run.counters.seconds.contact, || {
         now.advance_from(last, (&run.model, run.state), &mut run.work);

@@ -70,9 +70,10 @@ fn is_left_alone(state: &State, now: &Evaluation) -> bool {
 /// those of a stress of some [`LEAST_STRESS`] shear moduli.
 fn at_rest(model: &Model<'_>, now: &Evaluation) -> f64 {
     let vertices = (model.prepared.space.vertices as f64).sqrt();
-    match now.load_norm > 0.0 {
-        true => 0.0,
-        false => LEAST_STRESS[usize::from(model.is_rubber())] / vertices,
+    if now.load_norm > 0.0 {
+        0.0
+    } else {
+        LEAST_STRESS[usize::from(model.is_rubber())] / vertices
     }
 }
 
@@ -113,9 +114,10 @@ fn rounding(model: &Model<'_>, state: &State) -> f64 {
     let dimension = model.plan.units.dimension as i32;
     let vertices = model.prepared.space.vertices as f64;
     let size = vertices.powf(-1.0 / f64::from(dimension));
-    let length = match model.is_rubber() {
-        true => largest(&state.displacement).max(1.0),
-        false => largest(&state.displacement),
+    let length = if model.is_rubber() {
+        largest(&state.displacement).max(1.0)
+    } else {
+        largest(&state.displacement)
     };
     ROUNDINGS * f64::EPSILON * length * size.powi(dimension - 2) * vertices.sqrt()
 }

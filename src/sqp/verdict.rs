@@ -50,9 +50,10 @@ pub(crate) fn verdict(run: &Run<'_>, worst: f64, still: bool) -> Option<Verdict>
         return Some(Verdict::failed(Cause::NotFinite));
     }
     if worst <= run.model.conditions.tolerance && still {
-        return Some(match has_flown(&run.model, run.state) {
-            true => Verdict::failed(Cause::NotFinite),
-            false => Verdict::stopped(Termination::Converged),
+        return Some(if has_flown(&run.model, run.state) {
+            Verdict::failed(Cause::NotFinite)
+        } else {
+            Verdict::stopped(Termination::Converged)
         });
     }
     run.stopped().map(Verdict::stopped)

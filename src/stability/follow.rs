@@ -57,9 +57,10 @@ pub(super) fn certified_about(
         motion,
         eigenvalue,
         // Without a potential what lowers the energy may lead back.
-        stability: match eigenvalue > -NEUTRAL || program.skew().is_some() {
-            true => Stability::NotDetermined,
-            false => Stability::Saddle,
+        stability: if eigenvalue > -NEUTRAL || program.skew().is_some() {
+            Stability::NotDetermined
+        } else {
+            Stability::Saddle
         },
     })
 }

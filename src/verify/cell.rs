@@ -132,9 +132,10 @@ impl Cell {
         let radius = place[0];
         if self.kind == SceneKind::Axisymmetric {
             // On the axis the strains across it are equal.
-            gradient[2][2] = match radius > 0.0 {
-                true => along / radius,
-                false => gradient[0][0],
+            gradient[2][2] = if radius > 0.0 {
+                along / radius
+            } else {
+                gradient[0][0]
             };
         }
         Point {

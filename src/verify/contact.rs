@@ -70,9 +70,10 @@ impl<'a, 'm> Faces<'a, 'm> {
             _ => (Simplex::Triangle, &[(0, 1), (0, 2), (1, 2)]),
         };
         let mut shapes = model.plan.obstacles.iter().map(|one| &one.shape);
-        let degree = match shapes.all(|shape| shape.is_smooth()) {
-            true => FACE_DEGREE,
-            false => KINKED_DEGREE,
+        let degree = if shapes.all(|shape| shape.is_smooth()) {
+            FACE_DEGREE
+        } else {
+            KINKED_DEGREE
         };
         Self {
             model,

@@ -176,9 +176,10 @@ impl Slide<'_, '_, '_> {
             let start = add(sub(x, moved(faces.nodal)), moved(self.before));
             let carried = self.carried(start.map(|x| x / units.length));
             let travel = sub(x, carried.map(|x| x * units.length));
-            let area = match faces.model.is_rubber() {
-                true => faces.area(face, l, x[0]).size,
-                false => faces.measure(face, l) * turn(faces.model, radius),
+            let area = if faces.model.is_rubber() {
+                faces.area(face, l, x[0]).size
+            } else {
+                faces.measure(face, l) * turn(faces.model, radius)
             };
             let functions = pressure_functions(l, faces.pairs, face.functions.len());
             let mut traction = [0.0; 3];

@@ -44,10 +44,7 @@ pub(crate) fn verify(model: &Model<'_>, state: &State, ending: &Ending) -> Resid
     let wrong = gap
         .iter()
         .zip(&state.status)
-        .map(|(&g, status)| match status.is_closed() {
-            true => g,
-            false => g.min(0.0),
-        });
+        .map(|(&g, status)| if status.is_closed() { g } else { g.min(0.0) });
     let mut wrong: Vec<f64> = wrong.collect();
     let products: f64 = gap
         .iter()

@@ -48,9 +48,10 @@ pub(crate) fn residuals(
 
 /// Of rubber the solver's own: another rule would change the discrete problem.
 fn degree(model: &Model<'_>) -> u32 {
-    match model.plan.resolved.is_rubber() {
-        true => model.plan.strain_degree(),
-        false => LINEAR_DEGREE,
+    if model.plan.resolved.is_rubber() {
+        model.plan.strain_degree()
+    } else {
+        LINEAR_DEGREE
     }
 }
 

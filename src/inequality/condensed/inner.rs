@@ -57,9 +57,10 @@ impl Monitor for InnerMonitor<'_, '_> {
             self.interrupted = true;
             return Verdict::Stop;
         }
-        match self.reached {
-            true => Verdict::Stop,
-            false => Verdict::Continue,
+        if self.reached {
+            Verdict::Stop
+        } else {
+            Verdict::Continue
         }
     }
 }

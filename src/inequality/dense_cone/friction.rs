@@ -65,9 +65,10 @@ pub(super) fn solve(
     (guess, near): (&[Status], &[f64]),
 ) -> Result<DenseSolution, DenseConeError> {
     let newton = Newton::new(problem, cones, first);
-    let start = match newton.is_pressed(near) {
-        true => near.to_vec(),
-        false => newton.without_friction(guess)?,
+    let start = if newton.is_pressed(near) {
+        near.to_vec()
+    } else {
+        newton.without_friction(guess)?
     };
     if let Run::Solved(solution) = newton.run(start, MOST_STEPS)? {
         return Ok(solution);
@@ -155,9 +156,10 @@ impl Side {
 
 /// Change of the multipliers, over the largest, that ends Newton's method on such sides.
 fn close_for(sides: &[Side]) -> f64 {
-    match sides.iter().filter(|&&side| side != Side::Off).count() > FEW {
-        true => CLOSE_ON_MANY,
-        false => CLOSE,
+    if sides.iter().filter(|&&side| side != Side::Off).count() > FEW {
+        CLOSE_ON_MANY
+    } else {
+        CLOSE
     }
 }
 
@@ -247,9 +249,12 @@ impl<'p> Newton<'p> {
         let mut sides: Vec<Side> = guess
             .iter()
             .zip(&self.is_free)
-            .map(|(status, &free)| match free || status.is_closed() {
-                true => Side::On,
-                false => Side::Off,
+            .map(|(status, &free)| {
+                if free || status.is_closed() {
+                    Side::On
+                } else {
+                    Side::Off
+                }
             })
             .collect();
         for point in self.points() {
@@ -347,9 +352,10 @@ impl<'p> Newton<'p> {
         let rows: Vec<SlipRow> = slips
             .map(|(_, point)| self.slip_row(point, &selected, at))
             .collect();
-        let metric = match selected.len() > FEW {
-            true => self.metric(&rows, (&selected, &matrix)),
-            false => None,
+        let metric = if selected.len() > FEW {
+            self.metric(&rows, (&selected, &matrix))
+        } else {
+            None
         };
         self.place(&rows, (&mut matrix, &mut right));
         let start: Vec<f64> = selected.iter().map(|&i| at.0[i]).collect();

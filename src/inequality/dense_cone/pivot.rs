@@ -122,9 +122,12 @@ impl Pivots {
         let zero = |i: usize| RELATIVE_ZERO * (linear[i].abs() + roots[i] * term);
         (0..self.closed.len())
             .filter(|&i| self.signed[i])
-            .filter(|&i| match self.closed[i] {
-                true => values[i] < -small,
-                false => slope[i] < -zero(i),
+            .filter(|&i| {
+                if self.closed[i] {
+                    values[i] < -small
+                } else {
+                    slope[i] < -zero(i)
+                }
             })
             .collect()
     }

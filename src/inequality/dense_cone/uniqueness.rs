@@ -50,9 +50,10 @@ pub fn uniqueness(
         set,
     };
     let indicator = indicator(matrix, (cones, first))?;
-    let other = match indicator >= 1.0 {
-        true => other(&problem, (cones, first), known),
-        false => None,
+    let other = if indicator >= 1.0 {
+        other(&problem, (cones, first), known)
+    } else {
+        None
     };
     Some(Uniqueness { indicator, other })
 }

@@ -69,15 +69,16 @@ impl System {
         let matrix = lower_columns(matrices, &scale);
         let too_large = |_| QpStatus::TooLarge;
         let pattern = IndefinitePattern::new(&matrix, &order(matrices)).map_err(too_large)?;
-        match pattern.flops <= matrices.most_flops {
-            true => Ok(Self {
+        if pattern.flops <= matrices.most_flops {
+            Ok(Self {
                 displacements: matrices.stiffness.rows(),
                 first_contact: scale.len() - matrices.contact.rows(),
                 scale,
                 matrix,
                 pattern,
-            }),
-            false => Err(QpStatus::TooLarge),
+            })
+        } else {
+            Err(QpStatus::TooLarge)
         }
     }
 
@@ -141,9 +142,12 @@ fn scale(matrices: &Matrices<'_>) -> Vec<f64> {
     });
     let all = diagonal.iter().copied().chain(constraint);
     all.chain(softness(matrices))
-        .map(|value| match value != 0.0 && value.is_finite() {
-            true => value.abs().sqrt().recip(),
-            false => 1.0,
+        .map(|value| {
+            if value != 0.0 && value.is_finite() {
+                value.abs().sqrt().recip()
+            } else {
+                1.0
+            }
         })
         .collect()
 }

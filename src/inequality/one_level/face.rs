@@ -267,9 +267,10 @@ impl Faces<'_, '_> {
                 work: run.work,
             };
             let outcome = self.krylov(&restricted, &mut packed, &mut monitor, means);
-            failed = match monitor.interrupted {
-                true => Some(QpStatus::Interrupted),
-                false => QpStatus::failure(outcome),
+            failed = if monitor.interrupted {
+                Some(QpStatus::Interrupted)
+            } else {
+                QpStatus::failure(outcome)
             };
         }
         let face = Face {

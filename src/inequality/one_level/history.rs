@@ -92,9 +92,10 @@ impl History {
     /// Notes the iterations of a face; ends where tractions turn on and on.
     pub(super) fn rest(&mut self, iterations: u32) -> ControlFlow<QpStatus> {
         self.idle = if iterations > 0 { 0 } else { self.idle + 1 };
-        match self.idle > MOST_IDLE {
-            true => ControlFlow::Break(QpStatus::ActiveSetCycle),
-            false => ControlFlow::Continue(()),
+        if self.idle > MOST_IDLE {
+            ControlFlow::Break(QpStatus::ActiveSetCycle)
+        } else {
+            ControlFlow::Continue(())
         }
     }
 
@@ -121,9 +122,10 @@ impl History {
                     friction.returns += 1;
                 }
                 self.review = Review::AtTheEnd;
-                return match friction.returns > MOST_RETURNS {
-                    true => ControlFlow::Break(QpStatus::ActiveSetCycle),
-                    false => ControlFlow::Continue(()),
+                return if friction.returns > MOST_RETURNS {
+                    ControlFlow::Break(QpStatus::ActiveSetCycle)
+                } else {
+                    ControlFlow::Continue(())
                 };
             }
             if self.review == Review::AtTheEnd && face.reached {

@@ -107,9 +107,10 @@ impl Monitor for FaceMonitor<'_, '_> {
             return Verdict::Stop;
         }
         let review = self.review == Review::WhenReduced && relative <= self.reduction * self.start;
-        match self.reached || review {
-            true => Verdict::Stop,
-            false => Verdict::Continue,
+        if self.reached || review {
+            Verdict::Stop
+        } else {
+            Verdict::Continue
         }
     }
 }

@@ -235,9 +235,10 @@ fn slipping(
         if next.status[place] != Status::Slip {
             continue;
         }
-        let pressure = match begins[partner] {
-            true => next.values[partner],
-            false => contact.multiplier[partner],
+        let pressure = if begins[partner] {
+            next.values[partner]
+        } else {
+            contact.multiplier[partner]
         };
         let own = place..place + width;
         let (size, slip) = (

@@ -17,16 +17,16 @@ pub(super) struct Shape<'a> {
 impl<'a> Shape<'a> {
     /// The points that slip, as forces or, without what follows, as constraints.
     pub(super) fn following(&self, follows: bool) -> Cow<'a, [Slide]> {
-        match follows {
-            true => Cow::Borrowed(self.slides),
-            false => self
-                .slides
+        if follows {
+            Cow::Borrowed(self.slides)
+        } else {
+            self.slides
                 .iter()
                 .map(|slide| Slide {
                     along: [0.0; 2],
                     ..*slide
                 })
-                .collect(),
+                .collect()
         }
     }
 }

@@ -38,9 +38,12 @@ pub(super) fn change_of_area(
         point = own.end;
         if let Some(start) = &model.conditions.slip_start {
             let field = slip_field((model, state), start, index);
-            let along = [0, 1, 2].map(|axis| match axis < model.prepared.space.components {
-                true => area_rows(&body, &interface.surface, (&field, axis), held),
-                false => vec![Row::new(); own.len()],
+            let along = [0, 1, 2].map(|axis| {
+                if axis < model.prepared.space.components {
+                    area_rows(&body, &interface.surface, (&field, axis), held)
+                } else {
+                    vec![Row::new(); own.len()]
+                }
             });
             for (local, number) in own.clone().enumerate() {
                 for (a, tangent) in frames[number].iter().enumerate().take(width) {
@@ -92,9 +95,10 @@ fn slip_field(
             (vector(&state.displacement), vector(&start.displacement));
         // Vertices carry the constant part of a field, edges corrections only.
         let place = model.place(node, &start.displacement);
-        let (arm, shift) = match node < space.vertices {
-            true => (sub(place, centre), shift),
-            false => (place, [0.0; 3]),
+        let (arm, shift) = if node < space.vertices {
+            (sub(place, centre), shift)
+        } else {
+            (place, [0.0; 3])
         };
         let carried = add(sub(multiply(&turn, arm), arm), shift);
         let moved = sub(sub(now, then), carried);

@@ -116,9 +116,10 @@ impl PointSet for Discs<'_> {
         match self.components {
             Components::One => {
                 let inside = -problem.linear[0] / problem.matrix[0][0];
-                match inside.abs() > radius {
-                    true => [radius.copysign(inside), 0.0],
-                    false => [inside, 0.0],
+                if inside.abs() > radius {
+                    [radius.copysign(inside), 0.0]
+                } else {
+                    [inside, 0.0]
                 }
             }
             Components::Two => on_disc(problem, radius),
@@ -151,9 +152,10 @@ fn step_to_edge(radius: f64, x: &[f64], d: &[f64]) -> f64 {
     let room = (radius * radius - dot(x, x)).max(0.0);
     let root = (product * product + square * room).sqrt();
     // Of the two forms of the root the one without cancellation.
-    match product > 0.0 {
-        true => room / (product + root),
-        false => (root - product) / square,
+    if product > 0.0 {
+        room / (product + root)
+    } else {
+        (root - product) / square
     }
 }
 
@@ -176,9 +178,10 @@ fn on_disc(problem: &PairProblem, radius: f64) -> [f64; 2] {
         traction = shifted(problem, shift, problem.linear.map(|b| -b));
     }
     let length = length(&traction);
-    match shift > 0.0 || length > radius {
-        true => traction.map(|t| t / length * radius),
-        false => traction,
+    if shift > 0.0 || length > radius {
+        traction.map(|t| t / length * radius)
+    } else {
+        traction
     }
 }
 

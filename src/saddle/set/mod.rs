@@ -56,10 +56,7 @@ impl Status {
 
     /// Closed where `is_closed`, for a multiplier without friction.
     pub fn of_contact(is_closed: bool) -> Self {
-        match is_closed {
-            true => Self::Stick,
-            false => Self::Open,
-        }
+        if is_closed { Self::Stick } else { Self::Open }
     }
 }
 

@@ -39,9 +39,10 @@ pub(crate) fn resolve(
         }
         let path = format!("material.{}", material.group);
         let resolved = law(&material.model, &path, faults);
-        materials.push(match has_rubber {
-            true => rubber::beside_rubber(resolved),
-            false => resolved,
+        materials.push(if has_rubber {
+            rubber::beside_rubber(resolved)
+        } else {
+            resolved
         });
         match mesh.group(&material.group, GroupKind::Cells) {
             None => faults.add(

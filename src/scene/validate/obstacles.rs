@@ -83,9 +83,12 @@ fn check_friction(obstacle: &scene::Obstacle, path: &str, faults: &mut Faults) {
 fn check_shape(obstacle: &scene::Obstacle, mesh: &Mesh, faults: &mut Faults) {
     let is_flat = mesh.cell_kind() == CellKind::Triangle;
     let built = obstacle.shape.build(1.0);
-    let checked = built.and_then(|built| match is_flat {
-        true => built.lies_in_plane(),
-        false => Ok(()),
+    let checked = built.and_then(|built| {
+        if is_flat {
+            built.lies_in_plane()
+        } else {
+            Ok(())
+        }
     });
     if let Err(error) = checked {
         misshapen(obstacle, &error, faults);

@@ -20,10 +20,10 @@ pub(crate) fn resolve(
             scene.solver.element.named(),
             None | Some(ElementKind::TaylorHood)
         );
-        let (oblique, patches) = match is_own && !steps.iter().any(|step| rotates(step, &item.name))
-        {
-            true => planes::oblique(mesh, patches),
-            false => (Vec::new(), patches),
+        let (oblique, patches) = if is_own && !steps.iter().any(|step| rotates(step, &item.name)) {
+            planes::oblique(mesh, patches)
+        } else {
+            (Vec::new(), patches)
         };
         ResolvedSupport {
             name: item.name.clone(),

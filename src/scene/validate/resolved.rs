@@ -177,9 +177,10 @@ impl Resolved {
 
     /// What the shear modulus is called.
     pub(crate) fn modulus_name(&self) -> &'static str {
-        match self.is_flow() {
-            true => "viscosity",
-            false => "shear modulus",
+        if self.is_flow() {
+            "viscosity"
+        } else {
+            "shear modulus"
         }
     }
 

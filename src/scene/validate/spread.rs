@@ -34,9 +34,12 @@ impl Table {
     fn towards(&self, end: &Self, fraction: f64) -> Self {
         let longer = if self.keys.is_empty() { end } else { self };
         let row = |(&key, place): (&u32, usize)| {
-            let of = |table: &Self| match table.keys.len() == longer.keys.len() {
-                true => table.rows.get(place).copied().unwrap_or_default(),
-                false => table.at(key),
+            let of = |table: &Self| {
+                if table.keys.len() == longer.keys.len() {
+                    table.rows.get(place).copied().unwrap_or_default()
+                } else {
+                    table.at(key)
+                }
             };
             let (a, b) = (of(self), of(end));
             std::array::from_fn(|i| a[i] + fraction * (b[i] - a[i]))

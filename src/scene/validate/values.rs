@@ -55,9 +55,10 @@ pub(crate) fn resolve(
 /// Values of a plane scene have no third component.
 fn in_its_plane(spread: Spread, mesh: &Mesh) -> Result<Spread, String> {
     let mut rows = spread.nodes.rows.iter().chain(&*spread.parts.rows);
-    match mesh.cell_kind() == CellKind::Triangle && rows.any(|row| row[2] != 0.0) {
-        true => Err("the z component must be zero in a plane scene".to_owned()),
-        false => Ok(spread),
+    if mesh.cell_kind() == CellKind::Triangle && rows.any(|row| row[2] != 0.0) {
+        Err("the z component must be zero in a plane scene".to_owned())
+    } else {
+        Ok(spread)
     }
 }
 
@@ -82,9 +83,10 @@ fn at_nodes(values: &Values, ground: Ground<'_>, mesh: &Mesh) -> Result<Table, S
     let first = mesh.vertex_count() as u32;
     let uploaded = |&vertex: &u32| mesh.used_vertices()[vertex as usize];
     let mut numbers: Vec<u32> = vertices.iter().map(uploaded).collect();
-    let has_edges = match values.numbers.is_empty() {
-        true => values.rows.len() > vertices.len(),
-        false => values.numbers.iter().any(|&number| number >= first),
+    let has_edges = if values.numbers.is_empty() {
+        values.rows.len() > vertices.len()
+    } else {
+        values.numbers.iter().any(|&number| number >= first)
     };
     if has_edges {
         numbers.extend(edges.iter().map(|&edge| first + edge));

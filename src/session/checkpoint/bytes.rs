@@ -119,9 +119,10 @@ impl<'a> Reader<'a> {
 
     /// Fails if anything is left.
     pub(super) fn end(self) -> Result<(), CheckpointError> {
-        match self.rest.is_empty() {
-            true => Ok(()),
-            false => Err(malformed("end", "is followed by more bytes")),
+        if self.rest.is_empty() {
+            Ok(())
+        } else {
+            Err(malformed("end", "is followed by more bytes"))
         }
     }
 
@@ -171,9 +172,10 @@ impl<'a> Reader<'a> {
 
     fn number(&mut self, field: &'static str) -> Result<f64, CheckpointError> {
         let value = f64::from_le_bytes(self.array(field)?);
-        match value.is_finite() {
-            true => Ok(value),
-            false => Err(malformed(field, "is not finite")),
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            Err(malformed(field, "is not finite"))
         }
     }
 }
@@ -187,17 +189,19 @@ impl Fields for Reader<'_> {
     type Error = CheckpointError;
 
     fn length(&mut self, field: &'static str, length: usize) -> Result<(), CheckpointError> {
-        match u64::from_le_bytes(self.array(field)?) == length as u64 {
-            true => Ok(()),
-            false => Err(malformed(field, "has another length than in the plan")),
+        if u64::from_le_bytes(self.array(field)?) == length as u64 {
+            Ok(())
+        } else {
+            Err(malformed(field, "has another length than in the plan"))
         }
     }
 
     fn name(&mut self, field: &'static str, name: &str) -> Result<(), CheckpointError> {
         self.length(field, name.len())?;
-        match self.take(field, name.len())? == name.as_bytes() {
-            true => Ok(()),
-            false => Err(malformed(field, "has another name than in the plan")),
+        if self.take(field, name.len())? == name.as_bytes() {
+            Ok(())
+        } else {
+            Err(malformed(field, "has another name than in the plan"))
         }
     }
 
@@ -216,9 +220,10 @@ impl Fields for Reader<'_> {
 
     fn magnitude(&mut self, field: &'static str, value: &mut f64) -> Result<(), CheckpointError> {
         *value = self.number(field)?;
-        match *value >= 0.0 {
-            true => Ok(()),
-            false => Err(malformed(field, "is negative")),
+        if *value >= 0.0 {
+            Ok(())
+        } else {
+            Err(malformed(field, "is negative"))
         }
     }
 

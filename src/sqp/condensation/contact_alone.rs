@@ -37,9 +37,10 @@ const WHOLE_EVERY: u32 = 64;
 /// Moves the state to where contact holds under `drive`, the body inside left behind; none, and
 /// the state whole and where it was, where this is not the way for it.
 pub(crate) fn answer(run: &mut Run<'_>, drive: &Drive) -> Option<Ending> {
-    let ending = match is_enough(run, drive) {
-        true => with(run, |response, run| response.answer(run, drive)),
-        false => None,
+    let ending = if is_enough(run, drive) {
+        with(run, |response, run| response.answer(run, drive))
+    } else {
+        None
     };
     if ending.is_none() {
         inside::complete(run);

@@ -111,10 +111,7 @@ fn mean_pressure(model: &Model<'_>, state: &State) -> f64 {
             }
         }
     }
-    match area > 0.0 {
-        true => force / area,
-        false => 0.0,
-    }
+    if area > 0.0 { force / area } else { 0.0 }
 }
 
 /// Adds the part of one surface to the rows of its multipliers at `places`.

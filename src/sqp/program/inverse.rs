@@ -37,9 +37,10 @@ fn make(run: &mut Run<'_>, tangent: &Tangent) {
         let cancel = run.watch.cancel;
         let (prepared, plan) = (model.prepared, model.plan);
         // What is pressed and not held is unstable.
-        match is_pressed {
-            true => prepared.about_without_pressure(plan, model.mesh, deformed, cancel),
-            false => prepared.about(plan, model.mesh, deformed, cancel),
+        if is_pressed {
+            prepared.about_without_pressure(plan, model.mesh, deformed, cancel)
+        } else {
+            prepared.about(plan, model.mesh, deformed, cancel)
         }
     });
     match made {

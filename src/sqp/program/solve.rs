@@ -60,9 +60,10 @@ impl QuadraticProgram<'_> {
     pub(crate) fn solve(&mut self, run: &mut Run<'_>, level: f64) -> (Step, QpOutcome) {
         let may_take_factor = self.model.plan.factor_cost().is_some();
         let begins_by_factor = run.state.by_factor || run.learned.factored.is_some();
-        let first = match begins_by_factor && may_take_factor {
-            true => self.solve_by_kept_factor(run, level),
-            false => Some(self.solve_with(self.released_by_all(), run, level)),
+        let first = if begins_by_factor && may_take_factor {
+            self.solve_by_kept_factor(run, level)
+        } else {
+            Some(self.solve_with(self.released_by_all(), run, level))
         };
         match first {
             Some(solved) if !is_lost(solved.1.status) => solved,
@@ -114,9 +115,10 @@ impl QuadraticProgram<'_> {
         let leads_on = |step: &Step| self.force_after(step, run) <= WORTHWHILE * now;
         let is_near = now <= NEAR * self.force_scale;
         let may_stay = !is_near || stable.as_ref().is_some_and(leads_on);
-        let other = match may_stay {
-            true => stable,
-            false => self.step_on_face(run, level).or(stable),
+        let other = if may_stay {
+            stable
+        } else {
+            self.step_on_face(run, level).or(stable)
         };
         match other {
             Some(other) => {
@@ -133,9 +135,10 @@ impl QuadraticProgram<'_> {
         step.apply(run.state, 1.0);
         let after = run.evaluate();
         run.state.clone_from(&before);
-        match after.least_jacobian.is_some_and(|least| least <= 0.0) {
-            true => f64::INFINITY,
-            false => norm(&after.force),
+        if after.least_jacobian.is_some_and(|least| least <= 0.0) {
+            f64::INFINITY
+        } else {
+            norm(&after.force)
         }
     }
 

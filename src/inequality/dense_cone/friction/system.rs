@@ -172,9 +172,10 @@ struct Reduced {
 
 impl Monitor for Reduced {
     fn judge(&mut self, residual: &[f64]) -> Verdict {
-        match norm(residual) <= self.bound {
-            true => Verdict::Stop,
-            false => Verdict::Continue,
+        if norm(residual) <= self.bound {
+            Verdict::Stop
+        } else {
+            Verdict::Continue
         }
     }
 }
