@@ -380,9 +380,10 @@ fn open_to_others(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::from_iter(is_open(folder).then(|| folder.to_owned()));
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
-        match path.is_dir() {
-            true => found.extend(open_to_others(&path)),
-            false => found.extend(is_open(&path).then_some(path)),
+        if path.is_dir() {
+            found.extend(open_to_others(&path))
+        } else {
+            found.extend(is_open(&path).then_some(path))
         }
     }
     found

@@ -239,9 +239,10 @@ async fn call(channel: &Channel, path: &str, input: &[u8]) -> Result<Bytes, Stat
     let mut last = Bytes::new();
     loop {
         // Who watches a session to its end waits for others.
-        let answer = match is_watch {
-            true => tokio::time::timeout(LOOK, answers.message()).await,
-            false => Ok(answers.message().await),
+        let answer = if is_watch {
+            tokio::time::timeout(LOOK, answers.message()).await
+        } else {
+            Ok(answers.message().await)
         };
         match answer {
             Ok(answer) => match answer? {

@@ -107,9 +107,10 @@ impl Camera {
         for path in self.files() {
             let is_safe = self.answered.iter().any(|(safe, _)| *safe == path);
             let bytes = fs::read(self.data.join(&path)).unwrap();
-            match is_safe || self.progress == Progress::Kept {
-                true => fs::write(picture.join(path), bytes).unwrap(),
-                false => self.leave(&picture.join(path), bytes),
+            if is_safe || self.progress == Progress::Kept {
+                fs::write(picture.join(path), bytes).unwrap()
+            } else {
+                self.leave(&picture.join(path), bytes)
             }
         }
         let names = self.answered.iter().map(|(_, name)| name.clone()).collect();

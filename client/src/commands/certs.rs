@@ -79,9 +79,10 @@ fn signed(
     name: &str,
     days: u32,
 ) -> Result<Made, Failure> {
-    let purpose = match hosts.is_empty() {
-        true => ExtendedKeyUsagePurpose::ClientAuth,
-        false => ExtendedKeyUsagePurpose::ServerAuth,
+    let purpose = if hosts.is_empty() {
+        ExtendedKeyUsagePurpose::ClientAuth
+    } else {
+        ExtendedKeyUsagePurpose::ServerAuth
     };
     let mut params = params(hosts, name, days)?;
     params.key_usages = vec![KeyUsagePurpose::DigitalSignature];

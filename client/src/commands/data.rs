@@ -23,18 +23,20 @@ pub(super) fn fsck(folder: &Path) -> Result<Exit, Failure> {
     let wrong = |error: JournalError| Failure::new(exit_of(&error), error.to_string());
     let found = signorini_server::fsck(folder).map_err(wrong)?;
     stdout::print(&found.to_string())?;
-    Ok(match found.faults.is_empty() {
-        true => Exit::Ok,
-        false => Exit::Server,
+    Ok(if found.faults.is_empty() {
+        Exit::Ok
+    } else {
+        Exit::Server
     })
 }
 
 pub(super) fn doctor(folder: &Path, proxy: Option<&Path>) -> Result<Exit, Failure> {
     let found = signorini_server::doctor(folder, proxy);
     stdout::print(&found.to_string())?;
-    Ok(match found.is_fit() {
-        true => Exit::Ok,
-        false => Exit::Server,
+    Ok(if found.is_fit() {
+        Exit::Ok
+    } else {
+        Exit::Server
     })
 }
 

@@ -93,9 +93,10 @@ pub(crate) fn group_points<'a>(
     group: &'a MeshGroup,
 ) -> impl Iterator<Item = Vector> + 'a {
     let size = group.dimension + 1;
-    let elements = match size == mesh.vertices_per_cell {
-        true => &mesh.cells,
-        false => &mesh.facets,
+    let elements = if size == mesh.vertices_per_cell {
+        &mesh.cells
+    } else {
+        &mesh.facets
     };
     let members = group.members.iter();
     members.flat_map(move |member| {

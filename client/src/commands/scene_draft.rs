@@ -79,9 +79,10 @@ impl Body<'_> {
         let mut is_covered = vec![false; self.mesh.cell_count()];
         for group in &groups {
             let mut cells = group.members.iter().map(|&cell| cell as usize);
-            match cells.any(|cell| is_covered.get(cell).copied().unwrap_or(true)) {
-                true => text.push_str(&overlapping(&group.name)),
-                false => text.push_str(&material(&group.name)),
+            if cells.any(|cell| is_covered.get(cell).copied().unwrap_or(true)) {
+                text.push_str(&overlapping(&group.name))
+            } else {
+                text.push_str(&material(&group.name))
             }
             for &cell in &group.members {
                 if let Some(covered) = is_covered.get_mut(cell as usize) {
@@ -209,9 +210,10 @@ fn overlapping(group: &str) -> String {
 fn material(group: &str) -> String {
     let key = quoted(group);
     let bare = |c: char| c.is_ascii_alphanumeric() || matches!(c, '-' | '_');
-    let key = match !group.is_empty() && group.chars().all(bare) {
-        true => group,
-        false => &key,
+    let key = if !group.is_empty() && group.chars().all(bare) {
+        group
+    } else {
+        &key
     };
     format!(
         "[material.{key}]\n\
@@ -226,9 +228,10 @@ fn hidden(text: &str) -> String {
     let mut hidden = String::new();
     for line in text.trim_start().lines() {
         // Writing to a string cannot fail.
-        let _infallible = match line.starts_with('#') {
-            true => writeln!(hidden, "{line}"),
-            false => writeln!(hidden, "# {line}"),
+        let _infallible = if line.starts_with('#') {
+            writeln!(hidden, "{line}")
+        } else {
+            writeln!(hidden, "# {line}")
         };
     }
     hidden

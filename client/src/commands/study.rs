@@ -39,9 +39,10 @@ async fn local(
     let server = Server::open(address, access, slots).await?;
     let local = Local::new(study, server, arguments.fields.clone(), arguments.tries);
     let local = Arc::new(local);
-    let outcome = match arguments.check {
-        true => check(&local).await,
-        false => solve(&local, arguments, table, workers).await,
+    let outcome = if arguments.check {
+        check(&local).await
+    } else {
+        solve(&local, arguments, table, workers).await
     };
     if let Some(local) = Arc::into_inner(local) {
         local.server.close().await;
@@ -171,9 +172,10 @@ async fn solve(
 }
 
 fn verbosity(arguments: &StudyArguments) -> Verbosity {
-    match arguments.quiet {
-        true => Verbosity::Quiet,
-        false => Verbosity::Normal,
+    if arguments.quiet {
+        Verbosity::Quiet
+    } else {
+        Verbosity::Normal
     }
 }
 
@@ -189,9 +191,10 @@ fn ledger(
         cases: study.count(),
         mesh,
     };
-    let start = match arguments.resume {
-        true => Start::Resume,
-        false => Start::Anew,
+    let start = if arguments.resume {
+        Start::Resume
+    } else {
+        Start::Anew
     };
     let mut tally = Tally::default();
     let log = RowLog::open(&log_of(out), &header, start, |row| tally.add(row))?;

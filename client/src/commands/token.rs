@@ -17,9 +17,10 @@ pub(super) fn run(command: TokenCommand) -> Result<Exit, Failure> {
             file,
         } => {
             let mut tokens = TokenFile::read_or_new(&file.path).map_err(usage)?;
-            let proof = match certificate {
-                true => NewToken::Certificate,
-                false => NewToken::Bearer,
+            let proof = if certificate {
+                NewToken::Certificate
+            } else {
+                NewToken::Bearer
             };
             let added = tokens.add(name, role, proof);
             let token = added.map_err(|why| Failure::new(Exit::Server, why))?;

@@ -19,9 +19,10 @@ pub(super) async fn run(arguments: WatchArguments, started: Instant) -> Result<E
     let lines = LineSink::for_json(arguments.remote.json);
     let mut record = Record::new(lines, &scene.steps, Verbosity::of(arguments.verbose));
     record.plan(session.plan.unwrap_or_default(), scene.units.as_ref())?;
-    let until = match arguments.follow {
-        true => v1::WatchEnd::Session,
-        false => v1::WatchEnd::Idle,
+    let until = if arguments.follow {
+        v1::WatchEnd::Session
+    } else {
+        v1::WatchEnd::Idle
     };
     let options = WatchOptions {
         fields: lightest_field(&scene),

@@ -92,9 +92,12 @@ impl PatchSurface {
             least: ROUNDING * largest,
         };
         let is_linear = pressure.len() == self.vertex_count;
-        let pieces = self.faces.iter().flat_map(|face| match is_linear {
-            true => vec![face.iter().map(|&v| Node::Vertex(v)).collect()],
-            false => quarters(face),
+        let pieces = self.faces.iter().flat_map(|face| {
+            if is_linear {
+                vec![face.iter().map(|&v| Node::Vertex(v)).collect()]
+            } else {
+                quarters(face)
+            }
         });
         let corners = |piece: Vec<Node>| -> Option<Vec<Corner>> {
             let corners = piece.into_iter().map(|node| pressed.corner(node));

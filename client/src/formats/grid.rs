@@ -157,9 +157,10 @@ impl Reader {
             "origin" => !self.grid.origin.is_empty(),
             _ => !self.grid.spacing.is_empty(),
         };
-        match is_there || self.nodes.is_some() {
-            true => Err(GridFileError::Again { line, key }),
-            false => Ok(()),
+        if is_there || self.nodes.is_some() {
+            Err(GridFileError::Again { line, key })
+        } else {
+            Ok(())
         }
     }
 
@@ -220,9 +221,10 @@ impl Reader {
             None => self.head()?,
         };
         let there = self.grid.values.len();
-        match there == nodes {
-            true => Ok(self.grid),
-            false => Err(GridFileError::OtherCount { there, nodes }),
+        if there == nodes {
+            Ok(self.grid)
+        } else {
+            Err(GridFileError::OtherCount { there, nodes })
         }
     }
 }

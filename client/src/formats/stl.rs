@@ -83,9 +83,10 @@ pub fn read(bytes: &[u8]) -> Result<SurfaceFile, StlError> {
     if let Some(facet) = corners.iter().position(|facet| !finite(facet)) {
         return Err(StlError::NotFinite { facet });
     }
-    match corners.is_empty() {
-        true => Err(StlError::Empty),
-        false => Ok(weld(&corners)),
+    if corners.is_empty() {
+        Err(StlError::Empty)
+    } else {
+        Ok(weld(&corners))
     }
 }
 
@@ -129,9 +130,10 @@ fn check_length(bytes: &[u8]) -> Result<(), StlError> {
     let count = count.try_into().map_or(0, u32::from_le_bytes);
     let there = (bytes.len() - BINARY_HEADER) / BINARY_FACET;
     let announced = count as usize;
-    match announced <= there {
-        true => Ok(()),
-        false => Err(StlError::Cut { there, announced }),
+    if announced <= there {
+        Ok(())
+    } else {
+        Err(StlError::Cut { there, announced })
     }
 }
 

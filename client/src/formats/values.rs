@@ -145,12 +145,13 @@ fn header(line: usize, text: &str) -> Result<Option<Reader>, ValuesFileError> {
             return Ok(Some(Reader::new(what, place)));
         }
     }
-    match words(text.split('#').next().unwrap_or_default()).is_empty() {
-        true => Ok(None),
-        false => Err(ValuesFileError::Header {
+    if words(text.split('#').next().unwrap_or_default()).is_empty() {
+        Ok(None)
+    } else {
+        Err(ValuesFileError::Header {
             line,
             found: shown(text),
-        }),
+        })
     }
 }
 

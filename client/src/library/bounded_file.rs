@@ -20,9 +20,10 @@ pub fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
         // One byte more tells of a file that grows, or does not say how long it is.
         File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
     }
-    match found.len() > most || bytes.len() as u64 > most {
-        true => refused(format!("has more than {most} bytes")),
-        false => Ok(bytes),
+    if found.len() > most || bytes.len() as u64 > most {
+        refused(format!("has more than {most} bytes"))
+    } else {
+        Ok(bytes)
     }
 }
 

@@ -59,9 +59,10 @@ impl FromStr for ServerAddress {
             let path = Some(path).filter(|path| !path.is_empty());
             return path.map(|path| Self::Unix(path.into())).ok_or_else(wrong);
         }
-        let url = match text.contains("://") {
-            true => text.to_owned(),
-            false => format!("http://{text}"),
+        let url = if text.contains("://") {
+            text.to_owned()
+        } else {
+            format!("http://{text}")
         };
         let uri: Uri = url.parse().map_err(|_| wrong())?;
         let is_bare = url != text;

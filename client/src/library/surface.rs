@@ -147,9 +147,10 @@ impl Client {
     /// [`ClientError::Refused`]: `SURFACE_NOT_FOUND`, `UNSUPPORTED` for a grid;
     /// [`ClientError::Protocol`] for arrays that do not fit their header.
     pub async fn read_surface(&self, name: &str) -> Result<SurfaceFile, ClientError> {
-        let name = match name.starts_with(PREFIX) {
-            true => name.to_owned(),
-            false => format!("{PREFIX}{name}"),
+        let name = if name.starts_with(PREFIX) {
+            name.to_owned()
+        } else {
+            format!("{PREFIX}{name}")
         };
         let request = v1::ReadSurfaceRequest { name };
         let mut stream = answer(self.surfaces().read_surface(request))
@@ -202,9 +203,10 @@ impl Arrays {
         let vertices = coordinates.as_chunks::<3>().0.to_vec();
         let facets = corners.as_chunks::<3>().0.to_vec();
         let is_there = |corner: &u32| (*corner as usize) < vertices.len();
-        match corners.iter().all(is_there) {
-            true => Ok(SurfaceFile { vertices, facets }),
-            false => Err(missing("a vertex of a facet")),
+        if corners.iter().all(is_there) {
+            Ok(SurfaceFile { vertices, facets })
+        } else {
+            Err(missing("a vertex of a facet"))
         }
     }
 }

@@ -141,9 +141,10 @@ fn every_key_and_word_of_a_scene_is_on_its_page_and_no_other() {
 
 /// A scene, or a part of one, which begins without its mesh.
 fn read(text: &str) -> Result<scene_file::SceneFile, SceneFileError> {
-    let whole = match text.contains("mesh =") {
-        true => text.to_owned(),
-        false => format!("mesh = \"a.msh\"\n{text}"),
+    let whole = if text.contains("mesh =") {
+        text.to_owned()
+    } else {
+        format!("mesh = \"a.msh\"\n{text}")
     };
     scene_file::read(&whole, Path::new("snippet.toml"), &[])
 }

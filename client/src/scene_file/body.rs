@@ -202,9 +202,10 @@ pub(super) fn tractions(scene: &Keys<'_>) -> Vec<v1::Traction> {
     let traction = |keys: &Keys<'_>| v1::Traction {
         name: keys.text("name").unwrap_or_default(),
         on: keys.required_names("on"),
-        value: match keys.has("values") {
-            true => keys.vector("value"),
-            false => keys.required_vector("value"),
+        value: if keys.has("values") {
+            keys.vector("value")
+        } else {
+            keys.required_vector("value")
         },
         values: values(keys),
     };
@@ -225,9 +226,10 @@ pub(super) fn body_force(scene: &Keys<'_>) -> (Vec<f64>, Option<v1::Values>) {
     let Some(keys) = scene.table("body_force", &["value", "values"]) else {
         return (Vec::new(), None);
     };
-    let constant = match keys.has("values") {
-        true => keys.vector("value"),
-        false => keys.required_vector("value"),
+    let constant = if keys.has("values") {
+        keys.vector("value")
+    } else {
+        keys.required_vector("value")
     };
     (constant, values(&keys))
 }
@@ -299,12 +301,11 @@ pub(super) fn solver(scene: &Keys<'_>) -> Option<v1::SolverOptions> {
 
 /// The tolerance; a word in its place chooses a rule.
 fn tolerance(keys: &Keys<'_>) -> (Option<f64>, v1::ToleranceRule) {
-    match keys.has_text("tolerance") {
-        true => {
-            let rule = keys.choice("tolerance", TOLERANCE_RULES);
-            (None, rule.unwrap_or_default())
-        }
-        false => (keys.number("tolerance"), v1::ToleranceRule::Unspecified),
+    if keys.has_text("tolerance") {
+        let rule = keys.choice("tolerance", TOLERANCE_RULES);
+        (None, rule.unwrap_or_default())
+    } else {
+        (keys.number("tolerance"), v1::ToleranceRule::Unspecified)
     }
 }
 

@@ -91,9 +91,10 @@ fn reach(radius: f64, distance: f64, body: &BoundingBox) -> f64 {
     let range = body.diagonal();
     let cosine =
         (distance * distance + radius * radius - range * range) / (2.0 * distance * radius);
-    match cosine.is_finite() {
-        true => cosine.clamp(-1.0, 1.0).acos(),
-        false => PI,
+    if cosine.is_finite() {
+        cosine.clamp(-1.0, 1.0).acos()
+    } else {
+        PI
     }
 }
 
@@ -350,9 +351,10 @@ mod tests {
             let flat = (0..3)
                 .map(|i: usize| offset[i].abs() - half[i])
                 .fold(f64::MIN, f64::max);
-            match flat < -1e-12 {
-                true => distance(beyond, [0.0; 3]) - 0.1,
-                false => flat,
+            if flat < -1e-12 {
+                distance(beyond, [0.0; 3]) - 0.1
+            } else {
+                flat
             }
         };
         assert!(off_surface(&cuboid, rounded) < 1e-14);
@@ -369,9 +371,10 @@ mod tests {
         let tip = 0.2 / 0.7_f64.sin();
         let side = |[x, y, z]: Vector| {
             let (radius, above) = (x.hypot(y), z - tip);
-            match radius * 0.7_f64.sin() + above * 0.7_f64.cos() > -1e-12 {
-                true => radius * 0.7_f64.cos() - above * 0.7_f64.sin() - 0.2,
-                false => radius.hypot(above) - 0.2,
+            if radius * 0.7_f64.sin() + above * 0.7_f64.cos() > -1e-12 {
+                radius * 0.7_f64.cos() - above * 0.7_f64.sin() - 0.2
+            } else {
+                radius.hypot(above) - 0.2
             }
         };
         assert!(off_surface(&cone, side) < 1e-13);
@@ -382,9 +385,10 @@ mod tests {
         let pin = |[x, y, z]: Vector| {
             let beyond = [x.hypot(y) - 0.75, (z - 1.0).abs() - 0.75];
             let flat = beyond[0].max(beyond[1]) - 0.25;
-            match beyond[0] > 0.0 && beyond[1] > 0.0 {
-                true => beyond[0].hypot(beyond[1]) - 0.25,
-                false => flat,
+            if beyond[0] > 0.0 && beyond[1] > 0.0 {
+                beyond[0].hypot(beyond[1]) - 0.25
+            } else {
+                flat
             }
         };
         assert!(off_surface(&rod, pin) < 1e-14);

@@ -162,9 +162,10 @@ fn add_polygon(inner: &[(Vector, f64)], outer: &[(Vector, f64)], drawn: &mut Tri
     let is_outwards = dot(cross(subtract(q, p), subtract(r, p)), subtract(*to, *from)) >= 0.0;
     let start = drawn.points.len() as i64;
     for next in 1..polygon.len() as i64 - 1 {
-        let (second, third) = match is_outwards {
-            true => (next, next + 1),
-            false => (next + 1, next),
+        let (second, third) = if is_outwards {
+            (next, next + 1)
+        } else {
+            (next + 1, next)
         };
         drawn.triangles.push([start, start + second, start + third]);
     }

@@ -102,16 +102,20 @@ pub fn read_values(file: &mut SceneFile) -> Result<(), Vec<Violation>> {
             }),
         }
     }
-    match faults.is_empty() {
-        true => Ok(()),
-        false => Err(faults),
+    if faults.is_empty() {
+        Ok(())
+    } else {
+        Err(faults)
     }
 }
 
 fn read(path: &Path) -> Result<v1::Values, String> {
-    let told = |error: std::io::Error| match error.kind() == ErrorKind::InvalidInput {
-        true => error.to_string(),
-        false => format!("cannot be read: {error}"),
+    let told = |error: std::io::Error| {
+        if error.kind() == ErrorKind::InvalidInput {
+            error.to_string()
+        } else {
+            format!("cannot be read: {error}")
+        }
     };
     let bytes = bounded_file::read(path, values::MOST_BYTES).map_err(told)?;
     let file = values::read(&bytes).map_err(|error| error.to_string())?;

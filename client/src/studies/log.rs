@@ -166,9 +166,10 @@ impl RowLog {
         if found == header {
             return Ok(());
         }
-        let what = match found.mesh == header.mesh {
-            true => "study or scene",
-            false => "mesh",
+        let what = if found.mesh == header.mesh {
+            "study or scene"
+        } else {
+            "mesh"
         };
         let message = format!(
             "{}: is of another {what}: it was changed; remove the log to solve all cases anew",

@@ -241,9 +241,10 @@ fn cells(study: &Study, columns: &[Column], case: &Case, row: &Row) -> Vec<Cell>
     let kinds = kinds.take(study.wanted().len());
     let results = row.results.iter().chain(std::iter::repeat(&Value::Null));
     cells.extend(kinds.zip(results).map(|(kind, value)| result(kind, value)));
-    let derived = match row.is_converged() {
-        true => study.derive(case, &row.results),
-        false => vec![None; study.derived().len()],
+    let derived = if row.is_converged() {
+        study.derive(case, &row.results)
+    } else {
+        vec![None; study.derived().len()]
     };
     cells.extend(
         derived

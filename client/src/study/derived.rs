@@ -55,9 +55,10 @@ impl<'a> Columns<'a> {
             self.names.push(&one.name);
             self.numeric.push(true);
         }
-        match faults.is_empty() {
-            true => Ok(derived),
-            false => Err(faults),
+        if faults.is_empty() {
+            Ok(derived)
+        } else {
+            Err(faults)
         }
     }
 

@@ -42,11 +42,12 @@ impl Expression {
             depth: 0,
         };
         reader.sum()?;
-        match reader.skip().is_empty() {
-            true => Ok(Self {
+        if reader.skip().is_empty() {
+            Ok(Self {
                 steps: reader.steps,
-            }),
-            false => Err(reader.unexpected("an operator")),
+            })
+        } else {
+            Err(reader.unexpected("an operator"))
         }
     }
 
@@ -183,9 +184,10 @@ impl<'a> Reader<'a> {
     }
 
     fn close(&mut self) -> Result<(), String> {
-        match self.takes(')') {
-            true => Ok(()),
-            false => Err(self.unexpected("\")\"")),
+        if self.takes(')') {
+            Ok(())
+        } else {
+            Err(self.unexpected("\")\""))
         }
     }
 

@@ -144,9 +144,10 @@ impl Study {
                 Err(fault) => faults.push(violation(key, fault)),
             }
         }
-        match faults.is_empty() {
-            true => Ok(()),
-            false => Err(StudyError::Invalid(faults)),
+        if faults.is_empty() {
+            Ok(())
+        } else {
+            Err(StudyError::Invalid(faults))
         }
     }
 
@@ -196,9 +197,10 @@ impl Study {
             }
             columns.push(&one.name);
         }
-        match faults.is_empty() {
-            true => Ok(()),
-            false => Err(StudyError::Invalid(faults)),
+        if faults.is_empty() {
+            Ok(())
+        } else {
+            Err(StudyError::Invalid(faults))
         }
     }
 

@@ -83,9 +83,10 @@ impl Range {
             index => self.between(index as f64, last as f64),
         };
         let is_whole = value.fract().abs() <= 0.0 && value.abs() < 9.0e15;
-        match self.whole && is_whole {
-            true => Value::Integer(value as i64),
-            false => Value::Float(value),
+        if self.whole && is_whole {
+            Value::Integer(value as i64)
+        } else {
+            Value::Float(value)
         }
     }
 

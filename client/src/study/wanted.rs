@@ -154,9 +154,10 @@ fn after<'a>(path: &'a str, key: &str) -> Option<&'a str> {
 fn unknown(rest: &str, keys: &serde_json::Map<String, Value>) -> String {
     let part = rest.split('.').next().unwrap_or(rest);
     let keys: Vec<&str> = keys.keys().map(String::as_str).collect();
-    match keys.is_empty() {
-        true => format!("there is no \"{part}\": there is nothing"),
-        false => format!("there is no \"{part}\"; there are {}", keys.join(", ")),
+    if keys.is_empty() {
+        format!("there is no \"{part}\": there is nothing")
+    } else {
+        format!("there is no \"{part}\"; there are {}", keys.join(", "))
     }
 }
 

@@ -30,10 +30,7 @@ pub(crate) enum Verbosity {
 impl Verbosity {
     /// As `--verbose` asks for.
     pub(crate) fn of(verbose: bool) -> Self {
-        match verbose {
-            true => Self::Verbose,
-            false => Self::Normal,
-        }
+        if verbose { Self::Verbose } else { Self::Normal }
     }
 }
 

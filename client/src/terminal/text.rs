@@ -32,9 +32,10 @@ fn spelled(text: &str, is_spelled: impl Fn(char) -> bool) -> Cow<'_, str> {
     }
     let mut out = String::with_capacity(text.len() + 8);
     for c in text.chars() {
-        match is_spelled(c) {
-            true => out.extend(c.escape_default()),
-            false => out.push(c),
+        if is_spelled(c) {
+            out.extend(c.escape_default())
+        } else {
+            out.push(c)
         }
     }
     Cow::Owned(out)
@@ -51,9 +52,10 @@ pub(crate) fn number(value: f64) -> String {
     }
     let decimals = 5 - magnitude.log10().floor() as i32;
     let fixed = format!("{value:.*}", decimals.max(0) as usize);
-    match fixed.contains('.') {
-        true => fixed.trim_end_matches('0').trim_end_matches('.').to_owned(),
-        false => fixed,
+    if fixed.contains('.') {
+        fixed.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        fixed
     }
 }
 
@@ -64,9 +66,10 @@ pub(crate) fn with_error(value: f64, error: Option<f64>) -> String {
         return number(value);
     };
     let size = value.abs().max(error);
-    let exponent = match (1e-3..1e6).contains(&size) {
-        true => 0,
-        false => size.log10().floor() as i32,
+    let exponent = if (1e-3..1e6).contains(&size) {
+        0
+    } else {
+        size.log10().floor() as i32
     };
     let unit = 10_f64.powi(exponent);
     let decimals = (1 - (error / unit).log10().floor() as i32).clamp(0, 9) as usize;

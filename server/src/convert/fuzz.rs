@@ -78,9 +78,10 @@ fn ball() -> wire::Obstacle {
 
 /// The same row for each of so many.
 fn given(place: wire::ValuePlace, count: usize) -> wire::Values {
-    let numbers = match place == wire::ValuePlace::Facets {
-        true => Bytes::new(),
-        false => array::encode(&(0..count as i32).collect::<Vec<_>>()),
+    let numbers = if place == wire::ValuePlace::Facets {
+        Bytes::new()
+    } else {
+        array::encode(&(0..count as i32).collect::<Vec<_>>())
     };
     wire::Values {
         place: place.into(),

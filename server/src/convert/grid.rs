@@ -53,9 +53,12 @@ impl GridUpload {
                 return Err(Fault::request("header.grid.counts", text));
             }
         };
-        let nodes = nodes.map_err(|error| match matches!(error, GridError::ManyNodes { .. }) {
-            true => limit("header.grid.counts", MOST_NODES as i64),
-            false => Fault::SurfaceInvalid(error.to_string()),
+        let nodes = nodes.map_err(|error| {
+            if matches!(error, GridError::ManyNodes { .. }) {
+                limit("header.grid.counts", MOST_NODES as i64)
+            } else {
+                Fault::SurfaceInvalid(error.to_string())
+            }
         })?;
         Ok(Self {
             lattice,

@@ -121,9 +121,10 @@ impl Faults {
     /// # Errors
     /// `SceneInvalid`.
     pub(crate) fn refuse(&mut self) -> Result<(), Fault> {
-        match self.invalid.is_empty() {
-            true => Ok(()),
-            false => Err(Fault::SceneInvalid(std::mem::take(&mut self.invalid))),
+        if self.invalid.is_empty() {
+            Ok(())
+        } else {
+            Err(Fault::SceneInvalid(std::mem::take(&mut self.invalid)))
         }
     }
 

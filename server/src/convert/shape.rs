@@ -20,9 +20,10 @@ pub(crate) fn shape(
 ) -> Shape {
     let message = message.unwrap_or_default();
     let of = solid(message.kind, path, (surfaces, faults));
-    match message.inside {
-        true => Shape::Cavity(of.into()),
-        false => of,
+    if message.inside {
+        Shape::Cavity(of.into())
+    } else {
+        of
     }
 }
 

@@ -67,9 +67,10 @@ impl State {
         }
         let (message, digest) = rest.split_last_chunk::<DIGEST>().ok_or_else(damaged)?;
         let covered = bytes.get(..bytes.len() - DIGEST).unwrap_or_default();
-        match Sha256::digest(covered)[..] == digest[..] {
-            true => Self::decode(message).map_err(|_| damaged()),
-            false => Err(damaged()),
+        if Sha256::digest(covered)[..] == digest[..] {
+            Self::decode(message).map_err(|_| damaged())
+        } else {
+            Err(damaged())
         }
     }
 }
@@ -213,9 +214,10 @@ mod tests {
     fn random_bytes_are_no_state_and_no_panic() {
         let mut random = fastrand::Rng::with_seed(17);
         for _ in 0..20_000 {
-            let mut bytes = match random.bool() {
-                true => state().to_bytes(),
-                false => std::iter::repeat_with(|| random.u8(..)).take(80).collect(),
+            let mut bytes = if random.bool() {
+                state().to_bytes()
+            } else {
+                std::iter::repeat_with(|| random.u8(..)).take(80).collect()
             };
             for _ in 0..random.usize(1..4) {
                 let place = random.usize(..bytes.len());

@@ -141,18 +141,20 @@ impl Listener {
 fn service_address(config: &Config) -> Result<SocketAddr, ListenError> {
     let address = socket_address(&config.listen)?;
     let is_closed = config.tls_files().is_some() && config.token_file().is_some();
-    match address.ip().is_loopback() || is_closed {
-        true => Ok(address),
-        false => Err(ListenError::Exposed(config.listen.clone())),
+    if address.ip().is_loopback() || is_closed {
+        Ok(address)
+    } else {
+        Err(ListenError::Exposed(config.listen.clone()))
     }
 }
 
 /// The address of the metrics page, if it may be served.
 fn page_address(written: &str) -> Result<SocketAddr, ListenError> {
     let address = socket_address(written)?;
-    match address.ip().is_loopback() {
-        true => Ok(address),
-        false => Err(ListenError::ExposedPage(written.to_owned())),
+    if address.ip().is_loopback() {
+        Ok(address)
+    } else {
+        Err(ListenError::ExposedPage(written.to_owned()))
     }
 }
 

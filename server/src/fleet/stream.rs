@@ -102,12 +102,13 @@ impl Records {
     /// Stores a record; its number in the stream.
     pub(super) async fn publish(&self, place: &Place<'_>, changes: &Bytes) -> Result<u64, Refused> {
         let unknown = |error: &dyn std::fmt::Display| Refused::Unknown(error.to_string());
-        let (changes, file) = match changes.len() > LARGEST {
-            true => (
+        let (changes, file) = if changes.len() > LARGEST {
+            (
                 Bytes::new(),
                 self.put(place, changes).map_err(|error| unknown(&error))?,
-            ),
-            false => (changes.clone(), String::new()),
+            )
+        } else {
+            (changes.clone(), String::new())
         };
         let envelope = Envelope {
             changes,
@@ -126,9 +127,10 @@ impl Records {
             Err(error) => Err(error),
         };
         stored.map(|stored| stored.sequence).map_err(|error| {
-            match error.kind() == PublishErrorKind::WrongLastSequence {
-                true => Refused::Fenced,
-                false => unknown(&error),
+            if error.kind() == PublishErrorKind::WrongLastSequence {
+                Refused::Fenced
+            } else {
+                unknown(&error)
             }
         })
     }
@@ -205,13 +207,15 @@ impl Records {
         let is_ours = name
             .bytes()
             .all(|byte| byte.is_ascii_hexdigit() || byte == b'-');
-        let bytes = match is_ours {
-            true => std::fs::read(self.folder.join(id).join(name))?,
-            false => Vec::new(),
+        let bytes = if is_ours {
+            std::fs::read(self.folder.join(id).join(name))?
+        } else {
+            Vec::new()
         };
-        match name.ends_with(&digest(&bytes)) {
-            true => Ok(bytes.into()),
-            false => Err(format!("the file `{name}` of `{id}` is not as it was written").into()),
+        if name.ends_with(&digest(&bytes)) {
+            Ok(bytes.into())
+        } else {
+            Err(format!("the file `{name}` of `{id}` is not as it was written").into())
         }
     }
 }

@@ -74,9 +74,10 @@ impl From<redb::CommitError> for JournalError {
 impl From<redb::Error> for JournalError {
     fn from(error: redb::Error) -> Self {
         let text = error.to_string();
-        match matches!(error, redb::Error::Corrupted(_)) {
-            true => Self::Damaged(text),
-            false => Self::Unwritable(text),
+        if matches!(error, redb::Error::Corrupted(_)) {
+            Self::Damaged(text)
+        } else {
+            Self::Unwritable(text)
         }
     }
 }

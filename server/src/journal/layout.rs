@@ -27,9 +27,10 @@ pub(super) fn prepare(folder: &Path) -> Result<(), JournalError> {
         return check(folder);
     }
     let database = folder.join(DATABASE_FILE);
-    let has_entries = match is_filled(&database) {
-        true => !database::is_unused(&database)?,
-        false => false,
+    let has_entries = if is_filled(&database) {
+        !database::is_unused(&database)?
+    } else {
+        false
     };
     if has_entries || has_files(folder) {
         return Err(lost(folder, "it has entries and no file FORMAT"));
@@ -60,9 +61,10 @@ pub(super) fn check(folder: &Path) -> Result<(), JournalError> {
             });
         }
     }
-    match is_filled(&folder.join(DATABASE_FILE)) {
-        true => Ok(()),
-        false => Err(lost(folder, "its file journal.redb is missing or empty")),
+    if is_filled(&folder.join(DATABASE_FILE)) {
+        Ok(())
+    } else {
+        Err(lost(folder, "its file journal.redb is missing or empty"))
     }
 }
 

@@ -168,9 +168,10 @@ pub(super) fn sealed(message: &impl Message) -> Vec<u8> {
 pub(super) fn opened<M: Message + Default>(bytes: &[u8], what: &str) -> Result<M, JournalError> {
     let damaged = || JournalError::Damaged(format!("{what} is not as it was written"));
     let (message, seal) = bytes.split_last_chunk::<SEAL>().ok_or_else(damaged)?;
-    match Sha256::digest(message).starts_with(seal) {
-        true => M::decode(message).map_err(|_| damaged()),
-        false => Err(damaged()),
+    if Sha256::digest(message).starts_with(seal) {
+        M::decode(message).map_err(|_| damaged())
+    } else {
+        Err(damaged())
     }
 }
 

@@ -83,12 +83,13 @@ impl Journal {
 fn read(path: &Path) -> Result<Option<Vec<u8>>, JournalError> {
     let found = files::read(path)?;
     let folder = path.parent().unwrap_or(path);
-    match found.is_none() && !folder.is_dir() {
-        true => Err(JournalError::Unwritable(format!(
+    if found.is_none() && !folder.is_dir() {
+        Err(JournalError::Unwritable(format!(
             "{}: is not there",
             folder.display()
-        ))),
-        false => Ok(found),
+        )))
+    } else {
+        Ok(found)
     }
 }
 

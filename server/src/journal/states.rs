@@ -80,9 +80,10 @@ impl Journal {
             };
             Change::State(name.clone(), state)
         }));
-        match changes.is_empty() {
-            true => Ok(()),
-            false => self.write_now(changes),
+        if changes.is_empty() {
+            Ok(())
+        } else {
+            self.write_now(changes)
         }
     }
 

@@ -280,12 +280,11 @@ impl Broken {
             if matches!(job.changes.first(), Some(Change::Begin)) {
                 self.0.remove(&job.name);
             }
-            match self.0.contains(&job.name) {
-                true => {
-                    let why = "an earlier change of this session was lost".to_owned();
-                    (job.done)(Err(JournalError::Unwritable(why)));
-                }
-                false => left.push(job),
+            if self.0.contains(&job.name) {
+                let why = "an earlier change of this session was lost".to_owned();
+                (job.done)(Err(JournalError::Unwritable(why)));
+            } else {
+                left.push(job)
             }
         }
         left
@@ -304,9 +303,10 @@ fn gather(first: Job, jobs: &Receiver<Job>) -> Vec<Job> {
     let mut is_urgent = first.urgency == Urgency::Now;
     let mut batch = vec![first];
     while batch.len() < MOST_JOBS {
-        let next = match is_urgent {
-            true => jobs.try_recv().map_err(|_| RecvTimeoutError::Timeout),
-            false => jobs.recv_timeout(until.saturating_duration_since(Instant::now())),
+        let next = if is_urgent {
+            jobs.try_recv().map_err(|_| RecvTimeoutError::Timeout)
+        } else {
+            jobs.recv_timeout(until.saturating_duration_since(Instant::now()))
         };
         let Ok(job) = next else { break };
         is_urgent |= job.urgency == Urgency::Now;

@@ -115,9 +115,10 @@ impl Registry {
 
     /// Refuses new work.
     pub(crate) fn check_open(&self) -> Result<(), Fault> {
-        match self.draining.load(Ordering::SeqCst) {
-            true => Err(Fault::ShuttingDown),
-            false => Ok(()),
+        if self.draining.load(Ordering::SeqCst) {
+            Err(Fault::ShuttingDown)
+        } else {
+            Ok(())
         }
     }
 

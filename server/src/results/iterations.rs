@@ -78,9 +78,10 @@ impl IterationReader {
             return None;
         }
         let newest = self.receiver.borrow_and_update().clone();
-        match newest.after_event < last_event {
-            true => None,
-            false => self.pass(newest),
+        if newest.after_event < last_event {
+            None
+        } else {
+            self.pass(newest)
         }
     }
 

@@ -285,12 +285,13 @@ async fn router(
     let methods = Methods::new(&services.metrics).map_err(|error| setup("metrics", &error))?;
     let config = &services.config;
     let health_service = config.health.then_some(health_service);
-    let (v1, v1alpha) = match config.reflection {
-        true => (
+    let (v1, v1alpha) = if config.reflection {
+        (
             Some(reflection().build_v1()),
             Some(reflection().build_v1alpha()),
-        ),
-        false => (None, None),
+        )
+    } else {
+        (None, None)
     };
     let (v1, v1alpha) = (
         v1.transpose().map_err(wrong)?,

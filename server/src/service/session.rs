@@ -249,9 +249,10 @@ impl Sessions {
                 increment,
             })
             .await?;
-        let wanted = match fields.is_empty() {
-            true => answer.output,
-            false => fields,
+        let wanted = if fields.is_empty() {
+            answer.output
+        } else {
+            fields
         };
         let all = answer.results.into_iter().flat_map(move |result| {
             let (finished, chunks) = messages(&result, &wanted, encoding);

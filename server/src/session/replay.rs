@@ -76,12 +76,11 @@ impl Ledger {
     /// Counts a result, with a checkpoint behind it or not; one that was stopped takes
     /// nothing.
     pub(super) fn count(&mut self, cost: Cost, is_checkpoint: bool) {
-        match is_checkpoint {
-            true => *self = Self::new(self.most_results),
-            false => {
-                self.cost += cost.0;
-                self.results += 1;
-            }
+        if is_checkpoint {
+            *self = Self::new(self.most_results)
+        } else {
+            self.cost += cost.0;
+            self.results += 1;
         }
     }
 }

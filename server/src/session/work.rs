@@ -209,12 +209,11 @@ fn increment(work: &mut Work, mut run: StepRun, task: &Task, slot: &Slot) -> Inc
 }
 
 fn checkpoint(session: &mut Session, task: &Task) -> Checkpoint {
-    match task.is_kept {
-        true => Checkpoint::Written(session.export()),
-        false => {
-            session.forget();
-            Checkpoint::Passed
-        }
+    if task.is_kept {
+        Checkpoint::Written(session.export())
+    } else {
+        session.forget();
+        Checkpoint::Passed
     }
 }
 

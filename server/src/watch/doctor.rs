@@ -121,9 +121,10 @@ fn finding(what: &'static str, found: String, health: Health) -> Finding {
 
 /// Advice where something is `poor`.
 fn unless(poor: bool, advice: &str) -> Health {
-    match poor {
-        true => Health::Advice(advice.to_owned()),
-        false => Health::Good,
+    if poor {
+        Health::Advice(advice.to_owned())
+    } else {
+        Health::Good
     }
 }
 

@@ -41,22 +41,19 @@ pub fn start_log(config: &Config) -> Option<LogSwitch> {
         LogFormat::Text => true,
         LogFormat::Json => false,
     };
-    let switch = match is_text {
-        false => {
-            let lines = lines.json().flatten_event(true).with_filter_reloading();
-            let handle = lines.reload_handle();
-            let change = move |filter| handle.reload(filter).is_ok();
-            lines.try_init().map(|()| LogSwitch(Box::new(change)))
-        }
-        true => {
-            let colours = is_terminal && std::env::var_os("NO_COLOR").is_none();
-            let fields = debug_fn(write_field).delimited(" ");
-            let lines = lines.with_ansi(colours).fmt_fields(fields);
-            let lines = lines.with_filter_reloading();
-            let handle = lines.reload_handle();
-            let change = move |filter| handle.reload(filter).is_ok();
-            lines.try_init().map(|()| LogSwitch(Box::new(change)))
-        }
+    let switch = if is_text {
+        let colours = is_terminal && std::env::var_os("NO_COLOR").is_none();
+        let fields = debug_fn(write_field).delimited(" ");
+        let lines = lines.with_ansi(colours).fmt_fields(fields);
+        let lines = lines.with_filter_reloading();
+        let handle = lines.reload_handle();
+        let change = move |filter| handle.reload(filter).is_ok();
+        lines.try_init().map(|()| LogSwitch(Box::new(change)))
+    } else {
+        let lines = lines.json().flatten_event(true).with_filter_reloading();
+        let handle = lines.reload_handle();
+        let change = move |filter| handle.reload(filter).is_ok();
+        lines.try_init().map(|()| LogSwitch(Box::new(change)))
     };
     switch.ok().filter(|_| !is_given)
 }
@@ -119,9 +116,10 @@ struct Escaped<W>(W);
 impl<W: fmt::Write> fmt::Write for Escaped<W> {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         for character in text.chars() {
-            match character.is_control() {
-                true => write!(self.0, "{}", character.escape_default())?,
-                false => self.0.write_char(character)?,
+            if character.is_control() {
+                write!(self.0, "{}", character.escape_default())?
+            } else {
+                self.0.write_char(character)?
             }
         }
         Ok(())

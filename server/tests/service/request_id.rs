@@ -71,9 +71,12 @@ async fn a_call_keeps_its_identifier_in_its_answer_and_through_the_log() {
         .lines()
         .map(|line| serde_json::from_str(line).unwrap())
         .collect();
-    let of_call = |line: &serde_json::Value| match line["target"] == "audit" {
-        true => line["request"].clone(),
-        false => line["spans"][0]["request"].clone(),
+    let of_call = |line: &serde_json::Value| {
+        if line["target"] == "audit" {
+            line["request"].clone()
+        } else {
+            line["spans"][0]["request"].clone()
+        }
     };
     for (what, id) in [
         ("session started", "cell-7/42"),

@@ -16,9 +16,10 @@ pub(super) fn run(file: &Path, json: bool) -> Result<Exit, Failure> {
     let mesh = input::load_mesh(file)?;
     let digest = WireMesh::new(&mesh)?.name();
     let shape = Shape::of(&mesh);
-    let text = match json {
-        true => format!("{}\n", object(&mesh, &shape, &digest)),
-        false => table(file, &mesh, &shape),
+    let text = if json {
+        format!("{}\n", object(&mesh, &shape, &digest))
+    } else {
+        table(file, &mesh, &shape)
     };
     print(&text)?;
     Ok(Exit::Ok)

@@ -49,9 +49,10 @@ pub(super) async fn run(arguments: SolveArguments) -> Result<Exit, Failure> {
         }
         return exit;
     }
-    let line = match arguments.json {
-        true => result_line::session(&session.name).to_string(),
-        false => session.name,
+    let line = if arguments.json {
+        result_line::session(&session.name).to_string()
+    } else {
+        session.name
     };
     print(&format!("{line}\n"))?;
     Ok(Exit::Ok)

@@ -427,8 +427,9 @@ impl Builder {
 /// Where nodes are, if the file has lines of three nodes.
 fn places(deck: &Deck) -> HashMap<u64, [f64; 3]> {
     let is_line = |element: &Element| (element.kind.dimension, element.kind.nodes) == (1, 3);
-    match deck.elements.iter().any(is_line) {
-        true => deck.nodes.iter().copied().collect(),
-        false => HashMap::new(),
+    if deck.elements.iter().any(is_line) {
+        deck.nodes.iter().copied().collect()
+    } else {
+        HashMap::new()
     }
 }

@@ -217,17 +217,19 @@ impl Reader<'_> {
                 numbers.clear();
             }
         }
-        match numbers.is_empty() {
-            true => Ok(()),
-            false => Err(keyword.error_at(line, count(&numbers))),
+        if numbers.is_empty() {
+            Ok(())
+        } else {
+            Err(keyword.error_at(line, count(&numbers)))
         }
     }
 
     /// Who sees a set; sets of the assembly that are of no instance are of its own points.
     fn visibility(&self, keyword: &Keyword) -> Visibility {
-        match keyword.has("INTERNAL") || self.is_of_assembly(keyword) {
-            true => Visibility::Internal,
-            false => Visibility::Group,
+        if keyword.has("INTERNAL") || self.is_of_assembly(keyword) {
+            Visibility::Internal
+        } else {
+            Visibility::Group
         }
     }
 

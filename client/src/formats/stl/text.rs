@@ -117,9 +117,10 @@ impl<'a> Words<'a> {
     }
 
     fn is(&self, word: &str, expected: &str) -> Result<(), StlError> {
-        match word.eq_ignore_ascii_case(expected) {
-            true => Ok(()),
-            false => Err(self.wrong(&format!("`{expected}` is expected, not `{}`", short(word)))),
+        if word.eq_ignore_ascii_case(expected) {
+            Ok(())
+        } else {
+            Err(self.wrong(&format!("`{expected}` is expected, not `{}`", short(word))))
         }
     }
 

@@ -56,9 +56,12 @@ impl Dataset {
     }
 
     fn check(&self) -> Result<(), VtkError> {
-        let length = |array: &str, found: usize, expected: usize| match found == expected {
-            true => Ok(()),
-            false => Err(VtkFault::Length { expected, found }.in_array(array)),
+        let length = |array: &str, found: usize, expected: usize| {
+            if found == expected {
+                Ok(())
+            } else {
+                Err(VtkFault::Length { expected, found }.in_array(array))
+            }
         };
         let points = self.points.len();
         length("Points", points, points / 3 * 3)?;
@@ -172,15 +175,14 @@ fn kind(shape: i64, points: usize) -> Result<Option<ElementKind>, VtkFault> {
         71 => (3, &[4, 10]),
         other => return Err(VtkFault::UnsupportedCell(describe(other))),
     };
-    match nodes.contains(&points) {
-        true => Ok(Some(ElementKind {
+    if nodes.contains(&points) {
+        Ok(Some(ElementKind {
             dimension,
             nodes: points,
-        })),
-        false => {
-            let shape = format!("{} of {points} points", describe(shape));
-            Err(VtkFault::UnsupportedCell(shape))
-        }
+        }))
+    } else {
+        let shape = format!("{} of {points} points", describe(shape));
+        Err(VtkFault::UnsupportedCell(shape))
     }
 }
 

@@ -290,12 +290,13 @@ impl Reader<'_> {
             rest = next;
         }
         let found = self.dataset.ends.len();
-        match found == rows {
-            true => Ok(()),
-            false => Err(self.cursor.error(VtkFault::Length {
+        if found == rows {
+            Ok(())
+        } else {
+            Err(self.cursor.error(VtkFault::Length {
                 expected: rows,
                 found,
-            })),
+            }))
         }
     }
 
@@ -407,10 +408,11 @@ impl Reader<'_> {
             count.parse::<usize>().map_err(wrong)
         })?;
         let before = self.cursor.at;
-        match self.cursor.token() == b"LOOKUP_TABLE" {
-            true => drop(self.cursor.word("the name of a table")?),
+        if self.cursor.token() == b"LOOKUP_TABLE" {
+            self.cursor.word("the name of a table")?;
+        } else {
             // The numbers begin right here; their line must not be taken.
-            false => self.cursor.at = before.saturating_sub(1),
+            self.cursor.at = before.saturating_sub(1);
         }
         self.array(
             &name,

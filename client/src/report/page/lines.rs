@@ -174,9 +174,10 @@ pub(super) fn read(text: &str) -> Result<Lines, String> {
             Ok(()) => {}
         }
     }
-    match lines.steps.is_empty() {
-        true => Err("no increment has been finished".to_owned()),
-        false => Ok(lines),
+    if lines.steps.is_empty() {
+        Err("no increment has been finished".to_owned())
+    } else {
+        Ok(lines)
     }
 }
 

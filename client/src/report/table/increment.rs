@@ -37,17 +37,20 @@ fn ending(report: &v1::StepReport) -> String {
 
 /// Where a cause lies, in words.
 fn place(site: &v1::CauseSite) -> String {
-    let point = match site.point.is_empty() {
-        true => "the whole body".to_owned(),
-        false => format!("at {}", vector(&site.point)),
+    let point = if site.point.is_empty() {
+        "the whole body".to_owned()
+    } else {
+        format!("at {}", vector(&site.point))
     };
-    let motion = match site.motion.is_empty() {
-        true => String::new(),
-        false => format!(", along {}", vector(&site.motion)),
+    let motion = if site.motion.is_empty() {
+        String::new()
+    } else {
+        format!(", along {}", vector(&site.motion))
     };
-    let key = match site.key.is_empty() {
-        true => String::new(),
-        false => format!(", nothing balances `{}`", site.key),
+    let key = if site.key.is_empty() {
+        String::new()
+    } else {
+        format!(", nothing balances `{}`", site.key)
     };
     point + &motion + &key
 }

@@ -89,8 +89,11 @@ async fn get(store: &ObjectStore, name: &str) -> Result<Bytes, Failure> {
 /// Messages behind their lengths, up to the first that is none: the server sees what is
 /// missing.
 fn messages<M: Message + Default>(mut bytes: Bytes) -> impl Iterator<Item = M> {
-    std::iter::from_fn(move || match bytes.is_empty() {
-        true => None,
-        false => M::decode_length_delimited(&mut bytes).ok(),
+    std::iter::from_fn(move || {
+        if bytes.is_empty() {
+            None
+        } else {
+            M::decode_length_delimited(&mut bytes).ok()
+        }
     })
 }

@@ -214,10 +214,7 @@ async fn assets(context: &Context, copies: usize) -> Result<object_store::Object
 }
 
 fn copies(addresses: usize) -> usize {
-    match addresses >= COPIES {
-        true => COPIES,
-        false => 1,
-    }
+    if addresses >= COPIES { COPIES } else { 1 }
 }
 
 fn stream(name: &str, subject: &str, copies: usize) -> Config {

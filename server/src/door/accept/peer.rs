@@ -39,9 +39,10 @@ pub(super) fn of_tcp(address: SocketAddr, local: SocketAddr) -> ClientKey {
 
 /// A peer of which nothing is known but its address: another machine is one client.
 pub(super) fn by_address(address: SocketAddr) -> ClientKey {
-    let known = match address.ip().is_loopback() {
-        true => address,
-        false => SocketAddr::new(address.ip(), 0),
+    let known = if address.ip().is_loopback() {
+        address
+    } else {
+        SocketAddr::new(address.ip(), 0)
     };
     ClientKey {
         identity: ClientIdentity::Address(known),

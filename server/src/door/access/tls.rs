@@ -94,9 +94,10 @@ fn certificates(path: &Path) -> Result<Vec<CertificateDer<'static>>, AccessError
     let text = files::read(path, LONGEST_FILE)?;
     let all: Result<Vec<_>, _> = CertificateDer::pem_slice_iter(text.as_bytes()).collect();
     let all = all.map_err(|error| AccessError::new(path, error))?;
-    match all.is_empty() {
-        true => Err(AccessError::new(path, "holds no certificate")),
-        false => Ok(all),
+    if all.is_empty() {
+        Err(AccessError::new(path, "holds no certificate"))
+    } else {
+        Ok(all)
     }
 }
 

@@ -149,9 +149,10 @@ impl TokenFile {
     /// # Errors
     /// [`AccessError`] with the entry that is wrong.
     pub fn read_or_new(path: &Path) -> Result<Self, AccessError> {
-        match path.exists() {
-            true => Self::read(path),
-            false => Ok(Self::default()),
+        if path.exists() {
+            Self::read(path)
+        } else {
+            Ok(Self::default())
         }
     }
 

@@ -156,9 +156,10 @@ struct Walk<'a> {
 impl Walk<'_> {
     fn add(&mut self, bytes: u64) -> Result<(), Ended> {
         self.cost = self.cost.saturating_add(bytes);
-        match self.cost > self.most {
-            true => Err(Ended),
-            false => Ok(()),
+        if self.cost > self.most {
+            Err(Ended)
+        } else {
+            Ok(())
         }
     }
 

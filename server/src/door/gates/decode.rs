@@ -164,9 +164,10 @@ impl Decode {
     }
 
     fn room(&self, bytes: usize) -> &Room {
-        match bytes <= SMALL_BYTES {
-            true => &self.small,
-            false => &self.large,
+        if bytes <= SMALL_BYTES {
+            &self.small
+        } else {
+            &self.large
         }
     }
 

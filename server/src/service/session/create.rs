@@ -98,9 +98,10 @@ impl Sessions {
     /// Refuses a client that has too much waiting already.
     fn check_queue(&self, client: ClientKey) -> Result<(), Fault> {
         let limit = self.services.config.maximum_queued;
-        match self.services.solvers.waiting(client) < limit {
-            true => Ok(()),
-            false => Err(Fault::QueueFull { limit }),
+        if self.services.solvers.waiting(client) < limit {
+            Ok(())
+        } else {
+            Err(Fault::QueueFull { limit })
         }
     }
 

@@ -63,9 +63,10 @@ impl Actor {
         let scratch_bytes = self.scratch_bytes();
         let limit = self.spec.plan.scene().solver.max_wall_time;
         let ceiling = self.services.config.step_time();
-        let length = match self.was_long {
-            true => Length::Long,
-            false => work::length(&self.spec.plan),
+        let length = if self.was_long {
+            Length::Long
+        } else {
+            work::length(&self.spec.plan)
         };
         let Some(current) = self.queue.current() else {
             return;

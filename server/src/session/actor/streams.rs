@@ -71,9 +71,10 @@ impl Actor {
     }
 
     fn new_outbox(&self, request: &OpenRequest) -> Arc<Outbox> {
-        let fields = match request.fields.is_empty() {
-            true => self.spec.output.fields.clone(),
-            false => request.fields.clone(),
+        let fields = if request.fields.is_empty() {
+            self.spec.output.fields.clone()
+        } else {
+            request.fields.clone()
         };
         let encoding = request.encoding;
         let wanted = Wanted { fields, encoding };

@@ -103,9 +103,10 @@ impl Actor {
         self.log_withdrawn(expected);
         for refused in self.queue.refuse() {
             let received = refused.sequence;
-            match received == expected {
-                true => self.reject(received, fault),
-                false => self.reject(received, &Fault::SequenceGap { received, expected }),
+            if received == expected {
+                self.reject(received, fault)
+            } else {
+                self.reject(received, &Fault::SequenceGap { received, expected })
             }
         }
     }

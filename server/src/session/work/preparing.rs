@@ -58,9 +58,10 @@ const LONG_UNKNOWNS: u64 = 60_000;
 
 /// Whether work on a plan is long, as far as its size tells.
 pub(in crate::session) fn length(plan: &Plan) -> Length {
-    match plan.report().unknowns.displacement < LONG_UNKNOWNS {
-        true => Length::Short,
-        false => Length::Long,
+    if plan.report().unknowns.displacement < LONG_UNKNOWNS {
+        Length::Short
+    } else {
+        Length::Long
     }
 }
 

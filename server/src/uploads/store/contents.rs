@@ -120,13 +120,14 @@ impl Contents {
 
     pub(super) fn check(&self, account: Account, bytes: u64) -> Result<(), Fault> {
         let held = self.of_client(account.client);
-        match held.saturating_add(bytes) > account.most {
-            true => Err(Fault::MemoryBudget {
+        if held.saturating_add(bytes) > account.most {
+            Err(Fault::MemoryBudget {
                 predicted: bytes,
                 held,
                 budget: account.most,
-            }),
-            false => Ok(()),
+            })
+        } else {
+            Ok(())
         }
     }
 

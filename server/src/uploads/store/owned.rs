@@ -13,9 +13,10 @@ impl Store {
     /// # Errors
     /// `MeshNotFound`, as for one that is not there at all.
     pub(crate) fn check_owner(&self, id: MeshId, caller: &Caller) -> Result<(), Fault> {
-        match self.admits(id, caller) {
-            true => Ok(()),
-            false => Err(Fault::MeshNotFound(name(id))),
+        if self.admits(id, caller) {
+            Ok(())
+        } else {
+            Err(Fault::MeshNotFound(name(id)))
         }
     }
 

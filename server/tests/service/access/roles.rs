@@ -75,9 +75,10 @@ pub(super) fn methods() -> Vec<(String, Role)> {
         for service in &file.service {
             for method in &service.method {
                 let path = format!("/{}.{}/{}", file.package(), service.name(), method.name());
-                let role = match CHANGING.contains(&method.name()) {
-                    true => Role::Solve,
-                    false => Role::Read,
+                let role = if CHANGING.contains(&method.name()) {
+                    Role::Solve
+                } else {
+                    Role::Read
                 };
                 all.push((path, role));
             }
