@@ -6,7 +6,6 @@ mod run;
 use std::path::Path;
 use std::time::Instant;
 
-use signorini_client::formats::msh::MeshFile;
 use signorini_client::{NewSession, session_id};
 use signorini_proto::v1;
 
@@ -14,7 +13,7 @@ use crate::arguments::SolveArguments;
 use crate::arguments::connection::Connection;
 use crate::arguments::input::{self, Input};
 use crate::report::record::Record;
-use crate::report::results::{DEFAULT_FIELDS, Drawings, ResultFolder};
+use crate::report::results::{DEFAULT_FIELDS, ResultFolder};
 use crate::terminal::exit::{Exit, Failure};
 use crate::terminal::output::LineSink;
 use crate::terminal::progress::Verbosity;
@@ -83,8 +82,7 @@ async fn solve(
     };
     let (session, plan) = client.create_session(new).await?;
     let steps = input.scene.steps.clone();
-    let picture = (&input.mesh, std::mem::take(&mut input.drawings));
-    let outcome = match begin(&mut run.record, plan, (out, &input.scene), picture) {
+    let outcome = match begin(&mut run.record, plan, &mut input, out) {
         Ok(()) => run.drive(client, &session.name, steps).await,
         Err(failure) => Err(failure),
     };
@@ -97,13 +95,14 @@ async fn solve(
 fn begin(
     record: &mut Record,
     plan: v1::Plan,
-    (out, scene): (Option<&Path>, &v1::Scene),
-    picture: (&MeshFile, Drawings),
+    input: &mut Input,
+    out: Option<&Path>,
 ) -> Result<(), Failure> {
     if let Some(out) = out {
-        record.open(ResultFolder::new(out, scene, picture)?)?;
+        let picture = (&input.mesh, std::mem::take(&mut input.drawings));
+        record.open(ResultFolder::new(out, &input.scene, picture)?)?;
     }
-    record.plan(plan, scene.units.as_ref())?;
+    record.plan(plan, input.scene.units.as_ref())?;
     record.progress.phase("preparing");
     Ok(())
 }

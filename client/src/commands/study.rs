@@ -80,12 +80,20 @@ async fn queued(
         fields: arguments.fields.is_some(),
     };
     let (stop, _) = watch::channel(false);
-    let told = (&manifest, !arguments.resume);
+    let queued = studies::Queued {
+        queue: &queue,
+        study,
+        name: &name,
+        assets: &assets,
+        ledger: &ledger,
+    };
     let ended = tokio::select! {
-        ended = studies::run_study(&queue, study, (&name, &assets), told, &ledger, &stop) => ended,
+        ended = studies::run_study(&queued, &manifest, start(arguments), &stop) => ended,
         never = stop_when_interrupted(&stop, |line| ledger.lock().progress().note(line)) => never,
     };
-    finish(ended, &ledger, study, table, arguments)
+    write_table(&ledger, study, table, verbosity(arguments))?;
+    ended?;
+    Ok(exit(&ledger, study))
 }
 
 fn cores() -> usize {
@@ -168,7 +176,9 @@ async fn solve(
         ended = studies::run(Arc::clone(local), ledger.clone(), workers, &stop) => ended,
         never = stop_when_interrupted(&stop, |line| ledger.lock().progress().note(line)) => never,
     };
-    finish(ended, &ledger, &local.study, table, arguments)
+    write_table(&ledger, &local.study, table, verbosity(arguments))?;
+    ended?;
+    Ok(exit(&ledger, &local.study))
 }
 
 fn verbosity(arguments: &StudyArguments) -> Verbosity {
@@ -176,6 +186,15 @@ fn verbosity(arguments: &StudyArguments) -> Verbosity {
         Verbosity::Quiet
     } else {
         Verbosity::Normal
+    }
+}
+
+/// What a log and a queue that are there mean.
+fn start(arguments: &StudyArguments) -> Start {
+    if arguments.resume {
+        Start::Resume
+    } else {
+        Start::Anew
     }
 }
 
@@ -191,13 +210,10 @@ fn ledger(
         cases: study.count(),
         mesh,
     };
-    let start = if arguments.resume {
-        Start::Resume
-    } else {
-        Start::Anew
-    };
     let mut tally = Tally::default();
-    let log = RowLog::open(&log_of(out), &header, start, |row| tally.add(row))?;
+    let log = RowLog::open(&log_of(out), &header, start(arguments), |row| {
+        tally.add(row)
+    })?;
     // Rows of an earlier run that this one does not go on with are gone.
     let tally = match log.done() {
         0 => Tally::default(),
@@ -208,30 +224,35 @@ fn ledger(
 }
 
 /// The table of what there is, and what people are told.
-fn finish(
-    ended: Result<(), Failure>,
+fn write_table(
     ledger: &Shared,
     study: &Study,
     (out, format): (&Path, Format),
-    arguments: &StudyArguments,
-) -> Result<Exit, Failure> {
+    verbosity: Verbosity,
+) -> Result<(), Failure> {
     let mut ledger = ledger.lock();
     ledger.progress().clear();
     ledger.log().sync()?;
-    let (log, done) = (ledger.log().path().to_owned(), ledger.log().done());
+    let log = ledger.log().path().to_owned();
     format.write(out, study, &log)?;
-    if verbosity(arguments) != Verbosity::Quiet {
+    if verbosity != Verbosity::Quiet {
         print(&ledger.tally().lines().concat())?;
         print(&format!("{:<18} {}\n", "written", out.display()))?;
     }
-    ended?;
+    Ok(())
+}
+
+/// How a study that nothing broke has ended.
+fn exit(ledger: &Shared, study: &Study) -> Exit {
+    let mut ledger = ledger.lock();
+    let done = ledger.log().done();
     if done < study.count() {
         let line = format!("{done} of {} cases; --resume goes on\n", study.count());
         crate::terminal::text::note(&line);
-        return Ok(Exit::Interrupted);
+        return Exit::Interrupted;
     }
-    Ok(match ledger.tally().failures() {
+    match ledger.tally().failures() {
         0 => Exit::Ok,
         _ => Exit::NotConverged,
-    })
+    }
 }

@@ -35,7 +35,7 @@ pub(crate) use log::{Header, RowLog, Start};
 pub(crate) use pool::first_scene;
 pub(crate) use pool::{Local, run};
 #[cfg(feature = "fleet")]
-pub(crate) use queue::{Gauges, Manifest, Queue, Worker, name_of, run_study, work};
+pub(crate) use queue::{Gauges, Manifest, Queue, Queued, Worker, name_of, run_study, work};
 pub(crate) use server::Server;
 #[cfg(feature = "fleet")]
 pub(crate) use solver::Fields;

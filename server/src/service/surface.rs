@@ -19,7 +19,8 @@ use crate::door::transport;
 use crate::fault::Fault;
 use crate::journal::{Journal, Part};
 use crate::registry::Registry;
-use crate::registry::planning::{aside, tools, unwritable};
+use crate::registry::planning::tools::{self, Arrived};
+use crate::registry::planning::{aside, unwritable};
 use crate::session::Services;
 use crate::uploads::store::Account;
 use crate::uploads::surfaces::{MOST, Stored};
@@ -162,8 +163,14 @@ impl SurfaceDoor {
             surface,
             created: tools::created(described.as_ref()),
         };
-        let named = (digest.as_str(), part);
-        let stored = tools::keep(&self.services, named, (stored, owners), reserved).await?;
+        let arrived = Arrived {
+            digest: digest.clone(),
+            part,
+            stored,
+            owners,
+            reserved,
+        };
+        let stored = tools::keep(&self.services, arrived).await?;
         self.make_place().await?;
         let surface = convert::surface(&digest, &stored.surface, stored.created);
         Ok(answer(surface, false))

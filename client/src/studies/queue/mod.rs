@@ -30,7 +30,7 @@ use crate::arguments::QueueArguments;
 use crate::terminal::exit::{Exit, Failure};
 
 pub(crate) use gauges::Gauges;
-pub(crate) use study::run as run_study;
+pub(crate) use study::{Queued, run as run_study};
 pub(crate) use worker::{Worker, work};
 
 const CASES: &str = "SIGNORINI_CASES";

@@ -12,6 +12,7 @@ use super::rows::Rows;
 use super::{Manifest, Queue, broken};
 use crate::studies::assets::{AssetFault, Assets};
 use crate::studies::ledger::Shared;
+use crate::studies::log::Start;
 use crate::studies::pool::{unread, unusable};
 use crate::studies::row::{REFUSED, Row};
 use crate::terminal::exit::Failure;
@@ -20,47 +21,39 @@ use crate::terminal::exit::Failure;
 const SILENCE: Duration = Duration::from_secs(10);
 
 /// A study on a queue.
-struct Campaign<'a> {
-    queue: &'a Queue,
-    study: &'a Study,
+pub(crate) struct Queued<'a> {
+    pub(crate) queue: &'a Queue,
+    pub(crate) study: &'a Study,
     /// Its name there.
-    name: &'a str,
-    assets: &'a Assets,
-    ledger: &'a Shared,
+    pub(crate) name: &'a str,
+    pub(crate) assets: &'a Assets,
+    pub(crate) ledger: &'a Shared,
 }
 
 /// Publishes every case that has no row and takes rows until all have one or it is told to
 /// stop, which takes the cases back that no worker has.
 pub(crate) async fn run(
-    queue: &Queue,
-    study: &Study,
-    (name, assets): (&str, &Assets),
-    (manifest, is_anew): (&Manifest, bool),
-    ledger: &Shared,
+    queued: &Queued<'_>,
+    manifest: &Manifest,
+    start: Start,
     stop: &watch::Sender<bool>,
 ) -> Result<(), Failure> {
-    let campaign = Campaign {
-        queue,
-        study,
-        name,
-        assets,
-        ledger,
-    };
-    if is_anew {
-        campaign.forget().await?;
+    if start == Start::Anew {
+        queued.forget().await?;
     }
     let bytes: Bytes = serde_json::to_vec(manifest).map_err(broken)?.into();
-    queue.studies.put(name, bytes).await.map_err(broken)?;
+    let put = queued.queue.studies.put(queued.name, bytes).await;
+    put.map_err(broken)?;
     let mut stopped = stop.subscribe();
     let ended = tokio::select! {
-        ended = campaign.solve_all() => ended,
-        _ = stopped.wait_for(|stop| *stop) => return campaign.take_back().await,
+        ended = queued.solve_all() => ended,
+        _ = stopped.wait_for(|stop| *stop) => return queued.take_back().await,
     };
     ended?;
-    campaign.forget().await
+    queued.forget().await
 }
 
-impl Campaign<'_> {
+impl Queued<'_> {
     /// Nothing of the study stays in the queue.
     async fn forget(&self) -> Result<(), Failure> {
         self.take_back().await?;

@@ -110,22 +110,34 @@ pub(crate) async fn known(
     )))
 }
 
-/// A surface that came just now, on the disk before anybody finds it; the caller has the turn.
-pub(crate) async fn keep(
-    services: &Services,
-    (digest, part): (&str, Option<Part>),
-    (stored, owners): (Stored, Owners),
-    reserved: Reservation,
-) -> Result<Stored, Fault> {
+/// A surface that was uploaded.
+pub(crate) struct Arrived {
+    pub(crate) digest: String,
+    /// Its file, unless there is no data folder or the file is there already.
+    pub(crate) part: Option<Part>,
+    pub(crate) stored: Stored,
+    pub(crate) owners: Owners,
+    pub(crate) reserved: Reservation,
+}
+
+/// Keeps a surface, on the disk before anybody finds it; the caller has the turn.
+pub(crate) async fn keep(services: &Services, arrived: Arrived) -> Result<Stored, Fault> {
+    let Arrived {
+        digest,
+        part,
+        stored,
+        owners,
+        reserved,
+    } = arrived;
     if let (Some(journal), Some(part)) = (services.journal.clone(), part) {
-        let owned = digest.to_owned();
+        let owned = digest.clone();
         let kept = aside(move || journal.keep_surface(part, &owned)).await?;
         kept.map_err(unwritable)?;
     }
-    let described = convert::surface(digest, &stored.surface, stored.created);
+    let described = convert::surface(&digest, &stored.surface, stored.created);
     enter(services, &described, &owners).await?;
     let kept = (stored, owners);
-    Ok(services.surfaces.insert(digest.to_owned(), kept, reserved))
+    Ok(services.surfaces.insert(digest, kept, reserved))
 }
 
 /// Tells the journal, if there is one, of a surface whose file is on the disk.
