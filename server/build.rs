@@ -26,8 +26,8 @@ fn named() -> Option<String> {
 /// The commit in the file that cargo adds to packages.
 fn published() -> Option<String> {
     let text = std::fs::read_to_string(".cargo_vcs_info.json").ok()?;
-    let (_, behind) = text.split_once("\"sha1\": \"")?;
-    behind.split('"').next().map(short)
+    let (_, rest) = text.split_once("\"sha1\": \"")?;
+    rest.split('"').next().map(short)
 }
 
 fn of_git() -> Option<String> {

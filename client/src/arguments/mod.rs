@@ -459,12 +459,12 @@ pub(crate) enum EmbedCommand {
         #[arg(long = "set", value_name = "PATH=VALUE")]
         overrides: Vec<Override>,
     },
-    /// Read a mesh file, print the messages of its upload, each behind its length
+    /// Read a mesh file, print the messages of its upload, each after its length
     Mesh {
         /// The file
         path: PathBuf,
     },
-    /// Read an STL file, print the messages of its upload, each behind its length
+    /// Read an STL file, print the messages of its upload, each after its length
     Surface {
         /// The file
         path: PathBuf,

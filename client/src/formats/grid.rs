@@ -47,7 +47,7 @@ pub enum GridFileError {
         /// The beginning of what is there.
         found: String,
     },
-    /// A key again, or behind the numbers.
+    /// A key again, or after the numbers.
     #[error("line {line}: `{key}` stands once, and before the numbers")]
     Again {
         /// From 1.
@@ -150,7 +150,7 @@ impl Reader {
         }
     }
 
-    /// Refuses a key that is there, or comes behind numbers.
+    /// Refuses a key that is there, or comes after numbers.
     fn once(&self, line: usize, key: &'static str) -> Result<(), GridFileError> {
         let is_there = match key {
             "counts" => !self.grid.counts.is_empty(),

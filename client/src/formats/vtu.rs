@@ -299,7 +299,7 @@ fn edge_of(cell: &[u32], a: usize, b: usize) -> Option<(u32, u32)> {
 }
 
 /// The unique edges of all cells as (low, high) vertex pairs in lexicographic
-/// order: the order of the P2 nodes behind the vertices.
+/// order: the order of the P2 nodes after the vertices.
 pub fn unique_edges(vertices_per_cell: usize, cells: &[u32]) -> Vec<(u32, u32)> {
     let local = local_edges(vertices_per_cell).unwrap_or_default();
     let mut edges: Vec<(u32, u32)> = cells

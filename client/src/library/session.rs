@@ -55,7 +55,7 @@ impl Client {
         response.plan.ok_or_else(|| missing("the plan"))
     }
 
-    /// Creates a session; its preparation starts behind the answer.
+    /// Creates a session; its preparation starts after the answer.
     ///
     /// # Errors
     /// As [`Client::plan`], and `MEMORY_BUDGET`, `SESSION_EXISTS`.

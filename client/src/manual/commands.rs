@@ -55,7 +55,7 @@ fn every_command_and_flag_is_on_its_page_and_no_other() {
     assert_eq!(flags_of(&page), flags);
 }
 
-/// Whether a span is a command with no more than its arguments behind it.
+/// Whether a span is a command with no more than its arguments after it.
 fn is_of(span: &str, path: &str) -> bool {
     let rest = span.strip_prefix(path);
     rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(' '))
@@ -93,7 +93,7 @@ fn every_setting_and_flag_of_the_server_is_on_its_page_and_no_other() {
     }
 }
 
-/// Arguments behind `signorini` on a line of a shell, if it runs that.
+/// Arguments after `signorini` on a line of a shell, if it runs that.
 fn arguments(line: &str) -> Option<Vec<String>> {
     let line = line
         .split(" #")

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use signorini_client::formats::{grid, values};
 use signorini_client::scene_file::{self, SceneFileError};
-use signorini_client::study::{COLUMNS_BEFORE, COLUMNS_BEHIND, Study};
+use signorini_client::study::{COLUMNS_AFTER, COLUMNS_BEFORE, Study};
 use toml::{Table, Value};
 
 use super::page::{self, Page};
@@ -195,7 +195,7 @@ fn every_study_of_the_manual_is_read_and_every_key_and_column_is_told() {
     let columns = page
         .section("columns", |heading| heading == "The table")
         .first_cells();
-    let known = COLUMNS_BEFORE.into_iter().chain(COLUMNS_BEHIND);
+    let known = COLUMNS_BEFORE.into_iter().chain(COLUMNS_AFTER);
     assert_eq!(
         columns.iter().map(String::as_str).collect::<BTreeSet<_>>(),
         known.collect()

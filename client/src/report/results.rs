@@ -40,7 +40,7 @@ pub(crate) const DERIVED: [&str; 3] = ["von_mises", "principal_stresses", "princ
 /// Bytes of a name in the name of a file: two and a number fit every file system.
 const LONGEST_STEM: usize = 100;
 
-/// What the name of a contact patch has behind that of its obstacle.
+/// What the name of a contact patch has after that of its obstacle.
 const PATCH: &str = "_contact";
 
 /// Name of the result lines in the folder.

@@ -173,7 +173,7 @@ fn name(element: &Value) -> Option<&str> {
     element.get("name").and_then(Value::as_str)
 }
 
-/// The element called `part`, else the position that `part` is; one behind the
+/// The element called `part`, else the position that `part` is; one after the
 /// last table is a new one.
 fn index_in(array: &[Value], part: &str) -> Option<usize> {
     let named = array.iter().position(|element| name(element) == Some(part));

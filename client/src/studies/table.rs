@@ -10,7 +10,7 @@ use std::os::unix::fs::FileExt as _;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
-use signorini_client::study::{COLUMNS_BEFORE, COLUMNS_BEHIND, Case, Study, cell};
+use signorini_client::study::{COLUMNS_AFTER, COLUMNS_BEFORE, Case, Study, cell};
 
 use super::log::row_of;
 use super::row::Row;
@@ -197,7 +197,7 @@ fn columns(study: &Study, numeric: &[bool]) -> Vec<Column> {
         .into_iter()
         .map(fixed)
         .chain(keys.map(|(key, is_number)| column(key, number(is_number))))
-        .chain(COLUMNS_BEHIND.into_iter().map(fixed))
+        .chain(COLUMNS_AFTER.into_iter().map(fixed))
         .chain(wanted.map(|(one, is_number)| column(&one.name, number(*is_number))))
         .chain(
             study

@@ -3,7 +3,7 @@
 use serde_json::Value;
 
 use super::expression::Expression;
-use super::{At, COLUMNS_BEFORE, COLUMNS_BEHIND, Case, TAKEN, Wanted, violation};
+use super::{At, COLUMNS_AFTER, COLUMNS_BEFORE, Case, TAKEN, Wanted, violation};
 use crate::library::error::Violation;
 
 /// A column to be computed, as a study says it.
@@ -63,7 +63,7 @@ impl<'a> Columns<'a> {
     }
 
     fn is_taken(&self, name: &str) -> bool {
-        let mut fixed = COLUMNS_BEFORE.iter().chain(&COLUMNS_BEHIND);
+        let mut fixed = COLUMNS_BEFORE.iter().chain(&COLUMNS_AFTER);
         fixed.any(|one| *one == name) || self.names.contains(&name)
     }
 

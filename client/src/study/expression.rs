@@ -202,8 +202,8 @@ impl<'a> Reader<'a> {
     fn number(&mut self) -> Result<(), String> {
         let whole = self.rest;
         self.front(|one| one.is_ascii_digit() || one == '.');
-        let behind = self.rest.strip_prefix(['e', 'E']);
-        if let Some(exponent) = behind {
+        let exponent_part = self.rest.strip_prefix(['e', 'E']);
+        if let Some(exponent) = exponent_part {
             self.rest = exponent.strip_prefix(['+', '-']).unwrap_or(exponent);
             self.front(|one| one.is_ascii_digit());
         }

@@ -39,10 +39,10 @@ use derived::Sought;
 /// Cases of a study at most: one bit of memory each tells which are done.
 pub const MOST_CASES: u64 = 100_000_000;
 
-/// Columns of every table of results before the keys, and behind them.
+/// Columns of every table of results before the keys, and after them.
 pub const COLUMNS_BEFORE: [&str; 2] = ["case", "id"];
 /// See [`COLUMNS_BEFORE`].
-pub const COLUMNS_BEHIND: [&str; 6] = [
+pub const COLUMNS_AFTER: [&str; 6] = [
     "termination",
     "cause",
     "message",
@@ -185,7 +185,7 @@ impl Study {
         if self.wanted.is_empty() {
             self.wanted = Wanted::forces(&file.scene);
         }
-        let fixed = COLUMNS_BEFORE.into_iter().chain(COLUMNS_BEHIND);
+        let fixed = COLUMNS_BEFORE.into_iter().chain(COLUMNS_AFTER);
         let mut columns: Vec<&str> = fixed.chain(self.keys.iter().map(String::as_str)).collect();
         let mut faults = Vec::new();
         for one in &self.wanted {
@@ -231,7 +231,7 @@ impl Study {
         &self.wanted
     }
 
-    /// What is computed for each case from its other columns, behind those.
+    /// What is computed for each case from its other columns, after those.
     pub fn derived(&self) -> &[Derived] {
         &self.derived
     }

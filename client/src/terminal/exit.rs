@@ -82,7 +82,7 @@ impl Failure {
         Self::new(Exit::Invalid, message)
     }
 
-    /// The same failure with a hint behind its last message.
+    /// The same failure with a hint after its last message.
     #[must_use]
     pub(crate) fn hint(mut self, hint: &str) -> Self {
         if let Some(last) = self.messages.last_mut() {

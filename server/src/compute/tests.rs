@@ -197,7 +197,7 @@ fn a_client_has_no_more_slots_than_it_may_and_others_have_the_rest() {
     });
     has_entered.recv_timeout(WAIT).unwrap();
     let second = start(&solvers, flow(1, 2), Length::Short, |_| Instant::now());
-    // Behind that of the greedy one, and before it all the same.
+    // After that of the greedy one, and before it all the same.
     let other = start(&solvers, flow(2, 3), Length::Short, |_| ());
     other.recv_timeout(WAIT).unwrap().unwrap();
     drop(release);

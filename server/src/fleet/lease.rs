@@ -13,7 +13,7 @@ pub(crate) struct Lease {
     pub(super) epoch: u64,
     ttl: Duration,
     start: Instant,
-    /// Of the newest renewal that worked, nanoseconds behind the start.
+    /// Of the newest renewal that worked, nanoseconds after the start.
     renewed: AtomicU64,
     /// Of the entry, for the next renewal.
     revision: AtomicU64,
@@ -22,7 +22,7 @@ pub(crate) struct Lease {
     pub(super) tail: AtomicU64,
     /// Records of this holder so far.
     pub(super) records: AtomicU64,
-    /// Bytes of records behind the newest that holds everything.
+    /// Bytes of records after the newest that holds everything.
     pub(super) bytes: AtomicU64,
     /// Bytes of the newest that holds everything.
     pub(super) whole: AtomicU64,

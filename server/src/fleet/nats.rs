@@ -22,7 +22,7 @@ use crate::watch::metrics::Metrics;
 
 /// Between two tries to store a record.
 const PAUSE: Duration = Duration::from_millis(50);
-/// Least bytes of records behind a whole one before another replaces them.
+/// Least bytes of records after a whole one before another replaces them.
 const LEAST: u64 = 4 << 20;
 /// And as many times its bytes.
 const TIMES: u64 = 4;
@@ -285,7 +285,7 @@ impl Fleet {
         self.held.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Stores a record behind the last one, as long as the lease holds.
+    /// Stores a record after the last one, as long as the lease holds.
     async fn store_one(&self, name: &str, changes: &Bytes) -> Result<(), JournalError> {
         let refused = || JournalError::Elsewhere(name.to_owned());
         let lease = self.lease(name).ok_or_else(refused)?;
@@ -326,7 +326,7 @@ impl Fleet {
         let place = Place {
             id: id(name),
             epoch: lease.epoch,
-            behind: 0,
+            after: 0,
             number,
         };
         // The last record says that there is no session: it goes too.
@@ -362,12 +362,12 @@ impl Fence for Fleet {
     }
 }
 
-/// Behind that record, with the next number of this holder.
-fn place<'a>(name: &'a str, lease: &Lease, behind: u64) -> Place<'a> {
+/// After that record, with the next number of this holder.
+fn place<'a>(name: &'a str, lease: &Lease, after: u64) -> Place<'a> {
     Place {
         id: id(name),
         epoch: lease.epoch,
-        behind,
+        after,
         number: lease.records.fetch_add(1, Ordering::AcqRel) + 1,
     }
 }

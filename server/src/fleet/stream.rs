@@ -2,7 +2,7 @@
 //!
 //! Every record says which one it follows: who follows another one than the last is refused. A
 //! record whose answer is lost is sent again under the same name and stored once. Large records lie
-//! in the shared folder, named by their digest, and the stream names them. Where the records behind
+//! in the shared folder, named by their digest, and the stream names them. Where the records after
 //! the last whole one are several times its size, a whole one replaces them.
 
 use std::path::{Path, PathBuf};
@@ -63,7 +63,7 @@ pub(super) struct Place<'a> {
     pub(super) id: &'a str,
     pub(super) epoch: u64,
     /// The record that it follows.
-    pub(super) behind: u64,
+    pub(super) after: u64,
     /// Of its writer.
     pub(super) number: u64,
 }
@@ -119,7 +119,7 @@ impl Records {
         let name = format!("{}-{}-{}", place.id, place.epoch, place.number);
         let message = PublishMessage::build()
             .payload(envelope.encode_to_vec().into())
-            .expected_last_subject_sequence(place.behind)
+            .expected_last_subject_sequence(place.after)
             .message_id(name);
         let sent = self.context.send_publish(subject(place.id), message).await;
         let stored = match sent {

@@ -95,7 +95,7 @@ pub(crate) struct StoredField {
     pub(crate) data: Bytes,
 }
 
-/// The state of a session behind one of its results.
+/// The state of a session after one of its results.
 #[derive(Clone, PartialEq, Message)]
 pub(crate) struct StoredCheckpoint {
     /// Number of that result.

@@ -1,7 +1,7 @@
 //! Which results and imported states the data folder need not keep: too old, or too many
 //! bytes in all.
 //!
-//! A session's newest result stays, and so do those that a replay needs, behind its
+//! A session's newest result stays, and so do those that a replay needs, after its
 //! checkpoint. Old ones go first, whoever's they are.
 
 use std::collections::BTreeMap;
@@ -73,12 +73,12 @@ fn droppable(database: &Database) -> Result<Vec<One>, JournalError> {
     for entry in checkpoints.iter()? {
         let (name, checkpoint) = entry?;
         let name = name.value();
-        let behind = opened::<StoredCheckpoint>(checkpoint.value(), name)?.event;
+        let checkpointed = opened::<StoredCheckpoint>(checkpoint.value(), name)?.event;
         let newest = results
             .range((name, i64::MIN)..=(name, i64::MAX))?
             .next_back();
         let newest = newest.transpose()?.map_or(0, |(key, _)| key.value().1);
-        for entry in results.range((name, i64::MIN)..=(name, behind.min(newest - 1)))? {
+        for entry in results.range((name, i64::MIN)..=(name, checkpointed.min(newest - 1)))? {
             let (key, value) = entry?;
             let result = opened::<StoredResult>(value.value(), name)?;
             found.push(One {

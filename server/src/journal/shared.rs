@@ -1,7 +1,7 @@
 //! What servers share in a folder: meshes and surfaces of tools under their digests, each with its
 //! entry, which says whose it is.
 //!
-//! The entry comes behind its file: what has an entry is whole.
+//! The entry comes after its file: what has an entry is whole.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};

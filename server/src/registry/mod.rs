@@ -272,7 +272,7 @@ impl Registry {
         }
     }
 
-    /// Up to `count` sessions that only the data folder has behind `after`, in order of
+    /// Up to `count` sessions that only the data folder has after `after`, in order of
     /// their names.
     pub(crate) fn list_asleep(
         &self,
@@ -281,11 +281,11 @@ impl Registry {
         count: usize,
     ) -> Vec<wire::Session> {
         let inner = self.lock();
-        let behind = inner.asleep.values().map(|one| &one.described);
+        let later = inner.asleep.values().map(|one| &one.described);
         let is_shown =
             |one: &&wire::Session| one.name.as_str() > after && inner.may_see(caller, &one.name);
-        let behind = behind.filter(is_shown);
-        behind.take(count).cloned().collect()
+        let later = later.filter(is_shown);
+        later.take(count).cloned().collect()
     }
 
     /// Sessions that only the data folder has and that need the mesh `name`.
@@ -325,12 +325,12 @@ impl Registry {
         }
     }
 
-    /// Up to `count` sessions behind `after`, in order of their names.
+    /// Up to `count` sessions after `after`, in order of their names.
     pub(crate) fn list(&self, caller: &Caller, after: &str, count: usize) -> Vec<(String, Handle)> {
         let inner = self.lock();
         let is_shown = |name: &str| name > after && inner.may_see(caller, name);
-        let behind = inner.sessions.iter().filter(|(name, _)| is_shown(name));
-        let made = behind.filter_map(|(name, handle)| Some((name.clone(), handle.clone()?)));
+        let later = inner.sessions.iter().filter(|(name, _)| is_shown(name));
+        let made = later.filter_map(|(name, handle)| Some((name.clone(), handle.clone()?)));
         made.take(count).collect()
     }
 

@@ -70,7 +70,7 @@ pub(crate) async fn spec(services: &Arc<Services>, name: &str) -> Result<Session
 async fn load(services: &Arc<Services>, name: &str) -> Result<Stored, Fault> {
     let missing = || Fault::SessionNotFound(name.to_owned());
     let journal = services.journal.clone().ok_or_else(missing)?;
-    // What the actor before has handed over is on disk behind this, or lost; a disk that
+    // What the actor before has handed over is on disk after this, or lost; a disk that
     // takes nothing can still be read.
     if let Err(why) = journal.store(name, vec![Change::Begin]).await {
         tracing::warn!(

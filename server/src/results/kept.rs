@@ -221,14 +221,14 @@ impl Kept {
     }
 
     /// Where a reader starts that has seen the events up to `seen`; without, it
-    /// starts behind `newest`.
+    /// starts after `newest`.
     pub(crate) fn seen(&self, seen: Option<i64>, newest: i64) -> i64 {
         let oldest = self.results.front().map_or(newest, |one| one.event - 1);
         seen.map_or(newest, |seen| seen.max(oldest).min(newest))
     }
 
     /// The oldest result with an event above `event`, if readers see it.
-    pub(crate) fn behind(&self, event: i64) -> Option<&Arc<KeptResult>> {
+    pub(crate) fn after(&self, event: i64) -> Option<&Arc<KeptResult>> {
         // Events have no gaps, so the position follows from the number.
         let oldest = self.results.front()?.event;
         let position = usize::try_from(event + 1 - oldest).unwrap_or(0);
@@ -318,7 +318,7 @@ mod tests {
             kept.push(result(event, 10));
         }
         assert_eq!(kept.field_bytes, 80);
-        let dropped = [0, 1, 2].map(|event| kept.behind(event).unwrap().dropped);
+        let dropped = [0, 1, 2].map(|event| kept.after(event).unwrap().dropped);
         assert_eq!(dropped, [true, true, false]);
     }
 
@@ -356,9 +356,9 @@ mod tests {
                 ..result(event, 1)
             });
         }
-        let behind = |event| kept.behind(event).map(|one| one.event);
+        let later = |event| kept.after(event).map(|one| one.event);
         assert_eq!(
-            [0, 1, 2, 3, 4].map(behind),
+            [0, 1, 2, 3, 4].map(later),
             [2, 2, 3, 4]
                 .map(Some)
                 .into_iter()

@@ -141,7 +141,7 @@ impl Outbox {
         self.queue(Item::Answer(Box::new(message)));
     }
 
-    /// Queues a result, behind the last iteration before it.
+    /// Queues a result, after the last iteration before it.
     pub(crate) fn result(&self, result: &Arc<KeptResult>, iteration: Option<Newest>) {
         self.queue(Item::Result(Arc::clone(result), iteration));
     }
@@ -163,7 +163,7 @@ impl Outbox {
         self.lock().unread_bytes()
     }
 
-    /// Ends the stream behind what is queued; the first end stays.
+    /// Ends the stream after what is queued; the first end stays.
     pub(crate) fn end(&self, end: StreamEnd) {
         self.lock().end.get_or_insert(end);
         self.filled.notify_one();

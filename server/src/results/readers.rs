@@ -42,7 +42,7 @@ pub(crate) struct Reader {
 }
 
 impl Reader {
-    /// A reader of results behind the event `start`, of which the client has not
+    /// A reader of results after the event `start`, of which the client has not
     /// seen those up to `missed`.
     pub(crate) fn new(outbox: Arc<Outbox>, start: i64, missed: i64) -> Self {
         Self {
@@ -91,7 +91,7 @@ impl Reader {
             if self.feed_repeat(kept) {
                 continue;
             }
-            let Some(result) = kept.behind(self.cursor) else {
+            let Some(result) = kept.after(self.cursor) else {
                 return true;
             };
             if result.event > self.cursor + 1 {
@@ -115,7 +115,7 @@ impl Reader {
             self.repeats.pop_front();
             return true;
         }
-        match kept.behind(repeat.next - 1) {
+        match kept.after(repeat.next - 1) {
             Some(result) if result.event == repeat.next => {
                 repeat.next += 1;
                 self.outbox.result(result, None);

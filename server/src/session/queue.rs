@@ -224,7 +224,7 @@ impl UpdateQueue {
     }
 
     /// The updates up to `sequence` are finished already.
-    pub(super) fn resume_behind(&mut self, sequence: i64) {
+    pub(super) fn resume_after(&mut self, sequence: i64) {
         self.last_accepted = sequence;
     }
 
@@ -274,7 +274,7 @@ impl UpdateQueue {
         self.waiting.pop_front()
     }
 
-    /// Removes the current update, which consumes no sequence, and all behind it.
+    /// Removes the current update, which consumes no sequence, and all after it.
     pub(super) fn refuse(&mut self) -> Vec<Accepted> {
         if let Some(first) = self.waiting.front() {
             self.last_accepted = first.sequence - 1;
@@ -284,9 +284,9 @@ impl UpdateQueue {
 
     /// Removes all but the current update.
     pub(super) fn keep_current(&mut self) -> Vec<Accepted> {
-        let behind = self.waiting.split_off(self.waiting.len().min(1));
-        self.last_accepted -= behind.len() as i64;
-        behind.into()
+        let later = self.waiting.split_off(self.waiting.len().min(1));
+        self.last_accepted -= later.len() as i64;
+        later.into()
     }
 
     /// Asks one update to stop, 0 for the current; returns its sequence.

@@ -11,7 +11,7 @@ use crate::results::kept::{KeptReport, KeptResult};
 
 /// A session that goes on.
 pub(crate) struct Recovered {
-    /// Accepted updates behind the checkpoint, in sequence, and whether they shall stop.
+    /// Accepted updates after the checkpoint, in sequence, and whether they shall stop.
     pub(super) updates: Vec<(Update, bool)>,
     /// Kept results, oldest first.
     pub(super) results: Vec<KeptResult>,

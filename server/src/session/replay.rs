@@ -25,7 +25,7 @@ const MOST_COST: f64 = 1.5e7;
 /// What a quadratic program costs beside its Krylov iterations, in applications of
 /// the preconditioner.
 const PROGRAM_COST: f64 = 20.0;
-/// Results behind a checkpoint, at most: those that a replay needs are kept.
+/// Results after a checkpoint, at most: those that a replay needs are kept.
 const MOST_RESULTS: usize = 1024;
 
 /// What doing an increment again would take: unknowns times passes over them.
@@ -60,7 +60,7 @@ impl Ledger {
         }
     }
 
-    /// Whether a checkpoint is due behind an increment.
+    /// Whether a checkpoint is due after an increment.
     pub(super) fn is_due(&self, next: &Cost, termination: Termination) -> bool {
         match termination {
             // How far it came before its time was up, no replay finds again.
@@ -73,7 +73,7 @@ impl Ledger {
         }
     }
 
-    /// Counts a result, with a checkpoint behind it or not; one that was stopped takes
+    /// Counts a result, with a checkpoint after it or not; one that was stopped takes
     /// nothing.
     pub(super) fn count(&mut self, cost: Cost, is_checkpoint: bool) {
         if is_checkpoint {
@@ -125,7 +125,7 @@ pub(super) struct ReplayStep {
     pub(super) step: Step,
     /// Increments that the checkpoint has already.
     pub(super) before: u32,
-    /// Results behind the checkpoint, with their events.
+    /// Results after the checkpoint, with their events.
     pub(super) results: Vec<(i64, wire::StepReport)>,
     /// Whether the last of them ended the update.
     pub(super) is_finished: bool,

@@ -82,7 +82,7 @@ impl Store {
         Ok(uses(entry))
     }
 
-    /// Up to `count` meshes behind `after`, in order of their identities.
+    /// Up to `count` meshes after `after`, in order of their identities.
     pub(crate) fn meshes(
         &self,
         caller: &Caller,
@@ -92,8 +92,8 @@ impl Store {
         let inner = self.lock();
         let admits = |id: &MeshId| inner.owners.get(id).is_none_or(|one| one.admit(caller));
         let is_shown = |id: &MeshId| after.is_none_or(|after| *id > after) && admits(id);
-        let behind = inner.meshes.iter().filter(|(id, _)| is_shown(id));
-        behind
+        let later = inner.meshes.iter().filter(|(id, _)| is_shown(id));
+        later
             .take(count)
             .map(|(_, entry)| (Arc::clone(&entry.value), uses(entry)))
             .collect()

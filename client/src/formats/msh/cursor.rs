@@ -239,7 +239,7 @@ impl<'a> Cursor<'a> {
         Ok(Some(name.to_owned()))
     }
 
-    /// The rest of the line, the cursor behind its newline.
+    /// The rest of the line, the cursor after its newline.
     fn line(&mut self) -> &'a [u8] {
         let rest = self.rest();
         let length = rest
@@ -250,7 +250,7 @@ impl<'a> Cursor<'a> {
         rest.get(..length).unwrap_or_default()
     }
 
-    /// Moves behind the line in which binary data is announced.
+    /// Moves after the line in which binary data is announced.
     pub(super) fn end_line(&mut self) {
         self.line();
     }
@@ -267,7 +267,7 @@ impl<'a> Cursor<'a> {
         Err(self.error_at(start, Fault::Unexpected { expected, found }))
     }
 
-    /// Moves behind `$EndName` of the open section, whatever stands before it.
+    /// Moves after `$EndName` of the open section, whatever stands before it.
     pub(super) fn skip_section(&mut self) -> Result<(), MshError> {
         let section = self.section.clone().unwrap_or_default();
         let end = format!("$End{section}");

@@ -382,7 +382,7 @@ proptest! {
     }
 
     #[test]
-    fn random_bytes_behind_a_good_head_never_panic(
+    fn random_bytes_after_a_good_head_never_panic(
         version in prop::sample::select(vec!["2.2", "4.1"]),
         section in prop::sample::select(vec!["PhysicalNames", "Entities", "Nodes", "Elements"]),
         noise in proptest::collection::vec(any::<u8>(), 0..200),

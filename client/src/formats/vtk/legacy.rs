@@ -72,7 +72,7 @@ impl<'a> Cursor<'a> {
         self.error(VtkFault::Unexpected { expected, found })
     }
 
-    /// The rest of the line, the cursor behind it.
+    /// The rest of the line, the cursor after it.
     fn line(&mut self) -> &'a [u8] {
         let rest = self.rest();
         let length = rest.iter().position(|byte| *byte == b'\n');
@@ -277,9 +277,9 @@ impl Reader<'_> {
     fn counted_cells(&mut self, rows: usize, values: &[i64]) -> Result<(), VtkError> {
         let mut rest = values;
         let truncated = VtkFault::Truncated("the points of a cell");
-        while let Some((count, behind)) = rest.split_first() {
+        while let Some((count, tail)) = rest.split_first() {
             let points = usize::try_from(*count).ok();
-            let split = points.and_then(|points| behind.split_at_checked(points));
+            let split = points.and_then(|points| tail.split_at_checked(points));
             let Some((points, next)) = split else {
                 return Err(self.cursor.error(truncated));
             };
@@ -466,19 +466,19 @@ impl Reader<'_> {
 fn decoded(name: &str) -> String {
     let mut bytes = Vec::with_capacity(name.len());
     let mut rest = name.as_bytes();
-    while let Some((first, behind)) = rest.split_first() {
-        let code = behind
+    while let Some((first, tail)) = rest.split_first() {
+        let code = tail
             .get(..2)
             .and_then(|code| std::str::from_utf8(code).ok());
         let code = code.and_then(|code| u8::from_str_radix(code, 16).ok());
         match code.filter(|_| *first == b'%') {
             Some(byte) => {
                 bytes.push(byte);
-                rest = behind.get(2..).unwrap_or_default();
+                rest = tail.get(2..).unwrap_or_default();
             }
             None => {
                 bytes.push(*first);
-                rest = behind;
+                rest = tail;
             }
         }
     }

@@ -1,5 +1,5 @@
 //! XML files (`.vtu`): the tree of elements, and the data of its arrays in text, base64
-//! or bytes behind the tree.
+//! or bytes after the tree.
 //!
 //! The text before the appended data is parsed by `roxmltree`; appended bytes are no text.
 
@@ -20,7 +20,7 @@ pub(super) fn dataset(bytes: &[u8]) -> Result<Dataset, VtkError> {
     let found = bytes
         .windows(APPENDED.len())
         .position(|window| window == APPENDED);
-    let (tree, behind) = match found {
+    let (tree, rest) = match found {
         Some(at) => bytes.split_at_checked(at).unwrap_or((bytes, &[])),
         None => (bytes, &[][..]),
     };
@@ -38,7 +38,7 @@ pub(super) fn dataset(bytes: &[u8]) -> Result<Dataset, VtkError> {
     let document = document.map_err(|error| xml(error.to_string()))?;
     let file = File {
         packing: packing(&document.root_element(), bytes.len())?,
-        appended: Appended::of(behind)?,
+        appended: Appended::of(rest)?,
     };
     file.dataset(&document.root_element())
 }
@@ -71,7 +71,7 @@ fn packing(root: &Node<'_, '_>, file_bytes: usize) -> Result<Packing, VtkError> 
     })
 }
 
-/// Data behind the tree.
+/// Data after the tree.
 enum Appended<'a> {
     Raw(&'a [u8]),
     Base64(&'a [u8]),

@@ -55,7 +55,7 @@ pub(super) struct Journal {
     window: i64,
     updates: VecDeque<Update>,
     cancels: Vec<Cancel>,
-    /// Sent behind a rejected update; their own rejections are given already.
+    /// Sent after a rejected update; their own rejections are given already.
     doomed: VecDeque<i64>,
 }
 
@@ -205,7 +205,7 @@ impl Journal {
         self.cancels.retain(|cancel| cancel.target > sequence);
     }
 
-    /// A rejected update takes those behind it with it: the server answers each
+    /// A rejected update takes those after it with it: the server answers each
     /// with a gap of its own, possibly on a connection that is gone by then, so
     /// they are answered here.
     fn rejection(&mut self, sequence: i64, refusal: Box<Refusal>) -> Vec<Event> {
@@ -220,8 +220,8 @@ impl Journal {
         let first = self
             .updates
             .partition_point(|update| update.sequence < sequence);
-        let behind = self.updates.split_off(first).into_iter();
-        for update in behind.filter(|update| update.sequence > sequence) {
+        let later = self.updates.split_off(first).into_iter();
+        for update in later.filter(|update| update.sequence > sequence) {
             if update.sequence <= self.sent {
                 self.doomed.push_back(update.sequence);
             }
@@ -273,7 +273,7 @@ fn window(opened: &v1::StreamOpened) -> i64 {
     i64::from(opened.max_in_flight).max(1)
 }
 
-/// What the server answers to an update behind a rejected one.
+/// What the server answers to an update after a rejected one.
 fn gap(sequence: i64, expected: i64) -> Event {
     let message = format!("update {sequence} leaves a gap: {expected} is expected");
     let refusal = Box::new(Refusal {

@@ -18,7 +18,7 @@ pub struct Attach {
     /// At most one iteration event in this time; `None`: as fast as they are read.
     pub iteration_interval: Option<Duration>,
     /// What a broken connection means for the step that runs. With
-    /// `CANCEL_STEP` a break cancels it, and updates behind it are sent again.
+    /// `CANCEL_STEP` a break cancels it, and updates after it are sent again.
     pub on_disconnect: v1::DisconnectPolicy,
     /// How long a broken connection is tried again, with pauses of 50 ms that
     /// double to 2 s; zero: never. Results of a break have the fields of the

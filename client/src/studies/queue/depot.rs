@@ -1,4 +1,4 @@
-//! Meshes and surfaces in the object store: the messages of their upload, each behind its
+//! Meshes and surfaces in the object store: the messages of their upload, each after its
 //! length, under the name of the digest.
 
 use std::io::Cursor;
@@ -86,7 +86,7 @@ async fn get(store: &ObjectStore, name: &str) -> Result<Bytes, Failure> {
     Ok(bytes.into())
 }
 
-/// Messages behind their lengths, up to the first that is none: the server sees what is
+/// Messages after their lengths, up to the first that is none: the server sees what is
 /// missing.
 fn messages<M: Message + Default>(mut bytes: Bytes) -> impl Iterator<Item = M> {
     std::iter::from_fn(move || {

@@ -1,7 +1,7 @@
 //! Rows of a study from the stream of results, in order, each once, over breaks of the queue.
 //!
 //! The consumer that reads them holds no state of its own: one that is gone, with a restart of
-//! NATS say, is replaced by another that begins behind the last row that came.
+//! NATS say, is replaced by another that begins after the last row that came.
 
 use std::time::{Duration, Instant};
 
@@ -26,7 +26,7 @@ const INACTIVE: Duration = Duration::from_secs(300);
 pub(super) struct Rows<'a> {
     queue: &'a Queue,
     subjects: String,
-    /// Of the stream, behind the last row.
+    /// Of the stream, after the last row.
     next: u64,
     consumer: Option<PullConsumer>,
     batch: Option<Batch>,

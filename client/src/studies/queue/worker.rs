@@ -52,7 +52,7 @@ struct Delivery {
     study: String,
     case: u64,
     id: String,
-    /// When, and how many waited behind it.
+    /// When, and how many waited after it.
     came: Instant,
     waiting: u64,
     /// Times that it was given out, this one included.

@@ -13,7 +13,7 @@ use crate::fault::Fault;
 /// Takes the bytes of a file.
 pub(crate) type Sink<'a> = dyn FnMut(&[u8]) -> std::io::Result<()> + 'a;
 
-/// Writes an upload: messages of `ReadMeshResponse`, each behind its length.
+/// Writes an upload: messages of `ReadMeshResponse`, each after its length.
 ///
 /// # Errors
 /// Those of `sink`.

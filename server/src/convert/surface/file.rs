@@ -11,7 +11,7 @@ use super::{Upload, Whole, WholeArrays, wide};
 use crate::convert::mesh::Sink;
 use crate::fault::Fault;
 
-/// Writes an upload: its messages, each behind its length.
+/// Writes an upload: its messages, each after its length.
 ///
 /// # Errors
 /// Those of `sink`.

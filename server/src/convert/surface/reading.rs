@@ -103,7 +103,7 @@ mod tests {
             let mut chunks = 0;
             for message in messages {
                 let Some(Part::Chunk(chunk)) = message.part else {
-                    unreachable!("chunks behind it");
+                    unreachable!("chunks after it");
                 };
                 assert!(chunk.data.len() <= CHUNK_BYTES);
                 upload.push(&chunk).unwrap();

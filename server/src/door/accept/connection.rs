@@ -19,7 +19,7 @@ use crate::watch::metrics::Away;
 /// handshake of transport security.
 pub(super) const HANDSHAKE: Duration = Duration::from_secs(10);
 
-/// Bytes of the preface of HTTP/2 and of the frame behind it (RFC 9113, 3.4).
+/// Bytes of the preface of HTTP/2 and of the frame after it (RFC 9113, 3.4).
 const PREFACE_BYTES: usize = 24 + 9;
 
 pub(crate) enum Stream {

@@ -95,7 +95,7 @@ impl Authorize {
     }
 }
 
-/// Whether a request is a call: `application/grpc`, with a kind of messages or parameters behind
+/// Whether a request is a call: `application/grpc`, with a kind of messages or parameters after
 /// it or not (gRPC over HTTP/2). Pages of browsers post other types.
 fn is_grpc(headers: &http::HeaderMap) -> bool {
     let kind = headers.get(http::header::CONTENT_TYPE);

@@ -18,7 +18,7 @@ use crate::door::client_name::ClientName;
 
 /// Longest file of certificates.
 const LONGEST_FILE: u64 = 4 << 20;
-/// What a connection speaks behind its handshake.
+/// What a connection speaks after its handshake.
 const PROTOCOL: &[u8] = b"h2";
 
 /// The certificates of a server, as they were read last.

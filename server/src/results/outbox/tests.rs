@@ -61,7 +61,7 @@ async fn is_pending(work: impl Future<Output = ()>) -> bool {
 }
 
 #[tokio::test]
-async fn a_result_comes_behind_its_last_iteration_with_its_fields_and_before_the_end() {
+async fn a_result_comes_after_its_last_iteration_with_its_fields_and_before_the_end() {
     let (outbox, _) = outbox(1 << 30);
     let iterations = Iterations::default();
     let mut reader = iterations.reader(Duration::ZERO);
@@ -122,7 +122,7 @@ async fn a_number_of_unread_results_closes_the_room_too() {
 }
 
 #[tokio::test]
-async fn an_iteration_of_a_result_that_was_read_is_not_sent_behind_it() {
+async fn an_iteration_of_a_result_that_was_read_is_not_sent_after_it() {
     let (outbox, _) = outbox(1000);
     let iterations = Iterations::default();
     let mut reader = iterations.reader(Duration::ZERO);

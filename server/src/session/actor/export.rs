@@ -56,21 +56,21 @@ impl Visited {
 /// Who waits for the state, who has it, and for whose answer the disk is waited for.
 #[derive(Default)]
 pub(super) struct Visits {
-    /// Each with the update behind which it comes.
+    /// Each with the update after which it comes.
     waiting: VecDeque<(i64, Visit)>,
     there: Vec<Visit>,
     done: Vec<(u64, Visited)>,
 }
 
 impl Actor {
-    /// Takes a wish to the state. Saved and restored is behind every update accepted so far:
+    /// Takes a wish to the state. Saved and restored is after every update accepted so far:
     /// one whose result a client has seen may have to be done again after a kill.
     pub(super) fn visit(&mut self, visit: Visit) {
-        let behind = match visit {
+        let due = match visit {
             Visit::Export(_) => 0,
             Visit::Save(_) | Visit::Restore(..) => self.queue.last_accepted(),
         };
-        self.visits.waiting.push_back((behind, visit));
+        self.visits.waiting.push_back((due, visit));
     }
 
     /// Whether the next one that waits may come to the state.
@@ -78,7 +78,7 @@ impl Actor {
         let next = self.queue.current().map(|one| (one.sequence, one.results));
         let (sequence, results) = next.unwrap_or((i64::MAX, 0));
         let front = self.visits.waiting.front();
-        results == 0 && front.is_some_and(|(behind, _)| *behind < sequence)
+        results == 0 && front.is_some_and(|(due, _)| *due < sequence)
     }
 
     /// Sends the state to a solver thread if somebody waits for it and no step is in it;
@@ -156,7 +156,7 @@ impl Actor {
             }
         };
         if matches!(self.place, Place::Behind) {
-            // A step was stopped meanwhile: those who wait get the state behind it.
+            // A step was stopped meanwhile: those who wait get the state after it.
             work.stop();
             self.place = Place::Home(work);
             let again = there.into_iter().rev().map(|visit| (0, visit));

@@ -36,7 +36,7 @@ pub(super) struct Log {
     /// Mark of the newest change that no replay repeats.
     fixed: u64,
     ledger: Ledger,
-    /// Event of the newest checkpoint: results behind it are needed.
+    /// Event of the newest checkpoint: results after it are needed.
     checkpoint: i64,
 }
 
@@ -201,11 +201,11 @@ impl Actor {
             saves,
         } = *self.spec.recovered.take()?;
         self.saves = Saves::new(saves);
-        let behind = checkpoint.as_ref().map_or(0, |one| one.event);
-        self.log.checkpoint = behind;
+        let checkpointed = checkpoint.as_ref().map_or(0, |one| one.event);
+        self.log.checkpoint = checkpointed;
         let mut known = Known::new();
         for result in results {
-            if let (true, Some(report)) = (result.event > behind, result.report.decode()) {
+            if let (true, Some(report)) = (result.event > checkpointed, result.report.decode()) {
                 let of_update = known.entry(result.sequence).or_default();
                 of_update.push((result.event, report, result.last));
             }
@@ -216,7 +216,7 @@ impl Actor {
             self.last_finished = newest.sequence - i64::from(!newest.last);
             self.last_report = newest.report.decode();
         }
-        self.queue.resume_behind(self.last_finished);
+        self.queue.resume_after(self.last_finished);
         let mut steps = Vec::new();
         for (update, is_cancelled) in updates {
             let sequence = update.sequence;
@@ -299,10 +299,10 @@ impl Actor {
     }
 }
 
-/// Results behind the checkpoint by update: event, report, whether it is the last one.
+/// Results after the checkpoint by update: event, report, whether it is the last one.
 type Known = BTreeMap<i64, Vec<(i64, wire::StepReport, bool)>>;
 
-/// What an earlier server did in an update, behind the checkpoint.
+/// What an earlier server did in an update, after the checkpoint.
 fn replay_step(
     update: &Update,
     results: Vec<(i64, wire::StepReport, bool)>,

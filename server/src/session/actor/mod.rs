@@ -287,7 +287,7 @@ impl Actor {
             self.refuse_all(&fault);
             self.refuse_exports(&fault);
         } else if self.export() {
-            // The step behind waits.
+            // The step after waits.
         } else if self.queue.is_empty() {
             self.end_finished_streams();
         } else if self.writer_has_room() && self.log.has_room() && self.has_memory() {

@@ -17,7 +17,7 @@ pub(super) struct Ending {
     pub(super) cause: Option<Cause>,
     /// What a replay would take for it.
     pub(super) cost: Cost,
-    /// Where one was due behind it.
+    /// Where one was due after it.
     pub(super) checkpoint: Option<Checkpoint>,
 }
 

@@ -97,7 +97,7 @@ impl Actor {
         }
     }
 
-    /// The current update was faulty; those behind it have lost their place.
+    /// The current update was faulty; those after it have lost their place.
     pub(super) fn refuse_current(&mut self, fault: &Fault) {
         let expected = self.queue.current_sequence();
         self.log_withdrawn(expected);

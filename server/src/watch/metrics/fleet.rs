@@ -68,7 +68,7 @@ impl Metrics {
         self.counter(TAKEN, &[]).increment(1);
     }
 
-    /// A record came behind that of another server.
+    /// A record came after that of another server.
     pub(crate) fn fleet_fenced(&self) {
         self.counter(FENCED, &[]).increment(1);
     }

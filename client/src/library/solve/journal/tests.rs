@@ -146,7 +146,7 @@ fn a_session_that_has_lost_results_is_another_session() {
 }
 
 #[test]
-fn a_rejected_update_takes_those_behind_it_with_it_once() {
+fn a_rejected_update_takes_those_after_it_with_it_once() {
     let mut journal = journal(5);
     sent(&mut journal);
     let events = journal.take(rejection(2)).unwrap();
@@ -176,7 +176,7 @@ fn a_rejected_update_takes_those_behind_it_with_it_once() {
 }
 
 #[test]
-fn updates_behind_a_rejected_one_are_not_sent_on_a_new_connection() {
+fn updates_after_a_rejected_one_are_not_sent_on_a_new_connection() {
     let mut journal = journal(3);
     sent(&mut journal);
     journal.take(rejection(2)).unwrap();
