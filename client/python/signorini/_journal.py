@@ -131,7 +131,7 @@ class Journal:
         self.window = max(opened.max_in_flight, 1)
         self.updates: deque[tuple[int, pb.SolveRequest]] = deque()
         self.cancels: dict[int, bool] = {}
-        # Sent behind a rejected update; their own rejections are given already.
+        # Sent after a rejected update; their own rejections are given already.
         self.doomed: set[int] = set()
 
     @property
@@ -195,7 +195,7 @@ class Journal:
         self.cancels = {one: gone for one, gone in self.cancels.items() if one > sequence}
 
     def rejection(self, rejected: Rejected) -> list[Event]:
-        """A rejected update takes those behind it with it; their sequences are free again."""
+        """A rejected update takes those after it with it; their sequences are free again."""
         first = rejected.sequence
         if first in self.doomed:
             self.doomed.remove(first)
@@ -226,7 +226,7 @@ class Journal:
 
 
 def gap(sequence: int, expected: int) -> RefusedError:
-    """What the server answers to an update behind a rejected one."""
+    """What the server answers to an update after a rejected one."""
     message = f"update {sequence} leaves a gap: {expected} is expected"
     return SessionError(message, "SEQUENCE_GAP", "OUT_OF_RANGE", {"expected": str(expected)})
 

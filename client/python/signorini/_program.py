@@ -96,7 +96,7 @@ def read_surface(command: str, path: Path) -> list[bytes]:
 
 
 def delimited(data: bytes) -> Iterator[bytes]:
-    """Messages that stand behind their lengths."""
+    """Messages that follow their lengths."""
     view, at = memoryview(data), 0
     while at < len(data):
         size, shift = 0, 0

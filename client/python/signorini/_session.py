@@ -121,7 +121,7 @@ class Session:
         return self._client.cancel(self.name)
 
     def save(self) -> int:
-        """Keeps the state behind all updates sent so far, to go back to; its number.
+        """Keeps the state after all updates sent so far, to go back to; its number.
 
         A session keeps the newest eight.
         """

@@ -102,7 +102,7 @@ class Arrays:
             self._take_step(number, step)
 
     def _take_step(self, number: int, step: dict[str, Any]) -> None:
-        """The arrays of a step: its targets are put in whole, behind those that the text has."""
+        """The arrays of a step: its targets are put in whole, after those that the text has."""
         for plural, kind in (("supports", "support"), ("tractions", "traction")):
             for name, table in list(step.get(kind, {}).items()):
                 find = partial(target_of, step=number, kind=plural, name=name)

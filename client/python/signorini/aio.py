@@ -150,7 +150,7 @@ class Session:
         return await self._send(move_request({**(moves or {}), **named}, increments, max_wall_time))
 
     async def save(self) -> int:
-        """Keeps the state behind all updates sent so far, to go back to; its number."""
+        """Keeps the state after all updates sent so far, to go back to; its number."""
         await self._settle()
         answer = await self._ask(self._stub.SaveState, pb.SaveStateRequest(name=self.name))
         return int(answer.save)

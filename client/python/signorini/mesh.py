@@ -118,7 +118,7 @@ class Mesh:
 
     @cached_property
     def edges(self) -> Indices:
-        """Ends of the unique edges of all cells, [edges, 2]: nodes behind the vertices, in this order."""
+        """Ends of the unique edges of all cells, [edges, 2]: nodes after the vertices, in this order."""
         count = self.cells.shape[1]
         pairs = [self.cells[:, [i, j]] for i in range(count) for j in range(i + 1, count)]
         unique: Indices = np.unique(np.sort(np.concatenate(pairs), axis=1), axis=0)

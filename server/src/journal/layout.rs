@@ -27,11 +27,7 @@ pub(super) fn prepare(folder: &Path) -> Result<(), JournalError> {
         return check(folder);
     }
     let database = folder.join(DATABASE_FILE);
-    let has_entries = if is_filled(&database) {
-        !database::is_unused(&database)?
-    } else {
-        false
-    };
+    let has_entries = is_filled(&database) && !database::is_unused(&database)?;
     if has_entries || has_files(folder) {
         return Err(lost(folder, "it has entries and no file FORMAT"));
     }

@@ -29,7 +29,6 @@ use crate::door::refusal;
 use crate::fault::Fault;
 use crate::fleet::Wish;
 use crate::journal::{Change, JournalError, Listed};
-use crate::registry::wake;
 use crate::session::{Handle, Services, SessionEnd};
 use crate::watch::metrics::Metrics;
 use claim::Waking;

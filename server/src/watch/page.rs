@@ -2,6 +2,7 @@
 //! and `/livez` for probes, and `/`, which says so. That of a server is on loopback.
 
 use std::convert::Infallible;
+#[cfg(feature = "fleet")]
 use std::sync::Arc;
 use std::time::Duration;
 
