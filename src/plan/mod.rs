@@ -17,6 +17,7 @@ mod factor;
 mod friction;
 pub(crate) mod held;
 pub(crate) mod held_nodes;
+mod key;
 mod near;
 mod overlap;
 pub(crate) mod p1;
@@ -34,15 +35,13 @@ mod tools;
 mod true_surface;
 mod units;
 
-use sha2::{Digest, Sha256};
-
 use crate::linalg::cholesky::Precision;
 use crate::mesh::{EdgeOffset, Mesh, MeshId};
 use crate::report::Unknowns;
 use crate::scene::validate::{Resolved, ResolvedObstacle, build, resolve};
 use crate::scene::{
-    ContactSpace, DisplacementMethod, ElementKind, MetricKind, Named, ReportScope, Scene,
-    SceneError, SceneKind, Step, Violation,
+    ContactSpace, DisplacementMethod, ElementKind, MetricKind, ReportScope, Scene, SceneError,
+    Step, Violation,
 };
 use crate::space::TaylorHood;
 
@@ -304,78 +303,6 @@ impl Plan {
     /// The mesh this plan is for.
     pub fn mesh_id(&self) -> MeshId {
         self.mesh_id
-    }
-
-    /// Key of the prepared data: mesh, held unknowns, non-dimensional
-    /// materials, kind, formulation, candidate surface. Loads, obstacles, prescribed
-    /// values and units are not part of it.
-    pub fn key(&self) -> PreparedKey {
-        let mut hash = Sha256::new();
-        hash.update(self.mesh_id.as_bytes());
-        hash.update([self.element.number()]);
-        hash.update([u8::from(self.resolved.mixed), self.smoother_degree as u8]);
-        hash.update([u8::from(self.is_floating()), self.p1.solver as u8]);
-        hash.update([self.displacement as u8]);
-        hash.update(self.penalty().to_le_bytes());
-        hash.update(self.key_of_inverse());
-        for (unknown, _) in &self.held {
-            hash.update(unknown.to_le_bytes());
-        }
-        for one in &self.held_nodes {
-            hash.update(one.held.node.to_le_bytes());
-            let directions = one.held.directions().as_flattened();
-            directions.iter().for_each(|x| hash.update(x.to_le_bytes()));
-        }
-        hash.update(u64::MAX.to_le_bytes());
-        if self.resolved.kind == SceneKind::Axisymmetric {
-            hash.update(b"axisymmetric");
-        }
-        for material in &self.resolved.materials {
-            let shear = material.law.shear_modulus / self.units.stress;
-            let inverse = material.law.inverse_lame * self.units.stress;
-            hash.update(shear.to_le_bytes());
-            hash.update(inverse.to_le_bytes());
-            if material.law.direct_lame != 0.0 {
-                let direct = material.law.direct_lame / self.units.stress;
-                hash.update(direct.to_le_bytes());
-            }
-            if let Some(rubber) = &material.rubber {
-                rubber
-                    .over(self.units.stress)
-                    .isochoric
-                    .hash_into(&mut hash);
-                hash.update(self.strain_degree().to_le_bytes());
-            }
-        }
-        for material in &self.resolved.cell_material {
-            hash.update(material.to_le_bytes());
-        }
-        for vertex in &self.contact_vertices {
-            hash.update(vertex.to_le_bytes());
-        }
-        if self.has_quadratic_multipliers() {
-            hash.update(self.contact_space.name());
-        }
-        for one in &self.fitted {
-            hash.update(b"arc");
-            one.ends
-                .iter()
-                .for_each(|end| hash.update(end.to_le_bytes()));
-            one.offset.iter().for_each(|x| hash.update(x.to_le_bytes()));
-        }
-        for obstacle in self.obstacles.iter().filter(|obstacle| obstacle.is_rough) {
-            hash.update(b"rough");
-            let facets = obstacle.facets.iter();
-            facets.for_each(|facet| hash.update(facet.to_le_bytes()));
-        }
-        let supports = self.resolved.supports.iter();
-        for patch in supports.flat_map(|support| &support.patches) {
-            hash.update(b"guided");
-            patch
-                .iter()
-                .for_each(|facet| hash.update(facet.to_le_bytes()));
-        }
-        PreparedKey(hash.finalize().into())
     }
 
     /// Weight r of the grad-div term of a linear body, in units of the shear modulus.

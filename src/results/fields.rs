@@ -23,55 +23,37 @@ pub(crate) fn field(
     name: FieldName,
 ) -> Option<FieldData> {
     let units = &model.plan.units;
-    let has_contact = !model.interfaces.list.is_empty();
     let (components, values) = match name {
         FieldName::Displacement => {
             let nodal = model.prepared.space.node_values(&state.displacement);
             (3, on_nodes(model, &nodal, units.length))
         }
-        FieldName::NodalForce => (
-            3,
-            on_nodes(model, &nodal_force(model, state), units.force()),
-        ),
-        FieldName::Pressure if state.pressure.is_empty() => return None,
-        FieldName::Pressure => {
-            let shares = pressure_shares(model);
-            let values = state.pressure.iter().zip(&shares);
-            (
-                1,
-                on_uploaded(model, values.map(|(p, share)| share * p * units.stress)),
-            )
+        FieldName::NodalForce => {
+            let nodal = nodal_force(model, state);
+            (3, on_nodes(model, &nodal, units.force()))
         }
-        FieldName::ContactPressure
-        | FieldName::ContactPressureDeformed
-        | FieldName::ContactPressureUndeformed
-        | FieldName::Gap
-        | FieldName::ContactState
-            if !has_contact =>
-        {
-            return None;
-        }
+        FieldName::Pressure => (1, pressure(model, state)?),
         FieldName::FrictionTraction => (3, friction_traction(model, state)?),
         FieldName::Slip => (3, slip(model, state)?),
         FieldName::LowestMode => (3, lowest_mode(model, mode?)),
-        FieldName::ContactPressure => (1, Touching::of(model, state).pressure()),
-        FieldName::Gap => (1, Touching::of(model, state).gap()),
-        FieldName::ContactState => (1, Touching::of(model, state).contact_state()),
-        FieldName::Stress => (
-            6,
-            per_cell(model, |cell| stress(model, state, cell).to_vec()),
-        ),
-        FieldName::Jacobian => (
-            1,
-            per_cell(model, |cell| vec![jacobian(model, state, cell)]),
-        ),
+        FieldName::Stress => {
+            let of_cell = |cell| stress(model, state, cell).to_vec();
+            (6, per_cell(model, of_cell))
+        }
+        FieldName::Jacobian => {
+            let of_cell = |cell| vec![jacobian(model, state, cell)];
+            (1, per_cell(model, of_cell))
+        }
         FieldName::ErrorEstimate if model.plan.resolved.is_rubber() => return None,
         FieldName::ErrorEstimate => (1, cell_estimates(model, state)),
+        FieldName::ContactPressure => (1, touching(model, state)?.pressure()),
+        FieldName::Gap => (1, touching(model, state)?.gap()),
+        FieldName::ContactState => (1, touching(model, state)?.contact_state()),
         FieldName::ContactPressureDeformed if !model.is_rubber() => return None,
-        FieldName::ContactPressureDeformed => (1, Touching::of(model, state).pressure()),
+        FieldName::ContactPressureDeformed => (1, touching(model, state)?.pressure()),
         FieldName::ContactPressureUndeformed => {
+            let touching = touching(model, state)?;
             let pressure = finite_strain::undeformed_pressure(model, state)?;
-            let touching = Touching::of(model, state);
             (1, touching.at_nodes(&pressure))
         }
     };
@@ -80,6 +62,26 @@ pub(crate) fn field(
         components,
         values,
     })
+}
+
+/// The pressures of the volume constraint at the vertices; none in a body without them.
+fn pressure(model: &Model<'_>, state: &State) -> Option<Vec<f64>> {
+    if state.pressure.is_empty() {
+        return None;
+    }
+    let stress = model.plan.units.stress;
+    let shares = pressure_shares(model);
+    let values = state.pressure.iter().zip(&shares);
+    Some(on_uploaded(
+        model,
+        values.map(|(p, share)| share * p * stress),
+    ))
+}
+
+/// The fields of contact; none without contact.
+fn touching<'a>(model: &Model<'a>, state: &'a State) -> Option<Touching<'a>> {
+    let has_contact = !model.interfaces.list.is_empty();
+    has_contact.then(|| Touching::of(model, state))
 }
 
 /// Internal pressure over the pressure unknown in a cell.

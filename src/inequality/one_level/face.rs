@@ -240,7 +240,7 @@ impl Faces<'_, '_> {
             let force = &mut packed.r[..iterate.force.len()];
             augmented.add_force(1.0, gap, (force, run.work));
         }
-        let mut monitor = FaceMonitor {
+        let monitor = FaceMonitor {
             displacement: iterate.force.len(),
             equality: self.blocks.equality_unknowns(),
             moduli: self.blocks.contact.moduli,
@@ -257,27 +257,12 @@ impl Faces<'_, '_> {
             active: self.blocks.contact_of(iterate).closed(),
             progress: run.progress,
         };
-        monitor.start = monitor.measure(&packed.r).1;
-        monitor.reached = monitor.start <= run.targets.level;
-        let mut failed = None;
-        if !monitor.reached {
-            let means = Means {
-                directions: run.directions,
-                iterations,
-                work: run.work,
-            };
-            let outcome = self.krylov(&restricted, &mut packed, &mut monitor, means);
-            failed = if monitor.interrupted {
-                Some(QpStatus::Interrupted)
-            } else {
-                QpStatus::failure(outcome)
-            };
-        }
-        let face = Face {
-            iterations: monitor.iterations,
-            reached: monitor.reached,
-            failed,
+        let means = Means {
+            directions: run.directions,
+            iterations,
+            work: run.work,
         };
+        let face = self.descend(&restricted, &mut packed, monitor, means);
         self.unpack(iterate, &packed, run.work);
         if let Some(augmented) = &restricted.augmented {
             let du = &packed.x[..iterate.force.len()];
@@ -288,6 +273,32 @@ impl Faces<'_, '_> {
         run.work.give(packed.x);
         run.work.give(packed.r);
         Ok(face)
+    }
+
+    /// Solves on the face where its start does not reach the targets.
+    fn descend(
+        &self,
+        restricted: &Restricted<'_>,
+        packed: &mut Packed,
+        mut monitor: FaceMonitor<'_, '_>,
+        means: Means<'_>,
+    ) -> Face {
+        monitor.start = monitor.measure(&packed.r).1;
+        monitor.reached = monitor.start <= monitor.targets.level;
+        let mut failed = None;
+        if !monitor.reached {
+            let outcome = self.krylov(restricted, packed, &mut monitor, means);
+            failed = if monitor.interrupted {
+                Some(QpStatus::Interrupted)
+            } else {
+                QpStatus::failure(outcome)
+            };
+        }
+        Face {
+            iterations: monitor.iterations,
+            reached: monitor.reached,
+            failed,
+        }
     }
 
     /// Runs GCR on the face from where `packed` stands; the directions that it finds

@@ -167,40 +167,7 @@ impl Volumes {
             let entries = seen.column_mut(volume).iter_mut().zip(selected);
             entries.for_each(|(entry, &row)| *entry = of.volumes.at(volume, row));
         }
-        let numbers: Vec<usize> = (0..count).collect();
-        let panel = |work: &mut Workspace, panel: &[usize]| {
-            let mut alone = DenseMatrix::zeros(selected.len(), panel.len());
-            let mut on_traces = DenseMatrix::zeros(traces.size(), panel.len());
-            for (column, &volume) in panel.iter().enumerate() {
-                alone
-                    .column_mut(column)
-                    .copy_from_slice(seen.column(volume));
-            }
-            nodes.solve(alone.entries_mut(), panel.len(), work);
-            for column in 0..panel.len() {
-                gather(
-                    &touched.rows,
-                    alone.column(column),
-                    on_traces.column_mut(column),
-                );
-            }
-            (on_traces, seen.transposed_times(&alone))
-        };
-        let panels: Vec<(DenseMatrix, DenseMatrix)> = numbers
-            .par_chunks(PANEL)
-            .map_init(Workspace::new, |work, numbers| panel(work, numbers))
-            .collect();
-        let mut on_traces = DenseMatrix::zeros(traces.size(), count);
-        let mut left = DenseMatrix::zeros(count, count);
-        for (panel, (traces, seen)) in panels.iter().enumerate() {
-            for column in 0..traces.columns() {
-                let volume = panel * PANEL + column;
-                on_traces
-                    .column_mut(volume)
-                    .copy_from_slice(traces.column(column));
-                left.column_mut(volume).copy_from_slice(seen.column(column));
-            }
-        }
+        let (on_traces, mut left) = solved(&seen, (nodes, touched), traces.size());
         let mut moved = on_traces.clone();
         traces.solve_all(&mut moved);
         let through_traces = on_traces.transposed_times(&moved);
@@ -218,6 +185,46 @@ impl Volumes {
             moved,
         })
     }
+}
+
+/// `V^T N^-1 W` `[traces, volumes]` and `W^T N^-1 W` `[volumes, volumes]`, W being `seen`.
+fn solved(
+    seen: &DenseMatrix,
+    (nodes, touched): (&SparseCholesky, &Touched),
+    size: usize,
+) -> (DenseMatrix, DenseMatrix) {
+    let count = seen.columns();
+    let numbers: Vec<usize> = (0..count).collect();
+    let panel = |work: &mut Workspace, panel: &[usize]| {
+        let mut alone = DenseMatrix::zeros(seen.rows(), panel.len());
+        let mut on_traces = DenseMatrix::zeros(size, panel.len());
+        for (column, &volume) in panel.iter().enumerate() {
+            let own = alone.column_mut(column);
+            own.copy_from_slice(seen.column(volume));
+        }
+        nodes.solve(alone.entries_mut(), panel.len(), work);
+        for column in 0..panel.len() {
+            let place = on_traces.column_mut(column);
+            gather(&touched.rows, alone.column(column), place);
+        }
+        (on_traces, seen.transposed_times(&alone))
+    };
+    let panels: Vec<(DenseMatrix, DenseMatrix)> = numbers
+        .par_chunks(PANEL)
+        .map_init(Workspace::new, |work, numbers| panel(work, numbers))
+        .collect();
+    let mut on_traces = DenseMatrix::zeros(size, count);
+    let mut products = DenseMatrix::zeros(count, count);
+    for (panel, (traces, seen)) in panels.iter().enumerate() {
+        for column in 0..traces.columns() {
+            let volume = panel * PANEL + column;
+            let own = on_traces.column_mut(volume);
+            own.copy_from_slice(traces.column(column));
+            let own = products.column_mut(volume);
+            own.copy_from_slice(seen.column(column));
+        }
+    }
+    (on_traces, products)
 }
 
 /// N with its lift on the part, lower triangle.

@@ -116,13 +116,8 @@ pub(crate) fn resolve<'a>(
         return Err(SceneError::Invalid(faults.violations));
     }
     let kind = kind(scene, mesh, &mut faults);
-    if let Some(scale) = scene.mesh_scale
-        && !(scale > 0.0 && scale.is_finite())
-    {
-        faults.add(
-            "mesh_scale",
-            format!("must be above zero and finite, not {scale}"),
-        );
+    if let Some(scale) = scene.mesh_scale {
+        faults.above_zero("mesh_scale", scale);
     }
     let (mut materials, cell_material) = materials::resolve(scene, mesh, &mut faults);
     let mixed = materials::mixed(scene, &mut materials, &mut faults);

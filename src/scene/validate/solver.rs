@@ -4,7 +4,7 @@ use super::Faults;
 use crate::element::quadrature::MAXIMUM_DEGREE;
 use crate::scene::{
     Choice, ContactSpace, DisplacementMethod, ElementKind, ErrorEstimate, MaterialModel, Named,
-    P1Solver, SaddleMethod, Scene, ToleranceRule,
+    P1Solver, SaddleMethod, Scene, SolverOptions, ToleranceRule,
 };
 
 /// Larger weights make the displacement block as stiff in volume as the
@@ -166,32 +166,14 @@ pub(crate) fn check_element(scene: &Scene, mixed: bool, faults: &mut Faults) {
         let path = format!("obstacle.{}", obstacle.name);
         refuse(path, "serves scenes without contact; `mini` serves both");
     }
-    if let Some(support) = scene
-        .supports
-        .iter()
-        .find(|support| support.normal.is_some())
-    {
+    let mut supports = scene.supports.iter();
+    if let Some(support) = supports.find(|support| support.normal.is_some()) {
         let path = format!("support.{}.normal", support.name);
         refuse(path, "serves supports that hold components");
     }
-    if solver.verify {
-        let path = "solver.verify".to_owned();
-        refuse(path, "has no second path that recomputes its residuals");
-    }
-    if solver.tolerance_rule == ToleranceRule::Discretisation {
-        let path = "solver.tolerance".to_owned();
-        refuse(path, "has no estimate of its discretisation error");
-    }
-    if solver.penalty.is_some_and(|weight| weight > 0.0) {
-        let path = "solver.penalty".to_owned();
-        refuse(path, "has no grad-div term");
-    }
-    if solver.contact_space == Choice::Named(ContactSpace::Quadratic) {
-        let path = "solver.contact_space".to_owned();
-        refuse(
-            path,
-            "has no quadratic trace for `quadratic`; `linear` serves",
-        );
+    let lacks = lacks(solver);
+    for (key, why, _) in lacks.iter().filter(|(_, _, is_asked_for)| *is_asked_for) {
+        refuse(format!("solver.{key}"), why);
     }
     let methods = [
         (
@@ -208,6 +190,33 @@ pub(crate) fn check_element(scene: &Scene, mixed: bool, faults: &mut Faults) {
             "brings its own: leave it at `auto`",
         );
     }
+}
+
+/// Keys of the solver that elements for comparison have nothing for, each with what they lack and
+/// whether the scene asks for it.
+fn lacks(solver: &SolverOptions) -> [(&'static str, &'static str, bool); 4] {
+    [
+        (
+            "verify",
+            "has no second path that recomputes its residuals",
+            solver.verify,
+        ),
+        (
+            "tolerance",
+            "has no estimate of its discretisation error",
+            solver.tolerance_rule == ToleranceRule::Discretisation,
+        ),
+        (
+            "penalty",
+            "has no grad-div term",
+            solver.penalty.is_some_and(|weight| weight > 0.0),
+        ),
+        (
+            "contact_space",
+            "has no quadratic trace for `quadratic`; `linear` serves",
+            solver.contact_space == Choice::Named(ContactSpace::Quadratic),
+        ),
+    ]
 }
 
 /// Checks that the method for contact takes its metric and the supports.

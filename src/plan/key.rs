@@ -1,0 +1,89 @@
+//! The key of the prepared data: a digest of mesh, held unknowns, non-dimensional materials, kind,
+//! formulation and candidate surface. Loads, obstacles, prescribed values and units are no part
+//! of it. Cost: one pass over held unknowns, cells and contact faces.
+
+use sha2::{Digest, Sha256};
+
+use super::{Plan, PreparedKey};
+use crate::scene::{Named, SceneKind};
+
+impl Plan {
+    /// Key of the prepared data.
+    pub fn key(&self) -> PreparedKey {
+        let mut hash = Sha256::new();
+        hash.update(self.mesh_id.as_bytes());
+        hash.update([self.element.number()]);
+        hash.update([u8::from(self.resolved.mixed), self.smoother_degree as u8]);
+        hash.update([u8::from(self.is_floating()), self.p1.solver as u8]);
+        hash.update([self.displacement as u8]);
+        hash.update(self.penalty().to_le_bytes());
+        hash.update(self.key_of_inverse());
+        self.hash_held(&mut hash);
+        hash.update(u64::MAX.to_le_bytes());
+        if self.resolved.kind == SceneKind::Axisymmetric {
+            hash.update(b"axisymmetric");
+        }
+        self.hash_materials(&mut hash);
+        self.hash_surfaces(&mut hash);
+        PreparedKey(hash.finalize().into())
+    }
+
+    /// What supports hold.
+    fn hash_held(&self, hash: &mut Sha256) {
+        for (unknown, _) in &self.held {
+            hash.update(unknown.to_le_bytes());
+        }
+        for one in &self.held_nodes {
+            hash.update(one.held.node.to_le_bytes());
+            let directions = one.held.directions().as_flattened();
+            directions.iter().for_each(|x| hash.update(x.to_le_bytes()));
+        }
+    }
+
+    /// The laws, and which of them each cell has.
+    fn hash_materials(&self, hash: &mut Sha256) {
+        let stress = self.units.stress;
+        for material in &self.resolved.materials {
+            hash.update((material.law.shear_modulus / stress).to_le_bytes());
+            hash.update((material.law.inverse_lame * stress).to_le_bytes());
+            if material.law.direct_lame != 0.0 {
+                hash.update((material.law.direct_lame / stress).to_le_bytes());
+            }
+            if let Some(rubber) = &material.rubber {
+                rubber.over(stress).isochoric.hash_into(hash);
+                hash.update(self.strain_degree().to_le_bytes());
+            }
+        }
+        for material in &self.resolved.cell_material {
+            hash.update(material.to_le_bytes());
+        }
+    }
+
+    /// Contact vertices, functions of the contact pressure, fitted edges, facets with friction and
+    /// those that supports guide.
+    fn hash_surfaces(&self, hash: &mut Sha256) {
+        for vertex in &self.contact_vertices {
+            hash.update(vertex.to_le_bytes());
+        }
+        if self.has_quadratic_multipliers() {
+            hash.update(self.contact_space.name());
+        }
+        for one in &self.fitted {
+            hash.update(b"arc");
+            let ends = one.ends.iter();
+            ends.for_each(|end| hash.update(end.to_le_bytes()));
+            one.offset.iter().for_each(|x| hash.update(x.to_le_bytes()));
+        }
+        for obstacle in self.obstacles.iter().filter(|obstacle| obstacle.is_rough) {
+            hash.update(b"rough");
+            let facets = obstacle.facets.iter();
+            facets.for_each(|facet| hash.update(facet.to_le_bytes()));
+        }
+        let supports = self.resolved.supports.iter();
+        for patch in supports.flat_map(|support| &support.patches) {
+            hash.update(b"guided");
+            let facets = patch.iter();
+            facets.for_each(|facet| hash.update(facet.to_le_bytes()));
+        }
+    }
+}
