@@ -11,6 +11,7 @@
 //! that it moves as one register. Numbers that a kernel does not write carry
 //! what was gathered, and callers ignore them.
 
+pub(super) mod part;
 pub(super) mod points;
 
 use pulp::Simd;
@@ -18,8 +19,9 @@ use pulp::Simd;
 use super::lanes::{Lanes, Pack, WIDTH};
 use super::transpose::{Batched, Row, Transpose};
 use crate::linalg::Scalar;
+use part::ElementPart;
 pub use points::edge_factor;
-use points::{Elastic, ElementPart, Pressed, Tangent};
+use points::{Elastic, Pressed, Tangent};
 
 /// Place of the pressure in a row.
 pub const PRESSURE: usize = 3;

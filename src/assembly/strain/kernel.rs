@@ -6,7 +6,8 @@ use pulp::Simd;
 use super::bend::{Bend, BendAt, Curve};
 use super::points::{VertexGradients, at_point, hats};
 use super::ring::{Ring, RingForces};
-use crate::assembly::kernel::points::{ElementPart, Vectors, traction, zeros};
+use crate::assembly::kernel::part::ElementPart;
+use crate::assembly::kernel::points::{Vectors, traction, zeros};
 use crate::assembly::kernel::{
     Batch, Element, NodeLanes, PRESSURE, edge_pairs, edge_share, gather, scatter,
 };
@@ -17,6 +18,10 @@ use crate::geometry::tensor::{Tensor, product};
 
 /// A point of a batch.
 pub(super) struct Site<'a, S: Simd, const V: usize> {
+    /// Its number in the rule.
+    pub(super) index: usize,
+    /// Its measure.
+    pub(super) weight: Pack<S>,
     /// Barycentric coordinates.
     pub(super) hats: &'a [Pack<S>; V],
     /// F0 of curved cells.
@@ -36,14 +41,8 @@ impl<S: Simd, const V: usize> Site<'_, S, V> {
 
 /// What happens at a point: a stress follows from a displacement gradient.
 pub(super) trait PointLaw<S: Simd, const V: usize> {
-    /// `weight` is the measure.
-    fn stress(
-        &mut self,
-        point: usize,
-        site: &Site<'_, S, V>,
-        weight: Pack<S>,
-        gradient: &Tensor<Pack<S>>,
-    ) -> Tensor<Pack<S>>;
+    /// The stress at a point.
+    fn stress(&mut self, site: &Site<'_, S, V>, gradient: &Tensor<Pack<S>>) -> Tensor<Pack<S>>;
 }
 
 impl<S: Simd, const V: usize, const E: usize> ElementPart<'_, S, V, E> {
@@ -131,13 +130,14 @@ pub(super) fn moments<S: Simd, const V: usize, const D: usize, const E: usize>(
     for (index, (point, weight)) in rule.points.iter().zip(&rule.weights).enumerate() {
         let hats = hats::<S, V>(simd, point);
         let bend = cells.bend.as_ref().map(|bend| bend.at(simd, &hats));
-        let site = Site {
+        let mut site = Site {
+            index,
+            weight: cells.volume * *weight,
             hats: &hats,
             bend: bend.as_ref(),
         };
-        let mut weight = cells.volume * *weight;
         if let Some(bend) = &bend {
-            weight = weight * bend.measure;
+            site.weight = site.weight * bend.measure;
         }
         let mut gradient = site.on_curved(at_point(simd, &hats, &cells.vertex));
         let around = cells
@@ -145,18 +145,18 @@ pub(super) fn moments<S: Simd, const V: usize, const D: usize, const E: usize>(
             .as_ref()
             .map(|ring| ring.at(&hats, cells.bend.as_ref().map(|bend| &bend.radii)));
         if let Some(around) = &around {
-            weight = weight * around.share;
+            site.weight = site.weight * around.share;
             gradient[2][2] = around.hoop;
         }
-        let mut stress = law.stress(index, &site, weight, &gradient);
+        let mut stress = law.stress(&site, &gradient);
         if let Some(around) = &around {
-            forces.add(around, &hats, weight, stress[2][2]);
+            forces.add(around, &hats, site.weight, stress[2][2]);
         }
         if let Some(bend) = &bend {
             stress = bend.pulled::<D>(&stress);
         }
         for (hat, moment) in hats.iter().zip(&mut out) {
-            let factor = *hat * weight;
+            let factor = *hat * site.weight;
             for i in 0..D {
                 for j in 0..D {
                     moment[i][j] = moment[i][j].plus_product(factor, stress[i][j]);

@@ -38,9 +38,12 @@ pub(super) fn add_moments<S: Simd, const V: usize>(
 /// least J tells.
 #[inline(always)]
 pub(super) fn root<S: Simd>(volume_change: Pack<S>) -> Pack<S> {
-    volume_change.each(|change| match change > -1.0 {
-        true => (1.0 + change).cbrt().recip(),
-        false => 1.0,
+    volume_change.each(|change| {
+        if change > -1.0 {
+            (1.0 + change).cbrt().recip()
+        } else {
+            1.0
+        }
     })
 }
 
@@ -88,13 +91,7 @@ pub(super) struct Respond<'a, S: Simd, const V: usize> {
 
 impl<S: Simd, const V: usize> PointLaw<S, V> for Respond<'_, S, V> {
     #[inline(always)]
-    fn stress(
-        &mut self,
-        _point: usize,
-        site: &Site<'_, S, V>,
-        weight: Pack<S>,
-        gradient: &Tensor<Pack<S>>,
-    ) -> Tensor<Pack<S>> {
+    fn stress(&mut self, site: &Site<'_, S, V>, gradient: &Tensor<Pack<S>>) -> Tensor<Pack<S>> {
         let change = volume_change(gradient);
         let mut lanes = <Lanes>::zero();
         change.store(&mut lanes, 0);
@@ -104,13 +101,13 @@ impl<S: Simd, const V: usize> PointLaw<S, V> for Respond<'_, S, V> {
         let at = Deformation::new(*gradient, root(change));
         let pressure = interpolate(site.hats, &self.pressures);
         let energy = self.law.energy(&at) + self.volume.energy(change, pressure);
-        self.energy = self.energy.plus_product(weight, energy);
-        add_moments(&mut self.volumes, site.hats, weight * at.volume_change);
+        self.energy = self.energy.plus_product(site.weight, energy);
+        add_moments(&mut self.volumes, site.hats, site.weight * at.volume_change);
         let pressure = pressure - self.volume.pressure(change, pressure);
         let mut stress = plus(&self.law.stress(&at), -pressure, &at.cofactor);
         if !self.stretches.is_empty() {
             let energy = stretches::add_response(self.stretches, gradient, &mut stress);
-            self.energy = self.energy.plus_product(weight, energy);
+            self.energy = self.energy.plus_product(site.weight, energy);
         }
         stress
     }
@@ -129,19 +126,13 @@ pub(super) struct Roots<'a> {
 
 impl<S: Simd, const V: usize> PointLaw<S, V> for Roots<'_> {
     #[inline(always)]
-    fn stress(
-        &mut self,
-        point: usize,
-        _site: &Site<'_, S, V>,
-        _weight: Pack<S>,
-        gradient: &Tensor<Pack<S>>,
-    ) -> Tensor<Pack<S>> {
-        root(volume_change(gradient)).store(&mut self.roots.borrow_mut()[point], self.part);
-        if let Some(hoop) = self.hoops.borrow_mut().get_mut(point) {
+    fn stress(&mut self, site: &Site<'_, S, V>, gradient: &Tensor<Pack<S>>) -> Tensor<Pack<S>> {
+        root(volume_change(gradient)).store(&mut self.roots.borrow_mut()[site.index], self.part);
+        if let Some(hoop) = self.hoops.borrow_mut().get_mut(site.index) {
             gradient[2][2].store(hoop, self.part);
         }
         if !self.stretches.is_empty() {
-            let tangents = &mut self.tangents.borrow_mut()[point * TANGENT..];
+            let tangents = &mut self.tangents.borrow_mut()[site.index * TANGENT..];
             stretches::store_tangent(self.stretches, gradient, tangents, self.part);
         }
         *gradient
@@ -165,12 +156,12 @@ pub(super) struct Frozen<'a, S: Simd, const V: usize, const D: usize> {
 
 impl<S: Simd, const V: usize, const D: usize> Frozen<'_, S, V, D> {
     #[inline(always)]
-    pub(super) fn at(&self, point: usize, site: &Site<'_, S, V>) -> Deformation<Pack<S>> {
+    pub(super) fn at(&self, site: &Site<'_, S, V>) -> Deformation<Pack<S>> {
         let mut gradient = site.on_curved(at_point(self.simd, site.hats, &self.gradients));
-        if let Some(hoop) = self.hoops.get(point) {
+        if let Some(hoop) = self.hoops.get(site.index) {
             gradient[2][2] = Pack::load(self.simd, hoop, self.part);
         }
-        let root = Pack::load(self.simd, &self.roots[point], self.part);
+        let root = Pack::load(self.simd, &self.roots[site.index], self.part);
         Deformation::new(gradient, root)
     }
 
@@ -197,14 +188,14 @@ impl<S: Simd, const V: usize, const D: usize> Frozen<'_, S, V, D> {
     #[inline(always)]
     fn stiffness(
         &self,
-        (point, site): (usize, &Site<'_, S, V>),
-        at: &Deformation<Pack<S>>,
+        site: &Site<'_, S, V>,
         (law, volumetric): (&InvariantLaw<Pack<S>>, Pack<S>),
         gradient: &Tensor<Pack<S>>,
     ) -> (Tensor<Pack<S>>, Pack<S>) {
-        let pressure = self.pressure(site.hats, at);
-        let (mut stress, volume) = law.tangent(at, pressure, gradient);
-        self.add_stretches(point, gradient, &mut stress);
+        let at = self.at(site);
+        let pressure = self.pressure(site.hats, &at);
+        let (mut stress, volume) = law.tangent(&at, pressure, gradient);
+        self.add_stretches(site.index, gradient, &mut stress);
         let stiffness = volumetric + self.volume.stiffness;
         (plus(&stress, stiffness * volume, &at.cofactor), volume)
     }
@@ -222,18 +213,12 @@ pub(super) struct Tangent<'a, S: Simd, const V: usize, const D: usize> {
 
 impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Tangent<'_, S, V, D> {
     #[inline(always)]
-    fn stress(
-        &mut self,
-        point: usize,
-        site: &Site<'_, S, V>,
-        weight: Pack<S>,
-        gradient: &Tensor<Pack<S>>,
-    ) -> Tensor<Pack<S>> {
-        let at = self.frozen.at(point, site);
+    fn stress(&mut self, site: &Site<'_, S, V>, gradient: &Tensor<Pack<S>>) -> Tensor<Pack<S>> {
+        let at = self.frozen.at(site);
         let pressure = self.frozen.pressure(site.hats, &at);
         let (mut stress, volume) = self.law.tangent(&at, pressure, gradient);
-        self.frozen.add_stretches(point, gradient, &mut stress);
-        add_moments(&mut self.volumes, site.hats, weight * volume);
+        self.frozen.add_stretches(site.index, gradient, &mut stress);
+        add_moments(&mut self.volumes, site.hats, site.weight * volume);
         let change = interpolate(site.hats, &self.changes);
         let pushed = self.frozen.volume.pressure(volume, change) - change;
         plus(&stress, pushed, &at.cofactor)
@@ -252,18 +237,10 @@ pub(super) struct Columns<'a, S: Simd, const V: usize, const D: usize> {
 
 impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Columns<'_, S, V, D> {
     #[inline(always)]
-    fn stress(
-        &mut self,
-        point: usize,
-        site: &Site<'_, S, V>,
-        weight: Pack<S>,
-        gradient: &Tensor<Pack<S>>,
-    ) -> Tensor<Pack<S>> {
-        let at = self.frozen.at(point, site);
-        let (stress, volume) =
-            self.frozen
-                .stiffness((point, site), &at, (&self.law, self.volumetric), gradient);
-        add_moments(&mut self.volumes, site.hats, weight * volume);
+    fn stress(&mut self, site: &Site<'_, S, V>, gradient: &Tensor<Pack<S>>) -> Tensor<Pack<S>> {
+        let law = (&self.law, self.volumetric);
+        let (stress, volume) = self.frozen.stiffness(site, law, gradient);
+        add_moments(&mut self.volumes, site.hats, site.weight * volume);
         stress
     }
 }
@@ -278,16 +255,9 @@ pub(super) struct Stiff<'a, S: Simd, const V: usize, const D: usize> {
 
 impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Stiff<'_, S, V, D> {
     #[inline(always)]
-    fn stress(
-        &mut self,
-        point: usize,
-        site: &Site<'_, S, V>,
-        _weight: Pack<S>,
-        gradient: &Tensor<Pack<S>>,
-    ) -> Tensor<Pack<S>> {
-        let at = self.frozen.at(point, site);
+    fn stress(&mut self, site: &Site<'_, S, V>, gradient: &Tensor<Pack<S>>) -> Tensor<Pack<S>> {
         let law = (&self.law, self.volumetric);
-        self.frozen.stiffness((point, site), &at, law, gradient).0
+        self.frozen.stiffness(site, law, gradient).0
     }
 }
 
@@ -299,16 +269,10 @@ pub(super) struct Volumes<'a, S: Simd, const V: usize, const D: usize> {
 
 impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Volumes<'_, S, V, D> {
     #[inline(always)]
-    fn stress(
-        &mut self,
-        point: usize,
-        site: &Site<'_, S, V>,
-        weight: Pack<S>,
-        gradient: &Tensor<Pack<S>>,
-    ) -> Tensor<Pack<S>> {
-        let at = self.frozen.at(point, site);
+    fn stress(&mut self, site: &Site<'_, S, V>, gradient: &Tensor<Pack<S>>) -> Tensor<Pack<S>> {
+        let at = self.frozen.at(site);
         let volume = crate::geometry::tensor::contract(&at.cofactor, gradient);
-        add_moments(&mut self.volumes, site.hats, weight * volume);
+        add_moments(&mut self.volumes, site.hats, site.weight * volume);
         *gradient
     }
 }
@@ -321,14 +285,8 @@ pub(super) struct Pressures<'a, S: Simd, const V: usize, const D: usize> {
 
 impl<S: Simd, const V: usize, const D: usize> PointLaw<S, V> for Pressures<'_, S, V, D> {
     #[inline(always)]
-    fn stress(
-        &mut self,
-        point: usize,
-        site: &Site<'_, S, V>,
-        _weight: Pack<S>,
-        _gradient: &Tensor<Pack<S>>,
-    ) -> Tensor<Pack<S>> {
-        let at = self.frozen.at(point, site);
+    fn stress(&mut self, site: &Site<'_, S, V>, _gradient: &Tensor<Pack<S>>) -> Tensor<Pack<S>> {
+        let at = self.frozen.at(site);
         let change = interpolate(site.hats, &self.changes);
         let volume = &self.frozen.volume;
         let pushed = volume.stiffness * volume.compliance * change - change;

@@ -122,18 +122,12 @@ struct Hooke<S: Simd, const V: usize> {
 
 impl<S: Simd, const V: usize> PointLaw<S, V> for Hooke<S, V> {
     #[inline(always)]
-    fn stress(
-        &mut self,
-        _point: usize,
-        site: &Site<'_, S, V>,
-        weight: Pack<S>,
-        gradient: &Tensor<Pack<S>>,
-    ) -> Tensor<Pack<S>> {
+    fn stress(&mut self, site: &Site<'_, S, V>, gradient: &Tensor<Pack<S>>) -> Tensor<Pack<S>> {
         let mut stress = *gradient;
         let mut volume = -interpolate(site.hats, &self.pressures);
         if self.terms == Terms::Saddle {
             let dilation = trace(gradient);
-            add_moments(&mut self.volumes, site.hats, weight * dilation);
+            add_moments(&mut self.volumes, site.hats, site.weight * dilation);
             volume = volume.plus_product(self.lame, dilation);
         }
         for i in 0..3 {

@@ -11,7 +11,7 @@
 
 use pulp::Simd;
 
-use crate::assembly::kernel::points::ElementPart;
+use crate::assembly::kernel::part::ElementPart;
 use crate::assembly::kernel::{edge_pairs, edge_share};
 use crate::assembly::lanes::{Lanes, Pack};
 use crate::geometry::tensor::Number;
