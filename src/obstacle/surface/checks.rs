@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use thiserror::Error;
 
-use super::sorting::sorted_by_vertex;
+use super::rings::sorted_by_vertex;
 use crate::geometry::vector3::{cross, dot, is_finite, norm, sub};
 
 /// Height of a facet over its longest edge below which it is a line.
@@ -167,8 +167,9 @@ pub(super) fn orientation(vertices: &[[f64; 3]], facets: &[[u32; 3]]) -> Result<
     // Parts of a size, so that the sum does not depend on the threads.
     let parts = facets.par_chunks(PART);
     let sums: Vec<f64> = parts.map(|part| part.iter().map(volume).sum()).collect();
-    match sums.iter().sum::<f64>() > 0.0 {
-        true => Ok(()),
-        false => Err(SurfaceError::InsideOut),
+    if sums.iter().sum::<f64>() > 0.0 {
+        Ok(())
+    } else {
+        Err(SurfaceError::InsideOut)
     }
 }

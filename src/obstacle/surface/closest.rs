@@ -75,16 +75,17 @@ impl Patch {
             }
         }
         let l = [1.0 - at[0] - at[1], at[0], at[1]];
-        match l.iter().all(|l| *l >= 0.0) {
-            true => Search::Inside(self.foot(x, l, Part::Inside)),
-            false => Search::Beyond(l),
+        if l.iter().all(|l| *l >= 0.0) {
+            Search::Inside(self.foot(x, l, Part::Inside))
+        } else {
+            Search::Beyond(l)
         }
     }
 
     /// A step of the method, and whether it is one with second derivatives; none where it leads
     /// far away.
     fn step(&self, x: [f64; 3], at: [f64; 2]) -> Option<([f64; 2], bool)> {
-        let d = self.derivatives([1.0 - at[0] - at[1], at[0], at[1]]);
+        let d = self.what([1.0 - at[0] - at[1], at[0], at[1]]);
         let offset = sub(x, d.point);
         let slope = d.first.map(|tangent| dot(offset, tangent));
         let metric = [

@@ -59,9 +59,10 @@ fn slope(local: &[[f64; 3]], reach: [f64; 2]) -> Option<[f64; 2]> {
         .collect();
     let system = system(&points);
     let quadric = least_squares::<QUADRIC>(&points, &system)?;
-    let cubic = match local.len() >= ENOUGH {
-        true => least_squares::<CUBIC>(&points, &system),
-        false => None,
+    let cubic = if local.len() >= ENOUGH {
+        least_squares::<CUBIC>(&points, &system)
+    } else {
+        None
     };
     let [a, b] = match cubic {
         Some(cubic) if cubic.left < BETTER * quadric.left => cubic.slope,

@@ -4,8 +4,8 @@
 use rayon::prelude::*;
 
 use super::bending::curvature;
+use super::bounding_disc::Flat;
 use super::closest::Part;
-use super::coin::Flat;
 use super::normals::{self, Corners};
 use super::patch::{Patch, bend};
 use super::tree::{self, FacetTree, Found};
@@ -198,9 +198,10 @@ impl Geometry {
         }
         // Beside an edge, smooth or sharp, the slope of the distance leads away from it.
         let is_beside = at.foot.distance > AT_EDGE && at.foot.part != Part::Inside;
-        contact.normal = match is_beside {
-            true => scale(1.0 / contact.distance, at.foot.offset),
-            false => side,
+        contact.normal = if is_beside {
+            scale(1.0 / contact.distance, at.foot.offset)
+        } else {
+            side
         };
         if what == What::Curvature {
             let (normal, distance) = (contact.normal, contact.distance);

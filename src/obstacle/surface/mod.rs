@@ -10,14 +10,13 @@
 //! of the nearest point of all patches: error h^4, of its normal h^3, where the raw facets have
 //! h^2 and h. Across smooth edges patches share their edge curve, their normals differ by as
 //! much as normals are wrong. Parts that cross, nest or touch are one solid (`parts`); facets
-//! that bound nothing are left out (`mend`). Cost: a search in a tree of coins and some Newton steps a point.
+//! that bound nothing are left out (`mend`). Cost: a search in a tree of discs and some Newton steps a point.
 
 mod around;
 mod bending;
+mod bounding_disc;
 mod checks;
 mod closest;
-mod coin;
-mod coins;
 mod fit;
 mod flats;
 mod geometry;
@@ -26,7 +25,6 @@ mod normals;
 mod parts;
 mod patch;
 mod rings;
-mod sorting;
 mod tool;
 mod topology;
 mod tree;

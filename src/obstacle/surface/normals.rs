@@ -143,9 +143,10 @@ impl<'a> Fitter<'a> {
                 continue;
             }
             // Where a sector is cut short the facets beyond it find their own.
-            let sector = match self.around.is_plain(vertex) {
-                true => ring.iter().map(|&facet| facet as usize).collect(),
-                false => self.sector(ring[next] as usize, vertex),
+            let sector = if self.around.is_plain(vertex) {
+                ring.iter().map(|&facet| facet as usize).collect()
+            } else {
+                self.sector(ring[next] as usize, vertex)
             };
             let is_uneven = self.flats.are_uneven(&sector);
             let normal = self.normal(vertex, &sector, is_uneven);
@@ -171,15 +172,17 @@ impl<'a> Fitter<'a> {
         }
         let guess = normalised(sum)?;
         let is_flat = is_uneven || self.flats.are_one(sector);
-        let fitted = match is_flat {
-            true => self.mean_of_large(sector).unwrap_or(guess),
-            false => fit::normal(place, guess, &self.two_rings(sector, vertex)),
+        let fitted = if is_flat {
+            self.mean_of_large(sector).unwrap_or(guess)
+        } else {
+            fit::normal(place, guess, &self.two_rings(sector, vertex))
         };
         // A fit that leaves the facets behind is none.
         let is_outward = |&facet: &usize| dot(fitted, self.flat[facet]) > 0.0;
-        Some(match sector.iter().all(is_outward) {
-            true => fitted,
-            false => guess,
+        Some(if sector.iter().all(is_outward) {
+            fitted
+        } else {
+            guess
         })
     }
 

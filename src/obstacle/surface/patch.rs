@@ -33,9 +33,10 @@ pub(super) fn bend([a, b]: [[f64; 3]; 2], [at_a, at_b]: [[f64; 3]; 2]) -> [f64; 
     let mean = scale(0.5, add(at_a, at_b));
     let half = scale(0.5, sub(at_a, at_b));
     let arch = scale(dot(half, along) / dot(mean, mean).max(ALIKE), mean);
-    let inflection = match dot(half, half) > ALIKE {
-        true => scale(dot(mean, along) / dot(half, half), half),
-        false => [0.0; 3],
+    let inflection = if dot(half, half) > ALIKE {
+        scale(dot(mean, along) / dot(half, half), half)
+    } else {
+        [0.0; 3]
     };
     let turned = dot(at_a, along).abs() + dot(at_b, along).abs();
     let most = turned.min(MOST_BENT * norm(along));
@@ -47,7 +48,7 @@ pub(super) fn bend([a, b]: [[f64; 3]; 2], [at_a, at_b]: [[f64; 3]; 2]) -> [f64; 
 }
 
 /// Point, first and second derivatives along the first two coordinates after l_0.
-pub(super) struct Derivatives {
+pub(super) struct What {
     pub(super) point: [f64; 3],
     /// dX/dl_1 and dX/dl_2, l_0 following.
     pub(super) first: [[f64; 3]; 2],
@@ -67,7 +68,7 @@ impl Patch {
         point
     }
 
-    pub(super) fn derivatives(&self, l: [f64; 3]) -> Derivatives {
+    pub(super) fn what(&self, l: [f64; 3]) -> What {
         // dX/dl_i with all coordinates free.
         let free = |i: usize| {
             let (a, b) = ((i + 1) % 3, (i + 2) % 3);
@@ -79,7 +80,7 @@ impl Patch {
         let [c12, c20, c01] = self.bends;
         // d2X/dl_i dl_j = -c_ij with all free; l_0 = 1 - l_1 - l_2.
         let mixed = sub(add(c01, c20), c12);
-        Derivatives {
+        What {
             point: self.point(l),
             first: [sub(one, zero), sub(two, zero)],
             second: [scale(2.0, c01), mixed, scale(2.0, c20)],
@@ -88,7 +89,7 @@ impl Patch {
 
     /// Unit normal at `l`, to the side that sees the corners anticlockwise.
     pub(super) fn normal(&self, l: [f64; 3]) -> [f64; 3] {
-        let [first, second] = self.derivatives(l).first;
+        let [first, second] = self.what(l).first;
         let normal = cross(first, second);
         scale(1.0 / norm(normal).max(f64::MIN_POSITIVE), normal)
     }

@@ -4,8 +4,7 @@ use rayon::prelude::*;
 
 use super::SurfaceError;
 use super::checks;
-use super::rings::{self, Rings};
-use super::sorting::sorted_by_vertex;
+use super::rings::{self, Rings, sorted_by_vertex};
 
 /// Ends of the edge opposite a corner, in the facet's direction.
 pub(super) fn edge(corners: [u32; 3], opposite: usize) -> (u32, u32) {

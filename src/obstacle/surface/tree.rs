@@ -1,20 +1,19 @@
 //! The nearest facet, by a tree: facets are halved along the longest side of the box of their
-//! middles until few are left, in parallel, and a [`Coin`] lies around each half.
+//! middles until few are left, in parallel, and a [`BoundingDisc`] lies around each half.
 //!
 //! ```text
 //! children of node i: 2 i and 2 i + 1;   leaves: the last level
 //! ```
 //!
 //! A search may begin with any facet: what is farther than it is left out. Among facets at one
-//! distance the first is taken, and coins are wider than rounding, so that where a search begins
+//! distance the first is taken, and discs are wider than rounding, so that where a search begins
 //! changes no bit of what it finds. For points beside each other the nodes that may matter, as large
 //! as they are apart, are found once. Coordinates are about one. Cost: n log n to build; some
-//! hundred coins and 10 facets a search, a third of it for points beside each other.
+//! hundred discs and 10 facets a search, a third of it for points beside each other.
 
 use rayon::prelude::*;
 
-use super::coin::{Coin, Flat};
-use super::coins;
+use super::bounding_disc::{BoundingDisc, Flat, of_tree};
 use super::triangle::{Place, nearest};
 use crate::geometry::vector3::{add, scale};
 
@@ -25,11 +24,11 @@ const PARALLEL: usize = 4096;
 /// Nodes that wait at most: one a level of a tree of 2^32 leaves.
 const WAITING: usize = 32;
 
-/// Coins around facets in an order of their own.
+/// Discs around facets in an order of their own.
 #[derive(Clone, Debug)]
 pub(super) struct FacetTree {
     /// Nodes from 1; the first is not used.
-    coins: Vec<Coin>,
+    discs: Vec<BoundingDisc>,
     /// Where the facets of each leaf begin `[leaves + 1]`.
     starts: Vec<u32>,
 }
@@ -105,14 +104,11 @@ fn halve(part: &mut [Middle], levels: u32) {
     let is_large = part.len() > PARALLEL;
     let (left, right) = part.split_at_mut(half);
     let [mut left, mut right] = [left, right].map(|part| move || halve(part, levels - 1));
-    match is_large {
-        true => {
-            rayon::join(left, right);
-        }
-        false => {
-            left();
-            right();
-        }
+    if is_large {
+        rayon::join(left, right);
+    } else {
+        left();
+        right();
     }
 }
 
@@ -130,14 +126,14 @@ impl FacetTree {
             Some(*start)
         }));
         let leaves = sizes.len();
-        let coins = coins::around(leaves, |node| {
+        let discs = of_tree(leaves, |node| {
             // The leaves under a node of a level.
             let below = leaves >> node.ilog2();
             let first = node * below - leaves;
             let facets = starts[first] as usize..starts[first + below] as usize;
             facets.map(&flat)
         });
-        Self { coins, starts }
+        Self { discs, starts }
     }
 
     /// The facet nearest to `x`, among facets with these corners.
@@ -156,7 +152,7 @@ impl FacetTree {
     ) -> Found {
         let mut best = near;
         for &node in &region.0 {
-            let square = self.coins[node].square_of_nearest(x, best.place.square);
+            let square = self.discs[node].square_of_nearest(x, best.place.square);
             if square <= best.place.square {
                 self.descend(node, (x, &corners), &mut best);
             }
@@ -171,13 +167,14 @@ impl FacetTree {
         let mut open = vec![1];
         let mut nodes = Vec::new();
         while let Some(node) = open.pop() {
-            let coin = &self.coins[node];
-            if !coin.may_be_nearest((x, reach), farthest) {
+            let disc = &self.discs[node];
+            if !disc.may_be_nearest((x, reach), farthest) {
                 continue;
             }
-            match node >= leaves || f64::from(coin.radius()) < reach {
-                true => nodes.push(node),
-                false => open.extend([2 * node + 1, 2 * node]),
+            if node >= leaves || f64::from(disc.radius()) < reach {
+                nodes.push(node)
+            } else {
+                open.extend([2 * node + 1, 2 * node])
             }
         }
         Region(nodes)
@@ -202,11 +199,12 @@ impl FacetTree {
         loop {
             while node < leaves {
                 let (a, b) = (2 * node, 2 * node + 1);
-                let to = |node: usize| self.coins[node].square_of_nearest(x, best.place.square);
+                let to = |node: usize| self.discs[node].square_of_nearest(x, best.place.square);
                 let (to_a, to_b) = (to(a), to(b));
-                let [near, far] = match to_b < to_a {
-                    true => [(b, to_b), (a, to_a)],
-                    false => [(a, to_a), (b, to_b)],
+                let [near, far] = if to_b < to_a {
+                    [(b, to_b), (a, to_a)]
+                } else {
+                    [(a, to_a), (b, to_b)]
                 };
                 if far.1 <= best.place.square {
                     waiting[count] = far;
@@ -236,6 +234,6 @@ impl FacetTree {
     /// Bytes of a tree over so many facets.
     pub(super) fn bytes(facets: usize) -> usize {
         let leaves = 1_usize << levels(facets);
-        2 * leaves * size_of::<Coin>() + (leaves + 1) * size_of::<u32>()
+        2 * leaves * size_of::<BoundingDisc>() + (leaves + 1) * size_of::<u32>()
     }
 }

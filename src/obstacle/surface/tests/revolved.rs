@@ -50,9 +50,10 @@ pub(super) fn torus() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
 pub(super) fn rounded_cylinder() -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     let rim = |i: u32, sign: f64| {
         let angle = FRAC_PI_2 * f64::from(i) / 8.0;
-        let (sin, cos) = match sign > 0.0 {
-            true => angle.sin_cos(),
-            false => (angle.cos(), angle.sin()),
+        let (sin, cos) = if sign > 0.0 {
+            angle.sin_cos()
+        } else {
+            (angle.cos(), angle.sin())
         };
         [0.35 + 0.05 * sin, sign * (0.25 + 0.05 * cos)]
     };

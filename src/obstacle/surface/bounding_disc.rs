@@ -1,25 +1,35 @@
 //! Flat cylinders around pieces of a surface: a piece of size h of a smooth surface is thinner
 //! than h^2 across its normal, where a box along the axes is as thick as it is wide.
 //!
-//! A coin also knows how far normals there turn away from its axis, those of all facets around the
+//! A disc also knows how far normals there turn away from its axis, those of all facets around the
 //! corners of its own included. The way from a nearest point leads along one of these normals, or
-//! between those of facets that meet there, to either side. A coin that no such way leaves
+//! between those of facets that meet there, to either side. A disc that no such way leaves
 //! towards a point has none of its nearest points, however near it is:
 //!
 //! ```text
 //! min over both signs of |u +- a| > k + r / D + rounding,   u = (x - m) / D,   D = |x - m|
 //! ```
 //!
-//! a the axis, m the middle, r the reach of the coin around it, and k = max |a - n| over the normals.
+//! a the axis, m the middle, r the reach of the disc around it, and k = max |a - n| over the normals.
+//!
+//! Of the nodes of a tree those of the last levels have discs around their facets, those above
+//! around discs some levels below, which is little wider and does not read all facets again on
+//! every level. Cost: one pass over the facets for each of the last levels.
+
+use rayon::prelude::*;
 
 use crate::geometry::vector3::{add, cross, dot, norm, normalised, sub};
 
-/// By how much coins are widened: above all rounding of coordinates of about one.
+/// By how much discs are widened: above all rounding of coordinates of about one.
 const SLACK: f64 = 1e-6;
 /// Share that a distance is taken for: the axis is a unit vector but for rounding.
 const CAREFUL: f64 = 1.0 - 4e-6;
+/// Levels whose discs lie around facets.
+const LAST: u32 = 3;
+/// Levels between a disc and those that it lies around, at most.
+const APART: u32 = 5;
 
-/// A facet as coins see it.
+/// A facet as discs see it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Flat {
     pub(super) corners: [[f64; 3]; 3],
@@ -71,7 +81,7 @@ impl Piece {
 
 /// All points within `half` of the middle along the axis, and within `radius` across.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Coin {
+pub(super) struct BoundingDisc {
     axis: [f32; 3],
     middle: [f32; 3],
     half: f32,
@@ -82,7 +92,7 @@ pub(super) struct Coin {
     turn: f32,
 }
 
-/// How far what is in a coin goes, still growing.
+/// How far what is in a disc goes, still growing.
 struct Extent {
     /// Least and largest place along the axis from the middle.
     along: [f64; 2],
@@ -108,7 +118,7 @@ impl Extent {
     }
 }
 
-impl Coin {
+impl BoundingDisc {
     /// Around what lies in a box and looks along an axis, still empty.
     fn new(piece: &Piece) -> Self {
         let axis = normalised(piece.normal).unwrap_or([0.0, 0.0, 1.0]);
@@ -122,24 +132,24 @@ impl Coin {
 
     /// Around the facets of a piece.
     pub(super) fn around(piece: &Piece, facets: impl Iterator<Item = Flat>) -> Self {
-        let coin = Self::new(piece);
-        let axis = coin.axis.map(f64::from);
+        let disc = Self::new(piece);
+        let axis = disc.axis.map(f64::from);
         let extent = facets.fold(Extent::EMPTY, |extent, facet| {
             let turn = norm(sub(axis, facet.normal)) + facet.turn;
             facet.corners.into_iter().fold(extent, |extent, corner| {
-                let (along, square) = coin.parts(corner);
+                let (along, square) = disc.parts(corner);
                 extent.with([along; 2], square.sqrt(), turn)
             })
         });
-        coin.grown(&extent)
+        disc.grown(&extent)
     }
 
-    /// Around the coins of the parts of a piece.
-    pub(super) fn around_coins(piece: &Piece, parts: &[Self]) -> Self {
-        let coin = Self::new(piece);
-        let own = coin.axis.map(f64::from);
+    /// Around the discs of the parts of a piece.
+    pub(super) fn around_discs(piece: &Piece, parts: &[Self]) -> Self {
+        let disc = Self::new(piece);
+        let own = disc.axis.map(f64::from);
         let extent = parts.iter().fold(Extent::EMPTY, |extent, part| {
-            let (along, square) = coin.parts(part.middle.map(f64::from));
+            let (along, square) = disc.parts(part.middle.map(f64::from));
             let axis = part.axis.map(f64::from);
             // Of the angle between the axes.
             let (cosine, sine) = (dot(axis, own).abs(), norm(cross(axis, own)));
@@ -148,7 +158,7 @@ impl Coin {
             let turn = norm(sub(own, axis)) + f64::from(part.turn);
             extent.with([along - up, along + up], square.sqrt() + aside, turn)
         });
-        coin.grown(&extent)
+        disc.grown(&extent)
     }
 
     /// As large as its extent, the middle moved along the axis.
@@ -161,7 +171,7 @@ impl Coin {
         let moved: [f64; 3] =
             std::array::from_fn(|i| f64::from(self.middle[i]) + shift * f64::from(self.axis[i]));
         let middle = moved.map(|x| x as f32);
-        // Far from the origin of a file the middle is rounded by more than a coin is thick.
+        // Far from the origin of a file the middle is rounded by more than a disc is thick.
         let off = norm(sub(moved, middle.map(f64::from)));
         let (half, across) = (0.5 * (most - least) + off, extent.across + off);
         Self {
@@ -196,18 +206,19 @@ impl Coin {
         CAREFUL * (beyond * beyond + aside * aside)
     }
 
-    /// At most the square of the distance of a point where the coin may have what is nearest to it on
+    /// At most the square of the distance of a point where the disc may have what is nearest to it on
     /// a closed surface, and no farther than `most`; else infinity.
     pub(super) fn square_of_nearest(&self, x: [f64; 3], most: f64) -> f64 {
         let (along, across) = self.parts(x);
         let square = self.square((along, across));
-        match square <= most && self.is_left_towards((along, across), 0.0) {
-            true => square,
-            false => f64::INFINITY,
+        if square <= most && self.is_left_towards((along, across), 0.0) {
+            square
+        } else {
+            f64::INFINITY
         }
     }
 
-    /// Whether the coin may have the nearest point to one within `around` of `x`, which is no farther
+    /// Whether the disc may have the nearest point to one within `around` of `x`, which is no farther
     /// than `farthest` from `x`.
     pub(super) fn may_be_nearest(&self, (x, around): ([f64; 3], f64), farthest: f64) -> bool {
         let (along, across) = self.parts(x);
@@ -215,7 +226,7 @@ impl Coin {
         is_near && self.is_left_towards((along, across), around)
     }
 
-    /// Whether a normal of the coin may lead from one of its points to one within `around` of this
+    /// Whether a normal of the disc may lead from one of its points to one within `around` of this
     /// place.
     fn is_left_towards(&self, (along, across): (f64, f64), around: f64) -> bool {
         let distance = (along * along + across).sqrt();
@@ -236,4 +247,39 @@ const ROUNDED: f64 = 1e-6;
 
 fn widened(size: f64) -> f32 {
     ((size + SLACK) as f32).next_up()
+}
+
+/// Discs of the nodes of a tree `[2 leaves]` from 1, `facets` being those under a node; the first
+/// is not used. `leaves` is a power of two.
+pub(super) fn of_tree<I>(leaves: usize, facets: impl Fn(usize) -> I + Sync) -> Vec<BoundingDisc>
+where
+    I: Iterator<Item = Flat>,
+{
+    let levels = leaves.ilog2();
+    let mut discs = vec![BoundingDisc::default(); 2 * leaves];
+    let last = (leaves..2 * leaves).into_par_iter();
+    let mut pieces: Vec<Piece> = last.map(|node| Piece::of(facets(node))).collect();
+    for level in (0..=levels).rev() {
+        let first = 1 << level;
+        let (upper, lower) = discs.split_at_mut(2 * first);
+        let nodes = upper[first..].par_iter_mut().zip(&pieces).enumerate();
+        nodes.for_each(|(place, (disc, piece))| {
+            *disc = match levels - level {
+                apart if apart < LAST => BoundingDisc::around(piece, facets(first + place)),
+                apart => BoundingDisc::around_discs(
+                    piece,
+                    below(lower, (place, apart.min(APART)), first),
+                ),
+            };
+        });
+        let pairs = pieces.as_chunks::<2>().0.par_iter();
+        pieces = pairs.map(|[left, right]| left.with(right)).collect();
+    }
+    discs
+}
+
+/// The discs some levels below node `place` of a level of `size`, among those of all levels below.
+fn below(lower: &[BoundingDisc], (place, apart): (usize, u32), size: usize) -> &[BoundingDisc] {
+    let first = (size << apart) - 2 * size;
+    &lower[first + (place << apart)..first + ((place + 1) << apart)]
 }
