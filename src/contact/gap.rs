@@ -64,23 +64,27 @@ pub fn mean_normals<C: Counterpart + ?Sized>(
     let table = Table::new(body, surface.basis);
     let count = table.points();
     let size = 1 + table.functions * count;
-    let mut normals = vec![[0.0; 3]; surface.multipliers()];
-    for axis in 0..3 {
-        let numbers = body.on_faces(&table, &surface.faces, size, |points, face, numbers| {
-            points.probe(counterpart, face, What::Normal);
+    let faces = &surface.faces;
+    let numbers = body.on_faces(&table, faces, 3 * size, |points, face, numbers| {
+        points.probe(counterpart, face, What::Normal);
+        for (axis, numbers) in numbers.chunks_exact_mut(size).enumerate() {
             for (point, contact) in points.contacts.iter().enumerate() {
                 for (k, value) in points.table.values(point).iter().enumerate() {
                     numbers[1 + k * count + point] =
                         points.weights[point] * value * contact.normal[axis];
                 }
             }
-        });
+        }
+    });
+    let mut normals = vec![[0.0; 3]; surface.multipliers()];
+    for axis in 0..3 {
+        let of_axis = numbers.chunks_exact(size).skip(axis).step_by(3);
+        let numbers = of_axis.flatten().copied().collect();
         let numbers = FaceNumbers { numbers, size };
         let sums = surface.shares.gather(surface.summed(&table, &numbers));
-        normals
-            .iter_mut()
-            .zip(sums)
-            .for_each(|(normal, sum)| normal[axis] = sum);
+        for (normal, sum) in normals.iter_mut().zip(sums) {
+            normal[axis] = sum;
+        }
     }
     normals
 }
