@@ -105,7 +105,7 @@ pub struct FollowerPressure<'a> {
 struct FacePoint {
     weight: f64,
     values: Vec<f64>,
-    /// Derivatives along s and t.
+    /// What along s and t.
     slopes: Vec<[f64; 2]>,
 }
 
@@ -336,9 +336,10 @@ fn assemble(
         let first = *node * components;
         (next..first).for_each(|_| builder.push_row(&mut []));
         for (row, is_held) in rows.iter_mut().zip(&held[first..first + components]) {
-            match is_held {
-                true => builder.push_row(&mut []),
-                false => builder.push_row(row),
+            if *is_held {
+                builder.push_row(&mut [])
+            } else {
+                builder.push_row(row)
             }
         }
         next = first + components;

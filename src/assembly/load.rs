@@ -22,7 +22,7 @@ pub fn shape_values(l: &[f64]) -> Vec<f64> {
     values
 }
 
-/// [`shape_values`] behind those of other points.
+/// [`shape_values`] after those of other points.
 pub fn push_shape_values(l: &[f64], values: &mut Vec<f64>) {
     values.extend_from_slice(l);
     for (i, a) in l.iter().enumerate() {

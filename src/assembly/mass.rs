@@ -27,9 +27,10 @@ fn curved_mean(
     let sum: f64 = corners.map(|x| x[0]).sum();
     let points = rule.points.iter().zip(&rule.weights);
     let terms = points.map(|(l, weight)| {
-        let turn = match geometry.radii.is_empty() {
-            true => 1.0,
-            false => mesh.position_in(cell, l)[0] * geometry.vertices as f64 / sum,
+        let turn = if geometry.radii.is_empty() {
+            1.0
+        } else {
+            mesh.position_in(cell, l)[0] * geometry.vertices as f64 / sum
         };
         weight * turn * geometry.curves.measure(cell, l) * l[i] * l[j]
     });

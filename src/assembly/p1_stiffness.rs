@@ -171,9 +171,10 @@ impl StiffCells<'_> {
             }
             for (local, (&(a, b), block)) in pairs.iter().zip(&couplings.edges).enumerate() {
                 let edge = mesh.cell_edges()[cell * pairs.len() + local] as usize;
-                match corners[a] < corners[b] {
-                    true => add(&mut off[edge], volume, block),
-                    false => add(&mut off[edge], volume, &transposed(block)),
+                if corners[a] < corners[b] {
+                    add(&mut off[edge], volume, block)
+                } else {
+                    add(&mut off[edge], volume, &transposed(block))
                 }
             }
         }

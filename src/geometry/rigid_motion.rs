@@ -13,7 +13,7 @@ pub type Matrix3 = [[f64; 3]; 3];
 /// A rotation about a reference point, then a translation.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RigidMotion {
-    /// Translation t `[3]`, length, applied behind the rotation.
+    /// Translation t `[3]`, length, applied after the rotation.
     pub translation: [f64; 3],
     /// Rotation vector r `[3]`, radians: its direction is the axis, its length the
     /// angle, which may exceed a turn.

@@ -84,7 +84,7 @@ impl Directions {
         }
     }
 
-    /// Keeps one more behind a late iteration.
+    /// Keeps one more after a late iteration.
     fn grow(&mut self, iteration: usize) {
         if iteration >= USUAL && self.most < self.ceiling {
             self.most += 1;
@@ -143,7 +143,7 @@ impl Directions {
         }
     }
 
-    /// Directions and products of the group that begins at `first`, empty behind the last.
+    /// Directions and products of the group that begins at `first`, empty after the last.
     fn group(&self, first: usize) -> ([&[f64]; GROUP], [&[f64]; GROUP]) {
         let pair = |k: usize| self.pairs.get(first + k);
         (
@@ -259,9 +259,9 @@ impl Gcr<'_> {
 
 /// What a step along a new direction was.
 struct Taken {
-    /// Length of its product behind the kept ones.
+    /// Length of its product after the kept ones.
     length: f64,
-    /// Square of the residual behind it.
+    /// Square of the residual after it.
     square: f64,
     /// Whether what is left of the product is rounding; then no step was made.
     is_spent: bool,

@@ -148,9 +148,10 @@ impl LeastEigenvalue<'_> {
         let mut basis = Basis::default();
         let mut end = None;
         while end.is_none() && basis.vectors.len() < self.steps && !basis.is_settled() {
-            end = match stopped() {
-                true => Some(Least::Nothing),
-                false => self.step(&mut process, &mut basis, work),
+            end = if stopped() {
+                Some(Least::Nothing)
+            } else {
+                self.step(&mut process, &mut basis, work)
             };
         }
         let end = end.unwrap_or_else(|| basis.verdict(work));

@@ -74,7 +74,7 @@ impl Overlaps {
         }
     }
 
-    /// The square of what is left of q behind the kept images.
+    /// The square of what is left of q after the kept images.
     pub fn rest(&self) -> f64 {
         self.square - self.kept.iter().map(|c| c * c).sum::<f64>()
     }

@@ -32,10 +32,9 @@ impl GramFactor {
             }
             let pivot = gram.at(i, i) - dot(&row, &row);
             let is_new = pivot > DEPENDENT * gram.at(i, i);
-            factor.inverse.push(match is_new {
-                true => pivot.sqrt().recip(),
-                false => 0.0,
-            });
+            factor
+                .inverse
+                .push(if is_new { pivot.sqrt().recip() } else { 0.0 });
             factor.rows.extend_from_slice(&row);
         }
         factor

@@ -167,9 +167,10 @@ impl Held {
     /// P M P of a matrix of the nodes, entries that are held left out already.
     pub fn project_matrix(&self, matrix: SparseRows) -> SparseRows {
         let columns_done = self.project_columns(matrix);
-        match self.nodes.is_empty() {
-            true => columns_done,
-            false => self.project_columns(columns_done.transposed()).transposed(),
+        if self.nodes.is_empty() {
+            columns_done
+        } else {
+            self.project_columns(columns_done.transposed()).transposed()
         }
     }
 

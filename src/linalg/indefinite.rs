@@ -4,7 +4,7 @@
 //!
 //! Sequential on purpose, as the Cholesky factor is: its bits do not depend on the
 //! number of threads. The caller gives the ordering, which has to bring every row with
-//! a zero on its diagonal behind rows that it is coupled to. What the factor takes is
+//! a zero on its diagonal after rows that it is coupled to. What the factor takes is
 //! known from the pattern, before any number is touched.
 
 use std::sync::Arc;
@@ -77,7 +77,7 @@ impl IndefinitePattern {
     /// Factorises `matrix`, which has the entries that the pattern was made from.
     ///
     /// # Errors
-    /// [`FactoriseError`] when memory is short or a number is not finite, as behind a
+    /// [`FactoriseError`] when memory is short or a number is not finite, as after a
     /// pivot of zero.
     pub fn factorise(&self, matrix: &LowerColumns) -> Result<SparseIndefinite, FactoriseError> {
         let (symbolic, size) = (&self.symbolic, matrix.size());
@@ -109,9 +109,10 @@ impl IndefinitePattern {
             MemStack::new(&mut memory),
             Default::default(),
         );
-        match factor.values.iter().all(|value| value.is_finite()) {
-            true => Ok(factor),
-            false => Err(FactoriseError::NotPositiveDefinite),
+        if factor.values.iter().all(|value| value.is_finite()) {
+            Ok(factor)
+        } else {
+            Err(FactoriseError::NotPositiveDefinite)
         }
     }
 }
@@ -153,9 +154,10 @@ impl SparseIndefinite {
             let mut place = 0;
             while place < width {
                 let coupled = below[place] != 0.0 && place + 1 < width;
-                negative += match coupled {
-                    true => negative_of_two(diagonal(place), below[place], diagonal(place + 1)),
-                    false => usize::from(diagonal(place) < 0.0),
+                negative += if coupled {
+                    negative_of_two(diagonal(place), below[place], diagonal(place + 1))
+                } else {
+                    usize::from(diagonal(place) < 0.0)
                 };
                 place += if coupled { 2 } else { 1 };
             }
@@ -188,9 +190,10 @@ impl SparseIndefinite {
 
 /// Negative eigenvalues of [a b; b c].
 fn negative_of_two(a: f64, b: f64, c: f64) -> usize {
-    match (a / b) * (c / b) < 1.0 {
-        true => 1,
-        false => 2 * usize::from(a < 0.0),
+    if (a / b) * (c / b) < 1.0 {
+        1
+    } else {
+        2 * usize::from(a < 0.0)
     }
 }
 

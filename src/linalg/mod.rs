@@ -79,7 +79,7 @@ pub trait Preconditioner: Send + Sync {
     /// `z ~ A^-1 r`.
     fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace);
 
-    /// The same for `count` vectors, one behind the other; at once where that costs less.
+    /// The same for `count` vectors, one after the other; at once where that costs less.
     fn apply_to_all(&self, r: &[f64], z: &mut [f64], count: usize, work: &mut Workspace) {
         let length = r.len() / count.max(1);
         let pairs = r

@@ -95,9 +95,10 @@ pub fn multiply(y: &mut [f64], x: &[f64]) {
 /// `y *= a`.
 pub fn scale(y: &mut [f64], a: f64) {
     let kernel = |y: &mut [f64]| y.iter_mut().for_each(|v| *v *= a);
-    match y.len() < PARALLEL {
-        true => kernel(y),
-        false => y.par_chunks_mut(BLOCK).for_each(kernel),
+    if y.len() < PARALLEL {
+        kernel(y)
+    } else {
+        y.par_chunks_mut(BLOCK).for_each(kernel)
     }
 }
 
@@ -133,18 +134,20 @@ pub fn subtract_combination<const K: usize>(y: &mut [f64], a: &[f64; K], xs: &[&
             }
         }
     };
-    match y.len() < PARALLEL {
-        true => y.chunks_mut(BLOCK).enumerate().for_each(kernel),
-        false => y.par_chunks_mut(BLOCK).enumerate().for_each(kernel),
+    if y.len() < PARALLEL {
+        y.chunks_mut(BLOCK).enumerate().for_each(kernel)
+    } else {
+        y.par_chunks_mut(BLOCK).enumerate().for_each(kernel)
     }
 }
 
 /// Largest absolute entry; zero for an empty vector, not a number if an entry
 /// is not.
 pub fn largest(x: &[f64]) -> f64 {
-    match x.iter().any(|v| v.is_nan()) {
-        true => f64::NAN,
-        false => x.iter().fold(0.0, |m, v| v.abs().max(m)),
+    if x.iter().any(|v| v.is_nan()) {
+        f64::NAN
+    } else {
+        x.iter().fold(0.0, |m, v| v.abs().max(m))
     }
 }
 
@@ -166,9 +169,10 @@ pub fn ratio(value: f64, scale: f64) -> f64 {
 
 /// The largest of values that are zero at best; not a number if one is not.
 pub fn worst(values: &[f64]) -> f64 {
-    match values.iter().any(|value| value.is_nan()) {
-        true => f64::NAN,
-        false => values.iter().copied().fold(0.0, f64::max),
+    if values.iter().any(|value| value.is_nan()) {
+        f64::NAN
+    } else {
+        values.iter().copied().fold(0.0, f64::max)
     }
 }
 

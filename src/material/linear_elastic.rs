@@ -62,9 +62,10 @@ impl LinearElastic {
 
     /// Poisson's ratio.
     pub fn poisson_ratio(&self) -> f64 {
-        let compliance = match self.direct_lame == 0.0 {
-            true => self.inverse_lame,
-            false => 1.0 / self.lame(),
+        let compliance = if self.direct_lame == 0.0 {
+            self.inverse_lame
+        } else {
+            1.0 / self.lame()
         };
         0.5 / (1.0 + self.shear_modulus * compliance)
     }

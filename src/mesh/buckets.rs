@@ -13,7 +13,7 @@ impl Buckets {
     /// Groups the positions of `keys`, of which there are fewer than 2^32, by key;
     /// each key is below `key_count`.
     pub(super) fn new<Keys: Iterator<Item = u32> + Clone>(key_count: usize, keys: Keys) -> Self {
-        // Counts stand two places behind their keys: filling moves each start
+        // Counts stand two places after their keys: filling moves each start
         // one place on, to where it belongs.
         let mut starts = vec![0_u32; key_count + 2];
         for key in keys.clone() {

@@ -70,9 +70,10 @@ impl CurvedFacet {
     /// Area per weight of a rule at `l`; `is_turned` about the axis x = 0.
     pub fn area_at(&self, l: &[f64], is_turned: bool) -> f64 {
         let flat = norm(self.area_vector(l));
-        match is_turned {
-            true => flat * TAU * self.position(l)[0],
-            false => flat,
+        if is_turned {
+            flat * TAU * self.position(l)[0]
+        } else {
+            flat
         }
     }
 }
@@ -86,7 +87,7 @@ fn edge_values(l: &[f64]) -> [f64; 3] {
     }
 }
 
-/// Derivatives of [`edge_values`] along l_1 and l_2.
+/// What of [`edge_values`] along l_1 and l_2.
 fn edge_slopes(l: &[f64]) -> [[f64; 3]; 2] {
     match *l {
         [a, b, c] => [

@@ -52,9 +52,10 @@ impl Numbering {
         if !self.is_identity() {
             for vertex in &mut vertices {
                 let uploaded = *vertex as usize;
-                *vertex = match self.used.contains(uploaded) {
-                    true => self.used.rank(&self.ranks, uploaded),
-                    false => u32::MAX,
+                *vertex = if self.used.contains(uploaded) {
+                    self.used.rank(&self.ranks, uploaded)
+                } else {
+                    u32::MAX
                 };
             }
         }
@@ -65,9 +66,12 @@ impl Numbering {
     /// The used numbers of the ends of an edge, [`u32::MAX`] for an unused one; the order
     /// of vertices stays.
     pub(super) fn renumbered(&self, ends: [u32; 2]) -> [u32; 2] {
-        ends.map(|vertex| match self.used.contains(vertex as usize) {
-            true => self.used.rank(&self.ranks, vertex as usize),
-            false => u32::MAX,
+        ends.map(|vertex| {
+            if self.used.contains(vertex as usize) {
+                self.used.rank(&self.ranks, vertex as usize)
+            } else {
+                u32::MAX
+            }
         })
     }
 

@@ -18,11 +18,12 @@ impl Cavity {
     /// # Errors
     /// The shape has no inside.
     pub fn new(shape: Arc<dyn Obstacle>) -> Result<Self, ObstacleError> {
-        match shape.is_closed() {
-            true => Ok(Self { shape }),
-            false => Err(ObstacleError::NotClosed {
+        if shape.is_closed() {
+            Ok(Self { shape })
+        } else {
+            Err(ObstacleError::NotClosed {
                 parameter: "inside",
-            }),
+            })
         }
     }
 }

@@ -33,12 +33,13 @@ pub(super) fn cone(
 ) -> Result<Revolved<Tip>, ObstacleError> {
     check_point("apex", apex)?;
     if !(angle > 0.0 && angle < FRAC_PI_2) {
-        return Err(match angle.is_finite() {
-            true => ObstacleError::NotAnAngle {
+        return Err(if angle.is_finite() {
+            ObstacleError::NotAnAngle {
                 parameter: "angle",
                 value: angle,
-            },
-            false => ObstacleError::NotFinite { parameter: "angle" },
+            }
+        } else {
+            ObstacleError::NotFinite { parameter: "angle" }
         });
     }
     let (sine, cosine) = angle.sin_cos();
@@ -52,10 +53,7 @@ pub(super) fn cone(
         axis,
         reference: apex,
         place: "apex",
-        size: match rounding > 0.0 {
-            true => rounding,
-            false => 1.0,
-        },
+        size: if rounding > 0.0 { rounding } else { 1.0 },
     };
     Revolved::new(section, stand)
 }

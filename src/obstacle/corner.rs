@@ -28,9 +28,12 @@ pub(super) fn corner<const N: usize>(beyond: [f64; N], rounding: f64) -> CornerC
             curvature: 1.0 / length,
         };
     }
-    let nearest = (1..N).fold(0, |nearest, i| match beyond[i] > beyond[nearest] {
-        true => i,
-        false => nearest,
+    let nearest = (1..N).fold(0, |nearest, i| {
+        if beyond[i] > beyond[nearest] {
+            i
+        } else {
+            nearest
+        }
     });
     let mut normal = [0.0; N];
     normal[nearest] = 1.0;

@@ -104,11 +104,12 @@ impl Obstacle for Cuboid {
     /// inside would be pushed to.
     fn lies_in_plane(&self) -> Result<(), ObstacleError> {
         check_plane("centre", self.centre[2])?;
-        match self.half_sizes[2] > self.half_sizes[0].min(self.half_sizes[1]) {
-            true => Ok(()),
-            false => Err(ObstacleError::OutOfPlane {
+        if self.half_sizes[2] > self.half_sizes[0].min(self.half_sizes[1]) {
+            Ok(())
+        } else {
+            Err(ObstacleError::OutOfPlane {
                 parameter: "half_sizes",
-            }),
+            })
         }
     }
 }

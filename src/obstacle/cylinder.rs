@@ -55,14 +55,16 @@ impl Obstacle for Cylinder {
                 continue;
             }
             let is_central = is_central(length, self.radius);
-            contact.normal = match is_central {
-                true => self.sideways,
-                false => scale(1.0 / length, across),
+            contact.normal = if is_central {
+                self.sideways
+            } else {
+                scale(1.0 / length, across)
             };
             if what == What::Curvature {
-                contact.curvature = match is_central {
-                    true => [[0.0; 3]; 3],
-                    false => round_curvature(contact.normal, self.axis, length),
+                contact.curvature = if is_central {
+                    [[0.0; 3]; 3]
+                } else {
+                    round_curvature(contact.normal, self.axis, length)
                 };
             }
         }

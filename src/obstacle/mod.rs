@@ -175,9 +175,10 @@ fn check_rounding(rounding: f64, limit: f64) -> Result<f64, ObstacleError> {
 
 /// Refuses a `component` off the plane of a flat body.
 fn check_plane(parameter: &'static str, component: f64) -> Result<(), ObstacleError> {
-    match component == 0.0 {
-        true => Ok(()),
-        false => Err(ObstacleError::OutOfPlane { parameter }),
+    if component == 0.0 {
+        Ok(())
+    } else {
+        Err(ObstacleError::OutOfPlane { parameter })
     }
 }
 

@@ -106,9 +106,10 @@ impl<S: Section> Revolved<S> {
             return;
         }
         let is_central = is_central(radius, self.size);
-        let radial = match is_central {
-            true => self.sideways,
-            false => scale(1.0 / radius, across),
+        let radial = if is_central {
+            self.sideways
+        } else {
+            scale(1.0 / radius, across)
         };
         let [n_r, n_z] = section.normal;
         contact.normal = add(scale(n_r, radial), scale(n_z, self.axis));
@@ -118,9 +119,10 @@ impl<S: Section> Revolved<S> {
                 true if n_r == 0.0 => section.curvature,
                 true => 0.0,
             };
-            let along = match is_central && n_r != 0.0 {
-                true => 0.0,
-                false => section.curvature,
+            let along = if is_central && n_r != 0.0 {
+                0.0
+            } else {
+                section.curvature
             };
             let tangent = add(scale(-n_z, radial), scale(n_r, self.axis));
             let ring = cross(self.axis, radial);

@@ -41,14 +41,16 @@ impl Obstacle for Sphere {
                 continue;
             }
             let is_central = is_central(length, self.radius);
-            contact.normal = match is_central {
-                true => [1.0, 0.0, 0.0],
-                false => scale(1.0 / length, offset),
+            contact.normal = if is_central {
+                [1.0, 0.0, 0.0]
+            } else {
+                scale(1.0 / length, offset)
             };
             if what == What::Curvature {
-                contact.curvature = match is_central {
-                    true => [[0.0; 3]; 3],
-                    false => round_curvature(contact.normal, [0.0; 3], length),
+                contact.curvature = if is_central {
+                    [[0.0; 3]; 3]
+                } else {
+                    round_curvature(contact.normal, [0.0; 3], length)
                 };
             }
         }

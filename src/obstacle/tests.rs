@@ -73,9 +73,10 @@ fn shape() -> impl Strategy<Value = Arc<dyn Obstacle>> {
     );
     parts.prop_map(|(kind, place, along, radius, share, is_cavity)| {
         let solid = solid(kind, (place, along), (radius, share));
-        let shape = match is_cavity && kind > 0 {
-            true => Shape::Cavity(solid.into()),
-            false => solid,
+        let shape = if is_cavity && kind > 0 {
+            Shape::Cavity(solid.into())
+        } else {
+            solid
         };
         shape.build(1.0).expect("valid")
     })

@@ -28,31 +28,35 @@ pub struct CoarseSchur<'a> {
     /// L.
     factor: GramFactor,
     /// E `[modes]`.
-    excess: Vec<f64>,
+    correction: Vec<f64>,
 }
 
 impl<'a> CoarseSchur<'a> {
     /// `fine` with those of `volumes` that change less than it says.
     pub fn new(fine: &'a ChebyshevMass, volumes: &VolumeModes, work: &mut Workspace) -> Self {
         let masses = masses(fine, &volumes.pressures, work);
-        let excess = (0..volumes.count()).map(|mode| {
+        let correction = (0..volumes.count()).map(|mode| {
             // One of the orthonormal pressures in the patterns.
             let mut own = vec![0.0; volumes.count()];
             own[mode] = 1.0;
             volumes.factor.backward(&mut own);
             let known = own.iter().enumerate();
-            let weighed = |(other, &share): (usize, &f64)| match share == 0.0 {
-                true => 0.0,
-                false => share * masses.row_product(other, &own),
+            let weighed = |(other, &share): (usize, &f64)| {
+                if share == 0.0 {
+                    0.0
+                } else {
+                    share * masses.row_product(other, &own)
+                }
             };
-            let excess = 1.0 - known.map(weighed).sum::<f64>().recip();
-            match excess > 0.0 && excess.is_finite() {
-                true => excess,
-                false => 0.0,
+            let correction = 1.0 - known.map(weighed).sum::<f64>().recip();
+            if correction > 0.0 && correction.is_finite() {
+                correction
+            } else {
+                0.0
             }
         });
         Self {
-            excess: excess.collect(),
+            correction: correction.collect(),
             fine,
             patterns: volumes.pressures.clone(),
             factor: volumes.factor.clone(),
@@ -82,11 +86,11 @@ fn masses(fine: &ChebyshevMass, patterns: &SparseRows, work: &mut Workspace) -> 
 impl Preconditioner for CoarseSchur<'_> {
     fn apply(&self, r: &[f64], z: &mut [f64], work: &mut Workspace) {
         self.fine.apply(r, z, work);
-        let mut shares = work.zeros(self.excess.len());
+        let mut shares = work.zeros(self.correction.len());
         self.patterns.apply(r, &mut shares, work);
         self.factor.forward(&mut shares);
-        let pairs = shares.iter_mut().zip(&self.excess);
-        pairs.for_each(|(share, excess)| *share *= excess);
+        let pairs = shares.iter_mut().zip(&self.correction);
+        pairs.for_each(|(share, correction)| *share *= correction);
         self.factor.backward(&mut shares);
         self.patterns.add_transposed(1.0, &shares, z, work);
         work.give(shares);

@@ -333,9 +333,10 @@ fn restricted(nodes: &LagrangeNodes<'_>, group_of: &[u32]) -> LowerColumns {
         for j in 0..c {
             let column = node * c + j;
             let mut push = |row: usize, value: f64| {
-                let value = match is_held[row] || is_held[column] {
-                    true => f64::from(u8::from(row == column)),
-                    false => value,
+                let value = if is_held[row] || is_held[column] {
+                    f64::from(u8::from(row == column))
+                } else {
+                    value
                 };
                 matrix.rows.push(row as u32);
                 matrix.values.push(value);

@@ -58,7 +58,7 @@ impl NodeBlocks {
         }
     }
 
-    /// With blocks between nodes, row-major `[components, components]`, zeros behind it.
+    /// With blocks between nodes, row-major `[components, components]`, zeros after it.
     #[must_use]
     pub fn with_pairs(self, pairs: BTreeMap<[u32; 2], [f64; 9]>) -> Self {
         Self {
@@ -79,7 +79,7 @@ impl NodeBlocks {
         self.components
     }
 
-    /// The inverse block of one node, row-major `[components, components]`, zeros behind it.
+    /// The inverse block of one node, row-major `[components, components]`, zeros after it.
     pub fn block(&self, node: usize) -> [f64; 9] {
         let c = self.components;
         let size = c * (c + 1) / 2;
@@ -102,7 +102,7 @@ impl NodeBlocks {
         });
     }
 
-    /// The first step behind a correction, which `d` holds: `x += d + gain D^-1 r`,
+    /// The first step after a correction, which `d` holds: `x += d + gain D^-1 r`,
     /// `d = gain D^-1 r`.
     pub fn chebyshev_restart<R: Scalar>(&self, gain: f64, r: &[R], d: &mut [R], x: &mut [R]) {
         let gain = R::narrow(gain);

@@ -1,12 +1,12 @@
 //! Two-level p-multigrid for the P2 stiffness: an exact or approximate P1 correction, and Chebyshev
-//! smoothing in node blocks around or behind it.
+//! smoothing in node blocks around or after it.
 //!
 //! Input and output are in the hierarchical basis (vertices, then edge
 //! corrections). The smoother works on Lagrange node values
-//! u_e + (u_a + u_b)/2, where it needs half the iterations. With k steps before and k behind, an
+//! u_e + (u_a + u_b)/2, where it needs half the iterations. With k steps before and k after, an
 //! application costs 2k operator products and one P1 solve; it is symmetric
 //! positive definite up to rounding, with condition about 2.2 (k = 2) or 1.7 (k = 3) on good
-//! tetrahedra, independent of the mesh size. With k steps behind alone it costs k products and is
+//! tetrahedra, independent of the mesh size. With k steps after alone it costs k products and is
 //! not symmetric: for methods that do not ask for that, 3 steps do the work of 2 and 2.
 //!
 //! Between its ends all vectors are in the numbers R: in single precision half the bytes
@@ -28,9 +28,9 @@ const SAFETY: f64 = 1.05;
 /// Chebyshev steps and their place.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Smoothing {
-    /// So many before the P1 correction, and as many behind it.
+    /// So many before the P1 correction, and as many after it.
     Around(usize),
-    /// So many behind it.
+    /// So many after it.
     Behind(usize),
 }
 

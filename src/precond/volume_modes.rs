@@ -38,9 +38,9 @@ pub struct VolumeModes {
     /// z: of a part one at its own `[modes, pressures]`.
     pub pressures: SparseRows,
     /// A11^-1 P^T b along each trace `[modes][traces]`.
-    pub smooth: Vec<Vec<f64>>,
+    pub p1_part: Vec<Vec<f64>>,
     /// D^-1 b in the Lagrange basis `[modes, displacement]`: nodes that move alone.
-    pub alone: SparseRows,
+    pub nodal_part: SparseRows,
     /// G `[modes, modes]`, volumes over a modulus.
     pub work: DenseMatrix,
     /// Its factor.
@@ -77,7 +77,7 @@ struct Loads<'a> {
 /// One column of G, and what contact sees of the mode.
 struct Column {
     work: Vec<f64>,
-    smooth: Vec<f64>,
+    p1_part: Vec<f64>,
 }
 
 impl VolumeModes {
@@ -90,7 +90,7 @@ impl VolumeModes {
         (changes, slacks): (&SparseRows, Option<&SparseRows>),
     ) -> Self {
         let forces = flexibility.on_nodes(changes);
-        let alone = flexibility.alone(&forces);
+        let nodal_part = flexibility.nodal_part(&forces);
         let loads = Loads {
             changes,
             forces,
@@ -100,27 +100,27 @@ impl VolumeModes {
         let panels: Vec<Vec<Column>> = modes
             .par_chunks(PANEL)
             .map_init(Workspace::new, |work, panel| {
-                flexibility.columns(panel, (&loads, &alone, &pressures), work)
+                flexibility.columns(panel, (&loads, &nodal_part, &pressures), work)
             })
             .collect();
         let mut work = DenseMatrix::zeros(modes.len(), modes.len());
-        let mut smooth = Vec::with_capacity(modes.len());
+        let mut p1_part = Vec::with_capacity(modes.len());
         for (mode, column) in panels.into_iter().flatten().enumerate() {
             work.column_mut(mode).copy_from_slice(&column.work);
-            smooth.push(column.smooth);
+            p1_part.push(column.p1_part);
         }
         Self {
             factor: GramFactor::new(&work),
             pressures,
-            smooth,
-            alone,
+            p1_part,
+            nodal_part,
             work,
         }
     }
 
     /// Number of modes.
     pub fn count(&self) -> usize {
-        self.smooth.len()
+        self.p1_part.len()
     }
 }
 
@@ -129,30 +129,30 @@ impl Flexibility<'_> {
     fn columns(
         &self,
         panel: &[usize],
-        (loads, alone, pressures): (&Loads<'_>, &SparseRows, &SparseRows),
+        (loads, nodal_part, pressures): (&Loads<'_>, &SparseRows, &SparseRows),
         work: &mut Workspace,
     ) -> Vec<Column> {
-        let smooth_size = self.vertex_count * self.node_blocks.components();
+        let p1_size = self.vertex_count * self.node_blocks.components();
         let size = loads.changes.columns();
-        let mut changes = work.zeros(smooth_size * panel.len());
+        let mut changes = work.zeros(p1_size * panel.len());
         let mut whole = work.zeros(size);
-        for (change, &mode) in changes.chunks_exact_mut(smooth_size).zip(panel) {
+        for (change, &mode) in changes.chunks_exact_mut(p1_size).zip(panel) {
             whole.fill(0.0);
             loads.changes.add_row(mode, 1.0, &mut whole);
-            change.copy_from_slice(&whole[..smooth_size]);
+            change.copy_from_slice(&whole[..p1_size]);
         }
-        let mut smooth = work.zeros(changes.len());
+        let mut p1_part = work.zeros(changes.len());
         self.p1
-            .apply_to_all(&changes, &mut smooth, panel.len(), work);
+            .apply_to_all(&changes, &mut p1_part, panel.len(), work);
         work.give(changes);
         let mut moved = work.zeros(size);
         let mut slack = work.zeros(pressures.columns());
         let mut columns = Vec::with_capacity(panel.len());
-        for (smooth, &mode) in smooth.chunks_exact(smooth_size).zip(panel) {
+        for (p1_part, &mode) in p1_part.chunks_exact(p1_size).zip(panel) {
             whole.fill(0.0);
-            whole[..smooth_size].copy_from_slice(smooth);
+            whole[..p1_size].copy_from_slice(p1_part);
             moved.fill(0.0);
-            alone.add_row(mode, 1.0, &mut moved);
+            nodal_part.add_row(mode, 1.0, &mut moved);
             slack.fill(0.0);
             if let Some(slacks) = loads.slacks {
                 slacks.add_row(mode, 1.0, &mut slack);
@@ -167,22 +167,22 @@ impl Flexibility<'_> {
             column[mode] = by_itself + pressures.row_product(mode, &slack).max(FLOOR * by_itself);
             columns.push(Column {
                 work: column,
-                smooth: self.along_traces(smooth),
+                p1_part: self.along_traces(p1_part),
             });
         }
-        [smooth, moved, slack, whole]
+        [p1_part, moved, slack, whole]
             .into_iter()
             .for_each(|vector| work.give(vector));
         columns
     }
 
     /// A motion of the vertices along each trace.
-    fn along_traces(&self, smooth: &[f64]) -> Vec<f64> {
+    fn along_traces(&self, p1_part: &[f64]) -> Vec<f64> {
         let c = self.node_blocks.components();
         let pairs = self.traces.vertices.iter().zip(self.traces.directions);
         let along = |(&vertex, direction): (&u32, &[f64; 3])| {
             let first = vertex as usize * c;
-            dot(&direction[..c], &smooth[first..first + c])
+            dot(&direction[..c], &p1_part[first..first + c])
         };
         pairs.map(along).collect()
     }
@@ -209,21 +209,20 @@ impl Flexibility<'_> {
                 }
             }
             entries.retain(|&(unknown, _)| !self.is_held[unknown as usize]);
-            match entries.len() < loads.columns() / DENSE {
-                true => builder.push_row(&mut entries),
-                false => {
-                    whole.resize(loads.columns(), 0.0);
-                    whole.fill(0.0);
-                    (entries.iter()).for_each(|&(unknown, value)| whole[unknown as usize] += value);
-                    builder.push_dense(&whole, 0.0);
-                }
+            if entries.len() < loads.columns() / DENSE {
+                builder.push_row(&mut entries)
+            } else {
+                whole.resize(loads.columns(), 0.0);
+                whole.fill(0.0);
+                (entries.iter()).for_each(|&(unknown, value)| whole[unknown as usize] += value);
+                builder.push_dense(&whole, 0.0);
             }
         }
         builder.finish()
     }
 
     /// D^-1 `forces`, node by node, nodes of a line with those that they move.
-    fn alone(&self, forces: &SparseRows) -> SparseRows {
+    fn nodal_part(&self, forces: &SparseRows) -> SparseRows {
         let c = self.node_blocks.components();
         let mut builder = SparseRowsBuilder::new(forces.columns());
         let mut entries = Vec::new();

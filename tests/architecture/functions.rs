@@ -12,13 +12,7 @@ const VALUES: usize = 5;
 /// Functions above [`LONGEST`] that wait to be split; the list only gets shorter.
 #[rustfmt::skip]
 const LONG: &[(&str, &str)] = &[
-    ("inequality/one_level/face.rs", "run_face"),
     ("plan/mod.rs", "new"),
-    ("plan/mod.rs", "key"),
-    ("precond/compliance/split.rs", "new"),
-    ("results/fields.rs", "field"),
-    ("scene/validate/mod.rs", "resolve"),
-    ("scene/validate/solver.rs", "check_element"),
     ("sqp/program/mod.rs", "new"),
     ("sqp/program/solve.rs", "solve_with"),
 ];
@@ -26,24 +20,24 @@ const LONG: &[(&str, &str)] = &[
 /// Room, functions above [`VALUES`], and `match` on booleans. Ceilings, which only fall.
 #[rustfmt::skip]
 const CEILINGS: &[(&str, usize, usize)] = &[
-    ("assembly", 19, 9),
+    ("assembly", 8, 0),
     ("compare", 1, 9),
     ("contact", 0, 4),
     ("continuation", 0, 0),
     ("diagnosis", 0, 1),
-    ("element", 0, 1),
+    ("element", 0, 0),
     ("force_control", 0, 7),
     ("geometry", 0, 0),
-    ("inequality", 3, 20),
-    ("krylov", 1, 1),
+    ("inequality", 3, 19),
+    ("krylov", 1, 0),
     ("lib", 0, 0),
-    ("linalg", 0, 12),
-    ("material", 0, 1),
-    ("mesh", 0, 3),
+    ("linalg", 0, 1),
+    ("material", 0, 0),
+    ("mesh", 0, 0),
     ("model", 1, 18),
-    ("obstacle", 0, 29),
+    ("obstacle", 0, 1),
     ("plan", 2, 15),
-    ("precond", 5, 6),
+    ("precond", 3, 0),
     ("prepare", 2, 11),
     ("report", 0, 1),
     ("results", 1, 11),

@@ -71,7 +71,7 @@ fn skipped(all: &[char], at: usize) -> usize {
     }
 }
 
-/// Behind the next `mark`, or the end.
+/// After the next `mark`, or the end.
 fn past(all: &[char], at: usize, mark: &[char]) -> usize {
     let found = all[at..].windows(mark.len()).position(|part| part == mark);
     found.map_or(all.len(), |offset| at + offset + mark.len())
@@ -111,7 +111,7 @@ fn without_tests(tokens: &[String]) -> Vec<usize> {
     kept
 }
 
-/// Behind the item that begins at `at`: its semicolon or its last brace.
+/// After the item that begins at `at`: its semicolon or its last brace.
 fn item_end(tokens: &[String], mut at: usize) -> usize {
     let mut depth = 0;
     let (mut is_attribute, mut is_import) = (false, false);

@@ -198,9 +198,10 @@ fn curves_of<const V: usize, const D: usize, const E: usize>(
     let straight = cells.partition_point(|cell| of(cell).is_none()) / WIDTH;
     let batches = cells.chunks(WIDTH).skip(straight);
     let curve = |cells: &[u32]| Curve::new(std::array::from_fn(|lane| of(cells.get(lane)?)));
-    match cells.last().is_some_and(|cell| of(cell).is_some()) {
-        true => batches.map(curve).collect(),
-        false => Vec::new(),
+    if cells.last().is_some_and(|cell| of(cell).is_some()) {
+        batches.map(curve).collect()
+    } else {
+        Vec::new()
     }
 }
 

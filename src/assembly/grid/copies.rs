@@ -71,9 +71,10 @@ impl Copies {
                 take(target, sum_of(local, copies));
             }
         };
-        match y.len() < ALONE * PIECE * C {
-            true => y.chunks_mut(PIECE * C).enumerate().for_each(of_piece),
-            false => y.par_chunks_mut(PIECE * C).enumerate().for_each(of_piece),
+        if y.len() < ALONE * PIECE * C {
+            y.chunks_mut(PIECE * C).enumerate().for_each(of_piece)
+        } else {
+            y.par_chunks_mut(PIECE * C).enumerate().for_each(of_piece)
         }
     }
 }

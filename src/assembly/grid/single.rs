@@ -156,7 +156,7 @@ fn joined<const V: usize, const D: usize, const E: usize>(
     }
 }
 
-/// The batch that a lane comes from, the last one behind all.
+/// The batch that a lane comes from, the last one after all.
 fn part<const V: usize, const D: usize, const E: usize>(
     parts: &[Batch<V, D, E>],
     lane: usize,

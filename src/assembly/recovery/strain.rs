@@ -239,13 +239,12 @@ fn product<const V: usize, const S: usize>(
     let components = V - 1;
     let (mut diagonal, mut rest, mut traces) = (0.0, 0.0, [0.0; 2]);
     for s in 0..S {
-        match s < components {
-            true => {
-                diagonal += a[s] * b[s];
-                traces[0] += a[s];
-                traces[1] += b[s];
-            }
-            false => rest += a[s] * b[s],
+        if s < components {
+            diagonal += a[s] * b[s];
+            traces[0] += a[s];
+            traces[1] += b[s];
+        } else {
+            rest += a[s] * b[s]
         }
     }
     2.0 * shear * (diagonal + 2.0 * rest) + lame * traces[0] * traces[1]

@@ -227,9 +227,10 @@ impl StrainGrid {
 
     /// Points that a stretch around the axis is kept at.
     pub(super) fn hoops(&self) -> usize {
-        match self.radii.is_empty() {
-            true => 0,
-            false => self.points(),
+        if self.radii.is_empty() {
+            0
+        } else {
+            self.points()
         }
     }
 

@@ -32,7 +32,7 @@ pub(super) type Triangles = CellGrid<3, 2, 3>;
 const DISPLACEMENTS: usize = 12;
 /// Pressures of a cell.
 const PRESSURES: usize = 3;
-/// Where B begins, behind the lower triangle of A.
+/// Where B begins, after the lower triangle of A.
 const DIVERGENCE: usize = DISPLACEMENTS * (DISPLACEMENTS + 1) / 2;
 /// Where 1 - s mu / K stands.
 const TRANSPOSED: usize = DIVERGENCE + DISPLACEMENTS * PRESSURES;

@@ -40,7 +40,7 @@ impl Tree {
     }
 }
 
-/// Unknowns of branches that lie one behind the other, and what they hand on.
+/// Unknowns of branches that lie one after the other, and what they hand on.
 struct Pieces<'v, T> {
     x: &'v mut [T],
     /// One for each row below their nodes.
@@ -105,14 +105,11 @@ impl<T: Factor> Solve<'_, T> {
         let entries = branches
             .iter()
             .map(|&branch| self.tree.nodes[branch].entries);
-        match entries.sum::<usize>() > ALONE {
-            true => {
-                rayon::join(low, high);
-            }
-            false => {
-                low();
-                high();
-            }
+        if entries.sum::<usize>() > ALONE {
+            rayon::join(low, high);
+        } else {
+            low();
+            high();
         }
     }
 
@@ -204,12 +201,13 @@ impl<T: Factor> Solve<'_, T> {
                 .split_at_mut(node.below + node.rows - start.1);
             let x = &mut x[node.first - start.0..];
             let below = &mut below[node.below - start.1..];
-            let above = match node.parent == branch {
-                true => (&*own.x, &*own.updates),
-                false => (
+            let above = if node.parent == branch {
+                (&*own.x, &*own.updates)
+            } else {
+                (
                     &later_x[parent.first - node.first - node.width..][..parent.width],
                     &later[parent.below - node.below - node.rows..][..parent.rows],
-                ),
+                )
             };
             self.backward_at(node, (x, below), above);
         }

@@ -57,7 +57,7 @@ pub(super) struct Node {
 pub(super) struct Tree {
     /// Children before parents.
     pub(super) nodes: Vec<Node>,
-    /// Children of all nodes, ascending for each, the roots behind them.
+    /// Children of all nodes, ascending for each, the roots after them.
     pub(super) children: Vec<usize>,
     /// Where the roots begin.
     pub(super) roots: usize,
@@ -104,7 +104,7 @@ impl Tree {
         (4 * words + size_of::<Node>() * self.nodes.len() + 8 * self.children.len()) as u64
     }
 
-    /// Adds a node behind all others.
+    /// Adds a node after all others.
     fn push(&mut self, supernode: &Supernode<'_>, parent: usize) {
         self.nodes.push(Node {
             values: supernode.values,

@@ -86,9 +86,12 @@ impl Level for DistanceGrid {
 
 /// The node with the lowest value.
 fn deepest(lattice: &Lattice<3>, values: &[f64]) -> Result<Ball, GridError> {
-    let lower = |least: (usize, f64), (index, value): (usize, &f64)| match *value < least.1 {
-        true => (index, *value),
-        false => least,
+    let lower = |least: (usize, f64), (index, value): (usize, &f64)| {
+        if *value < least.1 {
+            (index, *value)
+        } else {
+            least
+        }
     };
     let (index, value) = values.iter().enumerate().fold((0, 0.0), lower);
     if value >= 0.0 {

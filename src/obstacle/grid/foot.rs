@@ -111,9 +111,10 @@ impl Step {
         });
         let moved = shifted(frame.bent, distance);
         let is_least = is_positive(moved);
-        let [a, b, c] = match is_least {
-            true => inverse(moved),
-            false => [1.0, 0.0, 1.0],
+        let [a, b, c] = if is_least {
+            inverse(moved)
+        } else {
+            [1.0, 0.0, 1.0]
         };
         let [s, t] = sideways;
         Self {

@@ -67,9 +67,12 @@ impl HeightField {
             .flat_map(|i| sides.clone().map(move |j| (i, j)));
         places
             .map(|(i, j)| on_surface(x + f64::from(i) * step, y + f64::from(j) * step))
-            .fold(below, |best, place| match square(place) < square(best) {
-                true => place,
-                false => best,
+            .fold(below, |best, place| {
+                if square(place) < square(best) {
+                    place
+                } else {
+                    best
+                }
             })
     }
 

@@ -83,10 +83,12 @@ impl<const N: usize> Spline<N> {
         if self.coefficients.iter().all(is_finite) {
             return Ok(());
         }
-        let larger = |most: (usize, f64), (index, value): (usize, &f64)| match value.abs() > most.1
-        {
-            true => (index, value.abs()),
-            false => most,
+        let larger = |most: (usize, f64), (index, value): (usize, &f64)| {
+            if value.abs() > most.1 {
+                (index, value.abs())
+            } else {
+                most
+            }
         };
         let (index, _) = values.iter().enumerate().fold((0, 0.0), larger);
         let node = self.lattice.node(index).to_vec();

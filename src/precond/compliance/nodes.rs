@@ -140,7 +140,7 @@ fn motion(block: &[f64; 9], b: &[f64; 3], c: usize) -> [f64; 3] {
 }
 
 /// One row of C D^-1 C^T from what it does at its nodes, and how these move with each row;
-/// `sums` is empty before and behind it `[size]`.
+/// `sums` is empty before and after it `[size]`.
 fn row_of_nodes(
     sums: &mut [Option<f64>],
     (own, moved): (&[(usize, [f64; 3])], &[AtNode]),

@@ -19,15 +19,15 @@ pub(super) fn seen_of(
     volumes: &VolumeModes,
 ) -> (DenseMatrix, SparseRows) {
     let (size, modes) = (rows.0.len(), volumes.count());
-    let unknowns = volumes.alone.columns();
+    let unknowns = volumes.nodal_part.columns();
     let seen: Vec<Vec<f64>> = (0..modes)
         .into_par_iter()
         .map_init(
             || vec![0.0; unknowns],
             |alone, mode| {
                 alone.fill(0.0);
-                volumes.alone.add_row(mode, 1.0, alone);
-                seen_by(parts, rows, (&volumes.smooth[mode], alone))
+                volumes.nodal_part.add_row(mode, 1.0, alone);
+                seen_by(parts, rows, (&volumes.p1_part[mode], alone))
             },
         )
         .collect();

@@ -17,7 +17,7 @@ pub struct DirectP1 {
 }
 
 /// Elimination order of the vertices (new to old): nested dissection, with
-/// `last` behind all others.
+/// `last` after all others.
 pub fn vertex_order(coordinates: &[[f64; 3]], edges: &[[u32; 2]], last: &[u32]) -> Vec<u32> {
     let graph = Graph::from_edges(coordinates.len(), edges);
     nested_dissection(coordinates, &graph, last)
@@ -58,9 +58,10 @@ impl DirectP1 {
         }
         let last = self.factor.trailing_block(size);
         // With friction most vertices have all directions, and the columns are a staircase.
-        match 3 * vertices.len() < 2 * traces.vertices.len() {
-            true => last.inverse_of_product_below(directions),
-            false => last.inverse_of_product_on(directions),
+        if 3 * vertices.len() < 2 * traces.vertices.len() {
+            last.inverse_of_product_below(directions)
+        } else {
+            last.inverse_of_product_on(directions)
         }
     }
 

@@ -168,9 +168,10 @@ impl<const N: usize> Filler<'_, N> {
         let (held, other) = (&self.is_held[row as usize], &self.is_held[column as usize]);
         for i in 0..N {
             for j in 0..N {
-                self.blocks[slot][i][j] = match held[i] || other[j] {
-                    false => entry(i, j),
-                    true => f64::from(u8::from(row == column && i == j)),
+                self.blocks[slot][i][j] = if held[i] || other[j] {
+                    f64::from(u8::from(row == column && i == j))
+                } else {
+                    entry(i, j)
                 };
             }
         }

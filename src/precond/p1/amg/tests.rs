@@ -152,9 +152,12 @@ fn counts_in_the_plane_do_not_depend_on_the_size() {
 #[test]
 fn stiff_and_soft_layers_raise_the_count_by_less_than_half() {
     for contrast in [1e-6, 1e-3, 1e3, 1e6] {
-        let layer = |x: [f64; 3]| match (0.3..0.5).contains(&x[2]) {
-            true => contrast,
-            false => 1.0,
+        let layer = |x: [f64; 3]| {
+            if (0.3..0.5).contains(&x[2]) {
+                contrast
+            } else {
+                1.0
+            }
         };
         let [single, double] = counts(&sample(samples::cube(10), layer));
         assert!(
