@@ -105,7 +105,7 @@ pub struct FollowerPressure<'a> {
 struct FacePoint {
     weight: f64,
     values: Vec<f64>,
-    /// What along s and t.
+    /// Derivatives along s and t.
     slopes: Vec<[f64; 2]>,
 }
 

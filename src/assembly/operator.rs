@@ -92,7 +92,7 @@ pub struct SingleStiffness {
 }
 
 impl ResidualUpdate<f32> for SingleStiffness {
-    fn take_off(&self, x: &[f32], r: &mut [f32], work: &mut Workspace) {
+    fn update_residual(&self, x: &[f32], r: &mut [f32], work: &mut Workspace) {
         self.grid.subtract_stiffness(self.basis, x, r, work);
         self.held.add_held(-1.0, x, r);
     }

@@ -13,7 +13,7 @@ use super::counterpart::{Counterpart, Places};
 use super::face::ContactFace;
 use super::surface::ContactSurface;
 use crate::element::quadrature::Rule;
-use crate::obstacle::{Contact, What};
+use crate::obstacle::{Contact, Derivatives};
 
 /// Depths at the points of a rule.
 #[derive(Clone, Debug)]
@@ -44,7 +44,7 @@ impl AdmittedDepth {
         &self,
         inner: &C,
         (face, points): (&ContactFace, Places<'_>),
-        what: What,
+        what: Derivatives,
         out: &mut [Contact],
     ) {
         inner.probe_on(face, points, what, out);

@@ -12,7 +12,7 @@
 
 use super::counterpart::{Counterpart, Places};
 use super::face::ContactFace;
-use crate::obstacle::{Contact, What};
+use crate::obstacle::{Contact, Derivatives};
 
 /// Points that are probed at once: the rule of degree 8 on a triangle has 16.
 const CHUNK: usize = 16;
@@ -27,7 +27,13 @@ pub struct Advancing<'a, C: ?Sized> {
 }
 
 impl<C: Counterpart + ?Sized> Counterpart for Advancing<'_, C> {
-    fn probe_on(&self, face: &ContactFace, points: Places<'_>, what: What, out: &mut [Contact]) {
+    fn probe_on(
+        &self,
+        face: &ContactFace,
+        points: Places<'_>,
+        what: Derivatives,
+        out: &mut [Contact],
+    ) {
         self.now.probe_on(face, points, what, out);
         let Some(before) = self.before else {
             out.iter_mut().for_each(|contact| contact.distance = 0.0);
@@ -41,7 +47,7 @@ impl<C: Counterpart + ?Sized> Counterpart for Advancing<'_, C> {
                 coordinates,
                 deformed,
             };
-            before.probe_on(face, points, What::Gap, &mut earlier[..out.len()]);
+            before.probe_on(face, points, Derivatives::Gap, &mut earlier[..out.len()]);
             for (now, before) in out.iter_mut().zip(&earlier) {
                 let (came, went) = (before.distance, now.distance);
                 if went < came && came.abs() < went.abs() {

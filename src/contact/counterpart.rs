@@ -8,7 +8,7 @@ use super::face::ContactFace;
 use crate::geometry::rigid_motion::multiply;
 use crate::geometry::vector3::{dot, norm, scale, sub};
 use crate::geometry::{Matrix3, RigidMotion};
-use crate::obstacle::{Contact, Obstacle, What};
+use crate::obstacle::{Contact, Derivatives, Obstacle};
 
 /// Points of a face.
 #[derive(Clone, Copy, Debug)]
@@ -22,11 +22,23 @@ pub struct Places<'a> {
 /// What a face meets.
 pub trait Counterpart: Sync {
     /// What it is to `points` of `face`, into `out` `[points]`.
-    fn probe_on(&self, face: &ContactFace, points: Places<'_>, what: What, out: &mut [Contact]);
+    fn probe_on(
+        &self,
+        face: &ContactFace,
+        points: Places<'_>,
+        what: Derivatives,
+        out: &mut [Contact],
+    );
 }
 
 impl<T: Obstacle + ?Sized> Counterpart for T {
-    fn probe_on(&self, _: &ContactFace, points: Places<'_>, what: What, out: &mut [Contact]) {
+    fn probe_on(
+        &self,
+        _: &ContactFace,
+        points: Places<'_>,
+        what: Derivatives,
+        out: &mut [Contact],
+    ) {
         self.probe(points.deformed, what, out);
     }
 }
@@ -69,7 +81,13 @@ impl Guide {
 }
 
 impl Counterpart for Guide {
-    fn probe_on(&self, face: &ContactFace, points: Places<'_>, what: What, out: &mut [Contact]) {
+    fn probe_on(
+        &self,
+        face: &ContactFace,
+        points: Places<'_>,
+        what: Derivatives,
+        out: &mut [Contact],
+    ) {
         let flat = self.carried(face.point, face.normal);
         let pairs = points.deformed.iter().zip(points.coordinates);
         for (contact, (&point, l)) in out.iter_mut().zip(pairs) {
@@ -80,10 +98,10 @@ impl Counterpart for Guide {
                 self.carried(curve.position(l), scale(norm(area).recip(), area))
             });
             contact.distance = self.value - dot(normal, sub(point, origin));
-            if what >= What::Normal {
+            if what >= Derivatives::Normal {
                 contact.normal = scale(-1.0, normal);
             }
-            if what >= What::Curvature {
+            if what >= Derivatives::Curvature {
                 contact.curvature = [[0.0; 3]; 3];
             }
         }

@@ -27,7 +27,7 @@ use super::deformed::{Deformed, FacePoints, Measure, Table};
 use super::face::ContactFace;
 use super::surface::ContactSurface;
 use crate::linalg::{SparseRows, SparseRowsBuilder};
-use crate::obstacle::{Contact, What};
+use crate::obstacle::{Contact, Derivatives};
 
 /// Fewer nodes are not worth a second thread.
 const PARALLEL_NODES: usize = 64;
@@ -62,7 +62,7 @@ pub fn curvature_where_held<C: Counterpart + ?Sized>(
         let pressure = surface.shares.spread(pressures.contact);
         let loaded = pressure.clone();
         Integrated::of_faces(body, (surface, loaded, held), |points, face, blocks| {
-            points.probe(counterpart, face, What::Curvature);
+            points.probe(counterpart, face, Derivatives::Curvature);
             let is_closed = |&k: &u32| closed[k as usize] > WHOLE;
             let is_held = face.functions.iter().all(is_closed);
             if is_held {
@@ -148,7 +148,7 @@ impl<'a> Integrated<'a> {
         let pressure = surface.shares.spread(pressure);
         let loaded = pressure.clone();
         Self::of_faces(body, (surface, loaded, held), |points, face, blocks| {
-            points.probe(counterpart, face, What::Curvature);
+            points.probe(counterpart, face, Derivatives::Curvature);
             match body.measure {
                 Measure::Deformed => {
                     add_deformed_blocks(points, (face, None), &pressure, blocks);

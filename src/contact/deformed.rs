@@ -16,7 +16,7 @@ use crate::assembly::load::push_shape_values;
 use crate::element::quadrature::Rule;
 use crate::geometry::vector3::add;
 use crate::mesh::Mesh;
-use crate::obstacle::{Contact, What};
+use crate::obstacle::{Contact, Derivatives};
 use crate::space::TaylorHood;
 
 /// Fewer faces are not worth a second thread.
@@ -242,7 +242,7 @@ impl<'a> FacePoints<'a> {
         &mut self,
         counterpart: &C,
         face: &ContactFace,
-        what: What,
+        what: Derivatives,
     ) {
         let places = Places {
             coordinates: &self.table.rule.points,

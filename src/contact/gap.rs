@@ -17,7 +17,7 @@ use super::deformed::{FacePoints, Table};
 use super::face::ContactFace;
 use super::surface::ContactSurface;
 use crate::geometry::vector3::{add, scale};
-use crate::obstacle::What;
+use crate::obstacle::Derivatives;
 
 /// Fewer rows are not worth a second thread.
 const PARALLEL_ROWS: usize = 64;
@@ -47,7 +47,7 @@ pub fn evaluate_gaps<C: Counterpart + ?Sized>(
     let table = Table::new(body, surface.basis);
     let size = 1 + table.functions * table.points();
     let numbers = body.on_faces(&table, &surface.faces, size, |points, face, numbers| {
-        points.probe(counterpart, face, What::Gap);
+        points.probe(counterpart, face, Derivatives::Gap);
         fill_gaps(points, numbers);
     });
     let numbers = FaceNumbers { numbers, size };
@@ -66,7 +66,7 @@ pub fn mean_normals<C: Counterpart + ?Sized>(
     let size = 1 + table.functions * count;
     let faces = &surface.faces;
     let numbers = body.on_faces(&table, faces, 3 * size, |points, face, numbers| {
-        points.probe(counterpart, face, What::Normal);
+        points.probe(counterpart, face, Derivatives::Normal);
         for (axis, numbers) in numbers.chunks_exact_mut(size).enumerate() {
             for (point, contact) in points.contacts.iter().enumerate() {
                 for (k, value) in points.table.values(point).iter().enumerate() {
@@ -97,7 +97,7 @@ pub fn linearise<C: Counterpart + ?Sized>(
     held: &[bool],
 ) -> Linearisation {
     let probe = |points: &mut FacePoints<'_>, face: &ContactFace, out: &mut [f64]| {
-        points.probe(counterpart, face, What::Normal);
+        points.probe(counterpart, face, Derivatives::Normal);
         fill_gaps(points, out);
     };
     integrate(body, surface, &probe, held)
@@ -112,9 +112,9 @@ pub fn linearise_advanced<C: Counterpart + ?Sized>(
     held: &[bool],
 ) -> Linearisation {
     let probe = |points: &mut FacePoints<'_>, face: &ContactFace, out: &mut [f64]| {
-        points.probe(tool.now, face, What::Gap);
+        points.probe(tool.now, face, Derivatives::Gap);
         fill_gaps(points, out);
-        points.probe(&tool, face, What::Normal);
+        points.probe(&tool, face, Derivatives::Normal);
     };
     integrate(body, surface, &probe, held)
 }

@@ -17,7 +17,7 @@ use super::deformed::Deformed;
 use super::face::ContactFace;
 use super::quadratic_face::{QuadraticFace, towards};
 use super::surface::ContactSurface;
-use crate::obstacle::{Contact, Obstacle, What};
+use crate::obstacle::{Contact, Derivatives, Obstacle};
 
 /// Above one by more than all rounding, and by what distances to patches miss of a true distance.
 const CAREFUL: f64 = 1.01;
@@ -97,7 +97,8 @@ impl<O: Obstacle + ?Sized> Search<'_, O> {
         let shape = QuadraticFace::of(self.body, face);
         let middle = shape.at(&self.grid[self.grid.len() / 2]);
         let mut contact = [Contact::default()];
-        self.obstacle.probe(&[middle], What::Gap, &mut contact);
+        self.obstacle
+            .probe(&[middle], Derivatives::Gap, &mut contact);
         let distance = contact[0].distance;
         [distance - CAREFUL * shape.reach(middle), distance]
     }
@@ -137,7 +138,8 @@ impl<O: Obstacle + ?Sized> Search<'_, O> {
             *point = part.at(l);
         }
         let contacts = &mut contacts[..count];
-        self.obstacle.probe(&points[..count], What::Gap, contacts);
+        self.obstacle
+            .probe(&points[..count], Derivatives::Gap, contacts);
         let mut least = (f64::INFINITY, self.grid[0]);
         for (contact, &l) in contacts.iter().zip(&self.grid) {
             if contact.distance < least.0 {

@@ -12,7 +12,7 @@
 use super::counterpart::Counterpart;
 use super::deformed::{Deformed, FacePoints, Table};
 use super::surface::ContactSurface;
-use crate::obstacle::What;
+use crate::obstacle::Derivatives;
 
 /// Resultants on the body, non-dimensional.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -68,7 +68,7 @@ pub fn resultant<C: Counterpart + ?Sized>(
         {
             return;
         }
-        points.probe(counterpart, face, What::Normal);
+        points.probe(counterpart, face, Derivatives::Normal);
         for (point, numbers) in numbers.chunks_exact_mut(NUMBERS).enumerate() {
             let lambda = points.pressure(face, point, &coefficients);
             fill(points, point, (lambda, reference), numbers);

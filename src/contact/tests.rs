@@ -16,7 +16,7 @@ use crate::element::quadrature::{Rule, Simplex, rule};
 use crate::linalg::vector::{dot, largest, norm, reproducible_noise};
 use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, Workspace};
 use crate::mesh::{EdgeOffset, GroupKind, Mesh, MeshParts, samples};
-use crate::obstacle::{Contact, Cylinder, HalfSpace, Moving, Obstacle, Sphere, What};
+use crate::obstacle::{Contact, Cylinder, Derivatives, HalfSpace, Moving, Obstacle, Sphere};
 use crate::space::TaylorHood;
 
 const SCALE: f64 = 0.8;
@@ -607,7 +607,7 @@ fn area_vectors(sample: &Sample) -> Vec<f64> {
 struct Away(f64);
 
 impl Counterpart for Away {
-    fn probe_on(&self, _: &ContactFace, _: Places<'_>, _: What, out: &mut [Contact]) {
+    fn probe_on(&self, _: &ContactFace, _: Places<'_>, _: Derivatives, out: &mut [Contact]) {
         for contact in out {
             (contact.distance, contact.normal) = (self.0, [0.0, 0.0, 1.0]);
         }

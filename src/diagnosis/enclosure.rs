@@ -16,7 +16,7 @@ use crate::linalg::{LinearOperator, Workspace};
 use crate::model::Model;
 use crate::model::drive::Drive;
 use crate::model::state::State;
-use crate::obstacle::{Contact, Obstacle, What};
+use crate::obstacle::{Contact, Derivatives, Obstacle};
 
 /// Share of what overlaps and is open by which one has to exceed the other: what is left of the
 /// volumes by faces that are not flat.
@@ -64,7 +64,7 @@ fn faces_all(
             add_scaled(&mut middle, share, &place);
         }
         let mut met = [Contact::default()];
-        obstacle.probe(&[middle], What::Normal, &mut met);
+        obstacle.probe(&[middle], Derivatives::Normal, &mut met);
         let (_, outwards) = facet_measure(model.mesh, &face.corners, 1.0);
         dot(&met[0].normal, &outwards) < -FACING
     })

@@ -14,7 +14,7 @@ use crate::model::ending::{Ending, Site};
 use crate::model::evaluate::external_force;
 use crate::model::inside_out::inside_out;
 use crate::model::state::State;
-use crate::obstacle::{Contact, Obstacle, What};
+use crate::obstacle::{Contact, Derivatives, Obstacle};
 use crate::report::{Cause, Termination};
 use crate::sqp::run::Run;
 use enclosure::{constant_pressure_force, is_full};
@@ -93,7 +93,7 @@ fn slides_off(model: &Model<'_>, state: &State) -> Option<bool> {
         .interfaces
         .obstacles(&state.drive, model.plan.units.length)
     {
-        met.probe(&[[0.0; 3]], What::Normal, &mut plane);
+        met.probe(&[[0.0; 3]], Derivatives::Normal, &mut plane);
     }
     let normal = -dot(&force, &plane[0].normal);
     let along = (dot(&force, &force) - normal * normal).max(0.0).sqrt();

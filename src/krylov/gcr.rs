@@ -277,7 +277,7 @@ fn advance(
     let last = directions.pairs.len().saturating_sub(1) / GROUP * GROUP;
     let mut before = (last > 0).then(|| dot(product, product));
     for first in (0..last).step_by(GROUP) {
-        take_off_group(directions, first, direction, product);
+        subtract_group(directions, first, direction, product);
     }
     let (kept, images) = directions.group(last);
     let overlaps = Overlaps::of(product, r, &images);
@@ -337,7 +337,7 @@ fn orthogonalise(directions: &Directions, direction: &mut [f64], product: &mut [
     for _ in 0..2 {
         let before = length;
         for first in (0..directions.pairs.len()).step_by(GROUP) {
-            take_off_group(directions, first, direction, product);
+            subtract_group(directions, first, direction, product);
         }
         length = norm(product);
         if length > MOST_LOST * before || length.is_nan() {
@@ -352,7 +352,7 @@ fn orthogonalise(directions: &Directions, direction: &mut [f64], product: &mut [
 }
 
 /// Makes `product` orthogonal to the kept products of the group that begins at `first`.
-fn take_off_group(
+fn subtract_group(
     directions: &Directions,
     first: usize,
     direction: &mut [f64],

@@ -64,11 +64,11 @@ pub trait LinearOperator: Send + Sync {
 /// asks of it.
 pub trait ResidualUpdate<R>: Send + Sync {
     /// `r -= A x`.
-    fn take_off(&self, x: &[R], r: &mut [R], work: &mut Workspace);
+    fn update_residual(&self, x: &[R], r: &mut [R], work: &mut Workspace);
 }
 
 impl ResidualUpdate<f64> for std::sync::Arc<dyn LinearOperator> {
-    fn take_off(&self, x: &[f64], r: &mut [f64], work: &mut Workspace) {
+    fn update_residual(&self, x: &[f64], r: &mut [f64], work: &mut Workspace) {
         self.subtract_product(x, r, work);
     }
 }

@@ -24,7 +24,7 @@ impl LinearOperator for Widened<'_> {
         let mut product = work.scratch_f32(self.size);
         single.iter_mut().zip(x).for_each(|(s, x)| *s = *x as f32);
         product.fill(0.0);
-        self.operator.take_off(&single, &mut product, work);
+        self.operator.update_residual(&single, &mut product, work);
         y.iter_mut()
             .zip(&product)
             .for_each(|(y, p)| *y = -f64::from(*p));

@@ -65,7 +65,7 @@ impl Ogden {
     }
 }
 
-/// What of an energy, row and column 3 i + j for entry (i, j) of F.
+/// Derivatives of an energy, row and column 3 i + j for entry (i, j) of F.
 pub type TangentMatrix = [[f64; 9]; 9];
 
 /// Stretches and their directions at a deformation.

@@ -87,7 +87,7 @@ fn edge_values(l: &[f64]) -> [f64; 3] {
     }
 }
 
-/// What of [`edge_values`] along l_1 and l_2.
+/// Derivatives of [`edge_values`] along l_1 and l_2.
 fn edge_slopes(l: &[f64]) -> [[f64; 3]; 2] {
     match *l {
         [a, b, c] => [

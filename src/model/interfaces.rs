@@ -31,7 +31,7 @@ use crate::contact::{
 use crate::element::quadrature::Rule;
 use crate::geometry::RigidMotion;
 use crate::mesh::Mesh;
-use crate::obstacle::{Contact, Moving, Obstacle, What};
+use crate::obstacle::{Contact, Derivatives, Moving, Obstacle};
 use crate::plan::Plan;
 use crate::plan::surfaces::ContactLayout;
 use crate::saddle::{AdmissibleSet, SetPart};
@@ -105,7 +105,13 @@ impl Placed {
 }
 
 impl Counterpart for Placed {
-    fn probe_on(&self, face: &ContactFace, points: Places<'_>, what: What, out: &mut [Contact]) {
+    fn probe_on(
+        &self,
+        face: &ContactFace,
+        points: Places<'_>,
+        what: Derivatives,
+        out: &mut [Contact],
+    ) {
         match self {
             Self::Obstacle(obstacle) => obstacle.probe_on(face, points, what, out),
             Self::Admitting(obstacle, depth) => depth.probe(obstacle, (face, points), what, out),

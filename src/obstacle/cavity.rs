@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::{Ball, Contact, Obstacle, ObstacleError, What};
+use super::{Ball, Contact, Derivatives, Obstacle, ObstacleError};
 use crate::geometry::vector3::scale;
 
 /// A shape turned inside out.
@@ -29,14 +29,14 @@ impl Cavity {
 }
 
 impl Obstacle for Cavity {
-    fn probe(&self, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
-        self.shape.probe(points, what, out);
+    fn probe(&self, points: &[[f64; 3]], derivatives: Derivatives, out: &mut [Contact]) {
+        self.shape.probe(points, derivatives, out);
         for contact in out.iter_mut().take(points.len()) {
             contact.distance = -contact.distance;
-            if what >= What::Normal {
+            if derivatives >= Derivatives::Normal {
                 contact.normal = scale(-1.0, contact.normal);
             }
-            if what >= What::Curvature {
+            if derivatives >= Derivatives::Curvature {
                 contact.curvature = contact.curvature.map(|row| scale(-1.0, row));
             }
         }

@@ -6,7 +6,7 @@
 
 use super::corner::corner;
 use super::{
-    Ball, Contact, Obstacle, ObstacleError, What, check_length, check_plane, check_point,
+    Ball, Contact, Derivatives, Obstacle, ObstacleError, check_length, check_plane, check_point,
     check_rounding,
 };
 
@@ -49,18 +49,18 @@ impl Cuboid {
 }
 
 impl Obstacle for Cuboid {
-    fn probe(&self, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
+    fn probe(&self, points: &[[f64; 3]], derivatives: Derivatives, out: &mut [Contact]) {
         for (contact, &point) in out.iter_mut().zip(points) {
             let offset: [f64; 3] = std::array::from_fn(|i| point[i] - self.centre[i]);
             let beyond =
                 std::array::from_fn(|i| offset[i].abs() - (self.half_sizes[i] - self.rounding));
             let found = corner::<3>(beyond, self.rounding);
             contact.distance = found.distance;
-            if what == What::Gap {
+            if derivatives == Derivatives::Gap {
                 continue;
             }
             contact.normal = std::array::from_fn(|i| found.normal[i] * 1.0_f64.copysign(offset[i]));
-            if what == What::Curvature {
+            if derivatives == Derivatives::Curvature {
                 contact.curvature = std::array::from_fn(|i| {
                     std::array::from_fn(|j| {
                         let is_free = beyond[i] > 0.0 && beyond[j] > 0.0;

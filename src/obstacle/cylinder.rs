@@ -2,8 +2,8 @@
 //! d(x) = |w| − R, n = w/|w|, H = (I − a aᵀ − n nᵀ)/|w|.
 
 use super::{
-    Ball, Contact, Obstacle, ObstacleError, What, check_direction, check_length, check_plane,
-    check_point, is_central, orthogonal, round_curvature,
+    Ball, Contact, Derivatives, Obstacle, ObstacleError, check_direction, check_length,
+    check_plane, check_point, is_central, orthogonal, round_curvature,
 };
 use crate::geometry::vector3::{dot, norm, scale, sub};
 
@@ -46,12 +46,12 @@ impl Cylinder {
 }
 
 impl Obstacle for Cylinder {
-    fn probe(&self, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
+    fn probe(&self, points: &[[f64; 3]], derivatives: Derivatives, out: &mut [Contact]) {
         for (contact, &point) in out.iter_mut().zip(points) {
             let across = self.across(point);
             let length = norm(across);
             contact.distance = length - self.radius;
-            if what == What::Gap {
+            if derivatives == Derivatives::Gap {
                 continue;
             }
             let is_central = is_central(length, self.radius);
@@ -60,7 +60,7 @@ impl Obstacle for Cylinder {
             } else {
                 scale(1.0 / length, across)
             };
-            if what == What::Curvature {
+            if derivatives == Derivatives::Curvature {
                 contact.curvature = if is_central {
                     [[0.0; 3]; 3]
                 } else {

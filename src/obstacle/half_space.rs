@@ -4,7 +4,7 @@
 //! caller of the shape. Exact and linear: it adds no curvature to a tangent.
 
 use super::{
-    Ball, Contact, Obstacle, ObstacleError, What, check_direction, check_plane, check_point,
+    Ball, Contact, Derivatives, Obstacle, ObstacleError, check_direction, check_plane, check_point,
 };
 use crate::geometry::vector3::{dot, sub};
 
@@ -31,13 +31,13 @@ impl HalfSpace {
 }
 
 impl Obstacle for HalfSpace {
-    fn probe(&self, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
+    fn probe(&self, points: &[[f64; 3]], derivatives: Derivatives, out: &mut [Contact]) {
         for (contact, &point) in out.iter_mut().zip(points) {
             contact.distance = dot(self.normal, sub(point, self.point));
-            if what >= What::Normal {
+            if derivatives >= Derivatives::Normal {
                 contact.normal = self.normal;
             }
-            if what >= What::Curvature {
+            if derivatives >= Derivatives::Curvature {
                 contact.curvature = [[0.0; 3]; 3];
             }
         }

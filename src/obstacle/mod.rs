@@ -54,7 +54,7 @@ pub struct Contact {
 
 /// How much of a [`Contact`] is computed; each includes what stands before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum What {
+pub enum Derivatives {
     /// The distance alone; normal and curvature keep what they held.
     Gap,
     /// The distance and the unit normal.
@@ -78,7 +78,7 @@ pub trait Obstacle: fmt::Debug + Send + Sync {
     /// What the obstacle is to each of `points` `[points][3]`, into `out`
     /// `[points]`; what is not asked for stays there as it was. The numbers of a
     /// point depend on that point alone.
-    fn probe(&self, points: &[[f64; 3]], what: What, out: &mut [Contact]);
+    fn probe(&self, points: &[[f64; 3]], derivatives: Derivatives, out: &mut [Contact]);
 
     /// The point `[3]` that rotations leave in place and moments refer to.
     fn reference_point(&self) -> [f64; 3];
@@ -115,7 +115,7 @@ pub trait Obstacle: fmt::Debug + Send + Sync {
     /// Signed distance, normal and curvature at one point `[3]`.
     fn distance(&self, point: [f64; 3]) -> Contact {
         let mut out = [Contact::default()];
-        self.probe(&[point], What::Curvature, &mut out);
+        self.probe(&[point], Derivatives::Curvature, &mut out);
         let [contact] = out;
         contact
     }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::{Ball, Contact, Obstacle, ObstacleError, What};
+use super::{Ball, Contact, Derivatives, Obstacle, ObstacleError};
 use crate::geometry::rigid_motion::{conjugate, multiply, multiply_transposed};
 use crate::geometry::vector3::{add, sub};
 use crate::geometry::{Matrix3, RigidMotion};
@@ -53,19 +53,19 @@ impl Moving {
 }
 
 impl Obstacle for Moving {
-    fn probe(&self, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
+    fn probe(&self, points: &[[f64; 3]], derivatives: Derivatives, out: &mut [Contact]) {
         let mut own = [[0.0; 3]; BATCH];
         for (points, out) in points.chunks(BATCH).zip(out.chunks_mut(BATCH)) {
             let own = &mut own[..points.len()];
             for (own, &point) in own.iter_mut().zip(points) {
                 *own = self.own_frame(point);
             }
-            self.shape.probe(own, what, out);
-            if what >= What::Normal {
+            self.shape.probe(own, derivatives, out);
+            if derivatives >= Derivatives::Normal {
                 out.iter_mut()
                     .for_each(|contact| contact.normal = multiply(&self.rotation, contact.normal));
             }
-            if what >= What::Curvature {
+            if derivatives >= Derivatives::Curvature {
                 out.iter_mut().for_each(|contact| {
                     contact.curvature = conjugate(&self.rotation, &contact.curvature);
                 });

@@ -13,7 +13,7 @@
 use std::fmt;
 
 use super::{
-    Ball, Contact, Obstacle, ObstacleError, What, check_direction, check_point, is_central,
+    Ball, Contact, Derivatives, Obstacle, ObstacleError, check_direction, check_point, is_central,
     orthogonal,
 };
 use crate::geometry::vector3::{add, cross, dot, norm, scale, sub};
@@ -95,14 +95,14 @@ impl<S: Section> Revolved<S> {
         })
     }
 
-    fn contact(&self, point: [f64; 3], what: What, contact: &mut Contact) {
+    fn contact(&self, point: [f64; 3], derivatives: Derivatives, contact: &mut Contact) {
         let offset = sub(point, self.origin);
         let height = dot(offset, self.axis);
         let across = sub(offset, scale(height, self.axis));
         let radius = norm(across);
         let section = self.section.contact(radius, height);
         contact.distance = section.distance;
-        if what == What::Gap {
+        if derivatives == Derivatives::Gap {
             return;
         }
         let is_central = is_central(radius, self.size);
@@ -113,7 +113,7 @@ impl<S: Section> Revolved<S> {
         };
         let [n_r, n_z] = section.normal;
         contact.normal = add(scale(n_r, radial), scale(n_z, self.axis));
-        if what == What::Curvature {
+        if derivatives == Derivatives::Curvature {
             let around = match is_central {
                 false => n_r / radius,
                 true if n_r == 0.0 => section.curvature,
@@ -136,9 +136,9 @@ impl<S: Section> Revolved<S> {
 }
 
 impl<S: Section> Obstacle for Revolved<S> {
-    fn probe(&self, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
+    fn probe(&self, points: &[[f64; 3]], derivatives: Derivatives, out: &mut [Contact]) {
         for (contact, &point) in out.iter_mut().zip(points) {
-            self.contact(point, what, contact);
+            self.contact(point, derivatives, contact);
         }
     }
 

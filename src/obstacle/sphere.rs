@@ -4,7 +4,7 @@
 //! unless it has passed through the surface.
 
 use super::{
-    Ball, Contact, Obstacle, ObstacleError, What, check_length, check_plane, check_point,
+    Ball, Contact, Derivatives, Obstacle, ObstacleError, check_length, check_plane, check_point,
     is_central, round_curvature,
 };
 use crate::geometry::vector3::{norm, scale, sub};
@@ -32,12 +32,12 @@ impl Sphere {
 }
 
 impl Obstacle for Sphere {
-    fn probe(&self, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
+    fn probe(&self, points: &[[f64; 3]], derivatives: Derivatives, out: &mut [Contact]) {
         for (contact, &point) in out.iter_mut().zip(points) {
             let offset = sub(point, self.centre);
             let length = norm(offset);
             contact.distance = length - self.radius;
-            if what == What::Gap {
+            if derivatives == Derivatives::Gap {
                 continue;
             }
             let is_central = is_central(length, self.radius);
@@ -46,7 +46,7 @@ impl Obstacle for Sphere {
             } else {
                 scale(1.0 / length, offset)
             };
-            if what == What::Curvature {
+            if derivatives == Derivatives::Curvature {
                 contact.curvature = if is_central {
                     [[0.0; 3]; 3]
                 } else {

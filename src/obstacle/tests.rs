@@ -111,23 +111,27 @@ fn difference_errors(obstacle: &dyn Obstacle, point: [f64; 3]) -> (f64, f64) {
 }
 
 /// Bits that a probe leaves over what was there before.
-fn probed(obstacle: &dyn Obstacle, points: &[[f64; 3]], what: What) -> Vec<[u64; 13]> {
+fn probed(
+    obstacle: &dyn Obstacle,
+    points: &[[f64; 3]],
+    derivatives: Derivatives,
+) -> Vec<[u64; 13]> {
     let mut out = vec![UNTOUCHED; points.len()];
-    obstacle.probe(points, what, &mut out);
+    obstacle.probe(points, derivatives, &mut out);
     out.iter().map(bits).collect()
 }
 
 /// Bits of what was asked for, beside what was there before.
-fn asked(contacts: &[Contact], what: What) -> Vec<[u64; 13]> {
+fn asked(contacts: &[Contact], derivatives: Derivatives) -> Vec<[u64; 13]> {
     let part = |contact: &Contact| Contact {
         distance: contact.distance,
-        normal: match what {
-            What::Gap => UNTOUCHED.normal,
-            What::Normal | What::Curvature => contact.normal,
+        normal: match derivatives {
+            Derivatives::Gap => UNTOUCHED.normal,
+            Derivatives::Normal | Derivatives::Curvature => contact.normal,
         },
-        curvature: match what {
-            What::Gap | What::Normal => UNTOUCHED.curvature,
-            What::Curvature => contact.curvature,
+        curvature: match derivatives {
+            Derivatives::Gap | Derivatives::Normal => UNTOUCHED.curvature,
+            Derivatives::Curvature => contact.curvature,
         },
     };
     contacts
@@ -209,8 +213,8 @@ proptest! {
         let obstacles: [&dyn Obstacle; 2] = [&*shape, &moving];
         for obstacle in obstacles {
             let single: Vec<Contact> = points.iter().map(|&x| obstacle.distance(x)).collect();
-            for what in [What::Gap, What::Normal, What::Curvature] {
-                prop_assert_eq!(probed(obstacle, &points, what), asked(&single, what));
+            for derivatives in [Derivatives::Gap, Derivatives::Normal, Derivatives::Curvature] {
+                prop_assert_eq!(probed(obstacle, &points, derivatives), asked(&single, derivatives));
             }
         }
     }

@@ -62,7 +62,7 @@ impl Plan {
     pub(crate) fn smoothing(&self) -> Smoothing {
         let degree = self.smoother_degree;
         if self.is_augmented() && !self.smooths_along_lines() {
-            Smoothing::Behind(2 * degree - 1)
+            Smoothing::After(2 * degree - 1)
         } else {
             Smoothing::Around(degree)
         }

@@ -56,8 +56,8 @@ impl DisplacementMethod {
         let name = match self {
             Self::PMultigrid => {
                 let reason = match smoothing {
-                    Smoothing::Around(2) | Smoothing::Behind(3) => "well-shaped cells",
-                    Smoothing::Around(_) | Smoothing::Behind(_) => {
+                    Smoothing::Around(2) | Smoothing::After(3) => "well-shaped cells",
+                    Smoothing::Around(_) | Smoothing::After(_) => {
                         "stretched cells or a stiff volume response"
                     }
                 };

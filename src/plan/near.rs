@@ -11,7 +11,7 @@ use super::Units;
 use super::poses::{poses, some, with_middles};
 use super::surfaces::vertices_of;
 use crate::mesh::Mesh;
-use crate::obstacle::{Contact, Obstacle, What};
+use crate::obstacle::{Contact, Derivatives, Obstacle};
 use crate::scene::Step;
 use crate::scene::validate::ResolvedObstacle;
 
@@ -67,7 +67,7 @@ fn distances(
     let mut found = vec![Contact::default(); points.len()];
     for pose in some(&with_middles(&poses(&obstacle.name, steps))) {
         let placed = pose.of(obstacle, units);
-        placed.probe(&points, What::Gap, &mut found);
+        placed.probe(&points, Derivatives::Gap, &mut found);
         let pairs = least.iter_mut().zip(&found);
         pairs.for_each(|(least, contact)| *least = least.min(contact.distance));
     }

@@ -12,7 +12,7 @@ use super::Units;
 use super::surfaces::vertices_of;
 use crate::assembly::load::facet_measure;
 use crate::mesh::Mesh;
-use crate::obstacle::{Contact, What};
+use crate::obstacle::{Contact, Derivatives};
 use crate::scene::validate::{Faults, ResolvedObstacle};
 use crate::scene::{self, PenetrationPolicy, SceneError};
 
@@ -68,7 +68,7 @@ pub(super) fn overlap(
     let scaled = |vertex: &u32| place(vertex).map(|x| x * units.coordinate_scale);
     let points: Vec<[f64; 3]> = vertices.iter().map(scaled).collect();
     let mut found = vec![Contact::default(); points.len()];
-    obstacle.shape.probe(&points, What::Gap, &mut found);
+    obstacle.shape.probe(&points, Derivatives::Gap, &mut found);
     let is_deep = |one: &Contact| one.distance < -beyond;
     let inside = found.iter().filter(|one| is_deep(one)).count();
     let by_depth = |a: &(_, &Contact), b: &(_, &Contact)| a.1.distance.total_cmp(&b.1.distance);

@@ -14,7 +14,7 @@ use super::poses::Pose;
 use crate::geometry::vector3::{add, norm, sub};
 use crate::geometry::{RigidMotion, rigid_motion};
 use crate::obstacle::grid::Lattice;
-use crate::obstacle::{Contact, Obstacle, Shape, What};
+use crate::obstacle::{Contact, Derivatives, Obstacle, Shape};
 use crate::scene::Step;
 use crate::scene::validate::ResolvedObstacle;
 
@@ -71,7 +71,7 @@ fn least_distance(
 ) -> f64 {
     let mut found = vec![Contact::default(); points.len()];
     pose.of(obstacle, units)
-        .probe(points, What::Gap, &mut found);
+        .probe(points, Derivatives::Gap, &mut found);
     let distances = found.iter().map(|contact| contact.distance);
     distances.fold(f64::INFINITY, f64::min)
 }

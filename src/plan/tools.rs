@@ -15,7 +15,7 @@ use super::surfaces::{ContactLayout, vertices_of};
 use super::{Units, doubts, reach};
 use crate::geometry::vector3::{norm, sub};
 use crate::mesh::Mesh;
-use crate::obstacle::{Contact, Obstacle, What, larger_curvature};
+use crate::obstacle::{Contact, Derivatives, Obstacle, larger_curvature};
 use crate::scene::validate::ResolvedObstacle;
 use crate::scene::{self, Step};
 
@@ -120,7 +120,7 @@ fn deepest(
 ) -> Option<(f64, f64)> {
     let moved = pose.of(obstacle, units);
     let mut found = vec![Contact::default(); points.len()];
-    moved.probe(points, What::Gap, &mut found);
+    moved.probe(points, Derivatives::Gap, &mut found);
     let by_depth = |a: &(_, &Contact), b: &(_, &Contact)| a.1.distance.total_cmp(&b.1.distance);
     let (point, contact) = points.iter().zip(&found).min_by(by_depth)?;
     let depth = -contact.distance;

@@ -31,14 +31,14 @@ pub enum Smoothing {
     /// So many before the P1 correction, and as many after it.
     Around(usize),
     /// So many after it.
-    Behind(usize),
+    After(usize),
 }
 
 impl std::fmt::Display for Smoothing {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Around(steps) => write!(out, "Chebyshev degree {steps}"),
-            Self::Behind(steps) => write!(out, "{steps} Chebyshev steps behind the P1 solve"),
+            Self::After(steps) => write!(out, "{steps} Chebyshev steps behind the P1 solve"),
         }
     }
 }
@@ -47,7 +47,7 @@ impl Smoothing {
     /// Steps of one smoothing.
     fn steps(self) -> usize {
         match self {
-            Self::Around(steps) | Self::Behind(steps) => steps,
+            Self::Around(steps) | Self::After(steps) => steps,
         }
     }
 
@@ -56,11 +56,11 @@ impl Smoothing {
     fn ratio(self) -> f64 {
         match self {
             Self::Around(0..=2) => 6.0,
-            Self::Behind(0..=3) => 7.0,
+            Self::After(0..=3) => 7.0,
             Self::Around(3) => 10.0,
-            Self::Around(4..=5) | Self::Behind(4..=5) => 16.0,
-            Self::Around(6..=7) | Self::Behind(6..=7) => 30.0,
-            Self::Around(_) | Self::Behind(_) => 60.0,
+            Self::Around(4..=5) | Self::After(4..=5) => 16.0,
+            Self::Around(6..=7) | Self::After(6..=7) => 30.0,
+            Self::Around(_) | Self::After(_) => 60.0,
         }
     }
 }
@@ -143,11 +143,11 @@ impl<R: Scalar> PMultigrid<R> {
             let Step { keep, gain } = chebyshev.advance();
             match (step, start) {
                 (0, Start::FromNothing) => blocks.chebyshev_start(gain, r, d, x),
-                (0, Start::BehindCorrection) => blocks.chebyshev_restart(gain, r, d, x),
+                (0, Start::AfterCorrection) => blocks.chebyshev_restart(gain, r, d, x),
                 _ => blocks.chebyshev_update((keep, gain), r, d, x),
             }
             if step + 1 < steps || start == Start::FromNothing {
-                self.operator.take_off(d, r, work);
+                self.operator.update_residual(d, r, work);
             }
         }
     }
@@ -161,7 +161,7 @@ impl<R: Scalar> PMultigrid<R> {
         self.transfer.restrict(r, &mut coarse_residual);
         self.coarse.apply(&coarse_residual, &mut coarse, work);
         self.transfer.prolong(&coarse, fine);
-        self.operator.take_off(fine, r, work);
+        self.operator.update_residual(fine, r, work);
         work.give(coarse_residual);
         work.give(coarse);
     }
@@ -173,7 +173,7 @@ enum Start {
     /// At x = 0.
     FromNothing,
     /// At x + d.
-    BehindCorrection,
+    AfterCorrection,
 }
 
 impl<R: Scalar> Preconditioner for PMultigrid<R> {
@@ -193,12 +193,12 @@ impl<R: Scalar> Preconditioner for PMultigrid<R> {
                 self.smooth((x, r, d), Start::FromNothing, work);
                 self.coarse_correction(r, d, work);
             }
-            Smoothing::Behind(_) => {
+            Smoothing::After(_) => {
                 self.coarse_correction(r, d, work);
                 x.fill(R::default());
             }
         }
-        self.smooth((x, r, d), Start::BehindCorrection, work);
+        self.smooth((x, r, d), Start::AfterCorrection, work);
         self.transfer.values_to_hierarchical(unit, x, z);
         for vector in [residual, direction, values] {
             R::give(work, vector);

@@ -18,7 +18,7 @@ use crate::geometry::vector3::{add, cross, dot, sub};
 use crate::linalg::vector::norm;
 use crate::model::Model;
 use crate::model::state::State;
-use crate::obstacle::{Contact, Obstacle, What};
+use crate::obstacle::{Contact, Derivatives, Obstacle};
 
 /// Share of a unit normal, squared, that is left to a vertex which supports hold along it.
 const FREE: f64 = 1e-6;
@@ -98,7 +98,8 @@ impl Search<'_> {
                 continue;
             }
             let mut contact = [Contact::default()];
-            self.obstacle.probe(&[middle], What::Gap, &mut contact);
+            self.obstacle
+                .probe(&[middle], Derivatives::Gap, &mut contact);
             last = (middle, contact[0].distance);
             if contact[0].distance <= NEAR * size {
                 deepest = deepest.max(self.depth_in(cell, last));
@@ -142,7 +143,8 @@ impl Search<'_> {
                 continue;
             }
             let mut contact = [Contact::default()];
-            self.obstacle.probe(&[point], What::Gap, &mut contact);
+            self.obstacle
+                .probe(&[point], Derivatives::Gap, &mut contact);
             last = (point, contact[0].distance);
             deepest = deepest.max(-last.1);
         }
@@ -200,7 +202,7 @@ pub(crate) fn depth_where_held(
         }
         let place = model.place(corner as usize, &state.displacement);
         let mut contact = [Contact::default()];
-        obstacle.probe(&[place], What::Normal, &mut contact);
+        obstacle.probe(&[place], Derivatives::Normal, &mut contact);
         let normal = contact[0].normal;
         let free = normal.iter().zip(held).filter(|(_, held)| !**held);
         let share: f64 = free.map(|(n, _)| n * n).sum();
@@ -258,7 +260,7 @@ fn is_away(model: &Model<'_>, state: &State, obstacle: &dyn Obstacle) -> bool {
     let space = &model.prepared.space;
     let moved = state.displacement.chunks_exact(space.components).map(norm);
     let mut contact = [Contact::default()];
-    obstacle.probe(&[middle], What::Gap, &mut contact);
+    obstacle.probe(&[middle], Derivatives::Gap, &mut contact);
     // Corners, and what the middles of edges move beside them.
     contact[0].distance > radius + 2.0 * moved.fold(0.0, f64::max)
 }

@@ -16,7 +16,7 @@ use crate::geometry::vector3::{add, cross, norm, sub};
 use crate::mesh::CurvedFacet;
 use crate::model::Model;
 use crate::model::state::State;
-use crate::obstacle::{Contact, What};
+use crate::obstacle::{Contact, Derivatives};
 
 /// Another rule on the faces than the solver's own would change the discrete
 /// problem; this is the degree that the contract names.
@@ -107,7 +107,7 @@ impl<'a, 'm> Faces<'a, 'm> {
                 coordinates: &[*point],
                 deformed: &[x.map(|x| x / units.length)],
             };
-            met.probe_on(face, places, What::Normal, &mut contact);
+            met.probe_on(face, places, Derivatives::Normal, &mut contact);
             let [contact] = contact;
             let functions = pressure_functions(l, self.pairs, face.functions.len());
             let at = face.functions.iter().zip(&functions);

@@ -14,7 +14,7 @@ use crate::common::scenes::{bonded_cube, hertz_sphere, push};
 use crate::common::{assert_converged, close, solve};
 use serde_json::Value;
 use signorini::StepReport;
-use signorini::obstacle::surface::{Between, SurfaceShape, TriangulatedSurface};
+use signorini::obstacle::surface::{Interpolation, SurfaceShape, TriangulatedSurface};
 use signorini::scene::{Choice, ContactSpace, Shape};
 
 fn reference(name: &str) -> Value {
@@ -151,7 +151,7 @@ fn a_triangulated_ball_presses_as_the_ball_does() {
             between,
         })
     };
-    let smooth = triangulated(Between::Patches(std::f64::consts::FRAC_PI_6));
+    let smooth = triangulated(Interpolation::Patches(std::f64::consts::FRAC_PI_6));
     let exact = pressed(ball, 0.05, ContactSpace::Quadratic);
     let found = pressed(smooth, 0.05, ContactSpace::Quadratic);
     for (found, exact) in found.iter().zip(&exact) {
@@ -162,7 +162,11 @@ fn a_triangulated_ball_presses_as_the_ball_does() {
         assert!(close(a.max_pressure, b.max_pressure, 1e-3));
         assert!(found.sqp_iterations <= exact.sqp_iterations + 2);
     }
-    let facets = pressed(triangulated(Between::Facets), 0.05, ContactSpace::Quadratic);
+    let facets = pressed(
+        triangulated(Interpolation::Facets),
+        0.05,
+        ContactSpace::Quadratic,
+    );
     let last = |reports: &[StepReport]| {
         let report = reports.last().expect("one");
         report.obstacles.values().next().expect("one").force

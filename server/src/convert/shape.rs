@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use signorini::obstacle::surface::{Between, SurfaceShape};
+use signorini::obstacle::surface::{Interpolation, SurfaceShape};
 use signorini::scene::{Shape, SurfaceGeometry};
 use signorini_proto::v1 as wire;
 
@@ -74,8 +74,10 @@ fn solid(
         },
         Some(Kind::Surface(shape)) => {
             let between = match (shape.facets, shape.feature_angle) {
-                (true, _) => Between::Facets,
-                (false, angle) => Between::Patches(angle.unwrap_or(FEATURE_ANGLE).to_radians()),
+                (true, _) => Interpolation::Facets,
+                (false, angle) => {
+                    Interpolation::Patches(angle.unwrap_or(FEATURE_ANGLE).to_radians())
+                }
             };
             match surfaces.get(&shape.surface) {
                 Some(Surface::Triangulated(surface)) => Shape::Surface(SurfaceShape {

@@ -80,7 +80,7 @@ fn tensors_of(cells: &[u32], geometry: &SingleBatch, tangents: &CellTangents) ->
 }
 
 impl ResidualUpdate<f32> for SingleTangent {
-    fn take_off(&self, x: &[f32], r: &mut [f32], work: &mut Workspace) {
+    fn update_residual(&self, x: &[f32], r: &mut [f32], work: &mut Workspace) {
         let instructions = self.cells.instructions();
         self.cells
             .subtract(self.basis, (x, r), work, |block, x, y| {

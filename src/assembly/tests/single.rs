@@ -24,7 +24,7 @@ fn a_product_in_single_precision_is_the_one_in_double_rounded() {
                     held: sample.held(),
                 };
                 let mut r = vec![1.0_f32; x.len()];
-                operator.take_off(&narrow, &mut r, &mut Workspace::new());
+                operator.update_residual(&narrow, &mut r, &mut Workspace::new());
                 let scale = largest(&expected);
                 for (r, expected) in r.iter().zip(&expected) {
                     let found = 1.0 - f64::from(*r);

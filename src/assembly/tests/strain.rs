@@ -395,7 +395,7 @@ fn tangents_of_cells_in_single_precision_are_those_at_the_points_of_an_even_stat
                 let single = SingleTangent::new(cells, &tangents, basis, sample.held());
                 let mut r = vec![0.0_f32; x.len()];
                 let single = single.expect("tetrahedra");
-                single.take_off(&narrow, &mut r, &mut Workspace::new());
+                single.update_residual(&narrow, &mut r, &mut Workspace::new());
                 let found: Vec<f64> = r.iter().map(|&r| -f64::from(r)).collect();
                 assert!(distance(&found, &expected) < 3e-6, "{}", set.name());
             }

@@ -80,11 +80,11 @@ fn lower<T: Factor>(entries: &[T], x: &mut [T], below: &mut [T]) {
                 break;
             }
         }
-        take_off(
+        subtract_columns(
             rest,
             four.map(|(factor, column)| (factor, &column[last..width])),
         );
-        take_off(
+        subtract_columns(
             below,
             four.map(|(factor, column)| (factor, &column[width..])),
         );
@@ -93,7 +93,7 @@ fn lower<T: Factor>(entries: &[T], x: &mut [T], below: &mut [T]) {
 
 /// `y -= sum of factors times columns`.
 #[inline(always)]
-fn take_off<T: Factor>(y: &mut [T], columns: [(T, &[T]); COLUMNS]) {
+fn subtract_columns<T: Factor>(y: &mut [T], columns: [(T, &[T]); COLUMNS]) {
     let [a, b, c, d] = columns.map(|(factor, _)| factor);
     let [p, q, r, s] = columns.map(|(_, column)| &column[..y.len()]);
     for ((((y, p), q), r), s) in y.iter_mut().zip(p).zip(q).zip(r).zip(s) {

@@ -4,7 +4,7 @@ use super::points::Point;
 use crate::contact::ContactSurface;
 use crate::contact::gap::{Deformed, mean_normals};
 use crate::geometry::vector3::{cross, dot, norm, normalised, scale, sub};
-use crate::obstacle::{Contact, Moving, Obstacle, What};
+use crate::obstacle::{Contact, Derivatives, Moving, Obstacle};
 
 /// What is left of a unit vector across others from which on it is none of their sums.
 const ACROSS: f64 = 1e-5;
@@ -22,7 +22,7 @@ pub(super) fn normals(
 ) -> Vec<[f64; 3]> {
     if obstacle.is_flat() {
         let mut at = [Contact::default()];
-        obstacle.probe(&[[0.0; 3]], What::Normal, &mut at);
+        obstacle.probe(&[[0.0; 3]], Derivatives::Normal, &mut at);
         return vec![at[0].normal; surface.multipliers()];
     }
     let sums = mean_normals(body, surface, obstacle);

@@ -12,7 +12,7 @@ use crate::contact::gap::{Deformed, evaluate_gaps, linearise};
 use crate::contact::{ContactFace, ContactSurface, Counterpart, Measure, Places};
 use crate::geometry::vector3::add;
 use crate::linalg::{LinearOperator, SparseRows, SparseRowsBuilder, Workspace};
-use crate::obstacle::{Contact, What};
+use crate::obstacle::{Contact, Derivatives};
 
 /// T, w and X of all points.
 #[derive(Debug)]
@@ -110,7 +110,7 @@ fn rows_of(body: &Deformed<'_>, surface: &ContactSurface) -> Vec<Vec<(u32, f64)>
 struct Axis(usize);
 
 impl Counterpart for Axis {
-    fn probe_on(&self, _: &ContactFace, points: Places<'_>, _: What, out: &mut [Contact]) {
+    fn probe_on(&self, _: &ContactFace, points: Places<'_>, _: Derivatives, out: &mut [Contact]) {
         for (contact, point) in out.iter_mut().zip(points.deformed) {
             contact.distance = point[self.0];
         }
@@ -121,7 +121,7 @@ impl Counterpart for Axis {
 struct One;
 
 impl Counterpart for One {
-    fn probe_on(&self, _: &ContactFace, _: Places<'_>, _: What, out: &mut [Contact]) {
+    fn probe_on(&self, _: &ContactFace, _: Places<'_>, _: Derivatives, out: &mut [Contact]) {
         out.iter_mut().for_each(|contact| contact.distance = 1.0);
     }
 }
@@ -130,7 +130,7 @@ impl Counterpart for One {
 struct AlongX;
 
 impl Counterpart for AlongX {
-    fn probe_on(&self, _: &ContactFace, _: Places<'_>, _: What, out: &mut [Contact]) {
+    fn probe_on(&self, _: &ContactFace, _: Places<'_>, _: Derivatives, out: &mut [Contact]) {
         for contact in out {
             (contact.distance, contact.normal) = (0.0, [1.0, 0.0, 0.0]);
         }

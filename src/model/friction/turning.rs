@@ -21,7 +21,7 @@ use crate::geometry::vector3::{add, dot, norm, normalised, scale, sub};
 use crate::linalg::{SparseRows, SparseRowsBuilder};
 use crate::model::Model;
 use crate::model::state::State;
-use crate::obstacle::{Contact, Moving, Obstacle, What};
+use crate::obstacle::{Contact, Derivatives, Moving, Obstacle};
 
 /// Step of the difference: tangents are of order one in a unit normal.
 const STEP: f64 = 1e-6;
@@ -47,8 +47,9 @@ struct CurvatureRow<'a> {
 }
 
 impl Counterpart for CurvatureRow<'_> {
-    fn probe_on(&self, _: &ContactFace, points: Places<'_>, _: What, out: &mut [Contact]) {
-        self.obstacle.probe(points.deformed, What::Curvature, out);
+    fn probe_on(&self, _: &ContactFace, points: Places<'_>, _: Derivatives, out: &mut [Contact]) {
+        self.obstacle
+            .probe(points.deformed, Derivatives::Curvature, out);
         for contact in out {
             contact.distance = contact.normal[self.axis];
             contact.normal = contact.curvature[self.axis];

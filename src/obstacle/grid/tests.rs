@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::spline::{Beyond, Spline};
 use super::*;
 use crate::geometry::vector3::{add, norm, scale, sub};
-use crate::obstacle::{Cavity, Contact, Obstacle, Shape, Sphere, What};
+use crate::obstacle::{Cavity, Contact, Derivatives, Obstacle, Shape, Sphere};
 
 pub(super) fn values<const N: usize>(
     lattice: &Lattice<N>,
@@ -348,9 +348,9 @@ proptest! {
         for tool in [distance_grid(ball(21)), height_field(waves())] {
             let tool = built(&tool);
             let mut out = vec![Contact::default(); points.len()];
-            tool.probe(&points, What::Curvature, &mut out);
+            tool.probe(&points, Derivatives::Curvature, &mut out);
             let mut gaps = vec![Contact::default(); points.len()];
-            tool.probe(&points, What::Gap, &mut gaps);
+            tool.probe(&points, Derivatives::Gap, &mut gaps);
             for ((out, gap), point) in out.iter().zip(&gaps).zip(&points) {
                 prop_assert_eq!(*out, tool.distance(*point));
                 prop_assert_eq!(out.distance.to_bits(), gap.distance.to_bits());

@@ -7,7 +7,7 @@ use super::distance::DistanceGrid;
 use super::foot::{Frame, Level, nearest};
 use super::height::HeightField;
 use crate::geometry::vector3::{add, dot, norm, normalised, scale, sub};
-use crate::obstacle::{Ball, Contact, Obstacle, ObstacleError, What};
+use crate::obstacle::{Ball, Contact, Derivatives, Obstacle, ObstacleError};
 
 /// Slopes that a distance is corrected for, where its nearest point is not found: smaller ones are
 /// those of places between two sides, where it does not grow with 1 / slope.
@@ -124,14 +124,14 @@ fn beyond(near: Contact, offset: [f64; 3]) -> Contact {
 }
 
 impl<T: Tool> Obstacle for Sampled<T> {
-    fn probe(&self, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
+    fn probe(&self, points: &[[f64; 3]], derivatives: Derivatives, out: &mut [Contact]) {
         for (out, &point) in out.iter_mut().zip(points) {
             let contact = self.grid.contact(scale(self.length, point));
             out.distance = contact.distance / self.length;
-            if what >= What::Normal {
+            if derivatives >= Derivatives::Normal {
                 out.normal = contact.normal;
             }
-            if what >= What::Curvature {
+            if derivatives >= Derivatives::Curvature {
                 out.curvature = contact.curvature.map(|row| scale(self.length, row));
             }
         }

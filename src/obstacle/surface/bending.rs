@@ -13,7 +13,7 @@ use crate::geometry::vector3::dot;
 ///
 /// zero where the point is beyond a centre of curvature.
 pub(super) fn curvature(patch: &Patch, l: [f64; 3], normal: [f64; 3], distance: f64) -> Matrix3 {
-    let d = patch.what(l);
+    let d = patch.derivatives(l);
     let symmetric = |m: [f64; 3]| [[m[0], m[1]], [m[1], m[2]]];
     let metric = symmetric([
         dot(d.first[0], d.first[0]),

@@ -85,7 +85,7 @@ impl Patch {
     /// A step of the method, and whether it is one with second derivatives; none where it leads
     /// far away.
     fn step(&self, x: [f64; 3], at: [f64; 2]) -> Option<([f64; 2], bool)> {
-        let d = self.what([1.0 - at[0] - at[1], at[0], at[1]]);
+        let d = self.derivatives([1.0 - at[0] - at[1], at[0], at[1]]);
         let offset = sub(x, d.point);
         let slope = d.first.map(|tangent| dot(offset, tangent));
         let metric = [

@@ -10,9 +10,9 @@ use super::normals::{self, Corners};
 use super::patch::{Patch, bend};
 use super::tree::{self, FacetTree, Found};
 use super::walk::{Nearest, Searched};
-use super::{Between, TriangulatedSurface};
+use super::{Interpolation, TriangulatedSurface};
 use crate::geometry::vector3::{add, cross, dot, norm, normalised, scale, sub};
-use crate::obstacle::{Ball, Contact, What, larger_curvature, round_curvature};
+use crate::obstacle::{Ball, Contact, Derivatives, larger_curvature, round_curvature};
 
 /// Distance from an edge, over the size of the tool, below which its normal is the mean of its
 /// patches'.
@@ -38,7 +38,7 @@ pub(super) struct Geometry {
 
 impl Geometry {
     /// Of a surface with this between its vertices; the angle is one.
-    pub(super) fn new(surface: &TriangulatedSurface, between: Between) -> Self {
+    pub(super) fn new(surface: &TriangulatedSurface, between: Interpolation) -> Self {
         let layers = surface.layers();
         let mut layers = layers.iter().map(|layer| Self::of_layer(layer, between));
         match layers.next() {
@@ -67,17 +67,17 @@ impl Geometry {
     }
 
     /// Of solids that lie apart.
-    fn of_layer(surface: &TriangulatedSurface, between: Between) -> Self {
+    fn of_layer(surface: &TriangulatedSurface, between: Interpolation) -> Self {
         let flat = normals::flat(surface);
         let (features, corners) = match between {
-            Between::Facets => {
+            Interpolation::Facets => {
                 let corners = Corners {
                     normals: flat.iter().map(|normal| [*normal; 3]).collect(),
                     are_uneven: false,
                 };
                 (normals::features(surface, &flat, 0.0), corners)
             }
-            Between::Patches(angle) => {
+            Interpolation::Patches(angle) => {
                 let features = normals::features(surface, &flat, angle);
                 let corners = normals::corners(surface, &flat, &features);
                 (features, corners)
@@ -131,16 +131,16 @@ impl Geometry {
     pub(super) fn contacts(
         &self,
         points: impl ExactSizeIterator<Item = [f64; 3]> + Clone,
-        what: What,
+        derivatives: Derivatives,
         out: &mut [Contact],
     ) {
-        self.of_own(points.clone(), what, out);
+        self.of_own(points.clone(), derivatives, out);
         for other in &self.beside {
             // Units are powers of two: their ratio changes no digit.
             let factor = other.unit / self.unit;
             let mut found = vec![Contact::default(); out.len()];
             let points = points.clone().map(|point| point.map(|x| x / factor));
-            other.of_own(points, what, &mut found);
+            other.of_own(points, derivatives, &mut found);
             for (own, mut found) in out.iter_mut().zip(found) {
                 found.distance *= factor;
                 if found.distance < own.distance {
@@ -158,7 +158,7 @@ impl Geometry {
     fn of_own(
         &self,
         points: impl ExactSizeIterator<Item = [f64; 3]> + Clone,
-        what: What,
+        derivatives: Derivatives,
         out: &mut [Contact],
     ) {
         let Some(first) = points.clone().next() else {
@@ -174,7 +174,7 @@ impl Geometry {
             .sqrt();
         if points.len() == 1 || !(reach.is_finite() && found.place.square.is_finite()) {
             for (x, contact) in points.zip(out) {
-                self.contact((x, &self.searched.nearest_facet(x)), what, contact);
+                self.contact((x, &self.searched.nearest_facet(x)), derivatives, contact);
             }
             return;
         }
@@ -183,17 +183,22 @@ impl Geometry {
             if index > 0 {
                 found = self.searched.nearest_facet_from(x, found.facet, &region);
             }
-            self.contact((x, &found), what, contact);
+            self.contact((x, &found), derivatives, contact);
         }
     }
 
     /// What the surface is to `x`, to which a facet is the nearest.
-    fn contact(&self, (x, found): ([f64; 3], &Found), what: What, contact: &mut Contact) {
+    fn contact(
+        &self,
+        (x, found): ([f64; 3], &Found),
+        derivatives: Derivatives,
+        contact: &mut Contact,
+    ) {
         let at = self.searched.nearest(x, found);
         let side = self.side(at);
         let sign = 1.0_f64.copysign(dot(at.foot.offset, side));
         contact.distance = sign * at.foot.distance;
-        if what == What::Gap {
+        if derivatives == Derivatives::Gap {
             return;
         }
         // Beside an edge, smooth or sharp, the slope of the distance leads away from it.
@@ -203,7 +208,7 @@ impl Geometry {
         } else {
             side
         };
-        if what == What::Curvature {
+        if derivatives == Derivatives::Curvature {
             let (normal, distance) = (contact.normal, contact.distance);
             // That of a smooth edge itself would be a spike between those of its patches.
             contact.curvature = match (is_beside && self.is_sharp(at), at.foot.part) {
@@ -317,7 +322,7 @@ impl Geometry {
             let mut contact = Contact::default();
             let centre = centre(index);
             let found = self.searched.nearest_facet(centre);
-            self.contact((centre, &found), What::Gap, &mut contact);
+            self.contact((centre, &found), Derivatives::Gap, &mut contact);
             let radius = -contact.distance;
             (radius > 0.0).then_some((Ball { centre, radius }, index))
         };

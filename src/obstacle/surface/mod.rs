@@ -53,7 +53,7 @@ pub struct TriangulatedSurface {
     left_out: Option<LeftOut>,
     /// The patches that a tool of it used last, and what is between their vertices: sessions and
     /// plans of one tool make them once.
-    made: Mutex<Option<(Between, Arc<Geometry>)>>,
+    made: Mutex<Option<(Interpolation, Arc<Geometry>)>>,
 }
 
 impl PartialEq for TriangulatedSurface {
@@ -168,7 +168,7 @@ impl TriangulatedSurface {
     }
 
     /// The patches with this between the vertices, made where they are not those made last.
-    fn geometry(&self, between: Between) -> Arc<Geometry> {
+    fn geometry(&self, between: Interpolation) -> Arc<Geometry> {
         let last = || self.made.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((made, geometry)) = last().as_ref()
             && *made == between
@@ -201,12 +201,12 @@ pub struct SurfaceShape {
     /// Multiplies its coordinates, above zero.
     pub scale: f64,
     /// What lies between its vertices.
-    pub between: Between,
+    pub between: Interpolation,
 }
 
 /// What lies between the vertices of a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Between {
+pub enum Interpolation {
     /// The facets themselves.
     Facets,
     /// Patches, split where facets meet at more than this angle, radians.

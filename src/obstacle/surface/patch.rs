@@ -48,7 +48,7 @@ pub(super) fn bend([a, b]: [[f64; 3]; 2], [at_a, at_b]: [[f64; 3]; 2]) -> [f64; 
 }
 
 /// Point, first and second derivatives along the first two coordinates after l_0.
-pub(super) struct What {
+pub(super) struct Derivatives {
     pub(super) point: [f64; 3],
     /// dX/dl_1 and dX/dl_2, l_0 following.
     pub(super) first: [[f64; 3]; 2],
@@ -68,7 +68,7 @@ impl Patch {
         point
     }
 
-    pub(super) fn what(&self, l: [f64; 3]) -> What {
+    pub(super) fn derivatives(&self, l: [f64; 3]) -> Derivatives {
         // dX/dl_i with all coordinates free.
         let free = |i: usize| {
             let (a, b) = ((i + 1) % 3, (i + 2) % 3);
@@ -80,7 +80,7 @@ impl Patch {
         let [c12, c20, c01] = self.bends;
         // d2X/dl_i dl_j = -c_ij with all free; l_0 = 1 - l_1 - l_2.
         let mixed = sub(add(c01, c20), c12);
-        What {
+        Derivatives {
             point: self.point(l),
             first: [sub(one, zero), sub(two, zero)],
             second: [scale(2.0, c01), mixed, scale(2.0, c20)],
@@ -89,7 +89,7 @@ impl Patch {
 
     /// Unit normal at `l`, to the side that sees the corners anticlockwise.
     pub(super) fn normal(&self, l: [f64; 3]) -> [f64; 3] {
-        let [first, second] = self.what(l).first;
+        let [first, second] = self.derivatives(l).first;
         let normal = cross(first, second);
         scale(1.0 / norm(normal).max(f64::MIN_POSITIVE), normal)
     }

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::geometry::vector3::{add, dot, norm, normalised, scale, sub};
-use crate::obstacle::{Contact, Obstacle, Shape, What};
+use crate::obstacle::{Contact, Derivatives, Obstacle, Shape};
 
 mod boxes;
 mod damaged;
@@ -92,7 +92,10 @@ fn cuboid(half: [f64; 3]) -> (Vec<[f64; 3]>, Vec<[u32; 3]>) {
     ((0..8).map(corner).collect(), facets.collect())
 }
 
-fn tool((vertices, facets): (Vec<[f64; 3]>, Vec<[u32; 3]>), between: Between) -> Triangulated {
+fn tool(
+    (vertices, facets): (Vec<[f64; 3]>, Vec<[u32; 3]>),
+    between: Interpolation,
+) -> Triangulated {
     let surface = Arc::new(TriangulatedSurface::new(vertices, facets).expect("closed"));
     let shape = SurfaceShape {
         surface,
@@ -102,7 +105,7 @@ fn tool((vertices, facets): (Vec<[f64; 3]>, Vec<[u32; 3]>), between: Between) ->
     Triangulated::new(&shape, 1.0).expect("a tool")
 }
 
-const SMOOTH: Between = Between::Patches(0.52);
+const SMOOTH: Interpolation = Interpolation::Patches(0.52);
 
 /// Deterministic directions all around.
 fn directions(count: u32) -> impl Iterator<Item = [f64; 3]> {
@@ -140,7 +143,7 @@ fn patches_over_a_sphere_are_a_thousand_times_nearer_than_facets() {
         coarse / distance > 12.0,
         "order four: {coarse:e} {distance:e}"
     );
-    let [flat, ..] = sphere_errors(&tool(icosphere(4), Between::Facets));
+    let [flat, ..] = sphere_errors(&tool(icosphere(4), Interpolation::Facets));
     assert!(flat > 1e-3, "{flat:e}");
 }
 
@@ -153,7 +156,7 @@ fn a_box_of_facets_is_the_analytic_box() {
         rounding: 0.0,
     };
     let analytic = analytic.build(1.0).expect("a box");
-    for between in [SMOOTH, Between::Facets] {
+    for between in [SMOOTH, Interpolation::Facets] {
         let tool = tool(cuboid(half), between);
         assert!(!tool.is_smooth());
         assert_eq!(tool.sharpest_radius(), Some(0.0));
@@ -194,7 +197,7 @@ fn brute_force(tool: &Triangulated, point: [f64; 3]) -> f64 {
 proptest! {
     #[test]
     fn the_tree_finds_the_nearest_facet(point in prop::array::uniform3(-2.0..2.0)) {
-        let tool = tool(icosphere(1), Between::Facets);
+        let tool = tool(icosphere(1), Interpolation::Facets);
         let found = tool.distance(point).distance.abs();
         prop_assert!((found - brute_force(&tool, point)).abs() < 1e-14);
     }
@@ -237,7 +240,7 @@ fn a_batch_has_the_bits_of_its_points() {
     let tool = tool(icosphere(2), SMOOTH);
     let points: Vec<[f64; 3]> = directions(50).map(|d| scale(1.01, d)).collect();
     let mut out = vec![Contact::default(); points.len()];
-    tool.probe(&points, What::Curvature, &mut out);
+    tool.probe(&points, Derivatives::Curvature, &mut out);
     for (contact, &point) in out.iter().zip(&points) {
         assert_eq!(*contact, tool.distance(point));
     }

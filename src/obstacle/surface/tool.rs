@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use super::geometry::Geometry;
-use super::{Between, SurfaceShape, TriangulatedSurface};
+use super::{Interpolation, SurfaceShape, TriangulatedSurface};
 use crate::geometry::vector3::scale;
-use crate::obstacle::{Ball, Contact, Obstacle, ObstacleError, What, check_length};
+use crate::obstacle::{Ball, Contact, Derivatives, Obstacle, ObstacleError, check_length};
 
 /// Patches over the facets of a surface. Reference point is the origin of its coordinates.
 #[derive(Clone, Debug)]
@@ -39,11 +39,11 @@ impl Triangulated {
     }
 }
 
-fn check_angle(between: Between) -> Result<(), ObstacleError> {
+fn check_angle(between: Interpolation) -> Result<(), ObstacleError> {
     match between {
-        Between::Facets => Ok(()),
-        Between::Patches(angle) if angle > 0.0 && angle < std::f64::consts::PI => Ok(()),
-        Between::Patches(value) => Err(ObstacleError::NotBetweenFacets {
+        Interpolation::Facets => Ok(()),
+        Interpolation::Patches(angle) if angle > 0.0 && angle < std::f64::consts::PI => Ok(()),
+        Interpolation::Patches(value) => Err(ObstacleError::NotBetweenFacets {
             parameter: "feature_angle",
             degrees: value.to_degrees(),
         }),
@@ -51,13 +51,13 @@ fn check_angle(between: Between) -> Result<(), ObstacleError> {
 }
 
 impl Obstacle for Triangulated {
-    fn probe(&self, points: &[[f64; 3]], what: What, out: &mut [Contact]) {
+    fn probe(&self, points: &[[f64; 3]], derivatives: Derivatives, out: &mut [Contact]) {
         // Neighbours in a batch are near each other, and so are their nearest points.
         let places = points.iter().map(|point| point.map(|x| x / self.factor));
-        self.geometry.contacts(places, what, out);
+        self.geometry.contacts(places, derivatives, out);
         for contact in out {
             contact.distance *= self.factor;
-            if what == What::Curvature {
+            if derivatives == Derivatives::Curvature {
                 let rows = contact.curvature.as_flattened_mut().iter_mut();
                 rows.for_each(|entry| *entry /= self.factor);
             }

@@ -8,7 +8,7 @@
 use sha2::{Digest, Sha256};
 
 use crate::obstacle::grid::Lattice;
-use crate::obstacle::surface::{Between, SurfaceShape};
+use crate::obstacle::surface::{Interpolation, SurfaceShape};
 
 use crate::scene::{
     Formulation, Material, MaterialModel, Modulus, Obstacle, Pressure, Probe, Profile, RubberModel,
@@ -287,8 +287,8 @@ impl Canonical {
     fn surface(&mut self, shape: &SurfaceShape) {
         self.text("surface");
         let between = match shape.between {
-            Between::Facets => 0.0,
-            Between::Patches(angle) => angle,
+            Interpolation::Facets => 0.0,
+            Interpolation::Patches(angle) => angle,
         };
         self.numbers(&[shape.scale, between]);
         self.numbers(shape.surface.vertices().as_flattened());

@@ -114,7 +114,7 @@ proptest! {
         let (vertices, facets) = damage(whole, &all);
         match TriangulatedSurface::new(vertices, facets) {
             Ok(surface) => {
-                let between = if is_smooth { SMOOTH } else { Between::Facets };
+                let between = if is_smooth { SMOOTH } else { Interpolation::Facets };
                 let shape = SurfaceShape { surface: surface.into(), scale: 1.0, between };
                 let tool = Triangulated::new(&shape, 1.0).expect("a tool");
                 let size = tool.geometry.unit;

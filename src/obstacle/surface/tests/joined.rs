@@ -43,7 +43,7 @@ fn around(half: [f64; 3], depth: f64) -> impl Iterator<Item = [f64; 3]> {
 
 #[test]
 fn parts_that_cross_or_nest_are_their_union() {
-    let whole = tool(cuboid([1.0, 0.5, 0.5]), Between::Facets);
+    let whole = tool(cuboid([1.0, 0.5, 0.5]), Interpolation::Facets);
     let half = cuboid([0.6, 0.5, 0.5]);
     let crossing = joined(&[
         shifted(half.clone(), [-0.4, 0.0, 0.0]),
@@ -54,7 +54,7 @@ fn parts_that_cross_or_nest_are_their_union() {
         shifted(cuboid([0.3, 0.2, 0.2]), [0.5, 0.1, 0.29]),
     ]);
     for parts in [crossing, nested] {
-        let tool = tool(parts, Between::Facets);
+        let tool = tool(parts, Interpolation::Facets);
         for point in around([1.0, 0.5, 0.5], 0.05) {
             let (found, exact) = (tool.distance(point), whole.distance(point));
             let error = (found.distance - exact.distance).abs();
@@ -98,7 +98,7 @@ fn a_part_seen_from_inside_is_a_hole_of_the_part_around_it() {
         joined(&shell),
         joined(&[shell[0].clone(), beside, shell[1].clone()]),
     ] {
-        let tool = tool(parts, Between::Facets);
+        let tool = tool(parts, Interpolation::Facets);
         for (point, distance) in [
             ([0.0; 3], 0.5),
             ([0.75, 0.0, 0.0], -0.25),

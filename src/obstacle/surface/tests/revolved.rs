@@ -102,7 +102,7 @@ fn patches_over_a_rounded_cylinder_are_nearer_than_its_facets() {
     let patches = tool(surface.clone(), SMOOTH);
     assert!(!patches.is_smooth(), "where the side meets a rim");
     let smooth = worst(&patches, exact, &points);
-    let flat = worst(&tool(surface, Between::Facets), exact, &points);
+    let flat = worst(&tool(surface, Interpolation::Facets), exact, &points);
     assert!(smooth < 1.3e-4, "{smooth:e}");
     assert!(smooth < 0.4 * flat, "{smooth:e} {flat:e}");
 }

@@ -63,7 +63,7 @@ fn points_beside_each_other_have_the_nearest_facets_of_all() {
     let (vertices, facets) = icosphere(3);
     let far = vertices.into_iter().map(|x| add(x, [300.0, -200.0, 900.0]));
     for surface in surfaces().into_iter().chain([(far.collect(), facets)]) {
-        for between in [SMOOTH, Between::Facets] {
+        for between in [SMOOTH, Interpolation::Facets] {
             let tool = tool(surface.clone(), between);
             let searched = &tool.geometry.searched;
             for point in points_near(&tool) {
@@ -71,7 +71,7 @@ fn points_beside_each_other_have_the_nearest_facets_of_all() {
                     let beside = directions(6).map(|d| add(point, scale(size, d)));
                     let points: Vec<[f64; 3]> = beside.collect();
                     let mut batch = vec![Contact::default(); points.len()];
-                    tool.probe(&points, What::Curvature, &mut batch);
+                    tool.probe(&points, Derivatives::Curvature, &mut batch);
                     for (contact, &point) in batch.iter().zip(&points) {
                         assert_eq!(*contact, tool.distance(point), "{point:?}");
                         let x = point.map(|x| x / tool.geometry.unit);

@@ -120,7 +120,7 @@ fn what_is_found_depends_neither_on_the_threads_nor_on_the_points_before() {
         })
         .collect();
     let mut batch = vec![Contact::default(); points.len()];
-    three.probe(&points, What::Curvature, &mut batch);
+    three.probe(&points, Derivatives::Curvature, &mut batch);
     for (contact, &point) in batch.iter().zip(&points) {
         assert_eq!(*contact, one.distance(point));
     }

@@ -296,7 +296,7 @@ fn smoothed<S: Scalar, const N: usize, const K: usize>(
         let change = (&mut residual[..], &mut moved[..]);
         last = step(level, index, (&nodes, places), &last, change);
     }
-    take_off(level, (&nodes, places), &last, &mut residual);
+    subtract_product(level, (&nodes, places), &last, &mut residual);
     for (weights, residual) in weights.iter_mut().zip(&residual) {
         let entries = weights.as_flattened_mut().iter_mut();
         for (weight, left) in entries.zip(residual.as_flattened()) {
@@ -339,7 +339,7 @@ fn step<S: Scalar, const N: usize, const K: usize>(
 }
 
 /// `residual -= A move`.
-fn take_off<S: Scalar, const N: usize, const K: usize>(
+fn subtract_product<S: Scalar, const N: usize, const K: usize>(
     level: &Level<S, N, K>,
     (nodes, places): (&[u32], &Places),
     last: &[Node<S, N>],
