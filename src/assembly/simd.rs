@@ -166,23 +166,23 @@ macro_rules! dispatched {
 }
 
 dispatched! {
-    /// [`Kernel::stiffness`] on all batches.
+    /// `Kernel::stiffness` on all batches.
     stiffness, StiffnessPass
 }
 dispatched! {
-    /// [`Kernel::augmented_stiffness`] on all batches.
+    /// `Kernel::augmented_stiffness` on all batches.
     augmented_stiffness, AugmentedPass
 }
 dispatched! {
-    /// [`Kernel::divergence`] on all batches.
+    /// `Kernel::divergence` on all batches.
     divergence, DivergencePass
 }
 dispatched! {
-    /// [`Kernel::divergence_transposed`] on all batches.
+    /// `Kernel::divergence_transposed` on all batches.
     divergence_transposed, DivergenceTransposedPass
 }
 dispatched! {
-    /// [`Kernel::saddle`] on all batches.
+    /// `Kernel::saddle` on all batches.
     saddle, SaddlePass
 }
 
