@@ -154,7 +154,7 @@ pub(super) const HISTOGRAMS: [(&str, &[f64], &str); 14] = [
     ),
 ];
 
-pub(super) const COUNTERS: [(&str, &str); 22] = [
+pub(super) const COUNTERS: [(&str, &str); 23] = [
     (JOURNAL_BYTES, "Bytes handed to the journal."),
     (JOURNAL_FAILURES, "Commits that the disk refused."),
     (
